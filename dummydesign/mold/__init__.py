@@ -1,0 +1,1 @@
+"""Mould: spec, formulas, CadQuery builders, checks, STEP writer, pour sheet."""

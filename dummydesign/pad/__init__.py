@@ -1,0 +1,1 @@
+"""Pad mechanics: geometry, material laws, finite elements, the response table, relaxation."""

@@ -1,0 +1,1 @@
+"""Protocol: motions, sensor chain, traces and campaigns; knows nothing of what is pressed."""

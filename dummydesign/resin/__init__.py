@@ -1,0 +1,1 @@
+"""Resin: ratio to modulus, relaxation and liquid properties; batches of the user."""

@@ -1,0 +1,1 @@
+"""Tissue: the nonlinear five-element Maxwell law, its fit, bands and ranges."""

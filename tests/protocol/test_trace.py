@@ -1,0 +1,73 @@
+"""Trace files: what is accepted, and that each fault is named with file, line and cure."""
+
+import numpy as np
+import pytest
+
+from dummydesign.errors import InputError
+from dummydesign.protocol.trace import read_trace
+
+TIME = np.arange(20) * 0.01
+DEPTH = np.linspace(-0.5, 4.0, 20)
+FORCE = np.clip(DEPTH, 0, None) ** 2
+
+
+def _write(folder, time=TIME, depth=DEPTH, force=FORCE, header="time_s,displacement_mm,force_N"):
+    path = folder / "press.csv"
+    rows = "\n".join(f"{t:.9g},{x:.9g},{f:.9g}" for t, x, f in zip(time, depth, force))
+    path.write_text(f"{header}\n{rows}\n", encoding="utf-8")
+    return path
+
+
+def test_columns_are_found_in_any_order_with_extras_blank_lines_and_a_byte_order_mark(tmp_path):
+    path = tmp_path / "press.csv"
+    rows = "\n".join(f"x,{f},{t},{x}\n" for t, x, f in zip(TIME, DEPTH, FORCE))
+    path.write_text("\ufeffnote, force_N ,time_s,displacement_mm\r\n" + rows, encoding="utf-8")
+    trace = read_trace(path)
+    assert np.allclose(trace.time_s, TIME) and np.allclose(trace.displacement_mm, DEPTH)
+    assert np.allclose(trace.force_N, FORCE) and trace.name == "press.csv"
+
+
+@pytest.mark.parametrize(
+    "change, said",
+    [
+        ({"depth": DEPTH / 1000}, "metres"),
+        ({"depth": DEPTH * 1000}, "micrometres"),
+        ({"force": FORCE * 1000}, "millinewtons"),
+        ({"force": FORCE / 1000}, "kilonewtons"),
+        ({"time": TIME * 1000}, "milliseconds"),
+        ({"force": -FORCE}, "compression must be positive"),
+        ({"depth": -DEPTH - 0.5}, "compression must be positive"),
+        ({"force": 0 * FORCE}, "zero throughout"),
+        ({"time": np.r_[TIME[:5], TIME[4:19]]}, r"press.csv:7: time_s = 0.04 does not increase"),
+        ({"time": TIME[:5]}, "5 samples"),
+        ({"header": "time_s,displacement_m,force_N"}, "found 'displacement_m': convert"),
+        ({"header": "time_s;displacement_mm;force_N"}, "commas"),
+        ({"header": "a,b,c"}, "press.csv:1: column 'time_s' is missing"),
+    ],
+)
+def test_wrong_units_signs_times_and_headers_are_named(tmp_path, change, said):
+    with pytest.raises(InputError, match=said):
+        read_trace(_write(tmp_path, **change))
+
+
+@pytest.mark.parametrize(
+    "line, said",
+    [("0.05,abc,1", "press.csv:3: displacement_mm = 'abc'"), ("0.05,1", "press.csv:3: has 2 cells"),
+     ("0.05,nan,1", "press.csv:3: displacement_mm = nan is not finite")],
+)  # fmt: skip
+def test_a_bad_cell_is_named_by_line_and_column(tmp_path, line, said):
+    path = tmp_path / "press.csv"
+    path.write_text(f"time_s,displacement_mm,force_N\n0,0,0\n{line}\n")
+    with pytest.raises(InputError, match=said):
+        read_trace(path)
+
+
+def test_files_that_cannot_be_read_are_named(tmp_path):
+    with pytest.raises(InputError, match="does not exist"):
+        read_trace(tmp_path / "none.csv")
+    (tmp_path / "bytes.csv").write_bytes(b"\xff\xfe\x00t")
+    with pytest.raises(InputError, match="UTF-8"):
+        read_trace(tmp_path / "bytes.csv")
+    (tmp_path / "empty.csv").write_text("")
+    with pytest.raises(InputError, match="nothing"):
+        read_trace(tmp_path / "empty.csv")

@@ -120,9 +120,9 @@ def ramp_and_hold(
 def find_ramp(time_s: ArrayLike, displacement_mm: ArrayLike) -> Ramp:
     """Find contact, stop, held depth and end of hold in one measured ramp and hold.
 
-    The depth is the median near the largest displacement; the stop is where the motion first comes
-    within 0.02 mm (or 1 % of the depth, if that is less) of it, and the hold ends where it leaves it
-    by twice that for good.
+    The depth is the median near the largest displacement. The stop is where the motion, carried on at
+    the speed it has over the last hundredths of a millimetre, reaches that depth; the hold ends where
+    the motion leaves it for good.
 
     Parameters
     ----------
@@ -152,9 +152,19 @@ def find_ramp(time_s: ArrayLike, displacement_mm: ArrayLike) -> Ramp:
     below = np.nonzero(x[:stop_at] <= 0)[0]
     start = int(below[-1]) if below.size else 0
     contact = _crossing(time, x, start, 0.0) if x[start] < 0 else float(time[start])
-    stop = _crossing(time, x, stop_at - 1, depth - reach) if stop_at > 0 else float(time[0])
+    stop = _stop_time(time, x, depth, reach, stop_at)
     rise = max(stop - contact, 1e-9)
     return Ramp(contact, stop, float(time[held[-1]]), depth, depth / rise)
+
+
+def _stop_time(time: NDArray, x: NDArray, depth: float, reach: float, stop_at: int) -> float:
+    """Stop time from the crossing of depth - reach and the speed between depth - 4 reach and there."""
+    if stop_at == 0:
+        return float(time[0])
+    late = _crossing(time, x, stop_at - 1, depth - reach)
+    early_at = int(np.argmax(x >= depth - 4 * reach))
+    early = _crossing(time, x, early_at - 1, depth - 4 * reach) if early_at > 0 else float(time[0])
+    return min(late + (late - early) / 3.0, float(time[-1]))
 
 
 def _crossing(time: NDArray, x: NDArray, before: int, level: float) -> float:

@@ -1,1 +1,23 @@
-"""Resin: ratio to modulus, relaxation and liquid properties; batches of the user."""
+"""Resin: ratio to modulus, relaxation and liquid properties; batches of the user.
+
+``load_resin(name)`` gives a :class:`~dummydesign.resin.model.Resin`. Imports are lazy.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+_PLACES = {
+    "load_resin": "load",
+    "read_resin": "load",
+    "Resin": "model",
+    "Component": "model",
+    "update_resin": "update",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name in _PLACES:
+        return getattr(importlib.import_module(f"dummydesign.resin.{_PLACES[name]}"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,0 +1,129 @@
+"""``dummydesign resins``: list, show and add resins."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+HELP = "List the known resins, show one with all its numbers and sources, or add your own."
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the actions."""
+    actions = parser.add_subparsers(dest="action", required=True, metavar="list|show|add")
+    actions.add_parser("list", help="names, origin, ratio and modulus range", allow_abbrev=False)
+    show = actions.add_parser("show", help="one resin, every number with its source", allow_abbrev=False)
+    show.add_argument("name", metavar="NAME")
+    show.add_argument("--out", metavar="DIR", help="also write a plot and its CSV")
+    add = actions.add_parser(
+        "add", help="keep a resin file, or update a resin by measured points", allow_abbrev=False
+    )
+    add.add_argument("file", metavar="FILE")
+    for action in (actions.choices["list"], show, add):
+        action.add_argument("--json", action="store_true", default=argparse.SUPPRESS)
+
+
+def run(options: argparse.Namespace) -> dict[str, Any]:
+    """Do the action and return plain values."""
+    return {"list": _list, "show": _show, "add": _add}[options.action](options)
+
+
+def _list(options: argparse.Namespace) -> dict[str, Any]:
+    """A broken file of the user is said and left out, so that it never hides the others."""
+    from dummydesign.errors import InputError
+    from dummydesign.library import entries
+    from dummydesign.resin.load import KIND, read_resin
+
+    rows, warnings, sources = [], [], []
+    for entry in entries(KIND).values():
+        try:
+            resin = read_resin(entry)
+        except InputError as problem:
+            warnings.append({"code": "unreadable_resin", "message": str(problem)})
+            continue
+        ends = sorted(1e3 * resin.young_MPa(end) for end in (resin.ratio_min, resin.ratio_max))
+        rows.append(
+            {
+                "name": entry.name,
+                "origin": entry.origin,
+                "ratio_range": [resin.ratio_min, resin.ratio_max],
+                "ratio_meaning": resin.ratio_meaning,
+                "young_kPa_range": ends,
+            }
+        )
+        sources += [text for text in resin.references if text not in sources]
+    return {"inputs": {"action": "list"}, "warnings": warnings, "sources": sources, "resins": rows}
+
+
+def _show(options: argparse.Namespace) -> dict[str, Any]:
+    from dummydesign.resin import load_resin
+    from dummydesign.resin.explain import explain
+
+    resin = load_resin(options.name)
+    result = {
+        "inputs": {"action": "show", "name": options.name, "out": options.out},
+        **{key: value for key, value in explain(resin).items()},
+        "sources": list(resin.references),
+    }
+    if options.out is not None:
+        from dummydesign.files import output_folder
+        from dummydesign.resin.explain import write_plot
+
+        result["files"] = write_plot(resin, output_folder(options.out))
+    return result
+
+
+def _add(options: argparse.Namespace) -> dict[str, Any]:
+    from dummydesign.resin.add import add_resin
+    from dummydesign.resin.explain import explain
+
+    resin, path = add_resin(options.file)
+    return {
+        "inputs": {"action": "add", "file": options.file},
+        **explain(resin),
+        "sources": list(resin.references),
+        "files": {"resin": str(path)},
+    }
+
+
+def render(result: dict[str, Any]) -> str:
+    """Lay the answer out as short tables."""
+    lines: list[str] = []
+    if "resins" in result:
+        lines.append(f"{'name':<24} {'origin':<9} {'ratio':<12} {'E in kPa':<14} ratio counts")
+        for row in result["resins"]:
+            ratio = "{:g} to {:g}".format(*row["ratio_range"])
+            young = "{:.3g} to {:.3g}".format(*row["young_kPa_range"])
+            lines.append(
+                f"{row['name']:<24} {row['origin']:<9} {ratio:<12} {young:<14} {row['ratio_meaning']}"
+            )
+    else:
+        lines += _render_resin(result)
+    lines += [f"warning: {item['message']}" for item in result["warnings"]]
+    return "\n".join(lines)
+
+
+def _render_resin(result: dict[str, Any]) -> list[str]:
+    resin = result["resin"]
+    lines = [
+        resin["title"],
+        f"ratio: {resin['ratio_meaning']}",
+        "",
+        "  ratio   E kPa (95 % interval)     % of E per",
+    ]
+    lines.append("                                  % of ratio   strength of arms, per long-term modulus")
+    for row in result["curve"]:
+        young = row["young_kPa"]
+        arms = ", ".join(f"{arm['beta']:.2g} at {arm['tau_s']:g} s" for arm in row["prony"])
+        interval = f"({young['low']:.3g} to {young['high']:.3g})"
+        slope = row["d_ln_young_per_percent_ratio"] * 100
+        lines.append(f"  {row['ratio']:<6g}  {young['value']:<7.3g}{interval:<19} {slope:>6.1f}       {arms}")
+    lines += ["", "numbers (value, low to high, kind):"]
+    for name, item in result["numbers"].items():
+        lines.append(
+            f"  {name:<26} {item['value']:<8.4g} {item['low']:.4g} to {item['high']:.4g}  {item['kind']}"
+        )
+        lines.append(f"      {item['source']}")
+    lines += [f"note: {text}" for text in resin["notes"]]
+    lines += [f"{role}: {path}" for role, path in result.get("files", {}).items()]
+    return lines

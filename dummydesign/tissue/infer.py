@@ -1,0 +1,228 @@
+"""Infer the built-in tissues from the paper's words and in vivo anchors.
+
+``python -m dummydesign.tissue.infer [--seed 1] [--samples 200000] [--out FOLDER]`` draws everything that is
+not known, keeps what agrees (a broken statement costs a factor of ten), prints how often each statement
+holds and which ones clash, and writes one tissue file and its posterior draws per site.
+
+The five subjects of a file are order statistics: subject k has the posterior median of the k-th smallest
+gamma1 of five. gamma2 / gamma1, gamma3 / gamma1 and the arms' times are posterior medians of their own k-th
+smallest of five, dealt to the subjects in a fixed shuffled order (:data:`DEALT`), since only the order of
+the gammas is known (the same for all three, kept). So the subjects differ as five persons of the
+posterior do; how well each is known is in its 95 % interval.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.files import output_folder, write_text
+from dummydesign.library import data_folder
+from dummydesign.quantity import Quantity
+from dummydesign.tissue.anchors import SPEEDS_MM_S, judge, propose
+from dummydesign.tissue.band import Subject, Tissue
+from dummydesign.tissue.dummies import SITES
+from dummydesign.tissue.parameters import Parameters, speed_key
+from dummydesign.tissue.statements import report, sample_steady, weights
+from dummydesign.tissue.store import tissue_toml
+
+SUBJECTS = 5
+KEPT = 400
+STEADY = 1000
+PROPOSALS = 250
+COLUMNS = (
+    "gamma1_N_per_mm3",
+    "gamma2_N_per_mm3",
+    "gamma3_N_per_mm3",
+    *(f"c{arm}_N_s_per_mm.{speed_key(speed)}" for arm in (2, 3) for speed in SPEEDS_MM_S),
+)
+
+DEALT = {
+    "gamma2": (1, 4, 0, 3, 2),
+    "gamma3": (3, 0, 2, 4, 1),
+    "time2": (2, 4, 1, 0, 3),
+    "time3": (0, 3, 4, 1, 2),
+}
+"""Place in the order of its own values that each subject gets, by rising gamma1."""
+
+SCATTER = (0.1, 0.4)
+"""Assumed standard deviation of ln gamma_i / gamma1 and ln time between persons, lowest and highest."""
+
+TITLES = {"palm": "centre of the palm", "thenar": "thenar eminence", "forefinger": "forefinger pad"}
+SOURCE = "inference of dummydesign.tissue.infer"
+SOURCES = (
+    "Development of Dummy Based on Impedance Properties of Human Soft Tissue Using a Nonlinear Viscoelastic "
+    "Model, IEEE Access (statements in words only; its numbers stand in figures)",
+    "Spartacus et al. 2021, PLOS ONE 16:e0261008 (peak ratio of the palm)",
+    "Pawluk and Howe 1999, J Biomech Eng 121:178, doi 10.1115/1.2835100 (relaxation times of the fingerpad)",
+    "Sensors 2017, 17:1190 (force rises with speed)",
+    "ISO/TS 15066:2016, annex A.3 (75 N/mm for hands and fingers, quoted from memory)",
+)
+NOTES = (
+    "Nobody's measurement: inferred from the paper's words and in vivo anchors, and wide. One's own traces "
+    "(tissues add) or points read off the paper's figures (tissues add-points) replace it.",
+    "The subjects are posterior medians of the k-th smallest of five, not persons.",
+    "Below a steady force of 5 N nothing was measured; the band there is the cube law extrapolated.",
+)
+
+
+def subjects_of(
+    gamma1: NDArray, spread: NDArray, arms: dict[str, NDArray], rng: np.random.Generator
+) -> NDArray:
+    """Make five subjects for every sample from the stiffest one, the spread and the arms.
+
+    Parameters
+    ----------
+    gamma1, spread : ndarray, shape (n,)
+        Stiffest subject [N/mm3]; ratio of depths of the softest and the stiffest at equal force.
+    arms : dict
+        As :func:`anchors.propose` gives them.
+
+    Returns
+    -------
+    ndarray, shape (n, 5, 7)
+        Columns as :data:`COLUMNS`, subjects by rising gamma1.
+    """
+    count = len(gamma1)
+    normal = np.sort(rng.normal(size=(count, SUBJECTS)), axis=1)
+    place = (normal - normal[:, :1]) / (normal[:, -1:] - normal[:, :1])
+    own = gamma1[:, None] * spread[:, None] ** (-3.0 * (1.0 - place))
+    # people differ in relaxation too; the scatter is a guess, the order of the gammas is the paper's
+    scatter = rng.uniform(*SCATTER, (count, 1, 1))
+    strength = arms["strength"][:, None, :] * np.exp(scatter * rng.normal(size=(count, SUBJECTS, 2)))
+    gamma = np.sort(strength * own[..., None], axis=1)
+    time = arms["time_s"][:, None] * np.exp(scatter[..., None] * rng.normal(size=(count, SUBJECTS, 1, 2)))
+    depth = np.cbrt(10.0 / own)
+    dampers = time * (gamma * depth[..., None] ** 2)[:, :, None, :]
+    by_arm = np.moveaxis(dampers, -1, -2).reshape(count, SUBJECTS, 4)
+    return np.concatenate([own[..., None], gamma, by_arm], axis=-1)
+
+
+def infer_site(
+    site: str, stiffest: NDArray, spread: NDArray, rng: np.random.Generator
+) -> tuple[NDArray, list[str]]:
+    """Draw the arms for posterior samples of the steady part; return draws (m, 5, 7) and report lines."""
+    steady, width = np.repeat(stiffest, PROPOSALS), np.repeat(spread, PROPOSALS)
+    typical = steady * width**-1.5
+    arms = propose(typical, rng)
+    statements = judge(site, typical, arms, rng)
+    weight = weights(tuple(statements)).reshape(len(stiffest), PROPOSALS)
+    # one proposal per steady sample, so that the arms do not sway the steady part
+    share = np.cumsum(weight / weight.sum(axis=1, keepdims=True), axis=1)
+    chosen = (share < rng.random((len(stiffest), 1))).sum(axis=1) + np.arange(len(stiffest)) * PROPOSALS
+    picked = {name: value[chosen] for name, value in arms.items()}
+    lines = report(tuple(statements), (weight / weight.sum(axis=1, keepdims=True)).ravel())
+    return subjects_of(stiffest, spread, picked, rng), lines
+
+
+def typical_subjects(draws: NDArray) -> NDArray:
+    """Five subjects (5, 7) that differ as those of the draws (m, 5, 7) do; see the module's text."""
+    gamma1 = draws[..., 0]
+    area = np.cbrt(10.0 / gamma1) ** 2
+    typical = np.empty(draws.shape[1:])
+    typical[:, 0] = np.median(np.sort(gamma1, axis=1), axis=0)
+    depth_squared = np.cbrt(10.0 / typical[:, 0]) ** 2
+    for arm in (2, 3):
+        ratio = np.median(np.sort(draws[..., arm - 1] / gamma1, axis=1), axis=0)
+        typical[:, arm - 1] = np.sort(typical[:, 0] * ratio[list(DEALT[f"gamma{arm}"])])
+        for at in range(len(SPEEDS_MM_S)):
+            column = 3 + 2 * (arm - 2) + at
+            time = np.median(np.sort(draws[..., column] / (draws[..., arm - 1] * area), axis=1), axis=0)
+            typical[:, column] = time[list(DEALT[f"time{arm}"])] * typical[:, arm - 1] * depth_squared
+    return typical
+
+
+def tissue_from_draws(site: str, draws: NDArray, seed: int, samples: int) -> Tissue:
+    """Make the tissue of a site from posterior draws (m, 5, 7), subjects by rising gamma1."""
+    value = typical_subjects(draws)
+    low, high = np.quantile(draws, [0.025, 0.975], axis=0)
+    source = f"dummydesign.tissue.infer --seed {seed} --samples {samples}"
+    subjects = []
+    for rank in range(SUBJECTS):
+        numbers: dict[str, object] = {}
+        for column, name in enumerate(COLUMNS):
+            ends = (float(f"{end[rank, column]:.4g}") for end in (value, low, high))
+            quantity = Quantity(*ends, "inferred", source)
+            key, _, speed = name.partition(".")
+            if speed:
+                numbers.setdefault(key, {})[speed] = quantity
+            else:
+                numbers[key] = quantity
+        plain = {
+            key: {speed: q.value for speed, q in entry.items()} if isinstance(entry, dict) else entry.value
+            for key, entry in numbers.items()
+        }
+        subjects.append(Subject(f"rank-{rank + 1}-of-5", Parameters.from_dict("ode", plain), numbers))
+    return Tissue(site, TITLES[site], "ode", tuple(subjects), SOURCES, NOTES, "built-in")
+
+
+def draws_csv(draws: NDArray) -> str:
+    """Write draws (m, 5, 7) as CSV: draw, rank and the columns of :data:`COLUMNS`."""
+    lines = ["draw,rank," + ",".join(COLUMNS)]
+    for index, draw in enumerate(draws, start=1):
+        lines += [
+            f"{index},{rank}," + ",".join(f"{x:.4g}" for x in row) for rank, row in enumerate(draw, start=1)
+        ]
+    return "\n".join(lines) + "\n"
+
+
+def run(seed: int, samples: int, folder: Path) -> list[str]:
+    """Infer all sites, write their files into ``folder`` and return the report's lines."""
+    rng = np.random.default_rng(seed)
+    parts = [sample_steady(min(samples - start, 20_000), rng) for start in range(0, samples, 20_000)]
+    weight = np.concatenate([weights(part.statements) for part in parts])
+    merged = tuple(
+        type(same[0])(same[0].name, same[0].text, same[0].source, np.concatenate([s.holds for s in same]))
+        for same in zip(*(part.statements for part in parts))
+    )
+    effective = weight.sum() ** 2 / (weight**2).sum()
+    lines = [
+        f"steady state: {samples} samples, seed {seed}, effective number after weighting {effective:.0f}"
+    ]
+    lines += report(merged, weight)
+    chosen = rng.choice(samples, size=STEADY, p=weight / weight.sum())
+    for site in SITES:
+        stiffest = np.concatenate([part.stiffest[site] for part in parts])[chosen]
+        spread = np.concatenate([part.spread[site] for part in parts])[chosen]
+        draws, told = infer_site(site, stiffest, spread, rng)
+        lines += ["", f"arms of the {site}: {STEADY * PROPOSALS} proposals", *told]
+        tissue = tissue_from_draws(site, draws, seed, samples)
+        summary = "\n".join(f'  "{line}",' for line in _summary(effective, merged, samples, seed))
+        extra = (
+            f'[inference]\ncommand = "python -m dummydesign.tissue.infer --seed {seed} --samples {samples}"\n'
+        )
+        write_text(folder / f"{site}.toml", tissue_toml(tissue, f"{extra}summary = [\n{summary}\n]"))
+        write_text(folder / f"{site}_draws.csv", draws_csv(draws[:: len(draws) // KEPT][:KEPT]))
+    return lines
+
+
+def _summary(effective: float, statements: tuple, samples: int, seed: int) -> list[str]:
+    held = np.array([statement.holds for statement in statements])
+    return [
+        f"{samples} samples, seed {seed}; effective number after weighting {effective:.0f}",
+        f"all {len(statements)} statements on the steady state hold in {held.all(axis=0).mean():.2g} of them",
+    ]
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Command line of the inference."""
+    parser = argparse.ArgumentParser(
+        prog="python -m dummydesign.tissue.infer", description=__doc__.split("\n")[0]
+    )
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--samples", type=int, default=200_000)
+    parser.add_argument(
+        "--out", default=str(data_folder() / "materials" / "tissues"), help="folder of the files"
+    )
+    options = parser.parse_args(arguments)
+    folder = output_folder(options.out)
+    print("\n".join(run(options.seed, options.samples, folder)))
+    print(f"\nwritten to {folder}", file=sys.stderr)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,180 @@
+"""Tissues: bands and aims, the two ranges, the built-in files, and what a broken file says."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from dummydesign.errors import InputError
+from dummydesign.library import Entry, data_folder, read_toml
+from dummydesign.protocol.motion import ramp_and_hold
+from dummydesign.tissue import load_tissue
+from dummydesign.tissue.parameters import Parameters
+from dummydesign.tissue.ranges import force_range, steady_inside
+from dummydesign.tissue.store import parse_tissue, readable_tissues, tissue_toml
+
+SITES = ["palm", "thenar", "forefinger"]
+
+
+def subject(gamma1, c=0.05):
+    return Parameters("ode", gamma1, (0.3 * gamma1, gamma1), ((10.0, (20 * c, 3 * c)), (250.0, (10 * c, c))))
+
+
+@pytest.mark.parametrize("site", SITES)
+def test_built_in_subjects_obey_what_the_paper_says_of_every_subject(site):
+    tissue = load_tissue(site)
+    gammas = np.array([[p.gamma1_N_per_mm3, *p.gamma_N_per_mm3] for p in tissue.parameter_sets])
+    assert len(tissue.subjects) == 5 and tissue.kinds == ("inferred",)
+    assert np.all(np.diff(gammas, axis=0) > 0), "gamma1, gamma2 and gamma3 rise together over the subjects"
+    assert np.all(gammas[:, 1] < gammas[:, 2]), "gamma2 is always smaller than gamma3"
+    for p in tissue.parameter_sets:
+        slow, fast = np.array(p.dampers_at(10.0)), np.array(p.dampers_at(250.0))
+        assert slow[0] > slow[1] and fast[0] > fast[1], "c2 is always larger than c3"
+        assert np.all(fast < slow), "the dampers fall with speed"
+
+
+@pytest.mark.parametrize("site", SITES)
+def test_bands_are_mean_and_extremes_of_the_subjects_and_aims_follow_them(site):
+    tissue = load_tissue(site)
+    gamma1 = [p.gamma1_N_per_mm3 for p in tissue.parameter_sets]
+    band = tissue.bands["gamma1_N_per_mm3"]
+    assert (band.low, band.value, band.high) == pytest.approx((min(gamma1), np.mean(gamma1), max(gamma1)))
+    assert tissue.target("average").gamma1_N_per_mm3 == pytest.approx(np.mean(gamma1))
+    safe = tissue.target("safe-side")
+    c3 = [p.dampers_at(250.0)[1] for p in tissue.parameter_sets]
+    assert safe.dampers_at(250.0)[1] == pytest.approx(max(c3))
+    assert tissue.target("subject:Rank-2-of-5") == tissue.parameter_sets[1]
+    with pytest.raises(InputError, match="did you mean 'rank-2-of-5'"):
+        tissue.target("subject:rank-2")
+    with pytest.raises(InputError, match="unknown aim"):
+        tissue.target("best")
+
+
+@pytest.mark.parametrize("site", SITES)
+@pytest.mark.parametrize("condition", [(5.0, 10.0), (10.0, 250.0), (15.0, 250.0)])
+def test_every_subject_lies_inside_its_own_force_variation_range(site, condition):
+    tissue, (steady, speed) = load_tissue(site), condition
+    band = tissue.force_range(steady, speed)
+    for parameters, depth, stop in zip(tissue.parameter_sets, band.depth_mm, band.stop_s):
+        motion = ramp_and_hold(speed, depth)
+        force = parameters.force(motion, speed)
+        assert force[-1] == pytest.approx(steady, rel=1e-4)
+        shares = band.inside(motion.time_s, force, stop)
+        assert shares["inside_fraction"] == 1.0
+        assert band.peak_low_N <= force.max() * 1.003 and force.max() <= band.peak_high_N * 1.003
+
+
+def test_a_force_off_the_range_counts_only_where_it_is_off():
+    people = (subject(0.05), subject(0.1))
+    band = force_range(people, 10.0, 250.0)
+    motion = ramp_and_hold(250.0, band.depth_mm[0])
+    force = people[0].force(motion, 250.0)
+    above = np.where(motion.time_s > band.stop_s[0], force + 20.0, force)
+    shares = band.inside(motion.time_s, np.stack([force, above, force + 50.0]), band.stop_s[0])
+    assert shares["inside_rise_fraction"] == pytest.approx([1.0, 1.0, 0.0], abs=0.02)
+    assert shares["inside_hold_fraction"] == pytest.approx([1.0, 0.0, 0.0])
+    assert shares["inside_fraction"] == pytest.approx([1.0, 0.5, 0.0], abs=0.02)
+
+
+def test_a_steady_curve_is_judged_below_and_above_5_newtons_apart():
+    people = (subject(0.05), subject(0.2))
+    force = np.linspace(0.5, 15.0, 146)
+    cubic = np.cbrt(force / 0.1)
+    linear = np.cbrt(10.0 / 0.1) * force / 10.0
+    shares = steady_inside(people, force, np.stack([cubic, linear, np.full(146, np.nan)]))
+    assert shares["inside_fraction"][0] == 1.0 and shares["inside_fraction"][2] == 0.0
+    # the line through the cubic at 10 N leaves the range where F/10 = (F/10 * 0.1/0.2)^(1/3), at 10/sqrt(2) N
+    inside = force >= 10 / np.sqrt(2)
+    inside &= force <= 10 * np.sqrt(2)
+    assert shares["inside_fraction"][1] == pytest.approx(inside.mean(), abs=0.01)
+    assert shares["below_5N_fraction"][1] == 0.0
+    assert shares["above_5N_fraction"][1] == pytest.approx(inside[force >= 5].mean(), abs=0.01)
+
+
+def test_dampers_between_known_speeds_are_interpolated_in_logarithms():
+    person = subject(0.1)
+    middle = person.dampers_at(np.sqrt(10.0 * 250.0))
+    assert middle == pytest.approx(
+        [np.sqrt(a * b) for a, b in zip(person.dampers_at(10), person.dampers_at(250))]
+    )
+    assert person.dampers_at(1.0) == person.dampers_at(10.0)
+    assert person.dampers_at(900.0) == person.dampers_at(250.0)
+
+
+@pytest.mark.parametrize("site", SITES)
+def test_a_written_tissue_reads_back_the_same(site, tmp_path):
+    tissue = load_tissue(site)
+    path = tmp_path / f"{site}.toml"
+    path.write_text(tissue_toml(tissue))
+    again = load_tissue(str(path))
+    assert again.parameter_sets == tissue.parameter_sets and again.sources == tissue.sources
+
+
+def test_all_six_ranges_of_a_tissue_take_well_under_a_second():
+    import time
+
+    tissue = load_tissue("palm")
+    start = time.perf_counter()
+    for steady in (5.0, 10.0, 15.0):
+        for speed in (10.0, 250.0):
+            tissue.force_range(steady, speed)
+    assert time.perf_counter() - start < 0.5
+
+
+def _changed(old, new):
+    path = data_folder() / "materials" / "tissues" / "palm.toml"
+    text = path.read_text().replace(old, new, 1)
+    entry = Entry("palm", path, "file")
+    import tomllib
+
+    return parse_tissue(tomllib.loads(text), text, entry)
+
+
+@pytest.mark.parametrize(
+    "old, new, said",
+    [
+        ('law = "ode"', 'law = "odd"', "palm.toml:4: unknown law 'odd': did you mean 'ode'"),
+        ("gamma1_N_per_mm3 = {", "gamma_1 = {", r"palm.toml:\d+: unknown key 'gamma_1'"),
+        ('title = "', 'titel = "', "unknown key 'titel': did you mean 'title'"),
+        ("schema = 1", "schema = 2", "reads schema = 1"),
+        ('kind = "inferred"', 'kind = "guessed"', r"palm.toml:\d+: 'gamma1_N_per_mm3' has kind 'guessed'"),
+        ('"rank-2-of-5"', '"rank-1-of-5"', "same name"),
+        ("c2_N_s_per_mm.10", "c2_N_s_per_mm.12", "different speeds"),
+    ],
+)
+def test_a_broken_file_is_named_by_line_and_key(old, new, said):
+    with pytest.raises(InputError, match=said):
+        _changed(old, new)
+
+
+def test_a_broken_user_file_never_hides_the_built_in_tissues(tmp_path, monkeypatch):
+    folder = tmp_path / "materials" / "tissues"
+    folder.mkdir(parents=True)
+    (folder / "palm.toml").write_text("schema = [")
+    (folder / "mine.toml").write_text("schema = 1\nlaw = 'ode'\n")
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
+    found, problems = readable_tissues()
+    assert sorted(tissue.name for tissue in found) == sorted(SITES)
+    assert any("palm.toml" in text for text in problems) and any("mine.toml" in text for text in problems)
+
+
+def test_listing_tissues_imports_nothing_heavy():
+    code = (
+        "import sys; from dummydesign.cli import run; run(['tissues', 'list']); "
+        "bad = {'scipy', 'skfem', 'matplotlib', 'pyvista', 'cadquery'} & set(sys.modules); "
+        "sys.exit(1 if bad else 0)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0 and "forefinger" in done.stdout
+
+
+def test_every_shipped_number_has_interval_kind_and_source():
+    for site in SITES:
+        content, _ = read_toml(data_folder() / "materials" / "tissues" / f"{site}.toml")
+        assert "infer" in content["inference"]["command"]
+        for person in load_tissue(site).to_dict()["subjects"]:
+            entries = [v for v in person.values() if isinstance(v, dict)]
+            flat = [q for e in entries for q in ([e] if "value" in e else e.values())]
+            assert len(flat) == 7
+            assert all(q["low"] < q["value"] < q["high"] and q["source"] for q in flat)

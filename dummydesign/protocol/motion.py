@@ -137,13 +137,9 @@ def find_ramp(time_s: ArrayLike, displacement_mm: ArrayLike) -> Ramp:
     time, x = np.asarray(time_s, float), np.asarray(displacement_mm, float)
     largest = float(x.max())
     if largest <= 0:
-        raise InputError(
-            f"the motion never presses: largest displacement_mm = {largest:g}; compression is positive"
-        )
+        raise InputError(f"the motion never presses: largest displacement_mm = {largest:g}; compression is positive")
     if x[0] > 0.1 * largest:
-        raise InputError(
-            f"the motion starts pressed at displacement_mm = {x[0]:g}; it must begin at or before contact"
-        )
+        raise InputError(f"the motion starts pressed at displacement_mm = {x[0]:g}; it must begin at or before contact")
     near = x >= largest - max(0.05, 0.03 * largest)
     depth = float(np.median(x[near]))
     reach = min(0.02, 0.01 * depth)

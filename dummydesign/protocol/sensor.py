@@ -56,9 +56,7 @@ def parse_lowpass(text: str | None) -> Lowpass | None:
         raise InputError(f"low-pass '{text}' is not HZ[:ORDER[:PASSES]], such as 35 or 35:2:1") from None
 
 
-def lowpass(
-    time_s: ArrayLike, force_N: ArrayLike, cutoff_hz: float = 35.0, order: int = 2, passes: int = 1
-) -> NDArray:
+def lowpass(time_s: ArrayLike, force_N: ArrayLike, cutoff_hz: float = 35.0, order: int = 2, passes: int = 1) -> NDArray:
     """Butterworth low-pass of a force on any, also uneven, sampling.
 
     The analogue filter is solved exactly for a force that is linear between its samples: each pole p

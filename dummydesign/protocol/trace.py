@@ -57,8 +57,7 @@ def read_trace(path: str | Path) -> Trace:
     if back.size:
         at = int(back[0])
         raise InputError(
-            f"{path.name}:{lines[at + 1]}: time_s = {time[at + 1]:g} does not increase "
-            f"(line before: {time[at]:g})"
+            f"{path.name}:{lines[at + 1]}: time_s = {time[at + 1]:g} does not increase (line before: {time[at]:g})"
         )
     _check_magnitudes(path.name, time, displacement, force)
     return Trace(path.name, time, displacement, force)
@@ -83,9 +82,7 @@ def _read_columns(name: str, text: str) -> tuple[NDArray, list[int]]:
             numbers = [float(row[place]) for place in places]
         except ValueError:
             bad = next((c, row[p]) for c, p in zip(COLUMNS, places) if not _is_number(row[p]))
-            raise InputError(
-                f"{name}:{line}: {bad[0]} = '{bad[1].strip()}' is not a number (dot decimals)"
-            ) from None
+            raise InputError(f"{name}:{line}: {bad[0]} = '{bad[1].strip()}' is not a number (dot decimals)") from None
         if not all(np.isfinite(numbers)):
             at = int(np.argmin(np.isfinite(numbers)))
             raise InputError(f"{name}:{line}: {COLUMNS[at]} = {numbers[at]} is not finite")
@@ -115,20 +112,21 @@ def _header_advice(missing: str, header: list[str]) -> str:
 
 def _check_magnitudes(name: str, time: NDArray, displacement: NDArray, force: NDArray) -> None:
     """Refuse what can only be another unit or sign, and say which one it looks like."""
-    deepest, strongest = float(np.max(np.abs(displacement))), float(np.max(np.abs(force)))
+    strongest_at = int(np.argmax(np.abs(force)))
+    strongest, pressed = float(np.abs(force[strongest_at])), float(displacement[strongest_at])
+    deepest = float(displacement.max()) if pressed > 0 else float(np.max(np.abs(displacement)))
     step = float(np.median(np.diff(time)))
     x, f = f"largest displacement_mm = {deepest:g}", f"largest force_N = {strongest:g}"
-    sign = "must be positive"
     guesses = [
-        (deepest == 0, "displacement_mm is zero throughout"),
+        (not np.any(displacement), "displacement_mm is zero throughout"),
         (strongest == 0, "force_N is zero throughout"),
         (deepest < 0.05, f"{x} looks like metres; multiply by 1000"),
         (deepest > 300, f"{x} looks like micrometres; divide by 1000"),
         (strongest > 2000, f"{f} looks like millinewtons; divide by 1000"),
         (strongest < 0.03, f"{f} looks like kilonewtons; multiply by 1000"),
         (step >= 0.5, f"time_s has steps of {step:g}; it looks like milliseconds, divide by 1000"),
-        (displacement.max() < 0.2 * deepest, f"displacement_mm is negative; compression {sign}"),
-        (force.max() < 0.2 * strongest, f"force_N is negative; compression {sign}"),
+        (force[strongest_at] < 0, "force_N is negative at its largest; compression must be positive"),
+        (pressed <= 0, "displacement_mm is not positive at the largest force; compression must be positive"),
     ]
     for wrong, message in guesses:
         if wrong:

@@ -154,9 +154,7 @@ class Tissue:
         """Envelope of the subjects' F(t) at one condition; see :func:`ranges.force_range`."""
         from dummydesign.tissue.ranges import force_range
 
-        return force_range(
-            self.parameter_sets, steady_force_N, velocity_mm_s, hold_s, deceleration_mm_s2, lowpass
-        )
+        return force_range(self.parameter_sets, steady_force_N, velocity_mm_s, hold_s, deceleration_mm_s2, lowpass)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the whole tissue with bands, subjects, sources and notes."""
@@ -191,9 +189,7 @@ class Tissue:
 
 def _numbers_to_dict(numbers: dict[str, Any]) -> dict[str, Any]:
     return {
-        name: {speed: q.to_dict() for speed, q in entry.items()}
-        if isinstance(entry, dict)
-        else entry.to_dict()
+        name: {speed: q.to_dict() for speed, q in entry.items()} if isinstance(entry, dict) else entry.to_dict()
         for name, entry in numbers.items()
     }
 
@@ -208,8 +204,6 @@ def same_shape(subjects: tuple[Subject, ...]) -> None:
                 f"'{subjects[0].name}' {first.law}; laws are never mixed"
             )
         if len(subject.parameters.gamma_N_per_mm3) != len(first.gamma_N_per_mm3):
-            raise InputError(
-                f"subject '{subject.name}' has another number of elements than '{subjects[0].name}'"
-            )
+            raise InputError(f"subject '{subject.name}' has another number of elements than '{subjects[0].name}'")
         if not set(subject.parameters.velocities_mm_s) & set(first.velocities_mm_s):
             raise InputError(f"subject '{subject.name}' shares no speed with '{subjects[0].name}'")

@@ -7,12 +7,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.pad.table import load_table
+
 THICKNESS_MM = {"palm": 15.0, "thenar": 20.0, "forefinger": 5.0}
 """Thickness of dummies I, II and III (paper, section IV), by the tissue each stands for."""
 
 SITES = tuple(THICKNESS_MM)
 RADIUS_MM = 14.0 / np.sqrt(np.pi)
 """Radius of the circle with the punch's area."""
+
+SQUARE_OVER_ROUND = {5.0: 1.002, 15.0: 1.032, 20.0: 1.032}
+"""Force of the 14 mm square over that of the circle of equal area, nearly the same at all depths (3D solutions)."""
 
 DEEPEST = 0.85
 """Largest depth over thickness that is looked at; beyond the pad model's range by its last exponent."""
@@ -38,19 +43,18 @@ class Unknowns:
 
 
 def slab_force(depth_mm: NDArray, thickness_mm: float, base: str) -> NDArray:
-    """Force of a 1 MPa neo-Hookean slab under the paper's punch, at any depth up to :data:`DEEPEST`. [N]
+    """Force of a 1 MPa neo-Hookean slab under the paper's punch, glued to it, up to :data:`DEEPEST`. [N]
 
-    Small-depth stiffness of the layer solution, grown by the local exponent of finite-element runs.
+    By the response table where it is valid; beyond it the force goes on with the local exponent it has
+    there, which understates how a slab stiffens when it is nearly crushed.
     """
-    stiffness = {20.0: 0.9105, 15.0: 1.1033, 5.0: 4.366}[thickness_mm] * 40.0
-    square = {20.0: 1.032, 15.0: 1.032, 5.0: 1.002}[thickness_mm]
-    excess = {20.0: 0.04, 15.0: 0.18, 5.0: 0.43}[thickness_mm]
-    share = np.asarray(depth_mm, float) / thickness_mm
-    if base == "sliding":
-        first, deep = {20.0: (0.811, 0.779), 15.0: (0.753, 0.716), 5.0: (0.453, 0.420)}[thickness_mm]
-        stiffness = stiffness * (first + (deep - first) * np.minimum(share / 0.3, 1.0))
-    growth = (share / 0.01) ** 0.02 * np.exp(excess * (share - 0.01) / 0.45)
-    return stiffness * square * np.asarray(depth_mm, float) * growth
+    table = load_table(base)
+    depth = np.asarray(depth_mm, float)
+    limit = float(table.depth_limit_mm(thickness_mm, RADIUS_MM))
+    inside = np.minimum(depth, limit)
+    exponent = float(table.local_exponent(limit, thickness_mm, RADIUS_MM))
+    force = table.force(inside, thickness_mm, 1.0, RADIUS_MM) * (depth / inside) ** exponent
+    return SQUARE_OVER_ROUND[thickness_mm] * force
 
 
 def steady_curves(site: str, unknowns: Unknowns, points: int = 60) -> tuple[NDArray, NDArray]:
@@ -69,9 +73,7 @@ def steady_curves(site: str, unknowns: Unknowns, points: int = 60) -> tuple[NDAr
     glued = glued * (1.0 - free * (1.0 - 1.0 / on_glued))
     sliding = sliding * (1.0 - free * (1.0 - 1.0 / on_sliding))
     slip = unknowns.slip[:, None]
-    growth = (
-        1.0 + _STIFFENING_AT_03[thickness] * unknowns.stiffening[:, None] * (depth / thickness / 0.3) ** 2
-    )
+    growth = 1.0 + _STIFFENING_AT_03[thickness] * unknowns.stiffening[:, None] * (depth / thickness / 0.3) ** 2
     return depth, unknowns.young_kPa[:, None] * 1e-3 * ((1.0 - slip) * glued + slip * sliding) * growth
 
 

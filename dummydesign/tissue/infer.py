@@ -70,9 +70,7 @@ NOTES = (
 )
 
 
-def subjects_of(
-    gamma1: NDArray, spread: NDArray, arms: dict[str, NDArray], rng: np.random.Generator
-) -> NDArray:
+def subjects_of(gamma1: NDArray, spread: NDArray, arms: dict[str, NDArray], rng: np.random.Generator) -> NDArray:
     """Make five subjects for every sample from the stiffest one, the spread and the arms.
 
     Parameters
@@ -102,9 +100,7 @@ def subjects_of(
     return np.concatenate([own[..., None], gamma, by_arm], axis=-1)
 
 
-def infer_site(
-    site: str, stiffest: NDArray, spread: NDArray, rng: np.random.Generator
-) -> tuple[NDArray, list[str]]:
+def infer_site(site: str, stiffest: NDArray, spread: NDArray, rng: np.random.Generator) -> tuple[NDArray, list[str]]:
     """Draw the arms for posterior samples of the steady part; return draws (m, 5, 7) and report lines."""
     steady, width = np.repeat(stiffest, PROPOSALS), np.repeat(spread, PROPOSALS)
     typical = steady * width**-1.5
@@ -164,9 +160,7 @@ def draws_csv(draws: NDArray) -> str:
     """Write draws (m, 5, 7) as CSV: draw, rank and the columns of :data:`COLUMNS`."""
     lines = ["draw,rank," + ",".join(COLUMNS)]
     for index, draw in enumerate(draws, start=1):
-        lines += [
-            f"{index},{rank}," + ",".join(f"{x:.4g}" for x in row) for rank, row in enumerate(draw, start=1)
-        ]
+        lines += [f"{index},{rank}," + ",".join(f"{x:.4g}" for x in row) for rank, row in enumerate(draw, start=1)]
     return "\n".join(lines) + "\n"
 
 
@@ -180,9 +174,7 @@ def run(seed: int, samples: int, folder: Path) -> list[str]:
         for same in zip(*(part.statements for part in parts))
     )
     effective = weight.sum() ** 2 / (weight**2).sum()
-    lines = [
-        f"steady state: {samples} samples, seed {seed}, effective number after weighting {effective:.0f}"
-    ]
+    lines = [f"steady state: {samples} samples, seed {seed}, effective number after weighting {effective:.0f}"]
     lines += report(merged, weight)
     chosen = rng.choice(samples, size=STEADY, p=weight / weight.sum())
     for site in SITES:
@@ -192,9 +184,7 @@ def run(seed: int, samples: int, folder: Path) -> list[str]:
         lines += ["", f"arms of the {site}: {STEADY * PROPOSALS} proposals", *told]
         tissue = tissue_from_draws(site, draws, seed, samples)
         summary = "\n".join(f'  "{line}",' for line in _summary(effective, merged, samples, seed))
-        extra = (
-            f'[inference]\ncommand = "python -m dummydesign.tissue.infer --seed {seed} --samples {samples}"\n'
-        )
+        extra = f'[inference]\ncommand = "python -m dummydesign.tissue.infer --seed {seed} --samples {samples}"\n'
         write_text(folder / f"{site}.toml", tissue_toml(tissue, f"{extra}summary = [\n{summary}\n]"))
         write_text(folder / f"{site}_draws.csv", draws_csv(draws[:: len(draws) // KEPT][:KEPT]))
     return lines
@@ -210,14 +200,10 @@ def _summary(effective: float, statements: tuple, samples: int, seed: int) -> li
 
 def main(arguments: list[str] | None = None) -> None:
     """Command line of the inference."""
-    parser = argparse.ArgumentParser(
-        prog="python -m dummydesign.tissue.infer", description=__doc__.split("\n")[0]
-    )
+    parser = argparse.ArgumentParser(prog="python -m dummydesign.tissue.infer", description=__doc__.split("\n")[0])
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--samples", type=int, default=200_000)
-    parser.add_argument(
-        "--out", default=str(data_folder() / "materials" / "tissues"), help="folder of the files"
-    )
+    parser.add_argument("--out", default=str(data_folder() / "materials" / "tissues"), help="folder of the files")
     options = parser.parse_args(arguments)
     folder = output_folder(options.out)
     print("\n".join(run(options.seed, options.samples, folder)))

@@ -73,9 +73,7 @@ def force(
     if np.any(gamma < 0) or np.any(gamma1 < 0):
         raise out_of_range("gamma", float(min(gamma.min(), gamma1.min())), 0, "any finite value")
     if gamma.shape[-1:] != damper.shape[-1:]:
-        raise InputError(
-            f"{gamma.shape[-1]} springs but {damper.shape[-1]} dampers; each arm needs one of both"
-        )
+        raise InputError(f"{gamma.shape[-1]} springs but {damper.shape[-1]} dampers; each arm needs one of both")
     drive = Drive(law, motion)
     total = gamma1[..., None] * drive.elastic
     for arm in range(gamma.shape[-1]):
@@ -133,9 +131,7 @@ class Drive:
         before, after = self._x[..., :-1], self._x[..., 1:]
         rise = after - before
         decay = rate * self._step * (before**2 + before * after + after**2) / 3.0
-        stretch = linear_recurrence(
-            np.exp(-decay), rise * _mean_survival(rate * self._step, after, rise, decay)
-        )
+        stretch = linear_recurrence(np.exp(-decay), rise * _mean_survival(rate * self._step, after, rise, decay))
         response = np.zeros(np.broadcast_shapes(rate.shape[:-1] + (1,), self._x.shape))
         response[..., 1:] = after**2 * stretch
         return response

@@ -43,9 +43,7 @@ class Parameters:
         numbers = [self.gamma1_N_per_mm3, *self.gamma_N_per_mm3]
         for _, dampers in self.c_N_s_per_mm:
             if len(dampers) != len(self.gamma_N_per_mm3):
-                raise InputError(
-                    f"{len(self.gamma_N_per_mm3)} springs but {len(dampers)} dampers in the arms"
-                )
+                raise InputError(f"{len(self.gamma_N_per_mm3)} springs but {len(dampers)} dampers in the arms")
             numbers += dampers
         if min(numbers) <= 0:
             raise out_of_range("tissue parameter", min(numbers), "above 0", "any finite value")
@@ -94,8 +92,7 @@ class Parameters:
             float(values["gamma1_N_per_mm3"]),
             tuple(float(values[f"gamma{arm}_N_per_mm3"]) for arm in arms),
             tuple(
-                (float(speed), tuple(float(values[f"c{arm}_N_s_per_mm"][speed]) for arm in arms))
-                for speed in speeds
+                (float(speed), tuple(float(values[f"c{arm}_N_s_per_mm"][speed]) for arm in arms)) for speed in speeds
             ),
         )
 

@@ -112,9 +112,7 @@ def stack(subjects: tuple[Parameters, ...], velocity_mm_s: float) -> tuple[str, 
     """Law, gamma1 (S,), gamma (S, arms) and dampers (S, arms) of several subjects at one speed."""
     laws = {subject.law for subject in subjects}
     if len(laws) != 1:
-        raise InputError(
-            f"subjects fitted with different laws ({', '.join(sorted(laws))}) cannot share a range"
-        )
+        raise InputError(f"subjects fitted with different laws ({', '.join(sorted(laws))}) cannot share a range")
     if len({len(subject.gamma_N_per_mm3) for subject in subjects}) != 1:
         raise InputError("subjects fitted with different numbers of elements cannot share a range")
     gamma1 = np.array([subject.gamma1_N_per_mm3 for subject in subjects])
@@ -181,9 +179,7 @@ def steady_depth_range(subjects: tuple[Parameters, ...], force_N: ArrayLike) -> 
     return np.cbrt(force_value / max(gamma1)), np.cbrt(force_value / min(gamma1))
 
 
-def steady_inside(
-    subjects: tuple[Parameters, ...], force_N: ArrayLike, depth_mm: ArrayLike
-) -> dict[str, NDArray]:
+def steady_inside(subjects: tuple[Parameters, ...], force_N: ArrayLike, depth_mm: ArrayLike) -> dict[str, NDArray]:
     """Share of a steady-state curve inside the range, below 5 N, above 5 N and over both.
 
     Parameters

@@ -114,16 +114,12 @@ def _of_site(
     if site == "forefinger":
         near = place[:, 1] >= 1 - rng.uniform(0.2, 0.4, count)
         here.append(("near the stiffest edge at 10 N", "near the left edge", "section IV-B", near))
-        here.append(
-            ("gamma1 above the band", "larger than that of the pads", "section IV-A", fitted > stiffest)
-        )
+        here.append(("gamma1 above the band", "larger than that of the pads", "section IV-A", fitted > stiffest))
     else:
         within = (fitted >= softest) & (fitted <= stiffest)
         here.append(("gamma1 inside the band", "between the largest and smallest", "section IV-A", within))
     factor = np.exp(rng.uniform(np.log(2.5), np.log(4.0), count))
-    named = [
-        Statement(f"dummy {dummy}: {name}", text, f"paper, {place_}", ok) for name, text, place_, ok in here
-    ]
+    named = [Statement(f"dummy {dummy}: {name}", text, f"paper, {place_}", ok) for name, text, place_, ok in here]
     named.append(
         Statement(
             f"{site}: tangent at 140 N within a factor of 75 N/mm",

@@ -108,9 +108,7 @@ def _subject(item: dict[str, Any], law: str, path: Path, text: str, number: int)
             continue
         if not _NUMBER.match(key):
             allowed = "gamma1_N_per_mm3 .. gamma4_N_per_mm3, c2_N_s_per_mm .. c4_N_s_per_mm"
-            raise InputError(
-                f"{path.name}:{line_of(rest, key)}: unknown key '{key}'; known are name, {allowed}"
-            )
+            raise InputError(f"{path.name}:{line_of(rest, key)}: unknown key '{key}'; known are name, {allowed}")
         if key.startswith("gamma"):
             numbers[key] = read_quantity(item, key, path, rest)
         else:
@@ -155,9 +153,7 @@ def _dampers(value: Any, key: str, path: Path, text: str) -> dict[str, Quantity]
 def _positive(entry: Any, key: str, path: Path, text: str) -> None:
     for quantity in entry.values() if isinstance(entry, dict) else [entry]:
         if not quantity.low > 0:
-            raise InputError(
-                f"{path.name}:{line_of(text, key)}: '{key}' low = {quantity.low}; it must be above 0"
-            )
+            raise InputError(f"{path.name}:{line_of(text, key)}: '{key}' low = {quantity.low}; it must be above 0")
 
 
 def tissue_toml(tissue: Tissue, extra: str = "") -> str:

@@ -71,3 +71,9 @@ def test_files_that_cannot_be_read_are_named(tmp_path):
     (tmp_path / "empty.csv").write_text("")
     with pytest.raises(InputError, match="nothing"):
         read_trace(tmp_path / "empty.csv")
+
+
+def test_a_fast_approach_from_far_above_the_surface_is_no_sign_error(tmp_path):
+    depth = np.r_[np.linspace(-25.0, 2.0, 10), np.full(10, 2.0)]
+    force = np.where(depth > 0, 3.0, 0.0)
+    assert read_trace(_write(tmp_path, depth=depth, force=force)).displacement_mm.max() == 2.0

@@ -35,6 +35,7 @@ FILM_REACH = 6.0
 # Relative error of one rung's mesh in the limit; measured by halving all cells (see VERIFICATION.md).
 MESH_ERROR = 1e-3
 MAX_DEPTH_OVER_THICKNESS = 0.6
+STANDARD_EXTENT_MM = float(np.sqrt(150.0 * 120.0 / np.pi))
 BASES = ("bonded", "sliding")
 CONDITIONS = ("bonded", "frictionless")
 
@@ -330,7 +331,7 @@ def solve_curve(
     poisson : float
         Poisson's ratio; 0.5 is incompressible.
     extent_mm : float, optional
-        Outer radius of the slab; by default six thicknesses outside the punch. [mm]
+        Outer radius of the slab; by default that of the circle with the area of 150 x 120 mm. [mm]
     law : Law, optional
         Shape of the hyperelastic law; it is scaled to the modulus. Neo-Hookean by default.
     progress : callable, optional
@@ -362,7 +363,7 @@ def solve_curve(
             f"({MAX_DEPTH_OVER_THICKNESS} of the thickness {thickness_mm} mm)"
         )
     a = radius_mm / thickness_mm
-    extent = a + 6.0 if extent_mm is None else extent_mm / thickness_mm
+    extent = (STANDARD_EXTENT_MM if extent_mm is None else extent_mm) / thickness_mm
     slab = Slab(a, extent, base, condition)
     shape = law or Yeoh(1.0)
     shape = shape.scaled(1.0 / shape.shear_MPa)

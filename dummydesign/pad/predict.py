@@ -1,0 +1,289 @@
+"""Predict the force of one pad: at static depths, or under a motion with relaxation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from dummydesign.errors import InputError, NoAnswerError, unknown_name
+from dummydesign.pad.checks import positive
+from dummydesign.pad.relaxation import PronyTerm, relaxed_force
+from dummydesign.protocol.motion import Motion
+
+Array = np.ndarray
+FIDELITIES = ("table", "axisymmetric")
+# Depths at which a finite-element curve is solved before it is followed along a motion.
+CURVE_POINTS = 16
+
+
+@dataclass(frozen=True)
+class Pad:
+    """A slab, its material and the round punch of equal area on it.
+
+    ``young_MPa`` is the long-term modulus; ``prony`` is relative to it.
+    """
+
+    thickness_mm: float
+    young_MPa: float
+    radius_mm: float
+    prony: tuple[PronyTerm, ...] = ()
+    base: str = "bonded"
+    condition: str = "bonded"
+    poisson: float = 0.5
+    yeoh_c2_over_mu: float = 0.0
+    extent_mm: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("thickness_mm", "young_MPa", "radius_mm"):
+            positive(name, getattr(self, name))
+
+
+@dataclass(frozen=True)
+class StaticPrediction:
+    """Force at static depths with the model's own uncertainty; arrays of one length."""
+
+    depth_mm: Array
+    force_N: Array
+    force_low_N: Array
+    force_high_N: Array
+    local_exponent: Array
+    fidelity: str
+    solver: dict[str, Any]
+    notes: tuple[str, ...] = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the fields as plain values."""
+        return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in self.__dict__.items()}
+
+
+@dataclass(frozen=True)
+class MotionPrediction:
+    """Force under a motion with the model's own uncertainty; arrays of one length."""
+
+    time_s: Array
+    displacement_mm: Array
+    force_N: Array
+    force_low_N: Array
+    force_high_N: Array
+    peak_force_N: float
+    peak_time_s: float
+    steady_force_N: float
+    fidelity: str
+    solver: dict[str, Any]
+    notes: tuple[str, ...] = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the fields as plain values."""
+        return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in self.__dict__.items()}
+
+
+@dataclass(frozen=True)
+class ElasticCurve:
+    """Long-term elastic force as a function of depth, and its relative error."""
+
+    force: Callable[[Array], Array]
+    relative_error: Callable[[Array], Array]
+    limit_mm: float
+    solver: dict[str, Any]
+    notes: tuple[str, ...] = ()
+
+
+def predict_static(
+    pad: Pad, depth_mm: Sequence[float], fidelity: str = "table", progress: Callable[[float], None] | None = None
+) -> StaticPrediction:
+    """Long-term force at static depths.
+
+    Parameters
+    ----------
+    pad : Pad
+    depth_mm : sequence of float
+        Depths >= 0 within the validity of the model. [mm]
+    fidelity : str
+        ``table`` (bonded or sliding base, glued punch, neo-Hookean) or ``axisymmetric`` (solved now).
+
+    Raises
+    ------
+    InputError
+        For a depth outside the validity, or a case the table does not hold.
+    NoAnswerError
+        When the finite elements do not reach a wanted depth.
+    """
+    depth = np.asarray(depth_mm, dtype=float)
+    if depth.ndim != 1 or not len(depth) or not np.isfinite(depth).all():
+        raise InputError(f"depth_mm = {depth_mm} must be a list of finite numbers")
+    curve = elastic_curve(pad, fidelity, float(depth.max()), depth, progress)
+    _check_depth(depth, curve, pad)
+    force, error = curve.force(depth), curve.relative_error(depth)
+    step = 1e-4 * pad.thickness_mm
+    low, high = np.maximum(depth - step, step), np.minimum(np.maximum(depth, 2.0 * step) + step, curve.limit_mm)
+    exponent = np.log(curve.force(high) / curve.force(low)) / np.log(high / low)
+    return StaticPrediction(
+        depth, force, force * (1.0 - error), force * (1.0 + error), exponent, fidelity, curve.solver, curve.notes
+    )
+
+
+def predict_motion(
+    pad: Pad, motion: Motion, fidelity: str = "table", progress: Callable[[float], None] | None = None
+) -> MotionPrediction:
+    """Force along a motion: elastic force of the depth, convolved with the Prony terms.
+
+    F(t) = integral of (1 + sum beta_i exp(-(t - s) / tau_i)) dF_inf(d(s)); the pad does not pull, so the
+    force is never below zero. The motion is piecewise linear; long steps are divided so that the elastic
+    force is followed within them.
+
+    Raises
+    ------
+    InputError, NoAnswerError
+        As :func:`predict_static`.
+    """
+    deepest = float(np.max(motion.displacement_mm))
+    if deepest <= 0.0:
+        raise InputError(f"largest displacement_mm = {deepest:.4g} never reaches the pad; compression is positive")
+    curve = elastic_curve(pad, fidelity, deepest, None, progress)
+    _check_depth(motion.displacement_mm, curve, pad)
+    time, place, keep = _divide(motion, 0.005 * pad.thickness_mm)
+    elastic = curve.force(place)
+    force = np.maximum(relaxed_force(time, elastic, pad.prony), 0.0)[keep]
+    error = curve.relative_error(np.maximum.accumulate(np.maximum(motion.displacement_mm, 0.0)))
+    peak = int(np.argmax(force))
+    return MotionPrediction(
+        motion.time_s, motion.displacement_mm, force, force * (1.0 - error), force * (1.0 + error),
+        float(force[peak]), float(motion.time_s[peak]), float(force[-1]), fidelity, curve.solver, curve.notes,
+    )  # fmt: skip
+
+
+def depth_for_steady_force(
+    pad: Pad, force_N: float, hold_s: float, motion_to: Callable[[float], Motion], fidelity: str = "table"
+) -> float:
+    """Depth at which the force at the end of a ramp and hold is the wanted one. [mm]
+
+    Parameters
+    ----------
+    motion_to : callable
+        Gives the motion to a depth, with a hold of ``hold_s``.
+
+    Raises
+    ------
+    NoAnswerError
+        When the force is out of reach within the depth limit; the message says what is reached.
+    """
+    positive("force_N", force_N)
+    positive("hold_s", hold_s)
+    curve = elastic_curve(pad, fidelity, None, None, None)
+
+    def steady(depth: float) -> float:
+        motion = motion_to(depth)
+        time, place, keep = _divide(motion, 0.01 * pad.thickness_mm)
+        return float(relaxed_force(time, curve.force(place), pad.prony)[keep][-1])
+
+    low, high = 1e-3 * pad.thickness_mm, curve.limit_mm
+    most = steady(high)
+    if most < force_N:
+        raise NoAnswerError(
+            "out_of_reach",
+            f"steady force = {force_N:g} N is out of reach: the pad of {pad.thickness_mm:g} mm carries {most:.3g} N "
+            f"at its depth limit {high:.3g} mm; take a stiffer resin or a thinner pad",
+        )
+    if steady(low) > force_N:
+        raise InputError(f"force_N = {force_N:g} is below {steady(low):.3g} N, the force at 0.1 % of the thickness")
+    from scipy.optimize import brentq
+
+    return float(brentq(lambda depth: steady(depth) - force_N, low, high, xtol=1e-9))
+
+
+def elastic_curve(
+    pad: Pad,
+    fidelity: str,
+    deepest_mm: float | None,
+    depths_mm: Array | None,
+    progress: Callable[[float], None] | None,
+) -> ElasticCurve:
+    """Long-term force as a function of depth, by the table or solved by finite elements.
+
+    ``deepest_mm`` None asks for the whole valid range; ``depths_mm`` are met exactly by a solve.
+    """
+    if fidelity not in FIDELITIES:
+        raise unknown_name("fidelity", fidelity, FIDELITIES)
+    if fidelity == "table":
+        return _by_table(pad)
+    return _by_elements(pad, deepest_mm, depths_mm, progress)
+
+
+def _by_table(pad: Pad) -> ElasticCurve:
+    from dummydesign.pad.table import load_table
+
+    for name, value, held in (
+        ("punch condition", pad.condition, "bonded"),
+        ("poisson", pad.poisson, 0.5),
+        ("law c2_over_mu", pad.yeoh_c2_over_mu, 0.0),
+    ):
+        if value != held:
+            raise InputError(f"{name} = {value} is not in the table (only {held}); add --fidelity axisymmetric")
+    table = load_table(pad.base)
+    args = (pad.thickness_mm, pad.radius_mm)
+    limit = float(table.depth_limit_mm(*args))
+    nothing = {"unknowns": 0, "load_steps": 0, "newton_iterations": 0, "seconds": 0.0}
+    return ElasticCurve(
+        lambda depth: table.force(depth, pad.thickness_mm, pad.young_MPa, pad.radius_mm),
+        lambda depth: table.relative_error(np.clip(depth, 0.0, limit), *args),
+        limit,
+        nothing,
+    )
+
+
+def _by_elements(
+    pad: Pad, deepest_mm: float | None, depths_mm: Array | None, progress: Callable[[float], None] | None
+) -> ElasticCurve:
+    from scipy.interpolate import PchipInterpolator
+
+    from dummydesign.pad.axisymmetric import MAX_DEPTH_OVER_THICKNESS, solve_curve
+    from dummydesign.pad.laws import Yeoh
+
+    limit = MAX_DEPTH_OVER_THICKNESS * pad.thickness_mm
+    deepest = limit if deepest_mm is None else min(max(deepest_mm, 0.02 * pad.thickness_mm), limit)
+    grid = np.linspace(0.0, deepest, CURVE_POINTS + 1)[1:]
+    if depths_mm is not None:
+        grid = np.union1d(grid[::2], depths_mm[(depths_mm > 0.0) & (depths_mm <= limit)])
+    solved = solve_curve(
+        pad.thickness_mm, pad.radius_mm, pad.young_MPa, grid, base=pad.base, condition=pad.condition,
+        poisson=pad.poisson, extent_mm=pad.extent_mm, law=Yeoh(1.0, pad.yeoh_c2_over_mu), progress=progress,
+    )  # fmt: skip
+    depth, force = solved.depth_mm, solved.force_N
+    # F / d varies little; what lies between solved depths is a monotone cubic through it.
+    stiffness = PchipInterpolator(depth, np.log(force / depth), extrapolate=True)
+    error = solved.error_N / force
+
+    def value(at: Array) -> Array:
+        at = np.asarray(at, dtype=float)
+        inside = np.clip(at, 0.0, depth[-1])
+        return np.where(at > 0.0, inside * np.exp(stiffness(inside)), 0.0)
+
+    return ElasticCurve(
+        value, lambda at: np.interp(at, depth, error), float(depth[-1]), solved.solver, solved.notes
+    )
+
+
+def _check_depth(depth: Array, curve: ElasticCurve, pad: Pad) -> None:
+    worst, limit = float(np.max(depth)), curve.limit_mm
+    if worst <= limit * (1.0 + 1e-9):
+        return
+    reason = "; ".join(curve.notes) or "beyond it the pad model is not validated"
+    message = (
+        f"depth_mm = {worst:.4g} is outside the allowed range 0 to {limit:.4g} "
+        f"(d/h = {limit / pad.thickness_mm:.3g} for a pad of {pad.thickness_mm:g} mm); {reason}"
+    )
+    if curve.notes and worst <= 0.6 * pad.thickness_mm * (1.0 + 1e-9):
+        raise NoAnswerError("no_convergence", message)
+    raise InputError(message)
+
+
+def _divide(motion: Motion, largest_mm: float) -> tuple[Array, Array, Array]:
+    """Cut the steps of a motion to at most ``largest_mm``; return times, places and where the given ones are."""
+    time, place = motion.time_s, motion.displacement_mm
+    parts = np.maximum(1, np.ceil(np.abs(np.diff(place)) / largest_mm)).astype(int)
+    at = np.concatenate([[0], np.cumsum(parts)])
+    fine = np.arange(at[-1] + 1)
+    return np.interp(fine, at, time), np.interp(fine, at, place), at

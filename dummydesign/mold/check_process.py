@@ -1,0 +1,83 @@
+"""Checks of fit, level, weights and time: arithmetic on the specification and the measured volumes; no CAD."""
+
+from __future__ import annotations
+
+import math
+
+from dummydesign.mold import formula
+from dummydesign.mold.check import Check, above, below, equal, skipped
+from dummydesign.mold.layout import Layout, layout
+from dummydesign.mold.pour import CUP_FACTOR, RATIO_ERROR_LIMIT_PERCENT, PourPlan
+from dummydesign.mold.spec import MouldSpec
+from dummydesign.mold.validate import WARM_K
+
+
+def check_process(spec: MouldSpec, plan: PourPlan) -> list[Check]:
+    """Check machines, tray, walls, weights, cup, pot life and level."""
+    place = layout(spec)
+    return [*_machines(spec, place), *_walls(spec, place, plan), *_weights(spec, plan), *_level(spec, plan)]
+
+
+def _machines(spec: MouldSpec, place: Layout) -> list[Check]:
+    m = spec.machines
+    bed = sorted((m.bed_x_mm - 2 * m.bed_margin_mm, m.bed_y_mm - 2 * m.bed_margin_mm))
+    size = sorted((place.flange.length_mm, place.flange.width_mm))
+    spare = min(bed[0] - size[0], bed[1] - size[1])
+    found = [above("fits_printer", spare, 0.0, "mm to spare beside the master on the bed, margin kept")]
+    if spec.pour.cure_temperature_C > spec.pour.room_temperature_C + WARM_K:
+        rim = 2 * (spec.aids.tray_rim_mm + spec.aids.tray_clearance_mm)
+        shelf = sorted((m.shelf_x_mm, m.shelf_y_mm))
+        low, high = sorted((place.bottom.length_mm + rim, place.bottom.width_mm + rim))
+        found.append(above("fits_oven", min(shelf[0] - low, shelf[1] - high), 0.0, "mm to spare on the shelf"))
+    else:
+        found.append(skipped("fits_oven", "cures at room temperature"))
+    if spec.pour.degas == "mould":
+        tall = place.height_mm + formula.collar_height_mm(place.depth_mm, spec.pour.foam_factor)
+        spare = min(m.chamber_diameter_mm - place.top.diagonal_mm, m.chamber_height_mm - tall)
+        found.append(above("fits_vacuum_chamber", spare, 0.0, "mm to spare, mould with collar"))
+    else:
+        found.append(skipped("fits_vacuum_chamber", "the resin is degassed in its cup"))
+    return found
+
+
+def _walls(spec: MouldSpec, place: Layout, plan: PourPlan) -> list[Check]:
+    limit = 0.02 * min(spec.pad.length_mm, spec.pad.width_mm)
+    room = spec.aids.tray_clearance_mm - plan.thermal_growth_mm / 2
+    return [
+        below("wall_deflection", plan.wall_deflection_mm, limit, "mm, cantilever strip under the liquid"),
+        above("tray_growth_room", room, 0.1, "mm left on each side of the mould in its tray when hot"),
+    ]
+
+
+def _weights(spec: MouldSpec, plan: PourPlan) -> list[Check]:
+    resolution = spec.machines.balance_resolution_g
+    total = sum(mass for _, mass in plan.components)
+    whole = all(math.isclose(mass / resolution, round(mass / resolution), abs_tol=1e-6) for _, mass in plan.components)
+    ratio = below(
+        "weighing_error", plan.ratio_error_percent, RATIO_ERROR_LIMIT_PERCENT,
+        f"% in a component's share; a batch of {plan.batch_for_ratio_g:.0f} g keeps it",
+    )  # fmt: skip
+    if ratio.status == "fail":
+        # A small batch can be poured all the same: it is a warning with its remedy, not a bad mould.
+        ratio = Check(ratio.id, ratio.value, ratio.limit, "skipped", "advice: " + ratio.note)
+    cup = plan.cup_mm3 * spec.pour.density_g_per_cm3 * 1e-3 / plan.batch_mass_g
+    return [
+        equal("weights_sum", whole and math.isclose(total, plan.batch_mass_g, abs_tol=1e-9), True),
+        above("batch_covers_cavity", plan.batch_mass_g - spec.pour.film_loss_g, plan.pad_mass_g, "g after film loss"),
+        ratio,
+        above("cup", cup, CUP_FACTOR, "cup over liquid volume, foam under vacuum"),
+        above("pot_life", spec.pour.pot_life_min, spec.pour.pour_and_degas_min, "min against degassing and pouring"),
+    ]
+
+
+def _level(spec: MouldSpec, plan: PourPlan) -> list[Check]:
+    longest = max(spec.pad.length_mm, spec.pad.width_mm)
+    tilt = formula.tilt_error_mm(longest, plan.level_deg)
+    return [
+        below(
+            "level_tolerance",
+            tilt / spec.pad.thickness_mm,
+            0.025 + 1e-9,
+            f"{plan.level_deg:.3f} deg over {longest:g} mm",
+        )
+    ]

@@ -1,0 +1,119 @@
+"""What a mould maker would work out by hand: volumes, level, meniscus, deflection, fits. No CAD."""
+
+from __future__ import annotations
+
+import math
+
+from dummydesign.mold.layout import Layout, layout
+from dummydesign.mold.outline import drafted_volume_mm3, slab_volume_mm3
+from dummydesign.mold.spec import MouldSpec
+
+GRAVITY_M_PER_S2 = 9.80665
+
+
+def cavity_volume_mm3(spec: MouldSpec, plan: Layout | None = None) -> float:
+    """Volume of the cavity up to the fill plane for a slab, in closed form. [mm3]
+
+    See :func:`dummydesign.mold.outline.slab_volume_mm3`; other shapes are measured on their solid.
+    """
+    plan = plan or layout(spec)
+    pad = spec.pad
+    return slab_volume_mm3(plan.floor_outline, plan.depth_mm, pad.draft_deg, pad.edge_radius_mm * plan.scale)
+
+
+def block_volume_mm3(spec: MouldSpec, plan: Layout | None = None) -> float:
+    """Volume of the drafted block the mould is cut from. [mm3]"""
+    plan = plan or layout(spec)
+    return drafted_volume_mm3(plan.bottom, plan.height_mm, spec.body.outer_draft_deg)
+
+
+def mould_volume_mm3(spec: MouldSpec, plan: Layout | None = None) -> float:
+    """Silicone of an open mould with a slab's cavity: block less cavity less brim, label neglected. [mm3]"""
+    plan = plan or layout(spec)
+    brim = drafted_volume_mm3(plan.brim_outline, spec.body.freeboard_mm, spec.pad.draft_deg)
+    return block_volume_mm3(spec, plan) - cavity_volume_mm3(spec, plan) - brim
+
+
+def tilt_error_mm(length_mm: float, angle_deg: float) -> float:
+    """Difference of thickness over a length when the mould is out of level. [mm]"""
+    return length_mm * math.tan(math.radians(angle_deg))
+
+
+def level_tolerance_deg(thickness_mm: float, length_mm: float, share: float = 0.025, most_mm: float = 0.26) -> float:
+    """How level the mould must stand so that thickness differs by at most ``share`` of it, or ``most_mm``.
+
+    Parameters
+    ----------
+    thickness_mm, length_mm : float
+        Thickness and longer side of the pad. [mm]
+    share, most_mm : float
+        Allowed difference: 2.5 % of the thickness, never above 0.26 mm, as a spirit level of 0.1 deg
+        resolves on 150 mm.
+
+    Returns
+    -------
+    float
+        Angle. [deg]
+    """
+    return math.degrees(math.atan(min(share * thickness_mm, most_mm) / length_mm))
+
+
+def capillary_length_mm(surface_tension_N_per_m: float, density_g_per_cm3: float) -> float:
+    """Capillary length sqrt(sigma / (rho g)). [mm]"""
+    return 1e3 * math.sqrt(surface_tension_N_per_m / (density_g_per_cm3 * 1e3 * GRAVITY_M_PER_S2))
+
+
+def meniscus_height_mm(surface_tension_N_per_m: float, density_g_per_cm3: float, contact_angle_deg: float) -> float:
+    """Rise of a liquid at a long vertical wall, sqrt(2 (1 - sin theta)) capillary lengths. [mm]
+
+    Reference: L. D. Landau, E. M. Lifshitz, Fluid Mechanics, section 61.
+    """
+    rise = math.sqrt(2 * (1 - math.sin(math.radians(contact_angle_deg))))
+    return rise * capillary_length_mm(surface_tension_N_per_m, density_g_per_cm3)
+
+
+def meniscus_volume_mm3(
+    surface_tension_N_per_m: float, density_g_per_cm3: float, contact_angle_deg: float, perimeter_mm: float
+) -> float:
+    """Liquid held up by the meniscus along a wall, sigma cos(theta) / (rho g) per length. [mm3]"""
+    length = capillary_length_mm(surface_tension_N_per_m, density_g_per_cm3)
+    return length**2 * math.cos(math.radians(contact_angle_deg)) * perimeter_mm
+
+
+def wall_deflection_mm(depth_mm: float, wall_mm: float, young_MPa: float, density_g_per_cm3: float) -> float:
+    """Deflection of the top of a mould wall under the liquid, as a cantilever plate strip.
+
+    Triangular load q = rho g (h - z): delta = rho g h^5 / (30 E I), I = w^3 / 12 per length (beam table).
+    The side walls hold each other at the corners, so this is an upper bound. [mm]
+    """
+    weight = density_g_per_cm3 * 1e-6 * GRAVITY_M_PER_S2
+    return weight * depth_mm**5 / (30 * young_MPa * wall_mm**3 / 12)
+
+
+def thermal_growth_mm(length_mm: float, expansion_per_K: float, warmer_K: float) -> float:
+    """Growth of a length when warmed. [mm]"""
+    return length_mm * expansion_per_K * warmer_K
+
+
+def collar_height_mm(thickness_mm: float, foam_factor: float) -> float:
+    """Head room needed above the fill plane for resin that foams to ``foam_factor`` times its volume. [mm]"""
+    return (foam_factor - 1) * thickness_mm
+
+
+def peel_force_N(width_mm: float, adhesion_J_per_m2: float) -> float:
+    """Steady force of peeling at a right angle, adhesion times width. [N]"""
+    return adhesion_J_per_m2 * width_mm * 1e-3
+
+
+def pull_force_N(area_mm2: float, thickness_mm: float, young_kPa: float, adhesion_J_per_m2: float) -> float:
+    """Force of a straight pull of a thin layer off its mould, area times sqrt(2 E G / t). [N]
+
+    Energy release of a uniformly stretched layer (Kendall, J. Phys. D 4 (1971) 1186); an upper bound.
+    """
+    stress_Pa = math.sqrt(2 * young_kPa * 1e3 * adhesion_J_per_m2 / (thickness_mm * 1e-3))
+    return stress_Pa * area_mm2 * 1e-6
+
+
+def suction_force_N(area_mm2: float, pressure_kPa: float = 101.325) -> float:
+    """Force that air pressure alone can hold on a pad without an air path. [N]"""
+    return pressure_kPa * 1e-3 * area_mm2

@@ -1,0 +1,156 @@
+"""Make all files of a mould in one folder and check them. CAD child only."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+from dummydesign.mold import check, check_files, check_mesh, check_process, mesh, view
+from dummydesign.mold.build import Parts, build
+from dummydesign.mold.pour import pour_plan, pour_warnings
+from dummydesign.mold.spec import MouldSpec
+from dummydesign.mold.step import COLOURS, Material, StepPart, step_text
+
+RIGID = Material("printed rigid polymer", "PETG or ASA, density as printed solid", 1.27)
+PICTURE_S = 90
+MESHED_APART = ("pad", "strike_off")
+
+
+def produce(spec: MouldSpec, folder: Path) -> dict[str, Any]:
+    """Build, write, read again and check; return what the parent turns into a result.
+
+    Parameters
+    ----------
+    spec : MouldSpec
+    folder : Path
+        An empty folder; nothing in it counts until the parent has renamed it.
+
+    Returns
+    -------
+    dict
+        ``files`` {role: file name}, ``volumes_mm3``, ``checks``, ``warnings``, ``sha256`` {role: ...},
+        ``step_sha256`` of the assembly, ``pour``.
+    """
+    made = build(spec)
+    meshes = {name: mesh.tessellate(part.solid) for name, part in made.parts.items()}
+    picture = _start_picture(made, meshes, folder)
+    steps = {name: _step_part(made, name) for name in made.parts}
+    files = _write_steps(made, steps, folder)
+    mesh_files = _write_meshes(made, meshes, folder)
+    volumes = _volumes(made)
+    plan = pour_plan(spec, volumes["cavity"], volumes["mould"] + volumes.get("lid", 0.0))
+    checks = check.check_solids(made)
+    checks += check_mesh.check_mould_mesh(made, mesh.tessellate(made.solid("mould"), *check_mesh.FINE))
+    checks += check_files.check_step(steps, {name: folder / files[name] for name in steps}, folder / files["assembly"])
+    checks += check_files.check_step_text(folder / files["assembly"], folder / files["pad"], spec.hash)
+    total = sum(part.solid.Volume() for part in made.parts.values())
+    checks.append(check_files.check_second_reader(folder / files["assembly"], total, len(made.parts)))
+    checks += check_files.check_meshes(steps, genera(spec), {k: list(v.values()) for k, v in mesh_files.items()})
+    checks += check_process.check_process(spec, plan)
+    for name, paths in mesh_files.items():
+        files |= {f"{name}_{kind}": path.name for kind, path in paths.items()}
+    warnings = pour_warnings(spec, plan)
+    files |= _finish_picture(picture, folder, spec, warnings)
+    return {
+        "files": files,
+        "volumes_mm3": volumes,
+        "checks": [item.to_dict() for item in checks],
+        "warnings": warnings,
+        "pour": plan.to_dict(),
+        "step_sha256": hashlib.sha256((folder / files["assembly"]).read_bytes()).hexdigest(),
+    }
+
+
+def genera(spec: MouldSpec) -> dict[str, int]:
+    """How many holes go through each part: 8 bolts, 3 level screws, sprue and vents, the frame's opening."""
+    open_holes = 0 if spec.closure is None else 6
+    return {
+        "pad": 0, "mould": 0, "master": 8, "frame": 9, "strike_off": 0, "tray": 3, "collar": 1, "lid": open_holes,
+        "backer": open_holes, "lid_master": 8, "lid_frame": 9, "sprue_pin": 0, "vent_pin": 0,
+    }  # fmt: skip
+
+
+def _step_part(made: Parts, name: str) -> StepPart:
+    spec, part = made.spec, made.parts[name]
+    material = {
+        "resin": Material(spec.pour.resin, f"ratio {spec.pour.ratio:g}", spec.pour.density_g_per_cm3),
+        "silicone": Material(spec.silicone.name, "mould silicone", spec.silicone.density_g_per_cm3),
+        "rigid": RIGID,
+    }[part.material]
+    return StepPart(name, part.solid, material, COLOURS[part.material], part.offset_mm)
+
+
+def _write_steps(made: Parts, steps: dict[str, StepPart], folder: Path) -> dict[str, str]:
+    """One STEP file per part and one assembly; return role to file name."""
+    spec, files = made.spec, {}
+    for name, part in steps.items():
+        alone = StepPart(part.name, part.solid, part.material, part.colour)
+        files[name] = f"{name}_{spec.tag}.step"
+        text = step_text([alone], f"{name}_{spec.tag}", _description(spec, name))
+        (folder / files[name]).write_text(text, encoding="ascii")
+    files["assembly"] = f"assembly_{spec.tag}.step"
+    text = step_text(list(steps.values()), f"assembly_{spec.tag}", _description(spec, "assembly"))
+    (folder / files["assembly"]).write_text(text, encoding="ascii")
+    return files
+
+
+def _description(spec: MouldSpec, name: str) -> str:
+    pad = spec.pad
+    size = f"{pad.length_mm:g} x {pad.width_mm:g} x {pad.thickness_mm:g} mm"
+    return f"{name} of the {spec.preset} mould for a {pad.kind} pad {size}, specification {spec.hash}, lengths in mm"
+
+
+def _write_meshes(made: Parts, meshes: dict[str, Any], folder: Path) -> dict[str, dict[str, Path]]:
+    """STL and 3MF of what is printed or looked at in a slicer."""
+    found: dict[str, dict[str, Path]] = {}
+    for name, part in meshes.items():
+        stem = folder / f"{name}_{made.spec.tag}"
+        found[name] = {"stl": stem.with_name(stem.name + ".stl")}
+        mesh.write_stl(part, found[name]["stl"])
+        if made.parts[name].material == "rigid":
+            found[name]["3mf"] = stem.with_name(stem.name + ".3mf")
+            mesh.write_3mf(part, found[name]["3mf"])
+    return found
+
+
+def _volumes(made: Parts) -> dict[str, float]:
+    volumes = {"cavity": made.solid("pad").Volume(), "pad_nominal": made.pad_nominal.Volume()}
+    volumes["pad_compensated"] = made.solid("pad").Volume()
+    return {**volumes, **{name: part.solid.Volume() for name, part in made.parts.items() if name != "pad"}}
+
+
+def _start_picture(made: Parts, meshes: dict[str, Any], folder: Path) -> subprocess.Popen[bytes]:
+    spec = made.spec
+    pad = spec.pad
+    title = f"{spec.preset} mould, pad {pad.length_mm:g} x {pad.width_mm:g} x {pad.thickness_mm:g} mm   #{spec.hash}"
+    packed = folder / ".picture.npz"
+    view.pack(meshes, {name: COLOURS[part.material] for name, part in made.parts.items()}, title, packed)
+    command = [sys.executable, "-m", "dummydesign.mold.view", str(packed), str(folder / f"mould_{spec.tag}.png")]
+    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def _finish_picture(
+    process: subprocess.Popen[bytes], folder: Path, spec: MouldSpec, warnings: list[dict[str, str]]
+) -> dict[str, str]:
+    """Wait for the picture; without one the mould is as good, and a warning says so."""
+    try:
+        process.wait(PICTURE_S)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+    (folder / ".picture.npz").unlink(missing_ok=True)
+    picture = folder / f"mould_{spec.tag}.png"
+    if picture.is_file():
+        return {"picture": picture.name}
+    message = "no picture: this machine cannot render (libegl1 or Mesa helps); the drawings and files are complete"
+    warnings.append({"code": "no_picture", "message": message})
+    return {}
+
+
+def write_json(path: Path, content: Any) -> None:
+    """Write plain data as JSON with sorted keys."""
+    path.write_text(json.dumps(content, indent=1, sort_keys=True, allow_nan=False) + "\n", encoding="utf-8")

@@ -1,0 +1,163 @@
+"""Make a mould from outside: a child process does the CAD, checked files are renamed into place."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from dummydesign.errors import InputError, NoAnswerError
+from dummydesign.files import output_folder
+from dummydesign.mold.pour import pour_plan, pour_warnings
+from dummydesign.mold.spec import MouldSpec
+from dummydesign.mold.validate import validate
+
+TIMEOUT_S = 300.0
+RESULT = ".result.json"
+
+
+@dataclass(frozen=True)
+class MouldResult:
+    """What was made: files by role, volumes, masses to weigh, all checks, and the hash of the assembly."""
+
+    files: dict[str, str]
+    volumes_mm3: dict[str, float]
+    masses_g: dict[str, float]
+    checks: tuple[dict[str, Any], ...]
+    step_sha256: str
+    warnings: tuple[dict[str, str], ...]
+    pour: dict[str, Any]
+    spec_hash: str
+    seconds: float = field(default=0.0, compare=False)
+    memory_MB: float = field(default=0.0, compare=False)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the fields as plain values."""
+        plain = asdict(self)
+        return {**plain, "checks": list(plain["checks"]), "warnings": list(plain["warnings"])}
+
+
+def make_mold(spec: MouldSpec, folder: Path, timeout_s: float = TIMEOUT_S) -> MouldResult:
+    """Build the mould of a specification with all its files into a folder.
+
+    Parameters
+    ----------
+    spec : MouldSpec
+        From :func:`dummydesign.mold.preset.mould_spec`.
+    folder : Path
+        Made when needed; files of the same name are replaced, and only when everything has been checked.
+    timeout_s : float
+        After this time the child process is ended. [s]
+
+    Returns
+    -------
+    MouldResult
+
+    Raises
+    ------
+    InputError
+        When the specification or the folder cannot be used.
+    NoAnswerError
+        ``cad_unavailable`` when CadQuery or a system library is missing, ``cad_failed`` when the kernel
+        failed, crashed or took too long, ``check_failed`` when a check failed. What is known without CAD
+        (weights, warnings) or was found (checks) is in its ``result``; no file is left under a final name.
+    """
+    validate(spec)
+    target = output_folder(folder)
+    work = Path(tempfile.mkdtemp(prefix=".mould-", dir=target))
+    try:
+        found = _run_child(spec, work, timeout_s)
+        result = _result(spec, found, target)
+        failed = [item for item in result.checks if item["status"] == "fail"]
+        if failed:
+            names = "; ".join(f"{item['id']} = {item['value']} (limit {item['limit']})" for item in failed)
+            partial = {**result.to_dict(), "files": {}}
+            raise NoAnswerError("check_failed", f"the mould was built but failed {names}; no file was kept", partial)
+        _move(work, target, found["files"])
+    finally:
+        shutil.rmtree(work, ignore_errors=True)
+    return result
+
+
+def without_cad(spec: MouldSpec) -> dict[str, Any]:
+    """What is known of a mould without CAD: weights from closed forms, warnings, the hash."""
+    plan = pour_plan(spec)
+    return {
+        "files": {},
+        "masses_g": {**dict(plan.components), "silicone": plan.silicone_mass_g},
+        "pour": plan.to_dict(),
+        "spec_hash": spec.hash,
+        "warnings": pour_warnings(spec, plan),
+    }
+
+
+def _run_child(spec: MouldSpec, work: Path, timeout_s: float) -> dict[str, Any]:
+    """Start the child, wait, and turn every way it can end into a result or a named error."""
+    spec_file = work / ".spec.json"
+    spec_file.write_text(spec.canonical(), encoding="utf-8")
+    package = str(Path(__file__).resolve().parents[2])
+    path = os.pathsep.join(filter(None, (package, os.environ.get("PYTHONPATH"))))
+    environment = {**os.environ, "PYTHONPATH": path, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    command = [sys.executable, "-m", "dummydesign.mold.worker", str(spec_file), str(work)]
+    pad = spec.pad
+    what = (
+        f"preset {spec.preset}, {pad.kind} {pad.length_mm:g} x {pad.width_mm:g} x {pad.thickness_mm:g} mm, "
+        f"specification {spec.hash}"
+    )
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=timeout_s, env=environment)
+    except subprocess.TimeoutExpired:
+        message = f"the CAD kernel did not finish within {timeout_s:g} s ({what}); nothing was written"
+        raise NoAnswerError("cad_failed", message, without_cad(spec)) from None
+    answer = work / RESULT
+    if not answer.is_file():
+        last = (done.stderr.strip().splitlines() or ["no message"])[-1]
+        how = f"signal {-done.returncode}" if done.returncode < 0 else f"exit status {done.returncode}: {last}"
+        message = f"the CAD kernel ended without an answer ({how}; {what}); nothing was written"
+        raise NoAnswerError("cad_failed", message, without_cad(spec))
+    found = json.loads(answer.read_text(encoding="utf-8"))
+    if "error" in found:
+        code, text = found["error"]["code"], found["error"]["message"]
+        message = text if code == "cad_unavailable" else f"the CAD kernel failed: {text} ({what}); nothing was written"
+        raise NoAnswerError(code, message, without_cad(spec))
+    return found
+
+
+def _result(spec: MouldSpec, found: dict[str, Any], target: Path) -> MouldResult:
+    masses = {part["name"]: part["mass_g"] for part in found["pour"]["components"]}
+    return MouldResult(
+        files={role: str(target / name) for role, name in found["files"].items()},
+        volumes_mm3=found["volumes_mm3"],
+        masses_g={**masses, "silicone": found["pour"]["silicone_mass_g"]},
+        checks=tuple(found["checks"]),
+        step_sha256=found["step_sha256"],
+        warnings=tuple(found["warnings"]),
+        pour=found["pour"],
+        spec_hash=spec.hash,
+        seconds=found["seconds"],
+        memory_MB=found["memory_MB"],
+    )
+
+
+def _move(work: Path, target: Path, files: dict[str, str]) -> None:
+    """Rename the checked files into place.
+
+    Raises
+    ------
+    InputError
+        When a final name is taken by a folder or cannot be written.
+    """
+    for name in files.values():
+        if (target / name).is_dir():
+            raise InputError(f"'{target / name}' is a folder; a file of that name has to be written")
+    try:
+        for name in files.values():
+            os.replace(work / name, target / name)
+    except OSError as problem:
+        raise InputError(f"output folder '{target}' cannot be written: {problem.strerror or problem}") from None

@@ -1,0 +1,130 @@
+"""Picture of the parts by PyVista, as a process of its own: a renderer that crashes harms nothing.
+
+``python -m dummydesign.mold.view meshes.npz picture.png``
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+SIZE = (1600, 1000)
+GAP_MM, LABEL_ROOM_MM = 45.0, 115.0
+VIEW = (-0.42, -1.0, 0.95)
+
+
+def pack(meshes: dict[str, Any], colours: dict[str, tuple[float, float, float]], title: str, path: Path) -> None:
+    """Write what the picture needs into one file: vertices, faces, colour and place of each part shown."""
+    import numpy as np
+
+    arrays: dict[str, Any] = {"title": np.array(title)}
+    for name, mesh in meshes.items():
+        arrays[f"{name}/vertices"] = np.asarray(mesh.vertices)
+        arrays[f"{name}/faces"] = np.asarray(mesh.faces)
+        arrays[f"{name}/colour"] = np.array(colours[name])
+    np.savez_compressed(path, **arrays)
+
+
+def exploded(bounds: dict[str, tuple[float, float]], order: list[str]) -> dict[str, float]:
+    """Heights by which stacked parts are lifted so that each stands clear above the one before it.
+
+    Parameters
+    ----------
+    bounds : dict
+        Lowest and highest z of each part. [mm]
+    order : list of str
+        From the lowest to the highest.
+    """
+    lifts, level = {}, None
+    for name in order:
+        low, high = bounds[name]
+        lifts[name] = 0.0 if level is None else max(0.0, level + GAP_MM - low)
+        level = high + lifts[name]
+    return lifts
+
+
+def draw(source: Path, picture: Path) -> None:
+    """Draw the packed meshes: the parts in use stacked with gaps, the casting box beside them."""
+    import numpy as np
+    import pyvista
+
+    data = np.load(source)
+    names = list(dict.fromkeys(key.split("/")[0] for key in data.files if "/" in key))
+    meshes = {name: _surface(pyvista, np, data, name) for name in names}
+    stacks = [
+        [name for name in ("tray", "mould", "pad", "lid", "backer", "strike_off") if name in names],
+        [name for name in ("master", "frame") if name in names],
+        [name for name in ("lid_master", "lid_frame") if name in names],
+    ]
+    plot = pyvista.Plotter(off_screen=True, window_size=SIZE, lighting="none")
+    plot.set_background("#ffffff", top="#e8edf2")
+    side = 0.0
+    corners, labels = [], []
+    for stack in filter(None, stacks):
+        bounds = {name: (meshes[name].bounds[4], meshes[name].bounds[5]) for name in stack}
+        lifts = exploded(bounds, stack)
+        half = max(max(-meshes[name].bounds[0], meshes[name].bounds[1]) for name in stack)
+        side += half if labels else 0.0
+        for name in stack:
+            shown = meshes[name].translate((side, 0, lifts[name]), inplace=False)
+            _add(plot, shown, tuple(float(c) for c in data[f"{name}/colour"]))
+            x0, x1, y0, y1, z0, z1 = shown.bounds
+            corners += [(x, y, z) for x in (x0, x1) for y in (y0, y1) for z in (z0, z1)]
+            labels.append(((x0, y1, z1), name))
+        side += half + LABEL_ROOM_MM
+    corners += [(place[0] - LABEL_ROOM_MM, place[1], place[2]) for place, _ in labels]
+    _light_and_look(plot, pyvista, np, np.array(corners))
+    for place, name in labels:
+        plot.add_point_labels(
+            [place], [name.replace("_", " ") + "  "], font_size=22, text_color="#20303c", shape=None,
+            show_points=False, always_visible=True, justification_horizontal="right", bold=False,
+        )  # fmt: skip
+    plot.add_text(str(data["title"]), position="upper_left", font_size=13, color="#20303c")
+    plot.screenshot(str(picture))
+    plot.close()
+
+
+def _surface(pyvista: Any, np: Any, data: Any, name: str) -> Any:
+    faces = data[f"{name}/faces"]
+    cells = np.hstack([np.full((len(faces), 1), 3), faces]).ravel()
+    return pyvista.PolyData(data[f"{name}/vertices"], cells)
+
+
+def _add(plot: Any, mesh: Any, colour: tuple[float, float, float]) -> None:
+    """Add one part with its sharp edges drawn, which makes flat faces readable."""
+    smooth = mesh.compute_normals(split_vertices=True, feature_angle=25.0)
+    plot.add_mesh(smooth, color=colour, smooth_shading=True, ambient=0.25, diffuse=0.75, specular=0.15)
+    edges = mesh.extract_feature_edges(feature_angle=25.0, boundary_edges=False, manifold_edges=False)
+    plot.add_mesh(edges, color="#33424d", line_width=1.2)
+
+
+def _light_and_look(plot: Any, pyvista: Any, np: Any, corners: Any) -> None:
+    """Light the scene and fit a parallel view to the corners of what is shown."""
+    for place, strength in (((-1, -2, 3), 0.75), ((2, -1, 1.5), 0.35), ((0, 1, 2), 0.25)):
+        plot.add_light(pyvista.Light(position=place, light_type="scene light", intensity=strength))
+    away = np.array(VIEW) / np.linalg.norm(VIEW)
+    right = np.cross((0.0, 0.0, 1.0), away)
+    right /= np.linalg.norm(right)
+    up = np.cross(away, right)
+    across, along = corners @ right, corners @ up
+    middle = right * (across.max() + across.min()) / 2 + up * (along.max() + along.min()) / 2
+    camera = plot.camera
+    camera.parallel_projection = True
+    camera.focal_point = middle
+    camera.position = middle + 3000.0 * away
+    camera.up = (0.0, 0.0, 1.0)
+    camera.clipping_range = (10.0, 6000.0)
+    camera.parallel_scale = 0.54 * max(np.ptp(along), np.ptp(across) * SIZE[1] / SIZE[0])
+    plot.enable_anti_aliasing("ssaa")
+
+
+def main() -> None:
+    """Draw the picture named on the command line."""
+    part = Path(sys.argv[2]).with_suffix(".part.png")
+    draw(Path(sys.argv[1]), part)
+    part.replace(sys.argv[2])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,59 @@
+"""The child process that loads the CAD kernel: ``python -m dummydesign.mold.worker spec.json folder``.
+
+It writes ``.result.json`` into the folder: what was made, or an ``error`` {code, message}.
+"""
+
+from __future__ import annotations
+
+import json
+import resource
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+RESULT = ".result.json"
+LIBRARIES = "apt-get install libgl1 libx11-6"
+
+
+def cad_problem() -> str | None:
+    """Say why CadQuery cannot be loaded and how to mend it, or None when it can."""
+    try:
+        import cadquery  # noqa: F401
+    except ModuleNotFoundError as problem:
+        return f"CadQuery is not installed ({problem.name} is missing): pip install cadquery"
+    except ImportError as problem:
+        text = " ".join(str(problem).split())
+        return f"CadQuery cannot load a system library ({text}): {LIBRARIES}"
+    return None
+
+
+def run(spec_file: Path, folder: Path) -> dict[str, Any]:
+    """Make the mould described in ``spec_file``; never raises for what can be told in words."""
+    problem = cad_problem()
+    if problem:
+        return {"error": {"code": "cad_unavailable", "message": problem}}
+    from dummydesign.mold.produce import produce
+    from dummydesign.mold.spec import MouldSpec
+
+    spec = MouldSpec.from_dict(json.loads(spec_file.read_text(encoding="utf-8")))
+    start = time.perf_counter()
+    try:
+        result = produce(spec, folder)
+    except Exception as problem:
+        text = " ".join(str(problem).split()) or "no message"
+        return {"error": {"code": "cad_failed", "message": f"{type(problem).__name__}: {text}"}}
+    result["seconds"] = time.perf_counter() - start
+    result["memory_MB"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    return result
+
+
+def main() -> None:
+    """Entry point of the child."""
+    spec_file, folder = Path(sys.argv[1]), Path(sys.argv[2])
+    result = run(spec_file, folder)
+    (folder / RESULT).write_text(json.dumps(result, allow_nan=False), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -15,9 +15,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     show = actions.add_parser("show", help="one resin, every number with its source", allow_abbrev=False)
     show.add_argument("name", metavar="NAME")
     show.add_argument("--out", metavar="DIR", help="also write a plot and its CSV")
-    add = actions.add_parser(
-        "add", help="keep a resin file, or update a resin by measured points", allow_abbrev=False
-    )
+    add = actions.add_parser("add", help="keep a resin file, or update a resin by measured points", allow_abbrev=False)
     add.add_argument("file", metavar="FILE")
     for action in (actions.choices["list"], show, add):
         action.add_argument("--json", action="store_true", default=argparse.SUPPRESS)
@@ -94,9 +92,7 @@ def render(result: dict[str, Any]) -> str:
         for row in result["resins"]:
             ratio = "{:g} to {:g}".format(*row["ratio_range"])
             young = "{:.3g} to {:.3g}".format(*row["young_kPa_range"])
-            lines.append(
-                f"{row['name']:<24} {row['origin']:<9} {ratio:<12} {young:<14} {row['ratio_meaning']}"
-            )
+            lines.append(f"{row['name']:<24} {row['origin']:<9} {ratio:<12} {young:<14} {row['ratio_meaning']}")
     else:
         lines += _render_resin(result)
     lines += [f"warning: {item['message']}" for item in result["warnings"]]
@@ -120,9 +116,7 @@ def _render_resin(result: dict[str, Any]) -> list[str]:
         lines.append(f"  {row['ratio']:<6g}  {young['value']:<7.3g}{interval:<19} {slope:>6.1f}       {arms}")
     lines += ["", "numbers (value, low to high, kind):"]
     for name, item in result["numbers"].items():
-        lines.append(
-            f"  {name:<26} {item['value']:<8.4g} {item['low']:.4g} to {item['high']:.4g}  {item['kind']}"
-        )
+        lines.append(f"  {name:<26} {item['value']:<8.4g} {item['low']:.4g} to {item['high']:.4g}  {item['kind']}")
         lines.append(f"      {item['source']}")
     lines += [f"note: {text}" for text in resin["notes"]]
     lines += [f"{role}: {path}" for role, path in result.get("files", {}).items()]

@@ -56,9 +56,7 @@ def resin_warnings(resin: Resin) -> list[dict[str, str]]:
     warnings = [{"code": "contradictory_points", "message": text} for text in resin.contradictions]
     doubtful = resin.uncertain()
     if doubtful:
-        message = (
-            f"{len(doubtful)} numbers of resin {resin.name} are inferred or assumed: {', '.join(doubtful)}"
-        )
+        message = f"{len(doubtful)} numbers of resin {resin.name} are inferred or assumed: {', '.join(doubtful)}"
         warnings.append({"code": "not_measured", "message": message})
     return warnings
 

@@ -61,9 +61,7 @@ class GelPoint:
         ref = np.asarray(parameters["ratio_ref"], float)
         gel = np.asarray(parameters["gel_ratio_over_ref"], float) * ref
         reach = np.maximum(np.asarray(ratio, float) - gel, 0.0) / (ref - gel)
-        return np.asarray(parameters["young_ref_kPa"], float) * reach ** np.asarray(
-            parameters["exponent"], float
-        )
+        return np.asarray(parameters["young_ref_kPa"], float) * reach ** np.asarray(parameters["exponent"], float)
 
     def ratio(self, young_kPa: ArrayLike, parameters: Parameters) -> NDArray:
         """See :class:`Law`."""
@@ -94,9 +92,7 @@ class PolymerFraction:
     def young_kPa(self, ratio: ArrayLike, parameters: Parameters) -> NDArray:
         """See :class:`Law`."""
         fraction = 100.0 / (100.0 + np.asarray(ratio, float))
-        return np.asarray(parameters["young_neat_kPa"], float) * fraction ** np.asarray(
-            parameters["exponent"], float
-        )
+        return np.asarray(parameters["young_neat_kPa"], float) * fraction ** np.asarray(parameters["exponent"], float)
 
     def ratio(self, young_kPa: ArrayLike, parameters: Parameters) -> NDArray:
         """See :class:`Law`."""

@@ -172,9 +172,7 @@ def _positive(table: Mapping[str, Any], key: str, path: Path, text: str, zero: b
     quantity = read_quantity(dict(table), key, path, text)
     if quantity.low < 0 or (quantity.low == 0 and not zero):
         bound = "at least 0" if zero else "above 0"
-        raise InputError(
-            f"{path.name}:{line_of(text, key)}: '{key}' low = {quantity.low}; it must be {bound}"
-        )
+        raise InputError(f"{path.name}:{line_of(text, key)}: '{key}' low = {quantity.low}; it must be {bound}")
     return quantity
 
 
@@ -228,17 +226,13 @@ def _modulus(
     return law, numbers, columns, {key: _positive(prior, key, path, text) for key in law.parameters}
 
 
-def _relaxation(
-    value: Any, path: Path, text: str, low: float, high: float
-) -> tuple[tuple[Arm, ...], float, Quantity]:
+def _relaxation(value: Any, path: Path, text: str, low: float, high: float) -> tuple[tuple[Arm, ...], float, Quantity]:
     """Read the arms, the ratio they belong to and how they grow when the resin softens."""
     table = _table(value, "relaxation", path, text)
     check_keys(table, ("ratio_ref", "softness_exponent", "term"), path, text, "[relaxation")
     for key in ("ratio_ref", "softness_exponent"):
         if key not in table:
-            raise InputError(
-                f"{path.name}:{line_of(text, '[relaxation')}: '{key}' is missing in [relaxation]"
-            )
+            raise InputError(f"{path.name}:{line_of(text, '[relaxation')}: '{key}' is missing in [relaxation]")
     ratio_ref = _number(table, "ratio_ref", path, text)
     if not low <= ratio_ref <= high:
         message = f"ratio_ref = {ratio_ref} is outside the resin's range {low} to {high}"

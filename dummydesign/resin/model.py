@@ -92,9 +92,7 @@ class Resin:
         inside = (values >= self.ratio_min - 1e-9) & (values <= self.ratio_max + 1e-9)
         if not np.all(inside):
             wrong = float(values[~inside][0])
-            raise out_of_range(
-                f"ratio of {self.name}", wrong, self.ratio_min, self.ratio_max, self.ratio_meaning
-            )
+            raise out_of_range(f"ratio of {self.name}", wrong, self.ratio_min, self.ratio_max, self.ratio_meaning)
 
     @property
     def central(self) -> dict[str, float]:
@@ -172,9 +170,7 @@ class Resin:
         """
         from dummydesign.pad.relaxation import PronyTerm
 
-        growth = (
-            self.young_MPa(self.relaxation_ratio_ref) / self.young_MPa(ratio)
-        ) ** self.softness_exponent.value
+        growth = (self.young_MPa(self.relaxation_ratio_ref) / self.young_MPa(ratio)) ** self.softness_exponent.value
         return tuple(PronyTerm(arm.tau_s.value, arm.beta.value * growth) for arm in self.arms)
 
     def draw(self, count: int, seed: int | np.random.Generator = SEED) -> Draws:
@@ -210,9 +206,7 @@ class Resin:
             missing -= int(good.sum())
             if missing == 0:
                 return {name: np.concatenate(parts) for name, parts in kept.items()}
-        raise InputError(
-            f"resin {self.name}: its intervals leave almost no valid law down to ratio {self.ratio_min}"
-        )
+        raise InputError(f"resin {self.name}: its intervals leave almost no valid law down to ratio {self.ratio_min}")
 
     @cached_property
     def _draws(self) -> Draws:

@@ -39,9 +39,7 @@ def value_at(quantity: Quantity, z: ArrayLike) -> NDArray:
         return np.full(z.shape, value)
     if quantity.kind == "assumed":
         share = 0.5 * (1.0 + np.vectorize(math.erf, otypes=[float])(z / math.sqrt(2.0)))
-        return np.where(
-            share < 0.5, low + (value - low) * 2.0 * share, value + (high - value) * (2.0 * share - 1.0)
-        )
+        return np.where(share < 0.5, low + (value - low) * 2.0 * share, value + (high - value) * (2.0 * share - 1.0))
     if low > 0:
         width = np.where(z > 0, math.log(high / value), math.log(value / low)) / HALF_WIDTH
         return value * np.exp(width * z)

@@ -47,9 +47,7 @@ def resin_dict(resin: Resin) -> dict[str, Any]:
         "property": _plain(resin.properties),
     }
     if resin.points:
-        content["point"] = [
-            {"ratio": item["ratio"], "young_kPa": item["young_kPa"].to_dict()} for item in resin.points
-        ]
+        content["point"] = [{"ratio": item["ratio"], "young_kPa": item["young_kPa"].to_dict()} for item in resin.points]
     return content
 
 

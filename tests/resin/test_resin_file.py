@@ -37,7 +37,7 @@ def changed(tmp_path, old, new, count=1):
         ("schema = 1", "schema = 2", "schema = 2"),
         ("ratio_ref = 15.0", "ratio_ref = 40.0", "ratio_ref = 40.0 is outside"),
         ("value = 0.03, low = 0.03", "value = 0.03, low = -0.03", "must be above 0"),
-        ("beta = { value = 0.60, low = 0.15", "beta = { value = 0.60, low = -0.15", "must be at least 0"),
+        ("beta = { value = 1.05, low = 0.77", "beta = { value = 1.05, low = -0.77", "must be at least 0"),
         ("value = 25.0", "value = 12.0", "low <= value <= high"),
         ('kind = "measured"', 'kind = "guessed"', "kind 'guessed'"),
         ("[property.pot_life_min]", "[property.potlife]", "unknown key 'potlife'"),
@@ -91,10 +91,7 @@ def test_points_make_a_resin_of_their_own(tmp_path, monkeypatch):
     assert resin.name == "batch-7"
     found = load_resin("batch-7")
     assert found.modulus_kPa(15.0).value == pytest.approx(31.0, abs=0.7)
-    assert (
-        tomllib.loads((tmp_path / "home/materials/resins/batch-7.toml").read_text())["point"][0]["ratio"]
-        == 15.0
-    )
+    assert tomllib.loads((tmp_path / "home/materials/resins/batch-7.toml").read_text())["point"][0]["ratio"] == 15.0
 
 
 def test_a_name_that_would_leave_the_folder_is_refused(tmp_path, monkeypatch):

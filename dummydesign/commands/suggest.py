@@ -1,0 +1,177 @@
+"""``dummydesign suggest``: recipe, pad and mould for a tissue."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+HELP = "Recommend resin ratio, pad thickness, weights to pour and a mould for a tissue."
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add what can be asked."""
+    add = parser.add_argument
+    add("--tissue", required=True, metavar="NAME|FILE", help="see 'dummydesign tissues list'")
+    add("--aim", default="average", metavar="AIM", help="average (default), safe-side or subject:NAME")
+    add("--resin", default="polyurethane-nagoya", metavar="NAME|FILE", help="see 'dummydesign resins list'")
+    add("--thickness", metavar="MIN:MAX", help="limits in mm, inside 3 to 30")
+    add("--ratio", metavar="MIN:MAX", help="limits of the mixing ratio, inside the resin's range")
+    add("--calibration", metavar="FILE", help="calibration written by 'dummydesign loop'")
+    add("--shape", default="slab", metavar="NAME", help="slab (default)")
+    add("--no-cad", action="store_true", help="no mould, the recipe alone")
+    add("--no-verify", action="store_true", help="do not solve the design again by finite elements")
+    add("--out", metavar="DIR", help="folder of the files (default suggest-TISSUE)")
+
+
+def run(options: argparse.Namespace) -> dict[str, Any]:
+    """Find the design, make its mould, and return the answer."""
+    from pathlib import Path
+
+    from dummydesign.design.ranges import parse_limits
+    from dummydesign.errors import InputError
+
+    if options.calibration is not None:
+        raise InputError("--calibration: this version cannot design with a calibration file yet; leave it out")
+    thickness = parse_limits(options.thickness, "thickness in mm")
+    ratio = parse_limits(options.ratio, "ratio")
+    out = Path(options.out) if options.out is not None else Path(f"suggest-{Path(options.tissue).stem}")
+    if not options.no_cad or options.out is not None:
+        from dummydesign.files import output_folder
+
+        output_folder(out)
+    from dummydesign.design.suggest import Request, suggest
+
+    request = Request(
+        tissue=options.tissue,
+        aim=options.aim,
+        resin=options.resin,
+        thickness_mm=thickness,
+        ratio=ratio,
+        shape=options.shape,
+        verify=not options.no_verify,
+    )
+    answer = suggest(request)
+    inputs = {**request.to_dict(), "cad": not options.no_cad, "out": str(out), "calibration": None}
+    result = {"inputs": inputs, **answer.to_dict(), "files": {}}
+    if not options.no_cad:
+        _add_mould(result, answer, out)
+    return result
+
+
+def _add_mould(result: dict[str, Any], answer: Any, out: Any) -> None:
+    """Make the mould of the recommended pad; without CAD the recipe stands and the missing step is named."""
+    from dummydesign.design.suggest import mould_of
+    from dummydesign.errors import NoAnswerError
+    from dummydesign.mold.runner import make_mold
+
+    best = answer.best
+    try:
+        mould = make_mold(mould_of(answer.resin, best), out).to_dict()
+    except NoAnswerError as problem:
+        step = f"dummydesign mold --thickness {best.thickness_mm:g} --resin {answer.request.resin}"
+        step += f" --ratio {best.ratio:g} --out {out}"
+        message = f"{problem}; the recipe stands, the mould is missing: then run '{step}'"
+        raise NoAnswerError(problem.code, message, result) from None
+    result["files"] = mould.pop("files")
+    result["warnings"] += mould.pop("warnings")
+    result["mold"] = mould
+    # what the solids hold, not the closed forms, is weighed
+    result["recommendation"]["recipe"] = {
+        "components": mould["pour"]["components"],
+        "total_g": mould["pour"]["batch_mass_g"],
+    }
+
+
+def render(result: dict[str, Any]) -> str:
+    """Lay the answer out as short tables."""
+    best = result["recommendation"]
+    young, recipe = best["young_kPa"], best["recipe"]
+    weigh = ", ".join(f"{item['name']} {item['mass_g']:.1f} g" for item in recipe["components"])
+    lines = [
+        f"{result['inputs']['tissue']}, aim {result['inputs']['aim']}",
+        "",
+        f"  pad        {best['thickness_mm']:g} mm thick, 150 x 120 mm slab, glued to a rigid base",
+        f"  resin      {best['resin']}, ratio {best['ratio']:g} ({best['ratio_meaning']})",
+        f"  weigh      {weigh} (total {recipe['total_g']:.1f} g)",
+        f"  modulus    {young['value']:.3g} kPa long-term (95 %: {young['low']:.3g} to {young['high']:.3g})",
+        "",
+        "scores, 0 to 1 (more is better):",
+        "  " + "   ".join(f"{name.replace('_', ' ')} {value:.2f}" for name, value in best["scores"].items()),
+        "",
+        "  steady N  mm/s   depth mm  depth/thickness  peak N   tissue peak N   share inside",
+    ]
+    lines += [_condition(row) for row in best["conditions"]]
+    lines += [
+        "",
+        "  low forces (never measured on people; cubic extrapolated):",
+        "  N      depth mm   tissue mm",
+    ]
+    for row in best["low_force"]:
+        depth = "-" if row["depth_mm"] is None else f"{row['depth_mm']:.2f}"
+        span = f"{row['tissue_depth_low_mm']:.2f} to {row['tissue_depth_high_mm']:.2f}"
+        lines.append(f"  {row['force_N']:<6g} {depth:<10} {span}")
+    lines += _parameters(best) + _more(result)
+    return "\n".join(lines)
+
+
+def _condition(row: dict[str, Any]) -> str:
+    head = f"  {row['steady_force_N']:<9g} {row['velocity_mm_s']:<6g}"
+    if row["depth_mm"] is None:
+        return f"{head} {row['out_of_reach']}"
+    span = f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}"
+    return (
+        f"{head} {row['depth_mm']:<9.2f} {row['depth_over_thickness']:<16.2f} {row['peak_force_N']:<8.1f} "
+        f"{span:<15} {row['inside_fraction']:.2f}"
+    )
+
+
+def _parameters(best: dict[str, Any]) -> list[str]:
+    if best["parameters"] is None:
+        return []
+    lines = [
+        "",
+        f"parameters of the tissue law ({best['parameters_law']}) fitted to this pad's simulated presses:",
+    ]
+    for name, value in best["parameters"].items():
+        symbol, unit = name.split("_", 1)
+        unit = {"N_per_mm3": "N/mm3", "N_s_per_mm": "N s/mm"}[unit]
+        if isinstance(value, dict):
+            text = ", ".join(f"{item:.3g} at {speed} mm/s" for speed, item in value.items())
+        else:
+            text = f"{value:.3g}"
+        lines.append(f"  {symbol:<7} {text} {unit}")
+    return lines
+
+
+def _more(result: dict[str, Any]) -> list[str]:
+    """Alternatives, tolerance, verification, files, and what the answer rests on."""
+    lines = []
+    if result["alternatives"]:
+        lines += ["", "alternatives:", "  mm     ratio   kPa     total  steady  force-time  aim   below 5 N"]
+    for other in result["alternatives"]:
+        s, young = other["scores"], other["young_kPa"]["value"]
+        lines.append(
+            f"  {other['thickness_mm']:<6g} {other['ratio']:<7g} {young:<7.3g} {s['total']:<6.2f} "
+            f"{s['steady_state_range']:<7.2f} {s['force_variation_range']:<11.2f} {s['aim']:<5.2f} "
+            f"{s['low_force_range']:.2f}"
+        )
+    tolerance = result["sensitivity"]
+    limits, slope = tolerance["tolerances"], 100 * tolerance["d_ln_young_per_percent_ratio"]
+    judged = ", ".join(f"{force:g}" for force in tolerance["judged_at_N"]) or "no force, of 5, 10 and 15"
+    lines += [
+        "",
+        f"tolerance: modulus changes {slope:.0f} % per 1 % of ratio; "
+        f"with {limits['weighing_g']:g} g and {limits['thickness_mm']:g} mm",
+        f"  {100 * tolerance['yield_fraction']:.0f} % of pours stay in the steady range at {judged} N "
+        f"({100 * tolerance['making_only_fraction']:.0f} % if the resin's numbers were exact); by force: "
+        + ", ".join(f"{force} N {100 * share:.0f} %" for force, share in tolerance["by_force"].items()),
+    ]
+    checked = result["verification"]
+    if checked["max_difference_percent"] is not None:
+        lines.append(
+            f"verified: {checked['fidelity']} finite elements differ by at most "
+            f"{checked['max_difference_percent']:.2f} % from the table"
+        )
+    lines += ["", result["rests_on"]["text"], f"next: {result['rests_on']['next_step']}"]
+    lines += [f"{role}: {path}" for role, path in result["files"].items()]
+    return lines + [f"warning: {item['message']}" for item in result["warnings"]]

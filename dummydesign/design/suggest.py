@@ -1,0 +1,173 @@
+"""The main job: from a tissue and an aim to ratio, thickness, recipe and reasons."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dummydesign.design.answer import design_dict
+from dummydesign.design.curves import ForceLaw, Sampling, make_curves
+from dummydesign.design.search import THICKNESS_MM, Candidate, SearchResult, search, thickness_steps
+from dummydesign.design.targets import Targets, make_targets
+from dummydesign.design.tolerance import Tolerances, Yield, pour_yield
+from dummydesign.design.verify import Verification, not_verified, verify_design
+from dummydesign.design.warn import design_warnings, rests_on
+from dummydesign.errors import InputError, unknown_name
+
+if TYPE_CHECKING:
+    from dummydesign.mold.spec import MouldSpec
+    from dummydesign.resin.model import Resin
+    from dummydesign.tissue.band import Tissue
+
+PUNCH_SIDE_MM = 14.0
+RADIUS_MM = PUNCH_SIDE_MM / math.sqrt(math.pi)
+"""Circle of the area of the paper's 14 x 14 mm impactor. [mm]"""
+PAD_LENGTH_MM, PAD_WIDTH_MM = 150.0, 120.0
+SHAPES = ("slab",)
+LOW_FORCES_N = (0.5, 1.0, 2.0, 3.0, 4.0, 5.0)
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is asked for. Ranges are (low, high) with both ends included, None for all that is allowed."""
+
+    tissue: str
+    aim: str = "average"
+    resin: str = "polyurethane-nagoya"
+    thickness_mm: tuple[float, float] | None = None
+    ratio: tuple[float, float] | None = None
+    shape: str = "slab"
+    verify: bool = True
+    hold_s: float = 10.0
+    deceleration_mm_s2: float = 30_000.0
+    weighing_g: float = 0.1
+    thickness_tolerance_mm: float = 0.2
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what was asked, defaults included."""
+        return asdict(self)
+
+
+@dataclass(frozen=True)
+class Suggestion:
+    """The answer: the search, the tolerance study, the verification, and all it was made from."""
+
+    request: Request
+    tissue: Tissue
+    resin: Resin
+    targets: Targets
+    found: SearchResult
+    pour: Yield
+    verification: Verification
+    recipe: tuple[tuple[str, float], ...]
+
+    @property
+    def best(self) -> Candidate:
+        """The recommended design."""
+        return self.found.best
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the answer in the form of the ``suggest`` contract."""
+        best = design_dict(self.best, self.resin, self.targets, self.recipe)
+        slope = self.resin.log_slope(self.best.ratio)
+        return {
+            "recommendation": best,
+            "alternatives": [
+                design_dict(other, self.resin, self.targets, pour_recipe(self.resin, other))
+                for other in self.found.alternatives
+            ],
+            "sensitivity": {
+                "d_ln_young_per_percent_ratio": 0.01 * slope,
+                **{key: value for key, value in self.pour.to_dict().items()},
+            },
+            "verification": self.verification.to_dict(),
+            "rests_on": rests_on(self.resin, self.tissue, self.best),
+            "warnings": design_warnings(self),
+            "sources": [*self.tissue.sources, *self.resin.references],
+        }
+
+
+def suggest(request: Request, law: ForceLaw | None = None) -> Suggestion:
+    """Find ratio and thickness of a slab for a tissue, with tolerance study and verification.
+
+    Parameters
+    ----------
+    request : Request
+        Tissue, aim, resin and limits.
+    law : ForceLaw, optional
+        Elastic force of slabs; the response table of the bonded slab by default.
+
+    Returns
+    -------
+    Suggestion
+
+    Raises
+    ------
+    InputError
+        For unknown names or ranges outside what is allowed.
+    NoAnswerError
+        ``no_feasible_design`` when no slab reaches 10 N steady.
+    """
+    from dummydesign.resin import load_resin
+    from dummydesign.tissue.store import load_tissue
+
+    if request.shape not in SHAPES:
+        raise unknown_name("shape", request.shape, SHAPES)
+    tissue, resin = load_tissue(request.tissue), load_resin(request.resin)
+    sampling = Sampling(hold_s=request.hold_s, deceleration_mm_s2=request.deceleration_mm_s2)
+    targets = make_targets(tissue, request.aim, sampling)
+    thickness = thickness_steps(*(request.thickness_mm or THICKNESS_MM))
+    ratio = _ratios(resin, request.ratio)
+    if law is None:
+        from dummydesign.pad.table import load_table
+
+        law = load_table(base="bonded")
+    found = search(law, resin, targets, thickness, ratio, RADIUS_MM, sampling)
+    recipe = pour_recipe(resin, found.best)
+    tolerances = Tolerances(sum(mass for _, mass in recipe), request.weighing_g, request.thickness_tolerance_mm)
+    best = found.best
+    pour = pour_yield(law, resin, targets, best.thickness_mm, best.ratio, RADIUS_MM, tolerances)
+    checked = _verify(best, resin, law) if request.verify else not_verified("not asked for")
+    return Suggestion(request, tissue, resin, targets, found, pour, checked, recipe)
+
+
+def pour_recipe(resin: Resin, candidate: Candidate) -> tuple[tuple[str, float], ...]:
+    """Masses to weigh for the open mould of a design, with what stays in cup and meniscus. [g]"""
+    from dummydesign.mold.pour import pour_plan
+
+    return pour_plan(mould_of(resin, candidate)).components
+
+
+def mould_of(resin: Resin, candidate: Candidate) -> MouldSpec:
+    """Specification of the open mould of a design."""
+    from dummydesign.mold.preset import mould_spec
+
+    return mould_spec(candidate.thickness_mm, PAD_LENGTH_MM, PAD_WIDTH_MM, "open", resin, candidate.ratio)
+
+
+def _ratios(resin: Resin, wanted: tuple[float, float] | None) -> np.ndarray:
+    """Practical ratios inside the wanted range, which must lie inside the resin's."""
+    if wanted is None:
+        return resin.ratios()
+    resin.check_ratio(wanted)
+    ratios = resin.ratios(*wanted)
+    if not len(ratios):
+        raise InputError(
+            f"ratio range {wanted[0]:g}:{wanted[1]:g} holds no step of {resin.ratio_step:g}; "
+            f"{resin.name} allows {resin.ratio_min:g} to {resin.ratio_max:g}"
+        )
+    return ratios
+
+
+def _verify(best: Candidate, resin: Resin, law: ForceLaw) -> Verification:
+    """Solve the depths of the conditions by finite elements."""
+    depth = best.evaluation.depth_mm[best.index]
+    depth = np.unique(np.round(depth[np.isfinite(depth)], 3))
+    young = resin.young_MPa(best.ratio)
+    table = make_curves(law, [best.thickness_mm], RADIUS_MM)
+    depth = depth[depth <= table.limit_mm[0]]
+    forces = young * np.asarray(law.force(depth, best.thickness_mm, 1.0, RADIUS_MM))
+    return verify_design(best.thickness_mm, young, RADIUS_MM, depth, forces)

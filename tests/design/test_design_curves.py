@@ -1,0 +1,103 @@
+"""Slab curves, their inversion, and presses on them against closed forms."""
+
+import numpy as np
+import pytest
+
+from dummydesign.design.curves import Sampling, Slabs, make_curves, press_to_depth, steady_depth
+
+RADIUS = 7.9
+
+
+class Linear:
+    """F = E (100 mm) d, whatever the thickness."""
+
+    def force(self, depth_mm, thickness_mm, young_MPa, radius_mm):
+        return 100.0 * np.asarray(young_MPa) * np.asarray(depth_mm) * np.ones_like(np.asarray(thickness_mm))
+
+    def depth_limit_mm(self, thickness_mm, radius_mm):
+        return 0.6 * np.asarray(thickness_mm, float)
+
+
+def slabs_of(law, thickness, young, tau=(), beta=()):
+    curves = make_curves(law, thickness, RADIUS)
+    count = len(thickness)
+    return Slabs(
+        curves,
+        np.arange(count),
+        np.broadcast_to(np.asarray(young, float), count),
+        tuple(tau),
+        np.broadcast_to(np.asarray(beta, float), (count, len(tau))),
+    )
+
+
+def test_depth_is_the_inverse_of_force(layer_law):
+    thickness = np.array([4.0, 9.0, 25.0])
+    slabs = slabs_of(layer_law, thickness, 0.03)
+    depth = np.linspace(0.02, 0.58, 40) * thickness[:, None]
+    force = layer_law.force(depth, thickness[:, None], 0.03, RADIUS)
+    np.testing.assert_allclose(slabs.curves.depth_at(slabs.slab, force / 0.03), depth, rtol=2e-4)
+
+
+def test_slope_is_that_of_the_closed_form(layer_law):
+    thickness = np.array([5.0, 15.0])
+    slabs = slabs_of(layer_law, thickness, 1.0)
+    share = np.linspace(0.05, 0.55, 20)
+    depth = share * thickness[:, None]
+    area = layer_law.force(depth, thickness[:, None], 1.0, RADIUS)
+    exponent = 1.0 + 2 * 1.5 * share**2 / (1.0 + 1.5 * share**2)
+    np.testing.assert_allclose(
+        slabs.curves.slope_at(slabs.slab, depth) * depth / area, np.broadcast_to(exponent, (2, 20)), rtol=1e-3
+    )
+
+
+def test_a_linear_slab_with_one_arm_follows_the_closed_form_of_a_ramp():
+    slabs = slabs_of(Linear(), [20.0], 0.02, [0.5], [0.8])
+    sampling = Sampling(deceleration_mm_s2=np.inf)
+    press = press_to_depth(slabs, np.array([6.0]), 10.0, sampling)
+    t, stop = press.time_s[0], 0.6
+    rise = 2.0 * (10.0 * t + 0.8 * 10.0 * 0.5 * (1 - np.exp(-t / 0.5)))
+    held = 2.0 * (6.0 + 0.8 * 5.0 * (1 - np.exp(-stop / 0.5)) * np.exp(-(t - stop) / 0.5))
+    np.testing.assert_allclose(press.force_N[0], np.where(t <= stop + 1e-9, rise, held), rtol=1e-6, atol=1e-9)
+    assert press.peak_N[0] == pytest.approx(rise[t <= stop + 1e-9].max())
+
+
+@pytest.mark.parametrize("exact", [False, True])
+def test_the_force_at_the_end_of_the_hold_is_the_one_asked_for(layer_law, exact):
+    """a slow arm of 30 s has hardly relaxed after 10 s, so the depth must be smaller than the relaxed one"""
+    slabs = slabs_of(layer_law, [5.0, 12.0, 20.0], 0.06, [0.1, 3.0, 30.0], [0.6, 0.2, 0.4])
+    depth = steady_depth(slabs, 8.0, 10.0, Sampling(), exact)
+    press = press_to_depth(slabs, depth, 10.0, Sampling())
+    np.testing.assert_allclose(press.force_N[:, -1], 8.0, rtol=1e-5 if exact else 3e-3)
+    assert np.all(depth < slabs.curves.depth_at(slabs.slab, np.full(3, 8.0 / 0.06)))
+
+
+def test_the_quick_remainder_is_exact_when_arms_die_out(layer_law):
+    slabs = slabs_of(layer_law, [5.0, 12.0], 0.03, [0.03, 0.3, 3.0], [0.6, 0.15, 0.04])
+    quick, exact = (steady_depth(slabs, 5.0, 10.0, Sampling(), flag) for flag in (False, True))
+    np.testing.assert_allclose(quick, exact, rtol=2e-5)
+
+
+def test_what_is_out_of_reach_has_no_depth_and_no_force(layer_law):
+    slabs = slabs_of(layer_law, [5.0, 20.0], 0.005, [0.3], [0.5])
+    depth = steady_depth(slabs, np.array([0.5, 15.0]), 10.0)
+    assert np.all(np.isfinite(depth[:, 0])) and np.all(np.isnan(depth[:, 1]))
+    press = press_to_depth(slabs, depth[:, 1], 10.0, Sampling())
+    assert np.all(np.isnan(press.peak_N)) and np.all(np.isnan(press.depth_mm))
+
+
+def test_faster_presses_peak_higher_and_without_arms_not_at_all(layer_law):
+    slabs = slabs_of(layer_law, [10.0], 0.03, [0.3], [0.5])
+    peaks = [press_to_depth(slabs, np.array([4.0]), v, Sampling()).peak_N[0] for v in (1.0, 10.0, 250.0)]
+    assert peaks[0] < peaks[1] < peaks[2]
+    plain = slabs_of(layer_law, [10.0], 0.03)
+    press = press_to_depth(plain, np.array([4.0]), 250.0, Sampling())
+    assert press.peak_N[0] == pytest.approx(press.force_N[0, -1])
+
+
+def test_the_depth_limit_of_the_law_wins_when_it_is_smaller():
+    class Shallow(Linear):
+        def depth_limit_mm(self, thickness_mm, radius_mm):
+            return 0.2 * np.asarray(thickness_mm, float)
+
+    assert make_curves(Shallow(), [10.0], RADIUS).limit_mm[0] == pytest.approx(2.0)
+    assert make_curves(Linear(), [10.0], RADIUS).limit_mm[0] == pytest.approx(6.0)

@@ -1,0 +1,110 @@
+"""The search: practical steps, the best of the map, aims, alternatives, what cannot be had."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from conftest import make_tissue
+
+from dummydesign.design.curves import Sampling
+from dummydesign.design.search import search, thickness_steps
+from dummydesign.design.targets import make_targets
+from dummydesign.errors import InputError, NoAnswerError
+from dummydesign.resin import load_resin
+
+RADIUS = 14.0 / np.sqrt(np.pi)
+
+
+@pytest.fixture(scope="module")
+def resin():
+    return load_resin()
+
+
+@pytest.fixture(scope="module")
+def found(layer_law, resin, finger):
+    targets = make_targets(finger, "average", Sampling())
+    return search(layer_law, resin, targets, thickness_steps(3.0, 30.0), resin.ratios(), RADIUS)
+
+
+def test_the_recommendation_is_in_practical_steps(found):
+    assert found.best.thickness_mm / 0.5 == pytest.approx(round(found.best.thickness_mm / 0.5))
+    assert found.best.ratio / 0.1 == pytest.approx(round(found.best.ratio / 0.1))
+
+
+def test_the_recommendation_is_at_the_top_of_the_map(found):
+    rows = np.argsort(-found.score_map.total.ravel())[:24]
+    places = [np.unravel_index(row, found.score_map.total.shape) for row in rows]
+    assert (found.best.thickness_mm, found.best.ratio) in {
+        (found.score_map.thickness_mm[t], found.score_map.ratio[r]) for t, r in places
+    }
+
+
+def test_no_design_nearby_scores_better_when_worked_out_exactly(found, layer_law, resin, finger):
+    targets = make_targets(finger, "average", Sampling())
+    near = thickness_steps(found.best.thickness_mm - 1.0, found.best.thickness_mm + 1.0)
+    again = search(
+        layer_law, resin, targets, near, resin.ratios(found.best.ratio - 0.3, found.best.ratio + 0.3), RADIUS
+    )
+    assert again.best.total <= found.best.total + 0.01
+
+
+def test_the_recommendation_crosses_the_tissues_range_in_the_measured_part(found, finger):
+    depth = found.best.evaluation.depth_mm[found.best.index, 1]
+    low, high = finger.steady_depth_range(10.0)
+    assert low <= depth <= high
+    assert found.best.evaluation.steady_state_range[found.best.index] > 0.5
+
+
+def test_no_condition_is_deeper_than_the_limit(found):
+    for candidate in (found.best, *found.alternatives):
+        depth = candidate.evaluation.depth_mm[candidate.index]
+        assert np.nanmax(depth) <= 0.6 * candidate.thickness_mm + 1e-9
+
+
+def test_alternatives_are_not_beaten_by_the_recommendation_and_differ_from_it(found):
+    def parts(candidate):
+        e, i = candidate.evaluation, candidate.index
+        return np.array([e.steady_state_range[i], e.force_variation_range[i], e.aim[i], e.low_force_range[i]])
+
+    for other in found.alternatives:
+        assert np.any(parts(other) > parts(found.best))
+        assert abs(other.thickness_mm - found.best.thickness_mm) > 1.0 or abs(other.ratio - found.best.ratio) > 0.3
+
+
+def depth_at_10_N(layer_law, resin, tissue, aim):
+    targets = make_targets(tissue, aim, Sampling())
+    best = search(layer_law, resin, targets, thickness_steps(3.0, 30.0), resin.ratios(), RADIUS).best
+    return best.evaluation.depth_mm[best.index, 1]
+
+
+def test_each_aim_is_answered_by_its_own_pad(layer_law, resin):
+    """people who differ tenfold: the safe side is stiffer than the average, the stiffest subject than the softest"""
+    people = make_tissue((0.3, 1.0, 3.0))
+    depth = {
+        aim: depth_at_10_N(layer_law, resin, people, aim) for aim in ("average", "safe-side", "subject:a", "subject:c")
+    }
+    assert depth["safe-side"] < 0.9 * depth["average"]
+    assert depth["subject:c"] < 0.8 * depth["subject:a"]
+
+
+def test_limits_are_kept(layer_law, resin, finger):
+    targets = make_targets(finger, "average", Sampling())
+    found = search(layer_law, resin, targets, thickness_steps(8.0, 12.0), resin.ratios(16.0, 16.5), RADIUS)
+    assert 8.0 <= found.best.thickness_mm <= 12.0 and 16.0 <= found.best.ratio <= 16.5
+
+
+def test_when_nothing_reaches_10_N_it_says_so(layer_law, resin, finger):
+    soft = dataclasses.replace(resin, numbers={**resin.numbers})
+    targets = make_targets(finger, "average", Sampling())
+    with pytest.raises(NoAnswerError, match="reaches 10 N") as problem:
+        search(layer_law, soft, targets, thickness_steps(25.0, 30.0), resin.ratios(14.0, 14.1), RADIUS)
+    assert problem.value.code == "no_feasible_design"
+
+
+def test_thicknesses_include_both_ends_and_refuse_what_cannot_be_cast():
+    np.testing.assert_array_equal(thickness_steps(3.0, 4.0), [3.0, 3.5, 4.0])
+    np.testing.assert_array_equal(thickness_steps(3.2, 4.2), [3.5, 4.0])
+    with pytest.raises(InputError, match=r"thickness in mm = 2\.0"):
+        thickness_steps(2.0, 10.0)
+    with pytest.raises(InputError, match="holds no step"):
+        thickness_steps(3.1, 3.4)

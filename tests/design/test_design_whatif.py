@@ -1,0 +1,142 @@
+"""What-if tables against closed forms; ranges with their end; refusals."""
+
+import math
+
+import numpy as np
+import pytest
+
+from dummydesign.design.punch import equal_area_radius_mm
+from dummydesign.design.ranges import parse_limits, parse_values
+from dummydesign.design.whatif import Study, csv_text, whatif
+from dummydesign.errors import InputError
+
+SQUARE = (("square:14", 14.0 / math.sqrt(math.pi)),)
+
+
+def test_the_exponent_is_that_of_the_force_law(layer_law):
+    rows = whatif(Study((5.0, 15.0, 20.0), (15.0, 16.0), SQUARE), layer_law)["rows"]
+    checked = 0
+    for row in rows:
+        for force, depth in row["depth_mm_at_N"].items():
+            if depth is None:
+                continue
+            growth = 1.5 * (depth / row["thickness_mm"]) ** 2
+            assert row["exponent_at_N"][force] == pytest.approx(1 + 2 * growth / (1 + growth), rel=2e-3)
+            stiffness = row["exponent_at_N"][force] * float(force) / depth
+            assert row["stiffness_N_per_mm_at_N"][force] == pytest.approx(stiffness)
+            given = layer_law.force(depth, row["thickness_mm"], 1e-3 * row["young_kPa"], SQUARE[0][1])
+            assert given == pytest.approx(float(force), rel=1e-3)
+            checked += 1
+    assert checked > 15
+
+
+def test_a_thicker_pad_is_softer_at_equal_force(layer_law):
+    rows = whatif(Study(tuple(np.arange(3.0, 30.5, 1.0)), (16.0,), SQUARE), layer_law)["rows"]
+    depth = [row["depth_mm_at_N"]["5"] for row in rows]
+    assert np.all(np.diff(depth) > 0)
+
+
+def test_a_row_that_stops_early_says_why(layer_law):
+    row = whatif(Study((15.0,), (14.2,), SQUARE), layer_law)["rows"][0]
+    assert row["depth_mm_at_N"]["15"] is None and row["exponent_at_N"]["15"] is None
+    assert row["limit"] == "5 N needs more than 9.00 mm (0.60 of the thickness)"
+    fine = whatif(Study((5.0,), (16.0,), SQUARE), layer_law)["rows"][0]
+    assert fine["limit"] is None
+
+
+def test_peaks_grow_with_speed_and_with_softness(layer_law):
+    rows = whatif(Study((6.0,), (15.5, 17.0), SQUARE, (1.0, 10.0, 250.0)), layer_law)["rows"]
+    for row in rows:
+        peaks = list(row["peak_over_steady"].values())
+        assert 1.0 <= peaks[0] < peaks[1] < peaks[2]
+    assert rows[0]["peak_over_steady"]["250"] > rows[1]["peak_over_steady"]["250"]
+
+
+def test_all_combinations_are_there_once_whatever_the_chunks(layer_law, monkeypatch):
+    study = Study((5.0, 10.0, 20.0), (15.0, 16.0, 17.0, 18.0), (*SQUARE, ("round:10", 5.0)))
+    whole = whatif(study, layer_law)["rows"]
+    monkeypatch.setattr("dummydesign.design.whatif.CHUNK", 5)
+    assert whatif(study, layer_law)["rows"] == whole
+    places = {(row["thickness_mm"], row["ratio"], row["punch"]) for row in whole}
+    assert len(places) == len(whole) == study.size == 24
+
+
+def test_a_tissue_adds_scores(layer_law):
+    row = whatif(Study((5.0,), (15.2,), SQUARE, tissue="forefinger"), layer_law)["rows"][0]
+    assert set(row["score"]) >= {"total", "steady_state_range", "force_variation_range", "aim", "parametric"}
+    assert 0.0 <= row["score"]["total"] <= 1.0
+
+
+def test_a_thousand_designs_take_less_than_a_second_of_work(layer_law):
+    study = Study(tuple(np.linspace(3.0, 30.0, 40)), tuple(np.linspace(14.0, 20.0, 25)), SQUARE)
+    assert study.size == 1000
+    assert whatif(study, layer_law)["seconds"] < 1.0
+
+
+def test_csv_has_one_line_a_row_and_a_column_a_value(layer_law):
+    rows = whatif(Study((5.0, 15.0), (15.0,), SQUARE), layer_law)["rows"]
+    lines = csv_text(rows).splitlines()
+    assert len(lines) == 3
+    head = lines[0].split(",")
+    assert {"depth_mm_at_5_N", "exponent_at_15_N", "peak_over_steady_at_250_mm_s", "limit"} <= set(head)
+    assert float(lines[1].split(",")[head.index("depth_mm_at_5_N")]) == pytest.approx(
+        rows[0]["depth_mm_at_N"]["5"], rel=1e-5
+    )
+
+
+def test_ranges_include_their_stop():
+    assert parse_values("3:30:0.5", "x")[-1] == 30.0 and len(parse_values("3:30:0.5", "x")) == 55
+    assert parse_values("14:15:0.1", "x") == [
+        14.0,
+        14.1,
+        14.2,
+        14.3,
+        14.4,
+        14.5,
+        14.6,
+        14.7,
+        14.8,
+        14.9,
+        15.0,
+    ]
+    assert parse_values("1:2:0.3", "x") == [1.0, 1.3, 1.6, 1.9]
+    assert parse_values("5,15", "x") == [5.0, 15.0] and parse_values("5:5:1", "x") == [5.0]
+    assert parse_limits("5:20", "x") == (5.0, 20.0) and parse_limits("7", "x") == (7.0, 7.0)
+
+
+@pytest.mark.parametrize("text", ["", "a", "3:30", "3:30:0", "3:30:-1", "30:3:1", "1:2:3:4", "nan", "1,,2", "1:inf:1"])
+def test_what_is_not_a_range_is_refused(text):
+    with pytest.raises(InputError, match="thickness"):
+        parse_values(text, "thickness")
+
+
+def test_too_many_designs_are_refused_before_any_work(layer_law):
+    with pytest.raises(InputError, match="1000000"):
+        parse_values("0:1:1e-7", "ratio")
+    study = Study(tuple(np.linspace(3, 30, 2000)), tuple(np.linspace(14, 20, 600)), SQUARE)
+    with pytest.raises(InputError, match="number of designs = 1200000"):
+        whatif(study, layer_law)
+
+
+@pytest.mark.parametrize(
+    ("study", "message"),
+    [
+        (Study((2.0,), (15.0,), SQUARE), r"thickness in mm = 2\.0"),
+        (Study((5.0,), (25.0,), SQUARE), "ratio of polyurethane-nagoya = 25"),
+        (Study((5.0,), (15.0,), SQUARE, forces_N=(-1.0,)), "force in N = -1"),
+        (Study((5.0,), (15.0,), SQUARE, resin="nothing"), "unknown resin 'nothing'"),
+        (Study((5.0,), (15.0,), SQUARE, tissue="plam"), "did you mean 'palm'"),
+    ],
+)
+def test_bad_studies_are_refused(layer_law, study, message):
+    with pytest.raises(InputError, match=message):
+        whatif(study, layer_law)
+
+
+def test_punches_are_reduced_to_the_circle_of_their_area():
+    assert equal_area_radius_mm("round:10") == 5.0
+    assert math.pi * equal_area_radius_mm("square:14") ** 2 == pytest.approx(196.0)
+    assert math.pi * equal_area_radius_mm("rectangle:20x10") ** 2 == pytest.approx(200.0)
+    for text in ("square", "square:0", "round:-3", "rectangle:20", "hexagon:3", "square:a"):
+        with pytest.raises(InputError, match="punch"):
+            equal_area_radius_mm(text)

@@ -16,7 +16,7 @@ from dummydesign.tissue.law import Drive
 if TYPE_CHECKING:
     from dummydesign.tissue.parameters import Parameters
 
-STEPS, TOLERANCE = 40, 1e-4
+STEPS, TOLERANCE, DIFFERENCE = 40, 1e-4, 1e-5
 _FIT_SAMPLING = (16, 8, 24)
 RATES = (1e-6, 1e4)
 """Bounds of gamma / c; a faster arm is a plain damper at the speeds of the protocol. [1/(mm2 s)]"""
@@ -66,7 +66,7 @@ def fit_presses(slabs: Slabs, targets: Targets, depth_mm: NDArray, sampling: Sam
     ]
     problem = _Problem(presses, fine, targets, speed_of)
     rates = problem.solve()
-    springs = problem.springs(rates)[0]
+    springs = problem.springs(rates)
     found: list[Any] = [None] * len(usable)
     for row, design in enumerate(np.nonzero(usable)[0]):
         gamma, per_speed = springs[row, 1:], springs[row, 1:] / rates[row]
@@ -82,7 +82,8 @@ class _Problem:
     def __init__(self, presses: list[Press], sampling: Sampling, targets: Targets, speed_of: NDArray) -> None:
         self.arms = (targets.tissue.elements - 1) // 2
         self.speed_of, self.speeds = speed_of, int(speed_of.max()) + 1
-        self.force, self.weight, self.drives = [], [], []
+        wanted: list[NDArray] = []
+        self.weight, self.drives = [], []
         for press, condition in zip(presses, targets.conditions):
             known = np.isfinite(press.depth_mm)
             depth = np.where(known, press.depth_mm, 1.0)
@@ -92,54 +93,71 @@ class _Problem:
             hold = np.gradient(np.log(np.maximum(since, 1e-6)), axis=-1) * (since >= 0.002)
             weight = rise / rise.sum(-1, keepdims=True) + hold / hold.sum(-1, keepdims=True)
             self.weight.append(np.sqrt(weight) * known[:, None])
-            self.force.append(np.nan_to_num(press.force_N))
+            wanted.append(np.nan_to_num(press.force_N) * self.weight[-1])
             self.drives.append(Drive(targets.tissue.law, Motion(motion.time_s, motion.displacement_mm)))
+        self.wanted = np.concatenate(wanted, axis=1)
         start = targets.parameters
         rate = np.array([np.divide(start.gamma_N_per_mm3, start.dampers_at(v)) for v in _speeds(targets)])
         self.start = np.broadcast_to(np.log(rate), (len(presses[0].stop_s), *rate.shape)).copy()
 
-    def springs(self, rates: NDArray) -> tuple[NDArray, NDArray]:
-        """Best non-negative springs (D, 1 + arms) for given rates (D, speeds, arms), and residuals (D, n)."""
-        columns, wanted = [], []
+    def responses(self, rates: NDArray) -> list[NDArray]:
+        """Weighted responses of spring and arms, (D, n, 1 + arms) one a press, for rates (D, speeds, arms)."""
+        found = []
         for index, drive in enumerate(self.drives):
             arms = [drive.arm(rates[:, self.speed_of[index], arm]) for arm in range(self.arms)]
-            design = np.stack([drive.elastic, *arms], axis=-1)
-            columns.append(design * self.weight[index][..., None])
-            wanted.append(self.force[index] * self.weight[index])
-        matrix, right = np.concatenate(columns, axis=1), np.concatenate(wanted, axis=1)
-        springs = _nonnegative(matrix, right)
-        return springs, np.einsum("dnk,dk->dn", matrix, springs) - right
+            found.append(np.stack([drive.elastic, *arms], axis=-1) * self.weight[index][..., None])
+        return found
+
+    def fit(self, responses: list[NDArray]) -> tuple[NDArray, NDArray]:
+        """Best non-negative springs (D, 1 + arms) for given responses, and weighted residuals (D, n)."""
+        matrix = np.concatenate(responses, axis=1)
+        springs = _nonnegative(matrix, self.wanted)
+        return springs, np.einsum("dnk,dk->dn", matrix, springs) - self.wanted
+
+    def springs(self, rates: NDArray) -> NDArray:
+        """Best springs (D, 1 + arms) for given rates."""
+        return self.fit(self.responses(rates))[0]
 
     def solve(self) -> NDArray:
-        """Levenberg-Marquardt on ln rate, numerical Jacobian; returns the rates."""
-        x = self.start.reshape(len(self.start), -1)
-        shape = self.start.shape
-        damping = np.full(len(x), 1e-2)
-        residual = self.springs(np.exp(x).reshape(shape))[1]
+        """Levenberg-Marquardt on ln rate, all designs side by side; returns the rates."""
+        x = self.start.copy()
+        size = x[0].size
+        responses = self.responses(np.exp(x))
+        residual = self.fit(responses)[1]
         cost = (residual**2).sum(-1)
+        damping, moving = np.full(len(x), 1e-2), np.ones(len(x), bool)
         for _ in range(STEPS):
-            jacobian = np.stack([self._column(x, shape, k, residual) for k in range(x.shape[1])], axis=-1)
+            jacobian = np.stack([self._column(x, k, responses, residual) for k in range(size)], axis=-1)
             normal = np.einsum("dnk,dnl->dkl", jacobian, jacobian)
             gradient = np.einsum("dnk,dn->dk", jacobian, residual)
             diagonal = np.einsum("dkk->dk", normal)
             ridge = damping[:, None] * diagonal + 1e-9 * (diagonal.max(-1, keepdims=True) + 1e-30)
-            step = -np.linalg.solve(normal + ridge[:, None, :] * np.eye(x.shape[1]), gradient[..., None])[..., 0]
-            tried = np.clip(x + np.clip(step, -2.0, 2.0), *np.log(RATES))
-            new = self.springs(np.exp(tried).reshape(shape))[1]
-            better = (new**2).sum(-1) < cost
-            gain = np.where(better, 1.0 - (new**2).sum(-1) / np.maximum(cost, 1e-300), 0.0)
-            x = np.where(better[:, None], tried, x)
-            residual = np.where(better[:, None], new, residual)
-            cost = np.where(better, (new**2).sum(-1), cost)
+            step = -np.linalg.solve(normal + ridge[:, None, :] * np.eye(size), gradient[..., None])[..., 0]
+            step = np.where(moving[:, None], np.clip(step, -2.0, 2.0), 0.0).reshape(x.shape)
+            tried = np.clip(x + step, *np.log(RATES))
+            new_responses = self.responses(np.exp(tried))
+            new = self.fit(new_responses)[1]
+            new_cost = (new**2).sum(-1)
+            better = moving & (new_cost < cost)
+            settled = better & (new_cost > (1.0 - TOLERANCE) * cost)
+            x, residual = np.where(better[:, None, None], tried, x), np.where(better[:, None], new, residual)
+            responses = [np.where(better[:, None, None], n, o) for n, o in zip(new_responses, responses)]
+            cost = np.where(better, new_cost, cost)
             damping = np.clip(np.where(better, damping / 5, damping * 5), 1e-9, 1e6)
-            if np.all((better & (gain < TOLERANCE)) | (damping >= 1e5)):
+            moving &= ~settled & (damping < 1e4)
+            if not moving.any():
                 break
-        return np.exp(x).reshape(shape)
+        return np.exp(x)
 
-    def _column(self, x: NDArray, shape: tuple[int, ...], k: int, residual: NDArray) -> NDArray:
-        moved = x.copy()
-        moved[:, k] += 1e-5
-        return (self.springs(np.exp(moved).reshape(shape))[1] - residual) / 1e-5
+    def _column(self, x: NDArray, k: int, responses: list[NDArray], residual: NDArray) -> NDArray:
+        """Derivative of the residuals by ln rate k: only the presses at its speed answer to it."""
+        speed, arm = divmod(k, self.arms)
+        moved = np.exp(x[:, speed, arm] + DIFFERENCE)
+        changed = list(responses)
+        for index in np.nonzero(self.speed_of == speed)[0]:
+            changed[index] = changed[index].copy()
+            changed[index][..., 1 + arm] = self.drives[index].arm(moved) * self.weight[index]
+        return (self.fit(changed)[1] - residual) / DIFFERENCE
 
 
 def _speeds(targets: Targets) -> list[float]:

@@ -13,7 +13,7 @@ HELP = "Fit the nonlinear 3, 5 or 7 element law to traces of one tissue or dummy
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("traces", nargs="+", metavar="TRACE.csv", help="time_s,displacement_mm,force_N")
-    parser.add_argument("--elements", default="auto", metavar="3|5|7|auto", help="default auto: lowest AICc")
+    parser.add_argument("--elements", default="auto", metavar="3|5|7|auto", help="default auto: by AICc")
     parser.add_argument("--law", default="ode", metavar="published|consistent|ode", help="default ode")
     parser.add_argument("--mode", default="joint", metavar="joint|per-speed|per-condition", help="default joint")
     parser.add_argument("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help="filter the force went through")

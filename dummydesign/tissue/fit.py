@@ -13,12 +13,17 @@ from dummydesign.protocol.sensor import Lowpass
 from dummydesign.protocol.trace import Trace
 from dummydesign.tissue.law import ELEMENTS, check_law, parameter_names
 from dummydesign.tissue.least_squares import profile_interval
+from dummydesign.tissue.noise_floor import noise_floor
 from dummydesign.tissue.parameters import speed_key
 from dummydesign.tissue.problem import Optimum, Problem
 from dummydesign.tissue.reduce import ReducedTrace, reduce_trace
-from dummydesign.tissue.residual import heldout_rmse, noise_floor, trace_residuals
+from dummydesign.tissue.residual import heldout_rmse, trace_residuals
 
 MODES = ("joint", "per-speed", "per-condition")
+
+PARSIMONY = 6.0
+"""Gain in AICc that more elements must bring: the time of a spurious arm is free to hunt for noise, which
+earns it more than the two units a parameter is charged with."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +65,7 @@ def fit_traces(
     traces : sequence of Trace
         Any forces, speeds and repeats of the same specimen.
     elements : 3, 5, 7 or "auto"
-        ``auto`` takes the lowest AICc.
+        ``auto`` takes the fewest whose AICc is within 6 of the lowest.
     law : str
         ``ode``, ``consistent`` or ``published``; the latter two use mean speed and stop time only.
     mode : str
@@ -93,7 +98,7 @@ def fit_traces(
     problems = _problems(law, mode, reduced, lowpass)
     optima = {n: [problem.optimum((n - 1) // 2) for problem in problems] for n in ELEMENTS}
     comparison = _comparison(mode, problems, optima)
-    chosen = int(min(comparison, key=lambda n: comparison[n]["aicc"])) if elements == "auto" else int(elements)
+    chosen = _simplest(comparison) if elements == "auto" else int(elements)
     pairs = tuple(zip(problems, optima[chosen]))
     result: dict[str, Any] = {"elements": chosen, "law": law, "mode": mode}
     result |= _parameters(mode, pairs, chosen, intervals)
@@ -106,6 +111,12 @@ def fit_traces(
     result["comparison"] = comparison
     result["warnings"] = _warnings(law, result, pairs)
     return Fit(chosen, law, mode, lowpass, result, pairs)
+
+
+def _simplest(comparison: dict[str, dict[str, Any]]) -> int:
+    """Fewest elements whose AICc is within :data:`PARSIMONY` of the lowest."""
+    lowest = min(row["aicc"] for row in comparison.values())
+    return min(int(n) for n, row in comparison.items() if row["aicc"] <= lowest + PARSIMONY)
 
 
 def rounded_velocity(velocity_mm_s: float) -> float:
@@ -156,7 +167,8 @@ def _comparison(mode: str, problems: list[Problem], optima: dict[int, list[Optim
         heldout = heldout_rmse(*pairs[0]) if mode != "per-condition" else None
         table[str(elements)] = {
             "rmse_N": trace_residuals(pairs)["rmse_N"],
-            "aicc": sum(optimum.aicc for optimum in found),
+            # the noise of the most flexible rival, which has the least misfit in it
+            "aicc": sum(p.aicc(o, best.factor) for (p, o), best in zip(pairs, optima[max(ELEMENTS)])),
             "heldout_rmse_N": heldout,
             "parameters": sum(len(optimum.solution.parameters) for optimum in found),
         }
@@ -239,7 +251,7 @@ def _warnings(law: str, result: dict[str, Any], pairs: Sequence[tuple[Problem, O
         found.append(
             {"code": "lack_of_fit", "message": f"rms residual {result['rmse_N']:.3g} N is "
              f"{result['rmse_N'] / result['noise_floor_N']:.1f} times the noise floor: the law does not "
-             "describe these traces; intervals count the misfit as slow noise"}
+             "describe these traces; intervals count the misfit as correlated noise"}
         )  # fmt: skip
     for name, entry in result["parameters"].items():
         for key, one in {"": entry}.items() if "value" in entry else entry.items():

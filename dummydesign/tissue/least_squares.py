@@ -58,7 +58,7 @@ def solve(model: Model, starts: Sequence[NDArray], low: NDArray, high: NDArray, 
     from scipy.optimize import least_squares
 
     results = []
-    margin = 1e-9 * np.maximum(high - low, 1.0)
+    margin = 1e-9 * np.minimum(high - low, 1.0)
     for start in starts:
         memory = _Memory(model)
         found = least_squares(

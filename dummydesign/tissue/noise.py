@@ -1,8 +1,11 @@
-"""The noise of binned traces: white per sample, slowly correlated, and an error of the contact position.
+"""The noise of binned traces: white, slowly correlated, contact position, and misfit of the law itself.
 
 Samples at 1 kHz are not independent: a slow part that lives for a second does not average away in a bin,
-and a bias of the contact zero moves a whole press. Sizes are estimated from the residuals by restricted
-maximum likelihood, so that parameters that were fitted do not count as knowledge of the noise.
+and a bias of the contact zero moves a whole press. What a wrong law leaves is in proportion to the force
+and correlated over some depth or some share of log time; without that part, a misfit of newtons would be
+taken for certainty. Sizes are estimated from the residuals by restricted maximum likelihood, so that
+parameters that were fitted do not count as knowledge of the noise; slow noise and contact position are
+bounded by what can be seen without a law and by what a robot can do, and the misfit takes the rest.
 """
 
 from __future__ import annotations
@@ -16,21 +19,31 @@ from numpy.typing import NDArray
 
 from dummydesign.tissue.reduce import ReducedTrace
 
+LOWEST_MISFIT = 1e-4
+"""Misfit over force below which it counts as none."""
+
+LARGEST_POSITION_MM = 0.05
+"""Largest error of the contact position that is believed; robot precision is 0.02 mm."""
+
+MISFIT_LENGTH = 0.7
+"""Correlation length of misfit: in ln of time since the stop, and in thirds of the depth before it."""
+
 FLOOR_N = 1e-3
 """Smallest white noise that is believed: a tenth of the usual step of a force sensor. [N]"""
 
 
 @dataclass(frozen=True)
 class Noise:
-    """Sizes: white and slow standard deviation [N], time of the slow one [s], contact zero [mm]."""
+    """Sizes: white and slow standard deviation [N], time of the slow one [s], misfit over force, zero [mm]."""
 
     white_N: float
     slow_N: float
     slow_time_s: float
+    misfit_fraction: float
     position_mm: float
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the four sizes."""
+        """Return the five sizes."""
         return asdict(self)
 
 
@@ -43,12 +56,13 @@ class Bins:
     def __init__(self, traces: Sequence[ReducedTrace]) -> None:
         longest = max(len(trace.force_N) for trace in traces)
         self.used = np.zeros((len(traces), longest), dtype=bool)
-        self.start, self.end, self.samples = (np.zeros_like(self.used, dtype=float) for _ in range(3))
+        self.start, self.end, self.samples, self.place = (np.zeros_like(self.used, dtype=float) for _ in range(4))
         for row, trace in enumerate(traces):
             count = len(trace.force_N)
             self.used[row, :count] = True
             self.start[row, :count], self.end[row, :count] = trace.start_s, trace.end_s
             self.samples[row, :count] = trace.samples
+            self.place[row, :count] = _place(trace)
 
     def stacked(self, values: NDArray) -> NDArray:
         """Put joined bins (total, ...) into the padded stack (traces, longest, ...)."""
@@ -56,7 +70,7 @@ class Bins:
         out[self.used] = values
         return out
 
-    def covariance(self, noise: Noise, slope: NDArray) -> NDArray:
+    def covariance(self, noise: Noise, force: NDArray, slope: NDArray) -> NDArray:
         """Covariance of the bins, shape (traces, longest, longest), identity in the padding. [N2]
 
         The slow part is an Ornstein-Uhlenbeck process averaged exactly over the bins.
@@ -64,8 +78,8 @@ class Bins:
         Parameters
         ----------
         noise : Noise
-        slope : ndarray, shape (traces, longest)
-            dF / dx of each bin, for the contact position. [N/mm]
+        force, slope : ndarray, shape (traces, longest)
+            F [N] and dF / dx [N/mm] of each bin, for the misfit and the contact position.
         """
         length = np.where(self.used, np.maximum(self.end - self.start, 1e-9), 1.0) / noise.slow_time_s
         loss = -np.expm1(-length) / length
@@ -78,21 +92,29 @@ class Bins:
         slow[:, rows, rows] = own
         both = self.used[:, :, None] & self.used[:, None, :]
         total = noise.slow_N**2 * slow + noise.position_mm**2 * slope[:, :, None] * slope[:, None, :]
+        near = np.exp(-np.abs(self.place[:, :, None] - self.place[:, None, :]) / MISFIT_LENGTH)
+        total += noise.misfit_fraction**2 * force[:, :, None] * force[:, None, :] * near
         total = np.where(both, total, 0.0)
         white = noise.white_N**2 / np.maximum(self.samples, 1.0)
         total[:, rows, rows] += np.where(self.used, white, 1.0)
         return total
 
 
-def whitener(bins: Bins, noise: Noise, slope: NDArray) -> NDArray:
+def _place(trace: ReducedTrace) -> NDArray:
+    """Where in the press each bin lies: 3 (x / depth - 1) in the rise, ln(1 + time since stop / 1 ms) after it."""
+    since = 0.5 * (trace.start_s + trace.end_s) - trace.ramp.stop_time_s
+    depth = np.clip(trace.average @ trace.motion.displacement_mm / trace.ramp.depth_mm, 0.0, 1.0)
+    return np.where(since < 0, 3.0 * (depth - 1.0), np.log1p(np.maximum(since, 0.0) / 1e-3))
+
+
+def whitener(bins: Bins, noise: Noise, force: NDArray, slope: NDArray) -> NDArray:
     """Inverse Cholesky factors (traces, longest, longest): whitened = factor @ stacked values."""
-    lower = np.linalg.cholesky(bins.covariance(noise, slope))
+    lower = np.linalg.cholesky(bins.covariance(noise, force, slope))
     return np.linalg.inv(lower)
 
 
-def minus_two_log_likelihood(bins: Bins, noise: Noise, slope: NDArray, residual: NDArray) -> float:
-    """Minus twice the Gaussian log likelihood of stacked residuals (traces, longest), without constants."""
-    factor = whitener(bins, noise, slope)
+def minus_two_log_likelihood(bins: Bins, factor: NDArray, residual: NDArray) -> float:
+    """Minus twice the Gaussian log likelihood of stacked residuals (traces, longest) under a whitening."""
     white = (factor @ residual[..., None])[..., 0]
     diagonal = np.diagonal(factor, axis1=1, axis2=2)
     count = int(bins.used.sum())
@@ -100,17 +122,25 @@ def minus_two_log_likelihood(bins: Bins, noise: Noise, slope: NDArray, residual:
 
 
 def estimate_noise(
-    bins: Bins, slope: NDArray, residual: NDArray, jacobian: NDArray, start: Noise | None = None
+    bins: Bins,
+    force: NDArray,
+    slope: NDArray,
+    residual: NDArray,
+    jacobian: NDArray,
+    largest_slow_N: float,
+    start: Noise | None = None,
 ) -> Noise:
     """Estimate the noise by restricted maximum likelihood.
 
     Parameters
     ----------
     bins : Bins
-    slope, residual : ndarray, shape (traces, longest)
-        dF / dx [N/mm] and residual [N] of each bin.
+    force, slope, residual : ndarray, shape (traces, longest)
+        F [N], dF / dx [N/mm] and residual [N] of each bin.
     jacobian : ndarray, shape (traces, longest, parameters)
         Sensitivity to what was fitted.
+    largest_slow_N : float
+        Bound of the slow part, from the data without any law. [N]
     start : Noise, optional
         A former estimate to start from.
 
@@ -118,32 +148,32 @@ def estimate_noise(
     -------
     Noise
         The contact position is left at 0 with fewer than four traces: one press cannot tell it from
-        the parameters.
+        the parameters. Misfit and position at their lower bounds are returned as 0.
     """
     from scipy.optimize import minimize
 
-    with_position = len(residual) >= 4
+    free = 5 if len(residual) >= 4 else 4
     scale = max(float(np.sqrt((residual**2).sum() / bins.used.sum())), FLOOR_N)
-    # log white, log slow, log time, log position
-    low = np.log([FLOOR_N, 1e-4, 5e-3, 1e-4])
-    high = np.log([10.0, 10.0, 5.0, 0.3])
-    begin = [max(scale, 2 * FLOOR_N), max(0.5 * scale, 2e-4), 0.5, 5e-3]
+    low = np.log([FLOOR_N, 1e-4, 5e-3, LOWEST_MISFIT, 1e-4])[:free]
+    high = np.log([10.0, largest_slow_N, 5.0, 1.0, LARGEST_POSITION_MM])[:free]
+    begin = np.array([max(min(scale, largest_slow_N), 2 * FLOOR_N), 0.5 * scale, 0.5, 3e-3, 5e-3])
     if start is not None:
-        begin = [start.white_N, start.slow_N, start.slow_time_s, max(start.position_mm, 1e-4)]
-    free = 4 if with_position else 3
+        begin = np.array([getattr(start, name) for name in start.to_dict()])
+    begin = np.clip(np.log(np.maximum(begin[:free], 1e-9)), low + 1e-3, high - 1e-3)
 
     def made(logs: NDArray) -> Noise:
-        sizes = np.exp(np.clip(logs, low[:free], high[:free]))
-        return Noise(*sizes, *([] if with_position else [0.0]))
+        sizes = np.zeros(5)
+        sizes[:free] = np.exp(np.clip(logs, low, high))
+        sizes[3:] = np.where(sizes[3:] <= 1.02 * LOWEST_MISFIT, 0.0, sizes[3:])
+        return Noise(*sizes.tolist())
 
     def cost(logs: NDArray) -> float:
-        noise = made(logs)
-        factor = whitener(bins, noise, slope)
+        factor = whitener(bins, made(logs), force, slope)
         white = (factor @ residual[..., None])[..., 0]
         turned = (factor @ jacobian).reshape(-1, jacobian.shape[-1])
         information = turned.T @ turned
         information[np.diag_indices_from(information)] += 1e-8 * np.trace(information) / len(information)
-        outside = np.sum(np.maximum(low[:free] - logs, 0) ** 2 + np.maximum(logs - high[:free], 0) ** 2)
+        outside = np.sum(np.maximum(low - logs, 0) ** 2 + np.maximum(logs - high, 0) ** 2)
         return float(
             (white**2).sum()
             - 2.0 * np.log(np.diagonal(factor, axis1=1, axis2=2)).sum()
@@ -151,8 +181,7 @@ def estimate_noise(
             + 10.0 * outside
         )
 
-    begin = np.clip(np.log(begin[:free]), low[:free] + 1e-3, high[:free] - 1e-3)
     step = 0.7 if start is None else 0.2
     simplex = np.vstack([begin, begin + step * np.eye(free)])
-    options = {"initial_simplex": simplex, "xatol": 0.03, "fatol": 0.05, "maxfev": 160}
+    options = {"initial_simplex": simplex, "xatol": 0.03, "fatol": 0.05, "maxfev": 200}
     return made(minimize(cost, begin, method="Nelder-Mead", options=options).x)

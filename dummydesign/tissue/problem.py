@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from dummydesign.protocol.sensor import Lowpass
 from dummydesign.tissue.least_squares import Model, Solution, solve
 from dummydesign.tissue.noise import Bins, Noise, estimate_noise, minus_two_log_likelihood, whitener
+from dummydesign.tissue.noise_floor import noise_floor
 from dummydesign.tissue.reduce import ReducedTrace
 from dummydesign.tissue.responses import Responses
 
@@ -23,14 +24,12 @@ FAINTEST, STRONGEST = 1e-5, 1e4
 
 @dataclass(frozen=True)
 class Optimum:
-    """The best fit of a number of arms: parameters (ln), noise, whitening and likelihood."""
+    """The best fit of a number of arms: parameters (ln), noise and whitening."""
 
     arms: int
     solution: Solution
     noise: Noise
     factor: NDArray
-    minus_two_log_likelihood: float
-    aicc: float
 
 
 class Problem:
@@ -53,6 +52,7 @@ class Problem:
         self.law, self.lowpass, self.groups = law, lowpass, groups
         self.responses = [Responses(law, group, lowpass) for group in groups]
         self.bins = Bins(self.traces)
+        self.largest_slow_N = max(2.0 * noise_floor(self.traces), 0.01)
         self.force = np.concatenate([trace.force_N for trace in self.traces])
         self.elastic = np.concatenate([response.elastic for response in self.responses])
         ends = np.cumsum([0, *(len(response.elastic) for response in self.responses)])
@@ -168,16 +168,27 @@ class Problem:
             force, jacobian = self.predict(found.parameters, arms)
             slope = 3.0 * self.bins.stacked(force) / np.maximum(depth, shallow)
             residual = self.bins.stacked(self.force - force)
-            noise = estimate_noise(self.bins, slope, residual, self.bins.stacked(jacobian), noise)
-            factor = whitener(self.bins, noise, slope)
+            sizes, sensitivity = self.bins.stacked(force), self.bins.stacked(jacobian)
+            noise = estimate_noise(self.bins, sizes, slope, residual, sensitivity, self.largest_slow_N, noise)
+            factor = whitener(self.bins, noise, sizes, slope)
             found = solve(self.model(arms, factor), [found.parameters], low, high)
-        residual = self.bins.stacked(self.force - self.predict(found.parameters, arms)[0])
-        likelihood = minus_two_log_likelihood(self.bins, noise, slope, residual)
-        unknown = len(found.parameters) + (4 if noise.position_mm > 0 else 3)
-        spare = max(len(self.force) - unknown - 1, 1)
-        aicc = likelihood + 2 * unknown + 2 * unknown * (unknown + 1) / spare
         best = Solution(found.parameters, found.chi_square, first.starts, first.agreeing)
-        return Optimum(arms, self._slowest_first(best, arms), noise, factor, likelihood, aicc)
+        return Optimum(arms, self._slowest_first(best, arms), noise, factor)
+
+    def aicc(self, optimum: Optimum, factor: NDArray) -> float:
+        """Corrected Akaike criterion of a fit under a given whitening, refitted under it.
+
+        Rivals are compared under one and the same noise; with a noise of its own each would be judged
+        by another measure.
+        """
+        low, high = self.box(optimum.arms)
+        model = self.model(optimum.arms, factor)
+        theta = solve(model, [optimum.solution.parameters], low, high, 1e-7).parameters
+        residual = self.bins.stacked(self.force - self.predict(theta, optimum.arms)[0])
+        unknown = len(theta) + (5 if len(self.traces) >= 4 else 4)
+        spare = max(len(self.force) - unknown - 1, 1)
+        likelihood = minus_two_log_likelihood(self.bins, factor, residual)
+        return likelihood + 2 * unknown + 2 * unknown * (unknown + 1) / spare
 
     def _slowest_first(self, solution: Solution, arms: int) -> Solution:
         """Order the arms by falling c / gamma (geometric mean over groups)."""

@@ -15,6 +15,8 @@ RISE_BINS = 20
 HOLD_GROWTH = 1.33
 FIRST_HOLD_S = 1e-3
 RISE_NODES = 160
+SETTLED_S = 0.01
+"""Time after the stop from which the motion is taken as a slow wander and the force as smooth. [s]"""
 
 
 @dataclass(frozen=True)
@@ -77,7 +79,7 @@ def reduce_trace(trace: Trace) -> ReducedTrace:
     used, place, samples = np.unique(which, return_inverse=True, return_counts=True)
     nodes = _nodes(time, edges, ramp)
     displacement = _node_displacement(nodes, time, trace.displacement_mm, ramp)
-    average = _average(time[inside], place, samples, nodes)
+    average = _average(time[inside], place, samples, nodes, ramp.stop_time_s + SETTLED_S)
     mean = np.bincount(place, force[inside]) / samples
     late = time[inside] >= ramp.hold_end_s - 0.05 * hold
     return ReducedTrace(
@@ -116,7 +118,7 @@ def _edges(ramp: Ramp, time: NDArray) -> NDArray:
 
 def _nodes(time: NDArray, edges: NDArray, ramp: Ramp) -> NDArray:
     """Times at which the model is evaluated: the samples of the rise (thinned), and three per hold bin."""
-    rise = time[(time >= edges[0]) & (time < ramp.stop_time_s + 0.01)]
+    rise = time[(time >= edges[0]) & (time < ramp.stop_time_s + SETTLED_S)]
     if len(rise) > RISE_NODES:
         rise = rise[np.unique(np.linspace(0, len(rise) - 1, RISE_NODES).astype(int))]
     hold = edges[edges >= ramp.stop_time_s]
@@ -132,14 +134,26 @@ def _node_displacement(nodes: NDArray, time: NDArray, x: NDArray, ramp: Ramp) ->
     integral = np.r_[0.0, np.cumsum(0.5 * (x[1:] + x[:-1]) * np.diff(time))]
     half = np.r_[nodes[0], 0.5 * (nodes[1:] + nodes[:-1]), nodes[-1]]
     mean = np.diff(np.interp(half, time, integral)) / np.diff(half)
-    return np.where(nodes > ramp.stop_time_s + 0.01, mean, measured)
+    return np.where(nodes > ramp.stop_time_s + SETTLED_S, mean, measured)
 
 
-def _average(time: NDArray, place: NDArray, samples: NDArray, nodes: NDArray) -> NDArray:
-    """Operator (bins, nodes) from node values to means over the samples of each bin."""
+def _average(time: NDArray, place: NDArray, samples: NDArray, nodes: NDArray, smooth_from: float) -> NDArray:
+    """Operator (bins, nodes) from node values to means over the samples of each bin.
+
+    Linear between nodes up to ``smooth_from``; after it, where nodes are far apart and the force is
+    smooth, by the cubic through the four nearest nodes.
+    """
     after = np.clip(np.searchsorted(nodes, time), 1, len(nodes) - 1)
     share = np.clip((time - nodes[after - 1]) / (nodes[after] - nodes[after - 1]), 0.0, 1.0)
     average = np.zeros((len(samples), len(nodes)))
-    np.add.at(average, (place, after - 1), 1.0 - share)
-    np.add.at(average, (place, after), share)
+    first = int(np.searchsorted(nodes, smooth_from))
+    smooth = (time > nodes[min(first, len(nodes) - 1)]) & (len(nodes) - first >= 4)
+    np.add.at(average, (place[~smooth], after[~smooth] - 1), 1.0 - share[~smooth])
+    np.add.at(average, (place[~smooth], after[~smooth]), share[~smooth])
+    start = np.clip(after[smooth] - 2, first, len(nodes) - 4)
+    at = nodes[start[:, None] + np.arange(4)]
+    for corner in range(4):
+        others = np.delete(at, corner, axis=1)
+        weight = np.prod((time[smooth, None] - others) / (at[:, [corner]] - others), axis=1)
+        np.add.at(average, (place[smooth], start + corner), weight)
     return average / samples[:, None]

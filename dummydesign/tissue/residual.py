@@ -67,23 +67,6 @@ def trace_residuals(pairs: Sequence[tuple[Problem, Optimum]]) -> dict[str, Any]:
     }
 
 
-def noise_floor(traces: Sequence[ReducedTrace]) -> float:
-    """Rms of the noise of the hold without any law: what a smooth curve in log time cannot follow. [N]"""
-    squares, count = 0.0, 0
-    for trace in traces:
-        time = trace.trace.time_s[trace.inside] - trace.ramp.stop_time_s
-        force_N = trace.trace.force_N[trace.inside]
-        late = time > 0.05 * time[-1]
-        if late.sum() < 12:
-            continue
-        at = np.log(time[late])
-        at = 2.0 * (at - at[0]) / (at[-1] - at[0]) - 1.0
-        smooth = np.polynomial.chebyshev.Chebyshev.fit(at, force_N[late], 4)
-        squares += float(((force_N[late] - smooth(at)) ** 2).sum())
-        count += int(late.sum()) - 5
-    return float(np.sqrt(squares / count)) if count > 0 else 0.0
-
-
 def heldout_rmse(problem: Problem, optimum: Optimum) -> float | None:
     """Rms over the bins of conditions (speed and depth) left out of the fit one after another. [N]
 
@@ -91,7 +74,7 @@ def heldout_rmse(problem: Problem, optimum: Optimum) -> float | None:
     """
     from dummydesign.tissue.fit import condition_groups
 
-    conditions = [{trace.trace.name for trace in group} for _, _, group in condition_groups(problem.traces)]
+    conditions = [{id(trace) for trace in group} for _, _, group in condition_groups(problem.traces)]
     if len(conditions) < 3:
         return None
     low, high = problem.box(optimum.arms)

@@ -95,9 +95,7 @@ def test_a_steady_curve_is_judged_below_and_above_5_newtons_apart():
 def test_dampers_between_known_speeds_are_interpolated_in_logarithms():
     person = subject(0.1)
     middle = person.dampers_at(np.sqrt(10.0 * 250.0))
-    assert middle == pytest.approx(
-        [np.sqrt(a * b) for a, b in zip(person.dampers_at(10), person.dampers_at(250))]
-    )
+    assert middle == pytest.approx([np.sqrt(a * b) for a, b in zip(person.dampers_at(10), person.dampers_at(250))])
     assert person.dampers_at(1.0) == person.dampers_at(10.0)
     assert person.dampers_at(900.0) == person.dampers_at(250.0)
 

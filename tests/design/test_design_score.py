@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import make_tissue
+from slab_by_formula import make_tissue
 
 from dummydesign.design.curves import Press, Sampling, Slabs, make_curves, press_to_depth
 from dummydesign.design.parameters import _Problem, fit_presses, parametric_score

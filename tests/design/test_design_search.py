@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from conftest import make_tissue
+from slab_by_formula import make_tissue
 
 from dummydesign.design.curves import Sampling
 from dummydesign.design.search import search, thickness_steps

@@ -1,0 +1,176 @@
+"""``suggest`` and ``whatif`` on the command line: the contract, the recipe, refusals."""
+
+import json
+
+import pytest
+
+from dummydesign.cli import run
+from dummydesign.resin import load_resin
+
+QUICK = ["--no-cad", "--no-verify"]
+
+
+def answer(capsys, *arguments):
+    status = run([*arguments, "--json"])
+    return status, json.loads(capsys.readouterr().out)
+
+
+@pytest.mark.parametrize("tissue", ["forefinger", "palm", "thenar"])
+def test_every_tissue_gets_a_design_with_all_that_the_contract_names(tissue, capsys):
+    status, found = answer(capsys, "suggest", "--tissue", tissue, *QUICK)
+    assert status == 0 and found["schema"] == "dummydesign.suggest/1"
+    best = found["recommendation"]
+    assert 3 <= best["thickness_mm"] <= 30 and 14 <= best["ratio"] <= 20
+    assert best["ratio_meaning"] == "isocyanate parts per 100 polyol by weight"
+    assert best["young_kPa"]["low"] < best["young_kPa"]["value"] < best["young_kPa"]["high"]
+    assert all(term["tau_s"] > 0 and term["beta"] > 0 for term in best["prony"])
+    names = {"total", "parametric", "steady_state_range", "force_variation_range"}
+    assert names <= set(best["scores"]) and all(0 <= value <= 1 for value in best["scores"].values())
+    for name in ("gamma1_N_per_mm3", "gamma2_N_per_mm3", "gamma3_N_per_mm3"):
+        assert best["parameters"][name] > 0
+    for name in ("c2_N_s_per_mm", "c3_N_s_per_mm"):
+        assert set(best["parameters"][name]) == {"10", "250"}
+    places = [(row["steady_force_N"], row["velocity_mm_s"]) for row in best["conditions"]]
+    assert sorted(places) == [(f, v) for f in (5, 10, 15) for v in (10, 250)]
+    for row in best["conditions"]:
+        assert row["target_peak_low_N"] < row["target_peak_high_N"] and 0 <= row["inside_fraction"] <= 1
+        assert row["depth_over_thickness"] <= 0.6 + 1e-9 and row["peak_force_N"] >= row["steady_force_N"]
+    assert {row["force_N"] for row in best["low_force"]} == {0.5, 1, 2, 3, 4, 5}
+    assert 0 <= found["sensitivity"]["yield_fraction"] <= 1
+    slope = load_resin().log_slope(best["ratio"])
+    assert found["sensitivity"]["d_ln_young_per_percent_ratio"] == pytest.approx(0.01 * slope)
+    assert found["verification"]["max_difference_percent"] is None
+    assert found["rests_on"]["inferred_or_assumed"] > 0 and found["sources"]
+    for other in found["alternatives"]:
+        assert set(other) == set(best)
+
+
+def test_the_recipe_has_the_ratio_and_more_than_the_pad_weighs(capsys):
+    _, found = answer(capsys, "suggest", "--tissue", "forefinger", *QUICK)
+    best = found["recommendation"]
+    masses = {item["name"]: item["mass_g"] for item in best["recipe"]["components"]}
+    # the balance shows tenths of a gram
+    assert 100 * masses["isocyanate"] / masses["polyol"] == pytest.approx(best["ratio"], abs=0.1)
+    assert best["recipe"]["total_g"] == pytest.approx(sum(masses.values()))
+    pad_g = 150 * 120 * best["thickness_mm"] * 1e-3 * load_resin().property("density_g_per_cm3", best["ratio"]).value
+    assert pad_g < best["recipe"]["total_g"] < 1.5 * pad_g
+
+
+def test_the_same_question_has_the_same_answer(capsys):
+    first, again = (answer(capsys, "suggest", "--tissue", "forefinger", *QUICK)[1] for _ in range(2))
+    assert first == again
+
+
+def test_limits_are_followed_and_named(capsys):
+    _, found = answer(
+        capsys, "suggest", "--tissue", "palm", "--thickness", "15:15", "--ratio", "15:16", "--aim", "safe-side", *QUICK
+    )
+    best = found["recommendation"]
+    assert best["thickness_mm"] == 15.0 and 15.0 <= best["ratio"] <= 16.0
+    assert found["inputs"]["aim"] == "safe-side" and found["inputs"]["ratio"] == [15.0, 16.0]
+
+
+def test_a_pad_at_the_thin_end_of_the_table_is_answered(capsys):
+    status, found = answer(capsys, "suggest", "--tissue", "forefinger", "--thickness", "3:3", *QUICK)
+    assert status == 0 and found["recommendation"]["thickness_mm"] == 3.0
+
+
+def test_no_feasible_design_is_said_with_status_1(capsys):
+    status, found = answer(
+        capsys, "suggest", "--tissue", "forefinger", "--thickness", "28:30", "--ratio", "14:14.2", *QUICK
+    )
+    assert status == 1 and found["error"]["code"] == "no_feasible_design"
+    assert "10 N" in found["error"]["message"]
+
+
+def test_without_cad_the_recipe_stands_and_the_missing_step_is_named(capsys, monkeypatch, tmp_path):
+    from dummydesign.errors import NoAnswerError
+
+    def broken(*_, **__):
+        raise NoAnswerError("cad_unavailable", "libGL.so.1 is missing: apt install libgl1")
+
+    monkeypatch.setattr("dummydesign.mold.runner.make_mold", broken)
+    arguments = ["suggest", "--tissue", "forefinger", "--no-verify", "--out", str(tmp_path)]
+    status, found = answer(capsys, *arguments)
+    assert status == 1 and found["error"]["code"] == "cad_unavailable"
+    assert found["recommendation"]["recipe"]["total_g"] > 0
+    assert "libGL" in found["error"]["message"] and "dummydesign mold --thickness" in found["error"]["message"]
+    assert run(arguments) == 1
+    shown = capsys.readouterr()
+    assert "polyol" in shown.out and shown.err.startswith("error: libGL")
+
+
+def test_text_shows_recipe_scores_and_what_it_rests_on(capsys):
+    assert run(["suggest", "--tissue", "forefinger", *QUICK]) == 0
+    text = capsys.readouterr().out
+    for part in ("polyol", "isocyanate", "total", "share inside", "inferred or assumed", "alternatives", "% of pours"):
+        assert part in text
+    assert max(len(line) for line in text.splitlines() if not line.startswith(("warning", "next"))) < 260
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--tissue", "forfinger"], "did you mean 'forefinger'"),
+        (["--tissue", "palm", "--aim", "avarage"], "did you mean 'average'"),
+        (["--tissue", "palm", "--aim", "subject:nobody"], "subject of palm 'nobody'"),
+        (["--tissue", "palm", "--ratio", "10:12"], "allowed range 14.0 to 20.0"),
+        (["--tissue", "palm", "--ratio", "15"], ""),
+        (["--tissue", "palm", "--thickness", "2:30"], "allowed range 3.0 to 30.0"),
+        (["--tissue", "palm", "--thickness", "20:10"], "MIN at most MAX"),
+        (["--tissue", "palm", "--shape", "sphere"], "unknown shape 'sphere'"),
+        (["--tissue", "palm", "--resin", "rubber"], "unknown resin 'rubber'"),
+        (["--tissue", "palm", "--out", "/dev/null/x"], "cannot be written"),
+        ([], "--tissue"),
+    ],
+)
+def test_bad_input_is_one_line_and_status_2(arguments, message, capsys):
+    status = run(["suggest", *arguments, *QUICK])
+    error = capsys.readouterr().err.strip()
+    if not message:  # one value is a range of one
+        assert status == 0 and not error
+        return
+    assert status == 2 and error.startswith("error: ") and message in error and "\n" not in error
+
+
+def test_whatif_gives_rows_and_their_csv(capsys, tmp_path):
+    status, found = answer(
+        capsys, "whatif", "--thickness", "5:20:5", "--ratio", "15,16", "--tissue", "palm", "--out", str(tmp_path)
+    )
+    assert status == 0 and found["schema"] == "dummydesign.whatif/1" and found["seconds"] > 0
+    assert [(row["thickness_mm"], row["ratio"]) for row in found["rows"]] == [
+        (t, r) for t in (5.0, 10.0, 15.0, 20.0) for r in (15.0, 16.0)
+    ]
+    row = found["rows"][1]
+    assert set(row["exponent_at_N"]) == {"1", "5", "10", "15"} and set(row["peak_over_steady"]) == {"10", "250"}
+    assert row["limit"] is None and "total" in row["score"]
+    assert any(row["limit"] for row in found["rows"])
+    assert len((tmp_path / "rows.csv").read_text().splitlines()) == 9
+    assert not list(tmp_path.glob(".*"))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--thickness", "3:30"], "START:STOP:STEP"),
+        (["--thickness", "3:30:0.001", "--ratio", "14:20:0.01"], "above 1000000"),
+        (["--thickness", "5", "--ratio", "30"], "allowed range 14.0 to 20.0"),
+        (["--thickness", "5", "--punch", "star:3"], "punch 'star:3'"),
+        (["--thickness", "5", "--fidelity", "guess"], "unknown fidelity"),
+        (["--thickness", "5", "--velocity", "0"], "velocity in mm/s = 0"),
+    ],
+)
+def test_whatif_refuses_in_one_line_and_leaves_nothing(arguments, message, capsys, tmp_path):
+    out = tmp_path / "study"
+    assert run(["whatif", *arguments, "--out", str(out)]) == 2
+    error = capsys.readouterr().err.strip()
+    assert error.startswith("error: ") and message in error and "\n" not in error
+    assert not out.exists()
+
+
+@pytest.mark.slow
+def test_the_recommended_design_is_verified_by_finite_elements(capsys):
+    _, found = answer(capsys, "suggest", "--tissue", "forefinger", "--no-cad")
+    checked = found["verification"]
+    assert checked["fidelity"] == "axisymmetric" and len(checked["depth_mm"]) == 3
+    assert 0 <= checked["max_difference_percent"] < 10

@@ -34,13 +34,13 @@ FLOOR_N = 1e-3
 
 @dataclass(frozen=True)
 class Noise:
-    """Sizes: white and slow standard deviation [N], time of the slow one [s], misfit over force, zero [mm]."""
+    """Sizes: white and slow standard deviation [N], time of the slow one [s], zero [mm], misfit over force."""
 
     white_N: float
     slow_N: float
     slow_time_s: float
-    misfit_fraction: float
     position_mm: float
+    misfit_fraction: float = 0.0
 
     def to_dict(self) -> dict[str, Any]:
         """Return the five sizes."""
@@ -50,10 +50,11 @@ class Noise:
 class Bins:
     """Bins of several traces as padded stacks, for batched linear algebra.
 
-    Arrays have shape (traces, longest); ``used`` masks the padding.
+    Arrays have shape (traces, longest); ``used`` masks the padding. ``place`` is where each bin lies in
+    its press (:func:`place_in_press`), for the correlation of misfit; all 0 when not given.
     """
 
-    def __init__(self, traces: Sequence[ReducedTrace]) -> None:
+    def __init__(self, traces: Sequence[ReducedTrace], place: Sequence[NDArray] | None = None) -> None:
         longest = max(len(trace.force_N) for trace in traces)
         self.used = np.zeros((len(traces), longest), dtype=bool)
         self.start, self.end, self.samples, self.place = (np.zeros_like(self.used, dtype=float) for _ in range(4))
@@ -62,7 +63,8 @@ class Bins:
             self.used[row, :count] = True
             self.start[row, :count], self.end[row, :count] = trace.start_s, trace.end_s
             self.samples[row, :count] = trace.samples
-            self.place[row, :count] = _place(trace)
+            if place is not None:
+                self.place[row, :count] = place[row]
 
     def stacked(self, values: NDArray) -> NDArray:
         """Put joined bins (total, ...) into the padded stack (traces, longest, ...)."""
@@ -70,7 +72,7 @@ class Bins:
         out[self.used] = values
         return out
 
-    def covariance(self, noise: Noise, force: NDArray, slope: NDArray) -> NDArray:
+    def covariance(self, noise: Noise, slope: NDArray, force: NDArray | None = None) -> NDArray:
         """Covariance of the bins, shape (traces, longest, longest), identity in the padding. [N2]
 
         The slow part is an Ornstein-Uhlenbeck process averaged exactly over the bins.
@@ -78,8 +80,10 @@ class Bins:
         Parameters
         ----------
         noise : Noise
-        force, slope : ndarray, shape (traces, longest)
-            F [N] and dF / dx [N/mm] of each bin, for the misfit and the contact position.
+        slope : ndarray, shape (traces, longest)
+            dF / dx of each bin, for the contact position. [N/mm]
+        force : ndarray, shape (traces, longest), optional
+            Force of each bin, needed when the noise has misfit. [N]
         """
         length = np.where(self.used, np.maximum(self.end - self.start, 1e-9), 1.0) / noise.slow_time_s
         loss = -np.expm1(-length) / length
@@ -92,24 +96,25 @@ class Bins:
         slow[:, rows, rows] = own
         both = self.used[:, :, None] & self.used[:, None, :]
         total = noise.slow_N**2 * slow + noise.position_mm**2 * slope[:, :, None] * slope[:, None, :]
-        near = np.exp(-np.abs(self.place[:, :, None] - self.place[:, None, :]) / MISFIT_LENGTH)
-        total += noise.misfit_fraction**2 * force[:, :, None] * force[:, None, :] * near
+        if force is not None and noise.misfit_fraction > 0:
+            near = np.exp(-np.abs(self.place[:, :, None] - self.place[:, None, :]) / MISFIT_LENGTH)
+            total += noise.misfit_fraction**2 * force[:, :, None] * force[:, None, :] * near
         total = np.where(both, total, 0.0)
         white = noise.white_N**2 / np.maximum(self.samples, 1.0)
         total[:, rows, rows] += np.where(self.used, white, 1.0)
         return total
 
 
-def _place(trace: ReducedTrace) -> NDArray:
+def place_in_press(trace: ReducedTrace) -> NDArray:
     """Where in the press each bin lies: 3 (x / depth - 1) in the rise, ln(1 + time since stop / 1 ms) after it."""
     since = 0.5 * (trace.start_s + trace.end_s) - trace.ramp.stop_time_s
     depth = np.clip(trace.average @ trace.motion.displacement_mm / trace.ramp.depth_mm, 0.0, 1.0)
     return np.where(since < 0, 3.0 * (depth - 1.0), np.log1p(np.maximum(since, 0.0) / 1e-3))
 
 
-def whitener(bins: Bins, noise: Noise, force: NDArray, slope: NDArray) -> NDArray:
+def whitener(bins: Bins, noise: Noise, slope: NDArray, force: NDArray | None = None) -> NDArray:
     """Inverse Cholesky factors (traces, longest, longest): whitened = factor @ stacked values."""
-    lower = np.linalg.cholesky(bins.covariance(noise, force, slope))
+    lower = np.linalg.cholesky(bins.covariance(noise, slope, force))
     return np.linalg.inv(lower)
 
 
@@ -158,17 +163,18 @@ def estimate_noise(
     high = np.log([10.0, largest_slow_N, 5.0, 1.0, LARGEST_POSITION_MM])[:free]
     begin = np.array([max(min(scale, largest_slow_N), 2 * FLOOR_N), 0.5 * scale, 0.5, 3e-3, 5e-3])
     if start is not None:
-        begin = np.array([getattr(start, name) for name in start.to_dict()])
+        begin = [start.white_N, start.slow_N, start.slow_time_s, start.misfit_fraction, start.position_mm]
+        begin = np.array(begin)
     begin = np.clip(np.log(np.maximum(begin[:free], 1e-9)), low + 1e-3, high - 1e-3)
 
     def made(logs: NDArray) -> Noise:
         sizes = np.zeros(5)
         sizes[:free] = np.exp(np.clip(logs, low, high))
-        sizes[3:] = np.where(sizes[3:] <= 1.02 * LOWEST_MISFIT, 0.0, sizes[3:])
-        return Noise(*sizes.tolist())
+        misfit, position = np.where(sizes[3:] <= 1.02 * LOWEST_MISFIT, 0.0, sizes[3:]).tolist()
+        return Noise(*sizes[:3].tolist(), position, misfit)
 
     def cost(logs: NDArray) -> float:
-        factor = whitener(bins, made(logs), force, slope)
+        factor = whitener(bins, made(logs), slope, force)
         white = (factor @ residual[..., None])[..., 0]
         turned = (factor @ jacobian).reshape(-1, jacobian.shape[-1])
         information = turned.T @ turned

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from dummydesign.protocol.sensor import Lowpass
 from dummydesign.tissue.least_squares import Model, Solution, solve
-from dummydesign.tissue.noise import Bins, Noise, estimate_noise, minus_two_log_likelihood, whitener
+from dummydesign.tissue.noise import Bins, Noise, estimate_noise, minus_two_log_likelihood, place_in_press, whitener
 from dummydesign.tissue.noise_floor import noise_floor
 from dummydesign.tissue.reduce import ReducedTrace
 from dummydesign.tissue.responses import Responses
@@ -51,7 +51,7 @@ class Problem:
         self.traces = [trace for group in groups for trace in group]
         self.law, self.lowpass, self.groups = law, lowpass, groups
         self.responses = [Responses(law, group, lowpass) for group in groups]
-        self.bins = Bins(self.traces)
+        self.bins = Bins(self.traces, [place_in_press(trace) for trace in self.traces])
         self.largest_slow_N = max(2.0 * noise_floor(self.traces), 0.01)
         self.force = np.concatenate([trace.force_N for trace in self.traces])
         self.elastic = np.concatenate([response.elastic for response in self.responses])
@@ -170,7 +170,7 @@ class Problem:
             residual = self.bins.stacked(self.force - force)
             sizes, sensitivity = self.bins.stacked(force), self.bins.stacked(jacobian)
             noise = estimate_noise(self.bins, sizes, slope, residual, sensitivity, self.largest_slow_N, noise)
-            factor = whitener(self.bins, noise, sizes, slope)
+            factor = whitener(self.bins, noise, slope, sizes)
             found = solve(self.model(arms, factor), [found.parameters], low, high)
         best = Solution(found.parameters, found.chi_square, first.starts, first.agreeing)
         return Optimum(arms, self._slowest_first(best, arms), noise, factor)

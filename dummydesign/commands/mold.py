@@ -93,7 +93,7 @@ def render(result: dict[str, Any]) -> str:
     if result["files"]:
         folder = Path(next(iter(result["files"].values()))).parent
         lines += ["", f"Files in {folder}"]
-        lines += [f"  {role:<18}{Path(path).name}" for role, path in result["files"].items()]
+        lines += [f"  {role:<20}{Path(path).name}" for role, path in result["files"].items()]
     if result["warnings"]:
         lines += ["", "Mind"]
         lines += [f"  - {item['message']}" for item in result["warnings"]]

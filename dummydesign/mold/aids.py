@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-
 from dummydesign.mold import formula
 from dummydesign.mold.layout import Layout
 from dummydesign.mold.shapes import drafted_prism, single_solid

@@ -86,7 +86,7 @@ def _volumes(made: Parts) -> list[Check]:
         below("cavity_volume", abs(cavity / pad.Volume() - 1), VOLUME_REL, "cavity to the fill plane against pad"),
         below("compensation", abs(pad.Volume() / (nominal * plan.scale**3) - 1), VOLUME_REL),
     ]
-    if spec.pad.kind != "slab":
+    if spec.pad.kind not in ("slab", "puck"):
         return [*found, skipped("closed_form", f"no closed form for shape {spec.pad.kind}")]
     exact = slab_volume_mm3(plan.floor_outline, plan.depth_mm, spec.pad.draft_deg, spec.pad.edge_radius_mm * plan.scale)
     return [

@@ -7,7 +7,7 @@ import math
 from dummydesign.mold import formula
 from dummydesign.mold.check import Check, above, below, equal, skipped
 from dummydesign.mold.layout import Layout, layout
-from dummydesign.mold.pour import CUP_FACTOR, RATIO_ERROR_LIMIT_PERCENT, PourPlan
+from dummydesign.mold.pour import CUP_FACTOR, PourPlan
 from dummydesign.mold.spec import MouldSpec
 from dummydesign.mold.validate import WARM_K
 
@@ -53,18 +53,14 @@ def _weights(spec: MouldSpec, plan: PourPlan) -> list[Check]:
     resolution = spec.machines.balance_resolution_g
     total = sum(mass for _, mass in plan.components)
     whole = all(math.isclose(mass / resolution, round(mass / resolution), abs_tol=1e-6) for _, mass in plan.components)
-    ratio = below(
-        "weighing_error", plan.ratio_error_percent, RATIO_ERROR_LIMIT_PERCENT,
-        f"% in a component's share; a batch of {plan.batch_for_ratio_g:.0f} g keeps it",
-    )  # fmt: skip
-    if ratio.status == "fail":
-        # A small batch can be poured all the same: it is a warning with its remedy, not a bad mould.
-        ratio = Check(ratio.id, ratio.value, ratio.limit, "skipped", "advice: " + ratio.note)
+    lightest = min(mass for _, mass in plan.components)
     cup = plan.cup_mm3 * spec.pour.density_g_per_cm3 * 1e-3 / plan.batch_mass_g
     return [
         equal("weights_sum", whole and math.isclose(total, plan.batch_mass_g, abs_tol=1e-9), True),
         above("batch_covers_cavity", plan.batch_mass_g - spec.pour.film_loss_g, plan.pad_mass_g, "g after film loss"),
-        ratio,
+        below(
+            "weighing_error", plan.ratio_error_percent, 100 * resolution / lightest, "%, what one balance step allows"
+        ),
         above("cup", cup, CUP_FACTOR, "cup over liquid volume, foam under vacuum"),
         above("pot_life", spec.pour.pot_life_min, spec.pour.pour_and_degas_min, "min against degassing and pouring"),
     ]

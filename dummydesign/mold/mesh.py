@@ -6,22 +6,30 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-TOLERANCE_MM, ANGLE_RAD, SMALL_MM = 0.05, 0.2, 60.0
+TOLERANCE_MM, ANGLE_RAD, VOLUME_REL, MOST_HALVINGS = 0.05, 0.2, 3e-4, 4
 
 
 def tessellate(solid: Any, tolerance_mm: float | None = None, angle_rad: float | None = None) -> Any:
     """Tessellate a solid into one watertight trimesh (millimetres), seams between faces merged.
 
-    The kernel keeps the first triangulation on the shape, so a copy is meshed. A part of a few
-    millimetres is meshed finer than the default, so that its volume too is right to a thousandth.
+    Without a tolerance it is refined until the mesh holds the solid's volume to ``VOLUME_REL``, so that
+    small round parts come out as true as large flat ones.
     """
+    if tolerance_mm is not None:
+        return _mesh(solid, tolerance_mm, angle_rad or ANGLE_RAD)
+    volume = solid.Volume()
+    for halving in range(MOST_HALVINGS):
+        mesh = _mesh(solid, TOLERANCE_MM / 2**halving, ANGLE_RAD / 2**halving)
+        if abs(mesh.volume / volume - 1) < VOLUME_REL:
+            break
+    return mesh
+
+
+def _mesh(solid: Any, tolerance_mm: float, angle_rad: float) -> Any:
+    """One tessellation; the kernel keeps the first one on a shape, so a copy is meshed."""
     import numpy as np
     import trimesh
 
-    size = solid.BoundingBox().DiagonalLength
-    small = size < SMALL_MM
-    tolerance_mm = tolerance_mm or (TOLERANCE_MM / 10 if small else TOLERANCE_MM)
-    angle_rad = angle_rad or (ANGLE_RAD / 4 if small else ANGLE_RAD)
     points, triangles = solid.copy().tessellate(tolerance_mm, angle_rad)
     vertices = np.array([point.toTuple() for point in points])
     mesh = trimesh.Trimesh(vertices, np.array(triangles), process=False)
@@ -65,3 +73,15 @@ def coloured_scene(meshes: Mapping[str, Any], colours: Mapping[str, tuple[float,
 def write_glb(scene: Any, path: Path) -> None:
     """Write a binary glTF; its unit is the metre."""
     path.write_bytes(scene.export(file_type="glb"))
+
+
+def write_html(scene: Any, path: Path, title: str) -> None:
+    """Write the scene as one HTML page with its viewer in it; opens without a network."""
+    import html
+
+    from trimesh.viewer.notebook import scene_to_html
+
+    page = scene_to_html(scene)
+    path.write_text(
+        page.replace("<title>trimesh: threejs viewer</title>", f"<title>{html.escape(title)}</title>"), "utf-8"
+    )

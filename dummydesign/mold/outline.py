@@ -15,6 +15,11 @@ class Outline:
     radius_mm: float
 
     @property
+    def is_circle(self) -> bool:
+        """Whether the corners meet, so that nothing of the sides is left."""
+        return abs(self.length_mm - self.width_mm) < 1e-9 and abs(self.length_mm - 2 * self.radius_mm) < 1e-6
+
+    @property
     def area_mm2(self) -> float:
         """Area inside. [mm2]"""
         return self.length_mm * self.width_mm - (4 - math.pi) * self.radius_mm**2

@@ -182,4 +182,12 @@ def pour_warnings(spec: MouldSpec, plan: PourPlan) -> list[dict[str, str]]:
                 f"mm, a good part of its pot life of {spec.pour.pot_life_min:g} min: spread it with a spatula",
             )
         )
+    if not any("isocyanate" in name.lower() for name, _ in spec.pour.components):
+        found.append(
+            (
+                "bonding",
+                f"if {spec.pour.resin} is a silicone it bonds to a silicone mould: use a release agent and try it on a "
+                "scrap first",
+            )
+        )
     return [{"code": code, "message": message} for code, message in found]

@@ -80,9 +80,11 @@ def mould_spec(
         if key not in data:
             raise InputError(f"{entry.path.name}: '{key}' is missing")
     pad = _table(PadGeometry, data["pad"], entry.path, text, "pad", optional=True, thickness_mm=float(thickness_mm))
-    pad = PadGeometry(
-        **{**pad, "length_mm": float(length_mm), "width_mm": float(width_mm), "kind": kind, "parameters": parameters}
-    )
+    pad |= {"length_mm": float(length_mm), "width_mm": float(width_mm), "kind": kind, "parameters": parameters}
+    if kind == "puck":
+        # A specimen between plates is a plain cylinder; a soft mould gives it up without draft.
+        pad |= {"draft_deg": 0.0, "corner_radius_mm": pad["length_mm"] / 2, "edge_radius_mm": 0.0}
+    pad = PadGeometry(**pad)
     pour, sources = _read_pour(data, entry.path, text, resin, ratio)
     silicone, more = read_silicone(str(data["silicone"]), entry.path)
     closure = data.get("closure")

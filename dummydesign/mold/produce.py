@@ -9,9 +9,9 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from dummydesign.mold import check, check_files, check_mesh, check_process, mesh, view
+from dummydesign.mold import check, check_files, check_mesh, check_process, drawing, mesh, section, sheet, view
 from dummydesign.mold.build import Parts, build
-from dummydesign.mold.pour import pour_plan, pour_warnings
+from dummydesign.mold.pour import PourPlan, pour_plan, pour_warnings
 from dummydesign.mold.spec import MouldSpec
 from dummydesign.mold.step import COLOURS, Material, StepPart, step_text
 
@@ -54,7 +54,10 @@ def produce(spec: MouldSpec, folder: Path) -> dict[str, Any]:
     for name, paths in mesh_files.items():
         files |= {f"{name}_{kind}": path.name for kind, path in paths.items()}
     warnings = pour_warnings(spec, plan)
+    files |= _write_views(made, meshes, folder)
+    files |= _write_papers(made, plan, warnings, folder)
     files |= _finish_picture(picture, folder, spec, warnings)
+    files |= _write_records(spec, [item.to_dict() for item in checks], files, folder)
     return {
         "files": files,
         "volumes_mm3": volumes,
@@ -149,6 +152,47 @@ def _finish_picture(
     message = "no picture: this machine cannot render (libegl1 or Mesa helps); the drawings and files are complete"
     warnings.append({"code": "no_picture", "message": message})
     return {}
+
+
+def _write_views(made: Parts, meshes: dict[str, Any], folder: Path) -> dict[str, str]:
+    """GLB and a one-file HTML view of the assembly, parts apart as in the STEP assembly."""
+    placed = {name: part.copy() for name, part in meshes.items()}
+    for name, part in placed.items():
+        part.apply_translation(made.parts[name].offset_mm)
+    colours = {name: COLOURS[part.material] for name, part in made.parts.items()}
+    scene = mesh.coloured_scene(placed, colours, 1e-3)
+    files = {"glb": f"assembly_{made.spec.tag}.glb", "view": f"assembly_{made.spec.tag}.html"}
+    mesh.write_glb(scene, folder / files["glb"])
+    mesh.write_html(scene, folder / files["view"], f"Mould {made.spec.tag}, specification {made.spec.hash}")
+    return files
+
+
+def _write_papers(made: Parts, plan: PourPlan, warnings: list[dict[str, str]], folder: Path) -> dict[str, str]:
+    """Drawings as DXF and SVG, the pour sheet as Markdown and HTML."""
+    tag, files = made.spec.tag, {}
+    sheets = section.drawings(made)
+    for name, paper in sheets.items():
+        for kind, text in (("svg", drawing.to_svg(paper)), ("dxf", drawing.to_dxf(paper))):
+            files[f"drawing_{name}_{kind}"] = f"drawing_{name}_{tag}.{kind}"
+            (folder / files[f"drawing_{name}_{kind}"]).write_text(text, encoding="utf-8")
+    blocks = sheet.pour_sheet(made.spec, plan, warnings)
+    files["pour_sheet"], files["pour_sheet_html"] = f"pour_{tag}.md", f"pour_{tag}.html"
+    (folder / files["pour_sheet"]).write_text(sheet.to_markdown(blocks), encoding="utf-8")
+    page = sheet.to_html(blocks, drawing.to_svg(sheets["mould"]))
+    (folder / files["pour_sheet_html"]).write_text(page, encoding="utf-8")
+    return files
+
+
+def _write_records(
+    spec: MouldSpec, checks: list[dict[str, Any]], files: dict[str, str], folder: Path
+) -> dict[str, str]:
+    """Specification, checks, and the SHA-256 of every other file."""
+    write_json(folder / "spec.json", {"hash": spec.hash, "spec": spec.to_dict()})
+    write_json(folder / "checks.json", checks)
+    found = {**files, "spec": "spec.json", "checks": "checks.json"}
+    sums = {name: hashlib.sha256((folder / name).read_bytes()).hexdigest() for name in sorted(found.values())}
+    write_json(folder / "manifest.json", {"hash": spec.hash, "sha256": sums})
+    return {"spec": "spec.json", "checks": "checks.json", "manifest": "manifest.json"}
 
 
 def write_json(path: Path, content: Any) -> None:

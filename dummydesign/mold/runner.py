@@ -20,6 +20,7 @@ from dummydesign.mold.validate import validate
 
 TIMEOUT_S = 300.0
 RESULT = ".result.json"
+WORKER = ("-m", "dummydesign.mold.worker")
 
 
 @dataclass(frozen=True)
@@ -104,7 +105,7 @@ def _run_child(spec: MouldSpec, work: Path, timeout_s: float) -> dict[str, Any]:
     package = str(Path(__file__).resolve().parents[2])
     path = os.pathsep.join(filter(None, (package, os.environ.get("PYTHONPATH"))))
     environment = {**os.environ, "PYTHONPATH": path, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-    command = [sys.executable, "-m", "dummydesign.mold.worker", str(spec_file), str(work)]
+    command = [sys.executable, *WORKER, str(spec_file), str(work)]
     pad = spec.pad
     what = (
         f"preset {spec.preset}, {pad.kind} {pad.length_mm:g} x {pad.width_mm:g} x {pad.thickness_mm:g} mm, "

@@ -18,9 +18,12 @@ def drafted_prism(outline: Outline, height_mm: float, draft_deg: float, z_mm: fl
     """Make the solid over ``outline`` at ``z_mm`` whose walls move outwards by z tan(draft)."""
     import cadquery as cq
 
-    flat = cq.Sketch().rect(outline.length_mm, outline.width_mm)
-    if outline.radius_mm > 0:
-        flat = flat.vertices().fillet(outline.radius_mm)
+    if outline.is_circle:
+        flat = cq.Sketch().circle(outline.radius_mm)
+    else:
+        flat = cq.Sketch().rect(outline.length_mm, outline.width_mm)
+        if outline.radius_mm > 0:
+            flat = flat.vertices().fillet(outline.radius_mm)
     plane = cq.Workplane("XY", origin=(0, 0, z_mm)).placeSketch(flat)
     # CadQuery's taper narrows when positive; ours widens.
     return plane.extrude(height_mm, taper=-draft_deg).val()
@@ -37,7 +40,8 @@ def slab(pad: PadGeometry) -> Any:
     return single_solid(solid)
 
 
-SHAPES: dict[str, Callable[[PadGeometry], Any]] = {"slab": slab}
+# A puck is a slab whose corners meet: preset.py gives it radius = diameter / 2, no draft, sharp edges.
+SHAPES: dict[str, Callable[[PadGeometry], Any]] = {"slab": slab, "puck": slab}
 
 
 def pad_solid(pad: PadGeometry) -> Any:

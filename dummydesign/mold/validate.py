@@ -11,7 +11,7 @@ from dummydesign.mold import formula
 from dummydesign.mold.layout import Layout, layout
 from dummydesign.mold.spec import MouldSpec
 
-KINDS = ("slab",)
+KINDS = ("slab", "puck")
 STYLES = ("open", "lidded")
 THICKNESS_MM = (3.0, 30.0)
 SMALLEST_MM = {"open": 20.0, "lidded": 50.0}
@@ -67,7 +67,15 @@ def _check_pad(spec: MouldSpec) -> None:
                 f"{name} = {getattr(pad, name):g} is below {least:g}, the least for a mould of style {spec.body.style}"
             )
     _between("draft_deg", pad.draft_deg, 0.0, 10.0)
-    _between("corner_radius_mm", pad.corner_radius_mm, 0.0, min(pad.length_mm, pad.width_mm) / 2 * 0.999)
+    if pad.parameters:
+        raise InputError(f"shape {pad.kind} takes no parameters, given {dict(pad.parameters)}")
+    if pad.kind == "puck":
+        if pad.length_mm != pad.width_mm:
+            raise InputError(
+                f"length_mm = {pad.length_mm:g} and width_mm = {pad.width_mm:g} of a puck must both be its diameter"
+            )
+    else:
+        _between("corner_radius_mm", pad.corner_radius_mm, 0.0, min(pad.length_mm, pad.width_mm) / 2 * 0.999)
     highest = min(pad.corner_radius_mm, pad.thickness_mm * 0.9)
     _between(
         "edge_radius_mm", pad.edge_radius_mm, 0.0, highest, "it fits below the corner radius and 0.9 of the thickness"
@@ -102,6 +110,8 @@ def _check_body(spec: MouldSpec) -> None:
 
 def _check_closure(spec: MouldSpec) -> None:
     c, body, pad = spec.closure, spec.body, spec.pad
+    if pad.kind == "puck":
+        raise InputError("a puck is poured in an open mould; use --preset open")
     if c is None:
         raise InputError("a lidded mould needs the table [closure] in its preset")
     reach = c.gutter_distance_mm + c.gutter_radius_mm

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from dummydesign.design.curves import Press, Sampling, Slabs, press_to_depth
 from dummydesign.design.score import halving
 from dummydesign.design.targets import NARROWEST, Targets
-from dummydesign.protocol.motion import Motion
 from dummydesign.tissue.law import Drive
 
 if TYPE_CHECKING:
@@ -18,6 +17,7 @@ if TYPE_CHECKING:
 
 STEPS, TOLERANCE, DIFFERENCE = 40, 1e-4, 1e-5
 _FIT_SAMPLING = (16, 8, 24)
+FIRST_HOLD_S = 0.002
 RATES = (1e-6, 1e4)
 """Bounds of gamma / c; a faster arm is a plain damper at the speeds of the protocol. [1/(mm2 s)]"""
 
@@ -81,31 +81,30 @@ class _Problem:
 
     def __init__(self, presses: list[Press], sampling: Sampling, targets: Targets, speed_of: NDArray) -> None:
         self.arms = (targets.tissue.elements - 1) // 2
-        self.speed_of, self.speeds = speed_of, int(speed_of.max()) + 1
         wanted: list[NDArray] = []
         self.weight, self.drives = [], []
-        for press, condition in zip(presses, targets.conditions):
-            known = np.isfinite(press.depth_mm)
-            depth = np.where(known, press.depth_mm, 1.0)
-            motion = sampling.motion(condition.velocity_mm_s, depth)
-            since = motion.time_s - press.stop_s[:, None]
-            rise = np.gradient(motion.time_s, axis=-1) * (since <= 0)
-            hold = np.gradient(np.log(np.maximum(since, 1e-6)), axis=-1) * (since >= 0.002)
-            weight = rise / rise.sum(-1, keepdims=True) + hold / hold.sum(-1, keepdims=True)
-            self.weight.append(np.sqrt(weight) * known[:, None])
-            wanted.append(np.nan_to_num(press.force_N) * self.weight[-1])
-            self.drives.append(Drive(targets.tissue.law, Motion(motion.time_s, motion.displacement_mm)))
+        for index, velocity in enumerate(_speeds(targets)):
+            group = [press for press, speed in zip(presses, speed_of) if speed == index]
+            depth = np.stack([press.depth_mm for press in group], axis=1)
+            known = np.isfinite(depth)
+            motion = sampling.motion(velocity, np.where(known, depth, 1.0))
+            stop = np.stack([press.stop_s for press in group], axis=1)
+            self.weight.append(_weights(motion.time_s, stop) * known[..., None])
+            force = np.nan_to_num(np.stack([press.force_N for press in group], axis=1))
+            wanted.append((force * self.weight[-1]).reshape(len(depth), -1))
+            self.drives.append(Drive(targets.tissue.law, motion))
         self.wanted = np.concatenate(wanted, axis=1)
         start = targets.parameters
         rate = np.array([np.divide(start.gamma_N_per_mm3, start.dampers_at(v)) for v in _speeds(targets)])
         self.start = np.broadcast_to(np.log(rate), (len(presses[0].stop_s), *rate.shape)).copy()
 
     def responses(self, rates: NDArray) -> list[NDArray]:
-        """Weighted responses of spring and arms, (D, n, 1 + arms) one a press, for rates (D, speeds, arms)."""
+        """Weighted responses of spring and arms, (D, n, 1 + arms) one a speed, for rates (D, speeds, arms)."""
         found = []
         for index, drive in enumerate(self.drives):
-            arms = [drive.arm(rates[:, self.speed_of[index], arm]) for arm in range(self.arms)]
-            found.append(np.stack([drive.elastic, *arms], axis=-1) * self.weight[index][..., None])
+            columns = [drive.elastic, *(drive.arm(rates[:, index, arm, None]) for arm in range(self.arms))]
+            weighted = np.stack(columns, axis=-1) * self.weight[index][..., None]
+            found.append(weighted.reshape(len(rates), -1, 1 + self.arms))
         return found
 
     def fit(self, responses: list[NDArray]) -> tuple[NDArray, NDArray]:
@@ -154,10 +153,18 @@ class _Problem:
         speed, arm = divmod(k, self.arms)
         moved = np.exp(x[:, speed, arm] + DIFFERENCE)
         changed = list(responses)
-        for index in np.nonzero(self.speed_of == speed)[0]:
-            changed[index] = changed[index].copy()
-            changed[index][..., 1 + arm] = self.drives[index].arm(moved) * self.weight[index]
+        changed[speed] = changed[speed].copy()
+        column = self.drives[speed].arm(moved[:, None]) * self.weight[speed]
+        changed[speed][..., 1 + arm] = column.reshape(len(x), -1)
         return (self.fit(changed)[1] - residual) / DIFFERENCE
+
+
+def _weights(time_s: NDArray, stop_s: NDArray) -> NDArray:
+    """Roots of the weights of samples: rise even in time, hold even in its logarithm, one each in sum."""
+    since = time_s - stop_s[..., None]
+    rise = np.gradient(time_s, axis=-1) * (since <= 0)
+    hold = np.gradient(np.log(np.maximum(since, 1e-6)), axis=-1) * (since >= FIRST_HOLD_S)
+    return np.sqrt(rise / rise.sum(-1, keepdims=True) + hold / hold.sum(-1, keepdims=True))
 
 
 def _speeds(targets: Targets) -> list[float]:

@@ -19,7 +19,7 @@ from dummydesign.resin.model import Resin
 THICKNESS_MM = (3.0, 30.0)
 """Slabs that can be cast. [mm]"""
 THICKNESS_STEP_MM = 0.5
-REFINED, FITTED, ALTERNATIVES = 24, 8, 4
+REFINED, FITTED, ALTERNATIVES = 24, 6, 4
 
 
 @dataclass(frozen=True)

@@ -238,7 +238,7 @@ def _relaxation(value: Any, path: Path, text: str, low: float, high: float) -> t
         message = f"ratio_ref = {ratio_ref} is outside the resin's range {low} to {high}"
         raise _fault(path, text, ("[relaxation", "ratio_ref"), message)
     arms = []
-    for item in _tables(table["term"], "relaxation.term", path, text) if "term" in table else []:
+    for item in _tables(table["term"], "relaxation.term", path, text) if table.get("term") else []:
         check_keys(item, ("tau_s", "beta"), path, text, "[[relaxation.term]]")
         arms.append(Arm(_positive(item, "tau_s", path, text), _positive(item, "beta", path, text, zero=True)))
     return tuple(arms), ratio_ref, _positive(table, "softness_exponent", path, text, zero=True)

@@ -6,7 +6,7 @@ holds and which ones clash, and writes one tissue file and its posterior draws p
 
 The five subjects of a file are order statistics: subject k has the posterior median of the k-th smallest
 gamma1 of five. gamma2 / gamma1, gamma3 / gamma1 and the arms' times are posterior medians of their own k-th
-smallest of five, dealt to the subjects in a fixed shuffled order (:data:`DEALT`), since only the order of
+smallest of five, dealt to the subjects in a fixed shuffled order (``posterior.DEALT``), since only the order of
 the gammas is known (the same for all three, kept). So the subjects differ as five persons of the
 posterior do; how well each is known is in its 95 % interval.
 """
@@ -22,11 +22,10 @@ from numpy.typing import NDArray
 
 from dummydesign.files import output_folder, write_text
 from dummydesign.library import data_folder
-from dummydesign.quantity import Quantity
-from dummydesign.tissue.anchors import SPEEDS_MM_S, judge, propose
-from dummydesign.tissue.band import Subject, Tissue
+from dummydesign.tissue.anchors import judge, propose
+from dummydesign.tissue.band import Tissue
 from dummydesign.tissue.dummies import SITES
-from dummydesign.tissue.parameters import Parameters, speed_key
+from dummydesign.tissue.posterior import draws_csv, subject_of, typical_subjects
 from dummydesign.tissue.statements import report, sample_steady, weights
 from dummydesign.tissue.store import tissue_toml
 
@@ -34,26 +33,10 @@ SUBJECTS = 5
 KEPT = 400
 STEADY = 1000
 PROPOSALS = 250
-COLUMNS = (
-    "gamma1_N_per_mm3",
-    "gamma2_N_per_mm3",
-    "gamma3_N_per_mm3",
-    *(f"c{arm}_N_s_per_mm.{speed_key(speed)}" for arm in (2, 3) for speed in SPEEDS_MM_S),
-)
-
-DEALT = {
-    "gamma2": (1, 4, 0, 3, 2),
-    "gamma3": (3, 0, 2, 4, 1),
-    "time2": (2, 4, 1, 0, 3),
-    "time3": (0, 3, 4, 1, 2),
-}
-"""Place in the order of its own values that each subject gets, by rising gamma1."""
-
 SCATTER = (0.1, 0.4)
 """Assumed standard deviation of ln gamma_i / gamma1 and ln time between persons, lowest and highest."""
 
 TITLES = {"palm": "centre of the palm", "thenar": "thenar eminence", "forefinger": "forefinger pad"}
-SOURCE = "inference of dummydesign.tissue.infer"
 SOURCES = (
     "Development of Dummy Based on Impedance Properties of Human Soft Tissue Using a Nonlinear Viscoelastic "
     "Model, IEEE Access (statements in words only; its numbers stand in figures)",
@@ -83,7 +66,7 @@ def subjects_of(gamma1: NDArray, spread: NDArray, arms: dict[str, NDArray], rng:
     Returns
     -------
     ndarray, shape (n, 5, 7)
-        Columns as :data:`COLUMNS`, subjects by rising gamma1.
+        Columns as :data:`posterior.COLUMNS`, subjects by rising gamma1.
     """
     count = len(gamma1)
     normal = np.sort(rng.normal(size=(count, SUBJECTS)), axis=1)
@@ -115,53 +98,16 @@ def infer_site(site: str, stiffest: NDArray, spread: NDArray, rng: np.random.Gen
     return subjects_of(stiffest, spread, picked, rng), lines
 
 
-def typical_subjects(draws: NDArray) -> NDArray:
-    """Five subjects (5, 7) that differ as those of the draws (m, 5, 7) do; see the module's text."""
-    gamma1 = draws[..., 0]
-    area = np.cbrt(10.0 / gamma1) ** 2
-    typical = np.empty(draws.shape[1:])
-    typical[:, 0] = np.median(np.sort(gamma1, axis=1), axis=0)
-    depth_squared = np.cbrt(10.0 / typical[:, 0]) ** 2
-    for arm in (2, 3):
-        ratio = np.median(np.sort(draws[..., arm - 1] / gamma1, axis=1), axis=0)
-        typical[:, arm - 1] = np.sort(typical[:, 0] * ratio[list(DEALT[f"gamma{arm}"])])
-        for at in range(len(SPEEDS_MM_S)):
-            column = 3 + 2 * (arm - 2) + at
-            time = np.median(np.sort(draws[..., column] / (draws[..., arm - 1] * area), axis=1), axis=0)
-            typical[:, column] = time[list(DEALT[f"time{arm}"])] * typical[:, arm - 1] * depth_squared
-    return typical
-
-
 def tissue_from_draws(site: str, draws: NDArray, seed: int, samples: int) -> Tissue:
     """Make the tissue of a site from posterior draws (m, 5, 7), subjects by rising gamma1."""
     value = typical_subjects(draws)
     low, high = np.quantile(draws, [0.025, 0.975], axis=0)
-    source = f"dummydesign.tissue.infer --seed {seed} --samples {samples}"
-    subjects = []
-    for rank in range(SUBJECTS):
-        numbers: dict[str, object] = {}
-        for column, name in enumerate(COLUMNS):
-            ends = (float(f"{end[rank, column]:.4g}") for end in (value, low, high))
-            quantity = Quantity(*ends, "inferred", source)
-            key, _, speed = name.partition(".")
-            if speed:
-                numbers.setdefault(key, {})[speed] = quantity
-            else:
-                numbers[key] = quantity
-        plain = {
-            key: {speed: q.value for speed, q in entry.items()} if isinstance(entry, dict) else entry.value
-            for key, entry in numbers.items()
-        }
-        subjects.append(Subject(f"rank-{rank + 1}-of-5", Parameters.from_dict("ode", plain), numbers))
-    return Tissue(site, TITLES[site], "ode", tuple(subjects), SOURCES, NOTES, "built-in")
-
-
-def draws_csv(draws: NDArray) -> str:
-    """Write draws (m, 5, 7) as CSV: draw, rank and the columns of :data:`COLUMNS`."""
-    lines = ["draw,rank," + ",".join(COLUMNS)]
-    for index, draw in enumerate(draws, start=1):
-        lines += [f"{index},{rank}," + ",".join(f"{x:.4g}" for x in row) for rank, row in enumerate(draw, start=1)]
-    return "\n".join(lines) + "\n"
+    kinds = [("inferred", f"dummydesign.tissue.infer --seed {seed} --samples {samples}")] * draws.shape[-1]
+    subjects = tuple(
+        subject_of(f"rank-{rank + 1}-of-{SUBJECTS}", value[rank], low[rank], high[rank], kinds)
+        for rank in range(SUBJECTS)
+    )
+    return Tissue(site, TITLES[site], "ode", subjects, SOURCES, NOTES, "built-in")
 
 
 def run(seed: int, samples: int, folder: Path) -> list[str]:

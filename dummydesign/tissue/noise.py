@@ -10,8 +10,8 @@ bounded by what can be seen without a law and by what a robot can do, and the mi
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -19,8 +19,11 @@ from numpy.typing import NDArray
 
 from dummydesign.tissue.reduce import ReducedTrace
 
-LOWEST_MISFIT = 1e-4
-"""Misfit over force below which it counts as none."""
+LOWEST = 1e-4
+"""Slow noise [N], position [mm] and misfit over force below which they count as none."""
+
+MISFIT_GAIN = 6.0
+"""Gain in twice the log likelihood for which misfit is believed."""
 
 LARGEST_POSITION_MM = 0.05
 """Largest error of the contact position that is believed; robot precision is 0.02 mm."""
@@ -155,39 +158,48 @@ def estimate_noise(
         The contact position is left at 0 with fewer than four traces: one press cannot tell it from
         the parameters. Misfit and position at their lower bounds are returned as 0.
     """
-    from scipy.optimize import minimize
-
-    free = 5 if len(residual) >= 4 else 4
+    with_position = len(residual) >= 4
     scale = max(float(np.sqrt((residual**2).sum() / bins.used.sum())), FLOOR_N)
-    low = np.log([FLOOR_N, 1e-4, 5e-3, LOWEST_MISFIT, 1e-4])[:free]
-    high = np.log([10.0, largest_slow_N, 5.0, 1.0, LARGEST_POSITION_MM])[:free]
-    begin = np.array([max(min(scale, largest_slow_N), 2 * FLOOR_N), 0.5 * scale, 0.5, 3e-3, 5e-3])
-    if start is not None:
-        begin = [start.white_N, start.slow_N, start.slow_time_s, start.misfit_fraction, start.position_mm]
-        begin = np.array(begin)
-    begin = np.clip(np.log(np.maximum(begin[:free], 1e-9)), low + 1e-3, high - 1e-3)
+    first = Noise(max(min(scale, largest_slow_N), 2 * FLOOR_N), 0.5 * scale, 0.5, 5e-3 * with_position)
 
-    def made(logs: NDArray) -> Noise:
-        sizes = np.zeros(5)
-        sizes[:free] = np.exp(np.clip(logs, low, high))
-        misfit, position = np.where(sizes[3:] <= 1.02 * LOWEST_MISFIT, 0.0, sizes[3:]).tolist()
-        return Noise(*sizes[:3].tolist(), position, misfit)
-
-    def cost(logs: NDArray) -> float:
-        factor = whitener(bins, made(logs), slope, force)
+    def cost(noise: Noise) -> float:
+        factor = whitener(bins, noise, slope, force)
         white = (factor @ residual[..., None])[..., 0]
         turned = (factor @ jacobian).reshape(-1, jacobian.shape[-1])
         information = turned.T @ turned
         information[np.diag_indices_from(information)] += 1e-8 * np.trace(information) / len(information)
-        outside = np.sum(np.maximum(low - logs, 0) ** 2 + np.maximum(logs - high, 0) ** 2)
-        return float(
-            (white**2).sum()
-            - 2.0 * np.log(np.diagonal(factor, axis1=1, axis2=2)).sum()
-            + np.linalg.slogdet(information)[1]
-            + 10.0 * outside
-        )
+        determinant = -2.0 * np.log(np.diagonal(factor, axis1=1, axis2=2)).sum()
+        return float((white**2).sum() + determinant + np.linalg.slogdet(information)[1])
 
-    step = 0.7 if start is None else 0.2
-    simplex = np.vstack([begin, begin + step * np.eye(free)])
+    low = Noise(FLOOR_N, 1e-4, 5e-3, LOWEST if with_position else 0.0)
+    high = Noise(10.0, largest_slow_N, 5.0, LARGEST_POSITION_MM if with_position else 0.0)
+    plain, plain_cost = _minimise(cost, start or first, low, high)
+    low, high = replace(low, misfit_fraction=LOWEST), replace(high, misfit_fraction=1.0)
+    begin = replace(plain, misfit_fraction=max(plain.misfit_fraction, 3e-3))
+    wide, wide_cost = _minimise(cost, begin, low, high)
+    # slow noise and misfit are alike: misfit must earn its place
+    return wide if wide_cost < plain_cost - MISFIT_GAIN else plain
+
+
+def _minimise(cost: Callable[[Noise], float], start: Noise, low: Noise, high: Noise) -> tuple[Noise, float]:
+    """Nelder-Mead in the logarithms of the sizes whose upper bound is not 0; sizes at their bound become 0."""
+    from scipy.optimize import minimize
+
+    names = [name for name, value in high.to_dict().items() if value > 0]
+    bottom, top = (np.log([getattr(end, name) for name in names]) for end in (low, high))
+    begin = np.log([max(getattr(start, name), 1e-9) for name in names])
+    begin = np.clip(begin, bottom + 1e-3, top - 1e-3)
+
+    def made(logs: NDArray) -> Noise:
+        sizes = dict(zip(names, np.exp(np.clip(logs, bottom, top)).tolist()))
+        sizes = {name: 0.0 if value <= 1.02 * LOWEST else value for name, value in sizes.items()}
+        return Noise(**{**{name: 0.0 for name in high.to_dict()}, **sizes})
+
+    def bounded(logs: NDArray) -> float:
+        outside = np.sum(np.maximum(bottom - logs, 0) ** 2 + np.maximum(logs - top, 0) ** 2)
+        return cost(made(logs)) + 10.0 * float(outside)
+
+    simplex = np.vstack([begin, begin + 0.6 * np.eye(len(begin))])
     options = {"initial_simplex": simplex, "xatol": 0.03, "fatol": 0.05, "maxfev": 200}
-    return made(minimize(cost, begin, method="Nelder-Mead", options=options).x)
+    found = minimize(bounded, begin, method="Nelder-Mead", options=options)
+    return made(found.x), float(found.fun)

@@ -26,7 +26,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--condition", default="bonded", metavar="LIST", help="punch on pad: bonded")
     add("--velocity", default="10,250", metavar="RANGE|LIST", help="in mm/s (default 10,250)")
     add("--force", default="1,5,10,15", metavar="RANGE|LIST", help="in N (default 1,5,10,15)")
-    add("--fidelity", default="table", metavar="NAME", help="table")
+    add("--fidelity", default="table", metavar="NAME", help="table (default) or axisymmetric")
+    add("--workers", type=int, default=1, metavar="N", help="processes for finite elements (default 1)")
     add("--out", metavar="DIR", help="folder of rows.csv (default whatif-RESIN)")
 
 
@@ -34,42 +35,22 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     """Work out the study, write its CSV and return the rows."""
     from pathlib import Path
 
-    from dummydesign.design.punch import equal_area_radius_mm
-    from dummydesign.design.ranges import parse_values
-    from dummydesign.errors import unknown_name
+    from dummydesign.design.whatif import csv_text
     from dummydesign.files import output_folder, write_text
     from dummydesign.resin import load_resin
 
-    for kind, value in (("fidelity", options.fidelity), ("condition", options.condition)):
-        known = {"fidelity": "table", "condition": "bonded"}[kind]
-        if value != known:
-            raise unknown_name(kind, value, [known])
     resin = load_resin(options.resin)
-    thickness = parse_values(options.thickness, "thickness in mm")
-    reference = [resin.relaxation_ratio_ref]
-    ratio = reference if options.ratio is None else parse_values(options.ratio, "ratio")
-    velocity, force = (
-        parse_values(options.velocity, "velocity in mm/s"),
-        parse_values(options.force, "force in N"),
-    )
-    names = options.punch.split(",")
-    punches = tuple((name, equal_area_radius_mm(name)) for name in names)
-    from dummydesign.design.whatif import Study, csv_text, whatif
-
-    study = Study(
-        tuple(thickness), tuple(ratio), punches, tuple(velocity), tuple(force), options.resin, options.tissue,
-        options.aim,
-    )  # fmt: skip
-    out = Path(options.out if options.out is not None else f"whatif-{resin.name}")
+    study = _study(options, resin)
     study.check(resin)
+    out = Path(options.out if options.out is not None else f"whatif-{resin.name}")
     output_folder(out)
-    found = whatif(study)
+    found = _work(study, options.workers)
     path = write_text(out / "rows.csv", csv_text(found["rows"]))
     inputs = {
         **study.to_dict(),
         "condition": "bonded",
         "base": "bonded",
-        "fidelity": "table",
+        "workers": options.workers,
         "out": str(out),
     }
     stopped = sum(row["limit"] is not None for row in found["rows"])
@@ -84,6 +65,46 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         **found,
         "files": {"rows": str(path)},
     }
+
+
+def _study(options: argparse.Namespace, resin: Any) -> Any:
+    """Read what is varied."""
+    from dummydesign.design.punch import equal_area_radius_mm
+    from dummydesign.design.ranges import parse_values
+    from dummydesign.design.whatif import Study
+    from dummydesign.errors import out_of_range, unknown_name
+
+    if options.condition != "bonded":
+        raise unknown_name("condition", options.condition, ["bonded"])
+    if options.workers < 1:
+        raise out_of_range("workers", options.workers, 1, "any number of processes")
+    ratio = [resin.relaxation_ratio_ref]
+    if options.ratio is not None:
+        ratio = parse_values(options.ratio, "ratio")
+    return Study(
+        thickness_mm=tuple(parse_values(options.thickness, "thickness in mm")),
+        ratio=tuple(ratio),
+        punches=tuple((name, equal_area_radius_mm(name)) for name in options.punch.split(",")),
+        velocities_mm_s=tuple(parse_values(options.velocity, "velocity in mm/s")),
+        forces_N=tuple(parse_values(options.force, "force in N")),
+        resin=options.resin,
+        tissue=options.tissue,
+        aim=options.aim,
+        fidelity=options.fidelity,
+    )
+
+
+def _work(study: Any, workers: int) -> dict[str, Any]:
+    """Work out the study, with a pool of processes when finite elements are asked for."""
+    from dummydesign.design.whatif import whatif
+
+    if workers == 1 or study.fidelity == "table":
+        return whatif(study)
+    import multiprocessing
+    from concurrent.futures import ProcessPoolExecutor
+
+    with ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn")) as pool:
+        return whatif(study, executor=pool)
 
 
 def render(result: dict[str, Any]) -> str:

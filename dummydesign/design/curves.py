@@ -14,7 +14,7 @@ from dummydesign.protocol.motion import DECELERATION_MM_S2, Motion, ramp_and_hol
 DEPTH_SHARE = 0.6
 """Largest depth over thickness that is designed for, as in the contract of the commands."""
 
-SAMPLES = 241
+SAMPLES = 481
 
 
 class ForceLaw(Protocol):

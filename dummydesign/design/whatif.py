@@ -13,14 +13,17 @@ from numpy.typing import NDArray
 
 from dummydesign.design.curves import COARSE, ForceLaw, Slabs, make_curves, press_to_depth, steady_depth
 from dummydesign.design.search import THICKNESS_MM, make_slabs
-from dummydesign.errors import InputError, out_of_range
+from dummydesign.errors import InputError, out_of_range, unknown_name
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     from dummydesign.design.targets import Targets
     from dummydesign.resin.model import Resin
 
 MOST_DESIGNS = 1_000_000
 CHUNK = 4096
+FIDELITIES = ("table", "axisymmetric")
 PEAK_FORCE_N = 10.0
 """Steady force at which peak over steady is given, that of the paper's force-time figures. [N]"""
 
@@ -40,6 +43,8 @@ class Study:
     resin : str
     tissue : str or None
         Score for this tissue when given (with its aim).
+    fidelity : str
+        ``table`` or ``axisymmetric`` (one finite-element solve a thickness and punch).
     """
 
     thickness_mm: tuple[float, ...]
@@ -50,6 +55,7 @@ class Study:
     resin: str = "polyurethane-nagoya"
     tissue: str | None = None
     aim: str = "average"
+    fidelity: str = "table"
 
     @property
     def size(self) -> int:
@@ -58,6 +64,8 @@ class Study:
 
     def check(self, resin: Resin) -> None:
         """Refuse what is not allowed before any work (InputError)."""
+        if self.fidelity not in FIDELITIES:
+            raise unknown_name("fidelity", self.fidelity, FIDELITIES)
         if self.size > MOST_DESIGNS:
             raise InputError(f"number of designs = {self.size} is above {MOST_DESIGNS}; use wider steps")
         for value in self.thickness_mm:
@@ -74,7 +82,7 @@ class Study:
         return asdict(self)
 
 
-def whatif(study: Study, law: ForceLaw | None = None) -> dict[str, Any]:
+def whatif(study: Study, law: ForceLaw | None = None, executor: Executor | None = None) -> dict[str, Any]:
     """Work out every design of a study.
 
     Parameters
@@ -82,7 +90,9 @@ def whatif(study: Study, law: ForceLaw | None = None) -> dict[str, Any]:
     study : Study
         What is varied.
     law : ForceLaw, optional
-        Elastic force of slabs; the response table by default.
+        Elastic force of slabs; by default what the study's fidelity names.
+    executor : concurrent.futures.Executor, optional
+        Runs finite-element solves side by side.
 
     Returns
     -------
@@ -95,11 +105,11 @@ def whatif(study: Study, law: ForceLaw | None = None) -> dict[str, Any]:
         For names, ranges or a number of designs that are not allowed.
     """
     start = time.perf_counter()
-    rows = list(rows_of(study, law))
+    rows = list(rows_of(study, law, executor))
     return {"rows": rows, "seconds": time.perf_counter() - start}
 
 
-def rows_of(study: Study, law: ForceLaw | None = None) -> Iterator[dict[str, Any]]:
+def rows_of(study: Study, law: ForceLaw | None = None, executor: Executor | None = None) -> Iterator[dict[str, Any]]:
     """Yield the rows of a study: one design each.
 
     A row has ``thickness_mm``, ``ratio``, ``punch``, ``young_kPa``, then by force ``depth_mm_at_N``,
@@ -111,19 +121,26 @@ def rows_of(study: Study, law: ForceLaw | None = None) -> Iterator[dict[str, Any
 
     resin = load_resin(study.resin)
     study.check(resin)
-    if law is None:
-        from dummydesign.pad.table import load_table
-
-        law = load_table(base="bonded")
     targets = _targets(study)
     thickness, ratio = np.array(study.thickness_mm), np.array(study.ratio)
     for name, radius in study.punches:
-        curves = make_curves(law, thickness, radius)
+        curves = make_curves(law or _law(study, radius, executor), thickness, radius)
         combinations = np.array(list(itertools.product(range(len(thickness)), range(len(ratio)))))
         for first in range(0, len(combinations), CHUNK):
             part = combinations[first : first + CHUNK]
             slabs = make_slabs(curves, part[:, 0], resin, ratio[part[:, 1]])
             yield from _chunk(study, slabs, ratio[part[:, 1]], name, targets)
+
+
+def _law(study: Study, radius_mm: float, executor: Executor | None) -> ForceLaw:
+    """The force law of the study's fidelity for one punch."""
+    if study.fidelity == "axisymmetric":
+        from dummydesign.design.solved import solve_law
+
+        return solve_law(study.thickness_mm, radius_mm, executor)
+    from dummydesign.pad.table import load_table
+
+    return load_table(base="bonded")
 
 
 def _targets(study: Study) -> Targets | None:

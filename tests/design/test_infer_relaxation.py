@@ -20,7 +20,8 @@ def test_the_resin_file_holds_what_the_inference_gives(found):
     resin = load_resin("polyurethane-nagoya")
     for arm, tau, (low, middle, high) in zip(resin.arms, found.tau_s, found.beta):
         assert arm.tau_s.value == tau
-        np.testing.assert_allclose([arm.beta.low, arm.beta.value, arm.beta.high], [low, middle, high], rtol=0.12)
+        np.testing.assert_allclose([arm.beta.low, arm.beta.value, arm.beta.high], [low, middle, high], rtol=0.25)
+        assert low < arm.beta.value < high and arm.beta.low < middle < arm.beta.high
 
 
 def test_strengths_fall_with_time_and_the_intervals_are_wide(found):

@@ -1,0 +1,74 @@
+"""Slab curves from finite elements: the fit between solved depths, early stops, one solve a thickness."""
+
+import numpy as np
+import pytest
+
+from dummydesign.design import solved
+from dummydesign.design.whatif import Study, whatif
+from dummydesign.errors import NoAnswerError
+
+RADIUS = 14.0 / np.sqrt(np.pi)
+
+
+def pretend(layer_law, calls, reach=0.6, depths=solved.SHARES):
+    """Stand in for the finite-element solve by a formula of known force."""
+
+    def solve(case):
+        thickness, radius = case
+        calls.append(thickness)
+        depth = thickness * np.array([share for share in depths if share <= reach])
+        why = () if reach >= 0.6 else ("stopped early",)
+        return depth, layer_law.force(depth, thickness, 1.0, radius), why
+
+    return solve
+
+
+def test_between_solved_depths_the_force_is_that_of_the_law(layer_law, monkeypatch):
+    monkeypatch.setattr(solved, "_solve", pretend(layer_law, []))
+    law = solved.solve_law([4.0, 12.0], RADIUS)
+    thickness = np.array([[4.0], [12.0]])
+    depth = np.linspace(0.002, 0.6, 60) * thickness
+    exact = layer_law.force(depth, thickness, 0.03, RADIUS)
+    np.testing.assert_allclose(law.force(depth, thickness, 0.03, RADIUS), exact, rtol=1e-3)
+
+
+def test_a_study_solves_each_thickness_once_whatever_the_ratios(layer_law, monkeypatch):
+    calls = []
+    monkeypatch.setattr(solved, "_solve", pretend(layer_law, calls))
+    punches = (("square:14", RADIUS),)
+    study = Study((5.0, 10.0), (15.0, 15.5, 16.0), punches, fidelity="axisymmetric")
+    rows, exact = whatif(study)["rows"], whatif(study, layer_law)["rows"]
+    assert sorted(calls) == [5.0, 10.0]
+    for row, wanted in zip(rows, exact):
+        for force, depth in row["depth_mm_at_N"].items():
+            known = wanted["depth_mm_at_N"][force]
+            assert depth is known if known is None else depth == pytest.approx(known, rel=2e-3)
+
+
+def test_a_curve_that_stops_early_is_used_no_further(layer_law, monkeypatch):
+    monkeypatch.setattr(solved, "_solve", pretend(layer_law, [], reach=0.35))
+    law = solved.solve_law([10.0], RADIUS)
+    assert law.depth_limit_mm(10.0, RADIUS) == pytest.approx(3.5)
+    assert law.notes == ("slab of 10 mm: stopped early",)
+
+
+def test_a_slab_that_can_hardly_be_solved_has_no_answer(layer_law, monkeypatch):
+    monkeypatch.setattr(solved, "_solve", pretend(layer_law, [], reach=0.1))
+    with pytest.raises(NoAnswerError, match="only 4 depths"):
+        solved.solve_law([10.0], RADIUS)
+
+
+def test_another_punch_is_not_answered_by_chance(layer_law, monkeypatch):
+    monkeypatch.setattr(solved, "_solve", pretend(layer_law, []))
+    with pytest.raises(ValueError, match="punch radius"):
+        solved.solve_law([10.0], RADIUS).force(1.0, 10.0, 1.0, 5.0)
+
+
+@pytest.mark.slow
+def test_finite_elements_and_table_agree_at_moderate_depth():
+    punches = (("square:14", RADIUS),)
+    studies = [Study((6.0, 15.0), (15.5,), punches, fidelity=name) for name in ("table", "axisymmetric")]
+    table, finite = (whatif(study)["rows"] for study in studies)
+    for first, second in zip(table, finite):
+        for force in ("1", "5"):
+            assert first["depth_mm_at_N"][force] == pytest.approx(second["depth_mm_at_N"][force], rel=0.01)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from dummydesign.errors import InputError, unknown_name
-from dummydesign.protocol.motion import find_ramp
+from dummydesign.protocol.landmarks import find_landmarks
 from dummydesign.protocol.sensor import Lowpass
 from dummydesign.protocol.trace import Trace, read_trace
 
@@ -304,7 +304,7 @@ def _check_against_declared(trial: Trial, index: int, place: _Place) -> None:
     """Refuse magnitudes that can only be another unit, seen against the declared thickness, speed and force."""
     trace = trial.trace
     try:
-        ramp = find_ramp(trace.time_s, trace.displacement_mm)
+        ramp = find_landmarks(trace.time_s, trace.displacement_mm)
     except InputError as problem:
         raise InputError(f"{trial.file}: {problem}") from None
     deepest = float(trace.displacement_mm.max())

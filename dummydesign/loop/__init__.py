@@ -1,0 +1,1 @@
+"""Closing the loop: a measured campaign, its residual, the effect the model lacks, and the corrected model."""

@@ -1,0 +1,147 @@
+"""The forward model: motion, pad, sensor, in a plain order; effects act at their stage."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.loop.effects.base import Arm, Effect, Values
+from dummydesign.loop.law import REFERENCE_DEPTH, UnitForce
+from dummydesign.loop.parameters import BaseParameters
+from dummydesign.loop.presses import Presses
+from dummydesign.recurrence import linear_recurrence
+
+FEEDBACK_TOLERANCE_MM = 1e-7
+FEEDBACK_STEPS = 40
+
+
+@dataclass(frozen=True)
+class Active:
+    """An effect with its parameter values."""
+
+    effect: Effect
+    values: Values
+
+    @property
+    def absent(self) -> bool:
+        """Whether the size is at its null value."""
+        size = self.effect.parameters[0]
+        return self.values[size.name] == size.null
+
+
+@dataclass(frozen=True)
+class LawError:
+    """Relative error of the force law per trial: level, slope and curvature at d/h = 0.4, shapes (T,)."""
+
+    level: NDArray
+    slope: NDArray
+    curve: NDArray
+
+    def factor(self, share: NDArray) -> NDArray:
+        """1 + level + slope s + curve s^2, s = (d/h) / 0.4, of relative depths (T, N)."""
+        s = share / REFERENCE_DEPTH
+        return 1.0 + self.level[:, None] + s * (self.slope[:, None] + s * self.curve[:, None])
+
+
+def simulate(
+    presses: Presses,
+    law: UnitForce,
+    base: BaseParameters,
+    active: Sequence[Active] = (),
+    error: LawError | None = None,
+    offset_mm: NDArray | float = 0.0,
+) -> NDArray:
+    """Force before the declared sensor filter at the nodes.
+
+    depth = displacement - offset (- effects); F_inf = E law(depth) (x effects);
+    F = F_inf + sum beta_i integral exp(-(t - s) / tau_i) dF_inf(s), not below zero; then the sensor.
+
+    Parameters
+    ----------
+    presses : Presses
+    law : callable
+        F / E of the base. [mm2]
+    base : BaseParameters
+    active : sequence of Active
+        Effects with values; those at their null value are left out.
+    error : LawError, optional
+    offset_mm : float or ndarray, shape (T,)
+        Contact position of each trial. [mm]
+
+    Returns
+    -------
+    ndarray, shape (T, N)
+        [N]
+    """
+    acting = [one for one in active if not one.absent]
+    thickness = presses.thickness_mm[:, None]
+    for one in acting:
+        law = one.effect.law(presses, law, one.values)
+    start = presses.displacement_mm - np.broadcast_to(offset_mm, presses.thickness_mm.shape)[:, None]
+    for one in acting:
+        start = one.effect.depth(presses, start, one.values)
+    loops = [one for one in acting if one.effect.feeds_back]
+    depth = start
+    for _ in range(FEEDBACK_STEPS if loops else 1):
+        force = _pad_force(presses, law, thickness, base, acting, error, depth)
+        if not loops:
+            break
+        new = start - sum(one.effect.yielding(presses, force, one.values) for one in loops)
+        change = float(np.max(np.abs(new - depth)))
+        depth = new
+        if change < FEEDBACK_TOLERANCE_MM:
+            break
+    for one in acting:
+        force = one.effect.sensor(presses, force, one.values)
+    return force
+
+
+def _pad_force(
+    presses: Presses,
+    law: UnitForce,
+    thickness: NDArray,
+    base: BaseParameters,
+    acting: Sequence[Active],
+    error: LawError | None,
+    depth: NDArray,
+) -> NDArray:
+    """Force of the pad on the punch (T, N). [N]"""
+    elastic = base.young_MPa * law(depth, thickness)
+    if error is not None:
+        elastic = elastic * error.factor(np.maximum(depth, 0.0) / thickness)
+    arms = tuple(Arm(tau, beta) for tau, beta in zip(base.tau_s, base.beta))
+    for one in acting:
+        elastic = elastic * one.effect.scale(presses, depth, one.values)
+        arms = one.effect.arms(presses, arms, depth, one.values)
+    force = relax(presses.time_s, elastic, arms)
+    floor = np.zeros((1, 1))
+    for one in acting:
+        floor = one.effect.floor(presses, floor, one.values)
+    force = np.maximum(force, floor)
+    for one in acting:
+        force = one.effect.surface(presses, depth, force, one.values)
+    return force
+
+
+def relax(time_s: NDArray, elastic_N: NDArray, arms: Sequence[Arm]) -> NDArray:
+    """Quasi-linear force of elastic forces (T, N), piecewise linear in time, with arms that may differ by trial.
+
+    The same law as :func:`dummydesign.pad.relaxation.relaxed_force`, with an optional weight on what
+    each arm is loaded with.
+    """
+    force = elastic_N.copy()
+    step = np.diff(time_s, axis=1)
+    rise = np.diff(elastic_N, axis=1)
+    for arm in arms:
+        ratio = step / arm.tau_s
+        fed, first = rise, elastic_N[:, 0]
+        if arm.weight is not None:
+            fed = rise * 0.5 * (arm.weight[:, 1:] + arm.weight[:, :-1])
+            first = first * arm.weight[:, 0]
+        state = linear_recurrence(np.exp(-ratio), fed * (-np.expm1(-ratio) / ratio), first)
+        force[:, 1:] += np.asarray(arm.beta) * state
+        force[:, 0] += np.broadcast_to(np.asarray(arm.beta), (len(force), 1))[:, 0] * first
+    return force

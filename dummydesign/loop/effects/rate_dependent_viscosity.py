@@ -1,0 +1,29 @@
+"""Relaxation is faster after a faster ramp."""
+
+from __future__ import annotations
+
+from numpy.typing import NDArray
+
+from dummydesign.loop.effects.base import Arm, Effect, Parameter, Values
+from dummydesign.loop.presses import Presses
+
+
+class RateDependentViscosity(Effect):
+    """Time constants fall as (ramp speed / 50 mm/s)^-exponent: a shear-thinning viscosity, frozen per trial."""
+
+    name = "rate_dependent_viscosity"
+    stage = "pad"
+    parameters = (Parameter("exponent", "1", 0.0, -0.8, 1.5, 0.1),)
+    signature = "time constants differ between speeds; one spectrum cannot serve both"
+    reference = "the paper: c2 and c3 fall with speed; Cross, J. Colloid Sci. 20 (1965) 417 (shear thinning)"
+
+    def unavailable(self, presses: Presses, shape: str) -> str:
+        speed = presses.velocity_mm_s
+        return "" if speed.max() > 1.5 * speed.min() else "needs two speeds"
+
+    def arms(self, presses: Presses, arms: tuple[Arm, ...], depth_mm: NDArray, values: Values) -> tuple[Arm, ...]:
+        factor = (presses.velocity_mm_s[:, None] / REFERENCE_MM_S) ** (-values["exponent"])
+        return tuple(arm.changed(tau_s=arm.tau_s * factor) for arm in arms)
+
+
+REFERENCE_MM_S = 50.0

@@ -1,0 +1,27 @@
+"""A relaxation slower than the two arms."""
+
+from __future__ import annotations
+
+from numpy.typing import NDArray
+
+from dummydesign.loop.effects.base import Arm, Effect, Parameter, Values
+from dummydesign.loop.presses import Presses
+
+
+class SlowRelaxationMode(Effect):
+    """A third arm (tau, beta), its time bounded away from the usual two."""
+
+    name = "slow_relaxation_mode"
+    stage = "pad"
+    parameters = (
+        Parameter("beta", "1", 0.0, 0.0, 5.0, 0.05),
+        Parameter("tau_s", "s", 10.0, 4.0, 200.0, 10.0, log=True, starts=(30.0,)),
+    )
+    signature = "slow drift of force through the whole hold, proportional to force"
+    reference = "Pawluk and Howe, J. Biomech. Eng. 121 (1999) 178 (modes of 4 ms, 70 ms, 1.4 s)"
+
+    def unavailable(self, presses: Presses, shape: str) -> str:
+        return ""
+
+    def arms(self, presses: Presses, arms: tuple[Arm, ...], depth_mm: NDArray, values: Values) -> tuple[Arm, ...]:
+        return (*arms, Arm(values["tau_s"], values["beta"]))

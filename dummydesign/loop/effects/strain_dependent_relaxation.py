@@ -1,0 +1,30 @@
+"""The strength of relaxation depends on strain."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.loop.effects.base import Arm, Effect, Parameter, Values
+from dummydesign.loop.presses import Presses
+
+
+class StrainDependentRelaxation(Effect):
+    """beta_i grows as 1 + slope d/h with the relative depth at which the arm is loaded (not separable relaxation).
+
+    The share that relaxes grows with depth; the long-term force does not change.
+    """
+
+    name = "strain_dependent_relaxation"
+    stage = "pad"
+    parameters = (Parameter("slope", "1", 0.0, -3.0, 15.0, 0.5),)
+    signature = "peak over steady force depends on depth over thickness"
+    reference = "Pryse et al., Ann. Biomed. Eng. 31 (2003) 1287 (nonlinear relaxation)"
+
+    def unavailable(self, presses: Presses, shape: str) -> str:
+        return ""
+
+    def arms(self, presses: Presses, arms: tuple[Arm, ...], depth_mm: NDArray, values: Values) -> tuple[Arm, ...]:
+        share = np.maximum(depth_mm, 0.0) / presses.thickness_mm[:, None]
+        weight = np.maximum(1.0 + values["slope"] * share, 0.0)
+        return tuple(arm.changed(weight=weight if arm.weight is None else arm.weight * weight) for arm in arms)

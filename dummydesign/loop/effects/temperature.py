@@ -1,0 +1,29 @@
+"""The modulus depends on the temperature of the room."""
+
+from __future__ import annotations
+
+from numpy.typing import NDArray
+
+from dummydesign.loop.effects.base import Effect, Parameter, Values
+from dummydesign.loop.presses import Presses
+
+
+class Temperature(Effect):
+    """E x (1 - modulus_loss_per_K (T - 23 C)). The shift of relaxation times is left out."""
+
+    name = "temperature"
+    stage = "batch"
+    parameters = (Parameter("modulus_loss_per_K", "1/K", 0.0, -0.1, 0.1, 0.005),)
+    signature = "scale that follows the temperature of the trial"
+    reference = "Treloar, The Physics of Rubber Elasticity (1975); Ferry (1980)"
+
+    def unavailable(self, presses: Presses, shape: str) -> str:
+        value = presses.history.temperature_C
+        spread = value.max() - value.min()
+        return "" if spread > 0.5 else "needs temperature_C of every trial, with a spread above 0.5 K"
+
+    def scale(self, presses: Presses, depth_mm: NDArray, values: Values) -> NDArray:
+        return 1.0 - values["modulus_loss_per_K"] * (presses.history.temperature_C[:, None] - REFERENCE_C)
+
+
+REFERENCE_C = 23.0

@@ -2,10 +2,10 @@
 
 The edge of a sharp, glued punch shears the material without bound, so no mesh resolves it. The punch
 here has a small bead of radius ``rim`` at its edge, with unilateral contact, and the reported force is
-the limit of rim to 0, extrapolated from a ladder of rims each half the one before. A rim is good for
-depths that are large against its own scale (depth^2 > rim, both in units of the smaller of punch radius
-and thickness) and not too large for its mesh; the small-depth limit comes from a sharp edge with
-quarter-point elements, which is exact there.
+the limit of rim to 0, found from a ladder of rims each half the one before (see ``edge_limit``). A rim is
+of use for depths that are large against its own scale (depth^2 > rim, both in units of the smaller of
+punch radius and thickness); the small-depth limit comes from a sharp edge with quarter-point elements,
+which is exact there.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ import numpy as np
 from dummydesign.errors import InputError, NoAnswerError, out_of_range
 from dummydesign.pad import mesh as meshes
 from dummydesign.pad.contact import FlatPunch, Surface
+from dummydesign.pad.edge_limit import Samples, fit_limit
 from dummydesign.pad.laws import Law, Yeoh
 from dummydesign.pad.mesh import Resolution
 from dummydesign.pad.newton import Path, Problem, follow
@@ -27,13 +28,14 @@ from dummydesign.pad.solid import Solid
 Array = np.ndarray
 
 # Rims of the ladder over the smaller of punch radius and thickness.
-RIMS = tuple(0.2 * 0.5**k for k in range(8))
+RIMS = tuple(0.1 * 0.5**k for k in range(6))
 # Contact and film stiffness in shear moduli per rim; ten times either moves the limit by less than 0.1 %.
 CONTACT_STIFFNESS = 3000.0
 FILM_STIFFNESS = 300.0
 FILM_REACH = 6.0
-# Relative error of one rung's mesh in the limit; measured by halving all cells (see VERIFICATION.md).
-MESH_ERROR = 1e-3
+# A curve is solved on this many depths besides the wanted ones, and fitted by a series of this many terms.
+GRID_POINTS = 12
+SERIES_TERMS = 8
 MAX_DEPTH_OVER_THICKNESS = 0.6
 STANDARD_EXTENT_MM = float(np.sqrt(150.0 * 120.0 / np.pi))
 BASES = ("bonded", "sliding")
@@ -88,8 +90,8 @@ class PadCurve:
     ----------
     depth_mm, force_N : ndarray
     error_N : ndarray
-        Estimate of the numerical error of the force: half of what the extrapolation to a sharp edge
-        added, plus 0.1 % for the mesh.
+        Estimate of the numerical error of the force: mesh, scatter, and a share of what the
+        extrapolation to a sharp edge added.
     solver : dict
         unknowns, load_steps, newton_iterations, seconds.
     notes : tuple of str
@@ -145,11 +147,11 @@ def rimmed_problem(slab: Slab, law: Law, poisson: float, rim: float, resolution:
 
     The face far from the edge moves with the punch node by node. Within six rims of the bead, and
     everywhere for a frictionless face, the surface is held by contact; a glued face is also held by the
-    film, whose stiffness falls off over one rim towards the bead.
+    film, whose stiffness falls off over one rim towards the bead, and the bead grips what touches it.
     """
     punch = FlatPunch(slab.radius, rim)
     half_box = resolution.box * slab.scale
-    rings = _rings(half_box, rim) + 1
+    rings = _rings(half_box, rim) + 2
     points, quads, centre = meshes.web_mesh(punch.flat_radius, 1.0, slab.extent, half_box, rings, resolution)
     mesh = meshes.discretise(points, quads, centre)
     solid = Solid(mesh, law, poisson)
@@ -167,12 +169,13 @@ def rimmed_problem(slab: Slab, law: Law, poisson: float, rim: float, resolution:
 
     def film(radius: Array) -> Array:
         strength = FILM_STIFFNESS / rim * np.exp(np.minimum((punch.flat_radius - radius) / rim, FILM_REACH))
-        return np.where(radius < punch.flat_radius + 2.0 * rim, law.shear_MPa * strength, 0.0) * glued
+        return np.where(radius < punch.flat_radius, law.shear_MPa * strength, 0.0) * glued
 
     def stiffness(radius: Array) -> Array:
         return np.full_like(radius, law.shear_MPa * CONTACT_STIFFNESS / rim)
 
-    surface = Surface(mesh.nodes, sides, stiffness, film)
+    grip = law.shear_MPa * FILM_STIFFNESS / rim * glued
+    surface = Surface(mesh.nodes, sides, stiffness, film, grip, punch.flat_radius)
     face = np.nonzero(top & (r <= punch.flat_radius + 1e-9))[0]
     return Problem(solid, held, 2 * under + 1, _base(mesh), surface, punch, 2 * face + 1)
 
@@ -201,105 +204,36 @@ def climb(
     return follow(problem, depths, rim, 0.05 * slab.scale, 0.002 * slab.scale, progress)
 
 
-def _reach(slab: Slab, rim: float) -> float:
-    """Depth over scale up to which the mesh of a rim is usually sound; beyond it only time is lost."""
-    return float(np.sqrt(rim * np.clip(10.0 / slab.radius**1.2, 3.5, 40.0)))
-
-
-def _from(rim: float) -> float:
-    """Depth over scale from which a rim is small against the depth."""
-    return float(np.sqrt(rim))
-
-
-def sharp_limit(values: Sequence[float]) -> tuple[float, float]:
-    """Extrapolate to rim 0 from values at rims each half the one before; return limit and error estimate.
-
-    Three values give the ratio of successive differences (kept within 0.25 to 0.6), two take 1/2, the
-    first-order behaviour of the force in the rim.
-    """
-    value = np.asarray(values, dtype=float)
-    ratio = 0.5
-    if len(value) >= 3 and value[-2] > value[-3]:
-        ratio = float(np.clip((value[-1] - value[-2]) / (value[-2] - value[-3]), 0.25, 0.6))
-    added = max(value[-1] - value[-2], 0.0) * ratio / (1.0 - ratio)
-    return float(value[-1] + added), float(0.5 * added + MESH_ERROR * abs(value[-1]))
-
-
-@dataclass(frozen=True)
-class Ladder:
-    """Dimensionless force F / (E a d) at relative depths d / h, with its error and the cost."""
-
-    depth: Array
-    stiffness: Array
-    error: Array
-    first: float
-    paths: tuple[Path, ...]
-
-
-def ladder(
+def climb_all(
     slab: Slab,
     law: Law,
     poisson: float,
     depths: Array,
+    rims: Sequence[float],
     resolution: Resolution,
     progress: Callable[[float], None] | None = None,
-) -> Ladder:
-    """Force over E a d of the sharp-edged punch at relative ``depths`` > 0, in increasing order.
+) -> tuple[Samples, list[Path]]:
+    """Solve every rim (over scale) at the relative ``depths`` that are large against it.
 
-    Depths that no rung reaches are left out of the answer.
+    Returns
+    -------
+    Samples
+        s = F / (E a d), E = 3 mu, at all depths that were reached.
+    list of Path
+        What each rung cost and why it stopped.
     """
-    wanted = np.asarray(depths, dtype=float)
-    shallow = _from(RIMS[-1]) * 1.02 * slab.scale
-    anchors = shallow * np.array([1.0, 1.5])
-    if wanted[0] >= anchors[1]:
-        anchors = np.array([])
-    grid = np.union1d(wanted[wanted >= shallow], anchors)
-    modulus = 3.0 * law.shear_MPa
-    table = np.full((len(RIMS), len(grid)), np.nan)
-    paths = []
-    for row, rim in enumerate(RIMS):
-        use = (grid >= _from(rim) * slab.scale) & (grid <= _reach(slab, rim) * slab.scale)
-        if not use.any():
+    depth, rim_of, value, paths = [], [], [], []
+    for rim in rims:
+        wanted = depths[depths >= 0.8 * np.sqrt(rim) * slab.scale]
+        if not len(wanted):
             continue
-        path = climb(slab, law, poisson, grid[use], rim * slab.scale, resolution, progress)
+        path = climb(slab, law, poisson, wanted, rim * slab.scale, resolution, progress)
         paths.append(path)
-        place = np.nonzero(use)[0][: len(path.depth)]
-        table[row, place] = path.force / (modulus * slab.radius * path.depth)
-    value, error = _combine(table)
-    first = first_stiffness(slab, law, poisson) if len(anchors) else np.nan
-    reached = np.isfinite(value)
-    if len(anchors):
-        # Below the finest rim the stiffness is a parabola through first touch and the two anchors.
-        x, y = grid[reached][:2], value[reached][:2] - first
-        curve = np.linalg.solve(np.stack([x, x**2], axis=1), y)
-        low = wanted[wanted < shallow]
-        value = np.concatenate([first + curve[0] * low + curve[1] * low**2, value])
-        error = np.concatenate([np.full(len(low), MESH_ERROR * first), error])
-        grid = np.concatenate([low, grid])
-        reached = np.isfinite(value)
-    keep = reached & np.isin(grid, wanted)
-    return Ladder(grid[keep], value[keep], error[keep], float(first), tuple(paths))
-
-
-def _combine(table: Array) -> tuple[Array, Array]:
-    """Sharp limit per depth from a table (rims, depths) with gaps.
-
-    Where one rim alone reaches, the relative correction it has at the nearest depth is used.
-    """
-    value, error = np.full(table.shape[1], np.nan), np.full(table.shape[1], np.nan)
-    solved = np.isfinite(table)
-    for column in np.nonzero(solved.sum(axis=0) >= 2)[0]:
-        value[column], error[column] = sharp_limit(table[solved[:, column], column])
-    extrapolated = np.isfinite(value)
-    for column in np.nonzero(solved.sum(axis=0) == 1)[0]:
-        row = int(np.argmax(solved[:, column]))
-        known = np.nonzero(extrapolated & solved[row])[0]
-        if len(known):
-            nearest = known[np.argmin(np.abs(known - column))]
-            correction = value[nearest] / table[row, nearest]
-            value[column] = table[row, column] * correction
-            error[column] = table[row, column] * (0.5 * (correction - 1.0) + 5.0 * MESH_ERROR)
-    return value, error
+        depth.append(path.depth)
+        rim_of.append(np.full(len(path.depth), rim))
+        value.append(path.force / (3.0 * law.shear_MPa * slab.radius * path.depth))
+    joined = [np.concatenate(parts) if parts else np.array([]) for parts in (depth, rim_of, value)]
+    return Samples(joined[0], np.full(len(joined[0]), slab.radius), joined[1], joined[2]), paths
 
 
 def solve_curve(
@@ -372,22 +306,30 @@ def solve_curve(
     if not len(positive_depths):
         nothing = {"unknowns": 0, "load_steps": 0, "newton_iterations": 0, "seconds": 0.0}
         return PadCurve(wanted, 0.0 * wanted, 0.0 * wanted, nothing)
-    found = ladder(slab, shape, poisson, positive_depths, resolution or Resolution(), progress)
-    stops = [path.stop for path in found.paths if path.stop]
-    if not len(found.depth):
-        raise NoAnswerError("no_convergence", "; ".join(stops[:1]) or "no depth could be solved")
+    deepest = positive_depths[-1]
+    even = deepest * np.linspace(0.0, 1.0, GRID_POINTS + 1)[1:]
+    apart = np.abs(even[:, None] - positive_depths).min(axis=1) > 0.02 * deepest
+    grid = np.union1d(positive_depths, even[apart])
+    samples, paths = climb_all(slab, shape, poisson, grid, RIMS, resolution or Resolution(), progress)
+    stops = [path.stop for path in paths if path.stop]
+    reached = float(samples.depth.max()) if len(samples.depth) else 0.0
+    if len(np.unique(samples.depth)) < 4:
+        raise NoAnswerError("no_convergence", f"the pad could not be solved: {'; '.join(stops[:1]) or 'no depth'}")
+    first = first_stiffness(slab, shape, poisson)
+    limit = fit_limit(samples, np.array([a]), np.array([first]), (0.0, reached), None, (SERIES_TERMS, 1))
     notes = []
-    if len(found.depth) < len(positive_depths):
-        notes.append(f"solved to d/h = {found.depth[-1]:.3f} of {positive_depths[-1]:.3f}: {(stops or [''])[0]}")
-    depth = found.depth * thickness_mm
-    scale = unit * radius_mm * depth
-    force, error = scale * found.stiffness, scale * found.error
+    if reached < deepest * (1.0 - 1e-9):
+        notes.append(f"solved to d/h = {reached:.3f} of {deepest:.3f}: {stops[0]}")
+    kept = positive_depths[positive_depths <= reached * (1.0 + 1e-9)]
+    depth = kept * thickness_mm
+    force = unit * radius_mm * depth * np.exp(limit.log_stiffness(kept, a))
+    error = force * limit.error(kept, a)
     if wanted[0] == 0.0:
         depth, force, error = (np.concatenate([[0.0], x]) for x in (depth, force, error))
     solver = {
-        "unknowns": max(p.unknowns for p in found.paths),
-        "load_steps": sum(p.load_steps for p in found.paths),
-        "newton_iterations": sum(p.newton_iterations for p in found.paths),
-        "seconds": sum(p.seconds for p in found.paths),
+        "unknowns": max(p.unknowns for p in paths),
+        "load_steps": sum(p.load_steps for p in paths),
+        "newton_iterations": sum(p.newton_iterations for p in paths),
+        "seconds": sum(p.seconds for p in paths),
     }
     return PadCurve(depth, force, error, solver, tuple(notes))

@@ -1,9 +1,10 @@
 """Unilateral contact of the pad's surface with a rigid punch, and a stiff film that glues them.
 
 Contact is a penalty on the penetration g < 0, measured along the punch's outward normal n, at the
-quadrature points of the surface sides: energy k/2 <-g>^2 per reference area. The film resists the
-sliding of surface points against the punch: energy t/2 u_r^2. Both are functions of the present state
-alone, so a solution does not depend on the path of loading.
+quadrature points of the surface sides: energy k/2 <-g>^2 per reference area. Under the flat face of a
+glued punch a film resists sliding: energy t/2 u_r^2. A point outside the face that comes to touch a glued
+punch sticks where it is at the end of that load step, held along the surface by the same kind of film,
+until it lifts off.
 """
 
 from __future__ import annotations
@@ -64,10 +65,20 @@ class Surface:
         Contact stiffness per area as a function of the reference radius.
     film : callable
         Sliding stiffness per area as a function of the reference radius; zero where not glued.
+    grip : float
+        Sliding stiffness per area of points that come to touch the punch; 0 for a frictionless punch.
+    grip_from : float
+        Reference radius outside which points are held by the grip instead of the film.
     """
 
     def __init__(
-        self, nodes: Array, sides: Array, stiffness: Callable[[Array], Array], film: Callable[[Array], Array]
+        self,
+        nodes: Array,
+        sides: Array,
+        stiffness: Callable[[Array], Array],
+        film: Callable[[Array], Array],
+        grip: float = 0.0,
+        grip_from: float = np.inf,
     ) -> None:
         x, weight = np.polynomial.legendre.leggauss(5)
         shape = np.stack([x * (x - 1.0) / 2.0, 1.0 - x**2, x * (x + 1.0) / 2.0], axis=1)
@@ -82,19 +93,41 @@ class Surface:
         self._film = np.zeros((len(sides), 3, 2, 3, 2))
         self._film[:, :, 0, :, 0] = np.einsum("qi,qj,eq->eij", shape, shape, area * film(r))
         self._film = self._film.reshape(len(sides), 6, 6)
+        self._grip = np.where(r >= grip_from, area * grip, 0.0)
+        self._held = np.zeros(area.shape, dtype=bool)
+        self._spot = np.zeros((*area.shape, 2))
+        self._along = np.zeros((*area.shape, 2))
+
+    def _points(self, u: Array) -> Array:
+        moved = self._place + u[self.dofs].reshape(self._place.shape)
+        return np.einsum("qi,eic->eqc", self._shape, moved)
+
+    def settle(self, u: Array, punch: Punch, depth: float) -> None:
+        """Let points that touch at the end of a load step stick where they are; free those that do not."""
+        points = self._points(u)
+        gap, normal, _ = punch.gap(points, depth)
+        new = (gap <= 0.0) & ~self._held
+        self._spot[new] = (points + np.array([0.0, depth]))[new]
+        self._along[new] = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)[new]
+        self._held = gap <= 0.0
 
     def forces(self, u: Array, punch: Punch, depth: float) -> tuple[Array, Array]:
         """Gradient (full length) and second derivative (per side) of the contact and film energy."""
         local = u[self.dofs]
-        points = np.einsum("qi,eic->eqc", self._shape, self._place + local.reshape(self._place.shape))
+        points = self._points(u)
         gap, normal, curvature = punch.gap(points, depth)
         push = self._stiffness * np.maximum(-gap, 0.0)
         on_side = np.einsum("qi,eqc->eic", self._shape, -push[..., None] * normal).reshape(local.shape)
         on_side = on_side + np.einsum("eij,ej->ei", self._film, local)
+        hold = self._grip * self._held
+        slip = np.einsum("eqc,eqc->eq", points + np.array([0.0, depth]) - self._spot, self._along)
+        drag = np.einsum("qi,eqc->eic", self._shape, (hold * slip)[..., None] * self._along)
+        on_side = on_side + drag.reshape(local.shape)
         across = normal[..., :, None] * normal[..., None, :]
         along = np.eye(2) - across
         second = np.where(gap <= TOUCHING, self._stiffness, 0.0)[..., None, None] * across
         second = second - (push * curvature)[..., None, None] * along
+        second = second + hold[..., None, None] * self._along[..., :, None] * self._along[..., None, :]
         matrix = np.einsum("qi,qj,eqab->eiajb", self._shape, self._shape, second, optimize=True)
         total = np.bincount(self.dofs.ravel(), on_side.ravel(), minlength=len(u))
         return total, matrix.reshape(len(local), 6, 6) + self._film

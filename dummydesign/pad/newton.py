@@ -188,7 +188,8 @@ def follow(
         if earlier is None:
             guess = u + (trial_depth - depth) * direction[0], p + (trial_depth - depth) * direction[1]
         else:
-            ratio = (trial_depth - depth) / (depth - earlier[2])
+            # After a very small step its direction is mostly rounding: do not stretch it far.
+            ratio = min((trial_depth - depth) / (depth - earlier[2]), 5.0)
             guess = u + ratio * (u - earlier[0]), p + ratio * (p - earlier[1])
         answer = _equilibrium(problem, *guess, trial_depth)
         if isinstance(answer, _Failure):
@@ -200,6 +201,8 @@ def follow(
             continue
         earlier, u, p, depth = (u, p, depth), answer.u, answer.p, trial_depth
         iterations += len(answer.residuals)
+        if problem.surface is not None:
+            problem.surface.settle(u, problem.punch, depth)
         steps += 1
         history.append(answer.residuals)
         if len(answer.residuals) <= 5:

@@ -1,0 +1,164 @@
+"""The slab under a round punch, against the layer solution, limits, equilibrium and invariances."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from dummydesign.errors import InputError
+from dummydesign.pad.axisymmetric import Slab, climb, climb_all, first_stiffness, rimmed_problem, solve_curve
+from dummydesign.pad.edge_limit import Samples, fit_limit
+from dummydesign.pad.laws import neo_hookean
+from dummydesign.pad.mesh import Resolution
+from dummydesign.pad.newton import follow
+
+LAW = neo_hookean(1.0)
+# kappa of the layer solution (Hayes et al. 1972), frictionless flat punch, recomputed from the integral equation.
+LAYER = {
+    0.5: {0.2: 1.281, 0.4: 1.684, 1.0: 3.619, 2.0: 9.149, 3.0: 18.157},
+    0.45: {0.4: 1.599, 1.0: 3.091, 2.0: 6.421},
+    0.3: {0.4: 1.473, 1.0: 2.484, 2.0: 4.353},
+}
+
+
+@pytest.mark.parametrize(
+    ("poisson", "ratio", "kappa"), [(nu, a, k) for nu, row in LAYER.items() for a, k in row.items()]
+)
+def test_first_touch_agrees_with_the_layer_solution(poisson, ratio, kappa):
+    """F = 2 a E d kappa / (1 - nu^2) on a bonded base, frictionless punch, to 0.1 %."""
+    slab = Slab(ratio, ratio + 12.0, "bonded", "frictionless")
+    stiffness = first_stiffness(slab, LAW, poisson)  # in units of 3 mu a, and E = 2 mu (1 + nu)
+    expected = 2.0 * kappa / (1.0 - poisson**2) * (2.0 * (1.0 + poisson)) / 3.0
+    assert stiffness == pytest.approx(expected, rel=1e-3)
+
+
+@pytest.mark.parametrize(("ratio", "kappa"), [(0.2, 1.171), (0.4, 1.385), (1.0, 2.199)])
+def test_first_touch_on_a_sliding_base_agrees_with_the_layer_solution(ratio, kappa):
+    slab = Slab(ratio, ratio + 40.0, "sliding", "frictionless")
+    assert first_stiffness(slab, LAW) == pytest.approx(2.0 * kappa / 0.75, rel=2e-3)
+
+
+def test_a_thick_pad_approaches_the_half_space():
+    """2 a E d / (1 - nu^2) at a / h to 0; linear in a / h, so two thin punches extrapolate to it."""
+    values = [first_stiffness(Slab(a, 40.0, "bonded", "frictionless"), LAW) for a in (0.05, 0.1)]
+    assert 2.0 * values[0] - values[1] == pytest.approx(2.0 / 0.75, rel=2e-2)
+    assert values[0] == pytest.approx(2.0 / 0.75, rel=8e-2)
+
+
+def test_a_thin_pad_approaches_the_confined_layer():
+    """Lubrication limit of a bonded incompressible layer: F = (pi/2) mu a^4 d / h^3 * 3 for a / h to infinity.
+
+    A glued punch on a glued base squeezes a parabolic flow: p = 3 mu d (a^2 - r^2) / h^3, so the force is
+    (3 pi / 2) mu a^4 d / h^3. The edge adds a relative correction of order h / a.
+    """
+    found = []
+    for ratio in (6.0, 12.0):
+        slab = Slab(ratio, ratio + 8.0)
+        limit = 1.5 * np.pi * ratio**4  # mu = h = d = 1
+        found.append(first_stiffness(slab, LAW) * 3.0 * ratio / limit)
+    assert found[1] < found[0]
+    assert 2.0 * found[1] - found[0] == pytest.approx(1.0, abs=0.06)
+
+
+def test_small_strain_force_converges_with_the_mesh():
+    slab = Slab(1.0, 8.0, "bonded", "bonded")
+    meshes = ((1, 2.0), (2, 1.5), (4, 1.22))
+    values = [first_stiffness(slab, LAW, resolution=Resolution(cells, growth)) for cells, growth in meshes]
+    steps = np.abs(np.diff(values))
+    assert steps[1] < steps[0] / 2.5
+    assert steps[1] / values[-1] < 2e-3
+
+
+def test_a_glued_face_is_stiffer_than_a_frictionless_one_by_the_published_share():
+    """No difference on a thick pad, growing as the pad gets thin."""
+    shares = []
+    for ratio in (0.4, 1.0, 2.0):
+        pair = [first_stiffness(Slab(ratio, ratio + 10.0, "bonded", face), LAW) for face in ("bonded", "frictionless")]
+        shares.append(pair[0] / pair[1] - 1.0)
+    assert shares[0] == pytest.approx(0.005, abs=0.003)
+    assert shares[1] == pytest.approx(0.10, abs=0.02)
+    assert shares[2] == pytest.approx(0.39, abs=0.03)
+
+
+def test_the_punch_pushes_as_hard_as_the_base_pushes_back():
+    """Equilibrium: the reaction of the base equals what contact and driven nodes put in, at finite depth."""
+    slab = Slab(1.0, 6.0)
+    problem = rimmed_problem(slab, LAW, 0.5, 0.1, Resolution(cells=2))
+    states = []
+    problem.force = lambda state: states.append(state) or float(state.internal_force[problem.base].sum())
+    path = follow(problem, [0.1, 0.2], 0.05, 0.05, 0.002)
+    vertical = states[-1].internal_force[1::2]
+    base = np.zeros(len(vertical), dtype=bool)
+    base[problem.base // 2] = True
+    assert path.force[-1] == pytest.approx(-vertical[~base].sum(), rel=1e-6)
+    assert path.force[-1] > 0.0
+
+
+def test_the_force_approaches_its_sharp_edge_limit_from_below_as_the_rim_shrinks():
+    slab = Slab(1.0, 8.0)
+    forces = [climb(slab, LAW, 0.5, np.array([0.2]), rim, Resolution()).force[0] for rim in (0.05, 0.025, 0.0125)]
+    first, second = np.diff(forces)
+    assert 0.0 < second < first
+    assert second < first / 1.8
+
+
+def test_the_extrapolated_limit_foresees_what_finer_rims_give():
+    """From rims 0.1 to 0.025 alone, the limit lies above a rim of 0.00625 by no more than that rim's own share."""
+    slab = Slab(1.0, 9.58)
+    depths = np.array([0.06, 0.09, 0.12, 0.16, 0.2])
+    coarse, _ = climb_all(slab, LAW, 0.5, depths, (0.1, 0.05, 0.025), Resolution())
+    first = np.array([first_stiffness(slab, LAW)])
+    limit = fit_limit(coarse, np.array([1.0]), first, (0.0, 0.2), None, (5, 1))
+    fine, _ = climb_all(slab, LAW, 0.5, depths[1:], (0.00625,), Resolution())
+    above = np.exp(limit.log_stiffness(fine.depth, 1.0)) / fine.stiffness - 1.0
+    assert np.all(above > -0.001)
+    assert np.all(above < 0.007)
+
+
+def test_the_limit_of_made_up_values_is_recovered_with_outliers_among_them():
+    """Values made by a law with another exponent than the regression assumes, a tenth of them off by 2 %."""
+    rng = np.random.default_rng(5)
+    depth, rim = (grid.ravel() for grid in np.meshgrid(np.linspace(0.05, 0.5, 20), 0.1 * 0.5 ** np.arange(6)))
+    keep = depth >= 0.8 * np.sqrt(rim)
+    depth, rim = depth[keep], rim[keep]
+    sharp = 10.0 * np.exp(0.9 * depth + 0.3 * depth**2)
+    value = sharp * (1.0 - 0.6 * rim**1.15 * depth**-0.5) * (1.0 + 1e-4 * rng.standard_normal(len(depth)))
+    value[rng.random(len(depth)) < 0.1] *= 1.02
+    samples = Samples(depth, np.ones(len(depth)), rim, value)
+    limit = fit_limit(samples, np.array([1.0]), np.array([10.0]), (0.0, 0.5), None, (6, 1))
+    at = np.linspace(0.0, 0.5, 11)
+    assert np.exp(limit.log_stiffness(at, 1.0)) == pytest.approx(10.0 * np.exp(0.9 * at + 0.3 * at**2), rel=4e-3)
+
+
+@pytest.fixture(scope="module")
+def curve():
+    return solve_curve(10.0, 7.9, 0.025, [0.5, 1.0, 2.0, 3.0])
+
+
+def test_the_force_is_the_same_in_metres_and_pascals(curve):
+    si = solve_curve(0.01, 0.0079, 0.025e6, [0.0005, 0.001, 0.002, 0.003], extent_mm=0.0756940)
+    assert si.force_N == pytest.approx(curve.force_N, rel=1e-4)
+
+
+def test_the_curve_stiffens_and_its_stated_error_is_small(curve):
+    assert np.all(np.diff(curve.force_N / curve.depth_mm) > 0.0)
+    assert np.all(curve.error_N / curve.force_N < 0.01)
+    assert curve.solver["newton_iterations"] > 0
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"depth_mm": [7.0]}, "outside the allowed range 0 to 6"),
+        ({"depth_mm": [-1.0]}, "outside the allowed range"),
+        ({"thickness_mm": 0.0}, "thickness_mm = 0.0 must be"),
+        ({"young_MPa": float("nan")}, "young_MPa"),
+        ({"base": "glued"}, "not one of bonded, sliding"),
+        ({"radius_mm": 60.0}, "must stay away"),
+        ({"poisson": 0.7}, "Poisson"),
+    ],
+)
+def test_bad_input_is_refused_with_the_allowed_range(change, words):
+    values = {"thickness_mm": 10.0, "radius_mm": 7.9, "young_MPa": 0.025, "depth_mm": [1.0], **change}
+    with pytest.raises(InputError, match=words):
+        solve_curve(**values)

@@ -1,0 +1,158 @@
+"""The mixed solid: tangents, objectivity, homogeneous closed forms, patch test, convergence of Newton's method."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from dummydesign.errors import InputError
+from dummydesign.pad import mesh as meshes
+from dummydesign.pad.kinematics import Axisymmetric, Spatial
+from dummydesign.pad.laws import Yeoh, neo_hookean
+from dummydesign.pad.mesh import Resolution
+from dummydesign.pad.newton import Problem, follow
+from dummydesign.pad.solid import Solid, lame_ratio
+
+LAWS = [neo_hookean(0.7), Yeoh(0.7, 0.2)]
+
+
+def cylinder(law, radius=1.3, held_ends=False, poisson=0.5, resolution=None, slabs=4):
+    """A cylinder of unit height between rigid plates: sliding ends, or bonded ones."""
+    resolution = resolution or Resolution()
+    r = np.unique(np.concatenate([np.linspace(0, radius, 5), radius - radius * 0.5 ** np.arange(1, 7)]))
+    z = np.linspace(-1.0, 0.0, 2 * slabs + 1)
+    if held_ends:
+        z = np.unique(np.concatenate([z, -(0.5 ** np.arange(1, 7)), 0.5 ** np.arange(1, 7) - 1.0]))
+    number = np.arange(len(r) * len(z)).reshape(len(r), len(z))
+    points = np.array([(x, y) for x in r for y in z]).T
+    quads = np.stack([number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]]).reshape(4, -1)
+    mesh = meshes.discretise(points, quads)
+    top, base = (np.nonzero(on)[0] for on in (meshes.on_top(mesh), meshes.on_base(mesh, 1.0)))
+    held = np.zeros(mesh.size, dtype=bool)
+    held[2 * np.nonzero(meshes.on_axis(mesh))[0]] = True
+    held[2 * base + 1] = True
+    if held_ends:
+        held[2 * base] = held[2 * top] = True
+    return Problem(Solid(mesh, law, poisson), held, 2 * top + 1, 2 * base + 1)
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("components", [5, 9])
+def test_stress_and_tangent_are_the_derivatives_of_the_energy(law, components):
+    rng = np.random.default_rng(1)
+    F = (Axisymmetric if components == 5 else Spatial).identity + 0.3 * rng.standard_normal((4, components))
+    step = 1e-6
+    for k in range(components):
+        up, down = F.copy(), F.copy()
+        up[:, k] += step
+        down[:, k] -= step
+        slope = (law.energy(up) - law.energy(down)) / (2 * step)
+        assert law.stress(F)[:, k] == pytest.approx(slope, rel=1e-7, abs=1e-8)
+        numeric = (law.stress(up) - law.stress(down)) / (2 * step)
+        assert law.tangent(F)[:, :, k] == pytest.approx(numeric, rel=1e-7, abs=1e-8)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_energy_does_not_see_a_rotation(law):
+    rng = np.random.default_rng(2)
+    F = np.eye(3) + 0.4 * rng.standard_normal((5, 3, 3))
+    turn, _ = np.linalg.qr(rng.standard_normal((3, 3)))
+    assert law.energy((turn @ F).reshape(5, 9)) == pytest.approx(law.energy(F.reshape(5, 9)), rel=1e-12)
+
+
+@pytest.mark.parametrize("kinematics", [Axisymmetric, Spatial])
+def test_cofactor_and_second_derivative_are_those_of_the_determinant(kinematics):
+    rng = np.random.default_rng(3)
+    F = kinematics.identity + 0.3 * rng.standard_normal((3, kinematics.components))
+    second = np.zeros((3, kinematics.components, kinematics.components))
+    kinematics.add_second(second, np.ones(3), F)
+    step = 1e-6
+    for k in range(kinematics.components):
+        up, down = F.copy(), F.copy()
+        up[:, k] += step
+        down[:, k] -= step
+        slope = (kinematics.determinant(up) - kinematics.determinant(down)) / (2 * step)
+        assert kinematics.cofactor(F)[:, k] == pytest.approx(slope, abs=1e-9)
+        numeric = (kinematics.cofactor(up) - kinematics.cofactor(down)) / (2 * step)
+        assert second[:, :, k] == pytest.approx(numeric, abs=1e-9)
+
+
+def test_assembled_tangent_is_the_derivative_of_the_residual():
+    """The condensed tangent against central differences of the condensed residual, in a random direction."""
+    problem = cylinder(Yeoh(1.0, 0.3), poisson=0.45, slabs=1)
+    solid = problem.solid
+    r, z = solid.mesh.nodes
+    u = np.stack([0.1 * r * (1 + z) - 0.05 * r**3, 0.08 * z - 0.1 * r**2 * z], axis=1).ravel()
+    direction = np.stack([r * np.cos(3 * z), np.sin(2 * r) * z + r**2], axis=1).ravel()
+    _, p = problem.start()
+
+    def residual(at):
+        # pressure that satisfies its own equation at this displacement
+        state = solid.state(at, p)
+        pressure = p - np.einsum("eab,eb->ea", solid.inverse, state.pressure_residual)
+        return solid.state(at, pressure).internal_force, pressure
+
+    step = 1e-6
+    numeric = (residual(u + step * direction)[0] - residual(u - step * direction)[0]) / (2 * step)
+    state = solid.state(u, residual(u)[1])
+    local = (state.stiffness @ direction[solid.mesh.dofs][:, :, None])[:, :, 0]
+    exact = np.bincount(solid.mesh.dofs.ravel(), local.ravel(), minlength=solid.mesh.size)
+    assert exact == pytest.approx(numeric, rel=1e-5, abs=1e-5 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_patch_a_cylinder_between_sliding_plates_is_compressed_uniformly(law):
+    """Uniaxial closed form: nominal stress = (mu + 4 c2 (I1 - 3)) (1/l^2 - l) at stretch l."""
+    problem = cylinder(law)
+    depths = np.array([0.1, 0.3, 0.5])
+    path = follow(problem, depths, 0.1, 0.1, 0.01)
+    stretch = 1.0 - depths
+    excess = stretch**2 + 2.0 / stretch - 3.0
+    stress = (law.shear_MPa + 4.0 * law.c2_MPa * excess) * (1.0 / stretch**2 - stretch)
+    # The bulk is 1e6 times stiffer than the shear, not infinite: the volume gives way by stress / (1e6 mu).
+    assert path.force == pytest.approx(np.pi * 1.3**2 * stress, rel=2e-5)
+    assert path.smallest_J == pytest.approx(1.0, abs=2e-5)
+
+
+@pytest.mark.parametrize("poisson", [0.3, 0.45])
+def test_a_compressible_cylinder_between_sliding_plates_has_the_modulus_of_its_poisson_ratio(poisson):
+    problem = cylinder(neo_hookean(1.0), poisson=poisson)
+    assert problem.stiffness() == pytest.approx(2.0 * (1.0 + poisson) * np.pi * 1.3**2, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("shape_factor", "apparent"), [(0.1, 1.070), (0.25, 1.196), (0.417, 1.404), (1.0, 2.956), (2.0, 8.76)]
+)
+def test_bonded_pucks_have_the_published_apparent_modulus(shape_factor, apparent):
+    """E_app / E of incompressible discs between bonded plates; shape factor = diameter / (4 height)."""
+    radius = 2.0 * shape_factor
+    problem = cylinder(neo_hookean(1.0), radius=radius, held_ends=True)
+    assert problem.stiffness() / (3.0 * np.pi * radius**2) == pytest.approx(apparent, rel=2e-3)
+
+
+def test_newtons_method_converges_quadratically():
+    path = follow(cylinder(Yeoh(1.0, 0.2), held_ends=True, slabs=2), [0.2], 0.2, 0.2, 0.05)
+    last = [r for r in path.residuals[-1] if r > 1e-13]
+    orders = [np.log(c) / np.log(b) for b, c in zip(last[-2:-1], last[-1:])]
+    assert path.stop is None
+    assert max(orders) > 1.7
+
+
+def test_a_path_that_cannot_go_on_says_where_and_why():
+    """A pad compressed to nearly nothing must stop with a reason, never with a silent wrong curve."""
+    path = follow(cylinder(neo_hookean(1.0), held_ends=True), [0.3, 0.995], 0.1, 0.1, 0.005)
+    assert len(path.depth) == 1
+    assert "stopped at relative depth" in path.stop
+    assert "worst element" in path.stop
+
+
+@pytest.mark.parametrize("poisson", [0.0, -0.2, 0.6, float("nan")])
+def test_poisson_ratios_outside_the_range_are_refused(poisson):
+    with pytest.raises(InputError, match="Poisson's ratio"):
+        lame_ratio(poisson)
+
+
+@pytest.mark.parametrize("moduli", [(0.0, 0.0), (-1.0, 0.0), (1.0, -0.1)])
+def test_laws_without_a_stable_solid_are_refused(moduli):
+    with pytest.raises(InputError):
+        Yeoh(*moduli)

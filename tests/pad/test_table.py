@@ -1,0 +1,107 @@
+"""The response table against solves of its own, closed forms at first touch, inversion and validity."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from dummydesign.errors import InputError, NoAnswerError
+from dummydesign.library import data_folder
+from dummydesign.pad.axisymmetric import Slab, first_stiffness, solve_curve
+from dummydesign.pad.laws import neo_hookean
+from dummydesign.pad.table import equal_area_radius_mm, load_table
+
+RADIUS = equal_area_radius_mm(14.0 * 14.0)
+
+
+@pytest.mark.parametrize(("thickness", "share"), [(5.0, 0.3), (20.0, 0.3), (12.3, 0.45)])
+def test_the_table_agrees_with_a_solve_made_now(thickness, share):
+    """0.3 % to d/h = 0.3; deeper within the error that table and solve state themselves."""
+    depth = thickness * np.linspace(share / 4, share, 4)
+    solved = solve_curve(thickness, RADIUS, 0.025, depth)
+    table = load_table().force(solved.depth_mm, thickness, 0.025, RADIUS)
+    off = np.abs(table / solved.force_N - 1.0)
+    shallow = solved.depth_mm <= 0.3 * thickness * (1 + 1e-9)
+    assert np.all(off[shallow] < 0.003)
+    stated = load_table().relative_error(solved.depth_mm, thickness, RADIUS) + solved.error_N / solved.force_N
+    assert np.all(off < np.maximum(0.003, stated))
+
+
+@pytest.mark.parametrize("base", ["bonded", "sliding"])
+@pytest.mark.parametrize("ratio", [0.3, 0.9, 2.2])
+def test_first_touch_is_the_small_strain_limit(base, ratio):
+    table = load_table(base)
+    slab = Slab(ratio, table.provenance["extent_over_radius"] * ratio, base)
+    value, _ = table.log_stiffness(0.0, ratio)
+    assert np.exp(value) == pytest.approx(first_stiffness(slab, neo_hookean(1.0)), rel=1e-3)
+
+
+def test_a_sliding_base_is_softer_by_the_published_share():
+    """d/h = 0.02 to 0.3: 0.453 to 0.420 on 5 mm, 0.753 to 0.716 on 15 mm, 0.811 to 0.779 on 20 mm."""
+    for thickness, high, low in ((5.0, 0.453, 0.420), (15.0, 0.753, 0.716), (20.0, 0.811, 0.779)):
+        depth = thickness * np.array([0.02, 0.3])
+        share = load_table("sliding").force(depth, thickness, 0.025, RADIUS)
+        share = share / load_table().force(depth, thickness, 0.025, RADIUS)
+        assert share == pytest.approx([high, low], abs=0.012)
+
+
+def test_force_falls_with_thickness_at_equal_depth():
+    force = load_table().force(1.5, np.arange(3.5, 30.0, 0.5), 0.025, RADIUS)
+    assert np.all(np.diff(force) < 0.0)
+
+
+def test_force_is_proportional_to_the_modulus_and_to_the_area_of_similar_pads():
+    table = load_table()
+    one = table.force(2.0, 10.0, 0.025, 7.0)
+    assert table.force(2.0, 10.0, 0.05, 7.0) == pytest.approx(2.0 * one, rel=1e-12)
+    assert table.force(4.0, 20.0, 0.025, 14.0) == pytest.approx(4.0 * one, rel=1e-12)
+
+
+def test_stiffness_and_exponent_are_derivatives_of_the_force():
+    table, depth, step = load_table(), np.array([0.3, 1.0, 2.0]), 1e-5
+    slope = (table.force(depth + step, 5.0, 0.025, RADIUS) - table.force(depth - step, 5.0, 0.025, RADIUS)) / (2 * step)
+    force, stiffness = table.force_and_stiffness(depth, 5.0, 0.025, RADIUS)
+    assert stiffness == pytest.approx(slope, rel=1e-7)
+    assert table.local_exponent(depth, 5.0, RADIUS) == pytest.approx(stiffness * depth / force, rel=1e-9)
+    assert table.local_exponent(0.0, 5.0, RADIUS) == pytest.approx(1.0)
+
+
+def test_depth_at_force_inverts_the_force_and_is_nan_out_of_reach():
+    table = load_table()
+    thickness = np.array([5.0, 10.0, 20.0])
+    depth = table.depth_at_force(5.0, thickness, 0.025, RADIUS)
+    assert table.force(depth, thickness, 0.025, RADIUS) == pytest.approx(5.0, rel=1e-9)
+    assert np.isnan(table.depth_at_force(100.0, 20.0, 0.025, RADIUS))
+
+
+def test_nothing_is_guessed_beyond_the_limits():
+    table = load_table()
+    assert np.isnan(table.force(4.0, 5.0, 0.025, RADIUS))
+    assert table.force(-0.5, 5.0, 0.025, RADIUS) == 0.0
+    with pytest.raises(InputError, match=r"punch radius over pad thickness = 7\.9"):
+        table.force(0.1, 1.0, 0.025, 7.9)
+    with pytest.raises(InputError, match="base = 'glue'"):
+        load_table("glue")
+
+
+def test_a_damaged_table_names_the_command_that_rebuilds_it(monkeypatch, tmp_path):
+    tables = tmp_path / "materials" / "tables"
+    tables.mkdir(parents=True)
+    (tables / "slab-bonded.json").write_text("{ torn")
+    monkeypatch.setattr("dummydesign.pad.table.data_folder", lambda: tmp_path)
+    load_table.cache_clear()
+    with pytest.raises(NoAnswerError, match=r"python -m dummydesign\.pad\.build_table"):
+        load_table()
+    load_table.cache_clear()
+
+
+@pytest.mark.parametrize("base", ["bonded", "sliding"])
+def test_the_shipped_values_are_those_the_series_was_fitted_to(base):
+    """A silent edit of either would show: every value with a rim below 0.01 lies within 3 % of the series."""
+    data = json.loads((data_folder() / "materials" / "tables" / f"slab-{base}.json").read_text())
+    values = {name: np.array(column) for name, column in data["values"].items()}
+    fine = values["rim"] < 0.01
+    series, _ = load_table(base).log_stiffness(values["depth"][fine], values["ratio"][fine])
+    assert np.abs(np.log(values["stiffness"][fine]) - series).max() < 0.03

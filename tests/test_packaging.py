@@ -1,0 +1,68 @@
+"""The wheel carries its data: built, installed alone, and used for the main job from an empty folder."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import sysconfig
+import venv
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory):
+    """A fresh environment with only our wheel in it; other packages are borrowed by path."""
+    pytest.importorskip("hatchling", reason="the dev extra is not installed")
+    folder = tmp_path_factory.mktemp("wheel")
+    build = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(folder)]
+    subprocess.run(build, cwd=ROOT, check=True, capture_output=True)
+    wheel = next(folder.glob("*.whl"))
+    home = folder / "env"
+    venv.create(home, with_pip=False)
+    python = home / "bin" / "python"
+    site = next((home / "lib").glob("python*/site-packages"))
+    install = [sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--target", str(site), str(wheel)]
+    subprocess.run(install, check=True, capture_output=True)
+    (site / "borrowed.pth").write_text(sysconfig.get_paths()["purelib"] + "\n")
+    return python
+
+
+def run(python, folder, *words):
+    environment = {"PATH": os.environ["PATH"], "HOME": str(folder), "OMP_NUM_THREADS": "1"}
+    return subprocess.run(
+        [str(python), "-m", "dummydesign", *words], cwd=folder, env=environment, capture_output=True, text=True
+    )
+
+
+def test_the_installed_package_is_the_wheel_and_not_the_repository(installed, tmp_path):
+    code = "import dummydesign, dummydesign.library as l; print(dummydesign.__file__); print(l.data_folder())"
+    found = subprocess.run([str(installed), "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)
+    package, data = found.stdout.split()
+    assert str(ROOT) not in package
+    assert data == str(Path(package).parent / "_data")
+
+
+@pytest.mark.parametrize("tissue", ["forefinger", "palm", "thenar"])
+def test_the_main_job_runs_from_the_wheel(installed, tmp_path, tissue):
+    done = run(installed, tmp_path, "suggest", "--tissue", tissue, "--no-cad", "--no-verify", "--json")
+    assert done.returncode == 0, done.stderr
+    answer = json.loads(done.stdout)
+    assert answer["schema"] == "dummydesign.suggest/1"
+    chosen = answer["recommendation"]
+    assert 3.0 <= chosen["thickness_mm"] <= 30.0
+    assert sum(part["mass_g"] for part in chosen["recipe"]["components"]) == pytest.approx(
+        chosen["recipe"]["total_g"], abs=0.11
+    )
+
+
+def test_presets_tables_and_materials_travel_in_the_wheel(installed, tmp_path):
+    assert json.loads(run(installed, tmp_path, "tissues", "list", "--json").stdout)["tissues"]
+    assert json.loads(run(installed, tmp_path, "resins", "list", "--json").stdout)["resins"]
+    predicted = run(installed, tmp_path, "predict", "--young", "25", "--thickness", "5", "--depth", "1", "--json")
+    assert json.loads(predicted.stdout)["force_N"][0] == pytest.approx(5.37, rel=0.01)

@@ -60,11 +60,30 @@ def minimum_draft_deg(faces: Sequence[Any], up: float = 1.0) -> float:
     return worst
 
 
-def ray_hits(mesh: Any, outline: Outline, low_mm: float, high_mm: float, most: int = 2500) -> int:
+def surface_samples(mesh: Any, chosen: Any, count: int) -> tuple[Any, Any]:
+    """Points spread evenly over chosen triangles of a mesh, and the normals there; ``count`` to four times as many.
+
+    Large triangles are split until their edges are shorter than the spacing, so that no patch of a flat
+    wall stays unseen; points are the centroids.
+    """
+    import numpy as np
+    import trimesh
+
+    if len(chosen) == 0:
+        return np.zeros((0, 3)), np.zeros((0, 3))
+    edge = max(0.2, float(np.sqrt(4.0 * mesh.area_faces[chosen].sum() / count)))
+    vertices, faces, origin = trimesh.remesh.subdivide_to_size(
+        mesh.vertices, mesh.faces[chosen], max_edge=edge, max_iter=20, return_index=True
+    )
+    step = max(1, len(faces) // (4 * count))
+    return vertices[faces[::step]].mean(axis=1), mesh.face_normals[chosen][origin[::step]]
+
+
+def ray_hits(mesh: Any, outline: Outline, low_mm: float, high_mm: float, count: int = 2500) -> int:
     """Count upward rays from a mesh's faces inside a region that meet the mesh again: undercuts.
 
-    Rays start 1e-3 mm in front of the centroid of each triangle (every k-th when there are many); a face
-    that looks down counts as well.
+    Rays start 1e-3 mm in front of points spread over the faces; a face that looks down counts as well. A ray
+    that is in the open can only enter material through a face that looks down, so only those are searched.
     """
     import numpy as np
 
@@ -72,14 +91,14 @@ def ray_hits(mesh: Any, outline: Outline, low_mm: float, high_mm: float, most: i
     inside = (np.abs(centres[:, 0]) < outline.length_mm / 2) & (np.abs(centres[:, 1]) < outline.width_mm / 2)
     inside &= (centres[:, 2] > low_mm - 1e-6) & (centres[:, 2] < high_mm + 1e-6)
     chosen = np.flatnonzero(inside & (mesh.area_faces > 1e-6))
-    chosen = chosen[:: max(1, len(chosen) // most)]
-    down = int(np.count_nonzero(normals[chosen][:, 2] < -1e-3))
-    starts = centres[chosen] + 1e-3 * normals[chosen]
-    return down + _vertical_hits(starts, mesh.triangles)
+    points, ways = surface_samples(mesh, chosen, count)
+    down = int(np.count_nonzero(ways[:, 2] < -1e-3))
+    looking_down = mesh.triangles[(normals[:, 2] < -1e-6) & (centres[:, 2] > low_mm)]
+    return down + _vertical_hits(points + 1e-3 * ways, looking_down)
 
 
 def _vertical_hits(points: Any, triangles: Any) -> int:
-    """How many points have a triangle straight above them."""
+    """How many points have one of the triangles straight above them."""
     import numpy as np
 
     a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
@@ -97,8 +116,10 @@ def _vertical_hits(points: Any, triangles: Any) -> int:
     return hits
 
 
-def thicknesses_mm(mesh: Any, chosen: Any) -> tuple[Any, Any]:
-    """Material behind the centroids of chosen triangles, along the inward normal, and where the ray leaves.
+def thicknesses_mm(mesh: Any, points: Any, normals: Any) -> tuple[Any, Any]:
+    """Material behind points of a surface, along the inward normal, and where the ray leaves it.
+
+    Ray against triangle by Moeller and Trumbore, J. Graphics Tools 2 (1997) 21.
 
     Returns
     -------
@@ -107,27 +128,25 @@ def thicknesses_mm(mesh: Any, chosen: Any) -> tuple[Any, Any]:
     """
     import numpy as np
 
-    origins = mesh.triangles_center[chosen]
-    directions = -mesh.face_normals[chosen]
     a = mesh.triangles[:, 0]
     e1, e2 = mesh.triangles[:, 1] - a, mesh.triangles[:, 2] - a
-    found = np.full(len(origins), np.inf)
-    for i, (start, way) in enumerate(zip(origins + 1e-4 * directions, directions)):
-        p = np.cross(way, e2)
-        det = np.einsum("ij,ij->i", e1, p)
+    outward = np.cross(e1, e2)
+    found = np.full(len(points), np.inf)
+    for i, (point, way) in enumerate(zip(points, -normals)):
+        ahead = outward @ way > 1e-12
+        p = np.cross(way, e2[ahead])
+        det = np.einsum("ij,ij->i", e1[ahead], p)
+        s = point + 1e-4 * way - a[ahead]
+        q = np.cross(s, e1[ahead])
+        # An exit is a face that the ray meets from behind; its determinant is away from zero.
         with np.errstate(divide="ignore", invalid="ignore"):
-            inverse = 1.0 / det
-            s = start - a
-            u = np.einsum("ij,ij->i", s, p) * inverse
-            q = np.cross(s, e1)
-            v = (q @ way) * inverse
-            t = np.einsum("ij,ij->i", e2, q) * inverse
-        with np.errstate(invalid="ignore"):
-            inside = (u >= 0) & (v >= 0) & (u + v <= 1) & (t > 1e-3)
-        hit = (np.abs(det) > 1e-12) & inside
+            u = np.einsum("ij,ij->i", s, p) / det
+            v = (q @ way) / det
+            t = np.einsum("ij,ij->i", e2[ahead], q) / det
+            hit = (u >= 0) & (v >= 0) & (u + v <= 1) & (t > 1e-3)
         if hit.any():
             found[i] = t[hit].min()
-    return found, origins + np.where(np.isfinite(found), found, 0.0)[:, None] * directions
+    return found, points - np.where(np.isfinite(found), found, 0.0)[:, None] * normals
 
 
 def sweep_interference_mm3(moving: Any, still: Any, offsets_mm: Sequence[float]) -> float:

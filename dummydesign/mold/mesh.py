@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 TOLERANCE_MM, ANGLE_RAD, VOLUME_REL, MOST_HALVINGS = 0.05, 0.2, 3e-4, 4
+_UUID = re.compile(r"[0-9a-f]{8}(?:-[0-9a-f]{4}){3}-[0-9a-f]{12}")
 
 
 def tessellate(solid: Any, tolerance_mm: float | None = None, angle_rad: float | None = None) -> Any:
@@ -46,8 +48,24 @@ def write_stl(mesh: Any, path: Path) -> None:
 
 
 def write_3mf(mesh: Any, path: Path) -> None:
-    """Write a 3MF (millimetres) for slicers."""
-    path.write_bytes(mesh.export(file_type="3mf"))
+    """Write a 3MF (millimetres) for slicers; its time stamps are fixed and its identifiers counted."""
+    import io
+    import uuid
+    import zipfile
+
+    known: dict[str, str] = {}
+
+    def counted(hit: re.Match[str]) -> str:
+        name = f"{path.stem}/{len(known)}"
+        return known.setdefault(hit.group(0), str(uuid.uuid5(uuid.NAMESPACE_URL, name)))
+
+    source = zipfile.ZipFile(io.BytesIO(mesh.export(file_type="3mf")))
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as target:
+        for name in sorted(source.namelist(), key=lambda name: (name != "[Content_Types].xml", name)):
+            text = _UUID.sub(counted, source.read(name).decode("utf-8"))
+            entry = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            target.writestr(entry, text)
 
 
 def coloured_scene(meshes: Mapping[str, Any], colours: Mapping[str, tuple[float, float, float]], unit: float) -> Any:

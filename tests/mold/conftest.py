@@ -2,8 +2,16 @@
 
 from __future__ import annotations
 
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
 import pytest
 
+import dummydesign
 from dummydesign.mold.preset import mould_spec
 
 
@@ -33,17 +41,14 @@ def lidded_parts(lidded_spec):
 
 @pytest.fixture(scope="session")
 def lidded_package(lidded_spec, tmp_path_factory):
-    """Folder and result of a lidded mould made by the child process with a hash seed of its own."""
-    import os
-
-    from dummydesign.mold.runner import make_mold
-
+    """Folder and answer of the command for the lidded mould, run as a user would, with a hash seed of its own."""
+    pad = lidded_spec.pad
+    size = ["--thickness", f"{pad.thickness_mm:g}", "--length", f"{pad.length_mm:g}", "--width", f"{pad.width_mm:g}"]
     folder = tmp_path_factory.mktemp("lidded")
-    before = os.environ.get("PYTHONHASHSEED")
-    os.environ["PYTHONHASHSEED"] = "4711"
-    try:
-        return folder, make_mold(lidded_spec, folder)
-    finally:
-        os.environ.pop("PYTHONHASHSEED")
-        if before is not None:
-            os.environ["PYTHONHASHSEED"] = before
+    command = [sys.executable, "-m", "dummydesign", "mold", *size, "--preset", "lidded", "--out", str(folder), "--json"]
+    root = str(Path(dummydesign.__file__).parents[1])
+    environment = {**os.environ, "PYTHONHASHSEED": "4711", "PYTHONPATH": root}
+    done = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=folder)
+    assert done.returncode == 0, done.stderr
+    answer = json.loads(done.stdout)
+    return folder, SimpleNamespace(answer=answer, **answer)

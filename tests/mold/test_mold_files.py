@@ -1,0 +1,261 @@
+"""Files: canonical STEP, meshes, drawings and sheets say what the solids and the plan say."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import random
+import re
+import xml.etree.ElementTree as ElementTree
+from html.parser import HTMLParser
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from dummydesign.mold import drawing, mesh, section, sheet, step
+from dummydesign.mold.canonical import Header, canonical_step
+from dummydesign.mold.pour import pour_plan, pour_warnings
+
+HEADER = Header("x.step", "test", "2000-01-01T00:00:00", "dummydesign")
+
+
+def _step_parts(made):
+    from dummydesign.mold.produce import _step_part
+
+    return [_step_part(made, name) for name in made.parts]
+
+
+@pytest.fixture(scope="module")
+def pad_step(open_parts):
+    return step.step_text(_step_parts(open_parts)[:1], "pad", "test")
+
+
+def _shuffled(text: str, seed: int) -> str:
+    """The same model: entities in another order under other numbers, line breaks elsewhere."""
+    head, body = text.split("DATA;\n", 1)
+    body = body.split("ENDSEC;")[0].replace("\n", "")
+    rows = re.findall(r"#(\d+)=((?:'(?:[^']|'')*'|[^;'])*);", body)
+    rng = random.Random(seed)
+    numbers = rng.sample(range(1, 10 * len(rows)), len(rows))
+    new = {old: f"#{number}" for (old, _), number in zip(rows, numbers)}
+    rng.shuffle(rows)
+    reference = re.compile(r"'(?:[^']|'')*'|#(\d+)")
+    lines = [f"{new[old]} = " + reference.sub(lambda m: new[m[1]] if m[1] else m[0], row) + ";" for old, row in rows]
+    return head + "DATA;\n" + "\n".join(lines).replace(",", ",\n  ") + "\nENDSEC;\nEND-ISO-10303-21;\n"
+
+
+def test_canonical_step_forgets_order_numbering_and_line_breaks(pad_step):
+    first = canonical_step(pad_step, HEADER)
+    for seed in range(3):
+        assert canonical_step(_shuffled(pad_step, seed), HEADER) == first
+
+
+def test_canonical_step_keeps_every_entity_and_sees_a_changed_number(pad_step):
+    again = canonical_step(pad_step, HEADER)
+    count = [len(re.findall(r"^#\d+=", text, re.M)) for text in (pad_step, again)]
+    assert count[0] == count[1] > 100
+    changed = re.sub(r"CARTESIAN_POINT\('',\((-?\d)", r"CARTESIAN_POINT('',(9\1", pad_step, count=1)
+    assert changed != pad_step and canonical_step(changed, HEADER) != again
+
+
+def test_canonical_step_refuses_what_is_not_step():
+    with pytest.raises(ValueError, match="not a STEP file"):
+        canonical_step("solid cube", HEADER)
+    with pytest.raises(ValueError, match="not in the file"):
+        canonical_step("FILE_SCHEMA(('X'));DATA;#1=A(#2);ENDSEC;", HEADER)
+
+
+def test_strings_with_signs_of_the_syntax_survive():
+    text = "FILE_SCHEMA(('X'));DATA;#7=PRODUCT('a;#3 it''s, (b)','  two  blanks',#9);#9=B();ENDSEC;"
+    again = canonical_step(text, HEADER)
+    assert "#1=PRODUCT('a;#3 it''s, (b)','  two  blanks',#2);" in again
+
+
+def test_density_unit_is_gram_per_cubic_centimetre(pad_step):
+    text = pad_step.replace("\n", "")
+    unit = re.search(r"POSITIVE_RATIO_MEASURE\([\d.]+\),#(\d+)\)", text)[1]
+    elements = re.search(rf"#{unit}=DERIVED_UNIT\(\((#\d+),(#\d+)\)\)", text).groups()
+    powers = {}
+    for element in elements:
+        base, power = re.search(rf"{element}=DERIVED_UNIT_ELEMENT\((#\d+),([-\d.]+)\)", text).groups()
+        kind = re.search(rf"{base}=\((.*?)\);", text)[1]
+        powers["mass" if "MASS_UNIT" in kind else "length"] = float(power)
+    assert powers == {"mass": 1.0, "length": -3.0}
+
+
+def test_time_stamp_follows_source_date_epoch(monkeypatch):
+    monkeypatch.delenv("SOURCE_DATE_EPOCH", raising=False)
+    assert step.time_stamp() == "2000-01-01T00:00:00"
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
+    assert step.time_stamp() == "1970-01-02T00:00:00"
+
+
+def test_step_of_the_child_process_is_the_same_to_the_byte(lidded_package, lidded_parts):
+    from dummydesign.mold.produce import _description
+
+    _, result = lidded_package
+    tag = lidded_parts.spec.tag
+    made = _step_parts(lidded_parts)
+    text = step.step_text(made, f"assembly_{tag}", _description(lidded_parts.spec, "assembly"))
+    on_disk = Path(result.files["assembly"]).read_bytes()
+    assert on_disk == text.encode("ascii")
+    assert hashlib.sha256(on_disk).hexdigest() == result.step_sha256
+
+
+def test_every_step_file_reads_back_with_name_colour_material_and_volume(lidded_package, lidded_parts):
+    _, result = lidded_package
+    whole = {part.name: part for part in step.read_step(Path(result.files["assembly"]))}
+    assert set(whole) == set(lidded_parts.parts)
+    for name, part in whole.items():
+        solid = lidded_parts.solid(name)
+        assert part.volume_mm3 == pytest.approx(solid.Volume(), rel=1e-9)
+        assert part.volume_mm3 == pytest.approx(result.volumes_mm3.get(name, solid.Volume()), rel=1e-9)
+        assert part.valid and part.solids == 1 and part.material and part.colour
+        (alone,) = step.read_step(Path(result.files[name]))
+        assert alone.name == name and alone.volume_mm3 == pytest.approx(part.volume_mm3, rel=1e-12)
+    assert whole["mould"].density_g_per_cm3 == pytest.approx(lidded_parts.spec.silicone.density_g_per_cm3)
+
+
+def test_finer_meshes_come_closer_to_the_solid(open_parts):
+    solid = open_parts.solid("pad")
+    errors = [
+        abs(mesh.tessellate(solid, tol, ang).volume / solid.Volume() - 1)
+        for tol, ang in ((0.4, 0.8), (0.05, 0.2), (0.005, 0.05))
+    ]
+    assert errors[0] > errors[1] > errors[2] and errors[2] < 2e-5
+
+
+def test_mesh_in_3mf_is_the_mesh_in_millimetres(open_parts, tmp_path):
+    import trimesh
+
+    part = mesh.tessellate(open_parts.solid("tray"))
+    mesh.write_3mf(part, tmp_path / "tray.3mf")
+    again = trimesh.load(tmp_path / "tray.3mf", force="mesh")
+    assert again.is_volume and again.volume == pytest.approx(part.volume, rel=1e-6)
+    assert again.extents == pytest.approx(part.extents, abs=1e-4)
+
+
+def test_mesh_files_are_equal_for_equal_meshes(open_parts, tmp_path):
+    part = mesh.tessellate(open_parts.solid("tray"))
+    for write, kind in ((mesh.write_stl, "stl"), (mesh.write_3mf, "3mf")):
+        write(part, tmp_path / f"a.{kind}")
+        first = (tmp_path / f"a.{kind}").read_bytes()
+        write(part, tmp_path / f"a.{kind}")
+        assert (tmp_path / f"a.{kind}").read_bytes() == first
+
+
+def test_glb_is_in_metres_and_html_needs_no_network(lidded_package):
+    import trimesh
+
+    _, result = lidded_package
+    scene = trimesh.load(result.files["glb"])
+    assert 0.2 < max(scene.extents) < 1.0
+    page = Path(result.files["view"]).read_text(encoding="utf-8")
+    assert not re.findall(r"<(?:script|link|img)[^>]+(?:src|href)=.https?:", page)
+    assert "THREE" in page
+
+
+def test_dimensions_on_paper_measure_what_they_say(open_parts, lidded_parts):
+    for made in (open_parts, lidded_parts):
+        for paper in section.drawings(made).values():
+            assert paper.dimensions
+            for d in paper.dimensions:
+                axis = 1 if d.vertical else 0
+                assert abs(d.end[axis] - d.start[axis]) / paper.scale == pytest.approx(d.value, abs=1e-9)
+            for line in paper.lines:
+                for x, y in line.points:
+                    assert 0 <= x <= drawing.SHEET_MM[0] and 0 <= y <= drawing.SHEET_MM[1]
+
+
+def test_section_outline_encloses_the_area_of_the_cut(open_parts):
+    import cadquery as cq
+
+    solid = open_parts.solid("mould")
+    face = cq.Face.makePlane(1000, 1000, cq.Vector(), cq.Vector(0, 1, 0)).intersect(solid)
+    loops = section.cut_at_y(solid)
+    area = abs(sum(x0 * y1 - x1 * y0 for loop in loops for (x0, y0), (x1, y1) in pairwise(loop))) / 2
+    assert area == pytest.approx(face.Area(), rel=1e-4)
+
+
+def test_hatching_fills_the_inside_only():
+    square, hole = [(0, 0), (40, 0), (40, 40), (0, 40), (0, 0)], [(10, 10), (30, 10), (30, 30), (10, 30), (10, 10)]
+    pieces = drawing.hatch([square, hole], 0.5)
+    assert sum(math.dist(a, b) for a, b in pieces) * 0.5 == pytest.approx(40**2 - 20**2, rel=0.01)
+    for a, b in pieces:
+        x, y = (a[0] + b[0]) / 2, (a[1] + b[1]) / 2
+        assert 0 <= x <= 40 and 0 <= y <= 40 and not (10 < x < 30 and 10 < y < 30)
+
+
+def test_drawings_are_wellformed_reproducible_and_readable(lidded_package, open_parts):
+    import ezdxf
+
+    _, result = lidded_package
+    for name in ("mould", "master"):
+        root = ElementTree.parse(result.files[f"drawing_{name}_svg"]).getroot()
+        assert root.get("width") == "420mm"
+        document = ezdxf.readfile(result.files[f"drawing_{name}_dxf"])
+        assert not document.audit().errors
+        assert len(document.modelspace().query("DIMENSION")) >= 5
+    paper = section.drawings(open_parts)["mould"]
+    assert drawing.to_dxf(paper) == drawing.to_dxf(paper)
+
+
+class _Tags(HTMLParser):
+    def __init__(self):
+        super().__init__()
+        self.open, self.bad = [], []
+
+    def handle_starttag(self, tag, attrs):
+        if tag not in ("meta", "rect", "path", "polyline"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        if tag in ("rect", "path", "polyline"):
+            return
+        if not self.open or self.open.pop() != tag:
+            self.bad.append(tag)
+
+
+def test_pour_sheet_carries_what_the_pour_needs(open_spec, lidded_spec):
+    for spec in (open_spec, lidded_spec):
+        plan = pour_plan(spec)
+        blocks = sheet.pour_sheet(spec, plan, pour_warnings(spec, plan))
+        text = sheet.to_markdown(blocks)
+        for name, mass in plan.components:
+            assert re.search(rf"\| {name} \| {mass:.1f} \|", text)
+        for needed in (
+            "isocyanates harm",
+            spec.hash,
+            "really weighed",
+            "Witness",
+            "add-compression",
+            "cure inhibition",
+        ):
+            assert needed in text
+        for number in (
+            f"{plan.level_deg:.2f} deg",
+            f"{plan.silicone_mass_g:.0f} g",
+            f"{plan.cup_mm3 * 1e-6:.2f} litres",
+        ):
+            assert number in text
+        tags = _Tags()
+        tags.feed(sheet.to_html(blocks))
+        assert not tags.bad and not tags.open
+
+
+def test_witness_puck_has_the_mass_of_its_cylinder(open_spec):
+    volume_cm3 = math.pi * 2.5**2 * 3.0
+    assert sheet.witness_mass_g(open_spec) == pytest.approx(volume_cm3 * open_spec.pour.density_g_per_cm3)
+
+
+def test_manifest_names_every_file_with_its_hash(lidded_package):
+    folder, result = lidded_package
+    sums = json.loads(Path(result.files["manifest"]).read_text())["sha256"]
+    for path in folder.iterdir():
+        assert not path.name.startswith(".")
+        if path.name != "manifest.json":
+            assert sums[path.name] == hashlib.sha256(path.read_bytes()).hexdigest()
+    assert json.loads(Path(result.files["checks"]).read_text()) == result.checks
+    assert json.loads(Path(result.files["spec"]).read_text())["hash"] == result.spec_hash

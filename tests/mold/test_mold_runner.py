@@ -1,0 +1,181 @@
+"""The command and the child process: answers, refusals, crashes, and what is left in the folder."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from dummydesign import cli
+from dummydesign.errors import InputError, NoAnswerError
+from dummydesign.mold import runner
+from dummydesign.mold.preset import mould_spec
+
+
+def _files(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.rglob("*")) if folder.exists() else []
+
+
+def test_command_gives_one_json_object_with_the_contract(lidded_package, lidded_spec):
+    _, result = lidded_package
+    answer = result.answer
+    assert answer["schema"] == "dummydesign.mold/1" and answer["inputs"]["ratio"] == 15.0
+    assert {"pad", "mould", "master", "frame", "assembly", "lid", "tray"} <= set(result.files)
+    for role, path in result.files.items():
+        assert Path(path).is_file() and Path(path).stat().st_size > 0, role
+    assert Path(result.files["mould"]).name == "mould_t8.step"
+    assert {"cavity", "pad_nominal", "pad_compensated", "mould", "master", "frame"} <= set(result.volumes_mm3)
+    assert set(result.masses_g) == {"polyol", "isocyanate", "silicone"}
+    assert all(item["status"] in ("pass", "skipped") for item in result.checks)
+    assert len({item["id"] for item in result.checks}) == len(result.checks) > 35
+    assert result.spec_hash == lidded_spec.hash and len(result.step_sha256) == 64
+    assert answer["sources"] and answer["warnings"]
+    assert 0 < answer["memory_MB"] < 1000
+
+
+def test_text_answer_shows_weights_checks_and_files(lidded_package):
+    from dummydesign.commands.mold import render
+
+    text = render(lidded_package[1].answer)
+    assert "polyol" in text and " 0 failed" in text and "pad_t8.step" in text and "None" not in text
+
+
+BAD = [
+    (["--thickness", "2"], "thickness_mm = 2"),
+    (["--thickness", "31"], "3 to 30"),
+    (["--thickness", "nan"], "thickness_mm"),
+    (["--thickness", "five"], "five"),
+    ([], "--thickness"),
+    (["--thickness", "5", "--length", "400"], "printer bed"),
+    (["--thickness", "5", "--preset", "opened"], "did you mean 'open'"),
+    (["--thickness", "5", "--shape", "slab:x"], "not a number"),
+    (["--thickness", "5", "--ratio", "99"], "99"),
+]
+
+
+@pytest.mark.parametrize("arguments, named", BAD)
+def test_bad_input_ends_with_status_2_one_line_and_no_file(arguments, named, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert cli.run(["mold", *arguments]) == 2
+    message = capsys.readouterr().err
+    assert message.startswith("error: ") and message.count("\n") == 1 and named in message
+    assert _files(tmp_path) == []
+
+
+def test_output_that_is_a_file_is_bad_input(tmp_path, capsys):
+    (tmp_path / "taken").write_text("mine")
+    assert cli.run(["mold", "--thickness", "5", "--out", str(tmp_path / "taken")]) == 2
+    assert "cannot be written" in capsys.readouterr().err
+    assert (tmp_path / "taken").read_text() == "mine"
+
+
+def _worker(monkeypatch, code: str) -> None:
+    monkeypatch.setattr(runner, "WORKER", ("-c", code))
+
+
+def test_crash_of_the_kernel_is_told_with_the_parameters_and_harms_nothing(monkeypatch, tmp_path):
+    (tmp_path / "mould_t5.step").write_text("earlier")
+    _worker(monkeypatch, "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)")
+    with pytest.raises(NoAnswerError, match=r"signal 11.*150 x 120 x 5 mm") as caught:
+        runner.make_mold(mould_spec(5), tmp_path)
+    assert caught.value.code == "cad_failed"
+    assert caught.value.result["masses_g"]["polyol"] > 80
+    assert _files(tmp_path) == ["mould_t5.step"] and (tmp_path / "mould_t5.step").read_text() == "earlier"
+
+
+def test_timeout_of_the_kernel_is_told(monkeypatch, tmp_path):
+    _worker(monkeypatch, "import time; time.sleep(60)")
+    with pytest.raises(NoAnswerError, match=r"within 0\.5 s") as caught:
+        runner.make_mold(mould_spec(5), tmp_path, timeout_s=0.5)
+    assert caught.value.code == "cad_failed" and _files(tmp_path) == []
+
+
+def test_failed_check_keeps_no_file_but_reports_all_checks(monkeypatch, tmp_path):
+    found = {
+        "files": {"mould": "mould_t5.step"}, "volumes_mm3": {}, "step_sha256": "0", "warnings": [],
+        "checks": [{"id": "draft_cavity", "value": -2.0, "limit": 1.99, "status": "fail"}],
+        "pour": {"components": [], "silicone_mass_g": 1.0}, "seconds": 1.0, "memory_MB": 1.0,
+    }  # fmt: skip
+    code = (
+        "import sys, pathlib; w = pathlib.Path(sys.argv[2]); (w / 'mould_t5.step').write_text('bad'); "
+        f"(w / '.result.json').write_text({json.dumps(found)!r})"
+    )
+    _worker(monkeypatch, code)
+    with pytest.raises(NoAnswerError, match=r"draft_cavity = -2\.0") as caught:
+        runner.make_mold(mould_spec(5), tmp_path)
+    assert caught.value.code == "check_failed"
+    assert caught.value.result["checks"][0]["status"] == "fail" and caught.value.result["files"] == {}
+    assert _files(tmp_path) == []
+
+
+def test_final_name_taken_by_a_folder_is_refused(monkeypatch, tmp_path):
+    (tmp_path / "mould_t5.step").mkdir()
+    found = {
+        "files": {"mould": "mould_t5.step"}, "volumes_mm3": {}, "step_sha256": "0", "warnings": [], "checks": [],
+        "pour": {"components": [], "silicone_mass_g": 1.0}, "seconds": 1.0, "memory_MB": 1.0,
+    }  # fmt: skip
+    code = (
+        "import sys, pathlib; w = pathlib.Path(sys.argv[2]); (w / 'mould_t5.step').write_text('good'); "
+        f"(w / '.result.json').write_text({json.dumps(found)!r})"
+    )
+    _worker(monkeypatch, code)
+    with pytest.raises(InputError, match="is a folder"):
+        runner.make_mold(mould_spec(5), tmp_path)
+    assert _files(tmp_path) == ["mould_t5.step"]
+
+
+@pytest.mark.parametrize(
+    "fault, fix",
+    [
+        ("raise ImportError('libGL.so.1: cannot open shared object file')", "apt-get install libgl1 libx11-6"),
+        ("raise ModuleNotFoundError('no module', name='cadquery')", "pip install cadquery"),
+    ],
+)
+def test_missing_cad_gives_the_weights_and_the_line_to_type(fault, fix, tmp_path):
+    shadow = tmp_path / "shadow"
+    shadow.mkdir()
+    (shadow / "cadquery.py").write_text(fault)
+    out = tmp_path / "out"
+    root = str(Path(cli.__file__).parents[1])
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(shadow), root])}
+    command = [sys.executable, "-m", "dummydesign", "mold", "--thickness", "5", "--out", str(out), "--json"]
+    done = subprocess.run(command, capture_output=True, text=True, env=environment)
+    answer = json.loads(done.stdout)
+    assert done.returncode == 1
+    assert answer["error"]["code"] == "cad_unavailable" and fix in answer["error"]["message"]
+    assert fix in done.stderr and done.stderr.count("\n") == 1
+    assert answer["masses_g"]["isocyanate"] > 10 and answer["files"] == {}
+    assert _files(out) == []
+
+
+def test_weights_without_cad_match_those_with_it(lidded_package, lidded_spec):
+    _, result = lidded_package
+    known = runner.without_cad(lidded_spec)["masses_g"]
+    for name in ("polyol", "isocyanate"):
+        assert known[name] == pytest.approx(result.masses_g[name], abs=0.11)
+
+
+SWEEP = [
+    (3, 150, 120, "open", {}), (30, 150, 120, "open", {}), (7.5, 150, 120, "open", {}),
+    (3, 150, 120, "lidded", {}), (30, 150, 120, "lidded", {}), (5, 20, 20, "open", {}), (30, 20, 20, "open", {}),
+    (20, 30, 140, "open", {}), (12, 50, 50, "lidded", {}), (5, 120, 150, "lidded", {}),
+    (10, 80, 60, "open", {"draft_deg": 0.0}), (10, 80, 60, "open", {"edge_radius_mm": 0.0}),
+    (10, 80, 60, "open", {"corner_radius_mm": 0.0, "edge_radius_mm": 0.0}),
+    (3, 80, 60, "open", {"edge_radius_mm": 2.6}), (10, 80, 60, "open", {"draft_deg": 10.0}),
+    (10, 80, 60, "lidded", {"draft_deg": 0.0}),
+]  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("thickness, length, width, preset, pad", SWEEP)
+def test_every_corner_of_the_range_builds(thickness, length, width, preset, pad, tmp_path):
+    from dataclasses import replace
+
+    spec = mould_spec(thickness, length, width, preset)
+    spec = replace(spec, pad=replace(spec.pad, **pad))
+    result = runner.make_mold(spec, tmp_path)
+    assert all(item["status"] in ("pass", "skipped") for item in result.checks)

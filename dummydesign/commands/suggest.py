@@ -66,7 +66,8 @@ def _add_mould(result: dict[str, Any], answer: Any, out: Any) -> None:
 
     best = answer.best
     try:
-        mould = make_mold(mould_of(answer.resin, best), out).to_dict()
+        spec = mould_of(answer.resin, best)
+        mould = make_mold(spec, out).to_dict()
     except NoAnswerError as problem:
         step = f"dummydesign mold --thickness {best.thickness_mm:g} --resin {answer.request.resin}"
         step += f" --ratio {best.ratio:g} --out {out}"
@@ -75,6 +76,7 @@ def _add_mould(result: dict[str, Any], answer: Any, out: Any) -> None:
     result["files"] = mould.pop("files")
     result["warnings"] += mould.pop("warnings")
     result["mold"] = mould
+    result["sources"] += [text for text in spec.sources if text not in result["sources"]]
     # what the solids hold, not the closed forms, is weighed
     result["recommendation"]["recipe"] = {
         "components": mould["pour"]["components"],

@@ -63,6 +63,7 @@ class Suggestion:
     pour: Yield
     verification: Verification
     recipe: tuple[tuple[str, float], ...]
+    force_law: str = ""
 
     @property
     def best(self) -> Candidate:
@@ -86,7 +87,7 @@ class Suggestion:
             "verification": self.verification.to_dict(),
             "rests_on": rests_on(self.resin, self.tissue, self.best),
             "warnings": design_warnings(self),
-            "sources": [*self.tissue.sources, *self.resin.references],
+            "sources": [*self.tissue.sources, *self.resin.references, *filter(None, [self.force_law])],
         }
 
 
@@ -131,7 +132,9 @@ def suggest(request: Request, law: ForceLaw | None = None) -> Suggestion:
     best = found.best
     pour = pour_yield(law, resin, targets, best.thickness_mm, best.ratio, RADIUS_MM, tolerances)
     checked = _verify(best, resin, law) if request.verify else not_verified("not asked for")
-    return Suggestion(request, tissue, resin, targets, found, pour, checked, recipe)
+    made_by = getattr(law, "provenance", {}).get("command", "")
+    source = f"response table of bonded slabs, made by {made_by}" if made_by else ""
+    return Suggestion(request, tissue, resin, targets, found, pour, checked, recipe, source)
 
 
 def pour_recipe(resin: Resin, candidate: Candidate) -> tuple[tuple[str, float], ...]:

@@ -14,7 +14,7 @@ from dummydesign.quantity import Quantity
 from dummydesign.resin.model import Resin
 from dummydesign.resin.prior import HALF_WIDTH, value_at
 
-CHAINS, STEPS, SEED = 400, 300, 7
+CHAINS, STEPS, SEED = 400, 150, 7
 SMALLEST_SPREAD = 0.005
 """A modulus is never believed to better than 0.5 % (one standard deviation), whatever a file claims."""
 

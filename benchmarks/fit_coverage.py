@@ -8,6 +8,7 @@ often the interval of each parameter holds the truth.
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -15,7 +16,7 @@ from scipy.integrate import solve_ivp
 from dummydesign.protocol.motion import contact_velocity
 from dummydesign.protocol.trace import Trace
 from dummydesign.tissue.least_squares import profile_interval
-from dummydesign.tissue.problem import Problem
+from dummydesign.tissue.problem import Problem, largest_slow
 from dummydesign.tissue.reduce import reduce_trace
 
 GAMMA1, GAMMA, DAMPER = 0.09, np.array([0.03, 0.11]), np.array([1.2, 0.08])
@@ -75,16 +76,19 @@ def coverage(draws, seed, slow_N, white_N=0.03, life_s=1.0, forces=(5.0, 10.0, 1
     problem = Problem("ode", [reduced], None)
     held = np.zeros(5)
     for _ in range(draws):
-        parts = []
+        parts, noisy = [], []
         for trace in reduced:
             raw = trace.trace
             noise = rng.normal(size=len(raw.time_s)) * white_N
             if slow_N:
                 noise = noise + slow_noise(raw.time_s, slow_N, life_s, rng)
             place = np.repeat(np.arange(len(trace.samples)), trace.samples)
-            values = (raw.force_N + noise)[trace.inside]
+            force = raw.force_N + noise
+            noisy.append(replace(trace, trace=replace(raw, force_N=force)))
+            values = force[trace.inside]
             parts.append(np.bincount(place, values) / trace.samples)
         problem.force = np.concatenate(parts)
+        problem.largest_slow_N = largest_slow(noisy)
         found = problem.optimum(2)
         model, (low, high) = problem.model(2, found.factor), problem.box(2)
         for index in range(5):

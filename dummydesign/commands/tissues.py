@@ -16,13 +16,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     actions.add_parser("list", help="names, origin and kind of the known tissues")
     show = actions.add_parser("show", help="every number of one tissue with its interval and source")
     show.add_argument("name", metavar="NAME", help="a known tissue or a TOML file")
-    add = actions.add_parser(
-        "add", help="make a tissue from traces or from fits, one subject per file or folder"
-    )
+    add = actions.add_parser("add", help="make a tissue from traces or from fits, one subject per file or folder")
     add.add_argument("name", metavar="NAME", help="name of the new tissue")
-    add.add_argument(
-        "files", nargs="+", metavar="FILE", help="trace CSV, folder of one subject's traces, or fit TOML"
-    )
+    add.add_argument("files", nargs="+", metavar="FILE", help="trace CSV, folder of one subject's traces, or fit TOML")
     add.add_argument("--law", default="ode", help="published, consistent or ode (default ode)")
     add.add_argument("--elements", default="5", help="3, 5 or 7 (default 5)")
     add.add_argument("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help="filter of the recorded force")
@@ -30,9 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     points.add_argument("name", metavar="NAME", help="the tissue to update")
     points.add_argument("points", metavar="POINTS.csv", help="columns subject,depth_mm,force_N")
     for parser_ in actions.choices.values():
-        parser_.add_argument(
-            "--json", action="store_true", default=argparse.SUPPRESS, help="print one JSON object"
-        )
+        parser_.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print one JSON object")
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
@@ -46,12 +40,10 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
 
         return add_tissue(options.name, options.files, options.law, options.elements, options.lowpass)
     if options.action == "add-points":
-        from dummydesign.tissue.points import add_points
+        from dummydesign.tissue.update import add_points
 
         return add_points(options.name, options.points)
-    raise InputError(
-        "tissues needs an action: list, show NAME, add NAME FILE... or add-points NAME POINTS.csv"
-    )
+    raise InputError("tissues needs an action: list, show NAME, add NAME FILE... or add-points NAME POINTS.csv")
 
 
 def _list() -> dict[str, Any]:
@@ -84,9 +76,7 @@ def _show(name: str) -> dict[str, Any]:
     tissue = load_tissue(name)
     warnings = []
     if "inferred" in tissue.kinds:
-        warnings.append(
-            {"code": "inferred_tissue", "message": tissue.notes[0] if tissue.notes else "inferred"}
-        )
+        warnings.append({"code": "inferred_tissue", "message": tissue.notes[0] if tissue.notes else "inferred"})
     return {"inputs": {"action": "show", "name": name}, **tissue.to_dict(), "warnings": warnings}
 
 
@@ -105,8 +95,7 @@ def render(result: dict[str, Any]) -> str:
     lines.append(f"{'parameter':<26} {'band mean':>10} {'lowest':>10} {'highest':>10}  kind")
     for name, entry in _flat(result["bands"]):
         lines.append(
-            f"{name:<26} {entry['value']:>10.4g} {entry['low']:>10.4g} {entry['high']:>10.4g}  "
-            f"{entry['kind']}"
+            f"{name:<26} {entry['value']:>10.4g} {entry['low']:>10.4g} {entry['high']:>10.4g}  {entry['kind']}"
         )
     for subject in result["subjects"]:
         gamma1 = subject["gamma1_N_per_mm3"]

@@ -144,7 +144,7 @@ def find_ramp(time_s: ArrayLike, displacement_mm: ArrayLike) -> Ramp:
     depth = float(np.median(x[near]))
     reach = min(0.02, 0.01 * depth)
     stop_at = int(np.argmax(x >= depth - reach))
-    held = np.nonzero(x >= depth - max(reach, 0.02))[0]
+    held = np.nonzero(x >= depth - max(2 * reach, 0.04))[0]
     below = np.nonzero(x[:stop_at] <= 0)[0]
     start = int(below[-1]) if below.size else 0
     contact = _crossing(time, x, start, 0.0) if x[start] < 0 else float(time[start])

@@ -1,11 +1,13 @@
 """The noise of binned traces: white, slowly correlated, contact position, and misfit of the law itself.
 
 Samples at 1 kHz are not independent: a slow part that lives for a second does not average away in a bin,
-and a bias of the contact zero moves a whole press. What a wrong law leaves is in proportion to the force
-and correlated over some depth or some share of log time; without that part, a misfit of newtons would be
-taken for certainty. Sizes are estimated from the residuals by restricted maximum likelihood, so that
-parameters that were fitted do not count as knowledge of the noise; slow noise and contact position are
-bounded by what can be seen without a law and by what a robot can do, and the misfit takes the rest.
+and a bias of the contact zero moves a whole press. What a wrong law leaves is in proportion to the peak of
+the press and correlated over a little depth or log time; without that part, a misfit of newtons would be
+taken for certainty. (In proportion to the force of the moment, or correlated over more, it would pull the
+fit away from least squares: a curve far from the data would cost little.) Sizes are estimated from the
+residuals by restricted maximum likelihood, so that parameters that were fitted do not count as knowledge
+of the noise; slow noise and contact position are bounded by what can be seen without a law and by what a
+robot can do, and the misfit takes the rest.
 """
 
 from __future__ import annotations
@@ -20,7 +22,7 @@ from numpy.typing import NDArray
 from dummydesign.tissue.reduce import ReducedTrace
 
 LOWEST = 1e-4
-"""Slow noise [N], position [mm] and misfit over force below which they count as none."""
+"""Slow noise [N], position [mm] and misfit over peak below which they count as none."""
 
 MISFIT_GAIN = 6.0
 """Gain in twice the log likelihood for which misfit is believed."""
@@ -28,7 +30,7 @@ MISFIT_GAIN = 6.0
 LARGEST_POSITION_MM = 0.05
 """Largest error of the contact position that is believed; robot precision is 0.02 mm."""
 
-MISFIT_LENGTH = 0.7
+MISFIT_LENGTH = 0.3
 """Correlation length of misfit: in ln of time since the stop, and in thirds of the depth before it."""
 
 FLOOR_N = 1e-3
@@ -37,7 +39,7 @@ FLOOR_N = 1e-3
 
 @dataclass(frozen=True)
 class Noise:
-    """Sizes: white and slow standard deviation [N], time of the slow one [s], zero [mm], misfit over force."""
+    """Sizes: white and slow standard deviation [N], time of the slow one [s], zero [mm], misfit over peak."""
 
     white_N: float
     slow_N: float
@@ -75,7 +77,7 @@ class Bins:
         out[self.used] = values
         return out
 
-    def covariance(self, noise: Noise, slope: NDArray, force: NDArray | None = None) -> NDArray:
+    def covariance(self, noise: Noise, slope: NDArray, level: NDArray | None = None) -> NDArray:
         """Covariance of the bins, shape (traces, longest, longest), identity in the padding. [N2]
 
         The slow part is an Ornstein-Uhlenbeck process averaged exactly over the bins.
@@ -85,8 +87,8 @@ class Bins:
         noise : Noise
         slope : ndarray, shape (traces, longest)
             dF / dx of each bin, for the contact position. [N/mm]
-        force : ndarray, shape (traces, longest), optional
-            Force of each bin, needed when the noise has misfit. [N]
+        level : ndarray, shape (traces, longest), optional
+            Measured peak force of the press of each bin, needed when the noise has misfit. [N]
         """
         length = np.where(self.used, np.maximum(self.end - self.start, 1e-9), 1.0) / noise.slow_time_s
         loss = -np.expm1(-length) / length
@@ -99,9 +101,9 @@ class Bins:
         slow[:, rows, rows] = own
         both = self.used[:, :, None] & self.used[:, None, :]
         total = noise.slow_N**2 * slow + noise.position_mm**2 * slope[:, :, None] * slope[:, None, :]
-        if force is not None and noise.misfit_fraction > 0:
+        if level is not None and noise.misfit_fraction > 0:
             near = np.exp(-np.abs(self.place[:, :, None] - self.place[:, None, :]) / MISFIT_LENGTH)
-            total += noise.misfit_fraction**2 * force[:, :, None] * force[:, None, :] * near
+            total += noise.misfit_fraction**2 * level[:, :, None] * level[:, None, :] * near
         total = np.where(both, total, 0.0)
         white = noise.white_N**2 / np.maximum(self.samples, 1.0)
         total[:, rows, rows] += np.where(self.used, white, 1.0)
@@ -115,9 +117,9 @@ def place_in_press(trace: ReducedTrace) -> NDArray:
     return np.where(since < 0, 3.0 * (depth - 1.0), np.log1p(np.maximum(since, 0.0) / 1e-3))
 
 
-def whitener(bins: Bins, noise: Noise, slope: NDArray, force: NDArray | None = None) -> NDArray:
+def whitener(bins: Bins, noise: Noise, slope: NDArray, level: NDArray | None = None) -> NDArray:
     """Inverse Cholesky factors (traces, longest, longest): whitened = factor @ stacked values."""
-    lower = np.linalg.cholesky(bins.covariance(noise, slope, force))
+    lower = np.linalg.cholesky(bins.covariance(noise, slope, level))
     return np.linalg.inv(lower)
 
 
@@ -131,7 +133,7 @@ def minus_two_log_likelihood(bins: Bins, factor: NDArray, residual: NDArray) -> 
 
 def estimate_noise(
     bins: Bins,
-    force: NDArray,
+    level: NDArray,
     slope: NDArray,
     residual: NDArray,
     jacobian: NDArray,
@@ -143,8 +145,8 @@ def estimate_noise(
     Parameters
     ----------
     bins : Bins
-    force, slope, residual : ndarray, shape (traces, longest)
-        F [N], dF / dx [N/mm] and residual [N] of each bin.
+    level, slope, residual : ndarray, shape (traces, longest)
+        Peak of the press [N], dF / dx [N/mm] and residual [N] of each bin.
     jacobian : ndarray, shape (traces, longest, parameters)
         Sensitivity to what was fitted.
     largest_slow_N : float
@@ -163,7 +165,7 @@ def estimate_noise(
     first = Noise(max(min(scale, largest_slow_N), 2 * FLOOR_N), 0.5 * scale, 0.5, 5e-3 * with_position)
 
     def cost(noise: Noise) -> float:
-        factor = whitener(bins, noise, slope, force)
+        factor = whitener(bins, noise, slope, level)
         white = (factor @ residual[..., None])[..., 0]
         turned = (factor @ jacobian).reshape(-1, jacobian.shape[-1])
         information = turned.T @ turned

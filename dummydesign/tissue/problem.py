@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,6 +33,11 @@ class Optimum:
     factor: NDArray
 
 
+def largest_slow(traces: Sequence[ReducedTrace]) -> float:
+    """Slow noise that may be believed: twice what the holds show without any law. [N]"""
+    return max(2.0 * noise_floor(traces), 0.01)
+
+
 class Problem:
     """Traces with one gamma per spring and one c per arm and group of traces.
 
@@ -52,7 +58,7 @@ class Problem:
         self.law, self.lowpass, self.groups = law, lowpass, groups
         self.responses = [Responses(law, group, lowpass) for group in groups]
         self.bins = Bins(self.traces, [place_in_press(trace) for trace in self.traces])
-        self.largest_slow_N = max(2.0 * noise_floor(self.traces), 0.01)
+        self.largest_slow_N = largest_slow(self.traces)
         self.force = np.concatenate([trace.force_N for trace in self.traces])
         self.elastic = np.concatenate([response.elastic for response in self.responses])
         ends = np.cumsum([0, *(len(response.elastic) for response in self.responses)])
@@ -164,13 +170,14 @@ class Problem:
         factor[:, diagonal, diagonal] = np.where(self.bins.used, rough, 1.0)
         first = solve(self.model(arms, factor), self.starts(arms), low, high, 1e-7)
         found, noise = first, None
+        measured = self.bins.stacked(self.force)
+        slope = 3.0 * np.maximum(measured, 0.0) / np.maximum(depth, shallow)
+        level = np.where(self.bins.used, measured.max(axis=1, keepdims=True), 0.0)
         for _ in range(2):
             force, jacobian = self.predict(found.parameters, arms)
-            slope = 3.0 * self.bins.stacked(force) / np.maximum(depth, shallow)
-            residual = self.bins.stacked(self.force - force)
-            sizes, sensitivity = self.bins.stacked(force), self.bins.stacked(jacobian)
-            noise = estimate_noise(self.bins, sizes, slope, residual, sensitivity, self.largest_slow_N, noise)
-            factor = whitener(self.bins, noise, slope, sizes)
+            residual, sensitivity = self.bins.stacked(self.force - force), self.bins.stacked(jacobian)
+            noise = estimate_noise(self.bins, level, slope, residual, sensitivity, self.largest_slow_N, noise)
+            factor = whitener(self.bins, noise, slope, level)
             found = solve(self.model(arms, factor), [found.parameters], low, high)
         best = Solution(found.parameters, found.chi_square, first.starts, first.agreeing)
         return Optimum(arms, self._slowest_first(best, arms), noise, factor)

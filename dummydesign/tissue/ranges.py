@@ -19,6 +19,9 @@ STEADY_PARTS_N = {"below_5N": (0.5, 5.0), "above_5N": (5.0, 15.0)}
 
 FIRST_HOLD_S = 0.005
 
+STEADY_TOLERANCE = 0.01
+"""Share of the steady force to which it can be set: the robot's 0.02 mm are 1 % of it at a depth of 6 mm."""
+
 
 @dataclass(frozen=True)
 class ForceRange:
@@ -47,7 +50,9 @@ class ForceRange:
         """Largest peak of the subjects. [N]"""
         return float(self.curves_N.max(axis=-1).max())
 
-    def inside(self, time_s: ArrayLike, force_N: ArrayLike, stop_s: ArrayLike) -> dict[str, NDArray]:
+    def inside(
+        self, time_s: ArrayLike, force_N: ArrayLike, stop_s: ArrayLike, tolerance_N: float | None = None
+    ) -> dict[str, NDArray]:
         """Share of a press inside the range, in the rise, in the hold, and the mean of both.
 
         The rise counts evenly in time from contact to the dummy's own stop, the hold evenly in the
@@ -60,6 +65,9 @@ class ForceRange:
             Press with contact at time 0. [s, N]
         stop_s : array_like, shape (...)
             Stop time of each press. [s]
+        tolerance_N : float, optional
+            How far outside still counts as inside; by default :data:`STEADY_TOLERANCE` of the steady force,
+            because all curves meet at the end of the hold, where the range has no width. [N]
 
         Returns
         -------
@@ -71,6 +79,7 @@ class ForceRange:
         end = np.minimum(time[..., -1:], self.time_s[-1])
         rise_at = stop * np.linspace(0.0, 1.0, 61)[1:]
         hold_at = stop + np.geomspace(FIRST_HOLD_S, 1.0, 61) * np.maximum(end - stop, 2 * FIRST_HOLD_S)
+        near = STEADY_TOLERANCE * self.steady_force_N if tolerance_N is None else tolerance_N
         shares = {}
         for name, at in (
             ("inside_rise_fraction", rise_at),
@@ -79,8 +88,7 @@ class ForceRange:
             value = interpolate_rows(at, time, pressed)
             low = np.interp(at, self.time_s, self.low_N)
             high = np.interp(at, self.time_s, self.high_N)
-            # forces are compared to a hundredth of a newton, the step of the sensor
-            shares[name] = np.mean((value >= low - 0.01) & (value <= high + 0.01), axis=-1)
+            shares[name] = np.mean((value >= low - near) & (value <= high + near), axis=-1)
         mean = 0.5 * (shares["inside_rise_fraction"] + shares["inside_hold_fraction"])
         return {"inside_fraction": mean, **shares}
 

@@ -152,7 +152,7 @@ def test_the_motion_is_followed_as_measured_with_wander_steps_and_uneven_samplin
 
 def test_what_comes_after_the_hold_does_not_matter(clean):
     whole = clean[1]
-    back = np.arange(1, 100) * 4e-3
+    back = np.arange(2, 101) * 4e-3
     longer = Trace(
         whole.name,
         np.r_[whole.time_s, whole.time_s[-1] + back],

@@ -1,0 +1,208 @@
+"""tissues add and add-points: own traces make bands, points narrow what was inferred, faults are named."""
+
+import json
+
+import numpy as np
+import pytest
+
+from dummydesign.cli import run
+from dummydesign.errors import InputError
+from dummydesign.protocol.motion import Motion, ramp_and_hold
+from dummydesign.tissue import load_tissue
+from dummydesign.tissue.narrow import next_measurement
+from dummydesign.tissue.parameters import Parameters
+from dummydesign.tissue.points import read_points
+from dummydesign.tissue.posterior import (
+    draws_path,
+    read_draws,
+    typical_subjects,
+    weighted_quantile,
+)
+from dummydesign.tissue.store import KIND, tissue_entries
+
+
+@pytest.fixture
+def home(tmp_path, monkeypatch):
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path / "home"))
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def write_presses(folder, name, gamma1, fall=0.5):
+    """Two presses of one person; the dampers at 250 mm/s are ``fall`` times those at 10."""
+    person = Parameters("ode", gamma1, (0.3 * gamma1, gamma1), ((10.0, (1.2, 0.1)), (250.0, (1.2 * fall, 0.1 * fall))))
+    folder.mkdir(exist_ok=True)
+    paths = []
+    for v, f in ((10.0, 10.0), (250.0, 10.0), (10.0, 5.0), (250.0, 5.0)):
+        motion = ramp_and_hold(v, float(np.cbrt(f / gamma1)))
+        time = np.union1d(np.arange(0.0, motion.time_s[-1], 4e-3), motion.time_s[:90])
+        x = np.interp(time, motion.time_s, motion.displacement_mm)
+        rows = np.column_stack([time, x, person.force(Motion(time, x), v)])
+        paths.append(folder / f"{name}_v{v:g}_f{f:g}.csv")
+        np.savetxt(paths[-1], rows, delimiter=",", header="time_s,displacement_mm,force_N", comments="", fmt="%.12g")
+    return [str(path) for path in paths]
+
+
+def points(path, rows):
+    path.write_text("subject,depth_mm,force_N\n" + "\n".join(",".join(str(c) for c in row) for row in rows) + "\n")
+    return str(path)
+
+
+def cubic(name, gamma1):
+    return [(name, float(np.cbrt(f / gamma1)), f) for f in (5.0, 10.0, 15.0)]
+
+
+def test_two_peoples_traces_make_a_tissue_with_dampers_per_speed(home, capsys):
+    write_presses(home / "berta", "run", 0.12)
+    anna = write_presses(home / "loose", "anna", 0.06)
+    assert run(["tissues", "add", "clinic", "berta", *anna, "--json"]) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert [s["name"] for s in result["subjects"]] == ["anna", "berta"]
+    tissue = load_tissue("CLINIC")
+    assert tissue.origin == "user" and tissue.kinds == ("fitted",) and tissue.elements == 5
+    band = tissue.bands["gamma1_N_per_mm3"]
+    assert (band.low, band.value, band.high) == pytest.approx((0.06, 0.09, 0.12), rel=0.01)
+    assert tissue.bands["c3_N_s_per_mm"]["10"].value == pytest.approx(0.1, rel=0.03)
+    assert tissue.bands["c3_N_s_per_mm"]["250"].value == pytest.approx(0.05, rel=0.03)
+    assert tissue.target("subject:anna").gamma1_N_per_mm3 == pytest.approx(0.06, rel=0.01)
+    assert run(["tissues", "list"]) == 0 and "clinic" in capsys.readouterr().out
+
+
+def test_a_fit_written_by_fit_is_taken_as_a_subject_under_its_file_name(home, capsys):
+    files = write_presses(home / "traces", "x", 0.08)
+    assert run(["fit", *files, "--elements", "5", "--mode", "per-speed", "--out", "carla.toml"]) == 0
+    assert (home / "carla_residuals.png").stat().st_size > 1000 and (home / "carla_residuals.csv").exists()
+    assert run(["tissues", "add", "own", "carla.toml"]) == 0
+    assert [s.name for s in load_tissue("own").subjects] == ["carla"]
+    capsys.readouterr()
+    assert run(["tissues", "add", "own2", "carla.toml", "carla.toml"]) == 2
+    assert "comes twice" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "arguments, said",
+    [
+        (["add", "a/b", "x.csv"], "may hold letters"),
+        (["add", "ok", "x.csv"], "'x.csv' is neither"),
+        (["add", "ok", "."], "holds no trace"),
+        (["add", "ok", ".", "--elements", "4"], "--elements 4"),
+        (["add-points", "palm", "none.csv"], "cannot be read"),
+        ([], "needs an action"),
+    ],
+)
+def test_bad_requests_are_one_line_and_status_2(home, capsys, arguments, said):
+    assert run(["tissues", *arguments]) == 2
+    message = capsys.readouterr().err
+    assert said in message and message.count("\n") == 1
+    assert not list((home / "home").rglob("*.toml"))
+
+
+def test_points_of_a_person_replace_what_was_inferred_of_it_and_narrow_the_rest(home):
+    before = load_tissue("palm")
+    middle = before.subjects[2].parameters.gamma1_N_per_mm3
+    path = points(home / "p.csv", cubic("Subj. 1", middle) + cubic("Subj. 2", 1.3 * middle))
+    assert run(["tissues", "add-points", "palm", path]) == 0
+    after = load_tissue("palm")
+    assert after.origin == "user" and len(after.subjects) == 5
+    measured = next(s for s in after.subjects if s.name == "Subj. 1").numbers["gamma1_N_per_mm3"]
+    assert measured.kind == "digitised" and measured.value == pytest.approx(middle, rel=0.01)
+    assert measured.low < middle < measured.high < 1.3 * measured.low
+    assert "reading error 2 %" in measured.source
+
+    def width(tissue):
+        rest = [s.numbers["gamma1_N_per_mm3"] for s in tissue.subjects if s.name != "Subj. 1" and s.name != "Subj. 2"]
+        return max(np.log(q.high / q.low) for q in rest)
+
+    assert width(after) < width(before)
+
+
+def test_a_second_file_of_points_keeps_the_persons_of_the_first(home):
+    middle = load_tissue("thenar").subjects[2].parameters.gamma1_N_per_mm3
+    run(["tissues", "add-points", "thenar", points(home / "a.csv", cubic("A", middle))])
+    run(["tissues", "add-points", "thenar", points(home / "b.csv", cubic("B", 0.8 * middle))])
+    both = load_tissue("thenar")
+    run(["tissues", "add-points", "thenar", points(home / "c.csv", cubic("B", 0.8 * middle))])
+    again = load_tissue("thenar")
+    assert {"A", "B"} <= {s.name for s in both.subjects} and len(both.subjects) == 5
+    assert again.bands["gamma1_N_per_mm3"].value == pytest.approx(both.bands["gamma1_N_per_mm3"].value, rel=1e-3)
+
+
+def test_points_of_all_five_leave_no_inferred_gamma1(home, capsys):
+    rows = [row for k in range(5) for row in cubic(f"S{k}", 0.05 * 1.3**k)]
+    assert run(["tissues", "add-points", "palm", points(home / "p.csv", rows), "--json"]) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert {s["gamma1_N_per_mm3"]["kind"] for s in result["subjects"]} == {"digitised"}
+    assert result["next_measurement"]["measurement"] != "steady_depth"
+    assert result["after"]["gamma1_N_per_mm3"]["low"] == pytest.approx(0.05, rel=0.01)
+    assert load_tissue("palm").bands["c2_N_s_per_mm"]["10"].kind == "inferred"
+
+
+def test_points_far_out_are_said_not_averaged_away(home, capsys):
+    assert run(["tissues", "add-points", "palm", points(home / "p.csv", cubic("odd", 80.0)), "--json"]) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert any(w["code"] == "points_contradict" for w in result["warnings"])
+    odd = next(s for s in result["subjects"] if s["name"] == "odd")
+    assert odd["gamma1_N_per_mm3"]["value"] == pytest.approx(80.0, rel=0.01)
+
+
+def test_points_that_are_no_cube_widen_the_interval_and_are_said(home, capsys):
+    line = [("S1", 5.0 * f / 10.0, f) for f in (2.0, 5.0, 10.0, 15.0)]
+    assert run(["tissues", "add-points", "palm", points(home / "p.csv", line), "--json"]) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert any(w["code"] == "not_cubic" for w in result["warnings"])
+
+
+@pytest.mark.parametrize(
+    "text, said",
+    [
+        ("subject,depth_mm\nA,1\n", r"p.csv:1: column 'force_N' is missing"),
+        ("subject,depth_mm,force_N\nA,x,1\n", r"p.csv:2: depth_mm = 'x'"),
+        ("subject,depth_mm,force_N\nA,1,-5\n", r"p.csv:2: force_N = -5"),
+        ("subject,depth_mm,force_N\nA,0.004,5\n", "is it in millimetres"),
+        ("subject,depth_mm,force_N\n,1,5\n", "has no subject"),
+        ("subject,depth_mm,force_N\n", "holds no point"),
+    ],
+)
+def test_bad_points_are_named_by_line(tmp_path, text, said):
+    (tmp_path / "p.csv").write_text(text)
+    with pytest.raises(InputError, match=said):
+        read_points(tmp_path / "p.csv")
+
+
+def test_own_errors_of_points_are_used_when_given(tmp_path):
+    head = "subject,depth_mm,force_N,depth_error_mm,force_error_N\n"
+    (tmp_path / "p.csv").write_text(head + "A,5,10,0.01,0.01\n")
+    exact = read_points(tmp_path / "p.csv")[0]
+    assert exact.deviation == pytest.approx(np.hypot(3 * 0.01 / 5, 0.001), rel=1e-6)
+    assert "own errors" in exact.source
+
+
+def test_the_shipped_subjects_are_those_of_the_shipped_draws():
+    for site in ("palm", "thenar", "forefinger"):
+        tissue = load_tissue(site)
+        draws, weight = read_draws(draws_path(tissue_entries()[site].path))
+        assert draws.shape == (400, 5, 7) and weight.sum() == pytest.approx(1.0, rel=1e-3)
+        shipped = np.array([p.gamma1_N_per_mm3 for p in tissue.parameter_sets])
+        # the draws are a thinned part of those the file was made from
+        assert typical_subjects(draws)[:, 0] == pytest.approx(shipped, rel=0.15)
+        assert KIND in str(tissue_entries()[site].path)
+
+
+def test_a_measurement_that_fixes_the_draws_is_ranked_first():
+    draws, weight = read_draws(draws_path(tissue_entries()["palm"].path))
+    alike = draws.copy()
+    # everybody the same in everything but gamma1: only the steady depth tells draws apart
+    alike[..., 1:3] = alike[..., :1] * np.array([0.2, 1.0])
+    area = np.cbrt(10.0 / alike[..., :1]) ** 2
+    alike[..., 3:] = alike[..., [1, 1, 2, 2]] * area * np.array([2.0, 1.0, 0.1, 0.03])
+    best = next_measurement(alike, weight)
+    assert best["measurement"] == "steady_depth" and best["variance_removed"] > 0.5
+    assert sum(row["measurement"] == "steady_depth" for row in best["ranking"]) == 1
+
+
+def test_weighted_quantiles_equal_plain_ones_of_repeated_values():
+    values, weight = np.array([3.0, 1.0, 2.0, 5.0]), np.array([1.0, 4.0, 2.0, 1.0])
+    repeated = np.repeat(values, weight.astype(int))
+    assert weighted_quantile(values, 0.5, weight) == pytest.approx(np.median(repeated), abs=0.6)
+    even = np.random.default_rng(0).normal(size=5001)
+    assert weighted_quantile(even, 0.3, np.ones(5001)) == pytest.approx(np.quantile(even, 0.3), abs=1e-3)

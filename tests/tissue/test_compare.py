@@ -1,0 +1,81 @@
+"""compare: a dummy that is a subject lies inside, one that is too stiff does not, and the tables say so."""
+
+import json
+
+import numpy as np
+import pytest
+
+from dummydesign.cli import run
+from dummydesign.protocol.motion import Motion, ramp_and_hold
+from dummydesign.protocol.trace import Trace
+from dummydesign.tissue import load_tissue
+from dummydesign.tissue.compare import STEADY_GRID_N, compare_traces, steady_curve
+from dummydesign.tissue.reduce import reduce_trace
+
+CONDITIONS = [(v, f) for v in (10.0, 250.0) for f in (5.0, 10.0, 15.0)]
+
+
+def presses(parameters, scale=1.0, noise_N=0.0):
+    """Traces of a subject's law, all forces times ``scale``."""
+    traces = []
+    for k, (v, f) in enumerate(CONDITIONS):
+        depth = float(np.cbrt(f / parameters.gamma1_N_per_mm3))
+        motion = ramp_and_hold(v, depth)
+        time = np.union1d(np.arange(0.0, motion.time_s[-1], 2e-3), motion.time_s[:90])
+        x = np.interp(time, motion.time_s, motion.displacement_mm)
+        noise = np.random.default_rng(k).normal(size=len(time)) * noise_N
+        traces.append(Trace(f"v{v:g}_f{f:g}.csv", time, x, scale * parameters.force(Motion(time, x), v) + noise))
+    return traces
+
+
+@pytest.fixture(scope="module")
+def palm():
+    return load_tissue("palm")
+
+
+def test_a_dummy_that_equals_the_middle_subject_is_inside_everything(palm):
+    found = compare_traces(presses(palm.parameter_sets[2], noise_N=0.02), palm).result
+    for row in found["parametric"].values():
+        # the middle subject sets the edge of some bands itself
+        assert 0.99 * row["band_low"] < row["value"] < 1.01 * row["band_high"]
+    assert found["steady_state_range"]["above_5N_fraction"] == 1.0
+    assert len(found["force_variation_range"]) == 6
+    assert all(row["inside_fraction"] > 0.97 for row in found["force_variation_range"])
+    row = found["parametric"]["c3_N_s_per_mm.250"]
+    assert row["value"] == pytest.approx(palm.parameter_sets[2].dampers_at(250.0)[1], rel=0.05)
+
+
+def test_a_dummy_twice_as_stiff_as_the_stiffest_subject_is_outside(palm):
+    found = compare_traces(presses(palm.parameter_sets[-1], 2.0), palm).result
+    assert not found["parametric"]["gamma1_N_per_mm3"]["inside"]
+    assert found["steady_state_range"]["above_5N_fraction"] == 0.0
+    assert all(row["inside_rise_fraction"] < 0.6 for row in found["force_variation_range"])
+
+
+def test_the_steady_curve_goes_through_the_measured_points_and_below_them_by_the_rise(palm):
+    reduced = [reduce_trace(trace) for trace in presses(palm.parameter_sets[2])]
+    knots, depth = steady_curve(reduced)
+    assert np.interp(10.0, STEADY_GRID_N, depth) == pytest.approx(np.interp(10.0, knots[:, 1], knots[:, 0]), rel=0.01)
+    low = STEADY_GRID_N < 4.5
+    exact = np.cbrt(STEADY_GRID_N[low] / palm.parameter_sets[2].gamma1_N_per_mm3)
+    # the rise relaxes while it rises: the shape below the first point is right to some per cent of depth
+    assert np.nanmax(np.abs(depth[low] / exact - 1)) < 0.15
+
+
+def test_the_command_writes_tables_report_and_one_json_object(palm, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    files = []
+    for trace in presses(palm.parameter_sets[1], noise_N=0.01)[::2]:
+        rows = np.column_stack([trace.time_s, trace.displacement_mm, trace.force_N])
+        np.savetxt(trace.name, rows, delimiter=",", header="time_s,displacement_mm,force_N", comments="")
+        files.append(trace.name)
+    assert run(["compare", *files, "--tissue", "palm", "--out", "report", "--json"]) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert result["schema"] == "dummydesign.compare/1" and result["tissue"] == "palm"
+    assert {"parametric", "steady_state_range", "force_variation_range", "files", "inputs", "sources"} <= set(result)
+    for path in result["files"].values():
+        assert (tmp_path / path).stat().st_size > 100
+    page = (tmp_path / "report" / "report.html").read_text()
+    assert "src='data:image/png" in page and "http" not in page
+    assert run(["compare", *files, "--tissue", "plam", "--out", "report"]) == 2
+    assert "did you mean 'palm'" in capsys.readouterr().err

@@ -24,6 +24,8 @@ FIRST_TOUCH_ERROR = 2e-4
 VALUE_ERROR = 1e-3
 # Share of its own correction by which a value with a large rim may be off.
 CORRECTION_ERROR = 0.05
+# Share of the best rim's correction by which the limit may be off: from rims 0.1 to 0.025 alone it is 0.25.
+LIMIT_ERROR = 0.3
 
 
 @dataclass(frozen=True)
@@ -77,7 +79,7 @@ class Limit:
                 close = near
             scatter = np.sqrt(np.mean(self.residual[close] ** 2) / close.sum())
             correction = _correction(self.samples.take(close), self.ratio_range) @ self.correction
-            out[i] = VALUE_ERROR + 2.0 * scatter + 0.15 * np.abs(correction).min()
+            out[i] = VALUE_ERROR + 2.0 * scatter + LIMIT_ERROR * np.abs(correction).min()
         return out
 
 

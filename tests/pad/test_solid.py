@@ -140,7 +140,7 @@ def test_newtons_method_converges_quadratically():
 
 def test_a_path_that_cannot_go_on_says_where_and_why():
     """A pad compressed to nearly nothing must stop with a reason, never with a silent wrong curve."""
-    path = follow(cylinder(neo_hookean(1.0), held_ends=True), [0.3, 0.995], 0.1, 0.1, 0.005)
+    path = follow(cylinder(neo_hookean(1.0), held_ends=True), [0.05, 0.95], 0.05, 0.1, 0.01)
     assert len(path.depth) == 1
     assert "stopped at relative depth" in path.stop
     assert "worst element" in path.stop

@@ -36,7 +36,8 @@ def tray(spec: MouldSpec, plan: Layout) -> Any:
     low = -body.floor_mm - aids.tray_floor_mm
     solid = drafted_prism(outer, aids.tray_floor_mm + aids.tray_rim_height_mm, 0.0, low)
     reach = outer.width_mm / 2 + EAR_RADIUS_MM - 4.0
-    side = max(0.0, outer.length_mm / 2 - outer.radius_mm - EAR_RADIUS_MM)
+    # Two ears that met would close a gap between them and the rim.
+    side = max(EAR_RADIUS_MM + 2.0, outer.length_mm / 2 - outer.radius_mm - EAR_RADIUS_MM)
     places = [(-side, reach), (side, reach), (0.0, -reach)]
     ears = [cq.Solid.makeCylinder(EAR_RADIUS_MM, aids.tray_floor_mm, cq.Vector(x, y, low)) for x, y in places]
     holes = [

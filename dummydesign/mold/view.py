@@ -9,8 +9,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
-SIZE = (1600, 1000)
-GAP_MM, LABEL_ROOM_MM = 45.0, 115.0
+WIDTH = 1600
+GAP_SHARE, LABEL_SHARE = 0.22, 0.55
 VIEW = (-0.42, -1.0, 0.95)
 
 
@@ -26,7 +26,7 @@ def pack(meshes: dict[str, Any], colours: dict[str, tuple[float, float, float]],
     np.savez_compressed(path, **arrays)
 
 
-def exploded(bounds: dict[str, tuple[float, float]], order: list[str]) -> dict[str, float]:
+def exploded(bounds: dict[str, tuple[float, float]], order: list[str], gap_mm: float) -> dict[str, float]:
     """Heights by which stacked parts are lifted so that each stands clear above the one before it.
 
     Parameters
@@ -35,11 +35,13 @@ def exploded(bounds: dict[str, tuple[float, float]], order: list[str]) -> dict[s
         Lowest and highest z of each part. [mm]
     order : list of str
         From the lowest to the highest.
+    gap_mm : float
+        Clear height between two parts. [mm]
     """
     lifts, level = {}, None
     for name in order:
         low, high = bounds[name]
-        lifts[name] = 0.0 if level is None else max(0.0, level + GAP_MM - low)
+        lifts[name] = 0.0 if level is None else max(0.0, level + gap_mm - low)
         level = high + lifts[name]
     return lifts
 
@@ -57,32 +59,61 @@ def draw(source: Path, picture: Path) -> None:
         [name for name in ("master", "frame") if name in names],
         [name for name in ("lid_master", "lid_frame") if name in names],
     ]
-    plot = pyvista.Plotter(off_screen=True, window_size=SIZE, lighting="none")
-    plot.set_background("#ffffff", top="#e8edf2")
-    side = 0.0
-    corners, labels = [], []
+    # Stacks stand side by side along the picture's own horizontal, so that their feet are level.
+    away, right, up = _view_axes(np)
+    shown, labels, corners, side = [], [], [], 0.0
+    size = max(mesh.bounds[1] - mesh.bounds[0] for mesh in meshes.values())
+    gap, label_room = GAP_SHARE * size, LABEL_SHARE * size
     for stack in filter(None, stacks):
         bounds = {name: (meshes[name].bounds[4], meshes[name].bounds[5]) for name in stack}
-        lifts = exploded(bounds, stack)
-        half = max(max(-meshes[name].bounds[0], meshes[name].bounds[1]) for name in stack)
+        lifts = exploded(bounds, stack, gap)
+        half = max(np.ptp(_corners(np, meshes[name]) @ right) for name in stack) / 2
         side += half if labels else 0.0
         for name in stack:
-            shown = meshes[name].translate((side, 0, lifts[name]), inplace=False)
-            _add(plot, shown, tuple(float(c) for c in data[f"{name}/colour"]))
-            x0, x1, y0, y1, z0, z1 = shown.bounds
-            corners += [(x, y, z) for x in (x0, x1) for y in (y0, y1) for z in (z0, z1)]
-            labels.append(((x0, y1, z1), name))
-        side += half + LABEL_ROOM_MM
-    corners += [(place[0] - LABEL_ROOM_MM, place[1], place[2]) for place, _ in labels]
-    _light_and_look(plot, pyvista, np, np.array(corners))
+            mesh = meshes[name].translate(side * right + np.array((0, 0, lifts[name])), inplace=False)
+            shown.append((mesh, tuple(float(c) for c in data[f"{name}/colour"])))
+            places = _corners(np, mesh)
+            left = places[np.argmin(places @ right + 1e-3 * (places @ up))]
+            labels.append((left, name))
+            corners += [*places, left - label_room * right]
+        side += half + label_room
+    window, scale, middle = _frame(np, np.array(corners), right, up)
+    plot = pyvista.Plotter(off_screen=True, window_size=window, lighting="none")
+    plot.set_background("#ffffff", top="#e8edf2")
+    for mesh, colour in shown:
+        _add(plot, mesh, colour)
+    _light_and_look(plot, pyvista, middle, away, scale)
     for place, name in labels:
         plot.add_point_labels(
             [place], [name.replace("_", " ") + "  "], font_size=22, text_color="#20303c", shape=None,
             show_points=False, always_visible=True, justification_horizontal="right", bold=False,
         )  # fmt: skip
-    plot.add_text(str(data["title"]), position="upper_left", font_size=13, color="#20303c")
+    plot.add_text(str(data["title"]), position=(24, window[1] - 44), font_size=13, color="#20303c")
     plot.screenshot(str(picture))
     plot.close()
+
+
+def _view_axes(np: Any) -> tuple[Any, Any, Any]:
+    """Unit vectors towards the viewer, to the right and up in the picture."""
+    away = np.array(VIEW) / np.linalg.norm(VIEW)
+    right = np.cross((0.0, 0.0, 1.0), away)
+    right /= np.linalg.norm(right)
+    return away, right, np.cross(away, right)
+
+
+def _corners(np: Any, mesh: Any) -> Any:
+    x0, x1, y0, y1, z0, z1 = mesh.bounds
+    return np.array([(x, y, z) for x in (x0, x1) for y in (y0, y1) for z in (z0, z1)])
+
+
+def _frame(np: Any, corners: Any, right: Any, up: Any) -> tuple[tuple[int, int], float, Any]:
+    """Picture size, parallel scale and focal point that fit the corners with a margin and a line for the title."""
+    across, along = corners @ right, corners @ up
+    wide, high = 1.06 * np.ptp(across), 1.14 * np.ptp(along)
+    height = int(min(max(WIDTH * high / wide, 0.4 * WIDTH), 0.9 * WIDTH))
+    scale = max(high, wide * height / WIDTH) / 2
+    level = (along.max() + along.min()) / 2 + 0.03 * np.ptp(along)
+    return (WIDTH, height), scale, right * (across.max() + across.min()) / 2 + up * level
 
 
 def _surface(pyvista: Any, np: Any, data: Any, name: str) -> Any:
@@ -99,23 +130,17 @@ def _add(plot: Any, mesh: Any, colour: tuple[float, float, float]) -> None:
     plot.add_mesh(edges, color="#33424d", line_width=1.2)
 
 
-def _light_and_look(plot: Any, pyvista: Any, np: Any, corners: Any) -> None:
-    """Light the scene and fit a parallel view to the corners of what is shown."""
+def _light_and_look(plot: Any, pyvista: Any, middle: Any, away: Any, scale: float) -> None:
+    """Light the scene and set the parallel view."""
     for place, strength in (((-1, -2, 3), 0.75), ((2, -1, 1.5), 0.35), ((0, 1, 2), 0.25)):
         plot.add_light(pyvista.Light(position=place, light_type="scene light", intensity=strength))
-    away = np.array(VIEW) / np.linalg.norm(VIEW)
-    right = np.cross((0.0, 0.0, 1.0), away)
-    right /= np.linalg.norm(right)
-    up = np.cross(away, right)
-    across, along = corners @ right, corners @ up
-    middle = right * (across.max() + across.min()) / 2 + up * (along.max() + along.min()) / 2
     camera = plot.camera
     camera.parallel_projection = True
     camera.focal_point = middle
     camera.position = middle + 3000.0 * away
     camera.up = (0.0, 0.0, 1.0)
     camera.clipping_range = (10.0, 6000.0)
-    camera.parallel_scale = 0.54 * max(np.ptp(along), np.ptp(across) * SIZE[1] / SIZE[0])
+    camera.parallel_scale = scale
     plot.enable_anti_aliasing("ssaa")
 
 

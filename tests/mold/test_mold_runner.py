@@ -34,7 +34,6 @@ def test_command_gives_one_json_object_with_the_contract(lidded_package, lidded_
     assert len({item["id"] for item in result.checks}) == len(result.checks) > 35
     assert result.spec_hash == lidded_spec.hash and len(result.step_sha256) == 64
     assert answer["sources"] and answer["warnings"]
-    assert 0 < answer["memory_MB"] < 1000
 
 
 def test_text_answer_shows_weights_checks_and_files(lidded_package):

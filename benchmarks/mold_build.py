@@ -1,0 +1,55 @@
+"""Time and memory of making a mould as a whole process: ``python benchmarks/mold_build.py``.
+
+Prints wall seconds, CPU seconds of the command with its children, their ratio to a bare
+``import cadquery`` (which makes machines comparable) and the peak memory of the CAD child.
+"""
+
+from __future__ import annotations
+
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+CASES = (("open", 5.0), ("open", 20.0), ("lidded", 5.0), ("lidded", 20.0))
+LIMIT_S = {"open": 15.0, "lidded": 25.0}
+
+
+def timed(command: list[str]) -> tuple[float, float]:
+    """Run a command; return wall and CPU seconds, children included."""
+    before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    wall, after = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
+    return wall, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def child_memory_MB(preset: str, thickness_mm: float) -> float:
+    """Peak memory of the CAD child, as it reports itself."""
+    from dummydesign.mold.preset import mould_spec
+    from dummydesign.mold.runner import make_mold
+
+    with tempfile.TemporaryDirectory() as folder:
+        return make_mold(mould_spec(thickness_mm, preset=preset), Path(folder)).memory_MB
+
+
+def main() -> None:
+    """Print the table."""
+    timed([sys.executable, "-c", "import cadquery"])
+    bare_wall, bare_cpu = timed([sys.executable, "-c", "import cadquery"])
+    load = os.getloadavg()[0] if hasattr(os, "getloadavg") else float("nan")
+    print(f"bare import of CadQuery: {bare_wall:.1f} s wall, {bare_cpu:.1f} s CPU; load {load:.1f}")
+    print(f"{'preset':<8} {'t mm':>5} {'wall s':>7} {'CPU s':>6} {'CPU / import':>12} {'child MB':>9} {'limit s':>8}")
+    for preset, thickness in CASES:
+        with tempfile.TemporaryDirectory() as folder:
+            command = [sys.executable, "-m", "dummydesign", "mold", "--thickness", f"{thickness:g}"]
+            wall, cpu = timed([*command, "--preset", preset, "--out", folder])
+        memory = child_memory_MB(preset, thickness)
+        ratio = cpu / bare_cpu
+        print(f"{preset:<8} {thickness:5g} {wall:7.1f} {cpu:6.1f} {ratio:12.1f} {memory:9.0f} {LIMIT_S[preset]:8g}")
+
+
+if __name__ == "__main__":
+    main()

@@ -17,7 +17,7 @@ from typing import Protocol
 
 import numpy as np
 
-from dummydesign.errors import InputError
+from dummydesign.errors import InputError, unknown_name
 
 Array = np.ndarray
 
@@ -106,3 +106,34 @@ class Yeoh:
 def neo_hookean(shear_MPa: float) -> Yeoh:
     """Return the neo-Hookean solid W = mu/2 (I1 - 3)."""
     return Yeoh(shear_MPa)
+
+
+def read_law(text: str) -> Law:
+    """Make a law from its name on the command line; only its shape counts, moduli are scaled later.
+
+    Parameters
+    ----------
+    text : str
+        ``neo-hookean``, ``yeoh:C2_OVER_MU`` or ``ogden:MU,ALPHA;MU,ALPHA`` with one to three pairs.
+
+    Raises
+    ------
+    InputError
+        For an unknown name, a wrong form or a law without a stable solid.
+    """
+    from dummydesign.pad.ogden import Ogden
+
+    forms = {"neo-hookean": "neo-hookean", "yeoh": "yeoh:C2_OVER_MU", "ogden": "ogden:MU,ALPHA;MU,ALPHA"}
+    name, colon, rest = text.partition(":")
+    if name not in forms:
+        raise unknown_name("law", name, forms)
+    try:
+        rows = [[float(number) for number in part.split(",")] for part in rest.split(";")] if colon else []
+    except ValueError:
+        rows = [[]]
+    wanted = {"neo-hookean": 0, "yeoh": 1, "ogden": 2}[name]
+    if bool(wanted) != bool(rows) or any(len(row) != wanted for row in rows) or (name == "yeoh" and len(rows) > 1):
+        raise InputError(f"law '{text}' is not of the form {forms[name]}")
+    if name == "ogden":
+        return Ogden([row[0] for row in rows], [row[1] for row in rows])
+    return Yeoh(1.0, rows[0][0] if rows else 0.0)

@@ -12,7 +12,12 @@ from dummydesign.pad.newton import follow
 from dummydesign.pad.ogden import Ogden
 from dummydesign.pad.puck import Puck, puck_problem
 
-LAWS = [Ogden([0.7], [2.0]), Ogden([0.3], [6.5]), Ogden([0.4, -0.2], [3.1, -2.0]), Ogden([0.2, 0.1, -0.3], [1.3, 5.0, -1.7])]
+LAWS = [
+    Ogden([0.7], [2.0]),
+    Ogden([0.3], [6.5]),
+    Ogden([0.4, -0.2], [3.1, -2.0]),
+    Ogden([0.2, 0.1, -0.3], [1.3, 5.0, -1.7]),
+]
 
 
 def random_F(components, spread=0.25, count=40, seed=1):
@@ -129,7 +134,7 @@ def test_laws_are_read_from_the_words_of_the_command_line():
         ("ogden:1,2;1,2;1,2;1,2", "one to three"),
         ("yeoh", "C2_OVER_MU"),
         ("yeoh:-1", "at least 0"),
-        ("rubber", "not known"),
+        ("rubber", "unknown law .rubber."),
     ],
 )
 def test_laws_that_cannot_be_are_refused(text, words):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 
 from dummydesign.mold import formula
 from dummydesign.mold.check import Check, above, below, equal, skipped
@@ -15,10 +16,10 @@ from dummydesign.mold.validate import WARM_K
 BULGE_SHARE = 0.005
 
 
-def check_process(spec: MouldSpec, plan: PourPlan) -> list[Check]:
-    """Check machines, tray, walls, weights, cup, pot life and level."""
+def check_process(spec: MouldSpec, plan: PourPlan, warnings: Sequence[Mapping[str, str]]) -> list[Check]:
+    """Check machines, tray, walls, weights, cup, pot life, and that level and meniscus are warned of."""
     place = layout(spec)
-    return [*_machines(spec, place), *_walls(spec, place, plan), *_weights(spec, plan), *_level(spec, plan)]
+    return [*_machines(spec, place), *_walls(spec, place, plan), *_weights(spec, plan), _told(spec, warnings)]
 
 
 def _machines(spec: MouldSpec, place: Layout) -> list[Check]:
@@ -62,26 +63,27 @@ def _weights(spec: MouldSpec, plan: PourPlan) -> list[Check]:
     total = sum(mass for _, mass in plan.components)
     whole = all(math.isclose(mass / resolution, round(mass / resolution), abs_tol=1e-6) for _, mass in plan.components)
     lightest = min(mass for _, mass in plan.components)
-    cup = plan.cup_mm3 * spec.pour.density_g_per_cm3 * 1e-3 / plan.batch_mass_g
+    # A cup as high as it is wide, as large as the foam needs.
+    cup = (4 * plan.cup_mm3 / math.pi) ** (1 / 3)
+    needed = spec.pour.pour_and_degas_min + plan.pour_time_s / 60
     return [
         equal("weights_sum", whole and math.isclose(total, plan.batch_mass_g, abs_tol=1e-9), True),
-        above("batch_covers_cavity", plan.batch_mass_g - spec.pour.film_loss_g, plan.pad_mass_g, "g after film loss"),
+        above("batch_covers_cavity", plan.batch_mass_g - spec.pour.film_loss_g, plan.fill_mass_g, "g after film loss"),
         below(
             "weighing_error", plan.ratio_error_percent, 100 * resolution / lightest, "%, what one balance step allows"
         ),
-        above("cup", cup, CUP_FACTOR, "cup over liquid volume, foam under vacuum"),
-        above("pot_life", spec.pour.pot_life_min, spec.pour.pour_and_degas_min, "min against degassing and pouring"),
-    ]
-
-
-def _level(spec: MouldSpec, plan: PourPlan) -> list[Check]:
-    longest = max(spec.pad.length_mm, spec.pad.width_mm)
-    tilt = formula.tilt_error_mm(longest, plan.level_deg)
-    return [
         below(
-            "level_tolerance",
-            tilt / spec.pad.thickness_mm,
-            0.025 + 1e-9,
-            f"{plan.level_deg:.3f} deg over {longest:g} mm",
-        )
+            "cup_fits_chamber",
+            cup,
+            min(spec.machines.chamber_diameter_mm, spec.machines.chamber_height_mm),
+            f"mm, cup of {CUP_FACTOR:g} times the liquid, as high as wide",
+        ),
+        above("pot_life", spec.pour.pot_life_min, needed, "min against degassing, pouring and levelling"),
     ]
+
+
+def _told(spec: MouldSpec, warnings: Sequence[Mapping[str, str]]) -> Check:
+    """Level tolerance, and for an open mould the meniscus, must be among what the answer and the sheet say."""
+    needed = {"level", "meniscus"} if spec.body.style == "open" else {"level"}
+    missing = sorted(needed - {item["code"] for item in warnings})
+    return equal("warnings_told", len(missing), 0, ", ".join(missing))

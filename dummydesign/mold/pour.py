@@ -90,7 +90,7 @@ def pour_plan(spec: MouldSpec, cavity_mm3: float | None = None, silicone_mm3: fl
     meniscus = formula.meniscus_volume_mm3(
         pour.surface_tension_N_per_m, pour.density_g_per_cm3, pour.contact_angle_deg, plan.fill_outline.perimeter_mm
     )
-    in_mould = density * (cavity + (meniscus if spec.body.style == "open" else 0.0))
+    in_mould = density * (cavity + (meniscus if spec.closure is None else stems_mm3(spec)))
     wanted = in_mould * (1 + pour.extra_percent / 100) + pour.film_loss_g
     resolution = spec.machines.balance_resolution_g
     components, error = split_batch(wanted, pour.components, resolution)
@@ -127,6 +127,18 @@ def pour_plan(spec: MouldSpec, cavity_mm3: float | None = None, silicone_mm3: fl
         collar_mm=formula.collar_height_mm(plan.depth_mm, pour.foam_factor) if pour.degas == "mould" else 0.0,
         pour_time_s=spreading_time_s(spec),
     )
+
+
+def stems_mm3(spec: MouldSpec) -> float:
+    """Resin that stands in the sprue and the vents of a lidded mould, cones as high as the lid. [mm3]"""
+    c = spec.closure
+    if c is None:
+        return 0.0
+
+    def cone(small: float, large: float) -> float:
+        return math.pi / 12 * c.lid_mm * (small**2 + small * large + large**2)
+
+    return cone(c.sprue_small_mm, c.sprue_large_mm) + len(layout(spec).vents) * cone(c.vent_small_mm, c.vent_large_mm)
 
 
 def spreading_time_s(spec: MouldSpec) -> float:

@@ -51,10 +51,10 @@ def produce(spec: MouldSpec, folder: Path) -> dict[str, Any]:
     total = sum(part.solid.Volume() for part in made.parts.values())
     checks.append(check_files.check_second_reader(folder / files["assembly"], total, len(made.parts)))
     checks += check_files.check_meshes(steps, genera(spec), {k: list(v.values()) for k, v in mesh_files.items()})
-    checks += check_process.check_process(spec, plan)
+    warnings = pour_warnings(spec, plan)
+    checks += check_process.check_process(spec, plan, warnings)
     for name, paths in mesh_files.items():
         files |= {f"{name}_{kind}": path.name for kind, path in paths.items()}
-    warnings = pour_warnings(spec, plan)
     files |= _write_views(made, meshes, folder)
     files |= _write_papers(made, plan, warnings, folder)
     files |= _finish_picture(picture, folder, spec, warnings)

@@ -186,6 +186,6 @@ def _fits(machine: str, part: str, length: float, width: float, room: list[float
     border_l, border_w = length - pad.length_mm, width - pad.width_mm
     raise InputError(
         f"pad of {pad.length_mm:g} x {pad.width_mm:g} mm: {part} of {length:.1f} x {width:.1f} mm does not fit "
-        f"{machine} of machines '{machines}' ({room[1]:g} x {room[0]:g} mm usable); allowed here is a pad up to "
+        f"the {machine} of machines '{machines}' ({room[1]:g} x {room[0]:g} mm usable); allowed here is a pad up to "
         f"{room[1] - border_l:.0f} x {room[0] - border_w:.0f} mm, or name other machines in a preset file"
     )

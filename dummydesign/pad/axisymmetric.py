@@ -201,7 +201,7 @@ def climb(
 ) -> Path:
     """Follow one rung of the ladder through ``depths`` (in thicknesses)."""
     problem = rimmed_problem(slab, law, poisson, rim, resolution)
-    return follow(problem, depths, rim, 0.05 * slab.scale, 0.002 * slab.scale, progress)
+    return follow(problem, depths, rim, 0.05 * slab.scale, 0.005 * slab.scale, progress)
 
 
 def climb_all(

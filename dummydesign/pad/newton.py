@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from dummydesign.pad.sparse import Pattern
 
 Array = np.ndarray
 
-RESIDUAL_TOLERANCE = 1e-8
+RESIDUAL_TOLERANCE = 1e-6
 MAX_ITERATIONS = 14
 SMALLEST_J = 0.02
 
@@ -52,6 +53,9 @@ class Problem:
     surface, punch : Surface and Punch, optional
     carried : ndarray of int, optional
         Free unknowns that lie on the punch's face at first touch; they go down with it at first.
+    solver : callable, optional
+        Makes the linear solver from (connectivities, free unknowns, number of unknowns); a sparse
+        factorisation by default.
     """
 
     def __init__(
@@ -63,6 +67,7 @@ class Problem:
         surface: Surface | None = None,
         punch: Punch | None = None,
         carried: Array | None = None,
+        solver: Callable[[list[Array], Array, int], Any] = Pattern,
     ) -> None:
         self.solid, self.driven, self.base, self.surface, self.punch = solid, driven, base, surface, punch
         self.carried = driven if carried is None else np.union1d(driven, carried)
@@ -71,7 +76,7 @@ class Problem:
         used = np.zeros(solid.mesh.size, dtype=bool)
         used[solid.mesh.dofs] = True
         groups = [solid.mesh.dofs] + ([surface.dofs] if surface else [])
-        self.pattern = Pattern(groups, np.nonzero(used & ~fixed)[0], solid.mesh.size)
+        self.pattern = solver(groups, np.nonzero(used & ~fixed)[0], solid.mesh.size)
 
     def contact(self, u: Array, depth: float) -> tuple[Array, list[Array]]:
         """Force and matrices of the surface; zero without one."""

@@ -31,13 +31,23 @@ class Pattern:
             columns.append(np.tile(number[dofs], (1, width)).ravel())
         row, column = np.concatenate(rows), np.concatenate(columns)
         self._keep = (row >= 0) & (column >= 0)
-        key = column[self._keep] * self.n + row[self._keep]
+        self._row, self._column = row[self._keep], column[self._keep]
+        self._order: Array | None = None
+        self._arrange(np.arange(self.n))
+
+    def _arrange(self, place: Array) -> None:
+        """Number the free unknowns anew; ``place`` is where each one goes."""
+        key = place[self._column] * self.n + place[self._row]
         unique, self._place = np.unique(key, return_inverse=True)
         self._indices = (unique % self.n).astype(np.int32)
         self._pointer = np.searchsorted(unique, np.arange(self.n + 1) * self.n).astype(np.int32)
+        self._to = place
 
     def solve(self, matrices: list[Array], load: Array) -> Array:
-        """Solve for the free unknowns; the others are zero in the answer, which has full length."""
+        """Solve for the free unknowns; the others are zero in the answer, which has full length.
+
+        The first call finds an ordering with little fill; later ones reuse it.
+        """
         from scipy.sparse import csc_matrix
         from scipy.sparse.linalg import splu
 
@@ -45,9 +55,13 @@ class Pattern:
         data = np.bincount(self._place, values, minlength=len(self._indices))
         matrix = csc_matrix((data, self._indices, self._pointer), shape=(self.n, self.n))
         # The condensed tangent is symmetric with a strong diagonal: pivoting on it halves the fill.
-        factor = splu(
-            matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-        )
+        order = "MMD_AT_PLUS_A" if self._order is None else "NATURAL"
+        factor = splu(matrix, permc_spec=order, diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        permuted = np.empty(self.n)
+        permuted[self._to] = load[self.free]
         answer = np.zeros(self.size)
-        answer[self.free] = factor.solve(load[self.free])
+        answer[self.free] = factor.solve(permuted)[self._to]
+        if self._order is None:
+            self._order = factor.perm_c
+            self._arrange(self._order.astype(np.int64))
         return answer

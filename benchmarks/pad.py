@@ -1,0 +1,41 @@
+"""Cost of the pad model: work counted, and times as ratios within one run.
+
+Run with ``python benchmarks/pad.py``. The axisymmetric curve has 12 depths to d / h = 0.5, once for a thin
+and once for a thick pad; the table is timed against it in the same process.
+"""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+
+from dummydesign.pad.axisymmetric import solve_curve
+from dummydesign.pad.table import equal_area_radius_mm, load_table
+
+RADIUS_MM = equal_area_radius_mm(14.0 * 14.0)
+
+
+def main() -> None:
+    """Print one row per pad."""
+    table = load_table()
+    print("thickness_mm  unknowns  load_steps  newton_iterations  seconds  table_speed_up  largest_difference_%")
+    for thickness in (5.0, 10.0, 15.0, 20.0):
+        depth = thickness * np.linspace(0.5 / 12, 0.5, 12)
+        began = time.perf_counter()
+        solved = solve_curve(thickness, RADIUS_MM, 0.025, depth)
+        seconds = time.perf_counter() - began
+        began = time.perf_counter()
+        for _ in range(100):
+            force = table.force(solved.depth_mm, thickness, 0.025, RADIUS_MM)
+        quick = (time.perf_counter() - began) / 100
+        work = solved.solver
+        off = 100 * np.abs(force / solved.force_N - 1).max()
+        print(
+            f"{thickness:12.1f}  {work['unknowns']:8d}  {work['load_steps']:10d}  {work['newton_iterations']:17d}"
+            f"  {seconds:7.2f}  {seconds / quick:14.0f}  {off:20.2f}"
+        )
+
+
+if __name__ == "__main__":
+    main()

@@ -12,7 +12,9 @@ from dummydesign.loop.fit import Fit, fit, settle
 from dummydesign.loop.screen import Screened, extended, screen, starts_of
 
 KEEP = 12
-"""Effects that are refitted after the screening."""
+"""Effects that are fitted after the screening."""
+SETTLE = 7
+"""Effects for which contact scatter and law error are estimated anew."""
 
 
 @dataclass(frozen=True)
@@ -34,11 +36,8 @@ class Candidate:
     screened: Screened
 
 
-def refit(found: Fit, one: Screened) -> Candidate:
-    """Fit an effect beside what ``found`` holds, from several starts, sizes re-estimated for it.
-
-    Effects can hide in an inflated law error, so the prior sizes also start from their medians.
-    """
+def first_fit(found: Fit, one: Screened) -> Fit:
+    """Fit an effect beside what ``found`` holds, from each starting value, sizes as they are; the best."""
     problem, null = extended(found, one.effect)
     at = found.problem.fixed
     best: Fit | None = None
@@ -46,23 +45,33 @@ def refit(found: Fit, one: Screened) -> Candidate:
     for start in starts_of(one.effect):
         vector = null.copy()
         vector[at : at + len(start)] = start
-        size = first if abs(first) > 0.05 else 0.3 * float(start[0])
-        vector[at] = size
+        vector[at] = first if abs(first) > 0.05 else 0.3 * float(start[0])
         trial = fit(problem, vector, found.sizes, 6)
         if best is None or trial.chi2 < best.chi2:
             best = trial
-    settled = settle(problem, best.vector, best.sizes, 2, 8)
-    return Candidate(one.effect, settled, found.score - settled.score, one)
+    return best
 
 
 def rank(
     found: Fit, effects: tuple[Effect, ...], progress: Callable[[str], None] | None = None, keep: int = KEEP
 ) -> tuple[list[Screened], list[Candidate]]:
-    """Screen all effects and refit the best; both lists best first."""
+    """Screen all effects and refit the best; both lists best first.
+
+    The refit re-estimates contact scatter and law error for every effect that its first fit leaves in the
+    race, because what an effect explains the law error need not.
+    """
     screened = screen(found, effects)
-    candidates = []
+    tried = []
     for one in screened[:keep]:
         if progress is not None:
             progress(one.effect.name)
-        candidates.append(refit(found, one))
+        tried.append((one, first_fit(found, one)))
+    tried.sort(key=lambda pair: pair[1].chi2)
+    candidates = []
+    largest = found.chi2 - tried[0][1].chi2 if tried else 0.0
+    for one, trial in tried[:SETTLE]:
+        if found.chi2 - trial.chi2 < max(1.0, 0.01 * largest) and candidates:
+            continue
+        settled = settle(trial.problem, trial.vector, trial.sizes, 2, 8)
+        candidates.append(Candidate(one.effect, settled, found.score - settled.score, one))
     return screened, sorted(candidates, key=lambda c: -c.gain)

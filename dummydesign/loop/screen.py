@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from dummydesign.loop.effects.base import Effect
 from dummydesign.loop.fit import Fit, Problem, extend, prior_precision
-from dummydesign.loop.noise import make_whitener
+from dummydesign.loop.noise import Whitener, make_whitener
 
 
 @dataclass(frozen=True)
@@ -46,11 +46,14 @@ class Projection:
         return vector - self.basis @ (self.basis.T @ vector)
 
 
-def project(found: Fit) -> tuple[Projection, object]:
-    """Whiten a fit's residual with its prior rows and orthonormalise its sensitivities."""
+def project(found: Fit, law_free: bool = False) -> tuple[Projection, Whitener]:
+    """Whiten a fit's residual with its prior rows and orthonormalise its sensitivities.
+
+    ``law_free`` drops the prior rows: then whatever a law error of any size could do is taken out.
+    """
     problem = found.problem
     whiten = make_whitener(problem.presses, found.sizes.noise, found.slope, True)
-    scale = np.sqrt(prior_precision(problem, found.sizes)[problem.fixed :])
+    scale = np.sqrt(prior_precision(problem, found.sizes)[problem.fixed :]) * (0.0 if law_free else 1.0)
     turned = whiten(found.jacobian).reshape(-1, len(found.vector))
     prior = np.zeros((len(scale), len(found.vector)))
     prior[:, problem.fixed :] = np.diag(scale)

@@ -1,0 +1,246 @@
+"""The calibration file: base and corrected model of a campaign, for ``replay`` and for designing."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign import __version__
+from dummydesign.errors import InputError
+from dummydesign.files import write_text
+from dummydesign.loop.chain import Active, LawError, simulate
+from dummydesign.loop.effects import effect_named
+from dummydesign.loop.fit import Fit
+from dummydesign.loop.law import PuckLaw, SlabLaw, law_of
+from dummydesign.loop.noise import LAW_TERMS
+from dummydesign.loop.parameters import BaseParameters
+from dummydesign.loop.presses import Presses, make_presses
+from dummydesign.loop.reduction import HOLD, PRE, RISE, UNLOADING
+from dummydesign.loop.run import LoopResult
+from dummydesign.pad.relaxation import PronyTerm
+from dummydesign.protocol.campaign import Campaign
+
+SCHEMA = "dummydesign.calibration/1"
+_PHASES = {PRE: "before_contact", RISE: "rise", HOLD: "hold", UNLOADING: "unloading"}
+
+
+@dataclass(frozen=True)
+class Model:
+    """A fitted model: base parameters, effects, and the law error found on each thickness.
+
+    Attributes
+    ----------
+    base : BaseParameters
+    active : tuple of Active
+    thickness_mm : ndarray, shape (h,)
+    law : ndarray, shape (3, h)
+        Level, slope and curvature of the law error.
+    """
+
+    base: BaseParameters
+    active: tuple[Active, ...]
+    thickness_mm: NDArray
+    law: NDArray
+
+    def law_error(self, thickness_mm: NDArray) -> LawError:
+        """Law error on any thicknesses (T,): linear in the logarithm between the known, constant outside."""
+        at = np.log(thickness_mm)
+        return LawError(*(np.interp(at, np.log(self.thickness_mm), term) for term in self.law))
+
+    def nodes(self, presses: Presses, law: SlabLaw | PuckLaw) -> NDArray:
+        """Force at the nodes of other presses (T, N). [N]"""
+        return simulate(presses, law, self.base, self.active, self.law_error(presses.thickness_mm))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values."""
+        return {
+            "base": self.base.to_dict(),
+            "effects": [{"name": one.effect.name, "parameters": dict(one.values)} for one in self.active],
+            "law_error": {"thickness_mm": self.thickness_mm.tolist(), "level_slope_curve": self.law.tolist()},
+        }
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Base and corrected model, and how far a prediction is to be trusted.
+
+    Attributes
+    ----------
+    base, after : Model
+    verdict : str
+    remainder_N : dict
+        Root mean square of what the corrected model leaves, by phase of the press: a warning band.
+    noise_floor_N : float
+    pad : dict
+        Set-up of the campaign.
+    """
+
+    base: Model
+    after: Model
+    verdict: str
+    remainder_N: dict[str, float]
+    noise_floor_N: float
+    pad: dict[str, Any]
+
+    def prony(self) -> tuple[PronyTerm, ...]:
+        """Relaxation of the corrected material at small strain, extra modes included."""
+        arms = list(zip(self.after.base.tau_s, self.after.base.beta))
+        for one in self.after.active:
+            if one.effect.name.endswith("_relaxation_mode"):
+                arms.append((one.values["tau_s"], one.values["beta"]))
+        return tuple(PronyTerm(float(tau), float(beta)) for tau, beta in sorted(arms))
+
+    def design_effects(self) -> tuple[Active, ...]:
+        """Effects that change the pad itself, and so the design; sensor and set-up effects do not."""
+        return tuple(one for one in self.after.active if one.effect.stage in ("pad", "batch"))
+
+
+def model_of(fit: Fit) -> Model:
+    """Take the model out of a fit."""
+    law = np.array(np.split(fit.vector[fit.problem.fixed :], LAW_TERMS))
+    return Model(fit.base, fit.active, fit.problem.thicknesses, law)
+
+
+def calibration_of(result: LoopResult) -> Calibration:
+    """Make the calibration of a loop's result, whatever its verdict."""
+    presses, fit = result.presses, result.after.fit
+    left = {}
+    for code, name in _PHASES.items():
+        use = presses.used & (presses.label // 100 == code)
+        if use.any():
+            left[name] = float(np.sqrt(np.average(fit.residual[use] ** 2, weights=presses.samples[use])))
+    pad = {
+        "young_kPa_nominal": result.campaign.pad.young_kPa_nominal,
+        "resin": result.campaign.pad.resin,
+        "ratio": result.campaign.pad.ratio,
+        "base": result.campaign.pad.base,
+        "shape": result.campaign.pad.shape,
+    }
+    return Calibration(
+        model_of(result.base.fit), model_of(fit), result.verdict, left, fit.sizes.floor_N, pad
+    )
+
+
+def write_calibration(calibration: Calibration, path: str | Path) -> Path:
+    """Write a calibration as JSON."""
+    content = {
+        "schema": SCHEMA,
+        "version": __version__,
+        "verdict": calibration.verdict,
+        "base": calibration.base.to_dict(),
+        "after": calibration.after.to_dict(),
+        "remainder_rmse_N": calibration.remainder_N,
+        "noise_floor_N": calibration.noise_floor_N,
+        "pad": calibration.pad,
+    }
+    return write_text(path, json.dumps(content, indent=1) + "\n")
+
+
+def read_calibration(path: str | Path) -> Calibration:
+    """Read a calibration file.
+
+    Raises
+    ------
+    InputError
+        When it is missing, not a calibration, or damaged.
+    """
+    path = Path(path)
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise InputError(f"calibration file '{path}' does not exist") from None
+    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as problem:
+        raise InputError(f"calibration file '{path.name}' cannot be read: {problem}") from None
+    if not isinstance(data, dict) or data.get("schema") != SCHEMA:
+        raise InputError(f"calibration file '{path.name}' is not one: schema must be {SCHEMA}")
+    try:
+        return Calibration(
+            _model(data["base"]), _model(data["after"]), str(data["verdict"]),
+            {str(k): float(v) for k, v in data["remainder_rmse_N"].items()}, float(data["noise_floor_N"]),
+            dict(data["pad"]),
+        )  # fmt: skip
+    except (KeyError, TypeError, ValueError, IndexError) as problem:
+        kind = type(problem).__name__
+        raise InputError(f"calibration file '{path.name}' is damaged ({kind}: {problem}); run loop again") from None
+
+
+def _model(data: dict[str, Any]) -> Model:
+    base = data["base"]
+    parameters = BaseParameters(
+        1e-3 * float(base["young_kPa"]), (float(base["tau_1_s"]), float(base["tau_2_s"])),
+        (float(base["beta_1"]), float(base["beta_2"])),
+    )  # fmt: skip
+    active = []
+    for entry in data["effects"]:
+        effect = effect_named(entry["name"])
+        values = {p.name: float(entry["parameters"][p.name]) for p in effect.parameters}
+        active.append(Active(effect, values))
+    error = data["law_error"]
+    law = np.array(error["level_slope_curve"], dtype=float)
+    thickness = np.array(error["thickness_mm"], dtype=float)
+    if law.shape != (LAW_TERMS, len(thickness)) or not np.all(np.isfinite(law)):
+        raise ValueError("law_error")
+    return Model(parameters, tuple(active), thickness, law)
+
+
+@dataclass(frozen=True)
+class Replayed:
+    """A campaign predicted with a calibration: errors per trial and over all samples. [N]"""
+
+    files: tuple[str, ...]
+    rmse_N: NDArray
+    base_rmse_N: NDArray
+    peak_error_N: NDArray
+    total_rmse_N: float
+    total_base_rmse_N: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON of ``replay``."""
+        rows = zip(self.files, self.rmse_N, self.base_rmse_N, self.peak_error_N)
+        return {
+            "trials": [
+                {"file": file, "rmse_N": float(own), "base_rmse_N": float(base), "peak_error_N": float(peak)}
+                for file, own, base, peak in rows
+            ],
+            "rmse_N": self.total_rmse_N,
+            "base_rmse_N": self.total_base_rmse_N,
+        }
+
+
+def replay(campaign: Campaign, calibration: Calibration) -> Replayed:
+    """Predict a campaign with the corrected and with the base model, nothing fitted.
+
+    ``peak_error_N`` is modelled minus measured largest force, both smoothed over five samples.
+    """
+    law, presses = law_of(campaign), make_presses(campaign)
+    missing = [
+        one.effect.name for one in calibration.after.active if one.effect.unavailable(presses, law.shape)
+    ]
+    needed = {"temperature": "temperature_C", "ageing": "age_days"}
+    for name in missing:
+        if name in needed and np.any(np.isnan(getattr(presses.history, needed[name]))):
+            raise InputError(f"the calibration holds {name}: the campaign must give {needed[name]} of every trial")
+    after = presses.at_samples(calibration.after.nodes(presses, law))
+    base = presses.at_samples(calibration.base.nodes(presses, law))
+    measured = [trial.trace.force_N for trial in campaign.trials]
+
+    def squares(model: list[NDArray]) -> list[float]:
+        return [float(np.mean((f - m) ** 2)) for f, m in zip(measured, model)]
+
+    weight = np.array([len(f) for f in measured])
+    own, plain = np.array(squares(after)), np.array(squares(base))
+    smooth = np.ones(5) / 5.0
+
+    def peak(force: NDArray) -> float:
+        return float(np.convolve(force, smooth, "valid").max())
+
+    peaks = [peak(m) - peak(f) for f, m in zip(measured, after)]
+    return Replayed(
+        tuple(trial.file for trial in campaign.trials), np.sqrt(own), np.sqrt(plain), np.array(peaks),
+        float(np.sqrt(np.average(own, weights=weight))), float(np.sqrt(np.average(plain, weights=weight))),
+    )  # fmt: skip

@@ -1,0 +1,273 @@
+"""The whole loop: campaign in, verdict, corrected model and its errors out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from dummydesign.errors import InputError
+from dummydesign.loop.base import fit_base, same_noise
+from dummydesign.loop.candidates import Candidate, rank
+from dummydesign.loop.checks import Check, run_checks
+from dummydesign.loop.effects import EFFECTS
+from dummydesign.loop.effects.base import Effect
+from dummydesign.loop.fit import Fit
+from dummydesign.loop.heldout import Errors, errors
+from dummydesign.loop.lackoffit import LackOfFit, lack_of_fit
+from dummydesign.loop.law import law_of
+from dummydesign.loop.noise import repeat_pairs
+from dummydesign.loop.parameters import NAMES
+from dummydesign.loop.planning import NextMeasurement, next_measurement
+from dummydesign.loop.presses import Presses, make_presses
+from dummydesign.loop.screen import Screened
+from dummydesign.loop.verdict import (
+    GAIN_FLOOR,
+    SECOND_FLOOR,
+    Remainder,
+    family_of,
+    gain_threshold,
+    remainder,
+    rivals,
+)
+from dummydesign.loop.where import Dependence, dependences
+from dummydesign.protocol.campaign import Campaign
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A model with its errors and its lack of fit."""
+
+    fit: Fit
+    errors: Errors
+    lack: LackOfFit
+
+    def to_dict(self) -> dict[str, Any]:
+        """Parameters with 95 % intervals, and errors."""
+        return {
+            "parameters": base_intervals(self.fit),
+            "error": {
+                "train_rmse_N": self.errors.train_N,
+                "heldout_rmse_N": self.errors.heldout_N,
+                "noise_floor_N": self.fit.sizes.floor_N,
+                "lack_of_fit_p": self.lack.p,
+                "lack_of_fit_ratio": self.lack.ratio,
+            },
+            "noise": self.fit.sizes.to_dict(),
+        }
+
+
+@dataclass(frozen=True)
+class Found:
+    """An accepted (or best) effect with the ranking it came from."""
+
+    candidate: Candidate
+    confounded_with: tuple[str, ...]
+    family: tuple[str, ...]
+    threshold: float
+    heldout_N: float | None
+    ranking: tuple[Candidate, ...]
+
+
+@dataclass(frozen=True)
+class LoopResult:
+    """All that the loop found.
+
+    Attributes
+    ----------
+    campaign, presses
+    base, after : Stage
+        Without and with the accepted effects; the same when there are none.
+    verdict : str
+        ``effect``, ``none`` or ``unexplained``.
+    effects : tuple of Found
+    screened : tuple of Screened
+        Scores of all effects at the base.
+    ranking : tuple of Candidate
+        Joint fits at the base, best first.
+    remainder : Remainder
+    where, where_after : tuple of Dependence
+        What the residual of the base and of the corrected model depends on.
+    checks : tuple of Check
+        Of the corrected model.
+    next : NextMeasurement or None
+    untested : dict
+        Effects that this campaign cannot test, with the reason.
+    warnings : tuple of dict
+    """
+
+    campaign: Campaign
+    presses: Presses
+    base: Stage
+    after: Stage
+    verdict: str
+    effects: tuple[Found, ...]
+    screened: tuple[Screened, ...]
+    ranking: tuple[Candidate, ...]
+    remainder: Remainder
+    where: tuple[Dependence, ...]
+    where_after: tuple[Dependence, ...]
+    checks: tuple[Check, ...]
+    next: NextMeasurement | None
+    untested: dict[str, str]
+    warnings: tuple[dict[str, str], ...]
+
+
+def interval(fit: Fit, place: int, to_value: Callable[[float], float]) -> dict[str, Any]:
+    """Value with its 95 % interval from the curvature at the optimum, widened by the lack of fit."""
+    low, high = fit.problem.bounds()
+    at, spread = fit.vector[place], 1.96 * float(np.sqrt(max(fit.covariance[place, place], 0.0)))
+    ends = sorted((to_value(max(at - spread, low[place])), to_value(min(at + spread, high[place]))))
+    bound = bool(at <= low[place] + 1e-6 or at >= high[place] - 1e-6)
+    return {"value": to_value(at), "low": ends[0], "high": ends[1], "at_bound": bound}
+
+
+def base_intervals(fit: Fit) -> dict[str, Any]:
+    """Base parameters with 95 % intervals; modulus in kPa."""
+    out = {}
+    for place, name in enumerate(NAMES):
+        unit = 1e3 if name == "young_kPa" else 1.0
+        out[name] = interval(fit, place, lambda z, unit=unit: float(np.exp(z)) * unit)
+    return out
+
+
+def effect_intervals(fit: Fit, effect: Effect) -> dict[str, Any]:
+    """Parameters of one fitted effect with 95 % intervals."""
+    place = fit.problem.fixed - sum(len(e.parameters) for e in fit.problem.effects)
+    for other in fit.problem.effects:
+        if other.name == effect.name:
+            return {p.name: interval(fit, place + i, p.to_value) for i, p in enumerate(other.parameters)}
+        place += len(other.parameters)
+    raise KeyError(effect.name)
+
+
+def close_loop(campaign: Campaign, progress: Progress | None = None, young_MPa: float | None = None) -> LoopResult:
+    """Run the loop on a campaign.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    progress : callable, optional
+        Called with a word for each step.
+    young_MPa : float, optional
+        Where to start the modulus; by default the nominal one of the campaign.
+
+    Raises
+    ------
+    InputError
+        When the campaign declares a set-up without a fast force law.
+    """
+
+    def tell(word: str) -> None:
+        if progress is not None:
+            progress(word)
+
+    law = law_of(campaign)
+    presses = make_presses(campaign)
+    start = young_MPa or 1e-3 * (campaign.pad.young_kPa_nominal or _resin_young_kPa(campaign))
+    base_fit = fit_base(presses, law, start, progress)
+    base = _stage(base_fit)
+    available, untested = _available(presses, law.shape)
+    screened, ranking = rank(base_fit, available, progress)
+    effects: list[Found] = []
+    after = base
+    first = _accept(base, screened, ranking, GAIN_FLOOR)
+    if first is not None:
+        after = _stage(same_noise(first.candidate.fit))
+        effects.append(first)
+        tell("second effect")
+        rest = tuple(e for e in available if e.name != first.candidate.effect.name)
+        more, second_ranking = rank(after.fit, rest, progress, keep=8)
+        second = _accept(after, more, second_ranking, SECOND_FLOOR)
+        if second is not None:
+            after = _stage(same_noise(second.candidate.fit))
+            effects.append(second)
+    tell("remainder")
+    where_after = dependences(after.fit)
+    checks = run_checks(after.fit)
+    left = remainder((base.fit, base.lack), (after.fit, after.lack), where_after, checks)
+    verdict = "unexplained" if left.reasons else "effect" if effects else "none"
+    tell("next measurement")
+    following = _next(campaign, after, effects, ranking)
+    return LoopResult(
+        campaign, presses, base, after, verdict, tuple(effects), tuple(screened), tuple(ranking), left,
+        tuple(dependences(base.fit)), tuple(where_after), tuple(checks), following, untested,
+        _warnings(campaign, presses, law),
+    )  # fmt: skip
+
+
+def _stage(fit: Fit) -> Stage:
+    return Stage(fit, errors(fit), lack_of_fit(fit))
+
+
+def _resin_young_kPa(campaign: Campaign) -> float:
+    """Modulus of the resin at the campaign's ratio, when no nominal one is given."""
+    if campaign.pad.resin is None or campaign.pad.ratio is None:
+        raise InputError("campaign.toml: [pad] needs young_kPa_nominal, or resin and ratio")
+    from dummydesign.resin import load_resin
+
+    return float(load_resin(campaign.pad.resin).young_kPa(campaign.pad.ratio).value)
+
+
+def _available(presses: Presses, shape: str) -> tuple[tuple[Effect, ...], dict[str, str]]:
+    reasons = {effect.name: effect.unavailable(presses, shape) for effect in EFFECTS}
+    usable = tuple(effect for effect in EFFECTS if not reasons[effect.name])
+    return usable, {name: reason for name, reason in reasons.items() if reason}
+
+
+def _accept(before: Stage, screened: list[Screened], ranking: list[Candidate], floor: float) -> Found | None:
+    """The first candidate that beats the threshold and predicts left-out conditions better."""
+    for place, candidate in enumerate(ranking[:3]):
+        ratio = lack_of_fit(candidate.fit).ratio
+        threshold = gain_threshold(screened, ratio, floor)
+        if candidate.gain < threshold:
+            return None
+        own = errors(candidate.fit)
+        both = np.isfinite(own.heldout_by_trial_N) & np.isfinite(before.errors.heldout_by_trial_N)
+        if not both.any():
+            continue
+        squares = own.heldout_by_trial_N[both] ** 2 - before.errors.heldout_by_trial_N[both] ** 2
+        if squares.sum() >= 0.0:
+            continue
+        rest = ranking[place:]
+        return Found(
+            candidate, tuple(rivals(rest, ratio)), tuple(family_of(candidate.screened, screened)), threshold,
+            own.heldout_N, tuple(rest),
+        )  # fmt: skip
+    return None
+
+
+def _next(
+    campaign: Campaign, after: Stage, effects: list[Found], ranking: tuple[Candidate, ...] | list[Candidate]
+) -> NextMeasurement | None:
+    """Separate the two likeliest explanations: effect and runner-up, or nothing and the best candidate."""
+    if effects:
+        found = effects[0]
+        other = found.ranking[1] if len(found.ranking) > 1 else None
+        if other is None:
+            return None
+        pair = (found.candidate.fit, other.fit)
+        names = (found.candidate.effect.name, other.effect.name)
+    elif ranking:
+        pair, names = (ranking[0].fit, after.fit), (ranking[0].effect.name, "none")
+    else:
+        return None
+    return next_measurement(*pair, names, campaign.lowpass)
+
+
+def _warnings(campaign: Campaign, presses: Presses, law: object) -> tuple[dict[str, str], ...]:
+    out = list(campaign.warnings)
+    if not repeat_pairs(presses):
+        out.append(
+            {"code": "no_repeats", "message": "no condition is repeated: lack of fit cannot be tested against pure "
+             "error, and the slow noise is taken from the residuals, where model error counts as noise"}
+        )  # fmt: skip
+    deep = presses.depth_mm > law.limit(presses.thickness_mm)
+    if deep.any():
+        files = ", ".join(t.file for t, d in zip(presses.trials, deep) if d)
+        out.append({"code": "beyond_table", "message": f"deeper than the force law knows: {files}"})
+    return tuple(out)

@@ -1,0 +1,97 @@
+"""From candidates to a verdict: effect, none or unexplained; thresholds, families, rivals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from dummydesign.loop.candidates import Candidate
+from dummydesign.loop.checks import Check
+from dummydesign.loop.fit import Fit
+from dummydesign.loop.lackoffit import LackOfFit
+from dummydesign.loop.screen import Screened
+from dummydesign.loop.where import Dependence
+
+GAIN_FLOOR = 30.0
+SECOND_FLOOR = 50.0
+RIVAL_GAP = 10.0
+FAMILY_COSINE = 0.9
+LACK_LIMIT = 1.35
+LACK_P = 0.01
+PROBE_LIMIT = 60.0
+EXPLAINED = 5.0 / 6.0
+DRAWS = 4000
+
+
+def gain_threshold(screened: list[Screened], ratio: float | None, floor: float = GAIN_FLOOR) -> float:
+    """Gain that an effect must beat: 99.9 % of the largest of all scores under noise, and not below ``floor``.
+
+    The scores of all candidates are drawn with the correlations of their signatures. Noise models are never
+    quite right, so the limit also grows with the lack of fit that the best candidate leaves.
+    """
+    if not screened:
+        return floor
+    signatures = np.stack([one.signature for one in screened], axis=1)
+    correlation = signatures.T @ signatures
+    root = np.linalg.cholesky(correlation + 1e-9 * np.eye(len(correlation)))
+    draws = root @ np.random.default_rng(0).normal(size=(len(correlation), DRAWS))
+    limit = float(np.quantile((draws**2).max(axis=0), 0.999))
+    return max(limit, floor) * max(1.0, ratio or 1.0)
+
+
+def family_of(one: Screened, others: list[Screened]) -> list[str]:
+    """Names of effects whose signature is nearly parallel: they cannot be told apart by this campaign."""
+    return [
+        other.effect.name
+        for other in others
+        if other.effect.name != one.effect.name and abs(float(one.signature @ other.signature)) > FAMILY_COSINE
+    ]
+
+
+def rivals(candidates: list[Candidate], ratio: float | None) -> list[str]:
+    """Names of at most two candidates that explain the data nearly as well as the first, likeliest first."""
+    gap = RIVAL_GAP * max(1.0, ratio or 1.0)
+    return [c.effect.name for c in candidates[1:] if candidates[0].gain - c.gain < gap][:2]
+
+
+@dataclass(frozen=True)
+class Remainder:
+    """Why a model is held to be incomplete; empty reasons when it is not."""
+
+    reasons: tuple[str, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the reasons."""
+        return {"reasons": list(self.reasons)}
+
+
+def remainder(
+    base: tuple[Fit, LackOfFit], best: tuple[Fit, LackOfFit], where: list[Dependence], checks: list[Check]
+) -> Remainder:
+    """Judge what is left after the best model.
+
+    Parameters
+    ----------
+    base, best : (Fit, LackOfFit)
+        Base model and model with the accepted effects (the same when there are none).
+    where, checks : list
+        Of the best model.
+    """
+    reasons = [f"{check.name}: {check.text}" for check in checks if check.exceeded]
+    base_lack, best_lack = base[1], best[1]
+    if best_lack.ratio is not None and best_lack.ratio > LACK_LIMIT and best_lack.p < LACK_P:
+        explained = 1.0 - (best_lack.ratio - 1.0) / max(base_lack.ratio - 1.0, 1e-9)
+        if explained < EXPLAINED:
+            reasons.append(
+                f"lack of fit {best_lack.ratio:.2f} times the pure error of repeats (p = {best_lack.p:.4f})"
+            )
+    # shapes are measured with the noise of the best model; a form that is a little off is allowed for
+    won = max(base[0].chi2 - best[0].chi2, base[0].score - best[0].score, 0.0)
+    scale = max(1.0, best_lack.ratio or 1.0)
+    for one in where:
+        if one.excess > PROBE_LIMIT * scale and one.excess > (1.0 - EXPLAINED) * won:
+            reasons.append(f"residual follows {one.factor} ({one.excess:.0f} in chi2 beyond noise)")
+            break
+    return Remainder(tuple(reasons))

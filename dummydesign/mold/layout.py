@@ -73,7 +73,9 @@ def layout(spec: MouldSpec) -> Layout:
     opening = brim.grown(k * body.freeboard_mm)
     land = depth + body.freeboard_mm
     height = land + body.floor_mm
-    wide = opening.grown(body.wall_mm)
+    # Where the outside draws in faster than the cavity, the wall is thinnest at the floor: start wider.
+    thinner = math.tan(math.radians(body.outer_draft_deg)) - k
+    wide = opening.grown(body.wall_mm + max(0.0, land * thinner))
     top = Outline(wide.length_mm, wide.width_mm, min(body.outer_corner_radius_mm, wide.radius_mm))
     bottom = top.grown(-height * math.tan(math.radians(body.outer_draft_deg)))
     rim = box.frame_wall_mm + box.flange_mm

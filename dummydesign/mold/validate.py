@@ -14,6 +14,7 @@ from dummydesign.mold.spec import MouldSpec
 KINDS = ("slab", "puck")
 STYLES = ("open", "lidded")
 THICKNESS_MM = (3.0, 30.0)
+CORNER_MM = 0.5
 SMALLEST_MM = {"open": 20.0, "lidded": 50.0}
 WARM_K = 5.0
 
@@ -75,7 +76,8 @@ def _check_pad(spec: MouldSpec) -> None:
                 f"length_mm = {pad.length_mm:g} and width_mm = {pad.width_mm:g} of a puck must both be its diameter"
             )
     else:
-        _between("corner_radius_mm", pad.corner_radius_mm, 0.0, min(pad.length_mm, pad.width_mm) / 2 * 0.999)
+        most = min(pad.length_mm, pad.width_mm) / 2 * 0.999
+        _between("corner_radius_mm", pad.corner_radius_mm, CORNER_MM, most, "a sharper corner tears the silicone")
     highest = min(pad.corner_radius_mm, pad.thickness_mm * 0.9)
     _between(
         "edge_radius_mm", pad.edge_radius_mm, 0.0, highest, "it fits below the corner radius and 0.9 of the thickness"

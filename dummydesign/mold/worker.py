@@ -6,7 +6,6 @@ It writes ``.result.json`` into the folder: what was made, or an ``error`` {code
 from __future__ import annotations
 
 import json
-import resource
 import sys
 import time
 from pathlib import Path
@@ -44,8 +43,18 @@ def run(spec_file: Path, folder: Path) -> dict[str, Any]:
         text = " ".join(str(problem).split()) or "no message"
         return {"error": {"code": "cad_failed", "message": f"{type(problem).__name__}: {text}"}}
     result["seconds"] = time.perf_counter() - start
-    result["memory_MB"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    result["memory_MB"] = peak_memory_MB()
     return result
+
+
+def peak_memory_MB() -> float:
+    """Largest resident memory of this process so far, 0 where the system does not tell. [MB]"""
+    try:
+        import resource
+    except ImportError:
+        return 0.0
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak / (1024**2 if sys.platform == "darwin" else 1024)
 
 
 def main() -> None:

@@ -163,9 +163,9 @@ SWEEP = [
     (3, 150, 120, "lidded", {}), (30, 150, 120, "lidded", {}), (5, 20, 20, "open", {}), (30, 20, 20, "open", {}),
     (20, 30, 140, "open", {}), (12, 50, 50, "lidded", {}), (5, 120, 150, "lidded", {}),
     (10, 80, 60, "open", {"draft_deg": 0.0}), (10, 80, 60, "open", {"edge_radius_mm": 0.0}),
-    (10, 80, 60, "open", {"corner_radius_mm": 0.0, "edge_radius_mm": 0.0}),
+    (10, 80, 60, "open", {"corner_radius_mm": 0.5, "edge_radius_mm": 0.0}),
     (3, 80, 60, "open", {"edge_radius_mm": 2.6}), (10, 80, 60, "open", {"draft_deg": 10.0}),
-    (10, 80, 60, "lidded", {"draft_deg": 0.0}),
+    (30, 80, 60, "lidded", {"draft_deg": 0.0}),
 ]  # fmt: skip
 
 

@@ -71,6 +71,16 @@ def test_small_batches_and_level_are_warned_of(open_spec):
     assert "small_batch" not in {item["code"] for item in pour_warnings(fine, pour_plan(fine))}
 
 
+@pytest.mark.parametrize("draft", [0.0, 0.3, 2.0])
+def test_wall_is_nowhere_thinner_than_asked(lidded_spec, draft):
+    spec = replace(lidded_spec, pad=replace(lidded_spec.pad, draft_deg=draft, thickness_mm=30.0))
+    plan = layout(spec)
+    drawn_in = (plan.top.length_mm - plan.bottom.length_mm) / 2 * plan.land_mm / plan.height_mm
+    at_land = (plan.top.length_mm - plan.opening.length_mm) / 2
+    at_floor = plan.top.length_mm / 2 - drawn_in - plan.floor_outline.length_mm / 2
+    assert min(at_land, at_floor) >= spec.body.wall_mm - 1e-9
+
+
 def test_keys_have_no_half_turn_symmetry(lidded_spec):
     keys = {(round(key.x_mm, 6), round(key.y_mm, 6)) for key in layout(lidded_spec).keys}
     turned = {(-x, -y) for x, y in keys}
@@ -135,6 +145,7 @@ def test_bad_input_is_refused_with_its_name(given, named):
 CHANGES = [
     ("pad", {"edge_radius_mm": 6.0}, "edge_radius_mm"),
     ("pad", {"draft_deg": -2.0}, "draft_deg"),
+    ("pad", {"corner_radius_mm": 0.2, "edge_radius_mm": 0.0}, "corner_radius_mm"),
     ("body", {"wall_mm": 3.0}, "wall_mm"),
     ("body", {"label_depth_mm": 9.0}, "label_depth_mm"),
     ("body", {"freeboard_mm": 3.0}, "freeboard_mm"),

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -26,13 +27,14 @@ from dummydesign.tissue.anchors import judge, propose
 from dummydesign.tissue.band import Tissue
 from dummydesign.tissue.dummies import SITES
 from dummydesign.tissue.posterior import draws_csv, subject_of, typical_subjects
-from dummydesign.tissue.statements import report, sample_steady, weights
+from dummydesign.tissue.statements import Statement, report, sample_steady, weights
 from dummydesign.tissue.store import tissue_toml
 
 SUBJECTS = 5
 KEPT = 400
 STEADY = 1000
 PROPOSALS = 250
+BLOCK = 40
 SCATTER = (0.1, 0.4)
 """Assumed standard deviation of ln gamma_i / gamma1 and ln time between persons, lowest and highest."""
 
@@ -83,19 +85,34 @@ def subjects_of(gamma1: NDArray, spread: NDArray, arms: dict[str, NDArray], rng:
     return np.concatenate([own[..., None], gamma, by_arm], axis=-1)
 
 
-def infer_site(site: str, stiffest: NDArray, spread: NDArray, rng: np.random.Generator) -> tuple[NDArray, list[str]]:
-    """Draw the arms for posterior samples of the steady part; return draws (m, 5, 7) and report lines."""
-    steady, width = np.repeat(stiffest, PROPOSALS), np.repeat(spread, PROPOSALS)
-    typical = steady * width**-1.5
-    arms = propose(typical, rng)
-    statements = judge(site, typical, arms, rng)
-    weight = weights(tuple(statements)).reshape(len(stiffest), PROPOSALS)
-    # one proposal per steady sample, so that the arms do not sway the steady part
-    share = np.cumsum(weight / weight.sum(axis=1, keepdims=True), axis=1)
-    chosen = (share < rng.random((len(stiffest), 1))).sum(axis=1) + np.arange(len(stiffest)) * PROPOSALS
-    picked = {name: value[chosen] for name, value in arms.items()}
-    lines = report(tuple(statements), (weight / weight.sum(axis=1, keepdims=True)).ravel())
-    return subjects_of(stiffest, spread, picked, rng), lines
+def infer_site(
+    site: str, stiffest: NDArray, spread: NDArray, rng: np.random.Generator, proposals: int = PROPOSALS
+) -> tuple[NDArray, list[str]]:
+    """Draw the arms for posterior samples of the steady part; return draws (m, 5, 7) and report lines.
+
+    One of ``proposals`` is taken per sample by its weight, so that the arms do not sway the steady part.
+    """
+    draws, judged, shares = [], [], []
+    for block in np.array_split(np.arange(len(stiffest)), max(len(stiffest) // BLOCK, 1)):
+        typical = np.repeat(stiffest[block] * spread[block] ** -1.5, proposals)
+        arms = propose(typical, rng)
+        statements = judge(site, typical, arms, rng)
+        weight = weights(tuple(statements)).reshape(len(block), proposals)
+        share = weight / weight.sum(axis=1, keepdims=True)
+        chosen = (np.cumsum(share, axis=1) < rng.random((len(block), 1))).sum(axis=1)
+        chosen = np.minimum(chosen, proposals - 1) + np.arange(len(block)) * proposals
+        picked = {name: value[chosen] for name, value in arms.items()}
+        draws.append(subjects_of(stiffest[block], spread[block], picked, rng))
+        judged.append(statements)
+        shares.append(share.ravel())
+    return np.concatenate(draws), report(_merged(judged), np.concatenate(shares))
+
+
+def _merged(parts: list) -> tuple[Statement, ...]:
+    """Join the statements of several batches of samples."""
+    return tuple(
+        replace(same[0], holds=np.concatenate([statement.holds for statement in same])) for same in zip(*parts)
+    )
 
 
 def tissue_from_draws(site: str, draws: NDArray, seed: int, samples: int) -> Tissue:
@@ -110,15 +127,12 @@ def tissue_from_draws(site: str, draws: NDArray, seed: int, samples: int) -> Tis
     return Tissue(site, TITLES[site], "ode", subjects, SOURCES, NOTES, "built-in")
 
 
-def run(seed: int, samples: int, folder: Path) -> list[str]:
+def run(seed: int, samples: int, folder: Path, proposals: int = PROPOSALS) -> list[str]:
     """Infer all sites, write their files into ``folder`` and return the report's lines."""
     rng = np.random.default_rng(seed)
     parts = [sample_steady(min(samples - start, 20_000), rng) for start in range(0, samples, 20_000)]
     weight = np.concatenate([weights(part.statements) for part in parts])
-    merged = tuple(
-        type(same[0])(same[0].name, same[0].text, same[0].source, np.concatenate([s.holds for s in same]))
-        for same in zip(*(part.statements for part in parts))
-    )
+    merged = _merged([part.statements for part in parts])
     effective = weight.sum() ** 2 / (weight**2).sum()
     lines = [f"steady state: {samples} samples, seed {seed}, effective number after weighting {effective:.0f}"]
     lines += report(merged, weight)
@@ -126,8 +140,8 @@ def run(seed: int, samples: int, folder: Path) -> list[str]:
     for site in SITES:
         stiffest = np.concatenate([part.stiffest[site] for part in parts])[chosen]
         spread = np.concatenate([part.spread[site] for part in parts])[chosen]
-        draws, told = infer_site(site, stiffest, spread, rng)
-        lines += ["", f"arms of the {site}: {STEADY * PROPOSALS} proposals", *told]
+        draws, told = infer_site(site, stiffest, spread, rng, proposals)
+        lines += ["", f"arms of the {site}: {STEADY * proposals} proposals", *told]
         tissue = tissue_from_draws(site, draws, seed, samples)
         summary = "\n".join(f'  "{line}",' for line in _summary(effective, merged, samples, seed))
         extra = f'[inference]\ncommand = "python -m dummydesign.tissue.infer --seed {seed} --samples {samples}"\n'
@@ -149,10 +163,11 @@ def main(arguments: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="python -m dummydesign.tissue.infer", description=__doc__.split("\n")[0])
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--samples", type=int, default=200_000)
+    parser.add_argument("--proposals", type=int, default=PROPOSALS, help="arms tried for each steady sample")
     parser.add_argument("--out", default=str(data_folder() / "materials" / "tissues"), help="folder of the files")
     options = parser.parse_args(arguments)
     folder = output_folder(options.out)
-    print("\n".join(run(options.seed, options.samples, folder)))
+    print("\n".join(run(options.seed, options.samples, folder, options.proposals)))
     print(f"\nwritten to {folder}", file=sys.stderr)
 
 

@@ -1,13 +1,13 @@
 """The noise of binned traces: white, slowly correlated, contact position, and misfit of the law itself.
 
 Samples at 1 kHz are not independent: a slow part that lives for a second does not average away in a bin,
-and a bias of the contact zero moves a whole press. What a wrong law leaves is in proportion to the peak of
-the press and correlated over a little depth or log time; without that part, a misfit of newtons would be
-taken for certainty. (In proportion to the force of the moment, or correlated over more, it would pull the
-fit away from least squares: a curve far from the data would cost little.) Sizes are estimated from the
-residuals by restricted maximum likelihood, so that parameters that were fitted do not count as knowledge
-of the noise; slow noise and contact position are bounded by what can be seen without a law and by what a
-robot can do, and the misfit takes the rest.
+and a bias of the contact zero moves a whole press. What a wrong law leaves is a share of the peak of the
+press in every bin; without that part, a misfit of newtons would be taken for certainty. (In proportion to
+the force of the moment, or correlated over a whole rise, it would pull the fit away from least squares: a
+curve far from the data would cost little. That neighbouring bins misfit alike is counted by :data:`ALIKE`.)
+Sizes are estimated from the residuals by restricted maximum likelihood, so that parameters that were fitted
+do not count as knowledge of the noise; slow noise and contact position are bounded by what can be seen
+without a law and by what a robot can do, and the misfit takes the rest.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ MISFIT_GAIN = 6.0
 LARGEST_POSITION_MM = 0.05
 """Largest error of the contact position that is believed; robot precision is 0.02 mm."""
 
-MISFIT_LENGTH = 0.3
-"""Correlation length of misfit: in ln of time since the stop, and in thirds of the depth before it."""
+ALIKE = 3.0
+"""Neighbouring bins that misfit alike: the variance of misfit is raised by as much for the intervals."""
 
 FLOOR_N = 1e-3
 """Smallest white noise that is believed: a tenth of the usual step of a force sensor. [N]"""
@@ -55,21 +55,22 @@ class Noise:
 class Bins:
     """Bins of several traces as padded stacks, for batched linear algebra.
 
-    Arrays have shape (traces, longest); ``used`` masks the padding. ``place`` is where each bin lies in
-    its press (:func:`place_in_press`), for the correlation of misfit; all 0 when not given.
+    Arrays have shape (traces, longest); ``used`` masks the padding.
     """
 
-    def __init__(self, traces: Sequence[ReducedTrace], place: Sequence[NDArray] | None = None) -> None:
+    def __init__(self, traces: Sequence[ReducedTrace]) -> None:
         longest = max(len(trace.force_N) for trace in traces)
         self.used = np.zeros((len(traces), longest), dtype=bool)
-        self.start, self.end, self.samples, self.place = (np.zeros_like(self.used, dtype=float) for _ in range(4))
+        self.start, self.end, self.samples = (np.zeros_like(self.used, dtype=float) for _ in range(3))
         for row, trace in enumerate(traces):
             count = len(trace.force_N)
             self.used[row, :count] = True
             self.start[row, :count], self.end[row, :count] = trace.start_s, trace.end_s
             self.samples[row, :count] = trace.samples
-            if place is not None:
-                self.place[row, :count] = place[row]
+        self._both = self.used[:, :, None] & self.used[:, None, :]
+        gap = np.maximum(self.start[:, None, :] - self.end[:, :, None], 0.0)
+        self._gap = np.maximum(gap, np.swapaxes(gap, 1, 2))
+        self._rows = np.arange(longest)
 
     def stacked(self, values: NDArray) -> NDArray:
         """Put joined bins (total, ...) into the padded stack (traces, longest, ...)."""
@@ -92,29 +93,20 @@ class Bins:
         """
         length = np.where(self.used, np.maximum(self.end - self.start, 1e-9), 1.0) / noise.slow_time_s
         loss = -np.expm1(-length) / length
-        gap = np.maximum(self.start[:, None, :] - self.end[:, :, None], 0.0)
-        gap = np.maximum(gap, np.swapaxes(gap, 1, 2)) / noise.slow_time_s
-        slow = loss[:, :, None] * loss[:, None, :] * np.exp(-gap)
-        rows = np.arange(self.used.shape[1])
+        slow = loss[:, :, None] * loss[:, None, :] * np.exp(-self._gap / noise.slow_time_s)
+        rows = self._rows
         # the small-length limit of 2 (L - 1 + exp(-L)) / L^2 is 1 - L / 3
         own = np.where(length > 1e-4, 2.0 * (1.0 - loss) / length, 1.0 - length / 3.0)
         slow[:, rows, rows] = own
-        both = self.used[:, :, None] & self.used[:, None, :]
-        total = noise.slow_N**2 * slow + noise.position_mm**2 * slope[:, :, None] * slope[:, None, :]
-        if level is not None and noise.misfit_fraction > 0:
-            near = np.exp(-np.abs(self.place[:, :, None] - self.place[:, None, :]) / MISFIT_LENGTH)
-            total += noise.misfit_fraction**2 * level[:, :, None] * level[:, None, :] * near
-        total = np.where(both, total, 0.0)
+        total = noise.slow_N**2 * slow
+        if noise.position_mm > 0:
+            total += noise.position_mm**2 * slope[:, :, None] * slope[:, None, :]
+        total = np.where(self._both, total, 0.0)
         white = noise.white_N**2 / np.maximum(self.samples, 1.0)
+        if level is not None:
+            white = white + (noise.misfit_fraction * level) ** 2
         total[:, rows, rows] += np.where(self.used, white, 1.0)
         return total
-
-
-def place_in_press(trace: ReducedTrace) -> NDArray:
-    """Where in the press each bin lies: 3 (x / depth - 1) in the rise, ln(1 + time since stop / 1 ms) after it."""
-    since = 0.5 * (trace.start_s + trace.end_s) - trace.ramp.stop_time_s
-    depth = np.clip(trace.average @ trace.motion.displacement_mm / trace.ramp.depth_mm, 0.0, 1.0)
-    return np.where(since < 0, 3.0 * (depth - 1.0), np.log1p(np.maximum(since, 0.0) / 1e-3))
 
 
 def whitener(bins: Bins, noise: Noise, slope: NDArray, level: NDArray | None = None) -> NDArray:
@@ -150,7 +142,8 @@ def estimate_noise(
     jacobian : ndarray, shape (traces, longest, parameters)
         Sensitivity to what was fitted.
     largest_slow_N : float
-        Bound of the slow part, from the data without any law. [N]
+        Bound of the slow part, from the data without any law; that of the white part is half as much
+        again. Misfit is looked for only when one of them is reached. [N]
     start : Noise, optional
         A former estimate to start from.
 
@@ -160,30 +153,37 @@ def estimate_noise(
         The contact position is left at 0 with fewer than four traces: one press cannot tell it from
         the parameters. Misfit and position at their lower bounds are returned as 0.
     """
+    columns = np.concatenate([residual[..., None], jacobian], axis=-1)
     with_position = len(residual) >= 4
     scale = max(float(np.sqrt((residual**2).sum() / bins.used.sum())), FLOOR_N)
     first = Noise(max(min(scale, largest_slow_N), 2 * FLOOR_N), 0.5 * scale, 0.5, 5e-3 * with_position)
 
     def cost(noise: Noise) -> float:
-        factor = whitener(bins, noise, slope, level)
-        white = (factor @ residual[..., None])[..., 0]
-        turned = (factor @ jacobian).reshape(-1, jacobian.shape[-1])
-        information = turned.T @ turned
+        lower = np.linalg.cholesky(bins.covariance(noise, slope, level))
+        white = np.linalg.solve(lower, columns).reshape(-1, columns.shape[-1])
+        information = white[:, 1:].T @ white[:, 1:]
         information[np.diag_indices_from(information)] += 1e-8 * np.trace(information) / len(information)
-        determinant = -2.0 * np.log(np.diagonal(factor, axis1=1, axis2=2)).sum()
-        return float((white**2).sum() + determinant + np.linalg.slogdet(information)[1])
+        determinant = 2.0 * np.log(np.diagonal(lower, axis1=1, axis2=2)).sum()
+        return float(white[:, 0] @ white[:, 0] + determinant + np.linalg.slogdet(information)[1])
 
     low = Noise(FLOOR_N, 1e-4, 5e-3, LOWEST if with_position else 0.0)
-    high = Noise(10.0, largest_slow_N, 5.0, LARGEST_POSITION_MM if with_position else 0.0)
-    plain, plain_cost = _minimise(cost, start or first, low, high)
+    high = Noise(1.5 * largest_slow_N, largest_slow_N, 5.0, LARGEST_POSITION_MM if with_position else 0.0)
+    step = 0.6 if start is None else 0.25
+    plain, plain_cost = _minimise(cost, start or first, low, high, step)
+    if plain.white_N < 0.9 * high.white_N and plain.slow_N < 0.9 * high.slow_N:
+        return plain  # what is left looks like the noise of the holds
     low, high = replace(low, misfit_fraction=LOWEST), replace(high, misfit_fraction=1.0)
     begin = replace(plain, misfit_fraction=max(plain.misfit_fraction, 3e-3))
-    wide, wide_cost = _minimise(cost, begin, low, high)
+    wide, wide_cost = _minimise(cost, begin, low, high, step)
     # slow noise and misfit are alike: misfit must earn its place
-    return wide if wide_cost < plain_cost - MISFIT_GAIN else plain
+    if wide_cost > plain_cost - MISFIT_GAIN:
+        return plain
+    return replace(wide, misfit_fraction=ALIKE**0.5 * wide.misfit_fraction)
 
 
-def _minimise(cost: Callable[[Noise], float], start: Noise, low: Noise, high: Noise) -> tuple[Noise, float]:
+def _minimise(
+    cost: Callable[[Noise], float], start: Noise, low: Noise, high: Noise, step: float
+) -> tuple[Noise, float]:
     """Nelder-Mead in the logarithms of the sizes whose upper bound is not 0; sizes at their bound become 0."""
     from scipy.optimize import minimize
 
@@ -201,7 +201,7 @@ def _minimise(cost: Callable[[Noise], float], start: Noise, low: Noise, high: No
         outside = np.sum(np.maximum(bottom - logs, 0) ** 2 + np.maximum(logs - top, 0) ** 2)
         return cost(made(logs)) + 10.0 * float(outside)
 
-    simplex = np.vstack([begin, begin + 0.6 * np.eye(len(begin))])
+    simplex = np.vstack([begin, begin + step * np.eye(len(begin))])
     options = {"initial_simplex": simplex, "xatol": 0.03, "fatol": 0.05, "maxfev": 200}
     found = minimize(bounded, begin, method="Nelder-Mead", options=options)
     return made(found.x), float(found.fun)

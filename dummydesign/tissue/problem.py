@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from dummydesign.protocol.sensor import Lowpass
 from dummydesign.tissue.least_squares import Model, Solution, solve
-from dummydesign.tissue.noise import Bins, Noise, estimate_noise, minus_two_log_likelihood, place_in_press, whitener
+from dummydesign.tissue.noise import Bins, Noise, estimate_noise, minus_two_log_likelihood, whitener
 from dummydesign.tissue.noise_floor import noise_floor
 from dummydesign.tissue.reduce import ReducedTrace
 from dummydesign.tissue.responses import Responses
@@ -57,7 +57,7 @@ class Problem:
         self.traces = [trace for group in groups for trace in group]
         self.law, self.lowpass, self.groups = law, lowpass, groups
         self.responses = [Responses(law, group, lowpass) for group in groups]
-        self.bins = Bins(self.traces, [place_in_press(trace) for trace in self.traces])
+        self.bins = Bins(self.traces)
         self.largest_slow_N = largest_slow(self.traces)
         self.force = np.concatenate([trace.force_N for trace in self.traces])
         self.elastic = np.concatenate([response.elastic for response in self.responses])

@@ -200,9 +200,10 @@ def test_eighteen_traces_of_ten_seconds_take_less_than_ten_seconds(clean):
         for k in range(3)
         for t in clean
     ]
-    start = time.perf_counter()
+    # seconds of this process, so that a busy machine does not decide
+    start = time.process_time()
     fit = fit_traces(traces)
-    assert time.perf_counter() - start < 10.0
+    assert time.process_time() - start < 10.0
     assert fit.elements == 5 and len(fit.result["by_trace"]) == 18
     assert fit.result["noise_floor_N"] == pytest.approx(0.03, rel=0.05)
     assert fit.result["rmse_N"] == pytest.approx(0.03, rel=0.05)

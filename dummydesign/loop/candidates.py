@@ -9,9 +9,11 @@ import numpy as np
 
 from dummydesign.loop.effects.base import Effect
 from dummydesign.loop.fit import Fit, fit, settle
-from dummydesign.loop.screen import Screened, extended, screen, starts_of
+from dummydesign.loop.screen import Screened, extended, screen
 
-KEEP = 12
+LEAST_Z, ALWAYS = 2.0, 4
+"""Score below which an effect is not fitted, and how many are fitted all the same."""
+KEEP = 10
 """Effects that are fitted after the screening."""
 SETTLE = 7
 """Effects for which contact scatter and law error are estimated anew."""
@@ -37,23 +39,22 @@ class Candidate:
 
 
 def first_fit(found: Fit, one: Screened) -> Fit:
-    """Fit an effect beside what ``found`` holds, from each starting value, sizes as they are; the best."""
+    """Fit an effect beside what ``found`` holds, from where it scored best, sizes as they are."""
     problem, null = extended(found, one.effect)
     at = found.problem.fixed
-    best: Fit | None = None
+    vector = null.copy()
+    vector[at : at + len(one.start)] = one.start
     first = float(np.clip(one.coordinate, -30.0, 30.0))
-    for start in starts_of(one.effect):
-        vector = null.copy()
-        vector[at : at + len(start)] = start
-        vector[at] = first if abs(first) > 0.05 else 0.3 * float(start[0])
-        trial = fit(problem, vector, found.sizes, 6)
-        if best is None or trial.chi2 < best.chi2:
-            best = trial
-    return best
+    vector[at] = first if abs(first) > 0.05 else 0.3 * float(one.start[0])
+    return fit(problem, vector, found.sizes, 6)
 
 
 def rank(
-    found: Fit, effects: tuple[Effect, ...], progress: Callable[[str], None] | None = None, keep: int = KEEP
+    found: Fit,
+    effects: tuple[Effect, ...],
+    progress: Callable[[str], None] | None = None,
+    keep: int = KEEP,
+    least_z: float = LEAST_Z,
 ) -> tuple[list[Screened], list[Candidate]]:
     """Screen all effects and refit the best; both lists best first.
 
@@ -62,7 +63,9 @@ def rank(
     """
     screened = screen(found, effects)
     tried = []
-    for one in screened[:keep]:
+    for place, one in enumerate(screened[:keep]):
+        if abs(one.z) < least_z and place >= ALWAYS:
+            break
         if progress is not None:
             progress(one.effect.name)
         tried.append((one, first_fit(found, one)))

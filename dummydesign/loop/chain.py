@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,8 +14,8 @@ from dummydesign.loop.parameters import BaseParameters
 from dummydesign.loop.presses import Presses
 from dummydesign.recurrence import linear_recurrence
 
-FEEDBACK_TOLERANCE_MM = 1e-7
-FEEDBACK_STEPS = 40
+FEEDBACK_TOLERANCE_MM = 3e-7
+FEEDBACK_STEPS = 15
 
 
 @dataclass(frozen=True)
@@ -84,19 +84,31 @@ def simulate(
     for one in acting:
         start = one.effect.depth(presses, start, one.values)
     loops = [one for one in acting if one.effect.feeds_back]
-    depth = start
-    for _ in range(FEEDBACK_STEPS if loops else 1):
-        force = _pad_force(presses, law, thickness, base, acting, error, depth)
-        if not loops:
-            break
-        new = start - sum(one.effect.yielding(presses, force, one.values) for one in loops)
-        change = float(np.max(np.abs(new - depth)))
-        depth = new
-        if change < FEEDBACK_TOLERANCE_MM:
-            break
+
+    def pressed(depth: NDArray) -> NDArray:
+        return _pad_force(presses, law, thickness, base, acting, error, depth)
+
+    def yielded(force: NDArray) -> NDArray:
+        return start - sum(one.effect.yielding(presses, force, one.values) for one in loops)
+
+    force = _balance(pressed, yielded, start) if loops else pressed(start)
     for one in acting:
         force = one.effect.sensor(presses, force, one.values)
     return force
+
+
+def _balance(pressed: Callable, yielded: Callable, depth: NDArray) -> NDArray:
+    """Force at which depth and yielding agree: fixed point, with a secant jump per node after two steps."""
+    for _ in range(FEEDBACK_STEPS):
+        first = yielded(pressed(depth))
+        change = first - depth
+        if float(np.max(np.abs(change))) < FEEDBACK_TOLERANCE_MM:
+            break
+        second = yielded(pressed(first))
+        again = second - first
+        rate = np.clip(np.divide(again, change, out=np.zeros_like(change), where=np.abs(change) > 1e-9), -0.9, 0.5)
+        depth = first + again / (1.0 - rate)
+    return pressed(depth)
 
 
 def _pad_force(
@@ -132,16 +144,20 @@ def relax(time_s: NDArray, elastic_N: NDArray, arms: Sequence[Arm]) -> NDArray:
     The same law as :func:`dummydesign.pad.relaxation.relaxed_force`, with an optional weight on what
     each arm is loaded with.
     """
-    force = elastic_N.copy()
     step = np.diff(time_s, axis=1)
     rise = np.diff(elastic_N, axis=1)
-    for arm in arms:
-        ratio = step / arm.tau_s
-        fed, first = rise, elastic_N[:, 0]
-        if arm.weight is not None:
-            fed = rise * 0.5 * (arm.weight[:, 1:] + arm.weight[:, :-1])
-            first = first * arm.weight[:, 0]
-        state = linear_recurrence(np.exp(-ratio), fed * (-np.expm1(-ratio) / ratio), first)
-        force[:, 1:] += np.asarray(arm.beta) * state
-        force[:, 0] += np.broadcast_to(np.asarray(arm.beta), (len(force), 1))[:, 0] * first
+    count = len(elastic_N)
+    ratio = np.stack([np.broadcast_to(step / arm.tau_s, step.shape) for arm in arms])
+    fed = np.stack([rise if arm.weight is None else rise * _middle(arm.weight) for arm in arms])
+    first = np.stack([elastic_N[:, 0] if arm.weight is None else elastic_N[:, 0] * arm.weight[:, 0] for arm in arms])
+    strength = np.stack([np.broadcast_to(np.asarray(arm.beta, float), (count, 1)) for arm in arms])
+    kept = np.exp(-ratio)
+    state = linear_recurrence(kept, fed * (-np.expm1(-ratio) / ratio), first)
+    force = elastic_N.copy()
+    force[:, 1:] += (strength * state).sum(axis=0)
+    force[:, 0] += (strength[..., 0] * first).sum(axis=0)
     return force
+
+
+def _middle(values: NDArray) -> NDArray:
+    return 0.5 * (values[:, 1:] + values[:, :-1])

@@ -15,7 +15,7 @@ from dummydesign.loop.noise import LAW_TERMS, Sizes, estimate_sizes, make_whiten
 from dummydesign.loop.parameters import HIGH, LOW, BaseParameters
 from dummydesign.loop.presses import Presses
 
-STEP = 1e-3
+STEP = 4e-3
 BASE = 5
 
 

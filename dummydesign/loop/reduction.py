@@ -21,9 +21,10 @@ FAST_RISE_S = 0.06
 SLOW_BINS = 17
 HOLD_GROWTH = 1.33
 UNLOADING_BINS = 20
-RISE_NODES = 110
-NODE_GROWTH, NODE_CAP_S = 1.15, 0.25
-NEAR_S = 0.015
+RISE_NODES = 80
+AWAY_NODES = 45
+NODE_GROWTH, NODE_CAP_S = 1.2, 0.4
+NEAR_S = 0.01
 PRE, RISE, HOLD, UNLOADING = 0, 1, 2, 3
 """Phases of a press; a bin's label is 100 times its phase plus its place."""
 
@@ -158,8 +159,8 @@ def _nodes(trace: Trace, ramp: Ramp) -> tuple[NDArray, NDArray]:
         hold.append(hold[-1] + min(max((hold[-1] - stop) * (NODE_GROWTH - 1.0), 2e-3), NODE_CAP_S))
     hold = np.array(hold[1:-1])
     away = time[time >= end]
-    if len(away) > 60:
-        away = away[:: int(np.ceil(len(away) / 60))]
+    if len(away) > AWAY_NODES:
+        away = away[:: int(np.ceil(len(away) / AWAY_NODES))]
     nodes = np.unique(np.r_[start, rise, hold, end, away, time[-1]])
     nodes = nodes[np.r_[True, np.diff(nodes) > 1e-5]]
     near = np.diff(time).min() > 0 and len(time) > 3

@@ -181,7 +181,7 @@ def close_loop(campaign: Campaign, progress: Progress | None = None, young_MPa: 
         effects.append(first)
         tell("second effect")
         rest = tuple(e for e in available if e.name != first.candidate.effect.name)
-        more, second_ranking = rank(after.fit, rest, progress, keep=8)
+        more, second_ranking = rank(after.fit, rest, progress, keep=6, least_z=4.0)
         second = _accept(after, more, second_ranking, SECOND_FLOOR)
         if second is not None:
             after = _stage(same_noise(second.candidate.fit))

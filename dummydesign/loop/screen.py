@@ -25,12 +25,15 @@ class Screened:
         First-order estimate of the size.
     signature : ndarray, shape (T B + law rows,)
         Unit vector of what the effect adds beyond base and law error, whitened.
+    start : ndarray
+        Coordinates of all its parameters at which it scored.
     """
 
     effect: Effect
     z: float
     coordinate: float
     signature: NDArray
+    start: NDArray
 
 
 @dataclass(frozen=True)
@@ -89,7 +92,7 @@ def screen(found: Fit, candidates: tuple[Effect, ...]) -> list[Screened]:
             size = z / length * start[0]
             low, high = sorted(effect.parameters[0].to_coordinate(end) for end in _ends(effect))
             inside = low - 1e-9 <= np.sign(size) * 1e-6 <= high + 1e-9
-            entry = Screened(effect, z if inside else 0.0, size if inside else 0.0, column / length)
+            entry = Screened(effect, z if inside else 0.0, size if inside else 0.0, column / length, start)
             if best is None or abs(entry.z) > abs(best.z):
                 best = entry
         if best is not None:

@@ -283,7 +283,8 @@ def _write(folder, effect, size, rows, moved, force, nominal, young, slow_time, 
             f"age_days = {row['age']}",
         ]  # fmt: skip
     (folder / "campaign.toml").write_text("\n".join(lines) + "\n")
-    return Truth(effect, 0.5 - size if effect == "compressibility" else size, float(np.sqrt(squares / samples)), young * 1e3)
+    shown = 0.5 - size if effect == "compressibility" else size
+    return Truth(effect, shown, float(np.sqrt(squares / samples)), young * 1e3)
 
 
 def _slow(time: np.ndarray, size: float, correlation: float, rng) -> np.ndarray:

@@ -25,7 +25,10 @@ class Punch(Protocol):
     """A rigid axisymmetric punch; lengths in the unit of the mesh."""
 
     def gap(self, points: Array, depth: float) -> tuple[Array, Array, Array]:
-        """Gap, outward unit normal and curvature at ``points`` (last axis r, z) with the punch down by ``depth``."""
+        """Gap with its gradient (..., 2) and second derivative (..., 2, 2) at ``points`` (last axis r, z).
+
+        The punch is down by ``depth``; the gap is negative inside it.
+        """
 
 
 @dataclass(frozen=True)
@@ -44,13 +47,35 @@ class FlatPunch:
         return self.radius - self.rim
 
     def gap(self, points: Array, depth: float) -> tuple[Array, Array, Array]:
-        """Gap to the face or the bead, with normal and curvature of the surface that is nearest."""
+        """Distance to the face or the bead, whichever is nearest, with its derivatives."""
         v = points - np.array([self.flat_radius, self.rim - depth])
         distance = np.maximum(np.linalg.norm(v, axis=-1), 1e-300)
         flat = (v[..., 0] < 0.0) & (v[..., 1] < 0.0)
         gap = np.where(flat, -v[..., 1] - self.rim, distance - self.rim)
         normal = np.where(flat[..., None], np.array([0.0, -1.0]), v / distance[..., None])
-        return gap, normal, np.where(flat, 0.0, 1.0 / distance)
+        bend = np.where(flat, 0.0, 1.0 / distance)[..., None, None] * (
+            np.eye(2) - normal[..., :, None] * normal[..., None, :]
+        )
+        return gap, normal, bend
+
+
+@dataclass(frozen=True)
+class ProfilePunch:
+    """A punch with a smooth profile: its surface stands ``height(r)`` above its lowest point.
+
+    ``height`` gives the height and its first and second derivative at radii of any shape. The gap is
+    measured along the axis; profiles must not be vertical.
+    """
+
+    height: Callable[[Array], tuple[Array, Array, Array]]
+
+    def gap(self, points: Array, depth: float) -> tuple[Array, Array, Array]:
+        """Gap along the axis, with its derivatives."""
+        value, slope, curve = self.height(points[..., 0])
+        gradient = np.stack([slope, -np.ones_like(slope)], axis=-1)
+        second = np.zeros((*slope.shape, 2, 2))
+        second[..., 0, 0] = curve
+        return value - depth - points[..., 1], gradient, second
 
 
 class Surface:
@@ -69,6 +94,9 @@ class Surface:
         Sliding stiffness per area of points that come to touch the punch; 0 for a frictionless punch.
     grip_from : float
         Reference radius outside which points are held by the grip instead of the film.
+    friction : float
+        Coulomb's coefficient. The drag is mu p s / sqrt(s^2 + e^2) for a slip s since first touch, a
+        regularised total form for slip that does not turn back; ``slip_scale`` is e.
     """
 
     def __init__(
@@ -79,6 +107,8 @@ class Surface:
         film: Callable[[Array], Array],
         grip: float = 0.0,
         grip_from: float = np.inf,
+        friction: float = 0.0,
+        slip_scale: float = 1e-3,
     ) -> None:
         x, weight = np.polynomial.legendre.leggauss(5)
         shape = np.stack([x * (x - 1.0) / 2.0, 1.0 - x**2, x * (x + 1.0) / 2.0], axis=1)
@@ -94,6 +124,7 @@ class Surface:
         self._film[:, :, 0, :, 0] = np.einsum("qi,qj,eq->eij", shape, shape, area * film(r))
         self._film = self._film.reshape(len(sides), 6, 6)
         self._grip = np.where(r >= grip_from, area * grip, 0.0)
+        self._friction, self._slip_scale = friction, slip_scale
         self._held = np.zeros(area.shape, dtype=bool)
         self._spot = np.zeros((*area.shape, 2))
         self._along = np.zeros((*area.shape, 2))
@@ -108,26 +139,32 @@ class Surface:
         gap, normal, _ = punch.gap(points, depth)
         new = (gap <= 0.0) & ~self._held
         self._spot[new] = (points + np.array([0.0, depth]))[new]
-        self._along[new] = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)[new]
+        length = np.linalg.norm(normal, axis=-1)
+        self._along[new] = (np.stack([-normal[..., 1], normal[..., 0]], axis=-1) / length[..., None])[new]
         self._held = gap <= 0.0
 
     def forces(self, u: Array, punch: Punch, depth: float) -> tuple[Array, Array]:
         """Gradient (full length) and second derivative (per side) of the contact and film energy."""
         local = u[self.dofs]
         points = self._points(u)
-        gap, normal, curvature = punch.gap(points, depth)
+        gap, normal, bend = punch.gap(points, depth)
         push = self._stiffness * np.maximum(-gap, 0.0)
         on_side = np.einsum("qi,eqc->eic", self._shape, -push[..., None] * normal).reshape(local.shape)
         on_side = on_side + np.einsum("eij,ej->ei", self._film, local)
-        hold = self._grip * self._held
+        pressing = np.where(gap <= TOUCHING, self._stiffness, 0.0)
+        second = pressing[..., None, None] * normal[..., :, None] * normal[..., None, :]
+        second = second - push[..., None, None] * bend
         slip = np.einsum("eqc,eqc->eq", points + np.array([0.0, depth]) - self._spot, self._along)
-        drag = np.einsum("qi,eqc->eic", self._shape, (hold * slip)[..., None] * self._along)
-        on_side = on_side + drag.reshape(local.shape)
-        across = normal[..., :, None] * normal[..., None, :]
-        along = np.eye(2) - across
-        second = np.where(gap <= TOUCHING, self._stiffness, 0.0)[..., None, None] * across
-        second = second - (push * curvature)[..., None, None] * along
+        hold = self._grip * self._held
+        drag = hold * slip
+        if self._friction:
+            root = np.sqrt(slip**2 + self._slip_scale**2)
+            share = self._friction * slip / root * self._held
+            drag = drag + share * push
+            hold = hold + self._friction * push * self._held * self._slip_scale**2 / root**3
+            second = second - (share * pressing)[..., None, None] * self._along[..., :, None] * normal[..., None, :]
         second = second + hold[..., None, None] * self._along[..., :, None] * self._along[..., None, :]
+        on_side = on_side + np.einsum("qi,eqc->eic", self._shape, drag[..., None] * self._along).reshape(local.shape)
         matrix = np.einsum("qi,qj,eqab->eiajb", self._shape, self._shape, second, optimize=True)
         total = np.bincount(self.dofs.ravel(), on_side.ravel(), minlength=len(u))
         return total, matrix.reshape(len(local), 6, 6) + self._film

@@ -112,7 +112,7 @@ def discretise(
     """
     from skfem import Basis, ElementQuad2, MeshQuad, MeshQuad2
 
-    flat = MeshQuad(points, quads, validate=False)
+    flat = MeshQuad(np.ascontiguousarray(points), np.ascontiguousarray(quads), validate=False)
     mesh = MeshQuad2.from_mesh(flat)
     if quarter_points:
         mesh = MeshQuad2(_to_quarter(mesh, flat.t, centre), mesh.t, validate=False)

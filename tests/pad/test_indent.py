@@ -1,0 +1,111 @@
+"""Contact that opens and closes: balls on layers against the integral equation, friction between its limits."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from dummydesign.errors import InputError
+from dummydesign.pad.axisymmetric import Slab, first_stiffness, solve_curve
+from dummydesign.pad.contact import FlatPunch, ProfilePunch, Surface
+from dummydesign.pad.indent import (
+    Region,
+    flat_region,
+    indentation_problem,
+    press,
+    profile,
+    solve_flat,
+    solve_shaped,
+    sphere,
+)
+from dummydesign.pad.laws import neo_hookean
+
+LAW = neo_hookean(1.0)
+# F = 16/9 E sqrt(R) d^1.5 f(c), c = sqrt(R d) / h, frictionless ball on a bonded incompressible layer.
+CAP = {0.185: 1.270, 0.554: 2.381, 0.748: 3.371, 1.054: 5.563, 1.349: 8.468}
+
+
+@pytest.mark.parametrize(("c", "factor"), CAP.items())
+def test_a_shallow_ball_agrees_with_the_law_of_a_cap_on_a_layer(c, factor):
+    radius = 5.0 if c < 0.3 else 120.0
+    depth = c**2 / radius
+    curve = solve_shaped(sphere(radius * 10.0), 10.0, 0.03, [depth * 10.0], 13.0 * c, extent_mm=100.0 + 20 * c)
+    force = 16.0 / 9.0 * 0.03 * np.sqrt(radius) * depth**1.5 * factor * 100.0
+    assert curve.force_N[0] == pytest.approx(force, rel=6e-3)
+
+
+def test_a_profile_through_points_of_a_ball_presses_like_the_ball():
+    r = np.linspace(0.0, 6.0, 60)
+    ball = sphere(20.0)
+    points = profile(r, 20.0 - np.sqrt(400.0 - r**2))
+    pair = [solve_shaped(p, 10.0, 0.03, [0.3, 0.6], 5.0, cells=16).force_N for p in (ball, points)]
+    assert pair[1] == pytest.approx(pair[0], rel=3e-3)
+
+
+def test_contact_forces_are_the_derivative_of_their_energy_and_their_tangent_is_exact():
+    rng = np.random.default_rng(6)
+    nodes = np.array([[0.4, 0.7, 1.0, 1.2, 1.4], [0.0, 0.01, 0.0, 0.02, 0.01]])
+    sides = np.array([[0, 1, 2], [2, 3, 4]])
+    for punch in (FlatPunch(1.0, 0.2), sphere(3.0)):
+        surface = Surface(nodes, sides, lambda r: 40.0 + r, lambda r: 0.0 * r, friction=0.4, slip_scale=0.05)
+        surface.settle(np.zeros(10), punch, 0.05)
+        u = 0.02 * rng.standard_normal(10)
+        force, matrix = surface.forces(u, punch, 0.1)
+        whole = np.zeros((10, 10))
+        for side, block in zip(surface.dofs, matrix):
+            whole[np.ix_(side, side)] += block
+        for k in range(10):
+            step = np.zeros(10)
+            step[k] = 1e-7
+            up, down = (surface.forces(u + sign * step, punch, 0.1)[0] for sign in (1.0, -1.0))
+            assert whole[:, k] == pytest.approx((up - down) / 2e-7, abs=2e-4)
+        assert np.abs(force).max() > 0.1
+
+
+def test_friction_lies_between_sliding_and_sticking_and_grows_with_its_coefficient():
+    punch = FlatPunch(1.0, 0.1)
+    forces = []
+    for condition in ("frictionless", "friction:0.1", "friction:0.3", "bonded"):
+        problem = indentation_problem(punch, flat_region(punch, 0.1), 8.0, LAW, condition=condition)
+        forces.append(press(problem, [0.1], 0.03, 0.03).force[0])
+    assert np.all(np.diff(forces) > 0.0)
+
+
+def test_a_frictionless_flat_punch_starts_at_the_layer_solution():
+    curve = solve_flat(10.0, 10.0, 0.03, [0.3, 0.6], "frictionless")
+    stiffness = curve.force_N / (0.03 * 10.0 * curve.depth_mm)
+    start = 2.0 * stiffness[0] - stiffness[1]
+    slab = Slab(1.0, 7.569, "bonded", "frictionless")
+    assert start == pytest.approx(first_stiffness(slab, LAW), rel=0.03)
+    assert np.all(np.abs(stiffness / first_stiffness(slab, LAW) - 1.0) < 0.03 + curve.error_N / curve.force_N)
+
+
+def test_a_sticking_flat_punch_agrees_with_the_glued_one_solved_the_other_way():
+    """Another mesh, no film, no regression: two discretisations of one limit."""
+    stick = solve_flat(10.0, 10.0, 0.03, [2.0, 3.0], "bonded")
+    glued = solve_curve(10.0, 10.0, 0.03, [2.0, 3.0])
+    off = np.abs(stick.force_N / glued.force_N - 1.0)
+    assert np.all(off < (stick.error_N + glued.error_N) / glued.force_N)
+    assert np.all(stick.error_N < 0.02 * stick.force_N)
+
+
+@pytest.mark.parametrize("text", ["glue", "friction", "friction:x", "friction:-1", "friction:9"])
+def test_unknown_conditions_are_refused(text):
+    with pytest.raises(InputError, match="condition"):
+        indentation_problem(sphere(1.0), Region(0.0, 1.0, 0.2), 5.0, LAW, condition=text)
+
+
+@pytest.mark.parametrize(
+    "points", [([0, 1], [0, 1]), ([0, 1, 1], [0, 1, 2]), ([0, 1, 2], [1, 1, 2]), ([1, 2, 3], [0, 1, 2])]
+)
+def test_profiles_that_are_no_punch_are_refused(points):
+    with pytest.raises(InputError, match="profile"):
+        profile(*points)
+
+
+def test_a_ball_is_carried_on_straight_beyond_its_side():
+    value, slope, second = sphere(2.0).height(np.array([0.0, 1.0, 5.0]))
+    assert value[0] == slope[0] == 0.0
+    assert value[1] == pytest.approx(2.0 - np.sqrt(3.0))
+    assert np.isfinite(value).all() and second[2] == 0.0
+    assert isinstance(sphere(2.0), ProfilePunch)

@@ -183,7 +183,8 @@ def solve_flat(
     thickness_mm, radius_mm, young_MPa, depth_mm
         As for :func:`dummydesign.pad.axisymmetric.solve_curve`.
     condition : str
-        ``frictionless``, ``friction:MU``, or ``bonded`` for a face that sticks where it touches.
+        ``frictionless`` or ``friction:MU``; a glued face is solved by
+        :func:`dummydesign.pad.axisymmetric.solve_curve`.
 
     Raises
     ------

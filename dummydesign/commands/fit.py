@@ -7,6 +7,10 @@ from typing import Any
 
 from dummydesign.errors import InputError
 
+SOURCE = (
+    "Development of Dummy Based on Impedance Properties of Human Soft Tissue Using a Nonlinear Viscoelastic "
+    "Model, IEEE Access, equations (4) to (6)"
+)
 HELP = "Fit the nonlinear 3, 5 or 7 element law to traces of one tissue or dummy."
 
 
@@ -55,7 +59,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         from dummydesign.tissue.fit_output import write_fit
 
         files = write_fit(fit, options.out)
-    return {"inputs": inputs, **fit.to_dict(), "files": files}
+    return {"inputs": inputs, **fit.to_dict(), "sources": [SOURCE], "files": files}
 
 
 def render(result: dict[str, Any]) -> str:

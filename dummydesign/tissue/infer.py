@@ -136,6 +136,7 @@ def run(seed: int, samples: int, folder: Path, proposals: int = PROPOSALS) -> li
     effective = weight.sum() ** 2 / (weight**2).sum()
     lines = [f"steady state: {samples} samples, seed {seed}, effective number after weighting {effective:.0f}"]
     lines += report(merged, weight)
+    lines += _stiffening_lines(merged, np.concatenate([part.unknowns.stiffening for part in parts]), weight)
     chosen = rng.choice(samples, size=STEADY, p=weight / weight.sum())
     for site in SITES:
         stiffest = np.concatenate([part.stiffest[site] for part in parts])[chosen]
@@ -148,6 +149,17 @@ def run(seed: int, samples: int, folder: Path, proposals: int = PROPOSALS) -> li
         write_text(folder / f"{site}.toml", tissue_toml(tissue, f"{extra}summary = [\n{summary}\n]"))
         write_text(folder / f"{site}_draws.csv", draws_csv(draws[:: len(draws) // KEPT][:KEPT]))
     return lines
+
+
+def _stiffening_lines(statements: tuple[Statement, ...], stiffening: NDArray, weight: NDArray) -> list[str]:
+    """How often everything holds with and without strain stiffening of the resin, and what the posterior says."""
+    together = np.all([statement.holds for statement in statements], axis=0)
+    soft = stiffening == 0
+    return [
+        "a resin without strain stiffening (neo-Hookean), half of the samples: all statements at once "
+        f"{together[soft].mean():.2g}, posterior share {weight[soft].sum() / weight.sum():.2g}",
+        f"a stiffening resin: all statements at once {together[~soft].mean():.2g}",
+    ]
 
 
 def _summary(effective: float, statements: tuple, samples: int, seed: int) -> list[str]:

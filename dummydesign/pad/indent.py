@@ -23,7 +23,9 @@ from dummydesign.pad.solid import Solid
 
 Array = np.ndarray
 
-CONTACT_STIFFNESS = 300.0
+# Contact stiffness in shear moduli per cell: an edge that slides needs the softer one to converge.
+SHAPED_STIFFNESS = 2000.0
+EDGE_STIFFNESS = 300.0
 SLIP_SCALE = 0.02
 
 
@@ -87,6 +89,7 @@ def indentation_problem(
     base: str = "bonded",
     condition: str = "frictionless",
     growth: float = 1.3,
+    stiffness: float = EDGE_STIFFNESS,
 ) -> Problem:
     """A slab of unit thickness under a rigid punch, contact over the whole top.
 
@@ -94,6 +97,8 @@ def indentation_problem(
     ----------
     condition : str
         ``frictionless``, ``friction:MU`` or ``bonded`` (what touches sticks).
+    stiffness : float
+        Contact stiffness in shear moduli per cell.
     """
     friction, grip = _condition(condition)
     cell = region.cell
@@ -113,10 +118,10 @@ def indentation_problem(
     if base == "bonded":
         held[2 * below] = True
     sides = meshes.edges_on(mesh, meshes.on_top(mesh) & (mesh.nodes[0] <= region.stop + 0.5))
-    stiffness = law.shear_MPa * CONTACT_STIFFNESS / cell
+    contact = law.shear_MPa * stiffness / cell
     surface = Surface(
-        mesh.nodes, sides, lambda at: np.full_like(at, stiffness), np.zeros_like,
-        stiffness * grip, 0.0, friction, SLIP_SCALE * cell,
+        mesh.nodes, sides, lambda at: np.full_like(at, contact), np.zeros_like,
+        contact * grip, 0.0, friction, SLIP_SCALE * cell,
     )  # fmt: skip
     return Problem(Solid(mesh, law, poisson), held, np.array([], dtype=int), 2 * below + 1, surface, punch)
 
@@ -252,7 +257,9 @@ def solve_shaped(
     shape, depths, reach, unit = _normalised(thickness_mm, reach_mm, young_MPa, depth_mm, poisson, law)
     own = ProfilePunch(lambda r: _scaled(punch, r, thickness_mm))
     region = Region(0.0, reach, reach / cells)
-    problem = indentation_problem(own, region, extent_mm / thickness_mm, shape, poisson, base, condition)
+    problem = indentation_problem(
+        own, region, extent_mm / thickness_mm, shape, poisson, base, condition, stiffness=SHAPED_STIFFNESS
+    )
     path = press(problem, depths, 0.25 * float(depths[0]), 0.05, None)
     notes = (path.stop,) if path.stop else ()
     force = path.force * unit * thickness_mm**2

@@ -32,7 +32,7 @@ def test_a_shallow_ball_agrees_with_the_law_of_a_cap_on_a_layer(c, factor):
     depth = c**2 / radius
     curve = solve_shaped(sphere(radius * 10.0), 10.0, 0.03, [depth * 10.0], 13.0 * c, extent_mm=100.0 + 20 * c)
     force = 16.0 / 9.0 * 0.03 * np.sqrt(radius) * depth**1.5 * factor * 100.0
-    assert curve.force_N[0] == pytest.approx(force, rel=6e-3)
+    assert curve.force_N[0] == pytest.approx(force, rel=5e-3)
 
 
 def test_a_profile_through_points_of_a_ball_presses_like_the_ball():
@@ -82,12 +82,12 @@ def test_a_frictionless_flat_punch_starts_at_the_layer_solution():
 
 
 def test_a_sticking_flat_punch_agrees_with_the_glued_one_solved_the_other_way():
-    """The same rim on another mesh, held by contact alone: no film, no nodes driven by hand."""
-    punch, depths = FlatPunch(1.0, 0.05), [0.1, 0.2, 0.3]
+    """Another mesh, no film, no nodes driven by hand: nearer to each other than a rim is to one of half its size."""
+    punch, depths = FlatPunch(1.0, 0.05), np.array([0.1, 0.2, 0.3])
     problem = indentation_problem(punch, Region(0.85, 1.1, 0.05 / 1.5), 8.0, LAW, condition="bonded")
-    stick = press(problem, depths, 0.015, 0.03)
-    glued = climb(Slab(1.0, 8.0), LAW, 0.5, np.array(depths), 0.05, Resolution())
-    assert stick.force == pytest.approx(glued.force, rel=7e-3)
+    stick = press(problem, depths, 0.015, 0.03).force
+    glued, half = (climb(Slab(1.0, 8.0), LAW, 0.5, depths, rim, Resolution()).force for rim in (0.05, 0.025))
+    assert np.all(np.abs(stick - glued) < 0.6 * (half - glued))
 
 
 @pytest.mark.parametrize("text", ["glue", "friction", "friction:x", "friction:-1", "friction:9"])

@@ -135,17 +135,20 @@ def _profile_end(
 ) -> float | None:
     """Distance at which the profiled cost has risen by the threshold; None when it never does."""
     free = np.delete(np.arange(len(low)), index)
-    centre, warm = best.parameters, best.parameters[free]
+    centre = best.parameters
+    # always from the optimum and from the nearest point below the threshold: a far point may lie in another basin
+    warm = best.parameters[free]
     root = np.sqrt(THRESHOLD)
     before, height_before, distance = 0.0, 0.0, min(first, limit)
     top = None
     for _ in range(25):
-        warm, cost = _held(model, centre, index, side * distance, warm, low, high)
+        starts = [best.parameters[free]] if before == 0.0 else [warm, best.parameters[free]]
+        reached, cost = _held(model, centre, index, side * distance, starts, low, high)
         height = np.sqrt(max(cost - best.chi_square, 0.0))
         if abs(height - root) < 0.01 * root:
             return distance
         if height < root:
-            before, height_before = distance, height
+            before, height_before, warm = distance, height, reached
             if top is None:
                 if distance >= limit:
                     return None
@@ -163,7 +166,7 @@ def _profile_end(
 
 
 def _held(
-    model: Model, centre: NDArray, index: int, shift: float, warm: NDArray, low: NDArray, high: NDArray
+    model: Model, centre: NDArray, index: int, shift: float, starts: list[NDArray], low: NDArray, high: NDArray
 ) -> tuple[NDArray, float]:
     """Minimise over all but one parameter, which is held at ``shift`` from the optimum."""
     free = np.delete(np.arange(len(low)), index)
@@ -176,6 +179,6 @@ def _held(
         return residual, jacobian[:, free]
 
     if not len(free):
-        return warm, float((reduced(warm)[0] ** 2).sum())
-    found = solve(reduced, [warm], low[free], high[free], 1e-6)
+        return starts[0], float((reduced(starts[0])[0] ** 2).sum())
+    found = solve(reduced, starts, low[free], high[free], 1e-6)
     return found.parameters, found.chi_square

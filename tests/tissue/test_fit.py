@@ -194,6 +194,16 @@ def test_an_arm_too_fast_for_the_data_is_called_not_identifiable_not_given_a_num
     assert any(w["code"] == "not_identifiable" for w in fit.result["warnings"])
 
 
+def test_more_arms_than_the_data_have_are_not_given_certain_numbers():
+    truth = np.r_[GAMMA1, 0.11, 0.08]
+    traces = [noisy(press(v, np.cbrt(f / GAMMA1), truth=truth), k) for k, (v, f) in enumerate(SIX[::2])]
+    fit = fit_traces(traces, 7)
+    doubtful = [p for p in fit.result["parameters"].values() if p["at_bound"] or p["low"] is None or p["high"] is None]
+    assert len(doubtful) >= 2
+    assert {w["code"] for w in fit.result["warnings"]} & {"at_bound", "not_identifiable"}
+    assert fit_traces(traces, "auto", intervals=False).elements == 3
+
+
 def test_eighteen_traces_of_ten_seconds_take_less_than_ten_seconds(clean):
     traces = [
         Trace(f"{k}_{t.name}", *(getattr(noisy(t, k), n) for n in ("time_s", "displacement_mm", "force_N")))

@@ -112,8 +112,7 @@ def run(arguments: list[str]) -> int:
         print("error: stopped by the user", file=sys.stderr)
         return 130
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
+        raise
     except Exception as problem:
         if os.environ.get("DUMMYDESIGN_DEBUG"):
             raise
@@ -128,4 +127,11 @@ def run(arguments: list[str]) -> int:
 
 def main() -> NoReturn:
     """Entry point without arguments; reads ``sys.argv`` and exits with the command's status."""
-    sys.exit(run(sys.argv[1:]))
+    try:
+        status = run(sys.argv[1:])
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # The reader (such as head) has seen enough; what is still buffered must not raise at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        status = 0
+    sys.exit(status)

@@ -1,0 +1,117 @@
+"""The command line as a whole: light start-up, one-line errors, exit statuses, quiet pipes."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from dummydesign import cli
+
+HEAVY = ("numpy", "scipy", "skfem", "cadquery", "OCP", "pyvista", "vtk", "trimesh", "matplotlib")
+CONTRACT_HEAVY = HEAVY[1:]
+
+
+def modules_after(*words):
+    code = (
+        "import sys\nfrom dummydesign.cli import run\n"
+        f"status = run({list(words)!r})\n"
+        "print('\\n@@', status, *sorted({name.split('.')[0] for name in sys.modules}))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    status, *names = done.stdout.rsplit("@@", 1)[1].split()
+    return int(status), set(names)
+
+
+@pytest.mark.parametrize("command", [[], ["--help"], ["--version"], *([name, "--help"] for name in cli.COMMANDS)])
+def test_help_imports_nothing_heavy(command):
+    if command and command[-1] == "--help" and len(command) == 2:
+        code = f"import sys; sys.argv = ['dummydesign', *{command!r}]\nfrom dummydesign.cli import main\n"
+        code += "try:\n    main()\nexcept SystemExit:\n    pass\nprint('@@', *{n.split('.')[0] for n in sys.modules})"
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+        names = set(done.stdout.rsplit("@@", 1)[1].split())
+    else:
+        _, names = modules_after(*command)
+    assert not names & set(HEAVY)
+
+
+@pytest.mark.parametrize("command", [["tissues", "list"], ["resins", "list"]])
+def test_lists_import_none_of_the_heavy_packages(command):
+    status, names = modules_after(*command)
+    assert status == 0
+    assert not names & set(CONTRACT_HEAVY)
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["sugest"], "did you mean 'suggest'"),
+        (["suggest"], "--tissue"),
+        (["suggest", "--tissue", "foot"], "known names are forefinger"),
+        (["predict", "--young", "25", "--thickness", "5"], "exactly one of --depth"),
+        (["predict", "--young", "25", "--thickness", "-5", "--depth", "1"], "thickness_mm = -5.0"),
+        (["predict", "--young", "25", "--thickness", "5", "--depth", "4"], "0 to 3"),
+        (["predict", "--young", "25", "--thickness", "5", "--depth", "1,a"], "not a list of numbers"),
+        (["predict", "--resin", "polyurethane-nagoya", "--thickness", "5", "--depth", "1"], "--ratio"),
+        (["whatif", "--thickness", "3:30:0.001", "--ratio", "14:17:0.001"], "1000000"),
+        (["mold", "--thickness", "2"], "3 to 30"),
+        (["loop", "no-such-folder"], "does not exist"),
+    ],
+)
+def test_bad_input_is_one_line_and_status_2(words, says, capsys):
+    assert cli.run(words) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("error: ") and err.count("\n") == 1
+    assert says in err
+
+
+def test_out_of_reach_is_status_1_and_json_still_has_the_reason(capsys):
+    words = ["predict", "--young", "25", "--thickness", "5", "--force", "500", "--velocity", "10", "--json"]
+    assert cli.run(words) == 1
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["error"]["code"] == "out_of_reach"
+    assert answer["schema"] == "dummydesign.predict/1"
+
+
+def test_json_is_one_object_with_the_common_fields(capsys):
+    assert cli.run(["predict", "--young", "25", "--thickness", "5", "--depth", "0,1", "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    for key in ("schema", "version", "inputs", "warnings", "sources", "depth_mm", "force_N", "local_exponent"):
+        assert key in answer
+    for key in ("fidelity", "force_low_N", "force_high_N", "solver"):
+        assert key in answer
+    assert answer["force_N"][0] == 0.0
+
+
+def test_a_fault_of_our_own_is_told_without_a_traceback(monkeypatch, capsys):
+    monkeypatch.delenv("DUMMYDESIGN_DEBUG", raising=False)
+    monkeypatch.setattr("dummydesign.pad.predict.predict_static", lambda *a: 1 / 0)
+    assert cli.run(["predict", "--young", "25", "--thickness", "5", "--depth", "1"]) == 1
+    _, err = capsys.readouterr()
+    assert "fault in dummydesign itself" in err and "Traceback" not in err
+
+
+def test_a_reader_that_stops_early_is_no_error():
+    command = f"{sys.executable} -m dummydesign | head -1; exit ${{PIPESTATUS[0]}}"
+    done = subprocess.run(["bash", "-c", command], capture_output=True, text=True)
+    assert done.returncode == 0
+    assert done.stderr == ""
+
+
+def test_predict_writes_its_curve_and_follows_a_motion_file(tmp_path, capsys):
+    motion = tmp_path / "motion.csv"
+    motion.write_text("time_s,displacement_mm\n0,-0.1\n0.1,1.0\n5,1.0\n")
+    out = tmp_path / "curve.csv"
+    words = ["predict", "--young", "25", "--thickness", "5", "--motion", str(motion), "--prony", "0.1:0.5"]
+    assert cli.run([*words, "--out", str(out), "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["peak_force_N"] > answer["steady_force_N"] > 0.0
+    lines = out.read_text().splitlines()
+    assert lines[0].startswith("time_s,displacement_mm,force_N")
+    assert len(lines) == 4
+    motion.write_text("time_s,displacement_mm\n0,0\n0.1,x\n")
+    assert cli.run(words) == 2
+    assert "motion.csv:3: displacement_mm = 'x' is not a number" in capsys.readouterr().err

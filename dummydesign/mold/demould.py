@@ -61,7 +61,7 @@ def minimum_draft_deg(faces: Sequence[Any], up: float = 1.0) -> float:
 
 
 def surface_samples(mesh: Any, chosen: Any, count: int) -> tuple[Any, Any]:
-    """Points spread evenly over chosen triangles of a mesh, and the normals there; ``count`` to four times as many.
+    """Points spread evenly over chosen triangles of a mesh, and the normals there; twice ``count`` at the most.
 
     Large triangles are split until their edges are shorter than the spacing, so that no patch of a flat
     wall stays unseen; points are the centroids.
@@ -75,7 +75,7 @@ def surface_samples(mesh: Any, chosen: Any, count: int) -> tuple[Any, Any]:
     vertices, faces, origin = trimesh.remesh.subdivide_to_size(
         mesh.vertices, mesh.faces[chosen], max_edge=edge, max_iter=20, return_index=True
     )
-    step = max(1, len(faces) // (4 * count))
+    step = max(1, -(-len(faces) // (2 * count)))
     return vertices[faces[::step]].mean(axis=1), mesh.face_normals[chosen][origin[::step]]
 
 

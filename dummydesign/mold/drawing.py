@@ -206,8 +206,8 @@ def _svg_dimension(d: Dimension, h: float) -> str:
         corners = (tip, (bx + nx, by + ny), (bx - nx, by - ny))
         heads += '<path fill="#111" d="M' + "L".join(f"{x:.3f} {h - y:.3f}" for x, y in corners) + 'Z"/>'
     middle = ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2)
-    wide = 2.3 * len(number(d.value))
-    if length < wide + 2:
+    wide = 2.0 * len(number(d.value))
+    if length < wide:
         middle = (
             (middle[0], max(a[1], b[1]) + wide / 2 + 4) if d.vertical else (max(a[0], b[0]) + wide / 2 + 4, middle[1])
         )

@@ -153,7 +153,7 @@ def test_missing_label_on_the_master_is_seen(open_parts):
 def test_thin_wall_and_floor_are_seen(open_parts):
     made = open_parts
     pocket = drafted_prism(Outline(20, 10, 1), 3.0, 0.0, -made.spec.body.floor_mm - 1.0)
-    groove = drafted_prism(Outline(4, 20, 1), 30.0, 0.0, -5.0).translate((made.plan.top.length_mm / 2, 0, 0))
+    groove = drafted_prism(Outline(4, 40, 1), 30.0, 0.0, -5.0).translate((made.plan.top.length_mm / 2, 0, 0))
     thin = single_solid(made.solid("mould").cut(pocket, groove))
     found = {c.id: c for c in _mesh_checks(made, thin)}
     assert found["wall_thickness"].status == found["floor_thickness"].status == "fail"

@@ -208,17 +208,19 @@ def steady_depth(
     forces = np.atleast_1d(np.asarray(steady_force_N, float))
     elastic = np.broadcast_to(forces, (len(slabs.slab), len(forces)))
     depth = slabs.curves.depth_at(slabs.slab, elastic / slabs.young_MPa[:, None])
-    slowest = max(slabs.tau_s, default=0.0)
-    if slowest and np.exp(-sampling.hold_s / slowest) * float(np.max(slabs.beta, initial=0.0)) > 1e-7:
+    if np.exp(-sampling.hold_s / max(slabs.tau_s, default=1e-9)) > 1e-12:
+        left = _left_by_press if exact else _left_by_formula
+        settled = np.zeros(depth.shape, bool)
         for _ in range(8):
             # depths that are out of reach are tried at the limit: what is left there may bring them in
             tried = np.where(np.isfinite(depth), depth, slabs.curves.limit_mm[slabs.slab][:, None])
-            left = _left_by_press if exact else _left_by_formula
             share = left(slabs, tried, velocity_mm_s, sampling)
             new = slabs.curves.depth_at(slabs.slab, elastic / share / slabs.young_MPa[:, None])
             change = np.abs(np.nan_to_num(new / tried, nan=1.0) - 1.0)
-            depth = new
-            if float(change.max(initial=0.0)) < 1e-6:
+            # a depth that has settled stays, so that no design depends on which others are worked out with it
+            depth = np.where(settled, depth, new)
+            settled |= change < 1e-6
+            if settled.all():
                 break
     return depth if np.ndim(steady_force_N) else depth[:, 0]
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from dummydesign.design.curves import COARSE, Press, Sampling, Slabs, press_to_depth, steady_depth
 from dummydesign.design.targets import FORCES_N, LOW_GRID_N, STEADY_GRID_N, VELOCITIES_MM_S, Targets
+from dummydesign.tissue.ranges import STEADY_TOLERANCE
 
 FIRST_HOLD_S = 0.005
 """Time after the stop from which the hold counts, as in the tissue's own definition. [s]"""
@@ -145,8 +146,9 @@ def _inside_at_samples(press: Press, band) -> NDArray:
     """The same share taken at the samples: rise even in time, hold even in the logarithm from 5 ms on."""
     low = np.interp(press.time_s, band.time_s, band.low_N)
     high = np.interp(press.time_s, band.time_s, band.high_N)
+    near = STEADY_TOLERANCE * band.steady_force_N
     with np.errstate(invalid="ignore"):
-        within = (press.force_N >= low - 0.01) & (press.force_N <= high + 0.01)
+        within = (press.force_N >= low - near) & (press.force_N <= high + near)
     since = press.time_s - press.stop_s[:, None]
     clock = np.minimum(press.time_s, press.stop_s[:, None])
     held = np.log(np.maximum(since, FIRST_HOLD_S))

@@ -14,17 +14,18 @@ def pretend(layer_law, calls, reach=0.6, depths=solved.SHARES):
     """Stand in for the finite-element solve by a formula of known force."""
 
     def solve(case):
-        thickness, radius = case
+        thickness, radius = case.thickness_mm, case.radius_mm
         calls.append(thickness)
         depth = thickness * np.array([share for share in depths if share <= reach])
         why = () if reach >= 0.6 else ("stopped early",)
-        return depth, layer_law.force(depth, thickness, 1.0, radius), why
+        force = layer_law.force(depth, thickness, 1.0, radius)
+        return solved.SolvedSlab(case, depth, force, 0.001 + 0.0 * depth, why)
 
     return solve
 
 
 def test_between_solved_depths_the_force_is_that_of_the_law(layer_law, monkeypatch):
-    monkeypatch.setattr(solved, "_solve", pretend(layer_law, []))
+    monkeypatch.setattr(solved, "solve_slab", pretend(layer_law, []))
     law = solved.solve_law([4.0, 12.0], RADIUS)
     thickness = np.array([[4.0], [12.0]])
     depth = np.linspace(0.002, 0.6, 60) * thickness
@@ -34,7 +35,7 @@ def test_between_solved_depths_the_force_is_that_of_the_law(layer_law, monkeypat
 
 def test_a_study_solves_each_thickness_once_whatever_the_ratios(layer_law, monkeypatch):
     calls = []
-    monkeypatch.setattr(solved, "_solve", pretend(layer_law, calls))
+    monkeypatch.setattr(solved, "solve_slab", pretend(layer_law, calls))
     punches = (("square:14", RADIUS),)
     study = Study((5.0, 10.0), (15.0, 15.5, 16.0), punches, fidelity="axisymmetric")
     rows, exact = whatif(study)["rows"], whatif(study, layer_law)["rows"]
@@ -46,20 +47,20 @@ def test_a_study_solves_each_thickness_once_whatever_the_ratios(layer_law, monke
 
 
 def test_a_curve_that_stops_early_is_used_no_further(layer_law, monkeypatch):
-    monkeypatch.setattr(solved, "_solve", pretend(layer_law, [], reach=0.35))
+    monkeypatch.setattr(solved, "solve_slab", pretend(layer_law, [], reach=0.35))
     law = solved.solve_law([10.0], RADIUS)
     assert law.depth_limit_mm(10.0, RADIUS) == pytest.approx(3.5)
     assert law.notes == ("slab of 10 mm: stopped early",)
 
 
 def test_a_slab_that_can_hardly_be_solved_has_no_answer(layer_law, monkeypatch):
-    monkeypatch.setattr(solved, "_solve", pretend(layer_law, [], reach=0.1))
+    monkeypatch.setattr(solved, "solve_slab", pretend(layer_law, [], reach=0.1))
     with pytest.raises(NoAnswerError, match="only 4 depths"):
         solved.solve_law([10.0], RADIUS)
 
 
 def test_another_punch_is_not_answered_by_chance(layer_law, monkeypatch):
-    monkeypatch.setattr(solved, "_solve", pretend(layer_law, []))
+    monkeypatch.setattr(solved, "solve_slab", pretend(layer_law, []))
     with pytest.raises(ValueError, match="punch radius"):
         solved.solve_law([10.0], RADIUS).force(1.0, 10.0, 1.0, 5.0)
 

@@ -1,14 +1,16 @@
 """What-if tables against closed forms; ranges with their end; refusals."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from dummydesign.design.punch import equal_area_radius_mm
 from dummydesign.design.ranges import parse_limits, parse_values
-from dummydesign.design.whatif import Study, csv_text, whatif
-from dummydesign.errors import InputError
+from dummydesign.design.rows_file import RowFormat
+from dummydesign.design.whatif import Study, whatif
+from dummydesign.errors import InputError, NoAnswerError
 
 SQUARE = (("square:14", 14.0 / math.sqrt(math.pi)),)
 
@@ -74,8 +76,10 @@ def test_a_thousand_designs_take_less_than_a_second_of_work(layer_law):
 
 
 def test_csv_has_one_line_a_row_and_a_column_a_value(layer_law):
-    rows = whatif(Study((5.0, 15.0), (15.0,), SQUARE), layer_law)["rows"]
-    lines = csv_text(rows).splitlines()
+    study = Study((5.0, 15.0), (15.0,), SQUARE)
+    rows = whatif(study, layer_law)["rows"]
+    layout = RowFormat(study)
+    lines = (layout.header() + layout.text(rows)).splitlines()
     assert len(lines) == 3
     head = lines[0].split(",")
     assert {"depth_mm_at_5_N", "exponent_at_15_N", "peak_over_steady_at_250_mm_s", "limit"} <= set(head)
@@ -131,6 +135,41 @@ def test_too_many_designs_are_refused_before_any_work(layer_law):
 def test_bad_studies_are_refused(layer_law, study, message):
     with pytest.raises(InputError, match=message):
         whatif(study, layer_law)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"conditions": ("frictionless",)}, "condition = 'frictionless' is not in the response table"),
+        ({"conditions": ("glued",), "fidelity": "axisymmetric"}, "unknown condition 'glued'"),
+        ({"bases": ("loose",)}, "unknown base 'loose'"),
+        ({"punches": (("round:40", 20.0),)}, "punch radius over thickness of round:40 on 5 mm = 4"),
+        ({"thickness_mm": (5.0, 5.0)}, "thickness in mm = 5.0 is given twice"),
+    ],
+)
+def test_supports_and_punches_the_model_does_not_know_are_refused(changes, message):
+    study = replace(Study((5.0,), (15.0,), SQUARE), **changes)
+    with pytest.raises(InputError, match=message):
+        whatif(study)
+
+
+def test_a_sliding_base_is_softer_and_every_support_has_its_rows():
+    rows = whatif(Study((5.0, 15.0), (15.5,), SQUARE, bases=("bonded", "sliding")))["rows"]
+    assert [(row["base"], row["thickness_mm"]) for row in rows] == [
+        ("bonded", 5.0), ("bonded", 15.0), ("sliding", 5.0), ("sliding", 15.0)
+    ]  # fmt: skip
+    for bonded, sliding in zip(rows[:2], rows[2:]):
+        assert sliding["depth_mm_at_N"]["1"] > 1.2 * bonded["depth_mm_at_N"]["1"]
+
+
+def test_a_slab_that_cannot_be_solved_has_a_row_that_says_so(monkeypatch):
+    def fail(case):
+        raise NoAnswerError("no_convergence", f"slab of {case.thickness_mm:g} mm: no depth")
+
+    monkeypatch.setattr("dummydesign.design.solved.solve_slab", fail)
+    rows = whatif(Study((5.0,), (15.0, 16.0), SQUARE, fidelity="axisymmetric", tissue="palm"))["rows"]
+    assert [row["limit"] for row in rows] == ["slab of 5 mm: no depth"] * 2
+    assert set(rows[0]["depth_mm_at_N"].values()) == {None} and rows[0]["score"]["total"] == 0.0
 
 
 def test_punches_are_reduced_to_the_circle_of_their_area():

@@ -1,0 +1,148 @@
+"""What a plot shows: lines, bands, points, bars, maps, an ellipse. Plain values, drawn by ``plot``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+MOST_POINTS = 240
+Record = tuple[str, object, object, object, object]
+"""One line of a plot's CSV: series, x, y, low, high."""
+
+
+def _column(values: ArrayLike) -> NDArray:
+    return np.asarray(values, float)
+
+
+@dataclass(frozen=True)
+class Line:
+    """A curve; ``style`` is one of main, aim, other, alt1 .. alt5. NaN breaks it."""
+
+    name: str
+    x: ArrayLike
+    y: ArrayLike
+    style: str = "main"
+
+    def extent(self) -> tuple[NDArray, NDArray]:
+        """Values that the axes must hold."""
+        return _column(self.x), _column(self.y)
+
+    def records(self) -> Iterator[Record]:
+        """Lines of the CSV."""
+        for x, y in zip(_column(self.x), _column(self.y)):
+            yield self.name, x, y, "", ""
+
+
+@dataclass(frozen=True)
+class Dots(Line):
+    """Single points."""
+
+
+@dataclass(frozen=True)
+class Band:
+    """Area between ``low`` and ``high`` over x; ``sideways`` gives x-ranges over y instead."""
+
+    name: str
+    at: ArrayLike
+    low: ArrayLike
+    high: ArrayLike
+    sideways: bool = False
+    style: str = "band"
+
+    def extent(self) -> tuple[NDArray, NDArray]:
+        """Values that the axes must hold."""
+        at = np.concatenate([_column(self.at)] * 2)
+        ends = np.concatenate([_column(self.low), _column(self.high)])
+        return (ends, at) if self.sideways else (at, ends)
+
+    def records(self) -> Iterator[Record]:
+        """Lines of the CSV; low and high are of x when sideways."""
+        for at, low, high in zip(_column(self.at), _column(self.low), _column(self.high)):
+            yield (self.name, "", at, low, high) if self.sideways else (self.name, at, "", low, high)
+
+
+@dataclass(frozen=True)
+class Bars:
+    """Horizontal bars from low to high, one a label (a tornado)."""
+
+    name: str
+    labels: Sequence[str]
+    low: ArrayLike
+    high: ArrayLike
+
+    def extent(self) -> tuple[NDArray, NDArray]:
+        """Values that the axes must hold."""
+        ends = np.concatenate([_column(self.low), _column(self.high), [0.0]])
+        return ends, np.array([0.0, len(self.labels)], float)
+
+    def records(self) -> Iterator[Record]:
+        """Lines of the CSV."""
+        for label, low, high in zip(self.labels, _column(self.low), _column(self.high)):
+            yield label, "", "", low, high
+
+
+@dataclass(frozen=True)
+class Cells:
+    """A map of values (rows over y, columns over x) from ``low`` to ``high``; NaN stays empty."""
+
+    name: str
+    x: ArrayLike
+    y: ArrayLike
+    value: ArrayLike
+    low: float = 0.0
+    high: float = 1.0
+
+    def extent(self) -> tuple[NDArray, NDArray]:
+        """Values that the axes must hold: the outer edges of the cells."""
+        return edges(_column(self.x))[[0, -1]], edges(_column(self.y))[[0, -1]]
+
+    def records(self) -> Iterator[Record]:
+        """Lines of the CSV; the value stands under low and high."""
+        for y, row in zip(_column(self.y), _column(self.value)):
+            for x, value in zip(_column(self.x), row):
+                yield self.name, x, y, value, value
+
+
+@dataclass(frozen=True)
+class Ellipse:
+    """An ellipse with its axes along those of the plot."""
+
+    name: str
+    x: float
+    y: float
+    half_x: float
+    half_y: float
+
+    def extent(self) -> tuple[NDArray, NDArray]:
+        """Values that the axes must hold (none: it is cut off)."""
+        return np.array([self.x]), np.array([self.y])
+
+    def records(self) -> Iterator[Record]:
+        """Lines of the CSV: its ends along both axes."""
+        yield self.name, "", self.y, self.x - self.half_x, self.x + self.half_x
+        yield self.name, self.x, "", self.y - self.half_y, self.y + self.half_y
+
+
+def edges(centres: NDArray) -> NDArray:
+    """Edges of cells around rising centres, half-way between them."""
+    if len(centres) == 1:
+        return np.array([centres[0] - 0.5, centres[0] + 0.5])
+    middle = 0.5 * (centres[1:] + centres[:-1])
+    return np.r_[2 * centres[0] - middle[0], middle, 2 * centres[-1] - middle[-1]]
+
+
+def thin(x: NDArray, log: bool, *others: NDArray) -> list[NDArray]:
+    """Keep at most :data:`MOST_POINTS` of many points, evenly along the axis, ends and extremes included."""
+    if len(x) <= MOST_POINTS:
+        return [x, *others]
+    place = np.log(np.maximum(x, 1e-12)) if log else x
+    cells = np.floor((place - place[0]) / max(place[-1] - place[0], 1e-300) * (MOST_POINTS // 2 - 1)).astype(int)
+    first = np.r_[True, np.diff(cells) > 0]
+    kept = first | np.r_[first[1:], True]
+    for values in others:
+        if np.isfinite(values).any():
+            kept[[int(np.nanargmax(values)), int(np.nanargmin(values))]] = True
+    return [values[kept] for values in (x, *others)]

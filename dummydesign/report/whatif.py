@@ -1,0 +1,182 @@
+"""Report of a what-if study: the live page, how thickness shapes the curve, the score map, the rows."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dummydesign.design.thickness_study import STATEMENT
+from dummydesign.report.layers import Cells, Dots, Line
+from dummydesign.report.live import FORCES_N, SIZES_MM, live_scripts, live_section
+from dummydesign.report.page import Section, Table, write_report
+from dummydesign.report.plot import Plot
+
+if TYPE_CHECKING:
+    from dummydesign.design.study import Study
+    from dummydesign.resin.model import Resin
+    from dummydesign.tissue.band import Tissue
+
+SHOWN, SERIES = 200, 6
+STYLES = ("main", "alt1", "alt2", "alt3", "alt4", "alt5")
+Rows = list[dict[str, Any]]
+
+
+def write_whatif(
+    folder: Path, study: Study, rows: Rows, resin: Resin, tissue: Tissue | None, warnings: list[dict[str, str]]
+) -> dict[str, str]:
+    """Write the report of a study into a folder; see :func:`dummydesign.report.page.write_report`.
+
+    Parameters
+    ----------
+    folder : Path
+    study : Study
+    rows : list of dict
+        In the study's order.
+    resin : Resin
+    tissue : Tissue or None
+    warnings : list of {code, message}
+    """
+    sections = [
+        live_section(resin, tissue, _start(study, rows)),
+        _thickness(study, rows),
+        *_map(study, rows),
+        _table(study, rows),
+    ]
+    lead = (
+        f"{study.size} slabs of {resin.title}: {_span(study.thickness_mm)} mm thick, ratio {_span(study.ratio)}, "
+        f"{', '.join(name for name, _ in study.punches)}, by {study.fidelity}."
+    )
+    sources = [*resin.references, *([] if tissue is None else tissue.sources)]
+    return write_report(folder, "What if", lead, sections, (), warnings, sources, live_scripts())
+
+
+def _span(values: tuple[float, ...]) -> str:
+    low, high = min(values), max(values)
+    return f"{low:g}" if low == high else f"{low:g} to {high:g}"
+
+
+def _start(study: Study, rows: Rows) -> dict[str, Any]:
+    """Where the sliders stand first: the best score, else the middle of the lists."""
+    scored = [row for row in rows if row.get("score")]
+    best = max(scored, key=lambda row: row["score"]["total"]) if scored else rows[len(rows) // 2]
+    name, size = best["punch"].split(":")[0], dict(study.punches)[best["punch"]]
+    square = name != "round"
+    side = size * math.sqrt(math.pi) if square else 2.0 * size
+    force = study.forces_N[len(study.forces_N) // 2]
+    return {
+        "ratio": best["ratio"],
+        "thickness_mm": best["thickness_mm"],
+        "size_mm": min(max(side, SIZES_MM[0]), SIZES_MM[1]),
+        "shape": "square" if square else "round",
+        "base": best["base"],
+        "velocity_mm_s": min(max(study.velocities_mm_s[-1], 1.0), 500.0),
+        "force_N": min(max(force, FORCES_N[0]), FORCES_N[1]),
+    }
+
+
+def _groups(study: Study, rows: Rows) -> list[tuple[str, Rows]]:
+    """Rows by punch, support and a few ratios, each with a name that says what differs."""
+    ratios = [study.ratio[index] for index in np.unique(np.linspace(0, len(study.ratio) - 1, SERIES).astype(int))]
+    groups = []
+    for (punch, _), condition, base in study.setups:
+        for ratio in ratios:
+            words = [
+                text
+                for text, many in (
+                    (f"ratio {ratio:g}", len(study.ratio) > 1),
+                    (punch, len(study.punches) > 1),
+                    (f"{condition} face", len(study.conditions) > 1),
+                    (f"{base} base", len(study.bases) > 1),
+                )
+                if many
+            ]
+            chosen = [
+                row
+                for row in rows
+                if row["ratio"] == ratio and (row["punch"], row["condition"], row["base"]) == (punch, condition, base)
+            ]
+            groups.append((", ".join(words) or f"ratio {ratio:g}", chosen))
+    return groups[:SERIES]
+
+
+def _thickness(study: Study, rows: Rows) -> Section:
+    """Exponent and depth against thickness."""
+    mark = Dots if len(study.thickness_mm) < 3 else Line
+    middle = min(study.forces_N, key=lambda force: abs(force - 10.0))
+    groups = _groups(study, rows)
+    first, one = groups[len(groups) // 2]
+    by_force = tuple(
+        mark(f"{force:g} N", *_series(one, "exponent_at_N", force), style)
+        for force, style in zip(study.forces_N, STYLES)
+    )
+    by_group = tuple(
+        mark(name, *_series(chosen, "exponent_at_N", middle), style) for (name, chosen), style in zip(groups, STYLES)
+    )
+    depths = tuple(
+        mark(name, *_series(chosen, "depth_mm_at_N", middle), style) for (name, chosen), style in zip(groups, STYLES)
+    )
+    common = {"x_label": "thickness [mm]", "x_name": "thickness_mm"}
+    exponent = {"y_label": "local exponent d ln F / d ln x", "y_name": "exponent", "zero": False}
+    plots = [
+        Plot("exponent-by-force", f"Exponent against thickness at equal force, {first}",
+             f"Local exponent over thickness at equal forces, {first}.", layers=by_force, **common, **exponent),
+        Plot("exponent-by-design", f"Exponent against thickness at {middle:g} N",
+             f"Local exponent over thickness at {middle:g} N for several designs.", layers=by_group, **common,
+             **exponent),
+        Plot("depth", f"Relaxed depth against thickness at {middle:g} N",
+             f"Relaxed depth over thickness at {middle:g} N for several designs.", y_label="depth [mm]",
+             y_name="depth_mm", layers=depths, **common),
+    ]  # fmt: skip
+    return Section("Thickness and nonlinearity", STATEMENT, plots)
+
+
+def _series(rows: Rows, name: str, force: float) -> tuple[list[float], list[float]]:
+    """Thickness and a value at a force; NaN where missing, which breaks the line."""
+    pairs = sorted((row["thickness_mm"], row[name][f"{force:g}"]) for row in rows)
+    return [thickness for thickness, _ in pairs], [math.nan if value is None else value for _, value in pairs]
+
+
+def _map(study: Study, rows: Rows) -> list[Section]:
+    """Score over ratio and thickness for the first setup, when there is a score and a map."""
+    if study.tissue is None or len(study.thickness_mm) < 2 or len(study.ratio) < 2:
+        return []
+    (punch, _), condition, base = study.setups[0]
+    thickness, ratio = sorted(study.thickness_mm), sorted(study.ratio)
+    value = np.full((len(thickness), len(ratio)), np.nan)
+    at = [{design: place for place, design in enumerate(steps)} for steps in (thickness, ratio)]
+    best = None
+    for row in rows:
+        if (row["punch"], row["condition"], row["base"]) == (punch, condition, base):
+            value[at[0][row["thickness_mm"]], at[1][row["ratio"]]] = row["score"]["total"]
+            if best is None or row["score"]["total"] > best["score"]["total"]:
+                best = row
+    layers = (
+        Cells("total score", ratio, thickness, value),
+        Dots("best of this study", [best["ratio"]], [best["thickness_mm"]], "aim"),
+    )
+    alt = (
+        f"Map of the total score for {study.tissue} over ratio and thickness; best {best['score']['total']:.2f} at "
+        f"{best['thickness_mm']:g} mm and ratio {best['ratio']:g}."
+    )
+    plot = Plot("score", f"Score for {study.tissue}, aim {study.aim}", alt, "ratio", "thickness [mm]", "ratio",
+                "thickness_mm", layers, note=f"{punch}, {condition} face, {base} base; 1 is best")  # fmt: skip
+    return [Section("Score", "", [plot])]
+
+
+def _table(study: Study, rows: Rows) -> Section:
+    forces, speeds = [f"{v:g}" for v in study.forces_N], [f"{v:g}" for v in study.velocities_mm_s]
+    head = ["thickness mm", "ratio", "punch", "face, base", "E kPa"]
+    head += [f"{name} at {force} N" for force in forces for name in ("depth mm,", "exponent")]
+    head += [f"peak / steady at {speed} mm/s" for speed in speeds] + ["stops early"]
+    lines = []
+    for row in rows[:SHOWN]:
+        values = [row["thickness_mm"], row["ratio"], row["punch"], f"{row['condition']}, {row['base']}"]
+        values.append(row["young_kPa"])
+        for force in forces:
+            values += [row["depth_mm_at_N"][force], row["exponent_at_N"][force]]
+        lines.append([*values, *(row["peak_over_steady"][speed] for speed in speeds), row["limit"] or ""])
+    more = f"The first {SHOWN} of {len(rows)} designs; all stand in rows.csv." if len(rows) > SHOWN else ""
+    return Section("Rows", more, table=Table(head, lines))

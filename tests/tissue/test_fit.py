@@ -59,8 +59,8 @@ def test_intervals_hold_the_truth_and_shrink_with_the_noise(clean):
 
 def test_ninety_five_percent_intervals_hold_the_truth_in_white_and_in_slow_noise():
     for slow in (0.0, 0.05):
-        held = coverage(16, 3, slow, life_s=0.3)
-        # 80 intervals; 0.95 +- 3 sd with the five of a draw counted as dependent
+        held = coverage(12, 3, slow, life_s=0.3)
+        # 60 intervals; 0.95 +- 3 sd with the five of a draw counted as dependent
         assert held.mean() > 0.86
 
 
@@ -101,7 +101,7 @@ def test_dampers_that_differ_by_speed_are_found_by_the_fit_per_speed():
 
 
 def test_the_fit_per_condition_lists_conditions_and_their_mean(clean):
-    fit = fit_traces(clean, 5, mode="per-condition")
+    fit = fit_traces(clean, 5, mode="per-condition", intervals=False)
     rows = fit.result["by_condition"]
     assert [(r["velocity_mm_s"], round(r["steady_force_N"])) for r in rows] == [(v, round(f)) for v, f in SIX]
     for row in rows:
@@ -127,7 +127,9 @@ def test_the_printed_laws_are_fitted_back_from_their_own_curves(law):
 
 
 def test_the_declared_sensor_filter_is_part_of_the_model(clean):
-    filtered = [Trace(t.name, t.time_s, t.displacement_mm, Lowpass(35.0).apply(t.time_s, t.force_N)) for t in clean]
+    filtered = [
+        Trace(t.name, t.time_s, t.displacement_mm, Lowpass(35.0).apply(t.time_s, t.force_N)) for t in clean[1::2]
+    ]
     fit = fit_traces(filtered, 5, lowpass=Lowpass(35.0), intervals=False)
     assert values(fit) == pytest.approx(TRUTH, rel=5e-3)
     blind = fit_traces(filtered, 5, intervals=False)

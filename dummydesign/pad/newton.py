@@ -171,11 +171,13 @@ def follow(
     largest_step: float,
     smallest_step: float,
     progress: Callable[[float], None] | None = None,
+    sound_J: float = 0.0,
 ) -> Path:
     """Follow the equilibrium from first touch through ``depths`` (increasing, in the mesh's unit of length).
 
     Every depth is met exactly. A step that fails is halved and tried again from the last good state;
-    below ``smallest_step`` the path ends there and says why.
+    below ``smallest_step`` the path ends there and says why. It also ends after a wanted depth at which
+    the smallest volume ratio is below ``sound_J``.
     """
     began = time.perf_counter()
     targets = np.asarray(depths, dtype=float)
@@ -216,6 +218,9 @@ def follow(
             found.append((depth, problem.force(answer.state), float(answer.state.J.min())))
             if progress:
                 progress(depth)
+            if found[-1][2] < sound_J:
+                stop = _explain(problem, u, p, depth, f"a volume ratio fell below {sound_J:g}")
+                break
     table = np.array(found).reshape(-1, 3)
     return Path(
         table[:, 0], table[:, 1], table[:, 2], problem.pattern.n, steps, iterations,

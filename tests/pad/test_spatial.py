@@ -1,0 +1,194 @@
+"""The pad in space: solver, patch, symmetry, equilibrium, square over circle at first touch and at depth."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+import pytest
+
+from dummydesign.errors import InputError
+from dummydesign.pad import spatial_mesh as space
+from dummydesign.pad.dissection import Dissection, elimination_order
+from dummydesign.pad.laws import Yeoh, neo_hookean
+from dummydesign.pad.newton import Problem, follow
+from dummydesign.pad.solid import Solid
+from dummydesign.pad.sparse import Pattern
+from dummydesign.pad.spatial import Block, Cells, block_problem, solve_ratios, twin_problem
+
+LAW = neo_hookean(1.0)
+
+
+def half(thickness: float) -> Block:
+    """The 14 mm square on the 150 x 120 mm slab."""
+    return Block((7.0 / thickness,) * 2, (75.0 / thickness, 60.0 / thickness))
+
+
+def brick(law, skew=0.0):
+    """A quarter of a brick 2 x 1.4 x 1 between sliding plates; ``skew`` leans the inner nodes of the mesh."""
+    x, y, z = np.array([0.0, 0.4, 1.0]), np.array([0.0, 0.3, 0.7]), np.array([-1.0, -0.4, 0.0])
+
+    def bend(places):
+        bubble = places[0] * (1 - places[0]) * places[1] * (0.7 - places[1]) * places[2] * (1 + places[2])
+        return places + skew * bubble * np.array([[1.0], [-0.7], [0.5]])
+
+    mesh = space.discretise(space.extrude(*space.rectangle_plan(x, y), z), bend)
+    place = mesh.nodes
+    held = np.zeros((place.shape[1], 3), dtype=bool)
+    held[:, :2] = (place[:2] < 1e-9).T
+    base, top = (np.nonzero(np.abs(place[2] - level) < 1e-9)[0] for level in (-1.0, 0.0))
+    held[base, 2] = True
+    solver = partial(Dissection, position=np.indices((2, 2, 2)).reshape(3, -1))
+    return Problem(Solid(mesh, law), held.ravel(), 3 * top + 2, 3 * base + 2, solver=solver)
+
+
+@pytest.mark.parametrize("law", [neo_hookean(0.7), Yeoh(0.7, 0.2)])
+def test_patch_a_brick_between_sliding_plates_is_compressed_uniformly_on_a_skewed_mesh(law):
+    """Uniaxial closed form: nominal stress = (mu + 4 c2 (I1 - 3)) (1/l^2 - l) at stretch l."""
+    depths = np.array([0.2, 0.5])
+    path = follow(brick(law, skew=4.0), depths, 0.2, 0.2, 0.01)
+    stretch = 1.0 - depths
+    excess = stretch**2 + 2.0 / stretch - 3.0
+    stress = (law.shear_MPa + 4.0 * law.c2_MPa * excess) * (1.0 / stretch**2 - stretch)
+    assert path.force == pytest.approx(0.7 * stress, rel=3e-5)
+    assert path.smallest_J == pytest.approx(1.0, abs=3e-5)
+
+
+def test_the_dissection_solves_what_a_sparse_factorisation_solves():
+    problem = block_problem(half(10.0), LAW, 0.5, Cells(0.45))
+    solid, rng = problem.solid, np.random.default_rng(3)
+    state = solid.state(*problem.start())
+    load = rng.standard_normal(solid.mesh.size)
+    reference = Pattern([solid.mesh.dofs], problem.pattern.free, solid.mesh.size).solve([state.stiffness], load)
+    found = problem.pattern.solve([state.stiffness], load)
+    assert found == pytest.approx(reference, abs=1e-8 * np.abs(reference).max())
+
+
+def test_the_dissection_also_solves_an_indefinite_matrix():
+    """On the way to an equilibrium the tangent need not be positive definite."""
+    problem = brick(LAW)
+    solid = problem.solid
+    matrix = solid.state(*problem.start()).stiffness
+    matrix = matrix - 0.7 * np.eye(81) * np.abs(matrix).max()
+    load = np.random.default_rng(4).standard_normal(solid.mesh.size)
+    answer = problem.pattern.solve([matrix], load)
+    local = (matrix @ answer[solid.mesh.dofs][:, :, None])[:, :, 0]
+    product = np.bincount(solid.mesh.dofs.ravel(), local.ravel(), minlength=solid.mesh.size)
+    free = problem.pattern.free
+    assert product[free] == pytest.approx(load[free], abs=1e-9 * np.abs(matrix).max())
+
+
+def test_the_elimination_order_names_every_free_unknown_once():
+    problem = block_problem(half(10.0), LAW, 0.5, Cells(0.45))
+    dofs, free = problem.solid.mesh.dofs, problem.pattern.free
+    order = elimination_order(dofs, np.stack([np.arange(len(dofs))] * 3), free, problem.solid.mesh.size)
+    assert np.array_equal(np.sort(order), np.arange(len(free)))
+
+
+def test_graded_lines_keep_their_first_cell_and_their_largest_growth():
+    points = space.lines_around(0.7, 6.0, 0.1, 2.0)
+    size = np.diff(points)
+    edge = np.argmin(np.abs(points - 0.7))
+    assert points[edge] == pytest.approx(0.7)
+    assert size[edge - 1 : edge + 1] == pytest.approx(0.1)
+    assert np.all(size[edge + 1 :] / size[edge:-1] <= 2.0 + 1e-9)
+    assert (points[0], points[-1]) == (pytest.approx(0.0, abs=1e-12), 6.0)
+
+
+@pytest.mark.parametrize(
+    ("thickness", "condition", "expected", "within"),
+    [
+        (20.0, "frictionless", 1.029, 0.0025),
+        (15.0, "frictionless", 1.030, 0.0025),
+        (5.0, "frictionless", 1.012, 0.0025),
+        (20.0, "bonded", 1.032, 0.0035),
+        (15.0, "bonded", 1.032, 0.0035),
+        (10.0, "bonded", 1.028, 0.0035),
+        (5.0, "bonded", 1.002, 0.0035),
+    ],
+)
+def test_first_touch_of_a_square_over_a_circle_agrees_with_other_codes(thickness, condition, expected, within):
+    """Frictionless: boundary elements with 0.5 % error of their own; glued: another finite-element code."""
+    block = Block((7.0 / thickness,) * 2, (75.0 / thickness, 60.0 / thickness), "bonded", condition)
+    cells = Cells(0.2)
+    ratio = 4.0 * block_problem(block, LAW, 0.5, cells).stiffness() / twin_problem(block, LAW, 0.5, cells).stiffness()
+    assert ratio == pytest.approx(expected, abs=within)
+
+
+def test_the_ratio_at_first_touch_does_not_depend_on_the_cells_although_the_forces_do():
+    block, ratios, forces = half(10.0), [], []
+    for cells in (Cells(0.3), Cells(0.2), Cells(0.14), Cells(0.2, 1.6)):
+        forces.append(twin_problem(block, LAW, 0.5, cells).stiffness())
+        ratios.append(4.0 * block_problem(block, LAW, 0.5, cells).stiffness() / forces[-1])
+    assert np.ptp(ratios) < 1.5e-3
+    assert np.ptp(forces[:3]) / forces[0] > 2e-2
+
+
+@pytest.fixture(scope="module")
+def deep():
+    """A square on a square slab at depth, its states kept."""
+    problem = block_problem(Block((0.7, 0.7), (5.0, 5.0)), LAW, 0.5, Cells(0.3))
+    states, solve = [], problem.force
+    problem.force = lambda state: states.append(state) or solve(state)
+    return problem, follow(problem, [0.1, 0.2], 0.1, 0.1, 0.01), states
+
+
+def test_the_punch_pushes_as_hard_as_the_base_pushes_back(deep):
+    problem, path, states = deep
+    assert path.stop is None
+    assert path.force[-1] == pytest.approx(-states[-1].internal_force[problem.driven].sum(), rel=1e-7)
+
+
+def test_the_field_under_a_square_is_the_same_on_both_sides_of_its_diagonal(deep):
+    problem, _, states = deep
+    nodes, force = problem.solid.mesh.nodes, states[-1].internal_force.reshape(-1, 3)
+    here, mirrored = (np.lexsort(np.round(nodes[list(order)], 9)) for order in ((0, 1, 2), (1, 0, 2)))
+    assert force[here] == pytest.approx(force[mirrored][:, [1, 0, 2]], abs=1e-6 * np.abs(force).max())
+
+
+def test_newtons_method_converges_quadratically_in_space(deep):
+    last = [r for r in deep[1].residuals[-1] if r > 1e-12]
+    assert np.log(last[-1]) / np.log(last[-2]) > 1.6
+
+
+def test_the_ratio_changes_little_with_depth_and_with_the_corner_cell():
+    """To d/h 0.15 on a 10 mm pad two corner cells agree within 0.3 %."""
+    depths = np.array([0.05, 0.1, 0.15])
+    coarse, fine = (solve_ratios(half(10.0), LAW, 0.5, depths, Cells(corner)) for corner in (0.45, 0.25))
+    assert len(coarse.depth) == len(fine.depth) == 3
+    assert coarse.ratio == pytest.approx(fine.ratio, abs=3e-3)
+    assert fine.ratio == pytest.approx(fine.first, abs=4e-3)
+
+
+def test_a_folding_corner_is_left_out_and_not_reported_as_a_ratio():
+    found = solve_ratios(half(10.0), LAW, 0.5, np.array([0.1, 0.2, 0.3, 0.45]), Cells(0.45))
+    assert found.smallest_J.min() >= 0.2
+    assert 1 <= len(found.depth) < 4
+
+
+def test_a_rectangle_turned_by_a_right_angle_carries_the_same():
+    one = block_problem(Block((1.0, 0.5), (6.0, 4.0)), LAW, 0.5, Cells(0.3)).stiffness()
+    other = block_problem(Block((0.5, 1.0), (4.0, 6.0)), LAW, 0.5, Cells(0.3)).stiffness()
+    assert one == pytest.approx(other, rel=1e-9)
+
+
+def test_a_long_thin_punch_is_stiffer_than_the_square_of_its_area():
+    """On a thick pad the half-space result: elongation stiffens a punch of given area."""
+    square, long = (
+        block_problem(Block(sides, (6.0, 6.0)), LAW, 0.5, Cells(0.2)).stiffness() for sides in ((0.4, 0.4), (0.8, 0.2))
+    )
+    assert 1.03 < long / square < 1.25
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"half_sides": (0.0, 1.0)}, "half side of the punch"),
+        ({"half_extents": (1.2, 9.0)}, "must stay away"),
+        ({"base": "glued"}, "not one of bonded, sliding"),
+        ({"condition": "oiled"}, "not one of bonded, frictionless"),
+    ],
+)
+def test_bad_blocks_are_refused(change, words):
+    with pytest.raises(InputError, match=words):
+        Block(**{"half_sides": (1.0, 1.0), "half_extents": (9.0, 9.0), **change})

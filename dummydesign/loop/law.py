@@ -8,11 +8,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.errors import InputError
+from dummydesign.errors import InputError, NoAnswerError
 from dummydesign.pad.table import ResponseTable, load_table
 from dummydesign.protocol.campaign import Campaign
 
@@ -22,18 +23,30 @@ UnitForce = Callable[[NDArray, NDArray], NDArray]
 REFERENCE_DEPTH = 0.4
 """Depth over thickness at which the slope of a law error is counted."""
 
-_SQUARE_RATIO = np.log([0.395, 0.527, 0.790, 1.580])
-_SQUARE_FACTOR = np.array([1.030, 1.030, 1.028, 1.002])
+_SMALL_DEPTH_RATIO = np.log([0.395, 0.527, 0.790, 1.580])
+_SMALL_DEPTH_FACTOR = np.array([1.030, 1.030, 1.028, 1.002])
+"""Square over circle at small depth on glued 20, 15, 10 and 5 mm pads, from elements in space: what is used when the
+table of factors is not there. Their fall with depth is then left to the law error."""
+_SHARES = np.linspace(0.0, 0.6, 121)
 
 
-def square_over_circle(depth_mm: NDArray, thickness_mm: NDArray, radius_mm: float) -> NDArray:
-    """Force of a square punch over that of the round one of equal area.
+@lru_cache(maxsize=512)
+def _square_curve(thickness_mm: float, radius_mm: float, base: str) -> NDArray:
+    """Square over circle at the relative depths ``_SHARES`` on one thickness."""
+    try:
+        from dummydesign.pad.square import square_factor
 
-    From three-dimensional elements at small depth on glued 5, 10, 15 and 20 mm pads; its slow fall with
-    depth is left to the law-error terms of the fit.
-    """
-    del depth_mm
-    return np.interp(np.log(radius_mm / np.asarray(thickness_mm, float)), _SQUARE_RATIO, _SQUARE_FACTOR)
+        return np.asarray(square_factor(_SHARES * thickness_mm, thickness_mm, radius_mm, base)[0], float)
+    except (ImportError, NoAnswerError):
+        ratio = np.log(radius_mm / thickness_mm)
+        return np.full(len(_SHARES), np.interp(ratio, _SMALL_DEPTH_RATIO, _SMALL_DEPTH_FACTOR))
+
+
+def square_over_circle(depth_mm: NDArray, thickness_mm: NDArray, radius_mm: float, base: str = "bonded") -> NDArray:
+    """Force of a square punch over that of the round one of equal area, for depths (T, N) on pads (T, 1)."""
+    share = np.clip(depth_mm / thickness_mm, 0.0, _SHARES[-1])
+    rows = np.broadcast_to(np.asarray(thickness_mm, float), (len(share), 1))[:, 0]
+    return np.stack([np.interp(s, _SHARES, _square_curve(float(h), radius_mm, base)) for s, h in zip(share, rows)])
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from dummydesign.loop.reduction import UNLOADING
 from dummydesign.tissue.noise import Bins, Noise
 
 POSITION_PRIOR_MM = (0.008, 1.0)
-LAW_PRIORS = ((0.005, 0.5), (0.012, 0.5), (0.012, 0.5))
+LAW_PRIORS = ((0.004, 0.3), (0.015, 0.3), (0.008, 0.4))
 """Median and spread (of the logarithm) of the sizes that few numbers bear on: contact scatter, and the force
 law's error per thickness in level, slope and curvature at d/h = 0.4 (finite elements, square-punch factor)."""
 LAW_TERMS = len(LAW_PRIORS)

@@ -153,7 +153,8 @@ def _nodes(trace: Trace, ramp: Ramp) -> tuple[NDArray, NDArray]:
         rise = rise[near | (np.arange(len(rise)) % stride == 0)]
     else:
         rise = np.union1d(rise, 0.5 * (rise[1:] + rise[:-1]))
-    start = np.linspace(time[0], max(early, time[0]), 4)
+    # a tilted punch touches before its centre does
+    start = np.r_[time[0], np.linspace(max(contact - 0.06, time[0]), max(early, time[0]), 10)]
     hold = [max(late, rise[-1] if len(rise) else late)]
     while hold[-1] < end:
         hold.append(hold[-1] + min(max((hold[-1] - stop) * (NODE_GROWTH - 1.0), 2e-3), NODE_CAP_S))

@@ -26,6 +26,7 @@ from dummydesign.loop.screen import Screened
 from dummydesign.loop.verdict import (
     GAIN_FLOOR,
     SECOND_FLOOR,
+    SECOND_SHARE,
     Remainder,
     family_of,
     gain_threshold,
@@ -36,6 +37,8 @@ from dummydesign.loop.where import Dependence, dependences
 from dummydesign.protocol.campaign import Campaign
 
 Progress = Callable[[str], None]
+NOTHING, LITTLE = 0.002, 0.02
+"""Relative changes of a squared error that count as none on left-out conditions, and on left-out pads."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +47,7 @@ class Stage:
 
     fit: Fit
     errors: Errors
+    by_pad: Errors
     lack: LackOfFit
 
     def to_dict(self) -> dict[str, Any]:
@@ -53,6 +57,7 @@ class Stage:
             "error": {
                 "train_rmse_N": self.errors.train_N,
                 "heldout_rmse_N": self.errors.heldout_N,
+                "heldout_pad_rmse_N": self.by_pad.heldout_N,
                 "noise_floor_N": self.fit.sizes.floor_N,
                 "lack_of_fit_p": self.lack.p,
                 "lack_of_fit_ratio": self.lack.ratio,
@@ -182,17 +187,18 @@ def close_loop(campaign: Campaign, progress: Progress | None = None, young_MPa: 
         tell("second effect")
         rest = tuple(e for e in available if e.name != first.candidate.effect.name)
         more, second_ranking = rank(after.fit, rest, progress, keep=6, least_z=4.0)
-        second = _accept(after, more, second_ranking, SECOND_FLOOR)
+        second = _accept(after, more, second_ranking, max(SECOND_FLOOR, SECOND_SHARE * first.candidate.gain))
         if second is not None:
             after = _stage(same_noise(second.candidate.fit))
             effects.append(second)
     tell("remainder")
     where_after = dependences(after.fit)
     checks = run_checks(after.fit)
-    left = remainder((base.fit, base.lack), (after.fit, after.lack), where_after, checks)
+    won = sum(found.candidate.gain for found in effects)
+    left = remainder(base.lack, after.lack, won, where_after, checks)
     verdict = "unexplained" if left.reasons else "effect" if effects else "none"
     tell("next measurement")
-    following = _next(campaign, after, effects, ranking)
+    following = _next(campaign, base, effects, ranking)
     return LoopResult(
         campaign, presses, base, after, verdict, tuple(effects), tuple(screened), tuple(ranking), left,
         tuple(dependences(base.fit)), tuple(where_after), tuple(checks), following, untested,
@@ -201,7 +207,35 @@ def close_loop(campaign: Campaign, progress: Progress | None = None, young_MPa: 
 
 
 def _stage(fit: Fit) -> Stage:
-    return Stage(fit, errors(fit), lack_of_fit(fit))
+    return Stage(fit, errors(fit), _pad_errors(fit), lack_of_fit(fit))
+
+
+def _pad_errors(fit: Fit) -> Errors:
+    """Errors with all trials on one thickness left out at a time, and with them its law error."""
+    presses = fit.problem.presses
+    return errors(fit, np.searchsorted(fit.problem.thicknesses, presses.thickness_mm))
+
+
+def _change(before: Errors, after: Errors) -> float | None:
+    """Relative change of the squared error on what both could predict; None when there is nothing."""
+    both = np.isfinite(after.heldout_by_trial_N) & np.isfinite(before.heldout_by_trial_N)
+    if not both.any():
+        return None
+    old, new = ((e.heldout_by_trial_N[both] ** 2).sum() for e in (before, after))
+    return float(new / old - 1.0)
+
+
+def _predicts_better(before: Stage, after: Fit) -> bool:
+    """Whether left-out conditions are predicted better.
+
+    What acts as one factor per pad is absorbed by the law error of that pad, so that other conditions on the
+    same pad are predicted as well without the effect. Then whole pads, left out with their law error, decide.
+    """
+    cells = _change(before.errors, errors(after))
+    if cells is not None and cells < -NOTHING:
+        return True
+    pads = _change(before.by_pad, _pad_errors(after))
+    return (cells is None or cells < LITTLE) and pads is not None and pads < -LITTLE
 
 
 def _resin_young_kPa(campaign: Campaign) -> float:
@@ -226,34 +260,27 @@ def _accept(before: Stage, screened: list[Screened], ranking: list[Candidate], f
         threshold = gain_threshold(screened, ratio, floor)
         if candidate.gain < threshold:
             return None
-        own = errors(candidate.fit)
-        both = np.isfinite(own.heldout_by_trial_N) & np.isfinite(before.errors.heldout_by_trial_N)
-        if not both.any():
-            continue
-        squares = own.heldout_by_trial_N[both] ** 2 - before.errors.heldout_by_trial_N[both] ** 2
-        if squares.sum() >= 0.0:
+        if not _predicts_better(before, candidate.fit):
             continue
         rest = ranking[place:]
         return Found(
             candidate, tuple(rivals(rest, ratio)), tuple(family_of(candidate.screened, screened)), threshold,
-            own.heldout_N, tuple(rest),
+            errors(candidate.fit).heldout_N, tuple(rest),
         )  # fmt: skip
     return None
 
 
 def _next(
-    campaign: Campaign, after: Stage, effects: list[Found], ranking: tuple[Candidate, ...] | list[Candidate]
+    campaign: Campaign, base: Stage, effects: list[Found], ranking: list[Candidate]
 ) -> NextMeasurement | None:
     """Separate the two likeliest explanations: effect and runner-up, or nothing and the best candidate."""
     if effects:
         found = effects[0]
         other = found.ranking[1] if len(found.ranking) > 1 else None
-        if other is None:
-            return None
-        pair = (found.candidate.fit, other.fit)
-        names = (found.candidate.effect.name, other.effect.name)
+        pair = (found.candidate.fit, base.fit if other is None else other.fit)
+        names = (found.candidate.effect.name, "none" if other is None else other.effect.name)
     elif ranking:
-        pair, names = (ranking[0].fit, after.fit), (ranking[0].effect.name, "none")
+        pair, names = (ranking[0].fit, base.fit), (ranking[0].effect.name, "none")
     else:
         return None
     return next_measurement(*pair, names, campaign.lowpass)

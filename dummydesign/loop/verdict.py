@@ -9,13 +9,14 @@ import numpy as np
 
 from dummydesign.loop.candidates import Candidate
 from dummydesign.loop.checks import Check
-from dummydesign.loop.fit import Fit
 from dummydesign.loop.lackoffit import LackOfFit
 from dummydesign.loop.screen import Screened
 from dummydesign.loop.where import Dependence
 
 GAIN_FLOOR = 30.0
-SECOND_FLOOR = 50.0
+SECOND_FLOOR, SECOND_SHARE = 50.0, 0.05
+"""A second effect must gain this much, and this share of the first one's gain: the first one's law of growth is
+never quite the true one, and what it leaves must not be called an effect."""
 RIVAL_GAP = 10.0
 FAMILY_COSINE = 0.9
 LACK_LIMIT = 1.35
@@ -68,28 +69,26 @@ class Remainder:
 
 
 def remainder(
-    base: tuple[Fit, LackOfFit], best: tuple[Fit, LackOfFit], where: list[Dependence], checks: list[Check]
+    base: LackOfFit, best: LackOfFit, won: float, where: list[Dependence], checks: list[Check]
 ) -> Remainder:
     """Judge what is left after the best model.
 
     Parameters
     ----------
-    base, best : (Fit, LackOfFit)
-        Base model and model with the accepted effects (the same when there are none).
+    base, best : LackOfFit
+        Of the base model and of the model with the accepted effects (the same when there are none).
+    won : float
+        Evidence of the accepted effects together.
     where, checks : list
         Of the best model.
     """
     reasons = [f"{check.name}: {check.text}" for check in checks if check.exceeded]
-    base_lack, best_lack = base[1], best[1]
-    if best_lack.ratio is not None and best_lack.ratio > LACK_LIMIT and best_lack.p < LACK_P:
-        explained = 1.0 - (best_lack.ratio - 1.0) / max(base_lack.ratio - 1.0, 1e-9)
+    if best.ratio is not None and best.ratio > LACK_LIMIT and best.p < LACK_P:
+        explained = 1.0 - (best.ratio - 1.0) / max(base.ratio - 1.0, 1e-9)
         if explained < EXPLAINED:
-            reasons.append(
-                f"lack of fit {best_lack.ratio:.2f} times the pure error of repeats (p = {best_lack.p:.4f})"
-            )
-    # shapes are measured with the noise of the best model; a form that is a little off is allowed for
-    won = max(base[0].chi2 - best[0].chi2, base[0].score - best[0].score, 0.0)
-    scale = max(1.0, best_lack.ratio or 1.0)
+            reasons.append(f"lack of fit {best.ratio:.2f} times the pure error of repeats (p = {best.p:.4f})")
+    # a law of growth that is a little off is allowed for
+    scale = max(1.0, best.ratio or 1.0)
     for one in where:
         if one.excess > PROBE_LIMIT * scale and one.excess > (1.0 - EXPLAINED) * won:
             reasons.append(f"residual follows {one.factor} ({one.excess:.0f} in chi2 beyond noise)")

@@ -155,8 +155,10 @@ def write_campaign(
     time = time + np.maximum(np.arange(longest) - np.array([[len(m[0]) - 1] for m in moved]), 0) * 1e-3
     physics = _physics(effect, size, young, tau, beta, pad, rows, np.array(depths), rng)
     force = pad_force(time, x, away, physics)
-    force = _unknown_pad(effect, size, force, rng, rows)
-    return _write(folder, effect, size, rows, moved, force, nominal, young, slow_time, rng)
+    force = _unknown_pad(effect, size, force)
+    before = np.stack([_punch(effect, size, t, f, a) for t, f, a in zip(time, force, stacked(4))])
+    signal = butterworth(time, before, 35.0, size if effect == "sensor_lag" else 0.0)
+    return _write(folder, effect, size, rows, moved, signal, nominal, young, slow_time, rng)
 
 
 def _physics(effect, size, young, tau, beta, pad, rows, depths, rng) -> Physics:
@@ -223,7 +225,7 @@ def _physics(effect, size, young, tau, beta, pad, rows, depths, rng) -> Physics:
     return Physics(young * scale, taus, betas, pad, offset, **extra)
 
 
-def _unknown_pad(effect: str, size: float, force: np.ndarray, rng, rows) -> np.ndarray:
+def _unknown_pad(effect: str, size: float, force: np.ndarray) -> np.ndarray:
     """Effects outside the vocabulary that act on the force of the pad."""
     if effect == "saturation":
         knee = 0.72 * np.quantile(force.max(axis=1), 0.9)
@@ -232,29 +234,30 @@ def _unknown_pad(effect: str, size: float, force: np.ndarray, rng, rows) -> np.n
     return force
 
 
-def _sensor(effect: str, size: float, time, force, acceleration, rng) -> np.ndarray:
-    """From the force on the punch to the filtered signal of one trial."""
-    lag = 0.0
+def _punch(effect: str, size: float, time: np.ndarray, force: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
+    """What is added to the force of one trial before the filter."""
     if effect == "force_bias":
-        force = force + size
-    elif effect == "force_drift":
-        force = force + size * 15.0 * (1.0 - np.exp(-time / 15.0))
-    elif effect == "inertia":
-        force = force + size * acceleration * 1e-3
-    elif effect == "sensor_lag":
-        lag = size
-    elif effect == "ringing":
-        stop = time[np.nonzero(acceleration)[0][-1]] if np.any(acceleration) else 0.2
+        return force + size
+    if effect == "force_drift":
+        return force + size * 15.0 * (1.0 - np.exp(-time / 15.0))
+    if effect == "inertia":
+        return force + size * acceleration * 1e-3
+    if effect == "ringing" and np.any(acceleration):
+        stop = time[np.nonzero(acceleration)[0][-1]]
         hit = -acceleration.min() * 1e-3
         after = np.maximum(time - stop, 0.0)
-        force = force + 0.06 * size * hit * np.exp(-after / 0.07) * np.sin(2 * np.pi * 17.0 * after) * (time > stop)
-    signal = butterworth(time, force, 35.0, lag)
+        return force + 0.06 * size * hit * np.exp(-after / 0.07) * np.sin(2 * np.pi * 17.0 * after) * (time > stop)
+    return force
+
+
+def _saved(effect: str, size: float, time: np.ndarray, signal: np.ndarray, rng) -> np.ndarray:
+    """What happens to the filtered signal of one trial."""
     if effect == "time_skew":
-        signal = np.interp(time - size, time, signal)
-    elif effect == "mains_hum":
-        signal = signal + size * np.sin(2 * np.pi * 50.0 * time + rng.uniform(0, 6.28))
-    elif effect == "load_drop" and rng.random() < 0.35:
-        signal = signal - size * (time > rng.uniform(1.0, 8.0))
+        return np.interp(time - size, time, signal)
+    if effect == "mains_hum":
+        return signal + size * np.sin(2 * np.pi * 50.0 * time + rng.uniform(0, 6.28))
+    if effect == "load_drop" and rng.random() < 0.35:
+        return signal - size * (time > rng.uniform(1.0, 8.0))
     return signal
 
 
@@ -266,8 +269,8 @@ def _write(folder, effect, size, rows, moved, force, nominal, young, slow_time, 
         "[sensor]", "lowpass_hz = 35.0", "lowpass_order = 2", "lowpass_passes = 1", "force_resolution_N = 0.01",
     ]  # fmt: skip
     squares, samples = 0.0, 0
-    for i, (row, (time, x, _away, save, acceleration)) in enumerate(zip(rows, moved)):
-        signal = _sensor(effect, size, time, force[i, : len(time)], acceleration, rng)[save]
+    for i, (row, (time, x, _away, save, _)) in enumerate(zip(rows, moved)):
+        signal = _saved(effect, size, time, force[i, : len(time)], rng)[save]
         t = time[save]
         noise = rng.normal(0, 0.03, len(t)) + _slow(t, 0.02, slow_time, rng)
         squares, samples = squares + float((noise**2).sum()), samples + len(t)

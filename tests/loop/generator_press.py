@@ -62,11 +62,17 @@ class Pad:
     tilt_deg: float = 0.0
     bump: float = 0.0
 
+    def table(self, points: int = 6001) -> tuple[np.ndarray, np.ndarray]:
+        """Depths (points,) over thickness from -0.3 to 0.5 and F / E (T, points) there. [mm2]"""
+        share = np.linspace(-0.3, 0.5, points)
+        depth = share * self.thickness[:, None]
+        if not self.tilt_deg:
+            return share, self._flat(depth)
+        lever = np.tan(np.radians(self.tilt_deg)) * np.linspace(-6.9, 6.9, 70)
+        return share, sum(self._flat(depth + u) for u in lever) / len(lever)
+
     def force(self, depth: np.ndarray) -> np.ndarray:
-        """F / E of depths (T,). [mm2]"""
-        if self.tilt_deg:
-            lever = np.tan(np.radians(self.tilt_deg)) * np.linspace(-6.95, 6.95, 140)
-            return self._flat(depth[:, None] + lever).mean(axis=1)
+        """F / E of depths (T,) on a flat punch. [mm2]"""
         return self._flat(depth[:, None])[:, 0]
 
     def _flat(self, depth: np.ndarray) -> np.ndarray:
@@ -125,13 +131,21 @@ def pad_force(time: np.ndarray, x: np.ndarray, away: np.ndarray, physics: Physic
     last_elastic, force = np.zeros(count), np.zeros(count)
     turn = np.ones(count)
     top = np.maximum.accumulate(x, axis=1)
+    share, law = physics.pad.table()
+    rows, grain = np.arange(count), share[1] - share[0]
+
+    def elastic_force(depth: np.ndarray) -> np.ndarray:
+        at = np.clip((depth / physics.pad.thickness - share[0]) / grain, 0.0, len(share) - 1.001)
+        low = at.astype(int)
+        return law[rows, low] + (at - low) * (law[rows, low + 1] - law[rows, low])
+
     for k in range(steps):
         dt = time[:, k] - time[:, k - 1] if k else np.ones(count)
         guess = force
         for _ in range(5 if physics.compliance else 1):
             give = physics.compliance * guess / (1.0 + np.maximum(guess, 0.0) / 120.0)
             depth = x[:, k] - physics.offset - give
-            elastic = physics.young * physics.pad.force(depth)
+            elastic = physics.young * elastic_force(depth)
             if physics.softening:
                 n = sum((d >= 0.98 * depth) & (d > 0) for d in physics.soft_depth)
                 elastic = elastic * (1.0 - physics.softening * 1.7 * n / (n + 0.7))
@@ -156,7 +170,7 @@ def pad_force(time: np.ndarray, x: np.ndarray, away: np.ndarray, physics: Physic
 
 
 def butterworth(time: np.ndarray, force: np.ndarray, cutoff_hz: float, lag_s: float = 0.0) -> np.ndarray:
-    """Second-order low-pass in state space, exact for ramps between the points; then two poles of lag_s / 2."""
+    """Second-order low-pass of curves (T, K) in state space, exact for ramps; then two poles of lag_s / 2."""
     w = 2.0 * np.pi * cutoff_hz
     systems = [(np.array([[0.0, 1.0], [-w * w, -np.sqrt(2.0) * w]]), np.array([0.0, w * w]))]
     if lag_s > 0:
@@ -168,19 +182,21 @@ def butterworth(time: np.ndarray, force: np.ndarray, cutoff_hz: float, lag_s: fl
 
 
 def _run(time: np.ndarray, force: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    steps = np.round(np.diff(time), 9)
-    made = {}
-    for dt in np.unique(steps):
+    steps, which = np.unique(np.round(np.diff(time, axis=1), 9), return_inverse=True)
+    which = which.reshape(len(time), -1)
+    made = []
+    for dt in steps:
         # augmented matrix: state, input, slope of the input
         big = np.zeros((4, 4))
         big[:2, :2], big[:2, 2], big[2, 3] = a, b, 1.0
-        made[dt] = expm(big * dt)[:2]
-    state = np.array([force[0], 0.0])
+        made.append(expm(big * dt)[:2])
+    made = np.array(made)
+    state = np.stack([force[:, 0], np.zeros(len(force)), np.zeros(len(force)), np.zeros(len(force))], axis=1)
     out = np.empty_like(force)
-    out[0] = force[0]
-    for k, dt in enumerate(steps):
-        m = made[dt]
-        slope = (force[k + 1] - force[k]) / dt
-        state = m[:, :2] @ state + m[:, 2] * force[k] + m[:, 3] * slope
-        out[k + 1] = state[0]
+    out[:, 0] = force[:, 0]
+    slope = np.diff(force, axis=1) / np.diff(time, axis=1)
+    for k in range(time.shape[1] - 1):
+        state[:, 2], state[:, 3] = force[:, k], slope[:, k]
+        state[:, :2] = np.einsum("tij,tj->ti", made[which[:, k]], state)
+        out[:, k + 1] = state[:, 0]
     return out

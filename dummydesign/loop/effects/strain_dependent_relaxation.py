@@ -10,9 +10,10 @@ from dummydesign.loop.presses import Presses
 
 
 class StrainDependentRelaxation(Effect):
-    """beta_i grows as 1 + slope d/h with the relative depth at which the arm is loaded (not separable relaxation).
+    """beta_i goes as 1 + slope (d/h - 0.15) with the relative depth at which the arm is loaded (not separable).
 
-    The share that relaxes grows with depth; the long-term force does not change.
+    The share that relaxes grows with depth; the long-term force does not change. The base strengths are those
+    at d/h = 0.15.
     """
 
     name = "strain_dependent_relaxation"
@@ -26,5 +27,8 @@ class StrainDependentRelaxation(Effect):
 
     def arms(self, presses: Presses, arms: tuple[Arm, ...], depth_mm: NDArray, values: Values) -> tuple[Arm, ...]:
         share = np.maximum(depth_mm, 0.0) / presses.thickness_mm[:, None]
-        weight = np.maximum(1.0 + values["slope"] * share, 0.0)
+        weight = np.maximum(1.0 + values["slope"] * (share - REFERENCE_DEPTH_SHARE), 0.0)
         return tuple(arm.changed(weight=weight if arm.weight is None else arm.weight * weight) for arm in arms)
+
+
+REFERENCE_DEPTH_SHARE = 0.15

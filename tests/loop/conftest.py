@@ -1,0 +1,40 @@
+"""Campaigns from the independent generator, made once for all tests of the loop."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+
+@pytest.fixture(scope="session")
+def campaigns(tmp_path_factory):
+    """A function that writes (once) a campaign with an effect and returns its folder."""
+    import generator
+
+    made = {}
+
+    def make(effect: str, seed: int, strength: float = 1.0, held_out: bool = False) -> Path:
+        key = (effect, seed, strength, held_out)
+        if key not in made:
+            folder = tmp_path_factory.mktemp("campaign") / effect
+            size = {**generator.SIZES, **generator.UNKNOWN}.get(effect, 0.0) * strength
+            generator.write_campaign(folder, effect, size, seed, held_out)
+            made[key] = folder
+        return made[key]
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def plain(campaigns):
+    """Presses and law of a campaign without an effect."""
+    from dummydesign.loop.law import law_of
+    from dummydesign.loop.presses import make_presses
+    from dummydesign.protocol.campaign import read_campaign
+
+    campaign = read_campaign(campaigns("none", 401))
+    return make_presses(campaign), law_of(campaign)

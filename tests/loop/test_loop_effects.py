@@ -1,0 +1,237 @@
+"""The forward chain and each effect: limits, closed forms, and the base when an effect is absent."""
+
+from __future__ import annotations
+
+import inspect
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dummydesign.loop.chain import Active, relax, simulate
+from dummydesign.loop.effects import EFFECTS, effect_named
+from dummydesign.loop.effects.base import STAGES, Arm
+from dummydesign.loop.law import PuckLaw
+from dummydesign.loop.parameters import BaseParameters
+from dummydesign.pad.relaxation import PronyTerm, relaxed_force
+
+BASE = BaseParameters(0.025, (0.06, 1.4), (0.3, 0.25))
+ON_SLABS = [effect for effect in EFFECTS if effect.name != "plate_friction"]
+
+
+def values_of(name, **changes):
+    effect = effect_named(name)
+    return Active(effect, {**effect.null_values(), **changes})
+
+
+def run(plain, *active, base=BASE):
+    presses, law = plain
+    return simulate(presses, law, base, active)
+
+
+def test_the_vocabulary_is_complete_and_each_effect_is_one_class_in_a_file_of_its_name():
+    wanted = """contact_offset force_bias force_drift sensor_lag time_skew machine_compliance base_slip punch_tilt
+    compressibility thickness_error strain_stiffening strain_dependent_relaxation rate_dependent_viscosity
+    slow_relaxation_mode fast_relaxation_mode softening_with_cycles incomplete_recovery temperature ageing adhesion
+    inertia friction_hysteresis plate_friction""".split()
+    assert sorted(e.name for e in EFFECTS) == sorted(wanted)
+    for effect in EFFECTS:
+        assert inspect.getfile(type(effect)).endswith(f"{effect.name}.py")
+        assert effect.stage in STAGES and effect.signature and effect.reference and type(effect).__doc__
+        for p in effect.parameters:
+            assert p.unit and p.low <= p.null <= p.high
+            assert p.to_value(p.to_coordinate(0.5 * (p.null + p.high))) == pytest.approx(0.5 * (p.null + p.high))
+
+
+def test_the_base_is_the_table_with_the_relaxation_of_the_pad_model(plain):
+    presses, law = plain
+    force = run(plain)
+    for row in (0, 7, 20):
+        depth, h = presses.displacement_mm[row : row + 1], presses.thickness_mm[row : row + 1, None]
+        elastic = BASE.young_MPa * law(depth, h)[0]
+        terms = [PronyTerm(t, b) for t, b in zip(BASE.tau_s, BASE.beta)]
+        expected = np.maximum(relaxed_force(presses.time_s[row], elastic, terms), 0.0)
+        np.testing.assert_allclose(force[row], expected, rtol=1e-9, atol=1e-9)
+
+
+def test_the_fast_law_is_the_response_table(plain):
+    _, law = plain
+    h = np.array([[5.0], [15.0], [20.0]])
+    depth = np.array([[0.1, 1.0, 2.0]]) * h / 5.0
+    circle = law.table.force(depth, h, 1.0, law.radius_mm)
+    square = law(depth, h) / circle
+    np.testing.assert_allclose(replace(law, square=False)(depth, h), circle, rtol=1e-12)
+    assert np.all((square > 1.0) & (square < 1.035))
+
+
+@pytest.mark.parametrize("effect", ON_SLABS, ids=lambda e: e.name)
+def test_an_effect_at_null_is_the_base_to_the_last_bit(plain, effect):
+    null = Active(effect, effect.null_values())
+    np.testing.assert_array_equal(run(plain, null), run(plain))
+
+
+@pytest.mark.parametrize("effect", ON_SLABS, ids=lambda e: e.name)
+def test_a_vanishing_effect_vanishes_continuously_and_a_usual_one_does_not(plain, effect):
+    presses, _ = plain
+    base = run(plain)
+    first = effect.parameters[0]
+    changes = []
+    for share in (1e-6, 1.0):
+        value = first.null + share * first.typical
+        changed = run(plain, Active(effect, {**effect.null_values(), first.name: value}))
+        changes.append(np.abs(presses.measure(changed - base)).max())
+    assert changes[0] < 1e-4 * max(changes[1], 0.05)
+    assert changes[1] > 0.01
+
+
+def test_two_effects_at_two_stages_act_together(plain):
+    both = run(plain, values_of("machine_compliance", compliance_mm_per_N=0.01), values_of("force_bias", bias_N=0.2))
+    alone = run(plain, values_of("machine_compliance", compliance_mm_per_N=0.01))
+    np.testing.assert_allclose(both, alone + 0.2, atol=1e-6)
+
+
+def test_compliance_is_the_force_at_the_depth_it_leaves(plain):
+    presses, law = plain
+    stiff = BaseParameters(0.04, (0.06, 1.4), (1e-9, 1e-9))
+    c = 0.02
+    force = run(plain, values_of("machine_compliance", compliance_mm_per_N=c), base=stiff)
+    left = presses.displacement_mm - c * force
+    np.testing.assert_allclose(force, 0.04 * law(left, presses.thickness_mm[:, None]), atol=2e-5)
+
+
+def test_compliance_of_a_series_spring_adds_to_the_initial_compliance(plain):
+    presses, law = plain
+    elastic = BaseParameters(0.03, (0.06, 1.4), (1e-9, 1e-9))
+    tiny = replace(presses, displacement_mm=np.full_like(presses.displacement_mm, 1e-3))
+    free = simulate(tiny, law, elastic)[:, -1]
+    held = simulate(tiny, law, elastic, [values_of("machine_compliance", compliance_mm_per_N=0.05)])[:, -1]
+    np.testing.assert_allclose(1e-3 / held, 1e-3 / free + 0.05, rtol=1e-4)
+
+
+def test_offset_and_dent_move_the_motion(plain):
+    presses, law = plain
+    moved = replace(presses, displacement_mm=presses.displacement_mm - 0.07)
+    np.testing.assert_array_equal(
+        run(plain, values_of("contact_offset", offset_mm=0.07)), simulate(moved, law, BASE)
+    )
+    first = presses.history.earlier_depth_mm.max(axis=1) == 0
+    dent = run(plain, values_of("incomplete_recovery", fraction=0.1, tau_s=100.0))
+    np.testing.assert_array_equal(dent[first], run(plain)[first])
+    assert np.all(dent[~first].max(axis=1) <= run(plain)[~first].max(axis=1))
+
+
+def test_extra_modes_are_a_third_prony_term(plain):
+    presses, law = plain
+    force = run(plain, values_of("slow_relaxation_mode", beta=0.2, tau_s=20.0))
+    row = 3
+    elastic = BASE.young_MPa * law(presses.displacement_mm[row : row + 1], presses.thickness_mm[row : row + 1, None])[0]
+    terms = [PronyTerm(t, b) for t, b in [*zip(BASE.tau_s, BASE.beta), (20.0, 0.2)]]
+    np.testing.assert_allclose(force[row], np.maximum(relaxed_force(presses.time_s[row], elastic, terms), 0), atol=1e-9)
+
+
+def test_weighted_arms_with_constant_weight_are_stronger_arms():
+    time = np.linspace(0.0, 2.0, 50)[None]
+    elastic = np.minimum(time, 0.5)
+    double = relax(time, elastic, [Arm(0.3, 0.2, np.full_like(time, 2.0))])
+    np.testing.assert_allclose(double, relax(time, elastic, [Arm(0.3, 0.4)]), atol=1e-12)
+
+
+def test_batch_effects_scale_the_force_by_their_law(plain):
+    presses, _ = plain
+    base = run(plain)
+    warm = run(plain, values_of("temperature", modulus_loss_per_K=0.01))
+    factor = 1.0 - 0.01 * (presses.history.temperature_C - 23.0)
+    np.testing.assert_allclose(warm, factor[:, None] * base, rtol=1e-9, atol=1e-12)
+    aged = run(plain, values_of("ageing", growth_per_doubling=0.05))
+    np.testing.assert_allclose(aged, (1 + 0.05 * np.log2(presses.history.age_days / 7.0))[:, None] * base, atol=1e-9)
+
+
+def test_softening_spares_a_first_press_and_takes_its_share_from_the_second(plain):
+    presses, _ = plain
+    soft = run(plain, values_of("softening_with_cycles", softening=0.1))
+    base = run(plain)
+    first = presses.history.earlier_depth_mm.max(axis=1) == 0
+    np.testing.assert_array_equal(soft[first], base[first])
+    earlier = presses.history.earlier_depth_mm
+    once = ((earlier >= presses.depth_mm[:, None] * 1.001).sum(axis=1) == 1) & ((earlier > 0).sum(axis=1) == 1)
+    held = np.abs(presses.time_s - presses.stop_s[:, None] - 5.0).argmin(axis=1)
+    rows = np.nonzero(once)[0]
+    for row in rows:
+        assert soft[row, held[row]] == pytest.approx(0.9 * base[row, held[row]], rel=1e-6)
+
+
+def test_sensor_effects_have_their_closed_forms(plain):
+    presses, _ = plain
+    base = run(plain)
+    np.testing.assert_allclose(run(plain, values_of("force_bias", bias_N=0.3)), base + 0.3, atol=1e-12)
+    drift = run(plain, values_of("force_drift", drift_N_per_s=0.01)) - base
+    np.testing.assert_allclose(drift, 0.01 * (presses.time_s - presses.time_s[:, :1]), atol=1e-12)
+    pushed = run(plain, values_of("inertia", mass_kg=0.5)) - base
+    np.testing.assert_allclose(pushed, 0.5e-3 * presses.acceleration_mm_s2, atol=1e-12)
+    assert np.abs(pushed[presses.velocity_mm_s > 100]).max() > 3.0
+
+
+def test_a_lag_delays_a_ramp_by_its_time_constant():
+    from dummydesign.loop.effects.sensor_lag import SensorLag
+
+    class Ramp:
+        time_s = np.linspace(0.0, 1.0, 400)[None] ** 1.5
+
+    ramp = 5.0 * Ramp.time_s
+    late = SensorLag().sensor(Ramp, ramp, {"time_constant_s": 0.02})
+    exact = 5.0 * (Ramp.time_s - 0.02 * (1.0 - np.exp(-Ramp.time_s / 0.02)))
+    np.testing.assert_allclose(late, exact, atol=1e-12)
+
+
+def test_base_slip_and_compressibility_weaken_the_thin_pad_most(plain):
+    presses, law = plain
+    h = np.array([[5.0], [15.0], [20.0]])
+    depth = 0.1 * h
+    for active in (values_of("base_slip", slip_fraction=1.0), values_of("compressibility", poisson_ratio=0.49)):
+        changed = active.effect.law(presses, law, active.values)(depth, h) / law(depth, h)
+        assert changed[0, 0] < changed[1, 0] < changed[2, 0] < 1.0
+    slipped = values_of("base_slip", slip_fraction=1.0)
+    share = (slipped.effect.law(presses, law, slipped.values)(depth, h) / law(depth, h))[:, 0]
+    np.testing.assert_allclose(share, [0.44, 0.74, 0.80], atol=0.02)
+
+
+def test_compressibility_follows_finite_elements_at_another_poisson_ratio(plain):
+    import generator_press
+
+    presses, law = plain
+    h = np.array([5.0, 15.0, 20.0])
+    depth = 0.2 * h
+    solved = generator_press._layer_force(depth[:, None], h, "bonded", 0.46)
+    hard = generator_press._layer_force(depth[:, None], h, "bonded", 0.5)
+    active = values_of("compressibility", poisson_ratio=0.46)
+    ours = active.effect.law(presses, law, active.values)(depth[:, None], h[:, None]) / law(depth[:, None], h[:, None])
+    np.testing.assert_allclose(ours, solved / hard, rtol=0.03)
+
+
+def test_adhesion_and_hysteresis_leave_the_way_in_alone(plain):
+    presses, _ = plain
+    base = run(plain)
+    pulled = run(plain, values_of("adhesion", pull_off_N=0.4))
+    away = presses.time_s > presses.hold_end_s[:, None]
+    np.testing.assert_array_equal(pulled[~away], base[~away])
+    assert pulled[presses.unloads].min() == pytest.approx(-0.4, abs=0.05)
+    rubbed = run(plain, values_of("friction_hysteresis", friction_fraction=0.1))
+    np.testing.assert_allclose(rubbed[~away], 1.1 * base[~away], rtol=1e-12)
+
+
+def test_a_puck_between_frictionless_plates_is_compressed_homogeneously():
+    law = PuckLaw(50.0)
+    h, d = np.array([[30.0]]), np.array([[0.3, 9.0, 15.0]])
+    stretch = 1.0 - d / h
+    np.testing.assert_allclose(law(d, h), np.pi * 625.0 / 3.0 * (stretch**-2 - stretch))
+    assert law(np.array([[1e-4]]), h)[0, 0] == pytest.approx(np.pi * 625.0 * 1e-4 / 30.0, rel=1e-4)
+
+
+def test_plate_friction_stiffens_flat_pucks_more_and_ends_at_the_glued_puck():
+    law, effect = PuckLaw(50.0), effect_named("plate_friction")
+    h, d = np.array([[30.0], [10.0]]), np.array([[0.3], [0.1]])
+    some, much = (effect.law(None, law, {"friction": mu})(d, h) / law(d, h) for mu in (0.1, 2.0))
+    assert 1.0 < some[0, 0] < some[1, 0]
+    shape = 50.0 / (4.0 * h)
+    assert np.all(much <= 1.0 + 2.0 * (shape * (1 - d / h) ** -1.5) ** 2 + 1e-12)
+    assert np.all(much > some)

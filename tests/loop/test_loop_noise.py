@@ -1,0 +1,135 @@
+"""Noise model, screening limits, lack of fit and the checks of the raw residual, on made residuals."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dummydesign.loop.base import fit_base
+from dummydesign.loop.checks import run_checks
+from dummydesign.loop.fit import Problem, fit, start_vector
+from dummydesign.loop.heldout import errors
+from dummydesign.loop.lackoffit import lack_of_fit
+from dummydesign.loop.noise import estimate_slow_noise, first_sizes, repeat_pairs
+from dummydesign.loop.verdict import GAIN_FLOOR, gain_threshold
+from dummydesign.tissue.noise import Noise
+
+
+@pytest.fixture(scope="module")
+def base(plain):
+    presses, law = plain
+    return fit_base(presses, law, 0.03)
+
+
+def test_bins_keep_the_mean_of_the_samples(plain):
+    presses, _ = plain
+    for press, trial in zip(presses.presses, presses.trials):
+        covered = (trial.trace.time_s >= press.start_s[0]) & (trial.trace.time_s < press.end_s[-1])
+        assert press.samples.sum() <= covered.sum() + 1
+        assert np.all(np.diff(press.start_s) > 0) and np.all(press.end_s > press.start_s)
+
+
+def test_a_constant_force_passes_filter_and_bins_unchanged(plain):
+    presses, _ = plain
+    ones = presses.measure(np.ones_like(presses.time_s))
+    np.testing.assert_allclose(ones[presses.used], 1.0, atol=1e-9)
+
+
+def test_repeats_are_paired_within_their_condition(plain):
+    presses, _ = plain
+    pairs = repeat_pairs(presses)
+    assert len(pairs) == 18
+    for a, b in pairs:
+        one, two = presses.trials[a], presses.trials[b]
+        assert (one.thickness_mm, one.velocity_mm_s, one.target_force_N) == (
+            two.thickness_mm, two.velocity_mm_s, two.target_force_N
+        )  # fmt: skip
+
+
+def test_slow_noise_is_recovered_and_does_not_see_what_changes_with_force(base):
+    presses = base.problem.presses
+    rng = np.random.default_rng(5)
+    truth = Noise(0.03, 0.025, 1.0, 0.0)
+    cover = presses.bins.covariance(truth, np.zeros_like(base.slope))
+    made = np.einsum("tij,tj->ti", np.linalg.cholesky(cover), rng.normal(size=presses.used.shape)) * presses.used
+    gains = 1.0 + rng.normal(0, 0.03, len(made))[:, None]
+    shifts = rng.normal(0, 0.02, len(made))[:, None]
+    disturbed = made + (gains - 1.0) * base.forces + shifts * base.slope + 0.3 * np.sin(presses.label / 40.0)
+    found = estimate_slow_noise(presses, disturbed * presses.used, base.slope, base.forces, first_sizes(presses).noise)
+    assert found.slow_N == pytest.approx(0.025, rel=0.25)
+    assert found.slow_time_s == pytest.approx(1.0, rel=0.6)
+
+
+def test_the_fit_recovers_the_parameters_that_made_the_forces(plain):
+    presses, law = plain
+    problem = Problem(presses, law)
+    truth = start_vector(problem, 0.04)
+    truth[:5] += [0.0, 0.2, -0.3, 0.3, 0.2]
+    made = replace(presses, force_N=problem.predict(truth))
+    found = fit(Problem(made, law), start_vector(problem, 0.03), first_sizes(presses))
+    np.testing.assert_allclose(found.vector[:5], truth[:5], atol=2e-3)
+    assert np.abs(found.residual[presses.used]).max() < 2e-3
+
+
+def test_lack_of_fit_is_quiet_for_noise_and_speaks_for_a_shared_misfit(base):
+    quiet = lack_of_fit(base)
+    assert 0.6 < quiet.ratio < 1.4
+    misfit = 0.15 * np.exp(-np.maximum(base.problem.presses.label - 200, 0) / 5.0)
+    shared = replace(base, residual=base.residual + misfit)
+    loud = lack_of_fit(shared)
+    assert loud.ratio > 2.0 and loud.p < 0.01
+
+
+def disturbed(base, change):
+    """The fit with something added to the raw force of every trial."""
+    presses = base.problem.presses
+    trials = []
+    for row, trial in enumerate(presses.trials):
+        force = trial.trace.force_N + change(row, trial.trace.time_s, presses.stop_s[row])
+        trials.append(replace(trial, trace=replace(trial.trace, force_N=force)))
+    problem = replace(base.problem, presses=replace(presses, trials=tuple(trials)))
+    return replace(base, problem=problem)
+
+
+def exceeded(found):
+    return {check.name for check in run_checks(found) if check.exceeded}
+
+
+def test_clean_residuals_pass_all_checks(base):
+    assert exceeded(base) == set()
+
+
+def test_hum_is_seen_as_a_line_and_before_contact(base):
+    found = disturbed(base, lambda row, t, stop: 0.08 * np.sin(2 * np.pi * 50.0 * t + row))
+    assert exceeded(found) == {"spectral line", "noise before contact"}
+    line = next(check for check in run_checks(found) if check.name == "spectral line")
+    assert "50" in line.text.split("Hz")[0]
+
+
+def test_a_drop_in_one_hold_is_seen_as_a_step(base):
+    found = disturbed(base, lambda row, t, stop: -0.3 * (t > stop + 4.0) * (row == 11))
+    assert exceeded(found) == {"step in the hold"}
+    step = next(check for check in run_checks(found) if check.name == "step in the hold")
+    assert base.problem.presses.trials[11].file in step.text
+    assert float(step.text.split(", ")[1].split(" s ")[0]) == pytest.approx(4.0, abs=0.2)
+
+
+def test_left_out_errors_are_not_smaller_than_fitted_ones_and_near_the_noise(base):
+    found = errors(base)
+    assert found.train_N <= found.heldout_N < 1.3 * found.train_N
+
+
+def test_the_threshold_has_a_floor_and_grows_with_lack_of_fit():
+    assert gain_threshold([], None) == GAIN_FLOOR
+    from dummydesign.loop.screen import Screened
+
+    rng = np.random.default_rng(1)
+    made = []
+    for _ in range(20):
+        vector = rng.normal(size=50)
+        made.append(Screened(None, 0.0, 0.0, vector / np.linalg.norm(vector), np.ones(1)))
+    assert gain_threshold(made, None) == GAIN_FLOOR
+    assert gain_threshold(made, None, floor=0.0) == pytest.approx(16.5, abs=3.0)
+    assert gain_threshold(made, 2.0) == 2.0 * GAIN_FLOOR

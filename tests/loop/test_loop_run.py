@@ -1,0 +1,117 @@
+"""The loop as a whole on campaigns made by other code: no effect, an effect, and one it does not know."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from dummydesign.errors import InputError
+from dummydesign.loop.calibration import calibration_of, read_calibration, replay, write_calibration
+from dummydesign.loop.output import result_dict
+from dummydesign.loop.report import html_report
+from dummydesign.loop.run import close_loop
+from dummydesign.protocol.campaign import read_campaign
+
+
+@pytest.fixture(scope="module")
+def results(campaigns):
+    made = {}
+
+    def make(effect, seed, strength=1.0):
+        key = (effect, seed, strength)
+        if key not in made:
+            made[key] = close_loop(read_campaign(campaigns(effect, seed, strength)))
+        return made[key]
+
+    return make
+
+
+def test_without_an_effect_the_verdict_is_none_and_the_base_is_at_the_noise(results):
+    result = results("none", 401)
+    assert result.verdict == "none" and result.effects == ()
+    assert result.base.errors.heldout_N < 1.5 * result.base.fit.sizes.floor_N
+    assert result.base.fit.sizes.noise.white_N == pytest.approx(0.03, rel=0.05)
+    assert result.base.fit.sizes.noise.slow_N == pytest.approx(0.02, rel=0.4)
+
+
+def test_an_effect_is_named_sized_and_lowers_the_error_on_a_second_campaign(results, campaigns):
+    result = results("temperature", 402)
+    assert result.verdict == "effect"
+    assert result.effects[0].candidate.effect.name == "temperature"
+    value = result_dict(result)["effects"][0]["parameters"]["modulus_loss_per_K"]
+    assert abs(value["value"]) == pytest.approx(0.008, rel=0.15)
+    assert value["low"] < value["value"] < value["high"]
+    assert result.after.errors.heldout_N < 0.6 * result.base.errors.heldout_N
+    held_out = read_campaign(campaigns("temperature", 402, held_out=True))
+    predicted = replay(held_out, calibration_of(result))
+    assert predicted.total_rmse_N < 0.8 * predicted.total_base_rmse_N
+
+
+def test_ringing_is_not_in_the_vocabulary_and_called_unexplained(results):
+    result = results("ringing", 403, 2.0)
+    assert result.verdict == "unexplained"
+    assert any("oscillation" in reason or "line" in reason for reason in result.remainder.reasons)
+
+
+def test_the_output_holds_what_the_contract_names(results):
+    data = result_dict(results("temperature", 402))
+    assert {"base", "verdict", "effects", "after", "residual", "next_measurement", "warnings"} <= set(data)
+    for label in ("base", "after"):
+        assert {"train_rmse_N", "heldout_rmse_N", "noise_floor_N", "lack_of_fit_p"} <= set(data[label]["error"])
+    effect = data["effects"][0]
+    assert {"name", "class", "parameters", "heldout_rmse_N", "evidence", "confounded_with"} <= set(effect)
+    assert len(effect["confounded_with"]) <= 2
+    assert len(data["residual"]["by_trial"]) == 36
+    assert data["next_measurement"]["expected_gain"] >= 0 and len(data["next_measurement"]["separates"]) == 2
+
+
+def test_the_report_is_one_file_that_loads_nothing(results):
+    page = html_report(results("temperature", 402))
+    assert page.count("<figure>") == 36
+    assert "src=" not in page and "href=" not in page and "<script" not in page
+
+
+def test_a_calibration_survives_its_file_and_damage_is_refused(results, campaigns, tmp_path):
+    result = results("temperature", 402)
+    calibration = calibration_of(result)
+    path = write_calibration(calibration, tmp_path / "calibration.json")
+    again = read_calibration(path)
+    campaign = read_campaign(campaigns("temperature", 402, held_out=True))
+    one, two = replay(campaign, calibration), replay(campaign, again)
+    np.testing.assert_allclose(one.rmse_N, two.rmse_N, rtol=1e-12)
+    data = json.loads(path.read_text())
+    del data["after"]["base"]["tau_1_s"]
+    path.write_text(json.dumps(data))
+    with pytest.raises(InputError, match="damaged"):
+        read_calibration(path)
+    path.write_text("{}")
+    with pytest.raises(InputError, match="schema"):
+        read_calibration(path)
+    with pytest.raises(InputError, match="does not exist"):
+        read_calibration(tmp_path / "nothing.json")
+
+
+def test_replaying_the_fitted_campaign_gives_the_fitted_error(results, campaigns):
+    result = results("none", 401)
+    predicted = replay(read_campaign(campaigns("none", 401)), calibration_of(result))
+    assert predicted.total_base_rmse_N == predicted.total_rmse_N
+    assert predicted.total_rmse_N == pytest.approx(result.after.errors.train_N, rel=0.05)
+
+
+def test_without_repeats_the_loop_runs_and_says_what_it_cannot_test(campaigns, tmp_path):
+    source = campaigns("none", 401)
+    head, *blocks = (source / "campaign.toml").read_text().split("[[trial]]")
+    kept = [b for b in blocks if "repeat = 1" in b and "thickness_mm = 15.0" not in b]
+    for block in kept:
+        name = block.split('file = "')[1].split('"')[0]
+        (tmp_path / name).write_bytes((source / name).read_bytes())
+    (tmp_path / "campaign.toml").write_text("[[trial]]".join([head, *kept]))
+    result = close_loop(read_campaign(tmp_path))
+    assert "no_repeats" in {w["code"] for w in result.warnings}
+    assert result.base.lack.p is None and result.verdict in ("none", "effect", "unexplained")
+
+
+def test_effects_that_the_campaign_cannot_test_are_listed_with_the_reason(results):
+    assert "plate_friction" in results("none", 401).untested

@@ -39,7 +39,7 @@ PLATES = ("frictionless", "bonded", "friction:MU")
 SLIP_SCALE = 2e-4
 CONTACT_STIFFNESS = 1e5
 # Smallest cells that are tried in turn when a curve stops early; a rough edge can fold a cell of one mesh.
-CORNER_CELLS = (0.01, 0.014, 0.007)
+CORNER_CELLS = (0.01, 0.02, 0.014, 0.03)
 GROWTH = 1.4
 MAX_COMPRESSION = 0.6
 MESH_ERROR = 5e-3

@@ -1,0 +1,86 @@
+"""Modulus, stiffening and plate friction from compression curves, recovered from curves with known ones."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from dummydesign.errors import InputError, NoAnswerError
+from dummydesign.pad.ogden import Ogden
+from dummydesign.pad.puck import solve_puck
+from dummydesign.pad.puck_fit import Curve, fit_pucks
+from dummydesign.pad.puck_table import friction_of, grip, load_puck_table, uniaxial
+
+WINDOW = (1.0, 15.0)
+GRID = np.arange(0.0, 15.1, 0.5)
+
+
+def made(young_kPa, alpha, plates, tests, noise=0.003):
+    """Curves from a solve made now (not from the table), each with its own contact, zeroed at x = 0."""
+    law = Ogden([2.0 / alpha], [alpha])
+    at = np.concatenate([[0.002, 0.01, 0.03], np.arange(0.06, 0.53, 0.04)])
+    curve = solve_puck(50.0, 30.0, young_kPa * 1e-3, 30.0 * at, plates=plates, law=law)
+    factor = curve.force_N / uniaxial(alpha, at)
+    rng, curves = np.random.default_rng(3), []
+    for name, offset_mm, scale in tests:
+        compression = np.maximum(GRID - offset_mm, 0.0) / 30.0
+        load = uniaxial(alpha, compression) * np.interp(compression, at, factor)
+        load = scale * (load - load[0]) * (1.0 + noise * rng.standard_normal(len(load)))
+        curves.append(Curve(name, name[0], GRID, load))
+    return curves
+
+
+@pytest.fixture(scope="module")
+def table():
+    return load_puck_table()
+
+
+@pytest.mark.parametrize(("plates", "friction"), [("friction:0.12", 0.12), ("bonded", np.inf)])
+def test_what_made_the_curves_is_found_within_its_interval(table, plates, friction):
+    tests = [("A1", 0.3, 1.02), ("A2", -0.2, 1.01), ("B1", 0.0, 0.98), ("B2", 0.1, 0.99)]
+    fit = fit_pucks(made(30.0, 2.5, plates, tests), 50.0, 30.0, table, WINDOW)
+    assert fit.young_low_kPa < 30.0 < fit.young_high_kPa
+    assert fit.young_kPa == pytest.approx(30.0, rel=0.02)
+    assert fit.alpha == pytest.approx(2.5, abs=0.25)
+    assert fit.friction_low <= friction <= fit.friction_high
+    for name, offset, _ in tests:
+        # A press that began before x = 0 shows less of its offset: its load was zeroed.
+        assert fit.offset_mm[name] == pytest.approx(offset, abs=0.06 if offset >= 0.0 else 0.2)
+
+
+def test_taking_the_plates_for_frictionless_would_have_overestimated_the_modulus(table):
+    fit = fit_pucks(made(30.0, 2.0, "bonded", [("A1", 0.0, 1.0)], 0.0), 50.0, 30.0, table, WINDOW)
+    assert fit.young_frictionless_kPa > 1.25 * fit.young_bonded_kPa
+    assert fit.rmse_frictionless > 5.0 * fit.rmse
+
+
+@pytest.mark.parametrize(("alpha", "friction"), [(2.5, 0.25), (3.5, 0.08)])
+def test_between_its_grid_the_table_agrees_with_a_solve(table, alpha, friction):
+    compression = np.array([0.05, 0.21, 0.37, 0.5])
+    law = Ogden([2.0 / alpha], [alpha])
+    solved = solve_puck(50.0, 30.0, 0.03, 30.0 * compression, plates=f"friction:{friction}", law=law)
+    factor = table.factor(alpha, float(grip(friction)), compression)
+    found = 0.03 * np.pi * 625.0 * uniaxial(alpha, compression) * factor
+    assert found == pytest.approx(solved.force_N, rel=0.012)
+
+
+def test_grip_and_friction_are_inverse_and_run_from_free_to_bonded():
+    for friction in (0.0, 0.1, 2.0):
+        assert friction_of(float(grip(friction))) == pytest.approx(friction)
+    assert grip(np.inf) == 1.0
+    assert friction_of(1.0) == np.inf
+
+
+def test_another_shape_and_bad_curves_are_refused(table, monkeypatch, tmp_path):
+    curve = Curve("A1", "A", GRID, GRID * 2.0)
+    with pytest.raises(InputError, match="radius over height"):
+        fit_pucks([curve], 40.0, 30.0, table, WINDOW)
+    with pytest.raises(InputError, match=r"0\.56 heights"):
+        fit_pucks([curve], 50.0, 30.0, table, (1.0, 25.0))
+    with pytest.raises(InputError, match="curve A2: needs 5 or more loads above 0"):
+        fit_pucks([Curve("A2", "A", GRID, -GRID)], 50.0, 30.0, table, WINDOW)
+    monkeypatch.setattr("dummydesign.pad.puck_table.data_folder", lambda: tmp_path)
+    load_puck_table.cache_clear()
+    with pytest.raises(NoAnswerError, match=r"python -m dummydesign\.pad\.puck_table"):
+        load_puck_table()
+    load_puck_table.cache_clear()

@@ -154,7 +154,7 @@ class Ratios:
 
 def depth_of_corner(block: Block, cells: Cells) -> float:
     """Depth over thickness beyond which the corner cells of a glued punch have folded, by experience."""
-    return 0.9 * cells.corner**0.55 * block.scale
+    return 1.3 * cells.corner**0.55 * block.scale
 
 
 def solve_ratios(
@@ -173,7 +173,7 @@ def solve_ratios(
     Parameters
     ----------
     depths : ndarray
-        Increasing, positive.
+        Increasing, positive; none for the ratio at first touch alone.
     progress : callable, optional
         Called with each depth that the three-dimensional solve has reached.
     """

@@ -24,7 +24,7 @@ def fit_base(
         Where to start.
     """
     problem = Problem(presses, law)
-    vector, sizes = start_vector(problem, young_MPa), first_sizes(presses)
+    vector, sizes = start_vector(problem, young_MPa), first_sizes(presses, law.error_priors)
     for _ in range(2):
         if progress is not None:
             progress("base")

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from dummydesign.loop.effects.base import Effect
-from dummydesign.loop.fit import Fit, fit, settle
+from dummydesign.loop.fit import BASE, Fit, fit, settle
+from dummydesign.loop.noise import Sizes
 from dummydesign.loop.screen import Screened, extended, screen
 
 LEAST_Z, ALWAYS = 2.0, 4
 """Score below which an effect is not fitted, and how many are fitted all the same."""
 KEEP = 10
 """Effects that are fitted after the screening."""
+USUAL_POSITION_MM = 0.02
+"""Contact scatter of a usual robot."""
 SETTLE = 7
 """Effects for which contact scatter and law error are estimated anew."""
 
@@ -43,10 +46,23 @@ def first_fit(found: Fit, one: Screened) -> Fit:
     problem, null = extended(found, one.effect)
     at = found.problem.fixed
     vector = null.copy()
+    vector[:BASE] = one.effect.base_start(vector[:BASE])
     vector[at : at + len(one.start)] = one.start
     first = float(np.clip(one.coordinate, -30.0, 30.0))
     vector[at] = first if abs(first) > 0.05 else 0.3 * float(one.start[0])
-    return fit(problem, vector, found.sizes, 6)
+    return fit(problem, vector, found.sizes, 8)
+
+
+def modest(found: Fit) -> Fit:
+    """The same model refitted with law error and contact scatter of usual size.
+
+    Where an effect is missing, both have grown to imitate it; screened at that size, and fitted from there,
+    the effect would not be seen.
+    """
+    usual = [prior[0] for prior in found.problem.law.error_priors]
+    position = min(found.sizes.noise.position_mm, USUAL_POSITION_MM)
+    noise = replace(found.sizes.noise, position_mm=position)
+    return fit(found.problem, found.vector, Sizes(noise, *(min(a, b) for a, b in zip(found.sizes.law, usual))), 6)
 
 
 def rank(
@@ -61,19 +77,21 @@ def rank(
     The refit re-estimates contact scatter and law error for every effect that its first fit leaves in the
     race, because what an effect explains the law error need not.
     """
-    screened = screen(found, effects)
+    usual = modest(found)
+    screened = screen(usual, effects)
     tried = []
-    for place, one in enumerate(screened[:keep]):
-        if abs(one.z) < least_z and place >= ALWAYS:
-            break
+    chosen = screened[:keep] + [one for one in screened[keep:] if one.effect.always_fitted]
+    for place, one in enumerate(chosen):
+        if abs(one.z) < least_z and place >= ALWAYS and not one.effect.always_fitted:
+            continue
         if progress is not None:
             progress(one.effect.name)
-        tried.append((one, first_fit(found, one)))
+        tried.append((one, first_fit(usual, one)))
     tried.sort(key=lambda pair: pair[1].chi2)
     candidates = []
-    largest = found.chi2 - tried[0][1].chi2 if tried else 0.0
+    largest = usual.chi2 - tried[0][1].chi2 if tried else 0.0
     for one, trial in tried[:SETTLE]:
-        if found.chi2 - trial.chi2 < max(1.0, 0.01 * largest) and candidates:
+        if usual.chi2 - trial.chi2 < max(1.0, 0.01 * largest) and candidates:
             continue
         settled = settle(trial.problem, trial.vector, trial.sizes, 2, 8)
         candidates.append(Candidate(one.effect, settled, found.score - settled.score, one))

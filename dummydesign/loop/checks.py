@@ -47,7 +47,7 @@ def raw_residuals(found: Fit) -> list[NDArray]:
 def run_checks(found: Fit) -> list[Check]:
     """Run all checks on a fit."""
     residual = raw_residuals(found)
-    return [_lines(found, residual), _steps(found, residual), _before_contact(found)]
+    return [_lines(found, residual), _steps(found, residual), _before_contact(found, residual)]
 
 
 def _lines(found: Fit, residual: list[NDArray]) -> Check:
@@ -118,12 +118,12 @@ def _steps(found: Fit, residual: list[NDArray]) -> Check:
     return Check("step in the hold", abs(worst) if where else None, STEP_Z, abs(worst) > STEP_Z, text)
 
 
-def _before_contact(found: Fit) -> Check:
-    """Scatter of the force before contact against the white and slow noise of the rest."""
+def _before_contact(found: Fit, residual: list[NDArray]) -> Check:
+    """Scatter of the residual before contact against the white and slow noise of the rest."""
     presses = found.problem.presses
     squares, count = 0.0, 0
-    for row, trial in enumerate(presses.trials):
-        before = trial.trace.force_N[trial.trace.time_s < presses.contact_s[row] - 0.005]
+    for row, (trial, values) in enumerate(zip(presses.trials, residual)):
+        before = values[trial.trace.time_s < presses.contact_s[row] - 0.005]
         if len(before) >= 20:
             squares += float(((before - before.mean()) ** 2).sum())
             count += len(before) - 1

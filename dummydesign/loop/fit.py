@@ -41,6 +41,10 @@ class Problem:
         """Number of base and effect parameters."""
         return BASE + sum(len(effect.parameters) for effect in self.effects)
 
+    def frozen(self) -> list[int]:
+        """Entries of the vector that these trials cannot show: the arms, without holds and with one speed."""
+        return [1, 2, 3, 4] if self.presses.elastic_only else []
+
     def bounds(self) -> tuple[NDArray, NDArray]:
         """Bounds of the vector."""
         low, high = [*LOW], [*HIGH]
@@ -96,6 +100,7 @@ class Problem:
             moved[column] += step
             out[..., column] = (self.predict(moved) - forces) / step
         count = len(self.thicknesses)
+        out[..., self.frozen()] = 0.0
         place = np.searchsorted(self.thicknesses, self.presses.thickness_mm)
         rows = np.arange(len(place))
         for part in range(LAW_TERMS):
@@ -149,7 +154,8 @@ class Fit:
 
 def start_vector(problem: Problem, young_MPa: float) -> NDArray:
     """Usual parameters of a soft gel, effects at null."""
-    base = BaseParameters(young_MPa, (0.07, 1.5), (0.3, 0.3)).to_logs()
+    strength = 1e-3 if problem.presses.elastic_only else 0.3
+    base = BaseParameters(young_MPa, (0.07, 1.5), (strength, strength)).to_logs()
     return extend(problem, base, np.zeros(LAW_TERMS * len(problem.thicknesses)))
 
 
@@ -194,7 +200,7 @@ def fit(problem: Problem, start: NDArray, sizes: Sizes, iterations: int = 12, fi
         normal = turned.T @ turned + np.diag(prior)
         gradient = turned.T @ white - prior * vector
         frozen = ((vector <= low + 1e-9) & (gradient < 0)) | ((vector >= high - 1e-9) & (gradient > 0))
-        frozen[list(fixed)] = True
+        frozen[[*fixed, *problem.frozen()]] = True
         free = ~frozen
         before = cost
         for _attempt in range(6):
@@ -251,7 +257,7 @@ def with_sizes(found: Fit) -> Fit:
     gram[np.ix_(trials, order)] = wide
     gram[np.ix_(order, trials)] = wide.T
     gram[trials, trials] = (shift**2).sum(axis=1)
-    sizes, score = estimate_sizes(gram, (p, count, *[half] * LAW_TERMS), found.sizes)
+    sizes, score = estimate_sizes(gram, (p, count, *[half] * LAW_TERMS), found.sizes, problem.law.error_priors)
     return replace(found, sizes=sizes, score=score)
 
 

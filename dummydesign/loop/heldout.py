@@ -69,10 +69,12 @@ def errors(found: Fit, cells: NDArray | None = None) -> Errors:
     ----------
     found : Fit
     cells : ndarray of int, shape (T,), optional
-        Groups to leave out; the conditions by default.
+        Groups to leave out; the conditions by default, single trials when there is one condition.
     """
     presses = found.problem.presses
-    cells = presses.cell if cells is None else cells
+    if cells is None:
+        one = np.all(presses.cell == presses.cell[0])
+        cells = np.arange(len(presses.cell)) if one else presses.cell
     squares = _squares(found)
     counted = squares.count.sum(axis=1)
     by_trial = np.sqrt(squares.total.sum(axis=1) / counted)
@@ -100,6 +102,7 @@ def leave_out(found: Fit, cells: NDArray) -> dict[int, NDArray]:
     prior = np.diag(prior_precision(problem, found.sizes) + 1e-9)
     low, high = problem.bounds()
     pinned = (found.vector <= low + 1e-9) | (found.vector >= high - 1e-9)
+    pinned[problem.frozen()] = True
     free = ~pinned
     full = (normal.sum(axis=0) + prior)[np.ix_(free, free)]
     sizes = [i for i, at in enumerate(np.nonzero(free)[0]) if BASE <= at < problem.fixed]

@@ -19,10 +19,10 @@ from dummydesign.loop.reduction import UNLOADING
 from dummydesign.tissue.noise import Bins, Noise
 
 POSITION_PRIOR_MM = (0.008, 1.0)
-LAW_PRIORS = ((0.004, 0.3), (0.015, 0.3), (0.008, 0.4))
-"""Median and spread (of the logarithm) of the sizes that few numbers bear on: contact scatter, and the force
-law's error per thickness in level, slope and curvature at d/h = 0.4 (finite elements, square-punch factor)."""
-LAW_TERMS = len(LAW_PRIORS)
+"""Median and spread (of the logarithm) of the contact scatter; that of the law's error belongs to the law."""
+LAW_TERMS = 3
+"""Level, slope and curvature in depth over thickness."""
+Priors = tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True)
@@ -49,10 +49,10 @@ class Sizes:
         return float(np.hypot(self.noise.white_N, self.noise.slow_N))
 
 
-def first_sizes(presses: Presses) -> Sizes:
+def first_sizes(presses: Presses, law_priors: Priors) -> Sizes:
     """Starting sizes: white noise as measured, the rest at the middle of the priors."""
     white = float(np.sqrt(np.mean([press.white_N**2 for press in presses.presses])))
-    return Sizes(Noise(white, 0.6 * white, 1.0, POSITION_PRIOR_MM[0]), *(prior[0] for prior in LAW_PRIORS))
+    return Sizes(Noise(white, 0.6 * white, 1.0, POSITION_PRIOR_MM[0]), *(prior[0] for prior in law_priors))
 
 
 def repeat_pairs(presses: Presses) -> list[tuple[int, int]]:
@@ -158,7 +158,7 @@ def _penalty(log_size: float, prior: tuple[float, float]) -> float:
 
 
 def estimate_sizes(
-    gram: NDArray, counts: tuple[int, ...], sizes: Sizes
+    gram: NDArray, counts: tuple[int, ...], sizes: Sizes, law_priors: Priors
 ) -> tuple[Sizes, float]:
     """Contact scatter and law error that make the residuals likeliest, and minus twice that log likelihood.
 
@@ -171,6 +171,8 @@ def estimate_sizes(
         Numbers of columns.
     sizes : Sizes
         Former sizes, the start.
+    law_priors : tuple of (median, spread of the logarithm)
+        Of the law error's three terms.
 
     Returns
     -------
@@ -195,11 +197,11 @@ def estimate_sizes(
             volume = np.linalg.slogdet(matrix)[1] + 2.0 * np.log(scale).sum()
         else:
             volume = np.linalg.slogdet(np.eye(len(scale)) + scale[:, None] * random * scale)[1]
-        priors = sum(_penalty(v, q) for v, q in zip(logs, (POSITION_PRIOR_MM, *LAW_PRIORS)))
+        priors = sum(_penalty(v, q) for v, q in zip(logs, (POSITION_PRIOR_MM, *law_priors)))
         return float(chi2 + volume + priors)
 
     def clipped(logs: NDArray) -> NDArray:
-        return np.clip(logs, np.log([3e-4, 1e-3, 1e-3, 1e-3]), np.log([0.5, 0.2, 0.3, 0.3]))
+        return np.clip(logs, np.log([3e-4, 3e-4, 3e-4, 3e-4]), np.log([0.5, 0.2, 0.3, 0.3]))
 
     begin = np.log([max(sizes.noise.position_mm, 1e-3), *sizes.law])
     simplex = np.vstack([begin, begin + 0.5 * np.eye(len(begin))])

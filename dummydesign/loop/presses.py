@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.history import History, make_history
-from dummydesign.loop.reduction import UNLOADING, ReducedPress, reduce_press
+from dummydesign.loop.reduction import UNLOADING, ReducedPress, has_hold, reduce_press
 from dummydesign.protocol.campaign import Campaign, Trial
 from dummydesign.protocol.sensor import Lowpass
 from dummydesign.tissue.noise import Bins
@@ -62,6 +62,12 @@ class Presses:
     def unloads(self) -> NDArray:
         """Whether each trial goes on after the hold, shape (T,)."""
         return ((self.label // 100 == UNLOADING) & self.used).any(axis=1)
+
+    @property
+    def elastic_only(self) -> bool:
+        """Whether nothing shows relaxation: no trial holds and all have about one speed."""
+        speed = self.velocity_mm_s
+        return not any(has_hold(press.ramp) for press in self.presses) and speed.max() < 1.5 * speed.min()
 
     def measure(self, node_force_N: NDArray) -> NDArray:
         """Bin means (T, B) of the sensor's output for a force at the nodes (T, N). [N]"""

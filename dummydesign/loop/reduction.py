@@ -19,6 +19,9 @@ from dummydesign.protocol.trace import Trace
 
 FAST_RISE_S = 0.06
 SLOW_BINS = 17
+SHORTEST_HOLD_S = 0.05
+LOADING_BINS = 40
+"""Bins of a press that ends while it loads."""
 HOLD_GROWTH = 1.33
 UNLOADING_BINS = 20
 RISE_NODES = 80
@@ -73,15 +76,12 @@ def reduce_press(trace: Trace, lowpass: Lowpass | None) -> ReducedPress:
     Raises
     ------
     InputError
-        With the file name when it holds no press or no usable hold.
+        With the file name when it holds no press.
     """
     try:
         ramp = find_landmarks(trace.time_s, trace.displacement_mm)
     except InputError as problem:
         raise InputError(f"{trace.name}: {problem}") from None
-    if ramp.hold_end_s - ramp.stop_time_s < 0.05:
-        hold = ramp.hold_end_s - ramp.stop_time_s
-        raise InputError(f"{trace.name}: a hold of {hold:.3g} s is too short to see relaxation; hold 10 s")
     edges, labels = _bin_edges(trace.time_s, ramp)
     which = np.searchsorted(edges, trace.time_s, side="right") - 1
     inside = (which >= 0) & (which < len(labels))
@@ -100,10 +100,19 @@ def reduce_press(trace: Trace, lowpass: Lowpass | None) -> ReducedPress:
     )  # fmt: skip
 
 
+def has_hold(ramp: Ramp) -> bool:
+    """Whether a press holds long enough to show relaxation."""
+    return ramp.hold_end_s - ramp.stop_time_s >= SHORTEST_HOLD_S
+
+
 def _bin_edges(time: NDArray, ramp: Ramp) -> tuple[NDArray, NDArray]:
     """Edges [s] and the label of each bin."""
     step = 1e-3
     contact, stop, end = ramp.contact_time_s, ramp.stop_time_s, ramp.hold_end_s
+    if not has_hold(ramp):
+        edges = np.linspace(contact, time[-1], LOADING_BINS + 1)
+        edges[-1] += 1e-9
+        return edges, 100 * RISE + np.arange(LOADING_BINS)
     before = contact - 2 * step
     parts, labels = [], []
     if time[0] < before - 4 * step:
@@ -163,6 +172,7 @@ def _nodes(trace: Trace, ramp: Ramp) -> tuple[NDArray, NDArray]:
     if len(away) > AWAY_NODES:
         away = away[:: int(np.ceil(len(away) / AWAY_NODES))]
     nodes = np.unique(np.r_[start, rise, hold, end, away, time[-1]])
+    nodes = nodes[(nodes >= time[0]) & (nodes <= time[-1])]
     nodes = nodes[np.r_[True, np.diff(nodes) > 1e-5]]
     near = np.diff(time).min() > 0 and len(time) > 3
     placed = CubicSpline(time, x)(nodes) if near else np.interp(nodes, time, x)

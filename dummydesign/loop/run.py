@@ -216,6 +216,15 @@ def _pad_errors(fit: Fit) -> Errors:
     return errors(fit, np.searchsorted(fit.problem.thicknesses, presses.thickness_mm))
 
 
+def _at_bound(candidate: Candidate) -> bool:
+    """Whether the size ended at the end of what is plausible: something else is being imitated."""
+    size = candidate.effect.parameters[0]
+    place = candidate.fit.problem.fixed - len(candidate.effect.parameters)
+    value = size.to_value(candidate.fit.vector[place])
+    reach = 1e-3 * (size.high - size.low)
+    return value != size.null and (value <= size.low + reach or value >= size.high - reach)
+
+
 def _change(before: Errors, after: Errors) -> float | None:
     """Relative change of the squared error on what both could predict; None when there is nothing."""
     both = np.isfinite(after.heldout_by_trial_N) & np.isfinite(before.heldout_by_trial_N)
@@ -249,23 +258,31 @@ def _resin_young_kPa(campaign: Campaign) -> float:
 
 def _available(presses: Presses, shape: str) -> tuple[tuple[Effect, ...], dict[str, str]]:
     reasons = {effect.name: effect.unavailable(presses, shape) for effect in EFFECTS}
+    if presses.elastic_only:
+        relaxing = [effect.name for effect in EFFECTS if type(effect).arms is not Effect.arms]
+        reasons.update({name: "needs holds or two speeds" for name in relaxing})
     usable = tuple(effect for effect in EFFECTS if not reasons[effect.name])
     return usable, {name: reason for name, reason in reasons.items() if reason}
 
 
 def _accept(before: Stage, screened: list[Screened], ranking: list[Candidate], floor: float) -> Found | None:
-    """The first candidate that beats the threshold and predicts left-out conditions better."""
-    for place, candidate in enumerate(ranking[:3]):
+    """The first candidate that beats the threshold inside its bounds and predicts left-out conditions better.
+
+    Rivals that cannot be told from it may stand in for it there: which of them predicts best is chance.
+    """
+    inside = [candidate for candidate in ranking if not _at_bound(candidate)]
+    for candidate in inside[:4]:
         ratio = lack_of_fit(candidate.fit).ratio
         threshold = gain_threshold(screened, ratio, floor)
         if candidate.gain < threshold:
             return None
-        if not _predicts_better(before, candidate.fit):
+        near = [c for c in rivals(inside, candidate, ratio) if c.gain <= candidate.gain]
+        if not any(_predicts_better(before, c.fit) for c in (candidate, *near)):
             continue
-        rest = ranking[place:]
         return Found(
-            candidate, tuple(rivals(rest, ratio)), tuple(family_of(candidate.screened, screened)), threshold,
-            errors(candidate.fit).heldout_N, tuple(rest),
+            candidate, tuple(c.effect.name for c in rivals(inside, candidate, ratio)[:2]),
+            tuple(family_of(candidate.screened, screened)), threshold, errors(candidate.fit).heldout_N,
+            (candidate, *(c for c in inside if c is not candidate)),
         )  # fmt: skip
     return None
 
@@ -292,6 +309,11 @@ def _warnings(campaign: Campaign, presses: Presses, law: object) -> tuple[dict[s
         out.append(
             {"code": "no_repeats", "message": "no condition is repeated: lack of fit cannot be tested against pure "
              "error, and the slow noise is taken from the residuals, where model error counts as noise"}
+        )  # fmt: skip
+    if presses.elastic_only:
+        out.append(
+            {"code": "elastic_only", "message": "no trial holds and all have one speed: relaxation is not fitted, the "
+             "modulus is that of this speed"}
         )  # fmt: skip
     deep = presses.depth_mm > law.limit(presses.thickness_mm)
     if deep.any():

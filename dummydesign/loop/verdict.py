@@ -51,10 +51,10 @@ def family_of(one: Screened, others: list[Screened]) -> list[str]:
     ]
 
 
-def rivals(candidates: list[Candidate], ratio: float | None) -> list[str]:
-    """Names of at most two candidates that explain the data nearly as well as the first, likeliest first."""
+def rivals(candidates: list[Candidate], first: Candidate, ratio: float | None) -> list[Candidate]:
+    """Candidates that explain the data as well as ``first``, or nearly, likeliest first."""
     gap = RIVAL_GAP * max(1.0, ratio or 1.0)
-    return [c.effect.name for c in candidates[1:] if candidates[0].gain - c.gain < gap][:2]
+    return [c for c in candidates if c is not first and first.gain - c.gain < gap]
 
 
 @dataclass(frozen=True)

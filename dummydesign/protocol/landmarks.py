@@ -19,7 +19,8 @@ def find_landmarks(time_s: NDArray, displacement_mm: NDArray) -> Ramp:
 
     The stop is where the speed, over a window that steps of 5 um do not disturb, falls to a tenth of the
     speed between 20 and 60 % of the depth; unlike a depth to be reached, it does not move when the robot
-    creeps by hundredths of a millimetre afterwards. The hold ends where the punch leaves for good.
+    creeps by hundredths of a millimetre afterwards. The hold ends where the punch leaves for good; a motion
+    that ends while it presses has its stop there and no hold.
 
     Parameters
     ----------
@@ -45,7 +46,7 @@ def find_landmarks(time_s: NDArray, displacement_mm: NDArray) -> Ramp:
     speed = (x[late] - x[start]) / max(time[late] - time[start], 1e-9)
     window = max(10.0 * STEP_MM / speed, 3.0 * float(np.median(np.diff(time[start : late + 4]))))
     ahead = np.interp(time[late:] + window, time, x) - x[late:]
-    slow = np.nonzero(ahead <= STOPPED * speed * window)[0]
+    slow = np.nonzero((ahead <= STOPPED * speed * window) & (time[late:] + window <= time[-1]))[0]
     stop = float(time[late + (int(slow[0]) if slow.size else len(time) - late - 1)])
     return Ramp(contact, stop, _hold_end(time, x, depth, stop), depth, depth / max(stop - contact, 1e-9))
 

@@ -12,6 +12,7 @@ from dummydesign.loop.checks import run_checks
 from dummydesign.loop.fit import Problem, fit, start_vector
 from dummydesign.loop.heldout import errors
 from dummydesign.loop.lackoffit import lack_of_fit
+from dummydesign.loop.law import SLAB_ERROR
 from dummydesign.loop.noise import estimate_slow_noise, first_sizes, repeat_pairs
 from dummydesign.loop.verdict import GAIN_FLOOR, gain_threshold
 from dummydesign.tissue.noise import Noise
@@ -57,7 +58,8 @@ def test_slow_noise_is_recovered_and_does_not_see_what_changes_with_force(base):
     gains = 1.0 + rng.normal(0, 0.03, len(made))[:, None]
     shifts = rng.normal(0, 0.02, len(made))[:, None]
     disturbed = made + (gains - 1.0) * base.forces + shifts * base.slope + 0.3 * np.sin(presses.label / 40.0)
-    found = estimate_slow_noise(presses, disturbed * presses.used, base.slope, base.forces, first_sizes(presses).noise)
+    start = first_sizes(presses, SLAB_ERROR).noise
+    found = estimate_slow_noise(presses, disturbed * presses.used, base.slope, base.forces, start)
     assert found.slow_N == pytest.approx(0.025, rel=0.25)
     assert found.slow_time_s == pytest.approx(1.0, rel=0.6)
 
@@ -68,7 +70,7 @@ def test_the_fit_recovers_the_parameters_that_made_the_forces(plain):
     truth = start_vector(problem, 0.04)
     truth[:5] += [0.0, 0.2, -0.3, 0.3, 0.2]
     made = replace(presses, force_N=problem.predict(truth))
-    found = fit(Problem(made, law), start_vector(problem, 0.03), first_sizes(presses))
+    found = fit(Problem(made, law), start_vector(problem, 0.03), first_sizes(presses, SLAB_ERROR))
     np.testing.assert_allclose(found.vector[:5], truth[:5], atol=2e-3)
     assert np.abs(found.residual[presses.used]).max() < 2e-3
 

@@ -80,6 +80,8 @@ class Effect:
     signature: str = ""
     reference: str = ""
     feeds_back: bool = False
+    always_fitted: bool = False
+    """Fitted whatever its score: for effects whose first-order change the base can imitate."""
 
     def unavailable(self, presses: Presses, shape: str) -> str:
         """Say why the effect cannot be tested on these trials; empty when it can."""
@@ -117,6 +119,10 @@ class Effect:
     def sensor(self, presses: Presses, force_N: NDArray, values: Values) -> NDArray:
         """Sensor: the signal before the declared filter (T, N). [N]"""
         return force_N
+
+    def base_start(self, logs: NDArray) -> NDArray:
+        """Where to start the base's logarithms when this effect is added."""
+        return logs
 
     def null_values(self) -> Values:
         """All parameters at their null values."""

@@ -20,8 +20,16 @@ class FastRelaxationMode(Effect):
     signature = "extra force in the fast ramp that is gone some hundredths of a second after the stop"
     reference = "Pawluk and Howe, J. Biomech. Eng. 121 (1999) 178 (modes of 4 ms, 70 ms, 1.4 s)"
 
+    always_fitted = True
+
     def unavailable(self, presses: Presses, shape: str) -> str:
         return ""
+
+    def base_start(self, logs: NDArray) -> NDArray:
+        # the fast arm of the base sits between its own time and that of the mode
+        moved = logs.copy()
+        moved[1] += 0.4
+        return moved
 
     def arms(self, presses: Presses, arms: tuple[Arm, ...], depth_mm: NDArray, values: Values) -> tuple[Arm, ...]:
         return (*arms, Arm(values["tau_s"], values["beta"]))

@@ -10,6 +10,11 @@ from dummydesign.resin import load_resin
 QUICK = ["--no-cad", "--no-verify"]
 
 
+@pytest.fixture(autouse=True)
+def _in_an_empty_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
 def answer(capsys, *arguments):
     status = run([*arguments, "--json"])
     return status, json.loads(capsys.readouterr().out)
@@ -146,7 +151,88 @@ def test_whatif_gives_rows_and_their_csv(capsys, tmp_path):
     assert row["limit"] is None and "total" in row["score"]
     assert any(row["limit"] for row in found["rows"])
     assert len((tmp_path / "rows.csv").read_text().splitlines()) == 9
+    assert (tmp_path / "report.html").stat().st_size > 50_000
     assert not list(tmp_path.glob(".*"))
+
+
+def test_the_folder_is_made_when_the_question_is_accepted_and_not_before(capsys, tmp_path):
+    for bad in (
+        ["suggest", "--tissue", "plam"],
+        ["suggest", "--tissue", "palm", "--aim", "best"],
+        ["suggest", "--tissue", "palm", "--limits", "none.toml"],
+        ["suggest", "--tissue", "palm", "--robot-mass", "-1"],
+        ["suggest", "--tissue", "palm", "--calibration", "x.toml"],
+        ["whatif", "--thickness", "5", "--tissue", "plam"],
+        ["whatif", "--thickness", "5", "--tissue", "palm", "--aim", "best"],
+        ["whatif", "--thickness", "5", "--workers", "0"],
+        ["whatif", "--thickness", "5", "--condition", "frictionless"],
+    ):
+        assert run(bad) == 2
+        assert capsys.readouterr().err.count("\n") == 1
+    assert run(["suggest", "--tissue", "forefinger", "--thickness", "28:30", "--ratio", "14:14.2", *QUICK]) == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_report_and_csv_are_written_where_the_answer_says(capsys, tmp_path):
+    _, found = answer(capsys, "suggest", "--tissue", "forefinger", *QUICK)
+    assert found["files"]["report"] == "suggest-forefinger/report.html"
+    assert {path.name for path in (tmp_path / "suggest-forefinger").iterdir()} == {
+        path.split("/")[1] for path in found["files"].values()
+    }
+
+
+def test_the_safety_view_holds_energy_pressure_mass_and_limits(capsys, tmp_path):
+    limits = tmp_path / "limits.toml"
+    number = 'value = {0}\nlow = {0}\nhigh = {0}\nkind = "assumed"\nsource = "made for this test"\n'
+    limits.write_text(
+        'name = "mine"\n'
+        + "".join(
+            f"[{name}]\n{number.format(value)}"
+            for name, value in (("force_N", 12.0), ("pressure_N_per_cm2", 9.0), ("transient_factor", 2.0))
+        )
+    )
+    asked = ["--robot-mass", "2", "--robot-velocity", "100", "--limits", str(limits)]
+    _, found = answer(capsys, "suggest", "--tissue", "palm", *asked, *QUICK)
+    safety = found["safety"]
+    assert len(safety["presses"]) == 6
+    for row, condition in zip(safety["presses"], found["recommendation"]["conditions"]):
+        assert row["pad_pressure_N_per_cm2"] == pytest.approx(condition["peak_force_N"] / 1.96)
+        assert 0 < row["pad_energy_mJ"] < condition["peak_force_N"] * condition["depth_mm"]
+    # 2 kg at 100 mm/s carry 10 mJ
+    stopped = [row for row in safety["impact"] if row["energy_mJ"] is not None]
+    assert len(stopped) > 1 and all(row["energy_mJ"] == pytest.approx(10.0, rel=5e-3) for row in stopped)
+    held = [r for r in safety["limits"] if r["body"] == "pad" and r["case"] == "15 N, 10 mm/s"]
+    assert {(r["criterion"], r["contact"]): r["limit"] for r in held} == {
+        ("force_N", "quasi-static"): 12.0, ("force_N", "transient"): 24.0,
+        ("mean_pressure_N_per_cm2", "quasi-static"): 9.0, ("mean_pressure_N_per_cm2", "transient"): 18.0,
+    }  # fmt: skip
+    assert all(row["within"] == (row["value"] <= row["limit"]) for row in safety["limits"] if row["value"])
+    assert any(row["within"] is False for row in safety["limits"])
+
+
+def test_a_limit_without_its_source_is_refused(capsys, tmp_path):
+    limits = tmp_path / "limits.toml"
+    limits.write_text('[force_N]\nvalue = 1.0\nlow = 1.0\nhigh = 1.0\nkind = "assumed"\n')
+    assert run(["suggest", "--tissue", "palm", "--limits", str(limits), *QUICK]) == 2
+    assert "force_N' lacks source" in capsys.readouterr().err
+
+
+def test_whatif_goes_on_where_it_was_stopped(capsys, tmp_path):
+    arguments = ["whatif", "--thickness", "5:20:5", "--ratio", "15:17:0.5", "--base", "bonded,sliding", "--out", "w"]
+    _, whole = answer(capsys, *arguments)
+    path = tmp_path / "w" / "rows.csv"
+    content = path.read_bytes()
+    path.write_bytes(content[: len(content) // 2])
+    _, again = answer(capsys, *arguments, "--resume")
+    assert 0 < again["resumed_rows"] < len(whole["rows"]) == 40
+    assert again["rows"] == whole["rows"] and path.read_bytes() == content
+    assert run([*arguments, "--force", "3", "--resume"]) == 2
+    assert "forces_N" in capsys.readouterr().err
+
+
+def test_whatif_in_two_processes_gives_the_same(capsys, tmp_path):
+    arguments = ["whatif", "--thickness", "5:20:5", "--ratio", "15,16", "--out", "w"]
+    assert answer(capsys, *arguments)[1]["rows"] == answer(capsys, *arguments, "--workers", "2")[1]["rows"]
 
 
 @pytest.mark.parametrize(

@@ -18,44 +18,89 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--ratio", metavar="MIN:MAX", help="limits of the mixing ratio, inside the resin's range")
     add("--calibration", metavar="FILE", help="calibration written by 'dummydesign loop'")
     add("--shape", default="slab", metavar="NAME", help="slab (default)")
-    add("--no-cad", action="store_true", help="no mould, the recipe alone")
+    add("--no-cad", action="store_true", help="no mould, the recipe and the report alone")
     add("--no-verify", action="store_true", help="do not solve the design again by finite elements")
+    add("--robot-mass", type=float, metavar="KG", help="safety view: a free mass that runs into tissue and pad")
+    add("--robot-velocity", type=float, default=250.0, metavar="MM_S", help="its speed (default 250 mm/s)")
+    add("--limits", metavar="FILE", help="safety view: your limits of force and pressure, with their source (TOML)")
     add("--out", metavar="DIR", help="folder of the files (default suggest-TISSUE)")
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
-    """Find the design, make its mould, and return the answer."""
+    """Find the design, make its mould, write the report and return the answer."""
     from pathlib import Path
 
+    from dummydesign.design.suggest import Request, accept, suggest
+    from dummydesign.errors import InputError, NoAnswerError
+    from dummydesign.files import output_folder
+
+    request = _request(options, Request)
+    accept(request)
+    limits = _limits(options)
+    out = Path(options.out) if options.out is not None else Path(f"suggest-{Path(options.tissue).stem}")
+    made = not out.exists()
+    output_folder(out)
+    try:
+        answer = suggest(request)
+    except (InputError, NoAnswerError):
+        if made:
+            out.rmdir()
+        raise
+    from dummydesign.design.safety_view import safety_view
+
+    safety = safety_view(answer, options.robot_mass, options.robot_velocity, limits)
+    inputs = {
+        **request.to_dict(),
+        "cad": not options.no_cad,
+        "out": str(out),
+        "calibration": None,
+        "robot_mass_kg": options.robot_mass,
+        "robot_velocity_mm_s": options.robot_velocity,
+        "limits": options.limits,
+    }
+    result = {"inputs": inputs, **answer.to_dict(), "safety": safety.to_dict(), "files": {}}
+    try:
+        if not options.no_cad:
+            _add_mould(result, answer, out)
+    finally:
+        from dummydesign.report.suggest import write_suggestion
+
+        result["files"] |= write_suggestion(out, answer, result, safety)
+    return result
+
+
+def _request(options: argparse.Namespace, make: Any) -> Any:
+    """Read what is asked for."""
     from dummydesign.design.ranges import parse_limits
     from dummydesign.errors import InputError
 
     if options.calibration is not None:
         raise InputError("--calibration: this version cannot design with a calibration file yet; leave it out")
-    thickness = parse_limits(options.thickness, "thickness in mm")
-    ratio = parse_limits(options.ratio, "ratio")
-    out = Path(options.out) if options.out is not None else Path(f"suggest-{Path(options.tissue).stem}")
-    if not options.no_cad or options.out is not None:
-        from dummydesign.files import output_folder
-
-        output_folder(out)
-    from dummydesign.design.suggest import Request, suggest
-
-    request = Request(
+    return make(
         tissue=options.tissue,
         aim=options.aim,
         resin=options.resin,
-        thickness_mm=thickness,
-        ratio=ratio,
+        thickness_mm=parse_limits(options.thickness, "thickness in mm"),
+        ratio=parse_limits(options.ratio, "ratio"),
         shape=options.shape,
         verify=not options.no_verify,
     )
-    answer = suggest(request)
-    inputs = {**request.to_dict(), "cad": not options.no_cad, "out": str(out), "calibration": None}
-    result = {"inputs": inputs, **answer.to_dict(), "files": {}}
-    if not options.no_cad:
-        _add_mould(result, answer, out)
-    return result
+
+
+def _limits(options: argparse.Namespace) -> Any:
+    """Read the safety view's own inputs, refusing what cannot be."""
+    from math import isfinite
+
+    from dummydesign.errors import out_of_range
+
+    for name, value in (("robot mass in kg", options.robot_mass), ("robot velocity in mm/s", options.robot_velocity)):
+        if value is not None and not (isfinite(value) and value > 0):
+            raise out_of_range(name, value, "above 0", "any finite value")
+    if options.limits is None:
+        return None
+    from dummydesign.design.safety import read_limits
+
+    return read_limits(options.limits)
 
 
 def _add_mould(result: dict[str, Any], answer: Any, out: Any) -> None:
@@ -175,5 +220,5 @@ def _more(result: dict[str, Any]) -> list[str]:
             f"{checked['max_difference_percent']:.2f} % from the table"
         )
     lines += ["", result["rests_on"]["text"], f"next: {result['rests_on']['next_step']}"]
-    lines += [f"{role}: {path}" for role, path in result["files"].items()]
+    lines += [f"{role}: {path}" for role, path in result["files"].items() if not role.startswith("report_")]
     return lines + [f"warning: {item['message']}" for item in result["warnings"]]

@@ -145,5 +145,5 @@ def render(result: dict[str, Any]) -> str:
     if len(rows) > SHOWN:
         lines.append(f"... {len(rows) - SHOWN} more rows in {result['files']['rows']}")
     lines += ["", f"{len(rows)} designs in {result['seconds']:.2f} s; rows: {result['files']['rows']}"]
-    lines += [f"{role}: {path}" for role, path in result["files"].items() if role != "rows"]
+    lines += [f"{role}: {path}" for role, path in result["files"].items() if role == "report"]
     return "\n".join(lines + [f"warning: {item['message']}" for item in result["warnings"]])

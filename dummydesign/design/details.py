@@ -81,7 +81,9 @@ def reactions(answer: Suggestion, law: ForceLaw) -> list[Reaction]:
     found = []
     for name, pair in cases.items():
         change = np.array([100.0 * (_measure(curves, *case, resin) / nominal - 1.0) for case in pair])
-        low, high = np.fmin(*change), np.fmax(*change)
+        # an end at which 10 N cannot be reached has no number: the bar then ends at no change, and says so
+        name += "" if np.isfinite(change).all() else " *"
+        low, high = np.fmin.reduce([*change, 0 * nominal]), np.fmax.reduce([*change, 0 * nominal])
         found.append(Reaction(name, (float(low[0]), float(high[0])), (float(low[1]), float(high[1]))))
     return found
 

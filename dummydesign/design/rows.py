@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.design.curves import ForceLaw, Sampling, Slabs, make_curves, press_to_depth, steady_depth
+from dummydesign.design.punch import punch_law
 from dummydesign.errors import NoAnswerError
 
 if TYPE_CHECKING:
@@ -85,10 +86,12 @@ def force_law(task: Task, thickness_mm: NDArray) -> ForceLaw:
     if task.fidelity == "axisymmetric":
         from dummydesign.design.solved import solve_law
 
-        return solve_law(thickness_mm.tolist(), task.radius_mm, None, task.base, task.condition)
-    from dummydesign.pad.table import load_table
+        circle: ForceLaw = solve_law(thickness_mm.tolist(), task.radius_mm, None, task.base, task.condition)
+    else:
+        from dummydesign.pad.table import load_table
 
-    return load_table(base=task.base)
+        circle = load_table(base=task.base)
+    return punch_law(circle, task.punch, task.condition, task.base)
 
 
 def _rows(task: Task, slabs: Slabs) -> list[dict[str, Any]]:

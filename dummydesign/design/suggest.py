@@ -10,6 +10,7 @@ import numpy as np
 
 from dummydesign.design.answer import design_dict
 from dummydesign.design.curves import ForceLaw, Sampling, make_curves
+from dummydesign.design.punch import punch_law
 from dummydesign.design.search import THICKNESS_MM, Candidate, SearchResult, search, thickness_steps
 from dummydesign.design.targets import FORCES_N, Targets, make_targets
 from dummydesign.design.tolerance import Tolerances, Yield, pour_yield
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from dummydesign.tissue.band import Tissue
 
 PUNCH_SIDE_MM = 14.0
+PUNCH = f"square:{PUNCH_SIDE_MM:g}"
 RADIUS_MM = PUNCH_SIDE_MM / math.sqrt(math.pi)
 """Circle of the area of the paper's 14 x 14 mm impactor. [mm]"""
 PAD_LENGTH_MM, PAD_WIDTH_MM = 150.0, 120.0
@@ -63,7 +65,13 @@ class Suggestion:
     pour: Yield
     verification: Verification
     recipe: tuple[tuple[str, float], ...]
-    force_law: str = ""
+    law: ForceLaw
+
+    @property
+    def force_law(self) -> str:
+        """Where the elastic forces come from, in words; empty for a law of the user's own."""
+        made_by = getattr(self.law, "provenance", {}).get("command", "")
+        return f"response table of bonded slabs, made by {made_by}" if made_by else ""
 
     @property
     def best(self) -> Candidate:
@@ -112,29 +120,44 @@ def suggest(request: Request, law: ForceLaw | None = None) -> Suggestion:
     NoAnswerError
         ``no_feasible_design`` when no slab reaches 10 N steady.
     """
-    from dummydesign.resin import load_resin
-    from dummydesign.tissue.store import load_tissue
-
-    if request.shape not in SHAPES:
-        raise unknown_name("shape", request.shape, SHAPES)
-    tissue, resin = load_tissue(request.tissue), load_resin(request.resin)
+    tissue, resin, thickness, ratio = accept(request)
     sampling = Sampling(hold_s=request.hold_s, deceleration_mm_s2=request.deceleration_mm_s2)
     targets = make_targets(tissue, request.aim, sampling)
-    thickness = thickness_steps(*(request.thickness_mm or THICKNESS_MM))
-    ratio = _ratios(resin, request.ratio)
     if law is None:
         from dummydesign.pad.table import load_table
 
-        law = load_table(base="bonded")
+        law = punch_law(load_table(base="bonded"), PUNCH)
     found = search(law, resin, targets, thickness, ratio, RADIUS_MM, sampling)
     recipe = pour_recipe(resin, found.best)
     tolerances = Tolerances(sum(mass for _, mass in recipe), request.weighing_g, request.thickness_tolerance_mm)
     best = found.best
     pour = pour_yield(law, resin, targets, best.thickness_mm, best.ratio, RADIUS_MM, tolerances)
     checked = _verify(best, resin, law) if request.verify else not_verified("not asked for")
-    made_by = getattr(law, "provenance", {}).get("command", "")
-    source = f"response table of bonded slabs, made by {made_by}" if made_by else ""
-    return Suggestion(request, tissue, resin, targets, found, pour, checked, recipe, source)
+    return Suggestion(request, tissue, resin, targets, found, pour, checked, recipe, law)
+
+
+def accept(request: Request) -> tuple[Tissue, Resin, np.ndarray, np.ndarray]:
+    """Read what a request names and refuse what is not allowed, before any work.
+
+    Returns
+    -------
+    tuple
+        Tissue, resin, thicknesses [mm] and ratios to search.
+
+    Raises
+    ------
+    InputError
+        For unknown names or ranges outside what is allowed.
+    """
+    from dummydesign.resin import load_resin
+    from dummydesign.tissue.store import load_tissue
+
+    if request.shape not in SHAPES:
+        raise unknown_name("shape", request.shape, SHAPES)
+    tissue, resin = load_tissue(request.tissue), load_resin(request.resin)
+    tissue.target(request.aim)
+    thickness = thickness_steps(*(request.thickness_mm or THICKNESS_MM))
+    return tissue, resin, thickness, _ratios(resin, request.ratio)
 
 
 def pour_recipe(resin: Resin, candidate: Candidate) -> tuple[tuple[str, float], ...]:
@@ -166,7 +189,11 @@ def _ratios(resin: Resin, wanted: tuple[float, float] | None) -> np.ndarray:
 
 
 def _verify(best: Candidate, resin: Resin, law: ForceLaw) -> Verification:
-    """Solve the depths of the slow conditions by finite elements; the fast ones differ by micrometres."""
+    """Solve the depths of the slow conditions by finite elements; the fast ones differ by micrometres.
+
+    Compared are the forces of the circle of the punch's area, which is what is solved.
+    """
+    law = getattr(law, "circle", law)
     depth = best.evaluation.depth_mm[best.index, : len(FORCES_N)]
     depth = depth[np.isfinite(depth)]
     young = resin.young_MPa(best.ratio)

@@ -28,12 +28,17 @@ a scale on which a slab's unavoidable misfit still tells better from worse."""
 
 @dataclass(frozen=True)
 class Condition:
-    """One press of the protocol: the tissue's range, its peaks and the peak of the aim."""
+    """One press of the protocol: the range of the subjects, and the aim's own curve on the same times."""
 
     steady_force_N: float
     velocity_mm_s: float
     range: ForceRange
-    aim_peak_N: float
+    aim: ForceRange
+
+    @property
+    def aim_peak_N(self) -> float:
+        """Peak of the aim. [N]"""
+        return self.aim.peak_high_N
 
     @property
     def peak_half_width(self) -> float:
@@ -101,21 +106,20 @@ def make_targets(tissue: Tissue, aim: str, sampling: Sampling) -> Targets:
         for force in FORCES_N:
             motion = (sampling.hold_s, sampling.deceleration_mm_s2)
             band = force_range((*tissue.parameter_sets, parameters), force, velocity, *motion)
-            subjects = _without_last(band)
-            conditions.append(Condition(force, velocity, subjects, float(band.curves_N[-1].max())))
+            conditions.append(Condition(force, velocity, _part(band, slice(-1)), _part(band, slice(-1, None))))
     return Targets(tissue, aim, parameters, tuple(conditions))
 
 
-def _without_last(band: ForceRange) -> ForceRange:
-    """Take the aim's own curve out again: the envelope is that of the subjects."""
+def _part(band: ForceRange, chosen: slice) -> ForceRange:
+    """Some curves of a range with their own envelope: the aim's is no part of the subjects'."""
     from dataclasses import replace
 
-    curves = band.curves_N[:-1]
+    curves = band.curves_N[chosen]
     return replace(
         band,
         low_N=curves.min(axis=0),
         high_N=curves.max(axis=0),
         curves_N=curves,
-        depth_mm=band.depth_mm[:-1],
-        stop_s=band.stop_s[:-1],
+        depth_mm=band.depth_mm[chosen],
+        stop_s=band.stop_s[chosen],
     )

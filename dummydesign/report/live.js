@@ -19,17 +19,25 @@ const DD = (() => {
 
   // Elastic force over modulus of one slab on an even depth grid, as design/curves.py samples it.
   const SAMPLES = 481;
-  function curve(table, thickness, radius) {
+  // A square punch multiplies by its factor: pad/square.py.
+  function squareFactor(square, ratio) {
+    const [low, high] = square.ratio_range.map(Math.log), v = 2 * (Math.log(ratio) - low) / (high - low) - 1;
+    const row = square.coefficients.map((c) => cheb(c, v)), stretch = Math.sqrt(1 + 1 / (ratio * ratio));
+    const reach = interp(Math.log(ratio), square.reach_ratio.map(Math.log), square.reach_depth);
+    return (x) => Math.exp(cheb(row, 2 * Math.min(x * stretch, reach) / square.depth_range[1] - 1));
+  }
+  function curve(table, square, thickness, radius) {
     const ratio = radius / thickness, [low, high] = table.ratio_range;
     if (ratio < low * (1 - 1e-9) || ratio > high * (1 + 1e-9)) return null;
     const logs = table.limit_ratio.map(Math.log);
     const limit = thickness * Math.min(0.6, interp(Math.log(ratio), logs, table.limit_depth));
     const v = 2 * (Math.log(ratio) - Math.log(low)) / (Math.log(high) - Math.log(low)) - 1;
     const row = table.coefficients.map((c) => cheb(c, v));
+    const factor = square ? squareFactor(square, ratio) : () => 1;
     const [start, stop] = table.depth_range, area = new Float64Array(SAMPLES);
     for (let i = 1; i < SAMPLES; i++) {
       const depth = limit * i / (SAMPLES - 1), x = depth / thickness;
-      area[i] = radius * depth * Math.exp(cheb(row, 2 * (x - start) / (stop - start) - 1));
+      area[i] = factor(x) * radius * depth * Math.exp(cheb(row, 2 * (x - start) / (stop - start) - 1));
     }
     return { thickness, limit, step: limit / (SAMPLES - 1), area };
   }
@@ -68,7 +76,7 @@ const DD = (() => {
       t.push(straight + braking * (1 - left)); x.push(depth - distance * left * left);
     }
     const first = Math.min(1e-4, hold / (10 * holds)), step = Math.log(hold / first) / (holds - 1);
-    for (let i = 0; i < holds; i++) { t.push(stopped + first * Math.exp(step * i)); x.push(depth); }
+    for (let i = 0; i < holds; i++) { t.push(stopped + (i < holds - 1 ? first * Math.exp(step * i) : hold)); x.push(depth); }
     return { t, x, stop: stopped };
   }
   const max = (values) => values.reduce((a, b) => Math.max(a, b), -Infinity);
@@ -131,22 +139,23 @@ const DD = (() => {
     return out;
   }
   function armRamp(law, m, rate) {
-    const depth = m.x[m.x.length - 1], rise = m.ideal_stop, v = depth / rise, r = Math.max(rate, 1e-300);
+    const rise = m.ideal.stop, v = m.ideal.depth / rise, r = Math.max(rate, 1e-300);
     return Float64Array.from(m.t, (t) => {
       const rising = Math.min(t, rise), held = Math.max(t - rise, 0);
       const clock = law === "consistent" ? rise : Math.max(t, rise);
       return -Math.expm1(-r * v * v * rising ** 3) * v / r * Math.exp(-r * (v * clock) ** 2 * held);
     });
   }
-  // Stop of the ideal ramp as protocol/motion.py finds it on these samples.
-  function idealStop(m) {
-    const depth = m.x[m.x.length - 1], reach = Math.min(0.02, 0.01 * depth);
+  // Stop and depth of the ideal ramp as protocol/motion.py finds them on these samples.
+  function idealRamp(m) {
+    const largest = max(m.x), near = m.x.filter((x) => x >= largest - Math.max(0.05, 0.03 * largest)).sort((a, b) => a - b);
+    const depth = 0.5 * (near[(near.length - 1) >> 1] + near[near.length >> 1]), reach = Math.min(0.02, 0.01 * depth);
     const crossing = (level) => {
       const i = m.x.findIndex((x) => x >= level);
       return m.t[i - 1] + (level - m.x[i - 1]) / (m.x[i] - m.x[i - 1]) * (m.t[i] - m.t[i - 1]);
     };
     const late = crossing(depth - reach), early = crossing(depth - 4 * reach);
-    return Math.min(late + (late - early) / 3, m.t[m.t.length - 1]);
+    return { depth, stop: Math.min(late + (late - early) / 3, m.t[m.t.length - 1]) };
   }
   function dampersAt(subject, v) {
     const s = subject.speeds, c = subject.c;
@@ -161,9 +170,9 @@ const DD = (() => {
     const c = dampersAt(subject, v);
     let elastic = m.x.map((x) => Math.max(x, 0) ** 3);
     if (law !== "ode") {
-      m.ideal_stop = idealStop(m);
-      const speed = m.x[m.x.length - 1] / m.ideal_stop;
-      elastic = m.t.map((t) => (speed * Math.min(t, m.ideal_stop)) ** 3);
+      m.ideal = idealRamp(m);
+      const speed = m.ideal.depth / m.ideal.stop;
+      elastic = m.t.map((t) => (speed * Math.min(t, m.ideal.stop)) ** 3);
     }
     const total = elastic.map((e) => subject.gamma1 * e);
     subject.gamma.forEach((gamma, k) => {
@@ -187,7 +196,7 @@ const DD = (() => {
   function forceRange(law, subjects, force, v, protocol) {
     const curves = subjects.map((s) => tissuePress(law, s, force, v, protocol));
     const end = Math.min(...curves.map((c) => c.stop)) + protocol.hold_s;
-    const grid = [...new Set(curves.flatMap((c) => c.t))].sort((a, b) => a - b).filter((t) => t <= end);
+    const grid = [...new Set(curves.flatMap((c) => c.t))].sort((a, b) => a - b).filter((t) => t <= end * (1 + 1e-12));
     const rows = curves.map((c) => grid.map((t) => interp(t, c.t, c.force)));
     const low = grid.map((_, i) => Math.min(...rows.map((r) => r[i])));
     const high = grid.map((_, i) => Math.max(...rows.map((r) => r[i])));
@@ -209,9 +218,10 @@ const DD = (() => {
     return 0.5 * (rise / 60 + held / 61);
   }
 
-  // All numbers of one design. state: thickness_mm, ratio, radius_mm, velocity_mm_s, force_N, base.
+  // All numbers of one design. state: thickness_mm, ratio, radius_mm, square, velocity_mm_s, force_N, base.
   function compute(data, state) {
-    const c = curve(data.tables[state.base], state.thickness_mm, state.radius_mm);
+    const square = state.square ? data.squares[state.base] : null;
+    const c = curve(data.tables[state.base], square, state.thickness_mm, state.radius_mm);
     const out = { young_kPa: 1e3 * Math.exp(interp(state.ratio, data.resin.ratio, data.resin.ln_young_MPa)) };
     const arms = data.resin.tau_s.map((tau, k) => ({ tau, beta: interp(state.ratio, data.resin.ratio, data.resin.beta[k]) }));
     const young = out.young_kPa / 1e3;

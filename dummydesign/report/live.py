@@ -42,6 +42,7 @@ def live_data(resin: Resin, tissue: Tissue | None) -> dict[str, Any]:
         }
     return {
         "tables": tables,
+        "squares": {base: _square(base) for base in BASES},
         "resin": {
             "name": resin.name,
             "ratio": ratio.tolist(),
@@ -56,6 +57,18 @@ def live_data(resin: Resin, tissue: Tissue | None) -> dict[str, Any]:
             "fine": [sampling.ramp_points, sampling.brake_points, sampling.hold_points],
         },
     }
+
+
+def _square(base: str) -> dict[str, Any] | None:
+    """Factors of a square punch; None where there are none, and the square counts as the circle of its area."""
+    from dummydesign.design.punch import square_known
+    from dummydesign.pad.square import load_square
+
+    if not square_known(base):
+        return None
+    table = load_square(base)
+    names = ("coefficients", "ratio_range", "depth_range", "reach_ratio", "reach_depth")
+    return {name: np.asarray(getattr(table, name)).tolist() for name in names}
 
 
 def _tissue(tissue: Tissue) -> dict[str, Any]:
@@ -123,7 +136,7 @@ def live_section(resin: Resin, tissue: Tissue | None, start: dict[str, Any]) -> 
     )
     text = (
         "Everything here is computed in this page from the response table and the tissue's numbers inside it, by "
-        "the formulas of the package. A square punch counts as the circle of its area."
+        "the formulas of the package."
     )
     return Section("Try it", text, html=html)
 

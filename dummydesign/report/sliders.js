@@ -47,7 +47,7 @@
   function show() {
     const size = value("size"), square = $("in-shape").value === "square";
     const state = { ratio: value("ratio"), thickness_mm: value("thickness"), velocity_mm_s: value("velocity"), force_N: value("force"),
-      radius_mm: square ? size / Math.sqrt(Math.PI) : size / 2, base: $("in-base").value };
+      square, radius_mm: square ? size / Math.sqrt(Math.PI) : size / 2, base: $("in-base").value };
     const units = { ratio: "", thickness: " mm", size: " mm", velocity: " mm/s", force: " N" };
     for (const name of names) $("out-" + name).textContent = Number(value(name).toPrecision(4)) + units[name];
     const r = DD.compute(data, state);

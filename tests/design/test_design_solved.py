@@ -36,7 +36,7 @@ def test_between_solved_depths_the_force_is_that_of_the_law(layer_law, monkeypat
 def test_a_study_solves_each_thickness_once_whatever_the_ratios(layer_law, monkeypatch):
     calls = []
     monkeypatch.setattr(solved, "solve_slab", pretend(layer_law, calls))
-    punches = (("square:14", RADIUS),)
+    punches = (("round:15.8", RADIUS),)
     study = Study((5.0, 10.0), (15.0, 15.5, 16.0), punches, fidelity="axisymmetric")
     rows, exact = whatif(study)["rows"], whatif(study, layer_law)["rows"]
     assert sorted(calls) == [5.0, 10.0]

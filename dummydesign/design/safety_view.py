@@ -1,0 +1,149 @@
+"""The safety view of a suggestion: energy and mean pressure at each condition, a mass, and a user's limits."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dummydesign.design.curves import Sampling
+from dummydesign.design.safety import (
+    N_PER_CM2,
+    Contact,
+    Limits,
+    against_limits,
+    impact,
+    pad_body,
+    pad_press,
+    tissue_body,
+    tissue_press,
+)
+from dummydesign.design.suggest import PUNCH_SIDE_MM
+from dummydesign.errors import InputError
+
+if TYPE_CHECKING:
+    from dummydesign.design.suggest import Suggestion
+
+AREA_MM2 = PUNCH_SIDE_MM**2
+TEXT = (
+    "What a robot does to the tissue and to the pad under the same press: the energy of the rise (integral of F dx "
+    "from touch to stop, the criterion the paper names for dummy II) and the largest mean pressure, force over the "
+    "14 x 14 mm face. A pad serves a criterion where its number lies among the subjects'. Peak pressure is not "
+    "given: under a sharp edge it grows without bound, it needs the edge radius of the real part."
+)
+
+
+@dataclass(frozen=True)
+class PressRow:
+    """One condition: energy and mean pressure, lowest and highest subject, and the pad (None out of reach)."""
+
+    steady_force_N: float
+    velocity_mm_s: float
+    tissue_energy_mJ: tuple[float, float]
+    pad_energy_mJ: float | None
+    tissue_pressure_N_per_cm2: tuple[float, float]
+    pad_pressure_N_per_cm2: float | None
+
+
+@dataclass(frozen=True)
+class SafetyView:
+    """Presses, and when asked for the impact of a mass and the comparison with limits, as plain rows."""
+
+    presses: tuple[PressRow, ...]
+    impact: tuple[dict[str, Any], ...] = ()
+    impact_text: str = ""
+    limits: tuple[dict[str, Any], ...] = ()
+    limits_source: str = ""
+    text: str = TEXT
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return all rows as plain values."""
+        plain = asdict(self)
+        return {**plain, "presses": list(plain["presses"]), "impact": list(self.impact), "limits": list(self.limits)}
+
+
+def safety_view(
+    answer: Suggestion,
+    robot_mass_kg: float | None = None,
+    robot_velocity_mm_s: float = 250.0,
+    limits: Limits | None = None,
+) -> SafetyView:
+    """Work out the safety view of a suggestion.
+
+    Parameters
+    ----------
+    answer : Suggestion
+    robot_mass_kg : float, optional
+        Effective mass of a robot that runs into the clamped tissue or pad without drive. [kg]
+    robot_velocity_mm_s : float
+        Its speed at touch. [mm/s]
+    limits : Limits, optional
+        A user's limits of force and pressure.
+    """
+    sampling = Sampling(hold_s=answer.request.hold_s, deceleration_mm_s2=answer.request.deceleration_mm_s2)
+    slabs = answer.best.evaluation.slabs.take(np.array([answer.best.index]))
+    presses, checked = [], []
+    depths = answer.best.evaluation.depth_mm[answer.best.index]
+    for column, condition in enumerate(answer.targets.conditions):
+        force, speed = condition.steady_force_N, condition.velocity_mm_s
+        tissue = tissue_press(condition.range, answer.tissue.law, sampling)
+        pad = pad_press(slabs, depths[[column]], speed, sampling)
+        pressure = tissue.peak_force_N * N_PER_CM2 / AREA_MM2
+        presses.append(
+            PressRow(
+                force, speed, _ends(tissue.energy_mJ), _one(pad.energy_mJ), _ends(pressure),
+                _one(pad.peak_force_N * N_PER_CM2 / AREA_MM2),
+            )
+        )  # fmt: skip
+        checked += [("tissue", f"{force:g} N, {speed:g} mm/s", tissue), ("pad", f"{force:g} N, {speed:g} mm/s", pad)]
+    rows: list[dict[str, Any]] = []
+    words = ""
+    if robot_mass_kg is not None:
+        bodies = {"pad": pad_body(slabs)}
+        words = (
+            f"A free mass of {robot_mass_kg:g} kg touches at {robot_velocity_mm_s:g} mm/s and is stopped by the "
+            "clamped body alone; the energy is that of the mass, so force and depth tell the bodies apart."
+        )
+        try:
+            bodies["tissue"] = tissue_body(answer.targets.tissue.parameter_sets, robot_velocity_mm_s)
+        except InputError as problem:
+            words += f" Tissue: {problem}."
+        for name, body in bodies.items():
+            contact = impact(body, robot_mass_kg, robot_velocity_mm_s)
+            rows += _impact_rows(name, contact)
+            checked.append((name, f"{robot_mass_kg:g} kg at {robot_velocity_mm_s:g} mm/s", contact))
+    held, source = (), ""
+    if limits is not None:
+        held = tuple(
+            {"body": name, "case": case, **row}
+            for name, case, contact in checked
+            for row in against_limits(contact, AREA_MM2, limits)
+        )
+        source = f"Limits '{limits.name}': {limits.force_N.source}; {limits.pressure_N_per_cm2.source}"
+    return SafetyView(tuple(presses), tuple(rows), words, held, source)
+
+
+def _impact_rows(name: str, contact: Contact) -> list[dict[str, Any]]:
+    rows = []
+    for index in range(len(contact.depth_mm)):
+        peak = _one(contact.peak_force_N[index : index + 1])
+        rows.append(
+            {
+                "body": name if len(contact.depth_mm) == 1 else f"{name}, subject {index + 1}",
+                "depth_mm": _one(contact.depth_mm[index : index + 1]),
+                "peak_force_N": peak,
+                "energy_mJ": _one(contact.energy_mJ[index : index + 1]),
+                "mean_pressure_N_per_cm2": None if peak is None else peak * N_PER_CM2 / AREA_MM2,
+                "note": "" if peak is not None else "not stopped within what the model covers",
+            }
+        )
+    return rows
+
+
+def _ends(values: np.ndarray) -> tuple[float, float]:
+    return float(values.min()), float(values.max())
+
+
+def _one(values: np.ndarray) -> float | None:
+    return float(values[0]) if np.isfinite(values[0]) else None

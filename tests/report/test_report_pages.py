@@ -1,0 +1,161 @@
+"""Reports in a real browser: no error, no request, readable on a phone; and what they hold without one."""
+
+import csv
+import json
+import re
+import xml.etree.ElementTree as xml
+from html.parser import HTMLParser
+
+import pytest
+from browser import visit
+
+from dummydesign.cli import run
+from dummydesign.report.page import Section, page
+
+PHONE = 390
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """One report of each command: {name: folder}."""
+    folders = {name: tmp_path_factory.mktemp(name) for name in ("suggest", "whatif")}
+    assert run(["suggest", "--tissue", "palm", "--no-cad", "--no-verify", "--robot-mass", "3",
+                "--out", str(folders["suggest"])]) == 0  # fmt: skip
+    assert run(["whatif", "--thickness", "5:20:5", "--ratio", "15:17:0.5", "--tissue", "palm",
+                "--out", str(folders["whatif"])]) == 0  # fmt: skip
+    return folders
+
+
+def text_of(folder):
+    return (folder / "report.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", ["suggest", "whatif"])
+def test_a_report_opens_without_errors_and_asks_nothing_of_the_outside(made, name, tmp_path):
+    seen = visit((made[name] / "report.html").as_uri(), tmp_path)
+    assert seen.console == [] and seen.requests == []
+    assert len(seen.dom) > 20_000
+
+
+def test_a_page_that_does_either_is_found_out(tmp_path):
+    bad = page("bad", "", [Section("x", html='<img alt="" src="http://127.0.0.1:9/x.png">')], scripts=["nothing();"])
+    (tmp_path / "bad.html").write_text(bad)
+    seen = visit((tmp_path / "bad.html").as_uri(), tmp_path)
+    assert any("nothing is not defined" in line for line in seen.console)
+    assert any("Content Security Policy" in line for line in seen.console)
+    free = bad.replace("Content-Security-Policy", "x-none")
+    (tmp_path / "free.html").write_text(free)
+    (tmp_path / "again").mkdir()
+    assert visit((tmp_path / "free.html").as_uri(), tmp_path / "again").requests == ["http://127.0.0.1:9/x.png"]
+
+
+@pytest.mark.parametrize("name", ["suggest", "whatif"])
+def test_nothing_is_wider_than_a_phone_and_figures_fill_it(made, name, tmp_path):
+    measure = (
+        "document.title = JSON.stringify({width: innerWidth, page: document.scrollingElement.scrollWidth,"
+        "plots: [...document.querySelectorAll('svg.plot')].map((s) => Math.round(s.getBoundingClientRect().width))});"
+    )
+    # a window of a browser is at least 500 wide, a frame is not
+    measure += "parent.document.title = document.title;"
+    inner = text_of(made[name]).replace("</body>", f"<script>{measure}</script></body>")
+    (tmp_path / "inner.html").write_text(inner, encoding="utf-8")
+    outer = tmp_path / "outer.html"
+    outer.write_text(f'<iframe src="inner.html" width="{PHONE}" height="800" style="border:0"></iframe>')
+    seen = visit(outer.as_uri(), tmp_path, "--allow-file-access-from-files", "--disable-web-security")
+    found = json.loads(re.search("<title>(.*?)</title>", seen.dom)[1])
+    assert found["width"] == PHONE and found["page"] <= PHONE
+    assert len(found["plots"]) >= 5 and min(found["plots"]) > 0.85 * PHONE
+
+
+def test_the_sliders_show_what_the_rows_say(made, tmp_path):
+    with open(made["whatif"] / "rows.csv", newline="") as stream:
+        row = next(r for r in csv.DictReader(stream) if r["thickness_mm"] == "15.0" and r["ratio"] == "16.5")
+    place = "#thickness=15&ratio=16.5&force=10&velocity=250&size=14&shape=square&base=bonded"
+    dom = visit((made["whatif"] / "report.html").as_uri() + place, tmp_path).dom
+    for name, column in (
+        ("young_kPa", "young_kPa"),
+        ("depth_mm", "depth_mm_at_10_N"),
+        ("exponent", "exponent_at_10_N"),
+        ("stiffness_N_per_mm", "stiffness_N_per_mm_at_10_N"),
+        ("peak_over_steady", "peak_over_steady_at_250_mm_s"),
+    ):
+        shown = float(re.search(rf'id="v-{name}" data-value="([^"]+)"', dom)[1])
+        assert shown == pytest.approx(float(row[column]), rel=1e-3), name
+
+
+class Outline(HTMLParser):
+    """Attributes of elements by name, and the order of open and close."""
+
+    def __init__(self):
+        super().__init__()
+        self.found, self.open = {}, []
+
+    def handle_starttag(self, tag, attrs):
+        self.found.setdefault(tag, []).append(dict(attrs))
+        if tag not in ("meta", "input", "br"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_startendtag(self, tag, attrs):
+        self.found.setdefault(tag, []).append(dict(attrs))
+
+
+@pytest.mark.parametrize("name", ["suggest", "whatif"])
+def test_figures_have_words_units_and_are_closed(made, name):
+    text = text_of(made[name])
+    outline = Outline()
+    outline.feed(text)
+    assert outline.open == []
+    plots = [a for a in outline.found["svg"] if a.get("class") == "plot"]
+    assert len(plots) >= 5 and all(a["role"] == "img" and len(a["aria-label"]) > 10 for a in plots)
+    assert not [a for tag in outline.found.values() for a in tag if str(a.get("src", "")).startswith("http")]
+    labels = re.findall(r'class="label"[^>]*>([^<]+)<', text)
+    assert {"depth [mm]", "thickness [mm]"} & set(labels)
+    assert all("[" in label or label.startswith(("ratio", "local", "d ln F")) for label in labels if "$" not in label)
+    for svg in re.findall(r'<svg class="plot" viewBox="0 0 440 310" role="img" aria-label=.*?</svg>', text):
+        xml.fromstring(svg)
+
+
+def test_the_report_says_what_the_answer_says(made):
+    text = text_of(made["suggest"])
+    for part in ("polyol", "isocyanate", "Steady force", "Force over time", "Score over ratio", "Safety view", "Recipe",
+                 "Sources", "inferred or assumed", "mJ", "free mass of 3 kg"):  # fmt: skip
+        assert part in text
+
+
+@pytest.mark.parametrize("name", ["suggest", "whatif"])
+def test_every_figure_has_its_csv_with_numbers(made, name):
+    files = sorted(made[name].glob("report-*.csv"))
+    assert len(files) >= (11 if name == "suggest" else 3)
+    for path in files:
+        with open(path, newline="") as stream:
+            rows = list(csv.reader(stream))
+        assert rows[0][0] == "series" and rows[0][3:] == ["low", "high"] and len(rows) > 1
+        assert all(len(row) == 5 and sum(map(is_number, row[1:])) >= 1 for row in rows[1:])
+    assert not list(made[name].glob(".*"))
+
+
+def is_number(text):
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def test_the_csv_of_the_steady_curve_is_the_answer(made):
+    with open(made["suggest"] / "report-steady.csv", newline="") as stream:
+        rows = [row for row in csv.DictReader(stream) if row["series"] == "recommended pad"]
+    forces = [float(row["force_N"]) for row in rows]
+    assert forces[0] < 0.2 and forces[-1] == 15.0
+    known = [float(row["depth_mm"]) for row in rows if row["depth_mm"]]
+    assert known == sorted(known) and len(known) > 30
+
+
+def test_text_from_outside_cannot_become_markup():
+    made = page("<b>", "a & b", [Section("<i>", "<script>")], [("<1>", "x")], [{"code": "", "message": "<u>"}], ["<a>"])
+    body = made.split("</style>")[1]
+    for bad in ("<b>", "<i>", "<script>", "<1>", "<u>", "<a>"):
+        assert bad not in body.replace('<b>&lt;1&gt;</b>', "")

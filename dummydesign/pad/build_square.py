@@ -22,7 +22,7 @@ from dummydesign.library import data_folder
 from dummydesign.pad.build_table import RATIO_RANGE, nodes
 from dummydesign.pad.laws import Yeoh
 from dummydesign.pad.spatial import Block, Cells, Ratios, depth_of_corner, solve_ratios
-from dummydesign.pad.square import combined_depth
+from dummydesign.pad.square import SIDE_OVER_RADIUS, combined_depth
 
 Array = np.ndarray
 
@@ -35,7 +35,6 @@ DEPTH_END = 0.85
 TERMS = (4, 7)
 # Half length and half width of the 150 x 120 mm slab over the half side of the 14 mm punch.
 EXTENT_OVER_SIDE = (75.0 / 7.0, 60.0 / 7.0)
-SIDE_OVER_RADIUS = float(np.sqrt(np.pi) / 2.0)
 MESH_ERROR = 5e-4
 # Share of its own correction by which an extrapolated factor may be off.
 CORRECTION_ERROR = 0.5

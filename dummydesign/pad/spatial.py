@@ -26,6 +26,7 @@ from dummydesign.pad.laws import Law
 from dummydesign.pad.newton import Problem, follow
 from dummydesign.pad.solid import Discretisation, Solid
 from dummydesign.pad.sparse import Pattern
+from dummydesign.pad.square import SIDE_OVER_RADIUS
 
 Array = np.ndarray
 _TOLERANCE = 1e-9
@@ -90,17 +91,14 @@ class Cells:
     growth: float = 2.0
 
 
-# The corner cell of a square is this share of its round twin's: both are then the same share of the punch.
-SQUARE_SHARE = float(np.sqrt(np.pi) / 2.0)
-
-
 def _levels(scale: float, cells: Cells) -> Array:
     return -space.lines(1.0, cells.corner * scale, cells.growth)[::-1]
 
 
 def block_problem(block: Block, law: Law, poisson: float, cells: Cells) -> Problem:
     """The quarter of a slab under a rectangular punch; its force is a quarter of the whole."""
-    first = cells.corner * block.scale * SQUARE_SHARE
+    # Of a square and its twin the corner cell is then the same share of the punch.
+    first = cells.corner * block.scale * SIDE_OVER_RADIUS
     x, y = (
         space.lines_around(side, extent, first, cells.growth)
         for side, extent in zip(block.half_sides, block.half_extents)

@@ -19,6 +19,8 @@ from dummydesign.library import data_folder
 
 Array = np.ndarray
 BASES = ("bonded", "sliding")
+# Half side of a square over the radius of the circle of its area.
+SIDE_OVER_RADIUS = float(np.sqrt(np.pi) / 2.0)
 # Relative error added at twice the solved depth, an assumption: half of the corner's effect on a thick pad.
 HELD_ERROR = 0.015
 

@@ -110,18 +110,18 @@ def test_graded_lines_keep_their_first_cell_and_their_largest_growth():
 def test_first_touch_of_a_square_over_a_circle_agrees_with_other_codes(thickness, condition, expected, within):
     """Frictionless: boundary elements with 0.5 % error of their own; glued: another finite-element code."""
     block = Block((7.0 / thickness,) * 2, (75.0 / thickness, 60.0 / thickness), "bonded", condition)
-    cells = Cells(0.2)
+    cells = Cells(0.25)
     ratio = 4.0 * block_problem(block, LAW, 0.5, cells).stiffness() / twin_problem(block, LAW, 0.5, cells).stiffness()
     assert ratio == pytest.approx(expected, abs=within)
 
 
 def test_the_ratio_at_first_touch_does_not_depend_on_the_cells_although_the_forces_do():
     block, ratios, forces = half(10.0), [], []
-    for cells in (Cells(0.3), Cells(0.2), Cells(0.14), Cells(0.2, 1.6)):
+    for cells in (Cells(0.3), Cells(0.2), Cells(0.3, 1.6)):
         forces.append(twin_problem(block, LAW, 0.5, cells).stiffness())
         ratios.append(4.0 * block_problem(block, LAW, 0.5, cells).stiffness() / forces[-1])
     assert np.ptp(ratios) < 1.5e-3
-    assert np.ptp(forces[:3]) / forces[0] > 2e-2
+    assert np.ptp(forces) / forces[0] > 1.5e-2
 
 
 @pytest.fixture(scope="module")
@@ -152,16 +152,16 @@ def test_newtons_method_converges_quadratically_in_space(deep):
 
 
 def test_the_ratio_changes_little_with_depth_and_with_the_corner_cell():
-    """To d/h 0.15 on a 10 mm pad two corner cells agree within 0.3 %."""
-    depths = np.array([0.05, 0.1, 0.15])
-    coarse, fine = (solve_ratios(half(10.0), LAW, 0.5, depths, Cells(corner)) for corner in (0.45, 0.25))
-    assert len(coarse.depth) == len(fine.depth) == 3
+    """To d/h 0.14 on a 10 mm pad two corner cells agree within 0.3 %."""
+    depths = np.array([0.07, 0.14])
+    coarse, fine = (solve_ratios(half(10.0), LAW, 0.5, depths, Cells(corner)) for corner in (0.45, 0.3))
+    assert len(coarse.depth) == len(fine.depth) == 2
     assert coarse.ratio == pytest.approx(fine.ratio, abs=3e-3)
     assert fine.ratio == pytest.approx(fine.first, abs=4e-3)
 
 
 def test_a_folding_corner_is_left_out_and_not_reported_as_a_ratio():
-    found = solve_ratios(half(10.0), LAW, 0.5, np.array([0.1, 0.2, 0.3, 0.45]), Cells(0.45))
+    found = solve_ratios(half(10.0), LAW, 0.5, np.array([0.15, 0.3, 0.4, 0.45]), Cells(0.45))
     assert found.smallest_J.min() >= 0.2
     assert 1 <= len(found.depth) < 4
 
@@ -175,7 +175,7 @@ def test_a_rectangle_turned_by_a_right_angle_carries_the_same():
 def test_a_long_thin_punch_is_stiffer_than_the_square_of_its_area():
     """On a thick pad the half-space result: elongation stiffens a punch of given area."""
     square, long = (
-        block_problem(Block(sides, (6.0, 6.0)), LAW, 0.5, Cells(0.2)).stiffness() for sides in ((0.4, 0.4), (0.8, 0.2))
+        block_problem(Block(sides, (6.0, 6.0)), LAW, 0.5, Cells(0.3)).stiffness() for sides in ((0.4, 0.4), (0.8, 0.2))
     )
     assert 1.03 < long / square < 1.25
 

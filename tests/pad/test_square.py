@@ -1,0 +1,119 @@
+"""The square's factor: shipped values, solves of its own, limits, derivatives that stay small, validity."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from dummydesign.errors import InputError, NoAnswerError
+from dummydesign.library import data_folder
+from dummydesign.pad.laws import neo_hookean
+from dummydesign.pad.predict import Pad, predict_static
+from dummydesign.pad.spatial import Block, Cells, block_problem, solve_ratios, twin_problem
+from dummydesign.pad.spatial_curve import solve_factor
+from dummydesign.pad.square import SIDE_OVER_RADIUS, load_square, square_factor
+from dummydesign.pad.table import load_table
+
+RADIUS = 7.0 / SIDE_OVER_RADIUS
+
+
+def block(thickness: float, base: str = "bonded") -> Block:
+    """The 14 mm square on the 150 x 120 mm slab."""
+    return Block((7.0 / thickness,) * 2, (75.0 / thickness, 60.0 / thickness), base)
+
+
+@pytest.mark.parametrize(("thickness", "expected"), [(5.0, 1.002), (10.0, 1.028), (15.0, 1.032), (20.0, 1.032)])
+def test_the_factor_at_small_depth_is_that_of_another_code(thickness, expected):
+    factor, error = square_factor(0.05 * thickness, thickness, RADIUS)
+    assert factor == pytest.approx(expected, abs=0.003)
+    assert 0.0 < error < 0.004
+
+
+@pytest.mark.parametrize("base", ["bonded", "sliding"])
+@pytest.mark.parametrize("thickness", [6.3, 13.0])
+def test_the_factor_agrees_with_a_solve_between_its_ratios(base, thickness):
+    """At ratios a / h that were not solved for the table, on other cells, where one corner cell is good to 0.1 %."""
+    found = solve_ratios(block(thickness, base), neo_hookean(1.0), 0.5, np.array([0.04, 0.08]), Cells(0.25, 1.8))
+    factor, _ = square_factor(np.array([0.0, 0.04, 0.08]) * thickness, thickness, RADIUS, base)
+    assert len(found.depth) == 2
+    assert factor == pytest.approx(np.array([found.first, *found.ratio]), abs=2e-3)
+
+
+@pytest.mark.parametrize("base", ["bonded", "sliding"])
+def test_first_touch_agrees_with_fine_cells(base):
+    cells, law = Cells(0.1), neo_hookean(1.0)
+    pad = block(10.0, base)
+    found = 4.0 * block_problem(pad, law, 0.5, cells).stiffness() / twin_problem(pad, law, 0.5, cells).stiffness()
+    assert square_factor(0.0, 10.0, RADIUS, base)[0] == pytest.approx(found, abs=1e-3)
+
+
+def test_the_error_grows_where_the_factor_is_held():
+    depth = np.array([0.1, 0.3, 0.6]) * 20.0
+    factor, error = square_factor(depth, 20.0, RADIUS)
+    assert np.all(np.diff(error) > 0.0)
+    assert error[-1] > 0.01
+    assert factor[-1] == pytest.approx(float(square_factor(9.0, 20.0, RADIUS)[0]))
+
+
+def test_factors_are_found_for_whole_arrays_and_change_gently():
+    thickness = np.linspace(3.2, 30.0, 240)[:, None]
+    factor, error = square_factor(thickness * np.linspace(-0.1, 0.6, 71), thickness, RADIUS)
+    assert factor.shape == error.shape == (240, 71)
+    assert np.all((factor > 0.95) & (factor < 1.05))
+    assert np.abs(np.diff(factor, axis=1)).max() < 2e-3
+    assert np.abs(np.diff(factor, axis=0)).max() < 3e-3
+
+
+@pytest.mark.parametrize("base", ["bonded", "sliding"])
+def test_the_shipped_values_are_those_the_series_was_fitted_to(base):
+    data = json.loads((data_folder() / "materials" / "tables" / f"square-{base}.json").read_text())
+    depth, ratio, corner, value = (np.array(data["values"][n]) for n in ("depth", "ratio", "corner", "factor"))
+    fine = corner < 0.25
+    relative = depth / np.sqrt(1.0 + 1.0 / ratio**2)
+    factor, error = load_square(base).factor(relative[fine], ratio[fine])
+    assert np.all(np.abs(factor / value[fine] - 1.0) < np.maximum(3.0 * error, 2e-3))
+
+
+def test_a_solved_factor_is_that_of_the_table():
+    solved = solve_factor(block(10.0), neo_hookean(1.0), 0.5, 0.2)
+    depth = np.array([0.0, 0.1, 0.2])
+    factor, error = solved.factor(depth)
+    table, stated = square_factor(depth * 10.0, 10.0, RADIUS)
+    assert np.all(np.abs(factor / table - 1.0) < error + stated)
+    assert error.max() < 0.005
+
+
+def test_a_square_punch_carries_the_table_times_its_factor_and_their_errors_add_up():
+    pad = Pad(10.0, 0.03, RADIUS, sides_mm=(14.0, 14.0))
+    found = predict_static(pad, [1.0, 2.0])
+    factor, error = square_factor(np.array([1.0, 2.0]), 10.0, RADIUS)
+    table = load_table()
+    assert found.force_N == pytest.approx(factor * table.force([1.0, 2.0], 10.0, 0.03, RADIUS), rel=1e-12)
+    width = found.force_high_N / found.force_N - 1.0
+    assert width == pytest.approx(error + table.relative_error([1.0, 2.0], 10.0, RADIUS), rel=1e-9)
+
+
+@pytest.mark.slow
+def test_a_curve_solved_in_space_is_that_of_table_and_factor_and_rectangles_are_stiffer():
+    depth = [0.5, 1.0, 2.0, 3.0]
+    square = Pad(10.0, 0.03, RADIUS, sides_mm=(14.0, 14.0))
+    solved, table = predict_static(square, depth, "3d"), predict_static(square, depth)
+    assert solved.force_N == pytest.approx(table.force_N, rel=4e-3)
+    long = predict_static(Pad(10.0, 0.03, RADIUS, sides_mm=(28.0, 7.0)), depth, "3d")
+    assert np.all(long.force_N > 1.03 * solved.force_N)
+
+
+def test_what_cannot_be_known_is_refused(monkeypatch, tmp_path):
+    with pytest.raises(InputError, match="base = 'glue'"):
+        square_factor(1.0, 10.0, 7.9, "glue")
+    with pytest.raises(InputError, match=r"punch radius over pad thickness = 7\.9"):
+        square_factor(0.1, 1.0, 7.9)
+    with pytest.raises(InputError, match="3d is for square and rectangular"):
+        predict_static(Pad(10.0, 0.03, RADIUS), [1.0], "3d")
+    monkeypatch.setattr("dummydesign.pad.square.data_folder", lambda: tmp_path)
+    load_square.cache_clear()
+    with pytest.raises(NoAnswerError, match=r"python -m dummydesign\.pad\.build_square"):
+        load_square()
+    load_square.cache_clear()

@@ -2,6 +2,24 @@
 
 Inside the package lengths are in mm, forces in N, times in s and stresses in MPa;
 the unit is part of every outward name.
+
+``suggest``, ``whatif`` and ``fit`` are the calls for scripts (see :mod:`dummydesign.api`); they are
+imported when first used.
 """
 
+from typing import Any
+
 __version__ = "0.1.0"
+__all__ = ["__version__", "fit", "suggest", "whatif"]
+
+
+def __getattr__(name: str) -> Any:
+    if name in ("suggest", "whatif", "fit"):
+        from dummydesign import api
+
+        return getattr(api, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -30,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--poisson", type=float, default=0.5, metavar="NU", help="Poisson's ratio (default 0.5)")
     add("--law", default="neo-hookean", metavar="NAME", help="neo-hookean (default) or yeoh:C2_OVER_MU")
     add("--prony", metavar="TAU:BETA,...", help="relaxation, beta relative to the long-term modulus")
-    add("--fidelity", default="table", metavar="NAME", help="table (default) or axisymmetric")
+    add("--fidelity", default="table", metavar="NAME", help="table (default), axisymmetric or 3d")
     add("--out", metavar="FILE.csv", help="write the curve as CSV")
 
 
@@ -106,10 +106,6 @@ def _pad(options: argparse.Namespace) -> tuple[Any, dict[str, float], list[str],
     law, _, c2 = options.law.partition(":")
     if law not in ("neo-hookean", "yeoh") or (law == "yeoh") != bool(c2):
         raise InputError(f"law '{options.law}' is not neo-hookean or yeoh:C2_OVER_MU")
-    warnings = []
-    if options.punch.startswith(("square", "rectangle")):
-        message = "the punch is taken as the circle of equal area; a square is 0 to 3 % stiffer (5 to 20 mm pads)"
-        warnings.append({"code": "equal_area_punch", "message": message})
     pad = Pad(
         thickness_mm=options.thickness,
         young_MPa=young["value"] * 1e-3,
@@ -120,8 +116,32 @@ def _pad(options: argparse.Namespace) -> tuple[Any, dict[str, float], list[str],
         poisson=options.poisson,
         yeoh_c2_over_mu=_numbers("law", c2)[0] if c2 else 0.0,
         extent_mm=sqrt(sides[0] * sides[1] / pi),
+        sides_mm=_punch_sides(options.punch),
+        slab_mm=(sides[0], sides[1]),
     )
-    return pad, young, sources, warnings
+    return pad, young, sources, _shape_warnings(pad, options.fidelity)
+
+
+def _punch_sides(punch: str) -> tuple[float, float] | None:
+    """Sides of a square or rectangular punch, None for a round one; the text was checked before."""
+    kind, _, size = punch.partition(":")
+    if kind == "round":
+        return None
+    sides = [float(part) for part in size.split("x")]
+    return sides[0], sides[-1]
+
+
+def _shape_warnings(pad: Any, fidelity: str) -> list[dict[str, str]]:
+    """Warn where a square or rectangle is taken as the circle of equal area."""
+    from dummydesign.pad.predict import has_square_factor
+
+    if pad.sides_mm is None or fidelity == "3d" or has_square_factor(pad):
+        return []
+    message = (
+        "the punch is taken as the circle of equal area; a square is 0 to 3 % stiffer (5 to 20 mm pads), "
+        "a rectangle more; --fidelity 3d solves it"
+    )
+    return [{"code": "equal_area_punch", "message": message}]
 
 
 def _numbers(name: str, text: str) -> list[float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from dummydesign.pad.relaxation import PronyTerm, relaxed_force
 from dummydesign.protocol.motion import Motion
 
 Array = np.ndarray
-FIDELITIES = ("table", "axisymmetric")
+FIDELITIES = ("table", "axisymmetric", "3d")
 # Depths at which a finite-element curve is solved before it is followed along a motion.
 CURVE_POINTS = 16
 
@@ -23,7 +23,9 @@ CURVE_POINTS = 16
 class Pad:
     """A slab, its material and the round punch of equal area on it.
 
-    ``young_MPa`` is the long-term modulus; ``prony`` is relative to it.
+    ``young_MPa`` is the long-term modulus; ``prony`` is relative to it. ``sides_mm`` are the sides of a
+    rectangular punch, ``radius_mm`` is then that of the circle of its area; ``slab_mm`` are length and
+    width of the slab.
     """
 
     thickness_mm: float
@@ -35,6 +37,8 @@ class Pad:
     poisson: float = 0.5
     yeoh_c2_over_mu: float = 0.0
     extent_mm: float | None = None
+    sides_mm: tuple[float, float] | None = None
+    slab_mm: tuple[float, float] = (150.0, 120.0)
 
     def __post_init__(self) -> None:
         for name in ("thickness_mm", "young_MPa", "radius_mm"):
@@ -207,9 +211,70 @@ def elastic_curve(
     """
     if fidelity not in FIDELITIES:
         raise unknown_name("fidelity", fidelity, FIDELITIES)
+    if fidelity == "3d":
+        return _in_space(pad, deepest_mm, depths_mm, progress)
     if fidelity == "table":
-        return _by_table(pad)
-    return _by_elements(pad, deepest_mm, depths_mm, progress)
+        curve = _by_table(pad)
+    else:
+        curve = _by_elements(pad, deepest_mm, depths_mm, progress)
+    if not has_square_factor(pad):
+        return curve
+    from dummydesign.pad.square import square_factor
+
+    return _times(curve, lambda depth: square_factor(depth, pad.thickness_mm, pad.radius_mm, pad.base))
+
+
+def has_square_factor(pad: Pad) -> bool:
+    """Whether the punch is a square whose factor over the circle of its area is tabulated."""
+    return pad.sides_mm is not None and pad.sides_mm[0] == pad.sides_mm[1] and _tabulated(pad)
+
+
+def _tabulated(pad: Pad) -> bool:
+    """Whether base, law and a / h are within the tables."""
+    from dummydesign.pad.table import BASES, load_table
+
+    if pad.base not in BASES or not _in_table(pad):
+        return False
+    low, high = load_table(pad.base).ratio_range
+    return low <= pad.radius_mm / pad.thickness_mm <= high
+
+
+def _times(curve: ElasticCurve, factor: Callable[[Array], tuple[Array, Array]]) -> ElasticCurve:
+    """Multiply a curve by a factor that gives its own relative error; the errors add up."""
+    return replace(
+        curve,
+        force=lambda depth: curve.force(depth) * factor(depth)[0],
+        relative_error=lambda depth: curve.relative_error(depth) + factor(depth)[1],
+    )
+
+
+def _in_space(
+    pad: Pad, deepest_mm: float | None, depths_mm: Array | None, progress: Callable[[float], None] | None
+) -> ElasticCurve:
+    """The axisymmetric curve of the circle of equal area, times the ratio solved in space on twin cells."""
+    from dummydesign.pad.laws import Yeoh
+    from dummydesign.pad.spatial import Block
+    from dummydesign.pad.spatial_curve import solve_factor
+
+    if pad.sides_mm is None:
+        raise InputError("fidelity = 3d is for square and rectangular punches; a round one is solved by axisymmetric")
+    h = pad.thickness_mm
+    sides, slab = (tuple(0.5 * side / h for side in pair) for pair in (pad.sides_mm, pad.slab_mm))
+    block = Block(sides, slab, pad.base, pad.condition)
+    curve = _by_elements(pad, deepest_mm, depths_mm, progress)
+    if curve.notes and _tabulated(pad):
+        # The table averages over many neighbouring solves and reaches where a single one may stop.
+        note = f"the round twin's curve is the response table's: the solve was not complete ({curve.notes[0]})"
+        curve = replace(_by_table(pad), solver=curve.solver, notes=(note,))
+    deepest = min(deepest_mm or curve.limit_mm, curve.limit_mm) / h
+    solved = solve_factor(block, Yeoh(1.0, pad.yeoh_c2_over_mu), pad.poisson, deepest, progress)
+    solver = {name: curve.solver[name] + solved.solver[name] for name in solved.solver}
+    solver["unknowns"] = solved.solver["unknowns"]
+    return replace(_times(curve, lambda depth: solved.factor(depth / h)), solver=solver)
+
+
+def _in_table(pad: Pad) -> bool:
+    return pad.condition == "bonded" and pad.poisson == 0.5 and pad.yeoh_c2_over_mu == 0.0
 
 
 def _by_table(pad: Pad) -> ElasticCurve:

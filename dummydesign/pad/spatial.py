@@ -95,19 +95,28 @@ def _levels(scale: float, cells: Cells) -> Array:
     return -space.lines(1.0, cells.corner * scale, cells.growth)[::-1]
 
 
-def block_problem(block: Block, law: Law, poisson: float, cells: Cells) -> Problem:
-    """The quarter of a slab under a rectangular punch; its force is a quarter of the whole."""
+def _grid(block: Block, cells: Cells) -> tuple[Array, Array, Array]:
     # Of a square and its twin the corner cell is then the same share of the punch.
     first = cells.corner * block.scale * SIDE_OVER_RADIUS
     x, y = (
         space.lines_around(side, extent, first, cells.growth)
         for side, extent in zip(block.half_sides, block.half_extents)
     )
-    z = _levels(block.scale, cells)
+    return x, y, _levels(block.scale, cells)
+
+
+def lattice_of(block: Block, cells: Cells) -> Array:
+    """Place of every cell of :func:`block_problem` in its tensor grid, shape (3, cells)."""
+    x, y, z = _grid(block, cells)
+    return np.indices((len(z) - 1, len(x) - 1, len(y) - 1)).reshape(3, -1)
+
+
+def block_problem(block: Block, law: Law, poisson: float, cells: Cells) -> Problem:
+    """The quarter of a slab under a rectangular punch; its force is a quarter of the whole."""
+    x, y, z = _grid(block, cells)
     mesh = space.discretise(space.extrude(*space.rectangle_plan(x, y), z))
-    lattice = np.indices((len(z) - 1, len(x) - 1, len(y) - 1)).reshape(3, -1)
     under = np.all(mesh.nodes[:2] <= np.array(block.half_sides)[:, None] + _TOLERANCE, axis=0)
-    solver = partial(Dissection, position=lattice)
+    solver = partial(Dissection, position=lattice_of(block, cells))
     return _problem(mesh, under, mesh.nodes[:2] < _TOLERANCE, block, Solid(mesh, law, poisson), solver)
 
 

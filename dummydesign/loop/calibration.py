@@ -21,7 +21,7 @@ from dummydesign.loop.noise import LAW_TERMS
 from dummydesign.loop.parameters import BaseParameters
 from dummydesign.loop.presses import Presses, make_presses
 from dummydesign.loop.reduction import HOLD, PRE, RISE, UNLOADING
-from dummydesign.loop.run import LoopResult
+from dummydesign.loop.run import LoopResult, start_young_kPa
 from dummydesign.pad.relaxation import PronyTerm
 from dummydesign.protocol.campaign import Campaign
 
@@ -93,7 +93,7 @@ class Calibration:
         for one in self.after.active:
             if one.effect.name.endswith("_relaxation_mode"):
                 arms.append((one.values["tau_s"], one.values["beta"]))
-        return tuple(PronyTerm(float(tau), float(beta)) for tau, beta in sorted(arms))
+        return tuple(PronyTerm(float(tau), float(beta)) for tau, beta in sorted(arms, key=lambda arm: arm[0]))
 
     def design_effects(self) -> tuple[Active, ...]:
         """Effects that change the pad itself, and so the design; sensor and set-up effects do not."""
@@ -115,7 +115,7 @@ def calibration_of(result: LoopResult) -> Calibration:
         if use.any():
             left[name] = float(np.sqrt(np.average(fit.residual[use] ** 2, weights=presses.samples[use])))
     pad = {
-        "young_kPa_nominal": result.campaign.pad.young_kPa_nominal,
+        "young_kPa_expected": start_young_kPa(result.campaign),
         "resin": result.campaign.pad.resin,
         "ratio": result.campaign.pad.ratio,
         "base": result.campaign.pad.base,

@@ -173,7 +173,7 @@ def close_loop(campaign: Campaign, progress: Progress | None = None, young_MPa: 
 
     law = law_of(campaign)
     presses = make_presses(campaign)
-    start = young_MPa or 1e-3 * (campaign.pad.young_kPa_nominal or _resin_young_kPa(campaign))
+    start = young_MPa or 1e-3 * start_young_kPa(campaign)
     base_fit = fit_base(presses, law, start, progress)
     base = _stage(base_fit)
     available, untested = _available(presses, law.shape)
@@ -247,13 +247,18 @@ def _predicts_better(before: Stage, after: Fit) -> bool:
     return (cells is None or cells < LITTLE) and pads is not None and pads < -LITTLE
 
 
-def _resin_young_kPa(campaign: Campaign) -> float:
-    """Modulus of the resin at the campaign's ratio, when no nominal one is given."""
-    if campaign.pad.resin is None or campaign.pad.ratio is None:
+def start_young_kPa(campaign: Campaign) -> float:
+    """Nominal modulus of a campaign, or that of its resin at its ratio. [kPa]"""
+    pad = campaign.pad
+    if pad.young_kPa_nominal is not None:
+        return pad.young_kPa_nominal
+    if pad.resin is None or pad.ratio is None:
         raise InputError("campaign.toml: [pad] needs young_kPa_nominal, or resin and ratio")
     from dummydesign.resin import load_resin
 
-    return float(load_resin(campaign.pad.resin).young_kPa(campaign.pad.ratio).value)
+    resin = load_resin(pad.resin)
+    resin.check_ratio(pad.ratio)
+    return float(resin.modulus_kPa(pad.ratio).value)
 
 
 def _available(presses: Presses, shape: str) -> tuple[tuple[Effect, ...], dict[str, str]]:

@@ -227,11 +227,25 @@ def test_a_puck_between_frictionless_plates_is_compressed_homogeneously():
     assert law(np.array([[1e-4]]), h)[0, 0] == pytest.approx(np.pi * 625.0 * 1e-4 / 30.0, rel=1e-4)
 
 
+class Pucks:
+    def __init__(self, *thickness):
+        self.thickness_mm = np.array(thickness)
+
+
 def test_plate_friction_stiffens_flat_pucks_more_and_ends_at_the_glued_puck():
     law, effect = PuckLaw(50.0), effect_named("plate_friction")
-    h, d = np.array([[30.0], [10.0]]), np.array([[0.3], [0.1]])
-    some, much = (effect.law(None, law, {"friction": mu})(d, h) / law(d, h) for mu in (0.1, 2.0))
+    h, d = np.array([[20.0], [10.0]]), np.array([[0.2], [0.1]])
+    some, much = (effect.law(Pucks(20.0, 10.0), law, {"friction": mu})(d, h) / law(d, h) for mu in (0.1, 2.0))
     assert 1.0 < some[0, 0] < some[1, 0]
     shape = 50.0 / (4.0 * h)
     assert np.all(much <= 1.0 + 2.0 * (shape * (1 - d / h) ** -1.5) ** 2 + 1e-12)
     assert np.all(much > some)
+
+
+def test_plate_friction_of_the_usual_puck_comes_from_finite_elements_and_grows_to_the_bonded_puck():
+    law, effect = PuckLaw(50.0), effect_named("plate_friction")
+    h, d = np.array([[30.0]]), np.array([[0.3, 3.0, 12.0]])
+    rows = [effect.law(Pucks(30.0), law, {"friction": mu})(d, h) / law(d, h) for mu in (0.05, 0.2, 2.0)]
+    assert np.all(np.diff(np.concatenate(rows), axis=0) > 0) and np.all(rows[0] > 1.0)
+    # bonded at small compression: 1.404 at shape factor 0.417; a friction of 2 is nearly that
+    assert 1.3 < rows[2][0, 0] < 1.41

@@ -28,9 +28,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--pad", default="slab:150x120", metavar="slab:LxW", help="slab (default 150x120 mm)")
     add("--shape", default="slab", metavar="NAME", help="slab")
     add("--poisson", type=float, default=0.5, metavar="NU", help="Poisson's ratio (default 0.5)")
-    add("--law", default="neo-hookean", metavar="NAME", help="neo-hookean (default) or yeoh:C2_OVER_MU")
+    laws = "neo-hookean (default), yeoh:C2_OVER_MU or ogden:MU,ALPHA;MU,ALPHA (scaled to the modulus)"
+    add("--law", default="neo-hookean", metavar="NAME", help=laws)
     add("--prony", metavar="TAU:BETA,...", help="relaxation, beta relative to the long-term modulus")
-    add("--fidelity", default="table", metavar="NAME", help="table (default), axisymmetric or 3d")
+    add("--fidelity", default="table", metavar="NAME", help="table (default), axisymmetric, 3d or viscoelastic")
     add("--out", metavar="FILE.csv", help="write the curve as CSV")
 
 
@@ -79,6 +80,7 @@ def _pad(options: argparse.Namespace) -> tuple[Any, dict[str, float], list[str],
 
     from dummydesign.design.punch import equal_area_radius_mm
     from dummydesign.errors import InputError
+    from dummydesign.pad.laws import read_law
     from dummydesign.pad.predict import Pad
 
     prony = _prony(options.prony)
@@ -103,9 +105,6 @@ def _pad(options: argparse.Namespace) -> tuple[Any, dict[str, float], list[str],
     sides = _numbers("pad", size.replace("x", ","))
     if kind != "slab" or len(sides) != 2 or min(sides) <= 0:
         raise InputError(f"pad '{options.pad}' is not of the form slab:LENGTHxWIDTH in mm")
-    law, _, c2 = options.law.partition(":")
-    if law not in ("neo-hookean", "yeoh") or (law == "yeoh") != bool(c2):
-        raise InputError(f"law '{options.law}' is not neo-hookean or yeoh:C2_OVER_MU")
     pad = Pad(
         thickness_mm=options.thickness,
         young_MPa=young["value"] * 1e-3,
@@ -114,7 +113,7 @@ def _pad(options: argparse.Namespace) -> tuple[Any, dict[str, float], list[str],
         base=options.base,
         condition=options.condition,
         poisson=options.poisson,
-        yeoh_c2_over_mu=_numbers("law", c2)[0] if c2 else 0.0,
+        law=read_law(options.law),
         extent_mm=sqrt(sides[0] * sides[1] / pi),
         sides_mm=_punch_sides(options.punch),
         slab_mm=(sides[0], sides[1]),

@@ -10,11 +10,13 @@ import numpy as np
 
 from dummydesign.errors import InputError, NoAnswerError, unknown_name
 from dummydesign.pad.checks import positive
+from dummydesign.pad.laws import Law, Yeoh
+from dummydesign.pad.quick_error import allowance
 from dummydesign.pad.relaxation import PronyTerm, relaxed_force
 from dummydesign.protocol.motion import Motion
 
 Array = np.ndarray
-FIDELITIES = ("table", "axisymmetric", "3d")
+FIDELITIES = ("table", "axisymmetric", "viscoelastic", "3d")
 # Depths at which a finite-element curve is solved before it is followed along a motion.
 CURVE_POINTS = 16
 
@@ -23,9 +25,10 @@ CURVE_POINTS = 16
 class Pad:
     """A slab, its material and the round punch of equal area on it.
 
-    ``young_MPa`` is the long-term modulus; ``prony`` is relative to it. ``sides_mm`` are the sides of a
-    rectangular punch, ``radius_mm`` is then that of the circle of its area; ``slab_mm`` are length and
-    width of the slab.
+    ``young_MPa`` is the long-term modulus; ``prony`` is relative to it. ``law`` is the shape of the
+    hyperelastic law (its moduli are scaled); without it the law is neo-Hookean or, with
+    ``yeoh_c2_over_mu``, Yeoh's. ``sides_mm`` are the sides of a rectangular punch, ``radius_mm`` is then
+    that of the circle of its area; ``slab_mm`` are length and width of the slab.
     """
 
     thickness_mm: float
@@ -37,8 +40,16 @@ class Pad:
     poisson: float = 0.5
     yeoh_c2_over_mu: float = 0.0
     extent_mm: float | None = None
+    law: Law | None = None
     sides_mm: tuple[float, float] | None = None
     slab_mm: tuple[float, float] = (150.0, 120.0)
+
+    @property
+    def shape(self) -> Law:
+        """The hyperelastic law with unit shear modulus."""
+        if self.law is None:
+            return Yeoh(1.0, self.yeoh_c2_over_mu)
+        return self.law.scaled(1.0 / self.law.shear_MPa)
 
     def __post_init__(self) -> None:
         for name in ("thickness_mm", "young_MPa", "radius_mm"):
@@ -115,6 +126,8 @@ def predict_static(
     NoAnswerError
         When the finite elements do not reach a wanted depth.
     """
+    if fidelity == "viscoelastic":
+        raise InputError("fidelity = viscoelastic needs a motion; static depths are long-term: table or axisymmetric")
     depth = np.asarray(depth_mm, dtype=float)
     if depth.ndim != 1 or not len(depth) or not np.isfinite(depth).all():
         raise InputError(f"depth_mm = {depth_mm} must be a list of finite numbers")
@@ -138,6 +151,10 @@ def predict_motion(
     force is never below zero. The motion is piecewise linear; long steps are divided so that the elastic
     force is followed within them.
 
+    A finite-strain pad is not separable: how far its force may lie from this one was measured (see
+    ``quick_error``) and widens ``force_low_N`` and ``force_high_N``. With fidelity ``viscoelastic`` the
+    motion is solved at finite strain, and the force is multiplied by the ratio found (``viscoelastic_ratio``).
+
     Raises
     ------
     InputError, NoAnswerError
@@ -151,12 +168,39 @@ def predict_motion(
     time, place, keep = _divide(motion, 0.005 * pad.thickness_mm)
     elastic = curve.force(place)
     force = np.maximum(relaxed_force(time, elastic, pad.prony), 0.0)[keep]
-    error = curve.relative_error(np.maximum.accumulate(np.maximum(motion.displacement_mm, 0.0)))
+    deepest_yet = np.maximum.accumulate(np.maximum(motion.displacement_mm, 0.0))
+    error = force * curve.relative_error(deepest_yet)
+    solver, viscous = curve.solver, np.abs(force - np.maximum(elastic[keep], 0.0))
+    if fidelity == "viscoelastic":
+        from dummydesign.pad.viscoelastic_ratio import ratio_error
+
+        ratio, cost = _finite_strain_ratio(pad, motion, progress)
+        force, below = force * ratio, ratio_error(cost["rim_over_scale"]) * viscous
+        above = below
+        solver = cost | {name: solver[name] + cost[name] for name in ("load_steps", "newton_iterations", "seconds")}
+    else:
+        ratio = pad.radius_mm / pad.thickness_mm
+        below, above = allowance(pad.base, ratio, place / pad.thickness_mm, time, elastic, pad.prony)
+        below, above = below[keep], above[keep]
     peak = int(np.argmax(force))
     return MotionPrediction(
-        motion.time_s, motion.displacement_mm, force, force * (1.0 - error), force * (1.0 + error),
-        float(force[peak]), float(motion.time_s[peak]), float(force[-1]), fidelity, curve.solver, curve.notes,
+        motion.time_s, motion.displacement_mm, force, np.maximum(force - error - below, 0.0), force + error + above,
+        float(force[peak]), float(motion.time_s[peak]), float(force[-1]), fidelity, solver, curve.notes,
     )  # fmt: skip
+
+
+def _finite_strain_ratio(
+    pad: Pad, motion: Motion, progress: Callable[[float], None] | None
+) -> tuple[Array, dict[str, Any]]:
+    """Finite-strain force over separable force at the motion's times, and what it cost."""
+    from dummydesign.pad.axisymmetric import STANDARD_EXTENT_MM, Slab
+    from dummydesign.pad.viscoelastic_ratio import nodes_of_motion, solve_ratio
+
+    extent = STANDARD_EXTENT_MM if pad.extent_mm is None else pad.extent_mm
+    slab = Slab(pad.radius_mm / pad.thickness_mm, extent / pad.thickness_mm, pad.base, pad.condition)
+    nodes = nodes_of_motion(motion.time_s, motion.displacement_mm / pad.thickness_mm, pad.prony)
+    path = solve_ratio(slab, pad.shape, pad.prony, *nodes, poisson=pad.poisson, progress=progress)
+    return np.interp(motion.time_s, path.time_s, path.ratio), path.solver
 
 
 def depth_for_steady_force(
@@ -213,7 +257,7 @@ def elastic_curve(
         raise unknown_name("fidelity", fidelity, FIDELITIES)
     if fidelity == "3d":
         return _in_space(pad, deepest_mm, depths_mm, progress)
-    if fidelity == "table":
+    if fidelity == "table" or (fidelity == "viscoelastic" and _in_table(pad)):
         curve = _by_table(pad)
     else:
         curve = _by_elements(pad, deepest_mm, depths_mm, progress)
@@ -252,7 +296,6 @@ def _in_space(
     pad: Pad, deepest_mm: float | None, depths_mm: Array | None, progress: Callable[[float], None] | None
 ) -> ElasticCurve:
     """The axisymmetric curve of the circle of equal area, times the ratio solved in space on twin cells."""
-    from dummydesign.pad.laws import Yeoh
     from dummydesign.pad.spatial import Block
     from dummydesign.pad.spatial_curve import solve_factor
 
@@ -267,23 +310,24 @@ def _in_space(
         note = f"the round twin's curve is the response table's: the solve was not complete ({curve.notes[0]})"
         curve = replace(_by_table(pad), solver=curve.solver, notes=(note,))
     deepest = min(deepest_mm or curve.limit_mm, curve.limit_mm) / h
-    solved = solve_factor(block, Yeoh(1.0, pad.yeoh_c2_over_mu), pad.poisson, deepest, progress)
+    solved = solve_factor(block, pad.shape, pad.poisson, deepest, progress)
     solver = {name: curve.solver[name] + solved.solver[name] for name in solved.solver}
     solver["unknowns"] = solved.solver["unknowns"]
     return replace(_times(curve, lambda depth: solved.factor(depth / h)), solver=solver)
 
 
 def _in_table(pad: Pad) -> bool:
-    return pad.condition == "bonded" and pad.poisson == 0.5 and pad.yeoh_c2_over_mu == 0.0
+    return pad.condition == "bonded" and pad.poisson == 0.5 and pad.shape == Yeoh(1.0)
 
 
 def _by_table(pad: Pad) -> ElasticCurve:
     from dummydesign.pad.table import load_table
 
+    law = "neo-hookean" if pad.shape == Yeoh(1.0) else type(pad.shape).__name__.lower()
     for name, value, held in (
         ("punch condition", pad.condition, "bonded"),
         ("poisson", pad.poisson, 0.5),
-        ("law c2_over_mu", pad.yeoh_c2_over_mu, 0.0),
+        ("law", law, "neo-hookean"),
     ):
         if value != held:
             raise InputError(f"{name} = {value} is not in the table (only {held}); add --fidelity axisymmetric")
@@ -305,7 +349,6 @@ def _by_elements(
     from scipy.interpolate import PchipInterpolator
 
     from dummydesign.pad.axisymmetric import MAX_DEPTH_OVER_THICKNESS, solve_curve
-    from dummydesign.pad.laws import Yeoh
 
     limit = MAX_DEPTH_OVER_THICKNESS * pad.thickness_mm
     deepest = limit if deepest_mm is None else min(max(deepest_mm, 0.02 * pad.thickness_mm), limit)
@@ -314,7 +357,7 @@ def _by_elements(
         grid = np.union1d(grid[::2], depths_mm[(depths_mm > 0.0) & (depths_mm <= limit)])
     solved = solve_curve(
         pad.thickness_mm, pad.radius_mm, pad.young_MPa, grid, base=pad.base, condition=pad.condition,
-        poisson=pad.poisson, extent_mm=pad.extent_mm, law=Yeoh(1.0, pad.yeoh_c2_over_mu), progress=progress,
+        poisson=pad.poisson, extent_mm=pad.extent_mm, law=pad.shape, progress=progress,
     )  # fmt: skip
     depth, force = solved.depth_mm, solved.force_N
     # F / d varies little; what lies between solved depths is a monotone cubic through it.

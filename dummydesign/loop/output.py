@@ -6,7 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign.loop.run import Found, LoopResult, effect_intervals
+from dummydesign.loop.accept import Found
+from dummydesign.loop.run import LoopResult
+from dummydesign.loop.stage import effect_intervals
 
 
 def result_dict(result: LoopResult) -> dict[str, Any]:

@@ -4,78 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
-
-import numpy as np
 
 from dummydesign.errors import InputError
+from dummydesign.loop.accept import Found, accept
 from dummydesign.loop.base import fit_base, same_noise
 from dummydesign.loop.candidates import Candidate, rank
 from dummydesign.loop.checks import Check, run_checks
 from dummydesign.loop.effects import EFFECTS
 from dummydesign.loop.effects.base import Effect
-from dummydesign.loop.fit import Fit
-from dummydesign.loop.heldout import Errors, errors
-from dummydesign.loop.lackoffit import LackOfFit, lack_of_fit
 from dummydesign.loop.law import law_of
 from dummydesign.loop.noise import repeat_pairs
-from dummydesign.loop.parameters import NAMES
 from dummydesign.loop.planning import NextMeasurement, next_measurement
 from dummydesign.loop.presses import Presses, make_presses
 from dummydesign.loop.screen import Screened
-from dummydesign.loop.verdict import (
-    GAIN_FLOOR,
-    SECOND_FLOOR,
-    SECOND_SHARE,
-    Remainder,
-    family_of,
-    gain_threshold,
-    remainder,
-    rivals,
-)
+from dummydesign.loop.stage import Stage, make_stage
+from dummydesign.loop.verdict import GAIN_FLOOR, SECOND_FLOOR, SECOND_SHARE, Remainder, remainder
 from dummydesign.loop.where import Dependence, dependences
 from dummydesign.protocol.campaign import Campaign
 
 Progress = Callable[[str], None]
-NOTHING, LITTLE = 0.002, 0.02
-"""Relative changes of a squared error that count as none on left-out conditions, and on left-out pads."""
-
-
-@dataclass(frozen=True)
-class Stage:
-    """A model with its errors and its lack of fit."""
-
-    fit: Fit
-    errors: Errors
-    by_pad: Errors
-    lack: LackOfFit
-
-    def to_dict(self) -> dict[str, Any]:
-        """Parameters with 95 % intervals, and errors."""
-        return {
-            "parameters": base_intervals(self.fit),
-            "error": {
-                "train_rmse_N": self.errors.train_N,
-                "heldout_rmse_N": self.errors.heldout_N,
-                "heldout_pad_rmse_N": self.by_pad.heldout_N,
-                "noise_floor_N": self.fit.sizes.floor_N,
-                "lack_of_fit_p": self.lack.p,
-                "lack_of_fit_ratio": self.lack.ratio,
-            },
-            "noise": self.fit.sizes.to_dict(),
-        }
-
-
-@dataclass(frozen=True)
-class Found:
-    """An accepted (or best) effect with the ranking it came from."""
-
-    candidate: Candidate
-    confounded_with: tuple[str, ...]
-    family: tuple[str, ...]
-    threshold: float
-    heldout_N: float | None
-    ranking: tuple[Candidate, ...]
 
 
 @dataclass(frozen=True)
@@ -122,34 +69,6 @@ class LoopResult:
     warnings: tuple[dict[str, str], ...]
 
 
-def interval(fit: Fit, place: int, to_value: Callable[[float], float]) -> dict[str, Any]:
-    """Value with its 95 % interval from the curvature at the optimum, widened by the lack of fit."""
-    low, high = fit.problem.bounds()
-    at, spread = fit.vector[place], 1.96 * float(np.sqrt(max(fit.covariance[place, place], 0.0)))
-    ends = sorted((to_value(max(at - spread, low[place])), to_value(min(at + spread, high[place]))))
-    bound = bool(at <= low[place] + 1e-6 or at >= high[place] - 1e-6)
-    return {"value": to_value(at), "low": ends[0], "high": ends[1], "at_bound": bound}
-
-
-def base_intervals(fit: Fit) -> dict[str, Any]:
-    """Base parameters with 95 % intervals; modulus in kPa."""
-    out = {}
-    for place, name in enumerate(NAMES):
-        unit = 1e3 if name == "young_kPa" else 1.0
-        out[name] = interval(fit, place, lambda z, unit=unit: float(np.exp(z)) * unit)
-    return out
-
-
-def effect_intervals(fit: Fit, effect: Effect) -> dict[str, Any]:
-    """Parameters of one fitted effect with 95 % intervals."""
-    place = fit.problem.fixed - sum(len(e.parameters) for e in fit.problem.effects)
-    for other in fit.problem.effects:
-        if other.name == effect.name:
-            return {p.name: interval(fit, place + i, p.to_value) for i, p in enumerate(other.parameters)}
-        place += len(other.parameters)
-    raise KeyError(effect.name)
-
-
 def close_loop(campaign: Campaign, progress: Progress | None = None, young_MPa: float | None = None) -> LoopResult:
     """Run the loop on a campaign.
 
@@ -175,21 +94,21 @@ def close_loop(campaign: Campaign, progress: Progress | None = None, young_MPa: 
     presses = make_presses(campaign)
     start = young_MPa or 1e-3 * start_young_kPa(campaign)
     base_fit = fit_base(presses, law, start, progress)
-    base = _stage(base_fit)
+    base = make_stage(base_fit)
     available, untested = _available(presses, law.shape)
     screened, ranking = rank(base_fit, available, progress)
     effects: list[Found] = []
     after = base
-    first = _accept(base, screened, ranking, GAIN_FLOOR)
+    first = accept(base, screened, ranking, GAIN_FLOOR)
     if first is not None:
-        after = _stage(same_noise(first.candidate.fit))
+        after = make_stage(same_noise(first.candidate.fit))
         effects.append(first)
         tell("second effect")
         rest = tuple(e for e in available if e.name != first.candidate.effect.name)
         more, second_ranking = rank(after.fit, rest, progress, keep=6, least_z=4.0)
-        second = _accept(after, more, second_ranking, max(SECOND_FLOOR, SECOND_SHARE * first.candidate.gain))
+        second = accept(after, more, second_ranking, max(SECOND_FLOOR, SECOND_SHARE * first.candidate.gain))
         if second is not None:
-            after = _stage(same_noise(second.candidate.fit))
+            after = make_stage(same_noise(second.candidate.fit))
             effects.append(second)
     tell("remainder")
     where_after = dependences(after.fit)
@@ -204,47 +123,6 @@ def close_loop(campaign: Campaign, progress: Progress | None = None, young_MPa: 
         tuple(dependences(base.fit)), tuple(where_after), tuple(checks), following, untested,
         _warnings(campaign, presses, law),
     )  # fmt: skip
-
-
-def _stage(fit: Fit) -> Stage:
-    return Stage(fit, errors(fit), _pad_errors(fit), lack_of_fit(fit))
-
-
-def _pad_errors(fit: Fit) -> Errors:
-    """Errors with all trials on one thickness left out at a time, and with them its law error."""
-    presses = fit.problem.presses
-    return errors(fit, np.searchsorted(fit.problem.thicknesses, presses.thickness_mm))
-
-
-def _at_bound(candidate: Candidate) -> bool:
-    """Whether the size ended at the end of what is plausible: something else is being imitated."""
-    size = candidate.effect.parameters[0]
-    place = candidate.fit.problem.fixed - len(candidate.effect.parameters)
-    value = size.to_value(candidate.fit.vector[place])
-    reach = 1e-3 * (size.high - size.low)
-    return value != size.null and (value <= size.low + reach or value >= size.high - reach)
-
-
-def _change(before: Errors, after: Errors) -> float | None:
-    """Relative change of the squared error on what both could predict; None when there is nothing."""
-    both = np.isfinite(after.heldout_by_trial_N) & np.isfinite(before.heldout_by_trial_N)
-    if not both.any():
-        return None
-    old, new = ((e.heldout_by_trial_N[both] ** 2).sum() for e in (before, after))
-    return float(new / old - 1.0)
-
-
-def _predicts_better(before: Stage, after: Fit) -> bool:
-    """Whether left-out conditions are predicted better.
-
-    What acts as one factor per pad is absorbed by the law error of that pad, so that other conditions on the
-    same pad are predicted as well without the effect. Then whole pads, left out with their law error, decide.
-    """
-    cells = _change(before.errors, errors(after))
-    if cells is not None and cells < -NOTHING:
-        return True
-    pads = _change(before.by_pad, _pad_errors(after))
-    return (cells is None or cells < LITTLE) and pads is not None and pads < -LITTLE
 
 
 def start_young_kPa(campaign: Campaign) -> float:
@@ -268,28 +146,6 @@ def _available(presses: Presses, shape: str) -> tuple[tuple[Effect, ...], dict[s
         reasons.update({name: "needs holds or two speeds" for name in relaxing})
     usable = tuple(effect for effect in EFFECTS if not reasons[effect.name])
     return usable, {name: reason for name, reason in reasons.items() if reason}
-
-
-def _accept(before: Stage, screened: list[Screened], ranking: list[Candidate], floor: float) -> Found | None:
-    """The first candidate that beats the threshold inside its bounds and predicts left-out conditions better.
-
-    Rivals that cannot be told from it may stand in for it there: which of them predicts best is chance.
-    """
-    inside = [candidate for candidate in ranking if not _at_bound(candidate)]
-    for candidate in inside[:4]:
-        ratio = lack_of_fit(candidate.fit).ratio
-        threshold = gain_threshold(screened, ratio, floor)
-        if candidate.gain < threshold:
-            return None
-        near = [c for c in rivals(inside, candidate, ratio) if c.gain <= candidate.gain]
-        if not any(_predicts_better(before, c.fit) for c in (candidate, *near)):
-            continue
-        return Found(
-            candidate, tuple(c.effect.name for c in rivals(inside, candidate, ratio)[:2]),
-            tuple(family_of(candidate.screened, screened)), threshold, errors(candidate.fit).heldout_N,
-            (candidate, *(c for c in inside if c is not candidate)),
-        )  # fmt: skip
-    return None
 
 
 def _next(

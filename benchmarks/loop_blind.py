@@ -44,15 +44,15 @@ def plan(options: argparse.Namespace) -> Iterator[tuple[str, float, int]]:
                     nulls += 1
                     seed += 1
                     yield "none", 0.0, seed
-        for effect in generator.UNKNOWN:
-            for strength in (1.0, 2.0):
-                seed += 1
-                yield effect, strength, seed
-        if number == rounds - 1:
-            while nulls < options.nulls:
-                nulls += 1
-                seed += 1
-                yield "none", 0.0, seed
+            if strength == STRENGTHS[0]:
+                for effect in generator.UNKNOWN:
+                    for unknown_strength in (1.0, 2.0):
+                        seed += 1
+                        yield effect, unknown_strength, seed
+        while number == rounds - 1 and nulls < options.nulls:
+            nulls += 1
+            seed += 1
+            yield "none", 0.0, seed
 
 
 def row_of(effect: str, strength: float, truth: generator.Truth, result: LoopResult, seconds: float) -> dict:

@@ -45,12 +45,16 @@ def first_fit(found: Fit, one: Screened) -> Fit:
     """Fit an effect beside what ``found`` holds, from where it scored best, sizes as they are."""
     problem, null = extended(found, one.effect)
     at = found.problem.fixed
-    vector = null.copy()
-    vector[:BASE] = one.effect.base_start(vector[:BASE])
-    vector[at : at + len(one.start)] = one.start
-    first = float(np.clip(one.coordinate, -30.0, 30.0))
-    vector[at] = first if abs(first) > 0.05 else 0.3 * float(one.start[0])
-    return fit(problem, vector, found.sizes, 8)
+    # to first order a large effect is overestimated
+    first = float(np.clip(one.coordinate, -8.0, 8.0))
+    tried = []
+    for logs in one.effect.base_starts(null[:BASE]):
+        vector = null.copy()
+        vector[:BASE] = logs
+        vector[at : at + len(one.start)] = one.start
+        vector[at] = first if abs(first) > 0.05 else 0.3 * float(one.start[0])
+        tried.append(fit(problem, vector, found.sizes, 16))
+    return min(tried, key=lambda trial: trial.chi2)
 
 
 def modest(found: Fit) -> Fit:

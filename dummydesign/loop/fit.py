@@ -217,6 +217,8 @@ def fit(problem: Problem, start: NDArray, sizes: Sizes, iterations: int = 12, fi
             damping *= 8.0
         if before - cost < 0.02:
             break
+    if vector[1] > vector[3] and low[3] <= vector[1] and vector[3] <= high[1]:
+        vector[[1, 2, 3, 4]] = vector[[3, 4, 1, 2]]  # the fast arm first
     return _finish(problem, vector, forces, sizes)
 
 

@@ -19,7 +19,7 @@ SECOND_FLOOR, SECOND_SHARE = 50.0, 0.05
 never quite the true one, and what it leaves must not be called an effect."""
 RIVAL_GAP = 10.0
 FAMILY_COSINE = 0.9
-LACK_LIMIT = 1.35
+LACK_LIMIT = 1.5
 LACK_P = 0.01
 PROBE_LIMIT = 60.0
 EXPLAINED = 5.0 / 6.0

@@ -147,7 +147,7 @@ def pad_force(time: np.ndarray, x: np.ndarray, away: np.ndarray, physics: Physic
             depth = x[:, k] - physics.offset - give
             elastic = physics.young * elastic_force(depth)
             if physics.softening:
-                n = sum((d >= 0.98 * depth) & (d > 0) for d in physics.soft_depth)
+                n = sum((d + 0.04 >= depth) & (d > 0) for d in physics.soft_depth)
                 elastic = elastic * (1.0 - physics.softening * 1.7 * n / (n + 0.7))
             strain = np.maximum(depth, 0.0) / physics.pad.thickness
             strength = physics.beta * np.exp(physics.beta_strain * (strain - 0.15))

@@ -120,9 +120,9 @@ class Effect:
         """Sensor: the signal before the declared filter (T, N). [N]"""
         return force_N
 
-    def base_start(self, logs: NDArray) -> NDArray:
-        """Where to start the base's logarithms when this effect is added."""
-        return logs
+    def base_starts(self, logs: NDArray) -> list[NDArray]:
+        """Where to start the base's logarithms when this effect is added; the best is kept."""
+        return [logs]
 
     def null_values(self) -> Values:
         """All parameters at their null values."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.effects.base import Arm, Effect, Parameter, Values
@@ -25,11 +26,15 @@ class FastRelaxationMode(Effect):
     def unavailable(self, presses: Presses, shape: str) -> str:
         return ""
 
-    def base_start(self, logs: NDArray) -> NDArray:
-        # the fast arm of the base sits between its own time and that of the mode
-        moved = logs.copy()
-        moved[1] += 0.4
-        return moved
+    def base_starts(self, logs: NDArray) -> list[NDArray]:
+        # without the mode the fast arm sits between its own time and the mode's, or is used up by the mode
+        near, used_up = logs.copy(), logs.copy()
+        near[1] += 0.4
+        used_up[1:] = [min(logs[3], np.log(LONGEST_FAST_S)), logs[4], np.log(USUAL_SLOW_S), np.log(USUAL_BETA)]
+        return [near, used_up]
 
     def arms(self, presses: Presses, arms: tuple[Arm, ...], depth_mm: NDArray, values: Values) -> tuple[Arm, ...]:
         return (*arms, Arm(values["tau_s"], values["beta"]))
+
+
+USUAL_SLOW_S, LONGEST_FAST_S, USUAL_BETA = 1.5, 0.3, 0.2

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.effects.base import Arm, Effect, Parameter, Values
@@ -25,11 +26,15 @@ class SlowRelaxationMode(Effect):
     def unavailable(self, presses: Presses, shape: str) -> str:
         return ""
 
-    def base_start(self, logs: NDArray) -> NDArray:
-        # the slow arm of the base sits between its own time and that of the mode
-        moved = logs.copy()
-        moved[3] += -0.3
-        return moved
+    def base_starts(self, logs: NDArray) -> list[NDArray]:
+        # without the mode the slow arm sits between its own time and the mode's, or is used up by the mode
+        near, used_up = logs.copy(), logs.copy()
+        near[3] -= 0.3
+        used_up[1:] = [np.log(USUAL_FAST_S), np.log(USUAL_BETA), logs[1], logs[2]]
+        return [near, used_up]
 
     def arms(self, presses: Presses, arms: tuple[Arm, ...], depth_mm: NDArray, values: Values) -> tuple[Arm, ...]:
         return (*arms, Arm(values["tau_s"], values["beta"]))
+
+
+USUAL_FAST_S, USUAL_BETA = 0.05, 0.2

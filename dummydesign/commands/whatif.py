@@ -7,6 +7,7 @@ from typing import Any
 
 HELP = "Work out many slabs at once: depth, stiffness, local exponent, peak over steady, score for a tissue."
 SHOWN = 40
+ROUGH_PERCENT = 2.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -23,11 +24,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--tissue", metavar="NAME|FILE", help="score every design for this tissue")
     add("--aim", default="average", metavar="AIM", help="average (default), safe-side or subject:NAME")
     add("--punch", default="square:14", metavar="LIST", help="such as square:14,round:16 (default square:14)")
-    add("--condition", default="bonded", metavar="LIST", help="punch on pad: bonded (default), frictionless")
+    add("--condition", default="bonded", metavar="LIST", help="face: bonded (default), frictionless or friction:MU")
     add("--base", default="bonded", metavar="LIST", help="pad on its base: bonded (default), sliding")
     add("--velocity", default="10,250", metavar="RANGE|LIST", help="in mm/s (default 10,250)")
     add("--force", default="1,5,10,15", metavar="RANGE|LIST", help="in N (default 1,5,10,15)")
-    add("--fidelity", default="table", metavar="NAME", help="table (default) or axisymmetric")
+    add("--fidelity", default="table", metavar="NAME", help="table (default), axisymmetric or 3d")
     add("--workers", type=int, default=1, metavar="N", help="processes of this machine (default 1)")
     add("--scheduler", metavar="ADDRESS", help="a running Dask scheduler, such as tcp://host:8786")
     add("--resume", action="store_true", help="keep the rows that are in the folder and work out what is missing")
@@ -77,11 +78,19 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def _warnings(study: Any, rows: list[dict[str, Any]]) -> list[dict[str, str]]:
+    said = []
     stopped = sum(row["limit"] is not None for row in rows)
-    if not stopped:
-        return []
-    message = f"{stopped} of {study.size} designs do not reach every force; 'limit' says why"
-    return [{"code": "out_of_reach", "message": message}]
+    if stopped:
+        message = f"{stopped} of {study.size} designs do not reach every force; 'limit' says why"
+        said.append({"code": "out_of_reach", "message": message})
+    rough = [row["force_error_percent"] for row in rows if (row["force_error_percent"] or 0.0) > ROUGH_PERCENT]
+    if rough:
+        message = f"forces of {len(rough)} designs are known to {max(rough):.1f} % at worst ('force_error_percent')"
+        said.append({"code": "rough_solve", "message": f"{message}; their exponents are rougher still"})
+    if study.reduced:
+        message = f"{', '.join(study.reduced)}: taken as the circle of equal area; --fidelity 3d solves the corners"
+        said.append({"code": "punch_as_circle", "message": message})
+    return said
 
 
 def _tissue(options: argparse.Namespace) -> Any:

@@ -24,17 +24,28 @@ def equal_area_radius_mm(text: str) -> float:
     InputError
         When the text is not of a known form.
     """
+    name, sizes = _read(text)
+    if name == "round":
+        return 0.5 * sizes[0]
+    return math.sqrt(sizes[0] * sizes[-1] / math.pi)
+
+
+def punch_sides_mm(text: str) -> tuple[float, float] | None:
+    """Sides of a square or rectangular punch; None for a round one."""
+    name, sizes = _read(text)
+    return None if name == "round" else (sizes[0], sizes[-1])
+
+
+def _read(text: str) -> tuple[str, list[float]]:
     name, _, size = text.partition(":")
     try:
-        sides = [float(part) for part in size.split("x")]
+        sizes = [float(part) for part in size.split("x")]
     except ValueError:
-        sides = []
+        sizes = []
     count = {"square": 1, "rectangle": 2, "round": 1}.get(name)
-    if count != len(sides) or not all(math.isfinite(side) and side > 0 for side in sides):
+    if count != len(sizes) or not all(math.isfinite(value) and value > 0 for value in sizes):
         raise InputError(f"punch '{text}' is not {FORMS}")
-    if name == "round":
-        return 0.5 * sides[0]
-    return math.sqrt(sides[0] * sides[-1] / math.pi)
+    return name, sizes
 
 
 @dataclass(frozen=True)
@@ -55,6 +66,13 @@ class SquareLaw:
         """Depth to which the circle's law holds. [mm]"""
         return self.circle.depth_limit_mm(thickness_mm, radius_mm)
 
+    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: float) -> NDArray:
+        """Error of the force over the force: the circle's and the factor's."""
+        from dummydesign.pad.square import square_factor
+
+        _, error = square_factor(depth_mm, thickness_mm, radius_mm, self.base)
+        return error + self.circle.relative_error(depth_mm, thickness_mm, radius_mm)
+
     @property
     def ratio_range(self) -> tuple[float, float]:
         """Range of radius over thickness, where the circle's law has one."""
@@ -66,15 +84,10 @@ class SquareLaw:
         return getattr(self.circle, "provenance", {})
 
 
-def square_known(base: str) -> bool:
-    """Whether the factors of square punches are there for this base."""
-    from dummydesign.library import data_folder
+def punch_law(circle: ForceLaw, punch: str, base: str = "bonded") -> ForceLaw:
+    """The force law of a glued punch from that of the circle of its area; only squares differ.
 
-    return (data_folder() / "materials" / "tables" / f"square-{base}.json").is_file()
-
-
-def punch_law(circle: ForceLaw, punch: str, condition: str = "bonded", base: str = "bonded") -> ForceLaw:
-    """The force law of a punch from that of the circle of its area; only glued squares differ."""
-    if punch.startswith("square") and condition == "bonded" and square_known(base):
-        return SquareLaw(circle, base)
-    return circle
+    A rectangle counts as the circle: its factor depends on its sides and is solved by ``--fidelity 3d``.
+    """
+    sides = punch_sides_mm(punch)
+    return SquareLaw(circle, base) if sides is not None and sides[0] == sides[1] else circle

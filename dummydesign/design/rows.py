@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.design.curves import ForceLaw, Sampling, Slabs, make_curves, press_to_depth, steady_depth
-from dummydesign.design.punch import punch_law
+from dummydesign.design.punch import punch_law, punch_sides_mm
 from dummydesign.errors import NoAnswerError
 
 if TYPE_CHECKING:
@@ -69,32 +69,33 @@ def work(task: Task, law: ForceLaw | None = None) -> list[dict[str, Any]]:
         One a design, in the task's order: ``thickness_mm``, ``ratio``, ``punch``, ``condition``, ``base``,
         ``young_kPa``; by force ``depth_mm_at_N``, ``depth_over_thickness_at_N``, ``stiffness_N_per_mm_at_N``,
         ``exponent_at_N`` (d ln F / d ln x), all of the relaxed pad; ``peak_over_steady`` by speed at 10 N
-        steady; ``limit`` (None, or why values are missing); ``score`` when there are targets. What is out of
+        steady; ``force_error_percent``, the model's own numerical error, largest of the forces reached;
+        ``limit`` (None, or why values are missing); ``score`` when there are targets. What is out of
         reach is None. A slab that cannot be solved gives rows without values whose ``limit`` says why.
     """
     thickness, place = np.unique(task.thickness_mm, return_inverse=True)
     try:
-        curves = make_curves(law or force_law(task, thickness), thickness, task.radius_mm)
+        law = law or force_law(task, thickness)
+        curves = make_curves(law, thickness, task.radius_mm)
     except NoAnswerError as problem:
         return [_empty(task, index, str(problem)) for index in range(len(task.ratio))]
     slabs = Slabs(curves, place, task.young_MPa, task.tau_s, task.beta)
-    return _rows(task, slabs)
+    return _rows(task, slabs, law)
 
 
 def force_law(task: Task, thickness_mm: NDArray) -> ForceLaw:
     """The force law of the task's fidelity, punch, condition and base."""
-    if task.fidelity == "axisymmetric":
-        from dummydesign.design.solved import solve_law
-
-        circle: ForceLaw = solve_law(thickness_mm.tolist(), task.radius_mm, None, task.base, task.condition)
-    else:
+    if task.fidelity == "table":
         from dummydesign.pad.table import load_table
 
-        circle = load_table(base=task.base)
-    return punch_law(circle, task.punch, task.condition, task.base)
+        return punch_law(load_table(base=task.base), task.punch, task.base)
+    from dummydesign.design.solved import solve_law
+
+    sides = punch_sides_mm(task.punch)
+    return solve_law(thickness_mm.tolist(), task.radius_mm, None, task.base, task.condition, sides, task.fidelity)
 
 
-def _rows(task: Task, slabs: Slabs) -> list[dict[str, Any]]:
+def _rows(task: Task, slabs: Slabs, law: ForceLaw) -> list[dict[str, Any]]:
     """Work out all designs at once and lay them out as rows."""
     forces = np.array(task.forces_N)
     depth = slabs.curves.depth_at(slabs.slab, forces / slabs.young_MPa[:, None])
@@ -110,12 +111,14 @@ def _rows(task: Task, slabs: Slabs) -> list[dict[str, Any]]:
     force_keys, speed_keys = _keys(task.forces_N), _keys(task.velocities_mm_s)
     plain = {name: _plain(values) for name, values in columns.items()}
     peaks, limits = _plain(_peaks(slabs, task.velocities_mm_s)), _limits(slabs, depth, task.forces_N)
+    errors = _plain(_errors(task, slabs, depth, law)[:, None])
     rows = []
     for index in range(len(task.ratio)):
         row = {
             **_head(task, index),
             **{name: dict(zip(force_keys, values[index])) for name, values in plain.items()},
             "peak_over_steady": dict(zip(speed_keys, peaks[index])),
+            "force_error_percent": errors[index][0],
             "limit": limits[index],
         }
         if scores is not None:
@@ -140,7 +143,7 @@ def _empty(task: Task, index: int, why: str) -> dict[str, Any]:
     nothing = dict.fromkeys(_keys(task.forces_N))
     names = ("exponent_at_N", "depth_mm_at_N", "depth_over_thickness_at_N", "stiffness_N_per_mm_at_N")
     row = {**_head(task, index), **{name: dict(nothing) for name in names}}
-    row |= {"peak_over_steady": dict.fromkeys(_keys(task.velocities_mm_s)), "limit": why}
+    row |= {"peak_over_steady": dict.fromkeys(_keys(task.velocities_mm_s)), "force_error_percent": None, "limit": why}
     if task.targets is not None:
         row["score"] = dict.fromkeys(SCORES, 0.0)
     return row
@@ -193,6 +196,16 @@ def _limits(slabs: Slabs, depth: NDArray, forces: Sequence[float]) -> list[str |
         first = min(force for force, missing in zip(forces, row) if missing)
         limits.append(f"{first:g} N needs more than {edge[index]:.2f} mm ({share:.2f} of the thickness)")
     return limits
+
+
+def _errors(task: Task, slabs: Slabs, depth: NDArray, law: ForceLaw) -> NDArray:
+    """Largest numerical error of the forces that are reached, shape (D,); NaN when the law states none. [%]"""
+    known = np.isfinite(depth)
+    if not hasattr(law, "relative_error"):
+        return np.full(len(depth), np.nan)
+    error = law.relative_error(np.where(known, depth, 0.0), slabs.thickness_mm[:, None], task.radius_mm)
+    largest = np.where(known, error, -np.inf).max(axis=-1)
+    return 100.0 * np.where(np.isfinite(largest), largest, np.nan)
 
 
 def _plain(values: NDArray) -> list[list[float | None]]:

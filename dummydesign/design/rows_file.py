@@ -32,6 +32,7 @@ class RowFormat:
                 self._add(f"{name}_at_{force:g}_N", f"{name}_at_N", f"{force:g}")
         for speed in study.velocities_mm_s:
             self._add(f"peak_over_steady_at_{speed:g}_mm_s", "peak_over_steady", f"{speed:g}")
+        self._add("force_error_percent", "force_error_percent")
         self._add("limit", "limit")
         if study.tissue is not None:
             for name in SCORES:

@@ -13,14 +13,17 @@ from dummydesign.errors import NoAnswerError
 
 SHARES = (0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6)
 """Depths over thickness that are solved."""
-DEGREE = 6
+DEGREE, SLIDING_DEGREE = 6, 4
+"""Of the polynomial through a solved curve; a face that slides scatters more, and is followed less closely."""
 
 
 @dataclass(frozen=True)
 class SlabCase:
     """One slab to solve: thickness and punch radius [mm], what holds its base and its face, stiffening.
 
-    ``yeoh_c2_over_mu`` is the stiffening of a Yeoh law, 0 for neo-Hookean.
+    ``yeoh_c2_over_mu`` is the stiffening of a Yeoh law, 0 for neo-Hookean. ``sides_mm`` are those of a square
+    or rectangular punch whose area the radius stands for, None for a round one. ``fidelity`` is
+    ``axisymmetric`` (a glued square carries its tabulated factor) or ``3d``.
     """
 
     thickness_mm: float
@@ -28,6 +31,8 @@ class SlabCase:
     base: str = "bonded"
     condition: str = "bonded"
     yeoh_c2_over_mu: float = 0.0
+    sides_mm: tuple[float, float] | None = None
+    fidelity: str = "axisymmetric"
 
 
 @dataclass(frozen=True)
@@ -57,6 +62,8 @@ class SolvedLaw:
         {thickness: coefficients of p, lowest power first}.
     limits_mm : dict
         {thickness: largest depth that was solved}. [mm]
+    errors : dict
+        {thickness: (depths [mm], relative errors of the force)}, numerical and of the fit.
     notes : tuple of str
         Why curves stop early.
     """
@@ -64,6 +71,7 @@ class SolvedLaw:
     radius_mm: float
     polynomials: dict[float, tuple[float, ...]]
     limits_mm: dict[float, float]
+    errors: dict[float, tuple[NDArray, NDArray]]
     notes: tuple[str, ...]
 
     def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: float) -> NDArray:
@@ -85,24 +93,41 @@ class SolvedLaw:
         return np.array([self.limits_mm[float(value)] for value in np.atleast_1d(thickness_mm)])
 
 
+    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: float) -> NDArray:
+        """Error of the force over the force, between solved depths on straight lines; arguments broadcast."""
+        depth, thickness = np.broadcast_arrays(np.asarray(depth_mm, float), np.asarray(thickness_mm, float))
+        found = np.empty(depth.shape)
+        for value in np.unique(thickness):
+            at = thickness == value
+            found[at] = np.interp(depth[at], *self.errors[float(value)])
+        return found
+
+
 def solve_slab(case: SlabCase) -> SolvedSlab:
     """Solve one slab of unit modulus to 0.6 of its thickness; a picklable task for any executor.
 
     Raises
     ------
     InputError, NoAnswerError
-        As :func:`dummydesign.pad.axisymmetric.solve_curve`.
+        As :func:`dummydesign.pad.predict.elastic_curve`.
     """
-    from dummydesign.pad.axisymmetric import solve_curve
     from dummydesign.pad.laws import Yeoh
+    from dummydesign.pad.predict import Pad, elastic_curve
 
-    depths = [share * case.thickness_mm for share in SHARES]
+    depth = np.array(SHARES) * case.thickness_mm
+    if case.condition != "bonded" and case.fidelity != "3d":
+        from dummydesign.pad.indent import solve_flat
+
+        curve = solve_flat(case.thickness_mm, case.radius_mm, 1.0, depth, case.condition, base=case.base)
+        return SolvedSlab(case, curve.depth_mm, curve.force_N, curve.error_N / curve.force_N, tuple(curve.notes))
     law = Yeoh(1.0, case.yeoh_c2_over_mu)
-    curve = solve_curve(
-        case.thickness_mm, case.radius_mm, 1.0, depths, base=case.base, condition=case.condition, law=law
-    )
-    depth, force = np.asarray(curve.depth_mm, float), np.asarray(curve.force_N, float)
-    return SolvedSlab(case, depth, force, np.asarray(curve.error_N, float) / force, tuple(curve.notes))
+    pad = Pad(
+        case.thickness_mm, 1.0, case.radius_mm, base=case.base, condition=case.condition, law=law,
+        sides_mm=case.sides_mm,
+    )  # fmt: skip
+    found = elastic_curve(pad, case.fidelity, float(depth[-1]), depth, None)
+    depth = depth[depth <= found.limit_mm * (1.0 + 1e-9)]
+    return SolvedSlab(case, depth, found.force(depth), found.relative_error(depth), tuple(found.notes))
 
 
 def law_of(slabs: Iterable[SolvedSlab]) -> SolvedLaw:
@@ -113,17 +138,20 @@ def law_of(slabs: Iterable[SolvedSlab]) -> SolvedLaw:
     NoAnswerError
         When a slab could not be solved to a useful depth.
     """
-    polynomials, limits, notes, radius = {}, {}, [], 0.0
+    polynomials, limits, errors, notes, radius = {}, {}, {}, [], 0.0
     for slab in slabs:
         thickness, radius = slab.case.thickness_mm, slab.case.radius_mm
-        if len(slab.depth_mm) <= DEGREE:
+        degree = DEGREE if slab.case.condition == "bonded" else SLIDING_DEGREE
+        if len(slab.depth_mm) <= degree:
             raise NoAnswerError("no_convergence", f"slab of {thickness:g} mm: only {len(slab.depth_mm)} depths solved")
         logarithm = np.log(slab.area_mm2 / (radius * slab.depth_mm))
-        fitted = np.polynomial.polynomial.polyfit(slab.depth_mm / thickness, logarithm, DEGREE)
+        fitted = np.polynomial.polynomial.polyfit(slab.depth_mm / thickness, logarithm, degree, w=1.0 / slab.error)
         polynomials[thickness] = tuple(float(value) for value in fitted)
         limits[thickness] = float(slab.depth_mm[-1])
+        misfit = np.polynomial.polynomial.polyval(slab.depth_mm / thickness, fitted) - logarithm
+        errors[thickness] = (slab.depth_mm, slab.error + np.abs(misfit))
         notes += [f"slab of {thickness:g} mm: {text}" for text in slab.notes]
-    return SolvedLaw(radius, polynomials, limits, tuple(notes))
+    return SolvedLaw(radius, polynomials, limits, errors, tuple(notes))
 
 
 def solve_law(
@@ -132,6 +160,8 @@ def solve_law(
     executor: Executor | None = None,
     base: str = "bonded",
     condition: str = "bonded",
+    sides_mm: tuple[float, float] | None = None,
+    fidelity: str = "axisymmetric",
 ) -> SolvedLaw:
     """Solve one curve a thickness, in parallel when an executor is given.
 
@@ -145,11 +175,16 @@ def solve_law(
         Runs the solves; here one after the other by default.
     base, condition : str
         What holds the base and the face under the punch.
+    sides_mm, fidelity
+        See :class:`SlabCase`.
 
     Raises
     ------
     NoAnswerError
         When a slab could not be solved to a useful depth.
     """
-    cases = [SlabCase(value, radius_mm, base, condition) for value in sorted({float(v) for v in thickness_mm})]
+    cases = [
+        SlabCase(value, radius_mm, base, condition, 0.0, sides_mm, fidelity)
+        for value in sorted({float(v) for v in thickness_mm})
+    ]
     return law_of((map if executor is None else executor.map)(solve_slab, cases))

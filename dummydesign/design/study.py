@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import itertools
+import math
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
+from dummydesign.design.punch import punch_sides_mm
 from dummydesign.design.search import THICKNESS_MM
 from dummydesign.errors import InputError, out_of_range, unknown_name
 
@@ -13,7 +15,7 @@ if TYPE_CHECKING:
     from dummydesign.resin.model import Resin
 
 MOST_DESIGNS = 1_000_000
-FIDELITIES = ("table", "axisymmetric")
+FIDELITIES = ("table", "axisymmetric", "3d")
 
 Key = tuple[str, str, str, float, float]
 """Names one design: punch, condition, base, thickness [mm], ratio."""
@@ -35,7 +37,7 @@ class Study:
     tissue : str or None
         Score for this tissue when given (with its aim).
     fidelity : str
-        ``table`` or ``axisymmetric`` (one finite-element solve a thickness, punch, condition and base).
+        ``table``, ``axisymmetric`` or ``3d`` (one finite-element solve a thickness, punch, condition and base).
     conditions, bases : tuple of str
         Face under the punch and base of the pad; the table knows a glued face on a glued or sliding base.
     """
@@ -128,9 +130,38 @@ class Study:
         from dummydesign.pad.axisymmetric import CONDITIONS
 
         for condition in self.conditions:
-            if condition not in CONDITIONS:
-                raise unknown_name("condition", condition, CONDITIONS)
+            if condition.startswith("friction:") and self.fidelity == "axisymmetric":
+                check_friction(condition)
+            elif condition not in CONDITIONS:
+                more = ("friction:MU",) if self.fidelity == "axisymmetric" else ()
+                raise unknown_name("condition", condition, (*CONDITIONS, *more))
+        for name, _ in self.punches:
+            if self.fidelity == "3d" and name.startswith("round"):
+                raise InputError(f"punch '{name}' is round; fidelity 3d is for square and rectangle, use axisymmetric")
+
+    @property
+    def reduced(self) -> list[str]:
+        """Punches that this study takes as the circle of their area although they differ from it."""
+        if self.fidelity == "3d":
+            return []
+        glued = all(condition == "bonded" for condition in self.conditions)
+        return [name for name, _ in self.punches if not name.startswith("round") and not (glued and _is_square(name))]
 
     def to_dict(self) -> dict[str, Any]:
         """Return what is varied as plain values."""
         return asdict(self)
+
+
+def check_friction(condition: str) -> None:
+    """Refuse a coefficient of friction outside 0 to 5 (InputError)."""
+    try:
+        value = float(condition.partition(":")[2])
+    except ValueError:
+        value = math.nan
+    if not 0.0 <= value <= 5.0:
+        raise out_of_range(f"friction of condition '{condition}'", condition.partition(":")[2], 0, 5, "friction:MU")
+
+
+def _is_square(punch: str) -> bool:
+    sides = punch_sides_mm(punch)
+    return sides is not None and sides[0] == sides[1]

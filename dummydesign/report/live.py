@@ -59,13 +59,10 @@ def live_data(resin: Resin, tissue: Tissue | None) -> dict[str, Any]:
     }
 
 
-def _square(base: str) -> dict[str, Any] | None:
-    """Factors of a square punch; None where there are none, and the square counts as the circle of its area."""
-    from dummydesign.design.punch import square_known
+def _square(base: str) -> dict[str, Any]:
+    """Factors of a square punch over the circle of its area."""
     from dummydesign.pad.square import load_square
 
-    if not square_known(base):
-        return None
     table = load_square(base)
     names = ("coefficients", "ratio_range", "depth_range", "reach_ratio", "reach_depth")
     return {name: np.asarray(getattr(table, name)).tolist() for name in names}

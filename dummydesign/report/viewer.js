@@ -41,7 +41,7 @@
     const a = Math.cos(view.spin), b = Math.sin(view.spin), c = Math.cos(view.tilt), d = Math.sin(view.tilt);
     gl.uniformMatrix3fv(at("turn"), false, [a, b * c, b * d, -b, a * c, a * d, 0, d, -c].map((v, i) => i % 3 === 2 ? -v : v));
     gl.uniform3f(at("middle"), ...low.map((v, k) => (v + high[k] + (k === 2 ? tallest : 0)) / 2));
-    const reach = 1.9 * view.zoom / (size + 0.6 * tallest), wide = canvas.width / canvas.height;
+    const reach = 2.7 * view.zoom / (size + 0.6 * tallest), wide = canvas.width / canvas.height;
     gl.uniform2f(at("scale"), wide > 1 ? reach / wide : reach, wide > 1 ? reach : reach * wide);
     for (const mesh of meshes) {
       gl.uniform3f(at("lift"), 0, 0, mesh.lift * share);

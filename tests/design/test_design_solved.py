@@ -46,6 +46,13 @@ def test_a_study_solves_each_thickness_once_whatever_the_ratios(layer_law, monke
             assert depth is known if known is None else depth == pytest.approx(known, rel=2e-3)
 
 
+def test_the_error_of_solve_and_fit_is_carried_into_the_rows(layer_law, monkeypatch):
+    monkeypatch.setattr(solved, "solve_slab", pretend(layer_law, []))
+    rows = whatif(Study((5.0, 10.0), (15.0, 16.0), (("round:15.8", RADIUS),), fidelity="axisymmetric"))["rows"]
+    assert all(0.1 <= row["force_error_percent"] < 0.3 for row in rows)
+    assert whatif(Study((5.0,), (15.0,), (("square:14", RADIUS),)))["rows"][0]["force_error_percent"] > 0.1
+
+
 def test_a_curve_that_stops_early_is_used_no_further(layer_law, monkeypatch):
     monkeypatch.setattr(solved, "solve_slab", pretend(layer_law, [], reach=0.35))
     law = solved.solve_law([10.0], RADIUS)

@@ -1,0 +1,67 @@
+"""Time of what-if studies: the 1000-design map, its report, and how a sweep scales from one worker to two.
+
+    python benchmarks/whatif.py [REPEATS]
+
+Prints the fastest of REPEATS runs (default 5). Wall times want an idle machine; the load is printed beside them.
+The scaling sweep takes score and presses of 40,000 designs, so that starting a process does not hide the work.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+from dummydesign.design.executors import open_executor
+from dummydesign.design.rows_file import RowsFile, settings_of
+from dummydesign.design.whatif import Study, tasks_of, whatif
+from dummydesign.report.whatif import write_whatif
+from dummydesign.resin import load_resin
+
+SQUARE = (("square:14", 14.0 / np.sqrt(np.pi)),)
+THOUSAND = Study(tuple(np.linspace(3.0, 30.0, 40)), tuple(np.linspace(14.0, 20.0, 25)), SQUARE)
+MANY = Study(tuple(np.linspace(3.0, 30.0, 200)), tuple(np.linspace(14.0, 20.0, 200)), SQUARE, tissue="palm")
+
+
+def fastest(repeats: int, action) -> float:
+    """Shortest of some wall times. [s]"""
+    times = []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        action()
+        times.append(time.perf_counter() - start)
+    return min(times)
+
+
+def main() -> None:
+    """Measure and print."""
+    repeats = int(sys.argv[1]) if len(sys.argv) > 1 else 5
+    resin = load_resin()
+    print(f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
+    print(f"1000 designs, table: {fastest(repeats, lambda: whatif(THOUSAND)):.3f} s")
+    rows = whatif(THOUSAND)["rows"]
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder)
+
+        def filed() -> None:
+            whatif(THOUSAND, file=RowsFile(place, THOUSAND, settings_of(THOUSAND, resin, None), False))
+
+        print(f"the same with its file: {fastest(repeats, filed):.3f} s")
+        report = fastest(repeats, lambda: write_whatif(place, THOUSAND, rows, resin, None, []))
+        print(f"its report: {report:.3f} s")
+    tasks = len(list(tasks_of(MANY, resin)))
+    one = fastest(1, lambda: whatif(MANY))
+    print(f"{MANY.size} scored designs in {tasks} tasks, this process: {one:.1f} s")
+    with open_executor(2) as pool:
+        # started and warm before the clock runs
+        whatif(THOUSAND, executor=pool)
+        two = fastest(1, lambda: whatif(MANY, executor=pool))
+    print(f"the same in 2 processes: {two:.1f} s, {one / two:.2f} times as fast")
+
+
+if __name__ == "__main__":
+    main()

@@ -11,249 +11,18 @@ stiffening slabs again (twelve slabs, less than a minute) into ``docs/data/dummi
 from __future__ import annotations
 
 import argparse
-import math
-from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from dummydesign.design.curves import ForceLaw, Sampling, Slabs, make_curves, press_to_depth, steady_depth
-from dummydesign.design.punch import punch_law
-from dummydesign.design.solved import SlabCase, SolvedSlab, law_of, solve_slab
+from dummydesign.design.dummies_press import steady_scan, stiffening_cases, study
+from dummydesign.design.dummies_tables import tables
+from dummydesign.design.solved import SolvedSlab, solve_slab
 from dummydesign.design.thickness_study import curves_text, read_curves
 from dummydesign.errors import InputError
 from dummydesign.files import write_text
-from dummydesign.pad.relaxation import PronyTerm
-from dummydesign.protocol.motion import contact_velocity
-from dummydesign.protocol.trace import Trace
 
-if TYPE_CHECKING:
-    from dummydesign.tissue.band import Tissue
-    from dummydesign.tissue.ranges import ForceRange
-
-SITES = {"I": ("palm", 15.0), "II": ("thenar", 20.0), "III": ("forefinger", 5.0)}
-"""Tissue and thickness [mm] of each dummy (paper, section IV)."""
-RESIN, RATIO = "polyurethane-nagoya", 15.0
-PUNCH = "square:14"
-RADIUS_MM = 14.0 / math.sqrt(math.pi)
-BASES = ("bonded", "sliding")
-YOUNG_KPA = (15.0, 25.0, 34.0, 50.0)
-STIFFENING = (0.0, 0.1, 0.3)
-"""c2 / mu of the Yeoh laws; 0 is neo-Hookean."""
-FORCES_N, VELOCITIES_MM_S = (5.0, 10.0, 15.0), (10.0, 250.0)
-STEADY_GRID_N = np.linspace(0.5, 15.0, 146)
-SAMPLING = Sampling(200, 60, 300)
-RATE_HZ, APPROACH_S = 1000.0, 0.03
-"""Sampling of the simulated traces and the free way before contact, as a robot's record has them."""
 CURVES = Path("docs") / "data" / "dummies.csv"
 PAGE = Path("docs") / "dummies.md"
 BEGIN, END = "<!-- dummies tables: begin -->", "<!-- dummies tables: end -->"
-
-
-@dataclass(frozen=True, order=True)
-class Variant:
-    """What the paper does not say of its dummies: base, modulus at 100:15 [kPa], c2 / mu of the resin."""
-
-    base: str = "bonded"
-    young_kPa: float = 25.0
-    stiffening: float = 0.0
-
-    def __str__(self) -> str:
-        held = {"bonded": "glued", "sliding": "sliding"}[self.base]
-        shape = f", c2/mu {self.stiffening:g}" if self.stiffening else ""
-        return f"{held}, {self.young_kPa:g} kPa{shape}"
-
-
-REFERENCE = Variant()
-
-
-def variants() -> list[Variant]:
-    """All bases, moduli and laws of the study, the paper's 25 kPa on a glued base first."""
-    every = [Variant(base, young, c2) for c2 in STIFFENING for base in BASES for young in YOUNG_KPA]
-    return sorted(every, key=lambda variant: variant != REFERENCE)
-
-
-@dataclass(frozen=True)
-class PressFigures:
-    """One press of a dummy beside the subjects at the same steady force and speed."""
-
-    depth_mm: float
-    time_s: NDArray
-    force_N: NDArray
-    stop_s: float
-    band: ForceRange
-    inside: dict[str, float]
-    trace: Trace
-
-    @property
-    def peak_N(self) -> float:
-        """Largest force. [N]"""
-        return float(self.force_N.max())
-
-    @property
-    def peak_place(self) -> float:
-        """Place of the peak between the smallest (0) and the largest (1) of the subjects."""
-        low, high = self.band.peak_low_N, self.band.peak_high_N
-        return (self.peak_N - low) / (high - low)
-
-    def at(self, time_s: float) -> tuple[float, float, float]:
-        """Force of the dummy and of the lower and upper edge of the range at a time. [N]"""
-        edges = (np.interp(time_s, self.band.time_s, edge) for edge in (self.band.low_N, self.band.high_N))
-        return (float(np.interp(time_s, self.time_s, self.force_N)), *(float(edge) for edge in edges))
-
-
-@dataclass(frozen=True)
-class Dummy:
-    """One dummy, pressed: depths (NaN out of reach), presses by (steady force, speed), fitted parameters."""
-
-    name: str
-    thickness_mm: float
-    tissue: Tissue
-    reach_N: float
-    depth_mm: NDArray
-    presses: dict[tuple[float, float], PressFigures]
-    parameters: dict[str, Any] | None
-    rmse_N: float | None
-
-    @cached_property
-    def edges_mm(self) -> tuple[NDArray, NDArray]:
-        """Depths of the stiffest and softest subject at the grid of steady forces. [mm]"""
-        return self.tissue.steady_depth_range(STEADY_GRID_N)
-
-    @cached_property
-    def steady_inside(self) -> dict[str, float]:
-        """Share of the steady-state curve inside the range below and above 5 N; out of reach is outside."""
-        shares = self.tissue.steady_inside(STEADY_GRID_N, self.depth_mm)
-        return {name: float(share) for name, share in shares.items()}
-
-    def depth_at(self, force_N: float) -> float:
-        """Depth at a steady force, NaN out of reach. [mm]"""
-        return float(np.interp(force_N, STEADY_GRID_N, self.depth_mm))
-
-    def place_at(self, force_N: float) -> float:
-        """Place in the steady-state range by depth: 0 at the softest subject, 1 at the stiffest."""
-        stiff, soft = (float(np.interp(force_N, STEADY_GRID_N, edge)) for edge in self.edges_mm)
-        return (soft - self.depth_at(force_N)) / (soft - stiff)
-
-    @property
-    def crossing_N(self) -> float:
-        """Steady force above which the dummy is softer than the stiffest subject; NaN when never so in reach."""
-        softer = np.nonzero(self.depth_mm >= self.edges_mm[0])[0]
-        return float(STEADY_GRID_N[softer[0]]) if len(softer) else math.nan
-
-    def exponent(self, low_N: float = 5.0, high_N: float = 10.0) -> float:
-        """Mean d ln F / d ln x of the steady curve between two forces; NaN when one is out of reach."""
-        return math.log(high_N / low_N) / math.log(self.depth_at(high_N) / self.depth_at(low_N))
-
-
-def stiffening_cases() -> list[SlabCase]:
-    """Slabs that the response tables do not hold."""
-    return [
-        SlabCase(thickness, RADIUS_MM, base, "bonded", c2)
-        for c2 in STIFFENING if c2 for base in BASES for _, thickness in SITES.values()
-    ]  # fmt: skip
-
-
-def force_laws(slabs: list[SolvedSlab]) -> dict[tuple[str, float], ForceLaw]:
-    """Force laws of the square punch by (base, c2 / mu): tables, and the solved stiffening slabs.
-
-    The square's factor is that of a neo-Hookean slab for all: no other was computed.
-    """
-    from dummydesign.pad.table import load_table
-
-    laws: dict[tuple[str, float], ForceLaw] = {(base, 0.0): load_table(base) for base in BASES}
-    groups: dict[tuple[str, float], list[SolvedSlab]] = {}
-    for slab in slabs:
-        groups.setdefault((slab.case.base, slab.case.yeoh_c2_over_mu), []).append(slab)
-    laws |= {key: law_of(group) for key, group in groups.items()}
-    return {(base, c2): punch_law(law, PUNCH, base=base) for (base, c2), law in laws.items()}
-
-
-def press_dummy(name: str, law: ForceLaw, young_MPa: float, prony: tuple[PronyTerm, ...], fit: bool = True) -> Dummy:
-    """Press one dummy at 5, 10, 15 N and 10, 250 mm/s, hold 10 s, fit it and hold it against its tissue.
-
-    Parameters
-    ----------
-    name : str
-        ``I``, ``II`` or ``III``.
-    law : ForceLaw
-        Elastic force of slabs under the punch.
-    young_MPa : float
-        Long-term modulus. [MPa]
-    prony : tuple of PronyTerm
-        Relaxation on top (one separable law for all depths).
-    fit : bool
-        Whether to fit the law of the tissue.
-    """
-    from dummydesign.tissue.store import load_tissue
-
-    site, thickness = SITES[name]
-    tissue = load_tissue(site)
-    taus, betas = tuple(term.tau_s for term in prony), np.array([[term.beta for term in prony]])
-    curves = make_curves(law, thickness, RADIUS_MM)
-    slabs = Slabs(curves, np.array([0]), np.array([young_MPa]), taus, betas)
-    depth = steady_depth(slabs, STEADY_GRID_N, VELOCITIES_MM_S[0], SAMPLING)[0]
-    deepest = press_to_depth(slabs, curves.limit_mm, VELOCITIES_MM_S[0], SAMPLING)
-    presses = {}
-    for velocity in VELOCITIES_MM_S:
-        for force, reached in zip(FORCES_N, steady_depth(slabs, FORCES_N, velocity, SAMPLING, exact=True)[0]):
-            if math.isfinite(reached):
-                presses[force, velocity] = _press(slabs, float(reached), force, velocity, tissue)
-    parameters = rmse = None
-    if fit and len({velocity for _, velocity in presses}) == len(VELOCITIES_MM_S):
-        from dummydesign.tissue.fit import fit_traces
-
-        traces = [press.trace for press in presses.values()]
-        found = fit_traces(traces, 5, tissue.law, "per-speed", intervals=False).result
-        parameters, rmse = found["parameters"], float(found["rmse_N"])
-    reach = float(deepest.force_N[0, -1])
-    return Dummy(name, thickness, tissue, reach, depth, presses, parameters, rmse)
-
-
-def _press(slabs: Slabs, depth_mm: float, force_N: float, velocity_mm_s: float, tissue: Tissue) -> PressFigures:
-    press = press_to_depth(slabs, np.array([depth_mm]), velocity_mm_s, SAMPLING)
-    time, force, stop = press.time_s[0], press.force_N[0], float(press.stop_s[0])
-    band = tissue.force_range(force_N, velocity_mm_s, SAMPLING.hold_s, SAMPLING.deceleration_mm_s2)
-    inside = {key: float(share) for key, share in band.inside(time, force, stop).items()}
-    moved = SAMPLING.motion(velocity_mm_s, np.array([depth_mm])).displacement_mm[0]
-    trace = _trace(f"{force_N:g} N at {velocity_mm_s:g} mm/s", time, moved, force, velocity_mm_s, depth_mm)
-    return PressFigures(depth_mm, time, force, stop, band, inside, trace)
-
-
-def _trace(
-    name: str, time: NDArray, moved: NDArray, force: NDArray, velocity_mm_s: float, depth_mm: float
-) -> Trace:
-    """Sample a press evenly in time with the free way before contact."""
-    before = np.arange(-APPROACH_S, 0.0, 1.0 / RATE_HZ)
-    grid = np.concatenate([before, np.arange(0.0, time[-1], 1.0 / RATE_HZ)])
-    deceleration = SAMPLING.deceleration_mm_s2
-    touch = float(contact_velocity(velocity_mm_s, depth_mm, deceleration))
-    # a robot that has to brake before it touches comes on faster the further away it is
-    braked = np.minimum(-before, (velocity_mm_s - touch) / deceleration)
-    way = touch * braked + 0.5 * deceleration * braked**2 + velocity_mm_s * (-before - braked)
-    pressed = grid[len(before) :]
-    x = np.concatenate([-way, np.interp(pressed, time, moved)])
-    return Trace(name, grid, x, np.concatenate([0.0 * before, np.interp(pressed, time, force)]))
-
-
-def study(slabs: list[SolvedSlab], chosen: list[Variant] | None = None) -> dict[Variant, dict[str, Dummy]]:
-    """Press all three dummies in every variant (or the chosen ones): {variant: {dummy: what came out}}.
-
-    The relaxation is that of the resin at 100:15 in all of them.
-    """
-    from dummydesign.resin import load_resin
-
-    laws, prony = force_laws(slabs), load_resin(RESIN).prony(RATIO)
-    return {
-        variant: {
-            name: press_dummy(name, laws[variant.base, variant.stiffening], 1e-3 * variant.young_kPa, prony)
-            for name in SITES
-        }
-        for variant in chosen or variants()
-    }
 
 
 def read_or_solve(path: Path, solve: bool) -> list[SolvedSlab]:
@@ -277,8 +46,6 @@ def main(arguments: list[str] | None = None) -> None:
     InputError
         When the page or its marks are missing.
     """
-    from dummydesign.design.dummies_words import tables
-
     parser = argparse.ArgumentParser(prog="python -m dummydesign.design.dummies_study", description=__doc__)
     parser.add_argument("--solve", action="store_true", help="solve the stiffening slabs again")
     parser.add_argument("--repository", type=Path, default=Path("."), help="folder that holds docs/")
@@ -287,7 +54,8 @@ def main(arguments: list[str] | None = None) -> None:
     text = path.read_text(encoding="utf-8") if path.is_file() else ""
     if BEGIN not in text or END not in text:
         raise InputError(f"{path} with the marks '{BEGIN}' and '{END}' is missing; run in the repository")
-    made = tables(study(read_or_solve(options.repository / CURVES, options.solve)))
+    slabs = read_or_solve(options.repository / CURVES, options.solve)
+    made = tables(study(slabs), steady_scan(slabs))
     print(made)
     write_text(path, f"{text.split(BEGIN)[0]}{BEGIN}\n\n{made}\n{END}{text.split(END)[1]}")
 

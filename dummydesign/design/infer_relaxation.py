@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.design.curves import ForceLaw, Sampling, Slabs, make_curves, press_to_depth, steady_depth
+from dummydesign.design.punch import SquareLaw
 
 DUMMIES = (("I", "palm", 15.0), ("II", "thenar", 20.0), ("III", "forefinger", 5.0))
 """Name, tissue and thickness in mm of the paper's dummies."""
@@ -59,14 +60,14 @@ def infer(law: ForceLaw | None = None, draws: int = DRAWS, seed: int = SEED) -> 
     Parameters
     ----------
     law : ForceLaw, optional
-        Elastic force of slabs; the response table of the bonded slab by default.
+        Elastic force of slabs; that of the glued square punch by default.
     draws : int
     seed : int
     """
     if law is None:
         from dummydesign.pad.table import load_table
 
-        law = load_table(base="bonded")
+        law = SquareLaw(load_table(base="bonded"), "bonded")
     rng = np.random.default_rng(seed)
     amplitude = np.exp(rng.uniform(*np.log(AMPLITUDE), draws))
     exponent = rng.uniform(*EXPONENT, draws)

@@ -32,7 +32,7 @@ class Line:
 
     def records(self) -> Iterator[Record]:
         """Lines of the CSV."""
-        for x, y in zip(_column(self.x), _column(self.y)):
+        for x, y in zip(_column(self.x).tolist(), _column(self.y).tolist()):
             yield self.name, x, y, "", ""
 
 
@@ -60,7 +60,7 @@ class Band:
 
     def records(self) -> Iterator[Record]:
         """Lines of the CSV; low and high are of x when sideways."""
-        for at, low, high in zip(_column(self.at), _column(self.low), _column(self.high)):
+        for at, low, high in zip(*(_column(values).tolist() for values in (self.at, self.low, self.high))):
             yield (self.name, "", at, low, high) if self.sideways else (self.name, at, "", low, high)
 
 
@@ -80,7 +80,7 @@ class Bars:
 
     def records(self) -> Iterator[Record]:
         """Lines of the CSV."""
-        for label, low, high in zip(self.labels, _column(self.low), _column(self.high)):
+        for label, low, high in zip(self.labels, _column(self.low).tolist(), _column(self.high).tolist()):
             yield label, "", "", low, high
 
 
@@ -101,8 +101,9 @@ class Cells:
 
     def records(self) -> Iterator[Record]:
         """Lines of the CSV; the value stands under low and high."""
-        for y, row in zip(_column(self.y), _column(self.value)):
-            for x, value in zip(_column(self.x), row):
+        across = _column(self.x).tolist()
+        for y, row in zip(_column(self.y).tolist(), _column(self.value).tolist()):
+            for x, value in zip(across, row):
                 yield self.name, x, y, value, value
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 from dataclasses import dataclass, field
 from html import escape
 from typing import Any
@@ -63,7 +64,7 @@ class Plot:
         table.writerow(["series", self.x_name, self.y_name, "low", "high"])
         for layer in self.layers:
             for record in layer.records():
-                table.writerow([f"{v:.6g}" if isinstance(v, float) and np.isfinite(v) else _text(v) for v in record])
+                table.writerow([v if isinstance(v, str) else _text(v) for v in record])
         return stream.getvalue()
 
     def svg(self) -> str:
@@ -141,8 +142,9 @@ class Plot:
         return "".join(parts)
 
 
-def _text(value: Any) -> Any:
-    return "" if isinstance(value, float) else value
+def _text(value: float) -> str:
+    """Six digits; nothing where a value is missing."""
+    return f"{value:.6g}" if math.isfinite(value) else ""
 
 
 def _path(x: Axis, y: Axis, xs: np.ndarray, ys: np.ndarray) -> str:

@@ -157,6 +157,9 @@ def _maps(answer: Suggestion, result: dict[str, Any]) -> list[Plot]:
                  tuple(layers), x_range=wide, note="1 is best; empty: 10 N out of reach")  # fmt: skip
     if wide is None or off == 0.0:
         return [whole]
+    columns = np.abs(found.ratio - best.ratio) <= 8 * off + 0.1
+    rows = np.abs(found.thickness_mm - best.thickness_mm) <= 8 * thick + 0.5
+    layers[0] = Cells("total score", found.ratio[columns], found.thickness_mm[rows], value[rows][:, columns])
     close = Plot("score-map-near", "The same around the recommended design", f"{alt} The ellipse is {off:.3g} parts "
                  f"and {thick:g} mm in half.", label, "thickness [mm]", "ratio", "thickness_mm", tuple(layers),
                  x_range=(best.ratio - 6 * off, best.ratio + 6 * off),

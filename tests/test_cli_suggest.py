@@ -185,7 +185,7 @@ def test_the_safety_view_holds_energy_pressure_mass_and_limits(capsys, tmp_path)
     limits = tmp_path / "limits.toml"
     number = 'value = {0}\nlow = {0}\nhigh = {0}\nkind = "assumed"\nsource = "made for this test"\n'
     limits.write_text(
-        'name = "mine"\n'
+        'name = "<b>mine</b>"\n'
         + "".join(
             f"[{name}]\n{number.format(value)}"
             for name, value in (("force_N", 12.0), ("pressure_N_per_cm2", 9.0), ("transient_factor", 2.0))
@@ -208,6 +208,8 @@ def test_the_safety_view_holds_energy_pressure_mass_and_limits(capsys, tmp_path)
     }  # fmt: skip
     assert all(row["within"] == (row["value"] <= row["limit"]) for row in safety["limits"] if row["value"])
     assert any(row["within"] is False for row in safety["limits"])
+    text = (tmp_path / "suggest-palm" / "report.html").read_text()
+    assert "&lt;b&gt;mine" in text and "<b>mine" not in text
 
 
 def test_a_limit_without_its_source_is_refused(capsys, tmp_path):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -268,7 +269,7 @@ def _safety(view: SafetyView) -> Section:
         lines = [[row["body"], row["case"], row["criterion"], row["contact"], row["value"], row["limit"],
                   {True: "yes", False: "no", None: "–"}[row["within"]]] for row in view.limits]  # fmt: skip
         table = Table(["body", "case", "criterion", "contact", "value", "limit", "within"], lines)
-        html += f"<p>{view.limits_source}</p>" + table.html()
+        html += f"<p>{escape(view.limits_source)}</p>" + table.html()
     return Section("Safety view", view.text, plots, Table(head, rows), html)
 
 
@@ -294,4 +295,4 @@ def _impact_html(view: SafetyView) -> str:
     lines = [[row["body"], row["depth_mm"], row["peak_force_N"], row["energy_mJ"], row["mean_pressure_N_per_cm2"],
               row["note"]] for row in view.impact]  # fmt: skip
     head = ["body", "depth mm", "peak N", "energy mJ", "mean pressure N/cm2", ""]
-    return f"<p>{view.impact_text}</p>" + Table(head, lines).html()
+    return f"<p>{escape(view.impact_text)}</p>" + Table(head, lines).html()

@@ -8,8 +8,8 @@ thickness and base and stores
 the error as a share of the viscous part of the force. It is measured twice. For single arms, over the rise time in
 units of the arm's time: its value at the stop is what :func:`allowance` uses, arm by arm, as a part of the
 interval of every dynamic prediction (the stress of the arms adds, and the field of deformation hardly depends on
-them). And for the library's polyurethane at 10, 50 and 250 mm/s, and a second set of arms, as a check that the
-sum holds.
+them). And for whole sets of arms, the first that of the
+library's polyurethane, at 10, 50 and 250 mm/s, as a check that the sum holds.
 
 An arm much slower than the rise has rho near 0 (its stress is that of a jump, which is separable in a hold); one
 much faster has the largest, because the second Piola stress then lags by the current deformation and not by
@@ -40,15 +40,20 @@ THICKNESSES_MM = (5.0, 10.0, 15.0, 20.0)
 RELATIVE_DEPTHS = (0.1, 0.2, 0.3, 0.45)
 SPEEDS_MM_S = (10.0, 50.0, 250.0)
 BASES = ("bonded", "sliding")
-# Another gel than the library's: one slow and one fast arm, weaker by half.
-CHECK_ARMS = (PronyTerm(0.01, 0.2), PronyTerm(1.0, 0.4))
+# The sets that check the sum: much like the library's polyurethane, and another gel, weaker by half. They are fixed
+# numbers, so that the check does not move with the library.
+SETS = {
+    "library": (PronyTerm(0.03, 1.05), PronyTerm(0.3, 0.33), PronyTerm(3.0, 0.105)),
+    "check": (PronyTerm(0.01, 0.2), PronyTerm(1.0, 0.4)),
+}
 # Rise time over the time of a single arm, and the speed at which it is pressed.
 RISES = (0.5, 4.0, 20.0)
 SINGLE_SPEED_MM_S = 50.0
 # Where the viscous part is below this share of the force, rho is mostly mesh and is left out.
 SMALLEST_VISCOUS = 0.05
-# Whole sets of arms err by up to 1.22 times the sum over their single arms.
-MARGIN = 1.25
+# Of 108 presses with whole sets of arms one errs by 1.33 times the sum over its single arms (20 mm, d/h 0.45, where
+# the arms needed a larger bead), the others by at most 1.22 times.
+MARGIN = 1.35
 COMMAND = "python -m dummydesign.pad.quick_error"
 
 
@@ -192,24 +197,19 @@ def build_single() -> list[dict[str, Any]]:
 
 def build_sets() -> list[dict[str, Any]]:
     """The sets of arms that check it."""
-    from dummydesign.resin import load_resin
-
-    library = load_resin().prony(15.0)
-    cases = [("library", library, case) for case in product(BASES, THICKNESSES_MM, RELATIVE_DEPTHS, SPEEDS_MM_S)]
+    cases = [("library", case) for case in product(BASES, THICKNESSES_MM, RELATIVE_DEPTHS, SPEEDS_MM_S)]
     check = product(("bonded",), (5.0, 15.0), RELATIVE_DEPTHS[1:], (10.0, 250.0))
-    cases += [("check", CHECK_ARMS, case) for case in check]
+    cases += [("check", case) for case in check]
     rows = []
-    for name, prony, case in cases:
-        rows.append({"arms": name, **measure(*case, prony)})
+    for name, case in cases:
+        rows.append({"arms": name, **measure(*case, SETS[name])})
         print(rows[-1], flush=True)
     return rows
 
 
 def build_convergence() -> dict[str, Any]:
     """How the numbers change with half the steps and half the bead."""
-    from dummydesign.resin import load_resin
-
-    case = ("bonded", 10.0, 0.3, 50.0, load_resin().prony(15.0))
+    case = ("bonded", 10.0, 0.3, 50.0, SETS["library"])
     return {
         "case": "bonded, 10 mm, d/h 0.3, 50 mm/s, library",
         "rho_high": measure(*case)["rho_high"],
@@ -221,7 +221,6 @@ def build_convergence() -> dict[str, Any]:
 def main() -> None:
     """Measure and write; parts that are not asked for stay as they are."""
     from dummydesign.files import write_text
-    from dummydesign.resin import load_resin
 
     parts = {"convergence": build_convergence, "single": build_single, "values": build_sets}
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -230,12 +229,11 @@ def main() -> None:
     path = data_folder() / "materials" / "tables" / "quick-error.json"
     before = json.loads(path.read_text()) if len(asked) < len(parts) else {}
     made = {name: build() if name in asked else before[name] for name, build in parts.items()}
-    arms = {"library": load_resin().prony(15.0), "check": CHECK_ARMS}
     head = {
         "schema": "dummydesign.quick-error/1",
         "command": COMMAND,
         "meaning": "rho = (F - F_quick) / (F_quick - F_elastic) at and after the stop of a ramp and hold of 10 s",
-        "arms": {name: [term.to_dict() for term in terms] for name, terms in arms.items()},
+        "arms": {name: [term.to_dict() for term in terms] for name, terms in SETS.items()},
         "convergence": made["convergence"],
     }
     lists = [f'"{name}": [\n  ' + ",\n  ".join(map(json.dumps, made[name])) + "\n ]" for name in ("single", "values")]

@@ -35,7 +35,7 @@ def ratio_error(rim: float) -> float:
     """Share of the viscous part of the force by which the ratio may be off with a bead of this size.
 
     Half the bead of 0.05 moves it by 0.01 to 0.02, half that of 0.025 by less than 0.01 (four presses of 5 to
-    15 mm pads to d/h 0.2 to 0.4); half the time steps by 0.001.
+    15 mm pads to d/h 0.2 to 0.4); half the time steps by 0.005.
     """
     return 0.02 * rim / RIMS[0]
 

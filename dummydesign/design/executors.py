@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
@@ -48,6 +49,9 @@ def open_executor(workers: int = 1, scheduler: str | None = None) -> Iterator[Ex
 
 @contextmanager
 def _dask(address: str) -> Iterator[Executor]:
+    # Dask's client leaves a thread and a traceback behind when it is given what is no address
+    if not re.fullmatch(r"([a-z]+://)?[^/\s]+:\d+", address):
+        raise InputError(f"--scheduler '{address}' is not an address such as tcp://host:8786")
     try:
         from distributed import Client
     except ImportError:

@@ -155,6 +155,9 @@ def test_every_task_is_done_once_here_and_elsewhere():
 def test_numbers_of_workers_and_addresses_that_cannot_be_are_refused(monkeypatch):
     with pytest.raises(InputError, match="workers = 0"), open_executor(0):
         pass
+    for address in ("nonsense", "tcp://host", "host:port", ""):
+        with pytest.raises(InputError, match="is not an address"), open_executor(1, address):
+            pass
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(InputError, match=r"dummydesign\[cluster\]"), open_executor(1, "tcp://127.0.0.1:1"):
         pass

@@ -10,20 +10,28 @@ HELP = "List the known resins, show one with all its numbers and sources, or add
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the actions."""
-    actions = parser.add_subparsers(dest="action", required=True, metavar="list|show|add")
+    actions = parser.add_subparsers(dest="action", required=True, metavar="list|show|add|add-compression")
     actions.add_parser("list", help="names, origin, ratio and modulus range", allow_abbrev=False)
     show = actions.add_parser("show", help="one resin, every number with its source", allow_abbrev=False)
     show.add_argument("name", metavar="NAME")
     show.add_argument("--out", metavar="DIR", help="also write a plot and its CSV")
     add = actions.add_parser("add", help="keep a resin file, or update a resin by measured points", allow_abbrev=False)
     add.add_argument("file", metavar="FILE")
-    for action in (actions.choices["list"], show, add):
+    puck = actions.add_parser("add-compression", help="modulus of a batch from its puck's curve", allow_abbrev=False)
+    puck.add_argument("file", metavar="TRACE.csv", help="time_s, displacement_mm, force_N; pressed slowly")
+    puck.add_argument("--diameter", type=float, required=True, metavar="MM")
+    puck.add_argument("--height", type=float, required=True, metavar="MM")
+    puck.add_argument("--name", required=True, help="of the resin that results")
+    puck.add_argument("--ratio", type=float, required=True, metavar="R", help="mixing ratio of the puck")
+    puck.add_argument("--resin", metavar="BASE", help="resin whose law is updated")
+    for action in (actions.choices["list"], show, add, puck):
         action.add_argument("--json", action="store_true", default=argparse.SUPPRESS)
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Do the action and return plain values."""
-    return {"list": _list, "show": _show, "add": _add}[options.action](options)
+    actions = {"list": _list, "show": _show, "add": _add, "add-compression": _add_compression}
+    return actions[options.action](options)
 
 
 def _list(options: argparse.Namespace) -> dict[str, Any]:
@@ -84,6 +92,24 @@ def _add(options: argparse.Namespace) -> dict[str, Any]:
     }
 
 
+def _add_compression(options: argparse.Namespace) -> dict[str, Any]:
+    from dummydesign.resin.compression import add_compression
+
+    done = add_compression(
+        options.file, options.diameter, options.height, options.name, options.ratio, options.resin
+    )
+    inputs = {
+        "action": "add-compression",
+        "file": options.file,
+        "diameter_mm": options.diameter,
+        "height_mm": options.height,
+        "name": options.name,
+        "ratio": options.ratio,
+        "resin": options.resin,
+    }
+    return {"inputs": inputs, "warnings": [], "sources": [done.young_kPa.source], **done.to_dict()}
+
+
 def render(result: dict[str, Any]) -> str:
     """Lay the answer out as short tables."""
     lines: list[str] = []
@@ -93,10 +119,25 @@ def render(result: dict[str, Any]) -> str:
             ratio = "{:g} to {:g}".format(*row["ratio_range"])
             young = "{:.3g} to {:.3g}".format(*row["young_kPa_range"])
             lines.append(f"{row['name']:<24} {row['origin']:<9} {ratio:<12} {young:<14} {row['ratio_meaning']}")
+    elif "young_kPa" in result:
+        lines += _render_puck(result)
     else:
         lines += _render_resin(result)
     lines += [f"warning: {item['message']}" for item in result["warnings"]]
     return "\n".join(lines)
+
+
+def _render_puck(result: dict[str, Any]) -> list[str]:
+    young, friction = result["young_kPa"], result["friction"]
+    low, high = ("bonded" if friction[end] is None else f"{friction[end]:.2g}" for end in ("low", "high"))
+    return [
+        f"modulus   {young['value']:.4g} kPa (95 %: {young['low']:.4g} to {young['high']:.4g}), this puck alone",
+        f"plates    friction {low} to {high} agrees with the curve; it was not told and is in the interval",
+        f"misfit    {result['rmse_N']:.3g} N rms over {result['compression_mm'][0]:.3g} to "
+        f"{result['compression_mm'][1]:.3g} mm",
+        f"resin     {result['name']}: law of {result['base']} updated at ratio {result['ratio']:g}",
+        f"file      {result['files']['resin']}",
+    ]
 
 
 def _render_resin(result: dict[str, Any]) -> list[str]:

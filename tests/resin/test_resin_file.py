@@ -37,7 +37,7 @@ def changed(tmp_path, old, new, count=1):
         ("schema = 1", "schema = 2", "schema = 2"),
         ("ratio_ref = 15.0", "ratio_ref = 40.0", "ratio_ref = 40.0 is outside"),
         ("value = 0.03, low = 0.03", "value = 0.03, low = -0.03", "must be above 0"),
-        ("beta = { value = 1.05, low = 0.77", "beta = { value = 1.05, low = -0.77", "must be at least 0"),
+        ("beta = { value = 1.09, low = 0.80", "beta = { value = 1.09, low = -0.80", "must be at least 0"),
         ("value = 25.0", "value = 12.0", "low <= value <= high"),
         ('kind = "measured"', 'kind = "guessed"', "kind 'guessed'"),
         ("[property.pot_life_min]", "[property.potlife]", "unknown key 'potlife'"),

@@ -1,0 +1,82 @@
+"""A puck's compression curve becomes the modulus of a batch, and a resin of its own."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from dummydesign.cli import run
+from dummydesign.pad.laws import neo_hookean
+from dummydesign.pad.puck import solve_puck
+from dummydesign.resin import load_resin
+from dummydesign.resin.compression import loading
+
+YOUNG_KPA = 30.0
+
+
+@pytest.fixture(scope="module")
+def curve(tmp_path_factory):
+    """A puck of 30 kPa between rough plates, solved by finite elements, touched 0.2 mm late, pressed and released."""
+    depth = np.linspace(0.5, 13.0, 14)
+    law = neo_hookean(1.0)
+    solved = solve_puck(50.0, 30.0, YOUNG_KPA * 1e-3, depth, plates="friction:0.3", law=law)
+    place = np.concatenate([[0.0, 0.1, 0.2], 0.2 + solved.depth_mm])
+    load = np.concatenate([[0.0, 0.0, 0.0], solved.force_N])
+    fine = np.linspace(0.0, place[-1], 400)
+    back = fine[::-1][1:]
+    displacement = np.concatenate([fine, back])
+    force = np.interp(displacement, place, load)
+    force[len(fine) :] *= 0.8
+    file = tmp_path_factory.mktemp("puck") / "puck.csv"
+    rows = [f"{0.1 * k:.2f},{x:.5f},{f:.5f}" for k, (x, f) in enumerate(zip(displacement, force))]
+    file.write_text("time_s,displacement_mm,force_N\n" + "\n".join(rows) + "\n")
+    return file
+
+
+def command(file, *more, diameter=50, height=30, ratio=15):
+    words = ["resins", "add-compression", str(file), "--diameter", str(diameter), "--height", str(height)]
+    return [*words, "--name", "batch", "--ratio", str(ratio), *more]
+
+
+def test_the_modulus_of_a_solved_puck_is_recovered_inside_its_interval(curve, tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
+    assert run(command(curve, "--json")) == 0
+    answer = json.loads(capsys.readouterr().out)
+    young = answer["young_kPa"]
+    assert young["low"] <= YOUNG_KPA <= young["high"]
+    assert young["value"] == pytest.approx(YOUNG_KPA, rel=0.06)
+    assert answer["rmse_N"] < 0.5
+    assert answer["name"] == "batch"
+    for key in ("law", "friction"):
+        assert key in answer
+    assert run(["suggest", "--tissue", "palm", "--resin", "batch", "--no-cad", "--no-verify", "--json"]) == 0
+
+
+def test_a_second_puck_is_kept_beside_the_first(curve, tmp_path, monkeypatch):
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
+    assert run(command(curve)) == 0
+    assert run(command(curve, ratio=15.2)) == 0
+    assert [point["ratio"] for point in load_resin("batch").points] == [15.0, 15.2]
+
+
+def test_only_the_first_loading_counts():
+    place, load = loading(np.array([0.0, 1.0, 1.0, 2.0, 1.5, 0.0]), np.array([0.0, 2.0, 4.0, 5.0, 1.0, 0.0]))
+    assert place.tolist() == [0.0, 1.0, 2.0]
+    assert load.tolist() == [0.0, 3.0, 5.0]
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"height": 20}, "diameter over height = 2.5"),
+        ({"diameter": -5}, "diameter_mm"),
+        ({"ratio": 40}, "ratio of polyurethane-nagoya = 40"),
+    ],
+)
+def test_what_cannot_be_fitted_is_refused(curve, tmp_path, monkeypatch, capsys, change, says):
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
+    assert run(command(curve, **change)) == 2
+    assert says in capsys.readouterr().err
+    assert not list(tmp_path.rglob("*.toml"))

@@ -22,10 +22,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--velocity", type=float, metavar="MM_S", help="speed of the ramp")
     add("--hold", type=float, default=10.0, metavar="S", help="hold after the stop (default 10 s)")
     add("--deceleration", type=float, default=30000.0, metavar="MM_S2", help="braking (default 30000 mm/s2)")
-    add("--punch", default="square:14", metavar="KIND:SIZE", help="square:14, rectangle:AxB or round:DIAMETER")
-    add("--condition", default="bonded", metavar="NAME", help="punch on pad: bonded (default) or frictionless")
+    punches = "square:14 (default), round:D, rectangle:AxB, profile:FILE.csv, plate"
+    add("--punch", default="square:14", metavar="KIND:SIZE", help=punches)
+    add("--condition", default="bonded", metavar="NAME", help="bonded (default), frictionless, friction:MU")
     add("--base", default="bonded", metavar="NAME", help="bonded (default) or sliding")
-    add("--pad", default="slab:150x120", metavar="slab:LxW", help="slab (default 150x120 mm)")
+    add("--pad", default="slab:150x120", metavar="slab:LxW", help="slab (default 150x120 mm) or cylinder:DIAMETER")
     add("--shape", default="slab", metavar="NAME", help="slab")
     add("--poisson", type=float, default=0.5, metavar="NU", help="Poisson's ratio (default 0.5)")
     laws = "neo-hookean (default), yeoh:C2_OVER_MU or ogden:MU,ALPHA;MU,ALPHA (scaled to the modulus)"
@@ -103,22 +104,57 @@ def _pad(options: argparse.Namespace) -> tuple[Any, dict[str, float], list[str],
         raise InputError(f"shape '{options.shape}' is not known; known names are slab")
     kind, _, size = options.pad.partition(":")
     sides = _numbers("pad", size.replace("x", ","))
-    if kind != "slab" or len(sides) != 2 or min(sides) <= 0:
-        raise InputError(f"pad '{options.pad}' is not of the form slab:LENGTHxWIDTH in mm")
+    if {"slab": 2, "cylinder": 1}.get(kind) != len(sides) or not min(sides) > 0:
+        raise InputError(f"pad '{options.pad}' is not of the form slab:LENGTHxWIDTH or cylinder:DIAMETER in mm")
+    cylinder, plate = kind == "cylinder", options.punch == "plate"
+    if cylinder != plate:
+        raise InputError(f"pad '{options.pad}' and punch '{options.punch}': plates press cylinders only")
+    profile = _profile(options.punch[len("profile:") :]) if options.punch.startswith("profile:") else None
+    if cylinder:
+        radius = 0.5 * sides[0]
+    else:
+        radius = profile[0][-1] if profile else equal_area_radius_mm(options.punch)
     pad = Pad(
         thickness_mm=options.thickness,
         young_MPa=young["value"] * 1e-3,
-        radius_mm=equal_area_radius_mm(options.punch),
+        radius_mm=radius,
         prony=prony,
         base=options.base,
         condition=options.condition,
         poisson=options.poisson,
         law=read_law(options.law),
-        extent_mm=sqrt(sides[0] * sides[1] / pi),
-        sides_mm=_punch_sides(options.punch),
-        slab_mm=(sides[0], sides[1]),
+        extent_mm=sqrt(sides[0] * sides[-1] / pi),
+        sides_mm=None if profile or cylinder else _punch_sides(options.punch),
+        slab_mm=(sides[0], sides[-1]),
+        profile_mm=profile,
+        cylinder=cylinder,
     )
     return pad, young, sources, _shape_warnings(pad, options.fidelity)
+
+
+def _profile(path: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Read a punch profile: columns r_mm and z_mm, the height over its lowest point."""
+    import csv
+    from pathlib import Path
+
+    from dummydesign.errors import InputError
+
+    name = Path(path).name
+    try:
+        rows = list(csv.DictReader(Path(path).read_text(encoding="utf-8-sig").splitlines()))
+    except (OSError, UnicodeDecodeError) as problem:
+        reason = getattr(problem, "strerror", "not UTF-8")
+        raise InputError(f"punch profile '{path}' cannot be read: {reason}") from None
+    values = []
+    for line, row in enumerate(rows, start=2):
+        try:
+            values.append((float(row["r_mm"]), float(row["z_mm"])))
+        except (KeyError, TypeError, ValueError):
+            raise InputError(f"{name}:{line}: needs numbers in the columns r_mm and z_mm") from None
+    if len(values) < 3:
+        raise InputError(f"{name}: {len(values)} rows; a punch profile needs at least 3 of r_mm, z_mm")
+    r, z = zip(*values)
+    return r, z
 
 
 def _punch_sides(punch: str) -> tuple[float, float] | None:

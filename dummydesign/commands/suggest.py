@@ -53,7 +53,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         **request.to_dict(),
         "cad": not options.no_cad,
         "out": str(out),
-        "calibration": None,
+        "calibration": options.calibration,
         "robot_mass_kg": options.robot_mass,
         "robot_velocity_mm_s": options.robot_velocity,
         "limits": options.limits,
@@ -72,10 +72,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
 def _request(options: argparse.Namespace, make: Any) -> Any:
     """Read what is asked for."""
     from dummydesign.design.ranges import parse_limits
-    from dummydesign.errors import InputError
 
-    if options.calibration is not None:
-        raise InputError("--calibration: this version cannot design with a calibration file yet; leave it out")
     return make(
         tissue=options.tissue,
         aim=options.aim,
@@ -84,6 +81,7 @@ def _request(options: argparse.Namespace, make: Any) -> Any:
         ratio=parse_limits(options.ratio, "ratio"),
         shape=options.shape,
         verify=not options.no_verify,
+        calibration=options.calibration,
     )
 
 

@@ -47,6 +47,7 @@ class Request:
     deceleration_mm_s2: float = 30_000.0
     weighing_g: float = 0.1
     thickness_tolerance_mm: float = 0.2
+    calibration: str | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Return what was asked, defaults included."""
@@ -123,6 +124,12 @@ def suggest(request: Request, law: ForceLaw | None = None) -> Suggestion:
     tissue, resin, thickness, ratio = accept(request)
     sampling = Sampling(hold_s=request.hold_s, deceleration_mm_s2=request.deceleration_mm_s2)
     targets = make_targets(tissue, request.aim, sampling)
+    reason = "not asked for"
+    if request.calibration is not None:
+        from dummydesign.design.calibrated import with_calibration
+
+        resin, law, _ = with_calibration(resin, request.calibration)
+        reason = "designed with a calibration: its correction rests on the campaign, the table below it on elements"
     if law is None:
         from dummydesign.pad.table import load_table
 
@@ -132,7 +139,7 @@ def suggest(request: Request, law: ForceLaw | None = None) -> Suggestion:
     tolerances = Tolerances(sum(mass for _, mass in recipe), request.weighing_g, request.thickness_tolerance_mm)
     best = found.best
     pour = pour_yield(law, resin, targets, best.thickness_mm, best.ratio, RADIUS_MM, tolerances)
-    checked = _verify(best, resin, law) if request.verify else not_verified("not asked for")
+    checked = _verify(best, resin, law) if request.verify and request.calibration is None else not_verified(reason)
     return Suggestion(request, tissue, resin, targets, found, pour, checked, recipe, law)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from dummydesign.errors import InputError, NoAnswerError
 from dummydesign.pad import mesh as meshes
-from dummydesign.pad.axisymmetric import MAX_DEPTH_OVER_THICKNESS, STANDARD_EXTENT_MM, PadCurve
+from dummydesign.pad.axisymmetric import BASES, MAX_DEPTH_OVER_THICKNESS, STANDARD_EXTENT_MM, PadCurve
 from dummydesign.pad.checks import positive
 from dummydesign.pad.contact import FlatPunch, ProfilePunch, Punch, Surface
 from dummydesign.pad.laws import Law, Yeoh
@@ -115,6 +115,8 @@ def indentation_problem(
     held[2 * np.nonzero(meshes.on_axis(mesh))[0]] = True
     below = np.nonzero(meshes.on_base(mesh, 1.0))[0]
     held[2 * below + 1] = True
+    if base not in BASES:
+        raise InputError(f"base = '{base}' is not one of {', '.join(BASES)}")
     if base == "bonded":
         held[2 * below] = True
     sides = meshes.edges_on(mesh, meshes.on_top(mesh) & (mesh.nodes[0] <= region.stop + 0.5))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,6 +14,9 @@ from dummydesign.pad.laws import Law, Yeoh
 from dummydesign.pad.quick_error import allowance
 from dummydesign.pad.relaxation import PronyTerm, relaxed_force
 from dummydesign.protocol.motion import Motion
+
+if TYPE_CHECKING:
+    from dummydesign.pad.axisymmetric import PadCurve
 
 Array = np.ndarray
 FIDELITIES = ("table", "axisymmetric", "viscoelastic", "3d")
@@ -28,7 +31,8 @@ class Pad:
     ``young_MPa`` is the long-term modulus; ``prony`` is relative to it. ``law`` is the shape of the
     hyperelastic law (its moduli are scaled); without it the law is neo-Hookean or, with
     ``yeoh_c2_over_mu``, Yeoh's. ``sides_mm`` are the sides of a rectangular punch, ``radius_mm`` is then
-    that of the circle of its area; ``slab_mm`` are length and width of the slab.
+    that of the circle of its area; ``slab_mm`` are length and width of the slab. ``profile_mm`` holds the radii
+    and heights of a shaped punch. ``cylinder`` is a puck of ``radius_mm`` between plates instead of a slab.
     """
 
     thickness_mm: float
@@ -43,6 +47,8 @@ class Pad:
     law: Law | None = None
     sides_mm: tuple[float, float] | None = None
     slab_mm: tuple[float, float] = (150.0, 120.0)
+    profile_mm: tuple[tuple[float, ...], tuple[float, ...]] | None = None
+    cylinder: bool = False
 
     @property
     def shape(self) -> Law:
@@ -317,7 +323,8 @@ def _in_space(
 
 
 def _in_table(pad: Pad) -> bool:
-    return pad.condition == "bonded" and pad.poisson == 0.5 and pad.shape == Yeoh(1.0)
+    plain = pad.profile_mm is None and not pad.cylinder
+    return plain and pad.condition == "bonded" and pad.poisson == 0.5 and pad.shape == Yeoh(1.0)
 
 
 def _by_table(pad: Pad) -> ElasticCurve:
@@ -325,6 +332,7 @@ def _by_table(pad: Pad) -> ElasticCurve:
 
     law = "neo-hookean" if pad.shape == Yeoh(1.0) else type(pad.shape).__name__.lower()
     for name, value, held in (
+        ("punch", "profile" if pad.profile_mm else "plate" if pad.cylinder else "flat", "flat"),
         ("punch condition", pad.condition, "bonded"),
         ("poisson", pad.poisson, 0.5),
         ("law", law, "neo-hookean"),
@@ -348,18 +356,20 @@ def _by_elements(
 ) -> ElasticCurve:
     from scipy.interpolate import PchipInterpolator
 
-    from dummydesign.pad.axisymmetric import MAX_DEPTH_OVER_THICKNESS, solve_curve
+    from dummydesign.pad.axisymmetric import MAX_DEPTH_OVER_THICKNESS
 
     limit = MAX_DEPTH_OVER_THICKNESS * pad.thickness_mm
     deepest = limit if deepest_mm is None else min(max(deepest_mm, 0.02 * pad.thickness_mm), limit)
     grid = np.linspace(0.0, deepest, CURVE_POINTS + 1)[1:]
     if depths_mm is not None:
         grid = np.union1d(grid[::2], depths_mm[(depths_mm > 0.0) & (depths_mm <= limit)])
-    solved = solve_curve(
-        pad.thickness_mm, pad.radius_mm, pad.young_MPa, grid, base=pad.base, condition=pad.condition,
-        poisson=pad.poisson, extent_mm=pad.extent_mm, law=pad.shape, progress=progress,
-    )  # fmt: skip
+    if pad.condition != "bonded" and not pad.cylinder:
+        # A face that slides needs some depth to start from.
+        grid = grid[grid >= min(0.025 * pad.thickness_mm, 0.25 * deepest)]
+    solved = _solve(pad, grid, progress)
     depth, force = solved.depth_mm, solved.force_N
+    if len(depth) < 2:
+        raise NoAnswerError("no_convergence", f"the pad could be solved at {len(depth)} depth only: {solved.notes[0]}")
     # F / d varies little; what lies between solved depths is a monotone cubic through it.
     stiffness = PchipInterpolator(depth, np.log(force / depth), extrapolate=True)
     error = solved.error_N / force
@@ -372,6 +382,30 @@ def _by_elements(
     return ElasticCurve(
         value, lambda at: np.interp(at, depth, error), float(depth[-1]), solved.solver, solved.notes
     )
+
+
+def _solve(pad: Pad, grid: Array, progress: Callable[[float], None] | None) -> PadCurve:
+    """Solve the static curve by the elements that fit the punch and its contact."""
+    from dummydesign.pad.axisymmetric import STANDARD_EXTENT_MM, solve_curve
+    from dummydesign.pad.indent import profile, solve_flat, solve_shaped
+    from dummydesign.pad.puck import solve_puck
+
+    common: dict[str, Any] = {"poisson": pad.poisson, "law": pad.shape}
+    if pad.cylinder:
+        sizes = (2.0 * pad.radius_mm, pad.thickness_mm)
+        return solve_puck(*sizes, pad.young_MPa, grid, plates=pad.condition, progress=progress, **common)
+    extent = pad.extent_mm or STANDARD_EXTENT_MM
+    if pad.profile_mm is not None:
+        punch = profile(*pad.profile_mm)
+        return solve_shaped(
+            punch, pad.thickness_mm, pad.young_MPa, grid, pad.radius_mm, pad.condition, base=pad.base,
+            extent_mm=extent, **common,
+        )  # fmt: skip
+    solve = solve_curve if pad.condition == "bonded" else solve_flat
+    return solve(
+        pad.thickness_mm, pad.radius_mm, pad.young_MPa, grid, condition=pad.condition, base=pad.base,
+        extent_mm=extent, progress=progress, **common,
+    )  # fmt: skip
 
 
 def _check_depth(depth: Array, curve: ElasticCurve, pad: Pad) -> None:

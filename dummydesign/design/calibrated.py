@@ -1,0 +1,57 @@
+"""Design with what a measured campaign taught: the batch's modulus and relaxation, and the corrected force law."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from dummydesign.quantity import Quantity
+
+if TYPE_CHECKING:
+    from dummydesign.loop.calibration import Calibration
+    from dummydesign.loop.design_law import CorrectedLaw
+    from dummydesign.resin.model import Resin
+
+YOUNG_SPREAD, BETA_SPREAD = 0.03, 0.1
+"""Half widths of the 95 % intervals given to a calibration's modulus and strengths, which carry none: assumed."""
+
+
+def with_calibration(resin: Resin, path: str) -> tuple[Resin, CorrectedLaw, Calibration]:
+    """Read a calibration and put it into a resin and a force law.
+
+    The resin's law is updated by the campaign's modulus at its ratio and takes the campaign's relaxation there.
+    The force law carries the pad and batch effects that were found; what belongs to the sensor or the robot
+    does not change a design.
+
+    Parameters
+    ----------
+    resin : Resin
+        The resin that is designed with.
+    path : str
+        File written by ``dummydesign loop``.
+
+    Raises
+    ------
+    InputError
+        When the file is not a calibration, or its ratio is outside the resin's range.
+    """
+    from dummydesign.loop.calibration import read_calibration
+    from dummydesign.loop.design_law import CorrectedLaw
+    from dummydesign.resin.model import Arm
+    from dummydesign.resin.update import Point, update_resin
+
+    calibration = read_calibration(path)
+    ratio = calibration.pad.get("ratio") or resin.relaxation_ratio_ref
+    source = f"calibration {path} of a measured campaign"
+    young = 1e3 * float(calibration.after.base.young_MPa)
+    point = Point(ratio, _around(young, YOUNG_SPREAD, source))
+    updated = update_resin(resin, [point], resin.name)
+    arms = tuple(
+        Arm(_around(term.tau_s, 0.0, source), _around(term.beta, BETA_SPREAD, source)) for term in calibration.prony()
+    )
+    resin = replace(updated, arms=arms, relaxation_ratio_ref=float(ratio), references=(*resin.references, source))
+    return resin, CorrectedLaw(calibration), calibration
+
+
+def _around(value: float, share: float, source: str) -> Quantity:
+    return Quantity(value, value * (1.0 - share), value * (1.0 + share), "fitted", source)

@@ -115,3 +115,29 @@ def test_predict_writes_its_curve_and_follows_a_motion_file(tmp_path, capsys):
     motion.write_text("time_s,displacement_mm\n0,0\n0.1,x\n")
     assert cli.run(words) == 2
     assert "motion.csv:3: displacement_mm = 'x' is not a number" in capsys.readouterr().err
+
+
+def test_predict_takes_friction_profiles_and_plates(tmp_path, capsys):
+    profile = tmp_path / "ball.csv"
+    profile.write_text("r_mm,z_mm\n" + "\n".join(f"{r},{r * r / 40.0}" for r in range(9)) + "\n")
+    common = ["predict", "--young", "25", "--fidelity", "axisymmetric", "--json"]
+    puck = ["--thickness", "30", "--depth", "3", "--punch", "plate", "--pad", "cylinder:50"]
+    forces = []
+    for words in (
+        ["--thickness", "10", "--depth", "0.5,1", "--punch", f"profile:{profile}", "--condition", "frictionless"],
+        [*puck, "--condition", "frictionless"],
+        puck,
+    ):
+        assert cli.run([*common, *words]) == 0
+        forces.append(json.loads(capsys.readouterr().out)["force_N"][-1])
+    free = 0.025 / 3.0 * (1.0 / 0.9**2 - 0.9) * 3.14159265 * 25.0**2
+    assert forces[1] == pytest.approx(free, rel=1e-3)
+    assert forces[2] == pytest.approx(1.404 * free, rel=0.06)
+    # Paraboloid of radius 20 mm on a layer, c = 0.447: small-strain law, 2 % at this depth.
+    assert forces[0] == pytest.approx(16.0 / 9.0 * 0.025 * 20.0**0.5 * 1.97, rel=0.06)
+    assert cli.run([*common, "--thickness", "10", "--depth", "1", "--punch", "profile:none.csv"]) == 2
+    assert cli.run([*common, "--thickness", "10", "--depth", "1", "--punch", "plate"]) == 2
+    profile.write_text("r_mm,z_mm\n0,0\n1,a\n2,3\n")
+    capsys.readouterr()
+    assert cli.run([*common, "--thickness", "10", "--depth", "1", "--punch", f"profile:{profile}"]) == 2
+    assert "ball.csv:3" in capsys.readouterr().err

@@ -115,3 +115,33 @@ def test_without_repeats_the_loop_runs_and_says_what_it_cannot_test(campaigns, t
 
 def test_effects_that_the_campaign_cannot_test_are_listed_with_the_reason(results):
     assert "plate_friction" in results("none", 401).untested
+
+
+def test_a_calibration_changes_the_resin_that_is_designed_with(results, tmp_path):
+    """The batch's modulus and relaxation enter; an effect of the sensor or the robot leaves the force law alone."""
+    from dummydesign.design.calibrated import with_calibration
+    from dummydesign.pad.table import equal_area_radius_mm
+    from dummydesign.resin import load_resin
+
+    result = results("temperature", 402)
+    path = write_calibration(calibration_of(result), tmp_path / "calibration.json")
+    before = load_resin("polyurethane-nagoya")
+    resin, law, calibration = with_calibration(before, str(path))
+    young = calibration.after.base.young_MPa
+    assert resin.young_MPa(15.0) == pytest.approx(young, rel=0.03)
+    spread = [one.modulus_kPa(15.0) for one in (before, resin)]
+    assert spread[1].high / spread[1].low < 0.2 * (spread[0].high / spread[0].low - 1.0) + 1.0
+    assert [arm.beta.value for arm in resin.arms] == pytest.approx([term.beta for term in calibration.prony()])
+    radius = equal_area_radius_mm(196.0)
+    own = law.force(np.array([1.0, 2.0]), np.array([10.0, 10.0]), 0.025, radius)
+    assert np.all(np.isfinite(own)) and np.all(np.diff(own) > 0.0)
+
+
+def test_what_is_no_calibration_is_refused(tmp_path):
+    from dummydesign.design.calibrated import with_calibration
+    from dummydesign.resin import load_resin
+
+    torn = tmp_path / "calibration.json"
+    torn.write_text('{"schema": ')
+    with pytest.raises(InputError, match=r"calibration\.json"):
+        with_calibration(load_resin("polyurethane-nagoya"), str(torn))

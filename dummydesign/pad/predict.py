@@ -29,10 +29,10 @@ class Pad:
     """A slab, its material and the round punch of equal area on it.
 
     ``young_MPa`` is the long-term modulus; ``prony`` is relative to it. ``law`` is the shape of the
-    hyperelastic law (its moduli are scaled); without it the law is neo-Hookean or, with
-    ``yeoh_c2_over_mu``, Yeoh's. ``sides_mm`` are the sides of a rectangular punch, ``radius_mm`` is then
-    that of the circle of its area; ``slab_mm`` are length and width of the slab. ``profile_mm`` holds the radii
-    and heights of a shaped punch. ``cylinder`` is a puck of ``radius_mm`` between plates instead of a slab.
+    hyperelastic law (its moduli are scaled), neo-Hookean without it. ``sides_mm`` are the sides of a
+    rectangular punch, ``radius_mm`` is then that of the circle of its area.
+    ``slab_mm`` are length and width of the slab. ``profile_mm`` holds the radii and heights of a shaped punch.
+    ``cylinder`` is a puck of ``radius_mm`` between plates instead of a slab.
     """
 
     thickness_mm: float
@@ -42,7 +42,6 @@ class Pad:
     base: str = "bonded"
     condition: str = "bonded"
     poisson: float = 0.5
-    yeoh_c2_over_mu: float = 0.0
     extent_mm: float | None = None
     law: Law | None = None
     sides_mm: tuple[float, float] | None = None
@@ -54,7 +53,7 @@ class Pad:
     def shape(self) -> Law:
         """The hyperelastic law with unit shear modulus."""
         if self.law is None:
-            return Yeoh(1.0, self.yeoh_c2_over_mu)
+            return Yeoh(1.0)
         return self.law.scaled(1.0 / self.law.shear_MPa)
 
     def __post_init__(self) -> None:
@@ -62,8 +61,16 @@ class Pad:
             positive(name, getattr(self, name))
 
 
+class _Prediction:
+    """What both kinds of prediction have in common."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the fields as plain values."""
+        return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in self.__dict__.items()}
+
+
 @dataclass(frozen=True)
-class StaticPrediction:
+class StaticPrediction(_Prediction):
     """Force at static depths with the model's own uncertainty; arrays of one length."""
 
     depth_mm: Array
@@ -75,13 +82,9 @@ class StaticPrediction:
     solver: dict[str, Any]
     notes: tuple[str, ...] = ()
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return the fields as plain values."""
-        return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in self.__dict__.items()}
-
 
 @dataclass(frozen=True)
-class MotionPrediction:
+class MotionPrediction(_Prediction):
     """Force under a motion with the model's own uncertainty; arrays of one length."""
 
     time_s: Array
@@ -95,10 +98,6 @@ class MotionPrediction:
     fidelity: str
     solver: dict[str, Any]
     notes: tuple[str, ...] = ()
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the fields as plain values."""
-        return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in self.__dict__.items()}
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ import numpy as np
 
 from dummydesign.errors import InputError, NoAnswerError, out_of_range
 from dummydesign.library import data_folder
+from dummydesign.pad.table import between
 
 Array = np.ndarray
 BASES = ("bonded", "sliding")
@@ -53,16 +54,8 @@ class SquareTable:
         u = 2.0 * inside / self.depth_range[1] - 1.0
         v = 2.0 * (np.log(ratio) - low) / (high - low) - 1.0
         value = np.exp(np.polynomial.chebyshev.chebval2d(u, v, self.coefficients))
-        return value, self._error(inside, ratio) + HELD_ERROR * (y / reach - inside / reach)
-
-    def _error(self, y: Array, ratio: Array) -> Array:
-        by_depth = np.array([np.interp(y, self.error_depth, row) for row in self.error])
-        spots = np.log(self.reach_ratio)
-        place = np.clip(np.interp(np.log(ratio), spots, np.arange(len(spots))), 0.0, len(spots) - 1.000001)
-        low = place.astype(int)
-        first = np.take_along_axis(by_depth, low[None], axis=0)[0]
-        second = np.take_along_axis(by_depth, low[None] + 1, axis=0)[0]
-        return first + (place - low) * (second - first)
+        error = between(inside, np.log(ratio), self.error_depth, np.log(self.reach_ratio), self.error)
+        return value, error + HELD_ERROR * (y / reach - inside / reach)
 
 
 @lru_cache(maxsize=4)

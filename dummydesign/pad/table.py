@@ -25,6 +25,17 @@ def equal_area_radius_mm(area_mm2: float) -> float:
     return float(np.sqrt(area_mm2 / np.pi))
 
 
+def between(x: Array, y: Array, columns: Array, rows: Array, values: Array) -> Array:
+    """Bilinear interpolation of ``values`` (rows, columns) at x and y of one shape; ends are held."""
+    by_row = np.array([np.interp(x, columns, row) for row in values])
+    place = np.clip(np.interp(y, rows, np.arange(len(rows))), 0.0, len(rows) - 1.000001)
+    low = place.astype(int)
+    part = place - low
+    first = np.take_along_axis(by_row, low[None], axis=0)[0]
+    second = np.take_along_axis(by_row, low[None] + 1, axis=0)[0]
+    return (1.0 - part) * first + part * second
+
+
 @dataclass(frozen=True)
 class ResponseTable:
     """Force law of slabs on one kind of base, glued to a round flat punch.
@@ -135,14 +146,7 @@ class ResponseTable:
         ratio = np.log(self._ratio(thickness_mm, radius_mm))
         x = np.asarray(depth_mm, dtype=float) / thickness_mm
         x, ratio = np.broadcast_arrays(x, ratio)
-        by_depth = np.array([np.interp(x, self.error_depth, row) for row in self.error])
-        nodes = np.log(self.error_ratio)
-        place = np.clip(np.interp(ratio, nodes, np.arange(len(nodes))), 0, len(nodes) - 1.000001)
-        low = place.astype(int)
-        part = place - low
-        first = np.take_along_axis(by_depth, low[None], axis=0)[0]
-        second = np.take_along_axis(by_depth, low[None] + 1, axis=0)[0]
-        return (1.0 - part) * first + part * second
+        return between(x, ratio, self.error_depth, np.log(self.error_ratio), self.error)
 
     def depth_at_force(self, force_N: Array, thickness_mm: Array, young_MPa: Array, radius_mm: Array) -> Array:
         """Depth at which the static force is reached, by safeguarded Newton steps; NaN when out of reach. [mm]"""

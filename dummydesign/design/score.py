@@ -29,8 +29,9 @@ class Evaluation:
     """Scores and presses of D designs.
 
     ``steady_state_range`` (5 to 15 N), ``low_force_range`` (0.5 to 5 N), ``force_variation_range``, ``aim``
-    have shape (D,), ``inside`` and ``depth_mm`` (D, conditions), ``low_depth_mm`` (D, low forces);
-    ``presses`` one a condition, in the order of the targets' conditions.
+    and ``low_aim`` (closeness to the aim below 5 N, no part of the total) have shape (D,), ``inside`` and
+    ``depth_mm`` (D, conditions), ``low_depth_mm`` (D, low forces); ``presses`` one a condition, in the order
+    of the targets' conditions.
     """
 
     slabs: Slabs
@@ -38,6 +39,7 @@ class Evaluation:
     low_force_range: NDArray
     force_variation_range: NDArray
     aim: NDArray
+    low_aim: NDArray
     inside: NDArray
     depth_mm: NDArray
     low_depth_mm: NDArray
@@ -55,8 +57,8 @@ class Evaluation:
 
     def take(self, chosen: NDArray) -> Evaluation:
         """Keep the designs chosen by index or mask (without their presses)."""
-        own = ("steady_state_range", "low_force_range", "force_variation_range", "aim", "inside", "depth_mm")
-        parts = [getattr(self, name)[chosen] for name in (*own, "low_depth_mm")]
+        own = ("steady_state_range", "low_force_range", "force_variation_range", "aim", "low_aim", "inside")
+        parts = [getattr(self, name)[chosen] for name in (*own, "depth_mm", "low_depth_mm")]
         return Evaluation(self.slabs.take(chosen), *parts, ())
 
     @property
@@ -106,8 +108,8 @@ def evaluate(slabs: Slabs, targets: Targets, sampling: Sampling = COARSE, exact:
     reached = steady_depth(slabs, forces, VELOCITIES_MM_S[0], sampling)
     shares = targets.tissue.steady_inside(STEADY_GRID_N, reached[:, len(LOW_GRID_N) :])
     low = targets.tissue.steady_inside(LOW_GRID_N, reached[:, : len(LOW_GRID_N)])
-    scored = reached[:, len(LOW_GRID_N) :]
-    close = [closeness(np.log(scored / targets.aim_depth_mm(STEADY_GRID_N)) / targets.depth_half_width)]
+    away = np.log(reached / targets.aim_depth_mm(forces)) / targets.depth_half_width
+    close = [closeness(away[:, len(LOW_GRID_N) :])]
     presses, inside, depths, peaks = [], [], [], []
     at_force = {v: steady_depth(slabs, np.array(FORCES_N), v, sampling, exact) for v in VELOCITIES_MM_S}
     for condition in targets.conditions:
@@ -125,6 +127,7 @@ def evaluate(slabs: Slabs, targets: Targets, sampling: Sampling = COARSE, exact:
         low["below_5N_fraction"],
         np.mean(inside, axis=0),
         0.5 * (close[0] + close[1]),
+        closeness(away[:, : len(LOW_GRID_N)]),
         np.stack(inside, axis=-1),
         np.stack(depths, axis=-1),
         reached[:, : len(LOW_GRID_N)],

@@ -52,6 +52,10 @@ class Candidate:
     parametric: float
     total: float
 
+    def merit(self, low_share: float) -> float:
+        """By what designs are ranked: the total, with a share of the closeness to the aim below 5 N."""
+        return (1.0 - low_share) * self.total + low_share * float(self.evaluation.low_aim[self.index])
+
 
 @dataclass(frozen=True)
 class SearchResult:
@@ -102,6 +106,7 @@ def search(
     ratio: NDArray,
     radius_mm: float,
     sampling: Sampling | None = None,
+    low_share: float = 0.0,
 ) -> SearchResult:
     """Find the slab and ratio that score best, in practical steps.
 
@@ -121,6 +126,8 @@ def search(
         Radius of the circle of the punch's area. [mm]
     sampling : Sampling, optional
         Of the fine presses.
+    low_share : float
+        Weight, in the choice of the best, of the closeness to the aim below 5 N beside the total.
 
     Returns
     -------
@@ -158,19 +165,23 @@ def search(
     )
     if not rough.feasible.any():
         raise NoAnswerError("no_feasible_design", _why_none(resin, thickness_mm, ratio))
-    ranked = np.argsort(-np.where(rough.feasible, total, -1.0), kind="stable")
+    merit = (1.0 - low_share) * total + low_share * rough.low_aim
+    ranked = np.argsort(-np.where(rough.feasible, merit, -1.0), kind="stable")
     ranked = ranked[: min(REFINED, int(rough.feasible.sum()))]
     others = np.setdiff1d(_pareto(score_map, ranked[0]), ranked)
     chosen = np.r_[ranked, others]
-    candidates = _work_out(slabs.take(chosen), ratio[column[chosen]], targets, sampling, len(ranked))
-    best = max(candidates, key=lambda candidate: candidate.total)
+    candidates = _work_out(slabs.take(chosen), ratio[column[chosen]], targets, sampling, len(ranked), low_share)
+    best = max(candidates, key=lambda candidate: candidate.merit(low_share))
     return SearchResult(best, _alternatives(candidates, best), score_map)
 
 
-def _work_out(slabs: Slabs, ratio: NDArray, targets: Targets, sampling: Sampling, ranked: int) -> list[Candidate]:
+def _work_out(
+    slabs: Slabs, ratio: NDArray, targets: Targets, sampling: Sampling, ranked: int, low_share: float
+) -> list[Candidate]:
     """Evaluate designs on the fine grid; fit the best of the first ``ranked`` and all others."""
     exact = evaluate(slabs, targets, sampling, exact=True)
     before = exact.total(gamma1_score(steady_gamma1(slabs), targets))
+    before = (1.0 - low_share) * before + low_share * exact.low_aim
     best = np.argsort(-before[:ranked], kind="stable")[:FITTED]
     kept = np.sort(np.r_[best, np.arange(ranked, len(ratio))])
     found = fit_presses(slabs.take(kept), targets, exact.depth_mm[kept], sampling)

@@ -140,8 +140,15 @@ class Shape:
         """
 
     def __str__(self) -> str:
-        listed = ",".join(f"{name}={value:g}" for name, value in self.parameters)
+        # All digits, and nothing that is its default: what is printed is read back as the same shape.
+        named = dict(zip((item.name for item in fields(self)), self.parameters))
+        listed = ",".join(f"{name}={_digits(value)}" for key, (name, value) in named.items() if not self._implied(key))
         return f"{self.name}:{listed}" if listed else self.name
+
+    def _implied(self, key: str) -> bool:
+        """Whether a parameter has the value that it takes when it is not typed."""
+        value = getattr(self, key)
+        return value == type(self).__dataclass_fields__[key].default
 
 
 @dataclass(frozen=True)
@@ -165,6 +172,11 @@ class Crowned(Shape):
     def __post_init__(self) -> None:
         if not self.foot_mm:
             object.__setattr__(self, "foot_mm", sphere_foot_mm(self.radius_mm, self.height_mm))
+
+    def _implied(self, key: str) -> bool:
+        """The foot of a sphere need not be typed."""
+        sphere = key == "foot_mm" and self.foot_mm == sphere_foot_mm(self.radius_mm, self.height_mm)
+        return sphere or super()._implied(key)
 
     @property
     def conic(self) -> Conic:
@@ -256,7 +268,7 @@ class Bumped(Shape):
             raise InputError(f"pitch = {self.pitch_mm:g} mm is below {2.0 * foot:.3g} mm: caps overlap")
         if not (np.isfinite(self.grade_mm) and self.grade_mm >= 0.0):
             raise InputError(f"grade = {self.grade_mm:g} mm is below 0: the middle cap must be the highest")
-        if self.rings != int(self.rings) or not 0 <= self.rings <= 10:
+        if not 0 <= self.rings <= 10 or self.rings != int(self.rings):
             raise InputError(f"rings = {self.rings:g} is not a whole number from 0 to 10")
         _left("cap", self.height_mm, thickness_mm, THINNEST_GEL_MM)
         _inside("field of caps", self.rings * self.pitch_mm + foot, min(length_mm, width_mm))
@@ -299,6 +311,11 @@ class Boned(Shape):
     def __post_init__(self) -> None:
         if not self.foot_mm:
             object.__setattr__(self, "foot_mm", sphere_foot_mm(self.radius_mm, self.height_mm))
+
+    def _implied(self, key: str) -> bool:
+        """The foot of a sphere need not be typed."""
+        sphere = key == "foot_mm" and self.foot_mm == sphere_foot_mm(self.radius_mm, self.height_mm)
+        return sphere or super()._implied(key)
 
     @property
     def conic(self) -> Conic:
@@ -347,8 +364,10 @@ def make_shape(kind: str, parameters: Sequence[tuple[str, float]] = ()) -> Shape
     for key, value in parameters:
         if key.isdigit() and int(key) < len(names):
             key = typed[int(key)]
+        elif not typed:
+            raise InputError(f"shape {cls.name} takes no parameters")
         elif key.isdigit():
-            raise InputError(f"shape {cls.name} takes at most {len(names)} parameters ({', '.join(typed) or 'none'})")
+            raise InputError(f"shape {cls.name} takes at most {len(names)} parameters ({', '.join(typed)})")
         if key.removesuffix("_mm") not in typed:
             raise unknown_name(f"parameter of shape {cls.name}", key, typed)
         name = names[typed.index(key.removesuffix("_mm"))]
@@ -383,6 +402,11 @@ def read_shape(text: str) -> Shape:
         except ValueError:
             raise InputError(f"shape parameter '{item}' is not a number; write NAME:VALUE or NAME:KEY=VALUE") from None
     return make_shape(name, parameters)
+
+
+def _digits(value: float) -> str:
+    """Shortest text that is read back as the same number."""
+    return repr(float(value)).removesuffix(".0")
 
 
 def _flag(name: str, value: float) -> None:

@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dummydesign.design.low_force import low_force
 from dummydesign.design.targets import LOW_GRID_N, Targets
+from dummydesign.shape import Shape, Slab
 
 if TYPE_CHECKING:
     from dummydesign.design.search import Candidate
@@ -16,7 +18,11 @@ LOW_FORCES_N = (0.5, 1.0, 2.0, 3.0, 4.0, 5.0)
 
 
 def design_dict(
-    candidate: Candidate, resin: Resin, targets: Targets, recipe: tuple[tuple[str, float], ...]
+    candidate: Candidate,
+    resin: Resin,
+    targets: Targets,
+    recipe: tuple[tuple[str, float], ...],
+    shape: Shape | None = None,
 ) -> dict[str, Any]:
     """Return one design as plain values.
 
@@ -28,6 +34,8 @@ def design_dict(
         What it was made for.
     recipe : tuple of (name, mass in g)
         What to weigh.
+    shape : Shape, optional
+        A flat slab without it.
     """
     index, evaluation = candidate.index, candidate.evaluation
     parameters = None
@@ -37,6 +45,7 @@ def design_dict(
         "resin": resin.name,
         "ratio": candidate.ratio,
         "ratio_meaning": resin.ratio_meaning,
+        "shape": str(shape or Slab()),
         "thickness_mm": candidate.thickness_mm,
         "young_kPa": resin.modulus_kPa(candidate.ratio).to_dict(),
         "prony": [term.to_dict() for term in resin.prony(candidate.ratio)],
@@ -56,6 +65,7 @@ def design_dict(
         },
         "conditions": _conditions(candidate, targets),
         "low_force": _low_force(candidate, targets),
+        "from_first_touch": low_force(candidate, targets).to_dict(),
     }
 
 

@@ -12,11 +12,14 @@ from dummydesign.design.answer import design_dict
 from dummydesign.design.curves import ForceLaw, Sampling, make_curves
 from dummydesign.design.punch import punch_law
 from dummydesign.design.search import THICKNESS_MM, Candidate, SearchResult, search, thickness_steps
+from dummydesign.design.shape_family import ShapeLaw
+from dummydesign.design.suggest_shape import Beside, Chosen, choose, kinds_of
 from dummydesign.design.targets import FORCES_N, Targets, make_targets
 from dummydesign.design.tolerance import Tolerances, Yield, pour_yield
 from dummydesign.design.verify import Verification, not_verified, verify_design
 from dummydesign.design.warn import design_warnings, rests_on
-from dummydesign.errors import InputError, unknown_name
+from dummydesign.errors import InputError
+from dummydesign.shape import Shape, Slab
 
 if TYPE_CHECKING:
     from dummydesign.mold.spec import MouldSpec
@@ -28,7 +31,7 @@ PUNCH = f"square:{PUNCH_SIDE_MM:g}"
 RADIUS_MM = PUNCH_SIDE_MM / math.sqrt(math.pi)
 """Circle of the area of the paper's 14 x 14 mm impactor. [mm]"""
 PAD_LENGTH_MM, PAD_WIDTH_MM = 150.0, 120.0
-SHAPES = ("slab",)
+SLAB = Slab()
 LOW_FORCES_N = (0.5, 1.0, 2.0, 3.0, 4.0, 5.0)
 
 
@@ -56,7 +59,10 @@ class Request:
 
 @dataclass(frozen=True)
 class Suggestion:
-    """The answer: the search, the tolerance study, the verification, and all it was made from."""
+    """The answer: the search, the tolerance study, the verification, and all it was made from.
+
+    ``law`` is the force law in proportion with thickness; ``beside`` the best design of each kind of shape.
+    """
 
     request: Request
     tissue: Tissue
@@ -67,33 +73,42 @@ class Suggestion:
     verification: Verification
     recipe: tuple[tuple[str, float], ...]
     law: ForceLaw
+    shape: Shape = SLAB
+    beside: tuple[Beside, ...] = ()
 
     @property
     def force_law(self) -> str:
         """Where the elastic forces come from, in words; empty for a law of the user's own."""
         made_by = getattr(self.law, "provenance", {}).get("command", "")
-        return f"response table of bonded slabs, made by {made_by}" if made_by else ""
+        return f"response table of {self.shape.name} pads, made by {made_by}" if made_by else ""
 
     @property
     def best(self) -> Candidate:
         """The recommended design."""
         return self.found.best
 
+    def shape_of(self, candidate: Candidate) -> Shape:
+        """Shape of the best design or, in proportion to its thickness, of an alternative."""
+        if candidate is self.best or not isinstance(self.law, ShapeLaw):
+            return self.shape
+        return self.law.shape_at(candidate.thickness_mm)
+
     def to_dict(self) -> dict[str, Any]:
         """Return the answer in the form of the ``suggest`` contract."""
-        best = design_dict(self.best, self.resin, self.targets, self.recipe)
+        best = design_dict(self.best, self.resin, self.targets, self.recipe, self.shape)
         slope = self.resin.log_slope(self.best.ratio)
         return {
             "recommendation": best,
             "alternatives": [
-                design_dict(other, self.resin, self.targets, pour_recipe(self.resin, other))
-                for other in self.found.alternatives
+                design_dict(other, self.resin, self.targets, pour_recipe(self.resin, other, shape), shape)
+                for other, shape in zip(self.found.alternatives, map(self.shape_of, self.found.alternatives))
             ],
             "sensitivity": {
                 "d_ln_young_per_percent_ratio": 0.01 * slope,
                 **{key: value for key, value in self.pour.to_dict().items()},
             },
             "verification": self.verification.to_dict(),
+            "shapes": [item.to_dict() for item in self.beside],
             "rests_on": rests_on(self.resin, self.tissue, self.best),
             "warnings": design_warnings(self),
             "sources": [*self.tissue.sources, *self.resin.references, *filter(None, [self.force_law])],
@@ -101,7 +116,7 @@ class Suggestion:
 
 
 def suggest(request: Request, law: ForceLaw | None = None) -> Suggestion:
-    """Find ratio and thickness of a slab for a tissue, with tolerance study and verification.
+    """Find ratio, thickness and, if asked for, shape of a pad for a tissue, with tolerance study and verification.
 
     Parameters
     ----------
@@ -134,13 +149,20 @@ def suggest(request: Request, law: ForceLaw | None = None) -> Suggestion:
         from dummydesign.pad.table import load_table
 
         law = punch_law(load_table(base="bonded"), PUNCH)
-    found = search(law, resin, targets, thickness, ratio, RADIUS_MM, sampling)
-    recipe = pour_recipe(resin, found.best)
+    if is_slab(request.shape):
+        chosen = Chosen(Slab(), search(law, resin, targets, thickness, ratio, RADIUS_MM, sampling), law, law, ())
+    else:
+        chosen = choose(request.shape, law, resin, targets, thickness, ratio, RADIUS_MM, sampling)
+    best = chosen.found.best
+    recipe = pour_recipe(resin, best, chosen.shape)
     tolerances = Tolerances(sum(mass for _, mass in recipe), request.weighing_g, request.thickness_tolerance_mm)
-    best = found.best
-    pour = pour_yield(law, resin, targets, best.thickness_mm, best.ratio, RADIUS_MM, tolerances)
-    checked = _verify(best, resin, law) if request.verify and request.calibration is None else not_verified(reason)
-    return Suggestion(request, tissue, resin, targets, found, pour, checked, recipe, law)
+    pour = pour_yield(chosen.cast, resin, targets, best.thickness_mm, best.ratio, RADIUS_MM, tolerances)
+    checked = not_verified(reason)
+    if request.verify and request.calibration is None:
+        checked = _verify(best, resin, chosen.cast, chosen.shape)
+    return Suggestion(
+        request, tissue, resin, targets, chosen.found, pour, checked, recipe, chosen.law, chosen.shape, chosen.beside
+    )
 
 
 def accept(request: Request) -> tuple[Tissue, Resin, np.ndarray, np.ndarray]:
@@ -159,26 +181,37 @@ def accept(request: Request) -> tuple[Tissue, Resin, np.ndarray, np.ndarray]:
     from dummydesign.resin import load_resin
     from dummydesign.tissue.store import load_tissue
 
-    if request.shape not in SHAPES:
-        raise unknown_name("shape", request.shape, SHAPES)
+    if not is_slab(request.shape):
+        kinds_of(request.shape)
+        if request.calibration is not None:
+            raise InputError(f"shape = {request.shape} cannot be designed with a calibration, which is of a flat slab")
     tissue, resin = load_tissue(request.tissue), load_resin(request.resin)
     tissue.target(request.aim)
     thickness = thickness_steps(*(request.thickness_mm or THICKNESS_MM))
     return tissue, resin, thickness, _ratios(resin, request.ratio)
 
 
-def pour_recipe(resin: Resin, candidate: Candidate) -> tuple[tuple[str, float], ...]:
+def is_slab(shape: str) -> bool:
+    """Whether a request is for a flat slab."""
+    return shape.lower() == Slab.name
+
+
+def pour_recipe(resin: Resin, candidate: Candidate, shape: Shape | None = None) -> tuple[tuple[str, float], ...]:
     """Masses to weigh for the open mould of a design, with what stays in cup and meniscus. [g]"""
     from dummydesign.mold.pour import pour_plan
 
-    return pour_plan(mould_of(resin, candidate)).components
+    return pour_plan(mould_of(resin, candidate, shape)).components
 
 
-def mould_of(resin: Resin, candidate: Candidate) -> MouldSpec:
+def mould_of(resin: Resin, candidate: Candidate, shape: Shape | None = None) -> MouldSpec:
     """Specification of the open mould of a design."""
     from dummydesign.mold.preset import mould_spec
 
-    return mould_spec(candidate.thickness_mm, PAD_LENGTH_MM, PAD_WIDTH_MM, "open", resin, candidate.ratio)
+    shape = shape or Slab()
+    return mould_spec(
+        candidate.thickness_mm, PAD_LENGTH_MM, PAD_WIDTH_MM, "open", resin, candidate.ratio,
+        shape.name, shape.parameters,
+    )  # fmt: skip
 
 
 def _ratios(resin: Resin, wanted: tuple[float, float] | None) -> np.ndarray:
@@ -195,16 +228,19 @@ def _ratios(resin: Resin, wanted: tuple[float, float] | None) -> np.ndarray:
     return ratios
 
 
-def _verify(best: Candidate, resin: Resin, law: ForceLaw) -> Verification:
+def _verify(best: Candidate, resin: Resin, law: ForceLaw, shape: Shape) -> Verification:
     """Solve the depths of the slow conditions by finite elements; the fast ones differ by micrometres.
 
-    Compared are the forces of the circle of the punch's area, which is what is solved.
+    Compared are the forces of the circle of the punch's area, which is what is solved. A shape is also solved
+    at the depths of low forces.
     """
     law = getattr(law, "circle", law)
     depth = best.evaluation.depth_mm[best.index, : len(FORCES_N)]
+    if shape != Slab():
+        depth = np.r_[best.evaluation.low_depth_mm[best.index], depth]
     depth = depth[np.isfinite(depth)]
     young = resin.young_MPa(best.ratio)
     table = make_curves(law, [best.thickness_mm], RADIUS_MM)
     depth = depth[depth <= table.limit_mm[0]]
     forces = young * np.asarray(law.force(depth, best.thickness_mm, 1.0, RADIUS_MM))
-    return verify_design(best.thickness_mm, young, RADIUS_MM, depth, forces)
+    return verify_design(best.thickness_mm, young, RADIUS_MM, depth, forces, shape)

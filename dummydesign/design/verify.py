@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dummydesign.shape import Shape, Slab
+
 
 @dataclass(frozen=True)
 class Verification:
@@ -39,15 +41,18 @@ def verify_design(
     radius_mm: float,
     depth_mm: ArrayLike,
     table_force_N: ArrayLike,
+    shape: Shape | None = None,
 ) -> Verification:
-    """Solve the elastic curve of one slab and compare it with the table.
+    """Solve the elastic curve of one pad and compare it with the table.
 
     Parameters
     ----------
     thickness_mm, young_MPa, radius_mm : float
-        Slab and round punch, both glued. [mm, MPa, mm]
+        Pad and round punch, glued or, where the top is not flat, sticking to what it touches. [mm, MPa, mm]
     depth_mm, table_force_N : array_like, shape (n,)
         Depths, and what the table gives there. [mm, N]
+    shape : Shape, optional
+        A slab without it.
 
     Returns
     -------
@@ -61,7 +66,12 @@ def verify_design(
     order = np.argsort(np.asarray(depth_mm, float))
     depth, table = (np.asarray(values, float)[order] for values in (depth_mm, table_force_N))
     try:
-        solved = solve_curve(thickness_mm, radius_mm, young_MPa, depth.tolist())
+        if shape is None or shape == Slab():
+            solved = solve_curve(thickness_mm, radius_mm, young_MPa, depth.tolist())
+        else:
+            from dummydesign.pad.shaped import solve_shaped_pad
+
+            solved = solve_shaped_pad(shape, thickness_mm, radius_mm, young_MPa, depth.tolist())
     except NoAnswerError as problem:
         return not_verified(str(problem))
     same = np.interp(solved.depth_mm, depth, table)

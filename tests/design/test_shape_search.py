@@ -1,0 +1,150 @@
+"""Search over shapes: stands on the closed small-strain law of a cap on a layer."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from slab_by_formula import LayerLaw, make_tissue
+
+from dummydesign.design import families, suggest_shape
+from dummydesign.design.curves import Sampling
+from dummydesign.design.low_force import MISFIT_N, low_force, misfit
+from dummydesign.design.search import search
+from dummydesign.design.shape_family import Designs, ShapeLaw
+from dummydesign.design.shape_search import LOW_SHARE, search_fixed, search_shape, sieve
+from dummydesign.design.targets import make_targets
+from dummydesign.errors import InputError, NoAnswerError
+from dummydesign.resin import load_resin
+from dummydesign.shape import Crowned, sphere_foot_mm
+
+RADIUS = 7.9
+SAMPLING = Sampling()
+
+
+class CapFamily:
+    """Spherical caps by F = 16/9 E sqrt(R) d^1.5 (1 + 1.133 c + 1.497 c^2 + 1.469 c^3 + 0.755 c^4), c^2 = R d / h^2."""
+
+    kind = "crowned"
+
+    def candidates(self, thickness_mm, radius_mm):
+        h, r = (x.ravel() for x in np.meshgrid(thickness_mm, np.array([4.0, 8.0, 12.0, 20.0]), indexing="ij"))
+        height = np.round(np.minimum(0.6 * h, 0.4 * r), 1)
+        foot = np.array([sphere_foot_mm(a, b) for a, b in zip(r, height)])
+        return Designs(self.kind, h, {"radius": r, "height": height, "foot": foot})
+
+    def at_thickness(self, shape, thickness_mm, wanted_mm):
+        k = np.asarray(wanted_mm, float) / thickness_mm
+        return Designs(self.kind, np.asarray(wanted_mm, float),
+                       {"radius": shape.radius_mm / k, "height": shape.height_mm * k,
+                        "foot": np.full(len(k), shape.foot_mm)})  # fmt: skip
+
+    def area_mm2(self, designs, depth_mm, radius_mm):
+        r, h = designs.parameters["radius"][:, None], designs.thickness_mm[:, None]
+        d = np.maximum(depth_mm, 0.0)
+        c = np.sqrt(r * d) / h
+        f = 1 + 1.133 * c + 1.497 * c**2 + 1.469 * c**3 + 0.755 * c**4
+        return 16.0 / 9.0 * np.sqrt(r) * d**1.5 * f
+
+    def limit_mm(self, designs, radius_mm):
+        return 0.55 * designs.thickness_mm
+
+    def relative_error(self, designs, depth_mm, radius_mm):
+        return np.full(depth_mm.shape, 0.05)
+
+
+@pytest.fixture(scope="module")
+def setting():
+    tissue, resin = make_tissue((0.5, 0.8, 1.3)), load_resin("polyurethane-nagoya")
+    return resin, make_targets(tissue, "average", SAMPLING), np.arange(4.0, 10.5, 0.5), resin.ratios()
+
+
+@pytest.fixture(scope="module")
+def shaped(setting):
+    resin, targets, thickness, ratio = setting
+    return search_shape(CapFamily(), resin, targets, thickness, ratio, RADIUS, SAMPLING)
+
+
+def test_misfit_of_the_aims_own_curve_is_zero_and_of_another_power_is_closed_form():
+    aim = np.cbrt(MISFIT_N / 0.7)
+    force = np.geomspace(0.01, 50.0, 200)
+    assert misfit(np.cbrt(force / 0.7), force, aim) == pytest.approx(0.0, abs=1e-9)
+    # a straight line F = k x meets the cube with rms of (ln F_i - mean) (1 - 1/3), when k is the best one
+    k = np.exp(np.mean(np.log(MISFIT_N) - np.log(aim)))
+    expected = np.std(np.log(MISFIT_N)) * 2.0 / 3.0
+    assert misfit(force / k, force, aim) == pytest.approx(expected, rel=1e-6)
+
+
+def test_misfit_has_no_value_when_the_pad_ends_before_the_aims_depth():
+    force = np.geomspace(0.01, 50.0, 200)
+    assert misfit(np.where(force < 5.0, force, np.nan), force, np.cbrt(MISFIT_N / 0.01)) is None
+
+
+def test_sieve_finds_the_same_misfit_and_modulus_as_a_brute_force_search(setting):
+    _, targets, thickness, _ = setting
+    found = sieve(CapFamily(), targets, thickness, (0.005, 0.5), RADIUS)
+    assert np.all(np.diff(found.misfit) >= 0.0)
+    depth = targets.aim_depth_mm(MISFIT_N[::3])
+    area = CapFamily().area_mm2(found.designs.take(np.array([0])), depth[None], RADIUS)[0]
+    young = np.geomspace(0.005, 0.5, 20001)
+    rms = np.sqrt(np.mean((np.log(young[:, None] * area) - np.log(MISFIT_N[::3])) ** 2, axis=1))
+    assert found.misfit[0] == pytest.approx(rms.min(), rel=1e-4)
+    assert found.young_MPa[0] == pytest.approx(young[rms.argmin()], rel=1e-3)
+
+
+def test_a_cap_comes_nearer_to_the_tissue_than_the_slab_by_the_same_rule(setting, shaped):
+    resin, targets, thickness, ratio = setting
+    flat = search(LayerLaw(), resin, targets, thickness, ratio, RADIUS, SAMPLING, LOW_SHARE).best
+    best = shaped.found.best
+    assert best.merit(LOW_SHARE) > flat.merit(LOW_SHARE)
+    assert low_force(best, targets).misfit_rms_ln_force < 0.5 * low_force(flat, targets).misfit_rms_ln_force
+    assert low_force(best, targets).exponent_at_N["0.5"] > low_force(flat, targets).exponent_at_N["0.5"] + 0.5
+
+
+def test_the_shape_found_can_be_cast_and_is_given_in_tenths_of_a_millimetre(shaped):
+    shape = shaped.shape
+    shape.check(shaped.found.best.thickness_mm)
+    assert shape.radius_mm == round(shape.radius_mm, 1) and shape.height_mm == round(shape.height_mm, 1)
+
+
+def test_cast_law_keeps_the_top_and_proportional_law_stretches_it():
+    shape = Crowned(10.0, 2.0)
+    kept, stretched = ShapeLaw(CapFamily(), shape, 5.0, cast=True), ShapeLaw(CapFamily(), shape, 5.0)
+    at = (1.0, 6.0, 0.05, RADIUS)
+    assert stretched.force(1.0, 5.0, 0.05, RADIUS) == pytest.approx(float(kept.force(1.0, 5.0, 0.05, RADIUS)))
+    pad = Designs("crowned", np.array([6.0]), {"radius": np.array([10.0])})
+    direct = CapFamily().area_mm2(pad, np.array([[1.0]]), RADIUS)
+    assert float(kept.force(*at)) == pytest.approx(0.05 * direct.item())
+    assert float(stretched.force(*at)) < float(kept.force(*at))
+
+
+def test_a_given_shape_is_kept_and_only_thicknesses_that_hold_it_are_searched(setting):
+    resin, targets, thickness, ratio = setting
+    found = search_fixed(CapFamily(), Crowned(8.0, 4.0), resin, targets, thickness, ratio, RADIUS, SAMPLING)
+    assert found.shape == Crowned(8.0, 4.0)
+    assert found.found.score_map.thickness_mm.min() >= 5.5
+    with pytest.raises(InputError, match="crown height = 12"):
+        search_fixed(CapFamily(), Crowned(30.0, 12.0), resin, targets, thickness, ratio, RADIUS, SAMPLING)
+
+
+def test_no_shape_when_the_pads_are_too_thin_for_the_tissue(setting):
+    resin, _, _, ratio = setting
+    soft = make_targets(make_tissue((0.002, 0.003, 0.004)), "average", SAMPLING)
+    with pytest.raises(NoAnswerError, match="allow thicker pads"):
+        search_shape(CapFamily(), resin, soft, np.array([3.0, 4.0]), ratio, RADIUS, SAMPLING)
+
+
+def test_auto_takes_the_best_merit_of_all_kinds_and_lists_the_slab_beside(setting, monkeypatch):
+    resin, targets, thickness, ratio = setting
+    monkeypatch.setattr(families, "FAMILIES", ("crowned",))
+    monkeypatch.setattr(families, "load_family", lambda kind: CapFamily())
+    chosen = suggest_shape.choose("auto", LayerLaw(), resin, targets, thickness, ratio, RADIUS, SAMPLING)
+    merit = {item.kind: item.candidate.merit(LOW_SHARE) for item in chosen.beside}
+    assert set(merit) == {"slab", "crowned"}
+    assert chosen.shape.name == max(merit, key=merit.get)
+    assert chosen.found.best.merit(LOW_SHARE) == max(merit.values())
+
+
+@pytest.mark.parametrize(("text", "words"), [("crownd", "did you mean 'crowned'"), ("crowned:3", "needs height")])
+def test_unknown_or_incomplete_shapes_are_refused(text, words):
+    with pytest.raises(InputError, match=words):
+        suggest_shape.kinds_of(text)

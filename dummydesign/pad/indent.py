@@ -13,12 +13,13 @@ import numpy as np
 
 from dummydesign.errors import InputError, NoAnswerError
 from dummydesign.pad import mesh as meshes
-from dummydesign.pad.axisymmetric import BASES, MAX_DEPTH_OVER_THICKNESS, STANDARD_EXTENT_MM, PadCurve
+from dummydesign.pad.axisymmetric import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.pad.checks import positive
 from dummydesign.pad.contact import FlatPunch, ProfilePunch, Punch, Surface
 from dummydesign.pad.laws import Law, Yeoh
 from dummydesign.pad.mesh import graded
-from dummydesign.pad.newton import Path, Problem, follow
+from dummydesign.pad.newton import Path, Problem, cost, follow
+from dummydesign.pad.slab import BASES, STANDARD_EXTENT_MM, PadCurve
 from dummydesign.pad.solid import Solid
 
 Array = np.ndarray
@@ -227,7 +228,7 @@ def solve_flat(
     if count < len(depths):
         notes = (f"solved to d/h = {depths[count - 1]:.3f} of {depths[-1]:.3f}: {stops[0]}",)
     factor = unit * thickness_mm**2
-    return PadCurve(depths[:count] * thickness_mm, value * factor, error * factor, _cost(paths), notes)
+    return PadCurve(depths[:count] * thickness_mm, value * factor, error * factor, cost(paths), notes)
 
 
 def solve_shaped(
@@ -265,7 +266,7 @@ def solve_shaped(
     path = press(problem, depths, 0.25 * float(depths[0]), 0.05, None)
     notes = (path.stop,) if path.stop else ()
     force = path.force * unit * thickness_mm**2
-    return PadCurve(path.depth * thickness_mm, force, 2e-3 * force, _cost([path]), notes)
+    return PadCurve(path.depth * thickness_mm, force, 2e-3 * force, cost([path]), notes)
 
 
 def _scaled(punch: ProfilePunch, r: Array, thickness_mm: float) -> tuple[Array, Array, Array]:
@@ -288,12 +289,3 @@ def _normalised(
     shape = law or Yeoh(1.0)
     shape = shape.scaled(1.0 / shape.shear_MPa)
     return shape, depths / thickness_mm, length_mm / thickness_mm, young_MPa / (2.0 * (1.0 + poisson))
-
-
-def _cost(paths: list[Path]) -> dict[str, float]:
-    return {
-        "unknowns": max(p.unknowns for p in paths),
-        "load_steps": sum(p.load_steps for p in paths),
-        "newton_iterations": sum(p.newton_iterations for p in paths),
-        "seconds": sum(p.seconds for p in paths),
-    }

@@ -38,6 +38,19 @@ class Path:
     residuals: tuple[tuple[float, ...], ...] = ()
 
 
+NOTHING: dict[str, float] = {"unknowns": 0, "load_steps": 0, "newton_iterations": 0, "seconds": 0.0}
+
+
+def cost(paths: Sequence[Path]) -> dict[str, float]:
+    """What several paths cost together: their largest number of unknowns, and sums of the rest."""
+    return {
+        "unknowns": max(path.unknowns for path in paths),
+        "load_steps": sum(path.load_steps for path in paths),
+        "newton_iterations": sum(path.newton_iterations for path in paths),
+        "seconds": sum(path.seconds for path in paths),
+    }
+
+
 class Problem:
     """A solid, the unknowns that move with the punch or are held, and the surface in contact.
 

@@ -3,25 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from dummydesign.errors import InputError, NoAnswerError, unknown_name
+from dummydesign.errors import InputError, NoAnswerError
 from dummydesign.pad.checks import positive
+from dummydesign.pad.curve_sources import FIDELITIES, ElasticCurve, elastic_curve, has_square_factor
 from dummydesign.pad.laws import Law, Yeoh
 from dummydesign.pad.quick_error import allowance
 from dummydesign.pad.relaxation import PronyTerm, relaxed_force
 from dummydesign.protocol.motion import Motion
 
-if TYPE_CHECKING:
-    from dummydesign.pad.axisymmetric import PadCurve
-
 Array = np.ndarray
-FIDELITIES = ("table", "axisymmetric", "viscoelastic", "3d")
-# Depths at which a finite-element curve is solved before it is followed along a motion.
-CURVE_POINTS = 16
+__all__ = [
+    "FIDELITIES", "ElasticCurve", "MotionPrediction", "Pad", "StaticPrediction", "depth_for_steady_force",
+    "elastic_curve", "has_square_factor", "predict_motion", "predict_static",
+]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -96,17 +95,6 @@ class MotionPrediction(_Prediction):
     peak_time_s: float
     steady_force_N: float
     fidelity: str
-    solver: dict[str, Any]
-    notes: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class ElasticCurve:
-    """Long-term elastic force as a function of depth, and its relative error."""
-
-    force: Callable[[Array], Array]
-    relative_error: Callable[[Array], Array]
-    limit_mm: float
     solver: dict[str, Any]
     notes: tuple[str, ...] = ()
 
@@ -245,166 +233,6 @@ def depth_for_steady_force(
     from scipy.optimize import brentq
 
     return float(brentq(lambda depth: steady(depth) - force_N, low, high, xtol=1e-9))
-
-
-def elastic_curve(
-    pad: Pad,
-    fidelity: str,
-    deepest_mm: float | None,
-    depths_mm: Array | None,
-    progress: Callable[[float], None] | None,
-) -> ElasticCurve:
-    """Long-term force as a function of depth, by the table or solved by finite elements.
-
-    ``deepest_mm`` None asks for the whole valid range; ``depths_mm`` are met exactly by a solve.
-    """
-    if fidelity not in FIDELITIES:
-        raise unknown_name("fidelity", fidelity, FIDELITIES)
-    if fidelity == "3d":
-        return _in_space(pad, deepest_mm, depths_mm, progress)
-    if fidelity == "table" or (fidelity == "viscoelastic" and _in_table(pad)):
-        curve = _by_table(pad)
-    else:
-        curve = _by_elements(pad, deepest_mm, depths_mm, progress)
-    if not has_square_factor(pad):
-        return curve
-    from dummydesign.pad.square import square_factor
-
-    return _times(curve, lambda depth: square_factor(depth, pad.thickness_mm, pad.radius_mm, pad.base))
-
-
-def has_square_factor(pad: Pad) -> bool:
-    """Whether the punch is a square whose factor over the circle of its area is tabulated."""
-    return pad.sides_mm is not None and pad.sides_mm[0] == pad.sides_mm[1] and _tabulated(pad)
-
-
-def _tabulated(pad: Pad) -> bool:
-    """Whether base, law and a / h are within the tables."""
-    from dummydesign.pad.table import BASES, load_table
-
-    if pad.base not in BASES or not _in_table(pad):
-        return False
-    low, high = load_table(pad.base).ratio_range
-    return low <= pad.radius_mm / pad.thickness_mm <= high
-
-
-def _times(curve: ElasticCurve, factor: Callable[[Array], tuple[Array, Array]]) -> ElasticCurve:
-    """Multiply a curve by a factor that gives its own relative error; the errors add up."""
-    return replace(
-        curve,
-        force=lambda depth: curve.force(depth) * factor(depth)[0],
-        relative_error=lambda depth: curve.relative_error(depth) + factor(depth)[1],
-    )
-
-
-def _in_space(
-    pad: Pad, deepest_mm: float | None, depths_mm: Array | None, progress: Callable[[float], None] | None
-) -> ElasticCurve:
-    """The axisymmetric curve of the circle of equal area, times the ratio solved in space on twin cells."""
-    from dummydesign.pad.spatial import Block
-    from dummydesign.pad.spatial_curve import solve_factor
-
-    if pad.sides_mm is None:
-        raise InputError("fidelity = 3d is for square and rectangular punches; a round one is solved by axisymmetric")
-    h = pad.thickness_mm
-    sides, slab = (tuple(0.5 * side / h for side in pair) for pair in (pad.sides_mm, pad.slab_mm))
-    block = Block(sides, slab, pad.base, pad.condition)
-    curve = _by_elements(pad, deepest_mm, depths_mm, progress)
-    if curve.notes and _tabulated(pad):
-        # The table averages over many neighbouring solves and reaches where a single one may stop.
-        note = f"the round twin's curve is the response table's: the solve was not complete ({curve.notes[0]})"
-        curve = replace(_by_table(pad), solver=curve.solver, notes=(note,))
-    deepest = min(deepest_mm or curve.limit_mm, curve.limit_mm) / h
-    solved = solve_factor(block, pad.shape, pad.poisson, deepest, progress)
-    solver = {name: curve.solver[name] + solved.solver[name] for name in solved.solver}
-    solver["unknowns"] = solved.solver["unknowns"]
-    return replace(_times(curve, lambda depth: solved.factor(depth / h)), solver=solver)
-
-
-def _in_table(pad: Pad) -> bool:
-    plain = pad.profile_mm is None and not pad.cylinder
-    return plain and pad.condition == "bonded" and pad.poisson == 0.5 and pad.shape == Yeoh(1.0)
-
-
-def _by_table(pad: Pad) -> ElasticCurve:
-    from dummydesign.pad.table import load_table
-
-    law = "neo-hookean" if pad.shape == Yeoh(1.0) else type(pad.shape).__name__.lower()
-    for name, value, held in (
-        ("punch", "profile" if pad.profile_mm else "plate" if pad.cylinder else "flat", "flat"),
-        ("punch condition", pad.condition, "bonded"),
-        ("poisson", pad.poisson, 0.5),
-        ("law", law, "neo-hookean"),
-    ):
-        if value != held:
-            raise InputError(f"{name} = {value} is not in the table (only {held}); add --fidelity axisymmetric")
-    table = load_table(pad.base)
-    args = (pad.thickness_mm, pad.radius_mm)
-    limit = float(table.depth_limit_mm(*args))
-    nothing = {"unknowns": 0, "load_steps": 0, "newton_iterations": 0, "seconds": 0.0}
-    return ElasticCurve(
-        lambda depth: table.force(depth, pad.thickness_mm, pad.young_MPa, pad.radius_mm),
-        lambda depth: table.relative_error(np.clip(depth, 0.0, limit), *args),
-        limit,
-        nothing,
-    )
-
-
-def _by_elements(
-    pad: Pad, deepest_mm: float | None, depths_mm: Array | None, progress: Callable[[float], None] | None
-) -> ElasticCurve:
-    from scipy.interpolate import PchipInterpolator
-
-    from dummydesign.pad.axisymmetric import MAX_DEPTH_OVER_THICKNESS
-
-    limit = MAX_DEPTH_OVER_THICKNESS * pad.thickness_mm
-    deepest = limit if deepest_mm is None else min(max(deepest_mm, 0.02 * pad.thickness_mm), limit)
-    grid = np.linspace(0.0, deepest, CURVE_POINTS + 1)[1:]
-    if depths_mm is not None:
-        grid = np.union1d(grid[::2], depths_mm[(depths_mm > 0.0) & (depths_mm <= limit)])
-    if pad.condition != "bonded" and not pad.cylinder:
-        # A face that slides needs some depth to start from.
-        grid = grid[grid >= min(0.025 * pad.thickness_mm, 0.25 * deepest)]
-    solved = _solve(pad, grid, progress)
-    depth, force = solved.depth_mm, solved.force_N
-    if len(depth) < 2:
-        raise NoAnswerError("no_convergence", f"the pad could be solved at {len(depth)} depth only: {solved.notes[0]}")
-    # F / d varies little; what lies between solved depths is a monotone cubic through it.
-    stiffness = PchipInterpolator(depth, np.log(force / depth), extrapolate=True)
-    error = solved.error_N / force
-
-    def value(at: Array) -> Array:
-        at = np.asarray(at, dtype=float)
-        inside = np.clip(at, 0.0, depth[-1])
-        return np.where(at > 0.0, inside * np.exp(stiffness(inside)), 0.0)
-
-    return ElasticCurve(
-        value, lambda at: np.interp(at, depth, error), float(depth[-1]), solved.solver, solved.notes
-    )
-
-
-def _solve(pad: Pad, grid: Array, progress: Callable[[float], None] | None) -> PadCurve:
-    """Solve the static curve by the elements that fit the punch and its contact."""
-    from dummydesign.pad.axisymmetric import STANDARD_EXTENT_MM, solve_curve
-    from dummydesign.pad.indent import profile, solve_flat, solve_shaped
-    from dummydesign.pad.puck import solve_puck
-
-    common: dict[str, Any] = {"poisson": pad.poisson, "law": pad.shape}
-    if pad.cylinder:
-        sizes = (2.0 * pad.radius_mm, pad.thickness_mm)
-        return solve_puck(*sizes, pad.young_MPa, grid, plates=pad.condition, progress=progress, **common)
-    extent = pad.extent_mm or STANDARD_EXTENT_MM
-    if pad.profile_mm is not None:
-        punch = profile(*pad.profile_mm)
-        return solve_shaped(
-            punch, pad.thickness_mm, pad.young_MPa, grid, pad.radius_mm, pad.condition, base=pad.base,
-            extent_mm=extent, **common,
-        )  # fmt: skip
-    solve = solve_curve if pad.condition == "bonded" else solve_flat
-    return solve(
-        pad.thickness_mm, pad.radius_mm, pad.young_MPa, grid, condition=pad.condition, base=pad.base,
-        extent_mm=extent, progress=progress, **common,
-    )  # fmt: skip
 
 
 def _check_depth(depth: Array, curve: ElasticCurve, pad: Pad) -> None:

@@ -21,16 +21,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from dummydesign.cache import cached
 from dummydesign.errors import InputError, NoAnswerError, out_of_range
 from dummydesign.pad import mesh as meshes
-from dummydesign.pad.axisymmetric import PadCurve
 from dummydesign.pad.checks import positive
 from dummydesign.pad.contact import Punch
 from dummydesign.pad.laws import Law, Yeoh
-from dummydesign.pad.newton import Path, Problem, follow
+from dummydesign.pad.newton import NOTHING, Path, Problem, cost, follow
+from dummydesign.pad.slab import PadCurve
 from dummydesign.pad.solid import Solid
 
 Array = np.ndarray
@@ -221,25 +223,30 @@ def solve_puck(
     shape = shape.scaled(1.0 / shape.shear_MPa)
     puck = Puck(0.5 * diameter_mm / height_mm, plates)
     relative = wanted[wanted > 0.0] / height_mm
-    path = compress(puck, shape, relative, poisson, progress=progress)
+    start = np.zeros(int(wanted[0] == 0.0))
+    if not len(relative):
+        return PadCurve(start, start, start, dict(NOTHING))
+    inputs = {"puck": puck, "law": shape, "poisson": poisson, "compression": relative}
+    found = cached("puck", inputs, lambda: _farthest(puck, shape, poisson, relative, progress))
+    force = np.concatenate([start, found["force"] * young_MPa / (2.0 * (1.0 + poisson)) * height_mm**2])
+    depth = np.concatenate([start, 2.0 * found["depth"] * height_mm])
+    return PadCurve(depth, force, MESH_ERROR * force, found["solver"], found["notes"])
+
+
+def _farthest(
+    puck: Puck, law: Law, poisson: float, compression: Array, progress: Callable[[float], None] | None
+) -> dict[str, Any]:
+    """The path of the mesh that gets farthest, tried in turn."""
+    path = compress(puck, law, compression, poisson, progress=progress)
     for corner in CORNER_CELLS[1:]:
         if path.stop is None:
             break
-        other = compress(puck, shape, relative, poisson, corner, progress=progress)
+        other = compress(puck, law, compression, poisson, corner, progress=progress)
         path = max(path, other, key=lambda one: len(one.depth))
-    if wanted[-1] > 0.0 and not len(path.depth):
+    if not len(path.depth):
         raise NoAnswerError("no_convergence", f"the puck could not be solved: {path.stop}")
-    unit = young_MPa / (2.0 * (1.0 + poisson)) * height_mm**2
-    start = np.zeros(int(wanted[0] == 0.0))
-    force = np.concatenate([start, path.force * unit])
-    solver = {
-        "unknowns": path.unknowns,
-        "load_steps": path.load_steps,
-        "newton_iterations": path.newton_iterations,
-        "seconds": path.seconds,
-    }
     notes = (path.stop,) if path.stop else ()
-    return PadCurve(np.concatenate([start, 2.0 * path.depth * height_mm]), force, MESH_ERROR * force, solver, notes)
+    return {"depth": path.depth, "force": path.force, "solver": cost([path]), "notes": notes}
 
 
 def compress(

@@ -10,10 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 
+from dummydesign.cache import cached
 from dummydesign.errors import NoAnswerError
 from dummydesign.pad.axisymmetric import Slab, rimmed_problem
 from dummydesign.pad.laws import Law
@@ -91,12 +93,30 @@ def solve_ratio(
     NoAnswerError
         When a solve stops before the end with every bead, with the last reason.
     """
-    shape = law.scaled(1.0 / law.shear_MPa)
+    shape, arms, cells = law.scaled(1.0 / law.shear_MPa), tuple(prony), resolution or Resolution()
+    inputs = {"slab": slab, "law": shape, "prony": arms, "time": time_s, "depth": depth, "poisson": poisson}
+    inputs |= {"rims": rims, "resolution": cells}
+    solve = partial(_solve_ratio, slab, shape, arms, time_s, depth, poisson, rims, cells, progress)
+    return RatioPath(**cached("viscoelastic-ratio", inputs, solve))
+
+
+def _solve_ratio(
+    slab: Slab,
+    shape: Law,
+    prony: tuple[PronyTerm, ...],
+    time_s: Array,
+    depth: Array,
+    poisson: float,
+    rims: Sequence[float],
+    cells: Resolution,
+    progress: Callable[[float], None] | None,
+) -> dict[str, Any]:
+    """The fields of a RatioPath."""
     for rim in rims:
         paths = []
-        for arms in ((), tuple(prony)):
+        for arms in ((), prony):
             material = Viscoelastic(shape, arms)
-            problem = rimmed_problem(slab, material, poisson, rim * slab.scale, resolution or Resolution())
+            problem = rimmed_problem(slab, material, poisson, rim * slab.scale, cells)
             paths.append(follow_motion(problem, time_s, depth, 0.05 * slab.scale, progress))
             if paths[-1].stop:
                 break
@@ -113,7 +133,7 @@ def solve_ratio(
         "seconds": sum(path.seconds for path in paths),
     }
     separable = relaxed_force(time_s, elastic.force, prony)
-    return RatioPath(time_s, depth, elastic.force, separable, relaxing.force, solver)
+    return vars(RatioPath(time_s, depth, elastic.force, separable, relaxing.force, solver))
 
 
 def nodes_of_motion(

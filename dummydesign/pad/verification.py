@@ -7,6 +7,7 @@ fails. ``--fast`` runs the quick ones only and writes nothing.
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 import time
 from collections.abc import Callable, Iterable
@@ -97,6 +98,7 @@ def main() -> None:
     parser.add_argument("--fast", action="store_true", help="only the quick checks; write nothing")
     parser.add_argument("--out", default=None, metavar="FILE", help="where to write (default VERIFICATION.md)")
     options = parser.parse_args()
+    os.environ["DUMMYDESIGN_CACHE"] = "off"  # what is verified is solved
     checks = run(options.fast, print)
     text = document(checks)
     if options.fast:

@@ -27,7 +27,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--condition", default="bonded", metavar="NAME", help="bonded (default), frictionless, friction:MU")
     add("--base", default="bonded", metavar="NAME", help="bonded (default) or sliding")
     add("--pad", default="slab:150x120", metavar="slab:LxW", help="slab (default 150x120 mm) or cylinder:DIAMETER")
-    add("--shape", default="slab", metavar="NAME", help="slab")
+    shapes = "slab (default), crowned:RADIUS,HEIGHT[,FOOT], bumped, layered, boned"
+    add("--shape", default="slab", metavar="NAME[:P,..]", help=shapes)
     add("--poisson", type=float, default=0.5, metavar="NU", help="Poisson's ratio (default 0.5)")
     laws = "neo-hookean (default), yeoh:C2_OVER_MU or ogden:MU,ALPHA;MU,ALPHA (scaled to the modulus)"
     add("--law", default="neo-hookean", metavar="NAME", help=laws)
@@ -83,6 +84,7 @@ def _pad(options: argparse.Namespace) -> tuple[Any, dict[str, float], list[str],
     from dummydesign.errors import InputError
     from dummydesign.pad.laws import read_law
     from dummydesign.pad.predict import Pad
+    from dummydesign.shape import read_shape
 
     prony = _prony(options.prony)
     sources: list[str] = []
@@ -100,8 +102,6 @@ def _pad(options: argparse.Namespace) -> tuple[Any, dict[str, float], list[str],
         young = {"value": modulus.value, "low": modulus.low, "high": modulus.high}
         sources += [modulus.source, *resin.references]
         prony = prony if options.prony is not None else resin.prony(options.ratio)
-    if options.shape != "slab":
-        raise InputError(f"shape '{options.shape}' is not known; known names are slab")
     kind, _, size = options.pad.partition(":")
     sides = _numbers("pad", size.replace("x", ","))
     if {"slab": 2, "cylinder": 1}.get(kind) != len(sides) or not min(sides) > 0:
@@ -128,6 +128,7 @@ def _pad(options: argparse.Namespace) -> tuple[Any, dict[str, float], list[str],
         slab_mm=(sides[0], sides[-1]),
         profile_mm=profile,
         cylinder=cylinder,
+        geometry=read_shape(options.shape),
     )
     return pad, young, sources, _shape_warnings(pad, options.fidelity)
 

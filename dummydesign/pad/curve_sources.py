@@ -11,6 +11,7 @@ import numpy as np
 from dummydesign.cache import cached
 from dummydesign.errors import InputError, NoAnswerError, unknown_name
 from dummydesign.pad.laws import Yeoh
+from dummydesign.shape import Slab
 
 if TYPE_CHECKING:
     from dummydesign.pad.predict import Pad
@@ -110,7 +111,7 @@ def _in_space(
 
 
 def _in_table(pad: Pad) -> bool:
-    plain = pad.profile_mm is None and not pad.cylinder
+    plain = pad.profile_mm is None and not pad.cylinder and pad.geometry == Slab()
     return plain and pad.condition == "bonded" and pad.poisson == 0.5 and pad.shape == Yeoh(1.0)
 
 
@@ -124,6 +125,7 @@ def _by_table(pad: Pad) -> ElasticCurve:
         ("punch condition", pad.condition, "bonded"),
         ("poisson", pad.poisson, 0.5),
         ("law", law, "neo-hookean"),
+        ("shape", str(pad.geometry), "slab"),
     ):
         if value != held:
             raise InputError(f"{name} = {value} is not in the table (only {held}); add --fidelity axisymmetric")
@@ -157,14 +159,15 @@ def _by_elements(
     depth, force = solved.depth_mm, solved.force_N
     if len(depth) < 2:
         raise NoAnswerError("no_convergence", f"the pad could be solved at {len(depth)} depth only: {solved.notes[0]}")
-    # F / d varies little; what lies between solved depths is a monotone cubic through it.
-    stiffness = PchipInterpolator(depth, np.log(force / depth), extrapolate=True)
+    # F / d (on a curved top F / d^1.5) varies little; between solved depths lies a monotone cubic through it.
+    power = 1.0 if pad.geometry.flat_top else 1.5
+    stiffness = PchipInterpolator(depth, np.log(force / depth**power), extrapolate=True)
     error = solved.error_N / force
 
     def value(at: Array) -> Array:
         at = np.asarray(at, dtype=float)
         inside = np.clip(at, 0.0, depth[-1])
-        return np.where(at > 0.0, inside * np.exp(stiffness(inside)), 0.0)
+        return np.where(at > 0.0, inside**power * np.exp(stiffness(inside)), 0.0)
 
     return ElasticCurve(
         value, lambda at: np.interp(at, depth, error), float(depth[-1]), solved.solver, solved.notes
@@ -182,6 +185,8 @@ def _solve(pad: Pad, grid: Array, progress: Callable[[float], None] | None) -> P
         sizes = (2.0 * pad.radius_mm, pad.thickness_mm)
         return solve_puck(*sizes, pad.young_MPa, grid, plates=pad.condition, progress=progress, **common)
     extent = pad.extent_mm or STANDARD_EXTENT_MM
+    if pad.geometry != Slab():
+        return _solve_shape(pad, grid, extent, progress)
     if pad.profile_mm is not None:
         punch = profile(*pad.profile_mm)
         inputs = {"pad": replace(pad, young_MPa=1.0, prony=()), "extent": extent, "depth": grid}
@@ -194,3 +199,18 @@ def _solve(pad: Pad, grid: Array, progress: Callable[[float], None] | None) -> P
         pad.thickness_mm, pad.radius_mm, pad.young_MPa, grid, condition=pad.condition, base=pad.base,
         extent_mm=extent, progress=progress, **common,
     )  # fmt: skip
+
+
+def _solve_shape(pad: Pad, grid: Array, extent_mm: float, progress: Callable[[float], None] | None) -> PadCurve:
+    """Solve a round shaped pad with unit modulus, once for all moduli."""
+    from dummydesign.pad.shaped import solve_shaped_pad
+    from dummydesign.pad.slab import PadCurve
+
+    if not pad.geometry.axisymmetric:
+        raise InputError(f"shape {pad.geometry} is not round; add --fidelity 3d")
+    inputs = {"pad": replace(pad, young_MPa=1.0, prony=()), "extent": extent_mm, "depth": grid}
+    args = (pad.geometry, pad.thickness_mm, pad.radius_mm, 1.0, grid, pad.condition)
+    more: dict[str, Any] = {"poisson": pad.poisson, "law": pad.shape, "base": pad.base, "progress": progress}
+    made = cached("shaped", inputs, lambda: vars(solve_shaped_pad(*args, extent_mm=extent_mm, **more)))
+    force, error = (made[name] * pad.young_MPa for name in ("force_N", "error_N"))
+    return PadCurve(**(made | {"force_N": force, "error_N": error}))

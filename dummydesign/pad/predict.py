@@ -15,8 +15,10 @@ from dummydesign.pad.laws import Law, Yeoh
 from dummydesign.pad.quick_error import allowance
 from dummydesign.pad.relaxation import PronyTerm, relaxed_force
 from dummydesign.protocol.motion import Motion
+from dummydesign.shape import Shape, Slab
 
 Array = np.ndarray
+SLAB = Slab()
 __all__ = [
     "FIDELITIES", "ElasticCurve", "MotionPrediction", "Pad", "StaticPrediction", "depth_for_steady_force",
     "elastic_curve", "has_square_factor", "predict_motion", "predict_static",
@@ -25,13 +27,14 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Pad:
-    """A slab, its material and the round punch of equal area on it.
+    """A pad (a flat slab unless said), its material and the round punch of equal area on it.
 
     ``young_MPa`` is the long-term modulus; ``prony`` is relative to it. ``law`` is the shape of the
     hyperelastic law (its moduli are scaled), neo-Hookean without it. ``sides_mm`` are the sides of a
     rectangular punch, ``radius_mm`` is then that of the circle of its area.
     ``slab_mm`` are length and width of the slab. ``profile_mm`` holds the radii and heights of a shaped punch.
-    ``cylinder`` is a puck of ``radius_mm`` between plates instead of a slab.
+    ``cylinder`` is a puck of ``radius_mm`` between plates instead of a slab. ``geometry`` is the pad's own shape;
+    depth is then counted from its highest point, and the modulus is that of the resin at the tested face.
     """
 
     thickness_mm: float
@@ -47,6 +50,7 @@ class Pad:
     slab_mm: tuple[float, float] = (150.0, 120.0)
     profile_mm: tuple[tuple[float, ...], tuple[float, ...]] | None = None
     cylinder: bool = False
+    geometry: Shape = SLAB
 
     @property
     def shape(self) -> Law:
@@ -58,6 +62,9 @@ class Pad:
     def __post_init__(self) -> None:
         for name in ("thickness_mm", "young_MPa", "radius_mm"):
             positive(name, getattr(self, name))
+        self.geometry.check(self.thickness_mm, *self.slab_mm)
+        if self.geometry != SLAB and (self.cylinder or self.profile_mm is not None):
+            raise InputError(f"shape {self.geometry} is pressed by a flat punch, not by a profile or plates")
 
 
 class _Prediction:
@@ -165,6 +172,8 @@ def predict_motion(
     error = force * curve.relative_error(deepest_yet)
     solver, viscous = curve.solver, np.abs(force - np.maximum(elastic[keep], 0.0))
     if fidelity == "viscoelastic":
+        if pad.geometry != SLAB:
+            raise InputError(f"fidelity = viscoelastic is for slabs; shape {pad.geometry} is solved by axisymmetric")
         from dummydesign.pad.viscoelastic_ratio import ratio_error
 
         ratio, cost = _finite_strain_ratio(pad, motion, progress)

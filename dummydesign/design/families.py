@@ -1,13 +1,99 @@
-"""The families of shapes that can be designed with, each bound to its response surface."""
+"""The families of shapes that can be designed with: practical steps of each kind over its response table."""
 
 from __future__ import annotations
 
 from functools import lru_cache
 
-from dummydesign.design.shape_family import Family
-from dummydesign.errors import unknown_name
+import numpy as np
+from numpy.typing import NDArray
 
-FAMILIES = ("crowned",)
+from dummydesign.design.shape_family import Designs, Family
+from dummydesign.errors import unknown_name
+from dummydesign.pad.shape_table import ShapeTable, load_shape_table
+from dummydesign.pad.table import load_table
+from dummydesign.shape import Shape
+
+FAMILIES = ("crowned", "layered", "boned")
+# Shapes that are tried, as shares of thickness and punch radius; lengths are rounded to tenths of a millimetre.
+HEIGHT_SHARES = np.linspace(0.2, 0.74, 10)
+FOOT_SHARES = np.geomspace(0.4, 1.7, 9)
+POINTEDNESS = np.array([0.1, 0.14, 0.19, 0.25, 0.32, 0.4, 0.48, 0.56, 0.65])
+TOP_SHARES = np.linspace(0.2, 0.8, 7)
+MODULUS_RATIOS = np.array([0.1, 0.2, 0.4, 0.7, 1.5, 2.5, 5.0, 10.0])
+BONE_SHARES = np.linspace(0.2, 0.7, 6)
+
+
+class TableFamily:
+    """Round shapes of one kind on their response table (:mod:`dummydesign.pad.shape_table`)."""
+
+    def __init__(self, kind: str) -> None:
+        self.kind = kind
+        self.table: ShapeTable = load_shape_table(kind)
+
+    @property
+    def provenance(self) -> dict[str, object]:
+        """How the table was made."""
+        return self.table.provenance
+
+    def candidates(self, thickness_mm: NDArray, radius_mm: float) -> Designs:
+        """Pads in practical steps inside the table's range; not yet judged by castability."""
+        make = {"crowned": _crowned, "layered": _layered, "boned": _boned}[self.kind]
+        thickness, parameters = make(np.asarray(thickness_mm, float), radius_mm)
+        designs = Designs(self.kind, thickness, parameters)
+        return designs.take(self.table.inside(self._inputs(designs, radius_mm)))
+
+    def at_thickness(self, shape: Shape, thickness_mm: float, wanted_mm: NDArray) -> Designs:
+        """The same shape in proportion: heights go with the thickness, feet stay, and so does the form of the cap."""
+        wanted = np.asarray(wanted_mm, float)
+        k = wanted / thickness_mm
+        grows = {"height": k, "top": k, "radius": 1.0 / k}
+        one = np.ones_like(k)
+        scaled = {name: value * grows.get(name, one) for name, value in shape.parameters}
+        return Designs(self.kind, wanted, scaled)
+
+    def area_mm2(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
+        """F / E at depths (M, n); NaN where the table does not reach. [mm2]"""
+        inputs = self._inputs(designs, radius_mm)
+        response, h = self.table.response, designs.thickness_mm[:, None]
+        depth = np.maximum(np.asarray(depth_mm, float), 0.0)
+        limit = self.limit_mm(designs, radius_mm)[:, None]
+        held = np.minimum(depth, limit)
+        place = np.broadcast_to(np.arange(len(inputs))[:, None], depth.shape)
+        value, _ = response.along(response.at_levels(self.table.coordinates(inputs)), place, held / h)
+        if self.kind == "crowned":
+            base = 16.0 / 9.0 * np.sqrt(designs.parameters["radius"])[:, None] * held**1.5
+        else:
+            base = load_table("bonded").force(held, h, 1.0, radius_mm)
+        return np.where((depth <= limit * (1.0 + 1e-9)) & (limit > 0.0), base * np.exp(value), np.nan)
+
+    def limit_mm(self, designs: Designs, radius_mm: float) -> NDArray:
+        """Depth to which the table holds, shape (M,); 0 outside its range. [mm]"""
+        inputs = self._inputs(designs, radius_mm)
+        limit = self.table.depth_limit(inputs)
+        inside = self.table.inside(inputs)
+        if self.kind != "crowned":
+            slab = load_table("bonded")
+            low, high = slab.ratio_range
+            ratio = radius_mm / designs.thickness_mm
+            inside &= (ratio >= low) & (ratio <= high)
+            limit = np.minimum(limit, slab.depth_limit(np.clip(ratio, low, high)))
+        return np.where(inside, limit, 0.0) * designs.thickness_mm
+
+    def relative_error(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
+        """Stated error of the force over the force at depths (M, n)."""
+        return self.table.relative_error(depth_mm / designs.thickness_mm[:, None])
+
+    def _inputs(self, designs: Designs, radius_mm: float) -> NDArray:
+        """Inputs of the table, shape (M, k), as :func:`dummydesign.pad.shape_table.ratios` gives them for one shape."""
+        h, p = designs.thickness_mm, designs.parameters
+        if self.kind == "crowned":
+            point = p["radius"] * p["height"] / p["foot"] ** 2
+            columns = [h / radius_mm, p["height"] / h, p["foot"] / radius_mm, point]
+        elif self.kind == "layered":
+            columns = [h / radius_mm, p["top"] / h, p["modulus_ratio"]]
+        else:
+            columns = [h / radius_mm, p["height"] / h, p["foot"] / radius_mm]
+        return np.stack(columns, axis=-1)
 
 
 @lru_cache
@@ -17,10 +103,30 @@ def load_family(kind: str) -> Family:
     Raises
     ------
     InputError
-        For a kind without a response surface.
+        For a kind without a response table.
     """
     if kind not in FAMILIES:
         raise unknown_name("family of shapes", kind, FAMILIES)
-    from dummydesign.design.crowned import CrownedFamily
+    return TableFamily(kind)
 
-    return CrownedFamily()
+
+def _grid(*axes: NDArray) -> list[NDArray]:
+    return [axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")]
+
+
+def _crowned(thickness_mm: NDArray, radius_mm: float) -> tuple[NDArray, dict[str, NDArray]]:
+    h, share, foot, point = _grid(thickness_mm, HEIGHT_SHARES, FOOT_SHARES, POINTEDNESS)
+    height, foot = np.round(share * h, 1), np.round(foot * radius_mm, 1)
+    return h, {"radius": np.round(point * foot**2 / height, 1), "height": height, "foot": foot}
+
+
+def _layered(thickness_mm: NDArray, radius_mm: float) -> tuple[NDArray, dict[str, NDArray]]:
+    h, share, ratio = _grid(thickness_mm, TOP_SHARES, MODULUS_RATIOS)
+    return h, {"top": np.round(share * h, 1), "modulus_ratio": ratio}
+
+
+def _boned(thickness_mm: NDArray, radius_mm: float) -> tuple[NDArray, dict[str, NDArray]]:
+    h, share, foot = _grid(thickness_mm, BONE_SHARES, FOOT_SHARES)
+    height, foot = np.round(share * h, 1), np.round(foot * radius_mm, 1)
+    # A spherical dome of that height and foot.
+    return h, {"radius": np.round((foot**2 + height**2) / (2.0 * height), 1), "height": height, "foot": foot}

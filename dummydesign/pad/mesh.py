@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -96,7 +97,11 @@ def web_mesh(
 
 
 def discretise(
-    points: Array, quads: Array, centre: Array | None = None, quarter_points: bool = False
+    points: Array,
+    quads: Array,
+    centre: Array | None = None,
+    quarter_points: bool = False,
+    move: Callable[[Array], Array] | None = None,
 ) -> Discretisation:
     """Build the biquadratic discretisation of a quadrilateral mesh in the (r, z) plane.
 
@@ -109,6 +114,8 @@ def discretise(
     quarter_points : bool
         Move the mid-side nodes next to the centre to a quarter of their side, so that displacements
         vary as the square root of the distance there, as the small-strain solution at a punch edge does.
+    move : callable, optional
+        Takes all nine nodes of every element, shape (2, n), to where they belong: curved sides.
     """
     from skfem import Basis, ElementQuad2, MeshQuad, MeshQuad2
 
@@ -116,6 +123,8 @@ def discretise(
     mesh = MeshQuad2.from_mesh(flat)
     if quarter_points:
         mesh = MeshQuad2(_to_quarter(mesh, flat.t, centre), mesh.t, validate=False)
+    if move is not None:
+        mesh = MeshQuad2(move(mesh.doflocs), mesh.t, validate=False)
     basis = Basis(mesh, ElementQuad2(), intorder=4)
     r = basis.global_coordinates().value[0]
     elements, n_points = basis.dx.shape

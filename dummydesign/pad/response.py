@@ -1,0 +1,181 @@
+"""A smooth response surface over a few shape numbers: a regression on a kernel at each of several depths.
+
+At every depth level a quantity y is a quadratic polynomial of the scaled inputs plus a sum of Matern kernels
+(nu = 5/2) at the solved points [1]; between levels a natural cubic spline in sqrt(depth) joins the values.
+Evaluated with matrix products alone.
+
+References
+----------
+.. [1] C. E. Rasmussen, C. K. I. Williams, Gaussian Processes for Machine Learning, MIT Press 2006, ch. 2, 4.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+Array = np.ndarray
+
+
+def quadratic(q: Array) -> Array:
+    """Columns 1, q_i, q_i q_j of points (n, k)."""
+    k = q.shape[1]
+    columns = [np.ones(len(q)), *q.T, *(q[:, i] * q[:, j] for i in range(k) for j in range(i, k))]
+    return np.stack(columns, axis=1)
+
+
+def matern(first: Array, second: Array, lengths: Array) -> Array:
+    """Matern kernel (nu = 5/2) between points (n, k) and (m, k) of scaled inputs."""
+    a, b = first / lengths, second / lengths
+    square = (a**2).sum(1)[:, None] + (b**2).sum(1) - 2.0 * a @ b.T
+    distance = np.sqrt(5.0 * np.maximum(square, 0.0))
+    return (1.0 + distance + distance**2 / 3.0) * np.exp(-distance)
+
+
+@dataclass(frozen=True)
+class Response:
+    """A response surface over k inputs and depth.
+
+    Attributes
+    ----------
+    low, high : ndarray, shape (k,)
+        Inputs that are scaled to -1 and 1.
+    lengths : ndarray, shape (k,)
+        Length of the kernel along each scaled input.
+    centres : ndarray, shape (n, k)
+        Solved points.
+    levels : ndarray, shape (m,)
+        Relative depths d / h.
+    trend : ndarray, shape (m, 1 + k + k (k + 1) / 2)
+        Polynomial at each level.
+    weights : ndarray, shape (m, n)
+        Of the kernels; 0 where a point did not reach a level.
+    reach : ndarray, shape (n,)
+        Relative depth to which each point was solved.
+    anchored : bool
+        Whether y is 0 at depth 0; else it is held below the first level.
+    """
+
+    low: Array
+    high: Array
+    lengths: Array
+    centres: Array
+    levels: Array
+    trend: Array
+    weights: Array
+    reach: Array
+    anchored: bool
+
+    def scaled(self, inputs: Array) -> Array:
+        """Inputs (n, k) on the scale from -1 to 1."""
+        return 2.0 * (inputs - self.low) / (self.high - self.low) - 1.0
+
+    def at_levels(self, inputs: Array) -> Array:
+        """y of inputs (n, k) at all levels, shape (n, m)."""
+        q = self.scaled(inputs)
+        return quadratic(q) @ self.trend.T + matern(q, self.scaled(self.centres), self.lengths) @ self.weights.T
+
+    def limit(self, inputs: Array) -> Array:
+        """Relative depth to which inputs (n, k) may be trusted: mean of the reach near by, inverse distance^4."""
+        q, centres = self.scaled(inputs) / self.lengths, self.scaled(self.centres) / self.lengths
+        square = (q**2).sum(1)[:, None] + (centres**2).sum(1) - 2.0 * q @ centres.T
+        weight = 1.0 / (np.maximum(square, 0.0) + 1e-6) ** 2
+        return weight @ self.reach / weight.sum(1)
+
+    @cached_property
+    def _knots(self) -> Array:
+        return np.sqrt(np.concatenate([[0.0], self.levels]) if self.anchored else self.levels)
+
+    @cached_property
+    def _bend(self) -> Array:
+        """Matrix from values at the knots to second derivatives of the natural cubic spline."""
+        t = self._knots
+        step = np.diff(t)
+        left, right = np.eye(len(t)), np.zeros((len(t), len(t)))
+        for i in range(1, len(t) - 1):
+            left[i, i - 1 : i + 2] = step[i - 1], 2.0 * (step[i - 1] + step[i]), step[i]
+            right[i, i - 1 : i + 2] = 6.0 / step[i - 1], -6.0 / step[i - 1] - 6.0 / step[i], 6.0 / step[i]
+        return np.linalg.solve(left, right)
+
+    def along(self, rows: Array, place: Array, depth: Array) -> tuple[Array, Array]:
+        """Spline in sqrt(depth) through rows of values at the levels.
+
+        Parameters
+        ----------
+        rows : ndarray, shape (n, m)
+            From :meth:`at_levels`.
+        place : ndarray of int
+            Row of each depth; any shape.
+        depth : ndarray
+            Relative depths of the same shape, >= 0; held beyond the last level.
+
+        Returns
+        -------
+        value, slope : ndarray
+            y and dy / d sqrt(depth).
+        """
+        values = np.concatenate([np.zeros((len(rows), 1)), rows], axis=1) if self.anchored else rows
+        bend = values @ self._bend.T
+        t = self._knots
+        at = np.clip(np.sqrt(np.maximum(depth, 0.0)), t[0], t[-1])
+        i = np.clip(np.searchsorted(t, at, side="right") - 1, 0, len(t) - 2)
+        h = t[i + 1] - t[i]
+        b = (at - t[i]) / h
+        a = 1.0 - b
+        y0, y1, m0, m1 = values[place, i], values[place, i + 1], bend[place, i], bend[place, i + 1]
+        value = a * y0 + b * y1 + ((a**3 - a) * m0 + (b**3 - b) * m1) * h**2 / 6.0
+        slope = (y1 - y0) / h + ((1.0 - 3.0 * a**2) * m0 + (3.0 * b**2 - 1.0) * m1) * h / 6.0
+        return value, slope
+
+
+def fit(
+    inputs: Array, values: Array, levels: Array, low: Array, high: Array, anchored: bool, noise: float = 3e-3
+) -> Response:
+    """Fit a response surface by the largest marginal likelihood of one set of lengths for all levels.
+
+    Parameters
+    ----------
+    inputs : ndarray, shape (n, k)
+    values : ndarray, shape (n, m)
+        y at the levels; NaN where a point did not reach one.
+    levels : ndarray, shape (m,)
+    low, high : ndarray, shape (k,)
+        Scale of the inputs.
+    noise : float
+        Scatter of y, as the elements leave it.
+    """
+    from scipy.optimize import minimize
+
+    q = 2.0 * (inputs - low) / (high - low) - 1.0
+    known = np.isfinite(values)
+
+    def parts(lengths: Array, level: int, scale: float) -> tuple[Array, Array, Array]:
+        use = known[:, level]
+        kernel = matern(q[use], q[use], lengths) * scale**2 + noise**2 * np.eye(use.sum())
+        basis = quadratic(q[use])
+        factor = np.linalg.cholesky(kernel)
+        half, target = np.linalg.solve(factor, basis), np.linalg.solve(factor, values[use, level])
+        trend, *_ = np.linalg.lstsq(half, target, rcond=None)
+        return factor, trend, target - half @ trend
+
+    chosen = np.unique(np.linspace(0, len(levels) - 1, 6).astype(int))
+
+    def cost(log: Array) -> float:
+        lengths, total = np.exp(log[:-1]), 0.0
+        for level in chosen:
+            factor, _, rest = parts(lengths, level, np.exp(log[-1]))
+            total += 0.5 * rest @ rest + np.log(np.diag(factor)).sum()
+        return total + 0.5 * np.sum((log[:-1] - 0.5) ** 2)
+
+    start = np.concatenate([np.full(inputs.shape[1], np.log(2.0)), [np.log(0.1)]])
+    found = minimize(cost, start, method="Nelder-Mead", options={"maxiter": 220, "xatol": 0.03, "fatol": 0.5}).x
+    lengths, scale = np.exp(found[:-1]), float(np.exp(found[-1]))
+    trends, weights = [], np.zeros((len(levels), len(q)))
+    for level in range(len(levels)):
+        factor, trend, rest = parts(lengths, level, scale)
+        trends.append(trend)
+        weights[level, known[:, level]] = scale**2 * np.linalg.solve(factor.T, rest)
+    reach = np.array([levels[row][-1] if row.any() else 0.0 for row in known])
+    return Response(low, high, lengths, inputs, levels, np.array(trends), weights, reach, anchored)

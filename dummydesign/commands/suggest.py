@@ -17,7 +17,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--thickness", metavar="MIN:MAX", help="limits in mm, inside 3 to 30")
     add("--ratio", metavar="MIN:MAX", help="limits of the mixing ratio, inside the resin's range")
     add("--calibration", metavar="FILE", help="calibration written by 'dummydesign loop'")
-    add("--shape", default="slab", metavar="NAME", help="slab (default)")
+    shapes = "slab (default), crowned, layered, boned, auto (the best of all), or one with lengths, crowned:10,2"
+    add("--shape", default="slab", metavar="NAME[:P,..]", help=shapes)
     add("--no-cad", action="store_true", help="no mould, the recipe and the report alone")
     add("--no-verify", action="store_true", help="do not solve the design again by finite elements")
     add("--robot-mass", type=float, metavar="KG", help="safety view: a free mass that runs into tissue and pad")
@@ -109,11 +110,11 @@ def _add_mould(result: dict[str, Any], answer: Any, out: Any) -> None:
 
     best = answer.best
     try:
-        spec = mould_of(answer.resin, best)
+        spec = mould_of(answer.resin, best, answer.shape)
         mould = make_mold(spec, out).to_dict()
     except NoAnswerError as problem:
         step = f"dummydesign mold --thickness {best.thickness_mm:g} --resin {answer.request.resin}"
-        step += f" --ratio {best.ratio:g} --out {out}"
+        step += f" --ratio {best.ratio:g} --shape {answer.shape} --out {out}"
         message = f"{problem}; the recipe stands, the mould is missing: then run '{step}'"
         raise NoAnswerError(problem.code, message, result) from None
     result["files"] = mould.pop("files")
@@ -135,7 +136,7 @@ def render(result: dict[str, Any]) -> str:
     lines = [
         f"{result['inputs']['tissue']}, aim {result['inputs']['aim']}",
         "",
-        f"  pad        {best['thickness_mm']:g} mm thick, 150 x 120 mm slab, glued to a rigid base",
+        f"  pad        {best['thickness_mm']:g} mm thick, 150 x 120 mm {best['shape']}, glued to a rigid base",
         f"  resin      {best['resin']}, ratio {best['ratio']:g} ({best['ratio_meaning']})",
         f"  weigh      {weigh} (total {recipe['total_g']:.1f} g)",
         f"  modulus    {young['value']:.3g} kPa long-term (95 %: {young['low']:.3g} to {young['high']:.3g})",
@@ -155,8 +156,34 @@ def render(result: dict[str, Any]) -> str:
         depth = "-" if row["depth_mm"] is None else f"{row['depth_mm']:.2f}"
         span = f"{row['tissue_depth_low_mm']:.2f} to {row['tissue_depth_high_mm']:.2f}"
         lines.append(f"  {row['force_N']:<6g} {depth:<10} {span}")
-    lines += _parameters(best) + _more(result)
+    lines += _shapes(result) + _parameters(best) + _more(result)
     return "\n".join(lines)
+
+
+def _shapes(result: dict[str, Any]) -> list[str]:
+    """The best pad of each kind of shape, one a line."""
+    if not result["shapes"]:
+        return []
+    lines = [
+        "",
+        "  shapes side by side (misfit: rms of ln F from 0.5 to 15 N; exponent d ln F / d ln x, tissue 3):",
+        "  misfit  share <5 N  share >5 N  exponent 1/5/15 N  d/h    total  pad",
+    ]
+    for row in result["shapes"]:
+        if row["shape"] is None:
+            lines.append(f"  {row['kind']}: {row['reason']}")
+            continue
+        misfit, depth = ("-" if row[name] is None else f"{row[name]:.2f}" for name in _MISFIT)
+        exponents = (row["exponent_at_N"][force] for force in ("1", "5", "15"))
+        powers = " / ".join("-" if value is None else f"{value:.1f}" for value in exponents)
+        lines.append(
+            f"  {misfit:<7} {row['share_below_5N']:<11.2f} {row['share_above_5N']:<11.2f} {powers:<18} {depth:<6} "
+            f"{row['total']:<6.2f} {row['thickness_mm']:g} mm {row['shape']}, ratio {row['ratio']:g}"
+        )
+    return lines
+
+
+_MISFIT = ("misfit_rms_ln_force", "depth_over_thickness")
 
 
 def _condition(row: dict[str, Any]) -> str:

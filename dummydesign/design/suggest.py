@@ -10,6 +10,7 @@ import numpy as np
 
 from dummydesign.design.answer import design_dict
 from dummydesign.design.curves import ForceLaw, Sampling, make_curves
+from dummydesign.design.landing import Landing, landing
 from dummydesign.design.punch import punch_law
 from dummydesign.design.search import THICKNESS_MM, Candidate, SearchResult, search, thickness_steps
 from dummydesign.design.shape_family import ShapeLaw
@@ -61,7 +62,8 @@ class Request:
 class Suggestion:
     """The answer: the search, the tolerance study, the verification, and all it was made from.
 
-    ``law`` is the force law in proportion with thickness; ``beside`` the best design of each kind of shape.
+    ``law`` is the force law in proportion with thickness; ``beside`` the best design of each kind of shape,
+    ``landing`` how far off the centre of a crown the punch may land (with verification).
     """
 
     request: Request
@@ -75,6 +77,7 @@ class Suggestion:
     law: ForceLaw
     shape: Shape = SLAB
     beside: tuple[Beside, ...] = ()
+    landing: Landing | None = None
 
     @property
     def force_law(self) -> str:
@@ -109,6 +112,7 @@ class Suggestion:
             },
             "verification": self.verification.to_dict(),
             "shapes": [item.to_dict() for item in self.beside],
+            "landing": self.landing.to_dict() if self.landing else None,
             "rests_on": rests_on(self.resin, self.tissue, self.best),
             "warnings": design_warnings(self),
             "sources": [*self.tissue.sources, *self.resin.references, *filter(None, [self.force_law])],
@@ -157,12 +161,14 @@ def suggest(request: Request, law: ForceLaw | None = None) -> Suggestion:
     recipe = pour_recipe(resin, best, chosen.shape)
     tolerances = Tolerances(sum(mass for _, mass in recipe), request.weighing_g, request.thickness_tolerance_mm)
     pour = pour_yield(chosen.cast, resin, targets, best.thickness_mm, best.ratio, RADIUS_MM, tolerances)
-    checked = not_verified(reason)
+    checked, lands = not_verified(reason), None
     if request.verify and request.calibration is None:
         checked = _verify(best, resin, chosen.cast, chosen.shape)
+        lands = landing(best, chosen.shape, RADIUS_MM, 0.5 * PUNCH_SIDE_MM)
     return Suggestion(
-        request, tissue, resin, targets, chosen.found, pour, checked, recipe, chosen.law, chosen.shape, chosen.beside
-    )
+        request, tissue, resin, targets, chosen.found, pour, checked, recipe, chosen.law, chosen.shape, chosen.beside,
+        lands,
+    )  # fmt: skip
 
 
 def accept(request: Request) -> tuple[Tissue, Resin, np.ndarray, np.ndarray]:

@@ -90,9 +90,11 @@ def design_warnings(answer: Suggestion) -> list[dict[str, str]]:
             (
                 "stiff_at_first_touch",
                 f"below 5 N only {100 * low:.0f} % of the steady curve lies in the (extrapolated) range: "
-                "a flat slab starts far more linear than tissue, whatever its ratio",
+                + _why_stiff(answer),
             )
         )
+    said += [("off_centre", answer.landing.text)] if answer.landing else []
+    said += [("no_shape", item.reason) for item in answer.beside if item.reason]
     said += _edges(answer)
     if answer.pour.yield_fraction < 0.5:
         share, exact = 100 * answer.pour.yield_fraction, 100 * answer.pour.making_only_fraction
@@ -120,6 +122,12 @@ def design_warnings(answer: Suggestion) -> list[dict[str, str]]:
         said.append(("table_error", f"the table is {difference:.1f} % off the finite-element solve"))
     said += [("verification", note) for note in answer.verification.notes if answer.request.verify]
     return [{"code": code, "message": message} for code, message in said]
+
+
+def _why_stiff(answer: Suggestion) -> str:
+    if not answer.shape.flat_top:
+        return "the shape starts stiffer or softer than tissue there"
+    return "a flat pad starts far more linear than tissue, whatever its ratio; '--shape auto' looks for others"
 
 
 def _edges(answer: Suggestion) -> list[tuple[str, str]]:

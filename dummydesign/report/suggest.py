@@ -38,7 +38,7 @@ def write_suggestion(
     best = result["recommendation"]
     young, recipe = best["young_kPa"], best["recipe"]
     facts = [
-        (f"{best['thickness_mm']:g} mm", "thickness of the 150 x 120 mm slab, glued to a rigid base"),
+        (f"{best['thickness_mm']:g} mm", f"thickness of the 150 x 120 mm {_pad_words(answer)}, glued to a rigid base"),
         (f"{best['ratio']:g}", f"ratio: {best['ratio_meaning']}"),
         (f"{young['value']:.3g} kPa", f"long-term modulus (95 %: {young['low']:.3g} to {young['high']:.3g})"),
         *((f"{item['mass_g']:.1f} g", f"{item['name']} to weigh") for item in recipe["components"]),
@@ -51,6 +51,7 @@ def write_suggestion(
     )
     sections = [
         Section("Steady force", _steady_words(answer), [_steady(answer)], _low_table(best)),
+        *_shapes(answer, result),
         Section("Force over time", "Each press is held for 10 s at the depth that gives the steady force at its end.",
                 _presses(answer), _conditions(best)),
         Section("Why this design", _why(result), [*_maps(answer, result), _exponent(answer), *_reactions(answer)],
@@ -68,9 +69,64 @@ def write_suggestion(
 def _steady_words(answer: Suggestion) -> str:
     return (
         "The relaxed pad against the subjects. Below 5 N nobody was measured; the range there is the cubic law "
-        "extrapolated and drawn paler. A slab starts nearly linear, so it crosses the tissue's curve and cannot "
-        "follow it."
+        "extrapolated and drawn paler. "
+        + (_FLAT if answer.shape.flat_top else "The pad's top is touched gradually, so it starts soft.")
     )
+
+
+_FLAT = "A flat pad starts nearly linear, so it crosses the tissue's curve and cannot follow it."
+
+
+def _pad_words(answer: Suggestion) -> str:
+    return "slab" if answer.shape.name == "slab" else f"pad ({answer.shape})"
+
+
+def _shapes(answer: Suggestion, result: dict[str, Any]) -> list[Section]:
+    """The best pad of each kind side by side, when shapes were searched."""
+    if not answer.beside:
+        return []
+    text = (
+        "The best pad of each kind by one rule: half the total score, half the closeness to the aim below 5 N. "
+        "The misfit is the rms of ln F over 0.5 to 15 N; below 5 N the tissue's curve is an extrapolation."
+    )
+    if answer.landing:
+        text += f" Of the recommended pad {answer.landing.text}."
+    head = ["pad", "thickness mm", "ratio", "misfit", "share 0.5 to 5 N", "share 5 to 15 N",
+            *(f"exponent at {force} N" for force in ("1", "5", "15")), "depth / thickness, 15 N", "total"]  # fmt: skip
+    rows = []
+    for row in result["shapes"]:
+        if row["shape"] is None:
+            rows.append([f"{row['kind']}: {row['reason']}", *[""] * (len(head) - 1)])
+            continue
+        rows.append(
+            [
+                row["shape"], f"{row['thickness_mm']:g}", f"{row['ratio']:g}", row["misfit_rms_ln_force"],
+                row["share_below_5N"], row["share_above_5N"], *(row["exponent_at_N"][f] for f in ("1", "5", "15")),
+                row["depth_over_thickness"], row["total"],
+            ]
+        )  # fmt: skip
+    return [Section("Shapes side by side", text, [_beside(answer)], Table(head, rows))]
+
+
+def _beside(answer: Suggestion) -> Plot:
+    """Relative force of each kind's best pad over the aim's depth, on logarithmic axes by their logarithms."""
+    force = np.geomspace(0.3, 15.0, 60)
+    aim = answer.targets.aim_depth_mm(force)
+    layers = [Line(f"aim: {answer.request.aim}", force, np.ones_like(force), "aim")]
+    words = []
+    for item, style in zip(answer.beside, ("main", *STYLES)):
+        if item.candidate is None:
+            continue
+        depth, grid = details.steady_curve(item.candidate), details.FORCE_GRID_N
+        known = np.isfinite(depth)
+        at = np.exp(np.interp(np.log(aim), np.log(depth[known]), np.log(grid[known]), left=np.nan, right=np.nan))
+        layers.append(Line(str(item.shape), force, at / force, style))
+        misfit = item.low_force.misfit_rms_ln_force
+        words.append(f"{item.shape}: misfit {'not reached' if misfit is None else f'{misfit:.2f}'}")
+    alt = f"Steady force of each pad over the tissue's at the same depth; 1 is the tissue. {'; '.join(words)}."
+    return Plot("shapes", "Force of each pad over the tissue's, at equal depth", alt, "steady force of the tissue [N]",
+                "force / tissue's force", "tissue_force_N", "force_ratio", tuple(layers), log_x=True,
+                y_range=(0.0, 4.0), note="1 is the tissue; above 4 is cut off")  # fmt: skip
 
 
 def _steady(answer: Suggestion) -> Plot:
@@ -240,13 +296,13 @@ def _recipe(best: dict[str, Any]) -> Table:
 
 
 def _solids(best: dict[str, Any], files: dict[str, str]) -> Section:
-    """The made parts when their STL files are there, else the bare slab."""
+    """The made parts when their STL files are there, else a plain block."""
     found = {name: Path(files[f"{name}_stl"]) for name in ("mould", "pad") if f"{name}_stl" in files}
     parts = {name: read_stl(path) for name, path in found.items() if path.is_file()}
     text = "Drag or use the arrow keys to turn, scroll to come closer."
     if "pad" not in parts:
         parts = {"pad": box(150.0, 120.0, best["thickness_mm"])}
-        text += " No mould was made; this is the bare slab."
+        text += " No mould was made; this is a block of the pad's size, without its shape."
     return solid_section(parts, text)
 
 

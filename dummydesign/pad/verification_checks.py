@@ -17,6 +17,7 @@ from dummydesign.pad.relaxation import PronyTerm, relaxed_force
 from dummydesign.pad.solid import Solid
 from dummydesign.pad.sparse import Pattern
 from dummydesign.pad.verification import Check
+from dummydesign.pad.verification_shapes import cap_on_layer, slab_limits
 from dummydesign.pad.viscoelastic import Viscoelastic
 from dummydesign.pad.viscoelastic_path import follow_motion
 
@@ -270,4 +271,6 @@ ALL: tuple[tuple[bool, Callable[[], Iterator[Check]]], ...] = (
     (False, laws_on_a_pad),
     (False, independence),
     (False, tables),
+    (False, cap_on_layer),
+    (False, slab_limits),
 )

@@ -53,13 +53,34 @@ def elimination_order(dofs: Array, position: Array, free: Array, size: int) -> A
     return np.concatenate([front.unknowns[: front.eliminated] for front in solver.fronts])
 
 
+def _owners(cells: Array, faces: Array, size: int) -> tuple[Array, Array]:
+    """The cell that each face belongs to, and the places of the face's unknowns in it.
+
+    Raises
+    ------
+    ValueError
+        For a face whose unknowns do not all belong to one cell.
+    """
+    uses = np.bincount(cells.ravel(), minlength=size)
+    some = np.zeros(size, dtype=np.int64)
+    some[cells] = np.arange(len(cells))[:, None]
+    # The face's own middle belongs to no other cell.
+    rows = np.arange(len(faces))
+    owner = some[faces[rows, np.argmin(np.where(uses[faces] > 0, uses[faces], size), axis=1)]]
+    same = cells[owner][:, None, :] == faces[:, :, None]
+    if not same.any(axis=2).all():
+        raise ValueError("a face in contact has unknowns outside its cell")
+    return owner, same.argmax(axis=2)
+
+
 class Dissection:
     """Solves for the free unknowns of a mesh; takes the place of ``sparse.Pattern``.
 
     Parameters
     ----------
-    groups : list of one ndarray, shape (cells, cell dofs)
-        Connectivity.
+    groups : list of ndarray
+        Connectivity of the cells, shape (cells, cell dofs); then, if any, that of faces. All unknowns of a
+        face belong to one cell.
     free : ndarray of int
         Unknowns that are solved for; the others are prescribed.
     size : int
@@ -69,8 +90,7 @@ class Dissection:
     """
 
     def __init__(self, groups: list[Array], free: Array, size: int, position: Array) -> None:
-        if len(groups) != 1:
-            raise ValueError("surfaces in contact are not part of the three-dimensional solver")
+        self._faces = [_owners(groups[0], faces, size) for faces in groups[1:]]
         self.free, self.size, self.n = free, size, len(free)
         number = np.full(size, -1, dtype=np.int64)
         number[free] = np.arange(len(free))
@@ -120,12 +140,17 @@ class Dissection:
 
         Parameters
         ----------
-        matrices : list of one ndarray, shape (cells, cell dofs, cell dofs)
-            Symmetric cell matrices.
+        matrices : list of ndarray, shape (cells, cell dofs, cell dofs)
+            Symmetric matrices of the cells, then of the faces.
         load : ndarray, shape (size,)
         """
         right = load[self.free].copy()
-        factors = self._eliminate(matrices[0], right)
+        matrix = matrices[0]
+        if self._faces:
+            matrix = matrix.copy()
+            for (cell, place), face in zip(self._faces, matrices[1:]):
+                np.add.at(matrix, (cell[:, None, None], place[:, :, None], place[:, None, :]), face)
+        factors = self._eliminate(matrix, right)
         answer = np.zeros(self.n)
         for front, factor in zip(reversed(self.fronts), reversed(factors)):
             own, rim = front.unknowns[: front.eliminated], front.unknowns[front.eliminated :]

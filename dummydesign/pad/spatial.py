@@ -23,7 +23,7 @@ from dummydesign.pad import spatial_mesh as space
 from dummydesign.pad.axisymmetric import BASES, CONDITIONS
 from dummydesign.pad.dissection import Dissection
 from dummydesign.pad.laws import Law
-from dummydesign.pad.newton import Problem, follow
+from dummydesign.pad.newton import Path, Problem, cost, follow
 from dummydesign.pad.solid import Discretisation, Solid
 from dummydesign.pad.sparse import Pattern
 from dummydesign.pad.square import SIDE_OVER_RADIUS
@@ -189,14 +189,13 @@ def solve_ratios(
     steps = (0.08 * block.scale, 0.15 * block.scale, 0.02 * block.scale)
     reports = (progress, None)
     paths = [follow(problem, depths, *steps, report, SOUND_J) for problem, report in zip(problems, reports)]
+    return ratios_of(paths, first, SOUND_J)
+
+
+def ratios_of(paths: list[Path], first: float, sound_J: float) -> Ratios:
+    """Four times the force of a quarter over that of its twin, at the depths both reached soundly."""
     count = min(len(path.depth) for path in paths)
     smallest = np.minimum(*(path.smallest_J[:count] for path in paths))
-    sound = np.logical_and.accumulate(smallest >= SOUND_J)
-    solver = {
-        "unknowns": max(path.unknowns for path in paths),
-        "load_steps": sum(path.load_steps for path in paths),
-        "newton_iterations": sum(path.newton_iterations for path in paths),
-        "seconds": sum(path.seconds for path in paths),
-    }
+    sound = np.logical_and.accumulate(smallest >= sound_J)
     ratio = 4.0 * paths[0].force[:count] / paths[1].force[:count]
-    return Ratios(paths[0].depth[:count][sound], ratio[sound], first, smallest[sound], solver)
+    return Ratios(paths[0].depth[:count][sound], ratio[sound], first, smallest[sound], cost(paths))

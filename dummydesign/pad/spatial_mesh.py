@@ -86,3 +86,13 @@ def discretise(mesh: object, bend: object = None) -> Discretisation:
         nodes=basis.doflocs,
         kinematics=Spatial,
     )
+
+
+def horizontal_faces(mesh: Discretisation, cells: Array, upper: bool = True) -> Array:
+    """Nodes of the upper (or lower) faces of ``cells`` on a lattice of 3 x 3, shape (faces, 9), y fastest."""
+    from skfem import ElementHex2
+
+    local = ElementHex2().doflocs
+    here = np.nonzero(local[:, 2] == float(upper))[0]
+    order = here[np.lexsort((local[here, 1], local[here, 0]))]
+    return mesh.dofs.reshape(len(mesh.dofs), 27, 3)[cells][:, order, 0] // 3

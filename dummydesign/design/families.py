@@ -54,12 +54,12 @@ class TableFamily:
     def area_mm2(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
         """F / E at depths (M, n); NaN where the table does not reach. [mm2]"""
         inputs = self._inputs(designs, radius_mm)
-        response, h = self.table.response, designs.thickness_mm[:, None]
+        h = designs.thickness_mm[:, None]
         depth = np.maximum(np.asarray(depth_mm, float), 0.0)
         limit = self.limit_mm(designs, radius_mm)[:, None]
         held = np.minimum(depth, limit)
         place = np.broadcast_to(np.arange(len(inputs))[:, None], depth.shape)
-        value, _ = response.along(response.at_levels(self.table.coordinates(inputs)), place, held / h)
+        value, _ = self.table.log_factor(inputs, place, held / h)
         if self.kind == "crowned":
             base = 16.0 / 9.0 * np.sqrt(designs.parameters["radius"])[:, None] * held**1.5
         else:

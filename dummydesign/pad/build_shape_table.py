@@ -24,7 +24,6 @@ from dummydesign.files import write_text
 from dummydesign.library import data_folder
 from dummydesign.pad.laws import Yeoh
 from dummydesign.pad.response import fit
-from dummydesign.pad.shape_table import LOGARITHMS
 from dummydesign.pad.shaped import CELLS, EDGE_ERROR, LEAST_ERROR, RIMS, Press, climb, sharp
 from dummydesign.shape import Crowned
 
@@ -34,6 +33,12 @@ Array = np.ndarray
 RADIUS_MM = 14.0 / float(np.sqrt(np.pi))
 EXTENT_OVER_RADIUS = float(np.sqrt(150.0 * 120.0)) / 14.0
 DEPTHS = np.array([0.02, 0.04, 0.07, 0.1, 0.14, 0.18, 0.22, 0.26, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6])
+# Levels of the response surface: depth over the height of the crown.
+LEVELS = np.array(
+    [0.03, 0.06, 0.1, 0.16, 0.23, 0.32, 0.42, 0.53, 0.65, 0.78, 0.92, 1.07, 1.25, 1.45, 1.7, 2.0, 2.4, 2.9, 3.5]
+)
+# Curves that reached the last depth are carried on straight to here, so that the surface has no free end.
+CARRIED_ON = 0.9
 # Solved a little beyond what the table offers, so that its ends lie inside.
 LOW = np.array([np.log(0.48), 0.17, np.log(0.36), 0.085])
 HIGH = np.array([np.log(3.3), 0.78, np.log(1.8), 0.72])
@@ -134,6 +139,27 @@ def reduced(points: Array, values: Array) -> Array:
     return np.log(values / (16.0 / 9.0 * np.sqrt(tip)[:, None] * (DEPTHS * h[:, None]) ** 1.5))
 
 
+def at_levels(points: Array, rows: Array) -> Array:
+    """Curves over d / h, shape (n, depths), at the levels of d / c; NaN where they were not solved.
+
+    A natural cubic spline in sqrt(d / h) from 0 at first touch, carried on straight.
+    """
+    from scipy.interpolate import CubicSpline
+
+    out = np.full((len(points), len(LEVELS)), np.nan)
+    for row, share, values in zip(out, points[:, 1], rows):
+        known = np.isfinite(values)
+        last = DEPTHS[known][-1]
+        place = np.sqrt(np.concatenate([[0.0], DEPTHS[known]]))
+        spline = CubicSpline(place, np.concatenate([[0.0], values[known]]), bc_type="natural")
+        x = LEVELS * share
+        inside = np.minimum(np.sqrt(x), place[-1])
+        carried = spline(inside) + (np.sqrt(x) - inside) * spline(place[-1], 1)
+        wanted = x <= (CARRIED_ON if last >= DEPTHS[-1] else last * (1.0 + 1e-9))
+        row[wanted] = carried[wanted]
+    return out
+
+
 def content(answers: list[dict[str, Any]], checks: list[dict[str, Any]], finer: list[dict[str, Any]]) -> dict[str, Any]:
     """Fit the response surface, measure its error on fresh solves, and return what goes into the file.
 
@@ -145,14 +171,20 @@ def content(answers: list[dict[str, Any]], checks: list[dict[str, Any]], finer: 
         Some of the fresh points on cells of half the size.
     """
     points, values, added = sharp_values(answers)
-    surface = fit(points, reduced(points, values), DEPTHS, LOW, HIGH, True)
+    rows = reduced(points, values)
+    reach = np.array([DEPTHS[np.isfinite(row)][-1] for row in rows])
+    low, high = (np.append(ends[:3], np.log(ends[3])) for ends in (LOW, HIGH))
+    coordinates = np.column_stack([points[:, :3], np.log(points[:, 3])])
+    surface = fit(coordinates, at_levels(points, rows), LEVELS, low, high, True, reach)
     short = {name: _shorter(getattr(surface, name), 7) for name in ("trend", "weights", "lengths")}
     surface = replace(surface, **short)
     at, fresh_values, _ = sharp_values(checks)
-    rows = reduced(at, fresh_values)
-    miss = np.abs(np.expm1(surface.at_levels(at) - rows))
+    checked = np.column_stack([at[:, :3], np.log(at[:, 3])])
+    place = np.broadcast_to(np.arange(len(at))[:, None], fresh_values.shape)
+    answered, _ = surface.along(surface.at_levels(checked), place, DEPTHS / at[:, 1:2])
+    miss = np.abs(np.expm1(answered - reduced(at, fresh_values)))
     # Judged where the table answers: within the limit it states itself.
-    miss = np.where(DEPTHS[None, :] <= surface.limit(at)[:, None] * (1.0 + 1e-9), miss, np.nan)
+    miss = np.where(DEPTHS[None, :] <= surface.limit(checked)[:, None] * (1.0 + 1e-9), miss, np.nan)
     places, fine_values, _ = sharp_values(finer)
     twin = np.array([np.abs(at - place).sum(1).argmin() for place in places])
     mesh = np.sqrt(np.nanmean(np.log(fine_values / fresh_values[twin]) ** 2, axis=0))
@@ -161,18 +193,19 @@ def content(answers: list[dict[str, Any]], checks: list[dict[str, Any]], finer: 
     return {
         "kind": "crowned",
         "condition": "bonded",
-        "meaning": "ln(F / (16/9 E sqrt(R) d^1.5)) as a response surface of ln h/a, c/h, ln b/a, s = R c / b^2 and d/h",
-        "low": _list(np.where(LOGARITHMS["crowned"], np.exp(LOW + MARGIN), LOW + MARGIN), 4),
-        "high": _list(np.where(LOGARITHMS["crowned"], np.exp(HIGH - MARGIN), HIGH - MARGIN), 4),
+        "meaning": "ln(F / (16/9 E sqrt(R) d^1.5)) over ln h/a, c/h, ln b/a, ln s and d/c; s = R c / b^2",
+        "low": _list(_plain(LOW + MARGIN), 4),
+        "high": _list(_plain(HIGH - MARGIN), 4),
+        "error_depth": _list(DEPTHS, 4),
         "median_error": _list(np.nanmedian(miss, axis=0), 3),
         "error": _list(np.nanpercentile(miss, 95.0, axis=0), 3),
         "solve_error": _list(LEAST_ERROR + mesh + edge, 3),
         "surface": {
-            "low": _list(LOW, 9),
-            "high": _list(HIGH, 9),
+            "low": _list(surface.low, 9),
+            "high": _list(surface.high, 9),
             "lengths": _list(surface.lengths, 7),
-            "centres": _list(points, 7),
-            "levels": _list(DEPTHS, 4),
+            "centres": _list(surface.centres, 7),
+            "levels": _list(LEVELS, 4),
             "trend": _list(surface.trend, 7),
             "weights": _list(surface.weights, 7),
             "reach": _list(surface.reach, 4),
@@ -197,6 +230,11 @@ def content(answers: list[dict[str, Any]], checks: list[dict[str, Any]], finer: 
             "largest_error": float(f"{np.nanmax(miss):.3g}"),
         },
     }
+
+
+def _plain(point: Array) -> Array:
+    """Inputs of the table (h/a, c/h, b/a, s) of a design point."""
+    return np.array([np.exp(point[0]), point[1], np.exp(point[2]), point[3]])
 
 
 def _shorter(values: Array, digits: int) -> Array:

@@ -1,6 +1,6 @@
 """A smooth response surface over a few shape numbers: a regression on a kernel at each of several depths.
 
-At every depth level a quantity y is a quadratic polynomial of the scaled inputs plus a sum of Matern kernels
+At every level of depth a quantity y is a quadratic polynomial of the scaled inputs plus a sum of Matern kernels
 (nu = 5/2) at the solved points [1]; between levels a natural cubic spline in sqrt(depth) joins the values.
 Evaluated with matrix products alone.
 
@@ -47,13 +47,13 @@ class Response:
     centres : ndarray, shape (n, k)
         Solved points.
     levels : ndarray, shape (m,)
-        Relative depths d / h.
+        Depths, in the unit that the user of the surface has chosen.
     trend : ndarray, shape (m, 1 + k + k (k + 1) / 2)
         Polynomial at each level.
     weights : ndarray, shape (m, n)
         Of the kernels; 0 where a point did not reach a level.
     reach : ndarray, shape (n,)
-        Relative depth to which each point was solved.
+        d / h to which each point was solved.
     anchored : bool
         Whether y is 0 at depth 0; else it is held below the first level.
     """
@@ -78,7 +78,7 @@ class Response:
         return quadratic(q) @ self.trend.T + matern(q, self.scaled(self.centres), self.lengths) @ self.weights.T
 
     def limit(self, inputs: Array) -> Array:
-        """Relative depth to which inputs (n, k) may be trusted: mean of the reach near by, inverse distance^4."""
+        """d / h to which inputs (n, k) may be trusted: mean of the reach near by, weights inverse distance^4."""
         q, centres = self.scaled(inputs) / self.lengths, self.scaled(self.centres) / self.lengths
         square = (q**2).sum(1)[:, None] + (centres**2).sum(1) - 2.0 * q @ centres.T
         weight = 1.0 / (np.maximum(square, 0.0) + 1e-6) ** 2
@@ -109,7 +109,7 @@ class Response:
         place : ndarray of int
             Row of each depth; any shape.
         depth : ndarray
-            Relative depths of the same shape, >= 0; held beyond the last level.
+            Depths in the unit of the levels, of the same shape, >= 0; held beyond the last level.
 
         Returns
         -------
@@ -131,8 +131,9 @@ class Response:
 
 
 def fit(
-    inputs: Array, values: Array, levels: Array, low: Array, high: Array, anchored: bool, noise: float = 3e-3
-) -> Response:
+    inputs: Array, values: Array, levels: Array, low: Array, high: Array, anchored: bool, reach: Array,
+    noise: float = 3e-3,
+) -> Response:  # fmt: skip
     """Fit a response surface by the largest marginal likelihood of one set of lengths for all levels.
 
     Parameters
@@ -143,6 +144,8 @@ def fit(
     levels : ndarray, shape (m,)
     low, high : ndarray, shape (k,)
         Scale of the inputs.
+    reach : ndarray, shape (n,)
+        d / h to which each point was solved.
     noise : float
         Scatter of y, as the elements leave it.
     """
@@ -177,5 +180,4 @@ def fit(
         factor, trend, rest = parts(lengths, level, scale)
         trends.append(trend)
         weights[level, known[:, level]] = scale**2 * np.linalg.solve(factor.T, rest)
-    reach = np.array([levels[row][-1] if row.any() else 0.0 for row in known])
     return Response(low, high, lengths, inputs, levels, np.array(trends), weights, reach, anchored)

@@ -1,9 +1,10 @@
 """Response tables of shaped pads: their force without finite elements, as a force law of one shape.
 
-Crowned pads: ln of F over Hertz's force of the tip, 16/9 E sqrt(R) d^1.5, as a smooth function of d / h,
-ln(h / a), c / h, ln(b / a) and s = R c / b^2 (apex radius R, height c and foot radius b of the crown, thickness h,
-punch radius a). Near first touch it is 0. Layered and boned pads: ln of F over the force of the slab of the
-upper resin, which is taken from the slab's own table.
+Crowned pads: ln of F over Hertz's force of the tip, 16/9 E sqrt(R) d^1.5, as a smooth function of d / c,
+ln(h / a), c / h, ln(b / a) and ln s, s = R c / b^2 (apex radius R, height c and foot radius b of the crown,
+thickness h, punch radius a). At first touch it is 0. Over d / c the curves of all crowns bend alike where the
+contact reaches the flat, which halves the error against d / h. Layered and boned pads: ln of F over the force of
+the slab of the upper resin, which is taken from the slab's own table.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from dummydesign.errors import InputError, NoAnswerError, out_of_range
 from dummydesign.library import data_folder
 from dummydesign.pad.response import Response
 from dummydesign.pad.table import ResponseTable, load_table
-from dummydesign.shape import Crowned, Layered, Shape
+from dummydesign.shape import Boned, Crowned, Layered, Shape
 
 Array = np.ndarray
 
@@ -31,7 +32,7 @@ INPUTS = {
 }
 # Inputs that enter by their logarithm.
 LOGARITHMS = {
-    "crowned": np.array([True, False, True, False]),
+    "crowned": np.array([True, False, True, True]),
     "layered": np.array([True, False, True]),
     "boned": np.array([True, False, True]),
 }
@@ -62,9 +63,11 @@ class ShapeTable:
         In the inputs of ``INPUTS``, logarithms taken where ``LOGARITHMS`` says so.
     low, high : ndarray, shape (k,)
         Smallest and largest inputs that are answered.
-    median_error, error : ndarray, shape (levels,)
-        Relative: median and 95 % of fresh solves, at each depth level.
-    solve_error : ndarray, shape (levels,)
+    error_depth : ndarray, shape (m,)
+        Relative depths d / h of the errors.
+    median_error, error : ndarray, shape (m,)
+        Relative: median and 95 % of fresh solves.
+    solve_error : ndarray, shape (m,)
         Stated error of the solves themselves.
     provenance : dict
     """
@@ -74,6 +77,7 @@ class ShapeTable:
     response: Response
     low: Array
     high: Array
+    error_depth: Array
     median_error: Array
     error: Array
     solve_error: Array
@@ -104,6 +108,23 @@ class ShapeTable:
         """Inputs as the response surface takes them."""
         return np.where(LOGARITHMS[self.kind], np.log(np.maximum(inputs, 1e-300)), inputs)
 
+    def log_factor(self, inputs: Array, place: Array, x: Array) -> tuple[Array, Array]:
+        """ln of the force over that of the tip (crowned) or of the slab, and its derivative with respect to d / h.
+
+        Parameters
+        ----------
+        inputs : ndarray, shape (n, k)
+            As in ``INPUTS``.
+        place : ndarray of int
+            Which of them each depth belongs to; any shape.
+        x : ndarray
+            Relative depths d / h of the same shape, >= 0.
+        """
+        unit = inputs[:, 1] if self.kind == "crowned" else np.ones(len(inputs))
+        depth = np.maximum(x, 0.0) / unit[place]
+        value, slope = self.response.along(self.response.at_levels(self.coordinates(inputs)), place, depth)
+        return value, slope / (2.0 * np.sqrt(np.maximum(depth, 1e-12)) * unit[place])
+
     def depth_limit(self, inputs: Array) -> Array:
         """Largest valid d / h of inputs (n, k)."""
         return np.minimum(self.response.limit(self.coordinates(inputs)), MAX_DEPTH_OVER_THICKNESS)
@@ -111,7 +132,7 @@ class ShapeTable:
     def relative_error(self, x: Array) -> Array:
         """Error of the force at relative depths: 95 % of fresh solves, and the solves' own, as a root of squares."""
         at = np.sqrt(np.maximum(np.asarray(x, dtype=float), 0.0))
-        levels = np.sqrt(self.response.levels)
+        levels = np.sqrt(self.error_depth)
         return np.hypot(np.interp(at, levels, self.error), np.interp(at, levels, self.solve_error))
 
 
@@ -134,6 +155,13 @@ class ShapeLaw:
     def __init__(self, shape: Shape, condition: str = "bonded") -> None:
         if shape.name not in INPUTS or not shape.axisymmetric:
             raise InputError(f"shape = {shape} has no response table; known are round {', '.join(INPUTS)}")
+        if isinstance(shape, Boned):
+            sphere = (shape.foot_mm**2 + shape.height_mm**2) / (2.0 * shape.height_mm)
+            if abs(shape.radius_mm / sphere - 1.0) > 0.05:
+                raise InputError(
+                    f"bone radius = {shape.radius_mm:g} mm is not near {sphere:.4g} mm, that of a sphere with its "
+                    "height and foot, for which the table is made; use --fidelity axisymmetric"
+                )
         self.shape = shape
         self.table = load_shape_table(shape.name, condition)
         self._slab: ResponseTable | None = None if isinstance(shape, Crowned) else load_table("bonded")
@@ -165,16 +193,13 @@ class ShapeLaw:
         pads, place = self._pads(h, a)
         inputs = ratios(self.shape, *pads)
         self.table.check(inputs)
-        response = self.table.response
         x = np.maximum(d, 0.0) / h
         limit = self.table.depth_limit(inputs)[place]
         if self._slab is not None:
             limit = np.minimum(limit, self._slab.depth_limit(a / h))
         held = np.minimum(x, limit)
-        value, slope = response.along(response.at_levels(self.table.coordinates(inputs)), place, held)
-        depth = held * h
-        # dy/dd = dy/dsqrt(x) / (2 sqrt(x) h)
-        bend = slope / (2.0 * np.sqrt(np.maximum(held, 1e-12)) * h)
+        value, slope = self.table.log_factor(inputs, place, held)
+        depth, bend = held * h, slope / h
         if self._slab is None:
             base = 16.0 / 9.0 * young * np.sqrt(self.shape.radius_mm) * depth**1.5
             steep = 1.5 * base / np.maximum(depth, 1e-12)
@@ -259,5 +284,6 @@ def from_dict(data: dict[str, Any]) -> ShapeTable:
     """Table from the content of its file."""
     names = ("low", "high", "lengths", "centres", "levels", "trend", "weights", "reach")
     surface = Response(*(np.array(data["surface"][name], dtype=float) for name in names), data["surface"]["anchored"])
-    arrays = (np.array(data[name], dtype=float) for name in ("low", "high", "median_error", "error", "solve_error"))
+    listed = ("low", "high", "error_depth", "median_error", "error", "solve_error")
+    arrays = (np.array(data[name], dtype=float) for name in listed)
     return ShapeTable(data["kind"], data["condition"], surface, *arrays, data["provenance"])

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from dummydesign.errors import InputError, NoAnswerError
+from dummydesign.errors import NoAnswerError
 
 HELP = "Make the silicone mould of a pad: STEP files, printable master and frame, pour sheet, all checked."
 
@@ -16,49 +16,41 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--thickness", type=float, required=True, metavar="MM", help="thickness of the pad, 3 to 30 mm")
     parser.add_argument("--length", type=float, default=150.0, metavar="MM", help="length of the pad (default 150)")
     parser.add_argument("--width", type=float, default=120.0, metavar="MM", help="width of the pad (default 120)")
-    parser.add_argument("--shape", default="slab", metavar="NAME[:P,..]", help="shape of the pad (default slab)")
+    parser.add_argument(
+        "--shape",
+        default="slab",
+        metavar="NAME[:P,..]",
+        help="slab (default), crowned, bumped, layered, boned or puck, with their parameters",
+    )
     parser.add_argument(
         "--preset", default="open", metavar="NAME|FILE", help="mould preset: open, lidded or a TOML file"
     )
     parser.add_argument("--resin", metavar="NAME|FILE", help="resin to weigh (default the paper's polyurethane)")
     parser.add_argument("--ratio", type=float, default=15.0, metavar="R", help="mixing ratio of the resin (default 15)")
+    parser.add_argument(
+        "--base-ratio", type=float, metavar="R", help="ratio of a layered pad's base (default: from its modulus ratio)"
+    )
     parser.add_argument("--out", metavar="DIR", help="folder for the files (default mould_tMM)")
-
-
-def parse_shape(text: str) -> tuple[str, tuple[tuple[str, float], ...]]:
-    """Split ``NAME:KEY=VALUE,...`` or ``NAME:VALUE,...`` into a name and its parameters.
-
-    Raises
-    ------
-    InputError
-        When a parameter is not a number.
-    """
-    name, _, rest = text.partition(":")
-    parameters = []
-    for index, item in enumerate(filter(None, rest.split(","))):
-        key, equals, value = item.rpartition("=")
-        try:
-            parameters.append((key if equals else str(index), float(value)))
-        except ValueError:
-            raise InputError(f"shape parameter '{item}' is not a number; write NAME:VALUE or NAME:KEY=VALUE") from None
-    return name, tuple(parameters)
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Build the mould and return the answer."""
-    from dummydesign.mold.preset import mould_spec
+    from dummydesign.mold.preset import mould_spec, read_kind
     from dummydesign.mold.runner import make_mold
 
-    kind, parameters = parse_shape(options.shape)
+    kind, parameters = read_kind(options.shape)
     spec = mould_spec(
-        options.thickness, options.length, options.width, options.preset, options.resin, options.ratio, kind, parameters
-    )
+        options.thickness, options.length, options.width, options.preset, options.resin, options.ratio, kind,
+        parameters, options.base_ratio,
+    )  # fmt: skip
     folder = Path(options.out) if options.out else Path(f"mould_{spec.tag}")
     inputs = {
         "thickness_mm": spec.pad.thickness_mm, "length_mm": spec.pad.length_mm, "width_mm": spec.pad.width_mm,
-        "shape": options.shape, "preset": spec.preset, "resin": spec.pour.resin, "ratio": spec.pour.ratio,
-        "ratio_meaning": spec.pour.ratio_meaning, "out": str(folder),
+        "shape": kind if kind == "puck" else str(spec.pad.shape), "preset": spec.preset, "resin": spec.pour.resin,
+        "ratio": spec.pour.ratio, "ratio_meaning": spec.pour.ratio_meaning, "out": str(folder),
     }  # fmt: skip
+    if spec.base is not None:
+        inputs |= {"base_ratio": spec.base.pour.ratio, "modulus_ratio_of_base": spec.base.modulus_ratio}
     head = {"inputs": inputs, "sources": list(spec.sources)}
     try:
         result = make_mold(spec, folder)
@@ -78,9 +70,12 @@ def render(result: dict[str, Any]) -> str:
         f"Mould ({inputs['preset']}) for a {inputs['shape']} pad of {size}, specification {result['spec_hash']}",
         "",
     ]
-    lines.append(f"Weigh ({inputs['resin']}, ratio {inputs['ratio']:g} {inputs['ratio_meaning']})")
-    lines += [f"  {part['name']:<14}{part['mass_g']:10.1f} g" for part in pour["components"]]
-    lines.append(f"  {'total':<14}{pour['batch_mass_g']:10.1f} g   of which {pour['pad_mass_g']:.1f} g stay in the pad")
+    first = "upper layer, poured first: " if "base" in pour else ""
+    lines.append(f"Weigh ({first}{inputs['resin']}, ratio {inputs['ratio']:g} {inputs['ratio_meaning']})")
+    lines += _weights(pour)
+    if "base" in pour:
+        lines.append(f"Weigh (base layer, poured second: {inputs['resin']}, ratio {inputs['base_ratio']:.4g})")
+        lines += _weights(pour["base"])
     lines.append(f"  {'silicone':<14}{pour['silicone_mass_g']:10.0f} g   for the mould itself")
     volumes = result.get("volumes_mm3", {})
     if volumes:
@@ -101,3 +96,9 @@ def render(result: dict[str, Any]) -> str:
         lines += ["", "Mind"]
         lines += [f"  - {item['message']}" for item in result["warnings"]]
     return "\n".join(lines)
+
+
+def _weights(pour: dict[str, Any]) -> list[str]:
+    lines = [f"  {part['name']:<14}{part['mass_g']:10.1f} g" for part in pour["components"]]
+    lines.append(f"  {'total':<14}{pour['batch_mass_g']:10.1f} g   of which {pour['pad_mass_g']:.1f} g stay in the pad")
+    return lines

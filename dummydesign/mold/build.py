@@ -9,11 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from dummydesign.mold import aids, lid
+from dummydesign.mold import aids, lid, shape_aids
 from dummydesign.mold.casting import casting_box
 from dummydesign.mold.label import label_bars
 from dummydesign.mold.layout import Layout, layout
-from dummydesign.mold.shapes import drafted_prism, pad_solid, single_solid
+from dummydesign.mold.shapes import bone_solid, cavity_solid, drafted_prism, single_solid
 from dummydesign.mold.spec import MouldSpec
 
 
@@ -29,7 +29,10 @@ class Part:
 
 @dataclass
 class Parts:
-    """All parts of a mould and the tools they were cut with, for the checks."""
+    """All parts of a mould and the tools they were cut with, for the checks.
+
+    ``with_bone`` is the pad with its bone, when it has one.
+    """
 
     spec: MouldSpec
     plan: Layout
@@ -37,6 +40,12 @@ class Parts:
     parts: dict[str, Part] = field(default_factory=dict)
     tools: dict[str, list[Any]] = field(default_factory=dict)
     hull: Any = None
+    with_bone: Any = None
+
+    @property
+    def cavity(self) -> Any:
+        """What fills the mould up to the fill plane: the pad, and its bone when it has one."""
+        return self.solid("pad") if self.with_bone is None else self.with_bone
 
     def add(self, name: str, solid: Any, material: str, offset_mm: tuple[float, float, float] = (0, 0, 0)) -> None:
         """Add one part."""
@@ -54,12 +63,14 @@ def build(spec: MouldSpec) -> Parts:
     boxes stand beside them in the assembly.
     """
     plan = layout(spec)
-    nominal = pad_solid(spec.pad)
+    whole, bone = cavity_solid(spec.pad), bone_solid(spec.pad)
+    nominal = whole if bone is None else single_solid(whole.cut(bone))
     made = Parts(spec, plan, nominal)
     pad = single_solid(nominal.scale(plan.scale))
+    made.with_bone = None if bone is None else single_solid(whole.scale(plan.scale))
     made.add("pad", pad, "resin")
     made.hull = drafted_prism(plan.bottom, plan.height_mm, spec.body.outer_draft_deg, -spec.body.floor_mm)
-    mould = made.hull.cut(pad)
+    mould = made.hull.cut(made.cavity)
     if spec.body.style == "open":
         mould = mould.cut(brim_tool(spec, plan))
     else:
@@ -73,14 +84,27 @@ def build(spec: MouldSpec) -> Parts:
     master, frame = casting_box(spec, made.solid("mould"), made.hull, plan.land_mm, True)
     made.add("master", master, "rigid", (beside, 0, 0))
     made.add("frame", frame, "rigid", (beside, 0, 0))
-    if spec.body.style == "open":
-        made.add("strike_off", aids.strike_off(spec, plan), "rigid")
-    else:
+    if spec.body.style != "open":
         lid.add_lid(made, beside)
+    elif bone is not None:
+        made.add("carrier", shape_aids.carrier(spec, plan), "rigid")
+    else:
+        made.add("strike_off", aids.strike_off(spec, plan), "rigid")
+    if spec.base is not None:
+        _add_layers(made, -plan.flange.width_mm - 40.0)
     made.add("tray", aids.tray(spec, plan), "rigid")
     if spec.pour.degas == "mould":
         made.add("collar", aids.collar(spec, plan), "rigid", (0, plan.flange.width_mm + 40.0, 0))
     return made
+
+
+def _add_layers(made: Parts, beside_mm: float) -> None:
+    """Both layers of the pad, one on the other beside the mould, and the spacer between their pours."""
+    plan, pad = made.plan, made.solid("pad")
+    low = drafted_prism(plan.fill_outline.grown(1.0), plan.interface_mm + 1.0, 0.0, -1.0)
+    made.add("layer_top", single_solid(pad.intersect(low)), "resin", (0, beside_mm, 0))
+    made.add("layer_base", single_solid(pad.cut(low)), "resin_base", (0, beside_mm, 0))
+    made.add("spacer", shape_aids.spacer(made.spec, plan), "rigid")
 
 
 def brim_tool(spec: MouldSpec, plan: Layout) -> Any:

@@ -7,11 +7,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from dummydesign.mold import demould
+from dummydesign.mold import contents, demould
 from dummydesign.mold.build import Parts
 from dummydesign.mold.casting import to_casting
 from dummydesign.mold.label import label_bars
-from dummydesign.mold.outline import slab_volume_mm3
 from dummydesign.mold.shapes import drafted_prism, rough_bounds
 
 VOLUME_REL, INTERFERENCE_MM3, SILICONE_REL, DRAFT_SLACK_DEG = 1e-9, 0.01, 2e-4, 0.01
@@ -76,30 +75,33 @@ def _validity(made: Parts) -> list[Check]:
 
 
 def _volumes(made: Parts) -> list[Check]:
-    """Cavity against compensated pad against nominal pad, and the slab against its closed form."""
+    """Cavity against what fills it, compensated pad against nominal pad, and the pad against its closed form."""
     spec, plan, pad = made.spec, made.plan, made.solid("pad")
     nominal = made.pad_nominal.Volume()
     inside = made.hull.cut(made.solid("mould"), *made.tools["label"])
     low = drafted_prism(plan.fill_outline.grown(1.0), plan.depth_mm + spec.body.floor_mm, 0.0, -spec.body.floor_mm)
     cavity = inside.intersect(low).Volume()
-    found = [
-        below("cavity_volume", abs(cavity / pad.Volume() - 1), VOLUME_REL, "cavity to the fill plane against pad"),
-        below("compensation", abs(pad.Volume() / (nominal * plan.scale**3) - 1), VOLUME_REL),
-    ]
-    if spec.pad.kind not in ("slab", "puck"):
-        return [*found, skipped("closed_form", f"no closed form for shape {spec.pad.kind}")]
-    exact = slab_volume_mm3(plan.floor_outline, plan.depth_mm, spec.pad.draft_deg, spec.pad.edge_radius_mm * plan.scale)
+    filled = made.cavity.Volume()
+    what = "against pad and bone" if "carrier" in made.parts else "against pad"
+    exact = contents.resin_volume_mm3(spec, plan)
     return [
-        *found,
-        below("closed_form", abs(pad.Volume() / exact - 1), VOLUME_REL, "drafted slab by Steiner and Pappus"),
+        below("cavity_volume", abs(cavity / filled - 1), VOLUME_REL, f"cavity to the fill plane {what}"),
+        below("compensation", abs(pad.Volume() / (nominal * plan.scale**3) - 1), VOLUME_REL),
+        below("closed_form", abs(pad.Volume() / exact - 1), VOLUME_REL, _closed_form(spec.pad.kind)),
     ]
+
+
+def _closed_form(kind: str) -> str:
+    slab = "drafted slab by Steiner and Pappus"
+    added = {"crowned": ", its crown by the conic's integral", "bumped": ", caps of spheres"}
+    return slab + added.get(kind, ", less the bone by the conic's integral" if kind == "boned" else "")
 
 
 def _interference(made: Parts) -> list[Check]:
     """Parts that touch in use or in the casting box must not overlap."""
     pairs = [("mould", "pad"), ("master", "frame"), ("tray", "mould"), ("lid", "mould"), ("lid", "pad")]
     pairs += [("backer", "lid"), ("lid_master", "lid_frame"), ("strike_off", "mould"), ("strike_off", "pad")]
-    pairs += [("collar", "mould")]
+    pairs += [("collar", "mould"), ("spacer", "mould"), ("carrier", "mould"), ("carrier", "pad")]
     found = []
     for one, other in pairs:
         if one in made.parts and other in made.parts:
@@ -168,7 +170,7 @@ def sweep_offsets_mm(depth_mm: float) -> list[float]:
 
 
 def _sweep(made: Parts) -> Check:
-    pad, mould = made.solid("pad"), made.solid("mould")
+    pad, mould = made.cavity, made.solid("mould")
     worst = demould.sweep_interference_mm3(pad, mould, sweep_offsets_mm(made.plan.depth_mm))
     return below("sweep_cavity", worst, INTERFERENCE_MM3, "mm3, pad pulled straight out at six offsets")
 
@@ -226,7 +228,7 @@ def _label(made: Parts) -> list[Check]:
     depth = made.plan.land_mm - made.spec.body.label_depth_mm / 2
     places = [bar.middle for bar in bars]
     mirrored = [(-x, y) for x, y in places]
-    in_mould, in_master = _insides(made.solid("mould")), _insides(made.solid("master"))
+    in_mould, in_master = insides(made.solid("mould")), insides(made.solid("master"))
     grow = made.plan.silicone_scale
 
     def void(x: float, y: float) -> bool:
@@ -251,7 +253,7 @@ def _handedness(shared: float) -> Check:
     return below("label_not_mirrored", shared, 0.99, "share of strokes that a mirrored label would share")
 
 
-def _insides(solid: Any) -> Callable[[float, float, float], bool]:
+def insides(solid: Any) -> Callable[[float, float, float], bool]:
     """Point-in-solid test whose classifier is set up once."""
     from OCP.BRepClass3d import BRepClass3d_SolidClassifier
     from OCP.gp import gp_Pnt

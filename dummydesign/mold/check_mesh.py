@@ -10,6 +10,8 @@ from dummydesign.mold.demould import ray_hits, surface_samples, thicknesses_mm
 from dummydesign.mold.layout import Layout
 
 WALL_SLACK_MM, RAYS = 0.06, 400
+# Upward part of a floor's normal, up to slopes of 72 degrees: steeper is wall.
+UPWARD = 0.3
 # On a coarser mesh the facets of a drafted corner may lean over by more than the draft.
 FINE = (0.02, 0.1)
 
@@ -28,7 +30,7 @@ def check_mould_mesh(made: Parts, mould: Any, fine: Any) -> list[Check]:
     inside = (np.abs(centres[:, 0]) < plan.opening.length_mm / 2) & (np.abs(centres[:, 1]) < plan.opening.width_mm / 2)
     inside &= (centres[:, 2] > -0.01) & (centres[:, 2] < plan.land_mm - 1e-3) & (mould.area_faces > 1e-4)
     side = np.flatnonzero(inside & (np.abs(normals[:, 2]) < 0.2))
-    floor = np.flatnonzero(inside & (normals[:, 2] > 0.999) & (centres[:, 2] < plan.depth_mm - 0.5))
+    floor = np.flatnonzero(inside & (normals[:, 2] > UPWARD) & (centres[:, 2] < plan.depth_mm - 0.5))
     walls, exits = thicknesses_mm(mould, *surface_samples(mould, side, RAYS))
     # A ray that leaves below all that is cut into the land met the outside; those cuts have checks of their own.
     keys = 0.0 if spec.closure is None else spec.closure.key_radius_mm + 1.0
@@ -36,7 +38,9 @@ def check_mould_mesh(made: Parts, mould: Any, fine: Any) -> list[Check]:
     outside = np.isfinite(walls) & ((exits[:, 2] < cut) | _near_side(exits, plan))
     least = float(walls[outside].min()) if outside.any() else 0.0
     found.append(above("wall_thickness", least, spec.body.wall_mm - WALL_SLACK_MM, f"mm, {outside.sum()} rays"))
-    floors, _ = thicknesses_mm(mould, *surface_samples(mould, floor, RAYS))
+    # Straight down: under a curved floor the normal would lead past the thinnest place.
+    places, ways = surface_samples(mould, floor, RAYS)
+    floors, _ = thicknesses_mm(mould, places, np.tile((0.0, 0.0, 1.0), (len(ways), 1)))
     least = float(floors.min()) if len(floors) else 0.0
     found.append(above("floor_thickness", least, spec.body.floor_mm - WALL_SLACK_MM, f"mm, {len(floors)} rays"))
     return found

@@ -4,22 +4,32 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from dummydesign.mold import formula
 from dummydesign.mold.check import Check, above, below, equal, skipped
 from dummydesign.mold.layout import Layout, layout
 from dummydesign.mold.pour import CUP_FACTOR, PourPlan
-from dummydesign.mold.spec import MouldSpec
+from dummydesign.mold.spec import MouldSpec, Pour
 from dummydesign.mold.validate import WARM_K
 
 # The free face may end a hundredth larger at the most, both walls taken together.
 BULGE_SHARE = 0.005
+# What must be told of a shape.
+SHAPE_NEEDS = {
+    "crowned": {"curved_master", "thickness_varies"}, "bumped": {"curved_master", "thickness_varies", "air_pockets"},
+    "layered": {"layer_bond"}, "boned": {"bone_air"},
+}  # fmt: skip
 
 
 def check_process(spec: MouldSpec, plan: PourPlan, warnings: Sequence[Mapping[str, str]]) -> list[Check]:
     """Check machines, tray, walls, weights, cup, pot life, and that level and meniscus are warned of."""
     place = layout(spec)
-    return [*_machines(spec, place), *_walls(spec, place, plan), *_weights(spec, plan), _told(spec, warnings)]
+    found = [*_machines(spec, place), *_walls(spec, place, plan), *_weights(spec, spec.pour, plan)]
+    if spec.base is not None and plan.base is not None:
+        base = _weights(spec, spec.base.pour, plan.base)
+        found += [replace(item, id=f"{item.id}_base") for item in base]
+    return [*found, _told(spec, warnings)]
 
 
 def _machines(spec: MouldSpec, place: Layout) -> list[Check]:
@@ -58,17 +68,17 @@ def _walls(spec: MouldSpec, place: Layout, plan: PourPlan) -> list[Check]:
     ]
 
 
-def _weights(spec: MouldSpec, plan: PourPlan) -> list[Check]:
+def _weights(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[Check]:
     resolution = spec.machines.balance_resolution_g
     total = sum(mass for _, mass in plan.components)
     whole = all(math.isclose(mass / resolution, round(mass / resolution), abs_tol=1e-6) for _, mass in plan.components)
     lightest = min(mass for _, mass in plan.components)
     # A cup as high as it is wide, as large as the foam needs.
     cup = (4 * plan.cup_mm3 / math.pi) ** (1 / 3)
-    needed = spec.pour.pour_and_degas_min + plan.pour_time_s / 60
+    needed = pour.pour_and_degas_min + plan.pour_time_s / 60
     return [
         equal("weights_sum", whole and math.isclose(total, plan.batch_mass_g, abs_tol=1e-9), True),
-        above("batch_covers_cavity", plan.batch_mass_g - spec.pour.film_loss_g, plan.fill_mass_g, "g after film loss"),
+        above("batch_covers_cavity", plan.batch_mass_g - pour.film_loss_g, plan.fill_mass_g, "g after film loss"),
         below(
             "weighing_error", plan.ratio_error_percent, 100 * resolution / lightest, "%, what one balance step allows"
         ),
@@ -78,12 +88,13 @@ def _weights(spec: MouldSpec, plan: PourPlan) -> list[Check]:
             min(spec.machines.chamber_diameter_mm, spec.machines.chamber_height_mm),
             f"mm, cup of {CUP_FACTOR:g} times the liquid, as high as wide",
         ),
-        above("pot_life", spec.pour.pot_life_min, needed, "min against degassing, pouring and levelling"),
+        above("pot_life", pour.pot_life_min, needed, "min against degassing, pouring and levelling"),
     ]
 
 
 def _told(spec: MouldSpec, warnings: Sequence[Mapping[str, str]]) -> Check:
     """Level tolerance, and for an open mould the meniscus, must be among what the answer and the sheet say."""
     needed = {"level", "meniscus"} if spec.body.style == "open" else {"level"}
+    needed |= SHAPE_NEEDS.get(spec.pad.kind, set())
     missing = sorted(needed - {item["code"] for item in warnings})
     return equal("warnings_told", len(missing), 0, ", ".join(missing))

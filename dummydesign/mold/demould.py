@@ -50,7 +50,8 @@ def minimum_draft_deg(faces: Sequence[Any], up: float = 1.0) -> float:
     worst = 90.0
     for face in faces:
         u0, u1, v0, v1 = face._uvBounds()
-        steps = np.linspace(0.0, 1.0, SAMPLES)
+        # A surface of revolution has no normal from the kernel right at its pole.
+        steps = np.linspace(1e-6, 1.0 - 1e-6, SAMPLES)
         grid = [(u0 + (u1 - u0) * s, v0 + (v1 - v0) * t) for s in steps for t in steps]
         normals, _ = face.normals([u for u, _ in grid], [v for _, v in grid])
         for normal in normals:

@@ -142,8 +142,8 @@ def _title_block(sheet: Drawing, notes: Sequence[str]) -> None:
     sheet.lines.append(Line(((m, top), (w - m, top)), "frame"))
     ratio = f"{sheet.scale:g}:1" if sheet.scale >= 1 else f"1:{1 / sheet.scale:g}"
     sheet.texts.append(Text((m + 4, top - 7), f"{sheet.title}   scale {ratio}   A3   all lengths in mm", 4.0))
-    for row, note in enumerate(notes[:3]):
-        sheet.texts.append(Text((m + 4, top - 13 - 5 * row), note, 3.0))
+    for row, note in enumerate(notes[:4]):
+        sheet.texts.append(Text((m + 4, top - 12 - 4.3 * row), note, 3.0))
 
 
 def number(value: float) -> str:

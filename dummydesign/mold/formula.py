@@ -1,37 +1,10 @@
-"""What a mould maker would work out by hand: volumes, level, meniscus, deflection, fits. No CAD."""
+"""What a mould maker would work out by hand: level, meniscus, deflection, forces, steps of a print. No CAD."""
 
 from __future__ import annotations
 
 import math
 
-from dummydesign.mold.layout import Layout, layout
-from dummydesign.mold.outline import drafted_volume_mm3, slab_volume_mm3
-from dummydesign.mold.spec import MouldSpec
-
 GRAVITY_M_PER_S2 = 9.80665
-
-
-def cavity_volume_mm3(spec: MouldSpec, plan: Layout | None = None) -> float:
-    """Volume of the cavity up to the fill plane for a slab, in closed form. [mm3]
-
-    See :func:`dummydesign.mold.outline.slab_volume_mm3`; other shapes are measured on their solid.
-    """
-    plan = plan or layout(spec)
-    pad = spec.pad
-    return slab_volume_mm3(plan.floor_outline, plan.depth_mm, pad.draft_deg, pad.edge_radius_mm * plan.scale)
-
-
-def block_volume_mm3(spec: MouldSpec, plan: Layout | None = None) -> float:
-    """Volume of the drafted block the mould is cut from. [mm3]"""
-    plan = plan or layout(spec)
-    return drafted_volume_mm3(plan.bottom, plan.height_mm, spec.body.outer_draft_deg)
-
-
-def mould_volume_mm3(spec: MouldSpec, plan: Layout | None = None) -> float:
-    """Silicone of an open mould with a slab's cavity: block less cavity less brim, label neglected. [mm3]"""
-    plan = plan or layout(spec)
-    brim = drafted_volume_mm3(plan.brim_outline, spec.body.freeboard_mm, spec.pad.draft_deg)
-    return block_volume_mm3(spec, plan) - cavity_volume_mm3(spec, plan) - brim
 
 
 def tilt_error_mm(length_mm: float, angle_deg: float) -> float:
@@ -117,3 +90,13 @@ def pull_force_N(area_mm2: float, thickness_mm: float, young_kPa: float, adhesio
 def suction_force_N(area_mm2: float, pressure_kPa: float = 101.325) -> float:
     """Force that air pressure alone can hold on a pad without an air path. [N]"""
     return pressure_kPa * 1e-3 * area_mm2
+
+
+def print_layer_mm(height_mm: float) -> float:
+    """Layer height to print a curved master with: 5 % of the curve's height, 0.025 to 0.1 mm (judgement). [mm]"""
+    return min(0.1, max(0.025, 0.05 * height_mm))
+
+
+def tip_flat_mm(radius_mm: float, layer_mm: float) -> float:
+    """Diameter of the flat that a layer leaves on a tip of a given radius, 2 sqrt(2 R l). [mm]"""
+    return 2 * math.sqrt(2 * radius_mm * layer_mm)

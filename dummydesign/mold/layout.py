@@ -1,7 +1,7 @@
 """Where everything sits: all derived dimensions of a mould, computed once from its specification; no CAD.
 
-Mould frame: z = 0 is the cavity floor (the face that is tested), +z points out of the cavity, the
-origin is the pad's middle. All lengths are those of the cold mould. [mm]
+Mould frame: z = 0 is the cavity's lowest point (the tested face, or the tip of its crown), +z points out of the
+cavity, the origin is the pad's middle. All lengths are those of the cold mould. [mm]
 """
 
 from __future__ import annotations
@@ -39,13 +39,21 @@ class Point:
 
 @dataclass(frozen=True)
 class Layout:
-    """Derived dimensions; ``land_mm`` is the height of the mould's top face above the cavity floor."""
+    """Derived dimensions as heights above the cavity's lowest point.
+
+    ``face_mm`` is the flat of the tested face (0 without a crown), where ``floor_outline`` lies;
+    ``interface_mm`` the top of the layer poured first (0 without layers) with its outline, ``depth_mm`` the fill
+    plane and ``land_mm`` the mould's top face.
+    """
 
     scale: float
     silicone_scale: float
+    face_mm: float
+    interface_mm: float
     depth_mm: float
     land_mm: float
     floor_outline: Outline
+    interface_outline: Outline
     fill_outline: Outline
     brim_outline: Outline
     opening: Outline
@@ -68,7 +76,8 @@ def layout(spec: MouldSpec) -> Layout:
     k = math.tan(math.radians(pad.draft_deg))
     nominal = Outline(pad.length_mm, pad.width_mm, pad.corner_radius_mm)
     floor = nominal.scaled(scale)
-    fill = floor.grown(k * depth)
+    face = scale * pad.face_height_mm
+    fill = floor.grown(k * (depth - face))
     brim = fill.grown(body.brim_step_mm)
     opening = brim.grown(k * body.freeboard_mm)
     land = depth + body.freeboard_mm
@@ -79,14 +88,19 @@ def layout(spec: MouldSpec) -> Layout:
     top = Outline(wide.length_mm, wide.width_mm, min(body.outer_corner_radius_mm, wide.radius_mm))
     bottom = top.grown(-height * math.tan(math.radians(body.outer_draft_deg)))
     rim = box.frame_wall_mm + box.flange_mm
+    layers = pad.shape.layers()
+    interface = scale * layers[0] if layers else 0.0
     keys, sprue, vents = _closure_places(spec, fill)
     strip_in = _gutter_reach(spec)
     return Layout(
         scale=scale,
         silicone_scale=grow,
+        face_mm=face,
+        interface_mm=interface,
         depth_mm=depth,
         land_mm=land,
         floor_outline=floor,
+        interface_outline=floor.grown(k * interface),
         fill_outline=fill,
         brim_outline=brim,
         opening=opening,

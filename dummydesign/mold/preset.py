@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dummydesign.errors import InputError, out_of_range
+from dummydesign.errors import InputError, out_of_range, unknown_name
 from dummydesign.library import find, read_toml
-from dummydesign.mold.spec import Aids, Body, Box, Closure, Machines, MouldSpec, PadGeometry, Pour, Silicone
+from dummydesign.mold.spec import Aids, BaseLayer, Body, Box, Closure, Machines, MouldSpec, PadGeometry, Pour, Silicone
 from dummydesign.mold.validate import validate
 from dummydesign.quantity import Quantity, line_of, read_quantity
+from dummydesign.shape import SHAPES, Shape, make_shape, read_shape
 
 if TYPE_CHECKING:
     from dummydesign.resin import Resin
@@ -47,6 +48,7 @@ def mould_spec(
     ratio: float = 15.0,
     kind: str = "slab",
     parameters: tuple[tuple[str, float], ...] = (),
+    base_ratio: float | None = None,
 ) -> MouldSpec:
     """Put together and check the specification of a mould.
 
@@ -61,7 +63,10 @@ def mould_spec(
     ratio : float
         Mixing ratio of the resin, see its ``ratio_meaning``.
     kind, parameters : str, tuple of (str, float)
-        Shape of the pad.
+        Shape of the pad, see :func:`dummydesign.shape.make_shape`; or ``"puck"``, a plain cylinder.
+    base_ratio : float, optional
+        Mixing ratio of a layered pad's base; by default the one whose modulus is that of the upper layer times
+        the shape's ``modulus_ratio``.
 
     Returns
     -------
@@ -73,6 +78,7 @@ def mould_spec(
     InputError
         When a file or a value is not acceptable.
     """
+    kind, parameters = _canonical(kind, parameters)
     entry = find("molds", "mould preset", preset)
     data, text = read_toml(entry.path)
     _known_keys(data, _TOP, entry.path, text)
@@ -85,6 +91,10 @@ def mould_spec(
         # A specimen between plates is a plain cylinder; a soft mould gives it up without draft.
         pad |= {"draft_deg": 0.0, "corner_radius_mm": pad["length_mm"] / 2, "edge_radius_mm": 0.0}
     pad = PadGeometry(**pad)
+    if dict(parameters).get("ridge"):
+        # Its ends run out in the walls, where an edge cannot be rounded without a notch under the ridge.
+        pad = replace(pad, edge_radius_mm=0.0)
+    resin = _resin(resin)
     pour, sources = _read_pour(data, entry.path, text, resin, ratio)
     silicone, more = read_silicone(str(data["silicone"]), entry.path)
     closure = data.get("closure")
@@ -99,9 +109,79 @@ def mould_spec(
         machines=read_machines(str(data["machines"]), entry.path),
         closure=Closure(**_table(Closure, closure, entry.path, text, "closure")) if closure is not None else None,
         sources=tuple(dict.fromkeys(sources + more)),
+        base=_base_layer(pad.shape, pour, resin, base_ratio),
     )
     validate(spec)
     return spec
+
+
+def read_kind(text: str) -> tuple[str, tuple[tuple[str, float], ...]]:
+    """Read a shape as typed into name and parameters; a ``puck`` takes none.
+
+    Raises
+    ------
+    InputError
+        For unknown names, missing parameters or what is not a number.
+    """
+    name, _, rest = text.partition(":")
+    if name.lower() == "puck":
+        return _canonical("puck", (("0", 0.0),) if rest else ())
+    shape = read_shape(text) if name.lower() in SHAPES else make_any(name)
+    return shape.name, shape.parameters
+
+
+def make_any(kind: str, parameters: tuple[tuple[str, float], ...] = ()) -> Shape:
+    """Make a shape; for an unknown one the puck is among the known names."""
+    if kind.lower() not in SHAPES:
+        raise unknown_name("shape", kind, [*SHAPES, "puck"])
+    return make_shape(kind, parameters)
+
+
+def _canonical(
+    kind: str, parameters: tuple[tuple[str, float], ...]
+) -> tuple[str, tuple[tuple[str, float], ...]]:
+    """Name in small letters and every parameter by its name, so that equal shapes are stored alike."""
+    if kind.lower() == "puck":
+        if parameters:
+            raise InputError("shape puck takes no parameters; its diameter is given by --length and --width")
+        return "puck", ()
+    shape = make_any(kind, parameters)
+    return shape.name, shape.parameters
+
+
+def _resin(resin: str | Resin | None) -> Resin:
+    if resin is None or isinstance(resin, str):
+        from dummydesign.resin import load_resin
+
+        return load_resin(resin) if resin else load_resin()
+    return resin
+
+
+def _base_layer(shape: Shape, pour: Pour, resin: Resin, base_ratio: float | None) -> BaseLayer | None:
+    """The second resin of a layered pad: the same family at another ratio."""
+    layers = shape.layers()
+    if layers is None:
+        if base_ratio is not None:
+            raise InputError(f"base_ratio = {base_ratio:g} belongs to a layered pad; the shape is {shape.name}")
+        return None
+    upper = resin.young_MPa(pour.ratio)
+    if base_ratio is None:
+        base_ratio = _ratio_of_base(resin, pour, upper, layers[1])
+    numbers = resin_numbers(resin, base_ratio, pour.room_temperature_C)
+    return BaseLayer(replace(pour, **numbers), resin.young_MPa(base_ratio) / upper)
+
+
+def _ratio_of_base(resin: Resin, pour: Pour, upper_MPa: float, modulus_ratio: float) -> float:
+    """Ratio whose modulus is that of the upper layer times ``modulus_ratio``."""
+    ends = sorted(resin.young_MPa(end) for end in (resin.ratio_min, resin.ratio_max))
+    low, high = (end / upper_MPa for end in ends)
+    if not low <= modulus_ratio <= high:
+        raise InputError(
+            f"modulus_ratio = {modulus_ratio:g} asks {1e3 * modulus_ratio * upper_MPa:.3g} kPa of {resin.name} for the "
+            f"base; with the upper layer at ratio {pour.ratio:g} ({1e3 * upper_MPa:.3g} kPa) allowed is {low:.3g} to "
+            f"{high:.3g}"
+        )
+    return resin.ratio_for(modulus_ratio * upper_MPa)
 
 
 def _known_keys(table: dict[str, Any], known: set[str], path: Path, text: str) -> None:
@@ -138,13 +218,9 @@ def _named_source(name: str, quantity: Quantity) -> str:
 
 
 def _read_pour(
-    data: dict[str, Any], path: Path, text: str, resin: str | Resin | None, ratio: float
+    data: dict[str, Any], path: Path, text: str, resin: Resin, ratio: float
 ) -> tuple[Pour, list[str]]:
     """Join the preset's pouring numbers with the resin's."""
-    if resin is None or isinstance(resin, str):
-        from dummydesign.resin import load_resin
-
-        resin = load_resin(resin) if resin else load_resin()
     process = data["process"]
     _known_keys(process, set(_PROCESS), path, text)
     _known_keys(data["pour"], set(_POUR), path, text)

@@ -9,7 +9,18 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from dummydesign.mold import check, check_files, check_mesh, check_process, drawing, mesh, section, sheet, view
+from dummydesign.mold import (
+    check,
+    check_files,
+    check_mesh,
+    check_process,
+    check_shape,
+    drawing,
+    mesh,
+    section,
+    sheet,
+    view,
+)
 from dummydesign.mold.build import Parts, build
 from dummydesign.mold.pour import PourPlan, pour_plan, pour_warnings
 from dummydesign.mold.spec import MouldSpec
@@ -42,8 +53,8 @@ def produce(spec: MouldSpec, folder: Path) -> dict[str, Any]:
     files = _write_steps(made, steps, folder)
     mesh_files = _write_meshes(made, meshes, folder)
     volumes = _volumes(made)
-    plan = pour_plan(spec, volumes["cavity"], volumes["mould"] + volumes.get("lid", 0.0))
-    checks = check.check_solids(made)
+    plan = pour_plan(spec, volumes["pad_compensated"], volumes["mould"] + volumes.get("lid", 0.0))
+    checks = check.check_solids(made) + check_shape.check_shape(made)
     fine = mesh.tessellate(made.solid("mould"), *check_mesh.FINE)
     checks += check_mesh.check_mould_mesh(made, meshes["mould"], fine)
     checks += check_files.check_step(steps, {name: folder / files[name] for name in steps}, folder / files["assembly"])
@@ -74,7 +85,8 @@ def genera(spec: MouldSpec) -> dict[str, int]:
     open_holes = 0 if spec.closure is None else 6
     return {
         "pad": 0, "mould": 0, "master": 8, "frame": 9, "strike_off": 0, "tray": 3, "collar": 1, "lid": open_holes,
-        "backer": open_holes, "lid_master": 8, "lid_frame": 9, "sprue_pin": 0, "vent_pin": 0,
+        "backer": open_holes, "lid_master": 8, "lid_frame": 9, "sprue_pin": 0, "vent_pin": 0, "layer_top": 0,
+        "layer_base": 0, "spacer": 0, "carrier": 8,
     }  # fmt: skip
 
 
@@ -82,10 +94,18 @@ def _step_part(made: Parts, name: str) -> StepPart:
     spec, part = made.spec, made.parts[name]
     material = {
         "resin": Material(spec.pour.resin, f"ratio {spec.pour.ratio:g}", spec.pour.density_g_per_cm3),
+        "resin_base": _base_material(spec),
         "silicone": Material(spec.silicone.name, "mould silicone", spec.silicone.density_g_per_cm3),
         "rigid": RIGID,
     }[part.material]
     return StepPart(name, part.solid, material, COLOURS[part.material], part.offset_mm)
+
+
+def _base_material(spec: MouldSpec) -> Material | None:
+    if spec.base is None:
+        return None
+    pour = spec.base.pour
+    return Material(f"{pour.resin} base", f"ratio {pour.ratio:.4g}", pour.density_g_per_cm3)
 
 
 def _write_steps(made: Parts, steps: dict[str, StepPart], folder: Path) -> dict[str, str]:
@@ -103,9 +123,7 @@ def _write_steps(made: Parts, steps: dict[str, StepPart], folder: Path) -> dict[
 
 
 def _description(spec: MouldSpec, name: str) -> str:
-    pad = spec.pad
-    size = f"{pad.length_mm:g} x {pad.width_mm:g} x {pad.thickness_mm:g} mm"
-    return f"{name} of the {spec.preset} mould for a {pad.kind} pad {size}, specification {spec.hash}, lengths in mm"
+    return f"{name} of the {spec.preset} mould for a {spec.pad.title}, specification {spec.hash}, lengths in mm"
 
 
 def _write_meshes(made: Parts, meshes: dict[str, Any], folder: Path) -> dict[str, dict[str, Path]]:
@@ -122,19 +140,24 @@ def _write_meshes(made: Parts, meshes: dict[str, Any], folder: Path) -> dict[str
 
 
 def _volumes(made: Parts) -> dict[str, float]:
-    volumes = {"cavity": made.solid("pad").Volume(), "pad_nominal": made.pad_nominal.Volume()}
+    volumes = {"cavity": made.cavity.Volume(), "pad_nominal": made.pad_nominal.Volume()}
     volumes["pad_compensated"] = made.solid("pad").Volume()
     return {**volumes, **{name: part.solid.Volume() for name, part in made.parts.items() if name != "pad"}}
 
 
 def _start_picture(made: Parts, meshes: dict[str, Any], folder: Path) -> subprocess.Popen[bytes]:
     spec = made.spec
-    pad = spec.pad
-    title = f"{spec.preset} mould, pad {pad.length_mm:g} x {pad.width_mm:g} x {pad.thickness_mm:g} mm   #{spec.hash}"
+    title = f"{spec.preset} mould, {spec.pad.title}   #{spec.hash}"
     packed = folder / ".picture.npz"
-    view.pack(meshes, {name: COLOURS[part.material] for name, part in made.parts.items()}, title, packed)
+    shown = {name: view.turned(part) if name in _turned(spec) else part for name, part in meshes.items()}
+    view.pack(shown, {name: COLOURS[part.material] for name, part in made.parts.items()}, title, packed)
     command = [sys.executable, "-m", "dummydesign.mold.view", str(packed), str(folder / f"mould_{spec.tag}.png")]
     return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def _turned(spec: MouldSpec) -> tuple[str, ...]:
+    """Parts that are shown upside down, because what is special about them is below."""
+    return ("carrier",) if spec.pad.kind == "boned" else () if spec.pad.shape.flat_top else ("pad",)
 
 
 def _finish_picture(
@@ -156,15 +179,22 @@ def _finish_picture(
 
 
 def _write_views(made: Parts, meshes: dict[str, Any], folder: Path) -> dict[str, str]:
-    """GLB and a one-file HTML view of the assembly, parts apart as in the STEP assembly."""
-    placed = {name: part.copy() for name, part in meshes.items()}
-    for name, part in placed.items():
-        part.apply_translation(made.parts[name].offset_mm)
+    """GLB of the assembly as in the STEP file, and a one-file HTML view with the stacked parts lifted apart."""
     colours = {name: COLOURS[part.material] for name, part in made.parts.items()}
-    scene = mesh.coloured_scene(placed, colours, 1e-3)
+    bounds = {name: (float(part.bounds[0][2]), float(part.bounds[1][2])) for name, part in meshes.items()}
+    order = [name for name in view.STACK if name in meshes]
+    lifts = view.exploded(bounds, order, view.GAP_SHARE * made.plan.top.length_mm)
+    joined, apart = {}, {}
+    for name, part in meshes.items():
+        joined[name] = part.copy()
+        joined[name].apply_translation(made.parts[name].offset_mm)
+        apart[name] = view.turned(part) if name in _turned(made.spec) else part.copy()
+        apart[name].apply_translation(made.parts[name].offset_mm)
+        apart[name].apply_translation((0.0, 0.0, lifts.get(name, 0.0)))
     files = {"glb": f"assembly_{made.spec.tag}.glb", "view": f"assembly_{made.spec.tag}.html"}
-    mesh.write_glb(scene, folder / files["glb"])
-    mesh.write_html(scene, folder / files["view"], f"Mould {made.spec.tag}, specification {made.spec.hash}")
+    mesh.write_glb(mesh.coloured_scene(joined, colours, 1e-3), folder / files["glb"])
+    title = f"Mould {made.spec.tag}, specification {made.spec.hash}"
+    mesh.write_html(mesh.coloured_scene(apart, colours, 1e-3), folder / files["view"], title)
     return files
 
 

@@ -91,11 +91,19 @@ def without_cad(spec: MouldSpec) -> dict[str, Any]:
     plan = pour_plan(spec)
     return {
         "files": {},
-        "masses_g": {**dict(plan.components), "silicone": plan.silicone_mass_g},
+        "masses_g": masses_g(plan.to_dict()),
         "pour": plan.to_dict(),
         "spec_hash": spec.hash,
         "warnings": pour_warnings(spec, plan),
     }
+
+
+def masses_g(pour: dict[str, Any]) -> dict[str, float]:
+    """What is weighed: the resin's components, those of a layered pad's base as ``NAME (base)``, the silicone. [g]"""
+    masses = {part["name"]: part["mass_g"] for part in pour["components"]}
+    under = pour.get("base", {"components": []})
+    masses |= {f"{part['name']} (base)": part["mass_g"] for part in under["components"]}
+    return {**masses, "silicone": pour["silicone_mass_g"]}
 
 
 def _run_child(spec: MouldSpec, work: Path, timeout_s: float) -> dict[str, Any]:
@@ -106,11 +114,7 @@ def _run_child(spec: MouldSpec, work: Path, timeout_s: float) -> dict[str, Any]:
     path = os.pathsep.join(filter(None, (package, os.environ.get("PYTHONPATH"))))
     environment = {**os.environ, "PYTHONPATH": path, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     command = [sys.executable, *WORKER, str(spec_file), str(work)]
-    pad = spec.pad
-    what = (
-        f"preset {spec.preset}, {pad.kind} {pad.length_mm:g} x {pad.width_mm:g} x {pad.thickness_mm:g} mm, "
-        f"specification {spec.hash}"
-    )
+    what = f"preset {spec.preset}, {spec.pad.title}, specification {spec.hash}"
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=timeout_s, env=environment)
     except subprocess.TimeoutExpired:
@@ -131,11 +135,10 @@ def _run_child(spec: MouldSpec, work: Path, timeout_s: float) -> dict[str, Any]:
 
 
 def _result(spec: MouldSpec, found: dict[str, Any], target: Path) -> MouldResult:
-    masses = {part["name"]: part["mass_g"] for part in found["pour"]["components"]}
     return MouldResult(
         files={role: str(target / name) for role, name in found["files"].items()},
         volumes_mm3=found["volumes_mm3"],
-        masses_g={**masses, "silicone": found["pour"]["silicone_mass_g"]},
+        masses_g=masses_g(found["pour"]),
         checks=tuple(found["checks"]),
         step_sha256=found["step_sha256"],
         warnings=tuple(found["warnings"]),

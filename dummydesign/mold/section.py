@@ -6,6 +6,7 @@ from typing import Any
 
 from dummydesign.mold.build import Parts
 from dummydesign.mold.drawing import Dimension, Drawing, View, arrange
+from dummydesign.mold.shape_notes import shape_mark
 
 CURVE_MM = 0.02
 
@@ -18,6 +19,7 @@ def drawings(made: Parts) -> dict[str, Drawing]:
     notes = [
         f"pad {size} after cure, draft {pad.draft_deg:g} deg, tested face on the cavity floor; #{spec.hash}",
         f"cavity x {made.plan.scale:.5f} of the pad, master x {made.plan.silicone_scale:.5f} of the mould",
+        *([f"{pad.kind}: {shape_mark(spec)}"] if shape_mark(spec) else []),
         f"corner radius {pad.corner_radius_mm:g}, edge radius {pad.edge_radius_mm:g}, silicone {spec.silicone.name}",
     ]
     return {
@@ -114,12 +116,25 @@ def _mould_cut(made: Parts) -> View:
         _across(plan.bottom.length_mm / 2, low, -9.0),
         Dimension((plan.opening.length_mm / 2, plan.land_mm), (half, plan.land_mm), 8.0, False, spec.body.wall_mm),
     ]
+    middle = 0.15 * plan.floor_outline.length_mm
+    if plan.face_mm:
+        dims.append(_upright(middle, 0.0, plan.face_mm, 0.0))
+    for name, level in (("spacer", plan.interface_mm), ("carrier", _bone_low(made))):
+        if name in made.parts:
+            loops += cut_at_y(made.solid(name))
+            dims.append(_upright(middle, 0.0, level, 0.0))
     if spec.body.freeboard_mm:
         dims.append(_upright(half, plan.depth_mm, plan.land_mm, 24.0))
     if "lid" in made.parts:
         loops += cut_at_y(made.solid("lid"))
         dims.append(_upright(half, plan.land_mm, plan.land_mm + spec.closure.lid_mm, 24.0))
     return View("section y = 0", tuple((loop, "cut") for loop in loops), tuple(dims), True)
+
+
+def _bone_low(made: Parts) -> float:
+    """Height of a bone's tip over the cavity's floor."""
+    pad, plan = made.spec.pad, made.plan
+    return plan.scale * pad.least_gel_mm if pad.kind == "boned" else 0.0
 
 
 def _master_top(made: Parts) -> View:

@@ -7,11 +7,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from dummydesign.mold import formula
+from dummydesign.mold import formula, shape_notes
 from dummydesign.mold.label import label_text
 from dummydesign.mold.layout import layout
 from dummydesign.mold.pour import PourPlan, split_batch
-from dummydesign.mold.spec import MouldSpec
+from dummydesign.mold.spec import MouldSpec, Pour
 
 WITNESS_DIAMETER_MM, WITNESS_HEIGHT_MM = 50.0, 30.0
 BLANK = "________"
@@ -30,12 +30,15 @@ class Block:
 def pour_sheet(spec: MouldSpec, plan: PourPlan, warnings: Sequence[dict[str, str]]) -> list[Block]:
     """Put together the pour sheet of a mould, in the order of the work."""
     pad = spec.pad
-    title = f"Pour sheet: pad {pad.length_mm:g} x {pad.width_mm:g} x {pad.thickness_mm:g} mm, {spec.preset} mould"
+    title = f"Pour sheet: {'' if pad.kind in ('slab', 'puck') else pad.kind + ' '}pad "
+    title += f"{pad.length_mm:g} x {pad.width_mm:g} x {pad.thickness_mm:g} mm, {spec.preset} mould"
+    shape = shape_notes.shape_mark(spec)
     label = label_text(spec)
     mark = f"label on the mould: {label}" if label else "the land has no room for a label: mark the mould"
     return [
         Block("head", title),
         Block("text", f"Specification {spec.hash}; {mark}. Date {BLANK}  Operator {BLANK}  Resin batch {BLANK}"),
+        *([Block("text", f"{pad.title}. {shape[0].upper()}{shape[1:]}.")] if shape else []),
         Block(
             "text",
             _safety(spec),
@@ -63,10 +66,11 @@ def _safety(spec: MouldSpec) -> str:
 def _mould_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
     silicone, box = spec.silicone, spec.box
     lidded = spec.closure is not None
+    with_kind = {"layered": ", strike-off plate, spacer", "boned": ", carrier with the bone upwards (solid)"}
+    aids = " of mould and lid, pins and backer" if lidded else with_kind.get(spec.pad.kind, ", strike-off plate")
     steps = [
-        f"Print master and frame{' of mould and lid, pins and backer' if lidded else ', strike-off plate'} and tray "
-        "(PETG or ASA; 4 perimeters, 15 % infill; plug upwards). The top of the plug becomes the tested face: sand "
-        "it, or bond a sheet of glass or acrylic of known thickness in its place.",
+        f"Print master and frame{aids} and tray (PETG or ASA; 4 perimeters, 15 % infill; plug upwards). "
+        f"{shape_notes.plug_finish(spec.pad)}",
         f"Test cure inhibition: a dab of this silicone on this print, and a dab of resin {spec.pour.resin} on cured "
         "silicone, overnight. Tacky borders mean inhibition: seal the print or change the product.",
         f"Bolt frame to master (8 x M{math.floor(box.bolt_hole_mm):g}) and stand the box level: the silicone's free "
@@ -82,26 +86,38 @@ def _mould_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
     return [Block("head", "1. The mould"), Block("list", items=tuple(steps))]
 
 
-def witness_mass_g(spec: MouldSpec) -> float:
+def witness_mass_g(pour: Pour) -> float:
     """Liquid for the witness puck. [g]"""
     volume = math.pi / 4 * WITNESS_DIAMETER_MM**2 * WITNESS_HEIGHT_MM
-    return volume * spec.pour.density_g_per_cm3 * 1e-3
+    return volume * pour.density_g_per_cm3 * 1e-3
 
 
 def _weight_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
-    pour, resolution = spec.pour, spec.machines.balance_resolution_g
+    if plan.base is None:
+        return [Block("head", "2. Weigh the resin"), *_weighing(spec, spec.pour, plan, "pad alone, g")]
+    return [
+        Block("head", "2a. Weigh the resin of the upper layer (poured first)"),
+        *_weighing(spec, spec.pour, plan, "layer alone, g"),
+        Block("head", "2b. Weigh the resin of the base layer (poured second, when the first has gelled)"),
+        *_weighing(spec, spec.base.pour, plan.base, "layer alone, g"),
+    ]
+
+
+def _weighing(spec: MouldSpec, pour: Pour, plan: PourPlan, alone: str) -> list[Block]:
+    """Table of one resin's weights, alone and with its witness."""
+    resolution = spec.machines.balance_resolution_g
     digits = max(0, -math.floor(math.log10(resolution)))
     factor = 1 + pour.extra_percent / 100
-    both, error = split_batch(plan.batch_mass_g + factor * witness_mass_g(spec), pour.components, resolution)
-    rows = [("component", "pad alone, g", "pad and witness puck, g", "really weighed, g")]
+    witness = witness_mass_g(pour)
+    both, error = split_batch(plan.batch_mass_g + factor * witness, pour.components, resolution)
+    rows = [("component", alone, alone.replace(" alone", " and witness puck"), "really weighed, g")]
     for (name, mass), (_, more) in zip(plan.components, both):
         rows.append((name, f"{mass:.{digits}f}", f"{more:.{digits}f}", BLANK))
     total = sum(mass for _, mass in both)
     rows.append(("total", f"{plan.batch_mass_g:.{digits}f}", f"{total:.{digits}f}", BLANK))
     cup = plan.cup_mm3 / plan.batch_mass_g * total * 1e-6
     return [
-        Block("head", "2. Weigh the resin"),
-        Block("text", f"{pour.resin}, ratio {pour.ratio:g} ({pour.ratio_meaning}); balance step {resolution:g} g."),
+        Block("text", f"{pour.resin}, ratio {pour.ratio:.6g} ({pour.ratio_meaning}); balance step {resolution:g} g."),
         Block("table", rows=tuple(rows)),
         Block(
             "text",
@@ -113,10 +129,10 @@ def _weight_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
         Block(
             "text",
             f"Witness: a puck of {WITNESS_DIAMETER_MM:g} mm diameter and {WITNESS_HEIGHT_MM:g} mm height from the same "
-            f"cup ({witness_mass_g(spec):.1f} g). Its mould: dummydesign mold --shape puck --thickness "
+            f"cup ({witness:.1f} g). Its mould: dummydesign mold --shape puck --thickness "
             f"{WITNESS_HEIGHT_MM:g} --length {WITNESS_DIAMETER_MM:g} --width {WITNESS_DIAMETER_MM:g}. Compress it on "
             f"the day of the test and read its modulus with: dummydesign resins add-compression TRACE.csv --diameter "
-            f"{WITNESS_DIAMETER_MM:g} --height {WITNESS_HEIGHT_MM:g} --name NAME --ratio {pour.ratio:g}.",
+            f"{WITNESS_DIAMETER_MM:g} --height {WITNESS_HEIGHT_MM:g} --name NAME --ratio {pour.ratio:.6g}.",
         ),
     ]
 
@@ -126,6 +142,7 @@ def _pour_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
     latest = pour.pot_life_min - max(2.0, plan.pour_time_s / 60)
     place = layout(spec)
     steps = [
+        *shape_notes.before_mixing(spec),
         f"Set the mould in its tray and level it with the three screws to {plan.level_deg:.2f} deg "
         f"({plan.level_mm:.2f} mm over {max(pad.length_mm, pad.width_mm):g} mm), along and across. Read: {BLANK}",
         f"Weigh {', then '.join(name for name, _ in pour.components)}; stir slowly for two minutes, scrape wall and "
@@ -142,24 +159,15 @@ def _pour_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
             "weaker pump only swells the bubbles."
         )
     if spec.body.style == "open":
-        steps += [
-            f"Stand the mould on the balance, tare it, pour in a thin stream into one corner and stop at "
-            f"{plan.fill_mass_g:.1f} g (the step of the brim is the fill line; {plan.gram_per_mm_g:.1f} g make one "
-            f"millimetre). Poured: {BLANK} g",
-            f"Prick bubbles, wait {max(30.0, plan.pour_time_s):.0f} s for the liquid to level (viscosity "
-            f"{pour.viscosity_Pa_s:.2g} Pa s).",
-            "Lay release film on the strike-off plate, set it down on one edge and lower it like a hinge until it "
-            "rests on the land; excess comes up in the gap.",
-        ]
+        steps += _open_steps(spec, plan)
     else:
         steps += [
             "Release agent on the parting faces only. Close the lid (it goes on in one way), lay on the backer, clamp.",
             f"Prop the vent end 5 to 10 degrees high, pour through the sprue until all five vents show resin "
             f"({plan.fill_mass_g:.0f} g), lay level again, top up. Keep vents open while it is hot. Poured: {BLANK} g",
         ]
-    steps.append(
-        f"All of this within {latest:.0f} min of mixing (pot life {pour.pot_life_min:g} min). Done at: {BLANK}"
-    )
+    what = "All of this" if plan.base is None else "Each of the two pours"
+    steps.append(f"{what} within {latest:.0f} min of mixing (pot life {pour.pot_life_min:g} min). Done at: {BLANK}")
     hot = pour.cure_temperature_C > pour.room_temperature_C
     where = f"at {pour.cure_temperature_C:g} C" if hot else "at room temperature"
     steps.append(
@@ -169,6 +177,26 @@ def _pour_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
     return [Block("head", "3. Pour"), Block("list", items=tuple(steps))]
 
 
+def _open_steps(spec: MouldSpec, plan: PourPlan) -> list[str]:
+    """Filling an open mould: at once, in two layers, or under a bone."""
+    if spec.pad.kind == "boned":
+        return shape_notes.carrier_steps(spec, plan)
+    last = plan if plan.base is None else plan.base
+    pour = spec.pour if spec.base is None else spec.base.pour
+    whole = (
+        f"Stand the mould on the balance, tare it, pour in a thin stream into one corner and stop at "
+        f"{plan.fill_mass_g:.1f} g (the step of the brim is the fill line; {plan.gram_per_mm_g:.1f} g make one "
+        f"millimetre). Poured: {BLANK} g"
+    )
+    return [
+        *([whole] if plan.base is None else shape_notes.first_layer_steps(spec, plan)),
+        f"Prick bubbles, wait {max(30.0, last.pour_time_s):.0f} s for the liquid to level (viscosity "
+        f"{pour.viscosity_Pa_s:.2g} Pa s).",
+        "Lay release film on the strike-off plate, set it down on one edge and lower it like a hinge until it "
+        "rests on the land; excess comes up in the gap.",
+    ]
+
+
 def _demould_blocks(spec: MouldSpec) -> list[Block]:
     pad, pour = spec.pad, spec.pour
     area = pad.length_mm * pad.width_mm
@@ -176,7 +204,7 @@ def _demould_blocks(spec: MouldSpec) -> list[Block]:
         f"Never pull it straight: air pressure alone can hold {formula.suction_force_N(area):.0f} N on the sealed "
         "face. Peel a corner of the mould's wall outwards, let air in, and roll the mould off the pad "
         f"(about {formula.peel_force_N(min(pad.length_mm, pad.width_mm), 5.0):.1f} N at 5 J/m2).",
-        "Slide the pad on release film onto a flat board. No silicone spray on the face that is tested.",
+        shape_notes.demould_first(spec),
         f"Measure the thickness at five places: {BLANK} {BLANK} {BLANK} {BLANK} {BLANK} mm. Mass of the pad: {BLANK} g",
         f"Age {pour.age_before_test_days:g} days at room temperature before testing; test pad and witness on one day.",
     )

@@ -9,13 +9,19 @@ from dataclasses import asdict, dataclass, fields, is_dataclass
 from functools import cached_property
 from typing import Any, get_args, get_type_hints
 
+import numpy as np
+
+from dummydesign.shape import Layered, Shape, make_shape
+
 
 @dataclass(frozen=True)
 class PadGeometry:
     """The pad as it shall be after cure, at room temperature.
 
-    The face that is tested lies on z = 0 (the mould's floor); the walls open by ``draft_deg`` towards
-    the free face at z = ``thickness_mm``. ``parameters`` belong to the shape named by ``kind``.
+    The highest point of the face that is tested lies on z = 0 (the mould's floor), its flat at
+    ``face_height_mm``, where the outline is ``length_mm`` by ``width_mm``; the walls open by ``draft_deg``
+    towards the free face at z = ``thickness_mm``. ``parameters`` belong to the shape named by ``kind``, all of
+    them by name, so that equal shapes make equal specifications.
     """
 
     thickness_mm: float
@@ -26,6 +32,32 @@ class PadGeometry:
     edge_radius_mm: float = 1.5
     kind: str = "slab"
     parameters: tuple[tuple[str, float], ...] = ()
+
+    @cached_property
+    def shape(self) -> Shape:
+        """The shape as the finite-element model knows it; a puck is a slab with a round outline."""
+        return make_shape("slab" if self.kind == "puck" else self.kind, self.parameters)
+
+    @property
+    def face_height_mm(self) -> float:
+        """Height of the tested face's flat above its highest point, the mould's lowest."""
+        return float(self.shape.drop_mm(np.array(self.length_mm / 2), np.array(self.width_mm / 2)))
+
+    @property
+    def least_gel_mm(self) -> float:
+        """Thinnest gel of the pad: beside a crown or a bump, over a bone, or a layer."""
+        shape = self.shape
+        if isinstance(shape, Layered):
+            return min(shape.top_mm, self.thickness_mm - shape.top_mm)
+        bone = float(shape.bone_mm(np.array(0.0), np.array(0.0)))
+        return self.thickness_mm - max(bone, self.face_height_mm)
+
+    @property
+    def title(self) -> str:
+        """Shape and size in words."""
+        size = f"{self.length_mm:g} x {self.width_mm:g} x {self.thickness_mm:g} mm"
+        name = self.kind if self.kind == "puck" else str(self.shape)
+        return f"{name} pad {size}"
 
 
 @dataclass(frozen=True)
@@ -134,6 +166,14 @@ class Pour:
 
 
 @dataclass(frozen=True)
+class BaseLayer:
+    """The second resin of a layered pad: how it is poured and its modulus over that of the upper layer."""
+
+    pour: Pour
+    modulus_ratio: float
+
+
+@dataclass(frozen=True)
 class Machines:
     """What the parts must fit and how finely can be weighed."""
 
@@ -164,10 +204,14 @@ class MouldSpec:
     machines: Machines
     closure: Closure | None = None
     sources: tuple[str, ...] = ()
+    base: BaseLayer | None = None
 
     def to_dict(self) -> dict[str, Any]:
-        """Return nested plain dictionaries; tuples become lists."""
-        return _plain(asdict(self))
+        """Return nested plain dictionaries; tuples become lists. A base layer that is not there is left out."""
+        plain = _plain(asdict(self))
+        if self.base is None:
+            del plain["base"]
+        return plain
 
     def canonical(self) -> str:
         """Return the specification as JSON with sorted keys and no blanks, one text for one mould."""
@@ -180,8 +224,9 @@ class MouldSpec:
 
     @property
     def tag(self) -> str:
-        """Thickness as it stands in file names: ``t5``, ``t7.5``."""
-        return f"t{self.pad.thickness_mm:g}"
+        """Thickness as it stands in file names, after the shape's name: ``t5``, ``t7.5``, ``crowned_t5``."""
+        plain = self.pad.kind in ("slab", "puck")
+        return f"{'' if plain else self.pad.kind + '_'}t{self.pad.thickness_mm:g}"
 
     @staticmethod
     def from_dict(data: dict[str, Any]) -> MouldSpec:

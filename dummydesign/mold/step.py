@@ -18,7 +18,10 @@ from dummydesign.mold.canonical import Header, canonical_step
 from dummydesign.mold.shapes import rough_bounds
 
 ORGANISATION = "dummydesign"
-COLOURS = {"resin": (0.93, 0.62, 0.50), "silicone": (0.36, 0.62, 0.74), "rigid": (0.72, 0.73, 0.75)}
+COLOURS = {
+    "resin": (0.93, 0.62, 0.50), "resin_base": (0.62, 0.36, 0.45), "silicone": (0.36, 0.62, 0.74),
+    "rigid": (0.72, 0.73, 0.75),
+}  # fmt: skip
 
 
 @dataclass(frozen=True)

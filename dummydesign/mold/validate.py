@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import fields, is_dataclass
+from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
 from dummydesign.errors import InputError, out_of_range, unknown_name
 from dummydesign.mold import formula
 from dummydesign.mold.layout import Layout, layout
-from dummydesign.mold.spec import MouldSpec
+from dummydesign.mold.spec import MouldSpec, PadGeometry
+from dummydesign.shape import RIM_FREE_MM
 
-KINDS = ("slab", "puck")
 STYLES = ("open", "lidded")
 THICKNESS_MM = (3.0, 30.0)
 CORNER_MM = 0.5
@@ -33,6 +33,8 @@ def validate(spec: MouldSpec) -> Layout:
     if spec.body.style == "lidded":
         _check_closure(spec)
     _check_process(spec)
+    if spec.base is not None:
+        _check_process(replace(spec, pour=spec.base.pour))
     plan = layout(spec)
     _check_machines(spec, plan)
     return plan
@@ -56,8 +58,6 @@ def _between(name: str, value: float, low: float, high: float, advice: str = "")
 
 def _check_pad(spec: MouldSpec) -> None:
     pad = spec.pad
-    if pad.kind not in KINDS:
-        raise unknown_name("shape", pad.kind, KINDS)
     if spec.body.style not in STYLES:
         raise unknown_name("style of mould", spec.body.style, STYLES)
     _between("thickness_mm", pad.thickness_mm, *THICKNESS_MM)
@@ -68,8 +68,6 @@ def _check_pad(spec: MouldSpec) -> None:
                 f"{name} = {getattr(pad, name):g} is below {least:g}, the least for a mould of style {spec.body.style}"
             )
     _between("draft_deg", pad.draft_deg, 0.0, 10.0)
-    if pad.parameters:
-        raise InputError(f"shape {pad.kind} takes no parameters, given {dict(pad.parameters)}")
     if pad.kind == "puck":
         if pad.length_mm != pad.width_mm:
             raise InputError(
@@ -78,10 +76,31 @@ def _check_pad(spec: MouldSpec) -> None:
     else:
         most = min(pad.length_mm, pad.width_mm) / 2 * 0.999
         _between("corner_radius_mm", pad.corner_radius_mm, CORNER_MM, most, "a sharper corner tears the silicone")
-    highest = min(pad.corner_radius_mm, pad.thickness_mm * 0.9)
-    _between(
-        "edge_radius_mm", pad.edge_radius_mm, 0.0, highest, "it fits below the corner radius and 0.9 of the thickness"
-    )
+    _check_shape(spec, pad)
+
+
+def _check_shape(spec: MouldSpec, pad: PadGeometry) -> None:
+    """What the shape itself allows, what its preset allows, and an edge that leaves its curves alone."""
+    shape = pad.shape
+    shape.check(pad.thickness_mm, pad.length_mm, pad.width_mm)
+    if spec.body.style == "lidded" and shape.name == "layered":
+        raise InputError("a layered pad is poured twice and its spacer needs an open mould; use --preset open")
+    if spec.body.style == "lidded" and shape.name == "boned":
+        raise InputError("the bone of a boned pad hangs from a plate on an open mould; use --preset open")
+    if (shape.layers() is None) != (spec.base is None):
+        raise InputError("a layered pad, and no other, needs a second resin for its base (base_ratio)")
+    highest = min(pad.corner_radius_mm, 0.9 * (pad.thickness_mm - pad.face_height_mm))
+    advice = "it fits below the corner radius and 0.9 of the thickness"
+    if shape.layers():
+        highest, advice = min(highest, shape.layers()[0]), "the edge stays in the upper layer"
+    if not shape.flat_top:
+        highest, advice = min(highest, RIM_FREE_MM / 2), "it keeps off the curved top"
+    _between("edge_radius_mm", pad.edge_radius_mm, 0.0, highest, advice)
+    runs_out = dict(pad.parameters)
+    if runs_out.get("ridge") or runs_out.get("bar"):
+        _between("corner_radius_mm", pad.corner_radius_mm, CORNER_MM, RIM_FREE_MM, f"the {shape.name} top runs out")
+    if runs_out.get("ridge") and pad.edge_radius_mm:
+        raise InputError(f"edge_radius_mm = {pad.edge_radius_mm:g} of a ridge must be 0: its ends run out in the walls")
 
 
 def _check_body(spec: MouldSpec) -> None:

@@ -12,6 +12,8 @@ from typing import Any
 WIDTH = 1600
 GAP_SHARE, LABEL_SHARE = 0.22, 0.55
 VIEW = (-0.42, -1.0, 0.95)
+# From the lowest to the highest.
+STACK = ("tray", "mould", "pad", "layer_top", "spacer", "layer_base", "lid", "backer", "strike_off", "carrier")
 
 
 def pack(meshes: dict[str, Any], colours: dict[str, tuple[float, float, float]], title: str, path: Path) -> None:
@@ -24,6 +26,16 @@ def pack(meshes: dict[str, Any], colours: dict[str, tuple[float, float, float]],
         arrays[f"{name}/faces"] = np.asarray(mesh.faces)
         arrays[f"{name}/colour"] = np.array(colours[name])
     np.savez_compressed(path, **arrays)
+
+
+def turned(mesh: Any) -> Any:
+    """Return a copy turned upside down about the middle of its height."""
+    import numpy as np
+
+    low, high = mesh.bounds[0][2], mesh.bounds[1][2]
+    copy = mesh.copy()
+    copy.vertices = np.asarray(mesh.vertices) * (1.0, -1.0, -1.0) + (0.0, 0.0, low + high)
+    return copy
 
 
 def exploded(bounds: dict[str, tuple[float, float]], order: list[str], gap_mm: float) -> dict[str, float]:
@@ -55,7 +67,7 @@ def draw(source: Path, picture: Path) -> None:
     names = list(dict.fromkeys(key.split("/")[0] for key in data.files if "/" in key))
     meshes = {name: _surface(pyvista, np, data, name) for name in names}
     stacks = [
-        [name for name in ("tray", "mould", "pad", "lid", "backer", "strike_off") if name in names],
+        [name for name in STACK if name in names and not (name == "pad" and "layer_top" in names)],
         [name for name in ("master", "frame") if name in names],
         [name for name in ("lid_master", "lid_frame") if name in names],
     ]

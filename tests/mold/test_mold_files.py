@@ -247,7 +247,7 @@ def test_pour_sheet_carries_what_the_pour_needs(open_spec, lidded_spec):
 
 def test_witness_puck_has_the_mass_of_its_cylinder(open_spec):
     volume_cm3 = math.pi * 2.5**2 * 3.0
-    assert sheet.witness_mass_g(open_spec) == pytest.approx(volume_cm3 * open_spec.pour.density_g_per_cm3)
+    assert sheet.witness_mass_g(open_spec.pour) == pytest.approx(volume_cm3 * open_spec.pour.density_g_per_cm3)
 
 
 def test_manifest_names_every_file_with_its_hash(lidded_package):

@@ -12,7 +12,7 @@ import pytest
 
 from dummydesign.errors import InputError
 from dummydesign.library import find
-from dummydesign.mold.formula import cavity_volume_mm3
+from dummydesign.mold.contents import cavity_volume_mm3
 from dummydesign.mold.label import label_bars, label_text
 from dummydesign.mold.layout import layout, pad_scale
 from dummydesign.mold.pour import pour_plan, pour_warnings

@@ -39,6 +39,8 @@ LEVELS = np.array(
 )
 # Curves that reached the last depth are carried on straight to here, so that the surface has no free end.
 CARRIED_ON = 0.9
+# What a curve that reached the last depth counts in the mean that limits the table's depth.
+COMPLETE = 0.7
 # Solved a little beyond what the table offers, so that its ends lie inside.
 LOW = np.array([np.log(0.48), 0.17, np.log(0.36), 0.085])
 HIGH = np.array([np.log(3.3), 0.78, np.log(1.8), 0.72])
@@ -173,6 +175,7 @@ def content(answers: list[dict[str, Any]], checks: list[dict[str, Any]], finer: 
     points, values, added = sharp_values(answers)
     rows = reduced(points, values)
     reach = np.array([DEPTHS[np.isfinite(row)][-1] for row in rows])
+    reach = np.where(reach >= DEPTHS[-1], COMPLETE, reach)
     low, high = (np.append(ends[:3], np.log(ends[3])) for ends in (LOW, HIGH))
     coordinates = np.column_stack([points[:, :3], np.log(points[:, 3])])
     surface = fit(coordinates, at_levels(points, rows), LEVELS, low, high, True, reach)
@@ -187,8 +190,8 @@ def content(answers: list[dict[str, Any]], checks: list[dict[str, Any]], finer: 
     miss = np.where(DEPTHS[None, :] <= surface.limit(checked)[:, None] * (1.0 + 1e-9), miss, np.nan)
     places, fine_values, _ = sharp_values(finer)
     twin = np.array([np.abs(at - place).sum(1).argmin() for place in places])
-    mesh = np.sqrt(np.nanmean(np.log(fine_values / fresh_values[twin]) ** 2, axis=0))
-    edge = EDGE_ERROR * np.sqrt(np.nanmean(added**2, axis=0))
+    mesh = _rms(np.log(fine_values / fresh_values[twin]))
+    edge = EDGE_ERROR * _rms(added)
     stop = [answer["stop"][-1] for answer in answers if answer["stop"][-1]]
     return {
         "kind": "crowned",
@@ -230,6 +233,10 @@ def content(answers: list[dict[str, Any]], checks: list[dict[str, Any]], finer: 
             "largest_error": float(f"{np.nanmax(miss):.3g}"),
         },
     }
+
+
+def _rms(values: Array) -> Array:
+    return np.sqrt(np.nanmean(values**2, axis=0))
 
 
 def _plain(point: Array) -> Array:

@@ -186,15 +186,11 @@ class _Factor:
         self.lower, self.rows, self.schur = lower, rows, rows.T @ rows
 
     def forward(self, load: Array) -> tuple[Array, Array]:
-        from scipy.linalg import solve_triangular
-
-        load = solve_triangular(self.lower, load, lower=True, check_finite=False)
+        load = _triangular(self.lower, load)
         return load, self.rows.T @ load
 
     def back(self, load: Array, rim: Array) -> Array:
-        from scipy.linalg import solve_triangular
-
-        return solve_triangular(self.lower, load - self.rows @ rim, lower=True, trans=1, check_finite=False)
+        return _triangular(self.lower, load - self.rows @ rim, 1)
 
 
 class _GeneralFactor(_Factor):
@@ -217,8 +213,16 @@ class _GeneralFactor(_Factor):
         return lu_solve(self.factors, load - self.coupling @ rim, check_finite=False)
 
 
+def _triangular(lower: Array, load: Array, transposed: int = 0) -> Array:
+    from scipy.linalg.lapack import dtrtrs
+
+    if not len(lower) or not load.size:
+        return load
+    answer, _ = dtrtrs(lower, load, lower=1, trans=transposed)
+    return answer if load.ndim > 1 else answer.reshape(len(load))
+
+
 def _factorise(block: Array, coupling: Array) -> _Factor:
-    from scipy.linalg import solve_triangular
     from scipy.linalg.lapack import dpotrf
 
     if not len(block):
@@ -226,4 +230,4 @@ def _factorise(block: Array, coupling: Array) -> _Factor:
     lower, failed = dpotrf(block, lower=1, clean=1)
     if failed:
         return _GeneralFactor(block, coupling.copy())
-    return _Factor(lower, solve_triangular(lower, coupling, lower=True, check_finite=False))
+    return _Factor(lower, _triangular(lower, coupling))

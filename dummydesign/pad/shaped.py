@@ -18,7 +18,7 @@ import numpy as np
 from dummydesign.errors import InputError, NoAnswerError
 from dummydesign.pad import mesh as meshes
 from dummydesign.pad.contact import FlatPunch, Surface
-from dummydesign.pad.indent import _condition, _normalised
+from dummydesign.pad.indent import _normalised
 from dummydesign.pad.laws import Law, Yeoh
 from dummydesign.pad.newton import NOTHING, Path, Problem, cost, follow
 from dummydesign.pad.shaped_mesh import Sizes, columns, height_lines, radial_lines, stretch
@@ -147,7 +147,7 @@ def shaped_problem(press: Press, law: Law, cells: int = CELLS, rim: float = RIMS
     twin : bool
         Make the homogeneous slab without a bone on the same grid instead.
     """
-    friction, grip = _condition(press.condition)
+    friction, grip = _friction_and_grip(press.condition)
     if press.base not in BASES:
         raise InputError(f"base = '{press.base}' is not one of {', '.join(BASES)}")
     punch = Plate(press.radius, rim * press.scale)
@@ -194,6 +194,20 @@ def shaped_problem(press: Press, law: Law, cells: int = CELLS, rim: float = RIMS
         punch.flat_radius if len(driven) else 0.0, friction, 0.02 * coarse,
     )  # fmt: skip
     return Problem(Solid(mesh, law, press.poisson), held, driven, 2 * below + 1, surface, punch, carried)
+
+
+def _friction_and_grip(condition: str) -> tuple[float, float]:
+    """Coefficient of friction and grip (0 or 1) of a condition as it is typed."""
+    if condition in ("frictionless", "bonded"):
+        return 0.0, float(condition == "bonded")
+    name, _, number = condition.partition(":")
+    try:
+        value = float(number)
+    except ValueError:
+        value = -1.0
+    if name != "friction" or not 0.0 <= value <= 5.0:
+        raise InputError(f"condition '{condition}' is not frictionless, bonded or friction:MU with MU from 0 to 5")
+    return value, 0.0
 
 
 def _grid(press: Press, cells: int, rim: float) -> tuple[Array, Array, float | None]:

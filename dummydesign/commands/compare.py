@@ -70,5 +70,5 @@ def render(result: dict[str, Any]) -> str:
             f"{row['peak_force_N']:>8.3f} {span:>17} {100 * row['inside_fraction']:>5.0f} %"
         )
     lines += [f"warning: {warning['message']}" for warning in result["warnings"]]
-    lines += [f"{role}: {path}" for role, path in result["files"].items()]
+    lines += [f"{role}: {path}" for role, path in result["files"].items() if not role.startswith("report_")]
     return "\n".join(lines)

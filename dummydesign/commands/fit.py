@@ -21,7 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--law", default="ode", metavar="published|consistent|ode", help="default ode")
     parser.add_argument("--mode", default="joint", metavar="joint|per-speed|per-condition", help="default joint")
     parser.add_argument("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help="filter the force went through")
-    parser.add_argument("--out", metavar="tissue.toml", help="write a tissue file, and residuals beside it")
+    parser.add_argument("--out", metavar="tissue.toml", help="write a tissue file; residuals and report beside it")
 
 
 def elements_of(text: str) -> int | str:
@@ -58,7 +58,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     if options.out:
         from dummydesign.tissue.fit_output import write_fit
 
-        files = write_fit(fit, options.out)
+        files = write_fit(fit, options.out, [SOURCE])
     return {"inputs": inputs, **fit.to_dict(), "sources": [SOURCE], "files": files}
 
 
@@ -90,5 +90,5 @@ def render(result: dict[str, Any]) -> str:
             f"{row['max_residual_N']:>8.4f}"
         )
     lines += [f"warning: {warning['message']}" for warning in result["warnings"]]
-    lines += [f"{role}: {path}" for role, path in result["files"].items()]
+    lines += [f"{role}: {path}" for role, path in result["files"].items() if not role.startswith("report_")]
     return "\n".join(lines)

@@ -24,10 +24,10 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     """Run the loop and write report and calibration."""
     from pathlib import Path
 
-    from dummydesign.files import output_folder, write_text
+    from dummydesign.files import output_folder
     from dummydesign.loop.calibration import calibration_of, write_calibration
     from dummydesign.loop.output import result_dict
-    from dummydesign.loop.report import html_report
+    from dummydesign.loop.report import write_loop_report
     from dummydesign.loop.run import close_loop
     from dummydesign.protocol.campaign import read_campaign
 
@@ -38,13 +38,13 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     if sys.stderr.isatty():
         print("\r\033[K", end="", file=sys.stderr)
     calibration = write_calibration(calibration_of(result), out / "calibration.json")
-    report = write_text(out / "report.html", html_report(result))
+    files = write_loop_report(out, result)
     found = result_dict(result)
     return {
         "inputs": {"campaign": options.campaign, "out": str(out), "trials": len(campaign.trials)},
         **found,
         "calibration_file": str(calibration),
-        "files": {"calibration": str(calibration), "report": str(report)},
+        "files": {"calibration": str(calibration), **files},
     }
 
 
@@ -82,5 +82,5 @@ def render(result: dict[str, Any]) -> str:
     if result["next_measurement"]:
         lines.append(f"next: {result['next_measurement']['text']}")
     lines += [f"warning: {warning['message']}" for warning in result["warnings"]]
-    lines += [f"{role}: {path}" for role, path in result["files"].items()]
+    lines += [f"{role}: {path}" for role, path in result["files"].items() if not role.startswith("report_")]
     return "\n".join(lines)

@@ -63,6 +63,7 @@ def page(
     warnings: Sequence[dict[str, str]] = (),
     sources: Sequence[str] = (),
     scripts: Sequence[str] = (),
+    tables: str = "report",
 ) -> str:
     """Lay out one page.
 
@@ -76,6 +77,8 @@ def page(
     sources : sequence of str
     scripts : sequence of str
         JavaScript, put at the end.
+    tables : str
+        What the names of the CSV files beside the page begin with.
     """
     style = (Path(__file__).parent / "page.css").read_text(encoding="utf-8")
     boxes = "".join(f'<div class="fact"><b>{escape(v)}</b><span>{escape(what)}</span></div>' for v, what in facts)
@@ -94,8 +97,8 @@ def page(
         + "".join(section.to_html() for section in sections)
         + cited
         + f"<footer>dummydesign {__version__}. Lengths in mm, forces in N, times in s; moduli are long-term "
-        "(relaxed) Young's moduli. The values of every figure stand in the report-*.csv files beside this page."
-        "</footer>"
+        f"(relaxed) Young's moduli. The values of every figure stand in the {escape(tables)}-*.csv files beside this "
+        "page.</footer>"
         "</main>" + "".join(f"<script>{script}</script>" for script in scripts) + "</body></html>\n"
     )
 
@@ -109,8 +112,14 @@ def write_report(
     warnings: Sequence[dict[str, str]] = (),
     sources: Sequence[str] = (),
     scripts: Sequence[str] = (),
+    stem: str = "report",
 ) -> dict[str, str]:
     """Write ``report.html`` and a CSV of every plot (``report-NAME.csv``) into a folder; see :func:`page`.
+
+    Parameters
+    ----------
+    stem : str
+        Takes the place of ``report`` in the names of the files.
 
     Returns
     -------
@@ -124,10 +133,10 @@ def write_report(
     """
     files = {}
     for plot in (plot for section in sections for plot in section.plots):
-        path = write_text(folder / f"report-{plot.name}.csv", plot.csv_text())
+        path = write_text(folder / f"{stem}-{plot.name}.csv", plot.csv_text())
         files[f"report_{plot.name.replace('-', '_')}"] = str(path)
-    text = page(title, lead, sections, facts, warnings, sources, scripts)
-    return {"report": str(write_text(folder / "report.html", text)), **files}
+    text = page(title, lead, sections, facts, warnings, sources, scripts, stem)
+    return {"report": str(write_text(folder / f"{stem}.html", text)), **files}
 
 
 def script_json(value: Any) -> str:

@@ -1,9 +1,7 @@
-"""Files of a comparison: tables as CSV, the curves in their ranges, and one HTML page with the pictures in it."""
+"""Files of a comparison: tables as CSV, the curves in their ranges as a picture, and the report."""
 
 from __future__ import annotations
 
-import base64
-import html
 import io
 import json
 from pathlib import Path
@@ -11,23 +9,23 @@ from pathlib import Path
 import numpy as np
 
 from dummydesign.files import write_bytes, write_text
+from dummydesign.report.compare import write_compare_report
 from dummydesign.tissue.band import Tissue
 from dummydesign.tissue.compare import STEADY_GRID_N, Comparison
 from dummydesign.tissue.ranges import interpolate_rows
 
 
 def write_comparison(found: Comparison, tissue: Tissue, folder: Path) -> dict[str, str]:
-    """Write parametric.csv, steady_state.csv, force_variation.csv, ranges.png, compare.json, report.html."""
-    picture = _picture(found, tissue)
+    """Write parametric.csv, steady_state.csv, force_variation.csv, ranges.png, compare.json and the report."""
     files = {
         "parametric": write_text(folder / "parametric.csv", _parametric(found)),
         "steady_state": write_text(folder / "steady_state.csv", _steady(found, tissue)),
         "force_variation": write_text(folder / "force_variation.csv", _force_variation(found)),
-        "picture": write_bytes(folder / "ranges.png", picture),
+        "picture": write_bytes(folder / "ranges.png", _picture(found, tissue)),
         "json": write_text(folder / "compare.json", json.dumps(found.result, indent=1) + "\n"),
-        "report": write_text(folder / "report.html", _report(found, picture)),
     }
-    return {role: str(path) for role, path in files.items()}
+    report = write_compare_report(folder, found, tissue, tissue.sources)
+    return {role: str(path) for role, path in files.items()} | report
 
 
 def _parametric(found: Comparison) -> str:
@@ -92,19 +90,3 @@ def _picture(found: Comparison, tissue: Tissue) -> bytes:
     stream = io.BytesIO()
     figure.savefig(stream, format="png", dpi=110)
     return stream.getvalue()
-
-
-def _report(found: Comparison, picture: bytes) -> str:
-    """One page without anything from outside."""
-    from dummydesign.commands.compare import render
-
-    table = render({**found.result, "files": {}})
-    image = base64.b64encode(picture).decode("ascii")
-    return (
-        "<!doctype html><html lang='en'><head><meta charset='utf-8'>"
-        f"<title>compare with {html.escape(found.result['tissue'])}</title>"
-        "<style>body{font-family:sans-serif;margin:2em;max-width:75em}pre{background:#f4f4f4;padding:1em;"
-        "overflow-x:auto}img{max-width:100%}</style></head><body>"
-        f"<h1>Dummy against {html.escape(found.result['tissue'])}</h1><pre>{html.escape(table)}</pre>"
-        f"<img alt='ranges' src='data:image/png;base64,{image}'></body></html>\n"
-    )

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from dummydesign.errors import InputError
 from dummydesign.files import output_folder, write_bytes, write_text
 from dummydesign.quantity import Quantity
+from dummydesign.report.fit import write_fit_report
 from dummydesign.tissue.band import Subject, Tissue
 from dummydesign.tissue.fit import Fit, rounded_velocity, speed_groups
 from dummydesign.tissue.parameters import Parameters, speed_key
@@ -68,8 +70,16 @@ def _quantity(entry: dict[str, Any], source: str, spread: list[float] | None) ->
     return Quantity(value, low, high, "fitted", source)
 
 
-def write_fit(fit: Fit, out: str) -> dict[str, str]:
-    """Write ``out`` (a tissue TOML of one subject) and beside it the residuals as CSV and PNG.
+def write_fit(fit: Fit, out: str, sources: Sequence[str] = ()) -> dict[str, str]:
+    """Write ``out`` (a tissue TOML of one subject) and beside it the residuals as CSV and PNG, and the report.
+
+    Parameters
+    ----------
+    fit : Fit
+    out : str
+        Path of the tissue file; the report is ``STEM-report.html`` with its CSV files.
+    sources : sequence of str
+        References, for the report.
 
     Raises
     ------
@@ -91,4 +101,5 @@ def write_fit(fit: Fit, out: str) -> dict[str, str]:
     write_text(files["tissue"], tissue_toml(tissue))
     write_text(files["residuals"], residual_table(fit.problems))
     write_bytes(files["residual_plot"], residual_plot(fit.problems, f"{path.stem}, law {fit.law}, {fit.mode}"))
-    return {role: str(place) for role, place in files.items()}
+    report = write_fit_report(path.parent, path.stem, fit, sources)
+    return {role: str(place) for role, place in files.items()} | report

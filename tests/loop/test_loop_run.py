@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import pytest
 from dummydesign.errors import InputError
 from dummydesign.loop.calibration import calibration_of, read_calibration, replay, write_calibration
 from dummydesign.loop.output import result_dict
-from dummydesign.loop.report import html_report
+from dummydesign.loop.report import write_loop_report
 from dummydesign.loop.run import close_loop
 from dummydesign.protocol.campaign import read_campaign
 
@@ -67,10 +68,26 @@ def test_the_output_holds_what_the_contract_names(results):
     assert data["next_measurement"]["expected_gain"] >= 0 and len(data["next_measurement"]["separates"]) == 2
 
 
-def test_the_report_is_one_file_that_loads_nothing(results):
-    page = html_report(results("temperature", 402))
-    assert page.count("<figure>") == 36
+def test_the_report_is_one_page_with_a_figure_a_condition_and_loads_nothing(results, tmp_path):
+    result = results("temperature", 402)
+    files = write_loop_report(tmp_path, result)
+    page = (tmp_path / "report.html").read_text()
+    presses = [name for name in files if name.startswith("report_press")]
+    assert len(presses) == len(np.unique(result.presses.cell))
+    assert page.count("<figure>") == len(files) - 1
     assert "src=" not in page and "href=" not in page and "<script" not in page
+    effect = result_dict(result)["effects"][0]
+    for part in ("temperature", f"{effect['evidence']:.0f}", "Residual by trial", result.next.text[1:]):
+        assert part in page
+
+
+def test_the_report_draws_the_residual_of_every_trial_before_and_after(results, tmp_path):
+    result = results("temperature", 402)
+    files = write_loop_report(tmp_path, result)
+    rows = Path(files["report_by_trial"]).read_text().splitlines()
+    for series, key in (("base", "base_rmse_N"), ("corrected", "rmse_N")):
+        drawn = [float(row.split(",")[2]) for row in rows if row.startswith(f"{series},")]
+        assert drawn == pytest.approx([row[key] for row in result_dict(result)["residual"]["by_trial"]], rel=1e-5)
 
 
 def test_a_calibration_survives_its_file_and_damage_is_refused(results, campaigns, tmp_path):

@@ -76,6 +76,7 @@ def test_the_command_writes_tables_report_and_one_json_object(palm, tmp_path, ca
     for path in result["files"].values():
         assert (tmp_path / path).stat().st_size > 100
     page = (tmp_path / "report" / "report.html").read_text()
-    assert "src='data:image/png" in page and "http" not in page
+    assert "<svg" in page and "src=" not in page and "href=" not in page
+    assert f"{100 * result['steady_state_range']['above_5N_fraction']:.0f} %" in page
     assert run(["compare", *files, "--tissue", "plam", "--out", "report"]) == 2
     assert "did you mean 'palm'" in capsys.readouterr().err

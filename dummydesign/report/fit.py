@@ -1,0 +1,212 @@
+"""Report of a fit: measured against fitted at each force and speed, what is left, parameters, rivals."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dummydesign.report.layers import Band, Dots, Line
+from dummydesign.report.page import Section, Table, write_report
+from dummydesign.report.plot import Plot
+from dummydesign.report.presses import STYLES, log_start, table_of_parameters, unique
+
+if TYPE_CHECKING:
+    from dummydesign.tissue.fit import Fit
+    from dummydesign.tissue.reduce import ReducedTrace
+
+MOST_PLOTS = 24
+LAWS = {
+    "ode": "the differential equation of the arms along the measured motion",
+    "consistent": "equation (5) for an ideal ramp, continuous at the stop",
+    "published": "equation (5) for an ideal ramp, as printed",
+}
+MODES = {
+    "joint": "one set of parameters for all traces",
+    "per-speed": "springs common to all traces, dampers of each speed by themselves",
+    "per-condition": "every speed and depth by itself, then the mean",
+}
+
+
+def write_fit_report(folder: Path, stem: str, fit: Fit, sources: Sequence[str]) -> dict[str, str]:
+    """Write ``STEM-report.html`` and its CSV files; see :func:`dummydesign.report.page.write_report`.
+
+    Parameters
+    ----------
+    folder : Path
+    stem : str
+        Name of the tissue file without ending.
+    fit : Fit
+    sources : sequence of str
+    """
+    data = fit.result
+    facts = [
+        (str(data["elements"]), f"elements ({(data['elements'] - 1) // 2} relaxing arms)"),
+        (f"{data['rmse_N']:.3g} N", "rms residual over all samples"),
+        (f"{data['noise_floor_N']:.3g} N", "noise floor, seen in the holds without any law"),
+        (f"{data['max_residual_N']:.3g} N", "largest residual of a bin"),
+        (str(len(data["by_trace"])), "traces"),
+    ]
+    lead = (
+        f"Nonlinear law of {data['elements']} elements fitted to traces: {LAWS[fit.law]}; {MODES[fit.mode]}. "
+        f"Low and high are the ends of 95 % intervals."
+    )
+    sections = [
+        Section("Force over time", _words(fit), _presses(fit)),
+        Section("What is left", "Measured minus fitted, in bins. The area is three times the noise floor, up and down.",
+                _residuals(fit)),
+        Section("Parameters", _notes(data), table=table_of_parameters(data["parameters"])),
+        *_by_condition(data),
+        Section("3, 5 and 7 elements", _rivals_words(data), table=_rivals(data)),
+        Section("Traces", "", table=_traces(data)),
+    ]  # fmt: skip
+    stem = f"{stem}-report"
+    return write_report(folder, f"Fit {stem.removesuffix('-report')}", lead, sections, facts, data["warnings"],
+                        sources, stem=stem)  # fmt: skip
+
+
+def _series(fit: Fit) -> Iterable[tuple[ReducedTrace, np.ndarray, np.ndarray, np.ndarray]]:
+    """Each trace with its fitted force in bins, and the fitted curve at its nodes with times since contact."""
+    from dummydesign.tissue.residual import fitted_force
+
+    for problem, optimum in fit.problems:
+        binned = problem.predict(optimum.solution.parameters, optimum.arms)[0]
+        at = 0
+        for index, trace in enumerate(problem.traces):
+            count = len(trace.force_N)
+            time = trace.motion.time_s - trace.ramp.contact_time_s
+            yield trace, binned[at : at + count], time, fitted_force(problem, optimum, index)
+            at += count
+
+
+def _groups(fit: Fit) -> list[tuple[float, float, list[tuple[Any, ...]]]]:
+    """Speed, mean steady force and series of each condition, repeats together."""
+    from dummydesign.tissue.fit import condition_groups
+
+    series = {id(row[0]): row for row in _series(fit)}
+    traces: list[ReducedTrace] = [row[0] for row in series.values()]
+    found = []
+    for speed, _, group in condition_groups(traces):
+        force = float(np.mean([trace.steady_force_N for trace in group]))
+        found.append((speed, force, [series[id(trace)] for trace in group]))
+    return found
+
+
+def _words(fit: Fit) -> str:
+    text = "Dots are means over the bins that were fitted, the line is the fit along the measured motion."
+    more = len(_groups(fit)) - MOST_PLOTS
+    return text + (f" {more} more conditions stand in the residual table." if more > 0 else "")
+
+
+def _presses(fit: Fit) -> list[Plot]:
+    plots, names = [], set()
+    for speed, force, rows in _groups(fit)[:MOST_PLOTS]:
+        layers: list[Dots | Line] = []
+        for number, (trace, _, time, curve) in enumerate(rows):
+            middle = 0.5 * (trace.start_s + trace.end_s) - trace.ramp.contact_time_s
+            shown, style = middle > 0, STYLES[number % len(STYLES)]
+            label = "measured" if len(rows) == 1 else f"measured, {trace.trace.name}"
+            layers.append(Dots(label, middle[shown], trace.force_N[shown], "other" if len(rows) == 1 else style))
+            keep = time > 0
+            layers.append(Line("fitted" if len(rows) == 1 else f"fitted, {trace.trace.name}", time[keep], curve[keep],
+                               "main" if len(rows) == 1 else style))  # fmt: skip
+        rms = float(np.sqrt(np.mean(np.concatenate([trace.force_N - binned for trace, binned, *_ in rows]) ** 2)))
+        peak = max(float(trace.force_N.max()) for trace, *_ in rows)
+        ends = [float(time[-1]) for *_, time, _ in rows]
+        title = f"{force:.3g} N steady at {speed:g} mm/s: rms {rms:.2g} N"
+        alt = (
+            f"Force over time on a logarithmic axis at {speed:g} mm/s, {force:.3g} N steady, peak {peak:.3g} N; bin "
+            f"means and fit differ by {rms:.2g} N rms."
+        )
+        name = unique(f"press-{force:.2g}N-{speed:g}mm-s", names)
+        rise = min(trace.ramp.rise_time_s for trace, *_ in rows)
+        plots.append(
+            Plot(name, title, alt, "time since contact [s]", "force [N]", "time_s", "force_N", tuple(layers),
+                 log_x=True, x_range=(log_start(rise), max(ends)))
+        )  # fmt: skip
+    return plots
+
+
+def _residuals(fit: Fit) -> list[Plot]:
+    rise: list[Line] = []
+    hold: list[Line] = []
+    for number, (speed, force, rows) in enumerate(_groups(fit)):
+        style = STYLES[number % len(STYLES)]
+        for trace, binned, *_ in rows:
+            middle = 0.5 * (trace.start_s + trace.end_s)
+            after, left = middle > trace.ramp.stop_time_s, trace.force_N - binned
+            depth = trace.average @ trace.motion.displacement_mm
+            name = f"{speed:g} mm/s, {force:.3g} N"
+            rise.append(Line(name, depth[~after], left[~after], style))
+            hold.append(Line(name, middle[after] - trace.ramp.stop_time_s, left[after], style))
+    floor, plots = 3.0 * fit.result["noise_floor_N"], []
+    largest = max(float(np.max(np.abs(line.y))) for line in (*rise, *hold) if len(line.y))
+    reach = 1.08 * max(largest, 1.5 * floor)
+    for name, lines, label, column, log in (
+        ("residual-rise", rise, "depth in the rise [mm]", "depth_mm", False),
+        ("residual-hold", hold, "time since the stop [s]", "time_s", True),
+    ):
+        known = np.concatenate([np.asarray(line.x, float) for line in lines])
+        ends = (max(float(known.min()), 1e-4) if log else 0.0, float(known.max()))
+        band = Band("three noise floors", np.array(ends), np.full(2, -floor), np.full(2, floor))
+        words = "over depth in the rise" if name.endswith("rise") else "over time in the hold"
+        alt = f"Residual {words}; the largest of all bins is {largest:.3g} N, three noise floors are {floor:.2g} N."
+        plots.append(
+            Plot(name, f"Residual {words}", alt, label, "measured - fitted [N]", column, "residual_N",
+                 (band, *lines), log_x=log, x_range=ends, y_range=(-reach, reach))
+        )  # fmt: skip
+    return plots
+
+
+def _notes(data: dict[str, Any]) -> str:
+    starts = data["starts"]
+    noise = "; ".join(
+        f"white {one['white_N']:.2g} N, slow {one['slow_N']:.2g} N over {one['slow_time_s']:.2g} s, contact "
+        f"{one['position_mm']:.2g} mm, misfit {100 * one['misfit_fraction']:.2g} % of the peak"
+        for one in data["noise"][:1]
+    )
+    return (
+        f"{starts['same_optimum']} of {starts['tried']} starts ended in the same optimum. Noise behind the intervals"
+        f"{' (of the first condition)' if len(data['noise']) > 1 else ''}: {noise}."
+    )
+
+
+def _by_condition(data: dict[str, Any]) -> list[Section]:
+    if "by_condition" not in data:
+        return []
+    rows = data["by_condition"]
+    names = list(rows[0]["parameters"])
+    body = [
+        [f"{row['velocity_mm_s']:g}", row["depth_mm"], row["steady_force_N"],
+         *(row["parameters"][name]["value"] for name in names)]
+        for row in rows
+    ]  # fmt: skip
+    text = "A parameter that changes with force or speed here need not change in the material; see the documentation."
+    return [Section("Condition by condition", text, table=Table(["mm/s", "depth mm", "steady N", *names], body))]
+
+
+def _rivals_words(data: dict[str, Any]) -> str:
+    return (
+        f"{data['elements']} elements are reported. AICc is counted under one and the same noise, that of seven "
+        "elements; lower is better, and more elements must earn six. The left-out error is that of speeds and depths "
+        "that were not fitted."
+    )
+
+
+def _rivals(data: dict[str, Any]) -> Table:
+    lowest = min(row["aicc"] for row in data["comparison"].values())
+    rows = [
+        [f"{name}{' (reported)' if int(name) == data['elements'] else ''}", row["parameters"], row["rmse_N"],
+         row["heldout_rmse_N"], f"{row['aicc']:.1f}", f"{row['aicc'] - lowest:.1f}"]
+        for name, row in data["comparison"].items()
+    ]  # fmt: skip
+    return Table(["elements", "parameters", "rms N", "left out rms N", "AICc", "above lowest"], rows)
+
+
+def _traces(data: dict[str, Any]) -> Table:
+    head = ["file", "mm/s", "depth mm", "steady N", "peak N", "fitted peak N", "rms N", "worst bin N", "at s"]
+    keys = ("velocity_mm_s", "depth_mm", "steady_force_N", "peak_force_N", "fitted_peak_force_N", "rmse_N",
+            "max_residual_N", "max_residual_time_s")  # fmt: skip
+    return Table(head, [[row["file"], *(row[key] for key in keys)] for row in data["by_trace"]])

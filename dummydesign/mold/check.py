@@ -228,7 +228,7 @@ def _label(made: Parts) -> list[Check]:
     depth = made.plan.land_mm - made.spec.body.label_depth_mm / 2
     places = [bar.middle for bar in bars]
     mirrored = [(-x, y) for x, y in places]
-    in_mould, in_master = insides(made.solid("mould")), insides(made.solid("master"))
+    in_mould, in_master = _insides(made.solid("mould")), _insides(made.solid("master"))
     grow = made.plan.silicone_scale
 
     def void(x: float, y: float) -> bool:
@@ -253,7 +253,7 @@ def _handedness(shared: float) -> Check:
     return below("label_not_mirrored", shared, 0.99, "share of strokes that a mirrored label would share")
 
 
-def insides(solid: Any) -> Callable[[float, float, float], bool]:
+def _insides(solid: Any) -> Callable[[float, float, float], bool]:
     """Point-in-solid test whose classifier is set up once."""
     from OCP.BRepClass3d import BRepClass3d_SolidClassifier
     from OCP.gp import gp_Pnt

@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from dummydesign.mold import contents, demould
 from dummydesign.mold.build import Parts
-from dummydesign.mold.check import INTERFERENCE_MM3, VOLUME_REL, Check, below, equal, insides
+from dummydesign.mold.check import INTERFERENCE_MM3, VOLUME_REL, Check, below
+from dummydesign.mold.outline import Outline
 from dummydesign.mold.shapes import drafted_prism
 from dummydesign.mold.spec import PadGeometry
-from dummydesign.shape import RIM_FREE_MM, Bumped
+from dummydesign.shape import RIM_FREE_MM, Bumped, Conic, sphere_foot_mm
 
-PROFILE_MM, HEIGHT_MM, PLACES = 1e-4, 1e-5, 128
+PROFILE_MM, HEIGHT_MM, LEAST_POINTS = 1e-5, 1e-5, 12
 
 
 def check_shape(made: Parts) -> list[Check]:
     """Check what the slab does not have; nothing for a slab."""
     pad = made.spec.pad
-    found = [] if pad.kind in ("slab", "puck") else [face_profile(made)]
+    found = [] if pad.kind in ("slab", "puck", "layered") else [face_profile(made)]
     if pad.kind == "boned":
         found += _bone(made)
     if pad.kind == "layered":
@@ -26,43 +28,41 @@ def check_shape(made: Parts) -> list[Check]:
 
 
 def face_profile(made: Parts) -> Check:
-    """Where gel begins and ends, against the heights that the finite-element model uses.
+    """Heights of the curved faces, tested face or bone, against those that the finite-element model uses.
 
-    At places spread over the pad a point just inside either face must lie in the solid, one just outside not.
+    Looked at are the corners of a mesh, which lie on the exact faces however coarse it is.
     """
-    pad, inside = made.spec.pad, insides(made.pad_nominal)
-    wrong = 0
-    for x, y in profile_places(pad):
-        low = float(pad.shape.drop_mm(x, y))
-        high = pad.thickness_mm - float(pad.shape.bone_mm(x, y))
-        seen = [inside(x, y, z) for z in (low - PROFILE_MM, low + PROFILE_MM, high - PROFILE_MM, high + PROFILE_MM)]
-        wrong += seen != [False, True, True, False]
-    note = f"of {PLACES} places where a face is more than {PROFILE_MM:g} mm off the shape's formula"
-    return equal("face_profile", wrong, 0, note)
-
-
-def profile_places(pad: PadGeometry) -> Any:
-    """Places (x, y), half of them where the shape is curved, half all over the pad but its rim; shape (n, 2)."""
     import numpy as np
 
-    shape = pad.shape
-    pad_reach = np.array([pad.length_mm, pad.width_mm]) / 2 - RIM_FREE_MM
-    curved = max(shape.lines_mm(), default=pad_reach.min())
-    if isinstance(shape, Bumped):
-        curved = shape.rings * shape.pitch_mm + shape.radius_mm
-    # Halton's points in bases 2 and 3.
-    spread = np.array([[_halton(i, base) for base in (2, 3)] for i in range(1, PLACES + 1)]) * 2 - 1
-    reach = np.where(np.arange(PLACES)[:, None] % 4 < 2, np.minimum(curved, pad_reach), pad_reach)
-    return spread * reach
+    pad, shape = made.spec.pad, made.spec.pad.shape
+    foot = sphere_foot_mm(shape.radius_mm, shape.height_mm) if isinstance(shape, Bumped) else shape.foot_mm
+    turn = math.radians(Conic(shape.radius_mm, shape.height_mm, foot).foot_slope_deg) / 3
+    corners = [
+        point.toTuple()
+        for face in _inner_faces(made.pad_nominal.copy(), pad)
+        for point in face.tessellate(0.05 * shape.height_mm, turn)[0]
+    ]
+    if len(corners) < LEAST_POINTS:
+        return below("face_profile", math.inf, PROFILE_MM, "no curved face was found")
+    x, y, z = np.array(corners).T
+    height = pad.thickness_mm - shape.bone_mm(x, y) if pad.kind == "boned" else shape.drop_mm(x, y)
+    worst = float(np.abs(z - height).max())
+    return below("face_profile", worst, PROFILE_MM, f"mm off the shape's formula at {len(corners)} points of its faces")
 
 
-def _halton(index: int, base: int) -> float:
-    value, share = 0.0, 1.0
-    while index:
-        share /= base
-        value += share * (index % base)
-        index //= base
-    return value
+def _inner_faces(solid: Any, pad: PadGeometry) -> list[Any]:
+    """Faces that keep off the pad's rim: those of its curves and no other."""
+    reach = pad.length_mm / 2 - (-pad.thickness_mm if _runs_out(pad) else RIM_FREE_MM) + 1e-3
+    room = Outline(2 * reach, pad.width_mm - 2 * RIM_FREE_MM + 2e-3, 0.0)
+    found = demould.faces_within(solid, room, 0.0, pad.thickness_mm)
+    # A bar's end faces lean as the walls do.
+    return [face for face in found if abs(face.normalAt().z) > 0.2]
+
+
+def _runs_out(pad: PadGeometry) -> bool:
+    """Whether the profile goes on into the end walls."""
+    named = dict(pad.parameters)
+    return bool(named.get("ridge") or named.get("bar"))
 
 
 def _bone(made: Parts) -> list[Check]:

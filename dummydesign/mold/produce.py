@@ -149,15 +149,24 @@ def _start_picture(made: Parts, meshes: dict[str, Any], folder: Path) -> subproc
     spec = made.spec
     title = f"{spec.preset} mould, {spec.pad.title}   #{spec.hash}"
     packed = folder / ".picture.npz"
-    shown = {name: view.turned(part) if name in _turned(spec) else part for name, part in meshes.items()}
-    view.pack(shown, {name: COLOURS[part.material] for name, part in made.parts.items()}, title, packed)
+    view.pack(*_shown(made, meshes), title, packed)
     command = [sys.executable, "-m", "dummydesign.mold.view", str(packed), str(folder / f"mould_{spec.tag}.png")]
     return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
-def _turned(spec: MouldSpec) -> tuple[str, ...]:
-    """Parts that are shown upside down, because what is special about them is below."""
-    return ("carrier",) if spec.pad.kind == "boned" else () if spec.pad.shape.flat_top else ("pad",)
+def _shown(made: Parts, meshes: dict[str, Any]) -> tuple[dict[str, Any], dict[str, tuple[float, float, float]]]:
+    """Meshes as pictures show them and their colours: turned over where what matters is below, and named so."""
+    pad = made.spec.pad
+    upside = {"carrier": "carrier, bone up"} if pad.kind == "boned" else {}
+    upside |= {} if pad.shape.flat_top else {"pad": "pad, tested face up"}
+    shown, colours = {}, {}
+    for name, part in meshes.items():
+        if name == "pad" and "layer_top" in meshes:
+            # Its two layers stand for it.
+            continue
+        shown[upside.get(name, name)] = view.turned(part) if name in upside else part
+        colours[upside.get(name, name)] = COLOURS[made.parts[name].material]
+    return shown, colours
 
 
 def _finish_picture(
@@ -181,20 +190,20 @@ def _finish_picture(
 def _write_views(made: Parts, meshes: dict[str, Any], folder: Path) -> dict[str, str]:
     """GLB of the assembly as in the STEP file, and a one-file HTML view with the stacked parts lifted apart."""
     colours = {name: COLOURS[part.material] for name, part in made.parts.items()}
-    bounds = {name: (float(part.bounds[0][2]), float(part.bounds[1][2])) for name, part in meshes.items()}
-    order = [name for name in view.STACK if name in meshes]
-    lifts = view.exploded(bounds, order, view.GAP_SHARE * made.plan.top.length_mm)
-    joined, apart = {}, {}
-    for name, part in meshes.items():
-        joined[name] = part.copy()
-        joined[name].apply_translation(made.parts[name].offset_mm)
-        apart[name] = view.turned(part) if name in _turned(made.spec) else part.copy()
-        apart[name].apply_translation(made.parts[name].offset_mm)
-        apart[name].apply_translation((0.0, 0.0, lifts.get(name, 0.0)))
+    joined = {name: part.copy() for name, part in meshes.items()}
+    for name, part in joined.items():
+        part.apply_translation(made.parts[name].offset_mm)
+    shown, shown_colours = _shown(made, meshes)
+    bounds = {name: (float(part.bounds[0][2]), float(part.bounds[1][2])) for name, part in shown.items()}
+    lifts = view.exploded(bounds, view.stacked(list(shown)), view.GAP_SHARE * made.plan.top.length_mm)
+    apart = {name: part.copy() for name, part in shown.items()}
+    for name, part in apart.items():
+        beside = (0.0, 0.0, lifts[name]) if name in lifts else made.parts[name].offset_mm
+        part.apply_translation(beside)
     files = {"glb": f"assembly_{made.spec.tag}.glb", "view": f"assembly_{made.spec.tag}.html"}
     mesh.write_glb(mesh.coloured_scene(joined, colours, 1e-3), folder / files["glb"])
     title = f"Mould {made.spec.tag}, specification {made.spec.hash}"
-    mesh.write_html(mesh.coloured_scene(apart, colours, 1e-3), folder / files["view"], title)
+    mesh.write_html(mesh.coloured_scene(apart, shown_colours, 1e-3), folder / files["view"], title)
     return files
 
 

@@ -28,6 +28,12 @@ def pack(meshes: dict[str, Any], colours: dict[str, tuple[float, float, float]],
     np.savez_compressed(path, **arrays)
 
 
+def stacked(names: list[str]) -> list[str]:
+    """Names of the parts in use from the lowest to the highest; ``NAME, something up`` is shown on top of all."""
+    known = [name for name in names if name.split(",")[0] in STACK]
+    return sorted(known, key=lambda name: ("," in name, STACK.index(name.split(",")[0])))
+
+
 def turned(mesh: Any) -> Any:
     """Return a copy turned upside down about the middle of its height."""
     import numpy as np
@@ -67,7 +73,7 @@ def draw(source: Path, picture: Path) -> None:
     names = list(dict.fromkeys(key.split("/")[0] for key in data.files if "/" in key))
     meshes = {name: _surface(pyvista, np, data, name) for name in names}
     stacks = [
-        [name for name in STACK if name in names and not (name == "pad" and "layer_top" in names)],
+        stacked(names),
         [name for name in ("master", "frame") if name in names],
         [name for name in ("lid_master", "lid_frame") if name in names],
     ]

@@ -52,7 +52,8 @@ class Conic:
         """Drop below the apex at a radius; held at ``height_mm`` beyond the foot."""
         r = np.minimum(np.abs(np.asarray(r_mm, dtype=float)), self.foot_mm)
         root = np.sqrt(np.maximum(1.0 - self.factor * (r / self.radius_mm) ** 2, 0.0))
-        return r**2 / (self.radius_mm * (1.0 + root))
+        # Exactly the height from the foot on: rounding must not leave a bone of -1e-15 mm there.
+        return np.where(r < self.foot_mm, r**2 / (self.radius_mm * (1.0 + root)), self.height_mm)
 
     @property
     def foot_slope_deg(self) -> float:

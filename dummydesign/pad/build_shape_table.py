@@ -1,8 +1,7 @@
 """Make the response tables of shaped pads: ``python -m dummydesign.pad.build_shape_table crowned``.
 
-Shapes are taken from a Sobol sequence over the table's ranges, as far as they can be cast; each is solved with
-two beads at the punch's edge. Solved curves are kept line by line in a file of their own, so that a build can
-be interrupted and taken up again.
+Shapes are taken from a Sobol sequence over the table's ranges, as far as they can be cast. Solved curves are kept
+line by line in a file of their own, so that a build can be interrupted and taken up again.
 """
 
 from __future__ import annotations
@@ -19,21 +18,16 @@ from typing import Any
 import numpy as np
 
 from dummydesign import __version__
-from dummydesign.errors import InputError
 from dummydesign.files import write_text
 from dummydesign.library import data_folder
-from dummydesign.pad.laws import Yeoh
 from dummydesign.pad.response import fit
-from dummydesign.pad.shaped import CELLS, EDGE_ERROR, LEAST_ERROR, RIMS, Press, climb, sharp
-from dummydesign.shape import Crowned
+from dummydesign.pad.shape_designs import DESIGNS, EXTENT_OVER_RADIUS, Design
+from dummydesign.pad.shape_table import LOGARITHMS
+from dummydesign.pad.shaped import EDGE_ERROR, LEAST_ERROR, sharp
 
 Array = np.ndarray
 
-# The punch of the tables, which makes castability (in mm) a matter of ratios: 14 x 14 mm as a circle.
-RADIUS_MM = 14.0 / float(np.sqrt(np.pi))
-EXTENT_OVER_RADIUS = float(np.sqrt(150.0 * 120.0)) / 14.0
-DEPTHS = np.array([0.02, 0.04, 0.07, 0.1, 0.14, 0.18, 0.22, 0.26, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6])
-# Levels of the response surface: depth over the height of the crown.
+# Levels of the response surface of crowned pads: depth over the height of the crown.
 LEVELS = np.array(
     [0.03, 0.06, 0.1, 0.16, 0.23, 0.32, 0.42, 0.53, 0.65, 0.78, 0.92, 1.07, 1.25, 1.45, 1.7, 2.0, 2.4, 2.9, 3.5]
 )
@@ -41,60 +35,14 @@ LEVELS = np.array(
 CARRIED_ON = 0.9
 # What a curve that reached the last depth counts in the mean that limits the table's depth.
 COMPLETE = 0.7
-# Solved a little beyond what the table offers, so that its ends lie inside.
-LOW = np.array([np.log(0.48), 0.17, np.log(0.36), 0.085])
-HIGH = np.array([np.log(3.3), 0.78, np.log(1.8), 0.72])
-MARGIN = 0.02 * (HIGH - LOW)
+MEANING = {
+    "crowned": "ln(F / (16/9 E sqrt(R) d^1.5)) over ln h/a, c/h, ln b/a, ln s and d/c; s = R c / b^2",
+    "layered": "ln(F / F of the slab of the upper resin) over ln h/a, top/h, ln modulus ratio and d/h",
+    "boned": "ln(F / F of the slab) over ln h/a, bone height/h, ln foot/a and d/h; spherical dome",
+}
 
 
-def crown(point: Array) -> tuple[Crowned, float]:
-    """Shape and thickness [mm] of a design point (ln h/a, c/h, ln b/a, s)."""
-    h = RADIUS_MM * np.exp(point[0])
-    c, b = point[1] * h, RADIUS_MM * np.exp(point[2])
-    return Crowned(float(point[3] * b * b / c), float(c), float(b)), float(h)
-
-
-def castable(point: Array) -> bool:
-    """Whether the crown of a design point can be cast."""
-    shape, h = crown(point)
-    try:
-        shape.check(h)
-    except InputError:
-        return False
-    return True
-
-
-def design(count: int) -> Array:
-    """First ``count`` castable points of the Sobol sequence, shape (count, 4)."""
-    from scipy.stats import qmc
-
-    raw = qmc.Sobol(4, scramble=False).random_base2(14)[1:]
-    points = LOW + (HIGH - LOW) * raw
-    return np.array([point for point in points[: 12 * count] if castable(point)][:count])
-
-
-def fresh(count: int) -> Array:
-    """Random castable points inside the table's own ranges, for its error."""
-    rng = np.random.default_rng(20)
-    inside = 0.04 * (HIGH - LOW)
-    points = rng.uniform(LOW + inside, HIGH - inside, (800, 4))
-    return np.array([point for point in points if castable(point)][:count])
-
-
-def solve(point: Array, cells: int = CELLS) -> dict[str, Any]:
-    """Solve one crown with each bead: F / (E a^2) at the depths that were reached, and why it stopped."""
-    shape, h = crown(point)
-    press = Press(shape, h, RADIUS_MM / h, EXTENT_OVER_RADIUS * RADIUS_MM / h)
-    answer: dict[str, Any] = {"point": [float(x) for x in point], "force": [], "stop": []}
-    for rim in RIMS:
-        path = climb(press, Yeoh(1.0), DEPTHS, cells, rim)
-        force = np.asarray(path.force) / 3.0 * (h / RADIUS_MM) ** 2
-        answer["force"].append([float(f"{value:.7g}") for value in force])
-        answer["stop"].append(path.stop)
-    return answer
-
-
-def gather(points: Array, store: Path, workers: int, cells: int = CELLS) -> list[dict[str, Any]]:
+def gather(design: Design, points: Array, store: Path, workers: int, finer: bool = False) -> list[dict[str, Any]]:
     """Solve the points that the store does not hold yet (none with 0 workers); answers in the points' order."""
     known: dict[tuple[str, ...], dict[str, Any]] = {}
 
@@ -106,7 +54,8 @@ def gather(points: Array, store: Path, workers: int, cells: int = CELLS) -> list
             answer = json.loads(line)
             known[key(answer["point"])] = answer
     missing = [point for point in points if key(point) not in known] if workers else []
-    work = partial(solve, cells=cells)
+    store.parent.mkdir(parents=True, exist_ok=True)
+    work = partial(design.solve, finer=finer)
     with ProcessPoolExecutor(workers or 1) as pool, store.open("a", encoding="utf-8") as file:
         for done, job in enumerate(as_completed([pool.submit(work, point) for point in missing]), 1):
             try:
@@ -118,51 +67,56 @@ def gather(points: Array, store: Path, workers: int, cells: int = CELLS) -> list
             file.write(json.dumps(answer) + "\n")
             file.flush()
             reach = [len(force) for force in answer["force"]]
-            print(f"{done} of {len(missing)}: reached {reach} of {len(DEPTHS)} depths", file=sys.stderr)
+            print(f"{done} of {len(missing)}: reached {reach} of {len(design.depths)} depths", file=sys.stderr)
     return [known[key(point)] for point in points if key(point) in known]
 
 
-def padded(forces: list[list[float]]) -> Array:
-    """Forces of one shape with each bead at all depths, NaN where they were not reached, shape (beads, levels)."""
-    return np.array([force + [np.nan] * (len(DEPTHS) - len(force)) for force in forces], dtype=float)
-
-
-def sharp_values(answers: list[dict[str, Any]]) -> tuple[Array, Array, Array]:
-    """Points, F / (E a^2) with a sharp edge at the levels, and what the edge added, relative."""
+def values_of(design: Design, answers: list[dict[str, Any]]) -> tuple[Array, Array, Array]:
+    """Points, forces (crowned, with a sharp edge) or factors at the depths, and what the edge added, relative."""
     points = np.array([answer["point"] for answer in answers])
-    pairs = [sharp(*padded(answer["force"])) for answer in answers]
-    return points, np.array([value for value, _ in pairs]), np.array([added for _, added in pairs])
+    rows, added = [], []
+    for answer in answers:
+        padded = [np.array(row + [np.nan] * (len(design.depths) - len(row)), dtype=float) for row in answer["force"]]
+        value, edge = sharp(*padded) if design.kind == "crowned" else (padded[0], 0.0 * padded[0])
+        rows.append(value)
+        added.append(edge)
+    return points, np.array(rows), np.array(added)
 
 
-def reduced(points: Array, values: Array) -> Array:
-    """ln of F over Hertz's force of the tip."""
+def reduced(design: Design, points: Array, values: Array) -> Array:
+    """ln of F over Hertz's force of the tip (crowned), or of the factor."""
+    if design.kind != "crowned":
+        return np.log(values)
     h = np.exp(points[:, 0])
     tip = points[:, 3] * np.exp(2.0 * points[:, 2]) / (points[:, 1] * h)
-    return np.log(values / (16.0 / 9.0 * np.sqrt(tip)[:, None] * (DEPTHS * h[:, None]) ** 1.5))
+    return np.log(values / (16.0 / 9.0 * np.sqrt(tip)[:, None] * (design.depths * h[:, None]) ** 1.5))
 
 
-def at_levels(points: Array, rows: Array) -> Array:
+def at_levels(design: Design, points: Array, rows: Array) -> Array:
     """Curves over d / h, shape (n, depths), at the levels of d / c; NaN where they were not solved.
 
     A natural cubic spline in sqrt(d / h) from 0 at first touch, carried on straight.
     """
     from scipy.interpolate import CubicSpline
 
+    depths = design.depths
     out = np.full((len(points), len(LEVELS)), np.nan)
     for row, share, values in zip(out, points[:, 1], rows):
         known = np.isfinite(values)
-        last = DEPTHS[known][-1]
-        place = np.sqrt(np.concatenate([[0.0], DEPTHS[known]]))
+        last = depths[known][-1]
+        place = np.sqrt(np.concatenate([[0.0], depths[known]]))
         spline = CubicSpline(place, np.concatenate([[0.0], values[known]]), bc_type="natural")
         x = LEVELS * share
         inside = np.minimum(np.sqrt(x), place[-1])
         carried = spline(inside) + (np.sqrt(x) - inside) * spline(place[-1], 1)
-        wanted = x <= (CARRIED_ON if last >= DEPTHS[-1] else last * (1.0 + 1e-9))
+        wanted = x <= (CARRIED_ON if last >= depths[-1] else last * (1.0 + 1e-9))
         row[wanted] = carried[wanted]
     return out
 
 
-def content(answers: list[dict[str, Any]], checks: list[dict[str, Any]], finer: list[dict[str, Any]]) -> dict[str, Any]:
+def content(
+    design: Design, answers: list[dict[str, Any]], checks: list[dict[str, Any]], finer: list[dict[str, Any]]
+) -> dict[str, Any]:
     """Fit the response surface, measure its error on fresh solves, and return what goes into the file.
 
     Parameters
@@ -172,76 +126,93 @@ def content(answers: list[dict[str, Any]], checks: list[dict[str, Any]], finer: 
     finer : list of dict
         Some of the fresh points on cells of half the size.
     """
-    points, values, added = sharp_values(answers)
-    rows = reduced(points, values)
-    reach = np.array([DEPTHS[np.isfinite(row)][-1] for row in rows])
-    reach = np.where(reach >= DEPTHS[-1], COMPLETE, reach)
-    low, high = (np.append(ends[:3], np.log(ends[3])) for ends in (LOW, HIGH))
-    coordinates = np.column_stack([points[:, :3], np.log(points[:, 3])])
-    surface = fit(coordinates, at_levels(points, rows), LEVELS, low, high, True, reach)
+    depths, crowned = design.depths, design.kind == "crowned"
+    points, values, added = values_of(design, answers)
+    rows = reduced(design, points, values)
+    reach = np.array([depths[np.isfinite(row)][-1] for row in rows])
+    reach = np.where(reach >= depths[-1], COMPLETE, reach)
+    levels, rows = (LEVELS, at_levels(design, points, rows)) if crowned else (depths, rows)
+    low, high = _coordinates(design, design.low[None])[0], _coordinates(design, design.high[None])[0]
+    surface = fit(_coordinates(design, points), rows, levels, low, high, crowned, reach)
     short = {name: _shorter(getattr(surface, name), 7) for name in ("trend", "weights", "lengths")}
     surface = replace(surface, **short)
-    at, fresh_values, _ = sharp_values(checks)
-    checked = np.column_stack([at[:, :3], np.log(at[:, 3])])
+    at, fresh_values, _ = values_of(design, checks)
+    checked = _coordinates(design, at)
     place = np.broadcast_to(np.arange(len(at))[:, None], fresh_values.shape)
-    answered, _ = surface.along(surface.at_levels(checked), place, DEPTHS / at[:, 1:2])
-    miss = np.abs(np.expm1(answered - reduced(at, fresh_values)))
+    unit = at[:, 1:2] if crowned else np.ones((len(at), 1))
+    answered, _ = surface.along(surface.at_levels(checked), place, depths / unit)
+    miss = np.abs(np.expm1(answered - reduced(design, at, fresh_values)))
     # Judged where the table answers: within the limit it states itself.
-    miss = np.where(DEPTHS[None, :] <= surface.limit(checked)[:, None] * (1.0 + 1e-9), miss, np.nan)
-    places, fine_values, _ = sharp_values(finer)
+    miss = np.where(depths[None, :] <= surface.limit(checked)[:, None] * (1.0 + 1e-9), miss, np.nan)
+    places, fine_values, _ = values_of(design, finer)
     twin = np.array([np.abs(at - place).sum(1).argmin() for place in places])
     mesh = _rms(np.log(fine_values / fresh_values[twin]))
-    edge = EDGE_ERROR * _rms(added)
-    stop = [answer["stop"][-1] for answer in answers if answer["stop"][-1]]
     return {
-        "kind": "crowned",
+        "kind": design.kind,
         "condition": "bonded",
-        "meaning": "ln(F / (16/9 E sqrt(R) d^1.5)) over ln h/a, c/h, ln b/a, ln s and d/c; s = R c / b^2",
-        "low": _list(_plain(LOW + MARGIN), 4),
-        "high": _list(_plain(HIGH - MARGIN), 4),
-        "error_depth": _list(DEPTHS, 4),
-        "median_error": _list(np.nanmedian(miss, axis=0), 3),
-        "error": _list(np.nanpercentile(miss, 95.0, axis=0), 3),
-        "solve_error": _list(LEAST_ERROR + mesh + edge, 3),
+        "meaning": MEANING[design.kind],
+        "low": _list(_plain(design, design.low + design.margin), 4),
+        "high": _list(_plain(design, design.high - design.margin), 4),
+        "error_depth": _list(depths, 4),
+        "median_error": _list(_filled(np.nanmedian(miss, axis=0)), 3),
+        "error": _list(_filled(np.nanpercentile(miss, 95.0, axis=0)), 3),
+        "solve_error": _list(_filled(LEAST_ERROR + mesh + EDGE_ERROR * _rms(added)), 3),
         "surface": {
             "low": _list(surface.low, 9),
             "high": _list(surface.high, 9),
             "lengths": _list(surface.lengths, 7),
             "centres": _list(surface.centres, 7),
-            "levels": _list(LEVELS, 4),
+            "levels": _list(levels, 4),
             "trend": _list(surface.trend, 7),
             "weights": _list(surface.weights, 7),
             "reach": _list(surface.reach, 4),
-            "anchored": True,
+            "anchored": crowned,
         },
-        "fresh": {"points": _list(at, 7), "force": _list(fresh_values, 6)},
+        "fresh": {"points": _list(at, 7), "values": _list(fresh_values, 6)},
         "provenance": {
-            "command": "python -m dummydesign.pad.build_shape_table crowned",
+            "command": f"python -m dummydesign.pad.build_shape_table {design.kind}",
             "version": __version__,
             "law": "neo-Hookean, incompressible",
-            "punch": "round, flat, what touches sticks, sharp edge from beads of 0.1 and 0.05",
+            "punch": "round, flat, what touches sticks, " + (
+                "sharp edge from beads of 0.1 and 0.05" if crowned else "ratio to the slab with a bead of 0.1"
+            ),
             "base": "bonded",
             "extent_over_radius": EXTENT_OVER_RADIUS,
-            "cells_under_punch": CELLS,
+            "cells_under_punch": design.cells,
             "design": "Sobol sequence over the ranges, castable under a 14 x 14 mm punch",
             "curves": len(answers),
-            "curves_that_stopped_early": len(stop),
+            "curves_that_stopped_early": int((reach < COMPLETE).sum()),
             "fresh_curves": len(checks),
             "fresh_curves_on_half_the_cells": len(finer),
             "median_error": float(f"{np.nanmedian(miss):.3g}"),
             "error_of_95_percent": float(f"{np.nanpercentile(miss, 95.0):.3g}"),
             "largest_error": float(f"{np.nanmax(miss):.3g}"),
         },
-    }
+    }  # fmt: skip
+
+
+def _plain(design: Design, point: Array) -> Array:
+    """Inputs of the table of a design point: exponentials of its logarithms."""
+    logs = LOGARITHMS[design.kind].copy()
+    if design.kind == "crowned":
+        logs[3] = False
+    return np.where(logs, np.exp(point), point)
+
+
+def _coordinates(design: Design, points: Array) -> Array:
+    """Coordinates of the response surface of design points (n, k)."""
+    if design.kind != "crowned":
+        return points
+    return np.column_stack([points[:, :3], np.log(points[:, 3])])
 
 
 def _rms(values: Array) -> Array:
     return np.sqrt(np.nanmean(values**2, axis=0))
 
 
-def _plain(point: Array) -> Array:
-    """Inputs of the table (h/a, c/h, b/a, s) of a design point."""
-    return np.array([np.exp(point[0]), point[1], np.exp(point[2]), point[3]])
+def _filled(errors: Array) -> Array:
+    """Errors at depths where nothing was measured take the largest measured one."""
+    return np.where(np.isfinite(errors), errors, np.nanmax(errors))
 
 
 def _shorter(values: Array, digits: int) -> Array:
@@ -258,21 +229,24 @@ def _list(values: Array, digits: int) -> list[Any]:
 def main(arguments: list[str] | None = None) -> None:
     """Solve what is missing and write the table."""
     parser = argparse.ArgumentParser(description="Make a response table of shaped pads by finite elements.")
-    parser.add_argument("kind", choices=("crowned",))
-    parser.add_argument("--count", type=int, default=400, help="shapes that are solved")
-    parser.add_argument("--fresh", type=int, default=36, help="further random shapes, for the table's error")
-    parser.add_argument("--finer", type=int, default=8, help="of these on half the cells, for the elements' error")
+    parser.add_argument("kind", choices=tuple(DESIGNS))
+    parser.add_argument("--count", type=int, help="shapes that are solved (crowned 400, others 80)")
+    parser.add_argument("--fresh", type=int, help="further random shapes, for the error (crowned 36, others 12)")
+    parser.add_argument("--finer", type=int, help="of these on half the cells, for the elements' error (8, others 4)")
     parser.add_argument("--workers", type=int, default=1)
-    parser.add_argument("--store", type=Path, default=Path("crowned-solves.jsonl"), help="file that keeps solves")
+    parser.add_argument("--store", type=Path, help="file that keeps solves (KIND-solves.jsonl)")
     parser.add_argument("--no-solve", action="store_true", help="use what the store holds")
     parser.add_argument("--out", type=Path, default=data_folder() / "materials" / "tables")
     options = parser.parse_args(arguments)
-    workers = 0 if options.no_solve else options.workers
-    checks = gather(fresh(options.fresh), options.store, workers)
-    finer = gather(fresh(options.finer), options.store.with_suffix(".finer.jsonl"), workers, 2 * CELLS)
-    answers = gather(design(options.count), options.store, workers)
-    table = content(answers, checks, finer)
-    write_text(options.out / "crowned-bonded.json", json.dumps(table) + "\n")
+    design, workers = DESIGNS[options.kind], 0 if options.no_solve else options.workers
+    usual = (400, 36, 8) if options.kind == "crowned" else (80, 12, 4)
+    count, fresh, finer = (v or w for v, w in zip((options.count, options.fresh, options.finer), usual))
+    store = options.store or Path(f"{options.kind}-solves.jsonl")
+    checks = gather(design, design.fresh(fresh), store, workers)
+    fine = gather(design, design.fresh(finer), store.with_suffix(".finer.jsonl"), workers, True)
+    answers = gather(design, design.points(count), store, workers)
+    table = content(design, answers, checks, fine)
+    write_text(options.out / f"{options.kind}-bonded.json", json.dumps(table) + "\n")
     print(json.dumps(table["provenance"], indent=1))
 
 

@@ -47,6 +47,8 @@ def elastic_curve(
     """
     if fidelity not in FIDELITIES:
         raise unknown_name("fidelity", fidelity, FIDELITIES)
+    if fidelity in ("3d", "viscoelastic") and pad.base.startswith("friction"):
+        raise InputError(f"base = {pad.base} is not solved by fidelity {fidelity}; use --fidelity axisymmetric")
     if fidelity == "3d":
         return _in_space(pad, deepest_mm, depths_mm, progress)
     if fidelity == "table" or (fidelity == "viscoelastic" and _in_table(pad)):
@@ -176,7 +178,7 @@ def _by_elements(
 
 def _solve(pad: Pad, grid: Array, progress: Callable[[float], None] | None) -> PadCurve:
     """Solve the static curve by the elements that fit the punch and its contact."""
-    from dummydesign.pad.axisymmetric import STANDARD_EXTENT_MM, PadCurve, solve_curve
+    from dummydesign.pad.axisymmetric import BASES, STANDARD_EXTENT_MM, PadCurve, solve_curve
     from dummydesign.pad.indent import profile, solve_flat, solve_shaped
     from dummydesign.pad.puck import solve_puck
 
@@ -189,12 +191,14 @@ def _solve(pad: Pad, grid: Array, progress: Callable[[float], None] | None) -> P
         return _solve_shape(pad, grid, extent, progress)
     if pad.profile_mm is not None:
         punch = profile(*pad.profile_mm)
-        inputs = {"pad": replace(pad, young_MPa=1.0, prony=()), "extent": extent, "depth": grid}
-        args = (punch, pad.thickness_mm, 1.0, grid, pad.radius_mm, pad.condition)
+        # A pad that rests by its weight is not the same at another modulus.
+        unit = 1.0 if pad.base in BASES else pad.young_MPa
+        inputs = {"pad": replace(pad, young_MPa=unit, prony=()), "extent": extent, "depth": grid}
+        args = (punch, pad.thickness_mm, unit, grid, pad.radius_mm, pad.condition)
         made = cached("profile", inputs, lambda: vars(solve_shaped(*args, base=pad.base, extent_mm=extent, **common)))
-        force, error = (made[name] * pad.young_MPa for name in ("force_N", "error_N"))
+        force, error = (made[name] * (pad.young_MPa / unit) for name in ("force_N", "error_N"))
         return PadCurve(**(made | {"force_N": force, "error_N": error}))
-    solve = solve_curve if pad.condition == "bonded" else solve_flat
+    solve = solve_curve if pad.condition == "bonded" and pad.base in BASES else solve_flat
     return solve(
         pad.thickness_mm, pad.radius_mm, pad.young_MPa, grid, condition=pad.condition, base=pad.base,
         extent_mm=extent, progress=progress, **common,

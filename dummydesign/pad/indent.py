@@ -8,12 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from dummydesign.cache import cached
 from dummydesign.errors import InputError, NoAnswerError
 from dummydesign.pad import mesh as meshes
 from dummydesign.pad.axisymmetric import MAX_DEPTH_OVER_THICKNESS
+from dummydesign.pad.base_contact import Both, RestingBase, friction_of, weight_over_shear
 from dummydesign.pad.checks import positive
 from dummydesign.pad.contact import FlatPunch, ProfilePunch, Punch, Surface
 from dummydesign.pad.laws import Law, Yeoh
@@ -91,17 +94,24 @@ def indentation_problem(
     condition: str = "frictionless",
     growth: float = 1.3,
     stiffness: float = EDGE_STIFFNESS,
+    weight: float = 0.0,
 ) -> Problem:
     """A slab of unit thickness under a rigid punch, contact over the whole top.
 
     Parameters
     ----------
+    base : str
+        ``bonded``, ``sliding`` (no lift-off) or ``friction:MU`` (rests on a plate by its weight).
     condition : str
         ``frictionless``, ``friction:MU`` or ``bonded`` (what touches sticks).
     stiffness : float
         Contact stiffness in shear moduli per cell.
+    weight : float
+        Pressure of the pad's weight on the base in shear moduli; counts for ``base`` friction:MU only.
     """
-    friction, grip = _condition(condition)
+    friction = friction_of(condition, "condition", ("frictionless", "bonded")) or 0.0
+    grip = float(condition == "bonded")
+    base_friction = friction_of(base, "base", BASES)
     cell = region.cell
     inner = graded(region.start, 0.0, cell, growth)[::-1] if region.start > 0.0 else np.array([0.0])
     fine = np.linspace(region.start, region.stop, max(2, round((region.stop - region.start) / cell)) + 1)
@@ -115,34 +125,20 @@ def indentation_problem(
     held = np.zeros(mesh.size, dtype=bool)
     held[2 * np.nonzero(meshes.on_axis(mesh))[0]] = True
     below = np.nonzero(meshes.on_base(mesh, 1.0))[0]
-    held[2 * below + 1] = True
-    if base not in BASES:
-        raise InputError(f"base = '{base}' is not one of {', '.join(BASES)}")
-    if base == "bonded":
-        held[2 * below] = True
+    held[2 * below + 1] = base in BASES
+    held[2 * below] |= base == "bonded"
     sides = meshes.edges_on(mesh, meshes.on_top(mesh) & (mesh.nodes[0] <= region.stop + 0.5))
     contact = law.shear_MPa * stiffness / cell
     surface = Surface(
         mesh.nodes, sides, lambda at: np.full_like(at, contact), np.zeros_like,
         contact * grip, 0.0, friction, SLIP_SCALE * cell,
     )  # fmt: skip
+    # What touches at the start sticks or slips from where it is.
+    surface.settle(np.zeros(mesh.size), punch, 0.0)
+    if base_friction is not None:
+        bottom = meshes.edges_on(mesh, meshes.on_base(mesh, 1.0))
+        surface = Both(surface, RestingBase(mesh, bottom, law.shear_MPa, base_friction, weight))
     return Problem(Solid(mesh, law, poisson), held, np.array([], dtype=int), 2 * below + 1, surface, punch)
-
-
-def _condition(text: str) -> tuple[float, float]:
-    """Coefficient of friction and grip (0 or 1) of a condition as it is typed."""
-    if text == "frictionless":
-        return 0.0, 0.0
-    if text == "bonded":
-        return 0.0, 1.0
-    name, _, number = text.partition(":")
-    try:
-        value = float(number)
-    except ValueError:
-        value = -1.0
-    if name != "friction" or not 0.0 <= value <= 5.0:
-        raise InputError(f"condition '{text}' is not frictionless, bonded or friction:MU with MU from 0 to 5")
-    return value, 0.0
 
 
 def press(
@@ -181,31 +177,56 @@ def solve_flat(
     law: Law | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> PadCurve:
-    """Static force of a slab under a flat, sharp-edged punch whose face slides: limit of small rims.
+    """Static force of a slab under a flat, sharp-edged punch where something slides: its face, its base, or both.
 
-    The forces with rims of 0.1, 0.05 and 0.025 of the smaller of radius and thickness are extrapolated to
-    rim 0; what that adds, and 0.2 % for the mesh, is the stated error. A depth needs at least two rims that reach it.
+    With friction it is the glued curve times a ratio (see ``ratio_curve``). Without friction under the face the
+    forces with rims of 0.1, 0.05 and 0.025 of the smaller of radius and thickness are extrapolated to rim 0; what
+    that adds, and 0.2 % for the mesh, is the stated error. A depth needs at least two rims that reach it.
 
     Parameters
     ----------
     thickness_mm, radius_mm, young_MPa, depth_mm
         As for :func:`dummydesign.pad.axisymmetric.solve_curve`.
     condition : str
-        ``frictionless`` or ``friction:MU``; a glued face is solved by
-        :func:`dummydesign.pad.axisymmetric.solve_curve`.
+        ``bonded``, ``frictionless`` or ``friction:MU``.
+    base : str
+        ``bonded``, ``sliding`` (no lift-off) or ``friction:MU`` (lifts off, rests by its weight). A glued face on
+        one of the first two is solved by :func:`dummydesign.pad.axisymmetric.solve_curve`.
 
     Raises
     ------
     InputError, NoAnswerError
         For bad values; when no depth is reached by two rims.
     """
+    from dummydesign.pad.ratio_curve import solve_by_ratio
+
     shape, depths, ratio, unit = _normalised(thickness_mm, radius_mm, young_MPa, depth_mm, poisson, law)
+    friction_of(condition, "condition", ("frictionless", "bonded"))
+    rests = friction_of(base, "base", BASES) is not None
+    if condition != "frictionless":
+        return solve_by_ratio(
+            thickness_mm, radius_mm, young_MPa, depths, condition, base, poisson, extent_mm, shape, progress
+        )
+    weight = weight_over_shear(thickness_mm, unit) if rests else 0.0
+    inputs = {"radius": ratio, "extent": extent_mm / thickness_mm, "law": shape, "poisson": poisson, "base": base}
+    inputs |= {"weight": weight, "depths": depths}
+    args = (ratio, depths, extent_mm / thickness_mm, shape, poisson, base, weight, progress)
+    found = cached("slab-frictionless", inputs, lambda: _frictionless(*args))
+    factor, depth = unit * thickness_mm**2, depths[: len(found["force"])] * thickness_mm
+    return PadCurve(depth, found["force"] * factor, found["error"] * factor, found["solver"], found["notes"])
+
+
+def _frictionless(
+    ratio: float, depths: Array, extent: float, law: Law, poisson: float, base: str, weight: float,
+    progress: Callable[[float], None] | None,
+) -> dict[str, Any]:  # fmt: skip
+    """Limit of small rims of the force over mu h^2, its error, cost and notes."""
     scale = min(ratio, 1.0)
     rows, paths = [], []
     for rim in (0.1, 0.05, 0.025):
         punch = FlatPunch(ratio, rim * scale)
         region = flat_region(punch, float(depths[-1]))
-        problem = indentation_problem(punch, region, extent_mm / thickness_mm, shape, poisson, base, condition)
+        problem = indentation_problem(punch, region, extent, law, poisson, base, "frictionless", weight=weight)
         path = follow(problem, depths, 0.3 * punch.rim, 0.03 * scale, 0.002 * scale, progress)
         rows.append(np.concatenate([path.force, np.full(len(depths) - len(path.force), np.nan)]))
         paths.append(path)
@@ -227,8 +248,7 @@ def solve_flat(
     notes = ()
     if count < len(depths):
         notes = (f"solved to d/h = {depths[count - 1]:.3f} of {depths[-1]:.3f}: {stops[0]}",)
-    factor = unit * thickness_mm**2
-    return PadCurve(depths[:count] * thickness_mm, value * factor, error * factor, cost(paths), notes)
+    return {"force": value, "error": error, "solver": cost(paths), "notes": notes}
 
 
 def solve_shaped(
@@ -261,8 +281,9 @@ def solve_shaped(
     own = ProfilePunch(lambda r: _scaled(punch, r, thickness_mm))
     region = Region(0.0, reach, reach / cells)
     problem = indentation_problem(
-        own, region, extent_mm / thickness_mm, shape, poisson, base, condition, stiffness=SHAPED_STIFFNESS
-    )
+        own, region, extent_mm / thickness_mm, shape, poisson, base, condition, stiffness=SHAPED_STIFFNESS,
+        weight=weight_over_shear(thickness_mm, unit),
+    )  # fmt: skip
     path = press(problem, depths, 0.25 * float(depths[0]), 0.05, None)
     notes = (path.stop,) if path.stop else ()
     force = path.force * unit * thickness_mm**2

@@ -14,6 +14,7 @@ from dummydesign.pad.curve_sources import FIDELITIES, ElasticCurve, elastic_curv
 from dummydesign.pad.laws import Law, Yeoh
 from dummydesign.pad.quick_error import allowance
 from dummydesign.pad.relaxation import PronyTerm, relaxed_force
+from dummydesign.pad.table import BASES
 from dummydesign.protocol.motion import Motion
 from dummydesign.shape import Shape, Slab
 
@@ -182,8 +183,10 @@ def predict_motion(
         solver = cost | {name: solver[name] + cost[name] for name in ("load_steps", "newton_iterations", "seconds")}
     else:
         ratio = pad.radius_mm / pad.thickness_mm
-        below, above = allowance(pad.base, ratio, place / pad.thickness_mm, time, elastic, pad.prony)
-        below, above = below[keep], above[keep]
+        # Not measured for a base with friction: the larger of both its limits.
+        bases = (pad.base,) if pad.base in BASES else BASES
+        args = (ratio, place / pad.thickness_mm, time, elastic, pad.prony)
+        below, above = np.max([allowance(base, *args) for base in bases], axis=0)[:, keep]
     peak = int(np.argmax(force))
     return MotionPrediction(
         motion.time_s, motion.displacement_mm, force, np.maximum(force - error - below, 0.0), force + error + above,

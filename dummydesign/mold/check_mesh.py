@@ -28,8 +28,9 @@ def check_mould_mesh(made: Parts, mould: Any, fine: Any) -> list[Check]:
     found = [equal("rays_blocked", hits, 0, "upward rays from the cavity that meet the mould")]
     centres, normals = mould.triangles_center, mould.face_normals
     inside = (np.abs(centres[:, 0]) < plan.opening.length_mm / 2) & (np.abs(centres[:, 1]) < plan.opening.width_mm / 2)
-    inside &= (centres[:, 2] > -0.01) & (centres[:, 2] < plan.land_mm - 1e-3) & (mould.area_faces > 1e-4)
-    side = np.flatnonzero(inside & (np.abs(normals[:, 2]) < 0.2))
+    # A pocket that is too deep must not escape, so the floor is looked for down to the underside.
+    inside &= (centres[:, 2] < plan.land_mm - 1e-3) & (mould.area_faces > 1e-4)
+    side = np.flatnonzero(inside & (centres[:, 2] > -0.01) & (np.abs(normals[:, 2]) < 0.2))
     floor = np.flatnonzero(inside & (normals[:, 2] > UPWARD) & (centres[:, 2] < plan.depth_mm - 0.5))
     walls, exits = thicknesses_mm(mould, *surface_samples(mould, side, RAYS))
     # A ray that leaves below all that is cut into the land met the outside; those cuts have checks of their own.

@@ -40,12 +40,18 @@ def ratio_error(answer: Suggestion) -> float:
 
 
 def exponent_over_thickness(answer: Suggestion, law: ForceLaw) -> NDArray:
-    """Local exponent d ln F / d ln x at :data:`EXPONENT_AT_N`, ratio as recommended; (thickness, force)."""
-    curves = make_curves(law, THICKNESS_GRID_MM, RADIUS_MM)
-    slab = np.arange(len(THICKNESS_GRID_MM))
+    """Local exponent d ln F / d ln x at :data:`EXPONENT_AT_N`, ratio as recommended; (thickness, force).
+
+    NaN at thicknesses that the law does not hold.
+    """
+    held = np.asarray(law.depth_limit_mm(THICKNESS_GRID_MM, RADIUS_MM)) > 0.0
+    curves = make_curves(law, THICKNESS_GRID_MM[held], RADIUS_MM)
+    slab = np.arange(int(held.sum()))
     area = np.array(EXPONENT_AT_N) / answer.resin.young_MPa(answer.best.ratio)
     depth = curves.depth_at(slab, np.broadcast_to(area, (len(slab), len(area))))
-    return curves.slope_at(slab, depth) * depth / area
+    exponent = np.full((len(held), len(area)), np.nan)
+    exponent[held] = curves.slope_at(slab, depth) * depth / area
+    return exponent
 
 
 @dataclass(frozen=True)

@@ -126,7 +126,7 @@ def _beside(answer: Suggestion) -> Plot:
     alt = f"Steady force of each pad over the tissue's at the same depth; 1 is the tissue. {'; '.join(words)}."
     return Plot("shapes", "Force of each pad over the tissue's, at equal depth", alt, "steady force of the tissue [N]",
                 "force / tissue's force", "tissue_force_N", "force_ratio", tuple(layers), log_x=True,
-                y_range=(0.0, 4.0), note="1 is the tissue; above 4 is cut off")  # fmt: skip
+                x_range=(0.3, 15.0), y_range=(0.0, 4.0), note="1 is the tissue; above 4 is cut off")  # fmt: skip
 
 
 def _steady(answer: Suggestion) -> Plot:

@@ -1,0 +1,119 @@
+"""``suggest --shape`` and ``predict --shape`` on the command line."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from dummydesign.cli import run
+from dummydesign.design.families import FAMILIES
+from dummydesign.shape import read_shape
+
+QUICK = ["--no-cad", "--no-verify"]
+
+
+@pytest.fixture(autouse=True)
+def _in_an_empty_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def answer(capsys, *arguments):
+    status = run([*arguments, "--json"])
+    return status, json.loads(capsys.readouterr().out)
+
+
+@pytest.fixture(scope="module")
+def crowned(tmp_path_factory):
+    """A crowned pad for the forefinger, with its report."""
+    from contextlib import redirect_stdout
+    from io import StringIO
+
+    folder, text = tmp_path_factory.mktemp("crowned"), StringIO()
+    with redirect_stdout(text):
+        asked = ["--tissue", "forefinger", "--shape", "crowned", "--out", str(folder)]
+        status = run(["suggest", *asked, *QUICK, "--json"])
+    assert status == 0
+    return folder, json.loads(text.getvalue())
+
+
+def test_a_crowned_pad_for_the_forefinger_has_at_most_a_third_of_the_slabs_misfit(crowned):
+    rows = {row["kind"]: row for row in crowned[1]["shapes"]}
+    assert set(rows) == {"slab", "crowned"}
+    assert rows["crowned"]["misfit_rms_ln_force"] <= rows["slab"]["misfit_rms_ln_force"] / 3.0
+    assert rows["crowned"]["share_below_5N"] > rows["slab"]["share_below_5N"]
+    assert rows["crowned"]["depth_over_thickness"] <= 0.6
+
+
+def test_the_recommended_shape_can_be_cast_and_read_back(crowned):
+    best = crowned[1]["recommendation"]
+    shape = read_shape(best["shape"])
+    shape.check(best["thickness_mm"])
+    assert shape.name == "crowned" and str(shape) == best["shape"]
+    near = best["from_first_touch"]
+    assert near["exponent_at_N"]["1"] > 1.5
+    assert near["misfit_rms_ln_force"] == crowned[1]["shapes"][-1]["misfit_rms_ln_force"]
+
+
+def test_alternatives_have_shapes_of_their_own_thickness(crowned):
+    for other in crowned[1]["alternatives"]:
+        read_shape(other["shape"]).check(other["thickness_mm"])
+
+
+def test_the_report_shows_the_shapes_side_by_side_with_their_curves_as_csv(crowned):
+    folder, _ = crowned
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert "Shapes side by side" in page
+    lines = (folder / "report-shapes.csv").read_text(encoding="utf-8").splitlines()
+    assert lines[0].startswith("series,tissue_force_N,force_ratio")
+    assert {line.split(",")[0].strip('"').split(":")[0] for line in lines[1:]} >= {"aim", "slab", "crowned"}
+
+
+def test_a_shape_with_its_lengths_is_kept(capsys):
+    status, found = answer(capsys, "suggest", "--tissue", "forefinger", "--shape", "crowned:20,2", *QUICK)
+    assert status == 0
+    assert read_shape(found["recommendation"]["shape"]) == read_shape("crowned:20,2")
+
+
+@pytest.mark.parametrize(
+    ("shape", "words"),
+    [
+        ("crownd", "did you mean 'crowned'"),
+        ("crowned:20", "needs height"),
+        ("crowned:20,2,x", "not a number"),
+        ("crowned:20,-1", "height = -1"),
+    ],
+)
+def test_a_shape_that_is_none_is_one_line_and_status_2(shape, words, capsys):
+    assert run(["suggest", "--tissue", "forefinger", "--shape", shape, *QUICK]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("error: ") and error.count("\n") == 1 and words in error
+    assert not list(Path().iterdir())
+
+
+def test_a_shape_is_not_designed_with_a_calibration_of_a_slab(capsys):
+    assert run(["suggest", "--tissue", "forefinger", "--shape", "crowned", "--calibration", "x.json", *QUICK]) == 2
+    assert "calibration" in capsys.readouterr().err
+
+
+def test_predict_takes_a_crowned_pad_from_its_table_and_gives_the_hertzian_start(capsys):
+    pad = ["--young", "40", "--thickness", "5", "--shape", "crowned:20,2"]
+    status, found = answer(capsys, "predict", *pad, "--depth", "0.02,0.5,1.0,1.5")
+    assert status == 0 and found["fidelity"] == "table"
+    hertz = 16.0 / 9.0 * 0.04 * 20.0**0.5 * 0.02**1.5
+    assert found["force_N"][0] == pytest.approx(hertz, rel=0.25) and found["force_N"][0] > hertz
+    assert found["local_exponent"][0] == pytest.approx(1.55, abs=0.1)
+    assert all(low < high for low, high in zip(found["force_low_N"], found["force_high_N"]))
+
+
+def test_predict_says_where_a_shape_has_no_table(capsys):
+    pad = ["--young", "40", "--thickness", "8", "--depth", "1"]
+    assert run(["predict", *pad, "--shape", "crowned:20,2,ridge=1"]) == 2
+    assert "--fidelity 3d" in capsys.readouterr().err
+    assert run(["predict", *pad, "--shape", "crowned:20,2", "--base", "sliding"]) == 2
+    assert "--fidelity axisymmetric" in capsys.readouterr().err
+
+
+def test_every_family_has_its_table():
+    from dummydesign.design.families import load_family
+
+    assert all(load_family(kind).kind == kind for kind in FAMILIES)

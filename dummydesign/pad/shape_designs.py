@@ -20,6 +20,7 @@ Array = np.ndarray
 
 # The punch of the tables, which makes castability (in mm) a matter of ratios: 14 x 14 mm as a circle.
 RADIUS_MM = 14.0 / float(np.sqrt(np.pi))
+EVEN = 160
 EXTENT_OVER_RADIUS = float(np.sqrt(150.0 * 120.0)) / 14.0
 
 
@@ -69,12 +70,21 @@ class Design:
         return True
 
     def points(self, count: int) -> Array:
-        """First ``count`` castable points of the Sobol sequence, shape (count, k)."""
+        """Castable points of the Sobol sequence, shape (count, k).
+
+        Of crowned pads the first 160 are even in s, all others in ln s: soft tissues ask for pointed crowns.
+        """
         from scipy.stats import qmc
 
         raw = qmc.Sobol(len(self.low), scramble=False).random_base2(14)[1:]
         points = self.low + (self.high - self.low) * raw
-        return np.array([point for point in points[: 12 * count] if self.castable(point)][:count])
+        if self.kind != "crowned":
+            return np.array([point for point in points[: 12 * count] if self.castable(point)][:count])
+        even = [point for point in points[:8000] if self.castable(point)][: min(count, EVEN)]
+        later = points[8000:].copy()
+        later[:, 3] = self.low[3] * (self.high[3] / self.low[3]) ** raw[8000:, 3]
+        pointed = [point for point in later if self.castable(point)][: count - len(even)]
+        return np.array(even + pointed)
 
     def fresh(self, count: int) -> Array:
         """Random castable points inside the table's own ranges, for its error."""

@@ -15,6 +15,8 @@ RISE_BINS = 20
 HOLD_GROWTH = 1.33
 FIRST_HOLD_S = 1e-3
 RISE_NODES = 160
+FINE_NODES = 80
+"""Nodes that a rise of few samples is brought to; its motion between samples is :func:`between`."""
 SETTLED_S = 0.01
 """Time after the stop from which the motion is taken as a slow wander and the force as smooth. [s]"""
 
@@ -121,6 +123,9 @@ def _nodes(time: NDArray, edges: NDArray, ramp: Ramp) -> NDArray:
     rise = time[(time >= edges[0]) & (time < ramp.stop_time_s + SETTLED_S)]
     if len(rise) > RISE_NODES:
         rise = rise[np.unique(np.linspace(0, len(rise) - 1, RISE_NODES).astype(int))]
+    elif 1 < len(rise) < FINE_NODES:
+        parts = -(-FINE_NODES // len(rise))
+        rise = np.interp(np.arange(parts * (len(rise) - 1) + 1) / parts, np.arange(len(rise)), rise)
     hold = edges[edges >= ramp.stop_time_s]
     middle = 0.5 * (hold[:-1] + hold[1:])
     nodes = np.union1d(np.r_[rise, ramp.contact_time_s, ramp.stop_time_s], np.r_[hold, middle])
@@ -130,11 +135,42 @@ def _nodes(time: NDArray, edges: NDArray, ramp: Ramp) -> NDArray:
 
 def _node_displacement(nodes: NDArray, time: NDArray, x: NDArray, ramp: Ramp) -> NDArray:
     """Displacement at the nodes: as measured in the rise, mean between half-way points in the hold."""
-    measured = np.interp(nodes, time, x)
+    measured = between(nodes, time, x)
     integral = np.r_[0.0, np.cumsum(0.5 * (x[1:] + x[:-1]) * np.diff(time))]
     half = np.r_[nodes[0], 0.5 * (nodes[1:] + nodes[:-1]), nodes[-1]]
     mean = np.diff(np.interp(half, time, integral)) / np.diff(half)
     return np.where(nodes > ramp.stop_time_s + SETTLED_S, mean, measured)
+
+
+def between(at: NDArray, time: NDArray, x: NDArray) -> NDArray:
+    """Motion between samples: cubic by central differences, without overshoot; outside as at the ends.
+
+    Exact for a constant deceleration. A chord would run below the braking of a robot at 250 mm/s, by 4 um at
+    1 kHz, which a fit of the fast arm sees. Slopes are at most three times those of the chords beside them, so
+    that the curve rises where the samples rise and an abrupt stop stays one.
+
+    References
+    ----------
+    Fritsch and Carlson, SIAM J. Numer. Anal. 17 (1980) 238 (condition for a monotone cubic).
+    """
+    if len(time) < 3:
+        return np.interp(at, time, x)
+    step = np.diff(time)
+    chord = np.diff(x) / step
+    left, right = chord[:-1], chord[1:]
+    middle = (left * step[1:] + right * step[:-1]) / (step[1:] + step[:-1])
+    limit = np.where(left * right > 0, 3.0 * np.minimum(np.abs(left), np.abs(right)), 0.0)
+    inner = np.clip(middle, -limit, limit)
+    ends, most = 2.0 * chord[[0, -1]] - inner[[0, -1]], 3.0 * np.abs(chord[[0, -1]])
+    ends = np.where(ends * chord[[0, -1]] > 0, np.clip(ends, -most, most), 0.0)
+    slope = np.r_[ends[0], inner, ends[1]]
+    place = np.clip(np.searchsorted(time, at, side="right") - 1, 0, len(step) - 1)
+    h = step[place]
+    t = np.clip((at - time[place]) / h, 0.0, 1.0)
+    return (
+        x[place] * (1 + 2 * t) * (1 - t) ** 2 + x[place + 1] * t**2 * (3 - 2 * t)
+        + h * t * (1 - t) * (slope[place] * (1 - t) - slope[place + 1] * t)
+    )  # fmt: skip
 
 
 def _average(time: NDArray, place: NDArray, samples: NDArray, nodes: NDArray, smooth_from: float) -> NDArray:

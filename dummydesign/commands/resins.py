@@ -17,8 +17,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     show.add_argument("--out", metavar="DIR", help="also write a plot and its CSV")
     add = actions.add_parser("add", help="keep a resin file, or update a resin by measured points", allow_abbrev=False)
     add.add_argument("file", metavar="FILE")
-    puck = actions.add_parser("add-compression", help="modulus of a batch from its puck's curve", allow_abbrev=False)
-    puck.add_argument("file", metavar="TRACE.csv", help="time_s, displacement_mm, force_N; pressed slowly")
+    told = "modulus and relaxation of a batch from its puck's curve"
+    puck = actions.add_parser("add-compression", help=told, allow_abbrev=False)
+    told = "time_s, displacement_mm, force_N: one slow loading, or ramps and holds"
+    puck.add_argument("file", metavar="TRACE.csv", help=told)
     puck.add_argument("--diameter", type=float, required=True, metavar="MM")
     puck.add_argument("--height", type=float, required=True, metavar="MM")
     puck.add_argument("--name", required=True, help="of the resin that results")
@@ -107,7 +109,7 @@ def _add_compression(options: argparse.Namespace) -> dict[str, Any]:
         "ratio": options.ratio,
         "resin": options.resin,
     }
-    return {"inputs": inputs, "warnings": [], "sources": [done.young_kPa.source], **done.to_dict()}
+    return {"inputs": inputs, "sources": [done.young_kPa.source], **done.to_dict()}
 
 
 def render(result: dict[str, Any]) -> str:
@@ -135,9 +137,23 @@ def _render_puck(result: dict[str, Any]) -> list[str]:
         f"plates    friction {low} to {high} agrees with the curve; it was not told and is in the interval",
         f"misfit    {result['rmse_N']:.3g} N rms over {result['compression_mm'][0]:.3g} to "
         f"{result['compression_mm'][1]:.3g} mm",
+        *_render_relaxation(result["relaxation"]),
         f"resin     {result['name']}: law of {result['base']} updated at ratio {result['ratio']:g}",
         f"file      {result['files']['resin']}",
     ]
+
+
+def _render_relaxation(found: dict[str, Any] | None) -> list[str]:
+    if found is None:
+        return []
+    lines = []
+    for arm in found["prony"]:
+        beta, tau = arm["beta"], arm["tau_s"]
+        lines.append(
+            f"arm       {beta['value']:.3g} of the long-term modulus (95 %: {beta['low']:.3g} to {beta['high']:.3g}) "
+            f"at {tau['value']:.3g} s ({tau['low']:.3g} to {tau['high']:.3g})"
+        )
+    return lines or ["arm       none that the holds can tell"]
 
 
 def _render_resin(result: dict[str, Any]) -> list[str]:

@@ -1,11 +1,11 @@
-"""The modulus of a batch from one compression curve of its puck, and the resin it becomes."""
+"""Modulus and relaxation of a batch from one compression curve of its puck, and the resin it becomes."""
 
 from __future__ import annotations
 
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,6 +17,13 @@ from dummydesign.resin.load import DEFAULT, KIND, load_resin
 from dummydesign.resin.update import Point, update_resin
 from dummydesign.resin.write import save_resin
 
+if TYPE_CHECKING:
+    from dummydesign.pad.puck_press import Hold
+    from dummydesign.pad.puck_relax import PuckRelaxation
+    from dummydesign.pad.puck_table import PuckTable
+    from dummydesign.protocol.trace import Trace
+    from dummydesign.resin.model import Resin
+
 Array = np.ndarray
 
 FIRST_SHARE, LAST_SHARE = 0.03, 0.5
@@ -27,7 +34,7 @@ STEPS = 60
 
 @dataclass(frozen=True)
 class Compressed:
-    """What one puck's curve says; ``young_kPa`` is of this puck alone."""
+    """What one puck's curve says; ``young_kPa`` is of this puck alone, ``relaxation`` None without a hold."""
 
     name: str
     base: str
@@ -38,6 +45,8 @@ class Compressed:
     rmse_N: float
     compression_mm: tuple[float, float]
     file: str
+    relaxation: dict[str, Any] | None = None
+    warnings: tuple[dict[str, str], ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values; ``law`` names the elastic law that was fitted."""
@@ -50,6 +59,8 @@ class Compressed:
             "friction": self.friction,
             "rmse_N": self.rmse_N,
             "compression_mm": list(self.compression_mm),
+            "relaxation": self.relaxation,
+            "warnings": list(self.warnings),
             "files": {"resin": self.file},
         }
 
@@ -73,16 +84,19 @@ def add_compression(
 ) -> Compressed:
     """Fit a puck's compression curve and keep the resin that its modulus makes of a law.
 
-    Load = A E u(c; alpha) B(c; alpha, friction), see :mod:`dummydesign.pad.puck_fit`: modulus, stiffening,
-    plate friction and contact offset together; what friction leaves open is in the interval. The modulus is
-    that of the press, slow against relaxation: press slowly, or what has not relaxed counts as stiffness.
+    A curve without a hold: load = A E u(c; alpha) B(c; alpha, friction), see :mod:`dummydesign.pad.puck_fit`;
+    modulus, stiffening, plate friction and contact offset together. The modulus is that of the press, slow
+    against relaxation: press slowly, or what has not relaxed counts as stiffness. With one or more holds the
+    relaxation is fitted too, see :mod:`dummydesign.pad.puck_relax`: the modulus is then the long-term one, and
+    the arms go into the resin by the rule of :mod:`dummydesign.resin.relaxation`. What friction leaves open is
+    in the intervals of both.
 
     Parameters
     ----------
     file : path
-        Trace CSV of one slow loading; displacement is the compression. [s, mm, N]
+        Trace CSV of one loading, or of ramps and holds; displacement is the compression. [s, mm, N]
     diameter_mm, height_mm : float
-        Undeformed puck, of the proportions 50 to 30. [mm]
+        Undeformed puck, of proportions for which there is a friction table. [mm]
     name : str
         Name of the resin that results; one of that name in the user's folder gets this point besides its own.
     ratio : float
@@ -95,8 +109,8 @@ def add_compression(
     InputError
         For a bad file, shape, name or ratio, or a compression that is too small.
     """
-    from dummydesign.pad.puck_fit import Curve, fit_pucks
-    from dummydesign.pad.puck_table import load_puck_table
+    from dummydesign.pad.puck_press import find_holds
+    from dummydesign.pad.puck_shapes import table_for
     from dummydesign.protocol.trace import read_trace
 
     if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_-]*", name):
@@ -108,31 +122,109 @@ def add_compression(
     own = known is not None and known.origin == "user"
     resin = load_resin(base or (name if own else DEFAULT))
     resin.check_ratio(ratio)
-    table = load_puck_table()
-    shape = 2.0 * table.radius_over_height
-    if abs(diameter_mm / height_mm / shape - 1.0) > 0.005:
-        raise InputError(
-            f"diameter over height = {diameter_mm / height_mm:.4g} is not {shape:.4g} (such as 50 x 30 mm), the one "
-            "shape whose friction is solved and shipped; cast the witness puck of the pour sheet"
-        )
+    table = table_for(diameter_mm, height_mm)
     trace = read_trace(file)
+    window = _window(trace, height_mm, table)
+    source = f"puck {diameter_mm:g} x {height_mm:g} mm, {trace.name}, fitted with plate friction left open"
+    holds = find_holds(trace.time_s, trace.displacement_mm)
+    holds = tuple(hold for hold in holds if window[0] < hold.displacement_mm <= window[1])
+    if holds:
+        return _with_holds(trace, holds, (diameter_mm, height_mm), table, window, resin, name, ratio, source)
     place, load = loading(trace.displacement_mm, trace.force_N)
-    first, last = FIRST_SHARE * height_mm, min(LAST_SHARE * height_mm, float(place[-1]))
+    return _without_hold(trace, place, load, (diameter_mm, height_mm), table, window, resin, name, ratio, source)
+
+
+def _window(trace: Trace, height_mm: float, table: PuckTable) -> tuple[float, float]:
+    """Compressions that are used. [mm]"""
+    largest = float(np.max(trace.displacement_mm))
+    share = min(LAST_SHARE, float(table.compression[-1]) - 0.02)
+    first, last = FIRST_SHARE * height_mm, min(share * height_mm, largest)
     if last < 4.0 * first:
         raise InputError(
-            f"{trace.name}: largest displacement_mm = {place[-1]:.3g} is too small; compress the puck by at least "
-            f"{4.0 * first:.3g} mm, better {LAST_SHARE * height_mm:.3g} mm"
+            f"{trace.name}: largest displacement_mm = {largest:.3g} is too small; compress the puck by at least "
+            f"{4.0 * first:.3g} mm, better {share * height_mm:.3g} mm"
         )
+    return first, last
+
+
+def _without_hold(
+    trace: Trace, place: Array, load: Array, size_mm: tuple[float, float], table: PuckTable,
+    window: tuple[float, float], resin: Resin, name: str, ratio: float, source: str,
+) -> Compressed:  # fmt: skip
+    from dummydesign.pad.puck_fit import Curve, fit_pucks
+
+    first, last = window
     grid = np.concatenate([[0.0], np.linspace(first, last, STEPS)])
     curve = Curve(trace.name, "puck", grid, np.interp(grid, place, load))
-    found = fit_pucks([curve], diameter_mm, height_mm, table, (first * (1 - 1e-9), last))
-    source = f"puck {diameter_mm:g} x {height_mm:g} mm, {trace.name}, fitted with plate friction left open"
+    found = fit_pucks([curve], *size_mm, table, (first * (1 - 1e-9), last))
     young = Quantity(found.young_kPa, found.young_low_kPa, found.young_high_kPa, "fitted", source)
-    kept = update_resin(resin, [Point(ratio, young)], name)
-    path = save_resin(kept, output_folder(user_folder() / KIND) / f"{name}.toml")
-    friction = {
-        key: value if np.isfinite(value) else None
-        for key, value in (("value", found.friction), ("low", found.friction_low), ("high", found.friction_high))
-    }
+    path = _keep(update_resin(resin, [Point(ratio, young)], name))
+    friction = _friction(found.friction, found.friction_low, found.friction_high)
     absolute = found.rmse * float(np.sqrt(np.mean(curve.load_N[1:] ** 2)))
-    return Compressed(name, resin.name, ratio, young, found.alpha, friction, absolute, (first, last), str(path))
+    return Compressed(name, resin.name, ratio, young, found.alpha, friction, absolute, (first, last), path)
+
+
+def _with_holds(
+    trace: Trace, holds: tuple[Hold, ...], size_mm: tuple[float, float], table: PuckTable,
+    window: tuple[float, float], resin: Resin, name: str, ratio: float, source: str,
+) -> Compressed:  # fmt: skip
+    from dummydesign.pad.puck_press import reduce_press
+    from dummydesign.pad.puck_relax import fit_relaxation
+    from dummydesign.resin.relaxation import update_relaxation
+
+    # half a hundredth of the height more, so that a hold at the very end is not cut by its own noise
+    press = reduce_press(
+        trace.time_s, trace.displacement_mm, trace.force_N, holds, (window[0], window[1] + 0.005 * size_mm[1])
+    )
+    found = fit_relaxation(press, *size_mm, table)
+    young = Quantity(found.young_kPa.value, found.young_kPa.low, found.young_kPa.high, "fitted", source)
+    kept = update_resin(resin, [Point(ratio, young)], name)
+    told = f"holds of puck {size_mm[0]:g} x {size_mm[1]:g} mm, {trace.name}"
+    measured = [
+        tuple(Quantity(one.value, one.low, one.high, "fitted", told) for one in (arm.tau_s, arm.beta))
+        for arm in found.arms
+        if not arm.reason
+    ]
+    kept, updates, said = update_relaxation(kept, measured, ratio, found.seen_s)
+    path = _keep(kept)
+    warnings = [{"code": "not_identifiable", "message": _flag(arm.reason)} for arm in found.arms if arm.reason]
+    warnings += [{"code": "relaxation_update", "message": text} for text in said]
+    return Compressed(
+        name, resin.name, ratio, young, found.alpha.value,
+        _friction(found.friction.value, found.friction.low, found.friction.high), found.rmse_N, window, path,
+        relaxation_dict(found, holds) | {"updates": [one.to_dict() for one in updates]}, tuple(warnings),
+    )  # fmt: skip
+
+
+def _flag(reason: str) -> str:
+    return f"an arm of the relaxation has no value: {reason}"
+
+
+def relaxation_dict(found: PuckRelaxation, holds: tuple[Hold, ...]) -> dict[str, Any]:
+    """Holds, arms and their rivals as plain values; an arm that is not identifiable has null and its reason."""
+    return {
+        "holds": [
+            {"start_s": hold.start_s, "end_s": hold.end_s, "displacement_mm": hold.displacement_mm} for hold in holds
+        ],
+        "seen_s": list(found.seen_s),
+        "prony": [
+            {"tau_s": arm.tau_s.to_dict(), "beta": arm.beta.to_dict()} for arm in found.arms if not arm.reason
+        ],
+        "not_identifiable": [
+            {"tau_s": None, "beta": None, "reason": arm.reason} for arm in found.arms if arm.reason
+        ],
+        "comparison": found.comparison,
+        "noise": found.noise.to_dict(),
+    }
+
+
+def _keep(resin: Resin) -> str:
+    return str(save_resin(resin, output_folder(user_folder() / KIND) / f"{resin.name}.toml"))
+
+
+def _friction(value: float, low: float, high: float) -> dict[str, float | None]:
+    """Friction with its interval; None for plates that hold the faces."""
+    return {
+        key: number if np.isfinite(number) else None
+        for key, number in (("value", value), ("low", low), ("high", high))
+    }

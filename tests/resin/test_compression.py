@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +14,9 @@ from dummydesign.pad.laws import neo_hookean
 from dummydesign.pad.puck import solve_puck
 from dummydesign.resin import load_resin
 from dummydesign.resin.compression import loading
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "pad"))
+from puck_history import frictionless, ramps, relaxed
 
 YOUNG_KPA = 30.0
 
@@ -61,6 +66,46 @@ def test_a_second_puck_is_kept_beside_the_first(curve, tmp_path, monkeypatch):
     assert [point["ratio"] for point in load_resin("batch").points] == [15.0, 15.2]
 
 
+def test_a_loading_alone_says_nothing_of_relaxation_and_leaves_that_of_the_base(curve, tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
+    assert run(command(curve, "--json")) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["relaxation"] is None and answer["warnings"] == []
+    assert load_resin("batch").arms == load_resin().arms
+
+
+@pytest.fixture(scope="module")
+def held(tmp_path_factory):
+    """A puck of 42 x 28 mm between frictionless plates, ramps and holds, arms 0.3 at 1.2 s and 0.15 at 10 s."""
+    time, x = ramps((0.12, 0.25), 28.0, 2.0, 80.0)
+    force = relaxed(time, YOUNG_KPA * frictionless(x / 28.0, 42.0, 2.0), ((1.2, 0.3), (10.0, 0.15)))
+    force += 0.01 * np.random.default_rng(8).normal(size=len(time))
+    file = tmp_path_factory.mktemp("held") / "held.csv"
+    np.savetxt(file, np.column_stack([time, x, force]), delimiter=",", header="time_s,displacement_mm,force_N",
+               comments="")  # fmt: skip
+    return file
+
+
+def test_holds_give_the_long_term_modulus_and_arms_that_go_into_the_resin(held, tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
+    assert run(command(held, "--json", diameter=42, height=28)) == 0
+    answer = json.loads(capsys.readouterr().out)
+    young, found = answer["young_kPa"], answer["relaxation"]
+    assert young["low"] <= YOUNG_KPA <= young["high"]
+    assert len(found["holds"]) == 2 and set(found["comparison"]) == {"0", "1", "2", "3"}
+    for arm, (tau, beta) in zip(found["prony"], ((1.2, 0.3), (10.0, 0.15)), strict=True):
+        assert arm["tau_s"]["value"] == pytest.approx(tau, rel=0.1)
+        assert arm["beta"]["value"] == pytest.approx(beta, rel=0.1)
+    kept = load_resin("batch")
+    assert kept.relaxation_ratio_ref == 15.0
+    times = [arm.tau_s.value for arm in kept.arms]
+    for arm in found["prony"]:
+        assert any(abs(time / arm["tau_s"]["value"] - 1.0) < 1e-6 for time in times)
+    assert any("holds show" in note for note in kept.notes)
+    assert run(["predict", "--resin", "batch", "--ratio", "15", "--thickness", "15", "--force", "10", "--velocity",
+                "10", "--json"]) == 0  # fmt: skip
+
+
 def test_only_the_first_loading_counts():
     place, load = loading(np.array([0.0, 1.0, 1.0, 2.0, 1.5, 0.0]), np.array([0.0, 2.0, 4.0, 5.0, 1.0, 0.0]))
     assert place.tolist() == [0.0, 1.0, 2.0]
@@ -70,7 +115,7 @@ def test_only_the_first_loading_counts():
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        ({"height": 20}, "diameter over height = 2.5"),
+        ({"height": 12}, "diameter over height = 4.167 is outside the allowed range 0.759 to 3.66"),
         ({"diameter": -5}, "diameter_mm"),
         ({"ratio": 40}, "ratio of polyurethane-nagoya = 40"),
     ],

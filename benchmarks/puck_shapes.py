@@ -1,0 +1,46 @@
+"""Error of the puck tables of proportions that were not solved, against solves made now.
+
+``python benchmarks/puck_shapes.py`` goes half-way (in the logarithm) between the solved proportions, where the
+interpolation is worst, and to one shape of a standard (29 x 12.5 mm); alpha lies between its grid too.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dummydesign.pad.ogden import Ogden
+from dummydesign.pad.puck import solve_puck
+from dummydesign.pad.puck_shapes import table_for
+from dummydesign.pad.puck_table import SHAPE_STEP, grip, load_shapes, uniaxial
+
+COMPRESSION = np.array([0.02, 0.1, 0.2, 0.3, 0.4, 0.5])
+
+
+def error(diameter_over_height, alpha, plates):
+    """Relative error of the force at those of COMPRESSION that both reach."""
+    table = table_for(diameter_over_height, 1.0)
+    friction = np.inf if plates == "bonded" else float(plates.split(":")[1])
+    wanted = COMPRESSION[COMPRESSION <= table.compression[-1]]
+    law = Ogden([2.0 / alpha], [alpha])
+    curve = solve_puck(diameter_over_height, 1.0, 3.0, wanted, plates=plates, law=law)
+    area = 0.25 * np.pi * diameter_over_height**2
+    free = 3.0 * area * uniaxial(alpha, curve.depth_mm)
+    return free * table.factor(alpha, float(grip(friction)), curve.depth_mm) / curve.force_N - 1.0
+
+
+def main():
+    """Print the table."""
+    shapes = [2.0 * table.radius_over_height * SHAPE_STEP**0.5 for table in load_shapes()[:-1]]
+    print("| diameter / height | " + " | ".join(("friction 0.08", "friction 0.25", "bonded")) + " | solved to |")
+    print("|---|---|---|---|---|")
+    for shape in [*shapes, 29.0 / 12.5]:
+        words, end = [], 0.0
+        for plates in ("friction:0.08", "friction:0.25", "bonded"):
+            found = [error(shape, alpha, plates) for alpha in (1.5, 3.5)]
+            words.append(f"{100 * max(np.max(np.abs(one)) for one in found):.2f} %")
+            end = COMPRESSION[min(len(one) for one in found) - 1]
+        print(f"| {shape:.3f} | " + " | ".join(words) + f" | {end:g} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()

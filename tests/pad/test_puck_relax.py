@@ -1,0 +1,119 @@
+"""Pucks with holds: holds are found, modulus and arms recovered from histories summed by other code, limits said.
+
+``python benchmarks/puck_hold.py`` counts over many draws, with friction by finite elements and a misfit of the law.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from puck_history import frictionless, ramps, relaxed
+
+from dummydesign.pad.puck_noise import PuckNoise, covariance
+from dummydesign.pad.puck_press import find_holds, reduce_press
+from dummydesign.pad.puck_problem import PuckProblem
+from dummydesign.pad.puck_relax import fit_relaxation
+from dummydesign.pad.puck_shapes import table_for
+from dummydesign.pad.relaxation import PronyTerm, relaxed_force
+
+DIAMETER, HEIGHT, YOUNG_KPA, ALPHA = 40.0, 32.0, 30.0, 2.4
+WINDOW = (0.03 * HEIGHT, 0.5 * HEIGHT)
+
+
+def pressed(arms, levels=(0.12, 0.25), hold_s=80.0, seed=5, noise_N=0.01):
+    """A press and its reduction."""
+    time, x = ramps(levels, HEIGHT, 2.0, hold_s)
+    force = relaxed(time, YOUNG_KPA * frictionless(x / HEIGHT, DIAMETER, ALPHA), arms)
+    force += noise_N * np.random.default_rng(seed).normal(size=len(time))
+    return reduce_press(time, x, force, find_holds(time, x), WINDOW)
+
+
+def fitted(press):
+    return fit_relaxation(press, DIAMETER, HEIGHT, table_for(DIAMETER, HEIGHT))
+
+
+@pytest.mark.parametrize("noise_mm", [0.0, 0.004])
+def test_holds_are_found_where_they_are_and_unloading_is_none(noise_mm):
+    time, x = ramps((0.1, 0.2, 0.3), 30.0, 1.0, 20.0)
+    away = np.arange(1, 180) * 0.05
+    time, x = np.r_[time, time[-1] + away], np.r_[x, np.maximum(x[-1] - away, 0.0)]
+    x = x + noise_mm * np.random.default_rng(1).normal(size=len(x))
+    found = find_holds(time, x)
+    assert [hold.displacement_mm for hold in found] == pytest.approx([3.0, 6.0, 9.0], abs=0.01)
+    assert [hold.start_s for hold in found] == pytest.approx([3.0, 26.0, 49.0], abs=0.15)
+    assert [hold.end_s for hold in found] == pytest.approx([23.0, 46.0, 69.0], abs=0.15)
+
+
+def test_a_loading_with_or_without_the_way_back_has_no_hold():
+    time = np.arange(0.0, 120.0, 0.1)
+    assert find_holds(time, time / 6.0) == ()
+    assert find_holds(time, np.minimum(time, 120.0 - time) / 6.0) == ()
+
+
+def test_a_hold_is_found_after_a_ramp_of_few_samples():
+    time = np.arange(0.0, 30.0, 0.1)
+    found = find_holds(time, np.minimum(time * 20.0, 6.0))
+    assert len(found) == 1 and found[0].start_s == pytest.approx(0.3, abs=0.11) and found[0].end_s > 29.8
+
+
+def test_the_model_of_the_bins_is_the_hereditary_integral():
+    arms = ((0.7, 0.3), (9.0, 0.15))
+    press = pressed(arms, noise_N=0.0)
+    problem = PuckProblem(press, DIAMETER, HEIGHT, table_for(DIAMETER, HEIGHT))
+    truth = np.r_[np.log(YOUNG_KPA), ALPHA, 0.0, np.log([0.3, 0.15]), np.log([0.7, 9.0])]
+    assert np.max(np.abs(problem.residual(truth, 0.0))) < 2e-3
+    elastic = problem.elastic(ALPHA, 0.0, 0.0)
+    own = elastic + sum(beta * problem.arm(elastic, tau) for tau, beta in arms)
+    assert own == pytest.approx(relaxed_force(press.time_s, elastic, [PronyTerm(*arm) for arm in arms]), abs=1e-12)
+
+
+def test_modulus_and_arms_of_a_history_summed_elsewhere_come_back_within_their_intervals():
+    arms = ((1.2, 0.3), (10.0, 0.15))
+    found = fitted(pressed(arms))
+    assert found.young_kPa.low <= YOUNG_KPA <= found.young_kPa.high
+    assert found.friction.low == 0.0
+    assert len(found.arms) == 2
+    for arm, (tau, beta) in zip(found.arms, arms):
+        assert arm.reason == ""
+        assert arm.tau_s.value == pytest.approx(tau, rel=0.08)
+        assert arm.beta.value == pytest.approx(beta, rel=0.08)
+    scores = [found.comparison[name]["aicc"] for name in "0123"]
+    assert scores[2] < scores[1] < scores[0] and scores[2] < scores[3] + 6.0
+
+
+def test_a_puck_that_does_not_relax_has_no_arm():
+    found = fitted(pressed((), levels=(0.25,)))
+    assert found.arms == ()
+    assert found.young_kPa.low <= YOUNG_KPA <= found.young_kPa.high
+
+
+def test_an_arm_slower_than_half_of_the_hold_has_no_value_and_the_modulus_reaches_down_to_its_end():
+    found = fitted(pressed(((1.5, 0.2), (60.0, 0.2)), levels=(0.25,), hold_s=80.0))
+    slow = [arm for arm in found.arms if arm.reason]
+    assert slow and "slower than half of the longest hold" in slow[0].reason
+    assert found.young_kPa.low <= YOUNG_KPA <= found.young_kPa.high
+    assert found.seen_s[1] == pytest.approx(40.0, rel=0.01)
+
+
+def test_misfit_of_the_law_is_the_same_all_through_a_hold_and_noise_falls_with_samples():
+    press = pressed(((1.2, 0.3),), levels=(0.25,))
+    late = np.nonzero(press.start_s > press.holds[0].start_s)[0]
+    matrix = covariance(press, HEIGHT, PuckNoise(0.0, 0.0, 1.0, 0.03))[np.ix_(late, late)]
+    assert matrix[0, 1:] == pytest.approx(0.03**2 + 0.0025**2, rel=1e-3)
+    white = np.diag(covariance(press, HEIGHT, PuckNoise(0.1, 0.0, 1.0, 0.0)))
+    expected = 0.01 / press.samples / press.force_N**2
+    assert white - 0.0025**2 - 1e-8 == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.slow
+def test_intervals_hold_the_truth_over_draws_with_friction_misfit_and_drift():
+    """The whole study: python benchmarks/puck_hold.py"""
+    sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
+    from puck_hold import CASES, study
+
+    got = study(20, 7, next(iter(CASES.values())))
+    for name in ("young", "friction", "tau", "beta"):
+        assert got[name].mean() > 0.85, name

@@ -10,7 +10,7 @@ from dummydesign.mold.build import Parts
 from dummydesign.mold.check import INTERFERENCE_MM3, VOLUME_REL, Check, below
 from dummydesign.mold.outline import Outline
 from dummydesign.mold.shapes import drafted_prism
-from dummydesign.mold.spec import PadGeometry
+from dummydesign.mold.spec import PadGeometry, runs_out
 from dummydesign.shape import RIM_FREE_MM, Bumped, Conic, sphere_foot_mm
 
 PROFILE_MM, HEIGHT_MM, LEAST_POINTS = 1e-5, 1e-5, 12
@@ -52,17 +52,11 @@ def face_profile(made: Parts) -> Check:
 
 def _inner_faces(solid: Any, pad: PadGeometry) -> list[Any]:
     """Faces that keep off the pad's rim: those of its curves and no other."""
-    reach = pad.length_mm / 2 - (-pad.thickness_mm if _runs_out(pad) else RIM_FREE_MM) + 1e-3
+    reach = pad.length_mm / 2 - (-pad.thickness_mm if runs_out(pad) else RIM_FREE_MM) + 1e-3
     room = Outline(2 * reach, pad.width_mm - 2 * RIM_FREE_MM + 2e-3, 0.0)
     found = demould.faces_within(solid, room, 0.0, pad.thickness_mm)
     # A bar's end faces lean as the walls do.
     return [face for face in found if abs(face.normalAt().z) > 0.2]
-
-
-def _runs_out(pad: PadGeometry) -> bool:
-    """Whether the profile goes on into the end walls."""
-    named = dict(pad.parameters)
-    return bool(named.get("ridge") or named.get("bar"))
 
 
 def _bone(made: Parts) -> list[Check]:

@@ -7,6 +7,7 @@ from typing import Any
 from dummydesign.mold.build import Parts
 from dummydesign.mold.drawing import Dimension, Drawing, View, arrange
 from dummydesign.mold.shape_notes import shape_mark
+from dummydesign.mold.spec import runs_out
 
 CURVE_MM = 0.02
 
@@ -22,10 +23,11 @@ def drawings(made: Parts) -> dict[str, Drawing]:
         *([f"{pad.kind}: {shape_mark(spec)}"] if shape_mark(spec) else []),
         f"corner radius {pad.corner_radius_mm:g}, edge radius {pad.edge_radius_mm:g}, silicone {spec.silicone.name}",
     ]
+    # Along a ridge or a bar the usual section shows a straight line.
+    across = [_mould_across(made)] if runs_out(pad) else []
+    title = f"Silicone mould, {spec.preset}, t = {pad.thickness_mm:g}"
     return {
-        "mould": arrange(
-            f"Silicone mould, {spec.preset}, t = {pad.thickness_mm:g}", [_mould_top(made), _mould_cut(made)], notes
-        ),
+        "mould": arrange(title, [_mould_top(made), _mould_cut(made), *across], notes),
         "master": arrange(f"Master and frame, t = {pad.thickness_mm:g}", [_master_top(made), _master_cut(made)], notes),
     }
 
@@ -44,15 +46,20 @@ def edges_from_above(solid: Any, low_mm: float) -> list[tuple[tuple[float, float
 
 def cut_at_y(solid: Any, y_mm: float = 0.0) -> list[tuple[tuple[float, float], ...]]:
     """Closed outlines (x, z) of a solid cut by the plane y = const."""
+    return [tuple((x, z) for x, _, z in loop) for loop in _cut(solid, (0, y_mm, 0), (0, 1, 0))]
+
+
+def cut_at_x(solid: Any, x_mm: float = 0.0) -> list[tuple[tuple[float, float], ...]]:
+    """Closed outlines (y, z) of a solid cut by the plane x = const."""
+    return [tuple((y, z) for _, y, z in loop) for loop in _cut(solid, (x_mm, 0, 0), (1, 0, 0))]
+
+
+def _cut(solid: Any, origin: tuple[float, float, float], normal: tuple[int, int, int]) -> list[list[Any]]:
     import cadquery as cq
 
-    size = 1000.0
-    plane = cq.Face.makePlane(size, size, cq.Vector(0, y_mm, 0), cq.Vector(0, 1, 0))
-    loops = []
-    for face in plane.intersect(solid).Faces():
-        for wire in (face.outerWire(), *face.innerWires()):
-            loops.append(tuple((x, z) for x, _, z in _wire_points(wire)))
-    return loops
+    plane = cq.Face.makePlane(1000.0, 1000.0, cq.Vector(*origin), cq.Vector(*normal))
+    faces = plane.intersect(solid).Faces()
+    return [_wire_points(wire) for face in faces for wire in (face.outerWire(), *face.innerWires())]
 
 
 def _points(edge: Any) -> list[tuple[float, float, float]]:
@@ -129,6 +136,20 @@ def _mould_cut(made: Parts) -> View:
         loops += cut_at_y(made.solid("lid"))
         dims.append(_upright(half, plan.land_mm, plan.land_mm + spec.closure.lid_mm, 24.0))
     return View("section y = 0", tuple((loop, "cut") for loop in loops), tuple(dims), True)
+
+
+def _mould_across(made: Parts) -> View:
+    """Section across a ridge or a bar, with the carrier in its place."""
+    plan = made.plan
+    loops = cut_at_x(made.solid("mould")) + (cut_at_x(made.solid("carrier")) if "carrier" in made.parts else [])
+    foot = plan.scale * made.spec.pad.shape.foot_mm
+    level = plan.face_mm or plan.depth_mm
+    dims = [
+        _across(foot, level, 8.0),
+        _upright(0.0, 0.0, plan.face_mm or _bone_low(made), 0.0),
+        _across(plan.bottom.width_mm / 2, -made.spec.body.floor_mm, -9.0),
+    ]
+    return View("section x = 0", tuple((loop, "cut") for loop in loops), tuple(dims), True)
 
 
 def _bone_low(made: Parts) -> float:

@@ -60,6 +60,12 @@ class PadGeometry:
         return f"{name} pad {size}"
 
 
+def runs_out(pad: PadGeometry) -> bool:
+    """Whether the profile goes on into the end walls: a ridge or a bar."""
+    named = dict(pad.parameters)
+    return bool(named.get("ridge") or named.get("bar"))
+
+
 @dataclass(frozen=True)
 class Body:
     """The silicone block around the cavity and the label cut into its land."""

@@ -9,7 +9,7 @@ from typing import Any
 from dummydesign.errors import InputError, out_of_range, unknown_name
 from dummydesign.mold import formula
 from dummydesign.mold.layout import Layout, layout
-from dummydesign.mold.spec import MouldSpec, PadGeometry
+from dummydesign.mold.spec import MouldSpec, PadGeometry, runs_out
 from dummydesign.shape import RIM_FREE_MM
 
 STYLES = ("open", "lidded")
@@ -96,10 +96,9 @@ def _check_shape(spec: MouldSpec, pad: PadGeometry) -> None:
     if not shape.flat_top:
         highest, advice = min(highest, RIM_FREE_MM / 2), "it keeps off the curved top"
     _between("edge_radius_mm", pad.edge_radius_mm, 0.0, highest, advice)
-    runs_out = dict(pad.parameters)
-    if runs_out.get("ridge") or runs_out.get("bar"):
+    if runs_out(pad):
         _between("corner_radius_mm", pad.corner_radius_mm, CORNER_MM, RIM_FREE_MM, f"the {shape.name} top runs out")
-    if runs_out.get("ridge") and pad.edge_radius_mm:
+    if dict(pad.parameters).get("ridge") and pad.edge_radius_mm:
         raise InputError(f"edge_radius_mm = {pad.edge_radius_mm:g} of a ridge must be 0: its ends run out in the walls")
 
 

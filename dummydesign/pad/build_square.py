@@ -22,7 +22,7 @@ from dummydesign import __version__
 from dummydesign.files import write_text
 from dummydesign.library import data_folder
 from dummydesign.pad.build_table import nodes
-from dummydesign.pad.fit_square import Values, content
+from dummydesign.pad.fit_square import DEPTH_END, Values, content
 from dummydesign.pad.laws import Yeoh
 from dummydesign.pad.spatial import Block, Cells, Ratios, depth_of_corner, solve_ratios
 from dummydesign.pad.spatial_rim import solve_rimmed_ratios, useful_depths
@@ -36,7 +36,7 @@ FIRST_CORNERS = (0.14, 0.1)
 FIRST_COUNT = 13
 SHARP_STEP, SHARP_END = 0.05, 0.85
 # Beads, as large as the cells beside them, and the relative depths to which they are followed.
-RIMS = (0.28, 0.2, 0.14)
+RIMS = (0.28, 0.2)
 RIMMED_STEP, RIMMED_END = 0.05, 0.5
 # Half length and half width of the 150 x 120 mm slab over the half side of the 14 mm punch.
 EXTENT_OVER_SIDE = (75.0 / 7.0, 60.0 / 7.0)
@@ -63,6 +63,7 @@ def solve_one(task: Task) -> Ratios:
     block, cells, law = square_block(task.ratio, task.base), Cells(task.corner), Yeoh(1.0)
     if task.rim:
         depths = np.arange(RIMMED_STEP, RIMMED_END + 1e-9, RIMMED_STEP)
+        depths = depths[combined_depth(depths, task.ratio) <= DEPTH_END]
         return solve_rimmed_ratios(block, law, 0.5, useful_depths(block, depths, task.rim), cells, task.rim)
     if task.corner in FIRST_CORNERS:
         return solve_ratios(block, law, 0.5, np.array([]), cells)

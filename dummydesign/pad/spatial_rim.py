@@ -38,7 +38,7 @@ FILM_CELLS = 1
 # How far beyond the punch the surface may come to touch it, in units of the smaller of radius and thickness.
 REACH = 0.8
 # Largest load step in units of the smaller of radius and thickness.
-LARGEST_STEP = 0.025
+LARGEST_STEP = 0.035
 # Below this volume ratio at a quadrature point a cell is about to fold.
 SOUND_J = 0.1
 

@@ -100,6 +100,7 @@ def _place(sheet: Drawing, view: View, shift: Point) -> None:
     def on_paper(point: Point) -> Point:
         return point[0] * sheet.scale + shift[0], point[1] * sheet.scale + shift[1]
 
+    first = len(sheet.lines)
     for run, layer in view.runs:
         sheet.lines.append(Line(tuple(on_paper(point) for point in run), layer))
     for d in view.dimensions:
@@ -108,7 +109,7 @@ def _place(sheet: Drawing, view: View, shift: Point) -> None:
     left, top = on_paper((x0, y1))
     sheet.texts.append(Text((min(left, MARGIN_MM + 60.0) - 50.0, top + 6.0), view.name, 4.0))
     if view.filled:
-        closed = [line.points for line in sheet.lines if line.layer == "cut"]
+        closed = [line.points for line in sheet.lines[first:] if line.layer == "cut"]
         sheet.lines += [Line(piece, "hatch") for piece in hatch(closed, 3.0)]
 
 

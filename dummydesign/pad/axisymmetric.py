@@ -39,8 +39,10 @@ __all__ = [
     "climb_all", "first_stiffness", "rimmed_problem", "sharp_problem", "solve_curve",
 ]  # fmt: skip
 
-# Rims of the ladder over the smaller of punch radius and thickness.
+# Rims of the ladder over the smaller of punch radius and thickness; the last is of use at small depths only, and left
+# out of curves that go deeper than this.
 RIMS = tuple(0.1 * 0.5**k for k in range(6))
+SMALL_DEPTH = 0.25
 # A curve is solved on this many depths besides the wanted ones, and fitted by a series of this many terms.
 GRID_POINTS = 12
 SERIES_TERMS = 8
@@ -58,7 +60,7 @@ def climb(
 ) -> Path:
     """Follow one rung of the ladder through ``depths`` (in thicknesses)."""
     problem = rimmed_problem(slab, law, poisson, rim, resolution)
-    return follow(problem, depths, rim, 0.05 * slab.scale, 0.005 * slab.scale, progress)
+    return follow(problem, depths, rim, 0.05 * slab.scale, 0.005 * slab.scale, progress, patience=0.5)
 
 
 def climb_all(
@@ -179,7 +181,8 @@ def _relative_curve(
     even = deepest * np.linspace(0.0, 1.0, GRID_POINTS + 1)[1:]
     apart = np.abs(even[:, None] - depths).min(axis=1) > 0.02 * deepest
     grid = np.union1d(depths, even[apart])
-    samples, paths = climb_all(slab, law, poisson, grid, RIMS, resolution, progress)
+    rims = RIMS if deepest < SMALL_DEPTH * slab.scale else RIMS[:-1]
+    samples, paths = climb_all(slab, law, poisson, grid, rims, resolution, progress)
     stops = [path.stop for path in paths if path.stop]
     reached = float(samples.depth.max()) if len(samples.depth) else 0.0
     if len(np.unique(samples.depth)) < 4:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.errors import InputError, NoAnswerError
-from dummydesign.pad.table import ResponseTable, load_table
+from dummydesign.pad.table import BASES, ResponseTable, load_table
 from dummydesign.protocol.campaign import Campaign
 
 SLAB_ERROR = ((0.004, 0.3), (0.015, 0.3), (0.008, 0.4))
@@ -144,6 +144,11 @@ def law_of(campaign: Campaign) -> SlabLaw | PuckLaw:
     if punch.contact != "bonded":
         raise InputError(
             f"punch contact = '{punch.contact}': the response table is for contact = 'bonded' (no slip under the punch)"
+        )
+    if pad.base not in BASES:
+        raise InputError(
+            f"pad base = '{pad.base}': campaigns are fitted with base = 'bonded' or 'sliding'; name the nearer one, "
+            "and the effect base_slip tells how much of the base slides"
         )
     table = load_table(pad.base)
     law = SlabLaw(table, punch.radius_mm, punch.shape == "square")

@@ -270,3 +270,19 @@ def test_an_entry_is_text_that_says_what_was_asked(place):
     _, asked, value = path.read_text().split("\n")
     assert json.loads(asked)["inputs"] == {"law": {"Yeoh": {"shear_MPa": 1.0, "c2_MPa": 0.5}}}
     assert json.loads(value)["values"] == [["force", 2.5]]
+
+
+def test_a_prediction_from_the_cache_is_the_fresh_one_and_serves_other_moduli(place, monkeypatch):
+    """A puck by elements: the second time nothing is solved, seconds and counts are those of the solve."""
+    from dummydesign.pad import puck
+    from dummydesign.pad.predict import Pad, predict_static
+
+    def pressed(young_MPa):
+        pad = Pad(30.0, young_MPa, 25.0, condition="frictionless", cylinder=True)
+        return predict_static(pad, [3.0, 6.0], "axisymmetric").to_dict()
+
+    fresh = pressed(0.03)
+    monkeypatch.setattr(puck, "compress", None)
+    assert json.dumps(pressed(0.03)) == json.dumps(fresh)
+    assert pressed(0.06)["force_N"] == pytest.approx(2.0 * np.array(fresh["force_N"]), rel=1e-12)
+    assert len(entries(place)) == 1

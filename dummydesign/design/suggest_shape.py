@@ -116,9 +116,9 @@ def choose(
     tried: list[tuple[Beside, Any]] = [flat] if flat[0].candidate else []
     failed = [] if flat[0].candidate else [flat[0]]
     for kind in kinds_of(text):
-        family = load_family(kind)
         args = (resin, targets, thickness_mm, ratio, radius_mm, sampling)
         try:
+            family = load_family(kind)
             if ":" in text:
                 shaped = search_fixed(family, read_shape(text), *args)
             else:

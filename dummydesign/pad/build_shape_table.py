@@ -170,7 +170,7 @@ def content(
         },
         "fresh": {"points": _list(at, 7), "values": _list(fresh_values, 6)},
         "provenance": {
-            "command": f"python -m dummydesign.pad.build_shape_table {design.kind}",
+            "command": f"python -m dummydesign.pad.build_shape_table {design.kind} --count {len(answers)}",
             "version": __version__,
             "law": "neo-Hookean, incompressible",
             "punch": "round, flat, what touches sticks, " + (

@@ -111,13 +111,12 @@ def study(draws, seed, options):
     size = {name: options[name] for name in ("diameter_mm", "height_mm") if name in options}
     plates = options.get("plates", "friction:0.2")
     friction = np.inf if plates == "bonded" else float(plates.split(":")[1])
-    count = {name: [] for name in ("young", "alpha", "friction", "tau", "beta", "arms", "flagged", "error", "half")}
+    count = {name: [] for name in ("young", "friction", "tau", "beta", "arms", "flagged", "error", "half")}
     for _ in range(draws):
         found = fitted(*made(rng, **options), **size)
         count["young"].append(holds(found.young_kPa, YOUNG_KPA))
         count["error"].append(found.young_kPa.value / YOUNG_KPA - 1.0)
         count["half"].append(0.5 * np.log(found.young_kPa.high / found.young_kPa.low))
-        count["alpha"].append(holds(found.alpha, 2.3))
         count["friction"].append(found.friction.low <= friction <= found.friction.high)
         count["arms"].append(len(found.arms) == len(options["arms"]))
         if len(found.arms) == len(options["arms"]):
@@ -136,12 +135,12 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     print(f"{options.draws} draws a case; a share of 0.95 is right, +-{1.96 * np.sqrt(0.0475 / options.draws):.3f}")
-    head = "E | alpha | friction | times | strengths | arms right | slow arm flagged | E: rms error, half interval"
+    head = "E | friction | times | strengths | arms right | slow arm flagged | E: rms error, half interval"
     print(f"| case | {head} |")
-    print("|---|---|---|---|---|---|---|---|---|")
+    print("|---|---|---|---|---|---|---|---|")
     for name, case in CASES.items():
         got = study(options.draws, options.seed, case)
-        words = [f"{np.mean(got[k]):.2f}" for k in ("young", "alpha", "friction", "tau", "beta", "arms", "flagged")]
+        words = [f"{np.mean(got[k]):.2f}" for k in ("young", "friction", "tau", "beta", "arms", "flagged")]
         size = f"{100 * np.sqrt(np.mean(got['error'] ** 2)):.1f} %, {100 * np.median(got['half']):.1f} %"
         print(f"| {name} | " + " | ".join(words) + f" | {size} |", flush=True)
 

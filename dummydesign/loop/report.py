@@ -103,9 +103,9 @@ def _screening(data: dict[str, Any]) -> list[Plot]:
 
 
 def _evidence(data: dict[str, Any]) -> list[Plot]:
-    """The square root keeps the small ones in sight."""
+    """Evidence where several effects were fitted; the square root keeps the small ones in sight."""
     rows = data["ranking"][:MOST_BARS]
-    if not rows:
+    if len(rows) < 2:
         return []
     labels = [row["name"].replace("_", " ") for row in rows]
     gain = np.array([max(row["evidence"], 0.0) for row in rows])

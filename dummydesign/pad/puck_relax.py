@@ -9,10 +9,10 @@ which the starts are found. The number of arms, 0 to 3, is the smallest whose AI
 under the noise of the richest. Friction is not told: it is profiled from frictionless to bonded.
 
 Intervals of times and strengths are those of the profile likelihood over friction, with the other parameters in
-their Gaussian approximation. Modulus, alpha and friction have the cautious ones of ``puck_fit``: how the law
-misfits along the compression is not known, so a puck counts as one independent number with that misfit and a scatter
-of 2 % as its size. (By the likelihood, with a smooth misfit of known length, they held the truth in 0.4 to 0.7 of
-the draws of a rougher one.)
+their Gaussian approximation. Modulus and friction have the cautious ones of ``puck_fit``: how the law misfits
+along the compression is not known, so a puck counts as one independent number with that misfit and a scatter of 2 %
+as its size. (By the likelihood, with a smooth misfit of known length, they held the truth in 0.7 of the draws of a
+rougher one.) alpha has none: it takes up what the law misfits.
 
 An arm slower than half of the longest hold is not given a value. What it has not relaxed at the end of the file
 counts as stiffness, and the interval of the modulus goes down to where it would have.
@@ -31,7 +31,7 @@ import numpy as np
 
 from dummydesign.pad.puck_noise import PuckNoise, estimate, whitener
 from dummydesign.pad.puck_press import PuckPress
-from dummydesign.pad.puck_problem import ALPHA_RANGE, PuckProblem, Trial
+from dummydesign.pad.puck_problem import PuckProblem, Trial
 from dummydesign.pad.puck_table import PuckTable, friction_of
 
 Array = np.ndarray
@@ -78,7 +78,7 @@ class PuckRelaxation:
     """
 
     young_kPa: Found
-    alpha: Found
+    alpha: float
     friction: Found
     offset_mm: float
     arms: tuple[PuckArm, ...]
@@ -173,19 +173,19 @@ def _summarise(
         PuckArm(arm.tau_s, Found(*(end / stiff for end in (arm.beta.value, arm.beta.low, arm.beta.high))), arm.reason)
         for arm in parts
     )
-    young, alpha, friction = _elastic(problem, profile, best)
+    young, friction = _elastic(problem, profile, best)
     slow_low = float(np.exp(low[0])) if stiff > 1.0 else young.low
     young = Found(young.value * stiff, min(young.low, slow_low), young.high * stiff)
     press = problem.press
     return PuckRelaxation(
-        young, alpha, friction, float(q[2] * problem.height_mm), given, _seen(problem), comparison, noise,
+        young, float(q[1]), friction, float(q[2] * problem.height_mm), given, _seen(problem), comparison, noise,
         _rmse(problem, best), tuple((friction_of(one.grip), one.chi_square - best.chi_square) for one in profile),
         0.5 * (press.start_s + press.end_s), press.force_N, problem.predict(q, best.grip),
     )  # fmt: skip
 
 
-def _elastic(problem: PuckProblem, profile: list[Trial], best: Trial) -> tuple[Found, Found, Found]:
-    """Modulus [kPa], alpha and friction with cautious intervals: the puck is one independent number."""
+def _elastic(problem: PuckProblem, profile: list[Trial], best: Trial) -> tuple[Found, Found]:
+    """Modulus [kPa] and friction with cautious intervals: the puck is one independent number."""
     squares = [float(np.mean(problem.residual(one.parameters, one.grip) ** 2)) for one in profile]
     own = squares[profile.index(best)]
     variance = PUCK_SCATTER**2 + own
@@ -193,12 +193,7 @@ def _elastic(problem: PuckProblem, profile: list[Trial], best: Trial) -> tuple[F
     around = np.sqrt(CHI_SQUARE_95 * variance)
     logs = [one.parameters[0] for one in kept]
     young = Found(*np.exp([best.parameters[0], min(logs) - around, max(logs) + around]).tolist())
-    spread = 1.96 * _spreads(best)[1]
-    alphas = [float(one.parameters[1]) for one in kept]
-    alpha = Found(
-        float(best.parameters[1]), max(min(alphas) - spread, ALPHA_RANGE[0]), min(max(alphas) + spread, ALPHA_RANGE[1])
-    )
-    return young, alpha, Found(*(friction_of(one.grip) for one in (best, kept[0], kept[-1])))
+    return young, Found(*(friction_of(one.grip) for one in (best, kept[0], kept[-1])))
 
 
 def _seen(problem: PuckProblem) -> tuple[float, float]:

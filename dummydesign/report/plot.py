@@ -18,6 +18,7 @@ from dummydesign.report.raster import css, png_uri
 WIDTH, HEIGHT = 440.0, 310.0
 LEFT, RIGHT, TOP, BOTTOM = 58.0, 14.0, 14.0, 48.0
 MAP_RIGHT, BAR_LEFT = 62.0, 170.0
+LETTER = 6.6  # mean width of a letter of 13 px
 Layer = Line | Dots | Band | Bars | Cells | Ellipse
 
 
@@ -116,6 +117,9 @@ class Plot:
         x_range = self.x_range or span(xs, self.zero and not bars and not cells, 0.0 if cells else 0.04)
         y_range = self.y_range or span(ys, self.zero and not cells, 0.0 if cells or bars else 0.04)
         left, right = (BAR_LEFT if bars else LEFT), (MAP_RIGHT if cells else RIGHT)
+        if bars:
+            longest = max(len(label) for layer in self.layers if isinstance(layer, Bars) for label in layer.labels)
+            left = min(max(BAR_LEFT, LETTER * longest + 14.0), 0.55 * WIDTH)
         across = Axis(self.x_label, *x_range, left, WIDTH - right, self.log_x)
         return across, Axis(self.y_label, *y_range, HEIGHT - BOTTOM, TOP)
 

@@ -126,8 +126,13 @@ def add_compression(
     trace = read_trace(file)
     window = _window(trace, height_mm, table)
     source = f"puck {diameter_mm:g} x {height_mm:g} mm, {trace.name}, fitted with plate friction left open"
-    holds = find_holds(trace.time_s, trace.displacement_mm)
-    holds = tuple(hold for hold in holds if window[0] < hold.displacement_mm <= window[1])
+    seen = find_holds(trace.time_s, trace.displacement_mm)
+    holds = tuple(hold for hold in seen if window[0] < hold.displacement_mm <= window[1])
+    if seen and not holds:
+        raise InputError(
+            f"{trace.name}: holds at {', '.join(f'{hold.displacement_mm:.3g}' for hold in seen)} mm; one must lie "
+            f"between {window[0]:.3g} and {window[1]:.3g} mm, or cut the file at the end of the loading"
+        )
     if holds:
         return _with_holds(trace, holds, (diameter_mm, height_mm), table, window, resin, name, ratio, source)
     place, load = loading(trace.displacement_mm, trace.force_N)
@@ -190,7 +195,7 @@ def _with_holds(
     warnings = [{"code": "not_identifiable", "message": _flag(arm.reason)} for arm in found.arms if arm.reason]
     warnings += [{"code": "relaxation_update", "message": text} for text in said]
     return Compressed(
-        name, resin.name, ratio, young, found.alpha.value,
+        name, resin.name, ratio, young, found.alpha,
         _friction(found.friction.value, found.friction.low, found.friction.high), found.rmse_N, window, path,
         relaxation_dict(found, holds) | {"updates": [one.to_dict() for one in updates]}, tuple(warnings),
     )  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,9 @@ from dummydesign.loop.output import result_dict
 from dummydesign.loop.report import write_loop_report
 from dummydesign.loop.run import close_loop
 from dummydesign.protocol.campaign import read_campaign
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "report"))
+from browser import visit
 
 
 @pytest.fixture(scope="module")
@@ -79,6 +83,13 @@ def test_the_report_is_one_page_with_a_figure_a_condition_and_loads_nothing(resu
     effect = result_dict(result)["effects"][0]
     for part in ("temperature", f"{effect['evidence']:.0f}", "Residual by trial", result.next.text[1:]):
         assert part in page
+
+
+def test_the_report_opens_in_a_browser_without_errors_and_asks_nothing_of_the_outside(results, tmp_path):
+    write_loop_report(tmp_path, results("temperature", 402))
+    (tmp_path / "visit").mkdir()
+    seen = visit((tmp_path / "report.html").as_uri(), tmp_path / "visit")
+    assert seen.console == [] and seen.requests == []
 
 
 def test_the_report_draws_the_residual_of_every_trial_before_and_after(results, tmp_path):

@@ -106,6 +106,16 @@ def test_holds_give_the_long_term_modulus_and_arms_that_go_into_the_resin(held, 
                 "10", "--json"]) == 0  # fmt: skip
 
 
+def test_a_hold_too_deep_for_the_table_is_refused_with_what_to_do(tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
+    time, x = ramps((0.57,), 28.0, 1.0, 30.0)
+    file = tmp_path / "deep.csv"
+    np.savetxt(file, np.column_stack([time, x, np.maximum(x, 0.0)]), delimiter=",", comments="",
+               header="time_s,displacement_mm,force_N")  # fmt: skip
+    assert run(command(file, diameter=42, height=28)) == 2
+    assert "holds at 16 mm; one must lie between 0.84 and 14 mm" in capsys.readouterr().err
+
+
 def test_only_the_first_loading_counts():
     place, load = loading(np.array([0.0, 1.0, 1.0, 2.0, 1.5, 0.0]), np.array([0.0, 2.0, 4.0, 5.0, 1.0, 0.0]))
     assert place.tolist() == [0.0, 1.0, 2.0]

@@ -66,7 +66,8 @@ def document(checks: list[Check]) -> str:
         "",
         "Made by `python -m dummydesign.pad.verification`; do not edit. Lengths in thicknesses, stresses in shear",
         "moduli unless a unit is given. Tolerances are relative unless marked `abs`; `>=` asks for at least what",
-        "is expected. The comparison with FElupe, a separate program, is `python benchmarks/pad_felupe.py`.",
+        "is expected. The comparison with FElupe, a separate program, is `python benchmarks/pad_felupe.py`;",
+        "its figures are in `docs/pad.md`.",
         "",
         f"{len(checks)} checks, {failed} failed.",
     ]

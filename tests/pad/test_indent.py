@@ -72,6 +72,14 @@ def test_friction_lies_between_sliding_and_sticking_and_grows_with_its_coefficie
     assert np.all(np.diff(forces) > 0.0)
 
 
+def test_a_flat_face_sticks_from_first_touch_however_large_the_first_step_is():
+    punch, forces = FlatPunch(1.0, 0.1), []
+    for first in (0.005, 0.02):
+        problem = indentation_problem(punch, flat_region(punch, 0.1), 8.0, LAW, condition="bonded")
+        forces.append(press(problem, [0.02], first, first).force[0])
+    assert forces[1] == pytest.approx(forces[0], rel=5e-3)
+
+
 def test_a_frictionless_flat_punch_starts_at_the_layer_solution():
     curve = solve_flat(10.0, 10.0, 0.03, [0.3, 0.6], "frictionless")
     stiffness = curve.force_N / (0.03 * 10.0 * curve.depth_mm)

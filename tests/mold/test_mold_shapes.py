@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -427,4 +428,5 @@ def test_known_shapes_are_those_of_the_model_and_the_puck():
 def test_every_shape_is_made_with_all_its_files(text, thickness, preset, tmp_path):
     result = make_mold(_spec(text, thickness, preset=preset), tmp_path)
     assert all(item["status"] in ("pass", "skipped") for item in result.checks)
-    assert all(text.split(":")[0] in role or (tmp_path / name).is_file() for role, name in result.files.items())
+    assert all(Path(name).is_file() for name in result.files.values())
+    assert Path(result.files["pad"]).name == f"pad_{text.split(':')[0]}_t{thickness:g}.step"

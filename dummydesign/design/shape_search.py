@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.curves import DEPTH_SHARE, Sampling
+from dummydesign.design.curves import DEPTH_SHARE, ForceLaw, Sampling
 from dummydesign.design.low_force import MISFIT_N
 from dummydesign.design.search import THICKNESS_STEP_MM, SearchResult, search
 from dummydesign.design.shape_family import Designs, Family, ShapeLaw, rounded
@@ -40,11 +40,17 @@ class Sieved:
 
 @dataclass(frozen=True)
 class Shaped:
-    """The best design of one kind of shape."""
+    """A design with a shape; ``elements`` is its force law once it has been solved by finite elements."""
 
     shape: Shape
     law: ShapeLaw
     found: SearchResult
+    elements: ForceLaw | None = None
+
+    @property
+    def merit(self) -> float:
+        """By what designs with a shape are ranked."""
+        return self.found.best.merit(LOW_SHARE)
 
 
 def sieve(family: Family, targets: Targets, thickness_mm: NDArray, young_MPa: tuple[float, float], radius_mm: float,
@@ -102,8 +108,8 @@ def search_shape(
     ratio: NDArray,
     radius_mm: float,
     sampling: Sampling,
-) -> Shaped:
-    """Find shape, thickness and ratio of one family.
+) -> list[Shaped]:
+    """Find shape, thickness and ratio of one family; designs of several thicknesses, the best first.
 
     Parameters
     ----------
@@ -120,15 +126,14 @@ def search_shape(
     """
     young = resin.young_MPa(ratio)
     sieved = sieve(family, targets, thickness_mm, (float(np.min(young)), float(np.max(young))), radius_mm)
-    best: Shaped | None = None
+    found = []
     for index in _one_a_thickness(sieved)[:TRIED]:
         shape, thickness = sieved.designs.shape(index), float(sieved.designs.thickness_mm[index])
-        found = _around(family, shape, thickness, resin, targets, thickness_mm, ratio, radius_mm, sampling)
-        if found is not None and (best is None or _merit(found) > _merit(best)):
-            best = found
-    if best is None:
+        found.append(_around(family, shape, thickness, resin, targets, thickness_mm, ratio, radius_mm, sampling))
+    able = [shaped for shaped in found if shaped is not None]
+    if not able:
         raise NoAnswerError("no_feasible_design", f"no {family.kind} pad reaches 10 N within its depth limit")
-    return best
+    return sorted(able, key=lambda shaped: -shaped.merit)
 
 
 def search_fixed(
@@ -187,10 +192,6 @@ def _around(
     except (NoAnswerError, InputError):
         return None
     return Shaped(own, law, replace(found, best=exact.best))
-
-
-def _merit(found: Shaped) -> float:
-    return found.found.best.merit(LOW_SHARE)
 
 
 def _one_a_thickness(sieved: Sieved) -> list[int]:

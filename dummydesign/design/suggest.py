@@ -17,7 +17,7 @@ from dummydesign.design.shape_family import ShapeLaw
 from dummydesign.design.suggest_shape import Beside, Chosen, choose, kinds_of
 from dummydesign.design.targets import FORCES_N, Targets, make_targets
 from dummydesign.design.tolerance import Tolerances, Yield, pour_yield
-from dummydesign.design.verify import Verification, not_verified, verify_design
+from dummydesign.design.verify import Verification, not_verified, of_shape, verify_design
 from dummydesign.design.warn import design_warnings, rests_on
 from dummydesign.errors import InputError
 from dummydesign.shape import Shape, Slab
@@ -63,7 +63,8 @@ class Suggestion:
     """The answer: the search, the tolerance study, the verification, and all it was made from.
 
     ``law`` is the force law in proportion with thickness; ``beside`` the best design of each kind of shape,
-    ``landing`` how far off the centre of a crown the punch may land (with verification).
+    ``landing`` how far off the centre of a crown the punch may land (with verification), ``cast`` the force law
+    of the shape as it is cast, from elements when it was verified.
     """
 
     request: Request
@@ -78,6 +79,7 @@ class Suggestion:
     shape: Shape = SLAB
     beside: tuple[Beside, ...] = ()
     landing: Landing | None = None
+    cast: ForceLaw | None = None
 
     @property
     def force_law(self) -> str:
@@ -156,7 +158,7 @@ def suggest(request: Request, law: ForceLaw | None = None) -> Suggestion:
     if is_slab(request.shape):
         chosen = Chosen(Slab(), search(law, resin, targets, thickness, ratio, RADIUS_MM, sampling), law, law, ())
     else:
-        chosen = choose(request.shape, law, resin, targets, thickness, ratio, RADIUS_MM, sampling)
+        chosen = choose(request.shape, law, resin, targets, thickness, ratio, RADIUS_MM, sampling, request.verify)
     best = chosen.found.best
     recipe = pour_recipe(resin, best, chosen.shape)
     tolerances = Tolerances(sum(mass for _, mass in recipe), request.weighing_g, request.thickness_tolerance_mm)
@@ -237,16 +239,20 @@ def _ratios(resin: Resin, wanted: tuple[float, float] | None) -> np.ndarray:
 def _verify(best: Candidate, resin: Resin, law: ForceLaw, shape: Shape) -> Verification:
     """Solve the depths of the slow conditions by finite elements; the fast ones differ by micrometres.
 
-    Compared are the forces of the circle of the punch's area, which is what is solved. A shape is also solved
-    at the depths of low forces.
+    Compared are the forces of the circle of the punch's area, which is what is solved. A design with a shape has
+    been worked out on its elements already; what the table was off is said.
     """
+    from dummydesign.design.shape_elements import ElementsLaw
+
+    if isinstance(law, ElementsLaw):
+        return of_shape(law, resin.young_MPa(best.ratio), RADIUS_MM)
+    if shape != Slab():
+        return not_verified(f"{shape} was designed by its response table; predict --fidelity 3d solves it in minutes")
     law = getattr(law, "circle", law)
     depth = best.evaluation.depth_mm[best.index, : len(FORCES_N)]
-    if shape != Slab():
-        depth = np.r_[best.evaluation.low_depth_mm[best.index], depth]
     depth = depth[np.isfinite(depth)]
     young = resin.young_MPa(best.ratio)
     table = make_curves(law, [best.thickness_mm], RADIUS_MM)
     depth = depth[depth <= table.limit_mm[0]]
     forces = young * np.asarray(law.force(depth, best.thickness_mm, 1.0, RADIUS_MM))
-    return verify_design(best.thickness_mm, young, RADIUS_MM, depth, forces, shape)
+    return verify_design(best.thickness_mm, young, RADIUS_MM, depth, forces)

@@ -10,7 +10,7 @@ import numpy as np
 from dummydesign.design.curves import ForceLaw, Sampling
 from dummydesign.design.low_force import LowForce, low_force
 from dummydesign.design.search import Candidate, SearchResult, search
-from dummydesign.design.shape_search import LOW_SHARE, search_fixed, search_shape
+from dummydesign.design.shape_search import LOW_SHARE, Shaped, search_fixed, search_shape
 from dummydesign.design.targets import Targets
 from dummydesign.errors import InputError, NoAnswerError
 from dummydesign.shape import Shape, Slab, read_shape
@@ -21,11 +21,15 @@ if TYPE_CHECKING:
     from dummydesign.resin.model import Resin
 
 AUTO = "auto"
+SOLVED = 3
 
 
 @dataclass(frozen=True)
 class Beside:
-    """The best design of one kind of shape, or the reason why there is none."""
+    """The best design of one kind of shape, or the reason why there is none.
+
+    ``by`` says where its force comes from: ``table`` or ``elements``.
+    """
 
     kind: str
     shape: Shape | None
@@ -33,6 +37,7 @@ class Beside:
     young_kPa: float | None
     low_force: LowForce | None
     reason: str | None = None
+    by: str | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Return the design and how near it comes to the tissue as plain values."""
@@ -46,6 +51,7 @@ class Beside:
             "young_kPa": self.young_kPa,
             "merit": self.candidate.merit(LOW_SHARE),
             "total": self.candidate.total,
+            "by": self.by,
             **self.low_force.to_dict(),
             "reason": None,
         }
@@ -94,6 +100,7 @@ def choose(
     ratio: NDArray,
     radius_mm: float,
     sampling: Sampling,
+    solve: bool = True,
 ) -> Chosen:
     """Find the best design of the kinds that ``text`` names, and the slab's by the same rule.
 
@@ -104,50 +111,89 @@ def choose(
     slab_law : ForceLaw
     resin, targets, thickness_mm, ratio, radius_mm, sampling
         As for :func:`dummydesign.design.search.search`.
+    solve : bool
+        Work the best round pads out again on finite elements before one is chosen.
 
     Raises
     ------
     NoAnswerError
         ``no_feasible_design`` when no kind has one.
     """
+    args = (resin, targets, ratio, radius_mm, sampling)
+    slab = Beside(Slab.name, None, None, None, None)
+    flat: SearchResult | None = None
+    try:
+        flat = search(slab_law, resin, targets, thickness_mm, ratio, radius_mm, sampling, LOW_SHARE)
+        slab = _beside(Slab.name, Slab(), flat.best, resin, targets, "table")
+    except NoAnswerError as problem:
+        slab = replace(slab, reason=str(problem))
+    designs, failed = _designs(text, resin, targets, thickness_mm, ratio, radius_mm, sampling)
+    if solve:
+        designs = _solved(designs, *args)
+    beside = [slab]
+    for kind in dict.fromkeys(shaped.shape.name for shaped in designs):
+        best = max((shaped for shaped in designs if shaped.shape.name == kind), key=_rank)
+        by = "table" if best.elements is None else "elements"
+        beside.append(_beside(kind, best.shape, best.found.best, resin, targets, by))
+    listed = (*beside, *failed)
+    if text.lower() == AUTO and flat is not None:
+        if not designs or flat.best.merit(LOW_SHARE) >= max(designs, key=_rank).merit:
+            return Chosen(Slab(), flat, slab_law, slab_law, listed)
+    if not designs:
+        raise NoAnswerError("no_feasible_design", "; ".join(item.reason for item in failed if item.reason))
+    best = max(designs, key=_rank)
+    return Chosen(best.shape, best.found, best.law, best.elements or replace(best.law, cast=True), listed)
+
+
+def _rank(shaped: Shaped) -> tuple[bool, float]:
+    """Solved designs before those that only a table knows, then by merit."""
+    return shaped.elements is not None, shaped.merit
+
+
+def _designs(
+    text: str, resin: Resin, targets: Targets, thickness_mm: NDArray, ratio: NDArray, radius_mm: float,
+    sampling: Sampling,
+) -> tuple[list[Shaped], list[Beside]]:  # fmt: skip
+    """Designs of the kinds asked for by their tables, and the kinds that have none with the reason."""
     from dummydesign.design.families import load_family
 
-    flat = _flat(slab_law, resin, targets, thickness_mm, ratio, radius_mm, sampling)
-    tried: list[tuple[Beside, Any]] = [flat] if flat[0].candidate else []
-    failed = [] if flat[0].candidate else [flat[0]]
+    found: list[Shaped] = []
+    failed = []
     for kind in kinds_of(text):
         args = (resin, targets, thickness_mm, ratio, radius_mm, sampling)
         try:
-            family = load_family(kind)
             if ":" in text:
-                shaped = search_fixed(family, read_shape(text), *args)
+                found.append(search_fixed(load_family(kind), read_shape(text), *args))
             else:
-                shaped = search_shape(family, *args)
+                found += search_shape(load_family(kind), *args)
         except NoAnswerError as problem:
             failed.append(Beside(kind, None, None, None, None, str(problem)))
+    return found, failed
+
+
+def _solved(
+    designs: list[Shaped], resin: Resin, targets: Targets, ratio: NDArray, radius_mm: float, sampling: Sampling
+) -> list[Shaped]:
+    """Designs with the best round ones of each kind worked out on elements; those that cannot be solved fall away.
+
+    Of every kind the first is solved, of the best kind the first three.
+    """
+    from dummydesign.design.shape_elements import on_elements
+
+    order = sorted((shaped for shaped in designs if shaped.shape.axisymmetric), key=lambda shaped: -shaped.merit)
+    if not order:
+        return designs
+    leading = [shaped for shaped in order if shaped.shape.name == order[0].shape.name][:SOLVED]
+    firsts = [next(s for s in order if s.shape.name == kind) for kind in dict.fromkeys(s.shape.name for s in order)]
+    found = [shaped for shaped in designs if not shaped.shape.axisymmetric]
+    for shaped in [*leading, *firsts[1:]]:
+        try:
+            found.append(on_elements(shaped, resin, targets, ratio, radius_mm, sampling))
+        except NoAnswerError:
             continue
-        tried.append((_beside(kind, shaped.shape, shaped.found.best, resin, targets), shaped))
-    wanted = [pair for pair in tried if text.lower() == AUTO or pair[0].kind != Slab.name]
-    if not wanted:
-        raise NoAnswerError("no_feasible_design", "; ".join(item.reason for item in failed if item.reason))
-    best, shaped = max(wanted, key=lambda pair: pair[0].candidate.merit(LOW_SHARE))
-    beside = tuple(pair[0] for pair in tried) + tuple(failed)
-    if best.kind == Slab.name:
-        return Chosen(Slab(), shaped, slab_law, slab_law, beside)
-    cast = replace(shaped.law, cast=True)
-    return Chosen(shaped.shape, shaped.found, shaped.law, cast, beside)
+    return found if any(shaped.elements for shaped in found) else designs
 
 
-def _flat(
-    law: ForceLaw, resin: Resin, targets: Targets, thickness_mm: NDArray, ratio: NDArray, radius_mm: float,
-    sampling: Sampling,
-) -> tuple[Beside, SearchResult | None]:  # fmt: skip
-    try:
-        found = search(law, resin, targets, thickness_mm, ratio, radius_mm, sampling, LOW_SHARE)
-    except NoAnswerError as problem:
-        return Beside(Slab.name, None, None, None, None, str(problem)), None
-    return _beside(Slab.name, Slab(), found.best, resin, targets), found
-
-
-def _beside(kind: str, shape: Shape, best: Candidate, resin: Resin, targets: Targets) -> Beside:
-    return Beside(kind, shape, best, 1e3 * float(np.asarray(resin.young_MPa(best.ratio))), low_force(best, targets))
+def _beside(kind: str, shape: Shape, best: Candidate, resin: Resin, targets: Targets, by: str) -> Beside:
+    young = 1e3 * float(np.asarray(resin.young_MPa(best.ratio)))
+    return Beside(kind, shape, best, young, low_force(best, targets), None, by)

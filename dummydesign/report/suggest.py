@@ -242,7 +242,7 @@ def _exponent(answer: Suggestion) -> Plot:
 
 
 def _reactions(answer: Suggestion) -> list[Plot]:
-    found = details.reactions(answer, answer.law)
+    found = details.reactions(answer, answer.cast or answer.law)
     names = [item.name for item in found]
     plots = []
     note = "* at one end 10 N is out of reach" if any(name.endswith("*") for name in names) else ""

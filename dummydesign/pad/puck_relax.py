@@ -15,7 +15,8 @@ as its size. (By the likelihood, with a smooth misfit of known length, they held
 rougher one.) alpha has none: it takes up what the law misfits.
 
 An arm slower than half of the longest hold is not given a value. What it has not relaxed at the end of the file
-counts as stiffness, and the interval of the modulus goes down to where it would have.
+counts as stiffness; the interval of the modulus goes down to where it would have relaxed, those of the other
+strengths, which are relative to the modulus, up accordingly.
 
 References
 ----------
@@ -170,7 +171,7 @@ def _summarise(
         if arm.tau_s.value > 0.5 * problem.longest:
             stiff += arm.beta.value * float(problem.arm(elastic, arm.tau_s.value)[-1] / elastic[-1])
     given = tuple(
-        PuckArm(arm.tau_s, Found(*(end / stiff for end in (arm.beta.value, arm.beta.low, arm.beta.high))), arm.reason)
+        PuckArm(arm.tau_s, Found(arm.beta.value / stiff, arm.beta.low / stiff, arm.beta.high), arm.reason)
         for arm in parts
     )
     young, friction = _elastic(problem, profile, best)

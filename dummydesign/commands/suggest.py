@@ -122,9 +122,10 @@ def _add_mould(result: dict[str, Any], answer: Any, out: Any) -> None:
     result["mold"] = mould
     result["sources"] += [text for text in spec.sources if text not in result["sources"]]
     # what the solids hold, not the closed forms, is weighed
+    pours = [("", mould["pour"])] + ([(" (base)", mould["pour"]["base"])] if "base" in mould["pour"] else [])
     result["recommendation"]["recipe"] = {
-        "components": mould["pour"]["components"],
-        "total_g": mould["pour"]["batch_mass_g"],
+        "components": [{**item, "name": item["name"] + layer} for layer, pour in pours for item in pour["components"]],
+        "total_g": sum(pour["batch_mass_g"] for _, pour in pours),
     }
 
 

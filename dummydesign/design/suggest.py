@@ -161,7 +161,8 @@ def suggest(request: Request, law: ForceLaw | None = None) -> Suggestion:
         chosen = choose(request.shape, law, resin, targets, thickness, ratio, RADIUS_MM, sampling, request.verify)
     best = chosen.found.best
     recipe = pour_recipe(resin, best, chosen.shape)
-    tolerances = Tolerances(sum(mass for _, mass in recipe), request.weighing_g, request.thickness_tolerance_mm)
+    poured = sum(mass for name, mass in recipe if not name.endswith("(base)"))
+    tolerances = Tolerances(poured, request.weighing_g, request.thickness_tolerance_mm)
     pour = pour_yield(chosen.cast, resin, targets, best.thickness_mm, best.ratio, RADIUS_MM, tolerances)
     checked, lands = not_verified(reason), None
     if request.verify and request.calibration is None:
@@ -205,10 +206,13 @@ def is_slab(shape: str) -> bool:
 
 
 def pour_recipe(resin: Resin, candidate: Candidate, shape: Shape | None = None) -> tuple[tuple[str, float], ...]:
-    """Masses to weigh for the open mould of a design, with what stays in cup and meniscus. [g]"""
+    """Masses to weigh for the open mould of a design, with what stays in cup and meniscus; both pours of layers. [g]"""
     from dummydesign.mold.pour import pour_plan
 
-    return pour_plan(mould_of(resin, candidate, shape)).components
+    plan = pour_plan(mould_of(resin, candidate, shape))
+    if plan.base is None:
+        return plan.components
+    return (*plan.components, *((f"{name} (base)", mass) for name, mass in plan.base.components))
 
 
 def mould_of(resin: Resin, candidate: Candidate, shape: Shape | None = None) -> MouldSpec:

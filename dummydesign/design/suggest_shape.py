@@ -168,7 +168,27 @@ def _designs(
                 found += search_shape(load_family(kind), *args)
         except NoAnswerError as problem:
             failed.append(Beside(kind, None, None, None, None, str(problem)))
-    return found, failed
+    able = [pourable for shaped in found if (pourable := _pourable(shaped, resin)) is not None]
+    for kind in {shaped.shape.name for shaped in found} - {shaped.shape.name for shaped in able}:
+        reason = f"no {kind} pad has a base that {resin.name} can be mixed for"
+        failed.append(Beside(kind, None, None, None, None, reason))
+    return able, failed
+
+
+def _pourable(shaped: Shaped, resin: Resin) -> Shaped | None:
+    """The design with those alternatives whose second resin can be mixed; None when its own cannot."""
+    layers = shaped.shape.layers()
+    if layers is None:
+        return shaped
+    low, high = np.sort(np.asarray(resin.young_MPa(np.array([resin.ratio_min, resin.ratio_max]))))
+
+    def mixed(candidate: Candidate) -> bool:
+        return bool(low <= layers[1] * np.asarray(resin.young_MPa(candidate.ratio)) <= high)
+
+    if not mixed(shaped.found.best):
+        return None
+    others = tuple(other for other in shaped.found.alternatives if mixed(other))
+    return replace(shaped, found=replace(shaped.found, alternatives=others))
 
 
 def _solved(

@@ -39,10 +39,10 @@ __all__ = [
     "climb_all", "first_stiffness", "rimmed_problem", "sharp_problem", "solve_curve",
 ]  # fmt: skip
 
-# Rims of the ladder over the smaller of punch radius and thickness; the last is of use at small depths only, and left
-# out of curves that go deeper than this.
-RIMS = tuple(0.1 * 0.5**k for k in range(6))
-SMALL_DEPTH = 0.25
+# Rims of the ladder over the smaller of punch radius and thickness, and the depth in that unit that every curve is
+# solved to: over less the series has too few values with rims.
+RIMS = tuple(0.1 * 0.5**k for k in range(5))
+LEAST_DEPTH = 0.25
 # A curve is solved on this many depths besides the wanted ones, and fitted by a series of this many terms.
 GRID_POINTS = 12
 SERIES_TERMS = 8
@@ -177,12 +177,11 @@ def _relative_curve(
     progress: Callable[[float], None] | None,
 ) -> dict[str, Any]:  # fmt: skip
     """s = F / (E a d) and its relative error at the first of the relative ``depths``, those that were reached."""
-    deepest = depths[-1]
+    deepest = max(depths[-1], LEAST_DEPTH * slab.scale)
     even = deepest * np.linspace(0.0, 1.0, GRID_POINTS + 1)[1:]
     apart = np.abs(even[:, None] - depths).min(axis=1) > 0.02 * deepest
     grid = np.union1d(depths, even[apart])
-    rims = RIMS if deepest < SMALL_DEPTH * slab.scale else RIMS[:-1]
-    samples, paths = climb_all(slab, law, poisson, grid, rims, resolution, progress)
+    samples, paths = climb_all(slab, law, poisson, grid, RIMS, resolution, progress)
     stops = [path.stop for path in paths if path.stop]
     reached = float(samples.depth.max()) if len(samples.depth) else 0.0
     if len(np.unique(samples.depth)) < 4:
@@ -190,8 +189,8 @@ def _relative_curve(
     first = np.array([first_stiffness(slab, law, poisson)])
     limit = fit_limit(samples, np.array([slab.radius]), first, (0.0, reached), None, (SERIES_TERMS, 1))
     notes = ()
-    if reached < deepest * (1.0 - 1e-9):
-        notes = (f"solved to d/h = {reached:.3f} of {deepest:.3f}: {stops[0]}",)
+    if reached < depths[-1] * (1.0 - 1e-9):
+        notes = (f"solved to d/h = {reached:.3f} of {depths[-1]:.3f}: {stops[0]}",)
     kept = depths[depths <= reached * (1.0 + 1e-9)]
     stiffness = np.exp(limit.log_stiffness(kept, slab.radius))
     return {"stiffness": stiffness, "error": limit.error(kept, slab.radius), "solver": cost(paths), "notes": notes}

@@ -8,11 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from dummydesign.cache import cached
 from dummydesign.errors import InputError, NoAnswerError
 from dummydesign.pad import mesh as meshes
 from dummydesign.pad.axisymmetric import MAX_DEPTH_OVER_THICKNESS
@@ -179,9 +177,7 @@ def solve_flat(
 ) -> PadCurve:
     """Static force of a slab under a flat, sharp-edged punch where something slides: its face, its base, or both.
 
-    With friction it is the glued curve times a ratio (see ``ratio_curve``). Without friction under the face the
-    forces with rims of 0.1, 0.05 and 0.025 of the smaller of radius and thickness are extrapolated to rim 0; what
-    that adds, and 0.2 % for the mesh, is the stated error. A depth needs at least two rims that reach it.
+    It is the glued curve times a ratio of forces on one mesh, see ``ratio_curve``.
 
     Parameters
     ----------
@@ -196,59 +192,16 @@ def solve_flat(
     Raises
     ------
     InputError, NoAnswerError
-        For bad values; when no depth is reached by two rims.
+        For bad values; when no depth is reached with both beads.
     """
     from dummydesign.pad.ratio_curve import solve_by_ratio
 
-    shape, depths, ratio, unit = _normalised(thickness_mm, radius_mm, young_MPa, depth_mm, poisson, law)
+    shape, depths, _, _ = _normalised(thickness_mm, radius_mm, young_MPa, depth_mm, poisson, law)
     friction_of(condition, "condition", ("frictionless", "bonded"))
-    rests = friction_of(base, "base", BASES) is not None
-    if condition != "frictionless":
-        return solve_by_ratio(
-            thickness_mm, radius_mm, young_MPa, depths, condition, base, poisson, extent_mm, shape, progress
-        )
-    weight = weight_over_shear(thickness_mm, unit) if rests else 0.0
-    inputs = {"radius": ratio, "extent": extent_mm / thickness_mm, "law": shape, "poisson": poisson, "base": base}
-    inputs |= {"weight": weight, "depths": depths}
-    args = (ratio, depths, extent_mm / thickness_mm, shape, poisson, base, weight, progress)
-    found = cached("slab-frictionless", inputs, lambda: _frictionless(*args))
-    factor, depth = unit * thickness_mm**2, depths[: len(found["force"])] * thickness_mm
-    return PadCurve(depth, found["force"] * factor, found["error"] * factor, found["solver"], found["notes"])
-
-
-def _frictionless(
-    ratio: float, depths: Array, extent: float, law: Law, poisson: float, base: str, weight: float,
-    progress: Callable[[float], None] | None,
-) -> dict[str, Any]:  # fmt: skip
-    """Limit of small rims of the force over mu h^2, its error, cost and notes."""
-    scale = min(ratio, 1.0)
-    rows, paths = [], []
-    for rim in (0.1, 0.05, 0.025):
-        punch = FlatPunch(ratio, rim * scale)
-        region = flat_region(punch, float(depths[-1]))
-        problem = indentation_problem(punch, region, extent, law, poisson, base, "frictionless", weight=weight)
-        path = follow(problem, depths, 0.3 * punch.rim, 0.03 * scale, 0.002 * scale, progress)
-        rows.append(np.concatenate([path.force, np.full(len(depths) - len(path.force), np.nan)]))
-        paths.append(path)
-    table = np.array(rows)
-    count = int((np.isfinite(table).sum(axis=0) >= 2).sum())
-    stops = [path.stop for path in paths if path.stop]
-    if not count:
-        raise NoAnswerError("no_convergence", f"contact could not be solved: {stops[0]}")
-    value, error = np.empty(count), np.empty(count)
-    for column in range(count):
-        found = table[np.isfinite(table[:, column]), column]
-        step = np.diff(found)
-        share = 1.0
-        if len(step) == 2 and step[0] * step[1] > 0.0:
-            quotient = float(np.clip(step[1] / step[0], 0.25, 0.6))
-            share = quotient / (1.0 - quotient)
-        value[column] = found[-1] + share * step[-1]
-        error[column] = abs(share * step[-1]) + 2e-3 * abs(found[-1])
-    notes = ()
-    if count < len(depths):
-        notes = (f"solved to d/h = {depths[count - 1]:.3f} of {depths[-1]:.3f}: {stops[0]}",)
-    return {"force": value, "error": error, "solver": cost(paths), "notes": notes}
+    friction_of(base, "base", BASES)
+    return solve_by_ratio(
+        thickness_mm, radius_mm, young_MPa, depths, condition, base, poisson, extent_mm, shape, progress
+    )
 
 
 def solve_shaped(

@@ -141,6 +141,19 @@ def test_the_force_is_the_same_in_metres_and_pascals(curve):
     assert si.force_N == pytest.approx(curve.force_N, rel=1e-4)
 
 
+@pytest.mark.parametrize("depths", [[0.1, 0.3], [0.02], [0.6]])
+def test_a_curve_to_a_small_depth_agrees_with_the_table_and_lies_above_first_touch(depths):
+    """Few beads are of use there: the curve is solved further than it was asked."""
+    from dummydesign.pad.table import load_table
+
+    found = solve_curve(10.0, 10.0, 0.03, depths)
+    table = load_table()
+    stated = found.error_N / found.force_N + table.relative_error(found.depth_mm, 10.0, 10.0)
+    expected = table.force(found.depth_mm, 10.0, 0.03, 10.0)
+    assert np.all(np.abs(found.force_N / expected - 1.0) < stated)
+    assert np.all(found.force_N > 0.999 * 0.3 * found.depth_mm * first_stiffness(Slab(1.0, 7.569), LAW))
+
+
 def test_the_curve_stiffens_and_its_stated_error_is_small(curve):
     assert np.all(np.diff(curve.force_N / curve.depth_mm) > 0.0)
     assert np.all(curve.error_N / curve.force_N < 0.01)

@@ -7,13 +7,14 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.shape_family import Designs, Family
+from dummydesign.design.shape_family import Designs, Family, rounded
 from dummydesign.errors import unknown_name
-from dummydesign.pad.shape_table import ShapeTable, load_shape_table
+from dummydesign.pad.bumped_designs import bumped
+from dummydesign.pad.shape_table import TIPPED, ShapeTable, load_shape_table
 from dummydesign.pad.table import load_table
 from dummydesign.shape import Shape
 
-FAMILIES = ("crowned", "layered", "boned")
+FAMILIES = ("crowned", "bumped", "layered", "boned")
 # Shapes that are tried, as shares of thickness and punch radius; lengths are rounded to tenths of a millimetre.
 HEIGHT_SHARES = np.linspace(0.2, 0.74, 10)
 FOOT_SHARES = np.geomspace(0.4, 1.7, 9)
@@ -21,10 +22,12 @@ POINTEDNESS = np.array([0.1, 0.14, 0.19, 0.25, 0.32, 0.4, 0.48, 0.56, 0.65])
 TOP_SHARES = np.linspace(0.2, 0.8, 7)
 MODULUS_RATIOS = np.array([0.1, 0.2, 0.4, 0.7, 1.5, 2.5, 5.0, 10.0])
 BONE_SHARES = np.linspace(0.2, 0.7, 6)
+PITCHES_MM = np.arange(3.5, 7.6, 0.5)
+GRADE_SHARES = np.linspace(0.05, 0.65, 9)
 
 
 class TableFamily:
-    """Round shapes of one kind on their response table (:mod:`dummydesign.pad.shape_table`)."""
+    """Shapes of one kind on their response table (:mod:`dummydesign.pad.shape_table`)."""
 
     def __init__(self, kind: str) -> None:
         self.kind = kind
@@ -37,16 +40,19 @@ class TableFamily:
 
     def candidates(self, thickness_mm: NDArray, radius_mm: float) -> Designs:
         """Pads in practical steps inside the table's range; not yet judged by castability."""
-        make = {"crowned": _crowned, "layered": _layered, "boned": _boned}[self.kind]
+        make = {"crowned": _crowned, "bumped": _bumped, "layered": _layered, "boned": _boned}[self.kind]
         thickness, parameters = make(np.asarray(thickness_mm, float), radius_mm)
         designs = Designs(self.kind, thickness, parameters)
         return designs.take(self.table.inside(self._inputs(designs, radius_mm)))
 
     def at_thickness(self, shape: Shape, thickness_mm: float, wanted_mm: NDArray) -> Designs:
-        """The same shape in proportion: heights go with the thickness, feet stay, and so does the form of the cap."""
+        """The same shape in proportion: heights go with the thickness, feet stay, and so does the form of the cap.
+
+        Caps of a bumped pad stay as they are.
+        """
         wanted = np.asarray(wanted_mm, float)
         k = wanted / thickness_mm
-        grows = {"height": k, "top": k, "radius": 1.0 / k}
+        grows = {} if self.kind == "bumped" else {"height": k, "top": k, "radius": 1.0 / k}
         one = np.ones_like(k)
         scaled = {name: value * grows.get(name, one) for name, value in shape.parameters}
         return Designs(self.kind, wanted, scaled)
@@ -60,7 +66,7 @@ class TableFamily:
         held = np.minimum(depth, limit)
         place = np.broadcast_to(np.arange(len(inputs))[:, None], depth.shape)
         value, _ = self.table.log_factor(inputs, place, held / h)
-        if self.kind == "crowned":
+        if self.kind in TIPPED:
             base = 16.0 / 9.0 * np.sqrt(designs.parameters["radius"])[:, None] * held**1.5
         else:
             base = load_table("bonded").force(held, h, 1.0, radius_mm)
@@ -71,7 +77,7 @@ class TableFamily:
         inputs = self._inputs(designs, radius_mm)
         limit = self.table.depth_limit(inputs)
         inside = self.table.inside(inputs)
-        if self.kind != "crowned":
+        if self.kind not in TIPPED:
             slab = load_table("bonded")
             low, high = slab.ratio_range
             ratio = radius_mm / designs.thickness_mm
@@ -89,6 +95,8 @@ class TableFamily:
         if self.kind == "crowned":
             point = p["radius"] * p["height"] / p["foot"] ** 2
             columns = [h / radius_mm, p["height"] / h, p["foot"] / radius_mm, point]
+        elif self.kind == "bumped":
+            columns = [h / radius_mm, p["pitch"] / radius_mm, p["grade"] / p["height"]]
         elif self.kind == "layered":
             columns = [h / radius_mm, p["top"] / h, p["modulus_ratio"]]
         else:
@@ -118,6 +126,14 @@ def _crowned(thickness_mm: NDArray, radius_mm: float) -> tuple[NDArray, dict[str
     h, share, foot, point = _grid(thickness_mm, HEIGHT_SHARES, FOOT_SHARES, POINTEDNESS)
     height, foot = np.round(share * h, 1), np.round(foot * radius_mm, 1)
     return h, {"radius": np.round(point * foot**2 / height, 1), "height": height, "foot": foot}
+
+
+def _bumped(thickness_mm: NDArray, radius_mm: float) -> tuple[NDArray, dict[str, NDArray]]:
+    fields = [rounded(bumped(pitch, share)) for pitch in PITCHES_MM for share in GRADE_SHARES]
+    h, index = _grid(thickness_mm, np.arange(len(fields)))
+    names = [name for name, _ in fields[0].parameters]
+    values = np.array([[value for _, value in field.parameters] for field in fields])
+    return h, {name: values[index.astype(int), column] for column, name in enumerate(names)}
 
 
 def _layered(thickness_mm: NDArray, radius_mm: float) -> tuple[NDArray, dict[str, NDArray]]:

@@ -117,6 +117,7 @@ class ShapeLaw:
 
 
 def rounded(shape: Shape) -> Shape:
-    """The shape with lengths in tenths of a millimetre, as it is drawn and cast, and ratios in hundredths."""
-    digits = {name: 2 if name.endswith("ratio") else 1 for name, _ in shape.parameters}
+    """The shape with lengths in tenths of a millimetre, as it is drawn and cast; ratios and caps in hundredths."""
+    fine = shape.name == "bumped"
+    digits = {name: 2 if fine or name.endswith("ratio") else 1 for name, _ in shape.parameters}
     return make_shape(shape.name, [(name, round(value, digits[name])) for name, value in shape.parameters])

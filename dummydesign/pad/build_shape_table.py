@@ -20,12 +20,14 @@ import numpy as np
 from dummydesign import __version__
 from dummydesign.files import write_text
 from dummydesign.library import data_folder
+from dummydesign.pad.bumped_designs import BUMPED
 from dummydesign.pad.response import fit
-from dummydesign.pad.shape_designs import DESIGNS, EXTENT_OVER_RADIUS, Design
-from dummydesign.pad.shape_table import LOGARITHMS
+from dummydesign.pad.shape_designs import DESIGNS, EXTENT_OVER_RADIUS, RADIUS_MM, Design
+from dummydesign.pad.shape_table import LOGARITHMS, TIPPED
 from dummydesign.pad.shaped import EDGE_ERROR, LEAST_ERROR, sharp
 
 Array = np.ndarray
+ALL = {**DESIGNS, "bumped": BUMPED}
 
 # Levels of the response surface of crowned pads: depth over the height of the crown.
 LEVELS = np.array(
@@ -39,7 +41,14 @@ MEANING = {
     "crowned": "ln(F / (16/9 E sqrt(R) d^1.5)) over ln h/a, c/h, ln b/a, ln s and d/c; s = R c / b^2",
     "layered": "ln(F / F of the slab of the upper resin) over ln h/a, top/h, ln modulus ratio and d/h",
     "boned": "ln(F / F of the slab) over ln h/a, bone height/h, ln foot/a and d/h; spherical dome",
+    "bumped": "ln(F / (16/9 E sqrt(R) d^1.5)) over ln h/a, ln pitch/a, grade/height and d/h; R of the caps",
 }
+PUNCH = {
+    "crowned": "round, flat, what touches sticks, sharp edge from beads of 0.1 and 0.05",
+    "bumped": "square, flat, what touches sticks, bead of 0.1, in space",
+}
+OVER_SLAB = "round, flat, what touches sticks, ratio to the slab with a bead of 0.1"
+USUAL = {"crowned": (400, 36, 8), "bumped": (30, 8, 1)}
 
 
 def gather(design: Design, points: Array, store: Path, workers: int, finer: bool = False) -> list[dict[str, Any]]:
@@ -85,10 +94,13 @@ def values_of(design: Design, answers: list[dict[str, Any]]) -> tuple[Array, Arr
 
 def reduced(design: Design, points: Array, values: Array) -> Array:
     """ln of F over Hertz's force of the tip (crowned), or of the factor."""
-    if design.kind != "crowned":
+    if design.kind not in TIPPED:
         return np.log(values)
     h = np.exp(points[:, 0])
-    tip = points[:, 3] * np.exp(2.0 * points[:, 2]) / (points[:, 1] * h)
+    if design.kind == "bumped":
+        tip = np.array([design.shape(point)[0].radius_mm for point in points]) / RADIUS_MM
+    else:
+        tip = points[:, 3] * np.exp(2.0 * points[:, 2]) / (points[:, 1] * h)
     return np.log(values / (16.0 / 9.0 * np.sqrt(tip)[:, None] * (design.depths * h[:, None]) ** 1.5))
 
 
@@ -173,9 +185,7 @@ def content(
             "command": f"python -m dummydesign.pad.build_shape_table {design.kind} --count {len(answers)}",
             "version": __version__,
             "law": "neo-Hookean, incompressible",
-            "punch": "round, flat, what touches sticks, " + (
-                "sharp edge from beads of 0.1 and 0.05" if crowned else "ratio to the slab with a bead of 0.1"
-            ),
+            "punch": PUNCH.get(design.kind, OVER_SLAB),
             "base": "bonded",
             "extent_over_radius": EXTENT_OVER_RADIUS,
             "cells_under_punch": design.cells,
@@ -229,17 +239,17 @@ def _list(values: Array, digits: int) -> list[Any]:
 def main(arguments: list[str] | None = None) -> None:
     """Solve what is missing and write the table."""
     parser = argparse.ArgumentParser(description="Make a response table of shaped pads by finite elements.")
-    parser.add_argument("kind", choices=tuple(DESIGNS))
-    parser.add_argument("--count", type=int, help="shapes that are solved (crowned 400, others 80)")
-    parser.add_argument("--fresh", type=int, help="further random shapes, for the error (crowned 36, others 12)")
-    parser.add_argument("--finer", type=int, help="of these on half the cells, for the elements' error (8, others 4)")
+    parser.add_argument("kind", choices=tuple(ALL))
+    parser.add_argument("--count", type=int, help="shapes that are solved")
+    parser.add_argument("--fresh", type=int, help="further random shapes, for the table's error")
+    parser.add_argument("--finer", type=int, help="of these on smaller cells, for the elements' error")
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--store", type=Path, help="file that keeps solves (KIND-solves.jsonl)")
     parser.add_argument("--no-solve", action="store_true", help="use what the store holds")
     parser.add_argument("--out", type=Path, default=data_folder() / "materials" / "tables")
     options = parser.parse_args(arguments)
-    design, workers = DESIGNS[options.kind], 0 if options.no_solve else options.workers
-    usual = (400, 36, 8) if options.kind == "crowned" else (80, 12, 4)
+    design, workers = ALL[options.kind], 0 if options.no_solve else options.workers
+    usual = USUAL.get(options.kind, (80, 12, 4))
     count, fresh, finer = (v or w for v, w in zip((options.count, options.fresh, options.finer), usual))
     store = options.store or Path(f"{options.kind}-solves.jsonl")
     checks = gather(design, design.fresh(fresh), store, workers)

@@ -15,6 +15,7 @@ from dummydesign.shape import Slab
 
 if TYPE_CHECKING:
     from dummydesign.pad.predict import Pad
+    from dummydesign.pad.shape_table import ShapeLaw
     from dummydesign.pad.slab import PadCurve
 
 Array = np.ndarray
@@ -93,6 +94,8 @@ def _in_space(
     from dummydesign.pad.spatial import Block
     from dummydesign.pad.spatial_curve import FactorCurve, solve_factor
 
+    if pad.geometry != Slab():
+        return _shape_in_space(pad, deepest_mm, depths_mm, progress)
     if pad.sides_mm is None:
         raise InputError("fidelity = 3d is for square and rectangular punches; a round one is solved by axisymmetric")
     h = pad.thickness_mm
@@ -127,11 +130,10 @@ def _by_table(pad: Pad) -> ElasticCurve:
         ("punch condition", pad.condition, "bonded"),
         ("poisson", pad.poisson, 0.5),
         ("law", law, "neo-hookean"),
-        ("shape", str(pad.geometry), "slab"),
     ):
         if value != held:
             raise InputError(f"{name} = {value} is not in the table (only {held}); add --fidelity axisymmetric")
-    table = load_table(pad.base)
+    table = load_table(pad.base) if pad.geometry == Slab() else _shape_law(pad)
     args = (pad.thickness_mm, pad.radius_mm)
     limit = float(table.depth_limit_mm(*args))
     return ElasticCurve(
@@ -142,11 +144,29 @@ def _by_table(pad: Pad) -> ElasticCurve:
     )
 
 
+def _shape_law(pad: Pad) -> ShapeLaw:
+    """Response table of a shaped pad on a bonded base."""
+    from dummydesign.pad.shape_table import ShapeLaw
+
+    if pad.base != "bonded":
+        raise InputError(f"base = {pad.base} is not in the tables of shapes (only bonded); add --fidelity axisymmetric")
+    if not (pad.geometry.axisymmetric or pad.geometry.name == "bumped"):
+        raise InputError(f"shape {pad.geometry} is not round and has no table; add --fidelity 3d")
+    return ShapeLaw(pad.geometry)
+
+
 def _by_elements(
     pad: Pad, deepest_mm: float | None, depths_mm: Array | None, progress: Callable[[float], None] | None
 ) -> ElasticCurve:
-    from scipy.interpolate import PchipInterpolator
+    grid, deepest = _depth_grid(pad, deepest_mm, depths_mm)
+    if pad.condition != "bonded" and not pad.cylinder:
+        # A face that slides needs some depth to start from.
+        grid = grid[grid >= min(0.025 * pad.thickness_mm, 0.25 * deepest)]
+    return _through(pad, _solve(pad, grid, progress))
 
+
+def _depth_grid(pad: Pad, deepest_mm: float | None, depths_mm: Array | None) -> tuple[Array, float]:
+    """Depths that are solved, the wanted ones among them, and the deepest."""
     from dummydesign.pad.axisymmetric import MAX_DEPTH_OVER_THICKNESS
 
     limit = MAX_DEPTH_OVER_THICKNESS * pad.thickness_mm
@@ -154,10 +174,19 @@ def _by_elements(
     grid = np.linspace(0.0, deepest, CURVE_POINTS + 1)[1:]
     if depths_mm is not None:
         grid = np.union1d(grid[::2], depths_mm[(depths_mm > 0.0) & (depths_mm <= limit)])
-    if pad.condition != "bonded" and not pad.cylinder:
-        # A face that slides needs some depth to start from.
-        grid = grid[grid >= min(0.025 * pad.thickness_mm, 0.25 * deepest)]
-    solved = _solve(pad, grid, progress)
+    return grid, deepest
+
+
+def _through(pad: Pad, solved: PadCurve) -> ElasticCurve:
+    """A curve through solved depths.
+
+    Raises
+    ------
+    NoAnswerError
+        When fewer than two were reached.
+    """
+    from scipy.interpolate import PchipInterpolator
+
     depth, force = solved.depth_mm, solved.force_N
     if len(depth) < 2:
         raise NoAnswerError("no_convergence", f"the pad could be solved at {len(depth)} depth only: {solved.notes[0]}")
@@ -218,3 +247,22 @@ def _solve_shape(pad: Pad, grid: Array, extent_mm: float, progress: Callable[[fl
     made = cached("shaped", inputs, lambda: vars(solve_shaped_pad(*args, extent_mm=extent_mm, **more)))
     force, error = (made[name] * pad.young_MPa for name in ("force_N", "error_N"))
     return PadCurve(**(made | {"force_N": force, "error_N": error}))
+
+
+def _shape_in_space(
+    pad: Pad, deepest_mm: float | None, depths_mm: Array | None, progress: Callable[[float], None] | None
+) -> ElasticCurve:
+    """A shaped pad under its own punch, square or round, solved in space with unit modulus."""
+    from dummydesign.pad.shaped_spatial import solve_shaped_block
+    from dummydesign.pad.slab import PadCurve
+
+    grid, _ = _depth_grid(pad, deepest_mm, depths_mm)
+    if depths_mm is None:
+        grid = grid[1::2]
+    punch = pad.radius_mm if pad.sides_mm is None else tuple(0.5 * side for side in pad.sides_mm)
+    inputs = {"pad": replace(pad, young_MPa=1.0, prony=()), "depth": grid}
+    more: dict[str, Any] = {"base": pad.base, "poisson": pad.poisson, "slab_mm": pad.slab_mm, "law": pad.shape}
+    args = (pad.geometry, pad.thickness_mm, punch, 1.0, grid, pad.condition)
+    made = cached("shape-3d", inputs, lambda: vars(solve_shaped_block(*args, progress=progress, **more)))
+    force, error = (made[name] * pad.young_MPa for name in ("force_N", "error_N"))
+    return _through(pad, PadCurve(**(made | {"force_N": force, "error_N": error})))

@@ -4,7 +4,8 @@ Crowned pads: ln of F over Hertz's force of the tip, 16/9 E sqrt(R) d^1.5, as a 
 ln(h / a), c / h, ln(b / a) and ln s, s = R c / b^2 (apex radius R, height c and foot radius b of the crown,
 thickness h, punch radius a). At first touch it is 0. Over d / c the curves of all crowns bend alike where the
 contact reaches the flat, which halves the error against d / h. Layered and boned pads: ln of F over the force of
-the slab of the upper resin, which is taken from the slab's own table.
+the slab of the upper resin, which is taken from the slab's own table. Bumped pads, solved in space under a square
+punch: ln of F over Hertz's force of the middle cap, for caps of one proportion (``bumped_designs``).
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from dummydesign.errors import InputError, NoAnswerError, out_of_range
 from dummydesign.library import data_folder
 from dummydesign.pad.response import Response
 from dummydesign.pad.table import ResponseTable, load_table
-from dummydesign.shape import Boned, Crowned, Layered, Shape
+from dummydesign.shape import Boned, Bumped, Crowned, Layered, Shape
 
 Array = np.ndarray
 
@@ -29,13 +30,17 @@ INPUTS = {
     "crowned": ("thickness over punch radius", "crown height over thickness", "foot over punch radius", "R c / b^2"),
     "layered": ("thickness over punch radius", "upper layer over thickness", "modulus ratio"),
     "boned": ("thickness over punch radius", "bone height over thickness", "foot over punch radius"),
+    "bumped": ("thickness over punch radius", "pitch over punch radius", "grade over height of the caps"),
 }
 # Inputs that enter by their logarithm.
 LOGARITHMS = {
     "crowned": np.array([True, False, True, True]),
     "layered": np.array([True, False, True]),
     "boned": np.array([True, False, True]),
+    "bumped": np.array([True, True, False]),
 }
+# Kinds whose force is counted against Hertz's force of the highest tip.
+TIPPED = ("crowned", "bumped")
 
 
 def ratios(shape: Shape, thickness_mm: Array, radius_mm: Array) -> Array:
@@ -47,9 +52,30 @@ def ratios(shape: Shape, thickness_mm: Array, radius_mm: Array) -> Array:
         columns = [h / a, shape.height_mm / h, shape.foot_mm / a, point * one]
     elif isinstance(shape, Layered):
         columns = [h / a, shape.top_mm / h, shape.modulus_ratio * one]
+    elif isinstance(shape, Bumped):
+        columns = [h / a, shape.pitch_mm / a, shape.grade_mm / shape.height_mm * one]
     else:
         columns = [h / a, shape.height_mm / h, shape.foot_mm / a]
     return np.stack(columns, axis=-1)
+
+
+def check_caps(shape: Bumped) -> None:
+    """Refuse caps of other proportions than those of the table.
+
+    Raises
+    ------
+    InputError
+        Naming the radius and height that the pitch asks for.
+    """
+    from dummydesign.pad.bumped_designs import bumped
+
+    wanted = bumped(shape.pitch_mm, shape.grade_mm / shape.height_mm)
+    off = max(abs(shape.radius_mm / wanted.radius_mm - 1.0), abs(shape.height_mm / wanted.height_mm - 1.0))
+    if off > 0.06 or shape.rings < wanted.rings:
+        raise InputError(
+            f"{shape}: the table of bumped pads holds, at a pitch of {shape.pitch_mm:g} mm, caps of radius "
+            f"{wanted.radius_mm:.2f} and height {wanted.height_mm:.2f} mm, {wanted.rings:g} rings; use --fidelity 3d"
+        )
 
 
 @dataclass(frozen=True)
@@ -142,7 +168,7 @@ class ShapeLaw:
     Parameters
     ----------
     shape : Shape
-        Crowned, layered or boned, round.
+        Crowned, layered or boned, round; bumped with caps of the table's proportions.
     condition : str
         ``bonded``.
 
@@ -153,8 +179,10 @@ class ShapeLaw:
     """
 
     def __init__(self, shape: Shape, condition: str = "bonded") -> None:
-        if shape.name not in INPUTS or not shape.axisymmetric:
+        if shape.name not in INPUTS or not (shape.axisymmetric or isinstance(shape, Bumped)):
             raise InputError(f"shape = {shape} has no response table; known are round {', '.join(INPUTS)}")
+        if isinstance(shape, Bumped):
+            check_caps(shape)
         if isinstance(shape, Boned):
             sphere = (shape.foot_mm**2 + shape.height_mm**2) / (2.0 * shape.height_mm)
             if abs(shape.radius_mm / sphere - 1.0) > 0.05:
@@ -164,7 +192,7 @@ class ShapeLaw:
                 )
         self.shape = shape
         self.table = load_shape_table(shape.name, condition)
-        self._slab: ResponseTable | None = None if isinstance(shape, Crowned) else load_table("bonded")
+        self._slab: ResponseTable | None = None if shape.name in TIPPED else load_table("bonded")
 
     def inside(self, thickness_mm: Array, radius_mm: Array) -> Array:
         """Whether the table holds the pads (broadcast)."""

@@ -25,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     punches = "square:14 (default), round:D, rectangle:AxB, profile:FILE.csv, plate"
     add("--punch", default="square:14", metavar="KIND:SIZE", help=punches)
     add("--condition", default="bonded", metavar="NAME", help="bonded (default), frictionless, friction:MU")
-    add("--base", default="bonded", metavar="NAME", help="bonded (default), sliding or friction:MU (rests by its weight)")
+    add("--base", default="bonded", metavar="NAME", help="bonded (default), sliding or friction:MU")
     add("--pad", default="slab:150x120", metavar="slab:LxW", help="slab (default 150x120 mm) or cylinder:DIAMETER")
     shapes = "slab (default), crowned:RADIUS,HEIGHT[,FOOT], bumped, layered, boned"
     add("--shape", default="slab", metavar="NAME[:P,..]", help=shapes)

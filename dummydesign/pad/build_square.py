@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,7 +23,7 @@ from dummydesign import __version__
 from dummydesign.files import write_text
 from dummydesign.library import data_folder
 from dummydesign.pad.build_table import nodes
-from dummydesign.pad.fit_square import DEPTH_END, Values, content
+from dummydesign.pad.fit_square import DEPTH_END, Values, content, short
 from dummydesign.pad.laws import Yeoh
 from dummydesign.pad.spatial import Block, Cells, Ratios, depth_of_corner, solve_ratios
 from dummydesign.pad.spatial_rim import solve_rimmed_ratios, useful_depths
@@ -36,7 +37,7 @@ FIRST_CORNERS = (0.14, 0.1)
 FIRST_COUNT = 13
 SHARP_STEP, SHARP_END = 0.05, 0.85
 # Beads, as large as the cells beside them, and the relative depths to which they are followed.
-RIMS = (0.28, 0.2)
+RIMS = (0.28, 0.2, 0.14)
 RIMMED_STEP, RIMMED_END = 0.05, 0.5
 # Half length and half width of the 150 x 120 mm slab over the half side of the 14 mm punch.
 EXTENT_OVER_SIDE = (75.0 / 7.0, 60.0 / 7.0)
@@ -77,7 +78,8 @@ def values_of(task: Task, answer: Ratios) -> Values:
     depth = np.concatenate([[0.0] * len(first), combined_depth(answer.depth, task.ratio)])
     same = np.ones(len(depth))
     factor = np.concatenate([first, answer.ratio])
-    return Values(depth, task.ratio * same, task.corner * same, task.rim * same, factor)
+    # As written to the file, so that values taken over from it belong to the same ratio.
+    return Values(depth, short(task.ratio, 7) * same, task.corner * same, task.rim * same, factor)
 
 
 def sharp_tasks(base: str, count: int) -> list[Task]:
@@ -86,9 +88,9 @@ def sharp_tasks(base: str, count: int) -> list[Task]:
     return tasks + [Task(float(ratio), base, corner) for ratio in nodes(count) for corner in CORNERS]
 
 
-def rimmed_tasks(base: str, count: int) -> list[Task]:
+def rimmed_tasks(base: str, count: int, rims: Sequence[float]) -> list[Task]:
     """Edges with a bead."""
-    return [Task(float(ratio), base, rim, rim) for ratio in nodes(count) for rim in RIMS]
+    return [Task(float(ratio), base, rim, rim) for ratio in nodes(count) for rim in rims]
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -97,19 +99,19 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--base", choices=("bonded", "sliding"), action="append")
     parser.add_argument("--count", type=int, default=9, help="ratios a / h")
     parser.add_argument("--workers", type=int, default=2)
-    parser.add_argument("--keep", choices=("sharp", "all"), help="take these values over from the present file")
+    parser.add_argument("--rims", type=float, nargs="*", default=RIMS, help="beads to solve")
+    parser.add_argument("--keep", choices=("sharp", "others"), help="take these values over from the present file")
     parser.add_argument("--out", type=Path, default=data_folder() / "materials" / "tables")
     options = parser.parse_args(arguments)
     for base in options.base or ["bonded", "sliding"]:
         path = options.out / f"square-{base}.json"
-        tasks, parts = [], []
+        tasks, parts = rimmed_tasks(base, options.count, options.rims), []
         if options.keep:
             kept = Values.read(json.loads(path.read_text(encoding="utf-8"))["values"])
-            parts.append(kept if options.keep == "all" else kept.where(kept.rim == 0.0))
+            again = np.isin(kept.rim, options.rims) if options.keep == "others" else kept.rim > 0.0
+            parts.append(kept.where(~again))
         else:
-            tasks += sharp_tasks(base, options.count)
-        if options.keep != "all":
-            tasks += rimmed_tasks(base, options.count)
+            tasks = sharp_tasks(base, options.count) + tasks
         with ProcessPoolExecutor(options.workers) as pool:
             for task, answer in zip(tasks, pool.map(solve_one, tasks)):
                 parts.append(values_of(task, answer))

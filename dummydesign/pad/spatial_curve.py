@@ -89,7 +89,9 @@ def solve_factor(
     sharp: dict[float, Ratios] = {}
     for corner in CORNERS:
         cells = Cells(corner)
-        depths = np.arange(1, int(min(deepest * 1.001, depth_of_corner(block, cells)) / step) + 1) * step
+        end = min(deepest, depth_of_corner(block, cells))
+        count = max(1, round(end / step))
+        depths = end * np.arange(1, count + 1) / count
         sharp[corner] = solve_ratios(block, law, poisson, depths, cells, progress)
     beaded: dict[float, Ratios] = {}
     if max(_reach(sharp).values()) < deepest * 0.999:

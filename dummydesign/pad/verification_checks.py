@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from dummydesign.pad import mesh as meshes
-from dummydesign.pad.axisymmetric import Slab, climb, first_stiffness, solve_curve
+from dummydesign.pad.axisymmetric import Slab, first_stiffness, rimmed_problem, solve_curve
 from dummydesign.pad.laws import Law, Yeoh, neo_hookean
 from dummydesign.pad.mesh import Resolution
 from dummydesign.pad.newton import follow
@@ -204,7 +204,9 @@ def relaxation() -> Iterator[Check]:
 def _force(slab: Slab, law: Law, depth: float, rim: float, resolution: Resolution | None = None) -> float:
     """Force at one relative depth with one bead (over scale), by even steps on the way; nan if not reached."""
     way = np.linspace(0.0, depth, 9)[1:]
-    path = climb(slab, law, 0.5, way, rim * slab.scale, resolution or Resolution())
+    problem = rimmed_problem(slab, law, 0.5, rim * slab.scale, resolution or Resolution())
+    # Small steps are wanted here; a curve gives a bead up sooner.
+    path = follow(problem, way, rim * slab.scale, 0.05 * slab.scale, 0.005 * slab.scale)
     return float(path.force[-1]) if len(path.force) == len(way) else float("nan")
 
 

@@ -81,6 +81,8 @@ def test_a_shape_with_its_lengths_is_kept(capsys):
         ("crowned:20", "needs height"),
         ("crowned:20,2,x", "not a number"),
         ("crowned:20,-1", "height = -1"),
+        ("crowned:20,2,9,1", "no response table"),
+        ("boned:20,3,5", "that of a sphere"),
     ],
 )
 def test_a_shape_that_is_none_is_one_line_and_status_2(shape, words, capsys):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from dummydesign.design.shape_family import Designs, Family, rounded
 from dummydesign.errors import unknown_name
 from dummydesign.pad.bumped_designs import bumped
-from dummydesign.pad.shape_table import TIPPED, ShapeTable, load_shape_table
+from dummydesign.pad.shape_table import TIPPED, ShapeLaw, ShapeTable, load_shape_table
 from dummydesign.pad.table import load_table
 from dummydesign.shape import Shape
 
@@ -23,6 +23,7 @@ TOP_SHARES = np.linspace(0.2, 0.8, 7)
 MODULUS_RATIOS = np.array([0.1, 0.2, 0.4, 0.7, 1.5, 2.5, 5.0, 10.0])
 BONE_SHARES = np.linspace(0.2, 0.7, 6)
 PITCHES_MM = np.arange(3.5, 7.6, 0.5)
+BEYOND_END = 0.06
 GRADE_SHARES = np.linspace(0.05, 0.65, 9)
 
 
@@ -43,7 +44,17 @@ class TableFamily:
         make = {"crowned": _crowned, "bumped": _bumped, "layered": _layered, "boned": _boned}[self.kind]
         thickness, parameters = make(np.asarray(thickness_mm, float), radius_mm)
         designs = Designs(self.kind, thickness, parameters)
-        return designs.take(self.table.inside(self._inputs(designs, radius_mm)))
+        return designs.take(self.table.inside(self._raw(designs, radius_mm)))
+
+    def check(self, shape: Shape) -> None:
+        """Refuse a shape that is not of the kind's tabulated form.
+
+        Raises
+        ------
+        InputError
+            Naming what the table is made for.
+        """
+        ShapeLaw(shape)
 
     def at_thickness(self, shape: Shape, thickness_mm: float, wanted_mm: NDArray) -> Designs:
         """The same shape in proportion: heights go with the thickness, feet stay, and so does the form of the cap.
@@ -90,7 +101,13 @@ class TableFamily:
         return self.table.relative_error(depth_mm / designs.thickness_mm[:, None])
 
     def _inputs(self, designs: Designs, radius_mm: float) -> NDArray:
-        """Inputs of the table, shape (M, k), as :func:`dummydesign.pad.shape_table.ratios` gives them for one shape."""
+        """Inputs of the table, shape (M, k); those a little outside, as of a pad poured too thin, are at its end."""
+        raw = self._raw(designs, radius_mm)
+        held = np.clip(raw, self.table.low, self.table.high)
+        return np.where(np.abs(raw - held) <= BEYOND_END * np.abs(raw), held, raw)
+
+    def _raw(self, designs: Designs, radius_mm: float) -> NDArray:
+        """Inputs as :func:`dummydesign.pad.shape_table.ratios` gives them for one shape."""
         h, p = designs.thickness_mm, designs.parameters
         if self.kind == "crowned":
             point = p["radius"] * p["height"] / p["foot"] ** 2

@@ -50,6 +50,10 @@ class Family(Protocol):
         """Pads in practical steps inside the surface's range; not yet judged by castability."""
         ...
 
+    def check(self, shape: Shape) -> None:
+        """Refuse a shape that the surface is not made for (``InputError``)."""
+        ...
+
     def at_thickness(self, shape: Shape, thickness_mm: float, wanted_mm: NDArray) -> Designs:
         """The same shape in proportion on pads of other thickness, from one made for ``thickness_mm``."""
         ...

@@ -145,10 +145,11 @@ def search_fixed(
     Raises
     ------
     InputError
-        When no thickness of the range can hold the shape; with the reason of the thickest.
+        When the family's surface is not made for the shape, or no thickness of the range can hold it.
     NoAnswerError
         ``no_feasible_design`` when none reaches 10 N within its depth limit.
     """
+    family.check(shape)
     fitting = [float(thickness) for thickness in thickness_mm if _accepts(shape, float(thickness))]
     if not fitting:
         shape.check(float(thickness_mm[-1]))

@@ -32,6 +32,9 @@ class CapFamily:
         foot = np.array([sphere_foot_mm(a, b) for a, b in zip(r, height)])
         return Designs(self.kind, h, {"radius": r, "height": height, "foot": foot})
 
+    def check(self, shape):
+        assert shape.name == self.kind
+
     def at_thickness(self, shape, thickness_mm, wanted_mm):
         k = np.asarray(wanted_mm, float) / thickness_mm
         return Designs(self.kind, np.asarray(wanted_mm, float),

@@ -7,7 +7,7 @@ solved, the table is multiplied by what the elements give over it, and ratio and
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -73,18 +73,34 @@ def solve_law(shaped: Shaped, radius_mm: float) -> ElementsLaw:
     NoAnswerError
         When the elements reach fewer than two depths.
     """
-    from dummydesign.pad.shaped import solve_shaped_pad
-
     thickness, shape = shaped.found.best.thickness_mm, shaped.shape
     law = replace(shaped.law, cast=True)
     depth = float(law.depth_limit_mm(thickness, radius_mm)) * DEPTH_SHARES
     inputs = {"shape": str(shape), "thickness": thickness, "radius": radius_mm, "depth": depth}
-    made = cached("design", inputs, lambda: vars(solve_shaped_pad(shape, thickness, radius_mm, 1.0, depth)))
+    solve = _round if shape.axisymmetric else _field
+    made = cached("design", inputs, lambda: solve(shaped, thickness, radius_mm, depth))
     reached, force = (np.asarray(made[name], float) for name in ("depth_mm", "force_N"))
     if len(reached) < 2:
         raise NoAnswerError("no_convergence", f"{shape} on {thickness:g} mm could not be solved by finite elements")
     factor = np.log(force / law.force(reached, thickness, 1.0, radius_mm))
     return ElementsLaw(law, thickness, reached, factor, np.asarray(made["error_N"], float) / force)
+
+
+def _round(shaped: Shaped, thickness_mm: float, radius_mm: float, depth_mm: NDArray) -> dict[str, Any]:
+    from dummydesign.pad.shaped import solve_shaped_pad
+
+    return vars(solve_shaped_pad(shaped.shape, thickness_mm, radius_mm, 1.0, depth_mm))
+
+
+def _field(shaped: Shaped, thickness_mm: float, radius_mm: float, depth_mm: NDArray) -> dict[str, Any]:
+    """In space under the 14 x 14 mm punch, on the grid of the table, whose stated error of the solves it has."""
+    from dummydesign.pad.bumped_designs import COARSE, press_field
+    from dummydesign.pad.shape_table import load_shape_table
+
+    depth, area, _ = press_field(shaped.shape, thickness_mm, depth_mm / thickness_mm, COARSE)
+    table = load_shape_table(shaped.shape.name)
+    error = np.interp(depth, table.error_depth, table.solve_error)
+    return {"depth_mm": depth * thickness_mm, "force_N": area, "error_N": area * error}
 
 
 def on_elements(

@@ -196,11 +196,14 @@ def _solved(
 ) -> list[Shaped]:
     """Designs with the best round ones of each kind worked out on elements; those that cannot be solved fall away.
 
-    Of every kind the first is solved, of the best kind the first three.
+    Of every kind the first is solved, of the best kind the first three. Fields of caps take minutes in space and
+    are solved, the first of them, when nothing else was asked for.
     """
     from dummydesign.design.shape_elements import on_elements
 
     order = sorted((shaped for shaped in designs if shaped.shape.axisymmetric), key=lambda shaped: -shaped.merit)
+    if not order:
+        order = sorted(designs, key=lambda shaped: -shaped.merit)[:1]
     if not order:
         return designs
     leading = [shaped for shaped in order if shaped.shape.name == order[0].shape.name][:SOLVED]

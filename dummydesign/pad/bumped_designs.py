@@ -13,9 +13,8 @@ from typing import Any
 import numpy as np
 
 from dummydesign.pad.laws import Yeoh
-from dummydesign.pad.newton import follow
 from dummydesign.pad.shape_designs import RADIUS_MM, Design
-from dummydesign.shape import SMALLEST_HEIGHT_MM, Bumped
+from dummydesign.shape import SMALLEST_HEIGHT_MM, Bumped, Shape
 
 Array = np.ndarray
 
@@ -25,6 +24,8 @@ HALF_SIDE_MM = 7.0
 HALF_SLAB_MM = (75.0, 60.0)
 # Lattice places beyond this distance are never touched.
 FIELD_MM = 9.5
+# Cells over half the punch's side of the table's solves.
+COARSE = 6
 
 
 def bumped(pitch_mm: float, grade_share: float) -> Bumped:
@@ -36,6 +37,38 @@ def bumped(pitch_mm: float, grade_share: float) -> Bumped:
     if grade > 0.0:
         reach = min(reach, int(np.sqrt(max(height - SMALLEST_HEIGHT_MM, 0.0) / grade)))
     return Bumped(pitch_mm, (foot**2 + height**2) / (2.0 * height), height, grade, float(reach))
+
+
+def press_field(shape: Shape, thickness_mm: float, depths: Array, cells: int) -> tuple[Array, Array, str | None]:
+    """Press a pad in space with the 14 x 14 mm punch, what touches sticks.
+
+    Parameters
+    ----------
+    shape : Shape
+    thickness_mm : float
+    depths : ndarray
+        Relative depths d / h, increasing from above 0.
+    cells : int
+        Cells over half the punch's side.
+
+    Returns
+    -------
+    depth, area : ndarray
+        Relative depths that were reached and F / E there. [-, mm2]
+    stop : str or None
+        Why it ended early.
+    """
+    from dummydesign.pad.newton import follow
+    from dummydesign.pad.shaped_spatial import Grid, Load, shaped_problem
+
+    h = thickness_mm
+    load = Load(
+        shape, h, (HALF_SIDE_MM / h,) * 2, tuple(half / h for half in HALF_SLAB_MM), False, (0.0, 0.0), "bonded",
+        "bonded", 0.5, float(depths[0]),
+    )  # fmt: skip
+    grid = Grid(cells, slope=1.0, height_growth=2.0) if cells <= COARSE else Grid(cells, slope=0.8, height_growth=1.7)
+    path = follow(shaped_problem(load, Yeoh(1.0), grid), depths, 0.25 * depths[0], 0.05 * load.scale, depths[0] / 256.0)
+    return path.depth, load.multiplicity * path.force / 3.0 * h**2, path.stop
 
 
 @dataclass(frozen=True)
@@ -54,25 +87,17 @@ class BumpedDesign(Design):
         dict
             ``point``; ``force``: F / (E a^2), a of the circle of the punch's area; ``stop``.
         """
-        from dummydesign.pad.shaped_spatial import Grid, Load, shaped_problem
-
         shape, h = self.shape(point)
-        load = Load(
-            shape, h, (HALF_SIDE_MM / h,) * 2, tuple(half / h for half in HALF_SLAB_MM), False, (0.0, 0.0), "bonded",
-            "bonded", 0.5, float(self.depths[0]),
-        )  # fmt: skip
-        fine = Grid(round(1.4 * self.cells), slope=0.8, height_growth=1.7)
-        problem = shaped_problem(load, Yeoh(1.0), fine if finer else Grid(self.cells, slope=1.0, height_growth=2.0))
-        path = follow(problem, self.depths, 0.25 * self.depths[0], 0.05 * load.scale, self.depths[0] / 256.0)
-        force = load.multiplicity * path.force / 3.0 * (h / RADIUS_MM) ** 2
+        _, area, stop = press_field(shape, h, self.depths, round(1.4 * self.cells) if finer else self.cells)
+        force = area / RADIUS_MM**2
         return {
             "point": [float(x) for x in point],
             "force": [[float(f"{value:.7g}") for value in force]],
-            "stop": [path.stop],
+            "stop": [stop],
         }
 
 
 BUMPED = BumpedDesign(
     "bumped", np.array([np.log(0.48), np.log(0.5), 0.04]), np.array([np.log(2.2), np.log(0.92), 0.66]),
-    np.array([0.04, 0.08, 0.13, 0.2, 0.28, 0.37, 0.47]), 6,
+    np.array([0.04, 0.08, 0.13, 0.2, 0.28, 0.37, 0.47]), COARSE,
 )  # fmt: skip

@@ -158,17 +158,12 @@ class Slab(Shape):
 
 
 @dataclass(frozen=True)
-class Crowned(Shape):
-    """A conic top over a flat pad: apex radius, height of the crown, foot radius (0: that of a sphere).
+class _Capped(Shape):
+    """What crowns and bones share: a conic profile, round or along the whole length."""
 
-    With ``ridge`` = 1 the profile is a cylinder's: it runs along the whole length and varies across the width.
-    """
-
-    name: ClassVar[str] = "crowned"
     radius_mm: float
     height_mm: float
     foot_mm: float = 0.0
-    ridge: float = 0.0
 
     def __post_init__(self) -> None:
         if not self.foot_mm:
@@ -180,14 +175,43 @@ class Crowned(Shape):
         return sphere or super()._implied(key)
 
     @property
-    def conic(self) -> Conic:
-        """Profile of the top."""
-        return Conic(self.radius_mm, self.height_mm, self.foot_mm)
+    def along(self) -> bool:
+        """Whether the profile runs along the whole length instead of round."""
+        return False
 
     @property
     def axisymmetric(self) -> bool:
-        """Round unless it is a ridge."""
-        return not self.ridge
+        """Round unless it runs along the length."""
+        return not self.along
+
+    @property
+    def conic(self) -> Conic:
+        """The profile."""
+        return Conic(self.radius_mm, self.height_mm, self.foot_mm)
+
+    def lines_mm(self) -> tuple[float, ...]:
+        """The foot."""
+        return (self.foot_mm,)
+
+    def _sag_mm(self, x_mm: Array, y_mm: Array) -> Array:
+        across = np.hypot(0.0 * np.asarray(x_mm), y_mm) if self.along else np.hypot(x_mm, y_mm)
+        return self.conic.sag_mm(across)
+
+
+@dataclass(frozen=True)
+class Crowned(_Capped):
+    """A conic top over a flat pad: apex radius, height of the crown, foot radius (0: that of a sphere).
+
+    With ``ridge`` = 1 the profile is a cylinder's: it runs along the whole length and varies across the width.
+    """
+
+    name: ClassVar[str] = "crowned"
+    ridge: float = 0.0
+
+    @property
+    def along(self) -> bool:
+        """A ridge runs along the length."""
+        return bool(self.ridge)
 
     @property
     def flat_top(self) -> bool:
@@ -196,12 +220,7 @@ class Crowned(Shape):
 
     def drop_mm(self, x_mm: Array, y_mm: Array) -> Array:
         """How far the crown has fallen."""
-        across = np.hypot(0.0 * np.asarray(x_mm), y_mm) if self.ridge else np.hypot(x_mm, y_mm)
-        return self.conic.sag_mm(across)
-
-    def lines_mm(self) -> tuple[float, ...]:
-        """The foot."""
-        return (self.foot_mm,)
+        return self._sag_mm(x_mm, y_mm)
 
     def check(self, thickness_mm: float, length_mm: float = 150.0, width_mm: float = 120.0) -> None:
         """Refuse tips, slopes and rests that cannot be cast."""
@@ -297,45 +316,23 @@ class Layered(Shape):
 
 
 @dataclass(frozen=True)
-class Boned(Shape):
+class Boned(_Capped):
     """A rigid conic dome on the base, under a flat top: apex radius, height, foot radius (0: that of a sphere).
 
     With ``bar`` = 1 it is a bar with that profile along the whole length.
     """
 
     name: ClassVar[str] = "boned"
-    radius_mm: float
-    height_mm: float
-    foot_mm: float = 0.0
     bar: float = 0.0
 
-    def __post_init__(self) -> None:
-        if not self.foot_mm:
-            object.__setattr__(self, "foot_mm", sphere_foot_mm(self.radius_mm, self.height_mm))
-
-    def _implied(self, key: str) -> bool:
-        """The foot of a sphere need not be typed."""
-        sphere = key == "foot_mm" and self.foot_mm == sphere_foot_mm(self.radius_mm, self.height_mm)
-        return sphere or super()._implied(key)
-
     @property
-    def conic(self) -> Conic:
-        """Profile of the bone."""
-        return Conic(self.radius_mm, self.height_mm, self.foot_mm)
-
-    @property
-    def axisymmetric(self) -> bool:
-        """Round unless it is a bar."""
-        return not self.bar
+    def along(self) -> bool:
+        """A bar runs along the length."""
+        return bool(self.bar)
 
     def bone_mm(self, x_mm: Array, y_mm: Array) -> Array:
         """How far the bone reaches above the base."""
-        across = np.hypot(0.0 * np.asarray(x_mm), y_mm) if self.bar else np.hypot(x_mm, y_mm)
-        return self.height_mm - self.conic.sag_mm(across)
-
-    def lines_mm(self) -> tuple[float, ...]:
-        """The foot."""
-        return (self.foot_mm,)
+        return self.height_mm - self._sag_mm(x_mm, y_mm)
 
     def check(self, thickness_mm: float, length_mm: float = 150.0, width_mm: float = 120.0) -> None:
         """Refuse bones that are too steep for the mesh and covers too thin to last."""

@@ -145,7 +145,8 @@ def content(
     reach = np.where(reach >= depths[-1], COMPLETE, reach)
     levels, rows = (LEVELS, at_levels(design, points, rows)) if crowned else (depths, rows)
     low, high = _coordinates(design, design.low[None])[0], _coordinates(design, design.high[None])[0]
-    surface = fit(_coordinates(design, points), rows, levels, low, high, crowned, reach)
+    anchored = design.kind in TIPPED
+    surface = fit(_coordinates(design, points), rows, levels, low, high, anchored, reach)
     short = {name: _shorter(getattr(surface, name), 7) for name in ("trend", "weights", "lengths")}
     surface = replace(surface, **short)
     at, fresh_values, _ = values_of(design, checks)
@@ -178,7 +179,7 @@ def content(
             "trend": _list(surface.trend, 7),
             "weights": _list(surface.weights, 7),
             "reach": _list(surface.reach, 4),
-            "anchored": crowned,
+            "anchored": anchored,
         },
         "fresh": {"points": _list(at, 7), "values": _list(fresh_values, 6)},
         "provenance": {

@@ -127,7 +127,9 @@ class Response:
         y0, y1, m0, m1 = values[place, i], values[place, i + 1], bend[place, i], bend[place, i + 1]
         value = a * y0 + b * y1 + ((a**3 - a) * m0 + (b**3 - b) * m1) * h**2 / 6.0
         slope = (y1 - y0) / h + ((1.0 - 3.0 * a**2) * m0 + (3.0 * b**2 - 1.0) * m1) * h / 6.0
-        return value, slope
+        # Held before the first knot and beyond the last.
+        asked = np.sqrt(depth)
+        return value, np.where((asked < t[0]) | (asked > t[-1]), 0.0, slope)
 
 
 def fit(

@@ -9,31 +9,38 @@ import pytest
 
 from dummydesign.errors import InputError
 from dummydesign.library import data_folder
-from dummydesign.pad.build_shape_table import at_levels, reduced
+from dummydesign.pad.build_shape_table import ALL, at_levels, reduced
+from dummydesign.pad.bumped_designs import bumped
 from dummydesign.pad.laws import Yeoh
 from dummydesign.pad.response import fit
 from dummydesign.pad.shape_designs import DESIGNS, EXTENT_OVER_RADIUS, RADIUS_MM
-from dummydesign.pad.shape_table import INPUTS, ShapeLaw, load_shape_table, ratios
+from dummydesign.pad.shape_table import INPUTS, TIPPED, ShapeLaw, load_shape_table, ratios
 from dummydesign.pad.shaped import Press as ShapedPress
 from dummydesign.pad.shaped import climb
 from dummydesign.pad.table import load_table
-from dummydesign.shape import Boned, Crowned, Layered, Slab
+from dummydesign.shape import Boned, Bumped, Crowned, Layered, Slab
 
 FOLDER = data_folder() / "materials" / "tables"
 KINDS = [kind for kind in INPUTS if (FOLDER / f"{kind}-bonded.json").exists()]
-SHAPES = {"crowned": Crowned(10.0, 3.0, 8.0), "layered": Layered(4.0, 0.3), "boned": Boned(9.1, 3.5, 7.2)}
+ROUND = [kind for kind in KINDS if kind != "bumped"]
+SHAPES = {
+    "crowned": Crowned(10.0, 3.0, 8.0), "layered": Layered(4.0, 0.3), "boned": Boned(9.1, 3.5, 7.2),
+    "bumped": bumped(5.0, 0.25),
+}  # fmt: skip
+# Caps land one after another and were solved on few, coarse grids.
+MEDIAN = {"bumped": 0.08}
 
 
 def misses(kind):
     """Relative differences between the table's law and the fresh solves that its file keeps, (shapes, depths)."""
-    design = DESIGNS[kind]
+    design = ALL[kind]
     data = json.loads((FOLDER / f"{kind}-bonded.json").read_text(encoding="utf-8"))["fresh"]
     rows = []
     for point, values in zip(np.array(data["points"]), np.array(data["values"], dtype=float)):
         shape, h = design.shape(point)
         depth = design.depths * h
         value = ShapeLaw(shape).force(depth, h, 1.0, RADIUS_MM)
-        unit = RADIUS_MM**2 if kind == "crowned" else load_table("bonded").force(depth, h, 1.0, RADIUS_MM)
+        unit = RADIUS_MM**2 if kind in TIPPED else load_table("bonded").force(depth, h, 1.0, RADIUS_MM)
         rows.append(value / (values * unit) - 1.0)
     return np.array(rows)
 
@@ -44,11 +51,11 @@ def test_the_stated_error_is_what_fresh_solves_show(kind):
     table = load_shape_table(kind)
     assert np.nanmedian(miss) == pytest.approx(table.provenance["median_error"], rel=0.02, abs=1e-4)
     assert np.nanpercentile(miss, 95.0) == pytest.approx(table.provenance["error_of_95_percent"], rel=0.02, abs=1e-4)
-    assert np.nanmedian(miss) < 0.015
-    assert len(miss) >= 12 and np.isfinite(miss).mean() > 0.7
+    assert np.nanmedian(miss) < MEDIAN.get(kind, 0.015)
+    assert len(miss) >= (8 if kind == "bumped" else 12) and np.isfinite(miss).mean() > 0.7
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", ROUND)
 def test_a_solve_of_another_shape_agrees_within_the_stated_error(kind):
     shape, h = SHAPES[kind], 9.0
     press = ShapedPress(shape, h, RADIUS_MM / h, EXTENT_OVER_RADIUS * RADIUS_MM / h)
@@ -118,14 +125,13 @@ def test_forces_grow_with_depth_all_over_the_table():
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_inputs_of_a_shape_are_those_of_the_design(kind):
-    design = DESIGNS[kind]
+    design = ALL[kind]
     point = design.fresh(1)[0]
     shape, h = design.shape(point)
     inputs = ratios(shape, h, RADIUS_MM)
+    plain = {"crowned": [1, 3], "bumped": [2]}.get(kind, [1])
     expected = np.exp(point)
-    expected[1] = point[1]
-    if kind == "crowned":
-        expected[3] = point[3]
+    expected[plain] = point[plain]
     assert inputs == pytest.approx(expected)
 
 
@@ -136,6 +142,7 @@ def test_inputs_of_a_shape_are_those_of_the_design(kind):
         (Crowned(10.0, 2.5, ridge=1.0), "bonded", "no response table"),
         (Crowned(10.0, 2.5), "frictionless", "only bonded"),
         (Boned(30.0, 3.0, 6.0), "bonded", "that of a sphere"),
+        (Bumped(5.0, 4.0, 1.2, 0.3), "bonded", "caps of radius 2.91 and height 1.24"),
     ],
 )
 def test_shapes_without_a_table_are_refused(shape, condition, words):
@@ -173,3 +180,21 @@ def test_curves_that_stopped_early_are_not_carried_on():
     assert np.isfinite(full).sum() > np.isfinite(early).sum()
     # Levels up to 0.53 crown heights are below 0.3 thicknesses.
     assert np.isfinite(early[0]).sum() == 8
+
+
+def test_caps_start_as_one_cap_by_hertz_and_are_stiffer_once_more_of_them_are_touched():
+    law, field = ShapeLaw(SHAPES["bumped"]), SHAPES["bumped"]
+    depth = np.array([1e-4, 0.5 * field.grade_mm, 3.0 * field.grade_mm])
+    over = law.force(depth, 9.0, 0.03, RADIUS_MM) / (16.0 / 9.0 * 0.03 * np.sqrt(field.radius_mm) * depth**1.5)
+    assert law.local_exponent(depth[:1], 9.0, RADIUS_MM) == pytest.approx(1.5, abs=0.02)
+    assert over[0] == pytest.approx(1.0, abs=0.05) and over[2] > 2.0 * over[0]
+
+
+@pytest.mark.slow
+def test_a_field_of_caps_solved_in_space_agrees_with_its_table():
+    """The whole error of the table: docs/shapes-model.md."""
+    from dummydesign.pad.bumped_designs import COARSE, press_field
+
+    field, h = bumped(5.2, 0.3), 8.0
+    depth, area, _ = press_field(field, h, np.array([0.1, 0.2, 0.3, 0.4]), COARSE)
+    assert ShapeLaw(field).force(depth * h, h, 1.0, RADIUS_MM) == pytest.approx(area, rel=0.21)

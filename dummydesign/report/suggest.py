@@ -39,6 +39,7 @@ def write_suggestion(
     young, recipe = best["young_kPa"], best["recipe"]
     facts = [
         (f"{best['thickness_mm']:g} mm", f"thickness of the 150 x 120 mm {_pad_words(answer)}, glued to a rigid base"),
+        *_shape_fact(answer),
         (f"{best['ratio']:g}", f"ratio: {best['ratio_meaning']}"),
         (f"{young['value']:.3g} kPa", f"long-term modulus (95 %: {young['low']:.3g} to {young['high']:.3g})"),
         *((f"{item['mass_g']:.1f} g", f"{item['name']} to weigh") for item in recipe["components"]),
@@ -78,7 +79,14 @@ _FLAT = "A flat pad starts nearly linear, so it crosses the tissue's curve and c
 
 
 def _pad_words(answer: Suggestion) -> str:
-    return "slab" if answer.shape.name == "slab" else f"pad ({answer.shape})"
+    return "slab" if answer.shape.name == "slab" else f"{answer.shape.name} pad"
+
+
+def _shape_fact(answer: Suggestion) -> list[tuple[str, str]]:
+    """The shape's lengths, with places where a narrow box may break the line."""
+    if answer.shape.name == "slab":
+        return []
+    return [(answer.shape.name, str(answer.shape).partition(":")[2].replace(",", ", ") + " (mm)")]
 
 
 def _shapes(answer: Suggestion, result: dict[str, Any]) -> list[Section]:

@@ -41,7 +41,7 @@ __all__ = [
 
 # Rims of the ladder over the smaller of punch radius and thickness, and the depth in that unit that every curve is
 # solved to: over less the series has too few values with rims.
-RIMS = tuple(0.1 * 0.5**k for k in range(5))
+RIMS = tuple(0.1 * 0.5**k for k in range(6))
 LEAST_DEPTH = 0.25
 # A curve is solved on this many depths besides the wanted ones, and fitted by a series of this many terms.
 GRID_POINTS = 12
@@ -60,7 +60,7 @@ def climb(
 ) -> Path:
     """Follow one rung of the ladder through ``depths`` (in thicknesses)."""
     problem = rimmed_problem(slab, law, poisson, rim, resolution)
-    return follow(problem, depths, rim, 0.05 * slab.scale, 0.005 * slab.scale, progress, patience=0.5)
+    return follow(problem, depths, rim, 0.05 * slab.scale, 0.005 * slab.scale, progress)
 
 
 def climb_all(

@@ -185,16 +185,12 @@ def follow(
     smallest_step: float,
     progress: Callable[[float], None] | None = None,
     sound_J: float = 0.0,
-    patience: float = 1.0,
 ) -> Path:
     """Follow the equilibrium from first touch through ``depths`` (increasing, in the mesh's unit of length).
 
     Every depth is met exactly. A step that fails is halved and tried again from the last good state;
     below ``smallest_step`` the path ends there and says why. It also ends after a wanted depth at which
     the smallest volume ratio is below ``sound_J``.
-
-    Once a wanted depth was met, it ends below ``smallest_step / patience`` already: a path that starts needs smaller
-    steps than one that is about to end for good.
     """
     began = time.perf_counter()
     targets = np.asarray(depths, dtype=float)
@@ -219,7 +215,7 @@ def follow(
         if isinstance(answer, _Failure):
             iterations += answer.iterations
             step = 0.5 * (trial_depth - depth)
-            if step < smallest_step / (patience if found else 1.0):
+            if step < smallest_step:
                 stop = _explain(problem, u, p, depth, answer.reason)
                 break
             continue

@@ -54,6 +54,7 @@ def test_an_effect_is_named_sized_and_lowers_the_error_on_a_second_campaign(resu
     assert predicted.total_rmse_N < 0.8 * predicted.total_base_rmse_N
 
 
+@pytest.mark.slow
 def test_ringing_is_not_in_the_vocabulary_and_called_unexplained(results):
     result = results("ringing", 403, 2.0)
     assert result.verdict == "unexplained"

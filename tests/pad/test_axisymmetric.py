@@ -179,7 +179,10 @@ def test_bad_input_is_refused_with_the_allowed_range(change, words):
         solve_curve(**values)
 
 
-@pytest.mark.parametrize(("thickness_mm", "deepest"), [(10.0, 0.1), (5.0, 0.1), (10.0, 0.5)])
+@pytest.mark.parametrize(
+    ("thickness_mm", "deepest"),
+    [(10.0, 0.1), *(pytest.param(*case, marks=pytest.mark.slow) for case in ((5.0, 0.1), (10.0, 0.5)))],
+)
 def test_a_curve_at_small_depths_does_not_depend_on_how_deep_it_goes(thickness_mm, deepest):
     """Against the table, whose own regression runs over many slabs; losing the smallest bead puts 2 % here."""
     depth = np.array([0.025, 0.05, deepest]) * thickness_mm

@@ -105,6 +105,7 @@ def test_the_base_pushes_back_as_hard_as_the_punch_pushes_and_friction_pulls_inw
     assert 0.0 < drag < 0.3 * whole
 
 
+@pytest.mark.slow
 def test_a_curve_on_a_rough_base_lies_between_its_limits_and_states_a_small_error():
     from dummydesign.pad.axisymmetric import solve_curve
 

@@ -139,6 +139,7 @@ def test_the_dissection_refuses_faces_that_lie_outside_their_cell():
         Dissection([cells, faces], np.arange(5), 5, np.zeros((3, 2), dtype=int))
 
 
+@pytest.mark.slow
 def test_square_over_circle_with_a_bead_is_that_with_a_sharp_edge_where_both_exist():
     """At d/h 0.2 on a 10 mm pad, where a bead of 0.28 is off by less than 0.6 %."""
     pad = block(10.0)

@@ -96,6 +96,7 @@ def test_a_punch_beside_the_apex_finds_the_same_pad_on_either_side():
     assert right == pytest.approx(back, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_half_and_quarter_of_a_pad_make_the_same_whole():
     crown = Crowned(10.0, 2.0)
     quarter = pressed(crown, 5.0, [0.06])[0]

@@ -80,6 +80,7 @@ def test_the_shipped_values_are_those_the_series_was_fitted_to(base):
     assert np.all(np.diff(off_by_rim) > 0.0)
 
 
+@pytest.mark.slow
 def test_a_solved_factor_is_that_of_the_table():
     solved = solve_factor(block(10.0), neo_hookean(1.0), 0.5, 0.2)
     depth = np.array([0.0, 0.1, 0.2])

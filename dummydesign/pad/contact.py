@@ -50,13 +50,18 @@ class FlatPunch:
         """Distance to the face or the bead, whichever is nearest, with its derivatives."""
         v = points - np.array([self.flat_radius, self.rim - depth])
         distance = np.maximum(np.linalg.norm(v, axis=-1), 1e-300)
-        flat = (v[..., 0] < 0.0) & (v[..., 1] < 0.0)
+        flat = self._flat(v)
         gap = np.where(flat, -v[..., 1] - self.rim, distance - self.rim)
         normal = np.where(flat[..., None], np.array([0.0, -1.0]), v / distance[..., None])
         bend = np.where(flat, 0.0, 1.0 / distance)[..., None, None] * (
             np.eye(2) - normal[..., :, None] * normal[..., None, :]
         )
         return gap, normal, bend
+
+    @staticmethod
+    def _flat(v: Array) -> Array:
+        """Which points, measured from where the bead is centred, the face pushes; the bead pushes the others."""
+        return (v[..., 0] < 0.0) & (v[..., 1] < 0.0)
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ import numpy as np
 
 from dummydesign.errors import InputError, NoAnswerError
 from dummydesign.pad import mesh as meshes
+from dummydesign.pad.base_contact import friction_of
 from dummydesign.pad.contact import FlatPunch, Surface
 from dummydesign.pad.indent import _normalised
 from dummydesign.pad.laws import Law, Yeoh
@@ -45,17 +46,9 @@ CELLS = 16
 class Plate(FlatPunch):
     """A flat punch with a bead whose face pushes back from any depth inside it, so that steps may be large."""
 
-    def gap(self, points: Array, depth: float) -> tuple[Array, Array, Array]:
-        """Distance to the face or the bead with its derivatives."""
-        v = points - np.array([self.flat_radius, self.rim - depth])
-        distance = np.maximum(np.linalg.norm(v, axis=-1), 1e-300)
-        flat = v[..., 0] < 0.0
-        gap = np.where(flat, -v[..., 1] - self.rim, distance - self.rim)
-        normal = np.where(flat[..., None], np.array([0.0, -1.0]), v / distance[..., None])
-        bend = np.where(flat, 0.0, 1.0 / distance)[..., None, None] * (
-            np.eye(2) - normal[..., :, None] * normal[..., None, :]
-        )
-        return gap, normal, bend
+    @staticmethod
+    def _flat(v: Array) -> Array:
+        return v[..., 0] < 0.0
 
 
 @dataclass(frozen=True)
@@ -147,7 +140,8 @@ def shaped_problem(press: Press, law: Law, cells: int = CELLS, rim: float = RIMS
     twin : bool
         Make the homogeneous slab without a bone on the same grid instead.
     """
-    friction, grip = _friction_and_grip(press.condition)
+    friction = friction_of(press.condition, "condition", ("frictionless", "bonded")) or 0.0
+    grip = float(press.condition == "bonded")
     if press.base not in BASES:
         raise InputError(f"base = '{press.base}' is not one of {', '.join(BASES)}")
     punch = Plate(press.radius, rim * press.scale)
@@ -194,20 +188,6 @@ def shaped_problem(press: Press, law: Law, cells: int = CELLS, rim: float = RIMS
         punch.flat_radius if len(driven) else 0.0, friction, 0.02 * coarse,
     )  # fmt: skip
     return Problem(Solid(mesh, law, press.poisson), held, driven, 2 * below + 1, surface, punch, carried)
-
-
-def _friction_and_grip(condition: str) -> tuple[float, float]:
-    """Coefficient of friction and grip (0 or 1) of a condition as it is typed."""
-    if condition in ("frictionless", "bonded"):
-        return 0.0, float(condition == "bonded")
-    name, _, number = condition.partition(":")
-    try:
-        value = float(number)
-    except ValueError:
-        value = -1.0
-    if name != "friction" or not 0.0 <= value <= 5.0:
-        raise InputError(f"condition '{condition}' is not frictionless, bonded or friction:MU with MU from 0 to 5")
-    return value, 0.0
 
 
 def _grid(press: Press, cells: int, rim: float) -> tuple[Array, Array, float | None]:

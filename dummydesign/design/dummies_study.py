@@ -15,14 +15,14 @@ from pathlib import Path
 
 from dummydesign.design.dummies_press import steady_scan, stiffening_cases, study
 from dummydesign.design.dummies_tables import tables
+from dummydesign.design.marked_page import MarkedPage
 from dummydesign.design.solved import SolvedSlab, solve_slab
 from dummydesign.design.thickness_study import curves_text, read_curves
-from dummydesign.errors import InputError
 from dummydesign.files import write_text
 
 CURVES = Path("docs") / "data" / "dummies.csv"
 PAGE = Path("docs") / "dummies.md"
-BEGIN, END = "<!-- dummies tables: begin -->", "<!-- dummies tables: end -->"
+MARKED = MarkedPage(PAGE, "<!-- dummies tables: begin -->", "<!-- dummies tables: end -->")
 
 
 def read_or_solve(path: Path, solve: bool) -> list[SolvedSlab]:
@@ -50,14 +50,11 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--solve", action="store_true", help="solve the stiffening slabs again")
     parser.add_argument("--repository", type=Path, default=Path("."), help="folder that holds docs/")
     options = parser.parse_args(arguments)
-    path = options.repository / PAGE
-    text = path.read_text(encoding="utf-8") if path.is_file() else ""
-    if BEGIN not in text or END not in text:
-        raise InputError(f"{path} with the marks '{BEGIN}' and '{END}' is missing; run in the repository")
+    MARKED.read(options.repository)
     slabs = read_or_solve(options.repository / CURVES, options.solve)
     made = tables(study(slabs), steady_scan(slabs))
     print(made)
-    write_text(path, f"{text.split(BEGIN)[0]}{BEGIN}\n\n{made}\n{END}{text.split(END)[1]}")
+    MARKED.write(options.repository, made)
 
 
 if __name__ == "__main__":

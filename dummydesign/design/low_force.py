@@ -16,7 +16,7 @@ MISFIT_N = np.geomspace(0.5, 15.0, 40)
 """Forces of the tissue over which the misfit is taken, even in the logarithm. [N]"""
 EXPONENT_AT_N = (0.5, 1.0, 5.0, 10.0, 15.0)
 # The pad's own force at the tissue's depths lies far outside 0.5 to 15 N for a slab.
-_WIDE_N = np.geomspace(1e-3, 150.0, 400)
+WIDE_N = np.geomspace(1e-3, 150.0, 400)
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ def low_force(candidate: Candidate, targets: Targets) -> LowForce:
     exponent = (slabs.curves.slope_at(slabs.slab, depth) * depth / area)[0]
     deepest = float(steady_depth(slabs, 15.0, VELOCITIES_MM_S[0])[0])
     return LowForce(
-        misfit(steady_depth(slabs, _WIDE_N, VELOCITIES_MM_S[0])[0], _WIDE_N, targets.aim_depth_mm(MISFIT_N)),
+        misfit(steady_depth(slabs, WIDE_N, VELOCITIES_MM_S[0])[0], WIDE_N, targets.aim_depth_mm(MISFIT_N)),
         float(evaluation.low_force_range[index]),
         float(evaluation.steady_state_range[index]),
         {f"{force:g}": _known(value) for force, value in zip(EXPONENT_AT_N, exponent)},
@@ -82,8 +82,24 @@ def misfit(depth_mm: NDArray, force_N: NDArray, aim_depth_mm: NDArray) -> float 
     known = np.isfinite(depth_mm)
     if known.sum() < 2 or depth_mm[known].max() < aim_depth_mm.max() * (1.0 - 1e-9):
         return None
-    at = np.interp(np.log(aim_depth_mm), np.log(depth_mm[known]), np.log(force_N[known]))
-    return float(np.sqrt(np.mean((at - np.log(MISFIT_N)) ** 2)))
+    away = np.log(force_at(aim_depth_mm, depth_mm, force_N) / MISFIT_N)
+    return float(np.sqrt(np.mean(away**2)))
+
+
+def steady_force(candidate: Candidate, depth_mm: NDArray) -> NDArray:
+    """Steady force of a design at depths, through its steady curve; NaN beyond it. [N]"""
+    slabs = candidate.evaluation.slabs.take(np.array([candidate.index]))
+    return force_at(depth_mm, steady_depth(slabs, WIDE_N, VELOCITIES_MM_S[0])[0], WIDE_N)
+
+
+def force_at(at_mm: NDArray, depth_mm: NDArray, force_N: NDArray) -> NDArray:
+    """Force at depths on a curve, straight in ln F over ln depth; NaN beyond the curve's deepest point. [N]"""
+    known = np.isfinite(depth_mm)
+    curve = np.log(depth_mm[known]), np.log(force_N[known])
+    # A little slack: the aim's deepest point may be the curve's own.
+    held = np.minimum(at_mm, depth_mm[known].max() * (1.0 + 1e-9))
+    force = np.exp(np.interp(np.log(held), *curve))
+    return np.where(at_mm <= held, force, np.nan)
 
 
 def _known(value: float) -> float | None:

@@ -17,14 +17,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.curves import DEPTH_SHARE, steady_depth
+from dummydesign.design.curves import DEPTH_SHARE
 from dummydesign.design.landing import Landing, landing
-from dummydesign.design.low_force import MISFIT_N
-from dummydesign.design.search import Candidate
+from dummydesign.design.low_force import MISFIT_N, steady_force
+from dummydesign.design.marked_page import MarkedPage
 from dummydesign.design.suggest import PUNCH_SIDE_MM, RADIUS_MM, Request, Suggestion, suggest
 from dummydesign.design.suggest_shape import Beside
 from dummydesign.design.targets import Targets
-from dummydesign.errors import InputError, NoAnswerError
+from dummydesign.errors import NoAnswerError
 from dummydesign.files import write_text
 from dummydesign.shape import Slab
 
@@ -32,7 +32,7 @@ TISSUES = ("forefinger", "palm", "thenar")
 CONDITIONS = ("bonded", "frictionless")
 CHECKED_N = MISFIT_N[::3]
 PAGE, CURVES = Path("docs") / "shapes.md", Path("docs") / "data" / "shapes.csv"
-BEGIN, END = "<!-- shapes tables: begin -->", "<!-- shapes tables: end -->"
+MARKED = MarkedPage(PAGE, "<!-- shapes tables: begin -->", "<!-- shapes tables: end -->")
 
 
 @dataclass(frozen=True)
@@ -48,15 +48,6 @@ class Solved:
     table_N: NDArray
     force_N: dict[str, NDArray]
     misfit: dict[str, tuple[float, float] | None]
-
-
-def steady_force(candidate: Candidate, depth_mm: NDArray) -> NDArray:
-    """Steady force of a design at depths, through its steady curve; NaN beyond it. [N]"""
-    slabs = candidate.evaluation.slabs.take(np.array([candidate.index]))
-    force = np.geomspace(1e-3, 150.0, 400)
-    depth = steady_depth(slabs, force, 10.0)[0]
-    known = np.isfinite(depth)
-    return np.exp(np.interp(np.log(depth_mm), np.log(depth[known]), np.log(force[known]), right=np.nan))
 
 
 def check(item: Beside, targets: Targets) -> Solved:
@@ -225,10 +216,7 @@ def main(arguments: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="python -m dummydesign.design.shape_study", description=__doc__)
     parser.add_argument("--repository", type=Path, default=Path("."), help="folder that holds docs/")
     options = parser.parse_args(arguments)
-    path = options.repository / PAGE
-    text = path.read_text(encoding="utf-8") if path.is_file() else ""
-    if BEGIN not in text or END not in text:
-        raise InputError(f"{path} with the marks '{BEGIN}' and '{END}' is missing; run in the repository")
+    MARKED.read(options.repository)
     law = punch_law(load_table(base="bonded"), PUNCH)
     found = []
     for tissue in TISSUES:
@@ -237,7 +225,7 @@ def main(arguments: list[str] | None = None) -> None:
     made = tables(found)
     print(made)
     write_text(options.repository / CURVES, curves_text([row for _, rows, _ in found for row in rows]))
-    write_text(path, f"{text.split(BEGIN)[0]}{BEGIN}\n\n{made}\n{END}{text.split(END)[1]}")
+    MARKED.write(options.repository, made)
 
 
 if __name__ == "__main__":

@@ -18,8 +18,8 @@ from typing import Any
 
 import numpy as np
 
+from dummydesign.design.marked_page import MarkedPage
 from dummydesign.design.solved import SlabCase, SolvedLaw, SolvedSlab, law_of, solve_slab
-from dummydesign.errors import InputError
 from dummydesign.files import write_text
 
 THICKNESS_MM = (5.0, 10.0, 15.0, 20.0)
@@ -48,7 +48,7 @@ STATEMENT = (
     "Not covered: depths above 0.6 of the thickness, where a slab of 10 mm or more of that modulus would carry 15 "
     "N, resins other than neo-Hookean and Yeoh, and a pad that lifts off its base or wraps the punch."
 )
-BEGIN, END = "<!-- thickness tables: begin -->", "<!-- thickness tables: end -->"
+MARKED = MarkedPage(PAGE, "<!-- thickness tables: begin -->", "<!-- thickness tables: end -->")
 
 
 def cases() -> list[SlabCase]:
@@ -179,12 +179,7 @@ def write_page(folder: Path, slabs: list[SolvedSlab]) -> None:
     InputError
         When the page or its marks are missing.
     """
-    path = folder / PAGE
-    text = path.read_text(encoding="utf-8") if path.is_file() else ""
-    if BEGIN not in text or END not in text:
-        raise InputError(f"{path} with the marks '{BEGIN}' and '{END}' is missing; run in the repository")
-    head, tail = text.split(BEGIN)[0], text.split(END)[1]
-    write_text(path, f"{head}{BEGIN}\n\n{STATEMENT}\n{tables_text(study(slabs))}\n{END}{tail}")
+    MARKED.write(folder, f"{STATEMENT}\n{tables_text(study(slabs))}")
 
 
 def main(arguments: list[str] | None = None) -> None:

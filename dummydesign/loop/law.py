@@ -13,7 +13,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.errors import InputError, NoAnswerError
+from dummydesign.errors import InputError
+from dummydesign.pad.square import load_square
 from dummydesign.pad.table import BASES, ResponseTable, load_table
 from dummydesign.protocol.campaign import Campaign
 
@@ -29,25 +30,15 @@ UnitForce = Callable[[NDArray, NDArray], NDArray]
 REFERENCE_DEPTH = 0.4
 """Depth over thickness at which the slope of a law error is counted."""
 
-_SMALL_DEPTH_RATIO = np.log([0.395, 0.527, 0.790, 1.580])
-_SMALL_DEPTH_FACTOR = np.array([1.030, 1.030, 1.028, 1.002])
-"""Square over circle at small depth on glued 20, 15, 10 and 5 mm pads, from elements in space: what is used when the
-table of factors is not there. Their fall with depth is then left to the law error."""
 _SHARES = np.linspace(0.0, 0.6, 121)
 
 
 @lru_cache(maxsize=512)
 def _square_curve(thickness_mm: float, radius_mm: float, base: str) -> NDArray:
     """Square over circle at the relative depths ``_SHARES`` on one thickness."""
-    try:
-        from dummydesign.pad.square import load_square
-
-        table = load_square(base)
-        ratio = np.clip(radius_mm / thickness_mm, *table.ratio_range)
-        return np.asarray(table.factor(_SHARES, ratio)[0], float)
-    except (ImportError, NoAnswerError):
-        ratio = np.log(radius_mm / thickness_mm)
-        return np.full(len(_SHARES), np.interp(ratio, _SMALL_DEPTH_RATIO, _SMALL_DEPTH_FACTOR))
+    table = load_square(base)
+    ratio = np.clip(radius_mm / thickness_mm, *table.ratio_range)
+    return np.asarray(table.factor(_SHARES, ratio)[0], float)
 
 
 def square_over_circle(depth_mm: NDArray, thickness_mm: NDArray, radius_mm: float, base: str = "bonded") -> NDArray:

@@ -1,0 +1,24 @@
+"""The fast force laws of the loop against the tables they read."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from dummydesign.errors import NoAnswerError
+from dummydesign.loop import law as loop_law
+from dummydesign.loop.law import SlabLaw
+from dummydesign.pad import square
+from dummydesign.pad.table import load_table
+
+RADIUS = 14.0 / np.sqrt(np.pi)
+H = np.array([[5.0], [10.0], [20.0]])
+D = np.array([[0.1, 0.2, 0.3]]) * H
+
+
+def test_a_missing_table_of_square_factors_is_an_error_and_not_another_number(monkeypatch, tmp_path):
+    monkeypatch.setattr(square, "data_folder", lambda: tmp_path)
+    for cached in (square.load_square, loop_law._square_curve):
+        cached.cache_clear()
+    with pytest.raises(NoAnswerError, match="square factors"):
+        SlabLaw(load_table("bonded"), RADIUS, True)(D, H)

@@ -78,7 +78,7 @@ class SlabLaw:
         start, stop = self.table.depth_range
         share = np.clip(depth_mm / thickness, start, self.table.depth_limit(ratio))
         value = _clenshaw(2.0 * (share - start) / (stop - start) - 1.0, series)
-        factor = square_over_circle(depth_mm, thickness, self.radius_mm) if self.square else 1.0
+        factor = square_over_circle(depth_mm, thickness, self.radius_mm, self.table.base) if self.square else 1.0
         return factor * self.radius_mm * np.maximum(depth_mm, 0.0) * np.exp(value)
 
     def limit(self, thickness_mm: NDArray) -> NDArray:

@@ -7,7 +7,7 @@ import pytest
 
 from dummydesign.errors import NoAnswerError
 from dummydesign.loop import law as loop_law
-from dummydesign.loop.law import SlabLaw
+from dummydesign.loop.law import SlabLaw, sliding_law
 from dummydesign.pad import square
 from dummydesign.pad.table import load_table
 
@@ -22,3 +22,11 @@ def test_a_missing_table_of_square_factors_is_an_error_and_not_another_number(mo
         cached.cache_clear()
     with pytest.raises(NoAnswerError, match="square factors"):
         SlabLaw(load_table("bonded"), RADIUS, True)(D, H)
+
+
+@pytest.mark.parametrize("base", ["bonded", "sliding"])
+def test_the_square_punch_has_the_factor_of_the_base_it_presses_on(base):
+    bonded = SlabLaw(load_table("bonded"), RADIUS, True)
+    law = bonded if base == "bonded" else sliding_law(bonded)
+    factor, _ = square.square_factor(D, H, RADIUS, base)
+    np.testing.assert_allclose(law(D, H), factor * load_table(base).force(D, H, 1.0, RADIUS), rtol=2e-4)

@@ -17,6 +17,9 @@ from dummydesign.protocol.motion import ramp_and_hold
 from dummydesign.protocol.sensor import Lowpass
 from dummydesign.protocol.trace import Trace
 
+HOLD_S = 10.0
+"""Hold of every planned press. [s]"""
+
 
 @dataclass(frozen=True)
 class Option:
@@ -91,11 +94,11 @@ def _planned(presses: Presses, lowpass: Lowpass | None, chosen: list[Option]) ->
     trials = []
     for number, option in enumerate(chosen):
         depth = option.depth_share * option.thickness_mm
-        press = ramp_and_hold(option.velocity_mm_s, depth, 10.0)
-        stop = float(press.time_s[-61])
+        press = ramp_and_hold(option.velocity_mm_s, depth, HOLD_S)
+        hold_start = float(press.time_s[-1]) - HOLD_S
         lead = min(0.1, 20.0 / option.velocity_mm_s)
-        fine = np.arange(-lead, stop + 0.4, 1e-3 if stop < 0.5 else stop / 500.0)
-        hold = np.arange(fine[-1] + 0.02, stop + 10.0, 0.02)
+        fine = np.arange(-lead, hold_start + 0.4, 1e-3 if hold_start < 0.5 else hold_start / 500.0)
+        hold = np.arange(fine[-1] + 0.02, hold_start + HOLD_S, 0.02)
         away = np.arange(hold[-1] + 4e-3, hold[-1] + (depth + 2.0) / 10.0, 4e-3) if option.unloading else np.zeros(0)
         time = np.r_[fine, hold, away]
         x = np.interp(time, press.time_s, press.displacement_mm)
@@ -103,7 +106,7 @@ def _planned(presses: Presses, lowpass: Lowpass | None, chosen: list[Option]) ->
         x = np.where(time > hold[-1], depth - 10.0 * (time - hold[-1]), x)
         trace = Trace(f"planned-{number}", time, x, np.zeros_like(time))
         trials.append(
-            Trial(trace.name, option.thickness_mm, option.velocity_mm_s, 10.0, None, 1, number + 1, option.rest_s,
+            Trial(trace.name, option.thickness_mm, option.velocity_mm_s, HOLD_S, None, 1, number + 1, option.rest_s,
                   option.temperature_C, option.age_days, trace)
         )  # fmt: skip
     made = stack(tuple(trials), lowpass)

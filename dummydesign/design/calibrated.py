@@ -20,8 +20,8 @@ def with_calibration(resin: Resin, path: str) -> tuple[Resin, CorrectedLaw, Cali
     """Read a calibration and put it into a resin and a force law.
 
     The resin's law is updated by the campaign's modulus at its ratio and takes the campaign's relaxation there.
-    The force law carries the pad and batch effects that were found; what belongs to the sensor or the robot
-    does not change a design.
+    The force law carries the effects that belong to the pad; what belongs to the rig or the sensor does not
+    change a design.
 
     Parameters
     ----------

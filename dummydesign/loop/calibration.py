@@ -60,7 +60,10 @@ class Model:
         """Plain values."""
         return {
             "base": self.base.to_dict(),
-            "effects": [{"name": one.effect.name, "parameters": dict(one.values)} for one in self.active],
+            "effects": [
+                {"name": one.effect.name, "belongs_to": one.effect.belongs_to, "parameters": dict(one.values)}
+                for one in self.active
+            ],
             "law_error": {"thickness_mm": self.thickness_mm.tolist(), "level_slope_curve": self.law.tolist()},
         }
 
@@ -91,13 +94,16 @@ class Calibration:
         """Relaxation of the corrected material at small strain, extra modes included."""
         arms = list(zip(self.after.base.tau_s, self.after.base.beta))
         for one in self.after.active:
-            if one.effect.name.endswith("_relaxation_mode"):
-                arms.append((one.values["tau_s"], one.values["beta"]))
+            arms += [(term.tau_s, term.beta) for term in one.effect.adds_terms(one.values)]
         return tuple(PronyTerm(float(tau), float(beta)) for tau, beta in sorted(arms, key=lambda arm: arm[0]))
 
     def design_effects(self) -> tuple[Active, ...]:
-        """Effects that change the pad itself, and so the design; sensor and set-up effects do not."""
-        return tuple(one for one in self.after.active if one.effect.stage in ("pad", "batch"))
+        """Effects that belong to the pad, and so to every design; those of the rig and the sensor do not."""
+        return tuple(one for one in self.after.active if one.effect.belongs_to == "pad")
+
+    def on_pucks(self) -> bool:
+        """Whether the campaign pressed pucks between plates."""
+        return self.pad.get("shape", "slab") == "cylinder"
 
 
 def model_of(fit: Fit) -> Model:
@@ -216,15 +222,17 @@ def replay(campaign: Campaign, calibration: Calibration) -> Replayed:
     """Predict a campaign with the corrected and with the base model, nothing fitted.
 
     ``peak_error_N`` is modelled minus measured largest force, both smoothed over five samples.
+
+    Raises
+    ------
+    InputError
+        When an effect of the calibration has no value on these pads, or needs what the campaign does not declare.
     """
     law, presses = law_of(campaign), make_presses(campaign)
-    missing = [
-        one.effect.name for one in calibration.after.active if one.effect.unavailable(presses, law.shape)
-    ]
-    needed = {"temperature": "temperature_C", "ageing": "age_days"}
-    for name in missing:
-        if name in needed and np.any(np.isnan(getattr(presses.history, needed[name]))):
-            raise InputError(f"the calibration holds {name}: the campaign must give {needed[name]} of every trial")
+    for one in calibration.after.active:
+        reason = one.effect.undefined(presses, law)
+        if reason:
+            raise InputError(f"the calibration holds {one.effect.name}, which this campaign cannot take: {reason}")
     after = presses.at_samples(calibration.after.nodes(presses, law))
     base = presses.at_samples(calibration.base.nodes(presses, law))
     measured = [trial.trace.force_N for trial in campaign.trials]

@@ -79,7 +79,7 @@ def simulate(
     acting = [one for one in active if not one.absent]
     thickness = presses.thickness_mm[:, None]
     for one in acting:
-        law = one.effect.law(presses, law, one.values)
+        law = one.effect.law(law, one.values)
     start = presses.displacement_mm - np.broadcast_to(offset_mm, presses.thickness_mm.shape)[:, None]
     for one in acting:
         start = one.effect.depth(presses, start, one.values)

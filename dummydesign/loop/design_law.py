@@ -1,4 +1,4 @@
-"""The corrected pad for designing: force law and modulus of a calibration, without what belongs to the set-up."""
+"""The corrected pad for designing: force law and modulus of a calibration, without what belongs to the laboratory."""
 
 from __future__ import annotations
 
@@ -14,35 +14,55 @@ from dummydesign.pad.table import load_table
 
 @dataclass(frozen=True)
 class CorrectedLaw:
-    """Static force of slabs with the pad effects of a calibration and its law error; offers what a table offers.
+    """Static force of slabs with a calibration's effects of the pad and its law error; offers what a table offers.
 
-    Sensor and motion effects are left out: they are of the laboratory, not of the pad. Batch effects (softening,
-    temperature, ageing) are at their reference: first press, 23 C, 7 days.
+    Effects of the rig and the sensor are left out: they are of the laboratory. Effects that depend on a state of
+    the pad are taken where they are absent, see ``Effect.designed_for`` and :attr:`notes`. What a campaign of
+    pucks found wrong with the law of pucks says nothing of slabs and is left out too.
     """
 
     calibration: Calibration
     square: bool = True
+
+    @property
+    def base(self) -> str:
+        """Base of the slabs that are designed: as in the campaign, glued when it pressed pucks."""
+        return "bonded" if self.calibration.on_pucks() else self.calibration.pad["base"]
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader of the design must know of the effects in it."""
+        said = []
+        for one in self.calibration.design_effects():
+            if one.effect.designed_for:
+                said.append(f"the calibration holds {one.effect.name}: the design is for {one.effect.designed_for}")
+            elif self.calibration.on_pucks() and not one.effect.adds_terms(one.values):
+                said.append(
+                    f"{one.effect.name} was found on pucks between plates and acts here at the same depth over "
+                    "thickness, where the strain under a punch is another: press a slab to be sure"
+                )
+        return tuple(said)
 
     def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: float) -> NDArray:
         """Static force; arguments broadcast, NaN beyond the table. [N]"""
         depth, thickness, young = np.broadcast_arrays(
             *(np.asarray(value, dtype=float) for value in (depth_mm, thickness_mm, young_MPa))
         )
-        law = SlabLaw(load_table(self.calibration.pad["base"]), float(radius_mm), self.square)
+        law = SlabLaw(load_table(self.base), float(radius_mm), self.square)
         x, h = depth.reshape(-1, 1), thickness.reshape(-1, 1)
         limit = law.limit(h)
         acting = law
         for one in self.calibration.design_effects():
-            acting = one.effect.law(None, acting, one.values)
-        error = self.calibration.after.law_error(h[:, 0])
-        unit = acting(x, h) * error.factor(np.clip(x, 0.0, limit) / h)
+            acting = one.effect.law(acting, one.values)
+        unit = acting(x, h)
+        if not self.calibration.on_pucks():
+            unit = unit * self.calibration.after.law_error(h[:, 0]).factor(np.clip(x, 0.0, limit) / h)
         unit = np.where(x > limit * (1.0 + 1e-9), np.nan, unit)
         return young * unit.reshape(depth.shape)
 
     def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: float) -> NDArray:
         """Depth to which the table holds. [mm]"""
-        table = load_table(self.calibration.pad["base"])
-        return table.depth_limit_mm(np.asarray(thickness_mm, dtype=float), radius_mm)
+        return load_table(self.base).depth_limit_mm(np.asarray(thickness_mm, dtype=float), radius_mm)
 
 
 def young_factor(calibration: Calibration) -> float:

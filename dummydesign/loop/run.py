@@ -12,7 +12,7 @@ from dummydesign.loop.candidates import Candidate, rank
 from dummydesign.loop.checks import Check, run_checks
 from dummydesign.loop.effects import EFFECTS
 from dummydesign.loop.effects.base import Effect
-from dummydesign.loop.law import law_of
+from dummydesign.loop.law import PuckLaw, SlabLaw, law_of
 from dummydesign.loop.noise import repeat_pairs
 from dummydesign.loop.planning import NextMeasurement, next_measurement
 from dummydesign.loop.presses import Presses, make_presses
@@ -95,7 +95,7 @@ def close_loop(campaign: Campaign, progress: Progress | None = None, young_MPa: 
     start = young_MPa or 1e-3 * start_young_kPa(campaign)
     base_fit = fit_base(presses, law, start, progress)
     base = make_stage(base_fit)
-    available, untested = _available(presses, law.shape)
+    available, untested = _available(presses, law)
     screened, ranking = rank(base_fit, available, progress)
     effects: list[Found] = []
     after = base
@@ -139,8 +139,8 @@ def start_young_kPa(campaign: Campaign) -> float:
     return float(resin.modulus_kPa(pad.ratio).value)
 
 
-def _available(presses: Presses, shape: str) -> tuple[tuple[Effect, ...], dict[str, str]]:
-    reasons = {effect.name: effect.unavailable(presses, shape) for effect in EFFECTS}
+def _available(presses: Presses, law: SlabLaw | PuckLaw) -> tuple[tuple[Effect, ...], dict[str, str]]:
+    reasons = {effect.name: effect.unavailable(presses, law) for effect in EFFECTS}
     if presses.elastic_only:
         relaxing = [effect.name for effect in EFFECTS if type(effect).arms is not Effect.arms]
         reasons.update({name: "needs holds or two speeds" for name in relaxing})

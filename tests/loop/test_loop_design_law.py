@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from dummydesign.loop.calibration import Calibration, Model
+from dummydesign import cli
+from dummydesign.loop.calibration import Calibration, Model, write_calibration
 from dummydesign.loop.chain import Active
 from dummydesign.loop.design_law import CorrectedLaw, young_factor
-from dummydesign.loop.effects import effect_named
+from dummydesign.loop.effects import EFFECTS, effect_named
 from dummydesign.loop.parameters import BaseParameters
 from dummydesign.pad.table import load_table
 
+QUICK = ["--no-cad", "--no-verify"]
 RADIUS = 14.0 / np.sqrt(np.pi)
 H, D = np.array([5.0, 15.0, 20.0]), np.array([0.5, 3.0, 6.0])
 
@@ -37,13 +42,48 @@ def test_without_effects_it_is_the_table():
     np.testing.assert_allclose(force(), load_table("bonded").force(D, H, 0.025, RADIUS), rtol=1e-10)
 
 
-def test_pad_effects_change_it_and_effects_of_the_set_up_do_not():
+def test_effects_of_the_material_change_it_by_their_law():
     stiff = force(effect("strain_stiffening", coefficient=2.0))
     np.testing.assert_allclose(stiff, force() * (1.0 + 2.0 * (D / H) ** 2), rtol=1e-10)
-    slipped = force(effect("base_slip", slip_fraction=1.0))
-    np.testing.assert_allclose(slipped, load_table("sliding").force(D, H, 0.025, RADIUS), rtol=1e-10)
-    laboratory = (effect("machine_compliance", compliance_mm_per_N=0.02), effect("force_bias", bias_N=1.0))
-    np.testing.assert_array_equal(force(*laboratory), force())
+    bubbles = force(effect("compressibility", poisson_ratio=0.49)) / force()
+    assert bubbles[0] < bubbles[1] < bubbles[2] < 1.0
+
+
+def usual(one):
+    size = one.parameters[0]
+    return Active(one, {**one.null_values(), size.name: size.null + size.typical})
+
+
+@pytest.mark.parametrize("one", EFFECTS, ids=lambda e: e.name)
+def test_what_belongs_to_the_pad_enters_a_design_and_what_belongs_to_the_laboratory_does_not(one):
+    """Of the rig or the sensor: the design is that without it, to the last bit. Of the pad: either force or
+    relaxation of the design change, or the state is named that the design is for."""
+    found, none = calibration(usual(one)), calibration()
+    with_it, without = (CorrectedLaw(each).force(D, H, 0.025, RADIUS) for each in (found, none))
+    assert np.all(np.isfinite(with_it)) and np.all(with_it > 0.0)
+    same = np.array_equal(with_it, without) and found.prony() == none.prony()
+    if one.belongs_to == "pad":
+        assert same == bool(one.designed_for)
+        assert any(one.name in note for note in CorrectedLaw(found).notes) == same
+    else:
+        assert one.belongs_to in ("rig", "sensor") and not one.designed_for
+        assert same and CorrectedLaw(found).notes == ()
+
+
+@pytest.mark.parametrize("one", EFFECTS, ids=lambda e: e.name)
+def test_a_campaign_of_pucks_can_be_designed_with_and_leaves_its_plates_behind(one):
+    pucks = replace(calibration(usual(one), law=0.02), pad={"base": "friction:0.3", "shape": "cylinder"})
+    own = CorrectedLaw(pucks).force(D, H, 0.025, RADIUS)
+    slabs = CorrectedLaw(calibration(usual(one))).force(D, H, 0.025, RADIUS)
+    np.testing.assert_array_equal(own, slabs)
+    assert np.all(np.isfinite(CorrectedLaw(pucks).depth_limit_mm(H, RADIUS)))
+
+
+def test_the_terms_of_an_effect_are_the_arms_that_it_adds(plain):
+    presses, _ = plain
+    for one in map(usual, EFFECTS):
+        arms = one.effect.arms(presses, (), presses.displacement_mm, one.values)
+        assert [(arm.tau_s, arm.beta) for arm in arms] == [(t.tau_s, t.beta) for t in one.effect.adds_terms(one.values)]
 
 
 def test_the_law_error_of_the_pads_is_kept_and_depths_beyond_the_table_are_nan():
@@ -55,3 +95,24 @@ def test_modes_join_the_relaxation_and_the_batch_scales_the_modulus():
     found = calibration(effect("slow_relaxation_mode", beta=0.1, tau_s=20.0))
     assert [term.tau_s for term in found.prony()] == [0.05, 1.2, 20.0]
     assert young_factor(found) == pytest.approx(1.2)
+
+
+def test_suggest_takes_a_calibration_of_pucks_with_plate_friction(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    pad = {"young_kPa_expected": 25.0, "resin": None, "ratio": 15.0, "base": "bonded", "shape": "cylinder"}
+    answers = []
+    for active in ((), (effect("plate_friction", friction=0.3), effect("punch_tilt", tilt_deg=2.0))):
+        path = write_calibration(replace(calibration(*active), pad=pad), tmp_path / "calibration.json")
+        assert cli.run(["suggest", "--tissue", "forefinger", "--calibration", str(path), *QUICK, "--json"]) == 0
+        answers.append(json.loads(capsys.readouterr().out)["recommendation"])
+    assert answers[0] == answers[1]
+
+
+def test_suggest_says_for_which_state_of_the_pad_a_calibration_is_taken(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    pad = {"young_kPa_expected": 25.0, "resin": None, "ratio": 15.0, "base": "bonded", "shape": "slab"}
+    warm = replace(calibration(effect("temperature", modulus_loss_per_K=0.01)), pad=pad)
+    path = write_calibration(warm, tmp_path / "calibration.json")
+    assert cli.run(["suggest", "--tissue", "forefinger", "--calibration", str(path), *QUICK, "--json"]) == 0
+    said = [w["message"] for w in json.loads(capsys.readouterr().out)["warnings"] if w["code"] == "calibration"]
+    assert said == ["the calibration holds temperature: the design is for 23 C"]

@@ -10,7 +10,7 @@ import pytest
 
 from dummydesign.loop.chain import Active, relax, simulate
 from dummydesign.loop.effects import EFFECTS, effect_named
-from dummydesign.loop.effects.base import STAGES, Arm
+from dummydesign.loop.effects.base import OWNERS, STAGES, Arm
 from dummydesign.loop.law import PuckLaw
 from dummydesign.loop.parameters import BaseParameters
 from dummydesign.pad.relaxation import PronyTerm, relaxed_force
@@ -37,7 +37,8 @@ def test_the_vocabulary_is_complete_and_each_effect_is_one_class_in_a_file_of_it
     assert sorted(e.name for e in EFFECTS) == sorted(wanted)
     for effect in EFFECTS:
         assert inspect.getfile(type(effect)).endswith(f"{effect.name}.py")
-        assert effect.stage in STAGES and effect.signature and effect.reference and type(effect).__doc__
+        assert effect.stage in STAGES and effect.belongs_to in OWNERS
+        assert effect.signature and effect.reference and type(effect).__doc__
         for p in effect.parameters:
             assert p.unit and p.low <= p.null <= p.high
             assert p.to_value(p.to_coordinate(0.5 * (p.null + p.high))) == pytest.approx(0.5 * (p.null + p.high))
@@ -184,27 +185,27 @@ def test_a_lag_delays_a_ramp_by_its_time_constant():
 
 
 def test_base_slip_and_compressibility_weaken_the_thin_pad_most(plain):
-    presses, law = plain
+    _, law = plain
     h = np.array([[5.0], [15.0], [20.0]])
     depth = 0.1 * h
     for active in (values_of("base_slip", slip_fraction=1.0), values_of("compressibility", poisson_ratio=0.49)):
-        changed = active.effect.law(presses, law, active.values)(depth, h) / law(depth, h)
+        changed = active.effect.law(law, active.values)(depth, h) / law(depth, h)
         assert changed[0, 0] < changed[1, 0] < changed[2, 0] < 1.0
     slipped = values_of("base_slip", slip_fraction=1.0)
-    share = (slipped.effect.law(presses, law, slipped.values)(depth, h) / law(depth, h))[:, 0]
+    share = (slipped.effect.law(law, slipped.values)(depth, h) / law(depth, h))[:, 0]
     np.testing.assert_allclose(share, [0.44, 0.74, 0.80], atol=0.02)
 
 
 def test_compressibility_follows_finite_elements_at_another_poisson_ratio(plain):
     import generator_press
 
-    presses, law = plain
+    _, law = plain
     h = np.array([5.0, 15.0, 20.0])
     depth = 0.2 * h
     solved = generator_press._layer_force(depth[:, None], h, "bonded", 0.46)
     hard = generator_press._layer_force(depth[:, None], h, "bonded", 0.5)
     active = values_of("compressibility", poisson_ratio=0.46)
-    ours = active.effect.law(presses, law, active.values)(depth[:, None], h[:, None]) / law(depth[:, None], h[:, None])
+    ours = active.effect.law(law, active.values)(depth[:, None], h[:, None]) / law(depth[:, None], h[:, None])
     np.testing.assert_allclose(ours, solved / hard, rtol=0.03)
 
 
@@ -227,15 +228,10 @@ def test_a_puck_between_frictionless_plates_is_compressed_homogeneously():
     assert law(np.array([[1e-4]]), h)[0, 0] == pytest.approx(np.pi * 625.0 * 1e-4 / 30.0, rel=1e-4)
 
 
-class Pucks:
-    def __init__(self, *thickness):
-        self.thickness_mm = np.array(thickness)
-
-
 def test_plate_friction_stiffens_flat_pucks_more_and_ends_at_the_glued_puck():
     law, effect = PuckLaw(50.0), effect_named("plate_friction")
     h, d = np.array([[20.0], [10.0]]), np.array([[0.2], [0.1]])
-    some, much = (effect.law(Pucks(20.0, 10.0), law, {"friction": mu})(d, h) / law(d, h) for mu in (0.1, 2.0))
+    some, much = (effect.law(law, {"friction": mu})(d, h) / law(d, h) for mu in (0.1, 2.0))
     assert 1.0 < some[0, 0] < some[1, 0]
     shape = 50.0 / (4.0 * h)
     assert np.all(much <= 1.0 + 2.0 * (shape * (1 - d / h) ** -1.5) ** 2 + 1e-12)
@@ -245,7 +241,7 @@ def test_plate_friction_stiffens_flat_pucks_more_and_ends_at_the_glued_puck():
 def test_plate_friction_of_the_usual_puck_comes_from_finite_elements_and_grows_to_the_bonded_puck():
     law, effect = PuckLaw(50.0), effect_named("plate_friction")
     h, d = np.array([[30.0]]), np.array([[0.3, 3.0, 12.0]])
-    rows = [effect.law(Pucks(30.0), law, {"friction": mu})(d, h) / law(d, h) for mu in (0.05, 0.2, 2.0)]
+    rows = [effect.law(law, {"friction": mu})(d, h) / law(d, h) for mu in (0.05, 0.2, 2.0)]
     assert np.all(np.diff(np.concatenate(rows), axis=0) > 0) and np.all(rows[0] > 1.0)
     # bonded at small compression: 1.404 at shape factor 0.417; a friction of 2 is nearly that
     assert 1.3 < rows[2][0, 0] < 1.41

@@ -15,11 +15,13 @@ class Adhesion(Effect):
 
     name = "adhesion"
     stage = "pad"
+    belongs_to = "pad"
+    designed_for = "the way in and the hold, not the way back"
     parameters = (Parameter("pull_off_N", "N", 0.0, 0.0, 5.0, 0.1),)
     signature = "tension near zero depth, unloading only"
     reference = "Kendall, J. Phys. D 4 (1971) 1186 (flat punch)"
 
-    def unavailable(self, presses: Presses, shape: str) -> str:
+    def untestable(self, presses: Presses) -> str:
         return "" if presses.unloads.any() else "needs trials that go on after the hold (unloading)"
 
     def floor(self, presses: Presses, floor_N: NDArray, values: Values) -> NDArray:

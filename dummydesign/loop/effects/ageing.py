@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.effects.base import Effect, Parameter, Values
+from dummydesign.loop.law import PuckLaw, SlabLaw
 from dummydesign.loop.presses import Presses
 
 
@@ -14,13 +15,20 @@ class Ageing(Effect):
 
     name = "ageing"
     stage = "batch"
+    belongs_to = "pad"
+    designed_for = "a pad 7 days old"
+    needs = ("age_days",)
     parameters = (Parameter("growth_per_doubling", "1", 0.0, -0.3, 0.5, 0.03),)
     signature = "scale that steps from day to day"
     reference = "physical ageing, Struik (1978); after-cure of polyurethane"
 
-    def unavailable(self, presses: Presses, shape: str) -> str:
+    def undefined(self, presses: Presses, law: SlabLaw | PuckLaw) -> str:
+        reason = super().undefined(presses, law)
+        return reason or ("" if presses.history.age_days.min() > 0 else "needs age_days above 0")
+
+    def untestable(self, presses: Presses) -> str:
         age = presses.history.age_days
-        return "" if age.min() > 0 and age.max() > 1.1 * age.min() else "needs age_days of every trial, at two ages"
+        return "" if age.max() > 1.1 * age.min() else "needs pads at two ages"
 
     def scale(self, presses: Presses, depth_mm: NDArray, values: Values) -> NDArray:
         return 1.0 + values["growth_per_doubling"] * np.log2(presses.history.age_days[:, None] / REFERENCE_DAYS)

@@ -1,4 +1,4 @@
-"""The contract of an effect: one class with parameters, a stage, and the hook of that stage."""
+"""The contract of an effect: one class with parameters, a stage, the hook of that stage, and whose effect it is."""
 
 from __future__ import annotations
 
@@ -9,10 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from dummydesign.loop.law import UnitForce
+    from dummydesign.loop.law import PuckLaw, SlabLaw, UnitForce
     from dummydesign.loop.presses import Presses
+    from dummydesign.pad.relaxation import PronyTerm
 
 STAGES = ("motion", "pad", "sensor", "batch")
+OWNERS = ("pad", "rig", "sensor")
 Values = dict[str, float]
 
 
@@ -76,6 +78,15 @@ class Effect:
 
     name: str = ""
     stage: str = ""
+    belongs_to: str = ""
+    """``pad`` (material, batch, history: goes with every pad of this material, so into a design), ``rig`` (robot,
+    punch, plates, how these pads were glued and measured) or ``sensor``."""
+    designed_for: str = ""
+    """State that a design takes when the effect depends on one and is absent there; empty when it acts at all times."""
+    needs: tuple[str, ...] = ()
+    """What a campaign must declare for every trial."""
+    shapes: tuple[str, ...] = ("slab", "cylinder")
+    """Pads on which the effect is defined."""
     parameters: tuple[Parameter, ...] = ()
     signature: str = ""
     reference: str = ""
@@ -83,10 +94,20 @@ class Effect:
     always_fitted: bool = False
     """Fitted whatever its score: for effects whose first-order change the base can imitate."""
 
-    def unavailable(self, presses: Presses, shape: str) -> str:
-        """Say why the effect cannot be tested on these trials; empty when it can."""
-        del presses
-        return "" if shape == "slab" else "defined for slabs only"
+    def undefined(self, presses: Presses, law: SlabLaw | PuckLaw) -> str:
+        """Say why the effect has no value on these trials (another shape, nothing declared); empty if it has."""
+        if law.shape not in self.shapes:
+            return "for slabs only" if "slab" in self.shapes else "for pucks between plates only"
+        missing = [name for name in self.needs if np.any(np.isnan(getattr(presses.history, name)))]
+        return f"needs {' and '.join(missing)} of every trial" if missing else ""
+
+    def untestable(self, presses: Presses) -> str:
+        """Say why trials on which the effect is defined cannot show it; empty when they can."""
+        return ""
+
+    def unavailable(self, presses: Presses, law: SlabLaw | PuckLaw) -> str:
+        """Say why the effect cannot be fitted to these trials; empty when it can."""
+        return self.undefined(presses, law) or self.untestable(presses)
 
     def depth(self, presses: Presses, depth_mm: NDArray, values: Values) -> NDArray:
         """Motion: depth of the punch in the pad (T, N) from the one so far. [mm]"""
@@ -96,9 +117,13 @@ class Effect:
         """Motion: how much the set-up gives way under the force (T, N). [mm]"""
         return np.zeros_like(force_N)
 
-    def law(self, presses: Presses, law: UnitForce, values: Values) -> UnitForce:
+    def law(self, law: UnitForce, values: Values) -> UnitForce:
         """Pad: the elastic law in place of the one so far."""
         return law
+
+    def adds_terms(self, values: Values) -> tuple[PronyTerm, ...]:
+        """Pad: terms that join the relaxation of the material; the same that :meth:`arms` adds."""
+        return ()
 
     def scale(self, presses: Presses, depth_mm: NDArray, values: Values) -> NDArray:
         """Batch: factor on the elastic force, (T, 1) or (T, N)."""

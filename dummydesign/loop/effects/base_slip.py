@@ -6,7 +6,6 @@ from numpy.typing import NDArray
 
 from dummydesign.loop.effects.base import Effect, Parameter, Values
 from dummydesign.loop.law import UnitForce, root_law, sliding_law
-from dummydesign.loop.presses import Presses
 
 
 class BaseSlip(Effect):
@@ -17,14 +16,13 @@ class BaseSlip(Effect):
 
     name = "base_slip"
     stage = "pad"
+    belongs_to = "rig"
+    shapes = ("slab",)
     parameters = (Parameter("slip_fraction", "1", 0.0, 0.0, 1.0, 0.1, starts=(0.5,)),)
     signature = "scale, mostly the thin pad, growing slowly with depth"
     reference = "layer on a slipping base: Hayes et al., J. Biomech. 5 (1972) 541; response tables of the pad model"
 
-    def unavailable(self, presses: Presses, shape: str) -> str:
-        return "" if shape == "slab" else "a puck has no base but its plates"
-
-    def law(self, presses: Presses, law: UnitForce, values: Values) -> UnitForce:
+    def law(self, law: UnitForce, values: Values) -> UnitForce:
         slip = values["slip_fraction"]
         root = root_law(law)
         if root.table.base != "bonded":

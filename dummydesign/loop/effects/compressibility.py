@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 from dummydesign.loop.compressibility import load_compressibility
 from dummydesign.loop.effects.base import Effect, Parameter, Values
 from dummydesign.loop.law import UnitForce, root_law
-from dummydesign.loop.presses import Presses
 
 
 class Compressibility(Effect):
@@ -19,11 +18,13 @@ class Compressibility(Effect):
 
     name = "compressibility"
     stage = "pad"
+    belongs_to = "pad"
+    shapes = ("slab",)
     parameters = (Parameter("poisson_ratio", "1", 0.5, 0.3, 0.5, -0.005),)
     signature = "scale, mostly the thin pad"
     reference = "finite elements of the pad model; Hayes et al., J. Biomech. 5 (1972) 541 at small depth"
 
-    def law(self, presses: Presses, law: UnitForce, values: Values) -> UnitForce:
+    def law(self, law: UnitForce, values: Values) -> UnitForce:
         root = root_law(law)
         table, excess = load_compressibility(), 1.0 - 2.0 * values["poisson_ratio"]
 

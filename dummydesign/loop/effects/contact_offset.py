@@ -17,12 +17,10 @@ class ContactOffset(Effect):
 
     name = "contact_offset"
     stage = "motion"
+    belongs_to = "rig"
     parameters = (Parameter("offset_mm", "mm", 0.0, -1.0, 1.0, 0.05),)
     signature = "late or early onset by the same length on all pads and speeds"
     reference = "Crick and Yin, Biomech. Model. Mechanobiol. 6 (2007) 199 (contact point and modulus)"
-
-    def unavailable(self, presses: Presses, shape: str) -> str:
-        return ""
 
     def depth(self, presses: Presses, depth_mm: NDArray, values: Values) -> NDArray:
         return depth_mm - values["offset_mm"]

@@ -13,12 +13,10 @@ class ForceBias(Effect):
 
     name = "force_bias"
     stage = "sensor"
+    belongs_to = "sensor"
     parameters = (Parameter("bias_N", "N", 0.0, -5.0, 5.0, 0.03),)
     signature = "the same force everywhere, also before contact"
     reference = "sensor zero"
-
-    def unavailable(self, presses: Presses, shape: str) -> str:
-        return ""
 
     def sensor(self, presses: Presses, force_N: NDArray, values: Values) -> NDArray:
         return force_N + values["bias_N"]

@@ -13,12 +13,10 @@ class ForceDrift(Effect):
 
     name = "force_drift"
     stage = "sensor"
+    belongs_to = "sensor"
     parameters = (Parameter("drift_N_per_s", "N/s", 0.0, -0.5, 0.5, 0.005),)
     signature = "straight line in time, the same whatever the force, also in the unloaded tail"
     reference = "charge amplifiers and warming strain gauges"
-
-    def unavailable(self, presses: Presses, shape: str) -> str:
-        return ""
 
     def sensor(self, presses: Presses, force_N: NDArray, values: Values) -> NDArray:
         return force_N + values["drift_N_per_s"] * (presses.time_s - presses.time_s[:, :1])

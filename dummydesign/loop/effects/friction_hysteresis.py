@@ -15,11 +15,12 @@ class FrictionHysteresis(Effect):
 
     name = "friction_hysteresis"
     stage = "pad"
+    belongs_to = "rig"
     parameters = (Parameter("friction_fraction", "1", 0.0, 0.0, 0.6, 0.03),)
     signature = "unloading lower than relaxation alone explains, without rate dependence"
     reference = "Coulomb friction; Johnson, Contact Mechanics (1985)"
 
-    def unavailable(self, presses: Presses, shape: str) -> str:
+    def untestable(self, presses: Presses) -> str:
         return "" if presses.unloads.any() else "needs trials that go on after the hold (unloading)"
 
     def surface(self, presses: Presses, depth_mm: NDArray, force_N: NDArray, values: Values) -> NDArray:

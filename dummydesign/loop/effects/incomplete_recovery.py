@@ -17,6 +17,9 @@ class IncompleteRecovery(Effect):
 
     name = "incomplete_recovery"
     stage = "batch"
+    belongs_to = "pad"
+    designed_for = "a pad that has rested"
+    needs = ("rest_s",)
     parameters = (
         Parameter("fraction", "1", 0.0, 0.0, 0.5, 0.02),
         Parameter("tau_s", "s", 120.0, 10.0, 3000.0, 120.0, log=True, starts=(40.0, 500.0)),
@@ -24,9 +27,7 @@ class IncompleteRecovery(Effect):
     signature = "contact comes later after a deep press and a short rest"
     reference = "viscoelastic recovery, e.g. Ferry, Viscoelastic Properties of Polymers (1980)"
 
-    def unavailable(self, presses: Presses, shape: str) -> str:
-        if np.any(np.isnan(presses.history.rest_s)):
-            return "needs rest_s of every trial"
+    def untestable(self, presses: Presses) -> str:
         return "" if np.any(presses.history.earlier_depth_mm > 0) else "no pad is pressed twice"
 
     def depth(self, presses: Presses, depth_mm: NDArray, values: Values) -> NDArray:

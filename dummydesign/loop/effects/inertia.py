@@ -13,11 +13,12 @@ class Inertia(Effect):
 
     name = "inertia"
     stage = "sensor"
+    belongs_to = "sensor"
     parameters = (Parameter("mass_kg", "kg", 0.0, 0.0, 2.0, 0.02),)
     signature = "pulse at the stop, at the high speed only, the same on all pads"
     reference = "Newton; tip mass in front of a force sensor"
 
-    def unavailable(self, presses: Presses, shape: str) -> str:
+    def untestable(self, presses: Presses) -> str:
         return "" if (presses.acceleration_mm_s2 != 0).any() else "needs motion sampled at 400 Hz or faster"
 
     def sensor(self, presses: Presses, force_N: NDArray, values: Values) -> NDArray:

@@ -17,13 +17,11 @@ class MachineCompliance(Effect):
 
     name = "machine_compliance"
     stage = "motion"
+    belongs_to = "rig"
     parameters = (Parameter("compliance_mm_per_N", "mm/N", 0.0, 0.0, 0.08, 0.003),)
     signature = "softening proportional to force, same at all speeds, most on the thin pad"
     reference = "Oliver and Pharr, J. Mater. Res. 7 (1992) 1564 (load-frame compliance)"
     feeds_back = True
-
-    def unavailable(self, presses: Presses, shape: str) -> str:
-        return ""
 
     def yielding(self, presses: Presses, force_N: NDArray, values: Values) -> NDArray:
         return values["compliance_mm_per_N"] * force_N

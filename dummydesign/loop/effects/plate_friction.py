@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from dummydesign.errors import NoAnswerError
 from dummydesign.loop.effects.base import Effect, Parameter, Values
 from dummydesign.loop.law import UnitForce, root_law
-from dummydesign.loop.presses import Presses
 from dummydesign.pad.puck_table import PuckTable, grip, load_puck_table
 
 
@@ -22,6 +21,8 @@ class PlateFriction(Effect):
 
     name = "plate_friction"
     stage = "pad"
+    belongs_to = "rig"
+    shapes = ("cylinder",)
     parameters = (Parameter("friction", "1", 0.0, 0.0, 2.0, 0.1),)
     signature = "extra stiffening that grows as the puck flattens; more on flat pucks"
     reference = (
@@ -29,15 +30,12 @@ class PlateFriction(Effect):
         "Gent and Lindley, Proc. Inst. Mech. Eng. 173 (1959) 111"
     )
 
-    def unavailable(self, presses: Presses, shape: str) -> str:
-        return "" if shape == "cylinder" else "for pucks between plates only"
-
-    def law(self, presses: Presses, law: UnitForce, values: Values) -> UnitForce:
+    def law(self, law: UnitForce, values: Values) -> UnitForce:
         diameter, friction = root_law(law).diameter_mm, values["friction"]
-        table = _table_for(diameter, presses.thickness_mm)
 
         def rubbed(depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
             share = np.clip(depth_mm / thickness_mm, 0.0, 0.95)
+            table = _table_for(diameter, thickness_mm)
             if table is not None:
                 return law(depth_mm, thickness_mm) * table.factor(NEO_HOOKEAN, float(grip(friction)), share)
             flatness = diameter / thickness_mm * (1.0 - share) ** -1.5

@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from dummydesign.loop.effects.base import Effect, Parameter, Values
 from dummydesign.loop.law import UnitForce, root_law
-from dummydesign.loop.presses import Presses
 
 
 class PunchTilt(Effect):
@@ -20,11 +19,13 @@ class PunchTilt(Effect):
 
     name = "punch_tilt"
     stage = "pad"
+    belongs_to = "rig"
+    shapes = ("slab",)
     parameters = (Parameter("tilt_deg", "deg", 0.0, 0.0, 8.0, 1.0, starts=(2.0,)),)
     signature = "rounded toe of fixed width in mm, largest share at small depth"
     reference = "Kauzlarich, J. Mater. Sci. Lett. 11 (1992); strip (Winkler) estimate"
 
-    def law(self, presses: Presses, law: UnitForce, values: Values) -> UnitForce:
+    def law(self, law: UnitForce, values: Values) -> UnitForce:
         node, weight = np.polynomial.legendre.leggauss(9)
         half = HALF_WIDTH_OF_RADIUS * root_law(law).radius_mm
         lever = half * np.tan(np.deg2rad(values["tilt_deg"])) * node

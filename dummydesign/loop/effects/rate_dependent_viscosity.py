@@ -13,11 +13,13 @@ class RateDependentViscosity(Effect):
 
     name = "rate_dependent_viscosity"
     stage = "pad"
+    belongs_to = "pad"
+    designed_for = "relaxation as it is after a ramp of 50 mm/s"
     parameters = (Parameter("exponent", "1", 0.0, -0.8, 1.5, 0.1),)
     signature = "time constants differ between speeds; one spectrum cannot serve both"
     reference = "the paper: c2 and c3 fall with speed; Cross, J. Colloid Sci. 20 (1965) 417 (shear thinning)"
 
-    def unavailable(self, presses: Presses, shape: str) -> str:
+    def untestable(self, presses: Presses) -> str:
         speed = presses.velocity_mm_s
         return "" if speed.max() > 1.5 * speed.min() else "needs two speeds"
 

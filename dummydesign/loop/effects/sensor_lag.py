@@ -18,12 +18,10 @@ class SensorLag(Effect):
 
     name = "sensor_lag"
     stage = "sensor"
+    belongs_to = "sensor"
     parameters = (Parameter("time_constant_s", "s", 0.0, 0.0, 0.1, 0.002),)
     signature = "late and rounded at the fast stop, nothing in the slow parts"
     reference = "first-order low-pass"
-
-    def unavailable(self, presses: Presses, shape: str) -> str:
-        return ""
 
     def sensor(self, presses: Presses, force_N: NDArray, values: Values) -> NDArray:
         step = np.diff(presses.time_s, axis=1) / values["time_constant_s"]

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from dummydesign.loop.effects.base import Arm, Effect, Parameter, Values
 from dummydesign.loop.presses import Presses
+from dummydesign.pad.relaxation import PronyTerm
 
 
 class SlowRelaxationMode(Effect):
@@ -14,6 +15,7 @@ class SlowRelaxationMode(Effect):
 
     name = "slow_relaxation_mode"
     stage = "pad"
+    belongs_to = "pad"
     parameters = (
         Parameter("beta", "1", 0.0, 0.0, 5.0, 0.05),
         Parameter("tau_s", "s", 10.0, 4.0, 200.0, 10.0, log=True, starts=(30.0,)),
@@ -22,9 +24,6 @@ class SlowRelaxationMode(Effect):
     reference = "Pawluk and Howe, J. Biomech. Eng. 121 (1999) 178 (modes of 4 ms, 70 ms, 1.4 s)"
 
     always_fitted = True
-
-    def unavailable(self, presses: Presses, shape: str) -> str:
-        return ""
 
     def base_starts(self, logs: NDArray) -> list[NDArray]:
         # without the mode the slow arm sits between its own time and the mode's, or is used up by the mode
@@ -35,6 +34,9 @@ class SlowRelaxationMode(Effect):
 
     def arms(self, presses: Presses, arms: tuple[Arm, ...], depth_mm: NDArray, values: Values) -> tuple[Arm, ...]:
         return (*arms, Arm(values["tau_s"], values["beta"]))
+
+    def adds_terms(self, values: Values) -> tuple[PronyTerm, ...]:
+        return (PronyTerm(values["tau_s"], values["beta"]),)
 
 
 USUAL_FAST_S, USUAL_BETA = 0.05, 0.2

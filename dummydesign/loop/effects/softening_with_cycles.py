@@ -18,11 +18,13 @@ class SofteningWithCycles(Effect):
 
     name = "softening_with_cycles"
     stage = "batch"
+    belongs_to = "pad"
+    designed_for = "a pad that is pressed for the first time"
     parameters = (Parameter("softening", "1", 0.0, 0.0, 0.5, 0.03),)
     signature = "first press high, later ones lower; only below the depth reached before"
     reference = "Mullins, Rubber Chem. Technol. 42 (1969) 339; Liao et al. on Ecoflex"
 
-    def unavailable(self, presses: Presses, shape: str) -> str:
+    def untestable(self, presses: Presses) -> str:
         return "" if np.any(presses.history.earlier_depth_mm > 0) else "no pad is pressed twice"
 
     def scale(self, presses: Presses, depth_mm: NDArray, values: Values) -> NDArray:

@@ -18,12 +18,11 @@ class StrainDependentRelaxation(Effect):
 
     name = "strain_dependent_relaxation"
     stage = "pad"
+    belongs_to = "pad"
+    designed_for = "relaxation as it is at a depth of 0.15 of the thickness"
     parameters = (Parameter("slope", "1", 0.0, -3.0, 15.0, 0.5),)
     signature = "peak over steady force depends on depth over thickness"
     reference = "Pryse et al., Ann. Biomed. Eng. 31 (2003) 1287 (nonlinear relaxation)"
-
-    def unavailable(self, presses: Presses, shape: str) -> str:
-        return ""
 
     def arms(self, presses: Presses, arms: tuple[Arm, ...], depth_mm: NDArray, values: Values) -> tuple[Arm, ...]:
         share = np.maximum(depth_mm, 0.0) / presses.thickness_mm[:, None]

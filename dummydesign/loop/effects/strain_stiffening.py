@@ -6,7 +6,6 @@ from numpy.typing import NDArray
 
 from dummydesign.loop.effects.base import Effect, Parameter, Values
 from dummydesign.loop.law import UnitForce
-from dummydesign.loop.presses import Presses
 
 
 class StrainStiffening(Effect):
@@ -18,14 +17,12 @@ class StrainStiffening(Effect):
 
     name = "strain_stiffening"
     stage = "pad"
+    belongs_to = "pad"
     parameters = (Parameter("coefficient", "1", 0.0, -1.0, 20.0, 0.3),)
     signature = "factor that grows with depth over thickness, same at all speeds and times"
     reference = "Yeoh, Rubber Chem. Technol. 63 (1990) 792"
 
-    def unavailable(self, presses: Presses, shape: str) -> str:
-        return ""
-
-    def law(self, presses: Presses, law: UnitForce, values: Values) -> UnitForce:
+    def law(self, law: UnitForce, values: Values) -> UnitForce:
         coefficient = values["coefficient"]
 
         def stiffer(depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:

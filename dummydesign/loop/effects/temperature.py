@@ -13,14 +13,16 @@ class Temperature(Effect):
 
     name = "temperature"
     stage = "batch"
+    belongs_to = "pad"
+    designed_for = "23 C"
+    needs = ("temperature_C",)
     parameters = (Parameter("modulus_loss_per_K", "1/K", 0.0, -0.1, 0.1, 0.005),)
     signature = "scale that follows the temperature of the trial"
     reference = "Treloar, The Physics of Rubber Elasticity (1975); Ferry (1980)"
 
-    def unavailable(self, presses: Presses, shape: str) -> str:
+    def untestable(self, presses: Presses) -> str:
         value = presses.history.temperature_C
-        spread = value.max() - value.min()
-        return "" if spread > 0.5 else "needs temperature_C of every trial, with a spread above 0.5 K"
+        return "" if value.max() - value.min() > 0.5 else "needs temperatures that differ by more than 0.5 K"
 
     def scale(self, presses: Presses, depth_mm: NDArray, values: Values) -> NDArray:
         return 1.0 - values["modulus_loss_per_K"] * (presses.history.temperature_C[:, None] - REFERENCE_C)

@@ -6,7 +6,6 @@ from numpy.typing import NDArray
 
 from dummydesign.loop.effects.base import Effect, Parameter, Values
 from dummydesign.loop.law import UnitForce
-from dummydesign.loop.presses import Presses
 
 
 class ThicknessError(Effect):
@@ -17,14 +16,12 @@ class ThicknessError(Effect):
 
     name = "thickness_error"
     stage = "pad"
+    belongs_to = "rig"
     parameters = (Parameter("thickness_error_mm", "mm", 0.0, -2.0, 2.0, 0.1),)
     signature = "scale, mostly the thin pad; grows with depth as the strain does"
     reference = "finite-layer stiffness of the pad model"
 
-    def unavailable(self, presses: Presses, shape: str) -> str:
-        return ""
-
-    def law(self, presses: Presses, law: UnitForce, values: Values) -> UnitForce:
+    def law(self, law: UnitForce, values: Values) -> UnitForce:
         error = values["thickness_error_mm"]
 
         def other(depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:

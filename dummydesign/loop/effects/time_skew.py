@@ -14,12 +14,10 @@ class TimeSkew(Effect):
 
     name = "time_skew"
     stage = "sensor"
+    belongs_to = "sensor"
     parameters = (Parameter("skew_s", "s", 0.0, -0.05, 0.05, 0.002),)
     signature = "pure shift in time at the fast stop, shape unchanged"
     reference = "unsynchronised acquisition"
-
-    def unavailable(self, presses: Presses, shape: str) -> str:
-        return ""
 
     def sensor(self, presses: Presses, force_N: NDArray, values: Values) -> NDArray:
         return np.stack(

@@ -75,10 +75,10 @@ def families(found: Fit) -> dict[str, list[NDArray]]:
         "before contact": [1.0 * (phase == PRE) * (middle < presses.contact_s[:, None])],
         "single trials": [force * (np.arange(len(force)) == row)[:, None] for row in range(len(force))],
     }
-    if np.all(np.isfinite(history.temperature_C)):
-        out["temperature"] = [force * _standard(history.temperature_C)]
-    if np.all(np.isfinite(history.age_days)):
-        out["age"] = [force * _standard(history.age_days)]
+    for column in ("temperature_C", "age_days"):
+        declared = getattr(history, column)
+        if np.all(np.isfinite(declared)):
+            out[column.partition("_")[0]] = [force * _standard(declared)]
     return {name: [np.where(used, column, 0.0) for column in columns] for name, columns in out.items()}
 
 

@@ -350,10 +350,6 @@ def _check_set(
 
     if not any("sequence" in block for block in blocks):
         warn("no_sequence", "no sequence is given: the order of the file is taken as the order of the trials")
-    for key, tests in (
-        ("temperature_C", "temperature"),
-        ("age_days", "ageing"),
-        ("rest_s", "incomplete recovery"),
-    ):
+    for key in ("temperature_C", "age_days", "rest_s"):
         if any(getattr(trial, key) is None for trial in trials):
-            warn(f"no_{key}", f"{key} is not given for every trial: {tests} cannot be tested")
+            warn(f"no_{key}", f"{key} is not given for every trial: effects that need it cannot be tested")

@@ -1,0 +1,40 @@
+"""Names of effects stand in the files of the effects alone: a new one is a file and a line, nothing elsewhere."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import dummydesign
+from dummydesign.loop.effects import EFFECTS
+from dummydesign.loop.effects import base as effects_base
+
+PACKAGE = Path(dummydesign.__file__).parent
+EFFECTS_FOLDER = Path(effects_base.__file__).parent
+
+
+def speaks_of(text: str, name: str) -> bool:
+    """Whether a literal is an effect's name, or an end of one as for startswith and endswith."""
+    return text == name or (text.startswith("_") and name.endswith(text)) or (text.endswith("_") and name.startswith(text))
+
+
+def literals(path: Path) -> list[str]:
+    tree = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+    return [n.value for n in tree if isinstance(n, ast.Constant) and isinstance(n.value, str) and len(n.value) > 2]
+
+
+def test_no_literal_outside_the_effects_is_the_name_of_an_effect():
+    files = [path for path in PACKAGE.rglob("*.py") if EFFECTS_FOLDER not in path.parents]
+    assert len(files) > 100
+    found = {
+        f"{path.relative_to(PACKAGE)}: {text}"
+        for path in files
+        for text in literals(path)
+        if any(speaks_of(text, effect.name) for effect in EFFECTS)
+    }
+    assert found == set()
+
+
+def test_the_search_finds_whole_names_and_ends_of_names():
+    assert speaks_of("ageing", "ageing") and speaks_of("_relaxation_mode", "slow_relaxation_mode")
+    assert not speaks_of("age", "ageing") and not speaks_of("temperature_C", "temperature")

@@ -8,11 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from dummydesign.errors import NoAnswerError
 from dummydesign.loop.chain import Active, relax, simulate
 from dummydesign.loop.effects import EFFECTS, effect_named
 from dummydesign.loop.effects.base import OWNERS, STAGES, Arm
 from dummydesign.loop.law import PuckLaw
 from dummydesign.loop.parameters import BaseParameters
+from dummydesign.pad import puck_shapes, puck_table
+from dummydesign.pad.puck_shapes import table_for
+from dummydesign.pad.puck_table import grip
 from dummydesign.pad.relaxation import PronyTerm, relaxed_force
 
 BASE = BaseParameters(0.025, (0.06, 1.4), (0.3, 0.25))
@@ -228,20 +232,64 @@ def test_a_puck_between_frictionless_plates_is_compressed_homogeneously():
     assert law(np.array([[1e-4]]), h)[0, 0] == pytest.approx(np.pi * 625.0 * 1e-4 / 30.0, rel=1e-4)
 
 
-def test_plate_friction_stiffens_flat_pucks_more_and_ends_at_the_glued_puck():
-    law, effect = PuckLaw(50.0), effect_named("plate_friction")
-    h, d = np.array([[20.0], [10.0]]), np.array([[0.2], [0.1]])
-    some, much = (effect.law(law, {"friction": mu})(d, h) / law(d, h) for mu in (0.1, 2.0))
-    assert 1.0 < some[0, 0] < some[1, 0]
-    shape = 50.0 / (4.0 * h)
-    assert np.all(much <= 1.0 + 2.0 * (shape * (1 - d / h) ** -1.5) ** 2 + 1e-12)
-    assert np.all(much > some)
+def rubbed(diameter, h, d, friction):
+    law, effect = PuckLaw(diameter), effect_named("plate_friction")
+    return effect.law(law, {"friction": friction})(d, h) / law(d, h)
+
+
+def test_plate_friction_stiffens_flat_pucks_more_and_grows_with_friction():
+    h = np.array([[40.0], [25.0], [16.0]])
+    some, much = (rubbed(50.0, h, np.array([[0.01, 0.2]]) * h, friction) for friction in (0.1, 2.0))
+    assert np.all(some > 1.0) and np.all(np.diff(some[:, 1]) > 0.0) and np.all(much > some)
+
+
+def test_plate_friction_of_any_proportion_is_that_of_its_table_and_of_its_proportion_alone():
+    """Each puck of a stack has the stiffening of its own table; 2 grip (mu = 2) is nearly the bonded puck, which at
+    small compression is within 7 % of 1 + 2 S^2 (S = D / 4 h; Gent and Lindley 1959)."""
+    h, share = np.array([[40.0], [27.0], [20.0]]), np.array([[0.01, 0.1, 0.3]])
+    for friction in (0.1, 0.5):
+        tables = [table_for(50.0, float(one)) for one in h[:, 0]]
+        wanted = [table.factor(2.0, float(grip(friction)), share[0]) for table in tables]
+        np.testing.assert_allclose(rubbed(50.0, h, share * h, friction), wanted, rtol=1e-12)
+    np.testing.assert_allclose(rubbed(25.0, 0.5 * h, share * 0.5 * h, 0.3), rubbed(50.0, h, share * h, 0.3), rtol=1e-12)
+    bonded = 1.0 + 2.0 * (50.0 / (4.0 * h)) ** 2
+    np.testing.assert_allclose(rubbed(50.0, h, 0.01 * h, 2.0), bonded, rtol=0.09)
+
+
+class Pucks:
+    def __init__(self, share, *thickness):
+        self.thickness_mm = np.array(thickness)
+        self.depth_mm = share * self.thickness_mm
+
+
+def test_plate_friction_of_a_puck_without_a_table_is_unavailable_with_the_reason():
+    effect = effect_named("plate_friction")
+    assert effect.unavailable(Pucks(0.45, 30.0, 20.0), PuckLaw(50.0)) == ""
+    reason = effect.unavailable(Pucks(0.3, 30.0, 10.0), PuckLaw(50.0))
+    assert "diameter over height = 5" in reason and "allowed range" in reason
+    assert "70 %" in effect.unavailable(Pucks(0.7, 30.0), PuckLaw(50.0))
+
+
+def test_plate_friction_without_its_table_is_an_error_and_not_another_law(monkeypatch, tmp_path):
+    from dummydesign.loop.effects import plate_friction
+
+    monkeypatch.setattr(puck_table, "data_folder", lambda: tmp_path)
+    for cached in (puck_table.load_puck_table, puck_table.load_shapes, plate_friction._table):
+        cached.cache_clear()
+    with pytest.raises(NoAnswerError, match=r"puck-.*\.json is missing"):
+        rubbed(50.0, np.array([[30.0]]), np.array([[3.0]]), 0.2)
+    with pytest.raises(NoAnswerError, match=r"puck-.*\.json is missing"):
+        effect_named("plate_friction").unavailable(Pucks(0.3, 30.0), PuckLaw(50.0))
+
+
+def test_a_fitted_thickness_beyond_the_tables_takes_the_nearest_proportion():
+    edge = 50.0 / puck_shapes.shape_range()[1]
+    at, beyond = (rubbed(50.0, np.array([[h]]), np.array([[0.1 * h]]), 0.2) for h in (edge, edge - 0.5))
+    np.testing.assert_allclose(beyond, at, rtol=1e-9)
 
 
 def test_plate_friction_of_the_usual_puck_comes_from_finite_elements_and_grows_to_the_bonded_puck():
-    law, effect = PuckLaw(50.0), effect_named("plate_friction")
-    h, d = np.array([[30.0]]), np.array([[0.3, 3.0, 12.0]])
-    rows = [effect.law(law, {"friction": mu})(d, h) / law(d, h) for mu in (0.05, 0.2, 2.0)]
+    rows = [rubbed(50.0, np.array([[30.0]]), np.array([[0.3, 3.0, 12.0]]), mu) for mu in (0.05, 0.2, 2.0)]
     assert np.all(np.diff(np.concatenate(rows), axis=0) > 0) and np.all(rows[0] > 1.0)
     # bonded at small compression: 1.404 at shape factor 0.417; a friction of 2 is nearly that
     assert 1.3 < rows[2][0, 0] < 1.41

@@ -15,7 +15,8 @@ EFFECTS_FOLDER = Path(effects_base.__file__).parent
 
 def speaks_of(text: str, name: str) -> bool:
     """Whether a literal is an effect's name, or an end of one as for startswith and endswith."""
-    return text == name or (text.startswith("_") and name.endswith(text)) or (text.endswith("_") and name.startswith(text))
+    ends = (text.startswith("_") and name.endswith(text)) or (text.endswith("_") and name.startswith(text))
+    return text == name or ends
 
 
 def literals(path: Path) -> list[str]:

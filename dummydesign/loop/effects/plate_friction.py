@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.errors import NoAnswerError
+from dummydesign.errors import InputError
 from dummydesign.loop.effects.base import Effect, Parameter, Values
-from dummydesign.loop.law import UnitForce, root_law
-from dummydesign.pad.puck_table import PuckTable, grip, load_puck_table
+from dummydesign.loop.law import PuckLaw, SlabLaw, UnitForce, root_law
+from dummydesign.loop.presses import Presses
+from dummydesign.pad.puck_shapes import shape_range, table_for
+from dummydesign.pad.puck_table import PuckTable, grip
 
 
 class PlateFriction(Effect):
-    """Coulomb friction between the plates and the faces of a puck.
+    """Coulomb friction between the plates and the faces of a puck: F x B(friction, D / h, d / h).
 
-    Pucks of the shape 50 x 30 mm: the stiffening that finite elements give for this friction. Other shapes:
-    F x (1 + mu D / (3 h)) at the current diameter and height (slab method of upsetting), ending at the bonded
-    puck, 1 + 2 S^2 with the current shape factor S = D / (4 h) (7 % low below S = 0.5).
+    B is the stiffening that finite elements give for this friction on a neo-Hookean puck of this proportion,
+    tabulated to the compression at which the bonded puck folds; beyond it the last value is held.
     """
 
     name = "plate_friction"
@@ -25,22 +28,30 @@ class PlateFriction(Effect):
     shapes = ("cylinder",)
     parameters = (Parameter("friction", "1", 0.0, 0.0, 2.0, 0.1),)
     signature = "extra stiffening that grows as the puck flattens; more on flat pucks"
-    reference = (
-        "finite elements of the pad model; Siebel (1923), slab method; "
-        "Gent and Lindley, Proc. Inst. Mech. Eng. 173 (1959) 111"
-    )
+    reference = "finite elements of the pad model; Gent and Lindley, Proc. Inst. Mech. Eng. 173 (1959) 111"
+
+    def undefined(self, presses: Presses, law: SlabLaw | PuckLaw) -> str:
+        reason = super().undefined(presses, law)
+        if reason:
+            return reason
+        for thickness, depth in zip(presses.thickness_mm, presses.depth_mm):
+            try:
+                solved = table_for(law.diameter_mm, float(thickness)).compression[-1]
+            except InputError as outside:
+                return str(outside)
+            if depth > solved * thickness:
+                pressed = f"a {thickness:g} mm puck is pressed by {100.0 * depth / thickness:.0f} %"
+                return f"{pressed}, friction is solved to {100.0 * solved:.0f} %: press less deep, or a taller puck"
+        return ""
 
     def law(self, law: UnitForce, values: Values) -> UnitForce:
-        diameter, friction = root_law(law).diameter_mm, values["friction"]
+        diameter, held = root_law(law).diameter_mm, float(grip(values["friction"]))
 
         def rubbed(depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
             share = np.clip(depth_mm / thickness_mm, 0.0, 0.95)
-            table = _table_for(diameter, thickness_mm)
-            if table is not None:
-                return law(depth_mm, thickness_mm) * table.factor(NEO_HOOKEAN, float(grip(friction)), share)
-            flatness = diameter / thickness_mm * (1.0 - share) ** -1.5
-            slip = 1.0 + friction * flatness / 3.0
-            return law(depth_mm, thickness_mm) * np.minimum(slip, 1.0 + 2.0 * (flatness / 4.0) ** 2)
+            rows = np.broadcast_to(np.asarray(thickness_mm, float), (len(share), 1))[:, 0]
+            factor = [_table(diameter, float(h)).factor(NEO_HOOKEAN, held, row) for h, row in zip(rows, share)]
+            return law(depth_mm, thickness_mm) * np.stack(factor)
 
         rubbed.__wrapped__ = law
         return rubbed
@@ -50,11 +61,8 @@ NEO_HOOKEAN = 2.0
 """Exponent of the one-term Ogden law that is neo-Hookean."""
 
 
-def _table_for(diameter_mm: float, thickness_mm: NDArray) -> PuckTable | None:
-    """The table of finite elements when all pucks have its shape."""
-    try:
-        table = load_puck_table()
-    except NoAnswerError:
-        return None
-    shape = 0.5 * diameter_mm / np.asarray(thickness_mm)
-    return table if np.all(np.abs(shape / table.radius_over_height - 1.0) < 0.005) else None
+@lru_cache(maxsize=256)
+def _table(diameter_mm: float, thickness_mm: float) -> PuckTable:
+    """Table of a puck; of the nearest proportion where a thickness that is being fitted leaves those solved."""
+    low, high = shape_range()
+    return table_for(diameter_mm, diameter_mm / float(np.clip(diameter_mm / thickness_mm, low, high)))

@@ -58,13 +58,13 @@ class Request:
         return asdict(self)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Suggestion:
     """The answer: the search, the tolerance study, the verification, and all it was made from.
 
-    ``law`` is the force law in proportion with thickness; ``beside`` the best design of each kind of shape,
-    ``landing`` how far off the centre of a crown the punch may land (with verification), ``cast`` the force law
-    of the shape as it is cast, from elements when it was verified.
+    ``law`` is the force law in proportion with thickness, ``cast`` that of the shape as it is cast, from elements
+    when it was verified; ``beside`` the best design of each kind of shape, ``landing`` how far off the centre of a
+    crown the punch may land (with verification).
     """
 
     request: Request
@@ -76,10 +76,10 @@ class Suggestion:
     verification: Verification
     recipe: tuple[tuple[str, float], ...]
     law: ForceLaw
+    cast: ForceLaw
     shape: Shape = SLAB
     beside: tuple[Beside, ...] = ()
     landing: Landing | None = None
-    cast: ForceLaw | None = None
 
     @property
     def force_law(self) -> str:
@@ -169,9 +169,20 @@ def suggest(request: Request, law: ForceLaw | None = None) -> Suggestion:
         checked = _verify(best, resin, chosen.cast, chosen.shape)
         lands = landing(best, chosen.shape, RADIUS_MM, 0.5 * PUNCH_SIDE_MM)
     return Suggestion(
-        request, tissue, resin, targets, chosen.found, pour, checked, recipe, chosen.law, chosen.shape, chosen.beside,
-        lands,
-    )  # fmt: skip
+        request=request,
+        tissue=tissue,
+        resin=resin,
+        targets=targets,
+        found=chosen.found,
+        pour=pour,
+        verification=checked,
+        recipe=recipe,
+        law=chosen.law,
+        cast=chosen.cast,
+        shape=chosen.shape,
+        beside=chosen.beside,
+        landing=lands,
+    )
 
 
 def accept(request: Request) -> tuple[Tissue, Resin, np.ndarray, np.ndarray]:

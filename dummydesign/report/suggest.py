@@ -250,7 +250,7 @@ def _exponent(answer: Suggestion) -> Plot:
 
 
 def _reactions(answer: Suggestion) -> list[Plot]:
-    found = details.reactions(answer, answer.cast or answer.law)
+    found = details.reactions(answer, answer.cast)
     names = [item.name for item in found]
     plots = []
     note = "* at one end 10 N is out of reach" if any(name.endswith("*") for name in names) else ""

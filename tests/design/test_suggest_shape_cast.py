@@ -1,0 +1,45 @@
+"""A shaped recommendation is judged by the law of the pad as it is cast, not by that of the search."""
+
+import numpy as np
+import pytest
+
+from dummydesign.design import details
+from dummydesign.design.safety_view import safety_view
+from dummydesign.design.shape_family import ShapeLaw
+from dummydesign.design.suggest import RADIUS_MM, Request, suggest
+from dummydesign.report.suggest import write_suggestion
+
+
+@pytest.fixture(scope="module")
+def crowned():
+    """A crowned pad for the forefinger by its response table."""
+    limits = {"thickness_mm": (4.0, 5.0), "ratio": (15.0, 16.0)}
+    return suggest(Request("forefinger", shape="crowned", verify=False, **limits))
+
+
+def bars(found):
+    return {item.name: (item.depth_percent, item.peak_percent) for item in found}
+
+
+def test_the_law_of_the_cast_pad_comes_with_the_answer(crowned):
+    assert isinstance(crowned.law, ShapeLaw) and not crowned.law.cast
+    assert isinstance(crowned.cast, ShapeLaw) and crowned.cast.cast and crowned.cast.shape == crowned.shape
+    thicker = crowned.best.thickness_mm + 0.2
+    depth = 0.3 * crowned.best.thickness_mm
+    force = [float(law.force(depth, thicker, 0.04, RADIUS_MM)) for law in (crowned.law, crowned.cast)]
+    assert abs(force[0] / force[1] - 1.0) > 1e-3
+
+
+def test_the_reports_bars_are_those_of_the_cast_pad(crowned, tmp_path):
+    cast, searched = (bars(details.reactions(crowned, law)) for law in (crowned.cast, crowned.law))
+    (name,) = (name for name in cast if name.startswith("thickness"))
+    assert not np.allclose(cast[name], searched[name], atol=0.05)
+    write_suggestion(tmp_path, crowned, crowned.to_dict(), safety_view(crowned))
+    page = (tmp_path / "report.html").read_text()
+    low, high = cast[name][0]
+    assert f"Change of depth at 10 N, 10 mm/s: {name} {low:.1f} to {high:.1f} %" in page
+
+
+def test_a_slab_is_cast_as_it_was_searched():
+    answer = suggest(Request("forefinger", verify=False, thickness_mm=(5.0, 5.0), ratio=(15.0, 16.0)))
+    assert answer.cast is answer.law

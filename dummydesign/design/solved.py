@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dummydesign.errors import NoAnswerError
+from dummydesign.errors import InputError, NoAnswerError
+
+if TYPE_CHECKING:
+    from dummydesign.pad.predict import Pad
 
 SHARES = (0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6)
 """Depths over thickness that are solved."""
@@ -23,7 +27,7 @@ class SlabCase:
 
     ``yeoh_c2_over_mu`` is the stiffening of a Yeoh law, 0 for neo-Hookean. ``sides_mm`` are those of a square
     or rectangular punch whose area the radius stands for, None for a round one. ``fidelity`` is
-    ``axisymmetric`` (a glued square carries its tabulated factor) or ``3d``.
+    ``axisymmetric`` (a glued square on a neo-Hookean slab carries its tabulated factor) or ``3d``.
     """
 
     thickness_mm: float
@@ -33,6 +37,24 @@ class SlabCase:
     yeoh_c2_over_mu: float = 0.0
     sides_mm: tuple[float, float] | None = None
     fidelity: str = "axisymmetric"
+
+    @property
+    def pad(self) -> Pad:
+        """The slab with unit modulus as the pad model takes it."""
+        from dummydesign.pad.laws import Yeoh
+        from dummydesign.pad.predict import Pad
+
+        return Pad(
+            self.thickness_mm, 1.0, self.radius_mm, base=self.base, condition=self.condition,
+            law=Yeoh(1.0, self.yeoh_c2_over_mu), sides_mm=self.sides_mm,
+        )  # fmt: skip
+
+    @property
+    def corners_known(self) -> bool:
+        """Whether this fidelity knows what the corners of the punch do; true for a round one."""
+        from dummydesign.pad.predict import has_square_factor
+
+        return self.sides_mm is None or self.fidelity == "3d" or has_square_factor(self.pad)
 
 
 @dataclass(frozen=True)
@@ -108,23 +130,27 @@ def solve_slab(case: SlabCase) -> SolvedSlab:
 
     Raises
     ------
+    InputError
+        When the punch has corners that an axisymmetric slab of this kind cannot have.
     InputError, NoAnswerError
         As :func:`dummydesign.pad.predict.elastic_curve`.
     """
-    from dummydesign.pad.laws import Yeoh
-    from dummydesign.pad.predict import Pad, elastic_curve
+    from dummydesign.pad.predict import elastic_curve
 
-    depth = np.array(SHARES) * case.thickness_mm
+    if not case.corners_known:
+        sides = "x".join(f"{side:g}" for side in case.sides_mm)
+        raise InputError(
+            f"punch of {sides} mm has no corners at fidelity = axisymmetric, which knows them of a glued square on a "
+            "neo-Hookean slab inside the response table only; take fidelity 3d, or a round punch of the same area"
+        )
+    pad, depth = case.pad, np.array(SHARES) * case.thickness_mm
     if case.condition != "bonded" and case.fidelity != "3d":
         from dummydesign.pad.indent import solve_flat
 
-        curve = solve_flat(case.thickness_mm, case.radius_mm, 1.0, depth, case.condition, base=case.base)
+        curve = solve_flat(
+            pad.thickness_mm, pad.radius_mm, pad.young_MPa, depth, pad.condition, base=pad.base, law=pad.law
+        )
         return SolvedSlab(case, curve.depth_mm, curve.force_N, curve.error_N / curve.force_N, tuple(curve.notes))
-    law = Yeoh(1.0, case.yeoh_c2_over_mu)
-    pad = Pad(
-        case.thickness_mm, 1.0, case.radius_mm, base=case.base, condition=case.condition, law=law,
-        sides_mm=case.sides_mm,
-    )  # fmt: skip
     found = elastic_curve(pad, case.fidelity, float(depth[-1]), depth, None)
     depth = depth[depth <= found.limit_mm * (1.0 + 1e-9)]
     return SolvedSlab(case, depth, found.force(depth), found.relative_error(depth), tuple(found.notes))
@@ -176,7 +202,8 @@ def solve_law(
     base, condition : str
         What holds the base and the face under the punch.
     sides_mm, fidelity
-        See :class:`SlabCase`.
+        See :class:`SlabCase`. Where the fidelity does not know the corners the punch is taken as the circle;
+        whoever asks has to say so (``Study.reduced``).
 
     Raises
     ------
@@ -187,4 +214,5 @@ def solve_law(
         SlabCase(value, radius_mm, base, condition, 0.0, sides_mm, fidelity)
         for value in sorted({float(v) for v in thickness_mm})
     ]
+    cases = [case if case.corners_known else replace(case, sides_mm=None) for case in cases]
     return law_of((map if executor is None else executor.map)(solve_slab, cases))

@@ -144,8 +144,20 @@ class Study:
         """Punches that this study takes as the circle of their area although they differ from it."""
         if self.fidelity == "3d":
             return []
-        glued = all(condition == "bonded" for condition in self.conditions)
-        return [name for name, _ in self.punches if not name.startswith("round") and not (glued and _is_square(name))]
+        return [name for name, radius in self.punches if not self._corners_known(name, radius)]
+
+    def _corners_known(self, punch: str, radius_mm: float) -> bool:
+        """Whether the corners of a punch are in every row of this study."""
+        if self.fidelity == "table":
+            return punch.startswith("round") or _is_square(punch)
+        from dummydesign.design.solved import SlabCase
+
+        # The slabs between the thinnest and the thickest lie in the same table when both do.
+        ends = (min(self.thickness_mm), max(self.thickness_mm))
+        each = itertools.product(ends, self.bases, self.conditions)
+        sides = punch_sides_mm(punch)
+        cases = [SlabCase(mm, radius_mm, base, condition, sides_mm=sides) for mm, base, condition in each]
+        return all(case.corners_known for case in cases)
 
     def to_dict(self) -> dict[str, Any]:
         """Return what is varied as plain values."""

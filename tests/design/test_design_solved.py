@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from dummydesign.design import solved
+from dummydesign.design.punch import equal_area_radius_mm
 from dummydesign.design.whatif import Study, whatif
-from dummydesign.errors import NoAnswerError
+from dummydesign.errors import InputError, NoAnswerError
 
 RADIUS = 14.0 / np.sqrt(np.pi)
 
@@ -80,3 +81,37 @@ def test_finite_elements_and_table_agree_at_moderate_depth():
     for first, second in zip(table, finite):
         for force in ("1", "5"):
             assert first["depth_mm_at_N"][force] == pytest.approx(second["depth_mm_at_N"][force], rel=0.01)
+
+
+@pytest.mark.slow
+def test_stiffening_is_solved_under_a_face_that_slides(monkeypatch):
+    monkeypatch.setattr(solved, "SHARES", (0.02,))
+    cases = [solved.SlabCase(8.0, 8.0, condition="frictionless", yeoh_c2_over_mu=c2) for c2 in (0.0, 2.0)]
+    soft, stiff = (solved.solve_slab(case) for case in cases)
+    assert 1.01 < stiff.area_mm2[0] / soft.area_mm2[0] < 1.1
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        solved.SlabCase(8.0, RADIUS, condition="frictionless", sides_mm=(14.0, 14.0)),
+        solved.SlabCase(8.0, RADIUS, sides_mm=(28.0, 7.0)),
+        solved.SlabCase(8.0, RADIUS, yeoh_c2_over_mu=0.3, sides_mm=(14.0, 14.0)),
+        solved.SlabCase(100.0, RADIUS, sides_mm=(14.0, 14.0)),
+    ],
+    ids=["a face that slides", "a rectangle", "stiffening", "outside the table of squares"],
+)
+def test_corners_that_an_axisymmetric_slab_cannot_have_are_refused(case):
+    with pytest.raises(InputError, match=r"punch of .* fidelity = axisymmetric.*3d"):
+        solved.solve_slab(case)
+
+
+def test_a_study_that_takes_a_punch_as_a_circle_says_so():
+    def reduced(thickness, punch, **more):
+        punches = ((punch, equal_area_radius_mm(punch)),)
+        return Study((thickness,), (15.0,), punches, fidelity="axisymmetric", **more).reduced
+
+    assert reduced(5.0, "square:14") == []
+    assert reduced(5.0, "square:14", conditions=("frictionless",)) == ["square:14"]
+    assert reduced(5.0, "rectangle:28x7") == ["rectangle:28x7"]
+    assert reduced(30.0, "square:2") == ["square:2"]

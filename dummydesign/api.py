@@ -7,95 +7,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable
+from contextlib import nullcontext
+from math import isfinite
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dummydesign.errors import InputError
+from dummydesign.answers import Answer, Fitted, Rows
+from dummydesign.errors import InputError, NoAnswerError, out_of_range
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
     from dummydesign.design.study import Study
-    from dummydesign.design.suggest import Suggestion
+    from dummydesign.design.suggest import Request
     from dummydesign.protocol.trace import Trace
-    from dummydesign.tissue.fit import Fit
+    from dummydesign.resin.model import Resin
 
 Values = float | str | Iterable[float]
 """One number, numbers, or text as on the command line: ``"3:30:0.5"`` (end included) or ``"5,15"``."""
-
-
-def frame_of(records: Sequence[dict[str, Any]]) -> Any:
-    """Make a pandas DataFrame; nested values become columns such as ``depth_mm_at_N.10``.
-
-    Raises
-    ------
-    InputError
-        When pandas is not installed.
-    """
-    try:
-        from pandas import json_normalize
-    except ImportError:
-        raise InputError("to_frame needs pandas, which is not installed; pip install pandas, or use to_dict") from None
-    return json_normalize(list(records))
-
-
-@dataclass(frozen=True)
-class Answer:
-    """What :func:`suggest` found. ``found`` is the search with all its objects, ``files`` what was written."""
-
-    found: Suggestion
-    files: dict[str, str] = field(default_factory=dict)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the answer in the form of ``dummydesign suggest --json``."""
-        return {"inputs": self.found.request.to_dict(), **self.found.to_dict(), "files": dict(self.files)}
-
-    def to_frame(self) -> Any:
-        """Return recommendation and alternatives as a DataFrame, one row a design (needs pandas)."""
-        answer = self.found.to_dict()
-        keys = ("thickness_mm", "ratio", "young_kPa", "scores")
-        return frame_of([{key: d[key] for key in keys} for d in (answer["recommendation"], *answer["alternatives"])])
-
-
-@dataclass(frozen=True)
-class Rows:
-    """What :func:`whatif` found: one row a design, in the study's order."""
-
-    study: Study
-    rows: tuple[dict[str, Any], ...]
-    seconds: float
-    files: dict[str, str] = field(default_factory=dict)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return study, rows and seconds as plain values."""
-        rows = [dict(row) for row in self.rows]
-        return {"inputs": self.study.to_dict(), "rows": rows, "seconds": self.seconds, "files": dict(self.files)}
-
-    def to_frame(self) -> Any:
-        """Return the rows as a DataFrame, one row a design (needs pandas)."""
-        return frame_of(self.rows)
-
-
-@dataclass(frozen=True)
-class Fitted:
-    """What :func:`fit` found. ``found`` is the fit with all its objects."""
-
-    found: Fit
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the fit in the form of ``dummydesign fit --json``."""
-        return self.found.to_dict()
-
-    def to_frame(self) -> Any:
-        """Return the parameters with their intervals as a DataFrame, one row a parameter (needs pandas)."""
-        records = []
-        for name, entry in self.found.to_dict()["parameters"].items():
-            parts = {name: entry} if "value" in entry else {f"{name} at {v} mm/s": e for v, e in entry.items()}
-            records += [{"parameter": label, **one} for label, one in parts.items()]
-        return frame_of(records)
 
 
 def suggest(
@@ -105,10 +36,16 @@ def suggest(
     resin: str = "polyurethane-nagoya",
     thickness_mm: tuple[float, float] | None = None,
     ratio: tuple[float, float] | None = None,
+    shape: str = "slab",
+    calibration: str | PathLike[str] | None = None,
     verify: bool = False,
+    cad: bool = False,
+    robot_mass_kg: float | None = None,
+    robot_velocity_mm_s: float = 250.0,
+    limits: str | PathLike[str] | None = None,
     out: str | PathLike[str] | None = None,
 ) -> Answer:
-    """Recommend ratio and thickness of a slab for a tissue (no mould is drawn: see :mod:`dummydesign.mold`).
+    """Recommend ratio, thickness and, if asked for, shape of a pad for a tissue, with its mould when ``cad``.
 
     Parameters
     ----------
@@ -118,34 +55,91 @@ def suggest(
         ``average``, ``safe-side`` or ``subject:NAME``.
     thickness_mm, ratio : (low, high), optional
         Limits with both ends included.
+    shape : str
+        ``slab``, a kind such as ``crowned``, one with its lengths, or ``auto``.
+    calibration : path, optional
+        Written by ``dummydesign loop``; slabs only.
     verify : bool
         Solve the recommended pad by finite elements.
+    cad : bool
+        Make the mould into ``out``; the recipe is then that of the solids' volumes.
+    robot_mass_kg, robot_velocity_mm_s : float
+        A free mass that runs into tissue and pad, for the safety view. [kg, mm/s]
+    limits : path, optional
+        Limits of force and pressure with their source (TOML), for the safety view.
     out : path, optional
         Folder in which the report is written.
+
+    Returns
+    -------
+    Answer
+        The same as ``dummydesign suggest --json`` prints for the same question.
 
     Raises
     ------
     InputError
         For unknown names or ranges outside what is allowed.
     NoAnswerError
-        When no slab reaches 10 N steady.
+        When no pad reaches 10 N steady, or the mould could not be made: the report is then written and the rest of
+        the answer in the error's ``result``.
     """
     from dummydesign.design.suggest import Request, accept
-    from dummydesign.design.suggest import suggest as search
 
-    request = Request(tissue, aim, resin, _pair(thickness_mm), _pair(ratio), verify=verify)
+    path = None if calibration is None else str(calibration)
+    request = Request(
+        tissue, aim, resin, _pair(thickness_mm), _pair(ratio), shape=shape, verify=verify, calibration=path
+    )
     accept(request)
-    if out is not None:
-        from dummydesign.files import output_folder
-
-        output_folder(out)
-    found = search(request)
-    if out is None:
-        return Answer(found)
+    for name, value in (("robot mass in kg", robot_mass_kg), ("robot velocity in mm/s", robot_velocity_mm_s)):
+        if value is not None and not (isfinite(value) and value > 0):
+            raise out_of_range(name, value, "above 0", "any finite value")
+    if cad and out is None:
+        raise InputError("cad = True needs out, the folder for the files of the mould")
+    from dummydesign.design.safety import read_limits
     from dummydesign.design.safety_view import safety_view
+
+    own = None if limits is None else read_limits(limits)
+    folder = None if out is None else Path(out)
+    found = _search(request, folder)
+    safety = safety_view(found, robot_mass_kg, robot_velocity_mm_s, own)
+    inputs = {
+        **request.to_dict(),
+        "cad": cad,
+        "out": None if folder is None else str(folder),
+        "robot_mass_kg": robot_mass_kg,
+        "robot_velocity_mm_s": robot_velocity_mm_s,
+        "limits": None if limits is None else str(limits),
+    }
+    result = {"inputs": inputs, **found.to_dict(), "safety": safety.to_dict(), "files": {}}
+    if folder is None:
+        return Answer(found, result)
     from dummydesign.report.suggest import write_suggestion
 
-    return Answer(found, write_suggestion(Path(out), found, found.to_dict(), safety_view(found)))
+    try:
+        if cad:
+            from dummydesign.design.with_mould import with_mould
+
+            result = with_mould(result, found, folder)
+    finally:
+        result["files"] |= write_suggestion(folder, found, result, safety)
+    return Answer(found, result)
+
+
+def _search(request: Request, folder: Path | None) -> Any:
+    """Find the design; a folder that was made for an answer that there is not is taken away again."""
+    from dummydesign.design.suggest import suggest as search
+    from dummydesign.files import output_folder
+
+    if folder is None:
+        return search(request)
+    made = not folder.exists()
+    output_folder(folder)
+    try:
+        return search(request)
+    except (InputError, NoAnswerError):
+        if made:
+            folder.rmdir()
+        raise
 
 
 def whatif(
@@ -161,6 +155,8 @@ def whatif(
     velocity_mm_s: Values = (10.0, 250.0),
     force_N: Values = (1.0, 5.0, 10.0, 15.0),
     fidelity: str = "table",
+    workers: int = 1,
+    scheduler: str | None = None,
     executor: Executor | None = None,
     out: str | PathLike[str] | None = None,
     resume: bool = False,
@@ -176,13 +172,22 @@ def whatif(
     punch, condition, base : str or several
         Such as ``square:14``, ``bonded``, ``sliding``.
     fidelity : str
-        ``table`` or ``axisymmetric``.
+        ``table``, ``axisymmetric`` or ``3d``.
+    workers : int
+        Processes on this machine.
+    scheduler : str, optional
+        Address of a running Dask scheduler.
     executor : concurrent.futures.Executor, optional
-        Runs the tasks side by side, from any library with this interface.
+        Runs the tasks side by side, from any library with this interface, instead of ``workers`` or ``scheduler``.
     out : path, optional
         Folder of ``rows.csv`` and the report.
     resume : bool
         Keep the rows that are in ``out``.
+
+    Returns
+    -------
+    Rows
+        The same as ``dummydesign whatif --json`` prints for the same question.
 
     Raises
     ------
@@ -191,40 +196,68 @@ def whatif(
     NoAnswerError
         When a worker was lost; what was done is in ``out``.
     """
+    from dummydesign.design.executors import open_executor
     from dummydesign.design.punch import equal_area_radius_mm
+    from dummydesign.design.ranges import read_names, read_values
     from dummydesign.design.study import Study
-    from dummydesign.design.whatif import whatif as work_out
     from dummydesign.resin import load_resin
 
     material = load_resin(resin)
     study = Study(
-        _values(thickness_mm, "thickness in mm"),
-        (material.relaxation_ratio_ref,) if ratio is None else _values(ratio, "ratio"),
-        tuple((name, equal_area_radius_mm(name)) for name in _names(punch)),
-        _values(velocity_mm_s, "velocity in mm/s"),
-        _values(force_N, "force in N"),
+        read_values(thickness_mm, "thickness in mm"),
+        (material.relaxation_ratio_ref,) if ratio is None else read_values(ratio, "ratio"),
+        tuple((name, equal_area_radius_mm(name)) for name in read_names(punch)),
+        read_values(velocity_mm_s, "velocity in mm/s"),
+        read_values(force_N, "force in N"),
         resin,
         tissue,
         aim,
         fidelity,
-        _names(condition),
-        _names(base),
+        read_names(condition),
+        read_names(base),
     )
     study.check(material)
-    if out is None:
-        found = work_out(study, executor=executor)
-        return Rows(study, tuple(found["rows"]), found["seconds"])
+    folder = None if out is None else Path(out)
+    inputs = {
+        **study.to_dict(),
+        "workers": workers if executor is None else None,
+        "scheduler": scheduler,
+        "resume": resume,
+        "out": None if folder is None else str(folder),
+    }
+    opened = open_executor(workers, scheduler) if executor is None else nullcontext(executor)
+    return _work_out(study, material, opened, folder, resume, inputs)
+
+
+def _work_out(
+    study: Study, resin: Resin, opened: Any, folder: Path | None, resume: bool, inputs: dict[str, Any]
+) -> Rows:
+    """Run a study that was checked, and write rows and report when there is a folder."""
+    from dummydesign.design.whatif import whatif as work_out
+
+    sites = None
+    if study.tissue is not None:
+        from dummydesign.tissue.store import load_tissue
+
+        sites = load_tissue(study.tissue)
+        sites.target(study.aim)
+    sources = (*resin.references, *(() if sites is None else sites.sources))
+    if folder is None:
+        with opened as executor:
+            found = work_out(study, executor=executor)
+        return Rows(study, tuple(found["rows"]), found["seconds"], inputs, tuple(found["warnings"]), sources)
     from dummydesign.design.rows_file import RowsFile, settings_of
     from dummydesign.files import output_folder
     from dummydesign.report.whatif import write_whatif
-    from dummydesign.tissue.store import load_tissue
 
-    sites = None if tissue is None else load_tissue(tissue)
-    folder = output_folder(out)
-    file = RowsFile(folder, study, settings_of(study, material, sites), resume)
-    found = work_out(study, executor=executor, file=file)
-    files = {"rows": str(file.path), **write_whatif(folder, study, found["rows"], material, sites, [])}
-    return Rows(study, tuple(found["rows"]), found["seconds"], files)
+    settings = settings_of(study, resin, sites)
+    with opened as executor:
+        file = RowsFile(output_folder(folder), study, settings, resume)
+        kept = len(file.rows)
+        found = work_out(study, executor=executor, file=file)
+    rows, warnings = found["rows"], found["warnings"]
+    files = {"rows": str(file.path), **write_whatif(folder, study, rows, resin, sites, warnings)}
+    return Rows(study, tuple(rows), found["seconds"], inputs, tuple(warnings), sources, kept, files)
 
 
 def fit(
@@ -264,22 +297,3 @@ def fit(
 
 def _pair(limits: tuple[float, float] | None) -> tuple[float, float] | None:
     return None if limits is None else (float(limits[0]), float(limits[1]))
-
-
-def _values(values: Values, quantity: str) -> tuple[float, ...]:
-    """Read numbers however they are given."""
-    if isinstance(values, str):
-        from dummydesign.design.ranges import parse_values
-
-        return tuple(parse_values(values, quantity))
-    try:
-        found = tuple(float(value) for value in (values if isinstance(values, Iterable) else (values,)))
-    except (TypeError, ValueError):
-        raise InputError(f"{quantity} = {values!r} is not a number, a list of numbers or text like 3:30:0.5") from None
-    if not found:
-        raise InputError(f"{quantity} has no value; give at least one")
-    return found
-
-
-def _names(names: str | Iterable[str]) -> tuple[str, ...]:
-    return tuple(names.split(",")) if isinstance(names, str) else tuple(names)

@@ -4,13 +4,14 @@ import json
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from html import escape
 from pathlib import Path
 
 import pytest
 
 import dummydesign
 from dummydesign.cli import run
-from dummydesign.errors import InputError
+from dummydesign.errors import InputError, NoAnswerError
 
 ROOT = Path(__file__).parent.parent
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
@@ -24,20 +25,80 @@ def test_importing_the_package_imports_no_numerics():
         _ = dummydesign.suggests
 
 
+def plain(answer):
+    """An answer as a reader of its JSON gets it."""
+    return json.loads(json.dumps(answer.to_dict()))
+
+
+def printed(capsys, *arguments, status=0):
+    """What a command prints, without the head that says which command and version it was."""
+    assert run([*arguments, "--json"]) == status
+    found = json.loads(capsys.readouterr().out)
+    assert found.pop("schema") and found.pop("version")
+    return found
+
+
+PALM = {"thickness_mm": (8, 16), "ratio": (15, 16)}
+PALM_OPTIONS = ["suggest", "--tissue", "palm", "--thickness", "8:16", "--ratio", "15:16", "--no-verify"]
+
+
 def test_suggest_is_the_answer_of_the_command(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    answer = dummydesign.suggest("palm", thickness_mm=(8, 16), ratio=(15, 16), out=tmp_path / "a")
-    arguments = ["--tissue", "palm", "--thickness", "8:16", "--ratio", "15:16", "--no-cad", "--no-verify", "--json"]
-    assert run(["suggest", *arguments, "--out", "b"]) == 0
-    printed = json.loads(capsys.readouterr().out)
-    mine = json.loads(json.dumps(answer.to_dict()))
-    for key in ("recommendation", "alternatives", "sensitivity", "warnings", "sources"):
-        assert mine[key] == printed[key]
-    assert (tmp_path / "a" / "report.html").read_text() == (tmp_path / "b" / "report.html").read_text()
+    answer = dummydesign.suggest("palm", **PALM, out="a", robot_mass_kg=2.0)
+    page = Path("a/report.html").read_text()
+    mine = plain(answer)
+    assert mine == printed(capsys, *PALM_OPTIONS, "--no-cad", "--robot-mass", "2", "--out", "a")
+    assert Path("a/report.html").read_text() == page
     frame = answer.to_frame() if has_pandas() else None
     if frame is not None:
         assert frame["thickness_mm"][0] == mine["recommendation"]["thickness_mm"]
         assert len(frame) == 1 + len(mine["alternatives"]) and "scores.total" in frame
+
+
+@pytest.mark.slow
+def test_suggest_weighs_what_the_solids_hold_as_the_command_does(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    mine = plain(dummydesign.suggest("palm", **PALM, cad=True, out="a"))
+    theirs = printed(capsys, *PALM_OPTIONS, "--out", "a")
+    for found in (mine, theirs):
+        assert found["mold"].pop("seconds") > 0 and found["mold"].pop("memory_MB") > 0
+    assert mine == theirs
+    assert mine["recommendation"]["recipe"]["components"] == mine["mold"]["pour"]["components"]
+
+
+def test_without_cad_both_name_the_same_next_command_and_keep_the_recipe(capsys, tmp_path, monkeypatch):
+    def broken(*_, **__):
+        raise NoAnswerError("cad_unavailable", "libGL.so.1 is missing: apt install libgl1")
+
+    monkeypatch.setattr("dummydesign.mold.runner.make_mold", broken)
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(NoAnswerError, match="dummydesign mold --thickness") as caught:
+        dummydesign.suggest("palm", **PALM, cad=True, out="a")
+    theirs = printed(capsys, *PALM_OPTIONS, "--out", "a", status=1)
+    error = theirs.pop("error")
+    assert error == {"code": caught.value.code, "message": str(caught.value)}
+    assert json.loads(json.dumps(caught.value.result)) == theirs
+
+
+def test_a_mould_needs_a_folder():
+    with pytest.raises(InputError, match="out"):
+        dummydesign.suggest("palm", cad=True)
+
+
+def test_whatif_is_the_answer_of_the_command_with_its_warnings(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    study = {"punch": "rectangle:20x10", "force_N": "5,15", "velocity_mm_s": 10}
+    mine = plain(dummydesign.whatif("5:25:10", "14.5", **study, tissue="palm", out="a"))
+    page = Path("a/report.html").read_text()
+    options = ["--punch", "rectangle:20x10", "--force", "5,15", "--velocity", "10", "--tissue", "palm", "--out", "a"]
+    theirs = printed(capsys, "whatif", "--thickness", "5:25:10", "--ratio", "14.5", *options)
+    assert mine.pop("seconds") > 0 and theirs.pop("seconds") > 0
+    assert mine == theirs
+    assert {item["code"] for item in mine["warnings"]} == {"out_of_reach", "punch_as_circle"}
+    assert all(escape(item["message"]) in page for item in mine["warnings"])
+    assert Path("a/report.html").read_text() == page
+    unwritten = dummydesign.whatif("5:25:10", "14.5", **study, tissue="palm").to_dict()
+    assert unwritten["warnings"] == mine["warnings"] and unwritten["files"] == {}
 
 
 def has_pandas():
@@ -80,6 +141,9 @@ def test_refusals_leave_no_folder(tmp_path):
         lambda: dummydesign.suggest("plam", out=tmp_path / "x"),
         lambda: dummydesign.whatif(5, 99, out=tmp_path / "x"),
         lambda: dummydesign.whatif(5, tissue="plam", out=tmp_path / "x"),
+        lambda: dummydesign.whatif(5, tissue="palm", aim="avarage", out=tmp_path / "x"),
+        lambda: dummydesign.whatif(5, workers=0, out=tmp_path / "x"),
+        lambda: dummydesign.suggest("palm", robot_mass_kg=-1.0, out=tmp_path / "x"),
     ):
         with pytest.raises(InputError):
             call()

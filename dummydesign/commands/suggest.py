@@ -31,102 +31,24 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     """Find the design, make its mould, write the report and return the answer."""
     from pathlib import Path
 
-    from dummydesign.design.suggest import Request, accept, suggest
-    from dummydesign.errors import InputError, NoAnswerError
-    from dummydesign.files import output_folder
-
-    request = _request(options, Request)
-    accept(request)
-    limits = _limits(options)
-    out = Path(options.out) if options.out is not None else Path(f"suggest-{Path(options.tissue).stem}")
-    made = not out.exists()
-    output_folder(out)
-    try:
-        answer = suggest(request)
-    except (InputError, NoAnswerError):
-        if made:
-            out.rmdir()
-        raise
-    from dummydesign.design.safety_view import safety_view
-
-    safety = safety_view(answer, options.robot_mass, options.robot_velocity, limits)
-    inputs = {
-        **request.to_dict(),
-        "cad": not options.no_cad,
-        "out": str(out),
-        "calibration": options.calibration,
-        "robot_mass_kg": options.robot_mass,
-        "robot_velocity_mm_s": options.robot_velocity,
-        "limits": options.limits,
-    }
-    result = {"inputs": inputs, **answer.to_dict(), "safety": safety.to_dict(), "files": {}}
-    try:
-        if not options.no_cad:
-            _add_mould(result, answer, out)
-    finally:
-        from dummydesign.report.suggest import write_suggestion
-
-        result["files"] |= write_suggestion(out, answer, result, safety)
-    return result
-
-
-def _request(options: argparse.Namespace, make: Any) -> Any:
-    """Read what is asked for."""
+    from dummydesign.api import suggest
     from dummydesign.design.ranges import parse_limits
 
-    return make(
-        tissue=options.tissue,
+    return suggest(
+        options.tissue,
         aim=options.aim,
         resin=options.resin,
         thickness_mm=parse_limits(options.thickness, "thickness in mm"),
         ratio=parse_limits(options.ratio, "ratio"),
         shape=options.shape,
-        verify=not options.no_verify,
         calibration=options.calibration,
-    )
-
-
-def _limits(options: argparse.Namespace) -> Any:
-    """Read the safety view's own inputs, refusing what cannot be."""
-    from math import isfinite
-
-    from dummydesign.errors import out_of_range
-
-    for name, value in (("robot mass in kg", options.robot_mass), ("robot velocity in mm/s", options.robot_velocity)):
-        if value is not None and not (isfinite(value) and value > 0):
-            raise out_of_range(name, value, "above 0", "any finite value")
-    if options.limits is None:
-        return None
-    from dummydesign.design.safety import read_limits
-
-    return read_limits(options.limits)
-
-
-def _add_mould(result: dict[str, Any], answer: Any, out: Any) -> None:
-    """Make the mould of the recommended pad; without CAD the recipe stands and the missing step is named."""
-    from dummydesign.design.suggest import mould_of
-    from dummydesign.errors import NoAnswerError
-    from dummydesign.mold.runner import make_mold
-
-    best = answer.best
-    try:
-        spec = mould_of(answer.resin, best, answer.shape)
-        mould = make_mold(spec, out).to_dict()
-    except NoAnswerError as problem:
-        step = f"dummydesign mold --thickness {best.thickness_mm:g} --resin {answer.request.resin}"
-        step += f" --ratio {best.ratio:g} --shape {answer.shape} --out {out}"
-        message = f"{problem}; the recipe stands, the mould is missing: then run '{step}'"
-        raise NoAnswerError(problem.code, message, result) from None
-    result["files"] = mould.pop("files")
-    result["warnings"] += mould.pop("warnings")
-    result["mold"] = mould
-    result["sources"] += [text for text in spec.sources if text not in result["sources"]]
-    # what the solids hold, not the closed forms, is weighed
-    pours = [("", mould["pour"])] + ([(" (base)", mould["pour"]["base"])] if "base" in mould["pour"] else [])
-    result["recommendation"]["recipe"] = {
-        "components": [{**item, "name": item["name"] + layer} for layer, pour in pours for item in pour["components"]],
-        "total_g": sum(pour["batch_mass_g"] for _, pour in pours),
-    }
+        verify=not options.no_verify,
+        cad=not options.no_cad,
+        robot_mass_kg=options.robot_mass,
+        robot_velocity_mm_s=options.robot_velocity,
+        limits=options.limits,
+        out=f"suggest-{Path(options.tissue).stem}" if options.out is None else options.out,
+    ).to_dict()
 
 
 def render(result: dict[str, Any]) -> str:

@@ -7,7 +7,6 @@ from typing import Any
 
 HELP = "Work out many slabs at once: depth, stiffness, local exponent, peak over steady, score for a tissue."
 SHOWN = 40
-ROUGH_PERCENT = 2.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -37,95 +36,26 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Work out the study, write rows and report, and return the rows."""
-    from pathlib import Path
-
-    from dummydesign.design.executors import open_executor
-    from dummydesign.design.rows_file import RowsFile, settings_of
-    from dummydesign.design.whatif import whatif
-    from dummydesign.files import output_folder
+    from dummydesign.api import whatif
     from dummydesign.resin import load_resin
 
-    resin = load_resin(options.resin)
-    study = _study(options, resin)
-    study.check(resin)
-    tissue = _tissue(options)
-    settings = settings_of(study, resin, tissue)
-    out = Path(options.out if options.out is not None else f"whatif-{resin.name}")
-    with open_executor(options.workers, options.scheduler) as executor:
-        output_folder(out)
-        file = RowsFile(out, study, settings, options.resume)
-        kept = len(file.rows)
-        found = whatif(study, executor=executor, file=file)
-    from dummydesign.report.whatif import write_whatif
-
-    warnings = _warnings(study, found["rows"])
-    files = {"rows": str(file.path), **write_whatif(out, study, found["rows"], resin, tissue, warnings)}
-    inputs = {
-        **study.to_dict(),
-        "workers": options.workers,
-        "scheduler": options.scheduler,
-        "resume": options.resume,
-        "out": str(out),
-    }
-    return {
-        "inputs": inputs,
-        "warnings": warnings,
-        "sources": [*resin.references, *([] if tissue is None else tissue.sources)],
-        **found,
-        "resumed_rows": kept,
-        "files": files,
-    }
-
-
-def _warnings(study: Any, rows: list[dict[str, Any]]) -> list[dict[str, str]]:
-    said = []
-    stopped = sum(row["limit"] is not None for row in rows)
-    if stopped:
-        message = f"{stopped} of {study.size} designs do not reach every force; 'limit' says why"
-        said.append({"code": "out_of_reach", "message": message})
-    rough = [row["force_error_percent"] for row in rows if (row["force_error_percent"] or 0.0) > ROUGH_PERCENT]
-    if rough:
-        message = f"forces of {len(rough)} designs are known to {max(rough):.1f} % at worst ('force_error_percent')"
-        said.append({"code": "rough_solve", "message": f"{message}; their exponents are rougher still"})
-    if study.reduced:
-        message = f"{', '.join(study.reduced)}: taken as the circle of equal area; --fidelity 3d solves the corners"
-        said.append({"code": "punch_as_circle", "message": message})
-    return said
-
-
-def _tissue(options: argparse.Namespace) -> Any:
-    """The tissue to score for; its aim is tried at once."""
-    if options.tissue is None:
-        return None
-    from dummydesign.tissue.store import load_tissue
-
-    tissue = load_tissue(options.tissue)
-    tissue.target(options.aim)
-    return tissue
-
-
-def _study(options: argparse.Namespace, resin: Any) -> Any:
-    """Read what is varied."""
-    from dummydesign.design.punch import equal_area_radius_mm
-    from dummydesign.design.ranges import parse_values
-    from dummydesign.design.study import Study
-
-    ratio = [resin.relaxation_ratio_ref]
-    if options.ratio is not None:
-        ratio = parse_values(options.ratio, "ratio")
-    return Study(
-        thickness_mm=tuple(parse_values(options.thickness, "thickness in mm")),
-        ratio=tuple(ratio),
-        punches=tuple((name, equal_area_radius_mm(name)) for name in options.punch.split(",")),
-        velocities_mm_s=tuple(parse_values(options.velocity, "velocity in mm/s")),
-        forces_N=tuple(parse_values(options.force, "force in N")),
+    return whatif(
+        options.thickness,
+        options.ratio,
         resin=options.resin,
         tissue=options.tissue,
         aim=options.aim,
+        punch=options.punch,
+        condition=options.condition,
+        base=options.base,
+        velocity_mm_s=options.velocity,
+        force_N=options.force,
         fidelity=options.fidelity,
-        conditions=tuple(options.condition.split(",")),
-        bases=tuple(options.base.split(",")),
-    )
+        workers=options.workers,
+        scheduler=options.scheduler,
+        out=f"whatif-{load_resin(options.resin).name}" if options.out is None else options.out,
+        resume=options.resume,
+    ).to_dict()
 
 
 def render(result: dict[str, Any]) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 from dummydesign.errors import InputError
 
@@ -59,3 +60,27 @@ def _number(part: str, text: str, quantity: str, form: str) -> float:
     if not math.isfinite(value):
         raise InputError(f"{quantity} = '{text}' is not {form}: '{part}' is not a number")
     return value
+
+
+def read_values(values: float | str | Iterable[float], quantity: str) -> tuple[float, ...]:
+    """Read numbers however they are given: one, several, or text as on the command line.
+
+    Raises
+    ------
+    InputError
+        When there is none, or what is given is not numbers.
+    """
+    if isinstance(values, str):
+        return tuple(parse_values(values, quantity))
+    try:
+        found = tuple(float(value) for value in (values if isinstance(values, Iterable) else (values,)))
+    except (TypeError, ValueError):
+        raise InputError(f"{quantity} = {values!r} is not a number, a list of numbers or text like 3:30:0.5") from None
+    if not found:
+        raise InputError(f"{quantity} has no value; give at least one")
+    return found
+
+
+def read_names(names: str | Iterable[str]) -> tuple[str, ...]:
+    """Read names given as a list or with commas between."""
+    return tuple(names.split(",")) if isinstance(names, str) else tuple(names)

@@ -21,7 +21,9 @@ if TYPE_CHECKING:
     from dummydesign.resin.model import Resin
 
 CHUNK = 4096
-__all__ = ["Study", "tasks_of", "whatif"]
+ROUGH_PERCENT = 2.0
+"""Numerical error of a force above which a study warns. [%]"""
+__all__ = ["Study", "study_warnings", "tasks_of", "whatif"]
 
 
 def whatif(
@@ -46,7 +48,8 @@ def whatif(
     Returns
     -------
     dict
-        ``rows`` (see :func:`dummydesign.design.rows.work`) in the study's order, and ``seconds`` of work.
+        ``rows`` (see :func:`dummydesign.design.rows.work`) in the study's order, ``seconds`` of work, and
+        ``warnings``, {code, message} each.
 
     Raises
     ------
@@ -78,7 +81,24 @@ def whatif(
             file.close()
             raise
         ordered = file.finish()
-    return {"rows": ordered, "seconds": time.perf_counter() - start}
+    return {"rows": ordered, "seconds": time.perf_counter() - start, "warnings": study_warnings(study, ordered)}
+
+
+def study_warnings(study: Study, rows: list[dict[str, Any]]) -> list[dict[str, str]]:
+    """What a reader of the rows has to know: designs out of reach, rough solves, punches taken as circles."""
+    said = []
+    stopped = sum(row["limit"] is not None for row in rows)
+    if stopped:
+        message = f"{stopped} of {study.size} designs do not reach every force; 'limit' says why"
+        said.append({"code": "out_of_reach", "message": message})
+    rough = [row["force_error_percent"] for row in rows if (row["force_error_percent"] or 0.0) > ROUGH_PERCENT]
+    if rough:
+        message = f"forces of {len(rough)} designs are known to {max(rough):.1f} % at worst ('force_error_percent')"
+        said.append({"code": "rough_solve", "message": f"{message}; their exponents are rougher still"})
+    if study.reduced:
+        message = f"{', '.join(study.reduced)}: taken as the circle of equal area; --fidelity 3d solves the corners"
+        said.append({"code": "punch_as_circle", "message": message})
+    return said
 
 
 def tasks_of(study: Study, resin: Resin, done: Iterable[Key] = ()) -> Iterator[Task]:

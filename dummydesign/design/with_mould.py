@@ -1,0 +1,66 @@
+"""The mould of a recommended pad, and what it changes in the answer: what the solids hold is what is weighed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from dummydesign.design.suggest import mould_of
+from dummydesign.errors import NoAnswerError
+
+if TYPE_CHECKING:
+    from dummydesign.design.suggest import Suggestion
+
+
+def with_mould(result: dict[str, Any], answer: Suggestion, folder: Path) -> dict[str, Any]:
+    """Make the mould of the recommended pad into a folder and return the answer with it.
+
+    Parameters
+    ----------
+    result : dict
+        The answer in values; it is not changed.
+    answer : Suggestion
+        The answer with its objects.
+    folder : Path
+        Where the files of the mould go.
+
+    Returns
+    -------
+    dict
+        ``result`` with ``mold``, its files, warnings and sources, and the recipe by the volumes of the solids.
+
+    Raises
+    ------
+    NoAnswerError
+        Without CAD or when the mould fails a check; the message names the command that makes it later, the recipe
+        of the closed forms stands in the error's ``result``.
+    """
+    from dummydesign.mold import runner
+
+    best = answer.best
+    try:
+        spec = mould_of(answer.resin, best, answer.shape)
+        mould = runner.make_mold(spec, folder).to_dict()
+    except NoAnswerError as problem:
+        step = f"dummydesign mold --thickness {best.thickness_mm:g} --resin {answer.request.resin}"
+        step += f" --ratio {best.ratio:g} --shape {answer.shape} --out {folder}"
+        message = f"{problem}; the recipe stands, the mould is missing: then run '{step}'"
+        raise NoAnswerError(problem.code, message, result) from None
+    files, warnings = mould.pop("files"), mould.pop("warnings")
+    return {
+        **result,
+        "recommendation": {**result["recommendation"], "recipe": _recipe(mould["pour"])},
+        "warnings": [*result["warnings"], *warnings],
+        "sources": [*result["sources"], *(text for text in spec.sources if text not in result["sources"])],
+        "files": files,
+        "mold": mould,
+    }
+
+
+def _recipe(pour: dict[str, Any]) -> dict[str, Any]:
+    """Masses to weigh of one or, for a layered pad, both pours. [g]"""
+    pours = [("", pour)] + ([(" (base)", pour["base"])] if "base" in pour else [])
+    return {
+        "components": [{**item, "name": item["name"] + layer} for layer, one in pours for item in one["components"]],
+        "total_g": sum(one["batch_mass_g"] for _, one in pours),
+    }

@@ -5,7 +5,7 @@
 First the linear solve of one tangent (corner cell CORNER, default 0.14, of a 10 mm pad): nested dissection with
 dense fronts, the same elimination order given to SuperLU, and SuperLU with its own ordering. Then the whole
 ``predict --fidelity 3d`` curve of 8 points to d / h = 0.5 as a process of its own. Processor time is what to
-compare on a machine that does other work; set OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 there.
+compare on a machine that does other work.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ import numpy as np
 from dummydesign.pad.dissection import elimination_order
 from dummydesign.pad.laws import neo_hookean
 from dummydesign.pad.spatial import Block, Cells, block_problem, lattice_of
+from dummydesign.threads import one_blas_thread
 
 THICKNESSES_MM = (5.0, 10.0, 20.0)
 
@@ -34,6 +35,7 @@ def clock(work: Callable[[], Any]) -> tuple[float, Any]:
     return time.process_time() - began, answer
 
 
+@one_blas_thread()
 def solvers(corner: float) -> None:
     """Compare linear solvers on the tangent at first touch."""
     from scipy.sparse import coo_matrix

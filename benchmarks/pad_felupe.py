@@ -33,6 +33,8 @@ from typing import Any
 
 import numpy as np
 
+from dummydesign.threads import ONE_THREAD
+
 RADIUS_MM = 7.9
 SLABS = {5.0: 0.3, 10.0: 0.3, 20.0: 0.2}
 POINTS = 12
@@ -161,7 +163,9 @@ def ours_puck() -> dict[str, Any]:
 
 def theirs(python: str, task: dict[str, Any]) -> dict[str, Any]:
     """The answer of the other program; ``skipped`` or ``failed`` says why there is none."""
-    done = subprocess.run([python, "-c", PROGRAM], input=json.dumps(task), capture_output=True, text=True, timeout=3600)
+    # one thread, as this package's solves have: processor seconds are compared
+    options = {"capture_output": True, "text": True, "timeout": 3600, "env": {**os.environ, **ONE_THREAD}}
+    done = subprocess.run([python, "-c", PROGRAM], input=json.dumps(task), **options)
     if done.returncode:
         return {"failed": done.stderr.strip().splitlines()[-1] if done.stderr.strip() else "no output"}
     return json.loads(done.stdout.strip().splitlines()[-1])
@@ -240,7 +244,7 @@ def main() -> None:
     parser.add_argument("--python", default=sys.executable, metavar="PATH", help="Python that has FElupe")
     parser.add_argument("--repeat", type=int, default=2, metavar="N", help="runs of which the fastest counts")
     options = parser.parse_args()
-    os.environ |= {"DUMMYDESIGN_CACHE": "off", "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    os.environ["DUMMYDESIGN_CACHE"] = "off"
     worst, single = {}, {}
     for thickness, deepest in SLABS.items():
         depth = deepest * np.arange(1, POINTS + 1) / POINTS

@@ -52,7 +52,7 @@ def measure(arguments: list[str], folder: str) -> tuple[float, float, float]:
 def main() -> None:
     """Measure all commands and print a table."""
     repeats = int(sys.argv[1]) if len(sys.argv) > 1 else 7
-    os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", DUMMYDESIGN_CACHE="off")
+    os.environ["DUMMYDESIGN_CACHE"] = "off"
     # run from this repository when it is not installed, and leave the reports in a folder of their own
     root = str(Path(__file__).resolve().parent.parent)
     os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (root, os.environ.get("PYTHONPATH"))))

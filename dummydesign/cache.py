@@ -1,9 +1,11 @@
 """Results of long solves, kept in the user's cache folder and found again by a hash of what was asked.
 
-An entry is named by its kind and the hash of its canonical inputs and of the code that made it: the package's
-version, the sources that solve (``pad/``, ``shape.py``), and the versions of the numerical libraries. A changed
-solver therefore never serves old numbers. An entry carries a checksum; what is damaged, truncated or foreign is
-taken as absent and made anew. A folder that cannot be written means work without a cache, never an error.
+An entry is named by its kind and the hash of its canonical inputs and of what made it: the package's version, all
+its sources, the shipped tables that solved results are multiplied with, and the versions of the numerical libraries.
+A changed solver or table therefore never serves old numbers. Results are computed with one thread for linear
+algebra, so that they do not depend on the machine's number of cores. An entry carries a checksum; what is damaged,
+truncated or foreign is taken as absent and made anew. A folder that cannot be written means work without a cache,
+never an error.
 
 The folder is the platform's cache folder, or the one that ``DUMMYDESIGN_CACHE`` names; ``off`` turns it off.
 """
@@ -26,6 +28,9 @@ from typing import Any
 
 import numpy as np
 
+from dummydesign.library import data_folder
+from dummydesign.threads import one_blas_thread
+
 VARIABLE = "DUMMYDESIGN_CACHE"
 MOST_BYTES = 200_000_000
 MOST_ENTRIES = 5000
@@ -34,6 +39,7 @@ _KEPT_SHARE = 0.9
 # A temporary file this old was left behind by a writer that is gone.
 _STALE_S = 3600.0
 _ENTRY = re.compile(r"[\w-]+-[0-9a-f]{40}\.json")
+_PACKAGE = __name__.partition(".")[0]
 _PREFIX, _TEMPORARY = ".dummydesign-", ".part"
 
 
@@ -74,6 +80,7 @@ def cached(kind: str, inputs: Mapping[str, Any], compute: Callable[[], dict[str,
     dict
         Equal to the last bit whether it was kept or made now.
     """
+    compute = one_blas_thread()(compute)
     place = folder()
     if place is None:
         return compute()
@@ -98,19 +105,50 @@ def cached(kind: str, inputs: Mapping[str, Any], compute: Callable[[], dict[str,
 
 @lru_cache(maxsize=1)
 def code_version() -> str:
-    """Hash of the package's version, of the sources that solve, and of the numerical libraries' versions."""
+    """Hash of the package's version, its sources and tables, and the numerical libraries' versions.
+
+    All sources count, not only those that solve: which ones a result depends on is not known here, and a list
+    would be wrong with the next module that moves. Reading them takes some 10 ms.
+
+    Raises
+    ------
+    OSError
+        When sources or tables cannot be read, as in an installation as a zip file.
+    """
     from importlib.metadata import PackageNotFoundError, version
 
     from dummydesign import __version__
 
     found = hashlib.sha256(__version__.encode())
-    root = Path(__file__).parent
-    for path in (root / "shape.py", *sorted((root / "pad").glob("*.py"))):
-        found.update(path.name.encode() + b"\0" + path.read_bytes())
+    for path in sources():
+        # the hash of each file by itself: where one ends and the next begins is part of the answer
+        found.update(f"{path.parent.name}/{path.name}\0".encode() + hashlib.sha256(path.read_bytes()).digest())
     for library in ("numpy", "scipy", "scikit-fem"):
         with suppress(PackageNotFoundError):
             found.update(f"{library} {version(library)}".encode())
     return found.hexdigest()
+
+
+def package_folder() -> Path:
+    """The folder of the package, wherever this module lies in it."""
+    return Path(str(sys.modules[_PACKAGE].__file__)).parent
+
+
+def sources() -> list[Path]:
+    """All files that results depend on: the package's sources and the shipped tables, at any depth.
+
+    Raises
+    ------
+    FileNotFoundError
+        When there are no sources or no tables.
+    """
+    found = []
+    for root, ending in ((package_folder(), ".py"), (data_folder() / "materials" / "tables", ".json")):
+        files = sorted(root.rglob(f"*{ending}"))
+        if not files:
+            raise FileNotFoundError(f"{root} holds no {ending} files")
+        found += files
+    return found
 
 
 def _text(value: Any) -> str:
@@ -131,7 +169,7 @@ def _canonical(value: Any) -> Any:
         return [_canonical(one) for one in value]
     if isinstance(value, Mapping):
         return {str(name): _canonical(one) for name, one in value.items()}
-    own = type(value).__module__.partition(".")[0] == __package__
+    own = type(value).__module__.partition(".")[0] == _PACKAGE
     if is_dataclass(value) and not isinstance(value, type) and own:
         content = {field.name: _canonical(getattr(value, field.name)) for field in fields(value)}
         return {type(value).__qualname__: content}

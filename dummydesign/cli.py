@@ -12,6 +12,7 @@ from typing import Any, NoReturn
 
 from dummydesign import __version__
 from dummydesign.errors import DummydesignError, InputError, NoAnswerError, unknown_name
+from dummydesign.threads import ONE_THREAD
 
 COMMANDS = {
     "suggest": "recipe, pad and mould for a tissue",
@@ -127,6 +128,8 @@ def run(arguments: list[str]) -> int:
 
 def main() -> NoReturn:
     """Entry point without arguments; reads ``sys.argv`` and exits with the command's status."""
+    # before numpy is loaded, for this process and those it starts
+    os.environ.update(ONE_THREAD)
     try:
         status = run(sys.argv[1:])
         sys.stdout.flush()

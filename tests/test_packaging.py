@@ -34,7 +34,7 @@ def installed(tmp_path_factory):
 
 
 def run(python, folder, *words):
-    environment = {"PATH": os.environ["PATH"], "HOME": str(folder), "OMP_NUM_THREADS": "1"}
+    environment = {"PATH": os.environ["PATH"], "HOME": str(folder)}
     return subprocess.run(
         [str(python), "-m", "dummydesign", *words], cwd=folder, env=environment, capture_output=True, text=True
     )
@@ -66,3 +66,21 @@ def test_presets_tables_and_materials_travel_in_the_wheel(installed, tmp_path):
     assert json.loads(run(installed, tmp_path, "resins", "list", "--json").stdout)["resins"]
     predicted = run(installed, tmp_path, "predict", "--young", "25", "--thickness", "5", "--depth", "1", "--json")
     assert json.loads(predicted.stdout)["force_N"][0] == pytest.approx(5.37, rel=0.01)
+
+
+def test_the_cache_of_an_installed_package_follows_its_sources_and_tables(installed, tmp_path):
+    code = """
+from dummydesign import cache
+from dummydesign.library import data_folder
+table = next((data_folder() / "materials" / "tables").glob("*.json"))
+source = max((path for path in cache.sources() if path.suffix == ".py"), key=lambda path: len(path.parts))
+found = [cache.code_version.__wrapped__()]
+for path in (table, source):
+    before = path.read_bytes()
+    path.write_bytes(before + b"\\n")
+    found.append(cache.code_version.__wrapped__())
+    path.write_bytes(before)
+print(len(set(found)), cache.code_version.__wrapped__() == found[0], "_data" in table.parts)
+"""
+    found = subprocess.run([str(installed), "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert found.stdout.split() == ["3", "True", "True"]

@@ -17,6 +17,7 @@ from dummydesign.files import output_folder
 from dummydesign.mold.pour import pour_plan, pour_warnings
 from dummydesign.mold.spec import MouldSpec
 from dummydesign.mold.validate import validate
+from dummydesign.threads import ONE_THREAD
 
 TIMEOUT_S = 300.0
 RESULT = ".result.json"
@@ -112,7 +113,7 @@ def _run_child(spec: MouldSpec, work: Path, timeout_s: float) -> dict[str, Any]:
     spec_file.write_text(spec.canonical(), encoding="utf-8")
     package = str(Path(__file__).resolve().parents[2])
     path = os.pathsep.join(filter(None, (package, os.environ.get("PYTHONPATH"))))
-    environment = {**os.environ, "PYTHONPATH": path, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    environment = {**os.environ, **ONE_THREAD, "PYTHONPATH": path}
     command = [sys.executable, *WORKER, str(spec_file), str(work)]
     what = f"preset {spec.preset}, {spec.pad.title}, specification {spec.hash}"
     try:

@@ -12,6 +12,7 @@ import numpy as np
 from dummydesign.pad.contact import Punch, Surface
 from dummydesign.pad.solid import Solid, State
 from dummydesign.pad.sparse import Pattern
+from dummydesign.threads import one_blas_thread
 
 Array = np.ndarray
 
@@ -119,6 +120,7 @@ class Problem:
         du = lift + self.pattern.solve([state.stiffness, *matrices], load)
         return du, self.solid.pressure_step(state, du)
 
+    @one_blas_thread()
     def stiffness(self) -> float:
         """Force per depth at first touch (the small-strain limit)."""
         u, p = self.start()
@@ -177,6 +179,7 @@ def _equilibrium(problem: Problem, u: Array, p: Array, depth: float) -> _Solutio
     return _Failure(reason, MAX_ITERATIONS)
 
 
+@one_blas_thread()
 def follow(
     problem: Problem,
     depths: Sequence[float],

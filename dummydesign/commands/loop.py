@@ -25,7 +25,8 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     from pathlib import Path
 
     from dummydesign.files import output_folder
-    from dummydesign.loop.calibration import calibration_of, write_calibration
+    from dummydesign.loop.calibration import calibration_of
+    from dummydesign.loop.calibration_file import write_calibration
     from dummydesign.loop.output import result_dict
     from dummydesign.loop.report import write_loop_report
     from dummydesign.loop.run import close_loop

@@ -16,7 +16,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Read both, predict, compare."""
-    from dummydesign.loop.calibration import read_calibration, replay
+    from dummydesign.loop.calibration import replay
+    from dummydesign.loop.calibration_file import read_calibration
     from dummydesign.protocol.campaign import read_campaign
 
     calibration = read_calibration(options.calibration)

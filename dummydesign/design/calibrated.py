@@ -35,7 +35,7 @@ def with_calibration(resin: Resin, path: str) -> tuple[Resin, CorrectedLaw, Cali
     InputError
         When the file is not a calibration, or its ratio is outside the resin's range.
     """
-    from dummydesign.loop.calibration import read_calibration
+    from dummydesign.loop.calibration_file import read_calibration
     from dummydesign.loop.design_law import CorrectedLaw
     from dummydesign.resin.model import Arm
     from dummydesign.resin.update import Point, update_resin

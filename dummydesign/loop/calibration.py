@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign import __version__
 from dummydesign.errors import InputError
-from dummydesign.files import write_text
 from dummydesign.loop.chain import Active, LawError, simulate
-from dummydesign.loop.effects import effect_named
 from dummydesign.loop.fit import Fit
 from dummydesign.loop.law import PuckLaw, SlabLaw, law_of
 from dummydesign.loop.noise import LAW_TERMS
@@ -25,7 +20,6 @@ from dummydesign.loop.run import LoopResult, start_young_kPa
 from dummydesign.pad.relaxation import PronyTerm
 from dummydesign.protocol.campaign import Campaign
 
-SCHEMA = "dummydesign.calibration/1"
 _PHASES = {PRE: "before_contact", RISE: "rise", HOLD: "hold", UNLOADING: "unloading"}
 
 
@@ -80,7 +74,7 @@ class Calibration:
         Root mean square of what the corrected model leaves, by phase of the press: a warning band.
     noise_floor_N : float
     pad : dict
-        Set-up of the campaign.
+        Set-up of the campaign: young_kPa_expected, resin, ratio, base, shape.
     """
 
     base: Model
@@ -130,68 +124,6 @@ def calibration_of(result: LoopResult) -> Calibration:
     return Calibration(
         model_of(result.base.fit), model_of(fit), result.verdict, left, fit.sizes.floor_N, pad
     )
-
-
-def write_calibration(calibration: Calibration, path: str | Path) -> Path:
-    """Write a calibration as JSON."""
-    content = {
-        "schema": SCHEMA,
-        "version": __version__,
-        "verdict": calibration.verdict,
-        "base": calibration.base.to_dict(),
-        "after": calibration.after.to_dict(),
-        "remainder_rmse_N": calibration.remainder_N,
-        "noise_floor_N": calibration.noise_floor_N,
-        "pad": calibration.pad,
-    }
-    return write_text(path, json.dumps(content, indent=1) + "\n")
-
-
-def read_calibration(path: str | Path) -> Calibration:
-    """Read a calibration file.
-
-    Raises
-    ------
-    InputError
-        When it is missing, not a calibration, or damaged.
-    """
-    path = Path(path)
-    try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError(f"calibration file '{path}' does not exist") from None
-    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as problem:
-        raise InputError(f"calibration file '{path.name}' cannot be read: {problem}") from None
-    if not isinstance(data, dict) or data.get("schema") != SCHEMA:
-        raise InputError(f"calibration file '{path.name}' is not one: schema must be {SCHEMA}")
-    try:
-        return Calibration(
-            _model(data["base"]), _model(data["after"]), str(data["verdict"]),
-            {str(k): float(v) for k, v in data["remainder_rmse_N"].items()}, float(data["noise_floor_N"]),
-            dict(data["pad"]),
-        )  # fmt: skip
-    except (KeyError, TypeError, ValueError, IndexError) as problem:
-        kind = type(problem).__name__
-        raise InputError(f"calibration file '{path.name}' is damaged ({kind}: {problem}); run loop again") from None
-
-
-def _model(data: dict[str, Any]) -> Model:
-    base = data["base"]
-    parameters = BaseParameters(
-        1e-3 * float(base["young_kPa"]), (float(base["tau_1_s"]), float(base["tau_2_s"])),
-        (float(base["beta_1"]), float(base["beta_2"])),
-    )  # fmt: skip
-    active = []
-    for entry in data["effects"]:
-        effect = effect_named(entry["name"])
-        values = {p.name: float(entry["parameters"][p.name]) for p in effect.parameters}
-        active.append(Active(effect, values))
-    error = data["law_error"]
-    law = np.array(error["level_slope_curve"], dtype=float)
-    thickness = np.array(error["thickness_mm"], dtype=float)
-    if law.shape != (LAW_TERMS, len(thickness)) or not np.all(np.isfinite(law)):
-        raise ValueError("law_error")
-    return Model(parameters, tuple(active), thickness, law)
 
 
 @dataclass(frozen=True)

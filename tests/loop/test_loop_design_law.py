@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from dummydesign import cli
-from dummydesign.loop.calibration import Calibration, Model, write_calibration
+from dummydesign.loop.calibration import Calibration, Model
+from dummydesign.loop.calibration_file import write_calibration
 from dummydesign.loop.chain import Active
 from dummydesign.loop.design_law import CorrectedLaw, young_factor
 from dummydesign.loop.effects import EFFECTS, effect_named

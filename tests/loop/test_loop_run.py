@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from dummydesign.errors import InputError
-from dummydesign.loop.calibration import calibration_of, read_calibration, replay, write_calibration
+from dummydesign.loop.calibration import calibration_of, replay
+from dummydesign.loop.calibration_file import read_calibration, write_calibration
 from dummydesign.loop.output import result_dict
 from dummydesign.loop.report import write_loop_report
 from dummydesign.loop.run import close_loop

@@ -35,13 +35,8 @@ class _Parser(argparse.ArgumentParser):
         raise InputError(message)
 
 
-def _available() -> dict[str, str]:
-    folder = os.path.join(os.path.dirname(__file__), "commands")
-    return {name: text for name, text in COMMANDS.items() if os.path.exists(os.path.join(folder, f"{name}.py"))}
-
-
 def _overview() -> str:
-    rows = "\n".join(f"  {name:<9} {text}" for name, text in _available().items())
+    rows = "\n".join(f"  {name:<9} {text}" for name, text in COMMANDS.items())
     return (
         "usage: dummydesign COMMAND [options]\n\n"
         "Soft dummies of human hand tissue: resin recipe, pad geometry and mould, from measured parameters.\n\n"
@@ -87,8 +82,8 @@ def run(arguments: list[str]) -> int:
         return 0
     name, as_json = arguments[0], "--json" in arguments
     try:
-        if name not in _available():
-            raise unknown_name("command", name, _available())
+        if name not in COMMANDS:
+            raise unknown_name("command", name, COMMANDS)
         module = importlib.import_module(f"dummydesign.commands.{name}")
         parser = _Parser(prog=f"dummydesign {name}", description=module.HELP, allow_abbrev=False)
         module.add_arguments(parser)

@@ -58,10 +58,3 @@ def collar(spec: MouldSpec, plan: Layout) -> Any:
     ring = drafted_prism(outside, high + lip, 0.0, plan.land_mm - lip)
     seat = drafted_prism(plan.top.grown(gap), lip, 0.0, plan.land_mm - lip)
     return single_solid(ring.cut(drafted_prism(inner, high + 1.0, 0.0, plan.land_mm), seat))
-
-
-def tray_growth_room_mm(spec: MouldSpec, plan: Layout) -> float:
-    """Clearance left on each side of the tray when the mould is at gel temperature. [mm]"""
-    warmer = max(0.0, spec.pour.cure_temperature_C - spec.pour.room_temperature_C)
-    growth = formula.thermal_growth_mm(plan.bottom.length_mm, spec.silicone.expansion_per_K, warmer)
-    return spec.aids.tray_clearance_mm - growth / 2

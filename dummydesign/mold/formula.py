@@ -78,15 +78,6 @@ def peel_force_N(width_mm: float, adhesion_J_per_m2: float) -> float:
     return adhesion_J_per_m2 * width_mm * 1e-3
 
 
-def pull_force_N(area_mm2: float, thickness_mm: float, young_kPa: float, adhesion_J_per_m2: float) -> float:
-    """Force of a straight pull of a thin layer off its mould, area times sqrt(2 E G / t). [N]
-
-    Energy release of a uniformly stretched layer (Kendall, J. Phys. D 4 (1971) 1186); an upper bound.
-    """
-    stress_Pa = math.sqrt(2 * young_kPa * 1e3 * adhesion_J_per_m2 / (thickness_mm * 1e-3))
-    return stress_Pa * area_mm2 * 1e-6
-
-
 def suction_force_N(area_mm2: float, pressure_kPa: float = 101.325) -> float:
     """Force that air pressure alone can hold on a pad without an air path. [N]"""
     return pressure_kPa * 1e-3 * area_mm2

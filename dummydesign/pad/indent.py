@@ -16,7 +16,7 @@ from dummydesign.pad import mesh as meshes
 from dummydesign.pad.axisymmetric import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.pad.base_contact import Both, RestingBase, friction_of, weight_over_shear
 from dummydesign.pad.checks import positive
-from dummydesign.pad.contact import FlatPunch, ProfilePunch, Punch, Surface
+from dummydesign.pad.contact import ProfilePunch, Punch, Surface
 from dummydesign.pad.laws import Law, Yeoh
 from dummydesign.pad.mesh import graded
 from dummydesign.pad.newton import Path, Problem, cost, follow
@@ -154,12 +154,6 @@ def press(
     if not len(path.depth):
         raise NoAnswerError("no_convergence", f"contact could not be solved: {path.stop}")
     return path
-
-
-def flat_region(punch: FlatPunch, deepest: float) -> Region:
-    """Fine cells where the edge of an unglued flat punch slides over the surface: half of the depth inwards."""
-    start = max(0.0, punch.radius - 3.0 * punch.rim - 0.5 * deepest)
-    return Region(start, punch.radius + 2.0 * punch.rim, punch.rim / 1.5)
 
 
 def solve_flat(

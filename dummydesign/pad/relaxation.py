@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -32,38 +32,6 @@ class PronyTerm:
     def to_dict(self) -> dict[str, Any]:
         """Return ``{"tau_s": ..., "beta": ...}``."""
         return asdict(self)
-
-
-def from_instantaneous(tau_s: Sequence[float], g: Sequence[float]) -> tuple[PronyTerm, ...]:
-    """Convert strengths g_i relative to the INSTANTANEOUS modulus into terms relative to the long-term one.
-
-    beta_i = g_i / (1 - sum g), because the long-term modulus is (1 - sum g) times the instantaneous one.
-
-    Parameters
-    ----------
-    tau_s, g : sequences of equal length
-        Time constants [s] and strengths (each >= 0, their sum below 1).
-
-    Raises
-    ------
-    InputError
-        When the lengths differ or the strengths leave no long-term modulus.
-    """
-    if len(tau_s) != len(g):
-        raise InputError(f"{len(tau_s)} time constants but {len(g)} strengths g; one each is needed")
-    rest = 1.0 - float(sum(g))
-    if rest <= 0 or min(g, default=0.0) < 0:
-        raise InputError(
-            f"strengths g = {list(g)} relative to the instantaneous modulus must be >= 0 with a sum below 1"
-        )
-    return tuple(PronyTerm(float(tau), float(strength) / rest) for tau, strength in zip(tau_s, g))
-
-
-def to_instantaneous(prony: Iterable[PronyTerm]) -> tuple[float, ...]:
-    """Return g_i = beta_i / (1 + sum beta), the strengths relative to the instantaneous modulus."""
-    terms = tuple(prony)
-    total = 1.0 + sum(term.beta for term in terms)
-    return tuple(term.beta / total for term in terms)
 
 
 def relaxed_force(time_s: ArrayLike, elastic_force_N: ArrayLike, prony: Iterable[PronyTerm]) -> NDArray:

@@ -13,7 +13,7 @@ beside the centre along one side.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -153,54 +153,6 @@ def solve_shaped_block(
     force = fine.force * load.multiplicity * unit * thickness_mm**2
     share = _change(coarse.force, fine.force)
     return PadCurve(fine.depth * thickness_mm, force, force * share, cost([coarse, fine]), _notes(fine, depths))
-
-
-def solve_over_slab(
-    shape: Shape,
-    thickness_mm: float,
-    punch: tuple[float, float] | float,
-    depth_mm: Sequence[float],
-    condition: str = "bonded",
-    *,
-    offset_mm: tuple[float, float] = (0.0, 0.0),
-    base: str = "bonded",
-    poisson: float = 0.5,
-    slab_mm: tuple[float, float] = (150.0, 120.0),
-    law: Law | None = None,
-    grid: Grid | None = None,
-    progress: Callable[[float], None] | None = None,
-) -> Ratio:
-    """Force of a flat-topped pad over that of the homogeneous slab of its thickness and upper resin.
-
-    Under a flat top the punch's edge is at work from the first depth, and a grid's error there is a few per cent of
-    the force. Both pads are solved on grids that are alike, so that it nearly cancels; times the slab's own
-    sharp-edge force this is the pad's. Arguments and errors as for :func:`solve_shaped_block`.
-    """
-    load, own, depths, _ = _load(
-        shape, thickness_mm, punch, 1.0, depth_mm, condition, offset_mm, base, poisson, slab_mm, law
-    )
-    grid = grid or Grid()
-    ratios, paths = [], []
-    for fineness in (grid.coarser(), grid):
-        # The grid of the pad, of layers too: the slab is the shape without bone and second resin.
-        pair = [_climb(item, own, depths, fineness, progress) for item in (load, replace(load, homogeneous=True))]
-        count = min(len(path.force) for path in pair)
-        ratios.append(pair[0].force[:count] / pair[1].force[:count])
-        paths += pair
-    coarse, fine = ratios
-    notes = tuple(note for path in paths[2:] for note in _notes(path, depths))
-    return Ratio(depths[: len(fine)] * thickness_mm, fine, fine * _change(coarse, fine), cost(paths), notes)
-
-
-@dataclass(frozen=True)
-class Ratio:
-    """A ratio of forces at depths, and what its grid leaves open."""
-
-    depth_mm: Array
-    ratio: Array
-    error: Array
-    solver: dict[str, float]
-    notes: tuple[str, ...] = ()
 
 
 def _load(

@@ -185,13 +185,6 @@ def parameter_names(elements: int) -> list[str]:
     return [f"gamma{i}_N_per_mm3" for i in (1, *arms)] + [f"c{i}_N_s_per_mm" for i in arms]
 
 
-def order_arms(gamma: ArrayLike, c: ArrayLike) -> tuple[NDArray, NDArray]:
-    """Sort arms by their time c / gamma, the slowest first (arm 2 is the slow one). Shapes (..., arms)."""
-    gamma, c = np.asarray(gamma, float), np.asarray(c, float)
-    order = np.argsort(-c / np.maximum(gamma, 1e-300), axis=-1, kind="stable")
-    return np.take_along_axis(gamma, order, -1), np.take_along_axis(c, order, -1)
-
-
 def steady_depth(
     law: str, make_motion: Any, force_N: ArrayLike, gamma1: ArrayLike, gamma: ArrayLike, c: ArrayLike
 ) -> NDArray:

@@ -8,10 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.protocol.motion import Motion
 from dummydesign.tissue.law import force
 from dummydesign.tissue.least_squares import solve
-from dummydesign.tissue.reduce import ReducedTrace
 
 if TYPE_CHECKING:
     from dummydesign.tissue.problem import Optimum, Problem
@@ -143,8 +141,3 @@ def residual_plot(pairs: Sequence[tuple[Problem, Optimum]], title: str) -> bytes
     stream = io.BytesIO()
     figure.savefig(stream, format="png", dpi=110)
     return stream.getvalue()
-
-
-def motion_of(trace: ReducedTrace) -> Motion:
-    """Measured motion of a reduced trace with contact at time 0."""
-    return Motion(trace.motion.time_s - trace.ramp.contact_time_s, trace.motion.displacement_mm)

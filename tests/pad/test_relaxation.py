@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad
 
 from dummydesign.errors import InputError
-from dummydesign.pad.relaxation import PronyTerm, from_instantaneous, relaxed_force, to_instantaneous
+from dummydesign.pad.relaxation import PronyTerm, relaxed_force
 
 ARMS = (PronyTerm(0.03, 0.6), PronyTerm(1.7, 0.25))
 
@@ -78,19 +78,11 @@ def test_steps_far_below_the_time_constant_keep_their_digits():
     assert np.allclose(force, 2e9 * time, rtol=1e-12)
 
 
-def test_strengths_convert_between_long_term_and_instantaneous_and_back():
-    terms = from_instantaneous([0.1, 1.0], [0.5, 0.25])
-    assert [term.beta for term in terms] == pytest.approx([2.0, 1.0])
-    assert to_instantaneous(terms) == pytest.approx((0.5, 0.25))
-
-
 @pytest.mark.parametrize(
     "make, said",
     [
         (lambda: PronyTerm(0.0, 1.0), "tau_s"),
         (lambda: PronyTerm(1.0, -0.1), "beta"),
-        (lambda: from_instantaneous([1.0], [1.0]), "below 1"),
-        (lambda: from_instantaneous([1.0], [0.1, 0.2]), "one each"),
         (lambda: relaxed_force([0, 1, 1], [0, 1, 2], ()), "increase"),
         (lambda: relaxed_force([0, 1], [0, 1, 2], ()), "shape"),
     ],

@@ -12,7 +12,7 @@ from dummydesign.pad.laws import neo_hookean
 from dummydesign.pad.newton import follow
 from dummydesign.pad.shaped import Press, climb
 from dummydesign.pad.shaped import shaped_problem as round_problem
-from dummydesign.pad.shaped_spatial import shaped_problem, solve_over_slab, solve_shaped_block
+from dummydesign.pad.shaped_spatial import shaped_problem, solve_shaped_block
 from dummydesign.pad.shaped_spatial_mesh import Grid, Load, graded_lines
 from dummydesign.shape import Boned, Bumped, Crowned, Layered, Slab
 
@@ -62,13 +62,6 @@ def test_a_flat_top_over_its_slab_is_that_of_the_axisymmetric_solve(shape):
         for item in (here, replace(here, homogeneous=True))
     ]
     assert forces[0] / forces[1] == pytest.approx(pair[0] / pair[1], rel=0.015)
-
-
-@pytest.mark.slow
-def test_a_flat_top_of_one_modulus_is_its_slab():
-    found = solve_over_slab(Layered(5.0, 1.0), 10.0, (7.0, 7.0), [0.5, 1.0], grid=Grid(4))
-    assert found.ratio == pytest.approx(1.0, abs=1e-9)
-    assert found.notes == ()
 
 
 def test_layers_of_one_modulus_are_a_slab_on_another_grid_and_a_stiff_one_below_stiffens():

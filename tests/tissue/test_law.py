@@ -6,7 +6,7 @@ from scipy.integrate import solve_ivp
 
 from dummydesign.errors import InputError
 from dummydesign.protocol.motion import Motion, ramp_and_hold
-from dummydesign.tissue.law import Drive, force, order_arms, parameter_names, steady_depth
+from dummydesign.tissue.law import Drive, force, parameter_names, steady_depth
 
 V, DEPTH = 250.0, 2.0
 
@@ -176,9 +176,7 @@ def test_the_depth_for_a_steady_force_gives_that_force_at_the_end_of_the_hold():
     assert np.all(depth < np.cbrt(10.0 / gamma1))
 
 
-def test_arms_are_ordered_slowest_first():
-    gamma, c = order_arms([[1.0, 0.5, 2.0]], [[0.1, 1.0, 4.0]])
-    assert gamma.tolist() == [[0.5, 2.0, 1.0]] and c.tolist() == [[1.0, 4.0, 0.1]]
+def test_parameters_are_named_by_their_arms_and_units():
     assert parameter_names(5) == [
         "gamma1_N_per_mm3", "gamma2_N_per_mm3", "gamma3_N_per_mm3", "c2_N_s_per_mm", "c3_N_s_per_mm"
     ]  # fmt: skip

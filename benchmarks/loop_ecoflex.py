@@ -16,9 +16,9 @@ from pathlib import Path
 import numpy as np
 
 from dummydesign.loop.calibration import calibration_of, replay
-from dummydesign.loop.output import result_dict
+from dummydesign.loop.result import result_dict
 from dummydesign.loop.run import close_loop
-from dummydesign.protocol.campaign import Campaign, read_campaign
+from dummydesign.measurement.campaign import Campaign, read_campaign
 
 HEAD = """schema = 1
 name = "{name}"

@@ -28,7 +28,7 @@ def timed(command: list[str]) -> tuple[float, float]:
 
 def child_memory_MB(preset: str, thickness_mm: float) -> float:
     """Peak memory of the CAD child, as it reports itself."""
-    from dummydesign.mold.preset import mould_spec
+    from dummydesign.mold.model.preset import mould_spec
     from dummydesign.mold.runner import make_mold
 
     with tempfile.TemporaryDirectory() as folder:

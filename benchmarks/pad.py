@@ -11,8 +11,8 @@ import time
 
 import numpy as np
 
-from dummydesign.pad.axisymmetric import solve_curve
-from dummydesign.pad.table import equal_area_radius_mm, load_table
+from dummydesign.pad.slab.sharp_edge import solve_curve
+from dummydesign.pad.tables.slab import equal_area_radius_mm, load_table
 
 RADIUS_MM = equal_area_radius_mm(14.0 * 14.0)
 

@@ -20,10 +20,10 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign.pad.dissection import elimination_order
-from dummydesign.pad.laws import neo_hookean
-from dummydesign.pad.spatial import Block, Cells, block_problem, lattice_of
-from dummydesign.threads import one_blas_thread
+from dummydesign.core.threads import one_blas_thread
+from dummydesign.pad.material.hyperelastic import neo_hookean
+from dummydesign.pad.slab.square_sharp import Block, Cells, block_problem, lattice_of
+from dummydesign.pad.solve.solver_multifrontal import elimination_order
 
 THICKNESSES_MM = (5.0, 10.0, 20.0)
 

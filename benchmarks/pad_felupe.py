@@ -33,7 +33,7 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign.threads import ONE_THREAD
+from dummydesign.core.threads import ONE_THREAD
 
 RADIUS_MM = 7.9
 SLABS = {5.0: 0.3, 10.0: 0.3, 20.0: 0.2}
@@ -112,10 +112,10 @@ print(json.dumps(best))
 
 def ours_slab(ratio: float, extent: float, depth: np.ndarray, corner: float = CORNER) -> dict[str, Any]:
     """Forces, seconds and mesh lines of a slab under a sharp, glued punch, in thicknesses."""
-    from dummydesign.pad import mesh as meshes
-    from dummydesign.pad.laws import neo_hookean
-    from dummydesign.pad.newton import Problem, follow
-    from dummydesign.pad.solid import Solid
+    from dummydesign.pad.fem import mesh_axisymmetric as meshes
+    from dummydesign.pad.fem.mixed_solid import Solid
+    from dummydesign.pad.material.hyperelastic import neo_hookean
+    from dummydesign.pad.solve.continuation import Problem, follow
 
     began = time.process_time()
     scale = min(ratio, 1.0)
@@ -141,9 +141,9 @@ def ours_slab(ratio: float, extent: float, depth: np.ndarray, corner: float = CO
 
 def ours_puck() -> dict[str, Any]:
     """Forces, seconds and the mesh lines of the bonded puck."""
-    from dummydesign.pad.laws import neo_hookean
-    from dummydesign.pad.newton import Problem, follow
+    from dummydesign.pad.material.hyperelastic import neo_hookean
     from dummydesign.pad.puck import Puck, puck_problem
+    from dummydesign.pad.solve.continuation import Problem, follow
 
     began = time.process_time()
     full = puck_problem(Puck(1.0, "bonded"), neo_hookean(1.0), corner=PUCK_CORNER)
@@ -202,7 +202,7 @@ def slab_task(thickness_mm: float, depth: np.ndarray, corner: float, repeat: int
 
 def limits(python: str) -> float:
     """FElupe carried on to a corner cell of 0, against the reported sharp-edge limit; the largest difference."""
-    from dummydesign.pad.axisymmetric import solve_curve
+    from dummydesign.pad.slab.sharp_edge import solve_curve
 
     depth, worst = np.array(LIMIT_DEPTH), 0.0
     print("sharp-edge limit: FElupe's last two corner cells and their extrapolation, and the reported force")
@@ -223,7 +223,7 @@ def limits(python: str) -> float:
 
 def whole_curves(repeat: int, single: dict[float, float]) -> None:
     """Time of the default curve, its ladder of beads included, against FElupe's one mesh."""
-    from dummydesign.pad.axisymmetric import solve_curve
+    from dummydesign.pad.slab.sharp_edge import solve_curve
 
     print("12-point default curve (ladder of beads and limit), against FElupe's single sharp-edged mesh")
     for thickness, deepest in SLABS.items():

@@ -14,12 +14,12 @@ import argparse
 
 import numpy as np
 
-from dummydesign.pad.laws import Yeoh
-from dummydesign.pad.newton import follow
-from dummydesign.pad.shaped import Press, climb
-from dummydesign.pad.shaped_spatial import shaped_problem
-from dummydesign.pad.shaped_spatial_mesh import Grid, Load
-from dummydesign.shape import Bumped, Crowned, Shape
+from dummydesign.geometry.shapes import Bumped, Crowned, Shape
+from dummydesign.pad.material.hyperelastic import Yeoh
+from dummydesign.pad.shaped.axisymmetric import Press, climb
+from dummydesign.pad.shaped.spatial import shaped_problem
+from dummydesign.pad.shaped.spatial_mesh import Grid, Load
+from dummydesign.pad.solve.continuation import follow
 
 SHARES = np.array([0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5])
 SIDE_MM = 7.0

@@ -16,9 +16,9 @@ from pathlib import Path
 
 import numpy as np
 
-from dummydesign.design.executors import open_executor
-from dummydesign.design.rows_file import RowsFile, settings_of
-from dummydesign.design.whatif import Study, tasks_of, whatif
+from dummydesign.design.sweep.executors import open_executor
+from dummydesign.design.sweep.rows_file import RowsFile, settings_of
+from dummydesign.design.sweep.run import Study, tasks_of, whatif
 from dummydesign.report.whatif import write_whatif
 from dummydesign.resin import load_resin
 

@@ -7,12 +7,12 @@ from copy import deepcopy
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from dummydesign.errors import InputError
+from dummydesign.core.errors import InputError
 
 if TYPE_CHECKING:
-    from dummydesign.design.study import Study
     from dummydesign.design.suggest import Suggestion
-    from dummydesign.tissue.fit import Fit
+    from dummydesign.design.sweep.spec import Study
+    from dummydesign.tissue.fitting.fit import Fit
 
 
 def frame_of(records: Sequence[dict[str, Any]]) -> Any:

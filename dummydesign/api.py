@@ -15,15 +15,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.answers import Answer, Fitted, Rows
-from dummydesign.errors import InputError, NoAnswerError, out_of_range
+from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
-    from dummydesign.design.study import Study
     from dummydesign.design.suggest import Request
-    from dummydesign.protocol.trace import Trace
-    from dummydesign.resin.model import Resin
+    from dummydesign.design.sweep.spec import Study
+    from dummydesign.measurement.trace import Trace
+    from dummydesign.resin.model.resin import Resin
 
 Values = float | str | Iterable[float]
 """One number, numbers, or text as on the command line: ``"3:30:0.5"`` (end included) or ``"5,15"``."""
@@ -95,7 +95,7 @@ def suggest(
             raise out_of_range(name, value, "above 0", "any finite value")
     if cad and out is None:
         raise InputError("cad = True needs out, the folder for the files of the mould")
-    from dummydesign.design.safety import read_limits
+    from dummydesign.design.assessment.safety import read_limits
     from dummydesign.design.safety_view import safety_view
 
     own = None if limits is None else read_limits(limits)
@@ -127,8 +127,8 @@ def suggest(
 
 def _search(request: Request, folder: Path | None) -> Any:
     """Find the design; a folder that was made for an answer that there is not is taken away again."""
+    from dummydesign.core.files import output_folder
     from dummydesign.design.suggest import suggest as search
-    from dummydesign.files import output_folder
 
     if folder is None:
         return search(request)
@@ -196,10 +196,10 @@ def whatif(
     NoAnswerError
         When a worker was lost; what was done is in ``out``.
     """
-    from dummydesign.design.executors import open_executor
-    from dummydesign.design.punch import equal_area_radius_mm
-    from dummydesign.design.ranges import read_names, read_values
-    from dummydesign.design.study import Study
+    from dummydesign.design.sweep.executors import open_executor
+    from dummydesign.design.sweep.ranges import read_names, read_values
+    from dummydesign.design.sweep.spec import Study
+    from dummydesign.pad.tables.punch import equal_area_radius_mm
     from dummydesign.resin import load_resin
 
     material = load_resin(resin)
@@ -233,11 +233,11 @@ def _work_out(
     study: Study, resin: Resin, opened: Any, folder: Path | None, resume: bool, inputs: dict[str, Any]
 ) -> Rows:
     """Run a study that was checked, and write rows and report when there is a folder."""
-    from dummydesign.design.whatif import whatif as work_out
+    from dummydesign.design.sweep.run import whatif as work_out
 
     sites = None
     if study.tissue is not None:
-        from dummydesign.tissue.store import load_tissue
+        from dummydesign.tissue.model.tissue_file import load_tissue
 
         sites = load_tissue(study.tissue)
         sites.target(study.aim)
@@ -246,8 +246,8 @@ def _work_out(
         with opened as executor:
             found = work_out(study, executor=executor)
         return Rows(study, tuple(found["rows"]), found["seconds"], inputs, tuple(found["warnings"]), sources)
-    from dummydesign.design.rows_file import RowsFile, settings_of
-    from dummydesign.files import output_folder
+    from dummydesign.core.files import output_folder
+    from dummydesign.design.sweep.rows_file import RowsFile, settings_of
     from dummydesign.report.whatif import write_whatif
 
     settings = settings_of(study, resin, sites)
@@ -268,7 +268,7 @@ def fit(
     mode: str = "joint",
     lowpass: str | None = None,
 ) -> Fitted:
-    """Fit the tissue law to traces of one tissue or dummy; see :func:`dummydesign.tissue.fit.fit_traces`.
+    """Fit the tissue law to traces of one tissue or dummy; see :func:`dummydesign.tissue.fitting.fit.fit_traces`.
 
     Parameters
     ----------
@@ -287,9 +287,9 @@ def fit(
     InputError
         For files or settings that cannot be used.
     """
-    from dummydesign.protocol.sensor import parse_lowpass
-    from dummydesign.protocol.trace import Trace, read_trace
-    from dummydesign.tissue.fit import fit_traces
+    from dummydesign.measurement.sensor import parse_lowpass
+    from dummydesign.measurement.trace import Trace, read_trace
+    from dummydesign.tissue.fitting.fit import fit_traces
 
     read = [trace if isinstance(trace, Trace) else read_trace(Path(trace)) for trace in traces]
     return Fitted(fit_traces(read, elements, law, mode, parse_lowpass(lowpass)))

@@ -3,9 +3,9 @@
 import numpy as np
 
 import dummydesign
-from dummydesign.protocol.motion import ramp_and_hold
-from dummydesign.protocol.trace import Trace
-from dummydesign.tissue.law import force
+from dummydesign.measurement.motion import ramp_and_hold
+from dummydesign.measurement.trace import Trace
+from dummydesign.tissue.model.maxwell_law import force
 
 rng = np.random.default_rng(4)
 traces = []

@@ -11,7 +11,7 @@ import pytest
 
 import dummydesign
 from dummydesign.cli import run
-from dummydesign.errors import InputError, NoAnswerError
+from dummydesign.core.errors import InputError, NoAnswerError
 
 ROOT = Path(__file__).parent.parent
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))

@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dummydesign import cache
-from dummydesign.pad.laws import Yeoh
-from dummydesign.pad.ogden import Ogden
+from dummydesign.core import cache
+from dummydesign.pad.material.hyperelastic import Yeoh
+from dummydesign.pad.material.ogden import Ogden
 
 VALUE = {
     "force": np.array([[0.1 + 0.2, 1e-300, np.pi]]), "count": np.array([3, 4]), "none": np.array([]),
@@ -147,7 +147,7 @@ def test_without_sources_or_tables_to_hash_nothing_is_kept(copied, place, monkey
 
 def test_the_code_version_covers_what_cached_shaped_results_are_made_of():
     """The tables that a shaped pad multiplies, and every module of the package wherever it lies."""
-    from dummydesign.library import data_folder
+    from dummydesign.core.datafiles import data_folder
 
     hashed = {path.resolve() for path in cache.sources()}
     loaded = [module.__file__ for name, module in sys.modules.items() if name.split(".")[0] == "dummydesign"]
@@ -302,7 +302,7 @@ def test_the_bound_on_size_holds(place, monkeypatch):
 WRITER = """
 import sys
 import numpy as np
-from dummydesign.cache import cached
+from dummydesign.core.cache import cached
 for number in range(60):
     found = cached("test", {"a": number % 3}, lambda: {"force": np.full(20000, number % 3 + 0.25)})
     assert (found["force"] == number % 3 + 0.25).all()

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from dummydesign.cli import run
-from dummydesign.design.families import FAMILIES
-from dummydesign.shape import read_shape
+from dummydesign.design.search.tabulated_shapes import FAMILIES
+from dummydesign.geometry.shapes import read_shape
 
 QUICK = ["--no-cad", "--no-verify"]
 
@@ -116,6 +116,6 @@ def test_predict_says_where_a_shape_has_no_table(capsys):
 
 
 def test_every_family_has_its_table():
-    from dummydesign.design.families import load_family
+    from dummydesign.design.search.tabulated_shapes import load_family
 
     assert all(load_family(kind).kind == kind for kind in FAMILIES)

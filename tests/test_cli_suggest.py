@@ -89,7 +89,7 @@ def test_no_feasible_design_is_said_with_status_1(capsys):
 
 
 def test_without_cad_the_recipe_stands_and_the_missing_step_is_named(capsys, monkeypatch, tmp_path):
-    from dummydesign.errors import NoAnswerError
+    from dummydesign.core.errors import NoAnswerError
 
     def broken(*_, **__):
         raise NoAnswerError("cad_unavailable", "libGL.so.1 is missing: apt install libgl1")

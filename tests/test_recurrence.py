@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dummydesign.recurrence import linear_recurrence
+from dummydesign.core.recurrence import linear_recurrence
 
 
 def plain(factor, addend, start):

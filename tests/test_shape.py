@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from dummydesign.errors import InputError
-from dummydesign.shape import (
+from dummydesign.core.errors import InputError
+from dummydesign.geometry.shapes import (
     DEEPEST_POCKET,
     RIM_FREE_MM,
     SHAPES,

@@ -14,7 +14,7 @@ import pytest
 import scipy.linalg  # noqa: F401
 from threadpoolctl import ThreadpoolController, threadpool_limits
 
-from dummydesign.threads import ONE_THREAD, one_blas_thread
+from dummydesign.core.threads import ONE_THREAD, one_blas_thread
 
 ROOT = Path(__file__).parent.parent
 BLAS = ThreadpoolController().select(user_api="blas")
@@ -30,8 +30,8 @@ def threads():
 
 SOLVE = COUNT + """
 import numpy
-from dummydesign.pad.laws import neo_hookean
-from dummydesign.pad.spatial import Block, Cells, solve_ratios
+from dummydesign.pad.material.hyperelastic import neo_hookean
+from dummydesign.pad.slab.square_sharp import Block, Cells, solve_ratios
 
 seen, before = [], threads()
 found = solve_ratios(
@@ -44,7 +44,7 @@ print(json.dumps({"before": before, "seen": seen, "after": threads(), "forces": 
 
 COMMAND = COUNT + """
 from dummydesign import cli
-from dummydesign.commands import tissues
+from dummydesign.cli import tissues
 
 def run(options):
     import scipy.linalg
@@ -136,7 +136,7 @@ def test_blocks_of_two_python_threads_that_overlap_keep_the_limit_until_the_last
 
 
 def test_what_the_cache_keeps_is_computed_with_one_thread(two_threads, monkeypatch, tmp_path):
-    from dummydesign.cache import cached
+    from dummydesign.core.cache import cached
 
     for place in ("off", str(tmp_path)):
         monkeypatch.setenv("DUMMYDESIGN_CACHE", place)

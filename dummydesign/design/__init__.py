@@ -8,7 +8,7 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
-_PLACES = {"suggest": "suggest", "Request": "suggest", "Suggestion": "suggest", "whatif": "whatif"}
+_PLACES = {"suggest": "suggest", "Request": "suggest", "Suggestion": "suggest", "whatif": "sweep.run"}
 
 
 def __getattr__(name: str) -> Any:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from dummydesign.quantity import Quantity
+from dummydesign.core.quantity import Quantity
 
 if TYPE_CHECKING:
     from dummydesign.loop.calibration import Calibration
-    from dummydesign.loop.design_law import CorrectedLaw
-    from dummydesign.resin.model import Resin
+    from dummydesign.loop.corrected_law import CorrectedLaw
+    from dummydesign.resin.model.resin import Resin
 
 YOUNG_SPREAD, BETA_SPREAD = 0.03, 0.1
 """Half widths of the 95 % intervals given to a calibration's modulus and strengths, which carry none: assumed."""
@@ -36,9 +36,9 @@ def with_calibration(resin: Resin, path: str) -> tuple[Resin, CorrectedLaw, Cali
         When the file is not a calibration, or its ratio is outside the resin's range.
     """
     from dummydesign.loop.calibration_file import read_calibration
-    from dummydesign.loop.design_law import CorrectedLaw
-    from dummydesign.resin.model import Arm
-    from dummydesign.resin.update import Point, update_resin
+    from dummydesign.loop.corrected_law import CorrectedLaw
+    from dummydesign.resin.model.resin import Arm
+    from dummydesign.resin.update.modulus import Point, update_resin
 
     calibration = read_calibration(path)
     ratio = calibration.pad.get("ratio") or resin.relaxation_ratio_ref

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dummydesign.design.curves import Sampling
-from dummydesign.design.safety import (
+from dummydesign.core.errors import InputError
+from dummydesign.design.assessment.safety import (
     N_PER_CM2,
     Contact,
     Limits,
@@ -19,8 +19,8 @@ from dummydesign.design.safety import (
     tissue_body,
     tissue_press,
 )
+from dummydesign.design.scoring.presses import Sampling
 from dummydesign.design.suggest import PUNCH_SIDE_MM
-from dummydesign.errors import InputError
 
 if TYPE_CHECKING:
     from dummydesign.design.suggest import Suggestion

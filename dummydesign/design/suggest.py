@@ -8,24 +8,24 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dummydesign.design.answer import design_dict
-from dummydesign.design.curves import ForceLaw, Sampling, make_curves
-from dummydesign.design.landing import Landing, landing
-from dummydesign.design.punch import punch_law
-from dummydesign.design.search import THICKNESS_MM, Candidate, SearchResult, search, thickness_steps
-from dummydesign.design.shape_family import ShapeLaw
-from dummydesign.design.suggest_shape import Beside, Chosen, choose, kinds_of
-from dummydesign.design.targets import FORCES_N, Targets, make_targets
-from dummydesign.design.tolerance import Tolerances, Yield, pour_yield
-from dummydesign.design.verify import Verification, not_verified, of_shape, verify_design
-from dummydesign.design.warn import design_warnings, rests_on
-from dummydesign.errors import InputError
-from dummydesign.shape import Shape, Slab
+from dummydesign.core.errors import InputError
+from dummydesign.design.assessment.centring import Landing, landing
+from dummydesign.design.assessment.pour_yield import Tolerances, Yield, pour_yield
+from dummydesign.design.assessment.verification import Verification, not_verified, of_shape, verify_design
+from dummydesign.design.assessment.warnings import design_warnings, rests_on
+from dummydesign.design.scoring.presses import ForceLaw, Sampling, make_curves
+from dummydesign.design.scoring.targets import FORCES_N, Targets, make_targets
+from dummydesign.design.search.best_of_kinds import Beside, Chosen, choose, kinds_of
+from dummydesign.design.search.shape_family import ShapeLaw
+from dummydesign.design.search.slabs import THICKNESS_MM, Candidate, SearchResult, search, thickness_steps
+from dummydesign.design.suggestion import design_dict
+from dummydesign.geometry.shapes import Shape, Slab
+from dummydesign.pad.tables.punch import punch_law
 
 if TYPE_CHECKING:
-    from dummydesign.mold.spec import MouldSpec
-    from dummydesign.resin.model import Resin
-    from dummydesign.tissue.band import Tissue
+    from dummydesign.mold.model.spec import MouldSpec
+    from dummydesign.resin.model.resin import Resin
+    from dummydesign.tissue.model.tissue import Tissue
 
 PUNCH_SIDE_MM = 14.0
 PUNCH = f"square:{PUNCH_SIDE_MM:g}"
@@ -152,7 +152,7 @@ def suggest(request: Request, law: ForceLaw | None = None) -> Suggestion:
         resin, law, _ = with_calibration(resin, request.calibration)
         reason = "designed with a calibration: its correction rests on the campaign, the table below it on elements"
     if law is None:
-        from dummydesign.pad.table import load_table
+        from dummydesign.pad.tables.slab import load_table
 
         law = punch_law(load_table(base="bonded"), PUNCH)
     if is_slab(request.shape):
@@ -199,7 +199,7 @@ def accept(request: Request) -> tuple[Tissue, Resin, np.ndarray, np.ndarray]:
         For unknown names or ranges outside what is allowed.
     """
     from dummydesign.resin import load_resin
-    from dummydesign.tissue.store import load_tissue
+    from dummydesign.tissue.model.tissue_file import load_tissue
 
     if not is_slab(request.shape):
         kinds_of(request.shape)
@@ -218,7 +218,7 @@ def is_slab(shape: str) -> bool:
 
 def pour_recipe(resin: Resin, candidate: Candidate, shape: Shape | None = None) -> tuple[tuple[str, float], ...]:
     """Masses to weigh for the open mould of a design, with what stays in cup and meniscus; both pours of layers. [g]"""
-    from dummydesign.mold.pour import pour_plan
+    from dummydesign.mold.pour.plan import pour_plan
 
     plan = pour_plan(mould_of(resin, candidate, shape))
     if plan.base is None:
@@ -228,7 +228,7 @@ def pour_recipe(resin: Resin, candidate: Candidate, shape: Shape | None = None) 
 
 def mould_of(resin: Resin, candidate: Candidate, shape: Shape | None = None) -> MouldSpec:
     """Specification of the open mould of a design."""
-    from dummydesign.mold.preset import mould_spec
+    from dummydesign.mold.model.preset import mould_spec
 
     shape = shape or Slab()
     return mould_spec(
@@ -257,7 +257,7 @@ def _verify(best: Candidate, resin: Resin, law: ForceLaw, shape: Shape) -> Verif
     Compared are the forces of the circle of the punch's area, which is what is solved. A design with a shape has
     been worked out on its elements already; what the table was off is said.
     """
-    from dummydesign.design.shape_elements import ElementsLaw
+    from dummydesign.design.search.resolved_by_fem import ElementsLaw
 
     if isinstance(law, ElementsLaw):
         return of_shape(law, resin.young_MPa(best.ratio), RADIUS_MM)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from dummydesign.core.errors import NoAnswerError
 from dummydesign.design.suggest import mould_of
-from dummydesign.errors import NoAnswerError
 
 if TYPE_CHECKING:
     from dummydesign.design.suggest import Suggestion

@@ -8,17 +8,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.errors import InputError
-from dummydesign.loop.chain import Active, LawError, simulate
-from dummydesign.loop.fit import Fit
-from dummydesign.loop.law import PuckLaw, SlabLaw, law_of
-from dummydesign.loop.noise import LAW_TERMS
-from dummydesign.loop.parameters import BaseParameters
-from dummydesign.loop.presses import Presses, make_presses
-from dummydesign.loop.reduction import HOLD, PRE, RISE, UNLOADING
+from dummydesign.core.errors import InputError
+from dummydesign.loop.data.reduction import HOLD, PRE, RISE, UNLOADING
+from dummydesign.loop.data.trials import Presses, make_presses
+from dummydesign.loop.fitting.fit import Fit
+from dummydesign.loop.fitting.noise import LAW_TERMS
+from dummydesign.loop.model.base_law import PuckLaw, SlabLaw, law_of
+from dummydesign.loop.model.forward_model import Active, LawError, simulate
+from dummydesign.loop.model.parameters import BaseParameters
 from dummydesign.loop.run import LoopResult, start_young_kPa
-from dummydesign.pad.relaxation import PronyTerm
-from dummydesign.protocol.campaign import Campaign
+from dummydesign.measurement.campaign import Campaign
+from dummydesign.pad.material.relaxation import PronyTerm
 
 _PHASES = {PRE: "before_contact", RISE: "rise", HOLD: "hold", UNLOADING: "unloading"}
 

@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 
 from dummydesign import __version__
-from dummydesign.errors import InputError
-from dummydesign.files import write_text
+from dummydesign.core.errors import InputError
+from dummydesign.core.files import write_text
 from dummydesign.loop.calibration import Calibration, Model
-from dummydesign.loop.chain import Active
 from dummydesign.loop.effects import EFFECTS
-from dummydesign.loop.noise import LAW_TERMS
-from dummydesign.loop.parameters import HIGH, LOW, NAMES, BaseParameters
-from dummydesign.pad.table import BASES
+from dummydesign.loop.fitting.noise import LAW_TERMS
+from dummydesign.loop.model.forward_model import Active
+from dummydesign.loop.model.parameters import HIGH, LOW, NAMES, BaseParameters
+from dummydesign.pad.tables.slab import BASES
 
 SCHEMA = "dummydesign.calibration/1"
 VERDICTS = ("effect", "none", "unexplained")

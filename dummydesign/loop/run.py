@@ -5,22 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from dummydesign.errors import InputError
-from dummydesign.loop.accept import Found, accept
-from dummydesign.loop.base import fit_base, same_noise
-from dummydesign.loop.candidates import Candidate, rank
-from dummydesign.loop.checks import Check, run_checks
+from dummydesign.core.errors import InputError
+from dummydesign.loop.data.trials import Presses, make_presses
 from dummydesign.loop.effects import EFFECTS
-from dummydesign.loop.effects.base import Effect
-from dummydesign.loop.law import PuckLaw, SlabLaw, law_of
-from dummydesign.loop.noise import repeat_pairs
-from dummydesign.loop.planning import NextMeasurement, next_measurement
-from dummydesign.loop.presses import Presses, make_presses
-from dummydesign.loop.screen import Screened
-from dummydesign.loop.stage import Stage, make_stage
-from dummydesign.loop.verdict import GAIN_FLOOR, SECOND_FLOOR, SECOND_SHARE, Remainder, remainder
-from dummydesign.loop.where import Dependence, dependences
-from dummydesign.protocol.campaign import Campaign
+from dummydesign.loop.fitting.base_fit import fit_base, same_noise
+from dummydesign.loop.fitting.candidates import Candidate, rank
+from dummydesign.loop.fitting.noise import repeat_pairs
+from dummydesign.loop.fitting.screening import Screened
+from dummydesign.loop.judging.acceptance import Found, accept
+from dummydesign.loop.judging.assessed import Stage, make_stage
+from dummydesign.loop.judging.residual_checks import Check, run_checks
+from dummydesign.loop.judging.residual_dependence import Dependence, dependences
+from dummydesign.loop.judging.verdict import GAIN_FLOOR, SECOND_FLOOR, SECOND_SHARE, Remainder, remainder
+from dummydesign.loop.model.base_law import PuckLaw, SlabLaw, law_of
+from dummydesign.loop.model.effect import Effect
+from dummydesign.loop.next_measurement import NextMeasurement, next_measurement
+from dummydesign.measurement.campaign import Campaign
 
 Progress = Callable[[str], None]
 

@@ -9,22 +9,20 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from dummydesign.mold import (
-    check,
-    check_files,
-    check_mesh,
-    check_process,
-    check_shape,
-    drawing,
-    mesh,
-    section,
-    sheet,
-    view,
-)
-from dummydesign.mold.build import Parts, build
-from dummydesign.mold.pour import PourPlan, pour_plan, pour_warnings
-from dummydesign.mold.spec import MouldSpec
-from dummydesign.mold.step import COLOURS, Material, StepPart, step_text
+from dummydesign.mold.cad.build import Parts, build
+from dummydesign.mold.checks import files as check_files
+from dummydesign.mold.checks import mesh as check_mesh
+from dummydesign.mold.checks import process as check_process
+from dummydesign.mold.checks import shape as check_shape
+from dummydesign.mold.checks import solids as check
+from dummydesign.mold.files import drawing
+from dummydesign.mold.files import drawing_views as section
+from dummydesign.mold.files import meshes as mesh
+from dummydesign.mold.files import picture as view
+from dummydesign.mold.files import pour_sheet as sheet
+from dummydesign.mold.files.step import COLOURS, Material, StepPart, step_text
+from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.mold.pour.plan import PourPlan, pour_plan, pour_warnings
 
 RIGID = Material("printed rigid polymer", "PETG or ASA, density as printed solid", 1.27)
 PICTURE_S = 90
@@ -150,7 +148,8 @@ def _start_picture(made: Parts, meshes: dict[str, Any], folder: Path) -> subproc
     title = f"{spec.preset} mould, {spec.pad.title}   #{spec.hash}"
     packed = folder / ".picture.npz"
     view.pack(*_shown(made, meshes), title, packed)
-    command = [sys.executable, "-m", "dummydesign.mold.view", str(packed), str(folder / f"mould_{spec.tag}.png")]
+    picture = str(folder / f"mould_{spec.tag}.png")
+    command = [sys.executable, "-m", "dummydesign.mold.files.picture", str(packed), picture]
     return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 

@@ -12,12 +12,12 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from dummydesign.errors import InputError, NoAnswerError
-from dummydesign.files import output_folder
-from dummydesign.mold.pour import pour_plan, pour_warnings
-from dummydesign.mold.spec import MouldSpec
-from dummydesign.mold.validate import validate
-from dummydesign.threads import ONE_THREAD
+from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.core.files import output_folder
+from dummydesign.core.threads import ONE_THREAD
+from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.mold.model.validate import validate
+from dummydesign.mold.pour.plan import pour_plan, pour_warnings
 
 TIMEOUT_S = 300.0
 RESULT = ".result.json"
@@ -51,7 +51,7 @@ def make_mold(spec: MouldSpec, folder: Path, timeout_s: float = TIMEOUT_S) -> Mo
     Parameters
     ----------
     spec : MouldSpec
-        From :func:`dummydesign.mold.preset.mould_spec`.
+        From :func:`dummydesign.mold.model.preset.mould_spec`.
     folder : Path
         Made when needed; files of the same name are replaced, and only when everything has been checked.
     timeout_s : float

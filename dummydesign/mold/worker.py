@@ -32,8 +32,8 @@ def run(spec_file: Path, folder: Path) -> dict[str, Any]:
     problem = cad_problem()
     if problem:
         return {"error": {"code": "cad_unavailable", "message": problem}}
+    from dummydesign.mold.model.spec import MouldSpec
     from dummydesign.mold.produce import produce
-    from dummydesign.mold.spec import MouldSpec
 
     spec = MouldSpec.from_dict(json.loads(spec_file.read_text(encoding="utf-8")))
     start = time.perf_counter()

@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign.errors import InputError, NoAnswerError
-from dummydesign.pad.checks import positive
-from dummydesign.pad.curve_sources import FIDELITIES, ElasticCurve, elastic_curve, has_square_factor
-from dummydesign.pad.laws import Law, Yeoh
-from dummydesign.pad.quick_error import allowance
-from dummydesign.pad.relaxation import PronyTerm, relaxed_force
-from dummydesign.pad.table import BASES
-from dummydesign.protocol.motion import Motion
-from dummydesign.shape import Shape, Slab
+from dummydesign.core.checks import positive
+from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.geometry.shapes import Shape, Slab
+from dummydesign.measurement.motion import Motion
+from dummydesign.pad.elastic import FIDELITIES, ElasticCurve, elastic_curve, has_square_factor
+from dummydesign.pad.material.hyperelastic import Law, Yeoh
+from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
+from dummydesign.pad.tables.separability import allowance
+from dummydesign.pad.tables.slab import BASES
 
 Array = np.ndarray
 SLAB = Slab()
@@ -175,7 +175,7 @@ def predict_motion(
     if fidelity == "viscoelastic":
         if pad.geometry != SLAB:
             raise InputError(f"fidelity = viscoelastic is for slabs; shape {pad.geometry} is solved by axisymmetric")
-        from dummydesign.pad.viscoelastic_ratio import ratio_error
+        from dummydesign.pad.slab.finite_strain_ratio import ratio_error
 
         ratio, cost = _finite_strain_ratio(pad, motion, progress)
         force, below = force * ratio, ratio_error(cost["rim_over_scale"]) * viscous
@@ -198,8 +198,8 @@ def _finite_strain_ratio(
     pad: Pad, motion: Motion, progress: Callable[[float], None] | None
 ) -> tuple[Array, dict[str, Any]]:
     """Finite-strain force over separable force at the motion's times, and what it cost."""
-    from dummydesign.pad.axisymmetric import STANDARD_EXTENT_MM, Slab
-    from dummydesign.pad.viscoelastic_ratio import nodes_of_motion, solve_ratio
+    from dummydesign.pad.slab.finite_strain_ratio import nodes_of_motion, solve_ratio
+    from dummydesign.pad.slab.sharp_edge import STANDARD_EXTENT_MM, Slab
 
     extent = STANDARD_EXTENT_MM if pad.extent_mm is None else pad.extent_mm
     slab = Slab(pad.radius_mm / pad.thickness_mm, extent / pad.thickness_mm, pad.base, pad.condition)

@@ -25,15 +25,15 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign.cache import cached
-from dummydesign.errors import InputError, NoAnswerError, out_of_range
-from dummydesign.pad import mesh as meshes
-from dummydesign.pad.checks import positive
-from dummydesign.pad.contact import Punch
-from dummydesign.pad.laws import Law, Yeoh
-from dummydesign.pad.newton import NOTHING, Path, Problem, cost, follow
-from dummydesign.pad.slab import PadCurve
-from dummydesign.pad.solid import Solid
+from dummydesign.core.cache import cached
+from dummydesign.core.checks import positive
+from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
+from dummydesign.pad.contact.surface_axisymmetric import Punch
+from dummydesign.pad.fem import mesh_axisymmetric as meshes
+from dummydesign.pad.fem.mixed_solid import Solid
+from dummydesign.pad.material.hyperelastic import Law, Yeoh
+from dummydesign.pad.slab.problem import PadCurve
+from dummydesign.pad.solve.continuation import NOTHING, Path, Problem, cost, follow
 
 Array = np.ndarray
 
@@ -80,7 +80,7 @@ class Puck:
 class RoughPlate:
     """The plate over the puck: a plane that comes down; for the end face and the side alike.
 
-    Has the methods of :class:`dummydesign.pad.contact.Surface`.
+    Has the methods of :class:`dummydesign.pad.contact.surface_axisymmetric.Surface`.
     """
 
     def __init__(self, nodes: Array, sides: Array, stiffness: float, friction: float, slip_scale: float) -> None:

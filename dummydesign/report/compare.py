@@ -9,21 +9,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dummydesign.report.layers import Band, Bars, Dots, Line
-from dummydesign.report.page import Section, Table, write_report
-from dummydesign.report.plot import Plot
-from dummydesign.report.presses import STYLES, digits, log_start, unique
+from dummydesign.report.figures.layers import Band, Bars, Dots, Line
+from dummydesign.report.figures.plot import Plot
+from dummydesign.report.html.page import Section, Table, write_report
+from dummydesign.report.press_figures import STYLES, digits, log_start, unique
 
 if TYPE_CHECKING:
-    from dummydesign.tissue.band import Tissue
-    from dummydesign.tissue.compare import Comparison
+    from dummydesign.tissue.fitting.compare import Comparison
+    from dummydesign.tissue.model.tissue import Tissue
 
 FARTHEST = 3.0
 """Parameters are drawn up to this many widths of the band beside it."""
 
 
 def write_compare_report(folder: Path, found: Comparison, tissue: Tissue, sources: Sequence[str]) -> dict[str, str]:
-    """Write the report of a comparison; see :func:`dummydesign.report.page.write_report`."""
+    """Write the report of a comparison; see :func:`dummydesign.report.html.page.write_report`."""
     data = found.result
     steady, rows = data["steady_state_range"], data["force_variation_range"]
     known = [row["inside"] for row in data["parametric"].values() if row["inside"] is not None]
@@ -59,7 +59,7 @@ def _steady_words(data: dict[str, Any]) -> str:
 
 
 def _steady(found: Comparison, tissue: Tissue) -> Plot:
-    from dummydesign.tissue.compare import STEADY_GRID_N
+    from dummydesign.tissue.fitting.compare import STEADY_GRID_N
 
     low, measured = np.linspace(0.0, 5.0, 21), np.linspace(5.0, 15.0, 41)
     layers = (
@@ -79,7 +79,7 @@ def _steady(found: Comparison, tissue: Tissue) -> Plot:
 
 def _presses(found: Comparison, data: dict[str, Any]) -> list[Plot]:
     """One figure a condition, in the order of the rows of the force variation range."""
-    from dummydesign.tissue.fit import condition_groups
+    from dummydesign.tissue.fitting.fit import condition_groups
 
     bands = {id(trace): band for trace, band in found.presses}
     groups = condition_groups([trace for trace, _ in found.presses])

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dummydesign.report.layers import Band, Dots, Line
-from dummydesign.report.page import Section, Table, write_report
-from dummydesign.report.plot import Plot
-from dummydesign.report.presses import STYLES, log_start, table_of_parameters, unique
+from dummydesign.report.figures.layers import Band, Dots, Line
+from dummydesign.report.figures.plot import Plot
+from dummydesign.report.html.page import Section, Table, write_report
+from dummydesign.report.press_figures import STYLES, log_start, table_of_parameters, unique
 
 if TYPE_CHECKING:
-    from dummydesign.tissue.fit import Fit
-    from dummydesign.tissue.reduce import ReducedTrace
+    from dummydesign.inference.reduction import ReducedTrace
+    from dummydesign.tissue.fitting.fit import Fit
 
 MOST_PLOTS = 24
 LAWS = {
@@ -31,7 +31,7 @@ MODES = {
 
 
 def write_fit_report(folder: Path, stem: str, fit: Fit, sources: Sequence[str]) -> dict[str, str]:
-    """Write ``STEM-report.html`` and its CSV files; see :func:`dummydesign.report.page.write_report`.
+    """Write ``STEM-report.html`` and its CSV files; see :func:`dummydesign.report.html.page.write_report`.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def write_fit_report(folder: Path, stem: str, fit: Fit, sources: Sequence[str]) 
 
 def _series(fit: Fit) -> Iterable[tuple[ReducedTrace, np.ndarray, np.ndarray, np.ndarray]]:
     """Each trace with its fitted force in bins, and the fitted curve at its nodes with times since contact."""
-    from dummydesign.tissue.residual import fitted_force
+    from dummydesign.tissue.fitting.residuals import fitted_force
 
     for problem, optimum in fit.problems:
         binned = problem.predict(optimum.solution.parameters, optimum.arms)[0]
@@ -83,7 +83,7 @@ def _series(fit: Fit) -> Iterable[tuple[ReducedTrace, np.ndarray, np.ndarray, np
 
 def _groups(fit: Fit) -> list[tuple[float, float, list[tuple[Any, ...]]]]:
     """Speed, mean steady force and series of each condition, repeats together."""
-    from dummydesign.tissue.fit import condition_groups
+    from dummydesign.tissue.fitting.fit import condition_groups
 
     series = {id(row[0]): row for row in _series(fit)}
     traces: list[ReducedTrace] = [row[0] for row in series.values()]

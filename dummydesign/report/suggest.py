@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dummydesign.design import details
+from dummydesign.design import sensitivity as details
 from dummydesign.design.safety_view import SafetyView
-from dummydesign.report.layers import Band, Bars, Cells, Dots, Ellipse, Line
-from dummydesign.report.page import Section, Table, write_report
-from dummydesign.report.plot import Plot
-from dummydesign.report.solid import box, read_stl, solid_section, viewer_script
+from dummydesign.report.figures.layers import Band, Bars, Cells, Dots, Ellipse, Line
+from dummydesign.report.figures.plot import Plot
+from dummydesign.report.html.page import Section, Table, write_report
+from dummydesign.report.html.viewer import box, read_stl, solid_section, viewer_script
 
 if TYPE_CHECKING:
     from dummydesign.design.suggest import Suggestion
@@ -25,7 +25,7 @@ STEADY_N = np.linspace(0.0, 15.0, 61)
 def write_suggestion(
     folder: Path, answer: Suggestion, result: dict[str, Any], safety: SafetyView
 ) -> dict[str, str]:
-    """Write the report of a suggestion into a folder; see :func:`dummydesign.report.page.write_report`.
+    """Write the report of a suggestion into a folder; see :func:`dummydesign.report.html.page.write_report`.
 
     Parameters
     ----------

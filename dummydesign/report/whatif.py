@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dummydesign.design.thickness_study import STATEMENT
-from dummydesign.report.layers import Cells, Dots, Line
-from dummydesign.report.live import FORCES_N, SIZES_MM, live_scripts, live_section
-from dummydesign.report.page import Section, Table, write_report
-from dummydesign.report.plot import Plot
+from dummydesign.report.figures.layers import Cells, Dots, Line
+from dummydesign.report.figures.plot import Plot
+from dummydesign.report.html.live import FORCES_N, SIZES_MM, live_scripts, live_section
+from dummydesign.report.html.page import Section, Table, write_report
+from dummydesign.studies.thickness import STATEMENT
 
 if TYPE_CHECKING:
-    from dummydesign.design.study import Study
-    from dummydesign.resin.model import Resin
-    from dummydesign.tissue.band import Tissue
+    from dummydesign.design.sweep.spec import Study
+    from dummydesign.resin.model.resin import Resin
+    from dummydesign.tissue.model.tissue import Tissue
 
 SHOWN, SERIES = 200, 6
 STYLES = ("main", "alt1", "alt2", "alt3", "alt4", "alt5")
@@ -27,7 +27,7 @@ Rows = list[dict[str, Any]]
 def write_whatif(
     folder: Path, study: Study, rows: Rows, resin: Resin, tissue: Tissue | None, warnings: list[dict[str, str]]
 ) -> dict[str, str]:
-    """Write the report of a study into a folder; see :func:`dummydesign.report.page.write_report`.
+    """Write the report of a study into a folder; see :func:`dummydesign.report.html.page.write_report`.
 
     Parameters
     ----------

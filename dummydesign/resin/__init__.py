@@ -1,6 +1,6 @@
 """Resin: ratio to modulus, relaxation and liquid properties; batches of the user.
 
-``load_resin(name)`` gives a :class:`~dummydesign.resin.model.Resin`. Imports are lazy.
+``load_resin(name)`` gives a :class:`~dummydesign.resin.model.resin.Resin`. Imports are lazy.
 """
 
 from __future__ import annotations
@@ -9,11 +9,11 @@ import importlib
 from typing import Any
 
 _PLACES = {
-    "load_resin": "load",
-    "read_resin": "load",
-    "Resin": "model",
-    "Component": "model",
-    "update_resin": "update",
+    "load_resin": "model.resin_file",
+    "read_resin": "model.resin_file",
+    "Resin": "model.resin",
+    "Component": "model.resin",
+    "update_resin": "update.modulus",
 }
 
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from dummydesign.quantity import Quantity
-from dummydesign.tissue.band import Subject, Tissue
-from dummydesign.tissue.parameters import Parameters
+from dummydesign.core.quantity import Quantity
+from dummydesign.tissue.model.parameters import Parameters
+from dummydesign.tissue.model.tissue import Subject, Tissue
 
 # Stiffness factor of a frictionless flat punch on an incompressible layer bonded to a rigid base,
 # Hayes et al. 1972, recomputed from the integral equation.

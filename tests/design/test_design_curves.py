@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dummydesign.design.curves import Sampling, Slabs, make_curves, press_to_depth, steady_depth
+from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves, press_to_depth, steady_depth
 
 RADIUS = 7.9
 

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from slab_by_formula import make_tissue
 
+from dummydesign.core.errors import InputError
+from dummydesign.core.quantity import Quantity
+from dummydesign.design.assessment.pour_yield import pour_yield
 from dummydesign.design.suggest import RADIUS_MM, Request, suggest
-from dummydesign.design.tolerance import pour_yield
-from dummydesign.errors import InputError
-from dummydesign.quantity import Quantity
 from dummydesign.resin import load_resin
-from dummydesign.resin.law import LAWS
-from dummydesign.resin.liquid import Liquid
-from dummydesign.resin.write import save_resin
+from dummydesign.resin.model.liquid import Liquid
+from dummydesign.resin.model.modulus_laws import LAWS
+from dummydesign.resin.model.resin_writer import save_resin
 
 
 def number(value, spread=1.05):
@@ -73,7 +73,7 @@ def test_a_measured_resin_makes_more_pours_stay_inside(layer_law):
 
 
 def tissue_file(tmp_path, tissue):
-    from dummydesign.tissue.store import tissue_toml
+    from dummydesign.tissue.model.tissue_file import tissue_toml
 
     path = tmp_path / "mine.toml"
     path.write_text(tissue_toml(tissue), encoding="utf-8")
@@ -94,7 +94,7 @@ def test_speeds_and_law_come_from_the_tissue(tmp_path, layer_law):
 
 
 def test_contradictory_points_reach_the_answer(tmp_path, layer_law):
-    from dummydesign.resin.update import Point, update_resin
+    from dummydesign.resin.update.modulus import Point, update_resin
 
     resin = update_resin(load_resin(), [Point(15.0, number(50.0)), Point(16.0, number(35.0))], "mine")
     path = str(save_resin(resin, tmp_path / "mine.toml"))
@@ -103,7 +103,7 @@ def test_contradictory_points_reach_the_answer(tmp_path, layer_law):
 
 
 def test_measured_points_narrow_the_ratio_that_is_recommended(tmp_path, layer_law):
-    from dummydesign.resin.update import Point, update_resin
+    from dummydesign.resin.update.modulus import Point, update_resin
 
     resin = update_resin(load_resin(), [Point(15.0, number(26.0)), Point(16.0, number(65.0))], "mine")
     path = str(save_resin(resin, tmp_path / "mine.toml"))

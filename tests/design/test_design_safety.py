@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dummydesign.design.curves import Sampling, make_curves, press_to_depth, steady_depth
-from dummydesign.design.safety import Body, impact, pad_body, pad_press, tissue_body, tissue_press
-from dummydesign.design.search import make_slabs
-from dummydesign.errors import InputError
+from dummydesign.core.errors import InputError
+from dummydesign.design.assessment.safety import Body, impact, pad_body, pad_press, tissue_body, tissue_press
+from dummydesign.design.scoring.presses import Sampling, make_curves, press_to_depth, steady_depth
+from dummydesign.design.search.slabs import make_slabs
 from dummydesign.resin import load_resin
-from dummydesign.tissue.ranges import force_range
+from dummydesign.tissue.model.ranges import force_range
 
 RADIUS = 14.0 / math.sqrt(math.pi)
 

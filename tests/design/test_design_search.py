@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from slab_by_formula import make_tissue
 
-from dummydesign.design.curves import Sampling
-from dummydesign.design.search import search, thickness_steps
-from dummydesign.design.targets import make_targets
-from dummydesign.errors import InputError, NoAnswerError
+from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.design.scoring.presses import Sampling
+from dummydesign.design.scoring.targets import make_targets
+from dummydesign.design.search.slabs import search, thickness_steps
 from dummydesign.resin import load_resin
 
 RADIUS = 14.0 / np.sqrt(np.pi)

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from dummydesign.design import solved
-from dummydesign.design.punch import equal_area_radius_mm
-from dummydesign.design.whatif import Study, whatif
-from dummydesign.errors import InputError, NoAnswerError
+from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.design.search import solved_slabs as solved
+from dummydesign.design.sweep.run import Study, whatif
+from dummydesign.pad.tables.punch import equal_area_radius_mm
 
 RADIUS = 14.0 / np.sqrt(np.pi)
 

@@ -12,11 +12,11 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from dummydesign.design import whatif as module
-from dummydesign.design.executors import completed, open_executor
-from dummydesign.design.rows_file import RowsFile, key_of, settings_of
-from dummydesign.design.whatif import Study, whatif
-from dummydesign.errors import InputError, NoAnswerError
+from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.design.sweep import run as module
+from dummydesign.design.sweep.executors import completed, open_executor
+from dummydesign.design.sweep.rows_file import RowsFile, key_of, settings_of
+from dummydesign.design.sweep.run import Study, whatif
 from dummydesign.resin import load_resin
 
 SQUARE = (("square:14", 14.0 / math.sqrt(math.pi)),)

@@ -5,10 +5,10 @@ import dataclasses
 import numpy as np
 import pytest
 
-from dummydesign.design.curves import Sampling
-from dummydesign.design.targets import make_targets
-from dummydesign.design.tolerance import Tolerances, pour_yield
-from dummydesign.quantity import Quantity
+from dummydesign.core.quantity import Quantity
+from dummydesign.design.assessment.pour_yield import Tolerances, pour_yield
+from dummydesign.design.scoring.presses import Sampling
+from dummydesign.design.scoring.targets import make_targets
 from dummydesign.resin import load_resin
 
 RADIUS = 14.0 / np.sqrt(np.pi)

@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dummydesign.design.punch import equal_area_radius_mm
-from dummydesign.design.ranges import parse_limits, parse_values
-from dummydesign.design.rows_file import RowFormat
-from dummydesign.design.whatif import Study, whatif
-from dummydesign.errors import InputError, NoAnswerError
+from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.design.sweep.ranges import parse_limits, parse_values
+from dummydesign.design.sweep.rows_file import RowFormat
+from dummydesign.design.sweep.run import Study, whatif
+from dummydesign.pad.tables.punch import equal_area_radius_mm
 
 SQUARE = (("square:14", 14.0 / math.sqrt(math.pi)),)
 
@@ -57,7 +57,7 @@ def test_peaks_grow_with_speed_and_with_softness(layer_law):
 def test_all_combinations_are_there_once_whatever_the_chunks(layer_law, monkeypatch):
     study = Study((5.0, 10.0, 20.0), (15.0, 16.0, 17.0, 18.0), (*SQUARE, ("round:10", 5.0)))
     whole = whatif(study, layer_law)["rows"]
-    monkeypatch.setattr("dummydesign.design.whatif.CHUNK", 5)
+    monkeypatch.setattr("dummydesign.design.sweep.run.CHUNK", 5)
     assert whatif(study, layer_law)["rows"] == whole
     places = {(row["thickness_mm"], row["ratio"], row["punch"]) for row in whole}
     assert len(places) == len(whole) == study.size == 24
@@ -166,7 +166,7 @@ def test_a_slab_that_cannot_be_solved_has_a_row_that_says_so(monkeypatch):
     def fail(case):
         raise NoAnswerError("no_convergence", f"slab of {case.thickness_mm:g} mm: no depth")
 
-    monkeypatch.setattr("dummydesign.design.solved.solve_slab", fail)
+    monkeypatch.setattr("dummydesign.design.search.solved_slabs.solve_slab", fail)
     rows = whatif(Study((5.0,), (15.0, 16.0), SQUARE, fidelity="axisymmetric", tissue="palm"))["rows"]
     assert [row["limit"] for row in rows] == ["slab of 5 mm: no depth"] * 2
     assert set(rows[0]["depth_mm_at_N"].values()) == {None} and rows[0]["score"]["total"] == 0.0

@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from dummydesign.design import dummies_press as study
-from dummydesign.design.dummies_study import main
-from dummydesign.design.dummies_tables import needed_exponents, verdict
-from dummydesign.design.dummies_words import bow, half_time_s, statements
-from dummydesign.errors import InputError
-from dummydesign.pad.relaxation import PronyTerm
-from dummydesign.tissue.store import load_tissue
+from dummydesign.core.errors import InputError
+from dummydesign.pad.material.relaxation import PronyTerm
+from dummydesign.studies.paper_dummies import presses as study
+from dummydesign.studies.paper_dummies.statements import bow, half_time_s, statements
+from dummydesign.studies.paper_dummies.study import main
+from dummydesign.studies.paper_dummies.tables import needed_exponents, verdict
+from dummydesign.tissue.model.tissue_file import load_tissue
 
 PRONY = (PronyTerm(0.05, 0.8), PronyTerm(1.0, 0.3))
 
@@ -28,8 +28,8 @@ class CubicLaw:
 
 
 def test_a_press_ends_its_hold_at_the_wanted_force_and_agrees_with_the_pad_model():
+    from dummydesign.measurement.motion import ramp_and_hold
     from dummydesign.pad.predict import Pad, predict_motion
-    from dummydesign.protocol.motion import ramp_and_hold
 
     law = study.force_laws([])["bonded", 0.0]
     dummy = study.press_dummy("III", law, 0.025, PRONY)
@@ -67,7 +67,7 @@ def test_a_power_law_through_the_needed_exponent_meets_the_wanted_place():
 
 
 def test_the_fit_is_that_of_the_command_fit():
-    from dummydesign.tissue.fit import fit_traces
+    from dummydesign.tissue.fitting.fit import fit_traces
 
     dummy = study.press_dummy("III", study.force_laws([])["bonded", 0.0], 0.025, PRONY)
     traces = [press.trace for press in dummy.presses.values()]

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from dummydesign.design.infer_relaxation import STEADY_N, _weight, infer
 from dummydesign.resin import load_resin
+from dummydesign.studies.resins.polyurethane_relaxation import STEADY_N, _weight, infer
 
 
 @pytest.fixture(scope="module")

@@ -6,16 +6,17 @@ import numpy as np
 import pytest
 from slab_by_formula import LayerLaw, make_tissue
 
-from dummydesign.design import families, suggest_shape
-from dummydesign.design.curves import Sampling
-from dummydesign.design.low_force import MISFIT_N, low_force, misfit
-from dummydesign.design.search import search
-from dummydesign.design.shape_family import Designs, ShapeLaw
-from dummydesign.design.shape_search import LOW_SHARE, search_fixed, search_shape, sieve
-from dummydesign.design.targets import make_targets
-from dummydesign.errors import InputError, NoAnswerError
+from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.design.scoring.presses import Sampling
+from dummydesign.design.scoring.targets import make_targets
+from dummydesign.design.search import best_of_kinds as suggest_shape
+from dummydesign.design.search import tabulated_shapes as families
+from dummydesign.design.search.low_force import MISFIT_N, low_force, misfit
+from dummydesign.design.search.shape_family import Designs, ShapeLaw
+from dummydesign.design.search.shapes import LOW_SHARE, search_fixed, search_shape, sieve
+from dummydesign.design.search.slabs import search
+from dummydesign.geometry.shapes import Crowned, sphere_foot_mm
 from dummydesign.resin import load_resin
-from dummydesign.shape import Crowned, sphere_foot_mm
 
 RADIUS = 7.9
 SAMPLING = Sampling()

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from dummydesign.design import details
+from dummydesign.design import sensitivity as details
 from dummydesign.design.safety_view import safety_view
-from dummydesign.design.shape_family import ShapeLaw
+from dummydesign.design.search.shape_family import ShapeLaw
 from dummydesign.design.suggest import RADIUS_MM, Request, suggest
 from dummydesign.report.suggest import write_suggestion
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from dummydesign.pad.axisymmetric import solve_curve
+from dummydesign.pad.slab.sharp_edge import solve_curve
 
 RADIUS_MM = 14.0 / np.sqrt(np.pi)
 SHARES = np.array([0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5])

@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from dummydesign import cli
+from dummydesign.core.errors import InputError
 from dummydesign.design.calibrated import with_calibration
-from dummydesign.errors import InputError
 from dummydesign.loop.calibration import Calibration, Model, replay
 from dummydesign.loop.calibration_file import read_calibration, write_calibration
-from dummydesign.loop.chain import Active
 from dummydesign.loop.effects import EFFECTS
-from dummydesign.loop.parameters import HIGH, LOW, BaseParameters
-from dummydesign.protocol.campaign import read_campaign
+from dummydesign.loop.model.forward_model import Active
+from dummydesign.loop.model.parameters import HIGH, LOW, BaseParameters
+from dummydesign.measurement.campaign import read_campaign
 from dummydesign.resin import load_resin
 
 JUNK = [

@@ -11,11 +11,11 @@ import pytest
 from dummydesign import cli
 from dummydesign.loop.calibration import Calibration, Model
 from dummydesign.loop.calibration_file import write_calibration
-from dummydesign.loop.chain import Active
-from dummydesign.loop.design_law import CorrectedLaw, young_factor
+from dummydesign.loop.corrected_law import CorrectedLaw, young_factor
 from dummydesign.loop.effects import EFFECTS, effect_named
-from dummydesign.loop.parameters import BaseParameters
-from dummydesign.pad.table import load_table
+from dummydesign.loop.model.forward_model import Active
+from dummydesign.loop.model.parameters import BaseParameters
+from dummydesign.pad.tables.slab import load_table
 
 QUICK = ["--no-cad", "--no-verify"]
 RADIUS = 14.0 / np.sqrt(np.pi)

@@ -8,16 +8,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dummydesign.errors import NoAnswerError
-from dummydesign.loop.chain import Active, relax, simulate
+from dummydesign.core.errors import NoAnswerError
 from dummydesign.loop.effects import EFFECTS, effect_named
-from dummydesign.loop.effects.base import OWNERS, STAGES, Arm
-from dummydesign.loop.law import PuckLaw
-from dummydesign.loop.parameters import BaseParameters
-from dummydesign.pad import puck_shapes, puck_table
-from dummydesign.pad.puck_shapes import table_for
-from dummydesign.pad.puck_table import grip
-from dummydesign.pad.relaxation import PronyTerm, relaxed_force
+from dummydesign.loop.model.base_law import PuckLaw
+from dummydesign.loop.model.effect import OWNERS, STAGES, Arm
+from dummydesign.loop.model.forward_model import Active, relax, simulate
+from dummydesign.loop.model.parameters import BaseParameters
+from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
+from dummydesign.pad.tables import puck as puck_table
+from dummydesign.pad.tables import puck_proportions as puck_shapes
+from dummydesign.pad.tables.puck import grip
+from dummydesign.pad.tables.puck_proportions import table_for
 
 BASE = BaseParameters(0.025, (0.06, 1.4), (0.3, 0.25))
 ON_SLABS = [effect for effect in EFFECTS if effect.name != "plate_friction"]
@@ -177,7 +178,7 @@ def test_sensor_effects_have_their_closed_forms(plain):
 
 
 def test_a_lag_delays_a_ramp_by_its_time_constant():
-    from dummydesign.loop.effects.sensor_lag import SensorLag
+    from dummydesign.loop.effects.sensor.sensor_lag import SensorLag
 
     class Ramp:
         time_s = np.linspace(0.0, 1.0, 400)[None] ** 1.5
@@ -271,7 +272,7 @@ def test_plate_friction_of_a_puck_without_a_table_is_unavailable_with_the_reason
 
 
 def test_plate_friction_without_its_table_is_an_error_and_not_another_law(monkeypatch, tmp_path):
-    from dummydesign.loop.effects import plate_friction
+    from dummydesign.loop.effects.rig import plate_friction
 
     monkeypatch.setattr(puck_table, "data_folder", lambda: tmp_path)
     for cached in (puck_table.load_puck_table, puck_table.load_shapes, plate_friction._table):

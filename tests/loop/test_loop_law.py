@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.errors import NoAnswerError
-from dummydesign.loop import law as loop_law
-from dummydesign.loop.law import SlabLaw, sliding_law
-from dummydesign.pad import square
-from dummydesign.pad.table import load_table
+from dummydesign.core.errors import NoAnswerError
+from dummydesign.loop.model import base_law as loop_law
+from dummydesign.loop.model.base_law import SlabLaw, sliding_law
+from dummydesign.pad.tables import square
+from dummydesign.pad.tables.slab import load_table
 
 RADIUS = 14.0 / np.sqrt(np.pi)
 H = np.array([[5.0], [10.0], [20.0]])

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import dummydesign
 from dummydesign.loop.effects import EFFECTS
-from dummydesign.loop.effects import base as effects_base
+from dummydesign.loop.model import effect as effects_base
 
 PACKAGE = Path(dummydesign.__file__).parent
 EFFECTS_FOLDER = Path(effects_base.__file__).parent

@@ -7,15 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dummydesign.loop.base import fit_base
-from dummydesign.loop.checks import run_checks
-from dummydesign.loop.fit import Problem, fit, start_vector
-from dummydesign.loop.heldout import errors
-from dummydesign.loop.lackoffit import lack_of_fit
-from dummydesign.loop.law import SLAB_ERROR
-from dummydesign.loop.noise import estimate_slow_noise, first_sizes, repeat_pairs
-from dummydesign.loop.verdict import GAIN_FLOOR, gain_threshold
-from dummydesign.tissue.noise import Noise
+from dummydesign.inference.noise import Noise
+from dummydesign.loop.fitting.base_fit import fit_base
+from dummydesign.loop.fitting.fit import Problem, fit, start_vector
+from dummydesign.loop.fitting.noise import estimate_slow_noise, first_sizes, repeat_pairs
+from dummydesign.loop.judging.lack_of_fit import lack_of_fit
+from dummydesign.loop.judging.left_out import errors
+from dummydesign.loop.judging.residual_checks import run_checks
+from dummydesign.loop.judging.verdict import GAIN_FLOOR, gain_threshold
+from dummydesign.loop.model.base_law import SLAB_ERROR
 
 
 @pytest.fixture(scope="module")
@@ -125,7 +125,7 @@ def test_left_out_errors_are_not_smaller_than_fitted_ones_and_near_the_noise(bas
 
 def test_the_threshold_has_a_floor_and_grows_with_lack_of_fit():
     assert gain_threshold([], None) == GAIN_FLOOR
-    from dummydesign.loop.screen import Screened
+    from dummydesign.loop.fitting.screening import Screened
 
     rng = np.random.default_rng(1)
     made = []

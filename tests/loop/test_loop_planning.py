@@ -6,8 +6,8 @@ from functools import partial
 
 import numpy as np
 
-from dummydesign.loop import planning
-from dummydesign.protocol.motion import ramp_and_hold
+from dummydesign.loop import next_measurement as planning
+from dummydesign.measurement.motion import ramp_and_hold
 
 
 def test_a_planned_press_stops_where_its_hold_begins_however_finely_the_motion_is_sampled(plain, monkeypatch):

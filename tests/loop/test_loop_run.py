@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dummydesign.errors import InputError
+from dummydesign.core.errors import InputError
 from dummydesign.loop.calibration import calibration_of, replay
 from dummydesign.loop.calibration_file import read_calibration, write_calibration
-from dummydesign.loop.output import result_dict
-from dummydesign.loop.report import write_loop_report
+from dummydesign.loop.result import result_dict
 from dummydesign.loop.run import close_loop
-from dummydesign.protocol.campaign import read_campaign
+from dummydesign.measurement.campaign import read_campaign
+from dummydesign.report.loop import write_loop_report
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "report"))
 from browser import visit
@@ -150,7 +150,7 @@ def test_effects_that_the_campaign_cannot_test_are_listed_with_the_reason(result
 def test_a_calibration_changes_the_resin_that_is_designed_with(results, tmp_path):
     """The batch's modulus and relaxation enter; an effect of the sensor or the robot leaves the force law alone."""
     from dummydesign.design.calibrated import with_calibration
-    from dummydesign.pad.table import equal_area_radius_mm
+    from dummydesign.pad.tables.slab import equal_area_radius_mm
     from dummydesign.resin import load_resin
 
     result = results("temperature", 402)

@@ -12,7 +12,7 @@ from types import SimpleNamespace
 import pytest
 
 import dummydesign
-from dummydesign.mold.preset import mould_spec
+from dummydesign.mold.model.preset import mould_spec
 
 
 @pytest.fixture(scope="session")
@@ -27,14 +27,14 @@ def lidded_spec():
 
 @pytest.fixture(scope="session")
 def open_parts(open_spec):
-    from dummydesign.mold.build import build
+    from dummydesign.mold.cad.build import build
 
     return build(open_spec)
 
 
 @pytest.fixture(scope="session")
 def lidded_parts(lidded_spec):
-    from dummydesign.mold.build import build
+    from dummydesign.mold.cad.build import build
 
     return build(lidded_spec)
 

@@ -6,12 +6,16 @@ from dataclasses import replace
 
 import pytest
 
-from dummydesign.mold import check, check_mesh, check_process, demould, mesh
-from dummydesign.mold.build import brim_tool
-from dummydesign.mold.layout import layout
-from dummydesign.mold.outline import Outline
-from dummydesign.mold.pour import pour_plan, pour_warnings, stems_mm3
-from dummydesign.mold.shapes import drafted_prism, pad_solid, single_solid
+from dummydesign.mold.cad.build import brim_tool
+from dummydesign.mold.cad.pad_solids import drafted_prism, pad_solid, single_solid
+from dummydesign.mold.checks import mesh as check_mesh
+from dummydesign.mold.checks import process as check_process
+from dummydesign.mold.checks import release as demould
+from dummydesign.mold.checks import solids as check
+from dummydesign.mold.files import meshes as mesh
+from dummydesign.mold.model.layout import layout
+from dummydesign.mold.model.outline import Outline
+from dummydesign.mold.pour.plan import pour_plan, pour_warnings, stems_mm3
 
 
 def _failed(checks):
@@ -111,7 +115,7 @@ def test_lid_turned_round_collides(lidded_parts):
 
 
 def test_lid_with_symmetric_keys_fails_the_one_way_check(lidded_parts):
-    from dummydesign.mold.lid import _ball
+    from dummydesign.mold.cad.lid import _ball
 
     land, keys = lidded_parts.plan.land_mm, lidded_parts.plan.keys[:2]
     places = [*keys, *(type(key)(-key.x_mm, -key.y_mm) for key in keys)]
@@ -129,7 +133,7 @@ def test_lid_moved_sideways_fails_interference(lidded_parts):
 
 
 def test_wrong_compensation_is_seen(open_parts):
-    from dummydesign.mold.build import Parts
+    from dummydesign.mold.cad.build import Parts
 
     wrong = Parts(open_parts.spec, open_parts.plan, open_parts.pad_nominal.scale(1.001))
     wrong.parts, wrong.tools, wrong.hull = open_parts.parts, open_parts.tools, open_parts.hull
@@ -137,7 +141,7 @@ def test_wrong_compensation_is_seen(open_parts):
 
 
 def test_missing_label_on_the_master_is_seen(open_parts):
-    from dummydesign.mold.build import Part, Parts
+    from dummydesign.mold.cad.build import Part, Parts
 
     plan, grow = open_parts.plan, open_parts.plan.silicone_scale
     deep = open_parts.spec.body.label_depth_mm
@@ -162,7 +166,7 @@ def test_thin_wall_and_floor_are_seen(open_parts):
 
 
 def test_features_that_touch_are_seen(lidded_parts):
-    from dummydesign.mold.build import Parts
+    from dummydesign.mold.cad.build import Parts
 
     made = lidded_parts
     near = Parts(made.spec, made.plan, made.pad_nominal, made.parts, dict(made.tools))
@@ -214,7 +218,7 @@ def test_strike_off_leaves_the_pad_at_its_thickness(open_parts):
 
 
 def test_collar_is_built_for_degassing_in_the_mould(open_spec):
-    from dummydesign.mold import aids
+    from dummydesign.mold.cad import aids
 
     spec = replace(open_spec, pour=replace(open_spec.pour, degas="mould"))
     ring = aids.collar(spec, layout(spec))
@@ -225,8 +229,8 @@ def test_collar_is_built_for_degassing_in_the_mould(open_spec):
 def test_puck_is_a_plain_cylinder_whose_mould_passes():
     import math
 
-    from dummydesign.mold.build import build
-    from dummydesign.mold.preset import mould_spec
+    from dummydesign.mold.cad.build import build
+    from dummydesign.mold.model.preset import mould_spec
 
     made = build(mould_spec(30.0, 50.0, 50.0, kind="puck"))
     assert made.pad_nominal.Volume() == pytest.approx(math.pi * 25**2 * 30, rel=1e-12)

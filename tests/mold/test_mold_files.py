@@ -14,9 +14,12 @@ from pathlib import Path
 
 import pytest
 
-from dummydesign.mold import drawing, mesh, section, sheet, step
-from dummydesign.mold.canonical import Header, canonical_step
-from dummydesign.mold.pour import pour_plan, pour_warnings
+from dummydesign.mold.files import drawing, step
+from dummydesign.mold.files import drawing_views as section
+from dummydesign.mold.files import meshes as mesh
+from dummydesign.mold.files import pour_sheet as sheet
+from dummydesign.mold.files.step_canonical import Header, canonical_step
+from dummydesign.mold.pour.plan import pour_plan, pour_warnings
 
 HEADER = Header("x.step", "test", "2000-01-01T00:00:00", "dummydesign")
 

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from dummydesign.mold import formula
-from dummydesign.mold.outline import Outline, drafted_volume_mm3, edge_fillet_volume_mm3, slab_volume_mm3
-from dummydesign.mold.pour import split_batch
+from dummydesign.mold.model import formulas as formula
+from dummydesign.mold.model.outline import Outline, drafted_volume_mm3, edge_fillet_volume_mm3, slab_volume_mm3
+from dummydesign.mold.pour.plan import split_batch
 
 
 def _volume_by_slices(base: Outline, height: float, draft_deg: float, radius: float, n: int = 20000) -> float:

@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from dummydesign import cli
-from dummydesign.errors import InputError, NoAnswerError
+from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.mold import runner
-from dummydesign.mold.preset import mould_spec
+from dummydesign.mold.model.preset import mould_spec
 
 
 def _files(folder: Path) -> list[str]:
@@ -37,7 +37,7 @@ def test_command_gives_one_json_object_with_the_contract(lidded_package, lidded_
 
 
 def test_text_answer_shows_weights_checks_and_files(lidded_package):
-    from dummydesign.commands.mold import render
+    from dummydesign.cli.mold import render
 
     text = render(lidded_package[1].answer)
     assert "polyol" in text and " 0 failed" in text and "pad_t8.step" in text and "None" not in text

@@ -11,17 +11,24 @@ import numpy as np
 import pytest
 
 from dummydesign import cli
-from dummydesign.errors import InputError
-from dummydesign.mold import check, check_mesh, check_process, check_shape, contents, demould, mesh, sheet
-from dummydesign.mold.build import Parts, brim_tool, build
-from dummydesign.mold.layout import layout
-from dummydesign.mold.outline import slab_volume_mm3
-from dummydesign.mold.pour import pour_plan, pour_warnings
-from dummydesign.mold.preset import mould_spec, read_kind
+from dummydesign.core.errors import InputError
+from dummydesign.geometry.shapes import Conic, read_shape
+from dummydesign.mold.cad.build import Parts, brim_tool, build
+from dummydesign.mold.cad.pad_solids import cavity_solid, pad_solid, single_solid
+from dummydesign.mold.checks import mesh as check_mesh
+from dummydesign.mold.checks import process as check_process
+from dummydesign.mold.checks import release as demould
+from dummydesign.mold.checks import shape as check_shape
+from dummydesign.mold.checks import solids as check
+from dummydesign.mold.files import meshes as mesh
+from dummydesign.mold.files import pour_sheet as sheet
+from dummydesign.mold.model import volumes as contents
+from dummydesign.mold.model.layout import layout
+from dummydesign.mold.model.outline import slab_volume_mm3
+from dummydesign.mold.model.preset import mould_spec, read_kind
+from dummydesign.mold.pour.plan import pour_plan, pour_warnings
 from dummydesign.mold.runner import make_mold, without_cad
-from dummydesign.mold.shapes import cavity_solid, pad_solid, single_solid
 from dummydesign.resin import load_resin
-from dummydesign.shape import Conic, read_shape
 
 
 def _spec(text: str, thickness_mm: float, **given):
@@ -205,7 +212,7 @@ def test_spacer_at_the_wrong_height_is_seen(layered):
 
 
 def test_layers_that_leave_a_gap_are_seen(layered):
-    from dummydesign.mold.shapes import drafted_prism
+    from dummydesign.mold.cad.pad_solids import drafted_prism
 
     gap = drafted_prism(layered.plan.top, 0.1, 0.0, layered.plan.interface_mm)
     part = layered.parts["layer_base"]
@@ -238,7 +245,7 @@ def test_carrier_opens_four_vents_over_the_gel_and_four_screw_holes_beside_it(bo
 
 
 def test_steps_of_spacer_and_carrier_do_not_depend_on_what_was_written_before(layered, boned):
-    from dummydesign.mold import step
+    from dummydesign.mold.files import step
     from dummydesign.mold.produce import _step_part
 
     for made, name in ((layered, "spacer"), (layered, "layer_base"), (boned, "carrier"), (boned, "pad")):
@@ -247,7 +254,7 @@ def test_steps_of_spacer_and_carrier_do_not_depend_on_what_was_written_before(la
 
 
 def test_curved_faces_survive_step(crowned, boned, tmp_path):
-    from dummydesign.mold import step
+    from dummydesign.mold.files import step
     from dummydesign.mold.produce import _step_part
 
     for made, name in ((crowned, "pad"), (crowned, "mould"), (boned, "carrier"), (boned, "pad")):
@@ -258,7 +265,8 @@ def test_curved_faces_survive_step(crowned, boned, tmp_path):
 
 
 def test_drawings_dimension_the_curve_and_stay_on_paper(crowned, layered, boned):
-    from dummydesign.mold import drawing, section
+    from dummydesign.mold.files import drawing
+    from dummydesign.mold.files import drawing_views as section
 
     heights = {
         "crowned": crowned.plan.face_mm, "layered": layered.plan.interface_mm, "boned": 9.0 * boned.plan.scale,
@@ -275,7 +283,7 @@ def test_drawings_dimension_the_curve_and_stay_on_paper(crowned, layered, boned)
 
 
 def test_section_across_a_ridge_shows_its_profile():
-    from dummydesign.mold import section
+    from dummydesign.mold.files import drawing_views as section
 
     spec = _spec("crowned:10,2,0,1", 8.0)
     loops = section.cut_at_x(cavity_solid(spec.pad))
@@ -301,7 +309,7 @@ def test_equal_shapes_make_equal_specifications_and_a_slab_is_as_it_was():
 def test_layered_specification_survives_json():
     import json
 
-    from dummydesign.mold.spec import MouldSpec
+    from dummydesign.mold.model.spec import MouldSpec
 
     spec = _spec("layered:3,0.4", 8.0)
     assert MouldSpec.from_dict(json.loads(spec.canonical())) == spec
@@ -402,7 +410,7 @@ CHANGES = [
 
 @pytest.mark.parametrize("text, change, named", CHANGES)
 def test_edges_and_corners_that_meet_a_curve_are_refused(text, change, named):
-    from dummydesign.mold.validate import validate
+    from dummydesign.mold.model.validate import validate
 
     spec = _spec(text, 15.0)
     with pytest.raises(InputError, match=named):

@@ -10,16 +10,16 @@ from dataclasses import replace
 
 import pytest
 
-from dummydesign.errors import InputError
-from dummydesign.library import find
-from dummydesign.mold.contents import cavity_volume_mm3
-from dummydesign.mold.label import label_bars, label_text
-from dummydesign.mold.layout import layout, pad_scale
-from dummydesign.mold.pour import pour_plan, pour_warnings
-from dummydesign.mold.preset import mould_spec
-from dummydesign.mold.spec import MouldSpec
-from dummydesign.mold.stroke import KNOWN, text_bars, text_length_mm
-from dummydesign.mold.validate import validate
+from dummydesign.core.datafiles import find
+from dummydesign.core.errors import InputError
+from dummydesign.mold.cad.label import label_bars, label_text
+from dummydesign.mold.cad.stroke_font import KNOWN, text_bars, text_length_mm
+from dummydesign.mold.model.layout import layout, pad_scale
+from dummydesign.mold.model.preset import mould_spec
+from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.mold.model.validate import validate
+from dummydesign.mold.model.volumes import cavity_volume_mm3
+from dummydesign.mold.pour.plan import pour_plan, pour_warnings
 
 
 def test_specification_survives_json(open_spec, lidded_spec):
@@ -212,8 +212,8 @@ def test_every_number_from_outside_has_its_source(open_spec):
 def test_nothing_heavy_is_loaded_to_refuse_or_to_weigh():
     code = (
         "import sys\n"
-        "from dummydesign.mold.preset import mould_spec\n"
-        "from dummydesign.mold.pour import pour_plan\n"
+        "from dummydesign.mold.model.preset import mould_spec\n"
+        "from dummydesign.mold.pour.plan import pour_plan\n"
         "import dummydesign.mold.runner\n"
         "pour_plan(mould_spec(5))\n"
         "print([m for m in ('cadquery', 'OCP', 'vtk', 'vtkmodules', 'pyvista', 'trimesh', 'matplotlib', 'ezdxf') "

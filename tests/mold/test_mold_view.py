@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from dummydesign.mold import mesh, view
+from dummydesign.mold.files import meshes as mesh
+from dummydesign.mold.files import picture as view
 
 
 def test_stacked_parts_never_overlap_in_height():
@@ -22,12 +23,12 @@ def test_picture_shows_every_material(open_parts, tmp_path):
 
     import numpy as np
 
-    from dummydesign.mold.step import COLOURS
+    from dummydesign.mold.files.step import COLOURS
 
     meshes = {name: mesh.tessellate(open_parts.solid(name)) for name in ("mould", "pad", "master")}
     colours = {name: COLOURS[open_parts.parts[name].material] for name in meshes}
     view.pack(meshes, colours, "test", tmp_path / "m.npz")
-    command = [sys.executable, "-m", "dummydesign.mold.view", str(tmp_path / "m.npz"), str(tmp_path / "m.png")]
+    command = [sys.executable, "-m", "dummydesign.mold.files.picture", str(tmp_path / "m.npz"), str(tmp_path / "m.png")]
     subprocess.run(command, capture_output=True, timeout=120)
     if not (tmp_path / "m.png").is_file():
         pytest.skip("this machine cannot render")

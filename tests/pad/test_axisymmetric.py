@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.errors import InputError
-from dummydesign.pad.axisymmetric import Slab, climb, climb_all, first_stiffness, rimmed_problem, solve_curve
-from dummydesign.pad.edge_limit import Samples, fit_limit
-from dummydesign.pad.laws import neo_hookean
-from dummydesign.pad.mesh import Resolution
-from dummydesign.pad.newton import follow
-from dummydesign.pad.table import load_table
+from dummydesign.core.errors import InputError
+from dummydesign.pad.fem.mesh_axisymmetric import Resolution
+from dummydesign.pad.material.hyperelastic import neo_hookean
+from dummydesign.pad.slab.edge_extrapolation import Samples, fit_limit
+from dummydesign.pad.slab.sharp_edge import Slab, climb, climb_all, first_stiffness, rimmed_problem, solve_curve
+from dummydesign.pad.solve.continuation import follow
+from dummydesign.pad.tables.slab import load_table
 
 LAW = neo_hookean(1.0)
 # kappa of the layer solution (Hayes et al. 1972), frictionless flat punch, recomputed from the integral equation.
@@ -145,7 +145,7 @@ def test_the_force_is_the_same_in_metres_and_pascals(curve):
 @pytest.mark.parametrize("depths", [[0.1, 0.3], [0.02], [0.6]])
 def test_a_curve_to_a_small_depth_agrees_with_the_table_and_lies_above_first_touch(depths):
     """Few beads are of use there: the curve is solved further than it was asked."""
-    from dummydesign.pad.table import load_table
+    from dummydesign.pad.tables.slab import load_table
 
     found = solve_curve(10.0, 10.0, 0.03, depths)
     table = load_table()

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.errors import InputError
-from dummydesign.pad import mesh as meshes
-from dummydesign.pad.base_contact import RestingBase, friction_of, weight_over_shear
-from dummydesign.pad.contact import FlatPunch
-from dummydesign.pad.indent import Region, indentation_problem, solve_flat
-from dummydesign.pad.laws import neo_hookean
-from dummydesign.pad.newton import follow
+from dummydesign.core.errors import InputError
+from dummydesign.pad.contact.resting_base import RestingBase, friction_of, weight_over_shear
+from dummydesign.pad.contact.surface_axisymmetric import FlatPunch
+from dummydesign.pad.fem import mesh_axisymmetric as meshes
+from dummydesign.pad.material.hyperelastic import neo_hookean
+from dummydesign.pad.slab.indentation import Region, indentation_problem, solve_flat
+from dummydesign.pad.solve.continuation import follow
 
 LAW = neo_hookean(1.0)
 DEPTHS = np.array([0.1, 0.3])
@@ -107,7 +107,7 @@ def test_the_base_pushes_back_as_hard_as_the_punch_pushes_and_friction_pulls_inw
 
 @pytest.mark.slow
 def test_a_curve_on_a_rough_base_lies_between_its_limits_and_states_a_small_error():
-    from dummydesign.pad.axisymmetric import solve_curve
+    from dummydesign.pad.slab.sharp_edge import solve_curve
 
     args = (10.0, 7.9, 0.025, [1.0, 2.0])
     rough = solve_flat(*args, "bonded", base="friction:0.3")

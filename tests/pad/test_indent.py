@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.errors import InputError
-from dummydesign.pad.axisymmetric import Slab, climb, first_stiffness
-from dummydesign.pad.contact import FlatPunch, ProfilePunch, Surface
-from dummydesign.pad.indent import (
+from dummydesign.core.errors import InputError
+from dummydesign.pad.contact.surface_axisymmetric import FlatPunch, ProfilePunch, Surface
+from dummydesign.pad.fem.mesh_axisymmetric import Resolution
+from dummydesign.pad.material.hyperelastic import neo_hookean
+from dummydesign.pad.slab.indentation import (
     Region,
     indentation_problem,
     press,
@@ -17,8 +18,7 @@ from dummydesign.pad.indent import (
     solve_shaped,
     sphere,
 )
-from dummydesign.pad.laws import neo_hookean
-from dummydesign.pad.mesh import Resolution
+from dummydesign.pad.slab.sharp_edge import Slab, climb, first_stiffness
 
 LAW = neo_hookean(1.0)
 EDGE = Region(0.65, 1.2, 0.1 / 1.5)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.errors import InputError
-from dummydesign.pad.kinematics import Axisymmetric, Spatial
-from dummydesign.pad.laws import neo_hookean, read_law
-from dummydesign.pad.newton import follow
-from dummydesign.pad.ogden import Ogden
+from dummydesign.core.errors import InputError
+from dummydesign.pad.material.hyperelastic import neo_hookean, read_law
+from dummydesign.pad.material.kinematics import Axisymmetric, Spatial
+from dummydesign.pad.material.ogden import Ogden
 from dummydesign.pad.puck import Puck, puck_problem
+from dummydesign.pad.solve.continuation import follow
 
 LAWS = [
     Ogden([0.7], [2.0]),

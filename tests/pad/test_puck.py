@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.errors import InputError
-from dummydesign.pad.laws import Yeoh, neo_hookean
-from dummydesign.pad.ogden import Ogden
+from dummydesign.core.errors import InputError
+from dummydesign.pad.material.hyperelastic import Yeoh, neo_hookean
+from dummydesign.pad.material.ogden import Ogden
 from dummydesign.pad.puck import Puck, compress, puck_problem, solve_puck
 
 LAW = neo_hookean(1.0)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.errors import InputError, NoAnswerError
-from dummydesign.pad.ogden import Ogden
+from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.pad.material.ogden import Ogden
 from dummydesign.pad.puck import solve_puck
-from dummydesign.pad.puck_fit import Curve, fit_pucks
-from dummydesign.pad.puck_table import friction_of, grip, load_puck_table, uniaxial
+from dummydesign.pad.tables.puck import friction_of, grip, load_puck_table, uniaxial
+from dummydesign.resin.puck_test.loading_fit import Curve, fit_pucks
 
 WINDOW = (1.0, 15.0)
 GRID = np.arange(0.0, 15.1, 0.5)
@@ -79,7 +79,7 @@ def test_another_shape_and_bad_curves_are_refused(table, monkeypatch, tmp_path):
         fit_pucks([curve], 50.0, 30.0, table, (1.0, 25.0))
     with pytest.raises(InputError, match="curve A2: needs 5 or more loads above 0"):
         fit_pucks([Curve("A2", "A", GRID, -GRID)], 50.0, 30.0, table, WINDOW)
-    monkeypatch.setattr("dummydesign.pad.puck_table.data_folder", lambda: tmp_path)
+    monkeypatch.setattr("dummydesign.pad.tables.puck.data_folder", lambda: tmp_path)
     load_puck_table.cache_clear()
     with pytest.raises(NoAnswerError, match=r"python -m dummydesign\.pad\.puck_table"):
         load_puck_table()

@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 from puck_history import frictionless, ramps, relaxed
 
-from dummydesign.pad.puck_noise import PuckNoise, covariance
-from dummydesign.pad.puck_press import find_holds, reduce_press
-from dummydesign.pad.puck_problem import PuckProblem
-from dummydesign.pad.puck_relax import fit_relaxation
-from dummydesign.pad.puck_shapes import table_for
-from dummydesign.pad.relaxation import PronyTerm, relaxed_force
+from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
+from dummydesign.pad.tables.puck_proportions import table_for
+from dummydesign.resin.puck_test.model import PuckProblem
+from dummydesign.resin.puck_test.noise import PuckNoise, covariance
+from dummydesign.resin.puck_test.reduction import find_holds, reduce_press
+from dummydesign.resin.puck_test.relaxation_fit import fit_relaxation
 
 DIAMETER, HEIGHT, YOUNG_KPA, ALPHA = 40.0, 32.0, 30.0, 2.4
 WINDOW = (0.03 * HEIGHT, 0.5 * HEIGHT)

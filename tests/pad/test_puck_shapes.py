@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.errors import InputError, NoAnswerError
-from dummydesign.pad.ogden import Ogden
+from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.pad.material.ogden import Ogden
 from dummydesign.pad.puck import solve_puck
-from dummydesign.pad.puck_shapes import interpolate, shape_range, table_for
-from dummydesign.pad.puck_table import grip, load_puck_table, load_shapes, uniaxial
+from dummydesign.pad.tables.puck import grip, load_puck_table, load_shapes, uniaxial
+from dummydesign.pad.tables.puck_proportions import interpolate, shape_range, table_for
 
 
 def test_a_solved_proportion_gives_its_own_table():
@@ -56,7 +56,7 @@ def test_proportions_beyond_the_solved_ones_are_refused():
 
 
 def test_a_missing_table_names_the_command_that_makes_it(monkeypatch, tmp_path):
-    monkeypatch.setattr("dummydesign.pad.puck_table._path", lambda name="": tmp_path / name)
+    monkeypatch.setattr("dummydesign.pad.tables.puck._path", lambda name="": tmp_path / name)
     load_shapes.cache_clear()
     with pytest.raises(NoAnswerError, match=r"python -m dummydesign\.pad\.puck_table --shapes"):
         load_shapes()

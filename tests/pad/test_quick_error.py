@@ -7,15 +7,15 @@ import json
 import numpy as np
 import pytest
 
-from dummydesign.errors import InputError, NoAnswerError
-from dummydesign.library import data_folder
-from dummydesign.pad.ogden import Ogden
+from dummydesign.core.datafiles import data_folder
+from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.measurement.motion import Motion, ramp_and_hold
+from dummydesign.pad.material.ogden import Ogden
+from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
 from dummydesign.pad.predict import Pad, predict_motion, predict_static
-from dummydesign.pad.quick_error import MARGIN, RADIUS_MM, load_quick_error
-from dummydesign.pad.relaxation import PronyTerm, relaxed_force
-from dummydesign.pad.table import load_table
-from dummydesign.pad.viscoelastic_ratio import nodes_of_motion
-from dummydesign.protocol.motion import Motion, ramp_and_hold
+from dummydesign.pad.slab.finite_strain_ratio import nodes_of_motion
+from dummydesign.pad.tables.separability import MARGIN, RADIUS_MM, load_quick_error
+from dummydesign.pad.tables.slab import load_table
 
 ARMS = (PronyTerm(0.02, 0.8), PronyTerm(0.4, 0.4))
 
@@ -142,7 +142,7 @@ def test_static_depths_have_no_relaxation():
 
 
 def test_a_damaged_file_names_the_command_that_makes_it(monkeypatch, tmp_path):
-    monkeypatch.setattr("dummydesign.pad.quick_error.data_folder", lambda: tmp_path)
+    monkeypatch.setattr("dummydesign.pad.tables.separability.data_folder", lambda: tmp_path)
     load_quick_error.cache_clear()
     with pytest.raises(NoAnswerError, match=r"python -m dummydesign\.pad\.quick_error"):
         load_quick_error()

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from dummydesign.errors import InputError
-from dummydesign.pad.relaxation import PronyTerm, relaxed_force
+from dummydesign.core.errors import InputError
+from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
 
 ARMS = (PronyTerm(0.03, 0.6), PronyTerm(1.7, 0.25))
 

@@ -7,18 +7,18 @@ import json
 import numpy as np
 import pytest
 
-from dummydesign.errors import InputError
-from dummydesign.library import data_folder
-from dummydesign.pad.build_shape_table import ALL, at_levels, reduced
-from dummydesign.pad.bumped_designs import bumped
-from dummydesign.pad.laws import Yeoh
-from dummydesign.pad.response import fit
-from dummydesign.pad.shape_designs import DESIGNS, EXTENT_OVER_RADIUS, RADIUS_MM
-from dummydesign.pad.shape_table import INPUTS, TIPPED, ShapeLaw, load_shape_table, ratios
-from dummydesign.pad.shaped import Press as ShapedPress
-from dummydesign.pad.shaped import climb
-from dummydesign.pad.table import load_table
-from dummydesign.shape import Boned, Bumped, Crowned, Layered, Slab
+from dummydesign.core.datafiles import data_folder
+from dummydesign.core.errors import InputError
+from dummydesign.geometry.shapes import Boned, Bumped, Crowned, Layered, Slab
+from dummydesign.pad.material.hyperelastic import Yeoh
+from dummydesign.pad.shaped.axisymmetric import Press as ShapedPress
+from dummydesign.pad.shaped.axisymmetric import climb
+from dummydesign.pad.tables.response_surface import fit
+from dummydesign.pad.tables.shape import INPUTS, TIPPED, ShapeLaw, load_shape_table, ratios
+from dummydesign.pad.tables.slab import load_table
+from dummydesign.studies.tables.bumped_designs import bumped
+from dummydesign.studies.tables.shape_designs import DESIGNS, EXTENT_OVER_RADIUS, RADIUS_MM
+from dummydesign.studies.tables.shapes import ALL, at_levels, reduced
 
 FOLDER = data_folder() / "materials" / "tables"
 KINDS = [kind for kind in INPUTS if (FOLDER / f"{kind}-bonded.json").exists()]
@@ -193,7 +193,7 @@ def test_caps_start_as_one_cap_by_hertz_and_are_stiffer_once_more_of_them_are_to
 @pytest.mark.slow
 def test_a_field_of_caps_solved_in_space_agrees_with_its_table():
     """The whole error of the table: docs/shapes-model.md."""
-    from dummydesign.pad.bumped_designs import COARSE, press_field
+    from dummydesign.studies.tables.bumped_designs import COARSE, press_field
 
     field, h = bumped(5.2, 0.3), 8.0
     depth, area, _ = press_field(field, h, np.array([0.1, 0.2, 0.3, 0.4]), COARSE)

@@ -5,12 +5,20 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.errors import InputError
-from dummydesign.pad.laws import Yeoh
-from dummydesign.pad.shaped import LEFT_TO_SHARP, Plate, Press, climb, shaped_problem, sharp, solve_shaped_pad
-from dummydesign.pad.shaped_mesh import Sizes, height_lines, radial_lines
-from dummydesign.pad.table import load_table
-from dummydesign.shape import Boned, Bumped, Crowned, Layered, Slab
+from dummydesign.core.errors import InputError
+from dummydesign.geometry.shapes import Boned, Bumped, Crowned, Layered, Slab
+from dummydesign.pad.fem.mesh_columns import Sizes, height_lines, radial_lines
+from dummydesign.pad.material.hyperelastic import Yeoh
+from dummydesign.pad.shaped.axisymmetric import (
+    LEFT_TO_SHARP,
+    Plate,
+    Press,
+    climb,
+    shaped_problem,
+    sharp,
+    solve_shaped_pad,
+)
+from dummydesign.pad.tables.slab import load_table
 
 LAW = Yeoh(1.0)
 # F = 16/9 E sqrt(R) d^1.5 f(c), c = sqrt(R d) / h, frictionless cap on a bonded incompressible layer.

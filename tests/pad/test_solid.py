@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.errors import InputError
-from dummydesign.pad import mesh as meshes
-from dummydesign.pad.kinematics import Axisymmetric, Spatial
-from dummydesign.pad.laws import Yeoh, neo_hookean
-from dummydesign.pad.mesh import Resolution
-from dummydesign.pad.newton import Problem, follow
-from dummydesign.pad.solid import Solid, lame_ratio
+from dummydesign.core.errors import InputError
+from dummydesign.pad.fem import mesh_axisymmetric as meshes
+from dummydesign.pad.fem.mesh_axisymmetric import Resolution
+from dummydesign.pad.fem.mixed_solid import Solid, lame_ratio
+from dummydesign.pad.material.hyperelastic import Yeoh, neo_hookean
+from dummydesign.pad.material.kinematics import Axisymmetric, Spatial
+from dummydesign.pad.solve.continuation import Problem, follow
 
 LAWS = [neo_hookean(0.7), Yeoh(0.7, 0.2)]
 

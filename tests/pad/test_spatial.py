@@ -7,14 +7,14 @@ from functools import partial
 import numpy as np
 import pytest
 
-from dummydesign.errors import InputError
-from dummydesign.pad import spatial_mesh as space
-from dummydesign.pad.dissection import Dissection, elimination_order
-from dummydesign.pad.laws import Yeoh, neo_hookean
-from dummydesign.pad.newton import Problem, follow
-from dummydesign.pad.solid import Solid
-from dummydesign.pad.sparse import Pattern
-from dummydesign.pad.spatial import Block, Cells, block_problem, solve_ratios, twin_problem
+from dummydesign.core.errors import InputError
+from dummydesign.pad.fem import mesh_hexahedra as space
+from dummydesign.pad.fem.mixed_solid import Solid
+from dummydesign.pad.material.hyperelastic import Yeoh, neo_hookean
+from dummydesign.pad.slab.square_sharp import Block, Cells, block_problem, solve_ratios, twin_problem
+from dummydesign.pad.solve.continuation import Problem, follow
+from dummydesign.pad.solve.solver_multifrontal import Dissection, elimination_order
+from dummydesign.pad.solve.solver_superlu import Pattern
 
 LAW = neo_hookean(1.0)
 

@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from dummydesign.pad import spatial_mesh as space
-from dummydesign.pad.contact import FlatPunch
-from dummydesign.pad.contact_spatial import BeadedPunch, FaceContact, rectangle_punch, round_punch
-from dummydesign.pad.dissection import Dissection
-from dummydesign.pad.laws import neo_hookean
-from dummydesign.pad.newton import Problem, follow
-from dummydesign.pad.solid import Solid
-from dummydesign.pad.sparse import Pattern
-from dummydesign.pad.spatial import Block, Cells, solve_ratios
-from dummydesign.pad.spatial_rim import rimmed_block, solve_rimmed_ratios
+from dummydesign.pad.contact.surface_axisymmetric import FlatPunch
+from dummydesign.pad.contact.surface_spatial import BeadedPunch, FaceContact, rectangle_punch, round_punch
+from dummydesign.pad.fem import mesh_hexahedra as space
+from dummydesign.pad.fem.mixed_solid import Solid
+from dummydesign.pad.material.hyperelastic import neo_hookean
+from dummydesign.pad.slab.square_beaded import rimmed_block, solve_rimmed_ratios
+from dummydesign.pad.slab.square_sharp import Block, Cells, solve_ratios
+from dummydesign.pad.solve.continuation import Problem, follow
+from dummydesign.pad.solve.solver_multifrontal import Dissection
+from dummydesign.pad.solve.solver_superlu import Pattern
 
 LAW = neo_hookean(1.0)
 PUNCHES = [rectangle_punch((1.0, 0.7), 0.2, (0.3, -0.1)), round_punch(0.8, 0.2), BeadedPunch((0.3, 0.2), 0.3, 0.2)]

@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dummydesign.errors import InputError
-from dummydesign.pad.laws import neo_hookean
-from dummydesign.pad.newton import follow
-from dummydesign.pad.shaped import Press, climb
-from dummydesign.pad.shaped import shaped_problem as round_problem
-from dummydesign.pad.shaped_spatial import shaped_problem, solve_shaped_block
-from dummydesign.pad.shaped_spatial_mesh import Grid, Load, graded_lines
-from dummydesign.shape import Boned, Bumped, Crowned, Layered, Slab
+from dummydesign.core.errors import InputError
+from dummydesign.geometry.shapes import Boned, Bumped, Crowned, Layered, Slab
+from dummydesign.pad.material.hyperelastic import neo_hookean
+from dummydesign.pad.shaped.axisymmetric import Press, climb
+from dummydesign.pad.shaped.axisymmetric import shaped_problem as round_problem
+from dummydesign.pad.shaped.spatial import shaped_problem, solve_shaped_block
+from dummydesign.pad.shaped.spatial_mesh import Grid, Load, graded_lines
+from dummydesign.pad.solve.continuation import follow
 
 LAW = neo_hookean(1.0)
 RADIUS = 14.0 / np.sqrt(np.pi)

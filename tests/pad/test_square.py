@@ -7,15 +7,15 @@ import json
 import numpy as np
 import pytest
 
-from dummydesign.errors import InputError, NoAnswerError
-from dummydesign.library import data_folder
-from dummydesign.pad.laws import neo_hookean
+from dummydesign.core.datafiles import data_folder
+from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.pad.material.hyperelastic import neo_hookean
 from dummydesign.pad.predict import Pad, predict_static
-from dummydesign.pad.spatial import Block, Cells, block_problem, solve_ratios, twin_problem
-from dummydesign.pad.spatial_curve import solve_factor
-from dummydesign.pad.spatial_rim import solve_rimmed_ratios
-from dummydesign.pad.square import SIDE_OVER_RADIUS, load_square, square_factor
-from dummydesign.pad.table import load_table
+from dummydesign.pad.slab.square_beaded import solve_rimmed_ratios
+from dummydesign.pad.slab.square_curve import solve_factor
+from dummydesign.pad.slab.square_sharp import Block, Cells, block_problem, solve_ratios, twin_problem
+from dummydesign.pad.tables.slab import load_table
+from dummydesign.pad.tables.square import SIDE_OVER_RADIUS, load_square, square_factor
 
 RADIUS = 7.0 / SIDE_OVER_RADIUS
 
@@ -129,7 +129,7 @@ def test_what_cannot_be_known_is_refused(monkeypatch, tmp_path):
         square_factor(0.1, 1.0, 7.9)
     with pytest.raises(InputError, match="3d is for square and rectangular"):
         predict_static(Pad(10.0, 0.03, RADIUS), [1.0], "3d")
-    monkeypatch.setattr("dummydesign.pad.square.data_folder", lambda: tmp_path)
+    monkeypatch.setattr("dummydesign.pad.tables.square.data_folder", lambda: tmp_path)
     load_square.cache_clear()
     with pytest.raises(NoAnswerError, match=r"python -m dummydesign\.pad\.build_square"):
         load_square()

@@ -7,11 +7,11 @@ import json
 import numpy as np
 import pytest
 
-from dummydesign.errors import InputError, NoAnswerError
-from dummydesign.library import data_folder
-from dummydesign.pad.axisymmetric import Slab, first_stiffness, solve_curve
-from dummydesign.pad.laws import neo_hookean
-from dummydesign.pad.table import equal_area_radius_mm, load_table
+from dummydesign.core.datafiles import data_folder
+from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.pad.material.hyperelastic import neo_hookean
+from dummydesign.pad.slab.sharp_edge import Slab, first_stiffness, solve_curve
+from dummydesign.pad.tables.slab import equal_area_radius_mm, load_table
 
 RADIUS = equal_area_radius_mm(14.0 * 14.0)
 
@@ -93,7 +93,7 @@ def test_a_damaged_table_names_the_command_that_rebuilds_it(monkeypatch, tmp_pat
     tables = tmp_path / "materials" / "tables"
     tables.mkdir(parents=True)
     (tables / "slab-bonded.json").write_text("{ torn")
-    monkeypatch.setattr("dummydesign.pad.table.data_folder", lambda: tmp_path)
+    monkeypatch.setattr("dummydesign.pad.tables.slab.data_folder", lambda: tmp_path)
     load_table.cache_clear()
     with pytest.raises(NoAnswerError, match=r"python -m dummydesign\.pad\.build_table"):
         load_table()

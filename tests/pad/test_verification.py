@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from dummydesign.pad.verification import Check, document, run
+from dummydesign.studies.verification.check import Check, document, run
 
 DOCUMENT = Path(__file__).parents[2] / "VERIFICATION.md"
 

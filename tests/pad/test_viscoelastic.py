@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from dummydesign.errors import InputError
-from dummydesign.pad.kinematics import Axisymmetric, Spatial
-from dummydesign.pad.laws import Yeoh, neo_hookean
-from dummydesign.pad.newton import Problem, follow
-from dummydesign.pad.ogden import Ogden
+from dummydesign.core.errors import InputError
+from dummydesign.pad.material.hyperelastic import Yeoh, neo_hookean
+from dummydesign.pad.material.kinematics import Axisymmetric, Spatial
+from dummydesign.pad.material.ogden import Ogden
+from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
+from dummydesign.pad.material.viscoelastic import Isochoric, Viscoelastic
 from dummydesign.pad.puck import Puck, puck_problem
-from dummydesign.pad.relaxation import PronyTerm, relaxed_force
-from dummydesign.pad.viscoelastic import Isochoric, Viscoelastic
-from dummydesign.pad.viscoelastic_path import follow_motion
+from dummydesign.pad.solve.continuation import Problem, follow
+from dummydesign.pad.solve.motion_path import follow_motion
 
 ARMS = (PronyTerm(0.05, 0.6), PronyTerm(1.0, 0.3))
 LAWS = [neo_hookean(0.7), Yeoh(0.7, 0.2), Ogden([0.3], [3.0])]

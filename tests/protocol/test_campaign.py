@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.errors import InputError
-from dummydesign.protocol.campaign import read_campaign
-from dummydesign.protocol.landmarks import find_landmarks
+from dummydesign.core.errors import InputError
+from dummydesign.measurement.campaign import read_campaign
+from dummydesign.measurement.landmarks import find_landmarks
 
 HEAD = """schema = 1
 name = "small"

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from dummydesign.errors import InputError
-from dummydesign.protocol.motion import contact_velocity, find_ramp, ramp_and_hold
+from dummydesign.core.errors import InputError
+from dummydesign.measurement.motion import contact_velocity, find_ramp, ramp_and_hold
 
 
 def test_the_ramp_ends_exactly_at_the_depth_and_stays_there():

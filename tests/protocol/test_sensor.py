@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.signal import butter, lfilter, lsim
 
-from dummydesign.errors import InputError
-from dummydesign.protocol.sensor import Lowpass, lowpass, parse_lowpass
+from dummydesign.core.errors import InputError
+from dummydesign.measurement.sensor import Lowpass, lowpass, parse_lowpass
 
 
 def _uneven(seconds, seed):

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from dummydesign.errors import InputError
-from dummydesign.protocol.trace import read_trace
+from dummydesign.core.errors import InputError
+from dummydesign.measurement.trace import read_trace
 
 TIME = np.arange(20) * 0.01
 DEPTH = np.linspace(-0.5, 4.0, 20)

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from browser import visit
 
-from dummydesign.design.curves import Sampling, make_curves, press_to_depth, steady_depth
-from dummydesign.design.punch import equal_area_radius_mm, punch_law
-from dummydesign.design.search import make_slabs
-from dummydesign.pad.table import load_table
-from dummydesign.report.live import live_data, live_scripts
-from dummydesign.report.page import script_json
+from dummydesign.design.scoring.presses import Sampling, make_curves, press_to_depth, steady_depth
+from dummydesign.design.search.slabs import make_slabs
+from dummydesign.pad.tables.punch import equal_area_radius_mm, punch_law
+from dummydesign.pad.tables.slab import load_table
+from dummydesign.report.html.live import live_data, live_scripts
+from dummydesign.report.html.page import script_json
 from dummydesign.resin import load_resin
-from dummydesign.tissue.ranges import force_range
-from dummydesign.tissue.store import load_tissue
+from dummydesign.tissue.model.ranges import force_range
+from dummydesign.tissue.model.tissue_file import load_tissue
 
 STATES = [
     (15.1, 11.5, "square:14", 250.0, 10.0, "bonded"),

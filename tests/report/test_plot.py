@@ -12,12 +12,12 @@ import zlib
 import numpy as np
 import pytest
 
-from dummydesign.errors import InputError
-from dummydesign.report.axis import Axis, round_step, span
-from dummydesign.report.layers import Band, Bars, Cells, Dots, Ellipse, Line, edges, thin
-from dummydesign.report.plot import HEIGHT, WIDTH, Plot
-from dummydesign.report.raster import colours, png_uri
-from dummydesign.report.solid import box, pack, read_stl
+from dummydesign.core.errors import InputError
+from dummydesign.report.figures.axis import Axis, round_step, span
+from dummydesign.report.figures.layers import Band, Bars, Cells, Dots, Ellipse, Line, edges, thin
+from dummydesign.report.figures.plot import HEIGHT, WIDTH, Plot
+from dummydesign.report.figures.raster import colours, png_uri
+from dummydesign.report.html.viewer import box, pack, read_stl
 
 
 def plot(*layers, **more):

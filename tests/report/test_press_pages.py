@@ -10,8 +10,8 @@ import pytest
 from browser import visit
 
 from dummydesign.cli import run
-from dummydesign.protocol.motion import Motion, ramp_and_hold
-from dummydesign.tissue.store import load_tissue
+from dummydesign.measurement.motion import Motion, ramp_and_hold
+from dummydesign.tissue.model.tissue_file import load_tissue
 
 PHONE = 390
 PRESSES = ((10.0, 5.0), (10.0, 12.0), (250.0, 5.0), (250.0, 12.0), (250.0, 12.0))
@@ -118,7 +118,7 @@ def test_the_fit_report_says_parameters_rivals_and_where_the_law_comes_from(made
 
 
 def test_what_is_not_identifiable_is_said_beside_its_parameter():
-    from dummydesign.report.presses import table_of_parameters
+    from dummydesign.report.press_figures import table_of_parameters
 
     entry = {"value": 2.0, "low": None, "high": 3.0, "at_bound": True, "reason": "not identifiable: no bound below"}
     row = table_of_parameters({"c2": {"10": entry}, "gamma1": entry | {"at_bound": False, "reason": ""}}).rows

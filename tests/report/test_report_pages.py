@@ -10,7 +10,7 @@ import pytest
 from browser import visit
 
 from dummydesign.cli import run
-from dummydesign.report.page import Section, page
+from dummydesign.report.html.page import Section, page
 
 PHONE = 390
 

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from dummydesign.cli import run
-from dummydesign.pad.laws import neo_hookean
+from dummydesign.pad.material.hyperelastic import neo_hookean
 from dummydesign.pad.puck import solve_puck
 from dummydesign.resin import load_resin
-from dummydesign.resin.compression import loading
+from dummydesign.resin.puck_test.add import loading
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "pad"))
 from puck_history import frictionless, ramps, relaxed

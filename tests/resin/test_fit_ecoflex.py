@@ -7,9 +7,9 @@ import csv
 import numpy as np
 import pytest
 
-from dummydesign.pad.puck_fit import PuckFit
 from dummydesign.resin import load_resin
-from dummydesign.resin.fit_ecoflex import (
+from dummydesign.resin.puck_test.loading_fit import PuckFit
+from dummydesign.studies.resins.ecoflex import (
     FAMILIES,
     Mixture,
     fit_family,

@@ -6,13 +6,13 @@ import tomllib
 import numpy as np
 import pytest
 
-from dummydesign import library
-from dummydesign.errors import InputError
-from dummydesign.quantity import Quantity
+from dummydesign.core import datafiles as library
+from dummydesign.core.errors import InputError
+from dummydesign.core.quantity import Quantity
 from dummydesign.resin import load_resin
-from dummydesign.resin.add import add_resin
-from dummydesign.resin.update import Point, update_resin
-from dummydesign.resin.write import save_resin
+from dummydesign.resin.model.resin_writer import save_resin
+from dummydesign.resin.update.modulus import Point, update_resin
+from dummydesign.resin.update.rows import add_resin
 
 BUILT_IN = library.data_folder() / "materials" / "resins" / "polyurethane-nagoya.toml"
 

@@ -5,11 +5,11 @@ import dataclasses
 import numpy as np
 import pytest
 
-from dummydesign.errors import InputError
-from dummydesign.quantity import Quantity
+from dummydesign.core.errors import InputError
+from dummydesign.core.quantity import Quantity
 from dummydesign.resin import load_resin
-from dummydesign.resin.law import LAWS
-from dummydesign.resin.prior import value_at
+from dummydesign.resin.model.distribution import value_at
+from dummydesign.resin.model.modulus_laws import LAWS
 
 
 @pytest.fixture(scope="module")

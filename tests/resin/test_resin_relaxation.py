@@ -4,11 +4,11 @@ import math
 
 import pytest
 
-from dummydesign.quantity import Quantity
+from dummydesign.core.quantity import Quantity
 from dummydesign.resin import load_resin
-from dummydesign.resin.prior import HALF_WIDTH
-from dummydesign.resin.relaxation import POUR, update_relaxation
-from dummydesign.resin.write import save_resin
+from dummydesign.resin.model.distribution import HALF_WIDTH
+from dummydesign.resin.model.resin_writer import save_resin
+from dummydesign.resin.update.relaxation import POUR, update_relaxation
 
 
 def arm(tau_s, beta, spread=0.05):

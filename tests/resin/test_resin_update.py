@@ -5,12 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
-from dummydesign.errors import InputError
-from dummydesign.quantity import Quantity
+from dummydesign.core.errors import InputError
+from dummydesign.core.quantity import Quantity
 from dummydesign.resin import load_resin
-from dummydesign.resin.law import LAWS
-from dummydesign.resin.prior import HALF_WIDTH
-from dummydesign.resin.update import Point, update_resin
+from dummydesign.resin.model.distribution import HALF_WIDTH
+from dummydesign.resin.model.modulus_laws import LAWS
+from dummydesign.resin.update.modulus import Point, update_resin
 
 
 @pytest.fixture(scope="module")

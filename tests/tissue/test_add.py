@@ -6,19 +6,19 @@ import numpy as np
 import pytest
 
 from dummydesign.cli import run
-from dummydesign.errors import InputError
-from dummydesign.protocol.motion import Motion, ramp_and_hold
+from dummydesign.core.errors import InputError
+from dummydesign.measurement.motion import Motion, ramp_and_hold
 from dummydesign.tissue import load_tissue
-from dummydesign.tissue.narrow import next_measurement
-from dummydesign.tissue.parameters import Parameters
-from dummydesign.tissue.points import read_points
-from dummydesign.tissue.posterior import (
+from dummydesign.tissue.model.parameters import Parameters
+from dummydesign.tissue.model.tissue_file import KIND, tissue_entries
+from dummydesign.tissue.population.next_measurement import next_measurement
+from dummydesign.tissue.population.points import read_points
+from dummydesign.tissue.population.posterior import (
     draws_path,
     read_draws,
     typical_subjects,
     weighted_quantile,
 )
-from dummydesign.tissue.store import KIND, tissue_entries
 
 
 @pytest.fixture

@@ -6,13 +6,13 @@ import sys
 import numpy as np
 import pytest
 
-from dummydesign.errors import InputError
-from dummydesign.library import Entry, data_folder, read_toml
-from dummydesign.protocol.motion import ramp_and_hold
+from dummydesign.core.datafiles import Entry, data_folder, read_toml
+from dummydesign.core.errors import InputError
+from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.tissue import load_tissue
-from dummydesign.tissue.parameters import Parameters
-from dummydesign.tissue.ranges import force_range, steady_inside
-from dummydesign.tissue.store import parse_tissue, readable_tissues, tissue_toml
+from dummydesign.tissue.model.parameters import Parameters
+from dummydesign.tissue.model.ranges import force_range, steady_inside
+from dummydesign.tissue.model.tissue_file import parse_tissue, readable_tissues, tissue_toml
 
 SITES = ["palm", "thenar", "forefinger"]
 

@@ -7,17 +7,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dummydesign.errors import InputError
-from dummydesign.protocol.motion import Motion, ramp_and_hold
-from dummydesign.protocol.sensor import Lowpass
-from dummydesign.protocol.trace import Trace
-from dummydesign.tissue.fit import fit_traces, speed_groups
-from dummydesign.tissue.fit_output import subject_from_fit
-from dummydesign.tissue.law import force, parameter_names
-from dummydesign.tissue.least_squares import covariance, solve
-from dummydesign.tissue.noise import Noise, whitener
-from dummydesign.tissue.problem import Problem
-from dummydesign.tissue.reduce import between, reduce_trace
+from dummydesign.core.errors import InputError
+from dummydesign.inference.least_squares import covariance, solve
+from dummydesign.inference.noise import Noise, whitener
+from dummydesign.inference.reduction import between, reduce_trace
+from dummydesign.measurement.motion import Motion, ramp_and_hold
+from dummydesign.measurement.sensor import Lowpass
+from dummydesign.measurement.trace import Trace
+from dummydesign.report.files.fit import subject_from_fit
+from dummydesign.tissue.fitting.fit import fit_traces, speed_groups
+from dummydesign.tissue.fitting.problem import Problem
+from dummydesign.tissue.model.maxwell_law import force, parameter_names
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 from fit_coverage import DAMPER, GAMMA, GAMMA1, TRUTH, coverage, press
@@ -191,7 +191,7 @@ def test_what_comes_after_the_hold_does_not_matter(clean):
 
 def test_a_linear_slab_shows_falling_gamma1_and_falling_c_without_any_rate_dependence():
     """So the fall of c with speed in fits per condition is no proof of a rate-dependent viscosity."""
-    from dummydesign.pad.relaxation import PronyTerm, relaxed_force
+    from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
 
     arms = (PronyTerm(0.07, 0.5), PronyTerm(1.5, 0.3))
     traces = []

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from dummydesign.errors import InputError
-from dummydesign.protocol.motion import Motion, ramp_and_hold
-from dummydesign.tissue.law import Drive, force, parameter_names, steady_depth
+from dummydesign.core.errors import InputError
+from dummydesign.measurement.motion import Motion, ramp_and_hold
+from dummydesign.tissue.model.maxwell_law import Drive, force, parameter_names, steady_depth
 
 V, DEPTH = 250.0, 2.0
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dummydesign.tissue.least_squares import Solution, profile_interval, solve
+from dummydesign.inference.least_squares import Solution, profile_interval, solve
 
 WIDE = np.full(2, 50.0)
 

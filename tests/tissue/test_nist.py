@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dummydesign.tissue.least_squares import covariance, solve
+from dummydesign.inference.least_squares import covariance, solve
 
 FOLDER = Path(__file__).parent / "nist"
 

@@ -2,31 +2,31 @@
 
 from __future__ import annotations
 
-from dummydesign.errors import unknown_name
-from dummydesign.loop.effects.adhesion import Adhesion
-from dummydesign.loop.effects.ageing import Ageing
-from dummydesign.loop.effects.base import Effect
-from dummydesign.loop.effects.base_slip import BaseSlip
-from dummydesign.loop.effects.compressibility import Compressibility
-from dummydesign.loop.effects.contact_offset import ContactOffset
-from dummydesign.loop.effects.fast_relaxation_mode import FastRelaxationMode
-from dummydesign.loop.effects.force_bias import ForceBias
-from dummydesign.loop.effects.force_drift import ForceDrift
-from dummydesign.loop.effects.friction_hysteresis import FrictionHysteresis
-from dummydesign.loop.effects.incomplete_recovery import IncompleteRecovery
-from dummydesign.loop.effects.inertia import Inertia
-from dummydesign.loop.effects.machine_compliance import MachineCompliance
-from dummydesign.loop.effects.plate_friction import PlateFriction
-from dummydesign.loop.effects.punch_tilt import PunchTilt
-from dummydesign.loop.effects.rate_dependent_viscosity import RateDependentViscosity
-from dummydesign.loop.effects.sensor_lag import SensorLag
-from dummydesign.loop.effects.slow_relaxation_mode import SlowRelaxationMode
-from dummydesign.loop.effects.softening_with_cycles import SofteningWithCycles
-from dummydesign.loop.effects.strain_dependent_relaxation import StrainDependentRelaxation
-from dummydesign.loop.effects.strain_stiffening import StrainStiffening
-from dummydesign.loop.effects.temperature import Temperature
-from dummydesign.loop.effects.thickness_error import ThicknessError
-from dummydesign.loop.effects.time_skew import TimeSkew
+from dummydesign.core.errors import unknown_name
+from dummydesign.loop.effects.history.ageing import Ageing
+from dummydesign.loop.effects.history.incomplete_recovery import IncompleteRecovery
+from dummydesign.loop.effects.history.softening_with_cycles import SofteningWithCycles
+from dummydesign.loop.effects.history.temperature import Temperature
+from dummydesign.loop.effects.material.adhesion import Adhesion
+from dummydesign.loop.effects.material.compressibility import Compressibility
+from dummydesign.loop.effects.material.fast_relaxation_mode import FastRelaxationMode
+from dummydesign.loop.effects.material.rate_dependent_viscosity import RateDependentViscosity
+from dummydesign.loop.effects.material.slow_relaxation_mode import SlowRelaxationMode
+from dummydesign.loop.effects.material.strain_dependent_relaxation import StrainDependentRelaxation
+from dummydesign.loop.effects.material.strain_stiffening import StrainStiffening
+from dummydesign.loop.effects.material.thickness_error import ThicknessError
+from dummydesign.loop.effects.rig.base_slip import BaseSlip
+from dummydesign.loop.effects.rig.contact_offset import ContactOffset
+from dummydesign.loop.effects.rig.friction_hysteresis import FrictionHysteresis
+from dummydesign.loop.effects.rig.machine_compliance import MachineCompliance
+from dummydesign.loop.effects.rig.plate_friction import PlateFriction
+from dummydesign.loop.effects.rig.punch_tilt import PunchTilt
+from dummydesign.loop.effects.sensor.force_bias import ForceBias
+from dummydesign.loop.effects.sensor.force_drift import ForceDrift
+from dummydesign.loop.effects.sensor.inertia import Inertia
+from dummydesign.loop.effects.sensor.sensor_lag import SensorLag
+from dummydesign.loop.effects.sensor.time_skew import TimeSkew
+from dummydesign.loop.model.effect import Effect
 
 EFFECTS: tuple[Effect, ...] = (
     ContactOffset(), MachineCompliance(), PunchTilt(),

@@ -1,0 +1,74 @@
+"""``dummydesign compare``: is a measured dummy inside the tissue's ranges?"""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+HELP = "Hold the traces of a cast dummy against a tissue: parameters, steady-state range, force variation range."
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("traces", nargs="+", metavar="TRACE.csv", help="time_s,displacement_mm,force_N")
+    parser.add_argument("--tissue", required=True, metavar="NAME|FILE", help="see 'dummydesign tissues list'")
+    parser.add_argument("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help="filter the force went through")
+    parser.add_argument("--out", metavar="DIR", help="folder of the files (default compare-TISSUE)")
+
+
+def run(options: argparse.Namespace) -> dict[str, Any]:
+    """Read, compare, write tables and report."""
+    from pathlib import Path
+
+    from dummydesign.core.files import output_folder
+    from dummydesign.measurement.sensor import parse_lowpass
+    from dummydesign.measurement.trace import read_trace
+    from dummydesign.tissue.model.tissue_file import load_tissue
+
+    tissue, lowpass = load_tissue(options.tissue), parse_lowpass(options.lowpass)
+    traces = [read_trace(path) for path in options.traces]
+    out = options.out or f"compare-{Path(options.tissue).stem}"
+    folder = output_folder(out)
+    from dummydesign.report.files.compare import write_comparison
+    from dummydesign.tissue.fitting.compare import compare_traces
+
+    found = compare_traces(traces, tissue, lowpass)
+    files = write_comparison(found, tissue, folder)
+    inputs = {
+        "traces": options.traces,
+        "tissue": options.tissue,
+        "lowpass": lowpass.to_dict() if lowpass else None,
+        "out": out,
+    }
+    return {"inputs": inputs, **found.result, "sources": list(tissue.sources), "files": files}
+
+
+def render(result: dict[str, Any]) -> str:
+    """Make the readable tables."""
+
+    def text(value: float | None) -> str:
+        return "-" if value is None else f"{value:.4g}"
+
+    lines = [f"against {result['tissue']}, law {result['law']}"]
+    lines.append(
+        f"{'parameter':<22} {'dummy':>10} {'95 % low':>10} {'95 % high':>10} {'band low':>10} {'band high':>10}"
+    )
+    for name, row in result["parametric"].items():
+        verdict = {True: "inside", False: "outside", None: "no band"}[row["inside"]]
+        cells = " ".join(f"{text(row[key]):>10}" for key in ("value", "low", "high", "band_low", "band_high"))
+        lines.append(f"{name:<22} {cells}  {verdict}")
+    steady = result["steady_state_range"]
+    lines.append("steady-state curve inside the range, share of the force reached:")
+    for label, key in (("0.5 to 5 N", "below_5N_fraction"), ("5 to 15 N", "above_5N_fraction")):
+        share = steady[key]
+        lines.append(f"  {label:<11} {'not reached' if share is None else f'{100 * share:.0f} %'}")
+    lines.append(f"{'mm/s':>6} {'steady N':>9} {'depth mm':>9} {'peak N':>8} {'range of peak N':>17} {'inside':>7}")
+    for row in result["force_variation_range"]:
+        span = f"{row['range_peak_low_N']:.2f} to {row['range_peak_high_N']:.2f}"
+        lines.append(
+            f"{row['velocity_mm_s']:>6.4g} {row['steady_force_N']:>9.3f} {row['depth_mm']:>9.3f} "
+            f"{row['peak_force_N']:>8.3f} {span:>17} {100 * row['inside_fraction']:>5.0f} %"
+        )
+    lines += [f"warning: {warning['message']}" for warning in result["warnings"]]
+    lines += [f"{role}: {path}" for role, path in result["files"].items() if not role.startswith("report_")]
+    return "\n".join(lines)

@@ -1,0 +1,135 @@
+"""The command line: reads arguments, calls one function, prints what it returns. Nothing is computed here."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import json
+import math
+import os
+import sys
+from typing import Any, NoReturn
+
+from dummydesign import __version__
+from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError, unknown_name
+from dummydesign.core.threads import ONE_THREAD
+
+COMMANDS = {
+    "suggest": "recipe, pad and mould for a tissue",
+    "predict": "force of one pad under a depth, a motion or a ramp and hold",
+    "whatif": "tables over thickness, ratio, punch, speed and force",
+    "fit": "fit the five-element law to traces",
+    "mold": "mould, master, frame and pour sheet of a pad",
+    "loop": "measured campaign: residual, missing effect, corrected model",
+    "replay": "predict a campaign with a calibration",
+    "compare": "is a measured dummy inside the tissue's ranges?",
+    "tissues": "list, show or add tissues",
+    "resins": "list, show or add resins",
+}
+
+
+class _Parser(argparse.ArgumentParser):
+    """An argument parser whose complaints are one line and exit status 2."""
+
+    def error(self, message: str) -> NoReturn:
+        raise InputError(message)
+
+
+def _overview() -> str:
+    rows = "\n".join(f"  {name:<9} {text}" for name, text in COMMANDS.items())
+    return (
+        "usage: dummydesign COMMAND [options]\n\n"
+        "Soft dummies of human hand tissue: resin recipe, pad geometry and mould, from measured parameters.\n\n"
+        f"commands:\n{rows}\n\n"
+        "  dummydesign COMMAND --help   options of one command\n"
+        "  dummydesign --version        version\n\n"
+        "example: dummydesign suggest --tissue forefinger"
+    )
+
+
+def _plain(value: Any) -> Any:
+    """Turn numpy scalars and arrays into plain JSON values; a number that is not finite becomes null."""
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if hasattr(value, "tolist"):
+        return _plain(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    return value
+
+
+def _print_result(command: str, result: dict[str, Any], as_json: bool, render: Any) -> None:
+    if as_json:
+        head = {"schema": f"dummydesign.{command}/1", "version": __version__}
+        for key, empty in (("inputs", {}), ("warnings", []), ("sources", [])):
+            head[key] = result.get(key, empty)
+        print(json.dumps(_plain({**head, **result}), indent=1, allow_nan=False))
+    else:
+        print(render(result))
+
+
+def run(arguments: list[str]) -> int:
+    """Run one command line and return its exit status (0 done, 1 no acceptable answer, 2 bad input)."""
+    if not arguments or arguments[0] in ("-h", "--help", "help"):
+        print(_overview())
+        return 0
+    if arguments[0] in ("--version", "-V"):
+        print(f"dummydesign {__version__}")
+        return 0
+    name, as_json = arguments[0], "--json" in arguments
+    try:
+        if name not in COMMANDS:
+            raise unknown_name("command", name, COMMANDS)
+        module = importlib.import_module(f"dummydesign.cli.{name}")
+        parser = _Parser(prog=f"dummydesign {name}", description=module.HELP, allow_abbrev=False)
+        module.add_arguments(parser)
+        parser.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
+        options = parser.parse_args(arguments[1:])
+        try:
+            result = module.run(options)
+        except NoAnswerError as reason:
+            if as_json:
+                problem = {"code": reason.code, "message": str(reason)}
+                _print_result(name, {**reason.result, "error": problem}, True, None)
+            elif reason.result:
+                print(module.render(reason.result))
+            print(f"error: {reason}", file=sys.stderr)
+            return 1
+        _print_result(name, result, as_json, module.render)
+        return 0
+    except DummydesignError as problem:
+        print("error: " + " ".join(str(problem).split()), file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("error: stopped by the user", file=sys.stderr)
+        return 130
+    except BrokenPipeError:
+        raise
+    except Exception as problem:
+        if os.environ.get("DUMMYDESIGN_DEBUG"):
+            raise
+        text = " ".join(str(problem).split())
+        print(
+            f"error: a fault in dummydesign itself ({type(problem).__name__}: {text}); "
+            "please report it with the command; DUMMYDESIGN_DEBUG=1 shows where",
+            file=sys.stderr,
+        )
+        return 1
+
+
+def main() -> NoReturn:
+    """Entry point without arguments; reads ``sys.argv`` and exits with the command's status."""
+    # before numpy is loaded, for this process and those it starts
+    os.environ.update(ONE_THREAD)
+    try:
+        status = run(sys.argv[1:])
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # The reader (such as head) has seen enough; what is still buffered must not raise at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        status = 0
+    sys.exit(status)

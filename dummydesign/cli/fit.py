@@ -1,0 +1,94 @@
+"""``dummydesign fit``: fit the tissue law to traces."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from dummydesign.core.errors import InputError
+
+SOURCE = (
+    "Development of Dummy Based on Impedance Properties of Human Soft Tissue Using a Nonlinear Viscoelastic "
+    "Model, IEEE Access, equations (4) to (6)"
+)
+HELP = "Fit the nonlinear 3, 5 or 7 element law to traces of one tissue or dummy."
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("traces", nargs="+", metavar="TRACE.csv", help="time_s,displacement_mm,force_N")
+    parser.add_argument("--elements", default="auto", metavar="3|5|7|auto", help="default auto: by AICc")
+    parser.add_argument("--law", default="ode", metavar="published|consistent|ode", help="default ode")
+    parser.add_argument("--mode", default="joint", metavar="joint|per-speed|per-condition", help="default joint")
+    parser.add_argument("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help="filter the force went through")
+    parser.add_argument("--out", metavar="tissue.toml", help="write a tissue file; residuals and report beside it")
+
+
+def elements_of(text: str) -> int | str:
+    """Read 3, 5, 7 or auto."""
+    if text not in ("3", "5", "7", "auto"):
+        raise InputError(f"--elements {text} is not one of 3, 5, 7, auto")
+    return text if text == "auto" else int(text)
+
+
+def run(options: argparse.Namespace) -> dict[str, Any]:
+    """Read the traces, fit, and write what was asked for."""
+    from pathlib import Path
+
+    from dummydesign.core.files import output_folder
+    from dummydesign.measurement.sensor import parse_lowpass
+    from dummydesign.measurement.trace import read_trace
+    from dummydesign.tissue.fitting.fit import fit_traces
+
+    elements, lowpass = elements_of(options.elements), parse_lowpass(options.lowpass)
+    if options.out:
+        if not options.out.lower().endswith(".toml"):
+            raise InputError(f"--out '{options.out}' must end in .toml: a tissue file is written there")
+        output_folder(Path(options.out).parent)
+    fit = fit_traces([read_trace(path) for path in options.traces], elements, options.law, options.mode, lowpass)
+    inputs = {
+        "traces": options.traces,
+        "elements": options.elements,
+        "law": options.law,
+        "mode": options.mode,
+        "lowpass": lowpass.to_dict() if lowpass else None,
+        "out": options.out,
+    }
+    files: dict[str, str] = {}
+    if options.out:
+        from dummydesign.report.files.fit import write_fit
+
+        files = write_fit(fit, options.out, [SOURCE])
+    return {"inputs": inputs, **fit.to_dict(), "sources": [SOURCE], "files": files}
+
+
+def render(result: dict[str, Any]) -> str:
+    """Make the readable tables."""
+    lines = [
+        f"{result['elements']} elements, law {result['law']}, {result['mode']}: rms residual "
+        f"{result['rmse_N']:.4g} N (noise floor {result['noise_floor_N']:.3g} N), largest "
+        f"{result['max_residual_N']:.3g} N",
+        f"{'parameter':<30} {'value':>11} {'95 % low':>11} {'95 % high':>11}",
+    ]
+    for name, entry in result["parameters"].items():
+        rows = {name: entry} if "value" in entry else {f"{name} at {v} mm/s": e for v, e in entry.items()}
+        for label, one in rows.items():
+            low, high = (f"{one[end]:.5g}" if one[end] is not None else "-" for end in ("low", "high"))
+            state = "  at bound" if one["at_bound"] else ""
+            lines.append(f"{label:<30} {one['value']:>11.5g} {low:>11} {high:>11}{state}")
+    lines.append(f"{'elements':<9} {'rms N':>9} {'AICc':>11} {'left-out rms N':>15}")
+    for number, row in result["comparison"].items():
+        heldout = f"{row['heldout_rmse_N']:.4g}" if row["heldout_rmse_N"] is not None else "-"
+        lines.append(f"{number:<9} {row['rmse_N']:>9.4g} {row['aicc']:>11.1f} {heldout:>15}")
+    tried = result["starts"]
+    lines.append(f"{tried['same_optimum']} of {tried['tried']} starts ended in the same optimum")
+    lines.append(f"{'trace':<28} {'mm/s':>7} {'mm':>7} {'steady N':>9} {'peak N':>8} {'rms N':>8} {'worst N':>8}")
+    for row in result["by_trace"]:
+        lines.append(
+            f"{row['file'][:28]:<28} {row['velocity_mm_s']:>7.4g} {row['depth_mm']:>7.3f} "
+            f"{row['steady_force_N']:>9.3f} {row['peak_force_N']:>8.3f} {row['rmse_N']:>8.4f} "
+            f"{row['max_residual_N']:>8.4f}"
+        )
+    lines += [f"warning: {warning['message']}" for warning in result["warnings"]]
+    lines += [f"{role}: {path}" for role, path in result["files"].items() if not role.startswith("report_")]
+    return "\n".join(lines)

@@ -1,0 +1,87 @@
+"""``dummydesign loop``: residual, missing effect and corrected model of a measured campaign."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from typing import Any
+
+HELP = "Measured campaign: residual, the effect the model lacks, the corrected model, and what to measure next."
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("campaign", metavar="CAMPAIGN_DIR", help="folder with campaign.toml and one CSV per trial")
+    parser.add_argument("--out", metavar="DIR", help="where report and calibration go (default: loop-NAME)")
+
+
+def _progress(word: str) -> None:
+    if sys.stderr.isatty():
+        print(f"\r\033[K{word} ...", end="", file=sys.stderr, flush=True)
+
+
+def run(options: argparse.Namespace) -> dict[str, Any]:
+    """Run the loop and write report and calibration."""
+    from pathlib import Path
+
+    from dummydesign.core.files import output_folder
+    from dummydesign.loop.calibration import calibration_of
+    from dummydesign.loop.calibration_file import write_calibration
+    from dummydesign.loop.result import result_dict
+    from dummydesign.loop.run import close_loop
+    from dummydesign.measurement.campaign import read_campaign
+    from dummydesign.report.loop import write_loop_report
+
+    campaign = read_campaign(options.campaign)
+    name = Path(options.campaign).resolve().name
+    out = output_folder(options.out or f"loop-{name}")
+    result = close_loop(campaign, _progress)
+    if sys.stderr.isatty():
+        print("\r\033[K", end="", file=sys.stderr)
+    calibration = write_calibration(calibration_of(result), out / "calibration.json")
+    files = write_loop_report(out, result)
+    found = result_dict(result)
+    return {
+        "inputs": {"campaign": options.campaign, "out": str(out), "trials": len(campaign.trials)},
+        **found,
+        "calibration_file": str(calibration),
+        "files": {"calibration": str(calibration), **files},
+    }
+
+
+def render(result: dict[str, Any]) -> str:
+    """Make the readable tables."""
+
+    def number(value: float | None, form: str = ".4f") -> str:
+        return "-" if value is None else format(value, form)
+
+    lines = [f"verdict: {result['verdict']}"]
+    for reason in result["residual"]["unexplained_because"]:
+        lines.append(f"  unexplained: {reason}")
+    for effect in result["effects"]:
+        lines.append(f"effect {effect['name']}: evidence {effect['evidence']:.0f} (needed {effect['threshold']:.0f})")
+        for name, value in effect["parameters"].items():
+            lines.append(f"  {name} = {value['value']:.4g}  (95 %: {value['low']:.4g} to {value['high']:.4g})")
+        if effect["confounded_with"]:
+            lines.append(f"  explains the data as well: {', '.join(effect['confounded_with'])}")
+        if effect["family"]:
+            lines.append(f"  acts alike in this campaign: {', '.join(effect['family'])}")
+    lines.append(f"{'':<8} {'fitted N':>9} {'left out N':>11} {'noise floor N':>14} {'lack of fit p':>14}")
+    for label in ("base", "after"):
+        error = result[label]["error"]
+        lines.append(
+            f"{label:<8} {number(error['train_rmse_N']):>9} {number(error['heldout_rmse_N']):>11} "
+            f"{number(error['noise_floor_N']):>14} {number(error['lack_of_fit_p']):>14}"
+        )
+    lines.append(f"{'parameter':<12} {'base':>10} {'after':>10} {'95 % low':>10} {'95 % high':>10}")
+    for name, after in result["after"]["parameters"].items():
+        base = result["base"]["parameters"][name]["value"]
+        row = (base, after["value"], after["low"], after["high"])
+        lines.append(f"{name:<12} " + " ".join(f"{v:>10.4g}" for v in row))
+    lines.append("evidence of each effect alone:")
+    lines += [f"  {row['name']:<28} {row['evidence']:>10.1f}" for row in result["ranking"]]
+    if result["next_measurement"]:
+        lines.append(f"next: {result['next_measurement']['text']}")
+    lines += [f"warning: {warning['message']}" for warning in result["warnings"]]
+    lines += [f"{role}: {path}" for role, path in result["files"].items() if not role.startswith("report_")]
+    return "\n".join(lines)

@@ -1,0 +1,104 @@
+"""``dummydesign mold``: mould, master, frame and pour sheet of a pad."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from dummydesign.core.errors import NoAnswerError
+
+HELP = "Make the silicone mould of a pad: STEP files, printable master and frame, pour sheet, all checked."
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of contracts: thickness, size, shape, preset, resin, ratio, output folder."""
+    parser.add_argument("--thickness", type=float, required=True, metavar="MM", help="thickness of the pad, 3 to 30 mm")
+    parser.add_argument("--length", type=float, default=150.0, metavar="MM", help="length of the pad (default 150)")
+    parser.add_argument("--width", type=float, default=120.0, metavar="MM", help="width of the pad (default 120)")
+    parser.add_argument(
+        "--shape",
+        default="slab",
+        metavar="NAME[:P,..]",
+        help="slab (default), crowned, bumped, layered, boned or puck, with their parameters",
+    )
+    parser.add_argument(
+        "--preset", default="open", metavar="NAME|FILE", help="mould preset: open, lidded or a TOML file"
+    )
+    parser.add_argument("--resin", metavar="NAME|FILE", help="resin to weigh (default the paper's polyurethane)")
+    parser.add_argument("--ratio", type=float, default=15.0, metavar="R", help="mixing ratio of the resin (default 15)")
+    parser.add_argument(
+        "--base-ratio", type=float, metavar="R", help="ratio of a layered pad's base (default: from its modulus ratio)"
+    )
+    parser.add_argument("--out", metavar="DIR", help="folder for the files (default mould_tMM)")
+
+
+def run(options: argparse.Namespace) -> dict[str, Any]:
+    """Build the mould and return the answer."""
+    from dummydesign.mold.model.preset import mould_spec, read_kind
+    from dummydesign.mold.runner import make_mold
+
+    kind, parameters = read_kind(options.shape)
+    spec = mould_spec(
+        options.thickness, options.length, options.width, options.preset, options.resin, options.ratio, kind,
+        parameters, options.base_ratio,
+    )  # fmt: skip
+    folder = Path(options.out) if options.out else Path(f"mould_{spec.tag}")
+    inputs = {
+        "thickness_mm": spec.pad.thickness_mm, "length_mm": spec.pad.length_mm, "width_mm": spec.pad.width_mm,
+        "shape": kind if kind == "puck" else str(spec.pad.shape), "preset": spec.preset, "resin": spec.pour.resin,
+        "ratio": spec.pour.ratio, "ratio_meaning": spec.pour.ratio_meaning, "out": str(folder),
+    }  # fmt: skip
+    if spec.base is not None:
+        inputs |= {"base_ratio": spec.base.pour.ratio, "modulus_ratio_of_base": spec.base.modulus_ratio}
+    head = {"inputs": inputs, "sources": list(spec.sources)}
+    try:
+        result = make_mold(spec, folder)
+    except NoAnswerError as reason:
+        raise NoAnswerError(reason.code, str(reason), {**head, **reason.result}) from None
+    answer = {**head, **result.to_dict(), "spec": spec.to_dict()}
+    # Memory differs from run to run; the same question shall get the same answer but for seconds.
+    del answer["memory_MB"]
+    return answer
+
+
+def render(result: dict[str, Any]) -> str:
+    """Write the answer as short tables."""
+    inputs, pour = result["inputs"], result["pour"]
+    size = f"{inputs['length_mm']:g} x {inputs['width_mm']:g} x {inputs['thickness_mm']:g} mm"
+    lines = [
+        f"Mould ({inputs['preset']}) for a {inputs['shape']} pad of {size}, specification {result['spec_hash']}",
+        "",
+    ]
+    first = "upper layer, poured first: " if "base" in pour else ""
+    lines.append(f"Weigh ({first}{inputs['resin']}, ratio {inputs['ratio']:g} {inputs['ratio_meaning']})")
+    lines += _weights(pour)
+    if "base" in pour:
+        lines.append(f"Weigh (base layer, poured second: {inputs['resin']}, ratio {inputs['base_ratio']:.4g})")
+        lines += _weights(pour["base"])
+    lines.append(f"  {'silicone':<14}{pour['silicone_mass_g']:10.0f} g   for the mould itself")
+    volumes = result.get("volumes_mm3", {})
+    if volumes:
+        lines += ["", "Volumes"]
+        lines += [f"  {name:<16}{volume / 1000:10.2f} cm3" for name, volume in volumes.items()]
+    checks = result.get("checks", [])
+    if checks:
+        counts = {status: sum(c["status"] == status for c in checks) for status in ("pass", "fail", "skipped")}
+        lines += ["", f"Checks: {counts['pass']} passed, {counts['fail']} failed, {counts['skipped']} skipped"]
+        for item in checks:
+            if item["status"] != "pass":
+                lines.append(f"  {item['status']:<8}{item['id']}: {item.get('note', '')}")
+    if result["files"]:
+        folder = Path(next(iter(result["files"].values()))).parent
+        lines += ["", f"Files in {folder}"]
+        lines += [f"  {role:<20}{Path(path).name}" for role, path in result["files"].items()]
+    if result["warnings"]:
+        lines += ["", "Mind"]
+        lines += [f"  - {item['message']}" for item in result["warnings"]]
+    return "\n".join(lines)
+
+
+def _weights(pour: dict[str, Any]) -> list[str]:
+    lines = [f"  {part['name']:<14}{part['mass_g']:10.1f} g" for part in pour["components"]]
+    lines.append(f"  {'total':<14}{pour['batch_mass_g']:10.1f} g   of which {pour['pad_mass_g']:.1f} g stay in the pad")
+    return lines

@@ -1,0 +1,45 @@
+"""``dummydesign replay``: predict a campaign with a calibration."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+HELP = "Predict a campaign with a calibration written by 'loop', and compare with what was measured."
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("campaign", metavar="CAMPAIGN_DIR", help="folder with campaign.toml and one CSV per trial")
+    parser.add_argument("--calibration", metavar="FILE", required=True, help="calibration.json of 'dummydesign loop'")
+
+
+def run(options: argparse.Namespace) -> dict[str, Any]:
+    """Read both, predict, compare."""
+    from dummydesign.loop.calibration import replay
+    from dummydesign.loop.calibration_file import read_calibration
+    from dummydesign.measurement.campaign import read_campaign
+
+    calibration = read_calibration(options.calibration)
+    campaign = read_campaign(options.campaign)
+    return {
+        "inputs": {"campaign": options.campaign, "calibration": options.calibration},
+        "warnings": list(campaign.warnings),
+        "verdict": calibration.verdict,
+        "effects": [one.effect.name for one in calibration.after.active],
+        **replay(campaign, calibration).to_dict(),
+        "warning_band_N": calibration.remainder_N,
+    }
+
+
+def render(result: dict[str, Any]) -> str:
+    """Make the readable table."""
+    lines = [f"{'trial':<28} {'rms N':>9} {'base rms N':>11} {'peak error N':>13}"]
+    for row in result["trials"]:
+        lines.append(
+            f"{row['file'][:28]:<28} {row['rmse_N']:>9.4f} {row['base_rmse_N']:>11.4f} {row['peak_error_N']:>+13.4f}"
+        )
+    effects = ", ".join(result["effects"]) or "no effect"
+    lines.append(f"all: {result['rmse_N']:.4f} N with {effects}; {result['base_rmse_N']:.4f} N with the base model")
+    lines += [f"warning: {warning['message']}" for warning in result["warnings"]]
+    return "\n".join(lines)

@@ -1,0 +1,180 @@
+"""``dummydesign resins``: list, show and add resins."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+HELP = "List the known resins, show one with all its numbers and sources, or add your own."
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the actions."""
+    actions = parser.add_subparsers(dest="action", required=True, metavar="list|show|add|add-compression")
+    actions.add_parser("list", help="names, origin, ratio and modulus range", allow_abbrev=False)
+    show = actions.add_parser("show", help="one resin, every number with its source", allow_abbrev=False)
+    show.add_argument("name", metavar="NAME")
+    show.add_argument("--out", metavar="DIR", help="also write a plot and its CSV")
+    add = actions.add_parser("add", help="keep a resin file, or update a resin by measured points", allow_abbrev=False)
+    add.add_argument("file", metavar="FILE")
+    told = "modulus and relaxation of a batch from its puck's curve"
+    puck = actions.add_parser("add-compression", help=told, allow_abbrev=False)
+    told = "time_s, displacement_mm, force_N: one slow loading, or ramps and holds"
+    puck.add_argument("file", metavar="TRACE.csv", help=told)
+    puck.add_argument("--diameter", type=float, required=True, metavar="MM")
+    puck.add_argument("--height", type=float, required=True, metavar="MM")
+    puck.add_argument("--name", required=True, help="of the resin that results")
+    puck.add_argument("--ratio", type=float, required=True, metavar="R", help="mixing ratio of the puck")
+    puck.add_argument("--resin", metavar="BASE", help="resin whose law is updated")
+    for action in (actions.choices["list"], show, add, puck):
+        action.add_argument("--json", action="store_true", default=argparse.SUPPRESS)
+
+
+def run(options: argparse.Namespace) -> dict[str, Any]:
+    """Do the action and return plain values."""
+    actions = {"list": _list, "show": _show, "add": _add, "add-compression": _add_compression}
+    return actions[options.action](options)
+
+
+def _list(options: argparse.Namespace) -> dict[str, Any]:
+    """A broken file of the user is said and left out, so that it never hides the others."""
+    from dummydesign.core.datafiles import entries
+    from dummydesign.core.errors import InputError
+    from dummydesign.resin.model.resin_file import KIND, read_resin
+
+    rows, warnings, sources = [], [], []
+    for entry in entries(KIND).values():
+        try:
+            resin = read_resin(entry)
+        except InputError as problem:
+            warnings.append({"code": "unreadable_resin", "message": str(problem)})
+            continue
+        ends = sorted(1e3 * resin.young_MPa(end) for end in (resin.ratio_min, resin.ratio_max))
+        rows.append(
+            {
+                "name": entry.name,
+                "origin": entry.origin,
+                "ratio_range": [resin.ratio_min, resin.ratio_max],
+                "ratio_meaning": resin.ratio_meaning,
+                "young_kPa_range": ends,
+            }
+        )
+        sources += [text for text in resin.references if text not in sources]
+    return {"inputs": {"action": "list"}, "warnings": warnings, "sources": sources, "resins": rows}
+
+
+def _show(options: argparse.Namespace) -> dict[str, Any]:
+    from dummydesign.resin import load_resin
+    from dummydesign.resin.describe import explain
+
+    resin = load_resin(options.name)
+    result = {
+        "inputs": {"action": "show", "name": options.name, "out": options.out},
+        **{key: value for key, value in explain(resin).items()},
+        "sources": list(resin.references),
+    }
+    if options.out is not None:
+        from dummydesign.core.files import output_folder
+        from dummydesign.resin.describe import write_plot
+
+        result["files"] = write_plot(resin, output_folder(options.out))
+    return result
+
+
+def _add(options: argparse.Namespace) -> dict[str, Any]:
+    from dummydesign.resin.describe import explain
+    from dummydesign.resin.update.rows import add_resin
+
+    resin, path = add_resin(options.file)
+    return {
+        "inputs": {"action": "add", "file": options.file},
+        **explain(resin),
+        "sources": list(resin.references),
+        "files": {"resin": str(path)},
+    }
+
+
+def _add_compression(options: argparse.Namespace) -> dict[str, Any]:
+    from dummydesign.resin.puck_test.add import add_compression
+
+    done = add_compression(
+        options.file, options.diameter, options.height, options.name, options.ratio, options.resin
+    )
+    inputs = {
+        "action": "add-compression",
+        "file": options.file,
+        "diameter_mm": options.diameter,
+        "height_mm": options.height,
+        "name": options.name,
+        "ratio": options.ratio,
+        "resin": options.resin,
+    }
+    return {"inputs": inputs, "sources": [done.young_kPa.source], **done.to_dict()}
+
+
+def render(result: dict[str, Any]) -> str:
+    """Lay the answer out as short tables."""
+    lines: list[str] = []
+    if "resins" in result:
+        lines.append(f"{'name':<24} {'origin':<9} {'ratio':<12} {'E in kPa':<14} ratio counts")
+        for row in result["resins"]:
+            ratio = "{:g} to {:g}".format(*row["ratio_range"])
+            young = "{:.3g} to {:.3g}".format(*row["young_kPa_range"])
+            lines.append(f"{row['name']:<24} {row['origin']:<9} {ratio:<12} {young:<14} {row['ratio_meaning']}")
+    elif "young_kPa" in result:
+        lines += _render_puck(result)
+    else:
+        lines += _render_resin(result)
+    lines += [f"warning: {item['message']}" for item in result["warnings"]]
+    return "\n".join(lines)
+
+
+def _render_puck(result: dict[str, Any]) -> list[str]:
+    young, friction = result["young_kPa"], result["friction"]
+    low, high = ("bonded" if friction[end] is None else f"{friction[end]:.2g}" for end in ("low", "high"))
+    return [
+        f"modulus   {young['value']:.4g} kPa (95 %: {young['low']:.4g} to {young['high']:.4g}), this puck alone",
+        f"plates    friction {low} to {high} agrees with the curve; it was not told and is in the interval",
+        f"misfit    {result['rmse_N']:.3g} N rms over {result['compression_mm'][0]:.3g} to "
+        f"{result['compression_mm'][1]:.3g} mm",
+        *_render_relaxation(result["relaxation"]),
+        f"resin     {result['name']}: law of {result['base']} updated at ratio {result['ratio']:g}",
+        f"file      {result['files']['resin']}",
+    ]
+
+
+def _render_relaxation(found: dict[str, Any] | None) -> list[str]:
+    if found is None:
+        return []
+    lines = []
+    for arm in found["prony"]:
+        beta, tau = arm["beta"], arm["tau_s"]
+        lines.append(
+            f"arm       {beta['value']:.3g} of the long-term modulus (95 %: {beta['low']:.3g} to {beta['high']:.3g}) "
+            f"at {tau['value']:.3g} s ({tau['low']:.3g} to {tau['high']:.3g})"
+        )
+    return lines or ["arm       none that the holds can tell"]
+
+
+def _render_resin(result: dict[str, Any]) -> list[str]:
+    resin = result["resin"]
+    lines = [
+        resin["title"],
+        f"ratio: {resin['ratio_meaning']}",
+        "",
+        "  ratio   E kPa (95 % interval)     % of E per",
+    ]
+    lines.append("                                  % of ratio   strength of arms, per long-term modulus")
+    for row in result["curve"]:
+        young = row["young_kPa"]
+        arms = ", ".join(f"{arm['beta']:.2g} at {arm['tau_s']:g} s" for arm in row["prony"])
+        interval = f"({young['low']:.3g} to {young['high']:.3g})"
+        slope = row["d_ln_young_per_percent_ratio"] * 100
+        lines.append(f"  {row['ratio']:<6g}  {young['value']:<7.3g}{interval:<19} {slope:>6.1f}       {arms}")
+    lines += ["", "numbers (value, low to high, kind):"]
+    for name, item in result["numbers"].items():
+        lines.append(f"  {name:<26} {item['value']:<8.4g} {item['low']:.4g} to {item['high']:.4g}  {item['kind']}")
+        lines.append(f"      {item['source']}")
+    lines += [f"note: {text}" for text in resin["notes"]]
+    lines += [f"{role}: {path}" for role, path in result.get("files", {}).items()]
+    return lines

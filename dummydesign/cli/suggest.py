@@ -1,0 +1,172 @@
+"""``dummydesign suggest``: recipe, pad and mould for a tissue."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+HELP = "Recommend resin ratio, pad thickness, weights to pour and a mould for a tissue."
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add what can be asked."""
+    add = parser.add_argument
+    add("--tissue", required=True, metavar="NAME|FILE", help="see 'dummydesign tissues list'")
+    add("--aim", default="average", metavar="AIM", help="average (default), safe-side or subject:NAME")
+    add("--resin", default="polyurethane-nagoya", metavar="NAME|FILE", help="see 'dummydesign resins list'")
+    add("--thickness", metavar="MIN:MAX", help="limits in mm, inside 3 to 30")
+    add("--ratio", metavar="MIN:MAX", help="limits of the mixing ratio, inside the resin's range")
+    add("--calibration", metavar="FILE", help="calibration written by 'dummydesign loop'")
+    shapes = "slab (default), crowned, layered, boned, auto (the best of all), or one with lengths, crowned:10,2"
+    add("--shape", default="slab", metavar="NAME[:P,..]", help=shapes)
+    add("--no-cad", action="store_true", help="no mould, the recipe and the report alone")
+    add("--no-verify", action="store_true", help="do not solve the design again by finite elements")
+    add("--robot-mass", type=float, metavar="KG", help="safety view: a free mass that runs into tissue and pad")
+    add("--robot-velocity", type=float, default=250.0, metavar="MM_S", help="its speed (default 250 mm/s)")
+    add("--limits", metavar="FILE", help="safety view: your limits of force and pressure, with their source (TOML)")
+    add("--out", metavar="DIR", help="folder of the files (default suggest-TISSUE)")
+
+
+def run(options: argparse.Namespace) -> dict[str, Any]:
+    """Find the design, make its mould, write the report and return the answer."""
+    from pathlib import Path
+
+    from dummydesign.api import suggest
+    from dummydesign.design.sweep.ranges import parse_limits
+
+    return suggest(
+        options.tissue,
+        aim=options.aim,
+        resin=options.resin,
+        thickness_mm=parse_limits(options.thickness, "thickness in mm"),
+        ratio=parse_limits(options.ratio, "ratio"),
+        shape=options.shape,
+        calibration=options.calibration,
+        verify=not options.no_verify,
+        cad=not options.no_cad,
+        robot_mass_kg=options.robot_mass,
+        robot_velocity_mm_s=options.robot_velocity,
+        limits=options.limits,
+        out=f"suggest-{Path(options.tissue).stem}" if options.out is None else options.out,
+    ).to_dict()
+
+
+def render(result: dict[str, Any]) -> str:
+    """Lay the answer out as short tables."""
+    best = result["recommendation"]
+    young, recipe = best["young_kPa"], best["recipe"]
+    weigh = ", ".join(f"{item['name']} {item['mass_g']:.1f} g" for item in recipe["components"])
+    lines = [
+        f"{result['inputs']['tissue']}, aim {result['inputs']['aim']}",
+        "",
+        f"  pad        {best['thickness_mm']:g} mm thick, 150 x 120 mm {best['shape']}, glued to a rigid base",
+        f"  resin      {best['resin']}, ratio {best['ratio']:g} ({best['ratio_meaning']})",
+        f"  weigh      {weigh} (total {recipe['total_g']:.1f} g)",
+        f"  modulus    {young['value']:.3g} kPa long-term (95 %: {young['low']:.3g} to {young['high']:.3g})",
+        "",
+        "scores, 0 to 1 (more is better):",
+        "  " + "   ".join(f"{name.replace('_', ' ')} {value:.2f}" for name, value in best["scores"].items()),
+        "",
+        "  steady N  mm/s   depth mm  depth/thickness  peak N   tissue peak N   share inside",
+    ]
+    lines += [_condition(row) for row in best["conditions"]]
+    lines += [
+        "",
+        "  low forces (never measured on people; cubic extrapolated):",
+        "  N      depth mm   tissue mm",
+    ]
+    for row in best["low_force"]:
+        depth = "-" if row["depth_mm"] is None else f"{row['depth_mm']:.2f}"
+        span = f"{row['tissue_depth_low_mm']:.2f} to {row['tissue_depth_high_mm']:.2f}"
+        lines.append(f"  {row['force_N']:<6g} {depth:<10} {span}")
+    lines += _shapes(result) + _parameters(best) + _more(result)
+    return "\n".join(lines)
+
+
+def _shapes(result: dict[str, Any]) -> list[str]:
+    """The best pad of each kind of shape, one a line."""
+    if not result["shapes"]:
+        return []
+    lines = [
+        "",
+        "  shapes side by side (misfit: rms of ln F from 0.5 to 15 N; exponent d ln F / d ln x, tissue 3):",
+        "  misfit  share <5 N  share >5 N  exponent 1/5/15 N  d/h    total  pad",
+    ]
+    for row in result["shapes"]:
+        if row["shape"] is None:
+            lines.append(f"  {row['kind']}: {row['reason']}")
+            continue
+        misfit, depth = ("-" if row[name] is None else f"{row[name]:.2f}" for name in _MISFIT)
+        exponents = (row["exponent_at_N"][force] for force in ("1", "5", "15"))
+        powers = " / ".join("-" if value is None else f"{value:.1f}" for value in exponents)
+        lines.append(
+            f"  {misfit:<7} {row['share_below_5N']:<11.2f} {row['share_above_5N']:<11.2f} {powers:<18} {depth:<6} "
+            f"{row['total']:<6.2f} {row['thickness_mm']:g} mm {row['shape']}, ratio {row['ratio']:g}"
+        )
+    return lines
+
+
+_MISFIT = ("misfit_rms_ln_force", "depth_over_thickness")
+
+
+def _condition(row: dict[str, Any]) -> str:
+    head = f"  {row['steady_force_N']:<9g} {row['velocity_mm_s']:<6g}"
+    if row["depth_mm"] is None:
+        return f"{head} {row['out_of_reach']}"
+    span = f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}"
+    return (
+        f"{head} {row['depth_mm']:<9.2f} {row['depth_over_thickness']:<16.2f} {row['peak_force_N']:<8.1f} "
+        f"{span:<15} {row['inside_fraction']:.2f}"
+    )
+
+
+def _parameters(best: dict[str, Any]) -> list[str]:
+    if best["parameters"] is None:
+        return []
+    lines = [
+        "",
+        f"parameters of the tissue law ({best['parameters_law']}) fitted to this pad's simulated presses:",
+    ]
+    for name, value in best["parameters"].items():
+        symbol, unit = name.split("_", 1)
+        unit = {"N_per_mm3": "N/mm3", "N_s_per_mm": "N s/mm"}[unit]
+        if isinstance(value, dict):
+            text = ", ".join(f"{item:.3g} at {speed} mm/s" for speed, item in value.items())
+        else:
+            text = f"{value:.3g}"
+        lines.append(f"  {symbol:<7} {text} {unit}")
+    return lines
+
+
+def _more(result: dict[str, Any]) -> list[str]:
+    """Alternatives, tolerance, verification, files, and what the answer rests on."""
+    lines = []
+    if result["alternatives"]:
+        lines += ["", "alternatives:", "  mm     ratio   kPa     total  steady  force-time  aim   below 5 N"]
+    for other in result["alternatives"]:
+        s, young = other["scores"], other["young_kPa"]["value"]
+        lines.append(
+            f"  {other['thickness_mm']:<6g} {other['ratio']:<7g} {young:<7.3g} {s['total']:<6.2f} "
+            f"{s['steady_state_range']:<7.2f} {s['force_variation_range']:<11.2f} {s['aim']:<5.2f} "
+            f"{s['low_force_range']:.2f}"
+        )
+    tolerance = result["sensitivity"]
+    limits, slope = tolerance["tolerances"], 100 * tolerance["d_ln_young_per_percent_ratio"]
+    judged = ", ".join(f"{force:g}" for force in tolerance["judged_at_N"]) or "no force, of 5, 10 and 15"
+    lines += [
+        "",
+        f"tolerance: modulus changes {slope:.0f} % per 1 % of ratio; "
+        f"with {limits['weighing_g']:g} g and {limits['thickness_mm']:g} mm",
+        f"  {100 * tolerance['yield_fraction']:.0f} % of pours stay in the steady range at {judged} N "
+        f"({100 * tolerance['making_only_fraction']:.0f} % if the resin's numbers were exact); by force: "
+        + ", ".join(f"{force} N {100 * share:.0f} %" for force, share in tolerance["by_force"].items()),
+    ]
+    checked = result["verification"]
+    if checked["max_difference_percent"] is not None:
+        lines.append(
+            f"verified: {checked['fidelity']} finite elements differ by at most "
+            f"{checked['max_difference_percent']:.2f} % from the table"
+        )
+    lines += ["", result["rests_on"]["text"], f"next: {result['rests_on']['next_step']}"]
+    lines += [f"{role}: {path}" for role, path in result["files"].items() if not role.startswith("report_")]
+    return lines + [f"warning: {item['message']}" for item in result["warnings"]]

@@ -1,0 +1,123 @@
+"""``dummydesign tissues``: list, show, add a tissue from traces, or update one by points read off figures."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from dummydesign.core.errors import InputError
+
+HELP = "list, show or add tissues"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    actions = parser.add_subparsers(dest="action", metavar="list|show|add|add-points")
+    actions.add_parser("list", help="names, origin and kind of the known tissues")
+    show = actions.add_parser("show", help="every number of one tissue with its interval and source")
+    show.add_argument("name", metavar="NAME", help="a known tissue or a TOML file")
+    add = actions.add_parser("add", help="make a tissue from traces or from fits, one subject per file or folder")
+    add.add_argument("name", metavar="NAME", help="name of the new tissue")
+    add.add_argument("files", nargs="+", metavar="FILE", help="trace CSV, folder of one subject's traces, or fit TOML")
+    add.add_argument("--law", default="ode", help="published, consistent or ode (default ode)")
+    add.add_argument("--elements", default="5", help="3, 5 or 7 (default 5)")
+    add.add_argument("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help="filter of the recorded force")
+    points = actions.add_parser("add-points", help="update a tissue by points read off figures")
+    points.add_argument("name", metavar="NAME", help="the tissue to update")
+    points.add_argument("points", metavar="POINTS.csv", help="columns subject,depth_mm,force_N")
+    for parser_ in actions.choices.values():
+        parser_.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print one JSON object")
+
+
+def run(options: argparse.Namespace) -> dict[str, Any]:
+    """Run the chosen action."""
+    if options.action == "list":
+        return _list()
+    if options.action == "show":
+        return _show(options.name)
+    if options.action == "add":
+        from dummydesign.tissue.population.from_traces import add_tissue
+
+        return add_tissue(options.name, options.files, options.law, options.elements, options.lowpass)
+    if options.action == "add-points":
+        from dummydesign.tissue.population.from_points import add_points
+
+        return add_points(options.name, options.points)
+    raise InputError("tissues needs an action: list, show NAME, add NAME FILE... or add-points NAME POINTS.csv")
+
+
+def _list() -> dict[str, Any]:
+    from dummydesign.tissue.model.tissue_file import readable_tissues
+
+    tissues, problems = readable_tissues()
+    warnings = [{"code": "unreadable_tissue", "message": problem} for problem in problems]
+    rows = []
+    for tissue in tissues:
+        gamma1 = tissue.bands["gamma1_N_per_mm3"]
+        rows.append(
+            {
+                "name": tissue.name,
+                "title": tissue.title,
+                "origin": tissue.origin,
+                "law": tissue.law,
+                "elements": tissue.elements,
+                "kinds": list(tissue.kinds),
+                "subjects": [subject.name for subject in tissue.subjects],
+                "velocities_mm_s": list(tissue.velocities_mm_s),
+                "gamma1_N_per_mm3": [gamma1.low, gamma1.high],
+            }
+        )
+    return {"inputs": {"action": "list"}, "tissues": rows, "warnings": warnings}
+
+
+def _show(name: str) -> dict[str, Any]:
+    from dummydesign.tissue.model.tissue_file import load_tissue
+
+    tissue = load_tissue(name)
+    warnings = []
+    if "inferred" in tissue.kinds:
+        warnings.append({"code": "inferred_tissue", "message": tissue.notes[0] if tissue.notes else "inferred"})
+    return {"inputs": {"action": "show", "name": name}, **tissue.to_dict(), "warnings": warnings}
+
+
+def render(result: dict[str, Any]) -> str:
+    """Make the readable table."""
+    if "tissues" in result:
+        lines = [f"{'tissue':<14} {'origin':<9} {'kind':<20} {'law':<11} subjects  gamma1 in N/mm3"]
+        for row in result["tissues"]:
+            low, high = row["gamma1_N_per_mm3"]
+            lines.append(
+                f"{row['name']:<14} {row['origin']:<9} {'+'.join(row['kinds']):<20} {row['law']:<11} "
+                f"{len(row['subjects']):>8}  {low:.3g} to {high:.3g}"
+            )
+        return "\n".join(lines + [f"warning: {w['message']}" for w in result["warnings"]])
+    lines = [f"{result['name']} ({result['title']}), {result['origin']}, law {result['law']}"]
+    lines.append(f"{'parameter':<26} {'band mean':>10} {'lowest':>10} {'highest':>10}  kind")
+    for name, entry in _flat(result["bands"]):
+        lines.append(
+            f"{name:<26} {entry['value']:>10.4g} {entry['low']:>10.4g} {entry['high']:>10.4g}  {entry['kind']}"
+        )
+    for subject in result["subjects"]:
+        gamma1 = subject["gamma1_N_per_mm3"]
+        lines.append(
+            f"subject {subject['name']:<16} gamma1 {gamma1['value']:.4g} N/mm3 "
+            f"({gamma1['low']:.4g} to {gamma1['high']:.4g}, {gamma1['kind']}: {gamma1['source']})"
+        )
+    lines += [f"note: {note}" for note in result["notes"]]
+    lines += [f"source: {source}" for source in result["sources"]]
+    lines += [f"{role}: {path}" for role, path in result.get("files", {}).items()]
+    lines += [f"warning: {w['message']}" for w in result["warnings"] if w["message"] not in result["notes"]]
+    if "next_measurement" in result:
+        lines.append(f"what would narrow it most: {result['next_measurement']['text']}")
+    return "\n".join(lines)
+
+
+def _flat(bands: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:
+    """List bands with one row per speed for the dampers."""
+    rows = []
+    for name, entry in bands.items():
+        if "value" in entry:
+            rows.append((name, entry))
+        else:
+            rows += [(f"{name} at {speed} mm/s", quantity) for speed, quantity in entry.items()]
+    return rows

@@ -1,0 +1,1 @@
+"""What a design is worth: pour tolerance, verification, warnings, centring, safety."""

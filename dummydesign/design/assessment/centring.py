@@ -1,0 +1,65 @@
+"""How far off the centre of a crowned pad the punch may land before the answer changes."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dummydesign.core.errors import NoAnswerError
+from dummydesign.design.scoring.targets import FORCES_N
+
+if TYPE_CHECKING:
+    from dummydesign.design.search.slabs import Candidate
+    from dummydesign.geometry.shapes import Shape
+
+DEPTH_SHARES = np.linspace(0.05, 1.0, 12)
+
+
+@dataclass(frozen=True)
+class Landing:
+    """Contact radius at each steady force, and the way the punch may be moved until its side meets the contact.
+
+    Attributes
+    ----------
+    force_N : tuple of float
+    contact_radius_mm, margin_mm : tuple of float or None
+        ``margin_mm`` is the half side of the punch less the contact radius, 0 when the contact is wider. Up to
+        it nothing changes; beyond it the force falls. None where the force is out of reach.
+    """
+
+    force_N: tuple[float, ...]
+    contact_radius_mm: tuple[float | None, ...]
+    margin_mm: tuple[float | None, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain lists."""
+        return {name: list(value) for name, value in asdict(self).items()}
+
+    @property
+    def text(self) -> str:
+        """The margins as a sentence."""
+        parts = [f"{m:.1f} mm at {f:g} N" for f, m in zip(self.force_N, self.margin_mm) if m is not None]
+        return f"the crown has a centre: the punch may land off it by {', '.join(parts)} before the force changes"
+
+
+def landing(
+    best: Candidate, shape: Shape, radius_mm: float, half_side_mm: float, forces_N: tuple[float, ...] = (1.0, *FORCES_N)
+) -> Landing | None:
+    """Solve the contact of a round crowned pad; None for flat tops, shapes that are not round, or a failed solve."""
+    from dummydesign.pad.shaped.contact_radius import contact_radius
+
+    if shape.flat_top or not shape.axisymmetric:
+        return None
+    slabs = best.evaluation.slabs.take(np.array([best.index]))
+    depth = slabs.curves.depth_at(slabs.slab, np.array([forces_N]) / slabs.young_MPa[0])[0]
+    if not np.isfinite(depth).any():
+        return None
+    try:
+        touch = contact_radius(shape, best.thickness_mm, radius_mm, np.nanmax(depth) * DEPTH_SHARES)
+    except NoAnswerError:
+        return None
+    radius = touch.radius_at(depth)
+    margin = np.maximum(half_side_mm - radius, 0.0)
+    return Landing(forces_N, *(tuple(float(v) if np.isfinite(v) else None for v in row) for row in (radius, margin)))

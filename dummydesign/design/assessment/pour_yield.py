@@ -1,0 +1,191 @@
+"""What share of pours stays inside the band, given weighing, thickness and what is not known of the resin."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.design.scoring.presses import ForceLaw, Slabs, make_curves, steady_depth
+from dummydesign.design.scoring.targets import FORCES_N, VELOCITIES_MM_S, Targets
+from dummydesign.resin.model.resin import Resin
+
+POURS, SEED, NODES = 2000, 11, 9
+
+
+@dataclass(frozen=True)
+class Tolerances:
+    """How well a pad is made. Errors are even within plus and minus these limits.
+
+    ``pour_g`` is the whole mass that is weighed in.
+    """
+
+    pour_g: float
+    weighing_g: float = 0.1
+    thickness_mm: float = 0.2
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the limits."""
+        return asdict(self)
+
+
+@dataclass(frozen=True)
+class Yield:
+    """Share of pours inside the steady-state range.
+
+    Attributes
+    ----------
+    yield_fraction : float
+        Share that stays inside at every force where the nominal pad is inside, with every uncertainty;
+        0 when the nominal pad is inside nowhere.
+    judged_at_N : tuple of float
+        These forces, out of 5, 10 and 15 N.
+    making_only_fraction : float
+        The same if the resin's numbers were exactly as stated: weighing and thickness alone.
+    by_force : dict
+        {force: share inside at this force}, every uncertainty.
+    by_force_making_only : dict
+        {force: share}, weighing and thickness alone.
+    young_spread_percent : float
+        Spread of the modulus from weighing alone (one standard deviation).
+    """
+
+    yield_fraction: float
+    judged_at_N: tuple[float, ...]
+    making_only_fraction: float
+    by_force: dict[str, float]
+    by_force_making_only: dict[str, float]
+    young_spread_percent: float
+    pours: int
+    tolerances: Tolerances
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the shares and what they were computed for."""
+        return asdict(self)
+
+
+def pour_yield(
+    law: ForceLaw,
+    resin: Resin,
+    targets: Targets,
+    thickness_mm: float,
+    ratio: float,
+    radius_mm: float,
+    tolerances: Tolerances,
+    pours: int = POURS,
+    seed: int = SEED,
+) -> Yield:
+    """Pour one design many times and press each pad at the speed of the slow condition.
+
+    Parameters
+    ----------
+    law, resin, targets
+        As for :func:`dummydesign.design.search.slabs.search`.
+    thickness_mm, ratio : float
+        The design.
+    radius_mm : float
+        Radius of the circle of the punch's area. [mm]
+    tolerances : Tolerances
+        Limits of the errors.
+    pours : int
+        Number of pours.
+    seed : int
+        The same seed gives the same pours.
+
+    Returns
+    -------
+    Yield
+    """
+    rng = np.random.default_rng(seed)
+    weighed = _weighed_ratio(resin, ratio, tolerances, pours, rng)
+    thickness = thickness_mm + tolerances.thickness_mm * rng.uniform(-1.0, 1.0, pours)
+    drawn = resin.draw(pours, rng)
+    central = {name: np.full(pours, value) for name, value in resin.central.items()}
+    stated = replace(
+        drawn,
+        numbers=central,
+        beta_ref=np.tile([arm.beta.value for arm in resin.arms], (pours, 1)),
+        softness_exponent=np.full(pours, resin.softness_exponent.value),
+    )
+    shares = {}
+    for name, numbers in (("all", drawn), ("making", stated)):
+        young = np.maximum(numbers.young_MPa(weighed), 1e-9)
+        beta = numbers.beta(np.clip(weighed, resin.ratio_min, resin.ratio_max))
+        shares[name] = _inside(law, resin, targets, thickness, young, beta, radius_mm)
+    nominal = _nominal(law, resin, targets, thickness_mm, ratio, radius_mm)
+    spread = float(np.std(np.log(np.maximum(stated.young_MPa(weighed), 1e-9))))
+    return Yield(
+        _stays(shares["all"], nominal),
+        tuple(float(force) for force in np.array(FORCES_N)[nominal]),
+        _stays(shares["making"], nominal),
+        _by_force(shares["all"]),
+        _by_force(shares["making"]),
+        100.0 * spread,
+        pours,
+        tolerances,
+    )
+
+
+def _stays(inside: NDArray, nominal: NDArray) -> float:
+    """Share of pours inside wherever the nominal pad is."""
+    return float(inside[:, nominal].all(axis=-1).mean()) if nominal.any() else 0.0
+
+
+def _nominal(
+    law: ForceLaw, resin: Resin, targets: Targets, thickness_mm: float, ratio: float, radius_mm: float
+) -> NDArray:
+    """Whether the pad without any error is inside at each force."""
+    beta = np.array([[term.beta for term in resin.prony(ratio)]])
+    thickness, young = np.array([thickness_mm]), np.array([resin.young_MPa(ratio)])
+    return _inside(law, resin, targets, thickness, young, beta, radius_mm)[0]
+
+
+def _weighed_ratio(resin: Resin, ratio: float, tolerances: Tolerances, pours: int, rng: np.random.Generator) -> NDArray:
+    """Ratio that is really in the cup when every component is weighed with an error of its own."""
+    parts = resin.parts(ratio)
+    by_ratio = next(liquid.name for liquid in resin.liquids if liquid.parts is None)
+    true_g = {component.name: component.mass_g for component in resin.recipe(ratio, tolerances.pour_g)}
+    weighed = {
+        name: np.maximum(mass + tolerances.weighing_g * rng.uniform(-1.0, 1.0, pours), 0.0)
+        for name, mass in true_g.items()
+    }
+    others = sum(value for name, value in parts.items() if name != by_ratio)
+    rest = sum(mass for name, mass in weighed.items() if name != by_ratio)
+    return others * weighed.get(by_ratio, np.zeros(pours)) / np.maximum(rest, 1e-9)
+
+
+def _inside(
+    law: ForceLaw,
+    resin: Resin,
+    targets: Targets,
+    thickness: NDArray,
+    young: NDArray,
+    beta: NDArray,
+    radius_mm: float,
+) -> NDArray:
+    """Whether each pour is inside the steady-state range at each force, shape (pours, forces)."""
+    # a pad thinner or thicker than the law knows is taken at the law's end
+    smallest, largest = getattr(law, "ratio_range", (1e-6, 1e6))
+    thickness = np.clip(thickness, radius_mm / largest, radius_mm / smallest)
+    low, high = float(thickness.min()), float(thickness.max())
+    nodes = np.linspace(low, high, NODES) if high > low else np.array([low])
+    curves = make_curves(law, nodes, radius_mm)
+    place = (thickness - low) / (high - low) * (NODES - 1) if high > low else np.zeros(len(thickness))
+    left = np.minimum(place.astype(int), max(len(nodes) - 2, 0))
+    share = (place - left)[:, None]
+    tau = tuple(arm.tau_s.value for arm in resin.arms)
+    forces = np.array(FORCES_N)
+    at_left = steady_depth(Slabs(curves, left, young, tau, beta), forces, VELOCITIES_MM_S[0])
+    at_right = steady_depth(
+        Slabs(curves, np.minimum(left + 1, len(nodes) - 1), young, tau, beta), forces, VELOCITIES_MM_S[0]
+    )
+    depth = at_left + share * (at_right - at_left)
+    stiff, soft = targets.depth_range_mm(forces)
+    with np.errstate(invalid="ignore"):
+        return (depth >= stiff) & (depth <= soft)
+
+
+def _by_force(inside: NDArray) -> dict[str, float]:
+    return {f"{force:g}": float(share) for force, share in zip(FORCES_N, inside.mean(axis=0))}

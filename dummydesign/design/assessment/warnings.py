@@ -1,0 +1,144 @@
+"""What a user must know beside the numbers: out of reach, edges of the search, and what is not measured."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dummydesign.design.scoring.targets import FORCES_N
+
+if TYPE_CHECKING:
+    from dummydesign.design.search.slabs import Candidate
+    from dummydesign.design.suggest import Suggestion
+    from dummydesign.resin.model.resin import Resin
+    from dummydesign.tissue.model.tissue import Tissue
+
+WEAK = ("inferred", "assumed")
+DRAWS = 2000
+
+
+def rests_on(resin: Resin, tissue: Tissue, best: Candidate) -> dict[str, Any]:
+    """Say how much of an answer rests on inferred or assumed numbers, and what that does to the ratio.
+
+    Counted are the numbers that decide the design: the tissue's parameters, the modulus law and the
+    relaxation of the resin. ``ratio_low`` and ``ratio_high`` bound (95 %) the ratio that really gives the
+    wanted modulus, over what is not known of the resin; None where that lies outside the resin's range.
+    """
+    tissue_kinds = [quantity.kind for subject in tissue.subjects for quantity in _leaves(subject.numbers)]
+    resin_numbers = [*resin.numbers.values(), *(arm.beta for arm in resin.arms), resin.softness_exponent]
+    resin_kinds = [quantity.kind for quantity in resin_numbers]
+    weak = {name: sum(kind in WEAK for kind in kinds) for name, kinds in _both(tissue_kinds, resin_kinds)}
+    wanted = resin.young_MPa(best.ratio) * 1e3
+    with np.errstate(invalid="ignore"):
+        ratios = resin.law.ratio(wanted, resin.draw(DRAWS).numbers)
+    low, high = (float(end) for end in np.percentile(ratios, [2.5, 97.5]))
+    total = len(tissue_kinds) + len(resin_kinds)
+    text = (
+        f"{sum(weak.values())} of the {total} numbers that decide this design are inferred or assumed "
+        f"(tissue {weak['tissue']} of {len(tissue_kinds)}, resin {weak['resin']} of {len(resin_kinds)}). "
+        f"The design needs {wanted:.3g} kPa; with what is not known of the resin the ratio that gives it "
+        f"lies between {low:.2f} and {high:.2f} (95 %)."
+    )
+    return {
+        "numbers": total,
+        "inferred_or_assumed": sum(weak.values()),
+        "tissue": {"numbers": len(tissue_kinds), "inferred_or_assumed": weak["tissue"]},
+        "resin": {"numbers": len(resin_kinds), "inferred_or_assumed": weak["resin"]},
+        "wanted_young_kPa": wanted,
+        "ratio_low": low,
+        "ratio_high": high,
+        "text": text,
+        "next_step": _next_step(resin, best, weak),
+    }
+
+
+def _both(tissue_kinds: list[str], resin_kinds: list[str]) -> list[tuple[str, list[str]]]:
+    return [("tissue", tissue_kinds), ("resin", resin_kinds)]
+
+
+def _next_step(resin: Resin, best: Candidate, weak: dict[str, int]) -> str:
+    """The measurement that would help most."""
+    if not resin.points and weak["resin"]:
+        return (
+            f"pour a test puck at ratio {best.ratio:g} and one a part higher, measure their modulus and give "
+            "both to 'dummydesign resins add'"
+        )
+    if weak["tissue"]:
+        return "replace the inferred tissue by your own traces with 'dummydesign tissues add'"
+    return "cast the pad, press it as the protocol says and give the traces to 'dummydesign compare'"
+
+
+def _leaves(numbers: dict[str, Any]) -> list[Any]:
+    found: list[Any] = []
+    for value in numbers.values():
+        found += list(value.values()) if isinstance(value, dict) else [value]
+    return found
+
+
+def design_warnings(answer: Suggestion) -> list[dict[str, str]]:
+    """List what is out of reach, at an edge, doubtful or contradictory, as {code, message}."""
+    best, resin = answer.best, answer.resin
+    said = []
+    for column, condition in enumerate(answer.targets.conditions):
+        if not np.isfinite(best.evaluation.depth_mm[best.index, column]):
+            force, speed = condition.steady_force_N, condition.velocity_mm_s
+            said.append(("out_of_reach", f"{force:g} N at {speed:g} mm/s is out of reach and counts as outside"))
+    low = float(best.evaluation.low_force_range[best.index])
+    if low < 0.5:
+        said.append(
+            (
+                "stiff_at_first_touch",
+                f"below 5 N only {100 * low:.0f} % of the steady curve lies in the (extrapolated) range: "
+                + _why_stiff(answer),
+            )
+        )
+    said += [("off_centre", answer.landing.text)] if answer.landing else []
+    said += [("no_shape", item.reason) for item in answer.beside if item.reason]
+    said += _edges(answer)
+    if answer.pour.yield_fraction < 0.5:
+        share, exact = 100 * answer.pour.yield_fraction, 100 * answer.pour.making_only_fraction
+        text = f"{share:.0f} % of pours stay in the steady-state range"
+        said.append(("low_yield", f"{text} ({exact:.0f} % if the resin's numbers were exact)"))
+    said += [("calibration", note) for note in getattr(answer.law, "notes", ())]
+    missed = [force for force in FORCES_N if force not in answer.pour.judged_at_N]
+    if missed:
+        where = " and ".join(f"{force:g}" for force in missed)
+        said.append(("outside_steady_range", f"the steady curve is outside the tissue's range at {where} N"))
+    said += [("contradictory_points", text) for text in resin.contradictions]
+    weak_tissue = [kind for kind in answer.tissue.kinds if kind in WEAK]
+    if weak_tissue:
+        said.append(
+            (
+                "inferred_tissue",
+                f"the parameters of {answer.tissue.name} are {' and '.join(weak_tissue)}, not measured",
+            )
+        )
+    weak = resin.uncertain()
+    if weak:
+        text = f"{len(weak)} numbers of resin {resin.name} are inferred or assumed, not measured"
+        said.append(("not_measured", f"{text}; 'dummydesign resins show {resin.name}' lists them"))
+    off = answer.verification.max_difference_percent
+    if off is not None and off > 1.0 and answer.shape.name == "slab":
+        said.append(("table_error", f"the table is {off:.1f} % off the finite-element solve"))
+    said += [("verification", note) for note in answer.verification.notes if answer.request.verify]
+    return [{"code": code, "message": message} for code, message in said]
+
+
+def _why_stiff(answer: Suggestion) -> str:
+    if not answer.shape.flat_top:
+        return "the shape starts stiffer or softer than tissue there"
+    return "a flat pad starts far more linear than tissue, whatever its ratio; '--shape auto' looks for others"
+
+
+def _edges(answer: Suggestion) -> list[tuple[str, str]]:
+    """A best design at the end of a range: more might be had outside."""
+    best, searched = answer.best, answer.found.score_map
+    said = []
+    for name, value, steps in (
+        ("thickness", best.thickness_mm, searched.thickness_mm),
+        ("ratio", best.ratio, searched.ratio),
+    ):
+        if len(steps) > 1 and value in (steps[0], steps[-1]):
+            said.append(("at_edge", f"the best {name} {value:g} is at the end of what was searched"))
+    return said

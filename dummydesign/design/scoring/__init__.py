@@ -1,0 +1,1 @@
+"""Simulated presses of a design, the tissue's targets and the score."""

@@ -1,0 +1,245 @@
+"""Force-depth curves of many slabs at once, per unit modulus, ready to be inverted and pressed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dummydesign.measurement.motion import DECELERATION_MM_S2, Motion, ramp_and_hold
+from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
+
+DEPTH_SHARE = 0.6
+"""Largest depth over thickness that is designed for, as in the contract of the commands."""
+
+SAMPLES = 481
+
+
+class ForceLaw(Protocol):
+    """What a response table offers: elastic force of a slab and how deep it may be trusted."""
+
+    def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: float) -> NDArray:
+        """Elastic force [N]; all arguments broadcast."""
+        ...
+
+    def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: float) -> NDArray:
+        """Depth to which the law holds [mm]."""
+        ...
+
+
+@dataclass(frozen=True)
+class Curves:
+    """Elastic force per unit modulus of T slabs on even depth grids.
+
+    Attributes
+    ----------
+    thickness_mm : ndarray, shape (T,)
+    limit_mm : ndarray, shape (T,)
+        Largest depth: the smaller of 0.6 of the thickness and what the force law allows. [mm]
+    area_mm2 : ndarray, shape (T, n)
+        F / E at depths 0 .. limit, even steps. [mm2]
+    """
+
+    thickness_mm: NDArray
+    limit_mm: NDArray
+    area_mm2: NDArray
+
+    @property
+    def step_mm(self) -> NDArray:
+        """Depth step of each slab's grid, shape (T,). [mm]"""
+        return self.limit_mm / (self.area_mm2.shape[-1] - 1)
+
+    def area_at(self, slab: NDArray, depth_mm: NDArray) -> NDArray:
+        """F / E at depths (D, n) of slabs given by index (D,), on straight lines between the grid. [mm2]"""
+        return _lookup(self.area_mm2, slab, depth_mm / self.step_mm[slab][:, None])
+
+    def depth_at(self, slab: NDArray, area_mm2: NDArray) -> NDArray:
+        """Depth at which slabs (D,) reach F / E of shape (D,) or (D, n); NaN beyond their limit. [mm]"""
+        wanted = np.asarray(area_mm2, float)
+        depth = np.full(wanted.shape, np.nan)
+        for index in np.unique(slab):
+            chosen = slab == index
+            grid = self.step_mm[index] * np.arange(self.area_mm2.shape[-1])
+            depth[chosen] = np.interp(wanted[chosen], self.area_mm2[index], grid, right=np.nan)
+        return depth
+
+    def slope_at(self, slab: NDArray, depth_mm: NDArray) -> NDArray:
+        """Tangent d(F / E) / d depth at depths (D, n) of slabs (D,), by central differences. [mm]"""
+        slopes = np.gradient(self.area_mm2, axis=-1, edge_order=2) / self.step_mm[:, None]
+        return _lookup(slopes, slab, depth_mm / self.step_mm[slab][:, None])
+
+
+def _lookup(table: NDArray, slab: NDArray, position: NDArray) -> NDArray:
+    """Interpolate rows ``slab`` of a table at positions counted in grid steps; NaN stays NaN."""
+    known = np.nan_to_num(np.clip(position, 0.0, table.shape[-1] - 1.0))
+    left = np.minimum(known.astype(int), table.shape[-1] - 2)
+    share = known - left
+    rows = slab[:, None]
+    return np.where(np.isnan(position), np.nan, table[rows, left] * (1.0 - share) + table[rows, left + 1] * share)
+
+
+def make_curves(law: ForceLaw, thickness_mm: ArrayLike, radius_mm: float, depth_share: float = DEPTH_SHARE) -> Curves:
+    """Sample the force law for slabs of the given thicknesses (T,).
+
+    Parameters
+    ----------
+    law : ForceLaw
+        Response table, or anything with the same two methods.
+    thickness_mm : array_like, shape (T,)
+        Thicknesses inside the law's range. [mm]
+    radius_mm : float
+        Radius of the punch, or of the circle of equal area. [mm]
+    depth_share : float
+        Largest depth over thickness.
+    """
+    thickness = np.atleast_1d(np.asarray(thickness_mm, float))
+    limit = np.minimum(depth_share * thickness, law.depth_limit_mm(thickness, radius_mm))
+    share = np.linspace(0.0, 1.0, SAMPLES)
+    area = np.asarray(law.force(limit[:, None] * share, thickness[:, None], 1.0, radius_mm), float)
+    return Curves(thickness, limit, area)
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """How finely presses are sampled, and how the robot moves."""
+
+    ramp_points: int = 60
+    brake_points: int = 24
+    hold_points: int = 60
+    hold_s: float = 10.0
+    deceleration_mm_s2: float = DECELERATION_MM_S2
+
+    def motion(self, velocity_mm_s: float, depth_mm: NDArray) -> Motion:
+        """Ramp and hold to depths (D,)."""
+        return ramp_and_hold(
+            velocity_mm_s,
+            depth_mm,
+            self.hold_s,
+            self.deceleration_mm_s2,
+            self.ramp_points,
+            self.brake_points,
+            self.hold_points,
+        )
+
+
+COARSE = Sampling(16, 8, 20)
+
+
+@dataclass(frozen=True)
+class Slabs:
+    """D designs: which slab (index into curves), modulus and relaxation of each.
+
+    ``young_MPa`` has shape (D,), ``tau_s`` (arms,), ``beta`` (D, arms), relative to the long-term modulus.
+    """
+
+    curves: Curves
+    slab: NDArray
+    young_MPa: NDArray
+    tau_s: tuple[float, ...]
+    beta: NDArray
+
+    def take(self, chosen: NDArray) -> Slabs:
+        """Keep the designs chosen by index or mask."""
+        return Slabs(self.curves, self.slab[chosen], self.young_MPa[chosen], self.tau_s, self.beta[chosen])
+
+    @property
+    def thickness_mm(self) -> NDArray:
+        """Thickness of each design, shape (D,). [mm]"""
+        return self.curves.thickness_mm[self.slab]
+
+
+@dataclass(frozen=True)
+class Press:
+    """Presses of D designs at one condition: arrays (D, n) over time, NaN where out of reach."""
+
+    time_s: NDArray
+    force_N: NDArray
+    stop_s: NDArray
+    depth_mm: NDArray
+
+    @property
+    def peak_N(self) -> NDArray:
+        """Largest force of each press, shape (D,); NaN where out of reach. [N]"""
+        return self.force_N.max(axis=-1)
+
+
+def press_to_depth(slabs: Slabs, depth_mm: NDArray, velocity_mm_s: float, sampling: Sampling) -> Press:
+    """Press every design to its depth (D,), brake, hold: elastic curve with Prony relaxation on top."""
+    reachable = np.isfinite(depth_mm)
+    depth = np.where(reachable, depth_mm, slabs.curves.limit_mm[slabs.slab])
+    motion = sampling.motion(velocity_mm_s, depth)
+    area = slabs.curves.area_at(slabs.slab, motion.displacement_mm)
+    relative = area.copy()
+    for arm, tau in enumerate(slabs.tau_s):
+        # one arm of strength 1 alone, then scaled: strengths differ from design to design
+        relative += slabs.beta[:, arm, None] * (relaxed_force(motion.time_s, area, [PronyTerm(tau, 1.0)]) - area)
+    force = np.where(reachable[:, None], slabs.young_MPa[:, None] * relative, np.nan)
+    stop = motion.time_s[:, sampling.ramp_points + sampling.brake_points]
+    return Press(motion.time_s, force, stop, np.where(reachable, depth_mm, np.nan))
+
+
+def steady_depth(
+    slabs: Slabs,
+    steady_force_N: ArrayLike,
+    velocity_mm_s: float,
+    sampling: Sampling = COARSE,
+    exact: bool = False,
+) -> NDArray:
+    """Depth whose force at the end of the hold is the given one, shape (D,) or (D, n); NaN out of reach.
+
+    Slow arms have not died out by then: beside the relaxed force a share sum beta_i exp(-hold / tau_i) m_i
+    is left, m_i = (tau_i / t_p) (1 - exp(-t_p / tau_i)) for a rise at constant rate (t_p = depth / speed).
+
+    Parameters
+    ----------
+    slabs : Slabs
+        D designs.
+    steady_force_N : array_like, shape () or (n,)
+        Force at the end of the hold. [N]
+    velocity_mm_s : float
+        Speed of the ramp. [mm/s]
+    sampling : Sampling
+        Hold and braking.
+    exact : bool
+        Take the share from simulated presses instead of the rise at constant rate.
+    """
+    forces = np.atleast_1d(np.asarray(steady_force_N, float))
+    elastic = np.broadcast_to(forces, (len(slabs.slab), len(forces)))
+    depth = slabs.curves.depth_at(slabs.slab, elastic / slabs.young_MPa[:, None])
+    if np.exp(-sampling.hold_s / max(slabs.tau_s, default=1e-9)) > 1e-12:
+        left = _left_by_press if exact else _left_by_formula
+        settled = np.zeros(depth.shape, bool)
+        for _ in range(8):
+            # depths that are out of reach are tried at the limit: what is left there may bring them in
+            tried = np.where(np.isfinite(depth), depth, slabs.curves.limit_mm[slabs.slab][:, None])
+            share = left(slabs, tried, velocity_mm_s, sampling)
+            new = slabs.curves.depth_at(slabs.slab, elastic / share / slabs.young_MPa[:, None])
+            change = np.abs(np.nan_to_num(new / tried, nan=1.0) - 1.0)
+            # a depth that has settled stays, so that no design depends on which others are worked out with it
+            depth = np.where(settled, depth, new)
+            settled |= change < 1e-6
+            if settled.all():
+                break
+    return depth if np.ndim(steady_force_N) else depth[:, 0]
+
+
+def _left_by_formula(slabs: Slabs, depth_mm: NDArray, velocity_mm_s: float, sampling: Sampling) -> NDArray:
+    """Force at the end of the hold over the relaxed force for rises at constant rate, shape (D, n)."""
+    share = np.ones_like(depth_mm)
+    for arm, tau in enumerate(slabs.tau_s):
+        rise = depth_mm / velocity_mm_s / tau
+        kept = np.exp(-sampling.hold_s / tau) * -np.expm1(-rise) / rise
+        share += slabs.beta[:, arm, None] * kept
+    return share
+
+
+def _left_by_press(slabs: Slabs, depth_mm: NDArray, velocity_mm_s: float, sampling: Sampling) -> NDArray:
+    """The same from simulated presses, one column of depths after the other."""
+    share = np.ones_like(depth_mm)
+    for column in range(depth_mm.shape[1]):
+        press = press_to_depth(slabs, depth_mm[:, column], velocity_mm_s, sampling)
+        relaxed = slabs.curves.area_at(slabs.slab, depth_mm[:, column, None])[:, 0] * slabs.young_MPa
+        share[:, column] = press.force_N[:, -1] / relaxed
+    return share

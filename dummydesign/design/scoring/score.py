@@ -1,0 +1,176 @@
+"""Scores of many designs at once: share inside the tissue's ranges, closeness to the aim, parameters.
+
+Every part lies between 0 and 1 and more is better; the total is their weighted mean (:data:`WEIGHTS`), so
+it rises whenever a part rises and the others stay. A condition out of reach counts as 0, never as missing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.design.scoring.presses import COARSE, Press, Sampling, Slabs, press_to_depth, steady_depth
+from dummydesign.design.scoring.targets import FORCES_N, LOW_GRID_N, STEADY_GRID_N, VELOCITIES_MM_S, Targets
+from dummydesign.tissue.model.ranges import STEADY_TOLERANCE
+
+FIRST_HOLD_S = 0.005
+"""Time after the stop from which the hold counts, as in the tissue's own definition. [s]"""
+
+WEIGHTS = {"aim": 0.6, "steady_state_range": 0.15, "force_variation_range": 0.15, "parametric": 0.1}
+"""The curves lead, nine tenths: closeness to the aim's own curves, then the share inside the ranges. The
+parameters mislead when a pad's exponent differs from 3 (the paper's dummy III) and count least. The aim
+weighs most because a share inside a range does not tell its middle from its stiff edge."""
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """Scores and presses of D designs.
+
+    ``steady_state_range`` (5 to 15 N), ``low_force_range`` (0.5 to 5 N), ``force_variation_range``, ``aim``
+    and ``low_aim`` (closeness to the aim below 5 N, no part of the total) have shape (D,), ``inside`` and
+    ``depth_mm`` (D, conditions), ``low_depth_mm`` (D, low forces); ``presses`` one a condition, in the order
+    of the targets' conditions.
+    """
+
+    slabs: Slabs
+    steady_state_range: NDArray
+    low_force_range: NDArray
+    force_variation_range: NDArray
+    aim: NDArray
+    low_aim: NDArray
+    inside: NDArray
+    depth_mm: NDArray
+    low_depth_mm: NDArray
+    presses: tuple[Press, ...]
+
+    def total(self, parametric: NDArray) -> NDArray:
+        """Weighted mean of the parts, shape (D,)."""
+        parts = {
+            "steady_state_range": self.steady_state_range,
+            "force_variation_range": self.force_variation_range,
+            "aim": self.aim,
+            "parametric": parametric,
+        }
+        return sum(weight * parts[name] for name, weight in WEIGHTS.items())
+
+    def take(self, chosen: NDArray) -> Evaluation:
+        """Keep the designs chosen by index or mask (without their presses)."""
+        own = ("steady_state_range", "low_force_range", "force_variation_range", "aim", "low_aim", "inside")
+        parts = [getattr(self, name)[chosen] for name in (*own, "depth_mm", "low_depth_mm")]
+        return Evaluation(self.slabs.take(chosen), *parts, ())
+
+    @property
+    def feasible(self) -> NDArray:
+        """Designs that reach at least 10 N steady at both speeds inside their depth limit, shape (D,)."""
+        column = FORCES_N.index(10.0)
+        return np.isfinite(self.depth_mm[:, column :: len(FORCES_N)]).all(axis=-1)
+
+
+def halving(distance: NDArray) -> NDArray:
+    """Closeness from a distance in half-widths of the band: 1 at the aim, 1/2 half a band away; NaN is 0."""
+    return np.where(np.isfinite(distance), 0.5 ** np.abs(np.nan_to_num(distance)), 0.0)
+
+
+def closeness(distance: NDArray) -> NDArray:
+    """Closeness of curves (D, n) to the aim: :func:`halving` of the rms distance, times the share in reach.
+
+    The rms, not the mean of closenesses: a curve that runs evenly about the aim is nearer to it than one
+    that touches it once and is far off elsewhere.
+    """
+    known = np.isfinite(distance)
+    count = known.sum(axis=-1)
+    square = np.where(known, np.nan_to_num(distance) ** 2, 0.0).sum(axis=-1)
+    return halving(np.sqrt(square / np.maximum(count, 1))) * count / distance.shape[-1]
+
+
+def evaluate(slabs: Slabs, targets: Targets, sampling: Sampling = COARSE, exact: bool = False) -> Evaluation:
+    """Score designs against a tissue by the ranges and the aim.
+
+    Parameters
+    ----------
+    slabs : Slabs
+        D designs.
+    targets : Targets
+        Ranges and aim.
+    sampling : Sampling
+        Sampling of the presses; the coarse default serves the map.
+    exact : bool
+        Use the tissue's own definition of the share inside a force range (slower) instead of the same
+        share taken at the samples.
+
+    Returns
+    -------
+    Evaluation
+    """
+    forces = np.concatenate([LOW_GRID_N, STEADY_GRID_N])
+    reached = steady_depth(slabs, forces, VELOCITIES_MM_S[0], sampling)
+    shares = targets.tissue.steady_inside(STEADY_GRID_N, reached[:, len(LOW_GRID_N) :])
+    low = targets.tissue.steady_inside(LOW_GRID_N, reached[:, : len(LOW_GRID_N)])
+    away = np.log(reached / targets.aim_depth_mm(forces)) / targets.depth_half_width
+    close = [closeness(away[:, len(LOW_GRID_N) :])]
+    presses, inside, depths, peaks = [], [], [], []
+    at_force = {v: steady_depth(slabs, np.array(FORCES_N), v, sampling, exact) for v in VELOCITIES_MM_S}
+    for condition in targets.conditions:
+        depth = at_force[condition.velocity_mm_s][:, FORCES_N.index(condition.steady_force_N)]
+        press = press_to_depth(slabs, depth, condition.velocity_mm_s, sampling)
+        share = _inside_exact if exact else _inside_at_samples
+        inside.append(share(press, condition.range))
+        peaks.append(np.log(press.peak_N / condition.aim_peak_N) / condition.peak_half_width)
+        presses.append(press)
+        depths.append(depth)
+    close.append(closeness(np.stack(peaks, axis=-1)))
+    return Evaluation(
+        slabs,
+        shares["above_5N_fraction"],
+        low["below_5N_fraction"],
+        np.mean(inside, axis=0),
+        0.5 * (close[0] + close[1]),
+        closeness(away[:, : len(LOW_GRID_N)]),
+        np.stack(inside, axis=-1),
+        np.stack(depths, axis=-1),
+        reached[:, : len(LOW_GRID_N)],
+        tuple(presses),
+    )
+
+
+def _inside_exact(press: Press, band) -> NDArray:
+    """Share of each press inside a force range as the tissue defines it; 0 where out of reach."""
+    share = np.zeros(len(press.stop_s))
+    known = np.isfinite(press.depth_mm)
+    if known.any():
+        found = band.inside(press.time_s[known], press.force_N[known], press.stop_s[known])
+        share[known] = found["inside_fraction"]
+    return share
+
+
+def _inside_at_samples(press: Press, band) -> NDArray:
+    """The same share taken at the samples: rise even in time, hold even in the logarithm from 5 ms on."""
+    low = np.interp(press.time_s, band.time_s, band.low_N)
+    high = np.interp(press.time_s, band.time_s, band.high_N)
+    near = STEADY_TOLERANCE * band.steady_force_N
+    with np.errstate(invalid="ignore"):
+        within = (press.force_N >= low - near) & (press.force_N <= high + near)
+    since = press.time_s - press.stop_s[:, None]
+    clock = np.minimum(press.time_s, press.stop_s[:, None])
+    held = np.log(np.maximum(since, FIRST_HOLD_S))
+    shares = [_mean_over(within, clock), _mean_over(within, held)]
+    return np.where(np.isfinite(press.depth_mm), np.mean(shares, axis=0), 0.0)
+
+
+def _mean_over(within: NDArray, clock: NDArray) -> NDArray:
+    """Share of a rising clock (D, n) during which samples are within, by the trapezoidal rule."""
+    step = np.diff(clock, axis=-1)
+    return (0.5 * (within[:, 1:] + within[:, :-1].astype(float)) * step).sum(-1) / step.sum(-1)
+
+
+def steady_gamma1(slabs: Slabs) -> NDArray:
+    """Least-squares gamma1 of F = gamma1 x^3 over the steady forces of the protocol, shape (D,). [N/mm3]
+
+    It is what a fit of the five-element law settles for in the hold of all presses; NaN when none is reached.
+    """
+    depth = steady_depth(slabs, np.array(FORCES_N), VELOCITIES_MM_S[0])
+    cube = np.nan_to_num(depth) ** 3
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return (cube * np.array(FORCES_N)).sum(axis=-1) / (cube**2).sum(axis=-1)

@@ -1,0 +1,1 @@
+"""Search among slabs and shapes, in tables and by finite elements."""

@@ -1,0 +1,106 @@
+"""How near a pad comes to a tissue from the first newton on: misfit, shares and exponents of its steady curve."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.design.scoring.presses import steady_depth
+from dummydesign.design.scoring.targets import VELOCITIES_MM_S, Targets
+from dummydesign.design.search.slabs import Candidate
+
+MISFIT_N = np.geomspace(0.5, 15.0, 40)
+"""Forces of the tissue over which the misfit is taken, even in the logarithm. [N]"""
+EXPONENT_AT_N = (0.5, 1.0, 5.0, 10.0, 15.0)
+# The pad's own force at the tissue's depths lies far outside 0.5 to 15 N for a slab.
+WIDE_N = np.geomspace(1e-3, 150.0, 400)
+
+
+@dataclass(frozen=True)
+class LowForce:
+    """One design against the tissue over 0.5 to 15 N.
+
+    Attributes
+    ----------
+    misfit_rms_ln_force : float or None
+        Root mean square of ln F(pad) - ln F(aim) at the depths where the aim carries 0.5 to 15 N steady,
+        even in ln F; None when the pad's depth limit comes first.
+    share_below_5N, share_above_5N : float
+        Share of the steady curve inside the subjects' range from 0.5 to 5 and from 5 to 15 N.
+    exponent_at_N : dict
+        Local exponent d ln F / d ln x of the relaxed pad; None out of reach.
+    depth_over_thickness : float or None
+        At 15 N steady, 10 mm/s.
+    """
+
+    misfit_rms_ln_force: float | None
+    share_below_5N: float
+    share_above_5N: float
+    exponent_at_N: dict[str, float | None]
+    depth_over_thickness: float | None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return all fields as plain values."""
+        return asdict(self)
+
+
+def low_force(candidate: Candidate, targets: Targets) -> LowForce:
+    """Hold a design against the aim and the subjects' range over 0.5 to 15 N."""
+    index, evaluation = candidate.index, candidate.evaluation
+    slabs = evaluation.slabs.take(np.array([index]))
+    area = np.array(EXPONENT_AT_N) / slabs.young_MPa[0]
+    depth = slabs.curves.depth_at(slabs.slab, area[None])
+    exponent = (slabs.curves.slope_at(slabs.slab, depth) * depth / area)[0]
+    deepest = float(steady_depth(slabs, 15.0, VELOCITIES_MM_S[0])[0])
+    return LowForce(
+        misfit(steady_depth(slabs, WIDE_N, VELOCITIES_MM_S[0])[0], WIDE_N, targets.aim_depth_mm(MISFIT_N)),
+        float(evaluation.low_force_range[index]),
+        float(evaluation.steady_state_range[index]),
+        {f"{force:g}": _known(value) for force, value in zip(EXPONENT_AT_N, exponent)},
+        _known(deepest / candidate.thickness_mm),
+    )
+
+
+def misfit(depth_mm: NDArray, force_N: NDArray, aim_depth_mm: NDArray) -> float | None:
+    """Root mean square of ln F(pad) - ln F(aim) over :data:`MISFIT_N`.
+
+    Parameters
+    ----------
+    depth_mm, force_N : ndarray, shape (n,)
+        Steady curve of the pad; NaN depths are out of its reach. [mm, N]
+    aim_depth_mm : ndarray
+        Depths at which the aim carries :data:`MISFIT_N`. [mm]
+
+    Returns
+    -------
+    float or None
+        None when the curve does not cover all depths.
+    """
+    known = np.isfinite(depth_mm)
+    if known.sum() < 2 or depth_mm[known].max() < aim_depth_mm.max() * (1.0 - 1e-9):
+        return None
+    away = np.log(force_at(aim_depth_mm, depth_mm, force_N) / MISFIT_N)
+    return float(np.sqrt(np.mean(away**2)))
+
+
+def steady_force(candidate: Candidate, depth_mm: NDArray) -> NDArray:
+    """Steady force of a design at depths, through its steady curve; NaN beyond it. [N]"""
+    slabs = candidate.evaluation.slabs.take(np.array([candidate.index]))
+    return force_at(depth_mm, steady_depth(slabs, WIDE_N, VELOCITIES_MM_S[0])[0], WIDE_N)
+
+
+def force_at(at_mm: NDArray, depth_mm: NDArray, force_N: NDArray) -> NDArray:
+    """Force at depths on a curve, straight in ln F over ln depth; NaN beyond the curve's deepest point. [N]"""
+    known = np.isfinite(depth_mm)
+    curve = np.log(depth_mm[known]), np.log(force_N[known])
+    # A little slack: the aim's deepest point may be the curve's own.
+    held = np.minimum(at_mm, depth_mm[known].max() * (1.0 + 1e-9))
+    force = np.exp(np.interp(np.log(held), *curve))
+    return np.where(at_mm <= held, force, np.nan)
+
+
+def _known(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None

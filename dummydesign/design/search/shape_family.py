@@ -1,0 +1,127 @@
+"""Families of shaped pads whose force is tabulated: what the search over shapes asks of each kind."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dummydesign.core.errors import InputError
+from dummydesign.geometry.shapes import Shape, make_shape
+
+
+@dataclass(frozen=True)
+class Designs:
+    """M pads of one kind: thickness (M,) and the shape's parameters, name: (M,), in mm or without unit."""
+
+    kind: str
+    thickness_mm: NDArray
+    parameters: dict[str, NDArray]
+
+    def take(self, chosen: NDArray) -> Designs:
+        """Keep the pads chosen by index or mask."""
+        kept = {name: values[chosen] for name, values in self.parameters.items()}
+        return Designs(self.kind, self.thickness_mm[chosen], kept)
+
+    def shape(self, index: int) -> Shape:
+        """Shape of one pad."""
+        return make_shape(self.kind, [(name, float(values[index])) for name, values in self.parameters.items()])
+
+    def castable(self) -> NDArray:
+        """Which pads their own shape accepts, shape (M,)."""
+        accepted = np.zeros(len(self.thickness_mm), dtype=bool)
+        for index, thickness in enumerate(self.thickness_mm):
+            try:
+                self.shape(index).check(float(thickness))
+            except InputError:
+                continue
+            accepted[index] = True
+        return accepted
+
+
+class Family(Protocol):
+    """Shapes of one kind with their response surface."""
+
+    kind: str
+
+    def candidates(self, thickness_mm: NDArray, radius_mm: float) -> Designs:
+        """Pads in practical steps inside the surface's range; not yet judged by castability."""
+        ...
+
+    def check(self, shape: Shape) -> None:
+        """Refuse a shape that the surface is not made for (``InputError``)."""
+        ...
+
+    def at_thickness(self, shape: Shape, thickness_mm: float, wanted_mm: NDArray) -> Designs:
+        """The same shape in proportion on pads of other thickness, from one made for ``thickness_mm``."""
+        ...
+
+    def area_mm2(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
+        """F / E at depths (M, n); NaN where the surface does not reach. [mm2]"""
+        ...
+
+    def limit_mm(self, designs: Designs, radius_mm: float) -> NDArray:
+        """Depth to which the surface holds, shape (M,); 0 outside its range. [mm]"""
+        ...
+
+    def relative_error(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
+        """Stated error of the force over the force at depths (M, n)."""
+        ...
+
+
+@dataclass(frozen=True)
+class ShapeLaw:
+    """Force law (:class:`~dummydesign.design.scoring.presses.ForceLaw`) of one shape on pads near its own thickness.
+
+    Without ``cast`` the shape's heights go in proportion with the thickness, as in a study of thickness. With it
+    they stay: a pad poured too thick from one mould has the same top on a thicker base.
+    """
+
+    family: Family
+    shape: Shape
+    made_for_mm: float
+    cast: bool = False
+
+    def _designs(self, thickness_mm: NDArray) -> Designs:
+        if not self.cast:
+            return self.family.at_thickness(self.shape, self.made_for_mm, thickness_mm)
+        same = {name: np.full(len(thickness_mm), value) for name, value in self.shape.parameters}
+        return Designs(self.shape.name, thickness_mm, same)
+
+    def shape_at(self, thickness_mm: float) -> Shape:
+        """Shape of a pad of another thickness, with lengths in tenths of a millimetre."""
+        return rounded(self._designs(np.array([float(thickness_mm)])).shape(0))
+
+    def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: float) -> NDArray:
+        """Elastic force; zero above the surface, NaN beyond the law's depth. [N]"""
+        given = (np.asarray(value, float) for value in (depth_mm, thickness_mm, young_MPa))
+        depth, thickness, young = np.broadcast_arrays(*given)
+        known, row = np.unique(thickness, return_inverse=True)
+        row = row.reshape(thickness.shape)
+        area = np.empty(depth.shape)
+        designs = self._designs(known)
+        for index in range(len(known)):
+            here = row == index
+            area[here] = self.family.area_mm2(designs.take(np.array([index])), depth[here][None], radius_mm)[0]
+        return young * area
+
+    def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: float) -> NDArray:
+        """Depth to which the law holds. [mm]"""
+        thickness = np.atleast_1d(np.asarray(thickness_mm, float))
+        limit = self.family.limit_mm(self._designs(thickness.ravel()), radius_mm)
+        return limit.reshape(np.shape(thickness_mm))
+
+    def relative_error(self, depth_mm: ArrayLike, thickness_mm: float, radius_mm: float) -> NDArray:
+        """Stated error of the force over the force at depths of one pad."""
+        depth = np.atleast_1d(np.asarray(depth_mm, float))
+        designs = self._designs(np.array([float(thickness_mm)]))
+        return self.family.relative_error(designs, depth[None], radius_mm)[0].reshape(np.shape(depth_mm))
+
+
+def rounded(shape: Shape) -> Shape:
+    """The shape with lengths in tenths of a millimetre, as it is drawn and cast; ratios and caps in hundredths."""
+    fine = shape.name == "bumped"
+    digits = {name: 2 if fine or name.endswith("ratio") else 1 for name, _ in shape.parameters}
+    return make_shape(shape.name, [(name, round(value, digits[name])) for name, value in shape.parameters])

@@ -1,0 +1,206 @@
+"""Search over shapes: which of a family comes nearest to the tissue's curve, then ratio and thickness exactly.
+
+The first sieve is elastic and free of the resin's steps: at the depths where the aim carries 0.5 to 15 N
+every shape's force is known up to its modulus, whose best value in ln F is a mean. What is left is the
+misfit (:mod:`dummydesign.design.search.low_force`). The best of it, one a thickness, go through the same search over
+ratio and thickness as slabs do.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.design.scoring.presses import DEPTH_SHARE, ForceLaw, Sampling
+from dummydesign.design.scoring.targets import Targets
+from dummydesign.design.search.low_force import MISFIT_N
+from dummydesign.design.search.shape_family import Designs, Family, ShapeLaw, rounded
+from dummydesign.design.search.slabs import THICKNESS_STEP_MM, SearchResult, search
+from dummydesign.geometry.shapes import Shape
+from dummydesign.resin.model.resin import Resin
+
+LOW_SHARE = 0.5
+"""A shape is chosen half by the total of all designs and half by its closeness to the aim below 5 N, which
+is what it is made for; a choice, not a measurement."""
+TRIED, AROUND_STEPS = 6, 2
+_SIEVE_N = MISFIT_N[::3]
+
+
+@dataclass(frozen=True)
+class Sieved:
+    """Castable designs that reach the aim's depth at 15 N, by rising misfit, with their best modulus (M,)."""
+
+    designs: Designs
+    misfit: NDArray
+    young_MPa: NDArray
+
+
+@dataclass(frozen=True)
+class Shaped:
+    """A design with a shape; ``elements`` is its force law once it has been solved by finite elements."""
+
+    shape: Shape
+    law: ShapeLaw
+    found: SearchResult
+    elements: ForceLaw | None = None
+
+    @property
+    def merit(self) -> float:
+        """By what designs with a shape are ranked."""
+        return self.found.best.merit(LOW_SHARE)
+
+
+def sieve(family: Family, targets: Targets, thickness_mm: NDArray, young_MPa: tuple[float, float], radius_mm: float,
+          count: int = 400) -> Sieved:  # fmt: skip
+    """Misfit of every candidate of a family with its best modulus inside a range.
+
+    Parameters
+    ----------
+    family : Family
+    targets : Targets
+    thickness_mm : ndarray
+        Thicknesses to combine with the family's shapes. [mm]
+    young_MPa : (float, float)
+        Moduli the resin can have. [MPa]
+    radius_mm : float
+        Radius of the circle of the punch's area. [mm]
+    count : int
+        How many of the best are judged by castability and kept.
+
+    Raises
+    ------
+    NoAnswerError
+        ``no_feasible_design`` when no candidate reaches the depth of 15 N within its limit.
+    """
+    depth = targets.aim_depth_mm(_SIEVE_N)
+    designs = family.candidates(thickness_mm, radius_mm)
+    deep = np.minimum(family.limit_mm(designs, radius_mm), DEPTH_SHARE * designs.thickness_mm) >= depth[-1]
+    designs = designs.take(deep)
+    wanted = np.log(_SIEVE_N)
+    misfit, best = np.full(len(designs.thickness_mm), np.nan), np.empty(len(designs.thickness_mm))
+    for start in range(0, len(misfit), 4000):
+        rows = np.arange(start, min(start + 4000, len(misfit)))
+        area = family.area_mm2(designs.take(rows), np.broadcast_to(depth, (len(rows), len(depth))), radius_mm)
+        away = wanted - np.log(area)
+        level = np.clip(away.mean(axis=1), *np.log(young_MPa))
+        misfit[rows] = np.sqrt(np.mean((away - level[:, None]) ** 2, axis=1))
+        best[rows] = np.exp(level)
+    order = np.argsort(np.where(np.isfinite(misfit), misfit, np.inf), kind="stable")
+    order = order[np.isfinite(misfit[order])][:count]
+    kept = order[designs.take(order).castable()] if len(order) else order
+    if not len(kept):
+        raise NoAnswerError(
+            "no_feasible_design",
+            f"no {family.kind} pad of {thickness_mm[0]:g} to {thickness_mm[-1]:g} mm reaches {depth[-1]:.2f} mm, the "
+            f"tissue's depth at 15 N, within {DEPTH_SHARE:g} of its thickness; allow thicker pads",
+        )
+    return Sieved(designs.take(kept), misfit[kept], best[kept])
+
+
+def search_shape(
+    family: Family,
+    resin: Resin,
+    targets: Targets,
+    thickness_mm: NDArray,
+    ratio: NDArray,
+    radius_mm: float,
+    sampling: Sampling,
+) -> list[Shaped]:
+    """Find shape, thickness and ratio of one family; designs of several thicknesses, the best first.
+
+    Parameters
+    ----------
+    family : Family
+    resin, targets, radius_mm, sampling
+        As for :func:`dummydesign.design.search.slabs.search`.
+    thickness_mm, ratio : ndarray, shapes (T,) and (R,)
+        Steps that may be taken. [mm, resin's ratio]
+
+    Raises
+    ------
+    NoAnswerError
+        ``no_feasible_design`` as :func:`sieve`.
+    """
+    young = resin.young_MPa(ratio)
+    sieved = sieve(family, targets, thickness_mm, (float(np.min(young)), float(np.max(young))), radius_mm)
+    found = []
+    for index in _one_a_thickness(sieved)[:TRIED]:
+        shape, thickness = sieved.designs.shape(index), float(sieved.designs.thickness_mm[index])
+        found.append(_around(family, shape, thickness, resin, targets, thickness_mm, ratio, radius_mm, sampling))
+    able = [shaped for shaped in found if shaped is not None]
+    if not able:
+        raise NoAnswerError("no_feasible_design", f"no {family.kind} pad reaches 10 N within its depth limit")
+    return sorted(able, key=lambda shaped: -shaped.merit)
+
+
+def search_fixed(
+    family: Family, shape: Shape, resin: Resin, targets: Targets, thickness_mm: NDArray, ratio: NDArray,
+    radius_mm: float, sampling: Sampling,
+) -> Shaped:  # fmt: skip
+    """Find thickness and ratio of a shape whose lengths are given: only what lies under it changes.
+
+    Raises
+    ------
+    InputError
+        When the family's surface is not made for the shape, or no thickness of the range can hold it.
+    NoAnswerError
+        ``no_feasible_design`` when none reaches 10 N within its depth limit.
+    """
+    family.check(shape)
+    fitting = [float(thickness) for thickness in thickness_mm if _accepts(shape, float(thickness))]
+    if not fitting:
+        shape.check(float(thickness_mm[-1]))
+    law = ShapeLaw(family, shape, fitting[0], cast=True)
+    steps = np.array(fitting)[law.depth_limit_mm(np.array(fitting), radius_mm) > 0.0]
+    if not len(steps):
+        raise NoAnswerError(
+            "no_feasible_design",
+            f"{shape} lies outside the response surface of {family.kind} pads at every thickness from {fitting[0]:g} "
+            f"to {fitting[-1]:g} mm; press it with 'dummydesign predict --shape {shape} --fidelity axisymmetric'",
+        )
+    found = search(law, resin, targets, steps, ratio, radius_mm, sampling, LOW_SHARE)
+    return Shaped(shape, law, found)
+
+
+def _accepts(shape: Shape, thickness_mm: float) -> bool:
+    try:
+        shape.check(thickness_mm)
+    except InputError:
+        return False
+    return True
+
+
+def _around(
+    family: Family, shape: Shape, thickness: float, resin: Resin, targets: Targets, steps: NDArray, ratio: NDArray,
+    radius_mm: float, sampling: Sampling,
+) -> Shaped | None:  # fmt: skip
+    """Search ratio and the thicknesses near by, the shape in proportion; then its own, rounded shape exactly."""
+    near = steps[np.abs(steps - thickness) <= AROUND_STEPS * THICKNESS_STEP_MM + 1e-9]
+    law = ShapeLaw(family, shape, thickness)
+    near = near[(law.depth_limit_mm(near, radius_mm) > 0.0) & family.at_thickness(shape, thickness, near).castable()]
+    if not len(near):
+        return None
+    try:
+        found = search(law, resin, targets, near, ratio, radius_mm, sampling, LOW_SHARE)
+        chosen = np.array([found.best.thickness_mm])
+        own = rounded(family.at_thickness(shape, thickness, chosen).shape(0))
+        own.check(float(chosen[0]))
+        law = ShapeLaw(family, own, float(chosen[0]))
+        exact = search(law, resin, targets, chosen, ratio, radius_mm, sampling, LOW_SHARE)
+    except (NoAnswerError, InputError):
+        return None
+    return Shaped(own, law, replace(found, best=exact.best))
+
+
+def _one_a_thickness(sieved: Sieved) -> list[int]:
+    """Indices of the best of each thickness, by rising misfit."""
+    seen: set[float] = set()
+    found = []
+    for index, thickness in enumerate(sieved.designs.thickness_mm):
+        if float(thickness) not in seen:
+            seen.add(float(thickness))
+            found.append(index)
+    return found

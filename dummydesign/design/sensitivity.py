@@ -1,0 +1,110 @@
+"""What a report shows of a suggestion: its curves, what they are held against, and how it reacts to errors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.design.scoring.presses import (
+    COARSE,
+    Curves,
+    ForceLaw,
+    Slabs,
+    make_curves,
+    press_to_depth,
+    steady_depth,
+)
+from dummydesign.design.search.slabs import THICKNESS_MM, Candidate
+from dummydesign.design.suggest import RADIUS_MM
+
+if TYPE_CHECKING:
+    from dummydesign.design.suggest import Suggestion
+
+FORCE_GRID_N = np.r_[np.linspace(0.1, 5.0, 25), np.linspace(5.25, 15.0, 40)]
+THICKNESS_GRID_MM = np.linspace(*THICKNESS_MM, 55)
+EXPONENT_AT_N = (5.0, 10.0, 15.0)
+JUDGED_N, FAST_MM_S, SLOW_MM_S = 10.0, 250.0, 10.0
+
+
+def steady_curve(candidate: Candidate) -> NDArray:
+    """Depth of a design at :data:`FORCE_GRID_N` of steady force; NaN out of reach. [mm]"""
+    slabs = candidate.evaluation.slabs.take(np.array([candidate.index]))
+    return steady_depth(slabs, FORCE_GRID_N, SLOW_MM_S)[0]
+
+
+def ratio_error(answer: Suggestion) -> float:
+    """Largest error of the ratio when both components are weighed off by the tolerance, in opposite ways."""
+    masses = {name: mass for name, mass in answer.recipe if not name.endswith("(base)")}
+    by_ratio = next(liquid.name for liquid in answer.resin.liquids if liquid.parts is None)
+    varied = masses.get(by_ratio, 0.0)
+    rest = sum(mass for name, mass in masses.items() if name != by_ratio)
+    error = answer.request.weighing_g
+    if varied <= 0.0 or rest <= 0.0:
+        return 0.0
+    return float(answer.best.ratio * ((1.0 + error / varied) / (1.0 - error / rest) - 1.0))
+
+
+def exponent_over_thickness(answer: Suggestion, law: ForceLaw) -> NDArray:
+    """Local exponent d ln F / d ln x at :data:`EXPONENT_AT_N`, ratio as recommended; (thickness, force).
+
+    NaN at thicknesses that the law does not hold.
+    """
+    held = np.asarray(law.depth_limit_mm(THICKNESS_GRID_MM, RADIUS_MM)) > 0.0
+    curves = make_curves(law, THICKNESS_GRID_MM[held], RADIUS_MM)
+    slab = np.arange(int(held.sum()))
+    area = np.array(EXPONENT_AT_N) / answer.resin.young_MPa(answer.best.ratio)
+    depth = curves.depth_at(slab, np.broadcast_to(area, (len(slab), len(area))))
+    exponent = np.full((len(held), len(area)), np.nan)
+    exponent[held] = curves.slope_at(slab, depth) * depth / area
+    return exponent
+
+
+@dataclass(frozen=True)
+class Reaction:
+    """Change in per cent of depth (10 N, slow) and peak (10 N, fast) between both ends of one uncertainty."""
+
+    name: str
+    depth_percent: tuple[float, float]
+    peak_percent: tuple[float, float]
+
+
+def reactions(answer: Suggestion, law: ForceLaw) -> list[Reaction]:
+    """How depth and peak of the recommended pad react to each thing that is not exact, one at a time."""
+    resin, best, tolerance = answer.resin, answer.best, answer.request.thickness_tolerance_mm
+    ratio, thickness, young = best.ratio, best.thickness_mm, resin.young_MPa(best.ratio)
+    beta = np.array([term.beta for term in resin.prony(ratio)])
+    ends = [np.array([getattr(arm.beta, end) / arm.beta.value for arm in resin.arms]) for end in ("low", "high")]
+    smallest, largest = getattr(law, "ratio_range", (1e-6, 1e6))
+    thin = np.clip([thickness - tolerance, thickness + tolerance], RADIUS_MM / largest, RADIUS_MM / smallest)
+    curves = make_curves(law, [thickness, *thin], RADIUS_MM)
+    off = ratio_error(answer)
+    lean, rich = (min(max(ratio + sign * off, resin.ratio_min), resin.ratio_max) for sign in (-1, 1))
+    modulus = resin.modulus_kPa(ratio)
+    nominal = _measure(curves, 0, young, beta, resin)
+    cases = {
+        f"thickness ± {tolerance:g} mm": [(1, young, beta), (2, young, beta)],
+        f"weighing ± {answer.request.weighing_g:g} g": [
+            (0, resin.young_MPa(value), np.array([term.beta for term in resin.prony(value)])) for value in (lean, rich)
+        ],
+        "modulus, 95 %": [(0, 1e-3 * modulus.low, beta), (0, 1e-3 * modulus.high, beta)],
+        "relaxation, 95 %": [(0, young, beta * end) for end in ends],
+    }
+    found = []
+    for name, pair in cases.items():
+        change = np.array([100.0 * (_measure(curves, *case, resin) / nominal - 1.0) for case in pair])
+        # an end at which 10 N cannot be reached has no number: the bar then ends at no change, and says so
+        name += "" if np.isfinite(change).all() else " *"
+        low, high = np.fmin.reduce([*change, 0 * nominal]), np.fmax.reduce([*change, 0 * nominal])
+        found.append(Reaction(name, (float(low[0]), float(high[0])), (float(low[1]), float(high[1]))))
+    return found
+
+
+def _measure(curves: Curves, slab: int, young_MPa: float, beta: NDArray, resin) -> NDArray:
+    """Depth at 10 N steady when slow, and peak at 10 N steady when fast."""
+    tau = tuple(arm.tau_s.value for arm in resin.arms)
+    slabs = Slabs(curves, np.array([slab]), np.array([young_MPa]), tau, beta[None, :])
+    slow, fast = (steady_depth(slabs, JUDGED_N, velocity) for velocity in (SLOW_MM_S, FAST_MM_S))
+    return np.array([slow[0], press_to_depth(slabs, fast, FAST_MM_S, COARSE).peak_N[0]])

@@ -1,0 +1,1 @@
+"""What-if sweeps: specification, rows, executors."""

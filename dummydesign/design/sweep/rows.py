@@ -1,0 +1,216 @@
+"""Rows of a what-if study: one design each, worked out many at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.core.errors import NoAnswerError
+from dummydesign.design.scoring.presses import ForceLaw, Sampling, Slabs, make_curves, press_to_depth, steady_depth
+from dummydesign.pad.tables.punch import punch_law, punch_sides_mm
+
+if TYPE_CHECKING:
+    from dummydesign.design.scoring.targets import Targets
+
+PEAK_FORCE_N = 10.0
+"""Steady force at which peak over steady is given, that of the paper's force-time figures. [N]"""
+
+
+@dataclass(frozen=True)
+class Task:
+    """Some designs of one punch, condition and base with all that is needed to work them out anywhere.
+
+    Attributes
+    ----------
+    fidelity, punch, condition, base : str
+    radius_mm : float
+        Radius of the circle of the punch's area. [mm]
+    thickness_mm, ratio, young_MPa : ndarray, shape (D,)
+    tau_s : tuple of float
+        Times of the resin's arms. [s]
+    beta : ndarray, shape (D, arms)
+        Their strengths, relative to the long-term modulus.
+    forces_N, velocities_mm_s : tuple of float
+    targets : Targets or None
+        What to score against.
+    """
+
+    fidelity: str
+    punch: str
+    condition: str
+    base: str
+    radius_mm: float
+    thickness_mm: NDArray
+    ratio: NDArray
+    young_MPa: NDArray
+    tau_s: tuple[float, ...]
+    beta: NDArray
+    forces_N: tuple[float, ...]
+    velocities_mm_s: tuple[float, ...]
+    targets: Targets | None = None
+
+
+def work(task: Task, law: ForceLaw | None = None) -> list[dict[str, Any]]:
+    """Work out the rows of a task (runs in this process, in another, or on a cluster).
+
+    Parameters
+    ----------
+    task : Task
+    law : ForceLaw, optional
+        Elastic force of slabs; by default what the task's fidelity names.
+
+    Returns
+    -------
+    list of dict
+        One a design, in the task's order: ``thickness_mm``, ``ratio``, ``punch``, ``condition``, ``base``,
+        ``young_kPa``; by force ``depth_mm_at_N``, ``depth_over_thickness_at_N``, ``stiffness_N_per_mm_at_N``,
+        ``exponent_at_N`` (d ln F / d ln x), all of the relaxed pad; ``peak_over_steady`` by speed at 10 N
+        steady; ``force_error_percent``, the model's own numerical error, largest of the forces reached;
+        ``limit`` (None, or why values are missing); ``score`` when there are targets. What is out of
+        reach is None. A slab that cannot be solved gives rows without values whose ``limit`` says why.
+    """
+    thickness, place = np.unique(task.thickness_mm, return_inverse=True)
+    try:
+        law = law or force_law(task, thickness)
+        curves = make_curves(law, thickness, task.radius_mm)
+    except NoAnswerError as problem:
+        return [_empty(task, index, str(problem)) for index in range(len(task.ratio))]
+    slabs = Slabs(curves, place, task.young_MPa, task.tau_s, task.beta)
+    return _rows(task, slabs, law)
+
+
+def force_law(task: Task, thickness_mm: NDArray) -> ForceLaw:
+    """The force law of the task's fidelity, punch, condition and base."""
+    if task.fidelity == "table":
+        from dummydesign.pad.tables.slab import load_table
+
+        return punch_law(load_table(base=task.base), task.punch, task.base)
+    from dummydesign.design.search.solved_slabs import solve_law
+
+    sides = punch_sides_mm(task.punch)
+    return solve_law(thickness_mm.tolist(), task.radius_mm, None, task.base, task.condition, sides, task.fidelity)
+
+
+def _rows(task: Task, slabs: Slabs, law: ForceLaw) -> list[dict[str, Any]]:
+    """Work out all designs at once and lay them out as rows."""
+    forces = np.array(task.forces_N)
+    depth = slabs.curves.depth_at(slabs.slab, forces / slabs.young_MPa[:, None])
+    slope = slabs.curves.slope_at(slabs.slab, depth) * slabs.young_MPa[:, None]
+    with np.errstate(invalid="ignore"):
+        columns = {
+            "exponent_at_N": slope * depth / forces,
+            "depth_mm_at_N": depth,
+            "depth_over_thickness_at_N": depth / slabs.thickness_mm[:, None],
+            "stiffness_N_per_mm_at_N": slope,
+        }
+    scores = _scores(slabs, task.targets)
+    force_keys, speed_keys = _keys(task.forces_N), _keys(task.velocities_mm_s)
+    plain = {name: _plain(values) for name, values in columns.items()}
+    peaks, limits = _plain(_peaks(slabs, task.velocities_mm_s)), _limits(slabs, depth, task.forces_N)
+    errors = _plain(_errors(task, slabs, depth, law)[:, None])
+    rows = []
+    for index in range(len(task.ratio)):
+        row = {
+            **_head(task, index),
+            **{name: dict(zip(force_keys, values[index])) for name, values in plain.items()},
+            "peak_over_steady": dict(zip(speed_keys, peaks[index])),
+            "force_error_percent": errors[index][0],
+            "limit": limits[index],
+        }
+        if scores is not None:
+            row["score"] = {name: float(values[index]) for name, values in scores.items()}
+        rows.append(row)
+    return rows
+
+
+def _head(task: Task, index: int) -> dict[str, Any]:
+    return {
+        "thickness_mm": float(task.thickness_mm[index]),
+        "ratio": float(task.ratio[index]),
+        "punch": task.punch,
+        "condition": task.condition,
+        "base": task.base,
+        "young_kPa": float(1e3 * task.young_MPa[index]),
+    }
+
+
+def _empty(task: Task, index: int, why: str) -> dict[str, Any]:
+    """A row without values for a slab that could not be solved."""
+    nothing = dict.fromkeys(_keys(task.forces_N))
+    names = ("exponent_at_N", "depth_mm_at_N", "depth_over_thickness_at_N", "stiffness_N_per_mm_at_N")
+    row = {**_head(task, index), **{name: dict(nothing) for name in names}}
+    row |= {"peak_over_steady": dict.fromkeys(_keys(task.velocities_mm_s)), "force_error_percent": None, "limit": why}
+    if task.targets is not None:
+        row["score"] = dict.fromkeys(SCORES, 0.0)
+    return row
+
+
+def _keys(values: Sequence[float]) -> list[str]:
+    return [f"{value:g}" for value in values]
+
+
+def _peaks(slabs: Slabs, velocities: Sequence[float]) -> NDArray:
+    """Peak over steady force at 10 N steady, shape (D, speeds)."""
+    columns, sampling = [], Sampling()
+    for velocity in velocities:
+        depth = steady_depth(slabs, PEAK_FORCE_N, velocity, sampling)
+        columns.append(press_to_depth(slabs, depth, velocity, sampling).peak_N / PEAK_FORCE_N)
+    return np.stack(columns, axis=-1)
+
+
+SCORES = ("total", "steady_state_range", "force_variation_range", "aim", "parametric", "low_force_range")
+
+
+def _scores(slabs: Slabs, targets: Targets | None) -> dict[str, NDArray] | None:
+    """Scores for a tissue as in the map of the search: the parametric part is that of gamma1."""
+    if targets is None:
+        return None
+    from dummydesign.design.scoring.law_parameters import gamma1_score
+    from dummydesign.design.scoring.score import evaluate, steady_gamma1
+
+    found = evaluate(slabs, targets)
+    parametric = gamma1_score(steady_gamma1(slabs), targets)
+    return {
+        "total": found.total(parametric),
+        "steady_state_range": found.steady_state_range,
+        "force_variation_range": found.force_variation_range,
+        "aim": found.aim,
+        "parametric": parametric,
+        "low_force_range": found.low_force_range,
+    }
+
+
+def _limits(slabs: Slabs, depth: NDArray, forces: Sequence[float]) -> list[str | None]:
+    """Why a row stops early: the first force that is out of reach, and the limit it meets."""
+    limits: list[str | None] = []
+    edge = slabs.curves.limit_mm[slabs.slab]
+    for index, row in enumerate(np.isnan(depth)):
+        if not row.any():
+            limits.append(None)
+            continue
+        share = edge[index] / slabs.thickness_mm[index]
+        first = min(force for force, missing in zip(forces, row) if missing)
+        limits.append(f"{first:g} N needs more than {edge[index]:.2f} mm ({share:.2f} of the thickness)")
+    return limits
+
+
+def _errors(task: Task, slabs: Slabs, depth: NDArray, law: ForceLaw) -> NDArray:
+    """Largest numerical error of the forces that are reached, shape (D,); NaN when the law states none. [%]"""
+    known = np.isfinite(depth)
+    if not hasattr(law, "relative_error"):
+        return np.full(len(depth), np.nan)
+    error = law.relative_error(np.where(known, depth, 0.0), slabs.thickness_mm[:, None], task.radius_mm)
+    largest = np.where(known, error, -np.inf).max(axis=-1)
+    return 100.0 * np.where(np.isfinite(largest), largest, np.nan)
+
+
+def _plain(values: NDArray) -> list[list[float | None]]:
+    """Plain lists with None where a value is missing."""
+    plain = values.tolist()
+    if np.isnan(values).any():
+        return [[None if value != value else value for value in row] for row in plain]
+    return plain

@@ -1,0 +1,148 @@
+"""What-if studies: every combination of slabs, ratios, punches and supports, here or side by side."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dummydesign.design.scoring.presses import ForceLaw
+from dummydesign.design.sweep.executors import completed
+from dummydesign.design.sweep.rows import Task, work
+from dummydesign.design.sweep.spec import Key, Study
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
+    from dummydesign.design.scoring.targets import Targets
+    from dummydesign.design.sweep.rows_file import RowsFile
+    from dummydesign.resin.model.resin import Resin
+
+CHUNK = 4096
+ROUGH_PERCENT = 2.0
+"""Numerical error of a force above which a study warns. [%]"""
+__all__ = ["Study", "study_warnings", "tasks_of", "whatif"]
+
+
+def whatif(
+    study: Study,
+    law: ForceLaw | None = None,
+    executor: Executor | None = None,
+    file: RowsFile | None = None,
+) -> dict[str, Any]:
+    """Work out every design of a study.
+
+    Parameters
+    ----------
+    study : Study
+        What is varied.
+    law : ForceLaw, optional
+        Elastic force of slabs; by default what the study's fidelity names. Works in this process only.
+    executor : concurrent.futures.Executor, optional
+        Runs tasks side by side; the rows do not depend on it.
+    file : RowsFile, optional
+        Takes the rows as they are done; the designs it already holds are not worked out again.
+
+    Returns
+    -------
+    dict
+        ``rows`` (see :func:`dummydesign.design.sweep.rows.work`) in the study's order, ``seconds`` of work, and
+        ``warnings``, {code, message} each.
+
+    Raises
+    ------
+    InputError
+        For names, ranges or a number of designs that are not allowed.
+    NoAnswerError
+        ``worker_lost`` when a worker died and nobody could take over.
+    """
+    from dummydesign.resin import load_resin
+
+    start = time.perf_counter()
+    resin = load_resin(study.resin)
+    study.check(resin)
+    done = {} if file is None else file.rows
+    tasks = tasks_of(study, resin, done)
+    found: dict[Key, dict[str, Any]] = {}
+    results = completed(work, tasks, executor) if law is None else (work(task, law) for task in tasks)
+    if file is None:
+        from dummydesign.design.sweep.rows_file import key_of
+
+        for rows in results:
+            found.update((key_of(row), row) for row in rows)
+        ordered = [found[key] for key in study.keys()]
+    else:
+        try:
+            for rows in results:
+                file.add(rows)
+        except BaseException:
+            file.close()
+            raise
+        ordered = file.finish()
+    return {"rows": ordered, "seconds": time.perf_counter() - start, "warnings": study_warnings(study, ordered)}
+
+
+def study_warnings(study: Study, rows: list[dict[str, Any]]) -> list[dict[str, str]]:
+    """What a reader of the rows has to know: designs out of reach, rough solves, punches taken as circles."""
+    said = []
+    stopped = sum(row["limit"] is not None for row in rows)
+    if stopped:
+        message = f"{stopped} of {study.size} designs do not reach every force; 'limit' says why"
+        said.append({"code": "out_of_reach", "message": message})
+    rough = [row["force_error_percent"] for row in rows if (row["force_error_percent"] or 0.0) > ROUGH_PERCENT]
+    if rough:
+        message = f"forces of {len(rough)} designs are known to {max(rough):.1f} % at worst ('force_error_percent')"
+        said.append({"code": "rough_solve", "message": f"{message}; their exponents are rougher still"})
+    if study.reduced:
+        message = f"{', '.join(study.reduced)}: taken as the circle of equal area; --fidelity 3d solves the corners"
+        said.append({"code": "punch_as_circle", "message": message})
+    return said
+
+
+def tasks_of(study: Study, resin: Resin, done: Iterable[Key] = ()) -> Iterator[Task]:
+    """Cut a study into tasks, leaving out designs that are done.
+
+    By the table a task is a few thousand designs of one punch, condition and base; by finite elements it is
+    one slab, solved once for all its ratios.
+    """
+    done = set(done)
+    targets = _targets(study)
+    ratios = np.array(study.ratio)
+    young = np.atleast_1d(resin.young_MPa(ratios))
+    tau = tuple(arm.tau_s.value for arm in resin.arms)
+    beta = np.array([[term.beta for term in resin.prony(float(value))] for value in ratios]).reshape(len(ratios), -1)
+    for (punch, radius), condition, base in study.setups:
+        designs = [
+            (thickness, column)
+            for thickness in study.thickness_mm
+            for column, ratio in enumerate(study.ratio)
+            if (punch, condition, base, thickness, ratio) not in done
+        ]
+        for part in _parts(designs, study.fidelity):
+            thickness = np.array([value for value, _ in part])
+            columns = np.array([column for _, column in part])
+            yield Task(
+                study.fidelity, punch, condition, base, radius, thickness, ratios[columns], young[columns], tau,
+                beta[columns], study.forces_N, study.velocities_mm_s, targets,
+            )  # fmt: skip
+
+
+def _parts(designs: list[tuple[float, int]], fidelity: str) -> Iterator[list[tuple[float, int]]]:
+    if fidelity == "table":
+        for first in range(0, len(designs), CHUNK):
+            yield designs[first : first + CHUNK]
+        return
+    for thickness in dict.fromkeys(value for value, _ in designs):
+        yield [design for design in designs if design[0] == thickness]
+
+
+def _targets(study: Study) -> Targets | None:
+    if study.tissue is None:
+        return None
+    from dummydesign.design.scoring.presses import Sampling
+    from dummydesign.design.scoring.targets import make_targets
+    from dummydesign.tissue.model.tissue_file import load_tissue
+
+    return make_targets(load_tissue(study.tissue), study.aim, Sampling())

@@ -1,0 +1,1 @@
+"""Trials of a campaign as the loop sees them: reduced, with their history."""

@@ -1,0 +1,216 @@
+"""One press reduced to bins, and the nodes at which the model is evaluated.
+
+Bins: three before contact; every sample of a fast rise or seventeen of a slow one; from 1 ms growing
+by a third over the hold; twenty over the unloading. Equal parts of repeats carry equal labels.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.core.errors import InputError
+from dummydesign.measurement.landmarks import find_landmarks
+from dummydesign.measurement.motion import Ramp
+from dummydesign.measurement.sensor import Lowpass
+from dummydesign.measurement.trace import Trace
+
+FAST_RISE_S = 0.06
+SLOW_BINS = 17
+SHORTEST_HOLD_S = 0.05
+LOADING_BINS = 40
+"""Bins of a press that ends while it loads."""
+HOLD_GROWTH = 1.33
+UNLOADING_BINS = 20
+RISE_NODES = 80
+AWAY_NODES = 45
+NODE_GROWTH, NODE_CAP_S = 1.2, 0.4
+NEAR_S = 0.01
+PRE, RISE, HOLD, UNLOADING = 0, 1, 2, 3
+"""Phases of a press; a bin's label is 100 times its phase plus its place."""
+
+
+@dataclass(frozen=True)
+class ReducedPress:
+    """Bins and nodes of one trial.
+
+    Attributes
+    ----------
+    ramp : Ramp
+    start_s, end_s, samples, force_N : ndarray, shape (bins,)
+        Edges, raw samples and mean force of each bin.
+    label : ndarray of int, shape (bins,)
+        100 phase + place.
+    scatter : ndarray, shape (bins,)
+        Sum of squared deviations of the raw force from the mean of its bin. [N2]
+    time_s, displacement_mm, acceleration_mm_s2 : ndarray, shape (nodes,)
+        Measured motion where the model is evaluated.
+    filtered : ndarray, shape (nodes, nodes)
+        Takes a piecewise-linear force to the declared sensor's output at the nodes.
+    operator : ndarray, shape (bins, nodes)
+        Takes a piecewise-linear force to the sensor's output averaged over the samples of each bin.
+    white_N : float
+        White noise per sample, from second differences of the fast-sampled force.
+    """
+
+    ramp: Ramp
+    start_s: NDArray
+    end_s: NDArray
+    samples: NDArray
+    force_N: NDArray
+    label: NDArray
+    scatter: NDArray
+    time_s: NDArray
+    displacement_mm: NDArray
+    acceleration_mm_s2: NDArray
+    filtered: NDArray
+    operator: NDArray
+    white_N: float
+
+
+def reduce_press(trace: Trace, lowpass: Lowpass | None) -> ReducedPress:
+    """Reduce one trial.
+
+    Raises
+    ------
+    InputError
+        With the file name when it holds no press.
+    """
+    try:
+        ramp = find_landmarks(trace.time_s, trace.displacement_mm)
+    except InputError as problem:
+        raise InputError(f"{trace.name}: {problem}") from None
+    edges, labels = _bin_edges(trace.time_s, ramp)
+    which = np.searchsorted(edges, trace.time_s, side="right") - 1
+    inside = (which >= 0) & (which < len(labels))
+    inside[inside] = labels[which[inside]] >= 0
+    used, place, samples = np.unique(which[inside], return_inverse=True, return_counts=True)
+    time, force = trace.time_s[inside], trace.force_N[inside]
+    mean = np.bincount(place, force) / samples
+    scatter = np.bincount(place, (force - mean[place]) ** 2)
+    nodes, x = _nodes(trace, ramp)
+    filtered = np.eye(len(nodes)) if lowpass is None else lowpass.apply(nodes, np.eye(len(nodes))).T
+    operator = _average(time, place, samples, nodes) @ filtered
+    acceleration = np.interp(nodes, trace.time_s, _acceleration(trace.time_s, trace.displacement_mm))
+    return ReducedPress(
+        ramp, edges[:-1][used], edges[1:][used], samples.astype(float), mean, labels[used], scatter,
+        nodes, x, acceleration, filtered, operator, _white(trace, ramp),
+    )  # fmt: skip
+
+
+def has_hold(ramp: Ramp) -> bool:
+    """Whether a press holds long enough to show relaxation."""
+    return ramp.hold_end_s - ramp.stop_time_s >= SHORTEST_HOLD_S
+
+
+def _bin_edges(time: NDArray, ramp: Ramp) -> tuple[NDArray, NDArray]:
+    """Edges [s] and the label of each bin."""
+    step = 1e-3
+    contact, stop, end = ramp.contact_time_s, ramp.stop_time_s, ramp.hold_end_s
+    if not has_hold(ramp):
+        edges = np.linspace(contact, time[-1], LOADING_BINS + 1)
+        edges[-1] += 1e-9
+        return edges, 100 * RISE + np.arange(LOADING_BINS)
+    before = contact - 2 * step
+    parts, labels = [], []
+    if time[0] < before - 4 * step:
+        parts.append(np.linspace(time[0], before, 4)[:-1])
+        labels.append(100 * PRE + np.arange(3))
+    if ramp.rise_time_s < FAST_RISE_S:
+        count = int(np.ceil((stop - before) / step))
+        parts.append(stop - step * np.arange(count, 0, -1))
+        if len(parts) > 1:
+            parts[-1] = parts[-1][parts[-1] > parts[0][-1] + step]
+            count = len(parts[-1])
+        labels.append(100 * RISE + np.arange(count, 0, -1).clip(0, 99))
+    else:
+        parts.append(before + (stop - before) / SLOW_BINS * np.arange(SLOW_BINS))
+        labels.append(100 * RISE + np.arange(SLOW_BINS))
+    hold = [0.0, step]
+    while hold[-1] < end - stop:
+        hold.append(hold[-1] + max(step, hold[-1] * (HOLD_GROWTH - 1.0)))
+    hold = np.array(hold[:-1])
+    parts.append(stop + hold)
+    labels.append(100 * HOLD + np.arange(len(hold)))
+    if time[-1] > end + 0.1:
+        # between coarse samples the turn of the motion is not known: leave it out
+        around = time[(time > end - 0.05) & (time < end + 0.05)]
+        blind = float(np.diff(around).max()) + 0.02 if len(around) > 1 else 0.02
+        parts.append(np.r_[end - blind, np.linspace(end + blind, time[-1] + 1e-9, UNLOADING_BINS + 1)[:-1]])
+        labels.append(np.r_[-1, 100 * UNLOADING + np.arange(UNLOADING_BINS)])
+    edges = np.r_[np.concatenate(parts), time[-1] + 2e-9 if time[-1] > end + 0.1 else end + 1e-9]
+    return edges, np.concatenate(labels)
+
+
+def _nodes(trace: Trace, ramp: Ramp) -> tuple[NDArray, NDArray]:
+    """Node times and the displacement there.
+
+    All samples (and, when fast, points half-way on a cubic) near contact and stop; thinned elsewhere in
+    the rise; a growing series with averaged displacement in the hold; thinned in the unloading.
+    """
+    from scipy.interpolate import CubicSpline
+
+    time, x = trace.time_s, trace.displacement_mm
+    contact, stop, end = ramp.contact_time_s, ramp.stop_time_s, ramp.hold_end_s
+    early, late = contact - 0.005, stop + 0.03
+    rise = time[(time >= early) & (time <= late)]
+    if len(rise) > RISE_NODES:
+        stride = int(np.ceil(len(rise) / RISE_NODES))
+        near = (np.abs(rise - stop) < NEAR_S) | (np.abs(rise - contact) < NEAR_S)
+        rise = rise[near | (np.arange(len(rise)) % stride == 0)]
+    else:
+        rise = np.union1d(rise, 0.5 * (rise[1:] + rise[:-1]))
+    # a tilted punch touches before its centre does
+    start = np.r_[time[0], np.linspace(max(contact - 0.06, time[0]), max(early, time[0]), 10)]
+    hold = [max(late, rise[-1] if len(rise) else late)]
+    while hold[-1] < end:
+        hold.append(hold[-1] + min(max((hold[-1] - stop) * (NODE_GROWTH - 1.0), 2e-3), NODE_CAP_S))
+    hold = np.array(hold[1:-1])
+    away = time[time >= end]
+    if len(away) > AWAY_NODES:
+        away = away[:: int(np.ceil(len(away) / AWAY_NODES))]
+    nodes = np.unique(np.r_[start, rise, hold, end, away, time[-1]])
+    nodes = nodes[(nodes >= time[0]) & (nodes <= time[-1])]
+    nodes = nodes[np.r_[True, np.diff(nodes) > 1e-5]]
+    near = np.diff(time).min() > 0 and len(time) > 3
+    placed = CubicSpline(time, x)(nodes) if near else np.interp(nodes, time, x)
+    linear = np.interp(nodes, time, x)
+    integral = np.r_[0.0, np.cumsum(0.5 * (x[1:] + x[:-1]) * np.diff(time))]
+    half = np.r_[nodes[0], 0.5 * (nodes[1:] + nodes[:-1]), nodes[-1]]
+    mean = np.diff(np.interp(half, time, integral)) / np.maximum(np.diff(half), 1e-12)
+    held = (nodes > late) & (nodes < end - 0.02)
+    smooth = (nodes >= contact) & (nodes <= late)
+    return nodes, np.where(held, mean, np.where(smooth, placed, linear))
+
+
+def _average(time: NDArray, place: NDArray, samples: NDArray, nodes: NDArray) -> NDArray:
+    """Operator (bins, nodes) from node values to means over the samples of each bin."""
+    after = np.clip(np.searchsorted(nodes, time), 1, len(nodes) - 1)
+    share = np.clip((time - nodes[after - 1]) / (nodes[after] - nodes[after - 1]), 0.0, 1.0)
+    average = np.zeros((len(samples), len(nodes)))
+    np.add.at(average, (place, after - 1), 1.0 - share)
+    np.add.at(average, (place, after), share)
+    return average / samples[:, None]
+
+
+def _acceleration(time: NDArray, x: NDArray) -> NDArray:
+    """Acceleration of the punch where sampled at 400 Hz or faster, else 0. [mm/s2]"""
+    value = np.gradient(np.gradient(x, time), time)
+    step = np.r_[np.diff(time)[0], np.maximum(np.diff(time)[1:], np.diff(time)[:-1]), np.diff(time)[-1]]
+    value[step > 2.5e-3] = 0.0
+    return value
+
+
+def _white(trace: Trace, ramp: Ramp) -> float:
+    """White noise per sample from second differences before contact and 0.1 s after the stop on. [N]"""
+    time, force = trace.time_s, trace.force_N
+    step = np.diff(time)
+    even = (np.abs(step[1:] / step[:-1] - 1) < 0.1) & (step[1:] < 0.1)
+    middle = time[1:-1]
+    quiet = (middle < ramp.contact_time_s) | ((middle > ramp.stop_time_s + 0.1) & (middle < ramp.hold_end_s))
+    second = (force[2:] - 2 * force[1:-1] + force[:-2])[even & quiet]
+    if len(second) < 20:
+        second = np.diff(force, 2)
+    return float(max(np.sqrt(np.mean(second**2) / 6.0), 1e-3))

@@ -1,0 +1,133 @@
+"""All trials of a campaign as padded stacks, ready for one vectorised simulation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.inference.noise import Bins
+from dummydesign.loop.data.history import History, make_history
+from dummydesign.loop.data.reduction import UNLOADING, ReducedPress, has_hold, reduce_press
+from dummydesign.measurement.campaign import Campaign, Trial
+from dummydesign.measurement.sensor import Lowpass
+
+
+@dataclass(frozen=True)
+class Presses:
+    """T trials with up to N nodes and B bins; padding repeats the last node and has no bins.
+
+    Attributes
+    ----------
+    trials : tuple of Trial
+    presses : tuple of ReducedPress
+    time_s, displacement_mm, acceleration_mm_s2 : ndarray, shape (T, N)
+    thickness_mm, contact_s, stop_s, hold_end_s, depth_mm, velocity_mm_s : ndarray, shape (T,)
+        Declared thickness; contact, stop, end of hold, held depth and mean speed as measured.
+    force_N, samples, label : ndarray, shape (T, B)
+    operator : ndarray, shape (T, B, N)
+    bins : Bins
+        Edges and mask, with the covariance of the noise.
+    cell : ndarray of int, shape (T,)
+        Number of the condition (thickness x speed x force).
+    history : History
+    """
+
+    trials: tuple[Trial, ...]
+    presses: tuple[ReducedPress, ...]
+    time_s: NDArray
+    displacement_mm: NDArray
+    acceleration_mm_s2: NDArray
+    thickness_mm: NDArray
+    contact_s: NDArray
+    stop_s: NDArray
+    hold_end_s: NDArray
+    depth_mm: NDArray
+    velocity_mm_s: NDArray
+    force_N: NDArray
+    samples: NDArray
+    label: NDArray
+    operator: NDArray
+    bins: Bins
+    cell: NDArray
+    history: History
+
+    @property
+    def used(self) -> NDArray:
+        """Mask of the bins, shape (T, B)."""
+        return self.bins.used
+
+    @property
+    def unloads(self) -> NDArray:
+        """Whether each trial goes on after the hold, shape (T,)."""
+        return ((self.label // 100 == UNLOADING) & self.used).any(axis=1)
+
+    @property
+    def elastic_only(self) -> bool:
+        """Whether nothing shows relaxation: no trial holds and all have about one speed."""
+        speed = self.velocity_mm_s
+        return not any(has_hold(press.ramp) for press in self.presses) and speed.max() < 1.5 * speed.min()
+
+    def measure(self, node_force_N: NDArray) -> NDArray:
+        """Bin means (T, B) of the sensor's output for a force at the nodes (T, N). [N]"""
+        return (self.operator @ node_force_N[..., None])[..., 0]
+
+    def at_samples(self, node_force_N: NDArray) -> list[NDArray]:
+        """The sensor's output at the raw samples of each trial. [N]"""
+        out = []
+        for row, press in enumerate(self.presses):
+            values = press.filtered @ node_force_N[row, : len(press.time_s)]
+            out.append(np.interp(self.trials[row].trace.time_s, press.time_s, values))
+        return out
+
+
+def make_presses(campaign: Campaign) -> Presses:
+    """Reduce all trials of a campaign."""
+    return stack(campaign.trials, campaign.lowpass)
+
+
+def stack(trials: tuple[Trial, ...], lowpass: Lowpass | None) -> Presses:
+    """Reduce trials and stack them."""
+    reduced = tuple(reduce_press(trial.trace, lowpass) for trial in trials)
+    count = max(len(press.time_s) for press in reduced)
+    bins = Bins(reduced)
+    longest = bins.used.shape[1]
+    time, x, acceleration = (np.zeros((len(reduced), count)) for _ in range(3))
+    operator = np.zeros((len(reduced), longest, count))
+    for row, press in enumerate(reduced):
+        nodes = len(press.time_s)
+        time[row] = np.r_[press.time_s, press.time_s[-1] + 1.0 + np.arange(count - nodes)]
+        x[row] = np.r_[press.displacement_mm, np.full(count - nodes, press.displacement_mm[-1])]
+        acceleration[row, :nodes] = press.acceleration_mm_s2
+        operator[row, : len(press.samples), :nodes] = press.operator
+
+    def joined(name: str) -> NDArray:
+        return bins.stacked(np.concatenate([np.asarray(getattr(press, name), float) for press in reduced]))
+
+    ramps = [press.ramp for press in reduced]
+    thickness = np.array([trial.thickness_mm for trial in trials])
+    depth = np.array([ramp.depth_mm for ramp in ramps])
+    return Presses(
+        trials, reduced, time, x, acceleration, thickness,
+        np.array([r.contact_time_s for r in ramps]), np.array([r.stop_time_s for r in ramps]),
+        np.array([r.hold_end_s for r in ramps]), depth, np.array([r.velocity_mm_s for r in ramps]),
+        joined("force_N"), joined("samples"), joined("label").astype(int), operator, bins,
+        _cells(trials, depth), make_history(trials, depth),
+    )  # fmt: skip
+
+
+def _cells(trials: tuple[Trial, ...], depth: NDArray) -> NDArray:
+    """Number the conditions: same thickness, declared speed and target force (or depth within 4 %)."""
+    keys: list[tuple[float, float, float]] = []
+    numbers = []
+    for trial, reached in zip(trials, depth):
+        declared = trial.target_force_N is not None
+        level = trial.target_force_N if declared else float(reached)
+        slack = 1e-9 if declared else 0.04 * level
+        place = (trial.thickness_mm, trial.velocity_mm_s)
+        match = [i for i, key in enumerate(keys) if key[:2] == place and abs(key[2] - level) <= slack]
+        if not match:
+            keys.append((*place, level))
+        numbers.append(match[0] if match else len(keys) - 1)
+    return np.array(numbers)

@@ -1,0 +1,1 @@
+"""Effects of what was done to the pad before: cycles, rests, temperature, age."""

@@ -1,0 +1,35 @@
+"""The surface has not come back fully from the press before."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.loop.data.trials import Presses
+from dummydesign.loop.model.effect import Effect, Parameter, Values
+
+
+class IncompleteRecovery(Effect):
+    """A dent of fraction x (depth of an earlier press) x exp(-elapsed / tau) is left; the deepest one counts.
+
+    The punch touches later by the dent, on pads that had little rest.
+    """
+
+    name = "incomplete_recovery"
+    stage = "batch"
+    belongs_to = "pad"
+    designed_for = "a pad that has rested"
+    needs = ("rest_s",)
+    parameters = (
+        Parameter("fraction", "1", 0.0, 0.0, 0.5, 0.02),
+        Parameter("tau_s", "s", 120.0, 10.0, 3000.0, 120.0, log=True, starts=(40.0, 500.0)),
+    )
+    signature = "contact comes later after a deep press and a short rest"
+    reference = "viscoelastic recovery, e.g. Ferry, Viscoelastic Properties of Polymers (1980)"
+
+    def untestable(self, presses: Presses) -> str:
+        return "" if np.any(presses.history.earlier_depth_mm > 0) else "no pad is pressed twice"
+
+    def depth(self, presses: Presses, depth_mm: NDArray, values: Values) -> NDArray:
+        left = presses.history.earlier_depth_mm * np.exp(-presses.history.elapsed_s / values["tau_s"])
+        return depth_mm - values["fraction"] * left.max(axis=1)[:, None]

@@ -1,0 +1,41 @@
+"""The pad softens where it has been pressed before (Mullins)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.loop.data.trials import Presses
+from dummydesign.loop.model.effect import Effect, Parameter, Values
+
+
+class SofteningWithCycles(Effect):
+    """Elastic force loses ``softening`` at the first reloading to a depth reached before, more at later ones.
+
+    Loss after n earlier presses to this depth: softening (1 - exp(-n / 1.5)) / (1 - exp(-1 / 1.5)). Beyond the
+    deepest earlier press the virgin curve is rejoined over a tenth of the depth. No recovery.
+    """
+
+    name = "softening_with_cycles"
+    stage = "batch"
+    belongs_to = "pad"
+    designed_for = "a pad that is pressed for the first time"
+    parameters = (Parameter("softening", "1", 0.0, 0.0, 0.5, 0.03),)
+    signature = "first press high, later ones lower; only below the depth reached before"
+    reference = "Mullins, Rubber Chem. Technol. 42 (1969) 339; Liao et al. on Ecoflex"
+
+    def untestable(self, presses: Presses) -> str:
+        return "" if np.any(presses.history.earlier_depth_mm > 0) else "no pad is pressed twice"
+
+    def scale(self, presses: Presses, depth_mm: NDArray, values: Values) -> NDArray:
+        count = np.zeros_like(depth_mm)
+        depth = np.maximum(depth_mm, 1e-9)
+        for earlier in presses.history.earlier_depth_mm.T:
+            if np.any(earlier > 0):
+                count += np.clip((earlier[:, None] / depth - REJOIN) / (1.0 - REJOIN), 0.0, 1.0)
+        loss = np.expm1(-count / CYCLES) / np.expm1(-1.0 / CYCLES)
+        return 1.0 - values["softening"] * loss
+
+
+CYCLES = 1.5
+REJOIN = 0.9

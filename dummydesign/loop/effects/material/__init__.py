@@ -1,0 +1,1 @@
+"""Effects of the pad's material and geometry; they enter a design."""

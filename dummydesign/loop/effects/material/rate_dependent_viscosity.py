@@ -1,0 +1,31 @@
+"""Relaxation is faster after a faster ramp."""
+
+from __future__ import annotations
+
+from numpy.typing import NDArray
+
+from dummydesign.loop.data.trials import Presses
+from dummydesign.loop.model.effect import Arm, Effect, Parameter, Values
+
+
+class RateDependentViscosity(Effect):
+    """Time constants fall as (ramp speed / 50 mm/s)^-exponent: a shear-thinning viscosity, frozen per trial."""
+
+    name = "rate_dependent_viscosity"
+    stage = "pad"
+    belongs_to = "pad"
+    designed_for = "relaxation as it is after a ramp of 50 mm/s"
+    parameters = (Parameter("exponent", "1", 0.0, -0.8, 1.5, 0.1),)
+    signature = "time constants differ between speeds; one spectrum cannot serve both"
+    reference = "the paper: c2 and c3 fall with speed; Cross, J. Colloid Sci. 20 (1965) 417 (shear thinning)"
+
+    def untestable(self, presses: Presses) -> str:
+        speed = presses.velocity_mm_s
+        return "" if speed.max() > 1.5 * speed.min() else "needs two speeds"
+
+    def arms(self, presses: Presses, arms: tuple[Arm, ...], depth_mm: NDArray, values: Values) -> tuple[Arm, ...]:
+        factor = (presses.velocity_mm_s[:, None] / REFERENCE_MM_S) ** (-values["exponent"])
+        return tuple(arm.changed(tau_s=arm.tau_s * factor) for arm in arms)
+
+
+REFERENCE_MM_S = 50.0

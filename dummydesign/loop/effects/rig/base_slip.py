@@ -1,0 +1,36 @@
+"""The pad is not held by its base."""
+
+from __future__ import annotations
+
+from numpy.typing import NDArray
+
+from dummydesign.loop.model.base_law import UnitForce, root_law, sliding_law
+from dummydesign.loop.model.effect import Effect, Parameter, Values
+
+
+class BaseSlip(Effect):
+    """A share of the base slides: F = (1 - w) F_bonded + w F_sliding, both from finite elements.
+
+    One factor per pad once the modulus is free: 0.45 to 0.42 of the glued force on 5 mm, 0.81 to 0.78 on 20 mm.
+    """
+
+    name = "base_slip"
+    stage = "pad"
+    belongs_to = "rig"
+    shapes = ("slab",)
+    parameters = (Parameter("slip_fraction", "1", 0.0, 0.0, 1.0, 0.1, starts=(0.5,)),)
+    signature = "scale, mostly the thin pad, growing slowly with depth"
+    reference = "layer on a slipping base: Hayes et al., J. Biomech. 5 (1972) 541; response tables of the pad model"
+
+    def law(self, law: UnitForce, values: Values) -> UnitForce:
+        slip = values["slip_fraction"]
+        root = root_law(law)
+        if root.table.base != "bonded":
+            return law
+        sliding = sliding_law(root)
+
+        def mixed(depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
+            return (1.0 - slip) * law(depth_mm, thickness_mm) + slip * sliding(depth_mm, thickness_mm)
+
+        mixed.__wrapped__ = law
+        return mixed

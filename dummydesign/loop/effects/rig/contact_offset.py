@@ -1,0 +1,26 @@
+"""The surface lies deeper than displacement zero."""
+
+from __future__ import annotations
+
+from numpy.typing import NDArray
+
+from dummydesign.loop.data.trials import Presses
+from dummydesign.loop.model.effect import Effect, Parameter, Values
+
+
+class ContactOffset(Effect):
+    """All trials touch later than declared: depth = displacement - offset.
+
+    The same length at all depths, speeds and pads, so the relative change of force, n dx / x, is largest
+    at small depth. Single trials also scatter about it; this is their common part.
+    """
+
+    name = "contact_offset"
+    stage = "motion"
+    belongs_to = "rig"
+    parameters = (Parameter("offset_mm", "mm", 0.0, -1.0, 1.0, 0.05),)
+    signature = "late or early onset by the same length on all pads and speeds"
+    reference = "Crick and Yin, Biomech. Model. Mechanobiol. 6 (2007) 199 (contact point and modulus)"
+
+    def depth(self, presses: Presses, depth_mm: NDArray, values: Values) -> NDArray:
+        return depth_mm - values["offset_mm"]

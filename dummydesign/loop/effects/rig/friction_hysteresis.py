@@ -1,0 +1,32 @@
+"""A dry friction in the rig or under the punch opposes the motion."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.loop.data.trials import Presses
+from dummydesign.loop.model.effect import Effect, Parameter, Values
+
+
+class FrictionHysteresis(Effect):
+    """Loss as a fraction of the force, each way: F (1 + friction) on the way in and in the hold, F (1 - friction)
+    on the way out, turning over within 0.1 mm of the way back."""
+
+    name = "friction_hysteresis"
+    stage = "pad"
+    belongs_to = "rig"
+    parameters = (Parameter("friction_fraction", "1", 0.0, 0.0, 0.6, 0.03),)
+    signature = "unloading lower than relaxation alone explains, without rate dependence"
+    reference = "Coulomb friction; Johnson, Contact Mechanics (1985)"
+
+    def untestable(self, presses: Presses) -> str:
+        return "" if presses.unloads.any() else "needs trials that go on after the hold (unloading)"
+
+    def surface(self, presses: Presses, depth_mm: NDArray, force_N: NDArray, values: Values) -> NDArray:
+        back = np.clip((presses.depth_mm[:, None] - presses.displacement_mm) / TURN_MM, 0.0, 1.0)
+        away = presses.time_s > presses.hold_end_s[:, None]
+        return force_N * (1.0 + values["friction_fraction"] * np.where(away, 1.0 - 2.0 * back, 1.0))
+
+
+TURN_MM = 0.1

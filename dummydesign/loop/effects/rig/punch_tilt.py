@@ -1,0 +1,41 @@
+"""The face of the punch is not parallel to the surface."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.loop.model.base_law import UnitForce, root_law
+from dummydesign.loop.model.effect import Effect, Parameter, Values
+
+
+class PunchTilt(Effect):
+    """The punch leans by an angle about one axis of its face; its centre stays at the displacement.
+
+    Strips across the face press at depth x + u tan(angle) and carry the law's force at their own depth
+    (independent strips). One edge touches early: a quadratic toe as wide as the gap, then a force that is
+    larger by half the curvature of the law. Sign of the angle cannot be seen.
+    """
+
+    name = "punch_tilt"
+    stage = "pad"
+    belongs_to = "rig"
+    shapes = ("slab",)
+    parameters = (Parameter("tilt_deg", "deg", 0.0, 0.0, 8.0, 1.0, starts=(2.0,)),)
+    signature = "rounded toe of fixed width in mm, largest share at small depth"
+    reference = "Kauzlarich, J. Mater. Sci. Lett. 11 (1992); strip (Winkler) estimate"
+
+    def law(self, law: UnitForce, values: Values) -> UnitForce:
+        node, weight = np.polynomial.legendre.leggauss(9)
+        half = HALF_WIDTH_OF_RADIUS * root_law(law).radius_mm
+        lever = half * np.tan(np.deg2rad(values["tilt_deg"])) * node
+
+        def tilted(depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
+            return sum(0.5 * w * law(depth_mm + u, thickness_mm) for u, w in zip(lever, weight))
+
+        tilted.__wrapped__ = law
+        return tilted
+
+
+HALF_WIDTH_OF_RADIUS = float(np.sqrt(np.pi) / 2.0)
+"""Half the side of a square over the radius of the circle of its area."""

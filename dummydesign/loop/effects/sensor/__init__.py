@@ -1,0 +1,1 @@
+"""Effects of the force sensor and the record."""

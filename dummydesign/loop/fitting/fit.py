@@ -1,0 +1,272 @@
+"""Fit of base parameters, effects and law error together: Levenberg-Marquardt on whitened bins."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.loop.data.trials import Presses
+from dummydesign.loop.fitting.noise import LAW_TERMS, Sizes, estimate_sizes, make_whitener
+from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
+from dummydesign.loop.model.effect import Effect
+from dummydesign.loop.model.forward_model import Active, LawError, simulate
+from dummydesign.loop.model.parameters import HIGH, LOW, BaseParameters
+
+STEP = 4e-3
+BASE = 5
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A campaign with a force law and the effects that are fitted beside the base.
+
+    The vector is [5 logarithms | coordinates of the effects' parameters | law level, slope, curvature per
+    thickness].
+    """
+
+    presses: Presses
+    law: SlabLaw | PuckLaw
+    effects: tuple[Effect, ...] = ()
+
+    @property
+    def thicknesses(self) -> NDArray:
+        """The different thicknesses. [mm]"""
+        return np.unique(self.presses.thickness_mm)
+
+    @property
+    def fixed(self) -> int:
+        """Number of base and effect parameters."""
+        return BASE + sum(len(effect.parameters) for effect in self.effects)
+
+    def frozen(self) -> list[int]:
+        """Entries of the vector that these trials cannot show: the arms, without holds and with one speed."""
+        return [1, 2, 3, 4] if self.presses.elastic_only else []
+
+    def bounds(self) -> tuple[NDArray, NDArray]:
+        """Bounds of the vector."""
+        low, high = [*LOW], [*HIGH]
+        for effect in self.effects:
+            for p in effect.parameters:
+                ends = sorted((p.to_coordinate(p.low), p.to_coordinate(p.high)))
+                low.append(ends[0])
+                high.append(ends[1])
+        free = np.full(LAW_TERMS * len(self.thicknesses), 0.5)
+        return np.r_[low, -free], np.r_[high, free]
+
+    def base_of(self, vector: NDArray) -> BaseParameters:
+        """The base parameters in a vector."""
+        return BaseParameters.from_logs(vector[:BASE])
+
+    def active_of(self, vector: NDArray) -> tuple[Active, ...]:
+        """The effects with their values in a vector."""
+        out, place = [], BASE
+        for effect in self.effects:
+            values = {}
+            for parameter in effect.parameters:
+                values[parameter.name] = parameter.to_value(vector[place])
+                place += 1
+            out.append(Active(effect, values))
+        return tuple(out)
+
+    def law_error_of(self, vector: NDArray) -> LawError:
+        """The law error per trial in a vector."""
+        place = np.searchsorted(self.thicknesses, self.presses.thickness_mm)
+        return LawError(*(term[place] for term in np.split(vector[self.fixed :], LAW_TERMS)))
+
+    def nodes(self, vector: NDArray, offset_mm: NDArray | float = 0.0) -> NDArray:
+        """Force at the nodes before the sensor filter (T, N). [N]"""
+        base, active, error = self.base_of(vector), self.active_of(vector), self.law_error_of(vector)
+        return simulate(self.presses, self.law, base, active, error, offset_mm)
+
+    def predict(self, vector: NDArray, offset_mm: NDArray | float = 0.0) -> NDArray:
+        """Bin means (T, B). [N]"""
+        return self.presses.measure(self.nodes(vector, offset_mm))
+
+    def slope(self, vector: NDArray, forces: NDArray) -> NDArray:
+        """Change of the bins with the contact position (T, B). [N/mm]"""
+        step = 2e-3
+        return (forces - self.predict(vector, step)) / step
+
+    def jacobian(self, vector: NDArray, forces: NDArray) -> NDArray:
+        """Sensitivities (T, B, len(vector)) by forward differences."""
+        _low, high = self.bounds()
+        out = np.zeros((*forces.shape, len(vector)))
+        for column in range(self.fixed):
+            step = STEP if vector[column] + STEP <= high[column] else -STEP
+            moved = vector.copy()
+            moved[column] += step
+            out[..., column] = (self.predict(moved) - forces) / step
+        count = len(self.thicknesses)
+        out[..., self.frozen()] = 0.0
+        place = np.searchsorted(self.thicknesses, self.presses.thickness_mm)
+        rows = np.arange(len(place))
+        for part in range(LAW_TERMS):
+            moved = vector.copy()
+            moved[self.fixed + part * count : self.fixed + (part + 1) * count] += STEP
+            change = (self.predict(moved) - forces) / STEP
+            out[rows, :, self.fixed + part * count + place] = change
+        return out
+
+
+@dataclass(frozen=True)
+class Fit:
+    """An optimum with what is needed to judge it.
+
+    Attributes
+    ----------
+    problem : Problem
+    vector : ndarray, shape (n,)
+    sizes : Sizes
+    residual, slope, forces : ndarray, shape (T, B)
+        Measured minus modelled; dF/dx; modelled. [N, N/mm, N]
+    jacobian : ndarray, shape (T, B, n)
+    covariance : ndarray, shape (n, n)
+    chi2 : float
+        Whitened squares including the prior rows of the law error.
+    score : float
+        Minus twice the log likelihood, law error and contact scatter integrated out (see ``estimate_sizes``).
+    """
+
+    problem: Problem
+    vector: NDArray
+    sizes: Sizes
+    residual: NDArray
+    slope: NDArray
+    forces: NDArray
+    jacobian: NDArray
+    covariance: NDArray
+    chi2: float
+    score: float
+
+    @property
+    def base(self) -> BaseParameters:
+        """The fitted base parameters."""
+        return self.problem.base_of(self.vector)
+
+    @property
+    def active(self) -> tuple[Active, ...]:
+        """The fitted effects."""
+        return self.problem.active_of(self.vector)
+
+
+def start_vector(problem: Problem, young_MPa: float) -> NDArray:
+    """Usual parameters of a soft gel, effects at null."""
+    strength = 1e-3 if problem.presses.elastic_only else 0.3
+    base = BaseParameters(young_MPa, (0.07, 1.5), (strength, strength)).to_logs()
+    return extend(problem, base, np.zeros(LAW_TERMS * len(problem.thicknesses)))
+
+
+def extend(problem: Problem, base_logs: NDArray, law: NDArray) -> NDArray:
+    """A vector with the effects at their null values."""
+    null = [p.to_coordinate(p.null) for effect in problem.effects for p in effect.parameters]
+    return np.r_[base_logs, null, law]
+
+
+def prior_precision(problem: Problem, sizes: Sizes) -> NDArray:
+    """Inverse prior variances of the vector: of the law error only."""
+    return np.r_[np.zeros(problem.fixed), np.repeat(np.array(sizes.law) ** -2.0, len(problem.thicknesses))]
+
+
+def fit(problem: Problem, start: NDArray, sizes: Sizes, iterations: int = 12, fixed: Sequence[int] = ()) -> Fit:
+    """Levenberg-Marquardt with the noise of ``sizes``; ``fixed`` entries of the vector stay as they are.
+
+    Returns
+    -------
+    Fit
+        ``score`` is NaN: see :func:`with_sizes`.
+    """
+    low, high = problem.bounds()
+    vector = np.clip(start, low, high)
+    prior = prior_precision(problem, sizes)
+    forces = problem.predict(vector)
+    slope = problem.slope(vector, forces)
+    whiten = make_whitener(problem.presses, sizes.noise, slope, True)
+    used = problem.presses.used
+    measured = problem.presses.force_N
+
+    def cost_of(candidate: NDArray, predicted: NDArray) -> float:
+        white = whiten(np.where(used, measured - predicted, 0.0))
+        return float((white**2).sum() + (prior * candidate**2).sum())
+
+    cost, damping = cost_of(vector, forces), 1e-4
+    for _ in range(iterations):
+        jacobian = problem.jacobian(vector, forces)
+        jacobian[~used] = 0.0
+        turned = whiten(jacobian).reshape(-1, len(vector))
+        white = whiten(np.where(used, measured - forces, 0.0)).ravel()
+        normal = turned.T @ turned + np.diag(prior)
+        gradient = turned.T @ white - prior * vector
+        frozen = ((vector <= low + 1e-9) & (gradient < 0)) | ((vector >= high - 1e-9) & (gradient > 0))
+        frozen[[*fixed, *problem.frozen()]] = True
+        free = ~frozen
+        before = cost
+        for _attempt in range(6):
+            matrix = normal[np.ix_(free, free)]
+            matrix = matrix + np.diag(damping * np.diag(matrix) + 1e-10)
+            step = np.zeros_like(vector)
+            step[free] = np.clip(np.linalg.solve(matrix, gradient[free]), -1.5, 1.5)
+            trial = np.clip(vector + step, low, high)
+            predicted = problem.predict(trial)
+            new = cost_of(trial, predicted)
+            if np.isfinite(new) and new < cost:
+                vector, forces, cost, damping = trial, predicted, new, max(damping * 0.1, 1e-7)
+                break
+            damping *= 8.0
+        if before - cost < 0.02:
+            break
+    if vector[1] > vector[3] and low[3] <= vector[1] and vector[3] <= high[1]:
+        vector[[1, 2, 3, 4]] = vector[[3, 4, 1, 2]]  # the fast arm first
+    return _finish(problem, vector, forces, sizes)
+
+
+def _finish(problem: Problem, vector: NDArray, forces: NDArray, sizes: Sizes) -> Fit:
+    used = problem.presses.used
+    prior = prior_precision(problem, sizes)
+    jacobian = problem.jacobian(vector, forces)
+    jacobian[~used] = 0.0
+    slope = np.where(used, problem.slope(vector, forces), 0.0)
+    residual = np.where(used, problem.presses.force_N - forces, 0.0)
+    whiten = make_whitener(problem.presses, sizes.noise, slope, True)
+    turned = whiten(jacobian).reshape(-1, len(vector))
+    normal = turned.T @ turned + np.diag(prior)
+    covariance = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
+    chi2 = float((whiten(residual) ** 2).sum() + (prior * vector**2).sum())
+    return Fit(problem, vector, sizes, residual, slope, forces, jacobian, covariance, chi2, float("nan"))
+
+
+def with_sizes(found: Fit) -> Fit:
+    """Re-estimate contact scatter and law error at an optimum and set its score."""
+    problem = found.problem
+    presses = problem.presses
+    count, half = len(presses.trials), len(problem.thicknesses)
+    whiten = make_whitener(presses, found.sizes.noise, found.slope, False)
+    law = found.jacobian[..., problem.fixed :]
+    residual = found.residual + law @ found.vector[problem.fixed :]
+    turned = whiten(found.jacobian).reshape(-1, len(found.vector))
+    shift = whiten(found.slope)
+    white = whiten(residual)
+    p = problem.fixed
+    gram = np.zeros((1 + p + count + LAW_TERMS * half,) * 2)
+    dense = np.column_stack([white.ravel(), turned])
+    inner = dense.T @ dense
+    wide = np.einsum("tb,tbk->tk", shift, dense.reshape(*shift.shape, -1))
+    order = np.r_[0, 1 + np.arange(p), 1 + p + count + np.arange(LAW_TERMS * half)]
+    gram[np.ix_(order, order)] = inner
+    trials = 1 + p + np.arange(count)
+    gram[np.ix_(trials, order)] = wide
+    gram[np.ix_(order, trials)] = wide.T
+    gram[trials, trials] = (shift**2).sum(axis=1)
+    sizes, score = estimate_sizes(gram, (p, count, *[half] * LAW_TERMS), found.sizes, problem.law.error_priors)
+    return replace(found, sizes=sizes, score=score)
+
+
+def settle(problem: Problem, start: NDArray, sizes: Sizes, rounds: int = 2, iterations: int = 12) -> Fit:
+    """Alternate the fit and the estimate of contact scatter and law error."""
+    found = fit(problem, start, sizes, iterations)
+    for _ in range(rounds - 1):
+        sized = with_sizes(found)
+        found = fit(problem, sized.vector, sized.sizes, iterations)
+    return with_sizes(found)

@@ -1,0 +1,227 @@
+"""What in a campaign is noise: white and slow noise from repeats, scatter of contact, error of the force law.
+
+The slow noise is estimated from differences of repeats from which a shift in depth and a change of scale
+are taken out, so that neither model error nor effects that change from trial to trial count as noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.inference.noise import Bins, Noise
+from dummydesign.loop.data.reduction import UNLOADING
+from dummydesign.loop.data.trials import Presses
+
+POSITION_PRIOR_MM = (0.008, 1.0)
+"""Median and spread (of the logarithm) of the contact scatter; that of the law's error belongs to the law."""
+LAW_TERMS = 3
+"""Level, slope and curvature in depth over thickness."""
+Priors = tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """Noise of the bins, and the prior size of the law's error in level and slope."""
+
+    noise: Noise
+    level: float
+    slope: float
+    curve: float
+
+    @property
+    def law(self) -> tuple[float, ...]:
+        """Prior sizes of the law error's terms."""
+        return self.level, self.slope, self.curve
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return all sizes with units."""
+        return {**self.noise.to_dict(), "law_level": self.level, "law_slope": self.slope, "law_curve": self.curve}
+
+    @property
+    def floor_N(self) -> float:
+        """Standard deviation of the noise of one raw sample: white and slow. [N]"""
+        return float(np.hypot(self.noise.white_N, self.noise.slow_N))
+
+
+def first_sizes(presses: Presses, law_priors: Priors) -> Sizes:
+    """Starting sizes: white noise as measured, the rest at the middle of the priors."""
+    white = float(np.sqrt(np.mean([press.white_N**2 for press in presses.presses])))
+    return Sizes(Noise(white, 0.6 * white, 1.0, POSITION_PRIOR_MM[0]), *(prior[0] for prior in law_priors))
+
+
+def repeat_pairs(presses: Presses) -> list[tuple[int, int]]:
+    """Neighbouring repeats of each condition, as pairs of trial indices."""
+    pairs = []
+    for cell in np.unique(presses.cell):
+        same = np.nonzero(presses.cell == cell)[0]
+        same = same[np.argsort(presses.history.repeat[same], kind="stable")]
+        pairs += [(int(a), int(b)) for a, b in pairwise(same)]
+    return pairs
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Edges and counts of some bins of a trial, as :class:`Bins` wants them."""
+
+    start_s: NDArray
+    end_s: NDArray
+    samples: NDArray
+    force_N: NDArray
+
+
+def contrasts(presses: Presses, residual: NDArray) -> tuple[list[_Part], list[tuple[int, int, NDArray, NDArray]]]:
+    """Differences of repeats over sqrt 2 on bins that both have, before the unloading.
+
+    Returns
+    -------
+    parts : list
+        One per pair, with the difference as ``force_N``.
+    places : list of (trial, trial, bins of the first, bins of the second)
+    """
+    parts, places = [], []
+    for first, second in repeat_pairs(presses):
+        labels = []
+        for trial in (first, second):
+            use = presses.used[trial] & (presses.label[trial] < 100 * UNLOADING)
+            labels.append(np.where(use, presses.label[trial], -1 - trial))
+        _, a, b = np.intersect1d(*labels, return_indices=True)
+        if len(a) < 10:
+            continue
+        press = presses.presses[first]
+        order = np.argsort(a)
+        a, b = a[order], b[order]
+        difference = (residual[first, a] - residual[second, b]) / np.sqrt(2.0)
+        samples = 2.0 / (1.0 / presses.samples[first, a] + 1.0 / presses.samples[second, b])
+        parts.append(_Part(press.start_s[a], press.end_s[a], samples, difference))
+        places.append((first, second, a, b))
+    return parts, places
+
+
+def estimate_slow_noise(presses: Presses, residual: NDArray, slope: NDArray, force: NDArray, start: Noise) -> Noise:
+    """Size and time of the slow noise by restricted maximum likelihood of repeat differences.
+
+    Without repeats the residuals of the holds themselves are used: then model error counts as noise.
+
+    Parameters
+    ----------
+    presses : Presses
+    residual, slope, force : ndarray, shape (T, B)
+        Residual of the base model, dF/dx and modelled force of the bins.
+    start : Noise
+        White noise and contact scatter are taken from it unchanged.
+    """
+    from scipy.optimize import minimize
+
+    parts, places = contrasts(presses, residual)
+    if parts:
+        nuisance = [np.stack([slope[i, a], force[i, a]], axis=1) for i, _, a, _ in places]
+    else:
+        parts, nuisance = [], []
+        for row, press in enumerate(presses.presses):
+            use = (press.label >= 300 - 100) & (press.label < 100 * UNLOADING)
+            part, *columns = (values[row, : len(use)][use] for values in (residual, slope, force))
+            parts.append(_Part(press.start_s[use], press.end_s[use], press.samples[use], part))
+            nuisance.append(np.stack(columns, axis=1))
+    bins = Bins(parts)
+    values = bins.stacked(np.concatenate([part.force_N for part in parts]))
+    columns = bins.stacked(np.concatenate(nuisance))
+    zero = np.zeros_like(values)
+
+    def cost(logs: NDArray) -> float:
+        slow, time = np.exp(np.clip(logs, np.log([1e-4, 0.05]), np.log([5.0, 20.0])))
+        noise = Noise(start.white_N, slow, time, 0.0)
+        factor = np.linalg.inv(np.linalg.cholesky(bins.covariance(noise, zero)))
+        u, x = (factor @ values[..., None])[..., 0], factor @ columns
+        gram = np.swapaxes(x, 1, 2) @ x + 1e-9 * np.eye(2)
+        inner = (np.swapaxes(x, 1, 2) @ u[..., None])[..., 0]
+        chi2 = (u**2).sum() - (inner * np.linalg.solve(gram, inner[..., None])[..., 0]).sum()
+        logs_of = -2.0 * np.log(np.diagonal(factor, axis1=1, axis2=2)).sum()
+        weak = ((logs[1] - 0.0) / 1.0) ** 2
+        return float(chi2 + logs_of + np.linalg.slogdet(gram)[1].sum() + weak)
+
+    begin = np.log([max(start.slow_N, 1e-3), start.slow_time_s])
+    simplex = np.vstack([begin, begin + [0.5, 0.0], begin + [0.0, 0.5]])
+    options = {"initial_simplex": simplex, "xatol": 0.03, "fatol": 0.05, "maxfev": 60}
+    logs = minimize(cost, begin, method="Nelder-Mead", options=options).x
+    slow, time = np.exp(np.clip(logs, np.log([1e-4, 0.05]), np.log([5.0, 20.0])))
+    return Noise(start.white_N, float(slow), float(time), start.position_mm)
+
+
+def _penalty(log_size: float, prior: tuple[float, float]) -> float:
+    return ((log_size - np.log(prior[0])) / prior[1]) ** 2
+
+
+def estimate_sizes(
+    gram: NDArray, counts: tuple[int, ...], sizes: Sizes, law_priors: Priors
+) -> tuple[Sizes, float]:
+    """Contact scatter and law error that make the residuals likeliest, and minus twice that log likelihood.
+
+    Parameters
+    ----------
+    gram : ndarray, shape (1 + p + t + 3 h, ...)
+        Inner products of [residual | sensitivities | contact shift of each trial | law level | slope | curvature
+        per thickness], whitened with white and slow noise only; the residual is that without law error and shifts.
+    counts : (p, t, h, h, h)
+        Numbers of columns.
+    sizes : Sizes
+        Former sizes, the start.
+    law_priors : tuple of (median, spread of the logarithm)
+        Of the law error's three terms.
+
+    Returns
+    -------
+    Sizes
+    float
+        Minus twice the log likelihood with the random columns integrated out, the fixed ones at their best,
+        plus the penalties of the priors; without the constant of the white and slow noise.
+    """
+    from scipy.optimize import minimize
+
+    p = counts[0]
+    inner, total = gram[1:, 0], gram[0, 0]
+    random = gram[1 + p :, 1 + p :]
+    full = gram[1:, 1:] + np.diag(np.r_[1e-9 * np.diag(gram)[1 : 1 + p] + 1e-12, np.zeros(len(random))])
+
+    def score(logs: NDArray, restricted: bool) -> float:
+        scale = np.repeat(np.exp(logs), counts[1:])
+        matrix = full.copy()
+        matrix[np.diag_indices(len(matrix))] += np.r_[np.zeros(p), scale**-2]
+        chi2 = total - inner @ np.linalg.solve(matrix, inner)
+        if restricted:
+            volume = np.linalg.slogdet(matrix)[1] + 2.0 * np.log(scale).sum()
+        else:
+            volume = np.linalg.slogdet(np.eye(len(scale)) + scale[:, None] * random * scale)[1]
+        priors = sum(_penalty(v, q) for v, q in zip(logs, (POSITION_PRIOR_MM, *law_priors)))
+        return float(chi2 + volume + priors)
+
+    def clipped(logs: NDArray) -> NDArray:
+        return np.clip(logs, np.log([3e-4, 3e-4, 3e-4, 3e-4]), np.log([0.5, 0.2, 0.3, 0.3]))
+
+    begin = np.log([max(sizes.noise.position_mm, 1e-3), *sizes.law])
+    simplex = np.vstack([begin, begin + 0.5 * np.eye(len(begin))])
+    options = {"initial_simplex": simplex, "xatol": 0.02, "fatol": 0.05, "maxfev": 110}
+    logs = clipped(minimize(lambda z: score(clipped(z), True), begin, method="Nelder-Mead", options=options).x)
+    position, *law = (float(v) for v in np.exp(logs))
+    noise = Noise(sizes.noise.white_N, sizes.noise.slow_N, sizes.noise.slow_time_s, position)
+    return Sizes(noise, *law), score(logs, False)
+
+
+Whitener = Callable[[NDArray], NDArray]
+"""Takes (T, B) or (T, B, p) to its whitened form."""
+
+
+def make_whitener(presses: Presses, noise: Noise, slope: NDArray, with_position: bool) -> Whitener:
+    """Whitening by the noise, with or without the scatter of the contact position."""
+    used = noise if with_position else Noise(noise.white_N, noise.slow_N, noise.slow_time_s, 0.0)
+    factor = np.linalg.inv(np.linalg.cholesky(presses.bins.covariance(used, slope)))
+
+    def apply(values: NDArray) -> NDArray:
+        return (factor @ values[..., None])[..., 0] if values.ndim == 2 else factor @ values
+
+    return apply

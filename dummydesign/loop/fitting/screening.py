@@ -1,0 +1,123 @@
+"""Score screening: how much of the residual each effect could explain, to first order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.loop.fitting.fit import Fit, Problem, extend, prior_precision
+from dummydesign.loop.fitting.noise import Whitener, make_whitener
+from dummydesign.loop.model.effect import Effect
+
+
+@dataclass(frozen=True)
+class Screened:
+    """One effect after screening.
+
+    Attributes
+    ----------
+    effect : Effect
+    z : float
+        Signed score in standard deviations; 0 when it points outside the bounds.
+    coordinate : float
+        First-order estimate of the size.
+    signature : ndarray, shape (T B + law rows,)
+        Unit vector of what the effect adds beyond base and law error, whitened.
+    start : ndarray
+        Coordinates of all its parameters at which it scored.
+    """
+
+    effect: Effect
+    z: float
+    coordinate: float
+    signature: NDArray
+    start: NDArray
+
+
+@dataclass(frozen=True)
+class Projection:
+    """Whitened residual and the space that base parameters, law error and accepted effects span."""
+
+    basis: NDArray
+    residual: NDArray
+    rows: int
+
+    def remove(self, vector: NDArray) -> NDArray:
+        """Take out of a whitened vector what the base could absorb."""
+        return vector - self.basis @ (self.basis.T @ vector)
+
+
+def project(found: Fit, law_free: bool = False) -> tuple[Projection, Whitener]:
+    """Whiten a fit's residual with its prior rows and orthonormalise its sensitivities.
+
+    ``law_free`` drops the prior rows: then whatever a law error of any size could do is taken out.
+    """
+    problem = found.problem
+    whiten = make_whitener(problem.presses, found.sizes.noise, found.slope, True)
+    scale = np.sqrt(prior_precision(problem, found.sizes)[problem.fixed :]) * (0.0 if law_free else 1.0)
+    turned = whiten(found.jacobian).reshape(-1, len(found.vector))
+    prior = np.zeros((len(scale), len(found.vector)))
+    prior[:, problem.fixed :] = np.diag(scale)
+    stacked = np.concatenate([turned, prior])
+    norm = np.linalg.norm(stacked, axis=0)
+    basis, singular, _ = np.linalg.svd(stacked / np.where(norm > 0, norm, 1.0), full_matrices=False)
+    basis = basis[:, singular > 1e-9 * singular[0]]
+    residual = np.r_[whiten(found.residual).ravel(), -scale * found.vector[problem.fixed :]]
+    return Projection(basis, residual, len(scale)), whiten
+
+
+def screen(found: Fit, candidates: tuple[Effect, ...]) -> list[Screened]:
+    """Score all candidates at a fit, best first.
+
+    One simulation per starting value of each effect; z = a . r / |a| with a the whitened change, base and
+    law error projected out.
+    """
+    projection, whiten = project(found)
+    clean = projection.remove(projection.residual)
+    out = []
+    for effect in candidates:
+        problem = Problem(found.problem.presses, found.problem.law, (*found.problem.effects, effect))
+        at = found.problem.fixed
+        best: Screened | None = None
+        for start in starts_of(effect):
+            vector = np.insert(found.vector, at, start)
+            change = np.where(problem.presses.used, problem.predict(vector) - found.forces, 0.0)
+            column = projection.remove(np.r_[whiten(change).ravel(), np.zeros(projection.rows)])
+            length = float(np.linalg.norm(column))
+            if length < 1e-6:
+                continue
+            z = float(column @ clean) / length
+            size = z / length * start[0]
+            low, high = sorted(effect.parameters[0].to_coordinate(end) for end in _ends(effect))
+            inside = low - 1e-9 <= np.sign(size) * 1e-6 <= high + 1e-9
+            entry = Screened(effect, z if inside else 0.0, size if inside else 0.0, column / length, start)
+            if best is None or abs(entry.z) > abs(best.z):
+                best = entry
+        if best is not None:
+            out.append(best)
+    return sorted(out, key=lambda one: -abs(one.z))
+
+
+def _ends(effect: Effect) -> tuple[float, float]:
+    return effect.parameters[0].low, effect.parameters[0].high
+
+
+def starts_of(effect: Effect) -> list[NDArray]:
+    """Coordinates to try: the typical size, with each starting value of a second parameter."""
+    first = effect.parameters[0]
+    size = 1.0 if first.to_value(1.0) != first.null else -1.0
+    rest = [(p.typical, *p.starts) for p in effect.parameters[1:]]
+    grid = [[]]
+    for parameter, values in zip(effect.parameters[1:], rest):
+        grid = [[*g, parameter.to_coordinate(v)] for g in grid for v in values]
+    return [np.r_[size, g] for g in grid]
+
+
+def extended(found: Fit, effect: Effect) -> tuple[Problem, NDArray]:
+    """The problem with one effect more, and the fit's vector with it at null."""
+    problem = Problem(found.problem.presses, found.problem.law, (*found.problem.effects, effect))
+    law = found.vector[found.problem.fixed :]
+    null = extend(Problem(problem.presses, problem.law, (effect,)), np.zeros(5), law)[5 : 5 + len(effect.parameters)]
+    return problem, np.r_[found.vector[: found.problem.fixed], null, law]

@@ -1,0 +1,79 @@
+"""One fitted model with its errors, its lack of fit, and the intervals of its parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from dummydesign.loop.fitting.fit import Fit
+from dummydesign.loop.judging.lack_of_fit import LackOfFit, lack_of_fit
+from dummydesign.loop.judging.left_out import Errors, errors
+from dummydesign.loop.model.effect import Effect
+from dummydesign.loop.model.parameters import NAMES
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A model with its errors and its lack of fit."""
+
+    fit: Fit
+    errors: Errors
+    by_pad: Errors
+    lack: LackOfFit
+
+    def to_dict(self) -> dict[str, Any]:
+        """Parameters with 95 % intervals, and errors."""
+        return {
+            "parameters": base_intervals(self.fit),
+            "error": {
+                "train_rmse_N": self.errors.train_N,
+                "heldout_rmse_N": self.errors.heldout_N,
+                "heldout_pad_rmse_N": self.by_pad.heldout_N,
+                "noise_floor_N": self.fit.sizes.floor_N,
+                "lack_of_fit_p": self.lack.p,
+                "lack_of_fit_ratio": self.lack.ratio,
+            },
+            "noise": self.fit.sizes.to_dict(),
+        }
+
+
+def make_stage(fit: Fit) -> Stage:
+    """Measure a fit."""
+    return Stage(fit, errors(fit), pad_errors(fit), lack_of_fit(fit))
+
+
+def pad_errors(fit: Fit) -> Errors:
+    """Errors with all trials on one thickness left out at a time, and with them its law error."""
+    presses = fit.problem.presses
+    return errors(fit, np.searchsorted(fit.problem.thicknesses, presses.thickness_mm))
+
+
+def interval(fit: Fit, place: int, to_value: Callable[[float], float]) -> dict[str, Any]:
+    """Value with its 95 % interval from the curvature at the optimum, widened by the lack of fit."""
+    low, high = fit.problem.bounds()
+    at, spread = fit.vector[place], 1.96 * float(np.sqrt(max(fit.covariance[place, place], 0.0)))
+    ends = sorted((to_value(max(at - spread, low[place])), to_value(min(at + spread, high[place]))))
+    bound = bool(at <= low[place] + 1e-6 or at >= high[place] - 1e-6)
+    return {"value": to_value(at), "low": ends[0], "high": ends[1], "at_bound": bound}
+
+
+def base_intervals(fit: Fit) -> dict[str, Any]:
+    """Base parameters with 95 % intervals; modulus in kPa."""
+    out = {}
+    for place, name in enumerate(NAMES):
+        unit = 1e3 if name == "young_kPa" else 1.0
+        out[name] = interval(fit, place, lambda z, unit=unit: float(np.exp(z)) * unit)
+    return out
+
+
+def effect_intervals(fit: Fit, effect: Effect) -> dict[str, Any]:
+    """Parameters of one fitted effect with 95 % intervals."""
+    place = fit.problem.fixed - sum(len(e.parameters) for e in fit.problem.effects)
+    for other in fit.problem.effects:
+        if other.name == effect.name:
+            return {p.name: interval(fit, place + i, p.to_value) for i, p in enumerate(other.parameters)}
+        place += len(other.parameters)
+    raise KeyError(effect.name)

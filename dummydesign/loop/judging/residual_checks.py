@@ -1,0 +1,134 @@
+"""Checks of the raw residual that bins cannot make: spectral lines, steps in the hold, noise before contact."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.loop.fitting.fit import Fit
+
+LINE_RATIO = 2.3
+STEP_Z = 6.0
+QUIET_RATIO = 1.5
+BLOCK_S = 0.1
+
+
+@dataclass(frozen=True)
+class Check:
+    """One check: its statistic, the limit, whether it is exceeded, and what was seen."""
+
+    name: str
+    value: float | None
+    limit: float
+    exceeded: bool
+    text: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return all fields."""
+        return asdict(self)
+
+
+def raw_residuals(found: Fit) -> list[NDArray]:
+    """Measured minus modelled force at the raw samples, with each trial's contact shift taken out. [N]"""
+    presses = found.problem.presses
+    white = np.maximum(presses.samples, 1.0) / found.sizes.noise.white_N**2 * presses.used
+    slow = np.maximum(found.sizes.noise.slow_N, 1e-6) ** 2
+    weight = white / (1.0 + white * slow)
+    ridge = found.sizes.noise.position_mm**-2
+    shift = (weight * found.slope * found.residual).sum(axis=1) / ((weight * found.slope**2).sum(axis=1) + ridge)
+    # slope is dF/dx: a trial that touched earlier by s reads s dF/dx more
+    modelled = presses.at_samples(found.problem.nodes(found.vector, -shift))
+    return [trial.trace.force_N - model for trial, model in zip(presses.trials, modelled)]
+
+
+def run_checks(found: Fit) -> list[Check]:
+    """Run all checks on a fit."""
+    residual = raw_residuals(found)
+    return [_lines(found, residual), _steps(found, residual), _before_contact(found, residual)]
+
+
+def _lines(found: Fit, residual: list[NDArray]) -> Check:
+    """Average spectrum of the fast-sampled residual, 60 ms after the stop on, against its own median."""
+    presses = found.problem.presses
+    pieces, rate = [], 0.0
+    for row, (trial, values) in enumerate(zip(presses.trials, residual)):
+        time = trial.trace.time_s
+        step = float(np.median(np.diff(time[: max(20, len(time) // 20)])))
+        inside = (time > presses.stop_s[row] + 0.06) & (time < presses.hold_end_s[row])
+        run = np.nonzero(inside & (np.r_[step, np.diff(time)] < 1.2 * step))[0]
+        if len(run) < 100 or step > 5e-3:
+            continue
+        pieces.append((values[run], step))
+    if len(pieces) < 3:
+        return Check("spectral line", None, LINE_RATIO, False, "needs 0.1 s of fast sampling after the stop")
+    length = min(len(piece) for piece, _ in pieces)
+    rate = 1.0 / pieces[0][1]
+    power = np.zeros(length // 2 + 1)
+    used = [piece[:length] for piece, step in pieces if abs(step * rate - 1.0) < 0.05]
+    at = np.arange(length)
+    for piece in used:
+        smooth = np.polynomial.Polynomial.fit(at, piece, 3)(at)
+        power += np.abs(np.fft.rfft((piece - smooth) * np.hanning(length))) ** 2
+    frequency = np.fft.rfftfreq(length, 1.0 / rate)
+    seen = frequency > max(15.0, 5.0 * frequency[1])
+    ratio = power[seen] / np.median(power[seen])
+    limit = 1.0 + (LINE_RATIO - 1.0) * np.sqrt(36.0 / len(used))
+    top = int(np.argmax(ratio))
+    text = f"strongest at {frequency[seen][top]:.1f} Hz, {ratio[top]:.2f} times the median of the spectrum"
+    return Check("spectral line", float(ratio[top]), float(limit), bool(ratio[top] > limit), text)
+
+
+def _steps(found: Fit, residual: list[NDArray]) -> Check:
+    """Largest step in any hold, in standard deviations under white and slow noise; a smooth drift is allowed."""
+    presses, noise = found.problem.presses, found.sizes.noise
+    worst, where, size = 0.0, "", 0.0
+    for row, (trial, values) in enumerate(zip(presses.trials, residual)):
+        time = trial.trace.time_s
+        begin, end = presses.stop_s[row] + 0.4, presses.hold_end_s[row] - 0.05
+        count = int((end - begin) / BLOCK_S)
+        if count < 10:
+            continue
+        block = np.floor((time - begin) / BLOCK_S).astype(int)
+        inside = (block >= 0) & (block < count)
+        samples = np.bincount(block[inside], minlength=count)
+        if np.any(samples == 0):
+            continue
+        mean = np.bincount(block[inside], values[inside], minlength=count) / samples
+        middle = begin + BLOCK_S * (np.arange(count) + 0.5)
+        gap = np.abs(middle[:, None] - middle)
+        cover = noise.slow_N**2 * np.exp(-gap / noise.slow_time_s) + np.diag(noise.white_N**2 / samples)
+        factor = np.linalg.inv(np.linalg.cholesky(cover))
+        since = middle - presses.stop_s[row]
+        smooth = factor @ np.stack([np.ones(count), np.log(since), since], axis=1)
+        basis = np.linalg.qr(smooth)[0]
+        steps = factor @ (np.arange(count)[:, None] >= np.arange(3, count - 3))
+        steps = steps - basis @ (basis.T @ steps)
+        clean = factor @ mean
+        clean = clean - basis @ (basis.T @ clean)
+        length = np.linalg.norm(steps, axis=0)
+        z = (steps.T @ clean) / length
+        top = int(np.argmax(np.abs(z)))
+        if abs(z[top]) > abs(worst):
+            worst, size = float(z[top]), float(z[top] / length[top])
+            where = f"{trial.file}, {since[top + 3]:.1f} s after the stop"
+    text = f"largest step {size:+.3f} N in {where}" if where else "needs holds of a second or more"
+    return Check("step in the hold", abs(worst) if where else None, STEP_Z, abs(worst) > STEP_Z, text)
+
+
+def _before_contact(found: Fit, residual: list[NDArray]) -> Check:
+    """Scatter of the residual before contact against the white and slow noise of the rest."""
+    presses = found.problem.presses
+    squares, count = 0.0, 0
+    for row, (trial, values) in enumerate(zip(presses.trials, residual)):
+        before = values[trial.trace.time_s < presses.contact_s[row] - 0.005]
+        if len(before) >= 20:
+            squares += float(((before - before.mean()) ** 2).sum())
+            count += len(before) - 1
+    if count < 50:
+        return Check("noise before contact", None, QUIET_RATIO, False, "needs 20 samples before contact")
+    ratio = float(np.sqrt(squares / count) / found.sizes.floor_N)
+    text = f"scatter before contact is {ratio:.2f} times the noise floor"
+    return Check("noise before contact", ratio, QUIET_RATIO, ratio > QUIET_RATIO, text)

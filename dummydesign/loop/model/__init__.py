@@ -1,0 +1,1 @@
+"""The forward model of a press: base law, effects, relaxation, sensor."""

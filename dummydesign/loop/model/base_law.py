@@ -1,0 +1,165 @@
+"""Elastic force of the relaxed pad per unit modulus: slabs from the response table, pucks in closed form.
+
+This is the one seam between the loop and the pad model.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.core.errors import InputError
+from dummydesign.measurement.campaign import Campaign
+from dummydesign.pad.tables.slab import BASES, ResponseTable, load_table
+from dummydesign.pad.tables.square import load_square
+
+SLAB_ERROR = ((0.004, 0.3), (0.015, 0.3), (0.008, 0.4))
+PUCK_ERROR = SLAB_ERROR
+"""Error of a law per thickness in level, slope and curvature at d/h = 0.4: median size and spread of its logarithm.
+Slabs: finite elements, square-punch factor, half a per cent from pad to pad. Pucks: the closed form is exact for
+the neo-Hookean law; the allowance is for the law."""
+
+UnitForce = Callable[[NDArray, NDArray], NDArray]
+"""F / E [mm2] of depths (T, N) and thicknesses (T, 1) [mm]; zero at and above the surface."""
+
+REFERENCE_DEPTH = 0.4
+"""Depth over thickness at which the slope of a law error is counted."""
+
+_SHARES = np.linspace(0.0, 0.6, 121)
+
+
+@lru_cache(maxsize=512)
+def _square_curve(thickness_mm: float, radius_mm: float, base: str) -> NDArray:
+    """Square over circle at the relative depths ``_SHARES`` on one thickness."""
+    table = load_square(base)
+    ratio = np.clip(radius_mm / thickness_mm, *table.ratio_range)
+    return np.asarray(table.factor(_SHARES, ratio)[0], float)
+
+
+def square_over_circle(depth_mm: NDArray, thickness_mm: NDArray, radius_mm: float, base: str = "bonded") -> NDArray:
+    """Force of a square punch over that of the round one of equal area, for depths (T, N) on pads (T, 1)."""
+    share = np.clip(depth_mm / thickness_mm, 0.0, _SHARES[-1])
+    rows = np.broadcast_to(np.asarray(thickness_mm, float), (len(share), 1))[:, 0]
+    return np.stack([np.interp(s, _SHARES, _square_curve(float(h), radius_mm, base)) for s, h in zip(share, rows)])
+
+
+@dataclass(frozen=True)
+class SlabLaw:
+    """Glued flat punch on a slab, incompressible neo-Hookean, from the response table.
+
+    Attributes
+    ----------
+    table : ResponseTable
+    radius_mm : float
+        Circle of the punch's area.
+    square : bool
+    """
+
+    table: ResponseTable
+    radius_mm: float
+    square: bool
+    shape: str = "slab"
+    error_priors: tuple = SLAB_ERROR
+
+    def __call__(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
+        """F / E [mm2]; beyond the table's depth its last stiffness F / d goes on (see :meth:`limit`)."""
+        thickness = np.asarray(thickness_mm, float)
+        ratio = np.clip(self.radius_mm / thickness, *self.table.ratio_range)
+        low, high = np.log(self.table.ratio_range)
+        across = np.polynomial.chebyshev.chebvander(
+            2.0 * (np.log(ratio[..., 0]) - low) / (high - low) - 1.0, self.table.coefficients.shape[1] - 1
+        )
+        series = (across @ self.table.coefficients.T).T[..., None]
+        start, stop = self.table.depth_range
+        share = np.clip(depth_mm / thickness, start, self.table.depth_limit(ratio))
+        value = _clenshaw(2.0 * (share - start) / (stop - start) - 1.0, series)
+        factor = square_over_circle(depth_mm, thickness, self.radius_mm, self.table.base) if self.square else 1.0
+        return factor * self.radius_mm * np.maximum(depth_mm, 0.0) * np.exp(value)
+
+    def limit(self, thickness_mm: NDArray) -> NDArray:
+        """Largest depth the table knows. [mm]"""
+        ratio = np.clip(self.radius_mm / np.asarray(thickness_mm, float), *self.table.ratio_range)
+        return self.table.depth_limit(ratio) * thickness_mm
+
+
+def _clenshaw(u: NDArray, series: NDArray) -> NDArray:
+    """Chebyshev sum with coefficients (terms, T, 1) at points (T, N)."""
+    later, last = np.zeros_like(u), np.zeros_like(u)
+    for coefficient in series[:0:-1]:
+        later, last = 2.0 * u * later - last + coefficient, later
+    return u * later - last + series[0]
+
+
+@dataclass(frozen=True)
+class PuckLaw:
+    """Cylinder between frictionless plates: homogeneous compression, F / E = A (1 / l^2 - l) / 3, l = 1 - d / h.
+
+    Incompressible neo-Hookean, exact; a puck that slips freely stays a cylinder.
+    """
+
+    diameter_mm: float
+    shape: str = "cylinder"
+    error_priors: tuple = PUCK_ERROR
+
+    def __call__(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
+        """F / E [mm2]."""
+        stretch = 1.0 - np.clip(depth_mm / thickness_mm, 0.0, 0.95)
+        return math.pi * self.diameter_mm**2 / 12.0 * (stretch**-2 - stretch)
+
+    def limit(self, thickness_mm: NDArray) -> NDArray:
+        """Largest depth. [mm]"""
+        return 0.8 * np.asarray(thickness_mm, float)
+
+
+def law_of(campaign: Campaign) -> SlabLaw | PuckLaw:
+    """Choose the force law that a campaign declares.
+
+    Raises
+    ------
+    InputError
+        For a contact or base that has no fast law, or a thickness outside the table.
+    """
+    pad, punch = campaign.pad, campaign.punch
+    if pad.shape == "cylinder":
+        if punch.contact != "frictionless":
+            raise InputError(
+                f"punch contact = '{punch.contact}' with a cylinder: the base model is the frictionless plate; "
+                "declare contact = \"frictionless\" (friction is looked for as the effect plate_friction)"
+            )
+        return PuckLaw(float(pad.diameter_mm))
+    if punch.contact != "bonded":
+        raise InputError(
+            f"punch contact = '{punch.contact}': the response table is for contact = 'bonded' (no slip under the punch)"
+        )
+    if pad.base not in BASES:
+        raise InputError(
+            f"pad base = '{pad.base}': campaigns are fitted with base = 'bonded' or 'sliding'; name the nearer one, "
+            "and the effect base_slip tells how much of the base slides"
+        )
+    table = load_table(pad.base)
+    law = SlabLaw(table, punch.radius_mm, punch.shape == "square")
+    low, high = (punch.radius_mm / ratio for ratio in reversed(table.ratio_range))
+    for trial in campaign.trials:
+        if not low <= trial.thickness_mm <= high:
+            raise InputError(
+                f"thickness_mm = {trial.thickness_mm:g} of {trial.file} is outside the allowed range "
+                f"{low:.3g} to {high:.3g} of the response table for this punch"
+            )
+    return law
+
+
+def root_law(law: UnitForce) -> SlabLaw | PuckLaw:
+    """The base law under all that effects have wrapped around it."""
+    while hasattr(law, "__wrapped__"):
+        law = law.__wrapped__
+    return law
+
+
+def sliding_law(law: SlabLaw) -> SlabLaw:
+    """The same punch on a base that slides."""
+    return SlabLaw(load_table("sliding"), law.radius_mm, law.square)

@@ -1,0 +1,154 @@
+"""The contract of an effect: one class with parameters, a stage, the hook of that stage, and whose effect it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from dummydesign.loop.data.trials import Presses
+    from dummydesign.loop.model.base_law import PuckLaw, SlabLaw, UnitForce
+    from dummydesign.pad.material.relaxation import PronyTerm
+
+STAGES = ("motion", "pad", "sensor", "batch")
+OWNERS = ("pad", "rig", "sensor")
+Values = dict[str, float]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of an effect.
+
+    Attributes
+    ----------
+    name, unit : str
+    null : float
+        Value at which the effect is absent (for a second parameter: its usual value).
+    low, high : float
+        Bounds.
+    typical : float
+        A size that matters in practice: the step of the screening and the scale of the fit.
+    log : bool
+        Fitted as a logarithm (times).
+    starts : tuple of float
+        Further values to start from.
+    """
+
+    name: str
+    unit: str
+    null: float
+    low: float
+    high: float
+    typical: float
+    log: bool = False
+    starts: tuple[float, ...] = ()
+
+    def to_coordinate(self, value: float) -> float:
+        """Value as a number of order one."""
+        return float(np.log(value / self.typical)) if self.log else (value - self.null) / self.typical
+
+    def to_value(self, coordinate: float) -> float:
+        """Inverse of :meth:`to_coordinate`, within the bounds."""
+        value = self.typical * np.exp(coordinate) if self.log else self.null + self.typical * coordinate
+        return float(np.clip(value, self.low, self.high))
+
+
+@dataclass(frozen=True)
+class Arm:
+    """A relaxing arm: time [s] and strength, scalars or (T, 1); ``weight`` (T, N) scales what is loaded into it."""
+
+    tau_s: float | NDArray
+    beta: float | NDArray
+    weight: NDArray | None = None
+
+    def changed(self, **values: object) -> Arm:
+        """Return a copy with other values."""
+        return replace(self, **values)
+
+
+class Effect:
+    """An effect at one stage. A class overrides the hooks of its stage; the others leave things as they are.
+
+    The first parameter is the size; at its null value the chain leaves the effect out, so the model is
+    the base to the last bit.
+    """
+
+    name: str = ""
+    stage: str = ""
+    belongs_to: str = ""
+    """``pad`` (material, batch, history: goes with every pad of this material, so into a design), ``rig`` (robot,
+    punch, plates, how these pads were glued and measured) or ``sensor``."""
+    designed_for: str = ""
+    """State that a design takes when the effect depends on one and is absent there; empty when it acts at all times."""
+    needs: tuple[str, ...] = ()
+    """What a campaign must declare for every trial."""
+    shapes: tuple[str, ...] = ("slab", "cylinder")
+    """Pads on which the effect is defined."""
+    parameters: tuple[Parameter, ...] = ()
+    signature: str = ""
+    reference: str = ""
+    feeds_back: bool = False
+    always_fitted: bool = False
+    """Fitted whatever its score: for effects whose first-order change the base can imitate."""
+
+    def undefined(self, presses: Presses, law: SlabLaw | PuckLaw) -> str:
+        """Say why the effect has no value on these trials (another shape, nothing declared); empty if it has."""
+        if law.shape not in self.shapes:
+            return "for slabs only" if "slab" in self.shapes else "for pucks between plates only"
+        missing = [name for name in self.needs if np.any(np.isnan(getattr(presses.history, name)))]
+        return f"needs {' and '.join(missing)} of every trial" if missing else ""
+
+    def untestable(self, presses: Presses) -> str:
+        """Say why trials on which the effect is defined cannot show it; empty when they can."""
+        return ""
+
+    def unavailable(self, presses: Presses, law: SlabLaw | PuckLaw) -> str:
+        """Say why the effect cannot be fitted to these trials; empty when it can."""
+        return self.undefined(presses, law) or self.untestable(presses)
+
+    def depth(self, presses: Presses, depth_mm: NDArray, values: Values) -> NDArray:
+        """Motion: depth of the punch in the pad (T, N) from the one so far. [mm]"""
+        return depth_mm
+
+    def yielding(self, presses: Presses, force_N: NDArray, values: Values) -> NDArray:
+        """Motion: how much the set-up gives way under the force (T, N). [mm]"""
+        return np.zeros_like(force_N)
+
+    def law(self, law: UnitForce, values: Values) -> UnitForce:
+        """Pad: the elastic law in place of the one so far."""
+        return law
+
+    def adds_terms(self, values: Values) -> tuple[PronyTerm, ...]:
+        """Pad: terms that join the relaxation of the material; the same that :meth:`arms` adds."""
+        return ()
+
+    def scale(self, presses: Presses, depth_mm: NDArray, values: Values) -> NDArray:
+        """Batch: factor on the elastic force, (T, 1) or (T, N)."""
+        return np.ones((1, 1))
+
+    def arms(self, presses: Presses, arms: tuple[Arm, ...], depth_mm: NDArray, values: Values) -> tuple[Arm, ...]:
+        """Pad: the relaxing arms in place of those so far."""
+        return arms
+
+    def surface(self, presses: Presses, depth_mm: NDArray, force_N: NDArray, values: Values) -> NDArray:
+        """Pad: the force on the punch (T, N) from the one that cannot pull. [N]"""
+        return force_N
+
+    def floor(self, presses: Presses, floor_N: NDArray, values: Values) -> NDArray:
+        """Pad: the least force the contact can carry (T, N); zero in the base. [N]"""
+        return floor_N
+
+    def sensor(self, presses: Presses, force_N: NDArray, values: Values) -> NDArray:
+        """Sensor: the signal before the declared filter (T, N). [N]"""
+        return force_N
+
+    def base_starts(self, logs: NDArray) -> list[NDArray]:
+        """Where to start the base's logarithms when this effect is added; the best is kept."""
+        return [logs]
+
+    def null_values(self) -> Values:
+        """All parameters at their null values."""
+        return {p.name: p.null for p in self.parameters}

@@ -1,0 +1,163 @@
+"""The forward model: motion, pad, sensor, in a plain order; effects act at their stage."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.core.recurrence import linear_recurrence
+from dummydesign.loop.data.trials import Presses
+from dummydesign.loop.model.base_law import REFERENCE_DEPTH, UnitForce
+from dummydesign.loop.model.effect import Arm, Effect, Values
+from dummydesign.loop.model.parameters import BaseParameters
+
+FEEDBACK_TOLERANCE_MM = 3e-7
+FEEDBACK_STEPS = 15
+
+
+@dataclass(frozen=True)
+class Active:
+    """An effect with its parameter values."""
+
+    effect: Effect
+    values: Values
+
+    @property
+    def absent(self) -> bool:
+        """Whether the size is at its null value."""
+        size = self.effect.parameters[0]
+        return self.values[size.name] == size.null
+
+
+@dataclass(frozen=True)
+class LawError:
+    """Relative error of the force law per trial: level, slope and curvature at d/h = 0.4, shapes (T,)."""
+
+    level: NDArray
+    slope: NDArray
+    curve: NDArray
+
+    def factor(self, share: NDArray) -> NDArray:
+        """1 + level + slope s + curve s^2, s = (d/h) / 0.4, of relative depths (T, N)."""
+        s = share / REFERENCE_DEPTH
+        return 1.0 + self.level[:, None] + s * (self.slope[:, None] + s * self.curve[:, None])
+
+
+def simulate(
+    presses: Presses,
+    law: UnitForce,
+    base: BaseParameters,
+    active: Sequence[Active] = (),
+    error: LawError | None = None,
+    offset_mm: NDArray | float = 0.0,
+) -> NDArray:
+    """Force before the declared sensor filter at the nodes.
+
+    depth = displacement - offset (- effects); F_inf = E law(depth) (x effects);
+    F = F_inf + sum beta_i integral exp(-(t - s) / tau_i) dF_inf(s), not below zero; then the sensor.
+
+    Parameters
+    ----------
+    presses : Presses
+    law : callable
+        F / E of the base. [mm2]
+    base : BaseParameters
+    active : sequence of Active
+        Effects with values; those at their null value are left out.
+    error : LawError, optional
+    offset_mm : float or ndarray, shape (T,)
+        Contact position of each trial. [mm]
+
+    Returns
+    -------
+    ndarray, shape (T, N)
+        [N]
+    """
+    acting = [one for one in active if not one.absent]
+    thickness = presses.thickness_mm[:, None]
+    for one in acting:
+        law = one.effect.law(law, one.values)
+    start = presses.displacement_mm - np.broadcast_to(offset_mm, presses.thickness_mm.shape)[:, None]
+    for one in acting:
+        start = one.effect.depth(presses, start, one.values)
+    loops = [one for one in acting if one.effect.feeds_back]
+
+    def pressed(depth: NDArray) -> NDArray:
+        return _pad_force(presses, law, thickness, base, acting, error, depth)
+
+    def yielded(force: NDArray) -> NDArray:
+        return start - sum(one.effect.yielding(presses, force, one.values) for one in loops)
+
+    force = _balance(pressed, yielded, start) if loops else pressed(start)
+    for one in acting:
+        force = one.effect.sensor(presses, force, one.values)
+    return force
+
+
+def _balance(pressed: Callable, yielded: Callable, depth: NDArray) -> NDArray:
+    """Force at which depth and yielding agree: fixed point, with a secant jump per node after two steps."""
+    for _ in range(FEEDBACK_STEPS):
+        first = yielded(pressed(depth))
+        change = first - depth
+        if float(np.max(np.abs(change))) < FEEDBACK_TOLERANCE_MM:
+            break
+        second = yielded(pressed(first))
+        again = second - first
+        rate = np.clip(np.divide(again, change, out=np.zeros_like(change), where=np.abs(change) > 1e-9), -0.9, 0.5)
+        depth = first + again / (1.0 - rate)
+    return pressed(depth)
+
+
+def _pad_force(
+    presses: Presses,
+    law: UnitForce,
+    thickness: NDArray,
+    base: BaseParameters,
+    acting: Sequence[Active],
+    error: LawError | None,
+    depth: NDArray,
+) -> NDArray:
+    """Force of the pad on the punch (T, N). [N]"""
+    elastic = base.young_MPa * law(depth, thickness)
+    if error is not None:
+        elastic = elastic * error.factor(np.maximum(depth, 0.0) / thickness)
+    arms = tuple(Arm(tau, beta) for tau, beta in zip(base.tau_s, base.beta))
+    for one in acting:
+        elastic = elastic * one.effect.scale(presses, depth, one.values)
+        arms = one.effect.arms(presses, arms, depth, one.values)
+    force = relax(presses.time_s, elastic, arms)
+    floor = np.zeros((1, 1))
+    for one in acting:
+        floor = one.effect.floor(presses, floor, one.values)
+    force = np.maximum(force, floor)
+    for one in acting:
+        force = one.effect.surface(presses, depth, force, one.values)
+    return force
+
+
+def relax(time_s: NDArray, elastic_N: NDArray, arms: Sequence[Arm]) -> NDArray:
+    """Quasi-linear force of elastic forces (T, N), piecewise linear in time, with arms that may differ by trial.
+
+    The same law as :func:`dummydesign.pad.material.relaxation.relaxed_force`, with an optional weight on what
+    each arm is loaded with.
+    """
+    step = np.diff(time_s, axis=1)
+    rise = np.diff(elastic_N, axis=1)
+    count = len(elastic_N)
+    ratio = np.stack([np.broadcast_to(step / arm.tau_s, step.shape) for arm in arms])
+    fed = np.stack([rise if arm.weight is None else rise * _middle(arm.weight) for arm in arms])
+    first = np.stack([elastic_N[:, 0] if arm.weight is None else elastic_N[:, 0] * arm.weight[:, 0] for arm in arms])
+    strength = np.stack([np.broadcast_to(np.asarray(arm.beta, float), (count, 1)) for arm in arms])
+    kept = np.exp(-ratio)
+    state = linear_recurrence(kept, fed * (-np.expm1(-ratio) / ratio), first)
+    force = elastic_N.copy()
+    force[:, 1:] += (strength * state).sum(axis=0)
+    force[:, 0] += (strength[..., 0] * first).sum(axis=0)
+    return force
+
+
+def _middle(values: NDArray) -> NDArray:
+    return 0.5 * (values[:, 1:] + values[:, :-1])

@@ -1,0 +1,187 @@
+"""The next measurement: which feasible press would separate two explanations best."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.loop.data.history import History
+from dummydesign.loop.data.trials import Presses, stack
+from dummydesign.loop.fitting.fit import BASE, Fit, Problem
+from dummydesign.loop.fitting.noise import LAW_TERMS
+from dummydesign.measurement.campaign import Trial
+from dummydesign.measurement.motion import ramp_and_hold
+from dummydesign.measurement.sensor import Lowpass
+from dummydesign.measurement.trace import Trace
+
+HOLD_S = 10.0
+"""Hold of every planned press. [s]"""
+
+
+@dataclass(frozen=True)
+class Option:
+    """A press that could be made: pad, speed, depth, whether it unloads, and its circumstances."""
+
+    thickness_mm: float
+    velocity_mm_s: float
+    depth_share: float
+    unloading: bool
+    circumstance: str
+    rest_s: float
+    temperature_C: float | None
+    age_days: float | None
+
+    @property
+    def text(self) -> str:
+        """The press in words."""
+        away = " and the way back" if self.unloading else ""
+        when = f", {self.circumstance}" if self.circumstance else ""
+        return (
+            f"press the {self.thickness_mm:g} mm pad to {self.depth_share * self.thickness_mm:.2g} mm at "
+            f"{self.velocity_mm_s:g} mm/s with hold{away}{when}"
+        )
+
+
+@dataclass(frozen=True)
+class NextMeasurement:
+    """The recommended press, what it separates, and the expected gap in chi2 between the two explanations."""
+
+    text: str
+    separates: tuple[str, ...]
+    expected_gain: float
+    alternatives: tuple[tuple[str, float], ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return all fields."""
+        return asdict(self)
+
+
+def options(presses: Presses, law: object) -> list[Option]:
+    """A short list of feasible presses: known and new pads, speeds, depths, unloading, and circumstances."""
+    known = sorted(set(presses.thickness_mm))
+    extra = [0.7 * known[0], 0.5 * (known[0] + known[-1]), 1.3 * known[-1]]
+    if getattr(law, "shape", "") == "slab":
+        low, high = (law.radius_mm / ratio for ratio in reversed(law.table.ratio_range))
+        extra = [round(h, 1) for h in extra if low <= h <= high]
+    else:
+        extra = []
+    speeds = sorted({2.0, *(t.velocity_mm_s for t in presses.trials)})
+    history = presses.history
+    warm = float(np.nanmean(history.temperature_C)) if np.any(np.isfinite(history.temperature_C)) else None
+    age = float(np.nanmax(history.age_days)) if np.any(np.isfinite(history.age_days)) else None
+    plain = ("", 3600.0, warm, age)
+    out = [
+        Option(float(h), float(v), share, True, *plain)
+        for h in (*known, *extra)
+        for v in speeds
+        for share in (0.1, 0.3, 0.45)
+    ]
+    middle = float(known[len(known) // 2])
+    for h in {float(known[0]), middle}:
+        out.append(Option(h, float(speeds[-1]), 0.3, True, "10 s after a press to the same depth", 10.0, warm, age))
+        if warm is not None:
+            out.append(Option(h, float(speeds[-1]), 0.3, True, "at 10 K more", 3600.0, warm + 10.0, age))
+        if age is not None:
+            out.append(Option(h, float(speeds[-1]), 0.3, True, f"at {3 * age:.0f} days", 3600.0, warm, 3 * age))
+    return out
+
+
+def _planned(presses: Presses, lowpass: Lowpass | None, chosen: list[Option]) -> Presses:
+    """Presses of the options, each as if it were the next after the campaign."""
+    trials = []
+    for number, option in enumerate(chosen):
+        depth = option.depth_share * option.thickness_mm
+        press = ramp_and_hold(option.velocity_mm_s, depth, HOLD_S)
+        hold_start = float(press.time_s[-1]) - HOLD_S
+        lead = min(0.1, 20.0 / option.velocity_mm_s)
+        fine = np.arange(-lead, hold_start + 0.4, 1e-3 if hold_start < 0.5 else hold_start / 500.0)
+        hold = np.arange(fine[-1] + 0.02, hold_start + HOLD_S, 0.02)
+        away = np.arange(hold[-1] + 4e-3, hold[-1] + (depth + 2.0) / 10.0, 4e-3) if option.unloading else np.zeros(0)
+        time = np.r_[fine, hold, away]
+        x = np.interp(time, press.time_s, press.displacement_mm)
+        x = np.where(time < 0, option.velocity_mm_s * time, x)
+        x = np.where(time > hold[-1], depth - 10.0 * (time - hold[-1]), x)
+        trace = Trace(f"planned-{number}", time, x, np.zeros_like(time))
+        trials.append(
+            Trial(trace.name, option.thickness_mm, option.velocity_mm_s, HOLD_S, None, 1, number + 1, option.rest_s,
+                  option.temperature_C, option.age_days, trace)
+        )  # fmt: skip
+    made = stack(tuple(trials), lowpass)
+    old = presses.history
+    count = len(presses.trials)
+    depth, elapsed = np.zeros((len(chosen), count)), np.full((len(chosen), count), np.inf)
+    for row, option in enumerate(chosen):
+        same = presses.thickness_mm == option.thickness_mm
+        depth[row, same] = presses.depth_mm[same]
+        elapsed[row, same] = option.rest_s
+    own = made.history
+    return replace(
+        made,
+        history=History(
+            depth, elapsed, old.sequence.max() + own.sequence, own.repeat, own.rest_s, own.temperature_C, own.age_days
+        ),
+    )
+
+
+def _prediction(found: Fit, planned: Presses) -> tuple[NDArray, NDArray]:
+    """Bins (T, B) of the planned presses and a square root (T, B, n) of their parameter covariance."""
+    problem = Problem(planned, found.problem.law, found.problem.effects)
+    fixed, old, new = problem.fixed, found.problem.thicknesses, problem.thicknesses
+    vector = np.r_[found.vector[:fixed], np.zeros(LAW_TERMS * len(new))]
+    spread = np.zeros((len(vector),) * 2)
+    source = np.r_[np.arange(fixed), np.full(LAW_TERMS * len(new), -1)]
+    for term in range(LAW_TERMS):
+        for place, thickness in enumerate(new):
+            at = fixed + term * len(new) + place
+            match = np.nonzero(np.isclose(old, thickness))[0]
+            if match.size:
+                source[at] = fixed + term * len(old) + match[0]
+                vector[at] = found.vector[source[at]]
+            else:
+                spread[at, at] = found.sizes.law[term] ** 2
+    known = source >= 0
+    spread[np.ix_(known, known)] = found.covariance[np.ix_(source[known], source[known])]
+    forces = problem.predict(vector)
+    values, turn = np.linalg.eigh(0.5 * (spread + spread.T))
+    root = turn * np.sqrt(np.maximum(values, 0.0))
+    return forces, problem.jacobian(vector, forces) @ root
+
+
+def next_measurement(first: Fit, second: Fit, names: tuple[str, ...], lowpass: Lowpass | None) -> NextMeasurement:
+    """Find the press with the largest expected gap in chi2 between two fitted explanations.
+
+    gap = d' (C + S1 + S2)^-1 d with d the difference of their predictions, C the noise, S their parameter
+    uncertainty (law error of new pads included).
+
+    Parameters
+    ----------
+    first, second : Fit
+        The two explanations, both fitted to the campaign.
+    names : tuple of str
+    lowpass : Lowpass or None
+        The declared sensor filter.
+    """
+    presses = first.problem.presses
+    chosen = [o for o in options(presses, first.problem.law) if o.depth_share * o.thickness_mm > 0.2]
+    planned = _planned(presses, lowpass, chosen)
+    forces, root = _prediction(first, planned)
+    other, other_root = _prediction(second, planned)
+    noise = first.sizes.noise
+    gaps = np.zeros(len(chosen))
+    slope = Problem(planned, first.problem.law).slope(
+        np.r_[first.vector[:BASE], np.zeros(LAW_TERMS * len(np.unique(planned.thickness_mm)))], forces
+    )
+    cover = planned.bins.covariance(noise, np.where(planned.used, slope, 0.0))
+    for row in range(len(chosen)):
+        use = planned.used[row]
+        total = cover[row][np.ix_(use, use)]
+        for half in (root[row][use], other_root[row][use]):
+            total = total + half @ half.T
+        difference = (forces - other)[row][use]
+        gaps[row] = float(difference @ np.linalg.solve(total, difference))
+    best = np.argsort(-gaps)
+    listed = tuple((chosen[i].text, float(gaps[i])) for i in best[1:4])
+    return NextMeasurement(chosen[best[0]].text, names, float(gaps[best[0]]), listed)

@@ -1,0 +1,61 @@
+"""The JSON of ``loop``."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from dummydesign.loop.judging.acceptance import Found
+from dummydesign.loop.judging.assessed import effect_intervals
+from dummydesign.loop.run import LoopResult
+
+
+def result_dict(result: LoopResult) -> dict[str, Any]:
+    """Return the result in the form of the ``loop`` contract."""
+    trials = result.presses.trials
+    rows = zip(
+        trials, result.base.errors.by_trial_N, result.after.errors.by_trial_N, result.after.errors.heldout_by_trial_N
+    )
+    return {
+        "base": result.base.to_dict(),
+        "verdict": result.verdict,
+        "effects": [_effect(found, result) for found in result.effects],
+        "after": result.after.to_dict(),
+        "residual": {
+            "where": [one.to_dict() for one in result.where],
+            "where_after": [one.to_dict() for one in result.where_after],
+            "unexplained_because": list(result.remainder.reasons),
+            "checks": [check.to_dict() for check in result.checks],
+            "by_trial": [
+                {
+                    "file": trial.file, "thickness_mm": trial.thickness_mm, "velocity_mm_s": trial.velocity_mm_s,
+                    "base_rmse_N": float(base), "rmse_N": float(after),
+                    "heldout_rmse_N": float(left) if np.isfinite(left) else None,
+                }
+                for trial, base, after, left in rows
+            ],
+        },
+        "ranking": [{"name": c.effect.name, "evidence": c.gain} for c in result.ranking],
+        "screening": [{"name": one.effect.name, "z": one.z} for one in result.screened],
+        "untested": result.untested,
+        "next_measurement": None if result.next is None else result.next.to_dict(),
+        "warnings": list(result.warnings),
+        "sources": sorted({found.candidate.effect.reference for found in result.effects}),
+    }  # fmt: skip
+
+
+def _effect(found: Found, result: LoopResult) -> dict[str, Any]:
+    effect = found.candidate.effect
+    return {
+        "name": effect.name,
+        "class": type(effect).__name__,
+        "stage": effect.stage,
+        "parameters": effect_intervals(result.after.fit, effect),
+        "heldout_rmse_N": found.heldout_N,
+        "evidence": found.candidate.gain,
+        "evidence_meaning": "drop of minus twice the log likelihood against the model without it",
+        "threshold": found.threshold,
+        "confounded_with": list(found.confounded_with),
+        "family": list(found.family),
+    }

@@ -1,0 +1,171 @@
+"""Motions of the punch: ramp and hold with a finite deceleration, and what a measured motion did."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dummydesign.core.errors import InputError, out_of_range
+
+DECELERATION_MM_S2 = 30_000.0
+"""Default braking of the robot, 30 m/s2: 250 mm/s are stopped in 8.3 ms and 1.04 mm."""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Displacement of the punch over time, piecewise linear between its samples.
+
+    ``time_s`` and ``displacement_mm`` have shape (n,) or (..., n) for many motions at once; compression
+    is positive and zero is the nominal surface.
+    """
+
+    time_s: NDArray
+    displacement_mm: NDArray
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return both arrays as lists."""
+        return {"time_s": self.time_s.tolist(), "displacement_mm": self.displacement_mm.tolist()}
+
+
+@dataclass(frozen=True)
+class Ramp:
+    """What a motion did: contact, stop, the depth it held and until when.
+
+    ``velocity_mm_s`` is the mean speed from contact to stop, the v of an ideal ramp with the same t_p.
+    """
+
+    contact_time_s: float
+    stop_time_s: float
+    hold_end_s: float
+    depth_mm: float
+    velocity_mm_s: float
+
+    @property
+    def rise_time_s(self) -> float:
+        """Time from contact to stop, t_p of the ideal ramp. [s]"""
+        return self.stop_time_s - self.contact_time_s
+
+
+def contact_velocity(velocity_mm_s: ArrayLike, depth_mm: ArrayLike, deceleration_mm_s2: float) -> NDArray:
+    """Speed at first touch [mm/s]: as commanded, or sqrt(2 a depth) if braking begins above the surface."""
+    fastest = np.sqrt(2.0 * deceleration_mm_s2 * np.asarray(depth_mm, float))
+    return np.minimum(np.asarray(velocity_mm_s, float), fastest)
+
+
+def ramp_and_hold(
+    velocity_mm_s: ArrayLike,
+    depth_mm: ArrayLike,
+    hold_s: float = 10.0,
+    deceleration_mm_s2: float = DECELERATION_MM_S2,
+    ramp_points: int = 60,
+    brake_points: int = 24,
+    hold_points: int = 60,
+) -> Motion:
+    """Move at constant speed, brake at constant deceleration to stop exactly at the depth, and hold.
+
+    Time starts at contact. When the stopping distance v^2 / (2 a) is larger than the depth, the robot
+    has to begin braking above the surface to end at the depth: it then touches at the lower speed
+    sqrt(2 a depth) and brakes all the way (see :func:`contact_velocity`). An infinite deceleration
+    gives the ideal ramp of the paper.
+
+    Parameters
+    ----------
+    velocity_mm_s, depth_mm : float or arrays that broadcast
+        Commanded speed and final depth, above 0. [mm/s, mm]
+    hold_s : float
+        Time after the stop. [s]
+    deceleration_mm_s2 : float
+        Braking, above 0, may be ``inf``. [mm/s2]
+    ramp_points, brake_points, hold_points : int
+        Samples of the three parts: even in time, even in time, and spaced as a growing series from the stop.
+
+    Returns
+    -------
+    Motion
+        Arrays of shape (..., n), n the same for all motions.
+
+    Raises
+    ------
+    InputError
+        When a value is not a positive finite number.
+    """
+    velocity, depth = np.broadcast_arrays(np.asarray(velocity_mm_s, float), np.asarray(depth_mm, float))
+    for name, value in (("velocity_mm_s", velocity), ("depth_mm", depth), ("hold_s", np.asarray(hold_s))):
+        wrong = value[~(np.isfinite(value) & (value > 0))]
+        if wrong.size:
+            raise out_of_range(name, wrong.flat[0], "above 0", "any finite value")
+    if not deceleration_mm_s2 > 0:
+        raise out_of_range("deceleration_mm_s2", deceleration_mm_s2, "above 0", "inf")
+    touch = contact_velocity(velocity, depth, deceleration_mm_s2)
+    braking = np.maximum(touch / deceleration_mm_s2, 0.0)
+    straight = np.maximum(depth - 0.5 * touch * braking, 0.0) / touch
+    # No part may have zero length, or times would repeat; a part of 1e-9 of the rise is nothing in force.
+    floor = 1e-9 * (straight + braking)
+    straight, braking = np.maximum(straight, floor)[..., None], np.maximum(braking, floor)[..., None]
+    share = np.linspace(0.0, 1.0, ramp_points + 1)
+    left = 1.0 - np.linspace(0.0, 1.0, brake_points + 1)[1:]
+    first = min(1e-4, hold_s / (10 * hold_points))
+    after = np.geomspace(first, hold_s, hold_points)
+    stopped = straight + braking
+    time = np.concatenate([straight * share, straight + braking * (1.0 - left), stopped + after], axis=-1)
+    distance, stop = 0.5 * touch[..., None] * braking, depth[..., None]
+    held = np.broadcast_to(stop, (*depth.shape, hold_points))
+    displacement = np.concatenate([(stop - distance) * share, stop - distance * left**2, held], axis=-1)
+    return Motion(time, displacement)
+
+
+def find_ramp(time_s: ArrayLike, displacement_mm: ArrayLike) -> Ramp:
+    """Find contact, stop, held depth and end of hold in one measured ramp and hold.
+
+    The depth is the median near the largest displacement. The stop is where the motion, carried on at
+    the speed it has over the last hundredths of a millimetre, reaches that depth; the hold ends where
+    the motion leaves it for good.
+
+    Parameters
+    ----------
+    time_s, displacement_mm : array_like, shape (n,)
+        One motion. [s, mm]
+
+    Raises
+    ------
+    InputError
+        When the motion never presses, or already presses at its first sample.
+    """
+    time, x = np.asarray(time_s, float), np.asarray(displacement_mm, float)
+    largest = float(x.max())
+    if largest <= 0:
+        raise InputError(f"the motion never presses: largest displacement_mm = {largest:g}; compression is positive")
+    if x[0] > 0.1 * largest:
+        raise InputError(f"the motion starts pressed at displacement_mm = {x[0]:g}; it must begin at or before contact")
+    near = x >= largest - max(0.05, 0.03 * largest)
+    depth = float(np.median(x[near]))
+    reach = min(0.02, 0.01 * depth)
+    stop_at = int(np.argmax(x >= depth - reach))
+    held = np.nonzero(x >= depth - max(2 * reach, 0.04))[0]
+    below = np.nonzero(x[:stop_at] <= 0)[0]
+    start = int(below[-1]) if below.size else 0
+    contact = _crossing(time, x, start, 0.0) if x[start] < 0 else float(time[start])
+    stop = _stop_time(time, x, depth, reach, stop_at)
+    rise = max(stop - contact, 1e-9)
+    return Ramp(contact, stop, float(time[held[-1]]), depth, depth / rise)
+
+
+def _stop_time(time: NDArray, x: NDArray, depth: float, reach: float, stop_at: int) -> float:
+    """Stop time from the crossing of depth - reach and the speed between depth - 4 reach and there."""
+    if stop_at == 0:
+        return float(time[0])
+    late = _crossing(time, x, stop_at - 1, depth - reach)
+    early_at = int(np.argmax(x >= depth - 4 * reach))
+    early = _crossing(time, x, early_at - 1, depth - 4 * reach) if early_at > 0 else float(time[0])
+    return min(late + (late - early) / 3.0, float(time[-1]))
+
+
+def _crossing(time: NDArray, x: NDArray, before: int, level: float) -> float:
+    """Time at which the line from sample ``before`` to the next one reaches ``level``."""
+    rise = x[before + 1] - x[before]
+    if rise <= 0:
+        return float(time[before + 1])
+    return float(time[before] + (level - x[before]) / rise * (time[before + 1] - time[before]))

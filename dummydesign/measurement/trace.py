@@ -1,0 +1,133 @@
+"""Reading of trace files: time, displacement and force of one press, checked line by line."""
+
+from __future__ import annotations
+
+import csv
+import io
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.core.errors import InputError
+
+COLUMNS = ("time_s", "displacement_mm", "force_N")
+MIN_SAMPLES = 10
+
+
+@dataclass(frozen=True)
+class Trace:
+    """One measured (or simulated) press; arrays of shape (n,), compression positive."""
+
+    name: str
+    time_s: NDArray
+    displacement_mm: NDArray
+    force_N: NDArray
+
+
+def read_trace(path: str | Path) -> Trace:
+    """Read one trace CSV with the columns time_s, displacement_mm and force_N (others are ignored).
+
+    Parameters
+    ----------
+    path : path
+        UTF-8 text, dot decimals, comma separated, strictly increasing time, any sampling.
+
+    Raises
+    ------
+    InputError
+        With file and line for a missing column, a cell that is no number, time that does not increase,
+        too few samples, or magnitudes that show another unit (m, um, mN, kN, ms) or sign.
+    """
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        raise InputError(f"trace file '{path}' does not exist") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path.name}: is not UTF-8 text") from None
+    except OSError as problem:
+        raise InputError(f"{path.name}: cannot be read: {problem.strerror}") from None
+    values, lines = _read_columns(path.name, text)
+    time, displacement, force = values.T
+    if len(time) < MIN_SAMPLES:
+        raise InputError(f"{path.name}: {len(time)} samples; at least {MIN_SAMPLES} are needed")
+    back = np.nonzero(np.diff(time) <= 0)[0]
+    if back.size:
+        at = int(back[0])
+        raise InputError(
+            f"{path.name}:{lines[at + 1]}: time_s = {time[at + 1]:g} does not increase (line before: {time[at]:g})"
+        )
+    _check_magnitudes(path.name, time, displacement, force)
+    return Trace(path.name, time, displacement, force)
+
+
+def _read_columns(name: str, text: str) -> tuple[NDArray, list[int]]:
+    """Return the three columns as an array (n, 3) and the file line of each row."""
+    rows = csv.reader(io.StringIO(text))
+    header = [cell.strip() for cell in next(rows, [])]
+    missing = [column for column in COLUMNS if column not in header]
+    if missing:
+        raise InputError(f"{name}:1: column '{missing[0]}' is missing{_header_advice(missing[0], header)}")
+    places = [header.index(column) for column in COLUMNS]
+    values, lines = [], []
+    for row in rows:
+        if not row or all(not cell.strip() for cell in row):
+            continue
+        line = rows.line_num
+        if len(row) <= max(places):
+            raise InputError(f"{name}:{line}: has {len(row)} cells, the header has {len(header)}")
+        try:
+            numbers = [float(row[place]) for place in places]
+        except ValueError:
+            bad = next((c, row[p]) for c, p in zip(COLUMNS, places) if not _is_number(row[p]))
+            raise InputError(f"{name}:{line}: {bad[0]} = '{bad[1].strip()}' is not a number (dot decimals)") from None
+        if not all(np.isfinite(numbers)):
+            at = int(np.argmin(np.isfinite(numbers)))
+            raise InputError(f"{name}:{line}: {COLUMNS[at]} = {numbers[at]} is not finite")
+        values.append(numbers)
+        lines.append(line)
+    return np.array(values, dtype=float).reshape(-1, 3), lines
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
+def _header_advice(missing: str, header: list[str]) -> str:
+    """Say what may stand in the header instead of the missing column."""
+    if len(header) == 1 and (";" in header[0] or "\t" in header[0]):
+        return "; the columns must be separated by commas"
+    stem = missing.split("_")[0]
+    alike = [column for column in header if column.lower().startswith(stem)]
+    if alike:
+        return f"; found '{alike[0]}': convert it to the unit in the name '{missing}'"
+    return f"; the header must be {','.join(COLUMNS)} (found {','.join(header) or 'nothing'})"
+
+
+def _check_magnitudes(name: str, time: NDArray, displacement: NDArray, force: NDArray) -> None:
+    """Refuse what can only be another unit or sign, and say which one it looks like."""
+    strongest_at = int(np.argmax(np.abs(force)))
+    strongest, pressed = float(np.abs(force[strongest_at])), float(displacement[strongest_at])
+    deepest = float(displacement.max()) if pressed > 0 else float(np.max(np.abs(displacement)))
+    step = float(np.median(np.diff(time)))
+    x, f = f"largest displacement_mm = {deepest:g}", f"largest force_N = {strongest:g}"
+    guesses = [
+        (not np.any(displacement), "displacement_mm is zero throughout"),
+        (strongest == 0, "force_N is zero throughout"),
+        (deepest < 0.05, f"{x} looks like metres; multiply by 1000"),
+        (deepest > 300, f"{x} looks like micrometres; divide by 1000"),
+        (strongest > 2000, f"{f} looks like millinewtons; divide by 1000"),
+        (strongest < 0.03, f"{f} looks like kilonewtons; multiply by 1000"),
+        (step >= 0.5, f"time_s has steps of {step:g}; it looks like milliseconds, divide by 1000"),
+        (force[strongest_at] < 0, "force_N is negative at its largest; compression must be positive"),
+        (pressed <= 0, "displacement_mm is not positive at the largest force; compression must be positive"),
+    ]
+    for wrong, message in guesses:
+        if wrong:
+            raise InputError(f"{name}: {message}")

@@ -1,0 +1,1 @@
+"""Solids of the mould and its aids by CadQuery."""

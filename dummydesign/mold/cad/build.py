@@ -1,0 +1,129 @@
+"""Build the parts of a mould: silicone from the pad, everything rigid from the silicone. CAD child only.
+
+The mould is the single source of truth: the master is its boolean complement in the block it is cast in,
+turned over and scaled by the silicone's shrinkage, so that no feature can be forgotten.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from dummydesign.mold.cad import aids, lid, shape_aids
+from dummydesign.mold.cad.casting_box import casting_box
+from dummydesign.mold.cad.label import label_bars
+from dummydesign.mold.cad.pad_solids import bone_solid, cavity_solid, drafted_prism, single_solid
+from dummydesign.mold.model.layout import Layout, layout
+from dummydesign.mold.model.spec import MouldSpec
+
+
+@dataclass(frozen=True)
+class Part:
+    """One part: its solid in its own frame, what it is made of and where it goes in the assembly."""
+
+    name: str
+    solid: Any
+    material: str
+    offset_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+@dataclass
+class Parts:
+    """All parts of a mould and the tools they were cut with, for the checks.
+
+    ``with_bone`` is the pad with its bone, when it has one.
+    """
+
+    spec: MouldSpec
+    plan: Layout
+    pad_nominal: Any
+    parts: dict[str, Part] = field(default_factory=dict)
+    tools: dict[str, list[Any]] = field(default_factory=dict)
+    hull: Any = None
+    with_bone: Any = None
+
+    @property
+    def cavity(self) -> Any:
+        """What fills the mould up to the fill plane: the pad, and its bone when it has one."""
+        return self.solid("pad") if self.with_bone is None else self.with_bone
+
+    def add(self, name: str, solid: Any, material: str, offset_mm: tuple[float, float, float] = (0, 0, 0)) -> None:
+        """Add one part."""
+        self.parts[name] = Part(name, solid, material, tuple(float(x) for x in offset_mm))
+
+    def solid(self, name: str) -> Any:
+        """Solid of a part in its own frame."""
+        return self.parts[name].solid
+
+
+def build(spec: MouldSpec) -> Parts:
+    """Build every part that the specification asks for.
+
+    Parts in use (pad, mould, lid, strike-off, tray, ...) share the mould's frame; parts of the casting
+    boxes stand beside them in the assembly.
+    """
+    plan = layout(spec)
+    whole, bone = cavity_solid(spec.pad), bone_solid(spec.pad)
+    nominal = whole if bone is None else single_solid(whole.cut(bone))
+    made = Parts(spec, plan, nominal)
+    pad = single_solid(nominal.scale(plan.scale))
+    made.with_bone = None if bone is None else single_solid(whole.scale(plan.scale))
+    made.add("pad", pad, "resin")
+    made.hull = drafted_prism(plan.bottom, plan.height_mm, spec.body.outer_draft_deg, -spec.body.floor_mm)
+    mould = made.hull.cut(made.cavity)
+    if spec.body.style == "open":
+        mould = mould.cut(brim_tool(spec, plan))
+    else:
+        mould = mould.cut(*lid.mould_tools(spec, plan, made.tools))
+    bars = label_tools(spec, plan)
+    made.tools["label"] = bars
+    if bars:
+        mould = mould.cut(*bars)
+    made.add("mould", single_solid(mould), "silicone")
+    beside = plan.flange.length_mm / 2 + plan.top.length_mm / 2 + 40.0
+    master, frame = casting_box(spec, made.solid("mould"), made.hull, plan.land_mm, True)
+    made.add("master", master, "rigid", (beside, 0, 0))
+    made.add("frame", frame, "rigid", (beside, 0, 0))
+    if spec.body.style != "open":
+        lid.add_lid(made, beside)
+    elif bone is not None:
+        made.add("carrier", shape_aids.carrier(spec, plan), "rigid")
+    else:
+        made.add("strike_off", aids.strike_off(spec, plan), "rigid")
+    if spec.base is not None:
+        _add_layers(made, -plan.flange.width_mm - 40.0)
+    made.add("tray", aids.tray(spec, plan), "rigid")
+    if spec.pour.degas == "mould":
+        made.add("collar", aids.collar(spec, plan), "rigid", (0, plan.flange.width_mm + 40.0, 0))
+    return made
+
+
+def _add_layers(made: Parts, beside_mm: float) -> None:
+    """Both layers of the pad, one on the other beside the mould, and the spacer between their pours."""
+    plan, pad = made.plan, made.solid("pad")
+    low = drafted_prism(plan.fill_outline.grown(1.0), plan.interface_mm + 1.0, 0.0, -1.0)
+    made.add("layer_top", single_solid(pad.intersect(low)), "resin", (0, beside_mm, 0))
+    made.add("layer_base", single_solid(pad.cut(low)), "resin_base", (0, beside_mm, 0))
+    made.add("spacer", shape_aids.spacer(made.spec, plan), "rigid")
+
+
+def brim_tool(spec: MouldSpec, plan: Layout) -> Any:
+    """The step outwards at the fill plane and the freeboard above it; reaches 1 mm above the land."""
+    return drafted_prism(plan.brim_outline, spec.body.freeboard_mm + 1.0, spec.pad.draft_deg, plan.depth_mm)
+
+
+def label_tools(spec: MouldSpec, plan: Layout) -> list[Any]:
+    """Solids of the letters, from the label's depth to 1 mm above the land (strokes fused, seams removed)."""
+    import cadquery as cq
+
+    deep = spec.body.label_depth_mm
+    tools = []
+    for bar in label_bars(spec, plan):
+        box = cq.Solid.makeBox(bar.length_mm, bar.width_mm, deep + 1.0).translate(
+            cq.Vector(-bar.length_mm / 2, -bar.width_mm / 2, plan.land_mm - deep)
+        )
+        box = box.rotate(cq.Vector(), cq.Vector(0, 0, 1), bar.angle_deg)
+        tools.append(box.translate(cq.Vector(*bar.middle, 0)))
+    if len(tools) < 2:
+        return tools
+    return tools[0].fuse(*tools[1:]).clean().Solids()

@@ -1,0 +1,68 @@
+"""Rigid aids that only some shapes need: spacer between two pours, carrier of a bone. CAD child only."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from dummydesign.mold.cad.aids import strike_off
+from dummydesign.mold.cad.pad_solids import bone_solid, drafted_prism, single_solid
+from dummydesign.mold.model.layout import Layout, Point
+from dummydesign.mold.model.outline import Outline
+from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.mold.pour.plan import CARRIER_VENT_MM, CARRIER_VENTS
+
+# Clear width between a vent and the wall of the cavity. [mm]
+VENT_INSET_MM = 3.0
+
+
+def spacer(spec: MouldSpec, plan: Layout) -> Any:
+    """Plate that rests on the land and dips to the interface of a layered pad, a film gap around it.
+
+    Lowered hinged from one edge it drives out air and excess and leaves the layer poured first at its height.
+    """
+    aids = spec.aids
+    inner = _within(plan.interface_outline, aids.plate_clearance_mm)
+    dip = drafted_prism(inner, plan.depth_mm - plan.interface_mm, spec.pad.draft_deg, plan.interface_mm)
+    return single_solid(strike_off(spec, plan).fuse(dip))
+
+
+def carrier(spec: MouldSpec, plan: Layout) -> Any:
+    """Plate with the bone under it: it closes the mould at the fill plane and stays on the pad as its rigid base.
+
+    Four vents open at the corners of the cavity, four holes beyond it take the screws that hold pad and plate later.
+    """
+    import cadquery as cq
+
+    bone = bone_solid(spec.pad).scale(plan.scale)
+    low, high = plan.depth_mm - 1.0, plan.land_mm + spec.aids.plate_mm + 1.0
+    holes = [(place, CARRIER_VENT_MM) for place in vent_places(plan)]
+    holes += [(place, spec.box.bolt_hole_mm) for place in screw_places(plan)]
+    tools = [
+        cq.Solid.makeCylinder(across / 2, high - low, cq.Vector(place.x_mm, place.y_mm, low)) for place, across in holes
+    ]
+    return single_solid(single_solid(strike_off(spec, plan).cut(*tools)).fuse(bone))
+
+
+def vent_places(plan: Layout) -> tuple[Point, ...]:
+    """Vents in the corners of the fill plane, the last to be reached when the carrier is lowered."""
+    return _corners(plan.fill_outline, VENT_INSET_MM + CARRIER_VENT_MM / 2)[:CARRIER_VENTS]
+
+
+def screw_places(plan: Layout) -> tuple[Point, ...]:
+    """Screw holes in the corners of the land, half-way between the cavity and the rim."""
+    border = (plan.top.length_mm - plan.opening.length_mm) / 4
+    return _corners(plan.top, border)
+
+
+def _corners(outline: Outline, inset_mm: float) -> tuple[Point, ...]:
+    # On a rounded corner the parallel line runs at 45 degrees inside the square one.
+    cut = (1 - math.sqrt(0.5)) * max(0.0, outline.radius_mm - inset_mm)
+    x, y = outline.length_mm / 2 - inset_mm - cut, outline.width_mm / 2 - inset_mm - cut
+    return Point(x, y), Point(x, -y), Point(-x, -y), Point(-x, y)
+
+
+def _within(outline: Outline, gap_mm: float) -> Outline:
+    """Outline moved inwards; a corner sharper than the gap stays sharp."""
+    inner = outline.grown(-gap_mm)
+    return Outline(inner.length_mm, inner.width_mm, max(0.0, inner.radius_mm))

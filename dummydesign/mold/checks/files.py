@@ -1,0 +1,113 @@
+"""Checks of the files: every one is read again from disk before it counts. CAD child only."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from collections.abc import Mapping
+from pathlib import Path
+
+from dummydesign.mold.cad.pad_solids import rough_bounds
+from dummydesign.mold.checks.solids import Check, below, equal, skipped
+from dummydesign.mold.files.step import ORGANISATION, StepPart, read_step, time_stamp
+from dummydesign.mold.files.step_canonical import Header, canonical_step
+
+STEP_VOLUME_REL, STEP_BOUNDS_MM, COLOUR_ABS, DENSITY_REL = 1e-9, 1e-5, 1e-6, 1e-6
+MESH_VOLUME_REL = 1e-3
+SECOND_READER_S = 120
+
+
+def check_step(parts: Mapping[str, StepPart], files: Mapping[str, Path], assembly: Path) -> list[Check]:
+    """Read all STEP files again: names, solids, volumes, bounds, colours, materials, declared volumes."""
+    volume = bounds = colour = density = 0.0
+    wrong: list[str] = []
+    names = 0
+    single = {name: read_step(path) for name, path in files.items()}
+    whole = {part.name: part for part in read_step(assembly, validity=False)}
+    for name, part in parts.items():
+        copies = [*single[name], *([whole[name]] if name in whole else [])]
+        names += len(copies) == 2 and all(copy.name == name for copy in copies)
+        for copy in copies:
+            true = part.solid.Volume()
+            volume = max(volume, abs(copy.volume_mm3 / true - 1), abs((copy.declared_volume_mm3 or 0.0) / true - 1))
+            bounds = max(bounds, *(abs(a - b) for a, b in zip(copy.bounds_mm, rough_bounds(part.solid))))
+            colour = max(colour, *(abs(a - b) for a, b in zip(copy.colour or (9, 9, 9), part.colour)))
+            density = max(density, abs((copy.density_g_per_cm3 or 0.0) / part.material.density_g_per_cm3 - 1))
+            if copy.solids != 1 or not copy.valid or copy.material != part.material.name:
+                wrong.append(name)
+    return [
+        equal("step_names", names, len(parts), "parts found under their name alone and in the assembly"),
+        equal("step_solids", len(wrong), 0, ", ".join(sorted(set(wrong)))),
+        below("step_volume", volume, STEP_VOLUME_REL, "read again, and as declared in the file"),
+        below("step_bounds", bounds, STEP_BOUNDS_MM, "mm"),
+        below("step_colour", colour, COLOUR_ABS),
+        below("step_density", density, DENSITY_REL),
+    ]
+
+
+def check_step_text(assembly: Path, small: Path, spec_hash: str) -> list[Check]:
+    """Header without translator names, millimetres, fixed stamp, the hash; a file already in canonical order."""
+    text = assembly.read_text(encoding="ascii")
+    head = text[: text.find("DATA;")]
+    foreign = re.findall(r"Open CASCADE|translator|'Author'|Unknown|processor", text)
+    good = not foreign and f"'{time_stamp()}'" in head and spec_hash in head and "AP242" in head
+    units = re.findall(r"\(LENGTH_UNIT\(\)NAMED_UNIT\(\*\)SI_UNIT\(([^)]*)\)\)", text)
+    millimetres = bool(units) and set(units) <= {".MILLI.,.METRE.", ".CENTI.,.METRE."}
+    return [
+        equal("step_header", good, True, ", ".join(sorted(set(foreign)))),
+        equal("step_millimetres", millimetres, True, "centimetres occur in the unit of density alone"),
+        equal("step_canonical", _is_canonical(small), True, "ordering and numbering follow from content alone"),
+    ]
+
+
+def _is_canonical(path: Path) -> bool:
+    text = path.read_text(encoding="ascii")
+    found = re.search(r"FILE_DESCRIPTION\(\('(.*?)'\)", text)
+    header = Header(path.name, found.group(1) if found else "", time_stamp(), ORGANISATION)
+    return canonical_step(text, header) == text
+
+
+def check_second_reader(assembly: Path, volume_mm3: float, count: int) -> Check:
+    """Read the assembly with FreeCAD when it is installed; otherwise say that this was skipped."""
+    program = next((found for name in ("FreeCADCmd", "freecadcmd") if (found := shutil.which(name))), None)
+    if program is None:
+        return skipped("step_second_reader", "FreeCAD is not installed on this machine")
+    script = (
+        f"import Part; s = Part.Shape(); s.read({str(assembly)!r}); "
+        "print('RESULT', len(s.Solids), sum(x.Volume for x in s.Solids), all(x.isValid() for x in s.Solids))"
+    )
+    try:
+        done = subprocess.run([program, "-c", script], capture_output=True, text=True, timeout=SECOND_READER_S)
+    except (OSError, subprocess.TimeoutExpired) as problem:
+        return skipped("step_second_reader", f"FreeCAD did not answer: {type(problem).__name__}")
+    hit = re.search(r"RESULT (\d+) (\S+) (\w+)", done.stdout)
+    if hit is None:
+        return skipped("step_second_reader", "FreeCAD gave no answer")
+    good = int(hit[1]) == count and hit[3] == "True"
+    error = abs(float(hit[2]) / volume_mm3 - 1) if good else 1.0
+    return below("step_second_reader", error, 1e-6, f"FreeCAD: {hit[1]} solids, valid {hit[3]}")
+
+
+def check_meshes(
+    parts: Mapping[str, StepPart], genus: Mapping[str, int], files: Mapping[str, list[Path]]
+) -> list[Check]:
+    """Load every mesh file again: watertight, wound outwards, the solid's volume, the expected Euler number."""
+    import trimesh
+
+    loose: list[str] = []
+    torn: list[str] = []
+    worst = 0.0
+    for name, paths in files.items():
+        for path in paths:
+            mesh = trimesh.load(path, force="mesh")
+            if not (mesh.is_watertight and mesh.is_winding_consistent and mesh.is_volume):
+                loose.append(path.name)
+            if mesh.euler_number != 2 - 2 * genus[name]:
+                torn.append(f"{path.name}: {mesh.euler_number} instead of {2 - 2 * genus[name]}")
+            worst = max(worst, abs(mesh.volume / parts[name].solid.Volume() - 1))
+    return [
+        equal("mesh_watertight", len(loose), 0, ", ".join(loose)),
+        equal("mesh_euler", len(torn), 0, "; ".join(torn)),
+        below("mesh_volume", worst, MESH_VOLUME_REL),
+    ]

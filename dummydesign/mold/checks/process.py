@@ -1,0 +1,100 @@
+"""Checks of fit, level, weights and time: arithmetic on the specification and the measured volumes; no CAD."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from dummydesign.mold.checks.solids import Check, above, below, equal, skipped
+from dummydesign.mold.model import formulas as formula
+from dummydesign.mold.model.layout import Layout, layout
+from dummydesign.mold.model.spec import MouldSpec, Pour
+from dummydesign.mold.model.validate import WARM_K
+from dummydesign.mold.pour.plan import CUP_FACTOR, PourPlan
+
+# The free face may end a hundredth larger at the most, both walls taken together.
+BULGE_SHARE = 0.005
+# What must be told of a shape.
+SHAPE_NEEDS = {
+    "crowned": {"curved_master", "thickness_varies"}, "bumped": {"curved_master", "thickness_varies", "air_pockets"},
+    "layered": {"layer_bond"}, "boned": {"bone_air"},
+}  # fmt: skip
+
+
+def check_process(spec: MouldSpec, plan: PourPlan, warnings: Sequence[Mapping[str, str]]) -> list[Check]:
+    """Check machines, tray, walls, weights, cup, pot life, and that level and meniscus are warned of."""
+    place = layout(spec)
+    found = [*_machines(spec, place), *_walls(spec, place, plan), *_weights(spec, spec.pour, plan)]
+    if spec.base is not None and plan.base is not None:
+        base = _weights(spec, spec.base.pour, plan.base)
+        found += [replace(item, id=f"{item.id}_base") for item in base]
+    return [*found, _told(spec, warnings)]
+
+
+def _machines(spec: MouldSpec, place: Layout) -> list[Check]:
+    m = spec.machines
+    bed = sorted((m.bed_x_mm - 2 * m.bed_margin_mm, m.bed_y_mm - 2 * m.bed_margin_mm))
+    size = sorted((place.flange.length_mm, place.flange.width_mm))
+    spare = min(bed[0] - size[0], bed[1] - size[1])
+    found = [above("fits_printer", spare, 0.0, "mm to spare beside the master on the bed, margin kept")]
+    if spec.pour.cure_temperature_C > spec.pour.room_temperature_C + WARM_K:
+        rim = 2 * (spec.aids.tray_rim_mm + spec.aids.tray_clearance_mm)
+        shelf = sorted((m.shelf_x_mm, m.shelf_y_mm))
+        low, high = sorted((place.bottom.length_mm + rim, place.bottom.width_mm + rim))
+        found.append(above("fits_oven", min(shelf[0] - low, shelf[1] - high), 0.0, "mm to spare on the shelf"))
+    else:
+        found.append(skipped("fits_oven", "cures at room temperature"))
+    if spec.pour.degas == "mould":
+        tall = place.height_mm + formula.collar_height_mm(place.depth_mm, spec.pour.foam_factor)
+        spare = min(m.chamber_diameter_mm - place.top.diagonal_mm, m.chamber_height_mm - tall)
+        found.append(above("fits_vacuum_chamber", spare, 0.0, "mm to spare, mould with collar"))
+    else:
+        found.append(skipped("fits_vacuum_chamber", "the resin is degassed in its cup"))
+    return found
+
+
+def _walls(spec: MouldSpec, place: Layout, plan: PourPlan) -> list[Check]:
+    limit = BULGE_SHARE * min(spec.pad.length_mm, spec.pad.width_mm)
+    room = spec.aids.tray_clearance_mm - plan.thermal_growth_mm / 2
+    return [
+        below(
+            "wall_deflection",
+            plan.wall_deflection_mm,
+            limit,
+            "mm, cantilever strip under the liquid, against 0.5 % of the shorter side",
+        ),
+        above("tray_growth_room", room, 0.1, "mm left on each side of the mould in its tray when hot"),
+    ]
+
+
+def _weights(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[Check]:
+    resolution = spec.machines.balance_resolution_g
+    total = sum(mass for _, mass in plan.components)
+    whole = all(math.isclose(mass / resolution, round(mass / resolution), abs_tol=1e-6) for _, mass in plan.components)
+    lightest = min(mass for _, mass in plan.components)
+    # A cup as high as it is wide, as large as the foam needs.
+    cup = (4 * plan.cup_mm3 / math.pi) ** (1 / 3)
+    needed = pour.pour_and_degas_min + plan.pour_time_s / 60
+    return [
+        equal("weights_sum", whole and math.isclose(total, plan.batch_mass_g, abs_tol=1e-9), True),
+        above("batch_covers_cavity", plan.batch_mass_g - pour.film_loss_g, plan.fill_mass_g, "g after film loss"),
+        below(
+            "weighing_error", plan.ratio_error_percent, 100 * resolution / lightest, "%, what one balance step allows"
+        ),
+        below(
+            "cup_fits_chamber",
+            cup,
+            min(spec.machines.chamber_diameter_mm, spec.machines.chamber_height_mm),
+            f"mm, cup of {CUP_FACTOR:g} times the liquid, as high as wide",
+        ),
+        above("pot_life", pour.pot_life_min, needed, "min against degassing, pouring and levelling"),
+    ]
+
+
+def _told(spec: MouldSpec, warnings: Sequence[Mapping[str, str]]) -> Check:
+    """Level tolerance, and for an open mould the meniscus, must be among what the answer and the sheet say."""
+    needed = {"level", "meniscus"} if spec.body.style == "open" else {"level"}
+    needed |= SHAPE_NEEDS.get(spec.pad.kind, set())
+    missing = sorted(needed - {item["code"] for item in warnings})
+    return equal("warnings_told", len(missing), 0, ", ".join(missing))

@@ -1,0 +1,269 @@
+"""Checks of the solids: each measures something on what was built and compares it with a limit. CAD child only."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from dummydesign.mold.cad.build import Parts
+from dummydesign.mold.cad.casting_box import to_casting
+from dummydesign.mold.cad.label import label_bars
+from dummydesign.mold.cad.pad_solids import drafted_prism, rough_bounds
+from dummydesign.mold.checks import release as demould
+from dummydesign.mold.model import volumes as contents
+
+VOLUME_REL, INTERFERENCE_MM3, SILICONE_REL, DRAFT_SLACK_DEG = 1e-9, 0.01, 2e-4, 0.01
+APART_MM = 0.8
+
+
+@dataclass(frozen=True)
+class Check:
+    """One check: what was measured, the limit it was held against and the verdict."""
+
+    id: str
+    value: Any
+    limit: Any
+    status: str
+    note: str = ""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the fields; a note only when there is one."""
+        plain = {"id": self.id, "value": self.value, "limit": self.limit, "status": self.status}
+        return {**plain, "note": self.note} if self.note else plain
+
+
+def below(name: str, value: float, limit: float, note: str = "") -> Check:
+    """Check that a finite value is at most a limit."""
+    good = math.isfinite(value) and value <= limit
+    return Check(name, value, limit, "pass" if good else "fail", note)
+
+
+def above(name: str, value: float, limit: float, note: str = "") -> Check:
+    """Check that a value is at least a limit."""
+    return Check(name, value, limit, "pass" if value >= limit else "fail", note)
+
+
+def equal(name: str, value: Any, limit: Any, note: str = "") -> Check:
+    """Check that a value is exactly the limit."""
+    return Check(name, value, limit, "pass" if value == limit else "fail", note)
+
+
+def skipped(name: str, why: str) -> Check:
+    """A check that could not be made, and why."""
+    return Check(name, None, None, "skipped", why)
+
+
+def check_solids(made: Parts) -> list[Check]:
+    """Check all solids: validity, volumes, interference, silicone in the box, draft, sweep, features, label."""
+    found = [*_validity(made), *_volumes(made), *_interference(made), *_boxes(made), *_drafts(made)]
+    found += [_sweep(made), *_distances(made), *_label(made)]
+    if made.spec.body.style == "lidded":
+        found.append(lid_one_way(made.solid("lid"), made.solid("mould")))
+    return found
+
+
+def _validity(made: Parts) -> list[Check]:
+    """Each part is one valid solid with one closed shell."""
+    bad = []
+    for name, part in made.parts.items():
+        shape = part.solid
+        closed = all(shell.Closed() for shell in shape.Shells())
+        if len(shape.Solids()) != 1 or len(shape.Shells()) != 1 or not shape.isValid() or not closed:
+            bad.append(name)
+    return [equal("solids_valid", len(made.parts) - len(bad), len(made.parts), ", ".join(bad))]
+
+
+def _volumes(made: Parts) -> list[Check]:
+    """Cavity against what fills it, compensated pad against nominal pad, and the pad against its closed form."""
+    spec, plan, pad = made.spec, made.plan, made.solid("pad")
+    nominal = made.pad_nominal.Volume()
+    inside = made.hull.cut(made.solid("mould"), *made.tools["label"])
+    low = drafted_prism(plan.fill_outline.grown(1.0), plan.depth_mm + spec.body.floor_mm, 0.0, -spec.body.floor_mm)
+    cavity = inside.intersect(low).Volume()
+    filled = made.cavity.Volume()
+    what = "against pad and bone" if "carrier" in made.parts else "against pad"
+    exact = contents.resin_volume_mm3(spec, plan)
+    return [
+        below("cavity_volume", abs(cavity / filled - 1), VOLUME_REL, f"cavity to the fill plane {what}"),
+        below("compensation", abs(pad.Volume() / (nominal * plan.scale**3) - 1), VOLUME_REL),
+        below("closed_form", abs(pad.Volume() / exact - 1), VOLUME_REL, _closed_form(spec.pad.kind)),
+    ]
+
+
+def _closed_form(kind: str) -> str:
+    slab = "drafted slab by Steiner and Pappus"
+    added = {"crowned": ", its crown by the conic's integral", "bumped": ", caps of spheres"}
+    return slab + added.get(kind, ", less the bone by the conic's integral" if kind == "boned" else "")
+
+
+def _interference(made: Parts) -> list[Check]:
+    """Parts that touch in use or in the casting box must not overlap."""
+    pairs = [("mould", "pad"), ("master", "frame"), ("tray", "mould"), ("lid", "mould"), ("lid", "pad")]
+    pairs += [("backer", "lid"), ("lid_master", "lid_frame"), ("strike_off", "mould"), ("strike_off", "pad")]
+    pairs += [("collar", "mould"), ("spacer", "mould"), ("carrier", "mould"), ("carrier", "pad")]
+    found = []
+    for one, other in pairs:
+        if one in made.parts and other in made.parts:
+            common = demould.common_volume_mm3(made.solid(one), made.solid(other))
+            found.append(below(f"interference_{one}_{other}", common, INTERFERENCE_MM3, "mm3"))
+    return found
+
+
+def _boxes(made: Parts) -> list[Check]:
+    """The silicone a casting box holds is the part scaled by the silicone's shrinkage, and the box is empty of it."""
+    spec, plan = made.spec, made.plan
+    found = []
+    boxes = [("mould", "master", "frame", made.solid("mould"), plan.land_mm, True)]
+    if "lid" in made.parts:
+        whole = made.solid("lid").fuse(*[tool.intersect(made.tools["lid_hull"][0]) for tool in _funnels(made)])
+        boxes.append(("lid", "lid_master", "lid_frame", whole, plan.land_mm, False))
+    for name, master, frame, part, parting, turned in boxes:
+        cast = to_casting(part, parting, turned, plan.silicone_scale)
+        box = cast.BoundingBox()
+        # From the bottom of the base plate to the fill mark, outside half-way into the frame's wall.
+        room = drafted_prism(
+            plan.top.scaled(plan.silicone_scale).grown(spec.box.frame_wall_mm / 2), box.zmax + spec.box.base_mm, 0.0,
+            -spec.box.base_mm,
+        )  # fmt: skip
+        held = room.cut(made.solid(master), made.solid(frame))
+        # Bolt holes and pin sockets are no room for silicone: keep what the poured block is connected to.
+        volume = max(solid.Volume() for solid in held.Solids())
+        if name == "lid":
+            volume -= sum(tool.Volume() for tool in made.tools.get("sockets", []))
+        found.append(below(f"silicone_in_box_{name}", abs(volume / cast.Volume() - 1), SILICONE_REL))
+        overlap = demould.common_volume_mm3(made.solid(master), cast)
+        found.append(below(f"interference_{master}_{name}", overlap, INTERFERENCE_MM3, "mm3"))
+    return found
+
+
+def _funnels(made: Parts) -> list[Any]:
+    return [*made.tools.get("sprue", []), *made.tools.get("vents", [])]
+
+
+def cavity_draft_deg(mould: Any, made: Parts) -> float:
+    """Smallest draft of a mould's cavity faces, pulled along +z. [deg]"""
+    plan = made.plan
+    return demould.minimum_draft_deg(demould.faces_within(mould, plan.opening, -0.01, plan.land_mm))
+
+
+def _drafts(made: Parts) -> list[Check]:
+    """Draft of cavity, of the plug it is cast on and of the frame, each in its direction of pull."""
+    spec, plan, grow = made.spec, made.plan, made.plan.silicone_scale
+    outer = spec.body.outer_draft_deg
+    found = [above("draft_cavity", cavity_draft_deg(made.solid("mould"), made), spec.pad.draft_deg - DRAFT_SLACK_DEG)]
+    high = plan.height_mm * grow
+    plug = demould.faces_within(made.solid("master"), plan.opening.scaled(grow), 0.0, high)
+    found.append(above("draft_plug", demould.minimum_draft_deg(plug), spec.pad.draft_deg - DRAFT_SLACK_DEG))
+    frames = [("frame", high)]
+    if "lid_frame" in made.parts:
+        frames.append(("lid_frame", spec.closure.lid_mm * grow))
+    for name, top in frames:
+        inner = demould.faces_within(made.solid(name), plan.top.scaled(grow), 0.0, top)
+        found.append(above(f"draft_{name}", demould.minimum_draft_deg(inner, -1.0), outer - DRAFT_SLACK_DEG))
+    return found
+
+
+def sweep_offsets_mm(depth_mm: float) -> list[float]:
+    """Offsets of the swept pull: small ones too, where a lip bites most."""
+    return [0.1, 0.5, *(depth_mm * share for share in (0.1, 0.25, 0.5, 0.75))]
+
+
+def _sweep(made: Parts) -> Check:
+    pad, mould = made.cavity, made.solid("mould")
+    worst = demould.sweep_interference_mm3(pad, mould, sweep_offsets_mm(made.plan.depth_mm))
+    return below("sweep_cavity", worst, INTERFERENCE_MM3, "mm3, pad pulled straight out at six offsets")
+
+
+def lid_one_way(lid: Any, mould: Any) -> Check:
+    """The lid turned round by 180 degrees must collide with the mould."""
+    import cadquery as cq
+
+    turned = lid.rotate(cq.Vector(), cq.Vector(0, 0, 1), 180)
+    common = demould.common_volume_mm3(turned, mould)
+    return above("lid_one_way", common, 50.0, "mm3 of collision when the lid is turned round")
+
+
+def _distances(made: Parts) -> list[Check]:
+    """Key, gutter, label, sprue and vents keep apart; the gutter keeps off the cavity."""
+    tools = {name: made.tools.get(name, []) for name in ("keys", "gutter", "label", "sprue", "vents")}
+    flat = [(name, tool) for name, group in tools.items() for tool in group]
+    if not flat:
+        return []
+    pairs = [
+        (_box_gap_mm(tool, other), f"{name} and {other_name}", tool, other)
+        for i, (name, tool) in enumerate(flat)
+        for other_name, other in flat[i + 1 :]
+        if not name == other_name == "label"
+    ]
+    least, where = math.inf, ""
+    for gap, names, tool, other in sorted(pairs, key=lambda pair: pair[0]):
+        if gap >= least:
+            break
+        distance = tool.distance(other)
+        if distance < least:
+            least, where = distance, names
+    found = [above("features_apart", least, APART_MM, f"mm, nearest: {where}")] if where else []
+    if tools["gutter"]:
+        c = made.spec.closure
+        gap = made.solid("pad").distance(tools["gutter"][0])
+        found.append(above("gutter_to_cavity", gap, c.gutter_distance_mm - c.gutter_radius_mm - 1e-3, "mm"))
+    label = min((made.solid("pad").distance(tool) for tool in tools["label"]), default=None)
+    if label is not None:
+        found.append(above("label_to_pad", label, APART_MM, "mm"))
+    return found
+
+
+def _box_gap_mm(one: Any, other: Any) -> float:
+    """Distance of two bounding boxes, a lower bound of the distance of what is in them. [mm]"""
+    a, b = rough_bounds(one), rough_bounds(other)
+    return math.hypot(*(max(0.0, a[axis] - b[axis + 3], b[axis] - a[axis + 3]) for axis in range(3)))
+
+
+def _label(made: Parts) -> list[Check]:
+    """The label reads right on the mould (void along its strokes) and mirrored on the master (proud there)."""
+    bars = label_bars(made.spec, made.plan)
+    if not bars:
+        return [skipped("label_reads_right", "no room for a label on this land")]
+    depth = made.plan.land_mm - made.spec.body.label_depth_mm / 2
+    places = [bar.middle for bar in bars]
+    mirrored = [(-x, y) for x, y in places]
+    in_mould, in_master = _insides(made.solid("mould")), _insides(made.solid("master"))
+    grow = made.plan.silicone_scale
+
+    def void(x: float, y: float) -> bool:
+        return not in_mould(x, y, depth)
+
+    def proud(x: float, y: float) -> bool:
+        # Turned over about x: y changes sign, heights count from the land downwards.
+        return in_master(x * grow, -y * grow, (made.plan.land_mm - depth) * grow)
+
+    right = sum(void(x, y) and proud(x, y) for x, y in places) / len(places)
+    wrong = sum(void(x, y) for x, y in mirrored) / len(mirrored)
+    return [
+        equal("label_reads_right", right, 1.0, "share of strokes cut in the mould and proud on the master"),
+        _handedness(wrong),
+    ]
+
+
+def _handedness(shared: float) -> Check:
+    """A mirrored label would share all strokes only if the text were its own mirror image."""
+    if shared == 1.0:
+        return skipped("label_not_mirrored", "the label is its own mirror image")
+    return below("label_not_mirrored", shared, 0.99, "share of strokes that a mirrored label would share")
+
+
+def _insides(solid: Any) -> Callable[[float, float, float], bool]:
+    """Point-in-solid test whose classifier is set up once."""
+    from OCP.BRepClass3d import BRepClass3d_SolidClassifier
+    from OCP.gp import gp_Pnt
+    from OCP.TopAbs import TopAbs_State
+
+    classifier = BRepClass3d_SolidClassifier(solid.wrapped)
+
+    def inside(x: float, y: float, z: float) -> bool:
+        classifier.Perform(gp_Pnt(x, y, z), 1e-6)
+        return classifier.State() == TopAbs_State.TopAbs_IN
+
+    return inside

@@ -1,0 +1,1 @@
+"""Files of a mould: STEP, meshes, drawings, picture and pour sheet."""

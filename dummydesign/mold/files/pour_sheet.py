@@ -1,0 +1,263 @@
+"""The pour sheet: one set of blocks, written as Markdown and as a self-contained HTML page. No CAD."""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from dummydesign.mold.cad.label import label_text
+from dummydesign.mold.model import formulas as formula
+from dummydesign.mold.model.layout import layout
+from dummydesign.mold.model.spec import MouldSpec, Pour
+from dummydesign.mold.pour import shape_notes
+from dummydesign.mold.pour.plan import PourPlan, split_batch
+
+WITNESS_DIAMETER_MM, WITNESS_HEIGHT_MM = 50.0, 30.0
+BLANK = "________"
+
+
+@dataclass(frozen=True)
+class Block:
+    """A heading (``head``), a paragraph (``text``), a numbered list (``list``) or a ``table`` (first row its head)."""
+
+    kind: str
+    text: str = ""
+    rows: tuple[tuple[str, ...], ...] = ()
+    items: tuple[str, ...] = ()
+
+
+def pour_sheet(spec: MouldSpec, plan: PourPlan, warnings: Sequence[dict[str, str]]) -> list[Block]:
+    """Put together the pour sheet of a mould, in the order of the work."""
+    pad = spec.pad
+    title = f"Pour sheet: {'' if pad.kind in ('slab', 'puck') else pad.kind + ' '}pad "
+    title += f"{pad.length_mm:g} x {pad.width_mm:g} x {pad.thickness_mm:g} mm, {spec.preset} mould"
+    shape = shape_notes.shape_mark(spec)
+    label = label_text(spec)
+    mark = f"label on the mould: {label}" if label else "the land has no room for a label: mark the mould"
+    return [
+        Block("head", title),
+        Block("text", f"Specification {spec.hash}; {mark}. Date {BLANK}  Operator {BLANK}  Resin batch {BLANK}"),
+        *([Block("text", f"{pad.title}. {shape[0].upper()}{shape[1:]}.")] if shape else []),
+        Block(
+            "text",
+            _safety(spec),
+        ),
+        *_mould_blocks(spec, plan),
+        *_weight_blocks(spec, plan),
+        *_pour_blocks(spec, plan),
+        *_demould_blocks(spec),
+        Block("head", "Mind"),
+        Block("list", items=tuple(item["message"] for item in warnings)),
+    ]
+
+
+def _safety(spec: MouldSpec) -> str:
+    """The safety line; every resin with isocyanate carries its warning."""
+    general = "Gloves, goggles, extraction or a hood; read the safety data sheets of all products first."
+    if any("isocyanate" in name.lower() for name, _ in spec.pour.components):
+        return (
+            "Safety: isocyanates harm the airways and can sensitise for good; never heat open isocyanate, keep out "
+            f"moisture. {general}"
+        )
+    return f"Safety: {general}"
+
+
+def _mould_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
+    silicone, box = spec.silicone, spec.box
+    lidded = spec.closure is not None
+    with_kind = {"layered": ", strike-off plate, spacer", "boned": ", carrier with the bone upwards (solid)"}
+    aids = " of mould and lid, pins and backer" if lidded else with_kind.get(spec.pad.kind, ", strike-off plate")
+    steps = [
+        f"Print master and frame{aids} and tray (PETG or ASA; 4 perimeters, 15 % infill; plug upwards). "
+        f"{shape_notes.plug_finish(spec.pad)}",
+        f"Test cure inhibition: a dab of this silicone on this print, and a dab of resin {spec.pour.resin} on cured "
+        "silicone, overnight. Tacky borders mean inhibition: seal the print or change the product.",
+        f"Bolt frame to master (8 x M{math.floor(box.bolt_hole_mm):g}) and stand the box level: the silicone's free "
+        "face becomes the mould's underside.",
+        f"Mix {plan.silicone_mass_g:.0f} g {silicone.name} (two cups, pour over and mix again), degas at most 5 min, "
+        f"pour within {silicone.pot_life_min:g} min from one corner up to the step in the frame; no oven with PLA.",
+        f"Leave {silicone.cure_time_h:g} h, lift the frame off, peel the silicone off the plug.",
+    ]
+    if lidded:
+        steps.insert(
+            3, "Stand the sprue pin (one) and the vent pins (five) in their sockets; pull them before peeling the lid."
+        )
+    return [Block("head", "1. The mould"), Block("list", items=tuple(steps))]
+
+
+def witness_mass_g(pour: Pour) -> float:
+    """Liquid for the witness puck. [g]"""
+    volume = math.pi / 4 * WITNESS_DIAMETER_MM**2 * WITNESS_HEIGHT_MM
+    return volume * pour.density_g_per_cm3 * 1e-3
+
+
+def _weight_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
+    if plan.base is None:
+        return [Block("head", "2. Weigh the resin"), *_weighing(spec, spec.pour, plan, "pad alone, g")]
+    return [
+        Block("head", "2a. Weigh the resin of the upper layer (poured first)"),
+        *_weighing(spec, spec.pour, plan, "layer alone, g"),
+        Block("head", "2b. Weigh the resin of the base layer (poured second, when the first has gelled)"),
+        *_weighing(spec, spec.base.pour, plan.base, "layer alone, g"),
+    ]
+
+
+def _weighing(spec: MouldSpec, pour: Pour, plan: PourPlan, alone: str) -> list[Block]:
+    """Table of one resin's weights, alone and with its witness."""
+    resolution = spec.machines.balance_resolution_g
+    digits = max(0, -math.floor(math.log10(resolution)))
+    factor = 1 + pour.extra_percent / 100
+    witness = witness_mass_g(pour)
+    both, error = split_batch(plan.batch_mass_g + factor * witness, pour.components, resolution)
+    rows = [("component", alone, alone.replace(" alone", " and witness puck"), "really weighed, g")]
+    for (name, mass), (_, more) in zip(plan.components, both):
+        rows.append((name, f"{mass:.{digits}f}", f"{more:.{digits}f}", BLANK))
+    total = sum(mass for _, mass in both)
+    rows.append(("total", f"{plan.batch_mass_g:.{digits}f}", f"{total:.{digits}f}", BLANK))
+    cup = plan.cup_mm3 / plan.batch_mass_g * total * 1e-6
+    return [
+        Block("text", f"{pour.resin}, ratio {pour.ratio:.6g} ({pour.ratio_meaning}); balance step {resolution:g} g."),
+        Block("table", rows=tuple(rows)),
+        Block(
+            "text",
+            f"Weighing leaves up to {plan.ratio_error_percent:.2f} % error in a component's share (with the witness "
+            f"{error:.2f} %). The batch holds {pour.film_loss_g:g} g for the film left on cup and stirrer and "
+            f"{pour.extra_percent:g} % besides. Cup of at least {plan.cup_mm3 * 1e-6:.2f} litres ({cup:.2f} with the "
+            "witness): the mix foams to four times its volume under vacuum.",
+        ),
+        Block(
+            "text",
+            f"Witness: a puck of {WITNESS_DIAMETER_MM:g} mm diameter and {WITNESS_HEIGHT_MM:g} mm height from the same "
+            f"cup ({witness:.1f} g). Its mould: dummydesign mold --shape puck --thickness "
+            f"{WITNESS_HEIGHT_MM:g} --length {WITNESS_DIAMETER_MM:g} --width {WITNESS_DIAMETER_MM:g}. Compress it on "
+            f"the day of the test and read its modulus with: dummydesign resins add-compression TRACE.csv --diameter "
+            f"{WITNESS_DIAMETER_MM:g} --height {WITNESS_HEIGHT_MM:g} --name NAME --ratio {pour.ratio:.6g}.",
+        ),
+    ]
+
+
+def _pour_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
+    pour, pad = spec.pour, spec.pad
+    latest = pour.pot_life_min - max(2.0, plan.pour_time_s / 60)
+    place = layout(spec)
+    steps = [
+        *shape_notes.before_mixing(spec),
+        f"Set the mould in its tray and level it with the three screws to {plan.level_deg:.2f} deg "
+        f"({plan.level_mm:.2f} mm over {max(pad.length_mm, pad.width_mm):g} mm), along and across. Read: {BLANK}",
+        f"Weigh {', then '.join(name for name, _ in pour.components)}; stir slowly for two minutes, scrape wall and "
+        f"floor, pour over into a second cup and stir again. Start of mixing: {BLANK}",
+    ]
+    if pour.degas == "mould":
+        steps.append(
+            f"Set the collar on the land and pour; degas in the mould below {pour.degas_pressure_kPa:g} kPa until the "
+            f"foam falls (it may rise {plan.collar_mm:.0f} mm), then take the collar off."
+        )
+    else:
+        steps.append(
+            f"Degas in the cup below {pour.degas_pressure_kPa:g} kPa until the foam has fallen and a minute more. A "
+            "weaker pump only swells the bubbles."
+        )
+    if spec.body.style == "open":
+        steps += _open_steps(spec, plan)
+    else:
+        steps += [
+            "Release agent on the parting faces only. Close the lid (it goes on in one way), lay on the backer, clamp.",
+            f"Prop the vent end 5 to 10 degrees high, pour through the sprue until all five vents show resin "
+            f"({plan.fill_mass_g:.0f} g), lay level again, top up. Keep vents open while it is hot. Poured: {BLANK} g",
+        ]
+    what = "All of this" if plan.base is None else "Each of the two pours"
+    steps.append(f"{what} within {latest:.0f} min of mixing (pot life {pour.pot_life_min:g} min). Done at: {BLANK}")
+    hot = pour.cure_temperature_C > pour.room_temperature_C
+    where = f"at {pour.cure_temperature_C:g} C" if hot else "at room temperature"
+    steps.append(
+        f"Cure {pour.cure_time_h:g} h {where}, level, in the tray. The hot mould grows by {plan.thermal_growth_mm:.1f} "
+        f"mm; the cavity is cut {100 * (place.scale - 1):+.2f} % to end at size."
+    )
+    return [Block("head", "3. Pour"), Block("list", items=tuple(steps))]
+
+
+def _open_steps(spec: MouldSpec, plan: PourPlan) -> list[str]:
+    """Filling an open mould: at once, in two layers, or under a bone."""
+    if spec.pad.kind == "boned":
+        return shape_notes.carrier_steps(spec, plan)
+    last = plan if plan.base is None else plan.base
+    pour = spec.pour if spec.base is None else spec.base.pour
+    whole = (
+        f"Stand the mould on the balance, tare it, pour in a thin stream into one corner and stop at "
+        f"{plan.fill_mass_g:.1f} g (the step of the brim is the fill line; {plan.gram_per_mm_g:.1f} g make one "
+        f"millimetre). Poured: {BLANK} g"
+    )
+    return [
+        *([whole] if plan.base is None else shape_notes.first_layer_steps(spec, plan)),
+        f"Prick bubbles, wait {max(30.0, last.pour_time_s):.0f} s for the liquid to level (viscosity "
+        f"{pour.viscosity_Pa_s:.2g} Pa s).",
+        "Lay release film on the strike-off plate, set it down on one edge and lower it like a hinge until it "
+        "rests on the land; excess comes up in the gap.",
+    ]
+
+
+def _demould_blocks(spec: MouldSpec) -> list[Block]:
+    pad, pour = spec.pad, spec.pour
+    area = pad.length_mm * pad.width_mm
+    steps = (
+        f"Never pull it straight: air pressure alone can hold {formula.suction_force_N(area):.0f} N on the sealed "
+        "face. Peel a corner of the mould's wall outwards, let air in, and roll the mould off the pad "
+        f"(about {formula.peel_force_N(min(pad.length_mm, pad.width_mm), 5.0):.1f} N at 5 J/m2).",
+        shape_notes.demould_first(spec),
+        f"Measure the thickness at five places: {BLANK} {BLANK} {BLANK} {BLANK} {BLANK} mm. Mass of the pad: {BLANK} g",
+        f"Age {pour.age_before_test_days:g} days at room temperature before testing; test pad and witness on one day.",
+    )
+    return [Block("head", "4. Demould and measure"), Block("list", items=steps)]
+
+
+def to_markdown(blocks: Sequence[Block]) -> str:
+    """Write blocks as Markdown."""
+    lines: list[str] = []
+    for index, block in enumerate(blocks):
+        if block.kind == "head":
+            lines.append(f"{'#' if index == 0 else '##'} {block.text}")
+        elif block.kind == "text":
+            lines.append(block.text)
+        elif block.kind == "list":
+            lines += [f"{number}. {item}" for number, item in enumerate(block.items, 1)]
+        else:
+            head, *rows = block.rows
+            lines.append("| " + " | ".join(head) + " |")
+            lines.append("|" + "---|" * len(head))
+            lines += ["| " + " | ".join(row) + " |" for row in rows]
+        lines.append("")
+    return "\n".join(lines)
+
+
+_STYLE = (
+    "body{font:15px/1.45 system-ui,sans-serif;max-width:860px;margin:2em auto;padding:0 1em;color:#20303c}"
+    "table{border-collapse:collapse}td,th{border:1px solid #9fb0bc;padding:.35em .8em;text-align:right}"
+    "td:first-child,th:first-child{text-align:left}h1{font-size:1.5em}h2{font-size:1.15em;margin-top:1.6em}"
+    "svg{max-width:100%;height:auto;border:1px solid #dde5ea}li{margin:.3em 0}"
+    "@media print{body{margin:0;font-size:12px}}"
+)
+
+
+def to_html(blocks: Sequence[Block], drawing_svg: str = "") -> str:
+    """Write blocks as one HTML page that needs nothing else; a drawing may stand at its end."""
+    parts: list[str] = []
+    for index, block in enumerate(blocks):
+        if block.kind == "head":
+            tag = "h1" if index == 0 else "h2"
+            parts.append(f"<{tag}>{html.escape(block.text)}</{tag}>")
+        elif block.kind == "text":
+            parts.append(f"<p>{html.escape(block.text)}</p>")
+        elif block.kind == "list":
+            parts.append("<ol>" + "".join(f"<li>{html.escape(item)}</li>" for item in block.items) + "</ol>")
+        else:
+            head, *rows = block.rows
+            cells = ["".join(f"<th>{html.escape(c)}</th>" for c in head)]
+            cells += ["".join(f"<td>{html.escape(c)}</td>" for c in row) for row in rows]
+            parts.append("<table>" + "".join(f"<tr>{row}</tr>" for row in cells) + "</table>")
+    title = html.escape(blocks[0].text)
+    return (
+        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
+        f"<style>{_STYLE}</style></head><body>\n" + "\n".join(parts) + f"\n{drawing_svg}\n</body></html>\n"
+    )

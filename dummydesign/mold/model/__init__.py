@@ -1,0 +1,1 @@
+"""What a mould is, without CAD: specification, presets, layout, volumes and limits."""

@@ -1,0 +1,145 @@
+"""Where everything sits: all derived dimensions of a mould, computed once from its specification; no CAD.
+
+Mould frame: z = 0 is the cavity's lowest point (the tested face, or the tip of its crown), +z points out of the
+cavity, the origin is the pad's middle. All lengths are those of the cold mould. [mm]
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from dummydesign.mold.model.outline import Outline
+from dummydesign.mold.model.spec import MouldSpec
+
+
+def pad_scale(spec: MouldSpec) -> float:
+    """Factor from the finished pad to the cold cavity.
+
+    (1 / (1 - shrinkage)) (1 + a_pad dT) / (1 + a_mould dT), dT from room to the temperature at which
+    the resin gels: the hot cavity is larger by the silicone's expansion, the pad shrinks back by its own.
+    """
+    warmer = spec.pour.cure_temperature_C - spec.pour.room_temperature_C
+    shrink = 1.0 / (1.0 - spec.pour.shrinkage_percent / 100)
+    return shrink * (1 + spec.pour.resin_expansion_per_K * warmer) / (1 + spec.silicone.expansion_per_K * warmer)
+
+
+def silicone_scale(spec: MouldSpec) -> float:
+    """Factor from the silicone mould to the rigid master: 1 / (1 - shrinkage of the silicone)."""
+    return 1.0 / (1.0 - spec.silicone.shrinkage_percent / 100)
+
+
+@dataclass(frozen=True)
+class Point:
+    """A place in plan. [mm]"""
+
+    x_mm: float
+    y_mm: float
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Derived dimensions as heights above the cavity's lowest point.
+
+    ``face_mm`` is the flat of the tested face (0 without a crown), where ``floor_outline`` lies;
+    ``interface_mm`` the top of the layer poured first (0 without layers) with its outline, ``depth_mm`` the fill
+    plane and ``land_mm`` the mould's top face.
+    """
+
+    scale: float
+    silicone_scale: float
+    face_mm: float
+    interface_mm: float
+    depth_mm: float
+    land_mm: float
+    floor_outline: Outline
+    interface_outline: Outline
+    fill_outline: Outline
+    brim_outline: Outline
+    opening: Outline
+    top: Outline
+    bottom: Outline
+    flange: Outline
+    height_mm: float
+    keys: tuple[Point, ...]
+    sprue: Point | None
+    vents: tuple[Point, ...]
+    label_y_mm: float
+    label_room_mm: float
+
+
+def layout(spec: MouldSpec) -> Layout:
+    """Compute the derived dimensions of a specification (see :class:`Layout`)."""
+    pad, body, box = spec.pad, spec.body, spec.box
+    scale, grow = pad_scale(spec), silicone_scale(spec)
+    depth = scale * pad.thickness_mm
+    k = math.tan(math.radians(pad.draft_deg))
+    nominal = Outline(pad.length_mm, pad.width_mm, pad.corner_radius_mm)
+    floor = nominal.scaled(scale)
+    face = scale * pad.face_height_mm
+    fill = floor.grown(k * (depth - face))
+    brim = fill.grown(body.brim_step_mm)
+    opening = brim.grown(k * body.freeboard_mm)
+    land = depth + body.freeboard_mm
+    height = land + body.floor_mm
+    # Where the outside draws in faster than the cavity, the wall is thinnest at the floor: start wider.
+    thinner = math.tan(math.radians(body.outer_draft_deg)) - k
+    wide = opening.grown(body.wall_mm + max(0.0, land * thinner))
+    top = Outline(wide.length_mm, wide.width_mm, min(body.outer_corner_radius_mm, wide.radius_mm))
+    bottom = top.grown(-height * math.tan(math.radians(body.outer_draft_deg)))
+    rim = box.frame_wall_mm + box.flange_mm
+    layers = pad.shape.layers()
+    interface = scale * layers[0] if layers else 0.0
+    keys, sprue, vents = _closure_places(spec, fill)
+    strip_in = _gutter_reach(spec)
+    return Layout(
+        scale=scale,
+        silicone_scale=grow,
+        face_mm=face,
+        interface_mm=interface,
+        depth_mm=depth,
+        land_mm=land,
+        floor_outline=floor,
+        interface_outline=floor.grown(k * interface),
+        fill_outline=fill,
+        brim_outline=brim,
+        opening=opening,
+        top=top,
+        bottom=bottom,
+        flange=top.scaled(grow).grown(rim),
+        height_mm=height,
+        keys=keys,
+        sprue=sprue,
+        vents=vents,
+        label_y_mm=-(opening.width_mm / 2 + (strip_in + body.wall_mm) / 2),
+        label_room_mm=_label_room(spec, opening, keys),
+    )
+
+
+def _gutter_reach(spec: MouldSpec) -> float:
+    """Distance from the opening to the outer side of the gutter, 0 without one. [mm]"""
+    c = spec.closure
+    return 0.0 if c is None else c.gutter_distance_mm + c.gutter_radius_mm
+
+
+def _closure_places(spec: MouldSpec, fill: Outline) -> tuple[tuple[Point, ...], Point | None, tuple[Point, ...]]:
+    """Keys at the corners (one shifted, so that only one assembly is possible), sprue and vents."""
+    c = spec.closure
+    if c is None:
+        return (), None, ()
+    x = fill.length_mm / 2 + spec.body.wall_mm / 2 + 0.5
+    y = fill.width_mm / 2 + (_gutter_reach(spec) + spec.body.wall_mm) / 2
+    keys = (Point(x, y), Point(x, -y), Point(-x, -y), Point(-x + c.key_shift_mm, y))
+    sx = fill.length_mm / 2 - c.sprue_inset_mm
+    vx, vy = fill.length_mm / 2 - c.vent_inset_mm, fill.width_mm / 2 - c.vent_inset_mm
+    vents = (Point(vx, 0.0), Point(vx, vy), Point(vx, -vy), Point(-vx, vy), Point(-vx, -vy))
+    return keys, Point(-sx, 0.0), vents
+
+
+def _label_room(spec: MouldSpec, opening: Outline, keys: tuple[Point, ...]) -> float:
+    """Length that is free for the label on the land's front side. [mm]"""
+    front = [abs(key.x_mm) for key in keys if key.y_mm < 0]
+    if front:
+        reach = min(front) - spec.closure.key_radius_mm - spec.closure.key_clearance_mm
+        return 2 * reach - 4.0
+    return opening.length_mm - 4.0

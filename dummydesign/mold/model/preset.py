@@ -1,0 +1,306 @@
+"""Read mould presets and put a specification together; no CAD."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from dummydesign.core.datafiles import find, read_toml
+from dummydesign.core.errors import InputError, out_of_range, unknown_name
+from dummydesign.core.quantity import Quantity, line_of, read_quantity
+from dummydesign.geometry.shapes import SHAPES, Shape, make_shape, read_shape
+from dummydesign.mold.model.spec import (
+    Aids,
+    BaseLayer,
+    Body,
+    Box,
+    Closure,
+    Machines,
+    MouldSpec,
+    PadGeometry,
+    Pour,
+    Silicone,
+)
+from dummydesign.mold.model.validate import validate
+
+if TYPE_CHECKING:
+    from dummydesign.resin import Resin
+
+_SILICONE = ("density_g_per_cm3", "young_MPa", "shrinkage_percent", "expansion_per_K", "pot_life_min", "cure_time_h")
+_POUR = (
+    "film_loss_g",
+    "extra_percent",
+    "silicone_extra_percent",
+    "surface_tension_N_per_m",
+    "contact_angle_deg",
+    "resin_expansion_per_K",
+)
+_PROCESS = ("room_temperature_C", "degas", "foam_factor", "pour_and_degas_min")
+_TABLES = {"pad", "body", "box", "aids", "process", "closure", "pour"}
+_TOP = {"schema", "name", "title", "style", "silicone", "machines"} | _TABLES
+# What a resin may leave out; each is plain room-temperature practice and listed as assumed in the answer.
+_RESIN_FALLBACK = {
+    "pot_life_min": 20.0,
+    "shrinkage_percent": 0.0,
+    "cure_time_h": 24.0,
+    "age_before_test_days": 7.0,
+    "degas_pressure_kPa": 3.0,
+}
+
+
+def mould_spec(
+    thickness_mm: float,
+    length_mm: float = 150.0,
+    width_mm: float = 120.0,
+    preset: str = "open",
+    resin: str | Resin | None = None,
+    ratio: float = 15.0,
+    kind: str = "slab",
+    parameters: tuple[tuple[str, float], ...] = (),
+    base_ratio: float | None = None,
+) -> MouldSpec:
+    """Put together and check the specification of a mould.
+
+    Parameters
+    ----------
+    thickness_mm, length_mm, width_mm : float
+        The finished pad. [mm]
+    preset : str
+        Name of a preset or path of a preset file.
+    resin : str or Resin, optional
+        Resin by name, file or object; the paper's polyurethane by default.
+    ratio : float
+        Mixing ratio of the resin, see its ``ratio_meaning``.
+    kind, parameters : str, tuple of (str, float)
+        Shape of the pad, see :func:`dummydesign.geometry.shapes.make_shape`; or ``"puck"``, a plain cylinder.
+    base_ratio : float, optional
+        Mixing ratio of a layered pad's base; by default the one whose modulus is that of the upper layer times
+        the shape's ``modulus_ratio``.
+
+    Returns
+    -------
+    MouldSpec
+        Checked by :func:`dummydesign.mold.model.validate.validate`.
+
+    Raises
+    ------
+    InputError
+        When a file or a value is not acceptable.
+    """
+    kind, parameters = _canonical(kind, parameters)
+    entry = find("molds", "mould preset", preset)
+    data, text = read_toml(entry.path)
+    _known_keys(data, _TOP, entry.path, text)
+    for key in ("style", "silicone", "machines", *sorted(_TABLES - {"closure"})):
+        if key not in data:
+            raise InputError(f"{entry.path.name}: '{key}' is missing")
+    pad = _table(PadGeometry, data["pad"], entry.path, text, "pad", optional=True, thickness_mm=float(thickness_mm))
+    pad |= {"length_mm": float(length_mm), "width_mm": float(width_mm), "kind": kind, "parameters": parameters}
+    if kind == "puck":
+        # A specimen between plates is a plain cylinder; a soft mould gives it up without draft.
+        pad |= {"draft_deg": 0.0, "corner_radius_mm": pad["length_mm"] / 2, "edge_radius_mm": 0.0}
+    pad = PadGeometry(**pad)
+    if dict(parameters).get("ridge"):
+        # Its ends run out in the walls, where an edge cannot be rounded without a notch under the ridge.
+        pad = replace(pad, edge_radius_mm=0.0)
+    resin = _resin(resin)
+    pour, sources = _read_pour(data, entry.path, text, resin, ratio)
+    silicone, more = read_silicone(str(data["silicone"]), entry.path)
+    closure = data.get("closure")
+    spec = MouldSpec(
+        preset=entry.name,
+        pad=pad,
+        body=Body(**_table(Body, data["body"], entry.path, text, "body", style=str(data["style"]))),
+        box=Box(**_table(Box, data["box"], entry.path, text, "box")),
+        aids=Aids(**_table(Aids, data["aids"], entry.path, text, "aids")),
+        silicone=silicone,
+        pour=pour,
+        machines=read_machines(str(data["machines"]), entry.path),
+        closure=Closure(**_table(Closure, closure, entry.path, text, "closure")) if closure is not None else None,
+        sources=tuple(dict.fromkeys(sources + more)),
+        base=_base_layer(pad.shape, pour, resin, base_ratio),
+    )
+    validate(spec)
+    return spec
+
+
+def read_kind(text: str) -> tuple[str, tuple[tuple[str, float], ...]]:
+    """Read a shape as typed into name and parameters; a ``puck`` takes none.
+
+    Raises
+    ------
+    InputError
+        For unknown names, missing parameters or what is not a number.
+    """
+    name, _, rest = text.partition(":")
+    if name.lower() == "puck":
+        return _canonical("puck", (("0", 0.0),) if rest else ())
+    shape = read_shape(text) if name.lower() in SHAPES else make_any(name)
+    return shape.name, shape.parameters
+
+
+def make_any(kind: str, parameters: tuple[tuple[str, float], ...] = ()) -> Shape:
+    """Make a shape; for an unknown one the puck is among the known names."""
+    if kind.lower() not in SHAPES:
+        raise unknown_name("shape", kind, [*SHAPES, "puck"])
+    return make_shape(kind, parameters)
+
+
+def _canonical(
+    kind: str, parameters: tuple[tuple[str, float], ...]
+) -> tuple[str, tuple[tuple[str, float], ...]]:
+    """Name in small letters and every parameter by its name, so that equal shapes are stored alike."""
+    if kind.lower() == "puck":
+        if parameters:
+            raise InputError("shape puck takes no parameters; its diameter is given by --length and --width")
+        return "puck", ()
+    shape = make_any(kind, parameters)
+    return shape.name, shape.parameters
+
+
+def _resin(resin: str | Resin | None) -> Resin:
+    if resin is None or isinstance(resin, str):
+        from dummydesign.resin import load_resin
+
+        return load_resin(resin) if resin else load_resin()
+    return resin
+
+
+def _base_layer(shape: Shape, pour: Pour, resin: Resin, base_ratio: float | None) -> BaseLayer | None:
+    """The second resin of a layered pad: the same family at another ratio."""
+    layers = shape.layers()
+    if layers is None:
+        if base_ratio is not None:
+            raise InputError(f"base_ratio = {base_ratio:g} belongs to a layered pad; the shape is {shape.name}")
+        return None
+    upper = resin.young_MPa(pour.ratio)
+    if base_ratio is None:
+        base_ratio = _ratio_of_base(resin, pour, upper, layers[1])
+    numbers = resin_numbers(resin, base_ratio, pour.room_temperature_C)
+    return BaseLayer(replace(pour, **numbers), resin.young_MPa(base_ratio) / upper)
+
+
+def _ratio_of_base(resin: Resin, pour: Pour, upper_MPa: float, modulus_ratio: float) -> float:
+    """Ratio whose modulus is that of the upper layer times ``modulus_ratio``."""
+    ends = sorted(resin.young_MPa(end) for end in (resin.ratio_min, resin.ratio_max))
+    low, high = (end / upper_MPa for end in ends)
+    if not low <= modulus_ratio <= high:
+        raise InputError(
+            f"modulus_ratio = {modulus_ratio:g} asks {1e3 * modulus_ratio * upper_MPa:.3g} kPa of {resin.name} for the "
+            f"base; with the upper layer at ratio {pour.ratio:g} ({1e3 * upper_MPa:.3g} kPa) allowed is {low:.3g} to "
+            f"{high:.3g}"
+        )
+    return resin.ratio_for(modulus_ratio * upper_MPa)
+
+
+def _known_keys(table: dict[str, Any], known: set[str], path: Path, text: str) -> None:
+    for key in table:
+        if key not in known:
+            raise InputError(
+                f"{path.name}:{line_of(text, key)}: unknown key '{key}'; known are {', '.join(sorted(known))}"
+            )
+
+
+def _number(value: Any, key: str, path: Path, text: str, *where: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise InputError(f"{path.name}:{line_of(text, *where, key)}: '{key}' = {value!r} is not a finite number")
+    return float(value)
+
+
+def _table(
+    kind: type, table: Any, path: Path, text: str, name: str, optional: bool = False, **given: Any
+) -> dict[str, Any]:
+    """Read the numbers of one table into the arguments of ``kind``; unknown and missing keys are refused."""
+    if not isinstance(table, dict):
+        raise InputError(f"{path.name}:{line_of(text, name)}: '{name}' must be a table")
+    names = [item.name for item in fields(kind) if item.name not in given]
+    _known_keys(table, set(names), path, text)
+    missing = [key for key in names if key not in table]
+    if missing and not optional:
+        raise InputError(f"{path.name}: table [{name}] lacks {', '.join(missing)}")
+    read = {key: _number(table[key], key, path, text, f"[{name}]") for key in names if key in table}
+    return {**given, **read}
+
+
+def _named_source(name: str, quantity: Quantity) -> str:
+    return f"{name} = {quantity.value:g} ({quantity.low:g} to {quantity.high:g}, {quantity.kind}): {quantity.source}"
+
+
+def _read_pour(
+    data: dict[str, Any], path: Path, text: str, resin: Resin, ratio: float
+) -> tuple[Pour, list[str]]:
+    """Join the preset's pouring numbers with the resin's."""
+    process = data["process"]
+    _known_keys(process, set(_PROCESS), path, text)
+    _known_keys(data["pour"], set(_POUR), path, text)
+    for key in _PROCESS:
+        if key not in process:
+            raise InputError(f"{path.name}: table [process] lacks {key}")
+    loose = {key: read_quantity(data["pour"], key, path, text) for key in _POUR}
+    room = _number(process["room_temperature_C"], "room_temperature_C", path, text)
+    liquid = resin_numbers(resin, ratio, room)
+    sources = [_named_source(key, quantity) for key, quantity in loose.items()]
+    sources += [f"resin {resin.name}: {reference}" for reference in resin.references[:1]]
+    values = {key: quantity.value for key, quantity in loose.items()}
+    for key in ("foam_factor", "pour_and_degas_min"):
+        values[key] = _number(process[key], key, path, text)
+    return Pour(**liquid, **values, room_temperature_C=room, degas=str(process["degas"])), sources
+
+
+def resin_numbers(resin: Resin, ratio: float, room_temperature_C: float) -> dict[str, Any]:
+    """Collect what pouring needs from a resin at a ratio; what it does not know takes room-temperature practice."""
+    if not math.isfinite(ratio):
+        raise out_of_range("ratio", ratio, resin.ratio_min, resin.ratio_max, resin.ratio_meaning)
+    parts = resin.recipe(ratio, 1.0)
+    known = set(resin.property_names())
+    fallback = {**_RESIN_FALLBACK, "cure_temperature_C": room_temperature_C}
+    numbers = {name: resin.property(name, ratio).value if name in known else value for name, value in fallback.items()}
+    return {
+        "resin": resin.name,
+        "ratio": float(ratio),
+        "ratio_meaning": resin.ratio_meaning,
+        "components": tuple((part.name, float(part.mass_g)) for part in parts),
+        "density_g_per_cm3": float(resin.property("density_g_per_cm3", ratio).value),
+        "viscosity_Pa_s": float(resin.property("viscosity_Pa_s", ratio).value),
+        **numbers,
+    }
+
+
+def _beside(name: str, path: Path, kind: str, what: str) -> Any:
+    """Find a data file named in a preset: beside the preset, else in the library."""
+    near = path.parent / name
+    return find(kind, what, str(near) if name.endswith(".toml") and near.is_file() else name)
+
+
+def read_silicone(name: str, preset: Path) -> tuple[Silicone, list[str]]:
+    """Read a silicone product by name or file; return it and where its numbers come from."""
+    entry = _beside(name, preset, "molds/silicones", "silicone")
+    data, text = read_toml(entry.path)
+    _known_keys(data, {"schema", "name", "title", *_SILICONE}, entry.path, text)
+    numbers = {key: read_quantity(data, key, entry.path, text) for key in _SILICONE}
+    sources = [_named_source(f"silicone {key}", quantity) for key, quantity in numbers.items()]
+    return Silicone(entry.name, **{key: quantity.value for key, quantity in numbers.items()}), sources
+
+
+def read_machines(name: str, preset: Path) -> Machines:
+    """Read what the parts must fit, by name or file."""
+    entry = _beside(name, preset, "molds/machines", "machines")
+    data, text = read_toml(entry.path)
+    tables = {
+        "printer": ("bed_x_mm", "bed_y_mm", "height_mm", "margin_mm"),
+        "vacuum_chamber": ("diameter_mm", "height_mm"),
+        "oven": ("shelf_x_mm", "shelf_y_mm", "height_mm"),
+    }
+    _known_keys(data, {"schema", "name", "title", "balance_resolution_g", *tables}, entry.path, text)
+    numbers = []
+    for table, keys in tables.items():
+        part = data.get(table)
+        if not isinstance(part, dict) or set(part) != set(keys):
+            raise InputError(f"{entry.path.name}: table [{table}] needs exactly {', '.join(keys)}")
+        numbers += [_number(part[key], key, entry.path, text, f"[{table}]") for key in keys]
+    if "balance_resolution_g" not in data:
+        raise InputError(f"{entry.path.name}: 'balance_resolution_g' is missing")
+    resolution = _number(data["balance_resolution_g"], "balance_resolution_g", entry.path, text)
+    return Machines(entry.name, resolution, *numbers)

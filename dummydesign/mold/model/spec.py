@@ -1,0 +1,267 @@
+"""The specification of a mould: frozen, checked, hashed; everything else is computed from it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import types
+from dataclasses import asdict, dataclass, fields, is_dataclass
+from functools import cached_property
+from typing import Any, get_args, get_type_hints
+
+import numpy as np
+
+from dummydesign.geometry.shapes import Layered, Shape, make_shape
+
+
+@dataclass(frozen=True)
+class PadGeometry:
+    """The pad as it shall be after cure, at room temperature.
+
+    The highest point of the face that is tested lies on z = 0 (the mould's floor), its flat at
+    ``face_height_mm``, where the outline is ``length_mm`` by ``width_mm``; the walls open by ``draft_deg``
+    towards the free face at z = ``thickness_mm``. ``parameters`` belong to the shape named by ``kind``, all of
+    them by name, so that equal shapes make equal specifications.
+    """
+
+    thickness_mm: float
+    length_mm: float = 150.0
+    width_mm: float = 120.0
+    draft_deg: float = 2.0
+    corner_radius_mm: float = 5.0
+    edge_radius_mm: float = 1.5
+    kind: str = "slab"
+    parameters: tuple[tuple[str, float], ...] = ()
+
+    @cached_property
+    def shape(self) -> Shape:
+        """The shape as the finite-element model knows it; a puck is a slab with a round outline."""
+        return make_shape("slab" if self.kind == "puck" else self.kind, self.parameters)
+
+    @property
+    def face_height_mm(self) -> float:
+        """Height of the tested face's flat above its highest point, the mould's lowest."""
+        return float(self.shape.drop_mm(np.array(self.length_mm / 2), np.array(self.width_mm / 2)))
+
+    @property
+    def least_gel_mm(self) -> float:
+        """Thinnest gel of the pad: beside a crown or a bump, over a bone, or a layer."""
+        shape = self.shape
+        if isinstance(shape, Layered):
+            return min(shape.top_mm, self.thickness_mm - shape.top_mm)
+        bone = float(shape.bone_mm(np.array(0.0), np.array(0.0)))
+        return self.thickness_mm - max(bone, self.face_height_mm)
+
+    @property
+    def title(self) -> str:
+        """Shape and size in words."""
+        size = f"{self.length_mm:g} x {self.width_mm:g} x {self.thickness_mm:g} mm"
+        name = self.kind if self.kind == "puck" else str(self.shape)
+        return f"{name} pad {size}"
+
+
+def runs_out(pad: PadGeometry) -> bool:
+    """Whether the profile goes on into the end walls: a ridge or a bar."""
+    named = dict(pad.parameters)
+    return bool(named.get("ridge") or named.get("bar"))
+
+
+@dataclass(frozen=True)
+class Body:
+    """The silicone block around the cavity and the label cut into its land."""
+
+    style: str
+    wall_mm: float
+    floor_mm: float
+    outer_corner_radius_mm: float
+    outer_draft_deg: float
+    brim_step_mm: float
+    freeboard_mm: float
+    label_height_mm: float
+    label_stroke_mm: float
+    label_depth_mm: float
+
+
+@dataclass(frozen=True)
+class Closure:
+    """Lid, keys, gutter, sprue and vents of a lidded mould."""
+
+    lid_mm: float
+    backer_mm: float
+    key_radius_mm: float
+    key_clearance_mm: float
+    key_shift_mm: float
+    gutter_radius_mm: float
+    gutter_distance_mm: float
+    sprue_small_mm: float
+    sprue_large_mm: float
+    vent_small_mm: float
+    vent_large_mm: float
+    sprue_inset_mm: float
+    vent_inset_mm: float
+    pin_handle_mm: float
+    pin_spigot_mm: float
+
+
+@dataclass(frozen=True)
+class Box:
+    """The rigid master's base plate and the lift-off frame."""
+
+    base_mm: float
+    frame_wall_mm: float
+    flange_mm: float
+    flange_thickness_mm: float
+    bolt_hole_mm: float
+    rim_mm: float
+    rim_step_mm: float
+
+
+@dataclass(frozen=True)
+class Aids:
+    """Strike-off plate, carrier tray and degassing collar."""
+
+    plate_mm: float
+    plate_clearance_mm: float
+    tray_floor_mm: float
+    tray_rim_mm: float
+    tray_rim_height_mm: float
+    tray_clearance_mm: float
+    level_screw_hole_mm: float
+    collar_wall_mm: float
+
+
+@dataclass(frozen=True)
+class Silicone:
+    """The product the mould is cast from."""
+
+    name: str
+    density_g_per_cm3: float
+    young_MPa: float
+    shrinkage_percent: float
+    expansion_per_K: float
+    pot_life_min: float
+    cure_time_h: float
+
+
+@dataclass(frozen=True)
+class Pour:
+    """The resin as a liquid to be weighed and poured; ``components`` are (name, mass fraction)."""
+
+    resin: str
+    ratio: float
+    ratio_meaning: str
+    components: tuple[tuple[str, float], ...]
+    density_g_per_cm3: float
+    viscosity_Pa_s: float
+    pot_life_min: float
+    shrinkage_percent: float
+    cure_temperature_C: float
+    cure_time_h: float
+    age_before_test_days: float
+    degas_pressure_kPa: float
+    room_temperature_C: float
+    resin_expansion_per_K: float
+    film_loss_g: float
+    extra_percent: float
+    silicone_extra_percent: float
+    surface_tension_N_per_m: float
+    contact_angle_deg: float
+    degas: str
+    foam_factor: float
+    pour_and_degas_min: float
+
+
+@dataclass(frozen=True)
+class BaseLayer:
+    """The second resin of a layered pad: how it is poured and its modulus over that of the upper layer."""
+
+    pour: Pour
+    modulus_ratio: float
+
+
+@dataclass(frozen=True)
+class Machines:
+    """What the parts must fit and how finely can be weighed."""
+
+    name: str
+    balance_resolution_g: float
+    bed_x_mm: float
+    bed_y_mm: float
+    printer_height_mm: float
+    bed_margin_mm: float
+    chamber_diameter_mm: float
+    chamber_height_mm: float
+    shelf_x_mm: float
+    shelf_y_mm: float
+    oven_height_mm: float
+
+
+@dataclass(frozen=True)
+class MouldSpec:
+    """Everything a mould is made from; equal specifications have equal hashes and equal files."""
+
+    preset: str
+    pad: PadGeometry
+    body: Body
+    box: Box
+    aids: Aids
+    silicone: Silicone
+    pour: Pour
+    machines: Machines
+    closure: Closure | None = None
+    sources: tuple[str, ...] = ()
+    base: BaseLayer | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return nested plain dictionaries; tuples become lists. A base layer that is not there is left out."""
+        plain = _plain(asdict(self))
+        if self.base is None:
+            del plain["base"]
+        return plain
+
+    def canonical(self) -> str:
+        """Return the specification as JSON with sorted keys and no blanks, one text for one mould."""
+        return json.dumps(self.to_dict(), sort_keys=True, separators=(",", ":"), allow_nan=False)
+
+    @cached_property
+    def hash(self) -> str:
+        """First eight hexadecimal digits (upper case) of the SHA-256 of :meth:`canonical`."""
+        return hashlib.sha256(self.canonical().encode()).hexdigest()[:8].upper()
+
+    @property
+    def tag(self) -> str:
+        """Thickness as it stands in file names, after the shape's name: ``t5``, ``t7.5``, ``crowned_t5``."""
+        plain = self.pad.kind in ("slab", "puck")
+        return f"{'' if plain else self.pad.kind + '_'}t{self.pad.thickness_mm:g}"
+
+    @staticmethod
+    def from_dict(data: dict[str, Any]) -> MouldSpec:
+        """Rebuild a specification from :meth:`to_dict`."""
+        return _rebuild(MouldSpec, data)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, tuple | list):
+        return [_plain(item) for item in value]
+    return value
+
+
+def _frozen(value: Any) -> Any:
+    return tuple(_frozen(item) for item in value) if isinstance(value, list) else value
+
+
+def _rebuild(kind: Any, data: Any) -> Any:
+    """Fill dataclass ``kind`` from plain data, following its type hints into nested dataclasses."""
+    hints = get_type_hints(kind)
+    found = {}
+    for item in fields(kind):
+        if item.name not in data:
+            continue
+        hint, value = hints[item.name], data[item.name]
+        if isinstance(hint, types.UnionType):
+            hint = next(part for part in get_args(hint) if part is not type(None))
+        nested = is_dataclass(hint) and isinstance(value, dict)
+        found[item.name] = _rebuild(hint, value) if nested else _frozen(value)
+    return kind(**found)

@@ -1,0 +1,211 @@
+"""Refuse what cannot be made, with the reason, before any CAD is loaded."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import fields, is_dataclass, replace
+from typing import Any
+
+from dummydesign.core.errors import InputError, out_of_range, unknown_name
+from dummydesign.geometry.shapes import RIM_FREE_MM
+from dummydesign.mold.model import formulas as formula
+from dummydesign.mold.model.layout import Layout, layout
+from dummydesign.mold.model.spec import MouldSpec, PadGeometry, runs_out
+
+STYLES = ("open", "lidded")
+THICKNESS_MM = (3.0, 30.0)
+CORNER_MM = 0.5
+SMALLEST_MM = {"open": 20.0, "lidded": 50.0}
+WARM_K = 5.0
+
+
+def validate(spec: MouldSpec) -> Layout:
+    """Check a specification and return its layout.
+
+    Raises
+    ------
+    InputError
+        Naming the quantity, its value and what is allowed.
+    """
+    _all_finite(spec, "")
+    _check_pad(spec)
+    _check_body(spec)
+    if spec.body.style == "lidded":
+        _check_closure(spec)
+    _check_process(spec)
+    if spec.base is not None:
+        _check_process(replace(spec, pour=spec.base.pour))
+    plan = layout(spec)
+    _check_machines(spec, plan)
+    return plan
+
+
+def _all_finite(value: Any, name: str) -> None:
+    if is_dataclass(value):
+        for item in fields(value):
+            _all_finite(getattr(value, item.name), item.name)
+    elif isinstance(value, tuple):
+        for item in value:
+            _all_finite(item, name)
+    elif isinstance(value, float) and not math.isfinite(value):
+        raise InputError(f"{name} = {value} is not a finite number")
+
+
+def _between(name: str, value: float, low: float, high: float, advice: str = "") -> None:
+    if not low <= value <= high:
+        raise out_of_range(name, f"{value:g}", f"{low:g}", f"{high:g}", advice)
+
+
+def _check_pad(spec: MouldSpec) -> None:
+    pad = spec.pad
+    if spec.body.style not in STYLES:
+        raise unknown_name("style of mould", spec.body.style, STYLES)
+    _between("thickness_mm", pad.thickness_mm, *THICKNESS_MM)
+    least = SMALLEST_MM[spec.body.style]
+    for name in ("length_mm", "width_mm"):
+        if getattr(pad, name) < least:
+            raise InputError(
+                f"{name} = {getattr(pad, name):g} is below {least:g}, the least for a mould of style {spec.body.style}"
+            )
+    _between("draft_deg", pad.draft_deg, 0.0, 10.0)
+    if pad.kind == "puck":
+        if pad.length_mm != pad.width_mm:
+            raise InputError(
+                f"length_mm = {pad.length_mm:g} and width_mm = {pad.width_mm:g} of a puck must both be its diameter"
+            )
+    else:
+        most = min(pad.length_mm, pad.width_mm) / 2 * 0.999
+        _between("corner_radius_mm", pad.corner_radius_mm, CORNER_MM, most, "a sharper corner tears the silicone")
+    _check_shape(spec, pad)
+
+
+def _check_shape(spec: MouldSpec, pad: PadGeometry) -> None:
+    """What the shape itself allows, what its preset allows, and an edge that leaves its curves alone."""
+    shape = pad.shape
+    shape.check(pad.thickness_mm, pad.length_mm, pad.width_mm)
+    if spec.body.style == "lidded" and shape.name == "layered":
+        raise InputError("a layered pad is poured twice and its spacer needs an open mould; use --preset open")
+    if spec.body.style == "lidded" and shape.name == "boned":
+        raise InputError("the bone of a boned pad hangs from a plate on an open mould; use --preset open")
+    if (shape.layers() is None) != (spec.base is None):
+        raise InputError("a layered pad, and no other, needs a second resin for its base (base_ratio)")
+    highest = min(pad.corner_radius_mm, 0.9 * (pad.thickness_mm - pad.face_height_mm))
+    advice = "it fits below the corner radius and 0.9 of the thickness"
+    if shape.layers():
+        highest, advice = min(highest, shape.layers()[0]), "the edge stays in the upper layer"
+    if not shape.flat_top:
+        highest, advice = min(highest, RIM_FREE_MM / 2), "it keeps off the curved top"
+    _between("edge_radius_mm", pad.edge_radius_mm, 0.0, highest, advice)
+    if runs_out(pad):
+        _between("corner_radius_mm", pad.corner_radius_mm, CORNER_MM, RIM_FREE_MM, f"the {shape.name} top runs out")
+    if dict(pad.parameters).get("ridge") and pad.edge_radius_mm:
+        raise InputError(f"edge_radius_mm = {pad.edge_radius_mm:g} of a ridge must be 0: its ends run out in the walls")
+
+
+def _check_body(spec: MouldSpec) -> None:
+    body, box, aids = spec.body, spec.box, spec.aids
+    _between("wall_mm", body.wall_mm, 6.0, 50.0)
+    _between("floor_mm", body.floor_mm, 5.0, 50.0)
+    _between("outer_draft_deg", body.outer_draft_deg, 0.0, 3.0)
+    shrink = (spec.pad.thickness_mm * 1.02 + body.freeboard_mm + body.floor_mm) * math.tan(
+        math.radians(body.outer_draft_deg)
+    )
+    _between("outer_corner_radius_mm", body.outer_corner_radius_mm, shrink + 0.5, body.wall_mm + 10.0)
+    if body.style == "open":
+        _between("brim_step_mm", body.brim_step_mm, 0.5, body.wall_mm / 2)
+        _between("freeboard_mm", body.freeboard_mm, 1.0, 20.0)
+        _between("plate_clearance_mm", aids.plate_clearance_mm, 0.2, body.brim_step_mm)
+    elif body.brim_step_mm or body.freeboard_mm:
+        raise InputError("brim_step_mm and freeboard_mm must be 0 for a lidded mould: its lid closes the fill plane")
+    _between("label_depth_mm", body.label_depth_mm, 0.2, body.floor_mm / 4)
+    _between("label_height_mm", body.label_height_mm, 2.5, body.wall_mm - 3.0)
+    _between("label_stroke_mm", body.label_stroke_mm, 0.4, body.label_height_mm / 5)
+    _between("base_mm", box.base_mm, 4.0, 30.0)
+    _between("frame_wall_mm", box.frame_wall_mm, 2.0, 20.0)
+    _between("flange_mm", box.flange_mm, box.bolt_hole_mm + 2.0, 40.0)
+    _between("rim_mm", box.rim_mm, 2.0, 30.0)
+    _between("rim_step_mm", box.rim_step_mm, 0.3, box.frame_wall_mm - 1.0)
+    _between("tray_rim_height_mm", aids.tray_rim_height_mm, 1.0, body.floor_mm)
+
+
+def _check_closure(spec: MouldSpec) -> None:
+    c, body, pad = spec.closure, spec.body, spec.pad
+    if pad.kind == "puck":
+        raise InputError("a puck is poured in an open mould; use --preset open")
+    if c is None:
+        raise InputError("a lidded mould needs the table [closure] in its preset")
+    reach = c.gutter_distance_mm + c.gutter_radius_mm
+    socket = 2 * (c.key_radius_mm + c.key_clearance_mm)
+    if body.wall_mm - reach < socket + 2.0:
+        raise InputError(
+            f"wall_mm = {body.wall_mm:g} is too small: gutter ({reach:g}) and keys ({socket:g}) with 1 mm beside "
+            f"them need at least {reach + socket + 2:g}"
+        )
+    if c.gutter_distance_mm - c.gutter_radius_mm < 1.5:
+        raise InputError(
+            f"gutter_distance_mm = {c.gutter_distance_mm:g} leaves less than 1.5 mm beside the cavity; "
+            f"at least {c.gutter_radius_mm + 1.5:g}"
+        )
+    _between("key_clearance_mm", c.key_clearance_mm, 0.05, 0.5)
+    _between("key_shift_mm", c.key_shift_mm, socket + 1.0, pad.length_mm / 2)
+    _between("key_radius_mm", c.key_radius_mm, 1.5, min(c.lid_mm, body.floor_mm) - 2.0)
+    _between("sprue_large_mm", c.sprue_large_mm, c.sprue_small_mm, 2 * c.sprue_inset_mm - 2.0)
+    _between("vent_large_mm", c.vent_large_mm, c.vent_small_mm, 2 * c.vent_inset_mm - 2.0)
+    _between("sprue_inset_mm", c.sprue_inset_mm, 4.0, pad.length_mm / 4)
+    _between("vent_inset_mm", c.vent_inset_mm, 3.0, min(pad.length_mm, pad.width_mm) / 4)
+
+
+def _check_process(spec: MouldSpec) -> None:
+    pour, silicone = spec.pour, spec.silicone
+    _between("density_g_per_cm3", pour.density_g_per_cm3, 0.5, 3.0)
+    _between("density_g_per_cm3 of the silicone", silicone.density_g_per_cm3, 0.8, 2.0)
+    _between("shrinkage_percent", pour.shrinkage_percent, 0.0, 5.0)
+    _between("shrinkage_percent of the silicone", silicone.shrinkage_percent, 0.0, 3.0)
+    _between("cure_temperature_C", pour.cure_temperature_C, 0.0, 150.0)
+    _between("foam_factor", pour.foam_factor, 1.5, 8.0)
+    if pour.degas not in ("cup", "mould"):
+        raise unknown_name("place to degas", pour.degas, ("cup", "mould"))
+    if pour.degas == "mould" and spec.body.style != "open":
+        raise InputError("degas = 'mould' needs an open mould: a lid leaves no head room; use 'cup'")
+    if pour.pour_and_degas_min >= pour.pot_life_min:
+        raise InputError(
+            f"pour_and_degas_min = {pour.pour_and_degas_min:g} is not below the resin's pot life of "
+            f"{pour.pot_life_min:g} min"
+        )
+    if not pour.components or not math.isclose(sum(share for _, share in pour.components), 1.0, abs_tol=1e-9):
+        raise InputError("the mass fractions of the resin's components must sum to 1")
+    _between("balance_resolution_g", spec.machines.balance_resolution_g, 0.001, 10.0)
+
+
+def _check_machines(spec: MouldSpec, plan: Layout) -> None:
+    m = spec.machines
+    flange, pad = plan.flange, spec.pad
+    room = sorted((m.bed_x_mm - 2 * m.bed_margin_mm, m.bed_y_mm - 2 * m.bed_margin_mm))
+    _fits("printer bed", "the master", flange.length_mm, flange.width_mm, room, pad, m.name)
+    tall = spec.box.rim_mm + plan.height_mm * plan.silicone_scale
+    if tall > m.printer_height_mm:
+        raise InputError(f"the frame is {tall:.0f} mm high, the printer of machines '{m.name}' {m.printer_height_mm:g}")
+    if spec.pour.cure_temperature_C > spec.pour.room_temperature_C + WARM_K:
+        rim = 2 * (spec.aids.tray_rim_mm + spec.aids.tray_clearance_mm)
+        shelf = sorted((m.shelf_x_mm, m.shelf_y_mm))
+        _fits("oven shelf", "the tray", plan.bottom.length_mm + rim, plan.bottom.width_mm + rim, shelf, pad, m.name)
+    if spec.pour.degas == "mould":
+        high = plan.height_mm + formula.collar_height_mm(plan.depth_mm, spec.pour.foam_factor)
+        if plan.top.diagonal_mm > m.chamber_diameter_mm or high > m.chamber_height_mm:
+            raise InputError(
+                f"the mould with its collar ({plan.top.diagonal_mm:.0f} mm across, {high:.0f} mm high) does not fit "
+                f"the vacuum chamber of machines '{m.name}' ({m.chamber_diameter_mm:g} x {m.chamber_height_mm:g} mm); "
+                "degas in the cup or use a smaller pad"
+            )
+
+
+def _fits(machine: str, part: str, length: float, width: float, room: list[float], pad: Any, machines: str) -> None:
+    """Refuse a part larger than a machine, saying how large the pad may be."""
+    if max(length, width) <= room[1] and min(length, width) <= room[0]:
+        return
+    border_l, border_w = length - pad.length_mm, width - pad.width_mm
+    raise InputError(
+        f"pad of {pad.length_mm:g} x {pad.width_mm:g} mm: {part} of {length:.1f} x {width:.1f} mm does not fit "
+        f"the {machine} of machines '{machines}' ({room[1]:g} x {room[0]:g} mm usable); allowed here is a pad up to "
+        f"{room[1] - border_l:.0f} x {room[0] - border_w:.0f} mm, or name other machines in a preset file"
+    )

@@ -1,0 +1,1 @@
+"""The pour: amounts, levels, cautions."""

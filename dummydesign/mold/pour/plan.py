@@ -1,0 +1,259 @@
+"""What to weigh, in what cup, how level and how fast: the numbers of a pour sheet. No CAD."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+from dummydesign.geometry.shapes import Boned
+from dummydesign.mold.model import formulas as formula
+from dummydesign.mold.model import volumes as contents
+from dummydesign.mold.model.layout import layout
+from dummydesign.mold.model.outline import Outline
+from dummydesign.mold.model.spec import MouldSpec, Pour
+
+RATIO_ERROR_LIMIT_PERCENT = 0.5
+CUP_FACTOR = 4.0
+# Vents through the plate that carries a bone.
+CARRIER_VENTS, CARRIER_VENT_MM = 4, 3.0
+
+
+@dataclass(frozen=True)
+class PourPlan:
+    """Weights and limits of one pour; ``components`` are (name, mass in g) as the balance shows them.
+
+    ``cavity_mm3`` is the resin of this pour. ``base`` is the second pour of a layered pad.
+    """
+
+    cavity_mm3: float
+    pad_mass_g: float
+    batch_mass_g: float
+    components: tuple[tuple[str, float], ...]
+    ratio_error_percent: float
+    batch_for_ratio_g: float
+    cup_mm3: float
+    fill_mass_g: float
+    gram_per_mm_g: float
+    silicone_mass_g: float
+    mould_mass_g: float
+    level_deg: float
+    level_mm: float
+    meniscus_mm: float
+    meniscus_mm3: float
+    wall_deflection_mm: float
+    thermal_growth_mm: float
+    collar_mm: float
+    pour_time_s: float
+    base: PourPlan | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the fields as plain values; components as {name, mass_g}; ``base`` only when there is one."""
+        parts = [{"name": name, "mass_g": mass} for name, mass in self.components]
+        plain = {**asdict(self), "components": parts, "base": self.base.to_dict() if self.base else None}
+        if self.base is None:
+            del plain["base"]
+        return plain
+
+
+def split_batch(
+    total_g: float, components: tuple[tuple[str, float], ...], resolution_g: float
+) -> tuple[tuple[tuple[str, float], ...], float]:
+    """Split a batch into what the balance can show.
+
+    Parameters
+    ----------
+    total_g : float
+        Mass of the batch. [g]
+    components : tuple of (str, float)
+        Name and mass fraction; the fractions sum to 1.
+    resolution_g : float
+        Step of the balance. [g]
+
+    Returns
+    -------
+    tuple of (name, mass in g), float
+        Each mass a whole number of steps, and the largest relative error of a component's share that
+        rounding and one half step of reading leave. [%]
+    """
+    steps = [max(1, round(total_g * share / resolution_g)) for _, share in components]
+    digits = max(0, -math.floor(math.log10(resolution_g)))
+    masses = tuple((name, round(n * resolution_g, digits)) for (name, _), n in zip(components, steps))
+    worst = 0.0
+    for (_, share), n in zip(components, steps):
+        worst = max(worst, (abs(n - share * sum(steps)) + 0.5) / (share * sum(steps)))
+    return masses, 100 * worst
+
+
+def pour_plan(spec: MouldSpec, resin_mm3: float | None = None, silicone_mm3: float | None = None) -> PourPlan:
+    """Work out the pour, of a layered pad both.
+
+    Parameters
+    ----------
+    spec : MouldSpec
+        The mould.
+    resin_mm3, silicone_mm3 : float, optional
+        Volumes measured on the solids (resin: the pad; silicone: mould and lid together); by default the
+        closed forms.
+    """
+    plan = layout(spec)
+    resin = contents.resin_volume_mm3(spec, plan) if resin_mm3 is None else resin_mm3
+    silicone = contents.mould_volume_mm3(spec, plan) if silicone_mm3 is None else silicone_mm3
+    if spec.base is None:
+        film = spec.pad.least_gel_mm
+        return _one_pour(spec, spec.pour, resin, silicone, _above_fill_mm3(spec, spec.pour), plan.fill_outline, film)
+    upper, _ = contents.layer_volumes_mm3(spec, plan)
+    top_mm, _ = spec.pad.shape.layers()
+    base, left_mm = spec.base.pour, spec.pad.thickness_mm - top_mm
+    under = _one_pour(spec, base, resin - upper, silicone, _above_fill_mm3(spec, base), plan.fill_outline, left_mm)
+    # The spacer closes the first pour, so no meniscus stands over it.
+    return replace(_one_pour(spec, spec.pour, upper, silicone, 0.0, plan.interface_outline, top_mm), base=under)
+
+
+def _one_pour(
+    spec: MouldSpec, pour: Pour, resin_mm3: float, silicone_mm3: float, above_mm3: float, face: Outline, film_mm: float
+) -> PourPlan:
+    """Weights and limits of one resin.
+
+    ``above_mm3`` stands over the pour's free face, whose outline is ``face``; ``film_mm`` has to level itself.
+    """
+    plan = layout(spec)
+    density = pour.density_g_per_cm3 * 1e-3
+    in_mould = density * (resin_mm3 + above_mm3)
+    wanted = in_mould * (1 + pour.extra_percent / 100) + pour.film_loss_g
+    resolution = spec.machines.balance_resolution_g
+    components, error = split_batch(wanted, pour.components, resolution)
+    batch = sum(mass for _, mass in components)
+    smallest = min(share for _, share in pour.components)
+    level = formula.level_tolerance_deg(spec.pad.thickness_mm, max(spec.pad.length_mm, spec.pad.width_mm))
+    mass_mould = silicone_mm3 * spec.silicone.density_g_per_cm3 * 1e-3
+    return PourPlan(
+        cavity_mm3=resin_mm3,
+        pad_mass_g=density * resin_mm3,
+        batch_mass_g=round(batch, 6),
+        components=components,
+        ratio_error_percent=error,
+        batch_for_ratio_g=resolution / (RATIO_ERROR_LIMIT_PERCENT / 100 * smallest),
+        cup_mm3=CUP_FACTOR * batch / density,
+        fill_mass_g=in_mould,
+        gram_per_mm_g=density * face.area_mm2,
+        silicone_mass_g=mass_mould * (1 + pour.silicone_extra_percent / 100),
+        mould_mass_g=mass_mould,
+        level_deg=level,
+        level_mm=formula.tilt_error_mm(max(spec.pad.length_mm, spec.pad.width_mm), level),
+        meniscus_mm=formula.meniscus_height_mm(
+            pour.surface_tension_N_per_m, pour.density_g_per_cm3, pour.contact_angle_deg
+        ),
+        meniscus_mm3=_meniscus_mm3(spec, pour),
+        wall_deflection_mm=formula.wall_deflection_mm(
+            plan.depth_mm, spec.body.wall_mm, spec.silicone.young_MPa, pour.density_g_per_cm3
+        ),
+        thermal_growth_mm=formula.thermal_growth_mm(
+            plan.bottom.length_mm,
+            spec.silicone.expansion_per_K,
+            max(0.0, pour.cure_temperature_C - pour.room_temperature_C),
+        ),
+        collar_mm=formula.collar_height_mm(plan.depth_mm, pour.foam_factor) if pour.degas == "mould" else 0.0,
+        pour_time_s=spreading_time_s(spec, pour, film_mm),
+    )
+
+
+def _meniscus_mm3(spec: MouldSpec, pour: Pour) -> float:
+    return formula.meniscus_volume_mm3(
+        pour.surface_tension_N_per_m, pour.density_g_per_cm3, pour.contact_angle_deg,
+        layout(spec).fill_outline.perimeter_mm,
+    )  # fmt: skip
+
+
+def _above_fill_mm3(spec: MouldSpec, pour: Pour) -> float:
+    """Resin that stands over the fill plane: stems of a lid or of a bone's carrier, else the meniscus. [mm3]"""
+    if spec.closure is None and not isinstance(spec.pad.shape, Boned):
+        return _meniscus_mm3(spec, pour)
+    return stems_mm3(spec)
+
+
+def stems_mm3(spec: MouldSpec) -> float:
+    """Resin that stands in the sprue and the vents of a lid, or in the vents of a bone's carrier. [mm3]"""
+    c = spec.closure
+    if isinstance(spec.pad.shape, Boned):
+        high = spec.body.freeboard_mm + spec.aids.plate_mm
+        return CARRIER_VENTS * math.pi / 4 * CARRIER_VENT_MM**2 * high
+    if c is None:
+        return 0.0
+
+    def cone(small: float, large: float) -> float:
+        return math.pi / 12 * c.lid_mm * (small**2 + small * large + large**2)
+
+    return cone(c.sprue_small_mm, c.sprue_large_mm) + len(layout(spec).vents) * cone(c.vent_small_mm, c.vent_large_mm)
+
+
+def spreading_time_s(spec: MouldSpec, pour: Pour, film_mm: float) -> float:
+    """Time in which a poured film levels itself over the pad, of the order given by thin-film flow.
+
+    A film of thickness h levels a slope of wavelength 2 L in tau = 3 mu / (rho g h^3 q^2), q = pi / L
+    (lubrication theory, Orchard, Appl. Sci. Res. A 11 (1963) 451, gravity term alone); three of them
+    leave 5 %. [s]
+    """
+    pad = spec.pad
+    wave = math.pi / (max(pad.length_mm, pad.width_mm) * 1e-3)
+    weight = pour.density_g_per_cm3 * 1e3 * formula.GRAVITY_M_PER_S2
+    return 3 * 3 * pour.viscosity_Pa_s / (weight * (film_mm * 1e-3) ** 3 * wave**2)
+
+
+def pour_warnings(spec: MouldSpec, plan: PourPlan) -> list[dict[str, str]]:
+    """Say what may go wrong with this pour, as {code, message}."""
+    from dummydesign.mold.pour.shape_notes import shape_warnings
+
+    found: list[tuple[str, str]] = [
+        (
+            "level",
+            f"level the mould to {plan.level_deg:.2f} deg: {plan.level_mm:.2f} mm over the longer side, "
+            f"{100 * plan.level_mm / spec.pad.thickness_mm:.1f} % of {spec.pad.thickness_mm:g} mm",
+        )
+    ]
+    if spec.body.style == "open":
+        boned = isinstance(spec.pad.shape, Boned)
+        plate = "the carrier of the bone" if boned else "the strike-off plate onto a release film"
+        found.append(
+            (
+                "meniscus",
+                f"a rim of up to {plan.meniscus_mm:.1f} mm climbs the walls of an open cavity: fill to the sharp "
+                f"step of the brim, no higher, and lower {plate}",
+            )
+        )
+    small = max([plan, plan.base] if plan.base else [plan], key=lambda part: part.ratio_error_percent)
+    if small.ratio_error_percent > RATIO_ERROR_LIMIT_PERCENT:
+        found.append(
+            (
+                "small_batch",
+                f"weighing to {spec.machines.balance_resolution_g:g} g leaves up to {small.ratio_error_percent:.2f} % "
+                f"error in the smaller component; mix at least {small.batch_for_ratio_g:.0f} g or use a finer balance",
+            )
+        )
+    if plan.wall_deflection_mm > 0.2:
+        found.append(
+            (
+                "wall_deflection",
+                f"the walls may bulge by {plan.wall_deflection_mm:.2f} mm under the liquid: support them in the tray",
+            )
+        )
+    slow = max([plan, plan.base] if plan.base else [plan], key=lambda part: part.pour_time_s)
+    if slow.pour_time_s > 60 * spec.pour.pot_life_min / 4:
+        found.append(
+            (
+                "slow_levelling",
+                f"the liquid needs about {slow.pour_time_s / 60:.0f} min to level itself in "
+                f"{spec.pad.least_gel_mm:g} mm, a good part of its pot life of {spec.pour.pot_life_min:g} min: spread "
+                "it with a spatula",
+            )
+        )
+    if not any("isocyanate" in name.lower() for name, _ in spec.pour.components):
+        found.append(
+            (
+                "bonding",
+                f"if {spec.pour.resin} is a silicone it bonds to a silicone mould: use a release agent and try it on a "
+                "scrap first",
+            )
+        )
+    found += shape_warnings(spec)
+    return [{"code": code, "message": message} for code, message in found]

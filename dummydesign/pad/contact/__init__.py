@@ -1,0 +1,1 @@
+"""Contact: surfaces of the pad, punches, plates and the base a pad rests on."""

@@ -1,0 +1,268 @@
+"""Where the long-term force of a pad comes from: the response table, or a solve by the elements that fit it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dummydesign.core.cache import cached
+from dummydesign.core.errors import InputError, NoAnswerError, unknown_name
+from dummydesign.geometry.shapes import Slab
+from dummydesign.pad.material.hyperelastic import Yeoh
+
+if TYPE_CHECKING:
+    from dummydesign.pad.predict import Pad
+    from dummydesign.pad.slab.problem import PadCurve
+    from dummydesign.pad.tables.shape import ShapeLaw
+
+Array = np.ndarray
+FIDELITIES = ("table", "axisymmetric", "viscoelastic", "3d")
+# Depths at which a finite-element curve is solved before it is followed along a motion.
+CURVE_POINTS = 16
+
+
+@dataclass(frozen=True)
+class ElasticCurve:
+    """Long-term elastic force as a function of depth, and its relative error."""
+
+    force: Callable[[Array], Array]
+    relative_error: Callable[[Array], Array]
+    limit_mm: float
+    solver: dict[str, Any]
+    notes: tuple[str, ...] = ()
+
+
+def elastic_curve(
+    pad: Pad,
+    fidelity: str,
+    deepest_mm: float | None,
+    depths_mm: Array | None,
+    progress: Callable[[float], None] | None,
+) -> ElasticCurve:
+    """Long-term force as a function of depth, by the table or solved by finite elements.
+
+    ``deepest_mm`` None asks for the whole valid range; ``depths_mm`` are met exactly by a solve.
+    """
+    if fidelity not in FIDELITIES:
+        raise unknown_name("fidelity", fidelity, FIDELITIES)
+    if fidelity in ("3d", "viscoelastic") and pad.base.startswith("friction"):
+        raise InputError(f"base = {pad.base} is not solved by fidelity {fidelity}; use --fidelity axisymmetric")
+    if fidelity == "3d":
+        return _in_space(pad, deepest_mm, depths_mm, progress)
+    if fidelity == "table" or (fidelity == "viscoelastic" and _in_table(pad)):
+        curve = _by_table(pad)
+    else:
+        curve = _by_elements(pad, deepest_mm, depths_mm, progress)
+    if not has_square_factor(pad):
+        return curve
+    from dummydesign.pad.tables.square import square_factor
+
+    return _times(curve, lambda depth: square_factor(depth, pad.thickness_mm, pad.radius_mm, pad.base))
+
+
+def has_square_factor(pad: Pad) -> bool:
+    """Whether the punch is a square whose factor over the circle of its area is tabulated."""
+    return pad.sides_mm is not None and pad.sides_mm[0] == pad.sides_mm[1] and _tabulated(pad)
+
+
+def _tabulated(pad: Pad) -> bool:
+    """Whether base, law and a / h are within the tables."""
+    from dummydesign.pad.tables.slab import BASES, load_table
+
+    if pad.base not in BASES or not _in_table(pad):
+        return False
+    low, high = load_table(pad.base).ratio_range
+    return low <= pad.radius_mm / pad.thickness_mm <= high
+
+
+def _times(curve: ElasticCurve, factor: Callable[[Array], tuple[Array, Array]]) -> ElasticCurve:
+    """Multiply a curve by a factor that gives its own relative error; the errors add up."""
+    return replace(
+        curve,
+        force=lambda depth: curve.force(depth) * factor(depth)[0],
+        relative_error=lambda depth: curve.relative_error(depth) + factor(depth)[1],
+    )
+
+
+def _in_space(
+    pad: Pad, deepest_mm: float | None, depths_mm: Array | None, progress: Callable[[float], None] | None
+) -> ElasticCurve:
+    """The axisymmetric curve of the circle of equal area, times the ratio solved in space on twin cells."""
+    from dummydesign.pad.slab.square_curve import FactorCurve, solve_factor
+    from dummydesign.pad.slab.square_sharp import Block
+
+    if pad.geometry != Slab():
+        return _shape_in_space(pad, deepest_mm, depths_mm, progress)
+    if pad.sides_mm is None:
+        raise InputError("fidelity = 3d is for square and rectangular punches; a round one is solved by axisymmetric")
+    h = pad.thickness_mm
+    sides, slab = (tuple(0.5 * side / h for side in pair) for pair in (pad.sides_mm, pad.slab_mm))
+    block = Block(sides, slab, pad.base, pad.condition)
+    curve = _by_elements(pad, deepest_mm, depths_mm, progress)
+    if curve.notes and _tabulated(pad):
+        # The table averages over many neighbouring solves and reaches where a single one may stop.
+        note = f"the round twin's curve is the response table's: the solve was not complete ({curve.notes[0]})"
+        curve = replace(_by_table(pad), solver=curve.solver, notes=(note,))
+    deepest = min(deepest_mm or curve.limit_mm, curve.limit_mm) / h
+    inputs = {"block": block, "law": pad.shape, "poisson": pad.poisson, "deepest": deepest}
+    made = cached("3d", inputs, lambda: vars(solve_factor(block, pad.shape, pad.poisson, deepest, progress)))
+    solved = FactorCurve(**made)
+    solver = {name: curve.solver[name] + solved.solver[name] for name in solved.solver}
+    solver["unknowns"] = solved.solver["unknowns"]
+    return replace(_times(curve, lambda depth: solved.factor(depth / h)), solver=solver)
+
+
+def _in_table(pad: Pad) -> bool:
+    plain = pad.profile_mm is None and not pad.cylinder and pad.geometry == Slab()
+    return plain and pad.condition == "bonded" and pad.poisson == 0.5 and pad.shape == Yeoh(1.0)
+
+
+def _by_table(pad: Pad) -> ElasticCurve:
+    from dummydesign.pad.solve.continuation import NOTHING
+    from dummydesign.pad.tables.slab import load_table
+
+    law = "neo-hookean" if pad.shape == Yeoh(1.0) else type(pad.shape).__name__.lower()
+    for name, value, held in (
+        ("punch", "profile" if pad.profile_mm else "plate" if pad.cylinder else "flat", "flat"),
+        ("punch condition", pad.condition, "bonded"),
+        ("poisson", pad.poisson, 0.5),
+        ("law", law, "neo-hookean"),
+    ):
+        if value != held:
+            raise InputError(f"{name} = {value} is not in the table (only {held}); add --fidelity axisymmetric")
+    table = load_table(pad.base) if pad.geometry == Slab() else _shape_law(pad)
+    args = (pad.thickness_mm, pad.radius_mm)
+    limit = float(table.depth_limit_mm(*args))
+    return ElasticCurve(
+        lambda depth: table.force(depth, pad.thickness_mm, pad.young_MPa, pad.radius_mm),
+        lambda depth: table.relative_error(np.clip(depth, 0.0, limit), *args),
+        limit,
+        dict(NOTHING),
+    )
+
+
+def _shape_law(pad: Pad) -> ShapeLaw:
+    """Response table of a shaped pad on a bonded base."""
+    from dummydesign.pad.tables.shape import ShapeLaw
+
+    if pad.base != "bonded":
+        raise InputError(f"base = {pad.base} is not in the tables of shapes (only bonded); add --fidelity axisymmetric")
+    if not (pad.geometry.axisymmetric or pad.geometry.name == "bumped"):
+        raise InputError(f"shape {pad.geometry} is not round and has no table; add --fidelity 3d")
+    return ShapeLaw(pad.geometry)
+
+
+def _by_elements(
+    pad: Pad, deepest_mm: float | None, depths_mm: Array | None, progress: Callable[[float], None] | None
+) -> ElasticCurve:
+    grid, deepest = _depth_grid(pad, deepest_mm, depths_mm)
+    if pad.condition != "bonded" and not pad.cylinder:
+        # A face that slides needs some depth to start from.
+        grid = grid[grid >= min(0.025 * pad.thickness_mm, 0.25 * deepest)]
+    return _through(pad, _solve(pad, grid, progress))
+
+
+def _depth_grid(pad: Pad, deepest_mm: float | None, depths_mm: Array | None) -> tuple[Array, float]:
+    """Depths that are solved, the wanted ones among them, and the deepest."""
+    from dummydesign.pad.slab.sharp_edge import MAX_DEPTH_OVER_THICKNESS
+
+    limit = MAX_DEPTH_OVER_THICKNESS * pad.thickness_mm
+    deepest = limit if deepest_mm is None else min(max(deepest_mm, 0.02 * pad.thickness_mm), limit)
+    grid = np.linspace(0.0, deepest, CURVE_POINTS + 1)[1:]
+    if depths_mm is not None:
+        grid = np.union1d(grid[::2], depths_mm[(depths_mm > 0.0) & (depths_mm <= limit)])
+    return grid, deepest
+
+
+def _through(pad: Pad, solved: PadCurve) -> ElasticCurve:
+    """A curve through solved depths.
+
+    Raises
+    ------
+    NoAnswerError
+        When fewer than two were reached.
+    """
+    from scipy.interpolate import PchipInterpolator
+
+    depth, force = solved.depth_mm, solved.force_N
+    if len(depth) < 2:
+        raise NoAnswerError("no_convergence", f"the pad could be solved at {len(depth)} depth only: {solved.notes[0]}")
+    # F / d (on a curved top F / d^1.5) varies little; between solved depths lies a monotone cubic through it.
+    power = 1.0 if pad.geometry.flat_top else 1.5
+    stiffness = PchipInterpolator(depth, np.log(force / depth**power), extrapolate=True)
+    error = solved.error_N / force
+
+    def value(at: Array) -> Array:
+        at = np.asarray(at, dtype=float)
+        inside = np.clip(at, 0.0, depth[-1])
+        return np.where(at > 0.0, inside**power * np.exp(stiffness(inside)), 0.0)
+
+    return ElasticCurve(
+        value, lambda at: np.interp(at, depth, error), float(depth[-1]), solved.solver, solved.notes
+    )
+
+
+def _solve(pad: Pad, grid: Array, progress: Callable[[float], None] | None) -> PadCurve:
+    """Solve the static curve by the elements that fit the punch and its contact."""
+    from dummydesign.pad.puck import solve_puck
+    from dummydesign.pad.slab.indentation import profile, solve_flat, solve_shaped
+    from dummydesign.pad.slab.sharp_edge import BASES, STANDARD_EXTENT_MM, PadCurve, solve_curve
+
+    common: dict[str, Any] = {"poisson": pad.poisson, "law": pad.shape}
+    if pad.cylinder:
+        sizes = (2.0 * pad.radius_mm, pad.thickness_mm)
+        return solve_puck(*sizes, pad.young_MPa, grid, plates=pad.condition, progress=progress, **common)
+    extent = pad.extent_mm or STANDARD_EXTENT_MM
+    if pad.geometry != Slab():
+        return _solve_shape(pad, grid, extent, progress)
+    if pad.profile_mm is not None:
+        punch = profile(*pad.profile_mm)
+        # A pad that rests by its weight is not the same at another modulus.
+        unit = 1.0 if pad.base in BASES else pad.young_MPa
+        inputs = {"pad": replace(pad, young_MPa=unit, prony=()), "extent": extent, "depth": grid}
+        args = (punch, pad.thickness_mm, unit, grid, pad.radius_mm, pad.condition)
+        made = cached("profile", inputs, lambda: vars(solve_shaped(*args, base=pad.base, extent_mm=extent, **common)))
+        force, error = (made[name] * (pad.young_MPa / unit) for name in ("force_N", "error_N"))
+        return PadCurve(**(made | {"force_N": force, "error_N": error}))
+    solve = solve_curve if pad.condition == "bonded" and pad.base in BASES else solve_flat
+    return solve(
+        pad.thickness_mm, pad.radius_mm, pad.young_MPa, grid, condition=pad.condition, base=pad.base,
+        extent_mm=extent, progress=progress, **common,
+    )  # fmt: skip
+
+
+def _solve_shape(pad: Pad, grid: Array, extent_mm: float, progress: Callable[[float], None] | None) -> PadCurve:
+    """Solve a round shaped pad with unit modulus, once for all moduli."""
+    from dummydesign.pad.shaped.axisymmetric import solve_shaped_pad
+    from dummydesign.pad.slab.problem import PadCurve
+
+    if not pad.geometry.axisymmetric:
+        raise InputError(f"shape {pad.geometry} is not round; add --fidelity 3d")
+    inputs = {"pad": replace(pad, young_MPa=1.0, prony=()), "extent": extent_mm, "depth": grid}
+    args = (pad.geometry, pad.thickness_mm, pad.radius_mm, 1.0, grid, pad.condition)
+    more: dict[str, Any] = {"poisson": pad.poisson, "law": pad.shape, "base": pad.base, "progress": progress}
+    made = cached("shaped", inputs, lambda: vars(solve_shaped_pad(*args, extent_mm=extent_mm, **more)))
+    force, error = (made[name] * pad.young_MPa for name in ("force_N", "error_N"))
+    return PadCurve(**(made | {"force_N": force, "error_N": error}))
+
+
+def _shape_in_space(
+    pad: Pad, deepest_mm: float | None, depths_mm: Array | None, progress: Callable[[float], None] | None
+) -> ElasticCurve:
+    """A shaped pad under its own punch, square or round, solved in space with unit modulus."""
+    from dummydesign.pad.shaped.spatial import solve_shaped_block
+    from dummydesign.pad.slab.problem import PadCurve
+
+    grid, _ = _depth_grid(pad, deepest_mm, depths_mm)
+    if depths_mm is None:
+        grid = grid[1::2]
+    punch = pad.radius_mm if pad.sides_mm is None else tuple(0.5 * side for side in pad.sides_mm)
+    inputs = {"pad": replace(pad, young_MPa=1.0, prony=()), "depth": grid}
+    more: dict[str, Any] = {"base": pad.base, "poisson": pad.poisson, "slab_mm": pad.slab_mm, "law": pad.shape}
+    args = (pad.geometry, pad.thickness_mm, punch, 1.0, grid, pad.condition)
+    made = cached("shape-3d", inputs, lambda: vars(solve_shaped_block(*args, progress=progress, **more)))
+    force, error = (made[name] * pad.young_MPa for name in ("force_N", "error_N"))
+    return _through(pad, PadCurve(**(made | {"force_N": force, "error_N": error})))

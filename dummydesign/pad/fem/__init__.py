@@ -1,0 +1,1 @@
+"""Finite elements: meshes and the mixed displacement-pressure element."""

@@ -1,0 +1,146 @@
+"""The mixed displacement-pressure solid: residual, exact tangent, pressure eliminated element by element.
+
+Energy per reference volume [1]
+
+    W(F) - s0 ln J + g mu / 2 (J - 1)^2 + p (J - 1) - p^2 / (2 L)
+
+with displacement u quadratic and pressure p linear and discontinuous (inf-sup stable on quadrilaterals
+and hexahedra [2]). L is the Lame modulus of the solid: 2 mu nu / (1 - 2 nu), or 1e6 mu when it is
+incompressible. The g term vanishes at the incompressible solution and keeps Newton's method away from
+inverted elements; it is off when nu < 1/2.
+
+References
+----------
+.. [1] T. Sussman, K.-J. Bathe, Computers & Structures 26 (1987) 357, doi 10.1016/0045-7949(87)90265-3.
+.. [2] D. Boffi, F. Brezzi, M. Fortin, Mixed Finite Element Methods and Applications, Springer 2013, ch. 8.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from dummydesign.core.errors import InputError
+from dummydesign.pad.material.hyperelastic import Law
+
+Array = np.ndarray
+
+# Relative compressibility of an "incompressible" pad: changes no reported force by more than 0.001 %.
+INCOMPRESSIBLE_LAME_RATIO = 1e6
+STABILISATION = 10.0
+
+
+def lame_ratio(poisson: float) -> float:
+    """Lame modulus over shear modulus, 2 nu / (1 - 2 nu), capped at the incompressible value.
+
+    Raises
+    ------
+    InputError
+        When Poisson's ratio is not in 0 < nu <= 1/2.
+    """
+    if not 0.0 < poisson <= 0.5:
+        raise InputError(f"Poisson's ratio = {poisson} is outside the allowed range 0 (excluded) to 0.5")
+    if poisson > 0.4999995:
+        return INCOMPRESSIBLE_LAME_RATIO
+    return 2.0 * poisson / (1.0 - 2.0 * poisson)
+
+
+@dataclass(frozen=True)
+class Discretisation:
+    """Everything of a mesh that does not change while it deforms.
+
+    Attributes
+    ----------
+    gradient : ndarray, shape (elements, points, components, element dofs)
+        Maps the element's displacements to the components of F - 1.
+    weight : ndarray, shape (elements, points)
+        Quadrature weight times reference volume, 2 pi r included in axisymmetry.
+    pressure_basis : ndarray, shape (points, pressures)
+    dofs : ndarray, shape (elements, element dofs)
+    nodes : ndarray, shape (dimension, nodes); degree of freedom = dimension * node + direction.
+    kinematics : type
+        ``Axisymmetric`` or ``Spatial``.
+    """
+
+    gradient: Array
+    weight: Array
+    pressure_basis: Array
+    dofs: Array
+    nodes: Array
+    kinematics: Any
+
+    @property
+    def size(self) -> int:
+        """Number of displacement unknowns, fixed ones included."""
+        return self.nodes.shape[0] * self.nodes.shape[1]
+
+
+@dataclass
+class State:
+    """Residual and, if asked for, the condensed tangent at one displacement and pressure."""
+
+    internal_force: Array
+    pressure_residual: Array
+    J: Array
+    stiffness: Array | None = None
+    coupling: Array | None = None
+    force_of_pressure: Array | None = None
+
+
+class Solid:
+    """A solid of one law on one discretisation; gives residual and tangent at any state."""
+
+    def __init__(self, mesh: Discretisation, law: Law, poisson: float = 0.5) -> None:
+        self.mesh = mesh
+        self.law = law
+        ratio = lame_ratio(poisson)
+        self.stabilisation = STABILISATION * law.shear_MPa if ratio == INCOMPRESSIBLE_LAME_RATIO else 0.0
+        mass = np.einsum("eq,qa,qb->eab", mesh.weight, mesh.pressure_basis, mesh.pressure_basis)
+        self.compliance = mass / (ratio * law.shear_MPa)
+        self.inverse = -np.linalg.inv(self.compliance)
+        elements, points, components, width = mesh.gradient.shape
+        self._flat = np.ascontiguousarray(mesh.gradient.reshape(elements, points * components, width))
+
+    def deformation(self, u: Array) -> Array:
+        """Components of F at the quadrature points, shape (elements, points, components)."""
+        elements, points = self.mesh.weight.shape
+        F = (self._flat @ u[self.mesh.dofs][:, :, None]).reshape(elements, points, -1)
+        return F + self.mesh.kinematics.identity
+
+    def state(self, u: Array, p: Array, tangent: bool = True) -> State | None:
+        """Evaluate the solid; None where a quadrature point is turned inside out (J <= 0)."""
+        mesh, kin = self.mesh, self.mesh.kinematics
+        F = self.deformation(u)
+        J = kin.determinant(F)
+        if not np.all(J > 0.0):
+            return None
+        weight, basis = mesh.weight, mesh.pressure_basis
+        cofactor = kin.cofactor(F)
+        slope = -self.law.reference_stress_MPa / J + self.stabilisation * (J - 1.0) + p @ basis.T
+        stress = self.law.stress(F) + slope[..., None] * cofactor
+        elements = len(weight)
+        force = ((stress * weight[..., None]).reshape(elements, 1, -1) @ self._flat)[:, 0]
+        internal = np.bincount(mesh.dofs.ravel(), force.ravel(), minlength=mesh.size)
+        pressure = (weight * (J - 1.0)) @ basis - np.einsum("eab,eb->ea", self.compliance, p)
+        if not tangent:
+            return State(internal, pressure, J)
+        curvature = self.law.reference_stress_MPa / J**2 + self.stabilisation
+        A = self.law.tangent(F) + curvature[..., None, None] * cofactor[..., :, None] * cofactor[..., None, :]
+        kin.add_second(A, slope, F)
+        A *= weight[..., None, None]
+        AG = (A @ mesh.gradient).reshape(self._flat.shape)
+        stiffness = self._flat.transpose(0, 2, 1) @ AG
+        dilation = ((cofactor * weight[..., None])[:, :, None, :] @ mesh.gradient)[:, :, 0, :]
+        coupling = dilation.transpose(0, 2, 1) @ basis
+        half = coupling @ self.inverse
+        stiffness -= half @ coupling.transpose(0, 2, 1)
+        correction = (half @ pressure[:, :, None])[:, :, 0]
+        extra = np.bincount(mesh.dofs.ravel(), correction.ravel(), minlength=mesh.size)
+        return State(internal, pressure, J, stiffness, coupling, extra)
+
+    def pressure_step(self, state: State, du: Array) -> Array:
+        """Pressure increment that belongs to a displacement increment of the linearised equations."""
+        load = -state.pressure_residual - np.einsum("eda,ed->ea", state.coupling, du[self.mesh.dofs])
+        return np.einsum("eab,eb->ea", self.inverse, load)

@@ -1,0 +1,1 @@
+"""Material laws: hyperelastic energies, Prony series, finite-strain viscoelasticity."""

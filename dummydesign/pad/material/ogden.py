@@ -1,0 +1,160 @@
+"""Ogden's law by the contract of ``laws``: one to three powers of the principal stretches.
+
+The energy is a sum over the eigenvalues c = l^2 of C = F^T F, so stress and tangent are those of an
+isotropic tensor function: S = 2 w'(C), and in the eigenbasis of C the derivative of w'(C) has the divided
+differences of w' as its factors (Daleckii and Krein). For powers those are evaluated without
+cancellation, so equal and nearly equal stretches need no special case.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dummydesign.core.errors import InputError
+
+Array = np.ndarray
+MOST_TERMS = 3
+_PAIRS_3 = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+_PAIRS_2 = ((0, 0), (1, 1), (0, 1))
+
+
+@dataclass(frozen=True)
+class Ogden:
+    """W = sum_p mu_p / alpha_p (l1^alpha_p + l2^alpha_p + l3^alpha_p - 3) [1].
+
+    Parameters
+    ----------
+    mu_MPa : sequence of float
+        One to three coefficients mu_p; each has the sign of its alpha. [MPa]
+    alpha : sequence of float
+        Exponents, not 0; alpha = 2 alone is the neo-Hookean solid.
+
+    Raises
+    ------
+    InputError
+        For another number of terms, or mu_p alpha_p <= 0, which would let the solid soften without bound.
+
+    References
+    ----------
+    .. [1] R. W. Ogden, "Large deformation isotropic elasticity", Proc. R. Soc. Lond. A 326 (1972) 565,
+       doi 10.1098/rspa.1972.0026; stability by mu_p alpha_p > 0: R. Hill, Adv. Appl. Mech. 18 (1978) 1.
+    """
+
+    mu_MPa: tuple[float, ...]
+    alpha: tuple[float, ...]
+
+    def __init__(self, mu_MPa: Sequence[float], alpha: Sequence[float]) -> None:
+        object.__setattr__(self, "mu_MPa", tuple(float(m) for m in mu_MPa))
+        object.__setattr__(self, "alpha", tuple(float(a) for a in alpha))
+        if not 1 <= len(self.mu_MPa) == len(self.alpha) <= MOST_TERMS:
+            raise InputError(
+                f"Ogden law with {len(self.mu_MPa)} mu and {len(self.alpha)} alpha; it takes one to three pairs"
+            )
+        for mu, alpha_p in zip(self.mu_MPa, self.alpha):
+            if not (np.isfinite(mu) and np.isfinite(alpha_p) and mu * alpha_p > 0.0):
+                raise InputError(
+                    f"Ogden term mu = {mu} MPa, alpha = {alpha_p}: mu times alpha must be above 0, "
+                    "else the solid softens without bound"
+                )
+
+    @property
+    def shear_MPa(self) -> float:
+        """Small-strain shear modulus, half the sum of mu_p alpha_p."""
+        return 0.5 * sum(m * a for m, a in zip(self.mu_MPa, self.alpha))
+
+    @property
+    def reference_stress_MPa(self) -> float:
+        """Stress of the distortional part at F = 1, the sum of mu_p."""
+        return sum(self.mu_MPa)
+
+    def _slope(self, c: Array) -> Array:
+        """w'(c), c = l^2."""
+        return sum(0.5 * m * c ** (0.5 * a - 1.0) for m, a in zip(self.mu_MPa, self.alpha))
+
+    def _divided(self, x: Array, y: Array) -> Array:
+        """(w'(x) - w'(y)) / (x - y), w''(x) where they are equal."""
+        ratio = (y - x) / x
+        safe = np.where(ratio == 0.0, 1.0, ratio)
+        total = np.zeros_like(x)
+        for m, a in zip(self.mu_MPa, self.alpha):
+            power = 0.5 * a - 1.0
+            quotient = np.where(ratio == 0.0, power, np.expm1(power * np.log1p(safe)) / safe)
+            total = total + 0.5 * m * x ** (power - 1.0) * quotient
+        return total
+
+    def energy(self, F: Array) -> Array:
+        """Energy per reference volume."""
+        values, _, hoop = _eigen(F)
+        squares = values if hoop is None else np.concatenate([values, (hoop**2)[..., None]], axis=-1)
+        return sum(
+            m / a * (np.sum(squares ** (0.5 * a), axis=-1) - 3.0) for m, a in zip(self.mu_MPa, self.alpha)
+        )
+
+    def stress(self, F: Array) -> Array:
+        """First Piola stress F 2 w'(C)."""
+        values, vectors, hoop = _eigen(F)
+        pushed = _block(F) @ vectors
+        stress = _rows((pushed * 2.0 * self._slope(values)[..., None, :]) @ np.swapaxes(vectors, -1, -2))
+        if hoop is None:
+            return stress
+        return np.concatenate([stress, (2.0 * self._slope(hoop**2) * hoop)[..., None]], axis=-1)
+
+    def tangent(self, F: Array) -> Array:
+        """Second derivative: 1 x S + sum over pairs of w'[c_a, c_b] D_ab x D_ab, D_ab = f_a N_b + f_b N_a."""
+        values, vectors, hoop = _eigen(F)
+        size = vectors.shape[-1]
+        pushed = _block(F) @ vectors
+        second_piola = (vectors * 2.0 * self._slope(values)[..., None, :]) @ np.swapaxes(vectors, -1, -2)
+        modes, factors = [], []
+        for a, b in _PAIRS_3 if size == 3 else _PAIRS_2:
+            one = pushed[..., :, None, a] * vectors[..., None, :, b]
+            other = pushed[..., :, None, b] * vectors[..., None, :, a]
+            modes.append(_rows(one + other))
+            factors.append(self._divided(values[..., a], values[..., b]) * (1.0 if a == b else 2.0))
+        D, factor = np.stack(modes, axis=-2), np.stack(factors, axis=-1)
+        block = np.swapaxes(D, -1, -2) @ (factor[..., None] * D)
+        for i in range(size):
+            block[..., size * i : size * (i + 1), size * i : size * (i + 1)] += second_piola
+        if hoop is None:
+            return block
+        out = np.zeros((*F.shape, 5))
+        out[..., :4, :4] = block
+        square = hoop**2
+        out[..., 4, 4] = 2.0 * self._slope(square) + 4.0 * square * self._divided(square, square)
+        return out
+
+    def scaled(self, factor: float) -> Ogden:
+        """The same law with all moduli multiplied by ``factor``."""
+        return Ogden([m * factor for m in self.mu_MPa], self.alpha)
+
+
+def _block(F: Array) -> Array:
+    """The square matrix in F: 2 x 2 in axisymmetry, 3 x 3 in space."""
+    if F.shape[-1] == 5:
+        return F[..., :4].reshape(*F.shape[:-1], 2, 2)
+    return F.reshape(*F.shape[:-1], 3, 3)
+
+
+def _rows(matrix: Array) -> Array:
+    return matrix.reshape(*matrix.shape[:-2], -1)
+
+
+def _eigen(F: Array) -> tuple[Array, Array, Array | None]:
+    """Eigenvalues and vectors of the block of C, and the hoop stretch in axisymmetry."""
+    block = _block(F)
+    C = np.swapaxes(block, -1, -2) @ block
+    if F.shape[-1] == 9:
+        values, vectors = np.linalg.eigh(C)
+        return values, vectors, None
+    rr, rz, zz = C[..., 0, 0], C[..., 0, 1], C[..., 1, 1]
+    angle = 0.5 * np.arctan2(2.0 * rz, rr - zz)
+    cos, sin = np.cos(angle), np.sin(angle)
+    large = cos**2 * rr + 2.0 * cos * sin * rz + sin**2 * zz
+    # the smaller one from the determinant, which does not cancel at large stretches
+    det = block[..., 0, 0] * block[..., 1, 1] - block[..., 0, 1] * block[..., 1, 0]
+    values = np.stack([large, det**2 / large], axis=-1)
+    vectors = np.stack([np.stack([cos, -sin], axis=-1), np.stack([sin, cos], axis=-1)], axis=-2)
+    return values, vectors, F[..., 4]

@@ -1,0 +1,178 @@
+"""A slab under a round flat punch as a finite-element problem: with a sharp edge, or with a bead at it.
+
+The sharp edge with quarter-point elements is exact at first touch; at depth its corner cells turn inside out.
+The bead makes the problem well-posed at any depth (see ``axisymmetric`` for the limit of small beads).
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.pad.contact.surface_axisymmetric import FlatPunch, Surface
+from dummydesign.pad.fem import mesh_axisymmetric as meshes
+from dummydesign.pad.fem.mesh_axisymmetric import Resolution
+from dummydesign.pad.fem.mixed_solid import Solid
+from dummydesign.pad.material.hyperelastic import Law
+from dummydesign.pad.solve.continuation import Problem
+
+Array = np.ndarray
+
+# Contact and film stiffness in shear moduli per rim; ten times either moves the limit by less than 0.1 %.
+CONTACT_STIFFNESS = 3000.0
+FILM_STIFFNESS = 300.0
+FILM_REACH = 6.0
+STANDARD_EXTENT_MM = float(np.sqrt(150.0 * 120.0 / np.pi))
+BASES = ("bonded", "sliding")
+CONDITIONS = ("bonded", "frictionless")
+
+
+@dataclass(frozen=True)
+class Slab:
+    """A slab and the punch on it, in thicknesses.
+
+    Attributes
+    ----------
+    radius : float
+        Radius of the punch over the thickness, a / h.
+    extent : float
+        Outer radius of the slab over the thickness.
+    base : str
+        ``bonded`` or ``sliding`` (no friction, no lift-off).
+    condition : str
+        Between punch and pad: ``bonded`` or ``frictionless``.
+    """
+
+    radius: float
+    extent: float
+    base: str = "bonded"
+    condition: str = "bonded"
+
+    def __post_init__(self) -> None:
+        if self.base not in BASES:
+            raise InputError(f"base = '{self.base}' is not one of {', '.join(BASES)}")
+        if self.condition not in CONDITIONS:
+            raise InputError(f"condition = '{self.condition}' is not one of {', '.join(CONDITIONS)}")
+        if not 0.05 <= self.radius <= 20.0:
+            raise out_of_range("punch radius over thickness", self.radius, 0.05, 20.0)
+        if not self.extent >= 1.5 * self.radius:
+            raise InputError(
+                f"slab radius over punch radius = {self.extent / self.radius:.3g} is below 1.5; "
+                "the punch must stay away from the slab's rim"
+            )
+
+    @property
+    def scale(self) -> float:
+        """The smaller of punch radius and thickness, over the thickness."""
+        return min(self.radius, 1.0)
+
+
+@dataclass(frozen=True)
+class PadCurve:
+    """Static force-depth curve of a pad.
+
+    Attributes
+    ----------
+    depth_mm, force_N : ndarray
+    error_N : ndarray
+        Estimate of the numerical error of the force: mesh, scatter, and a share of what the
+        extrapolation to a sharp edge added.
+    solver : dict
+        unknowns, load_steps, newton_iterations, seconds.
+    notes : tuple of str
+        Why the curve stops early, if it does.
+    """
+
+    depth_mm: Array
+    force_N: Array
+    error_N: Array
+    solver: dict[str, Any]
+    notes: tuple[str, ...] = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain lists and numbers."""
+        return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in asdict(self).items()}
+
+
+def _held(mesh: Any, slab: Slab) -> Array:
+    held = np.zeros(mesh.size, dtype=bool)
+    held[2 * np.nonzero(meshes.on_axis(mesh))[0]] = True
+    base = np.nonzero(meshes.on_base(mesh, 1.0))[0]
+    held[2 * base + 1] = True
+    if slab.base == "bonded":
+        held[2 * base] = True
+    return held
+
+
+def _base(mesh: Any) -> Array:
+    return 2 * np.nonzero(meshes.on_base(mesh, 1.0))[0] + 1
+
+
+def _rings(box: float, smallest: float) -> int:
+    return max(1, int(np.ceil(np.log2(box / smallest))))
+
+
+def sharp_problem(slab: Slab, law: Law, poisson: float, resolution: Resolution, rings: int = 6) -> Problem:
+    """The sharp-edged punch, for the small-strain limit: quarter-point elements at the edge.
+
+    Lengths in thicknesses; the law's moduli set the unit of stress.
+    """
+    half_box = resolution.box * slab.scale
+    points, quads, centre = meshes.web_mesh(slab.radius, 1.0, slab.extent, half_box, rings, resolution)
+    mesh = meshes.discretise(points, quads, centre, quarter_points=True)
+    under = np.nonzero(meshes.on_top(mesh) & (mesh.nodes[0] <= slab.radius + 1e-9))[0]
+    held = _held(mesh, slab)
+    if slab.condition == "bonded":
+        held[2 * under] = True
+    return Problem(Solid(mesh, law, poisson), held, 2 * under + 1, _base(mesh))
+
+
+def rimmed_problem(slab: Slab, law: Law, poisson: float, rim: float, resolution: Resolution) -> Problem:
+    """The punch with a bead of radius ``rim`` (in thicknesses), glued or frictionless under its flat face.
+
+    The face far from the edge moves with the punch node by node. Within six rims of the bead, and
+    everywhere for a frictionless face, the surface is held by contact; a glued face is also held by the
+    film, whose stiffness falls off over one rim towards the bead, and the bead grips what touches it.
+    """
+    punch = FlatPunch(slab.radius, rim)
+    half_box = resolution.box * slab.scale
+    rings = _rings(half_box, rim) + 2
+    points, quads, centre = meshes.web_mesh(punch.flat_radius, 1.0, slab.extent, half_box, rings, resolution)
+    mesh = meshes.discretise(points, quads, centre)
+    solid = Solid(mesh, law, poisson)
+    top, r = meshes.on_top(mesh), mesh.nodes[0]
+    glued = slab.condition == "bonded"
+    inner = max(punch.flat_radius - FILM_REACH * rim, 0.3 * punch.flat_radius)
+    vertices = points[0][(np.abs(points[1]) < 1e-9) & (points[0] <= inner + 1e-9)]
+    inner = vertices.max()
+    under = np.nonzero(top & (r <= inner + 1e-9))[0]
+    held = _held(mesh, slab)
+    if glued:
+        held[2 * under] = True
+    reach = slab.radius + 0.8 * slab.scale
+    sides = meshes.edges_on(mesh, top & (r >= inner - 1e-9) & (r <= reach))
+
+    def film(radius: Array) -> Array:
+        strength = FILM_STIFFNESS / rim * np.exp(np.minimum((punch.flat_radius - radius) / rim, FILM_REACH))
+        return np.where(radius < punch.flat_radius, law.shear_MPa * strength, 0.0) * glued
+
+    def stiffness(radius: Array) -> Array:
+        return np.full_like(radius, law.shear_MPa * CONTACT_STIFFNESS / rim)
+
+    grip = law.shear_MPa * FILM_STIFFNESS / rim * glued
+    surface = Surface(mesh.nodes, sides, stiffness, film, grip, punch.flat_radius)
+    face = np.nonzero(top & (r <= punch.flat_radius + 1e-9))[0]
+    return Problem(solid, held, 2 * under + 1, _base(mesh), surface, punch, 2 * face + 1)
+
+
+def first_stiffness(slab: Slab, law: Law, poisson: float = 0.5, resolution: Resolution | None = None) -> float:
+    """Force per depth at first touch over E a, E = 3 mu, of a sharp-edged punch (dimensionless).
+
+    For a frictionless face on a bonded base this is 2 kappa / (1 - nu^2) * (E / E') of the layer solution
+    of Hayes et al., J. Biomech. 5 (1972) 541, at the same shear modulus.
+    """
+    problem = sharp_problem(slab, law, poisson, resolution or Resolution(cells=4))
+    return problem.stiffness() / (3.0 * law.shear_MPa * slab.radius)

@@ -1,0 +1,196 @@
+"""Force of a slab under a round flat punch, by axisymmetric finite elements at finite strain.
+
+The edge of a sharp, glued punch shears the material without bound, so no mesh resolves it. The punch
+here has a small bead of radius ``rim`` at its edge, with unilateral contact, and the reported force is
+the limit of rim to 0, found from a ladder of rims each half the one before (see ``edge_limit``). A rim is
+of use for depths that are large against its own scale (depth^2 > rim, both in units of the smaller of
+punch radius and thickness); the small-depth limit comes from a sharp edge with quarter-point elements,
+which is exact there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from dummydesign.core.cache import cached
+from dummydesign.core.checks import positive
+from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.pad.fem.mesh_axisymmetric import Resolution
+from dummydesign.pad.material.hyperelastic import Law, Yeoh
+from dummydesign.pad.slab.edge_extrapolation import Samples, fit_limit
+from dummydesign.pad.slab.problem import (
+    BASES,
+    CONDITIONS,
+    STANDARD_EXTENT_MM,
+    PadCurve,
+    Slab,
+    first_stiffness,
+    rimmed_problem,
+    sharp_problem,
+)
+from dummydesign.pad.solve.continuation import NOTHING, Path, cost, follow
+
+Array = np.ndarray
+__all__ = [
+    "BASES", "CONDITIONS", "MAX_DEPTH_OVER_THICKNESS", "RIMS", "STANDARD_EXTENT_MM", "PadCurve", "Slab", "climb",
+    "climb_all", "first_stiffness", "rimmed_problem", "sharp_problem", "solve_curve",
+]  # fmt: skip
+
+# Rims of the ladder over the smaller of punch radius and thickness, and the depth in that unit that every curve is
+# solved to: over less the series has too few values with rims.
+RIMS = tuple(0.1 * 0.5**k for k in range(6))
+LEAST_DEPTH = 0.25
+# A curve is solved on this many depths besides the wanted ones, and fitted by a series of this many terms.
+GRID_POINTS = 12
+SERIES_TERMS = 8
+MAX_DEPTH_OVER_THICKNESS = 0.6
+
+
+def climb(
+    slab: Slab,
+    law: Law,
+    poisson: float,
+    depths: Array,
+    rim: float,
+    resolution: Resolution,
+    progress: Callable[[float], None] | None = None,
+) -> Path:
+    """Follow one rung of the ladder through ``depths`` (in thicknesses)."""
+    problem = rimmed_problem(slab, law, poisson, rim, resolution)
+    return follow(problem, depths, rim, 0.05 * slab.scale, 0.005 * slab.scale, progress)
+
+
+def climb_all(
+    slab: Slab,
+    law: Law,
+    poisson: float,
+    depths: Array,
+    rims: Sequence[float],
+    resolution: Resolution,
+    progress: Callable[[float], None] | None = None,
+) -> tuple[Samples, list[Path]]:
+    """Solve every rim (over scale) at the relative ``depths`` that are large against it.
+
+    Returns
+    -------
+    Samples
+        s = F / (E a d), E = 3 mu, at all depths that were reached.
+    list of Path
+        What each rung cost and why it stopped.
+    """
+    depth, rim_of, value, paths = [], [], [], []
+    for rim in rims:
+        wanted = depths[depths >= 0.8 * np.sqrt(rim) * slab.scale]
+        if not len(wanted):
+            continue
+        path = climb(slab, law, poisson, wanted, rim * slab.scale, resolution, progress)
+        paths.append(path)
+        depth.append(path.depth)
+        rim_of.append(np.full(len(path.depth), rim))
+        value.append(path.force / (3.0 * law.shear_MPa * slab.radius * path.depth))
+    joined = [np.concatenate(parts) if parts else np.array([]) for parts in (depth, rim_of, value)]
+    return Samples(joined[0], np.full(len(joined[0]), slab.radius), joined[1], joined[2]), paths
+
+
+def solve_curve(
+    thickness_mm: float,
+    radius_mm: float,
+    young_MPa: float,
+    depth_mm: Sequence[float],
+    *,
+    base: str = "bonded",
+    condition: str = "bonded",
+    poisson: float = 0.5,
+    extent_mm: float | None = None,
+    law: Law | None = None,
+    resolution: Resolution | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> PadCurve:
+    """Static force of a slab under a round, flat, sharp-edged punch at the wanted depths.
+
+    Parameters
+    ----------
+    thickness_mm, radius_mm : float
+        Thickness of the slab and radius of the punch. [mm]
+    young_MPa : float
+        Long-term Young's modulus E; the shear modulus is E / (2 (1 + nu)). [MPa]
+    depth_mm : sequence of float
+        Depths of the punch, >= 0, at most 0.6 thicknesses. [mm]
+    base, condition : str
+        ``bonded`` or ``sliding`` base; ``bonded`` or ``frictionless`` punch face.
+    poisson : float
+        Poisson's ratio; 0.5 is incompressible.
+    extent_mm : float, optional
+        Outer radius of the slab; by default that of the circle with the area of 150 x 120 mm. [mm]
+    law : Law, optional
+        Shape of the hyperelastic law; it is scaled to the modulus. Neo-Hookean by default.
+    progress : callable, optional
+        Called with each relative depth that is solved.
+
+    Returns
+    -------
+    PadCurve
+        At the depths that were reached; ``notes`` says why if some are missing.
+
+    Raises
+    ------
+    InputError
+        For a value outside its range.
+    NoAnswerError
+        When no depth at all could be solved.
+    """
+    positive("thickness_mm", thickness_mm)
+    positive("radius_mm", radius_mm)
+    positive("young_MPa", young_MPa)
+    wanted = np.unique(np.asarray(depth_mm, dtype=float))
+    limit = MAX_DEPTH_OVER_THICKNESS * thickness_mm
+    if not len(wanted) or not np.isfinite(wanted).all() or wanted[0] < 0.0 or wanted[-1] > limit * (1.0 + 1e-9):
+        worst = wanted[-1] if len(wanted) and np.isfinite(wanted[-1]) else "nothing"
+        raise InputError(
+            f"depth_mm = {worst} is outside the allowed range 0 to {limit:.4g} "
+            f"({MAX_DEPTH_OVER_THICKNESS} of the thickness {thickness_mm} mm)"
+        )
+    extent = (STANDARD_EXTENT_MM if extent_mm is None else extent_mm) / thickness_mm
+    slab = Slab(radius_mm / thickness_mm, extent, base, condition)
+    shape = law or Yeoh(1.0)
+    shape = shape.scaled(1.0 / shape.shear_MPa)
+    depths = wanted[wanted > 0.0] / thickness_mm
+    if not len(depths):
+        return PadCurve(wanted, 0.0 * wanted, 0.0 * wanted, dict(NOTHING))
+    cells = resolution or Resolution()
+    inputs = {"slab": slab, "law": shape, "poisson": poisson, "depths": depths, "resolution": cells}
+    found = cached("slab", inputs, lambda: _relative_curve(slab, shape, poisson, depths, cells, progress))
+    unit = young_MPa * 1.5 / (1.0 + poisson)  # E' = 3 mu of the law with this shear modulus
+    depth = depths[: len(found["stiffness"])] * thickness_mm
+    force = unit * radius_mm * depth * found["stiffness"]
+    error = force * found["error"]
+    if wanted[0] == 0.0:
+        depth, force, error = (np.concatenate([[0.0], x]) for x in (depth, force, error))
+    return PadCurve(depth, force, error, found["solver"], found["notes"])
+
+
+def _relative_curve(
+    slab: Slab, law: Law, poisson: float, depths: Array, resolution: Resolution,
+    progress: Callable[[float], None] | None,
+) -> dict[str, Any]:  # fmt: skip
+    """s = F / (E a d) and its relative error at the first of the relative ``depths``, those that were reached."""
+    deepest = max(depths[-1], LEAST_DEPTH * slab.scale)
+    even = deepest * np.linspace(0.0, 1.0, GRID_POINTS + 1)[1:]
+    apart = np.abs(even[:, None] - depths).min(axis=1) > 0.02 * deepest
+    grid = np.union1d(depths, even[apart])
+    samples, paths = climb_all(slab, law, poisson, grid, RIMS, resolution, progress)
+    stops = [path.stop for path in paths if path.stop]
+    reached = float(samples.depth.max()) if len(samples.depth) else 0.0
+    if len(np.unique(samples.depth)) < 4:
+        raise NoAnswerError("no_convergence", f"the pad could not be solved: {'; '.join(stops[:1]) or 'no depth'}")
+    first = np.array([first_stiffness(slab, law, poisson)])
+    limit = fit_limit(samples, np.array([slab.radius]), first, (0.0, reached), None, (SERIES_TERMS, 1))
+    notes = ()
+    if reached < depths[-1] * (1.0 - 1e-9):
+        notes = (f"solved to d/h = {reached:.3f} of {depths[-1]:.3f}: {stops[0]}",)
+    kept = depths[depths <= reached * (1.0 + 1e-9)]
+    stiffness = np.exp(limit.log_stiffness(kept, slab.radius))
+    return {"stiffness": stiffness, "error": limit.error(kept, slab.radius), "solver": cost(paths), "notes": notes}

@@ -1,0 +1,1 @@
+"""Equilibrium along a motion: continuation, motion paths and linear solvers."""

@@ -1,0 +1,116 @@
+"""Follow a viscoelastic pad or puck along a motion: Newton's method at each time, steps cut where it fails."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from dummydesign.pad.solve.continuation import Problem, _equilibrium, _explain, _Failure
+
+Array = np.ndarray
+
+SMALLEST_SHARE = 1e-3
+
+
+@dataclass(frozen=True)
+class MotionPath:
+    """Forces at the times that were reached, in the units of the problem, and what the solve cost."""
+
+    time_s: Array
+    depth: Array
+    force: Array
+    unknowns: int
+    load_steps: int
+    newton_iterations: int
+    seconds: float
+    stop: str | None
+
+
+def follow_motion(
+    problem: Problem,
+    time_s: Array,
+    depth: Array,
+    largest_step: float,
+    progress: Callable[[float], None] | None = None,
+) -> MotionPath:
+    """Follow a motion, piecewise linear in time, from the undeformed state.
+
+    Parameters
+    ----------
+    problem : Problem
+        Its solid's law may be :class:`Viscoelastic`; it is left with the history at the end.
+    time_s : ndarray, shape (n,)
+        Increasing times; the first is the undeformed state. [s]
+    depth : ndarray, shape (n,)
+        Depths at those times, the first is 0, in the problem's unit of length.
+    largest_step : float
+        Steps that go deeper than this are divided evenly.
+
+    Returns
+    -------
+    MotionPath
+        With as many entries as were reached; ``stop`` says why if some are missing.
+    """
+    began = clock.perf_counter()
+    law = problem.solid.law
+    timed = hasattr(law, "begin")
+    u, p = problem.start()
+    now, here, steps, iterations, stop = float(time_s[0]), 0.0, 0, 0, None
+    direction = problem.direction()
+    earlier: tuple[Array, Array] | None = None
+    moved = 0.0
+    forces = [0.0]
+    for goal_time, goal in zip(time_s[1:], depth[1:]):
+        parts = max(1, int(np.ceil(abs(goal - here) / largest_step - 1e-9)))
+        todo = [1.0 / parts] * parts
+        start_time, start, done, state = now, here, 0.0, None
+        while todo:
+            share = todo[0]
+            last = len(todo) == 1
+            to_time = goal_time if last else start_time + (done + share) * (goal_time - start_time)
+            to = goal if last else start + (done + share) * (goal - start)
+            if timed:
+                law.begin(to_time - now)
+            answer = _equilibrium(problem, *_guess(u, p, to - here, earlier, moved, direction), to)
+            if isinstance(answer, _Failure):
+                iterations += answer.iterations
+                todo[:1] = [0.5 * share, 0.5 * share]
+                if 0.5 * share < SMALLEST_SHARE / parts:
+                    stop = f"{_explain(problem, u, p, here, answer.reason)}; at {now:.4g} s"
+                    break
+                continue
+            if to != here:
+                earlier, moved = (u, p), to - here
+            u, p, state = answer.u, answer.p, answer.state
+            if timed:
+                law.commit(problem.solid.deformation(u))
+            if problem.surface is not None:
+                problem.surface.settle(u, problem.punch, to)
+            now, here, done = to_time, to, done + share
+            steps, iterations = steps + 1, iterations + len(answer.residuals)
+            todo.pop(0)
+        if stop:
+            break
+        forces.append(problem.force(state))
+        if progress:
+            progress(here)
+    count = len(forces)
+    return MotionPath(
+        time_s[:count], depth[:count], np.array(forces), problem.pattern.n, steps, iterations,
+        clock.perf_counter() - began, stop,
+    )  # fmt: skip
+
+
+def _guess(
+    u: Array, p: Array, move: float, earlier: tuple[Array, Array] | None, moved: float, direction: tuple[Array, Array]
+) -> tuple[Array, Array]:
+    """Extrapolate the last step that moved; stay when the punch stays."""
+    if move == 0.0:
+        return u, p
+    if earlier is None:
+        return u + move * direction[0], p + move * direction[1]
+    ratio = float(np.clip(move / moved, -5.0, 5.0))
+    return u + ratio * (u - earlier[0]), p + ratio * (p - earlier[1])

@@ -1,0 +1,1 @@
+"""Readers of the shipped response tables; what builds them is in studies."""

@@ -1,0 +1,317 @@
+"""Response tables of shaped pads: their force without finite elements, as a force law of one shape.
+
+Crowned pads: ln of F over Hertz's force of the tip, 16/9 E sqrt(R) d^1.5, as a smooth function of d / c,
+ln(h / a), c / h, ln(b / a) and ln s, s = R c / b^2 (apex radius R, height c and foot radius b of the crown,
+thickness h, punch radius a). At first touch it is 0. Over d / c the curves of all crowns bend alike where the
+contact reaches the flat, which halves the error against d / h. Layered and boned pads: ln of F over the force of
+the slab of the upper resin, which is taken from the slab's own table. Bumped pads, solved in space under a square
+punch: ln of F over Hertz's force of the middle cap, for caps of one proportion (``bumped_designs``).
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from dummydesign.core.datafiles import data_folder
+from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
+from dummydesign.geometry.shapes import Boned, Bumped, Crowned, Layered, Shape
+from dummydesign.pad.tables.response_surface import Response
+from dummydesign.pad.tables.slab import ResponseTable, load_table
+
+Array = np.ndarray
+
+MAX_DEPTH_OVER_THICKNESS = 0.6
+INPUTS = {
+    "crowned": ("thickness over punch radius", "crown height over thickness", "foot over punch radius", "R c / b^2"),
+    "layered": ("thickness over punch radius", "upper layer over thickness", "modulus ratio"),
+    "boned": ("thickness over punch radius", "bone height over thickness", "foot over punch radius"),
+    "bumped": ("thickness over punch radius", "pitch over punch radius", "grade over height of the caps"),
+}
+# Inputs that enter by their logarithm.
+LOGARITHMS = {
+    "crowned": np.array([True, False, True, True]),
+    "layered": np.array([True, False, True]),
+    "boned": np.array([True, False, True]),
+    "bumped": np.array([True, True, False]),
+}
+# Kinds whose force is counted against Hertz's force of the highest tip.
+TIPPED = ("crowned", "bumped")
+
+
+def ratios(shape: Shape, thickness_mm: Array, radius_mm: Array) -> Array:
+    """Inputs of the shape's table (as in ``INPUTS``) at thicknesses and punch radii (n,), shape (n, k)."""
+    h, a = np.broadcast_arrays(np.asarray(thickness_mm, dtype=float), np.asarray(radius_mm, dtype=float))
+    one = np.ones_like(h)
+    if isinstance(shape, Crowned):
+        point = shape.radius_mm * shape.height_mm / shape.foot_mm**2
+        columns = [h / a, shape.height_mm / h, shape.foot_mm / a, point * one]
+    elif isinstance(shape, Layered):
+        columns = [h / a, shape.top_mm / h, shape.modulus_ratio * one]
+    elif isinstance(shape, Bumped):
+        columns = [h / a, shape.pitch_mm / a, shape.grade_mm / shape.height_mm * one]
+    else:
+        columns = [h / a, shape.height_mm / h, shape.foot_mm / a]
+    return np.stack(columns, axis=-1)
+
+
+def check_caps(shape: Bumped) -> None:
+    """Refuse caps of other proportions than those of the table.
+
+    Raises
+    ------
+    InputError
+        Naming the radius and height that the pitch asks for.
+    """
+    from dummydesign.studies.tables.bumped_designs import bumped
+
+    wanted = bumped(shape.pitch_mm, shape.grade_mm / shape.height_mm)
+    off = max(abs(shape.radius_mm / wanted.radius_mm - 1.0), abs(shape.height_mm / wanted.height_mm - 1.0))
+    if off > 0.06 or shape.rings < wanted.rings:
+        raise InputError(
+            f"{shape}: the table of bumped pads holds, at a pitch of {shape.pitch_mm:g} mm, caps of radius "
+            f"{wanted.radius_mm:.2f} and height {wanted.height_mm:.2f} mm, {wanted.rings:g} rings; use --fidelity 3d"
+        )
+
+
+@dataclass(frozen=True)
+class ShapeTable:
+    """Response surface of one kind of shaped pad, what it is right for and how near it is.
+
+    Attributes
+    ----------
+    kind, condition : str
+    response : Response
+        In the inputs of ``INPUTS``, logarithms taken where ``LOGARITHMS`` says so.
+    low, high : ndarray, shape (k,)
+        Smallest and largest inputs that are answered.
+    error_depth : ndarray, shape (m,)
+        Relative depths d / h of the errors.
+    median_error, error : ndarray, shape (m,)
+        Relative: median and 95 % of fresh solves.
+    solve_error : ndarray, shape (m,)
+        Stated error of the solves themselves.
+    provenance : dict
+    """
+
+    kind: str
+    condition: str
+    response: Response
+    low: Array
+    high: Array
+    error_depth: Array
+    median_error: Array
+    error: Array
+    solve_error: Array
+    provenance: dict[str, Any]
+
+    def inside(self, inputs: Array) -> Array:
+        """Whether inputs (n, k) are in the table's range."""
+        slack = 1e-9 * (1.0 + np.abs(self.high))
+        return np.all((inputs >= self.low - slack) & (inputs <= self.high + slack), axis=-1)
+
+    def check(self, inputs: Array) -> None:
+        """Refuse inputs outside the range.
+
+        Raises
+        ------
+        InputError
+            Naming the first that is outside.
+        """
+        bad = inputs[~self.inside(inputs)]
+        if not len(bad):
+            return
+        for name, value, low, high in zip(INPUTS[self.kind], bad[0], self.low, self.high):
+            if not low * (1.0 - 1e-9) <= value <= high * (1.0 + 1e-9):
+                advice = "use --fidelity axisymmetric outside the table"
+                raise out_of_range(f"{self.kind} pad: {name}", f"{value:.4g}", f"{low:.4g}", f"{high:.4g}", advice)
+
+    def coordinates(self, inputs: Array) -> Array:
+        """Inputs as the response surface takes them."""
+        return np.where(LOGARITHMS[self.kind], np.log(np.maximum(inputs, 1e-300)), inputs)
+
+    def log_factor(self, inputs: Array, place: Array, x: Array) -> tuple[Array, Array]:
+        """ln of the force over that of the tip (crowned) or of the slab, and its derivative with respect to d / h.
+
+        Parameters
+        ----------
+        inputs : ndarray, shape (n, k)
+            As in ``INPUTS``.
+        place : ndarray of int
+            Which of them each depth belongs to; any shape.
+        x : ndarray
+            Relative depths d / h of the same shape, >= 0.
+        """
+        unit = inputs[:, 1] if self.kind == "crowned" else np.ones(len(inputs))
+        depth = np.maximum(x, 0.0) / unit[place]
+        value, slope = self.response.along(self.response.at_levels(self.coordinates(inputs)), place, depth)
+        return value, slope / (2.0 * np.sqrt(np.maximum(depth, 1e-12)) * unit[place])
+
+    def depth_limit(self, inputs: Array) -> Array:
+        """Largest valid d / h of inputs (n, k)."""
+        return np.minimum(self.response.limit(self.coordinates(inputs)), MAX_DEPTH_OVER_THICKNESS)
+
+    def relative_error(self, x: Array) -> Array:
+        """Error of the force at relative depths: 95 % of fresh solves, and the solves' own, as a root of squares."""
+        at = np.sqrt(np.maximum(np.asarray(x, dtype=float), 0.0))
+        levels = np.sqrt(self.error_depth)
+        return np.hypot(np.interp(at, levels, self.error), np.interp(at, levels, self.solve_error))
+
+
+class ShapeLaw:
+    """Force law of one shape (lengths fixed in mm) at any thickness and punch radius the table holds.
+
+    Parameters
+    ----------
+    shape : Shape
+        Crowned, layered or boned, round; bumped with caps of the table's proportions.
+    condition : str
+        ``bonded``.
+
+    Raises
+    ------
+    InputError
+        For a shape or a condition without a table.
+    """
+
+    def __init__(self, shape: Shape, condition: str = "bonded") -> None:
+        if shape.name not in INPUTS or not (shape.axisymmetric or isinstance(shape, Bumped)):
+            raise InputError(f"shape = {shape} has no response table; known are round {', '.join(INPUTS)}")
+        if isinstance(shape, Bumped):
+            check_caps(shape)
+        if isinstance(shape, Boned):
+            sphere = (shape.foot_mm**2 + shape.height_mm**2) / (2.0 * shape.height_mm)
+            if abs(shape.radius_mm / sphere - 1.0) > 0.05:
+                raise InputError(
+                    f"bone radius = {shape.radius_mm:g} mm is not near {sphere:.4g} mm, that of a sphere with its "
+                    "height and foot, for which the table is made; use --fidelity axisymmetric"
+                )
+        self.shape = shape
+        self.table = load_shape_table(shape.name, condition)
+        self._slab: ResponseTable | None = None if shape.name in TIPPED else load_table("bonded")
+
+    def inside(self, thickness_mm: Array, radius_mm: Array) -> Array:
+        """Whether the table holds the pads (broadcast)."""
+        return self.table.inside(ratios(self.shape, thickness_mm, radius_mm))
+
+    def force(self, depth_mm: Array, thickness_mm: Array, young_MPa: Array, radius_mm: Array) -> Array:
+        """Static force; zero and negative depths carry none, NaN beyond the depth limit. [N]
+
+        Parameters
+        ----------
+        depth_mm : array_like
+            Below the pad's highest point. [mm]
+        thickness_mm, young_MPa, radius_mm : array_like
+            Thickness at the highest point [mm], long-term modulus of the (upper) resin [MPa], punch radius [mm];
+            broadcast with the depth.
+        """
+        return self.force_and_stiffness(depth_mm, thickness_mm, young_MPa, radius_mm)[0]
+
+    def force_and_stiffness(
+        self, depth_mm: Array, thickness_mm: Array, young_MPa: Array, radius_mm: Array
+    ) -> tuple[Array, Array]:
+        """Static force [N] and tangent stiffness dF/dd [N/mm]; arguments as for :meth:`force`."""
+        d, h, young, a = np.broadcast_arrays(
+            *(np.asarray(v, dtype=float) for v in (depth_mm, thickness_mm, young_MPa, radius_mm))
+        )
+        pads, place = self._pads(h, a)
+        inputs = ratios(self.shape, *pads)
+        self.table.check(inputs)
+        x = np.maximum(d, 0.0) / h
+        limit = self.table.depth_limit(inputs)[place]
+        if self._slab is not None:
+            limit = np.minimum(limit, self._slab.depth_limit(a / h))
+        held = np.minimum(x, limit)
+        value, slope = self.table.log_factor(inputs, place, held)
+        depth, bend = held * h, slope / h
+        if self._slab is None:
+            base = 16.0 / 9.0 * young * np.sqrt(self.shape.radius_mm) * depth**1.5
+            steep = 1.5 * base / np.maximum(depth, 1e-12)
+        else:
+            base, steep = self._slab.force_and_stiffness(depth, h, young, a)
+        factor = np.exp(value)
+        beyond = np.where(x > limit * (1.0 + 1e-9), np.nan, 1.0)
+        touching = np.where(d > 0.0, 1.0, 0.0)
+        return base * factor * beyond * touching, (steep + base * bend) * factor * beyond * touching
+
+    def local_exponent(self, depth_mm: Array, thickness_mm: Array, radius_mm: Array) -> Array:
+        """d ln F / d ln d at depths above 0."""
+        force, stiffness = self.force_and_stiffness(depth_mm, thickness_mm, 1.0, radius_mm)
+        return np.asarray(depth_mm, dtype=float) * stiffness / force
+
+    def depth_limit_mm(self, thickness_mm: Array, radius_mm: Array) -> Array:
+        """Largest valid depth. [mm]"""
+        h, a = np.broadcast_arrays(np.asarray(thickness_mm, dtype=float), np.asarray(radius_mm, dtype=float))
+        inputs = ratios(self.shape, h.ravel(), a.ravel())
+        self.table.check(inputs)
+        limit = self.table.depth_limit(inputs).reshape(h.shape)
+        if self._slab is not None:
+            limit = np.minimum(limit, self._slab.depth_limit(a / h))
+        return limit * h
+
+    def relative_error(self, depth_mm: Array, thickness_mm: Array, radius_mm: Array) -> Array:
+        """Error of the force over the force: finite elements and regression."""
+        depth, h, a = np.broadcast_arrays(
+            *(np.asarray(v, dtype=float) for v in (depth_mm, thickness_mm, radius_mm))
+        )
+        error = self.table.relative_error(depth / h)
+        return error if self._slab is None else error + self._slab.relative_error(depth, h, a)
+
+    def depth_at_force(self, force_N: Array, thickness_mm: Array, young_MPa: Array, radius_mm: Array) -> Array:
+        """Depth at which the static force is reached; NaN when out of reach. [mm]"""
+        force, h, young, a = np.broadcast_arrays(
+            *(np.asarray(v, dtype=float) for v in (force_N, thickness_mm, young_MPa, radius_mm))
+        )
+        high = self.depth_limit_mm(h, a)
+        out = ~(self.force(high, h, young, a) >= force)
+        low = np.zeros_like(high)
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            under = self.force(middle, h, young, a) < force
+            low, high = np.where(under, middle, low), np.where(under, high, middle)
+        return np.where(out, np.nan, 0.5 * (low + high))
+
+    @staticmethod
+    def _pads(h: Array, a: Array) -> tuple[tuple[Array, Array], Array]:
+        """Pads that differ, as (thickness, punch radius), and which of them each entry is."""
+        pairs, place = np.unique(np.stack([h.ravel(), a.ravel()], axis=1), axis=0, return_inverse=True)
+        return (pairs[:, 0], pairs[:, 1]), np.asarray(place).reshape(h.shape)
+
+
+@lru_cache(maxsize=8)
+def load_shape_table(kind: str, condition: str = "bonded") -> ShapeTable:
+    """Read a shipped table.
+
+    Raises
+    ------
+    InputError
+        For a kind or condition without a table.
+    NoAnswerError
+        When the file is missing or damaged, with the command that rebuilds it.
+    """
+    if kind not in INPUTS:
+        raise InputError(f"shape = '{kind}' has no table; known are {', '.join(INPUTS)}")
+    if condition != "bonded":
+        raise InputError(f"condition = '{condition}' is not in the tables of shapes (only bonded); solve it instead")
+    path = data_folder() / "materials" / "tables" / f"{kind}-{condition}.json"
+    try:
+        return from_dict(json.loads(path.read_text(encoding="utf-8")))
+    except (OSError, ValueError, KeyError) as problem:
+        raise NoAnswerError(
+            "table_unavailable",
+            f"response table {path.name} cannot be read ({type(problem).__name__}); "
+            f"rebuild it with: python -m dummydesign.studies.tables.shapes {kind}",
+        ) from None
+
+
+def from_dict(data: dict[str, Any]) -> ShapeTable:
+    """Table from the content of its file."""
+    names = ("low", "high", "lengths", "centres", "levels", "trend", "weights", "reach")
+    surface = Response(*(np.array(data["surface"][name], dtype=float) for name in names), data["surface"]["anchored"])
+    listed = ("low", "high", "error_depth", "median_error", "error", "solve_error")
+    arrays = (np.array(data[name], dtype=float) for name in listed)
+    return ShapeTable(data["kind"], data["condition"], surface, *arrays, data["provenance"])

@@ -1,0 +1,265 @@
+"""Plots as inline SVG that follows the page's colours, and their values as CSV."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from dataclasses import dataclass, field
+from html import escape
+from typing import Any
+
+import numpy as np
+
+from dummydesign.report.figures.axis import Axis, span
+from dummydesign.report.figures.layers import Band, Bars, Cells, Dots, Ellipse, Line, edges, thin
+from dummydesign.report.figures.raster import css, png_uri
+
+WIDTH, HEIGHT = 440.0, 310.0
+LEFT, RIGHT, TOP, BOTTOM = 58.0, 14.0, 14.0, 48.0
+MAP_RIGHT, BAR_LEFT = 62.0, 170.0
+LETTER = 6.6  # mean width of a letter of 13 px
+Layer = Line | Dots | Band | Bars | Cells | Ellipse
+
+
+@dataclass(frozen=True)
+class Plot:
+    """A figure: what it shows, its axes with units, a title, and words for those who cannot see it.
+
+    Attributes
+    ----------
+    name : str
+        File name of its CSV, without ending.
+    title, alt : str
+    x_label, y_label : str
+        With unit.
+    x_name, y_name : str
+        Columns of the CSV, with unit as suffix.
+    layers : tuple
+        Drawn in this order.
+    log_x : bool
+    x_range, y_range : (float, float), optional
+        By default all that the layers hold.
+    note : str
+        A sentence under the figure.
+    """
+
+    name: str
+    title: str
+    alt: str
+    x_label: str
+    y_label: str
+    x_name: str
+    y_name: str
+    layers: tuple[Layer, ...]
+    log_x: bool = False
+    x_range: tuple[float, float] | None = None
+    y_range: tuple[float, float] | None = None
+    note: str = ""
+    zero: bool = field(default=True)
+
+    def csv_text(self) -> str:
+        """All plotted values: ``series``, x, y, and low and high of bands, bars and maps."""
+        stream = io.StringIO()
+        table = csv.writer(stream, lineterminator="\n")
+        table.writerow(["series", self.x_name, self.y_name, "low", "high"])
+        for layer in self.layers:
+            for record in layer.records():
+                table.writerow([v if isinstance(v, str) else _text(v) for v in record])
+        return stream.getvalue()
+
+    def svg(self) -> str:
+        """The figure as SVG with its alternative text."""
+        x, y = self._axes()
+        clip = f"clip-{self.name}"
+        parts = [
+            f'<svg class="plot" viewBox="0 0 {WIDTH:g} {HEIGHT:g}" role="img" aria-label="{escape(self.alt)}">',
+            f"<title>{escape(self.title)}</title><desc>{escape(self.alt)}</desc>",
+            f'<clipPath id="{clip}"><rect x="{x.start:g}" y="{y.stop:g}" width="{x.stop - x.start:g}" '
+            f'height="{y.start - y.stop:g}"/></clipPath>',
+            self._grid(x, y),
+            f'<g clip-path="url(#{clip})">',
+            *(_DRAW[type(layer)](layer, x, y) for layer in self.layers),
+            "</g>",
+            *(_scale(layer, x, y) for layer in self.layers if isinstance(layer, Cells)),
+            f'<rect class="frame" x="{x.start:g}" y="{y.stop:g}" width="{x.stop - x.start:g}" '
+            f'height="{y.start - y.stop:g}"/></svg>',
+        ]
+        return "".join(parts)
+
+    def legend(self) -> str:
+        """Names beside their colours, as HTML."""
+        entries = {}
+        for layer in self.layers:
+            if not isinstance(layer, Bars | Cells):
+                entries.setdefault(layer.name, (_shape(layer), getattr(layer, "style", "main")))
+        return "".join(
+            f'<span class="key"><svg viewBox="0 0 22 12" aria-hidden="true">{shape.format(style=style)}</svg>'
+            f"{escape(name)}</span>"
+            for name, (shape, style) in entries.items()
+            if name
+        )
+
+    def html(self) -> str:
+        """The figure with caption and legend."""
+        note = f"<small>{escape(self.note)}</small>" if self.note else ""
+        return (
+            f"<figure>{self.svg()}<figcaption><strong>{escape(self.title)}</strong>"
+            f'<span class="keys">{self.legend()}</span>{note}</figcaption></figure>'
+        )
+
+    def _axes(self) -> tuple[Axis, Axis]:
+        parts = [layer.extent() for layer in self.layers]
+        xs = np.concatenate([part[0] for part in parts]).tolist() if parts else []
+        ys = np.concatenate([part[1] for part in parts]).tolist() if parts else []
+        cells = any(isinstance(layer, Cells) for layer in self.layers)
+        bars = any(isinstance(layer, Bars) for layer in self.layers)
+        x_range = self.x_range or span(xs, self.zero and not bars and not cells, 0.0 if cells else 0.04)
+        y_range = self.y_range or span(ys, self.zero and not cells, 0.0 if cells or bars else 0.04)
+        left, right = (BAR_LEFT if bars else LEFT), (MAP_RIGHT if cells else RIGHT)
+        if bars:
+            longest = max(len(label) for layer in self.layers if isinstance(layer, Bars) for label in layer.labels)
+            left = min(max(BAR_LEFT, LETTER * longest + 14.0), 0.55 * WIDTH)
+        across = Axis(self.x_label, *x_range, left, WIDTH - right, self.log_x)
+        return across, Axis(self.y_label, *y_range, HEIGHT - BOTTOM, TOP)
+
+    def _grid(self, x: Axis, y: Axis) -> str:
+        bars = [layer for layer in self.layers if isinstance(layer, Bars)]
+        parts = []
+        for value, text in x.ticks(6):
+            at = x.place(value)
+            parts.append(f'<line class="grid" x1="{at:.1f}" x2="{at:.1f}" y1="{y.start:g}" y2="{y.stop:g}"/>')
+            parts.append(f'<text x="{at:.1f}" y="{y.start + 16:g}" text-anchor="middle">{text}</text>')
+        for value, text in [] if bars else y.ticks(5):
+            at = y.place(value)
+            parts.append(f'<line class="grid" x1="{x.start:g}" x2="{x.stop:g}" y1="{at:.1f}" y2="{at:.1f}"/>')
+            parts.append(f'<text x="{x.start - 6:g}" y="{at + 4:.1f}" text-anchor="end">{text}</text>')
+        middle, height = 0.5 * (x.start + x.stop), 0.5 * (y.start + y.stop)
+        parts.append(
+            f'<text class="label" x="{middle:g}" y="{HEIGHT - 10:g}" text-anchor="middle">{escape(x.label)}</text>'
+        )
+        if not bars:
+            parts.append(
+                f'<text class="label" transform="translate(15 {height:g}) rotate(-90)" '
+                f'text-anchor="middle">{escape(y.label)}</text>'
+            )
+        return "".join(parts)
+
+
+def _text(value: float) -> str:
+    """Six digits; nothing where a value is missing."""
+    return f"{value:.6g}" if math.isfinite(value) else ""
+
+
+def _path(x: Axis, y: Axis, xs: np.ndarray, ys: np.ndarray) -> str:
+    """Path through points, broken where one is missing."""
+    words, pen = [], "M"
+    for a, b in zip(xs.tolist(), ys.tolist()):
+        if a != a or b != b:
+            pen = "M"
+            continue
+        words.append(f"{pen}{x.place(a):.1f} {y.place(b):.1f}")
+        pen = "L"
+    return "".join(words)
+
+
+def _line(layer: Line, x: Axis, y: Axis) -> str:
+    xs, ys = thin(np.asarray(layer.x, float), x.log, np.asarray(layer.y, float))
+    return f'<path class="line {layer.style}" d="{_path(x, y, xs, ys)}"/>'
+
+
+def _dots(layer: Dots, x: Axis, y: Axis) -> str:
+    return "".join(
+        f'<circle class="dot {layer.style}" cx="{x.place(a):.1f}" cy="{y.place(b):.1f}" r="4"/>'
+        for a, b in zip(np.asarray(layer.x, float).tolist(), np.asarray(layer.y, float).tolist())
+        if a == a and b == b
+    )
+
+
+def _band(layer: Band, x: Axis, y: Axis) -> str:
+    log = x.log and not layer.sideways
+    at, low, high = thin(np.asarray(layer.at, float), log, np.asarray(layer.low, float), np.asarray(layer.high, float))
+    at, ends = np.r_[at, at[::-1]], np.r_[low, high[::-1]]
+    path = _path(x, y, ends, at) if layer.sideways else _path(x, y, at, ends)
+    return f'<path class="area {layer.style}" d="{path}Z"/>'
+
+
+def _bars(layer: Bars, x: Axis, y: Axis) -> str:
+    parts = []
+    low, high = np.asarray(layer.low, float), np.asarray(layer.high, float)
+    for row in range(len(layer.labels)):
+        top, bottom = y.place(len(layer.labels) - row - 0.2), y.place(len(layer.labels) - row - 0.8)
+        left, right = x.place(low[row]), x.place(high[row])
+        parts.append(
+            f'<rect class="bar" x="{left:.1f}" y="{top:.1f}" width="{max(right - left, 1):.1f}" '
+            f'height="{bottom - top:.1f}"/>'
+        )
+    zero = x.place(0.0)
+    parts.append(f'<line class="line other" x1="{zero:.1f}" x2="{zero:.1f}" y1="{y.start:g}" y2="{y.stop:g}"/>')
+    labels = "".join(
+        f'<text x="{x.start - 6:g}" y="{y.place(len(layer.labels) - row - 0.5) + 4:.1f}" text-anchor="end">'
+        f"{escape(label)}</text>"
+        for row, label in enumerate(layer.labels)
+    )
+    # the labels stand left of the frame, outside the clipped group
+    return "".join(parts) + "</g><g>" + labels
+
+
+def _cells(layer: Cells, x: Axis, y: Axis) -> str:
+    value = (np.asarray(layer.value, float) - layer.low) / (layer.high - layer.low)
+    across, along = edges(np.asarray(layer.x, float)), edges(np.asarray(layer.y, float))
+    even = all(np.ptp(np.diff(side)) < 1e-6 * np.ptp(side) for side in (across, along))
+    if even:
+        left, right, top, bottom = x.place(across[0]), x.place(across[-1]), y.place(along[-1]), y.place(along[0])
+        return (
+            f'<image href="{png_uri(value)}" x="{left:.1f}" y="{top:.1f}" width="{right - left:.1f}" '
+            f'height="{bottom - top:.1f}" preserveAspectRatio="none" style="image-rendering:pixelated"/>'
+        )
+    parts = []
+    for row in range(value.shape[0]):
+        for column in range(value.shape[1]):
+            if np.isfinite(value[row, column]):
+                left, right = x.place(across[column]), x.place(across[column + 1])
+                top, bottom = y.place(along[row + 1]), y.place(along[row])
+                parts.append(
+                    f'<rect fill="{css(value[row, column])}" x="{left:.1f}" y="{top:.1f}" '
+                    f'width="{right - left:.2f}" height="{bottom - top:.2f}"/>'
+                )
+    return "".join(parts)
+
+
+def _scale(layer: Cells, x: Axis, y: Axis) -> str:
+    """Colour bar beside a map."""
+    left, count = x.stop + 10.0, 32
+    step = (y.start - y.stop) / count
+    parts = [
+        f'<rect fill="{css((row + 0.5) / count)}" x="{left:g}" y="{y.start - (row + 1) * step:.1f}" width="12" '
+        f'height="{step + 0.3:.1f}"/>'
+        for row in range(count)
+    ]
+    for value, text in Axis("", layer.low, layer.high, y.start, y.stop).ticks(4):
+        place = y.place(y.low + (value - layer.low) / (layer.high - layer.low) * (y.high - y.low))
+        parts.append(f'<text x="{left + 16:g}" y="{place + 4:.1f}">{text}</text>')
+    return "".join(parts)
+
+
+def _ellipse(layer: Ellipse, x: Axis, y: Axis) -> str:
+    wide = abs(x.place(layer.x + layer.half_x) - x.place(layer.x))
+    high = abs(y.place(layer.y + layer.half_y) - y.place(layer.y))
+    place = f'cx="{x.place(layer.x):.1f}" cy="{y.place(layer.y):.1f}" rx="{max(wide, 1):.1f}" ry="{max(high, 1):.1f}"'
+    return f'<ellipse class="ellipse halo" {place}/><ellipse class="ellipse" {place}/>'
+
+
+def _shape(layer: Layer) -> str:
+    if isinstance(layer, Band):
+        return '<rect class="area {style}" x="1" y="1" width="20" height="10"/>'
+    if isinstance(layer, Dots):
+        return '<circle class="dot {style}" cx="11" cy="6" r="4"/>'
+    if isinstance(layer, Ellipse):
+        return '<ellipse class="ellipse" cx="11" cy="6" rx="9" ry="4"/>'
+    return '<path class="line {style}" d="M1 6L21 6"/>'
+
+
+_DRAW: dict[type, Any] = {
+    Line: _line, Dots: _dots, Band: _band, Bars: _bars, Cells: _cells, Ellipse: _ellipse,
+}  # fmt: skip

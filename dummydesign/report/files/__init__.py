@@ -1,0 +1,1 @@
+"""Files of traces and parameters beside a report."""

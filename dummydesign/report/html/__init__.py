@@ -1,0 +1,1 @@
+"""One HTML page without anything from outside, its script and its viewer."""

@@ -1,0 +1,149 @@
+"""The live part of the what-if page: controls, and the response table, resin and tissue it computes from."""
+
+from __future__ import annotations
+
+import math
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dummydesign.report.html.page import Section, script_json
+
+if TYPE_CHECKING:
+    from dummydesign.resin.model.resin import Resin
+    from dummydesign.tissue.model.tissue import Tissue
+
+RATIOS = 401
+FORCES_N, VELOCITIES_MM_S, SIZES_MM = (0.5, 15.0), (1.0, 500.0), (8.0, 24.0)
+
+
+def live_data(resin: Resin, tissue: Tissue | None) -> dict[str, Any]:
+    """What the page computes from: both response tables, the resin on a fine grid of ratios, the subjects.
+
+    ln E and the strengths of the arms are linear between 401 ratios, which is within 0.01 % of the law.
+    """
+    from dummydesign.design.scoring.presses import Sampling
+    from dummydesign.pad.tables.slab import BASES, load_table
+
+    sampling = Sampling()
+    ratio = np.linspace(resin.ratio_min, resin.ratio_max, RATIOS)
+    strengths = [[term.beta for term in resin.prony(float(value))] for value in ratio]
+    tables = {}
+    for base in BASES:
+        table = load_table(base)
+        tables[base] = {
+            "coefficients": table.coefficients.tolist(),
+            "ratio_range": list(table.ratio_range),
+            "depth_range": list(table.depth_range),
+            "limit_ratio": table.limit_ratio.tolist(),
+            "limit_depth": table.limit_depth.tolist(),
+        }
+    return {
+        "tables": tables,
+        "squares": {base: _square(base) for base in BASES},
+        "resin": {
+            "name": resin.name,
+            "ratio": ratio.tolist(),
+            "ln_young_MPa": np.log(resin.young_MPa(ratio)).tolist(),
+            "tau_s": [arm.tau_s.value for arm in resin.arms],
+            "beta": np.array(strengths).reshape(RATIOS, -1).T.tolist(),
+        },
+        "tissue": None if tissue is None else _tissue(tissue),
+        "protocol": {
+            "hold_s": sampling.hold_s,
+            "deceleration_mm_s2": sampling.deceleration_mm_s2,
+            "fine": [sampling.ramp_points, sampling.brake_points, sampling.hold_points],
+        },
+    }
+
+
+def _square(base: str) -> dict[str, Any]:
+    """Factors of a square punch over the circle of its area."""
+    from dummydesign.pad.tables.square import load_square
+
+    table = load_square(base)
+    names = ("coefficients", "ratio_range", "depth_range", "reach_ratio", "reach_depth")
+    return {name: np.asarray(getattr(table, name)).tolist() for name in names}
+
+
+def _tissue(tissue: Tissue) -> dict[str, Any]:
+    subjects = [
+        {
+            "gamma1": subject.gamma1_N_per_mm3,
+            "gamma": list(subject.gamma_N_per_mm3),
+            "speeds": list(subject.velocities_mm_s),
+            "c": [list(dampers) for _, dampers in subject.c_N_s_per_mm],
+        }
+        for subject in tissue.parameter_sets
+    ]
+    return {"name": tissue.name, "law": tissue.law, "subjects": subjects}
+
+
+def live_section(resin: Resin, tissue: Tissue | None, start: dict[str, Any]) -> Section:
+    """Sliders, numbers and two figures; ``start`` holds ratio, thickness_mm, size_mm, shape, base, speed, force."""
+    from dummydesign.design.search.slabs import THICKNESS_MM
+
+    step = resin.ratio_step / 2
+    sliders = [
+        ("ratio", f"ratio ({resin.ratio_meaning})", resin.ratio_min, resin.ratio_max, step, start["ratio"]),
+        ("thickness", "thickness", *THICKNESS_MM, 0.1, start["thickness_mm"]),
+        ("size", "punch side or diameter", *SIZES_MM, 0.5, start["size_mm"]),
+        ("velocity", "speed", *(math.log10(v) for v in VELOCITIES_MM_S), "any", math.log10(start["velocity_mm_s"])),
+        ("force", "steady force", *FORCES_N, 0.1, start["force_N"]),
+    ]
+    controls = "".join(
+        f'<label>{escape(text)} <output id="out-{name}"></output><input type="range" id="in-{name}" min="{low:.6g}" '
+        f'max="{high:.6g}" step="{step if isinstance(step, str) else f"{step:.6g}"}" value="{value:.6g}"></label>'
+        for name, text, low, high, step, value in sliders
+    )
+    controls += _select("shape", "punch", ("square", "round"), start["shape"])
+    controls += _select("base", "base", ("bonded", "sliding"), start["base"])
+    numbers = [
+        ("young_kPa", "modulus"),
+        ("depth_mm", "relaxed depth"),
+        ("depth_over_thickness", "depth over thickness"),
+        ("stiffness_N_per_mm", "tangent stiffness"),
+        ("exponent", "local exponent d ln F / d ln x"),
+        ("peak_force_N", "peak force"),
+        ("peak_over_steady", "peak over steady"),
+    ]
+    if tissue is not None:
+        numbers += [
+            ("inside_fraction", f"share of the press inside the range of {tissue.name}"),
+            ("tissue_depth", f"depth of {tissue.name}"),
+            ("tissue_peak", f"peak of {tissue.name}"),
+        ]
+    boxes = "".join(
+        f'<div class="fact"><b id="v-{name}">–</b><span>{escape(text)}</span></div>' for name, text in numbers
+    )
+    figures = "".join(
+        f'<figure><svg class="plot" id="live-{name}" viewBox="0 0 440 310" role="img" aria-label="{title}"></svg>'
+        f"<figcaption><strong>{title}</strong><small>{note}</small></figcaption></figure>"
+        for name, title, note in (
+            ("depth", "Relaxed force over depth", "blue: pad; area: subjects of the tissue, where one is given"),
+            ("time", "Force over time", "ramp, braking at 30 m/s2, hold of 10 s; area: subjects"),
+        )
+    )
+    html = (
+        f'<div class="controls noprint">{controls}</div><p id="live-limit" role="status"></p>'
+        f'<div class="facts">{boxes}</div><div class="plots">{figures}</div>'
+        f'<script type="application/json" id="live-data">{script_json(live_data(resin, tissue))}</script>'
+    )
+    text = (
+        "Everything here is computed in this page from the response table and the tissue's numbers inside it, by "
+        "the formulas of the package."
+    )
+    return Section("Try it", text, html=html)
+
+
+def _select(name: str, text: str, options: tuple[str, ...], chosen: str) -> str:
+    items = "".join(f"<option{' selected' if item == chosen else ''}>{item}</option>" for item in options)
+    return f'<label>{text}<select id="in-{name}">{items}</select></label>'
+
+
+def live_scripts() -> list[str]:
+    """The page's computing and its controls."""
+    folder = Path(__file__).parent
+    return [(folder / name).read_text(encoding="utf-8") for name in ("live.js", "sliders.js")]

@@ -1,0 +1,105 @@
+"""Explain a resin: its curve with interval, its numbers with sources, a plot with anchor and band."""
+
+from __future__ import annotations
+
+import csv
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dummydesign.core.files import write_bytes, write_text
+from dummydesign.resin.model.resin import Resin
+
+ROWS, CURVE = 9, 61
+
+
+def explain(resin: Resin) -> dict[str, Any]:
+    """Return the resin's file, its curve over the ratio, its numbers by name, and warnings.
+
+    Returns
+    -------
+    dict
+        ``name``, ``resin`` (the whole file), ``curve`` (rows of ratio, young_kPa, slope, Prony terms),
+        ``numbers`` {name: {value, low, high, kind, source}}, ``warnings``.
+    """
+    ratios = np.linspace(resin.ratio_min, resin.ratio_max, ROWS)
+    numbers = {
+        **{f"{name}": quantity for name, quantity in resin.numbers.items()},
+        **{f"beta_at_{arm.tau_s.value:g}_s": arm.beta for arm in resin.arms},
+        "softness_exponent": resin.softness_exponent,
+        **{name: resin.property(name, resin.relaxation_ratio_ref) for name in resin.property_names()},
+    }
+    return {
+        "name": resin.name,
+        "origin": resin.origin,
+        "resin": resin.to_dict(),
+        "curve": [curve_row(resin, float(ratio)) for ratio in ratios],
+        "numbers": {name: quantity.to_dict() for name, quantity in numbers.items()},
+        "warnings": resin_warnings(resin),
+    }
+
+
+def curve_row(resin: Resin, ratio: float) -> dict[str, Any]:
+    """One ratio: modulus with interval, sensitivity, Prony terms relative to the long-term modulus."""
+    return {
+        "ratio": ratio,
+        "young_kPa": resin.modulus_kPa(ratio).to_dict(),
+        "d_ln_young_per_percent_ratio": 0.01 * resin.log_slope(ratio),
+        "prony": [term.to_dict() for term in resin.prony(ratio)],
+    }
+
+
+def resin_warnings(resin: Resin) -> list[dict[str, str]]:
+    """Say what of the resin is not measured, and which points contradict each other."""
+    warnings = [{"code": "contradictory_points", "message": text} for text in resin.contradictions]
+    doubtful = resin.uncertain()
+    if doubtful:
+        message = f"{len(doubtful)} numbers of resin {resin.name} are inferred or assumed: {', '.join(doubtful)}"
+        warnings.append({"code": "not_measured", "message": message})
+    return warnings
+
+
+def write_plot(resin: Resin, folder: Path) -> dict[str, str]:
+    """Write modulus and relaxation against the ratio as SVG with the data as CSV; return {role: path}."""
+    ratios = np.linspace(resin.ratio_min, resin.ratio_max, CURVE)
+    rows = [curve_row(resin, float(ratio)) for ratio in ratios]
+    young = np.array([[row["young_kPa"][end] for end in ("low", "value", "high")] for row in rows])
+    beta = np.array([[term["beta"] for term in row["prony"]] for row in rows])
+    names = [f"beta_at_{arm.tau_s.value:g}_s" for arm in resin.arms]
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["ratio", "young_low_kPa", "young_kPa", "young_high_kPa", *names])
+    writer.writerows([f"{value:.6g}" for value in (r, *y, *b)] for r, y, b in zip(ratios, young, beta))
+    stem = f"resin-{resin.name}"
+    data = write_text(folder / f"{stem}.csv", text.getvalue())
+    picture = write_bytes(folder / f"{stem}.svg", _draw(resin, ratios, young, beta, names))
+    return {"plot": str(picture), "data": str(data)}
+
+
+def _draw(resin: Resin, ratios: np.ndarray, young: np.ndarray, beta: np.ndarray, names: list[str]) -> bytes:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(6.4, 6.4), layout="constrained")
+    top, bottom = figure.subplots(2, 1, sharex=True)
+    top.fill_between(ratios, young[:, 0], young[:, 2], alpha=0.25, label="95 % interval")
+    top.plot(ratios, young[:, 1], label=f"law {resin.law.name}")
+    for item in resin.points:
+        q = item["young_kPa"]
+        error = [[q.value - q.low], [q.high - q.value]]
+        top.errorbar(item["ratio"], q.value, yerr=error, fmt="o", color="black", label=f"point, {q.kind}")
+    if {"ratio_ref", "young_ref_kPa"} <= set(resin.numbers):
+        anchor = resin.numbers["young_ref_kPa"]
+        top.plot(resin.numbers["ratio_ref"].value, anchor.value, "ks", label=f"reference, {anchor.kind}")
+    top.set(yscale="log", ylabel="long-term Young's modulus, kPa", title=resin.title)
+    for column, name in zip(beta.T, names):
+        bottom.plot(ratios, column, label=name.replace("_", " "))
+    bottom.set(yscale="log", xlabel=resin.ratio_meaning, ylabel="strength over long-term modulus")
+    for axes in (top, bottom):
+        axes.grid(alpha=0.3)
+        if axes.get_legend_handles_labels()[0]:
+            axes.legend(fontsize="small")
+    stream = io.BytesIO()
+    figure.savefig(stream, format="svg", metadata={"Date": None})
+    return stream.getvalue()

@@ -1,0 +1,1 @@
+"""A resin: modulus over ratio, liquid properties, distributions and resin files."""

@@ -1,0 +1,297 @@
+"""The resin: components, modulus against ratio with its posterior, relaxation, liquid properties."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dummydesign.core.errors import InputError, out_of_range, unknown_name
+from dummydesign.core.quantity import Quantity
+from dummydesign.resin.model.distribution import value_at
+from dummydesign.resin.model.liquid import MIXED, Component, Liquid, mixed
+from dummydesign.resin.model.modulus_laws import Law, check_young
+
+if TYPE_CHECKING:
+    from dummydesign.pad.material.relaxation import PronyTerm
+
+DRAWS, SEED = 2000, 20240
+INCREMENT_DIGITS = 6
+
+
+@dataclass(frozen=True)
+class Arm:
+    """One relaxing arm at the reference ratio, relative to the LONG-TERM modulus."""
+
+    tau_s: Quantity
+    beta: Quantity
+
+
+@dataclass(frozen=True)
+class Draws:
+    """Draws of what is not known of a resin; ``young_MPa`` and ``beta`` follow one draw each.
+
+    ``numbers`` holds the law's parameters, ``beta_ref`` the strengths at the reference ratio, shape
+    (n, arms), ``softness_exponent`` how relaxation grows when the modulus falls, shape (n,).
+    """
+
+    resin: Resin
+    numbers: Mapping[str, NDArray]
+    beta_ref: NDArray
+    softness_exponent: NDArray
+
+    def young_MPa(self, ratio: ArrayLike) -> NDArray:
+        """Long-term Young's modulus of every draw [MPa]; ``ratio`` broadcasts against shape (n,)."""
+        return self.resin.law.young_kPa(ratio, self.numbers) * 1e-3
+
+    def beta(self, ratio: ArrayLike) -> NDArray:
+        """Strengths of the arms of every draw, shape (n, arms), for one ratio or one a draw."""
+        reference = self.young_MPa(self.resin.relaxation_ratio_ref)
+        growth = (reference / self.young_MPa(ratio)) ** self.softness_exponent
+        return self.beta_ref * growth[:, None]
+
+
+@dataclass(frozen=True)
+class Resin:
+    """A resin family: everything that follows from its mixing ratio.
+
+    Ratios are in the unit named by ``ratio_meaning``; ``law`` with its ``numbers`` gives
+    the long-term Young's modulus, ``arms`` the relaxation at ``relaxation_ratio_ref``. ``posterior``
+    holds joint draws of the law's parameters when points have updated it.
+    """
+
+    name: str
+    title: str
+    origin: str
+    ratio_meaning: str
+    ratio_min: float
+    ratio_max: float
+    ratio_step: float
+    liquids: tuple[Liquid, ...]
+    law: Law
+    numbers: Mapping[str, Quantity]
+    arms: tuple[Arm, ...]
+    relaxation_ratio_ref: float
+    softness_exponent: Quantity
+    properties: Mapping[str, Quantity]
+    references: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    points: tuple[dict[str, Any], ...] = ()
+    contradictions: tuple[str, ...] = ()
+    posterior: Mapping[str, NDArray] | None = field(default=None, repr=False)
+    prior_numbers: Mapping[str, Quantity] | None = field(default=None, repr=False)
+
+    def check_ratio(self, ratio: ArrayLike) -> None:
+        """Refuse ratios outside the range the law is meant for (InputError)."""
+        values = np.atleast_1d(np.asarray(ratio, float))
+        inside = (values >= self.ratio_min - 1e-9) & (values <= self.ratio_max + 1e-9)
+        if not np.all(inside):
+            wrong = float(values[~inside][0])
+            raise out_of_range(f"ratio of {self.name}", wrong, self.ratio_min, self.ratio_max, self.ratio_meaning)
+
+    @property
+    def central(self) -> dict[str, float]:
+        """Values of the law's parameters."""
+        return {name: quantity.value for name, quantity in self.numbers.items()}
+
+    def young_MPa(self, ratio: ArrayLike) -> Any:
+        """Long-term (relaxed) Young's modulus at a ratio, central value.
+
+        Parameters
+        ----------
+        ratio : float or array_like
+            Mixing ratio, see ``ratio_meaning``.
+
+        Returns
+        -------
+        float, or ndarray of the shape of ``ratio``
+            Modulus. [MPa]
+
+        Raises
+        ------
+        InputError
+            When a ratio is outside the resin's range.
+        """
+        self.check_ratio(ratio)
+        young = self.law.young_kPa(ratio, self.central) * 1e-3
+        return float(young) if np.ndim(ratio) == 0 else young
+
+    def modulus_kPa(self, ratio: float) -> Quantity:
+        """Modulus at one ratio with its 95 % interval from the draws [kPa]."""
+        value = self.young_MPa(ratio) * 1e3
+        drawn = self._draws.young_MPa(ratio) * 1e3
+        low, high = (float(end) for end in np.percentile(drawn, [2.5, 97.5]))
+        kind = "fitted" if self.points else "inferred"
+        at = ", updated by points" if self.points else ""
+        source = f"law {self.law.name} of resin {self.name}{at}; 95 % interval of {DRAWS} draws"
+        return Quantity(value, min(low, value), max(high, value), kind, source)
+
+    def ratio_for(self, young_MPa: float) -> float:
+        """Ratio whose central modulus is the one given [MPa].
+
+        Raises
+        ------
+        InputError
+            When the modulus is not reached inside the resin's ratio range.
+        """
+        check_young(young_MPa * 1e3)
+        ratio = float(self.law.ratio(young_MPa * 1e3, self.central))
+        if not self.ratio_min - 1e-9 <= ratio <= self.ratio_max + 1e-9:
+            ends = sorted(1e3 * self.young_MPa(end) for end in (self.ratio_min, self.ratio_max))
+            raise out_of_range(
+                f"Young's modulus of {self.name} in kPa",
+                round(young_MPa * 1e3, 4),
+                round(ends[0], 2),
+                round(ends[1], 2),
+            )
+        return min(max(ratio, self.ratio_min), self.ratio_max)
+
+    def log_slope(self, ratio: float) -> float:
+        """Relative change of the modulus per relative change of the ratio, d ln E / d ln r, central."""
+        step = 1e-5
+        up, down = (self.law.young_kPa(ratio * (1 + sign * step), self.central) for sign in (1, -1))
+        return float((np.log(up) - np.log(down)) / (math.log1p(step) - math.log1p(-step)))
+
+    def prony(self, ratio: float) -> tuple[PronyTerm, ...]:
+        """Relaxing arms at a ratio, strengths relative to the LONG-TERM modulus.
+
+        beta_i(r) = beta_i(r_ref) (E(r_ref) / E(r))^q. q = 1 keeps the relaxing part of the modulus as it
+        is while the long-term part vanishes (a critical gel, G(t) = S t^-n); q = 0 would scale both.
+
+        Raises
+        ------
+        InputError
+            When the ratio is outside the resin's range.
+        """
+        from dummydesign.pad.material.relaxation import PronyTerm
+
+        growth = (self.young_MPa(self.relaxation_ratio_ref) / self.young_MPa(ratio)) ** self.softness_exponent.value
+        return tuple(PronyTerm(arm.tau_s.value, arm.beta.value * growth) for arm in self.arms)
+
+    def draw(self, count: int, seed: int | np.random.Generator = SEED) -> Draws:
+        """Draw what is not known: law parameters (prior, or posterior after an update) and relaxation.
+
+        Parameters
+        ----------
+        count : int
+            Number of draws.
+        seed : int or numpy Generator
+            The same seed gives the same draws.
+        """
+        rng = np.random.default_rng(seed)
+        if self.posterior is not None:
+            size = len(next(iter(self.posterior.values())))
+            rows = rng.integers(0, size, count)
+            numbers = {name: np.asarray(column)[rows] for name, column in self.posterior.items()}
+        else:
+            numbers = self._draw_prior(count, rng)
+        beta = [value_at(arm.beta, rng.standard_normal(count)) for arm in self.arms]
+        beta_ref = np.stack(beta, axis=1) if beta else np.zeros((count, 0))
+        return Draws(self, numbers, beta_ref, value_at(self.softness_exponent, rng.standard_normal(count)))
+
+    def _draw_prior(self, count: int, rng: np.random.Generator) -> dict[str, NDArray]:
+        """Draw the law's parameters independently, drawing again what the law says cannot be."""
+        kept: dict[str, list[NDArray]] = {name: [] for name in self.numbers}
+        missing = count
+        for _ in range(100):
+            tried = {name: value_at(q, rng.standard_normal(missing)) for name, q in self.numbers.items()}
+            good = np.broadcast_to(self.law.valid(self.ratio_min, tried), (missing,))
+            for name, values in tried.items():
+                kept[name].append(values[good])
+            missing -= int(good.sum())
+            if missing == 0:
+                return {name: np.concatenate(parts) for name, parts in kept.items()}
+        raise InputError(f"resin {self.name}: its intervals leave almost no valid law down to ratio {self.ratio_min}")
+
+    @cached_property
+    def _draws(self) -> Draws:
+        return self.draw(DRAWS)
+
+    def parts(self, ratio: float) -> dict[str, float]:
+        """Parts by weight of each liquid at a ratio."""
+        self.check_ratio(ratio)
+        return {liquid.name: ratio if liquid.parts is None else liquid.parts for liquid in self.liquids}
+
+    def recipe(self, ratio: float, total_g: float) -> list[Component]:
+        """Masses to weigh for a total mass.
+
+        Parameters
+        ----------
+        ratio : float
+            Mixing ratio.
+        total_g : float
+            Mass of the mixed liquid, above 0. [g]
+
+        Returns
+        -------
+        list of Component
+            In pouring order; the masses sum to ``total_g``.
+
+        Raises
+        ------
+        InputError
+            When the ratio is outside the range or the mass is not positive.
+        """
+        if not (math.isfinite(total_g) and total_g > 0):
+            raise out_of_range("total_g", total_g, "above 0", "any finite mass")
+        parts = self.parts(ratio)
+        whole = sum(parts.values())
+        return [Component(name, total_g * part / whole) for name, part in parts.items() if part > 0]
+
+    def property(self, name: str, ratio: float) -> Quantity:
+        """Property of the mixed liquid or of its cure at a ratio.
+
+        Density follows from added volumes, viscosity from the mean of the logarithms by weight
+        (Arrhenius' rule); the others are as in the file.
+
+        Parameters
+        ----------
+        name : str
+            ``density_g_per_cm3``, ``viscosity_Pa_s`` or a name in ``properties``.
+        ratio : float
+            Mixing ratio.
+
+        Raises
+        ------
+        InputError
+            When the name is not known or the ratio is outside the range.
+        """
+        parts = self.parts(ratio)
+        if name in self.properties:
+            return self.properties[name]
+        if name not in MIXED:
+            raise unknown_name(f"property of {self.name}", name, self.property_names())
+        return mixed(name, self.liquids, [parts[liquid.name] for liquid in self.liquids])
+
+    def property_names(self) -> tuple[str, ...]:
+        """Names that :meth:`property` knows."""
+        return tuple(dict.fromkeys([*MIXED, *self.properties]))
+
+    def ratios(self, low: float | None = None, high: float | None = None) -> NDArray:
+        """Ratios that can be weighed in practical steps inside ``low`` to ``high``, both ends included."""
+        first = self.ratio_min if low is None else max(low, self.ratio_min)
+        last = self.ratio_max if high is None else min(high, self.ratio_max)
+        start = math.ceil(first / self.ratio_step - 1e-9)
+        stop = math.floor(last / self.ratio_step + 1e-9)
+        return np.round(np.arange(start, stop + 1) * self.ratio_step, INCREMENT_DIGITS)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the whole resin file as plain values, every number with interval, kind and source."""
+        from dummydesign.resin.model.resin_writer import resin_dict
+
+        return resin_dict(self)
+
+    def uncertain(self) -> list[str]:
+        """Names of the numbers of this resin that are inferred or assumed, in the order of the file."""
+        numbers = {
+            **{f"modulus.{name}": q for name, q in self.numbers.items()},
+            **{f"relaxation.beta at {arm.tau_s.value:g} s": arm.beta for arm in self.arms},
+            "relaxation.softness_exponent": self.softness_exponent,
+            **{name: self.property(name, self.relaxation_ratio_ref) for name in self.property_names()},
+        }
+        return [name for name, quantity in numbers.items() if quantity.kind in ("inferred", "assumed")]

@@ -1,0 +1,104 @@
+"""Noise of a puck's binned press: white, slow, and the misfit of the elastic law along the compression.
+
+The law's misfit is a share of the force that varies smoothly with compression: it is the same all through a hold
+and never looks like relaxation. Slow noise is an Ornstein-Uhlenbeck force (drift of the load cell). Sizes are
+found by restricted maximum likelihood, the white part from the samples.
+
+References
+----------
+Patterson and Thompson, Biometrika 58 (1971) 545 (restricted maximum likelihood).
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from dummydesign.resin.puck_test.reduction import PuckPress
+
+Array = np.ndarray
+
+LEAST_MISFIT = 0.02
+"""Misfit of the one-term law that is always reckoned with: the middle of 19 mixtures, ``docs/ecoflex.md``."""
+ALIKE = 0.15
+"""Compression, over height, within which the law misfits alike."""
+RIPPLE, RIPPLE_LENGTH = 0.0025, 0.02
+"""Ripple of the solved force over compression, half of its mesh error, and the compression it goes with: the
+bulging side comes to lie on the plate cell by cell."""
+JITTER = 1e-4
+"""Relative error of taking the motion as straight between nodes."""
+
+
+@dataclass(frozen=True)
+class PuckNoise:
+    """Standard deviations: white per sample and slow [N], life of the slow part [s], misfit over force."""
+
+    white_N: float
+    slow_N: float
+    slow_time_s: float
+    misfit: float
+
+    def to_dict(self) -> dict[str, float]:
+        """Return the four sizes."""
+        return asdict(self)
+
+
+def covariance(press: PuckPress, height_mm: float, noise: PuckNoise) -> Array:
+    """Covariance of the bins' residuals of ln force, shape (bins, bins)."""
+    c = press.compression_mm / height_mm
+    apart = c[:, None] - c
+    total = noise.misfit**2 * np.exp(-0.5 * (apart / ALIKE) ** 2)
+    total += RIPPLE**2 * np.exp(-0.5 * (apart / RIPPLE_LENGTH) ** 2)
+    length = np.maximum(press.end_s - press.start_s, 1e-9) / noise.slow_time_s
+    loss = -np.expm1(-length) / length
+    gap = np.maximum(press.start_s[None, :] - press.end_s[:, None], 0.0)
+    slow = loss[:, None] * loss * np.exp(-np.maximum(gap, gap.T) / noise.slow_time_s)
+    np.fill_diagonal(slow, np.where(length > 1e-4, 2.0 * (1.0 - loss) / length, 1.0 - length / 3.0))
+    total += noise.slow_N**2 * slow / np.outer(press.force_N, press.force_N)
+    total[np.diag_indices_from(total)] += noise.white_N**2 / press.samples / press.force_N**2 + JITTER**2
+    return total
+
+
+def whitener(press: PuckPress, height_mm: float, noise: PuckNoise) -> Array:
+    """Inverse Cholesky factor: whitened = factor @ residual."""
+    return np.linalg.inv(np.linalg.cholesky(covariance(press, height_mm, noise)))
+
+
+def estimate(press: PuckPress, height_mm: float, residual: Array, jacobian: Array) -> PuckNoise:
+    """Sizes of slow noise and misfit from residuals of ln force and their sensitivity to what was fitted.
+
+    Parameters
+    ----------
+    press : PuckPress
+    height_mm : float
+    residual : ndarray, shape (bins,)
+    jacobian : ndarray, shape (bins, parameters)
+    """
+    from scipy.optimize import minimize
+
+    both = np.column_stack([residual, jacobian])
+    level = float(press.force_N.max())
+    longest = max(hold.duration_s for hold in press.holds)
+    low = np.log([1e-5 * level, 1e-2 * longest, LEAST_MISFIT])
+    high = np.log([0.02 * level, longest, 0.3])
+
+    def made(logs: Array) -> PuckNoise:
+        slow, life, misfit = np.exp(np.clip(logs, low, high)).tolist()
+        return PuckNoise(press.white_N, slow, life, misfit)
+
+    def cost(logs: Array) -> float:
+        factor = np.linalg.cholesky(covariance(press, height_mm, made(logs)))
+        white = np.linalg.solve(factor, both)
+        information = white[:, 1:].T @ white[:, 1:]
+        information[np.diag_indices_from(information)] += 1e-9 * np.trace(information) / len(information)
+        outside = np.sum(np.maximum(low - logs, 0.0) ** 2 + np.maximum(logs - high, 0.0) ** 2)
+        return float(
+            white[:, 0] @ white[:, 0] + 2.0 * np.log(np.diag(factor)).sum()
+            + np.linalg.slogdet(information)[1] + 10.0 * outside
+        )  # fmt: skip
+
+    start = np.log([1e-3 * level, 0.1 * longest, 1.2 * LEAST_MISFIT])
+    simplex = np.vstack([start, start + np.diag([0.8, 0.8, 0.3])])
+    options = {"initial_simplex": simplex, "xatol": 0.03, "fatol": 0.05, "maxfev": 160}
+    return made(minimize(cost, start, method="Nelder-Mead", options=options).x)

@@ -1,0 +1,1 @@
+"""Own measurements into a resin: modulus rows and relaxation."""

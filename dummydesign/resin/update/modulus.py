@@ -1,0 +1,254 @@
+"""Update a resin's law by measured points (Bayes): narrow near them, wide where nothing was measured."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.core.errors import InputError
+from dummydesign.core.quantity import Quantity
+from dummydesign.resin.model.distribution import HALF_WIDTH, value_at
+from dummydesign.resin.model.resin import Resin
+
+CHAINS, STEPS, SEED = 400, 150, 7
+SMALLEST_SPREAD = 0.005
+"""A modulus is never believed to better than 0.5 % (one standard deviation), whatever a file claims."""
+
+
+@dataclass(frozen=True)
+class Point:
+    """A modulus measured at a ratio."""
+
+    ratio: float
+    young_kPa: Quantity
+
+    @property
+    def log_young(self) -> float:
+        """Natural logarithm of the modulus in kPa."""
+        return math.log(self.young_kPa.value)
+
+    @property
+    def spread(self) -> float:
+        """Standard deviation of the logarithm, from the 95 % interval."""
+        width = math.log(self.young_kPa.high / self.young_kPa.low) / (2 * HALF_WIDTH)
+        return max(width, SMALLEST_SPREAD)
+
+
+def update_resin(resin: Resin, points: Sequence[Point], name: str, seed: int = SEED) -> Resin:
+    """Condition the law of a resin on measured points.
+
+    The law's numbers get their intervals as prior, the points a normal error of ln E from their own
+    95 % intervals. Joint draws are made by elliptical slice sampling in standard normal deviates of the
+    prior. When the points disagree with the law by more than their intervals say, they are named in
+    ``contradictions`` and all intervals of the points are widened by the factor that makes them agree
+    (Birge ratio), instead of averaging them as if they were exact.
+
+    Parameters
+    ----------
+    resin : Resin
+        The base; points it already has are kept and used again.
+    points : sequence of Point
+        New points, inside the resin's range.
+    name : str
+        Name of the resin that results.
+    seed : int
+        Seed of the sampler.
+
+    Returns
+    -------
+    Resin
+        With ``posterior``, ``points``, ``contradictions`` and numbers of kind ``fitted``.
+
+    Raises
+    ------
+    InputError
+        When there is no point or one lies outside the range.
+
+    References
+    ----------
+    Murray, Adams and MacKay, AISTATS 2010 (elliptical slice sampling);
+    Birge, Phys. Rev. 40 (1932) 207 (widening of inconsistent data).
+    """
+    if not points:
+        raise InputError("no points: give at least one [[point]] with ratio and young_kPa")
+    known = [Point(item["ratio"], item["young_kPa"]) for item in resin.points]
+    every = [*known, *points]
+    resin.check_ratio([point.ratio for point in every])
+    prior = base_numbers(resin)
+    names = [key for key, quantity in prior.items() if quantity.low < quantity.high]
+
+    def numbers_at(z: NDArray) -> dict[str, NDArray]:
+        drawn = {key: value_at(prior[key], z[:, index]) for index, key in enumerate(names)}
+        return {key: drawn.get(key, np.full(len(z), q.value)) for key, q in prior.items()}
+
+    widening, best = 1.0, np.zeros(len(names))
+    for _ in range(2):  # a second pass when the first shows that the points must be widened
+        z = _sample(_likelihood(resin, every, numbers_at, widening), len(names), seed)
+        density = _likelihood(resin, every, numbers_at, widening)(z) - 0.5 * np.sum(z**2, axis=1)
+        best = z[int(np.argmax(density))]
+        misfit = _misfit(resin, every, numbers_at(best[None, :]))
+        if widening > 1.0 or not _too_far(misfit):
+            break
+        widening = max(math.sqrt(float(np.mean(misfit**2))), 1.0)
+    draws = numbers_at(z)
+    central = {key: float(value[0]) for key, value in numbers_at(best[None, :]).items()}
+    return replace(
+        resin,
+        name=name,
+        title=f"{resin.title}, updated by {len(every)} measured point{'s' if len(every) > 1 else ''}",
+        origin="user",
+        numbers=_summary(prior, draws, central, len(every)),
+        posterior={key: draws[key] for key in prior},
+        prior_numbers=prior,
+        points=tuple({"ratio": p.ratio, "young_kPa": p.young_kPa} for p in every),
+        contradictions=tuple(contradictions(resin, every, misfit, best, names, widening)),
+    )
+
+
+def base_numbers(resin: Resin) -> dict[str, Quantity]:
+    """Return the law's numbers as they were before any point: of the base, when points updated it."""
+    if resin.posterior is None:
+        return dict(resin.numbers)
+    if not resin.prior_numbers:
+        raise InputError(f"resin {resin.name} has points but no prior; start from its base")
+    return dict(resin.prior_numbers)
+
+
+def _likelihood(
+    resin: Resin,
+    points: Sequence[Point],
+    numbers_at: Callable[[NDArray], dict[str, NDArray]],
+    widening: float,
+) -> Callable[[NDArray], NDArray]:
+    """Make the log likelihood of many deviates at once, shape (n, parameters) to (n,)."""
+
+    def log_likelihood(z: NDArray) -> NDArray:
+        numbers = numbers_at(z)
+        valid = np.broadcast_to(resin.law.valid(resin.ratio_min, numbers), (len(z),))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            total = -0.5 * np.sum((_misfit(resin, points, numbers) / widening) ** 2, axis=-1)
+        return np.where(valid & np.isfinite(total), total, -np.inf)
+
+    return log_likelihood
+
+
+def _misfit(resin: Resin, points: Sequence[Point], numbers: dict[str, NDArray]) -> NDArray:
+    """Misfit of each point in its own standard deviations, shape (n, points) (or (points,) for n = 1)."""
+    columns = {key: np.asarray(value)[:, None] for key, value in numbers.items()}
+    young = resin.law.young_kPa(np.array([p.ratio for p in points]), columns)
+    with np.errstate(divide="ignore"):
+        misfit = (np.log(young) - [p.log_young for p in points]) / [p.spread for p in points]
+    return misfit[0] if len(misfit) == 1 else misfit
+
+
+def _sample(log_likelihood: Callable[[NDArray], NDArray], size: int, seed: int) -> NDArray:
+    """Draw from N(0, 1) times the likelihood by elliptical slice sampling, CHAINS chains side by side."""
+    rng = np.random.default_rng(seed)
+    pool = rng.standard_normal((40 * CHAINS, size))
+    # start each chain at the best of forty prior draws
+    score = log_likelihood(pool).reshape(CHAINS, 40)
+    z = pool.reshape(CHAINS, 40, size)[np.arange(CHAINS), np.argmax(score, axis=1)]
+    current = log_likelihood(z)
+    for _ in range(STEPS):
+        other = rng.standard_normal(z.shape)
+        level = current + np.log(rng.random(CHAINS))
+        angle = rng.uniform(0.0, 2 * np.pi, CHAINS)
+        low, high = angle - 2 * np.pi, angle.copy()
+        open_ = np.ones(CHAINS, dtype=bool)
+        while open_.any():
+            at = np.nonzero(open_)[0]
+            tried = z[at] * np.cos(angle[at])[:, None] + other[at] * np.sin(angle[at])[:, None]
+            value = log_likelihood(tried)
+            taken = value >= level[at]
+            # the bracket shrinks towards the present state, which is always acceptable
+            taken |= np.abs(angle[at]) < 1e-12
+            done = at[taken]
+            z_new = tried[taken]
+            current[done] = np.where(np.isfinite(value[taken]), value[taken], current[done])
+            shrink = at[~taken]
+            low[shrink] = np.where(angle[shrink] < 0, angle[shrink], low[shrink])
+            high[shrink] = np.where(angle[shrink] >= 0, angle[shrink], high[shrink])
+            angle[shrink] = rng.uniform(low[shrink], high[shrink])
+            open_[done] = False
+            z[done] = z_new
+    return z
+
+
+def _summary(
+    prior: dict[str, Quantity], draws: dict[str, NDArray], central: dict[str, float], count: int
+) -> dict[str, Quantity]:
+    """Summarise the draws as quantities of kind ``fitted``; what was fixed stays as it was."""
+    summary = {}
+    for key, quantity in prior.items():
+        if quantity.low == quantity.high:
+            summary[key] = quantity
+            continue
+        low, high = (float(end) for end in np.percentile(draws[key], [2.5, 97.5]))
+        value = central[key]
+        source = f"prior ({quantity.source}) updated by {count} measured point{'s' if count > 1 else ''}"
+        summary[key] = Quantity(value, min(low, value), max(high, value), "fitted", source)
+    return summary
+
+
+def _too_far(misfit: NDArray) -> bool:
+    """Tell whether the points miss their own best law by more than chance (1 %)."""
+    from scipy.special import gammaincc
+
+    return bool(gammaincc(0.5 * misfit.size, 0.5 * float(np.sum(misfit**2))) < 0.01)
+
+
+def contradictions(
+    resin: Resin,
+    points: Sequence[Point],
+    misfit: NDArray,
+    deviates: NDArray,
+    names: Sequence[str],
+    widening: float,
+) -> list[str]:
+    """Say which points contradict each other, the law, or what was believed before.
+
+    Parameters
+    ----------
+    resin : Resin
+        The base.
+    points : sequence of Point
+        All points.
+    misfit : ndarray, shape (points,)
+        Misfit of the best law in standard deviations.
+    deviates : ndarray, shape (parameters,)
+        The best law's numbers in standard deviations of the prior.
+    names : sequence of str
+        Which numbers these are.
+    widening : float
+        Factor by which the points' intervals were widened.
+    """
+    said = []
+    ordered = sorted(points, key=lambda point: point.ratio)
+    for index, first in enumerate(ordered):
+        for second in ordered[index + 1 :]:
+            step = second.log_young - first.log_young
+            spread = math.hypot(first.spread, second.spread)
+            same = math.isclose(first.ratio, second.ratio, abs_tol=0.5 * resin.ratio_step)
+            if same and abs(step) > 2.6 * spread:
+                said.append(f"{_text(first)} and {_text(second)} differ by more than their intervals allow")
+            elif not same and step * resin.law.direction < -2.6 * spread:
+                way = "grow" if resin.law.direction > 0 else "fall"
+                said.append(f"{_text(first)} and {_text(second)}: the modulus must {way} with the ratio")
+    for point, size in zip(points, misfit):
+        if abs(size) > 2.6:
+            said.append(f"{_text(point)} is {abs(size):.1f} standard deviations off the law {resin.law.name}")
+    for key, size in zip(names, deviates):
+        if abs(size) > 2.6:
+            away = f"{abs(size):.1f} standard deviations from what resin {resin.name} states"
+            said.append(f"the points ask for a {key} {away}")
+    if widening > 1.0:
+        said.append(f"all intervals of the points were widened {widening:.1f} times so that they agree")
+    return said
+
+
+def _text(point: Point) -> str:
+    return f"{point.young_kPa.value:g} kPa at ratio {point.ratio:g}"

@@ -1,0 +1,1 @@
+"""What builds shipped tables, data files and documents; nothing that runs imports it."""

@@ -1,0 +1,1 @@
+"""The three dummies of the published method, as a study."""

@@ -1,0 +1,265 @@
+"""Make the response tables of shaped pads: ``python -m dummydesign.studies.tables.shapes crowned``.
+
+Shapes are taken from a Sobol sequence over the table's ranges, as far as they can be cast. Solved curves are kept
+line by line in a file of their own, so that a build can be interrupted and taken up again.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dummydesign import __version__
+from dummydesign.core.datafiles import data_folder
+from dummydesign.core.files import write_text
+from dummydesign.pad.shaped.axisymmetric import EDGE_ERROR, LEAST_ERROR, sharp
+from dummydesign.pad.tables.response_surface import fit
+from dummydesign.pad.tables.shape import LOGARITHMS, TIPPED
+from dummydesign.studies.tables.bumped_designs import BUMPED
+from dummydesign.studies.tables.shape_designs import DESIGNS, EXTENT_OVER_RADIUS, RADIUS_MM, Design
+
+Array = np.ndarray
+ALL = {**DESIGNS, "bumped": BUMPED}
+
+# Levels of the response surface of crowned pads: depth over the height of the crown.
+LEVELS = np.array(
+    [0.03, 0.06, 0.1, 0.16, 0.23, 0.32, 0.42, 0.53, 0.65, 0.78, 0.92, 1.07, 1.25, 1.45, 1.7, 2.0, 2.4, 2.9, 3.5]
+)
+# Curves that reached the last depth are carried on straight to here, so that the surface has no free end.
+CARRIED_ON = 0.9
+# What a curve that reached the last depth counts in the mean that limits the table's depth.
+COMPLETE = 0.7
+MEANING = {
+    "crowned": "ln(F / (16/9 E sqrt(R) d^1.5)) over ln h/a, c/h, ln b/a, ln s and d/c; s = R c / b^2",
+    "layered": "ln(F / F of the slab of the upper resin) over ln h/a, top/h, ln modulus ratio and d/h",
+    "boned": "ln(F / F of the slab) over ln h/a, bone height/h, ln foot/a and d/h; spherical dome",
+    "bumped": "ln(F / (16/9 E sqrt(R) d^1.5)) over ln h/a, ln pitch/a, grade/height and d/h; R of the caps",
+}
+PUNCH = {
+    "crowned": "round, flat, what touches sticks, sharp edge from beads of 0.1 and 0.05",
+    "bumped": "square, flat, what touches sticks, bead of 0.1, in space",
+}
+OVER_SLAB = "round, flat, what touches sticks, ratio to the slab with a bead of 0.1"
+USUAL = {"crowned": (400, 36, 8), "bumped": (30, 8, 1)}
+
+
+def gather(design: Design, points: Array, store: Path, workers: int, finer: bool = False) -> list[dict[str, Any]]:
+    """Solve the points that the store does not hold yet (none with 0 workers); answers in the points' order."""
+    known: dict[tuple[str, ...], dict[str, Any]] = {}
+
+    def key(point: Array) -> tuple[str, ...]:
+        return tuple(f"{x:.6f}" for x in point)
+
+    if store.exists():
+        for line in store.read_text(encoding="utf-8").splitlines():
+            answer = json.loads(line)
+            known[key(answer["point"])] = answer
+    missing = [point for point in points if key(point) not in known] if workers else []
+    store.parent.mkdir(parents=True, exist_ok=True)
+    work = partial(design.solve, finer=finer)
+    with ProcessPoolExecutor(workers or 1) as pool, store.open("a", encoding="utf-8") as file:
+        for done, job in enumerate(as_completed([pool.submit(work, point) for point in missing]), 1):
+            try:
+                answer = job.result()
+            except Exception as problem:  # one curve that fails must not end hours of others
+                print(f"{done}: {problem}", file=sys.stderr)
+                continue
+            known[key(answer["point"])] = answer
+            file.write(json.dumps(answer) + "\n")
+            file.flush()
+            reach = [len(force) for force in answer["force"]]
+            print(f"{done} of {len(missing)}: reached {reach} of {len(design.depths)} depths", file=sys.stderr)
+    return [known[key(point)] for point in points if key(point) in known]
+
+
+def values_of(design: Design, answers: list[dict[str, Any]]) -> tuple[Array, Array, Array]:
+    """Points, forces (crowned, with a sharp edge) or factors at the depths, and what the edge added, relative."""
+    points = np.array([answer["point"] for answer in answers])
+    rows, added = [], []
+    for answer in answers:
+        padded = [np.array(row + [np.nan] * (len(design.depths) - len(row)), dtype=float) for row in answer["force"]]
+        value, edge = sharp(*padded) if design.kind == "crowned" else (padded[0], 0.0 * padded[0])
+        rows.append(value)
+        added.append(edge)
+    return points, np.array(rows), np.array(added)
+
+
+def reduced(design: Design, points: Array, values: Array) -> Array:
+    """ln of F over Hertz's force of the tip (crowned), or of the factor."""
+    if design.kind not in TIPPED:
+        return np.log(values)
+    h = np.exp(points[:, 0])
+    if design.kind == "bumped":
+        tip = np.array([design.shape(point)[0].radius_mm for point in points]) / RADIUS_MM
+    else:
+        tip = points[:, 3] * np.exp(2.0 * points[:, 2]) / (points[:, 1] * h)
+    return np.log(values / (16.0 / 9.0 * np.sqrt(tip)[:, None] * (design.depths * h[:, None]) ** 1.5))
+
+
+def at_levels(design: Design, points: Array, rows: Array) -> Array:
+    """Curves over d / h, shape (n, depths), at the levels of d / c; NaN where they were not solved.
+
+    A natural cubic spline in sqrt(d / h) from 0 at first touch, carried on straight.
+    """
+    from scipy.interpolate import CubicSpline
+
+    depths = design.depths
+    out = np.full((len(points), len(LEVELS)), np.nan)
+    for row, share, values in zip(out, points[:, 1], rows):
+        known = np.isfinite(values)
+        last = depths[known][-1]
+        place = np.sqrt(np.concatenate([[0.0], depths[known]]))
+        spline = CubicSpline(place, np.concatenate([[0.0], values[known]]), bc_type="natural")
+        x = LEVELS * share
+        inside = np.minimum(np.sqrt(x), place[-1])
+        carried = spline(inside) + (np.sqrt(x) - inside) * spline(place[-1], 1)
+        wanted = x <= (CARRIED_ON if last >= depths[-1] else last * (1.0 + 1e-9))
+        row[wanted] = carried[wanted]
+    return out
+
+
+def content(
+    design: Design, answers: list[dict[str, Any]], checks: list[dict[str, Any]], finer: list[dict[str, Any]]
+) -> dict[str, Any]:
+    """Fit the response surface, measure its error on fresh solves, and return what goes into the file.
+
+    Parameters
+    ----------
+    answers, checks : list of dict
+        Solves of the design and of the fresh points, from :func:`gather`.
+    finer : list of dict
+        Some of the fresh points on cells of half the size.
+    """
+    depths, crowned = design.depths, design.kind == "crowned"
+    points, values, added = values_of(design, answers)
+    rows = reduced(design, points, values)
+    reach = np.array([depths[np.isfinite(row)][-1] for row in rows])
+    reach = np.where(reach >= depths[-1], COMPLETE, reach)
+    levels, rows = (LEVELS, at_levels(design, points, rows)) if crowned else (depths, rows)
+    low, high = _coordinates(design, design.low[None])[0], _coordinates(design, design.high[None])[0]
+    anchored = design.kind in TIPPED
+    surface = fit(_coordinates(design, points), rows, levels, low, high, anchored, reach)
+    short = {name: _shorter(getattr(surface, name), 7) for name in ("trend", "weights", "lengths")}
+    surface = replace(surface, **short)
+    at, fresh_values, _ = values_of(design, checks)
+    checked = _coordinates(design, at)
+    place = np.broadcast_to(np.arange(len(at))[:, None], fresh_values.shape)
+    unit = at[:, 1:2] if crowned else np.ones((len(at), 1))
+    answered, _ = surface.along(surface.at_levels(checked), place, depths / unit)
+    miss = np.abs(np.expm1(answered - reduced(design, at, fresh_values)))
+    # Judged where the table answers: within the limit it states itself.
+    miss = np.where(depths[None, :] <= surface.limit(checked)[:, None] * (1.0 + 1e-9), miss, np.nan)
+    places, fine_values, _ = values_of(design, finer)
+    twin = np.array([np.abs(at - place).sum(1).argmin() for place in places])
+    mesh = _rms(np.log(fine_values / fresh_values[twin]))
+    return {
+        "kind": design.kind,
+        "condition": "bonded",
+        "meaning": MEANING[design.kind],
+        "low": _list(_plain(design, design.low + design.margin), 4),
+        "high": _list(_plain(design, design.high - design.margin), 4),
+        "error_depth": _list(depths, 4),
+        "median_error": _list(_filled(np.nanmedian(miss, axis=0)), 3),
+        "error": _list(_filled(np.nanpercentile(miss, 95.0, axis=0)), 3),
+        "solve_error": _list(_filled(LEAST_ERROR + mesh + EDGE_ERROR * _rms(added)), 3),
+        "surface": {
+            "low": _list(surface.low, 9),
+            "high": _list(surface.high, 9),
+            "lengths": _list(surface.lengths, 7),
+            "centres": _list(surface.centres, 7),
+            "levels": _list(levels, 4),
+            "trend": _list(surface.trend, 7),
+            "weights": _list(surface.weights, 7),
+            "reach": _list(surface.reach, 4),
+            "anchored": anchored,
+        },
+        "fresh": {"points": _list(at, 7), "values": _list(fresh_values, 6)},
+        "provenance": {
+            "command": f"python -m dummydesign.studies.tables.shapes {design.kind} --count {len(answers)}",
+            "version": __version__,
+            "law": "neo-Hookean, incompressible",
+            "punch": PUNCH.get(design.kind, OVER_SLAB),
+            "base": "bonded",
+            "extent_over_radius": EXTENT_OVER_RADIUS,
+            "cells_under_punch": design.cells,
+            "design": "Sobol sequence over the ranges, castable under a 14 x 14 mm punch",
+            "curves": len(answers),
+            "curves_that_stopped_early": int((reach < COMPLETE).sum()),
+            "fresh_curves": len(checks),
+            "fresh_curves_on_half_the_cells": len(finer),
+            "median_error": float(f"{np.nanmedian(miss):.3g}"),
+            "error_of_95_percent": float(f"{np.nanpercentile(miss, 95.0):.3g}"),
+            "largest_error": float(f"{np.nanmax(miss):.3g}"),
+        },
+    }  # fmt: skip
+
+
+def _plain(design: Design, point: Array) -> Array:
+    """Inputs of the table of a design point: exponentials of its logarithms."""
+    logs = LOGARITHMS[design.kind].copy()
+    if design.kind == "crowned":
+        logs[3] = False
+    return np.where(logs, np.exp(point), point)
+
+
+def _coordinates(design: Design, points: Array) -> Array:
+    """Coordinates of the response surface of design points (n, k)."""
+    if design.kind != "crowned":
+        return points
+    return np.column_stack([points[:, :3], np.log(points[:, 3])])
+
+
+def _rms(values: Array) -> Array:
+    return np.sqrt(np.nanmean(values**2, axis=0))
+
+
+def _filled(errors: Array) -> Array:
+    """Errors at depths where nothing was measured take the largest measured one."""
+    return np.where(np.isfinite(errors), errors, np.nanmax(errors))
+
+
+def _shorter(values: Array, digits: int) -> Array:
+    return np.array([float(f"{value:.{digits}g}") for value in values.ravel()]).reshape(values.shape)
+
+
+def _list(values: Array, digits: int) -> list[Any]:
+    """Nested lists of short numbers; None where not a number."""
+    if values.ndim > 1:
+        return [_list(row, digits) for row in values]
+    return [float(f"{value:.{digits}g}") if np.isfinite(value) else None for value in values]
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Solve what is missing and write the table."""
+    parser = argparse.ArgumentParser(description="Make a response table of shaped pads by finite elements.")
+    parser.add_argument("kind", choices=tuple(ALL))
+    parser.add_argument("--count", type=int, help="shapes that are solved")
+    parser.add_argument("--fresh", type=int, help="further random shapes, for the table's error")
+    parser.add_argument("--finer", type=int, help="of these on smaller cells, for the elements' error")
+    parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument("--store", type=Path, help="file that keeps solves (KIND-solves.jsonl)")
+    parser.add_argument("--no-solve", action="store_true", help="use what the store holds")
+    parser.add_argument("--out", type=Path, default=data_folder() / "materials" / "tables")
+    options = parser.parse_args(arguments)
+    design, workers = ALL[options.kind], 0 if options.no_solve else options.workers
+    usual = USUAL.get(options.kind, (80, 12, 4))
+    count, fresh, finer = (v or w for v, w in zip((options.count, options.fresh, options.finer), usual))
+    store = options.store or Path(f"{options.kind}-solves.jsonl")
+    checks = gather(design, design.fresh(fresh), store, workers)
+    fine = gather(design, design.fresh(finer), store.with_suffix(".finer.jsonl"), workers, True)
+    answers = gather(design, design.points(count), store, workers)
+    table = content(design, answers, checks, fine)
+    write_text(options.out / f"{options.kind}-bonded.json", json.dumps(table) + "\n")
+    print(json.dumps(table["provenance"], indent=1))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,129 @@
+"""Make the response tables from axisymmetric finite elements: ``python -m dummydesign.studies.tables.slab``.
+
+Eight rims per a / h, at Chebyshev nodes in ln(a / h), to d / h = 0.6 or as far as the elements stay sound;
+one regression over all values (see ``edge_limit``) gives the series and its stated error.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dummydesign import __version__
+from dummydesign.core.datafiles import data_folder
+from dummydesign.core.files import write_text
+from dummydesign.pad.fem.mesh_axisymmetric import Resolution
+from dummydesign.pad.material.hyperelastic import Yeoh
+from dummydesign.pad.slab.edge_extrapolation import Samples, fit_limit
+from dummydesign.pad.slab.sharp_edge import Slab, climb_all, first_stiffness
+
+FIELDS = ("depth", "ratio", "rim", "stiffness")
+RATIO_RANGE = (0.25, 2.7)
+DEPTHS = np.concatenate([[0.01, 0.02, 0.03, 0.04], np.arange(0.05, 0.6001, 0.025)])
+# Outer over punch radius: the 150 x 120 mm slab and the 14 mm square punch, each as the circle of equal area.
+EXTENT_OVER_RADIUS = float(np.sqrt(150.0 * 120.0) / 14.0)
+TERMS = (10, 9)
+RIMS = tuple(0.2 * 0.5**k for k in range(8))
+
+
+def solve_rung(task: tuple[float, str, float]) -> tuple[float, float, Samples]:
+    """Solve one rim of one curve; return a / h, the stiffness at first touch and the values."""
+    ratio, base, rim = task
+    slab, law = Slab(ratio, EXTENT_OVER_RADIUS * ratio, base), Yeoh(1.0)
+    samples, _ = climb_all(slab, law, 0.5, DEPTHS, [rim], Resolution())
+    return ratio, first_stiffness(slab, law), samples
+
+
+def nodes(count: int) -> np.ndarray:
+    """Chebyshev nodes in ln(a / h), ends included, in increasing order."""
+    low, high = np.log(RATIO_RANGE)
+    return np.exp(low + (high - low) * (1.0 - np.cos(np.pi * np.arange(count) / (count - 1))) / 2.0)
+
+
+def content(answers: list[tuple[float, float, Samples]], base: str) -> dict[str, Any]:
+    """Fit the series to all values and state its errors; return what goes into the file."""
+    samples = Samples(*(np.concatenate([getattr(s, name) for _, _, s in answers]) for name in FIELDS))
+    first = {ratio: value for ratio, value, _ in answers}
+    ratios = np.array(sorted(first))
+    limit = fit_limit(
+        samples, ratios, np.array([first[r] for r in ratios]), (0.0, float(DEPTHS[-1])), RATIO_RANGE, TERMS
+    )
+    depths = np.concatenate([[0.0], np.arange(0.05, 0.6001, 0.05)])
+    reach = [float(samples.depth[samples.ratio == ratio].max()) for ratio in ratios]
+    residual = limit.residual
+    return {
+        "base": base,
+        "meaning": "ln(F / (E a d)) = Chebyshev series in d/h and ln(a/h); E long-term, a punch radius, glued punch",
+        "coefficients": [[_short(c, 9) for c in row] for row in limit.coefficients],
+        "ratio_range": list(RATIO_RANGE),
+        "depth_range": [0.0, float(DEPTHS[-1])],
+        "limit_ratio": [_short(r) for r in ratios],
+        "limit_depth": [_short(r) for r in reach],
+        "error_ratio": [_short(r) for r in ratios],
+        "error_depth": [_short(d) for d in depths],
+        "error": [[_short(e, 3) for e in limit.error(depths, ratio)] for ratio in ratios],
+        "provenance": {
+            "command": "python -m dummydesign.studies.tables.slab",
+            "version": __version__,
+            "law": "neo-Hookean, incompressible",
+            "punch": "round, flat, glued, sharp edge as the limit of a small rim",
+            "extent_over_radius": EXTENT_OVER_RADIUS,
+            "curves": len(ratios),
+            "values": len(residual),
+            "rms_residual": _short(np.sqrt(np.mean(residual**2)), 3),
+            "rms_residual_to_depth_0.3": _short(np.sqrt(np.mean(residual[limit.samples.depth < 0.31] ** 2)), 3),
+        },
+        "first_touch": [_short(first[r], 9) for r in ratios],
+        "values": {name: [_short(v, 7) for v in getattr(samples, name)] for name in FIELDS},
+    }
+
+
+def stored(path: Path) -> list[tuple[float, float, Samples]]:
+    """Read the values of a table file back, one entry per a / h."""
+    data = json.loads(path.read_text(encoding="utf-8"))
+    values = Samples(*(np.array(data["values"][name]) for name in FIELDS))
+    answers = []
+    for ratio, first in zip(nodes(len(data["first_touch"])), data["first_touch"]):
+        own = values.take(np.abs(values.ratio / ratio - 1.0) < 1e-4)
+        own = Samples(own.depth, np.full(len(own.depth), ratio), own.rim, own.stiffness)
+        answers.append((float(ratio), first, own))
+    return answers
+
+
+def _short(number: float, digits: int = 6) -> float:
+    return float(f"{number:.{digits}g}")
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Build the tables named on the command line (both by default)."""
+    parser = argparse.ArgumentParser(description="Make the response tables by finite elements.")
+    parser.add_argument("--base", choices=("bonded", "sliding"), action="append")
+    parser.add_argument("--count", type=int, default=14, help="curves, one per a / h")
+    parser.add_argument("--refit", action="store_true", help="fit again the values of the shipped files, solve nothing")
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--out", type=Path, default=data_folder() / "materials" / "tables")
+    options = parser.parse_args(arguments)
+    for base in options.base or ["bonded", "sliding"]:
+        if options.refit:
+            answers = stored(options.out / f"slab-{base}.json")
+            write_text(options.out / f"slab-{base}.json", json.dumps(content(answers, base)) + "\n")
+            continue
+        tasks = [(float(ratio), base, rim) for ratio in nodes(options.count) for rim in RIMS]
+        answers = []
+        with ProcessPoolExecutor(options.workers) as pool:
+            for (ratio, _, rim), answer in zip(tasks, pool.map(solve_rung, tasks)):
+                answers.append(answer)
+                print(f"{base} a/h = {ratio:.3f} rim {rim:.4f}: {len(answer[2].depth)} depths", file=sys.stderr)
+        table = content(answers, base)
+        write_text(options.out / f"slab-{base}.json", json.dumps(table) + "\n")
+        print(f"slab-{base}.json: {table['provenance']}")
+
+
+if __name__ == "__main__":
+    main()

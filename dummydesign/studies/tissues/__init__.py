@@ -1,0 +1,1 @@
+"""Inference of the built-in tissues from published statements and in vivo anchors."""

@@ -1,0 +1,50 @@
+"""What is verified of shaped pads: the cap on a layer, and the slab as the limit of every shape."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from dummydesign.geometry.shapes import Boned, Crowned, Layered, Shape
+from dummydesign.pad.shaped.axisymmetric import solve_shaped_pad
+from dummydesign.pad.slab.sharp_edge import solve_curve
+from dummydesign.studies.verification.check import Check
+
+GROUP = "Shaped pads"
+# f(c) of a frictionless cap on an incompressible layer glued to its base, F = 16/9 E sqrt(R) d^1.5 f(c).
+CAP_ON_LAYER = {0.185: 1.270, 0.417: 1.857, 0.554: 2.381, 0.748: 3.371, 1.054: 5.563, 1.349: 8.468}
+SMALL = 4e-4
+
+
+def _paraboloid(radius: float, foot: float) -> Crowned:
+    return Crowned(radius, foot**2 / (2.0 * radius), foot)
+
+
+def cap_on_layer() -> Iterator[Check]:
+    """Small strain: a shallow paraboloid on a layer, for c = sqrt(R d) / h."""
+    for c, factor in CAP_ON_LAYER.items():
+        radius = c**2 / SMALL
+        reach = 2.0 * c + 1.0
+        shape = _paraboloid(radius, reach + 3.0)
+        curve = solve_shaped_pad(
+            shape, 1.0, reach, 1.0, [0.25 * SMALL, SMALL], "frictionless", extent_mm=reach + 6.0, cells=48
+        )
+        found = float(curve.force_N[-1]) / (16.0 / 9.0 * np.sqrt(radius) * SMALL**1.5)
+        yield Check(GROUP, f"cap on a layer, f at c = {c:g}", factor, found, 2e-3, "integral equation of the layer")
+
+
+def slab_limits() -> Iterator[Check]:
+    """Every shape becomes the slab: a crown that is nearly flat, equal layers, a bone far below."""
+    depth, radius = 1.5, 7.9
+    slab = solve_curve(8.0, radius, 0.05, [0.5 * depth, depth])
+    expected = float(slab.force_N[-1])
+    flat: tuple[tuple[str, Shape], ...] = (
+        ("equal layers", Layered(3.0, 1.0)),
+        ("bone of 0.01 mm", Boned(2000.0, 0.01)),
+        ("crown of 0.003 mm", _paraboloid(2e4, 11.0)),
+    )
+    for name, shape in flat:
+        curve = solve_shaped_pad(shape, 8.0, radius, 0.05, [0.5 * depth, depth])
+        found = float(curve.force_N[-1]) / expected
+        yield Check(GROUP, f"{name}, over the slab, d/h 0.19", 1.0, found, 3e-3, "the slab, solved as one")

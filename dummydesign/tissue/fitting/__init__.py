@@ -1,0 +1,1 @@
+"""Fit of the five-element law to traces, and comparison with a tissue."""

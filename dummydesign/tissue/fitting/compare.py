@@ -1,0 +1,200 @@
+"""Is a measured dummy inside a tissue's ranges? The paper's own use, with its two ways of looking."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.inference.reduction import ReducedTrace, reduce_trace
+from dummydesign.measurement.motion import DECELERATION_MM_S2
+from dummydesign.measurement.sensor import Lowpass
+from dummydesign.measurement.trace import Trace
+from dummydesign.tissue.fitting.fit import Fit, condition_groups, fit_traces
+from dummydesign.tissue.model.ranges import STEADY_TOLERANCE, ForceRange
+from dummydesign.tissue.model.tissue import Tissue
+
+STEADY_GRID_N = np.linspace(0.5, 15.0, 146)
+"""Forces at which the steady-state curve is judged. [N]"""
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What was found; ``result`` is the JSON of ``compare``, the rest is for tables and pictures.
+
+    ``steady`` are depths (n,) [mm] of the dummy at :data:`STEADY_GRID_N`, NaN where it was not pressed;
+    ``presses`` pair each trace with the tissue's range at its condition.
+    """
+
+    result: dict[str, Any]
+    fit: Fit
+    steady: NDArray
+    points: NDArray
+    presses: tuple[tuple[ReducedTrace, ForceRange], ...]
+
+
+def compare_traces(traces: Sequence[Trace], tissue: Tissue, lowpass: Lowpass | None = None) -> Comparison:
+    """Hold a dummy's traces against a tissue: by parameters, by steady-state range, by force variation range.
+
+    The dummy is fitted per speed with the law and the number of elements of the tissue. Its steady-state
+    curve goes through its measured (depth, force at the end of the hold); below the smallest of them it
+    is the rise of the slowest, deepest press scaled by that press's steady over peak force. The force
+    variation range is made for the steady force, speed, hold and braking of each press, and goes through
+    the declared sensor filter as the dummy's force did.
+
+    Parameters
+    ----------
+    traces : sequence of Trace
+        Presses of one dummy.
+    tissue : Tissue
+    lowpass : Lowpass, optional
+        Filter the recorded forces went through.
+
+    Returns
+    -------
+    Comparison
+    """
+    fit = fit_traces(traces, tissue.elements, tissue.law, "per-speed", lowpass)
+    reduced = [reduce_trace(trace) for trace in traces]
+    points, depth = steady_curve(reduced)
+    presses, rows = [], []
+    for speed, _, group in condition_groups(reduced):
+        for trace in group:
+            band = _range_for(trace, speed, tissue, lowpass)
+            shares = _shares(trace, band, fit.result["noise_floor_N"])
+            presses.append((trace, band))
+            rows.append({"file": trace.trace.name, "velocity_mm_s": speed, **shares})
+    result = {
+        "tissue": tissue.name,
+        "law": tissue.law,
+        "parametric": _parametric(fit, tissue),
+        "steady_state_range": _steady_shares(tissue, depth),
+        "force_variation_range": _by_condition(reduced, rows),
+        "by_trace": rows,
+        "fit": {key: fit.result[key] for key in ("rmse_N", "noise_floor_N", "max_residual_N", "comparison")},
+        "warnings": _warnings(fit, tissue, points, rows),
+    }
+    return Comparison(result, fit, depth, points, tuple(presses))
+
+
+def steady_curve(reduced: Sequence[ReducedTrace]) -> tuple[NDArray, NDArray]:
+    """Steady points (k, 2) of depth and force at the end of the hold, and depths at :data:`STEADY_GRID_N`."""
+    points = np.array(sorted((trace.ramp.depth_mm, trace.steady_force_N) for trace in reduced))
+    merged = []
+    for depth, force in points:
+        if merged and depth < 1.05 * merged[-1][0][-1]:
+            merged[-1][0].append(depth)
+            merged[-1][1].append(force)
+        else:
+            merged.append(([depth], [force]))
+    knots = np.array([[np.mean(depths), np.mean(forces)] for depths, forces in merged])
+    slowest = min(reduced, key=lambda trace: (round(trace.velocity_mm_s, -1), -trace.ramp.depth_mm))
+    rise = slowest.end_s <= slowest.ramp.stop_time_s
+    x = (slowest.average @ slowest.motion.displacement_mm)[rise]
+    peak = float(slowest.force_N[rise].max())
+    scaled = slowest.force_N[rise] * slowest.steady_force_N / peak
+    below = (x > 0.02 * knots[0, 0]) & (x < 0.97 * knots[0, 0]) & (scaled > 0)
+    # the rise joins the first steady point: its shape is used, its level is the point's
+    level = knots[0, 1] / float(np.interp(knots[0, 0], x, scaled))
+    log_depth = np.log(np.r_[x[below], knots[:, 0]])
+    log_force = np.log(np.maximum.accumulate(np.r_[scaled[below] * level, knots[:, 1]]))
+    keep = np.r_[True, np.diff(log_force) > 0]
+    wanted = np.log(STEADY_GRID_N)
+    depth = np.exp(np.interp(wanted, log_force[keep], log_depth[keep], left=np.nan, right=np.nan))
+    # a force a little above the deepest press still belongs to it
+    last = (np.isnan(depth)) & (STEADY_GRID_N > knots[-1, 1]) & (STEADY_GRID_N <= 1.05 * knots[-1, 1])
+    depth[last] = knots[-1, 0]
+    return knots, depth
+
+
+def _range_for(trace: ReducedTrace, speed: float, tissue: Tissue, lowpass: Lowpass | None) -> ForceRange:
+    hold = trace.ramp.hold_end_s - trace.ramp.stop_time_s
+    return tissue.force_range(trace.steady_force_N, speed, hold, braking_of(trace, speed), lowpass)
+
+
+def braking_of(trace: ReducedTrace, velocity_mm_s: float) -> float:
+    """Deceleration of the robot from its rise time: t_p = d / v + v / (2 a); the default when it is not seen."""
+    spare = trace.ramp.rise_time_s - trace.ramp.depth_mm / velocity_mm_s
+    if velocity_mm_s < 50 or spare <= 0:
+        return DECELERATION_MM_S2
+    return float(np.clip(velocity_mm_s / (2.0 * spare), 3_000.0, 200_000.0))
+
+
+def _shares(trace: ReducedTrace, band: ForceRange, noise_N: float) -> dict[str, Any]:
+    """Shares of one press inside its range, give or take the steady force's tolerance or the noise."""
+    time = trace.trace.time_s[trace.inside] - trace.ramp.contact_time_s
+    force = trace.trace.force_N[trace.inside]
+    near = max(STEADY_TOLERANCE * trace.steady_force_N, 3.0 * noise_N)
+    shares = band.inside(time, force, trace.ramp.rise_time_s, near)
+    return {
+        "steady_force_N": trace.steady_force_N,
+        "depth_mm": trace.ramp.depth_mm,
+        "peak_force_N": float(force.max()),
+        "range_peak_low_N": band.peak_low_N,
+        "range_peak_high_N": band.peak_high_N,
+        **{name: float(share) for name, share in shares.items()},
+    }
+
+
+def _by_condition(reduced: Sequence[ReducedTrace], rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Mean over the repeats of each condition."""
+    by_file = {row["file"]: row for row in rows}
+    found = []
+    for speed, _, group in condition_groups(reduced):
+        own = [by_file[trace.trace.name] for trace in group]
+        mean = {
+            key: float(np.mean([row[key] for row in own])) for key in own[0] if key not in ("file", "velocity_mm_s")
+        }
+        found.append({"velocity_mm_s": speed, **mean, "repeats": len(own)})
+    return found
+
+
+def _parametric(fit: Fit, tissue: Tissue) -> dict[str, Any]:
+    """Each parameter beside the tissue's band at the same speed; dampers at speeds both have."""
+    table: dict[str, Any] = {}
+    for name, entry in fit.result["parameters"].items():
+        band = tissue.bands[name]
+        pairs = {name: (entry, band)} if "value" in entry else {
+            f"{name}.{speed}": (one, band.get(speed)) for speed, one in entry.items()
+        }  # fmt: skip
+        for label, (one, limits) in pairs.items():
+            row = {key: one[key] for key in ("value", "low", "high", "at_bound")}
+            row |= {"band_low": None, "band_high": None, "inside": None}
+            if limits is not None:
+                row |= {"band_low": limits.low, "band_high": limits.high}
+                row["inside"] = bool(limits.low <= one["value"] <= limits.high)
+            table[label] = row
+    return table
+
+
+def _steady_shares(tissue: Tissue, depth: NDArray) -> dict[str, Any]:
+    """Shares over the forces the dummy reached; a part it did not reach is null."""
+    reached = ~np.isnan(depth)
+    if not reached.any():
+        return {"inside_fraction": None, "below_5N_fraction": None, "above_5N_fraction": None, "reached_N": None}
+    shares = tissue.steady_inside(STEADY_GRID_N[reached], depth[reached])
+    span = STEADY_GRID_N[reached]
+    result: dict[str, Any] = {name: None if np.isnan(share) else float(share) for name, share in shares.items()}
+    return {**result, "reached_N": [float(span[0]), float(span[-1])]}
+
+
+def _warnings(fit: Fit, tissue: Tissue, points: NDArray, rows: list[dict[str, Any]]) -> list[dict[str, str]]:
+    found = [w for w in fit.result["warnings"] if w["code"] in ("lack_of_fit", "at_bound", "not_identifiable")]
+    if "inferred" in tissue.kinds:
+        found.append({"code": "inferred_tissue", "message": f"the band of {tissue.name} is inferred, not measured"})
+    if points[0, 1] > 0.6:
+        found.append(
+            {"code": "steady_from_rise", "message": f"below {points[0, 1]:.2g} N the steady-state curve is the "
+             "scaled rise of the slowest press, not a measured steady force"}
+        )  # fmt: skip
+    unknown = sorted({row["velocity_mm_s"] for row in rows} - set(tissue.velocities_mm_s))
+    if unknown:
+        speeds = ", ".join(f"{v:g}" for v in unknown)
+        found.append(
+            {"code": "speed_not_in_band", "message": f"the tissue has no dampers at {speeds} mm/s: its range "
+             "there uses dampers interpolated in ln c over ln v"}
+        )  # fmt: skip
+    return found

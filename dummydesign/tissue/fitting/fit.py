@@ -1,0 +1,283 @@
+"""Fit of the tissue law to traces: joint, per speed or per condition, with intervals and rivals compared."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from dummydesign.core.errors import InputError
+from dummydesign.inference.least_squares import profile_interval
+from dummydesign.inference.noise_floor import noise_floor
+from dummydesign.inference.reduction import ReducedTrace, reduce_trace
+from dummydesign.measurement.sensor import Lowpass
+from dummydesign.measurement.trace import Trace
+from dummydesign.tissue.fitting.problem import Optimum, Problem
+from dummydesign.tissue.fitting.residuals import heldout_rmse, trace_residuals
+from dummydesign.tissue.model.maxwell_law import ELEMENTS, check_law, parameter_names
+from dummydesign.tissue.model.parameters import speed_key
+
+MODES = ("joint", "per-speed", "per-condition")
+
+PARSIMONY = 6.0
+"""Gain in AICc that more elements must bring: the time of a spurious arm is free to hunt for noise, which
+earns it more than the two units a parameter is charged with."""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """What was found; :meth:`to_dict` is the JSON of ``fit``.
+
+    ``problems`` are the fits it consists of (one, or one per condition) with their optimum.
+    """
+
+    elements: int
+    law: str
+    mode: str
+    lowpass: Lowpass | None
+    result: dict[str, Any]
+    problems: tuple[tuple[Problem, Optimum], ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return parameters, intervals, residuals and the comparison of elements as plain values."""
+        return dict(self.result)
+
+
+def fit_traces(
+    traces: Sequence[Trace],
+    elements: int | str = "auto",
+    law: str = "ode",
+    mode: str = "joint",
+    lowpass: Lowpass | None = None,
+    intervals: bool = True,
+) -> Fit:
+    """Fit the tissue law to traces of one tissue or dummy.
+
+    Trust-region least squares in log parameters on binned data (about fifty bins a trace), from several
+    starts, with a noise model (white, slow, contact position) estimated from the residuals; 95 %
+    intervals by profile likelihood; 3, 5 and 7 elements compared by AICc and by the error on left-out
+    conditions. The measured motion and the declared sensor filter are part of the model.
+
+    Parameters
+    ----------
+    traces : sequence of Trace
+        Any forces, speeds and repeats of the same specimen.
+    elements : 3, 5, 7 or "auto"
+        ``auto`` takes the fewest whose AICc is within 6 of the lowest.
+    law : str
+        ``ode``, ``consistent`` or ``published``; the latter two use mean speed and stop time only.
+    mode : str
+        ``joint`` (one set), ``per-speed`` (gamma shared, c per speed) or ``per-condition`` (as the
+        paper: every speed and depth by itself, then averaged).
+    lowpass : Lowpass, optional
+        Filter the recorded forces went through.
+    intervals : bool
+        Whether to compute intervals.
+
+    Returns
+    -------
+    Fit
+
+    Raises
+    ------
+    InputError
+        For unknown choices, no traces, or a trace without a press and a hold.
+    """
+    check_law(law)
+    if mode not in MODES:
+        from dummydesign.core.errors import unknown_name
+
+        raise unknown_name("mode", mode, MODES)
+    if elements != "auto" and elements not in ELEMENTS:
+        raise InputError(f"elements = {elements} is not one of 3, 5, 7 or auto")
+    if not traces:
+        raise InputError("fit needs at least one trace")
+    reduced = [reduce_trace(trace) for trace in traces]
+    problems = _problems(law, mode, reduced, lowpass)
+    optima = {n: [problem.optimum((n - 1) // 2) for problem in problems] for n in ELEMENTS}
+    comparison = _comparison(mode, problems, optima)
+    chosen = _simplest(comparison) if elements == "auto" else int(elements)
+    pairs = tuple(zip(problems, optima[chosen]))
+    result: dict[str, Any] = {"elements": chosen, "law": law, "mode": mode}
+    result |= _parameters(mode, pairs, chosen, intervals)
+    result |= trace_residuals(pairs)
+    place = {trace.name: index for index, trace in enumerate(traces)}
+    result["by_trace"].sort(key=lambda row: place[row["file"]])
+    result["noise_floor_N"] = noise_floor(reduced)
+    result["noise"] = [optimum.noise.to_dict() for _, optimum in pairs]
+    result["starts"] = {"tried": pairs[0][1].solution.starts, "same_optimum": pairs[0][1].solution.agreeing}
+    result["comparison"] = comparison
+    result["warnings"] = _warnings(law, result, pairs)
+    return Fit(chosen, law, mode, lowpass, result, pairs)
+
+
+def _simplest(comparison: dict[str, dict[str, Any]]) -> int:
+    """Fewest elements whose AICc is within :data:`PARSIMONY` of the lowest."""
+    lowest = min(row["aicc"] for row in comparison.values())
+    return min(int(n) for n, row in comparison.items() if row["aicc"] <= lowest + PARSIMONY)
+
+
+def rounded_velocity(velocity_mm_s: float) -> float:
+    """Nominal speed of a measured one: two significant digits. [mm/s]"""
+    return float(f"{velocity_mm_s:.2g}")
+
+
+def speed_groups(traces: Sequence[ReducedTrace]) -> list[tuple[float, list[ReducedTrace]]]:
+    """Group traces whose speeds are within 15 % of their neighbour's: (nominal speed, traces), rising."""
+    ordered = sorted(traces, key=lambda trace: trace.velocity_mm_s)
+    groups: list[list[ReducedTrace]] = []
+    for trace in ordered:
+        if groups and trace.velocity_mm_s < 1.15 * groups[-1][-1].velocity_mm_s:
+            groups[-1].append(trace)
+        else:
+            groups.append([trace])
+    return [(rounded_velocity(float(np.median([t.velocity_mm_s for t in g]))), g) for g in groups]
+
+
+def condition_groups(traces: Sequence[ReducedTrace]) -> list[tuple[float, float, list[ReducedTrace]]]:
+    """Group by speed and by depth (5 % apart at most); (speed, mean depth, traces)."""
+    found = []
+    for speed, group in speed_groups(traces):
+        ordered = sorted(group, key=lambda trace: trace.ramp.depth_mm)
+        parts: list[list[ReducedTrace]] = []
+        for trace in ordered:
+            if parts and trace.ramp.depth_mm < 1.05 * parts[-1][-1].ramp.depth_mm:
+                parts[-1].append(trace)
+            else:
+                parts.append([trace])
+        found += [(speed, float(np.mean([t.ramp.depth_mm for t in part])), part) for part in parts]
+    return found
+
+
+def _problems(law: str, mode: str, reduced: list[ReducedTrace], lowpass: Lowpass | None) -> list[Problem]:
+    if mode == "joint":
+        return [Problem(law, [reduced], lowpass)]
+    if mode == "per-speed":
+        return [Problem(law, [group for _, group in speed_groups(reduced)], lowpass)]
+    return [Problem(law, [group], lowpass) for _, _, group in condition_groups(reduced)]
+
+
+def _comparison(mode: str, problems: list[Problem], optima: dict[int, list[Optimum]]) -> dict[str, dict[str, Any]]:
+    """Error, AICc and left-out error of 3, 5 and 7 elements."""
+    table = {}
+    for elements, found in optima.items():
+        pairs = list(zip(problems, found))
+        heldout = heldout_rmse(*pairs[0]) if mode != "per-condition" else None
+        table[str(elements)] = {
+            "rmse_N": trace_residuals(pairs)["rmse_N"],
+            # the noise of the most flexible rival, which has the least misfit in it
+            "aicc": sum(p.aicc(o, best.factor) for (p, o), best in zip(pairs, optima[max(ELEMENTS)])),
+            "heldout_rmse_N": heldout,
+            "parameters": sum(len(optimum.solution.parameters) for optimum in found),
+        }
+    return table
+
+
+def _parameters(mode: str, pairs: Sequence[tuple[Problem, Optimum]], elements: int, intervals: bool) -> dict[str, Any]:
+    """``parameters`` and, by mode, ``by_speed`` or ``by_condition``."""
+    names = parameter_names(elements)
+    arms = (elements - 1) // 2
+    objects = [_objects(problem, optimum, intervals) for problem, optimum in pairs]
+    if mode == "joint":
+        return {"parameters": dict(zip(names, objects[0]))}
+    if mode == "per-speed":
+        speeds = [speed_key(speed) for speed, _ in speed_groups(pairs[0][0].traces)]
+        springs, dampers = objects[0][: 1 + arms], objects[0][1 + arms :]
+        by_speed = {
+            speed: dict(zip(names, [*springs, *dampers[at * arms : (at + 1) * arms]]))
+            for at, speed in enumerate(speeds)
+        }
+        shared: dict[str, Any] = dict(zip(names, springs))
+        for arm in range(arms):
+            shared[names[1 + arms + arm]] = {speed: dampers[at * arms + arm] for at, speed in enumerate(speeds)}
+        return {"parameters": shared, "by_speed": by_speed}
+    conditions = []
+    for (problem, _), own in zip(pairs, objects):
+        group = problem.traces
+        conditions.append(
+            {
+                "velocity_mm_s": rounded_velocity(float(np.median([t.velocity_mm_s for t in group]))),
+                "depth_mm": float(np.mean([t.ramp.depth_mm for t in group])),
+                "steady_force_N": float(np.mean([t.steady_force_N for t in group])),
+                "traces": [t.trace.name for t in group],
+                "parameters": dict(zip(names, own)),
+            }
+        )
+    reason = "mean over conditions, as the paper reports; a mean of separate fits has no profile interval"
+    mean = {
+        name: {
+            "value": float(np.mean([c["parameters"][name]["value"] for c in conditions])),
+            "low": None, "high": None, "at_bound": any(c["parameters"][name]["at_bound"] for c in conditions),
+            "reason": reason,
+        }
+        for name in names
+    }  # fmt: skip
+    return {"parameters": mean, "by_condition": conditions}
+
+
+def _objects(problem: Problem, optimum: Optimum, intervals: bool) -> list[dict[str, Any]]:
+    """Value, interval and state of every parameter, in the order of the parameter vector."""
+    low, high = problem.box(optimum.arms)
+    model = problem.model(optimum.arms, optimum.factor)
+    result = []
+    for index, value in enumerate(optimum.solution.parameters):
+        entry: dict[str, Any] = {"value": float(np.exp(value)), "low": None, "high": None}
+        edge = min(value - low[index], high[index] - value)
+        entry["at_bound"] = bool(edge < 1e-4)
+        if intervals:
+            found = profile_interval(model, optimum.solution, index, low, high)
+            entry["low"] = None if found.low is None else float(np.exp(found.low))
+            entry["high"] = None if found.high is None else float(np.exp(found.high))
+            entry["at_bound"] = found.at_bound
+            if found.reason:
+                entry["reason"] = found.reason
+        else:
+            entry["reason"] = "intervals were not asked for"
+        result.append(entry)
+    return result
+
+
+def _warnings(law: str, result: dict[str, Any], pairs: Sequence[tuple[Problem, Optimum]]) -> list[dict[str, str]]:
+    """Say what a reader of the parameters must know."""
+    found = []
+    if law != "ode":
+        found.append(
+            {"code": "ideal_ramp", "message": f"law {law} knows only an ideal ramp: mean speed and stop time of "
+             "each measured motion were used"}
+        )  # fmt: skip
+    if result["rmse_N"] > 2.0 * result["noise_floor_N"]:
+        found.append(
+            {"code": "lack_of_fit", "message": f"rms residual {result['rmse_N']:.3g} N is "
+             f"{result['rmse_N'] / result['noise_floor_N']:.1f} times the noise floor: the law does not "
+             "describe these traces; intervals count the misfit as correlated noise"}
+        )  # fmt: skip
+    for name, entry in result["parameters"].items():
+        for key, one in {"": entry}.items() if "value" in entry else entry.items():
+            at = f" at {key} mm/s" if key else ""
+            if one["at_bound"]:
+                found.append({"code": "at_bound", "message": f"{name}{at} ended at the edge of its box"})
+            elif "not identifiable" in one.get("reason", ""):
+                found.append({"code": "not_identifiable", "message": f"{name}{at}: {one['reason']}"})
+    broken = _paper_order(pairs)
+    if broken:
+        found.append({"code": "paper_order", "message": broken})
+    return found
+
+
+def _paper_order(pairs: Sequence[tuple[Problem, Optimum]]) -> str:
+    """Say when gamma2 < gamma3 or c2 > c3 does not hold, as the paper always found with five elements."""
+    if pairs[0][1].arms != 2:
+        return ""
+    broken = []
+    for problem, optimum in pairs:
+        _, gamma, damper = problem.split(optimum.solution.parameters, 2)
+        if gamma[0] >= gamma[1]:
+            broken.append("gamma2 < gamma3")
+        if np.any(damper[:, 0] <= damper[:, 1]):
+            broken.append("c2 > c3")
+    if not broken:
+        return ""
+    which = " and ".join(sorted(set(broken)))
+    return f"{which}, which the paper found in all its subjects, does not hold here (arm 2 is the slow one)"

@@ -1,0 +1,1 @@
+"""The five-element law, its parameters, bands and ranges, and tissue files."""

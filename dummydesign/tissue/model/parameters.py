@@ -1,0 +1,102 @@
+"""One set of parameters of the tissue law: springs, dampers per speed, and the law they belong to."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from dummydesign.core.errors import InputError, out_of_range
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from dummydesign.measurement.motion import Motion
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Parameters of the tissue law; arm 2 is the slow one.
+
+    Attributes
+    ----------
+    law : str
+        Form of the law they were fitted with; forms are never mixed.
+    gamma1_N_per_mm3 : float
+        Steady coefficient, F_s = gamma1 x^3. [N/mm3]
+    gamma_N_per_mm3 : tuple of float
+        Springs of the arms 2, 3, ... [N/mm3]
+    c_N_s_per_mm : tuple of (speed [mm/s], tuple of dampers [N s/mm])
+        Dampers of the arms at each speed they are known at, by rising speed.
+    """
+
+    law: str
+    gamma1_N_per_mm3: float
+    gamma_N_per_mm3: tuple[float, ...]
+    c_N_s_per_mm: tuple[tuple[float, tuple[float, ...]], ...]
+
+    def __post_init__(self) -> None:
+        if not self.c_N_s_per_mm:
+            raise InputError("tissue parameters need dampers for at least one speed")
+        numbers = [self.gamma1_N_per_mm3, *self.gamma_N_per_mm3]
+        for _, dampers in self.c_N_s_per_mm:
+            if len(dampers) != len(self.gamma_N_per_mm3):
+                raise InputError(f"{len(self.gamma_N_per_mm3)} springs but {len(dampers)} dampers in the arms")
+            numbers += dampers
+        if min(numbers) <= 0:
+            raise out_of_range("tissue parameter", min(numbers), "above 0", "any finite value")
+
+    @property
+    def velocities_mm_s(self) -> tuple[float, ...]:
+        """Speeds at which dampers are known. [mm/s]"""
+        return tuple(speed for speed, _ in self.c_N_s_per_mm)
+
+    def dampers_at(self, velocity_mm_s: float) -> tuple[float, ...]:
+        """Dampers at a speed: ln c is linear in ln v between known speeds and constant outside them."""
+        known = self.c_N_s_per_mm
+        if velocity_mm_s <= known[0][0]:
+            return known[0][1]
+        for (slow, before), (fast, after) in itertools.pairwise(known):
+            if velocity_mm_s <= fast:
+                share = math.log(velocity_mm_s / slow) / math.log(fast / slow)
+                return tuple(b * (a / b) ** share for b, a in zip(before, after))
+        return known[-1][1]
+
+    def force(self, motion: Motion, velocity_mm_s: float) -> NDArray:
+        """Force under a motion with the dampers of the given speed; shape of the motion. [N]"""
+        from dummydesign.tissue.model.maxwell_law import force
+
+        dampers = self.dampers_at(velocity_mm_s)
+        return force(self.law, motion, self.gamma1_N_per_mm3, self.gamma_N_per_mm3, dampers)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the outward names: gamma1_N_per_mm3 .., c2_N_s_per_mm {speed: value} .., and the law."""
+        result: dict[str, Any] = {"gamma1_N_per_mm3": self.gamma1_N_per_mm3}
+        for arm, value in enumerate(self.gamma_N_per_mm3, start=2):
+            result[f"gamma{arm}_N_per_mm3"] = value
+        for arm in range(len(self.gamma_N_per_mm3)):
+            by_speed = {speed_key(speed): dampers[arm] for speed, dampers in self.c_N_s_per_mm}
+            result[f"c{arm + 2}_N_s_per_mm"] = by_speed
+        result["law"] = self.law
+        return result
+
+    @classmethod
+    def from_dict(cls, law: str, values: Mapping[str, Any]) -> Parameters:
+        """Make parameters from outward names; dampers are given as {speed: value}."""
+        arms = sorted(int(name[5]) for name in values if name.startswith("gamma") and name[5] != "1")
+        speeds = sorted(values[f"c{arms[0]}_N_s_per_mm"], key=float) if arms else []
+        return cls(
+            law,
+            float(values["gamma1_N_per_mm3"]),
+            tuple(float(values[f"gamma{arm}_N_per_mm3"]) for arm in arms),
+            tuple(
+                (float(speed), tuple(float(values[f"c{arm}_N_s_per_mm"][speed]) for arm in arms)) for speed in speeds
+            ),
+        )
+
+
+def speed_key(velocity_mm_s: float) -> str:
+    """Write a speed as the key used in JSON and files: ``"10"``, ``"250"``, ``"2.5"``."""
+    return f"{velocity_mm_s:g}"

@@ -1,0 +1,217 @@
+"""The two ranges a dummy is held against: steady-state force over depth, and force over time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dummydesign.core.errors import InputError
+from dummydesign.measurement.motion import DECELERATION_MM_S2, Motion, ramp_and_hold
+from dummydesign.measurement.sensor import Lowpass
+from dummydesign.tissue.model.maxwell_law import force, steady_depth
+from dummydesign.tissue.model.parameters import Parameters
+
+STEADY_PARTS_N = {"below_5N": (0.5, 5.0), "above_5N": (5.0, 15.0)}
+"""Parts of the steady-state range that are reported apart; below 5 N nobody was measured. [N]"""
+
+FIRST_HOLD_S = 0.005
+
+STEADY_TOLERANCE = 0.01
+"""Share of the steady force to which it can be set: the robot's 0.02 mm are 1 % of it at a depth of 6 mm."""
+
+
+@dataclass(frozen=True)
+class ForceRange:
+    """Force variation range at one steady force and speed: the envelope of the subjects' F(t).
+
+    Contact is at time 0; every subject has its own depth and stop time. Arrays of shape (n,), the
+    single curves of shape (subjects, n).
+    """
+
+    steady_force_N: float
+    velocity_mm_s: float
+    time_s: NDArray
+    low_N: NDArray
+    high_N: NDArray
+    curves_N: NDArray
+    depth_mm: NDArray
+    stop_s: NDArray
+
+    @property
+    def peak_low_N(self) -> float:
+        """Smallest peak of the subjects. [N]"""
+        return float(self.curves_N.max(axis=-1).min())
+
+    @property
+    def peak_high_N(self) -> float:
+        """Largest peak of the subjects. [N]"""
+        return float(self.curves_N.max(axis=-1).max())
+
+    def inside(
+        self, time_s: ArrayLike, force_N: ArrayLike, stop_s: ArrayLike, tolerance_N: float | None = None
+    ) -> dict[str, NDArray]:
+        """Share of a press inside the range, in the rise, in the hold, and the mean of both.
+
+        The rise counts evenly in time from contact to the dummy's own stop, the hold evenly in the
+        logarithm of the time since the stop (from 5 ms on), so that neither the 10 s of hold nor the
+        first milliseconds drown the other.
+
+        Parameters
+        ----------
+        time_s, force_N : array_like, shapes (n,) or (..., n)
+            Press with contact at time 0. [s, N]
+        stop_s : array_like, shape (...)
+            Stop time of each press. [s]
+        tolerance_N : float, optional
+            How far outside still counts as inside; by default :data:`STEADY_TOLERANCE` of the steady force,
+            because all curves meet at the end of the hold, where the range has no width. [N]
+
+        Returns
+        -------
+        dict of ndarray, shape (...)
+            ``inside_fraction``, ``inside_rise_fraction``, ``inside_hold_fraction``.
+        """
+        time, pressed = np.broadcast_arrays(np.asarray(time_s, float), np.asarray(force_N, float))
+        stop = np.broadcast_to(np.asarray(stop_s, float), time.shape[:-1])[..., None]
+        end = np.minimum(time[..., -1:], self.time_s[-1])
+        rise_at = stop * np.linspace(0.0, 1.0, 61)[1:]
+        hold_at = stop + np.geomspace(FIRST_HOLD_S, 1.0, 61) * np.maximum(end - stop, 2 * FIRST_HOLD_S)
+        near = STEADY_TOLERANCE * self.steady_force_N if tolerance_N is None else tolerance_N
+        shares = {}
+        for name, at in (
+            ("inside_rise_fraction", rise_at),
+            ("inside_hold_fraction", np.minimum(hold_at, end)),
+        ):
+            value = interpolate_rows(at, time, pressed)
+            low = np.interp(at, self.time_s, self.low_N)
+            high = np.interp(at, self.time_s, self.high_N)
+            shares[name] = np.mean((value >= low - near) & (value <= high + near), axis=-1)
+        mean = 0.5 * (shares["inside_rise_fraction"] + shares["inside_hold_fraction"])
+        return {"inside_fraction": mean, **shares}
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return condition, envelope and the subjects' depths as plain values."""
+        return {
+            "steady_force_N": self.steady_force_N,
+            "velocity_mm_s": self.velocity_mm_s,
+            "time_s": self.time_s.tolist(),
+            "low_N": self.low_N.tolist(),
+            "high_N": self.high_N.tolist(),
+            "depth_mm": self.depth_mm.tolist(),
+            "peak_low_N": self.peak_low_N,
+            "peak_high_N": self.peak_high_N,
+        }
+
+
+def interpolate_rows(at: NDArray, time: NDArray, values: NDArray) -> NDArray:
+    """Interpolate each row of ``values`` (..., n) over its row of ``time`` at its row of ``at`` (..., m)."""
+    flat = at.reshape(-1, at.shape[-1])
+    rows = [
+        np.interp(a, t, v)
+        for a, t, v in zip(flat, time.reshape(-1, time.shape[-1]), values.reshape(-1, values.shape[-1]))
+    ]
+    return np.array(rows).reshape(at.shape)
+
+
+def stack(subjects: tuple[Parameters, ...], velocity_mm_s: float) -> tuple[str, NDArray, NDArray, NDArray]:
+    """Law, gamma1 (S,), gamma (S, arms) and dampers (S, arms) of several subjects at one speed."""
+    laws = {subject.law for subject in subjects}
+    if len(laws) != 1:
+        raise InputError(f"subjects fitted with different laws ({', '.join(sorted(laws))}) cannot share a range")
+    if len({len(subject.gamma_N_per_mm3) for subject in subjects}) != 1:
+        raise InputError("subjects fitted with different numbers of elements cannot share a range")
+    gamma1 = np.array([subject.gamma1_N_per_mm3 for subject in subjects])
+    gamma = np.array([subject.gamma_N_per_mm3 for subject in subjects])
+    dampers = np.array([subject.dampers_at(velocity_mm_s) for subject in subjects])
+    return laws.pop(), gamma1, gamma, dampers
+
+
+def force_range(
+    subjects: tuple[Parameters, ...],
+    steady_force_N: float,
+    velocity_mm_s: float,
+    hold_s: float = 10.0,
+    deceleration_mm_s2: float = DECELERATION_MM_S2,
+    lowpass: Lowpass | None = None,
+) -> ForceRange:
+    """Envelope of the subjects' F(t), each pressed to its own depth for the same force at the end of hold.
+
+    Parameters
+    ----------
+    subjects : tuple of Parameters
+        At least one; all of the same law.
+    steady_force_N, velocity_mm_s : float
+        Condition: force at the end of the hold [N] and speed [mm/s].
+    hold_s, deceleration_mm_s2 : float
+        Hold [s] and braking [mm/s2] of the robot.
+    lowpass : Lowpass, optional
+        Sensor filter to put on the curves; none by default, as in the paper's calibration curves.
+
+    Returns
+    -------
+    ForceRange
+    """
+    law, gamma1, gamma, dampers = stack(subjects, velocity_mm_s)
+
+    def coarse(depth: NDArray) -> Motion:
+        return ramp_and_hold(velocity_mm_s, depth, hold_s, deceleration_mm_s2, 24, 12, 3)
+
+    depth = steady_depth(law, coarse, steady_force_N, gamma1, gamma, dampers)
+    motion = ramp_and_hold(velocity_mm_s, depth, hold_s, deceleration_mm_s2)
+    curves = force(law, motion, gamma1, gamma, dampers)
+    if lowpass is not None:
+        curves = lowpass.apply(motion.time_s, curves)
+    stop = motion.time_s[..., -1] - hold_s
+    # the samples of every subject, so that each piecewise-linear curve is kept as it is
+    grid = np.unique(motion.time_s)
+    grid = grid[grid <= float(stop.min()) + hold_s]
+    on_grid = interpolate_rows(np.broadcast_to(grid, (len(curves), len(grid))), motion.time_s, curves)
+    low, high = on_grid.min(axis=0), on_grid.max(axis=0)
+    return ForceRange(float(steady_force_N), float(velocity_mm_s), grid, low, high, on_grid, depth, stop)
+
+
+def steady_force_range(subjects: tuple[Parameters, ...], depth_mm: ArrayLike) -> tuple[NDArray, NDArray]:
+    """Steady-state range gamma1 x^3 over depth: lowest and highest subject, shapes of ``depth_mm``. [N]"""
+    cube = np.maximum(np.asarray(depth_mm, float), 0.0) ** 3
+    gamma1 = [subject.gamma1_N_per_mm3 for subject in subjects]
+    return min(gamma1) * cube, max(gamma1) * cube
+
+
+def steady_depth_range(subjects: tuple[Parameters, ...], force_N: ArrayLike) -> tuple[NDArray, NDArray]:
+    """Steady-state range over force: depth of the stiffest and of the softest subject. [mm]"""
+    force_value = np.maximum(np.asarray(force_N, float), 0.0)
+    gamma1 = [subject.gamma1_N_per_mm3 for subject in subjects]
+    return np.cbrt(force_value / max(gamma1)), np.cbrt(force_value / min(gamma1))
+
+
+def steady_inside(subjects: tuple[Parameters, ...], force_N: ArrayLike, depth_mm: ArrayLike) -> dict[str, NDArray]:
+    """Share of a steady-state curve inside the range, below 5 N, above 5 N and over both.
+
+    Parameters
+    ----------
+    force_N : array_like, shape (n,)
+        Rising steady forces; the part of 0.5 to 15 N that they cover is judged. [N]
+    depth_mm : array_like, shape (..., n)
+        Depth of each curve at those forces; NaN where it is out of reach (counts as outside). [mm]
+
+    Returns
+    -------
+    dict of ndarray, shape (...)
+        ``inside_fraction``, ``below_5N_fraction``, ``above_5N_fraction``, even in force; NaN for a part
+        without a single force in it.
+    """
+    forces, depth = np.asarray(force_N, float), np.asarray(depth_mm, float)
+    low, high = steady_depth_range(subjects, forces)
+    inside = (depth >= low - 1e-9) & (depth <= high + 1e-9)
+    result = {}
+    whole = (forces >= STEADY_PARTS_N["below_5N"][0]) & (forces <= STEADY_PARTS_N["above_5N"][1])
+    parts = {"inside_fraction": whole}
+    for name, (start, stop) in STEADY_PARTS_N.items():
+        parts[f"{name}_fraction"] = (forces >= start) & (forces <= stop)
+    for name, chosen in parts.items():
+        count = np.full(depth.shape[:-1], np.nan)
+        result[name] = inside[..., chosen].mean(axis=-1) if chosen.any() else count
+    return result

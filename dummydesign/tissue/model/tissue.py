@@ -1,0 +1,209 @@
+"""A tissue: subjects with their parameters, the bands over them, and what a dummy should aim at."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from dummydesign.core.errors import InputError, unknown_name
+from dummydesign.core.quantity import Quantity
+from dummydesign.tissue.model.parameters import Parameters, speed_key
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from dummydesign.measurement.sensor import Lowpass
+    from dummydesign.tissue.model.ranges import ForceRange
+
+AIMS = ("average", "safe-side")
+
+
+@dataclass(frozen=True)
+class Subject:
+    """One person (or posterior quantile): a name and every parameter with interval, kind and source.
+
+    ``numbers`` maps outward names to a Quantity; dampers to {speed: Quantity}.
+    """
+
+    name: str
+    parameters: Parameters
+    numbers: dict[str, Any]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the name and the numbers with their sources."""
+        return {"name": self.name, **_numbers_to_dict(self.numbers)}
+
+
+@dataclass(frozen=True)
+class Tissue:
+    """Parameters of several subjects at one site of the hand, all fitted with the same law.
+
+    Attributes
+    ----------
+    name, title, law : str
+        Name in the library, words for it, and the form of the law.
+    subjects : tuple of Subject
+        By rising gamma1 in the built-in tissues.
+    sources : tuple of str
+        References the numbers rest on.
+    notes : tuple of str
+        What a user must know before trusting the numbers.
+    origin : str
+        ``built-in``, ``user`` or ``file``.
+    """
+
+    name: str
+    title: str
+    law: str
+    subjects: tuple[Subject, ...]
+    sources: tuple[str, ...]
+    notes: tuple[str, ...]
+    origin: str
+
+    @cached_property
+    def parameter_sets(self) -> tuple[Parameters, ...]:
+        """Parameters of all subjects."""
+        return tuple(subject.parameters for subject in self.subjects)
+
+    @cached_property
+    def elements(self) -> int:
+        """Number of elements of the law: 3, 5 or 7."""
+        return 1 + 2 * len(self.subjects[0].parameters.gamma_N_per_mm3)
+
+    @cached_property
+    def velocities_mm_s(self) -> tuple[float, ...]:
+        """Speeds at which all subjects have dampers. [mm/s]"""
+        known = [set(subject.parameters.velocities_mm_s) for subject in self.subjects]
+        return tuple(sorted(set.intersection(*known)))
+
+    @cached_property
+    def kinds(self) -> tuple[str, ...]:
+        """Kinds of the numbers, such as ``inferred`` or ``fitted``."""
+        return tuple(sorted({number.kind for number, _ in self._all_numbers()}))
+
+    @cached_property
+    def bands(self) -> dict[str, Any]:
+        """Band of every parameter: value is the mean over subjects, low and high the extreme subjects.
+
+        Dampers are {speed: Quantity}. The band says how people differ; how well each subject is known
+        is in the subject's own interval.
+        """
+        bands: dict[str, Any] = {}
+        for name, entry in self.subjects[0].numbers.items():
+            if isinstance(entry, dict):
+                bands[name] = {
+                    speed_key(speed): self._band([s.numbers[name][speed_key(speed)] for s in self.subjects])
+                    for speed in self.velocities_mm_s
+                }
+            else:
+                bands[name] = self._band([subject.numbers[name] for subject in self.subjects])
+        return bands
+
+    def target(self, aim: str = "average") -> Parameters:
+        """Parameters a dummy should have: band mean, largest of each (``safe-side``), or ``subject:NAME``.
+
+        Raises
+        ------
+        InputError
+            For an unknown aim or subject.
+        """
+        if aim.lower().startswith("subject:"):
+            wanted = aim.split(":", 1)[1].strip().lower()
+            for subject in self.subjects:
+                if subject.name.lower() == wanted:
+                    return subject.parameters
+            raise unknown_name(f"subject of {self.name}", wanted, [s.name for s in self.subjects])
+        if aim not in AIMS:
+            raise unknown_name("aim", aim, [*AIMS, "subject:NAME"])
+        chosen = "value" if aim == "average" else "high"
+        values = {
+            name: {speed: getattr(q, chosen) for speed, q in band.items()}
+            if isinstance(band, dict)
+            else getattr(band, chosen)
+            for name, band in self.bands.items()
+        }
+        return Parameters.from_dict(self.law, values)
+
+    def steady_force_range(self, depth_mm: ArrayLike) -> tuple[NDArray, NDArray]:
+        """Lowest and highest steady force gamma1 x^3 of the subjects over depth. [N]"""
+        from dummydesign.tissue.model.ranges import steady_force_range
+
+        return steady_force_range(self.parameter_sets, depth_mm)
+
+    def steady_depth_range(self, force_N: ArrayLike) -> tuple[NDArray, NDArray]:
+        """Depth of the stiffest and of the softest subject over steady force. [mm]"""
+        from dummydesign.tissue.model.ranges import steady_depth_range
+
+        return steady_depth_range(self.parameter_sets, force_N)
+
+    def steady_inside(self, force_N: ArrayLike, depth_mm: ArrayLike) -> dict[str, NDArray]:
+        """Share of steady-state curves inside the range; see :func:`ranges.steady_inside`."""
+        from dummydesign.tissue.model.ranges import steady_inside
+
+        return steady_inside(self.parameter_sets, force_N, depth_mm)
+
+    def force_range(
+        self,
+        steady_force_N: float,
+        velocity_mm_s: float,
+        hold_s: float = 10.0,
+        deceleration_mm_s2: float = 30_000.0,
+        lowpass: Lowpass | None = None,
+    ) -> ForceRange:
+        """Envelope of the subjects' F(t) at one condition; see :func:`ranges.force_range`."""
+        from dummydesign.tissue.model.ranges import force_range
+
+        return force_range(self.parameter_sets, steady_force_N, velocity_mm_s, hold_s, deceleration_mm_s2, lowpass)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the whole tissue with bands, subjects, sources and notes."""
+        return {
+            "name": self.name,
+            "title": self.title,
+            "origin": self.origin,
+            "law": self.law,
+            "elements": self.elements,
+            "bands": _numbers_to_dict(self.bands),
+            "subjects": [subject.to_dict() for subject in self.subjects],
+            "notes": list(self.notes),
+            "sources": list(self.sources),
+        }
+
+    def _band(self, numbers: list[Quantity]) -> Quantity:
+        values = [number.value for number in numbers]
+        kinds = sorted({number.kind for number in numbers})
+        text = f"mean, smallest and largest of {len(values)} subjects; {numbers[0].source}"
+        # The weakest kind speaks for the band: one inferred subject makes it inferred.
+        order = ("assumed", "inferred", "digitised", "fitted", "measured")
+        kind = min(kinds, key=order.index)
+        return Quantity(sum(values) / len(values), min(values), max(values), kind, text)
+
+    def _all_numbers(self) -> list[tuple[Quantity, str]]:
+        found = []
+        for subject in self.subjects:
+            for name, entry in subject.numbers.items():
+                found += [(q, name) for q in (entry.values() if isinstance(entry, dict) else [entry])]
+        return found
+
+
+def _numbers_to_dict(numbers: dict[str, Any]) -> dict[str, Any]:
+    return {
+        name: {speed: q.to_dict() for speed, q in entry.items()} if isinstance(entry, dict) else entry.to_dict()
+        for name, entry in numbers.items()
+    }
+
+
+def same_shape(subjects: tuple[Subject, ...]) -> None:
+    """Refuse subjects that differ in law or elements, or share no speed."""
+    first = subjects[0].parameters
+    for subject in subjects[1:]:
+        if subject.parameters.law != first.law:
+            raise InputError(
+                f"subject '{subject.name}' has law {subject.parameters.law}, "
+                f"'{subjects[0].name}' {first.law}; laws are never mixed"
+            )
+        if len(subject.parameters.gamma_N_per_mm3) != len(first.gamma_N_per_mm3):
+            raise InputError(f"subject '{subject.name}' has another number of elements than '{subjects[0].name}'")
+        if not set(subject.parameters.velocities_mm_s) & set(first.velocities_mm_s):
+            raise InputError(f"subject '{subject.name}' shares no speed with '{subjects[0].name}'")

@@ -1,0 +1,1 @@
+"""From subjects to a tissue: traces, digitised points, posterior, the next measurement."""

@@ -1,0 +1,123 @@
+"""``tissues add``: a tissue of one's own from several subjects' traces or fits."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+from dummydesign.core.datafiles import data_folder, user_folder
+from dummydesign.core.errors import InputError
+from dummydesign.core.files import output_folder, write_text
+from dummydesign.measurement.sensor import parse_lowpass
+from dummydesign.measurement.trace import read_trace
+from dummydesign.tissue.model.tissue import Subject, Tissue, same_shape
+from dummydesign.tissue.model.tissue_file import KIND, load_tissue, tissue_toml
+
+_NAME = re.compile(r"^[A-Za-z0-9][A-Za-z0-9_-]*$")
+
+
+def add_tissue(name: str, files: list[str], law: str, elements: str, lowpass: str | None) -> dict[str, Any]:
+    """Make a tissue from several subjects and keep it in the user's folder.
+
+    A TOML file (as ``fit --out`` writes) brings its subjects; a folder holds the traces of one subject
+    and gives the subject its name; single traces belong to the subject named before their first
+    underscore. Traces are fitted per speed.
+
+    Parameters
+    ----------
+    name : str
+        Name of the tissue: letters, digits, ``-`` and ``_``.
+    files : list of str
+        TOML files, folders, trace CSVs.
+    law, elements : str
+        Law and number of elements of the fits of traces.
+    lowpass : str or None
+        Filter of the recorded forces, ``HZ[:ORDER[:PASSES]]``.
+
+    Returns
+    -------
+    dict
+        The tissue, its file, and which traces made which subject.
+
+    Raises
+    ------
+    InputError
+        For a bad name, unreadable files, subjects of the same name, or laws that differ.
+    """
+    from dummydesign.report.files.fit import subject_from_fit
+    from dummydesign.tissue.fitting.fit import fit_traces
+
+    folder = tissue_folder(name)
+    if elements not in ("3", "5", "7"):
+        raise InputError(f"--elements {elements} is not one of 3, 5, 7: the subjects of a tissue share one number")
+    sensor = parse_lowpass(lowpass)
+    subjects, groups = _sort_files(files)
+    rows: list[dict[str, Any]] = [{"subject": subject.name, "from": source} for subject, source in subjects]
+    warnings: list[dict[str, str]] = []
+    made = [subject for subject, _ in subjects]
+    for person, paths in groups.items():
+        fit = fit_traces([read_trace(path) for path in paths], int(elements), law, "per-speed", sensor)
+        made.append(subject_from_fit(person, fit))
+        rows.append(
+            {"subject": person, "from": ", ".join(path.name for path in paths), "rmse_N": fit.result["rmse_N"],
+             "max_residual_N": fit.result["max_residual_N"]}
+        )  # fmt: skip
+        warnings += [{"code": w["code"], "message": f"{person}: {w['message']}"} for w in fit.result["warnings"]]
+    tissue = _checked(name, made)
+    warnings += _shadow_warning(name)
+    path = write_text(folder / f"{name}.toml", tissue_toml(tissue))
+    inputs = {"action": "add", "name": name, "files": files, "law": law, "elements": elements, "lowpass": lowpass}
+    return {
+        "inputs": inputs, **tissue.to_dict(), "fits": rows, "warnings": warnings, "files": {"tissue": str(path)},
+    }  # fmt: skip
+
+
+def tissue_folder(name: str) -> Path:
+    """Folder of the user's tissues, tried for writing; refuses names that make no file name."""
+    if not _NAME.match(name):
+        raise InputError(f"tissue name '{name}' may hold letters, digits, '-' and '_' only")
+    return output_folder(user_folder() / KIND)
+
+
+def _shadow_warning(name: str) -> list[dict[str, str]]:
+    if not (data_folder() / KIND / f"{name.lower()}.toml").is_file():
+        return []
+    message = f"'{name}' now stands for this tissue of your own instead of the built-in one"
+    return [{"code": "shadows_built_in", "message": message}]
+
+
+def _sort_files(files: list[str]) -> tuple[list[tuple[Subject, str]], dict[str, list[Path]]]:
+    """Subjects of TOML files with their source, and the traces of every other subject."""
+    subjects: list[tuple[Subject, str]] = []
+    groups: dict[str, list[Path]] = {}
+    for text in files:
+        path = Path(text)
+        if path.is_dir():
+            inside = sorted(path.glob("*.csv"))
+            if not inside:
+                raise InputError(f"folder '{text}' holds no trace (*.csv)")
+            groups.setdefault(path.resolve().name, []).extend(inside)
+        elif path.suffix.lower() == ".toml":
+            tissue = load_tissue(str(path))
+            single = len(tissue.subjects) == 1
+            for subject in tissue.subjects:
+                named = Subject(tissue.name if single else subject.name, subject.parameters, subject.numbers)
+                subjects.append((named, path.name))
+        elif path.is_file():
+            groups.setdefault(path.stem.split("_")[0], []).append(path)
+        else:
+            raise InputError(f"'{text}' is neither a trace CSV, a folder of traces nor a tissue TOML")
+    return subjects, groups
+
+
+def _checked(name: str, subjects: list[Subject]) -> Tissue:
+    names = [subject.name.lower() for subject in subjects]
+    double = next((n for n in names if names.count(n) > 1), None)
+    if double:
+        raise InputError(f"subject '{double}' comes twice; rename one file")
+    same_shape(tuple(subjects))
+    ordered = tuple(sorted(subjects, key=lambda s: s.parameters.gamma1_N_per_mm3))
+    notes = ("Below the smallest steady force that was measured the band is the law extrapolated.",)
+    title = f"{len(ordered)} subject{'s' if len(ordered) > 1 else ''}"
+    return Tissue(name, title, ordered[0].parameters.law, ordered, (), notes, "user")

@@ -120,7 +120,6 @@ def test_text_shows_recipe_scores_and_what_it_rests_on(capsys):
         (["--tissue", "palm", "--aim", "avarage"], "did you mean 'average'"),
         (["--tissue", "palm", "--aim", "subject:nobody"], "subject of palm 'nobody'"),
         (["--tissue", "palm", "--ratio", "10:12"], "allowed range 14.0 to 20.0"),
-        (["--tissue", "palm", "--ratio", "15"], ""),
         (["--tissue", "palm", "--thickness", "2:30"], "allowed range 3.0 to 30.0"),
         (["--tissue", "palm", "--thickness", "20:10"], "MIN at most MAX"),
         (["--tissue", "palm", "--shape", "sphere"], "unknown shape 'sphere'"),
@@ -132,10 +131,13 @@ def test_text_shows_recipe_scores_and_what_it_rests_on(capsys):
 def test_bad_input_is_one_line_and_status_2(arguments, message, capsys):
     status = run(["suggest", *arguments, *QUICK])
     error = capsys.readouterr().err.strip()
-    if not message:  # one value is a range of one
-        assert status == 0 and not error
-        return
     assert status == 2 and error.startswith("error: ") and message in error and "\n" not in error
+
+
+def test_one_ratio_is_a_range_of_one(capsys):
+    status, found = answer(capsys, "suggest", "--tissue", "palm", "--ratio", "15", *QUICK)
+    assert status == 0 and found["recommendation"]["ratio"] == 15.0
+    assert {other["ratio"] for other in found["alternatives"]} <= {15.0}
 
 
 def test_whatif_gives_rows_and_their_csv(capsys, tmp_path):

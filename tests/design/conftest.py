@@ -1,7 +1,8 @@
 """Fixtures of the design tests."""
 
 import pytest
-from slab_by_formula import LayerLaw, make_tissue
+
+from tests.support.slab_by_formula import LayerLaw, make_tissue
 
 
 @pytest.fixture(scope="session")

@@ -4,7 +4,6 @@ import dataclasses
 
 import numpy as np
 import pytest
-from slab_by_formula import make_tissue
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import Quantity
@@ -14,6 +13,7 @@ from dummydesign.resin import load_resin
 from dummydesign.resin.model.liquid import Liquid
 from dummydesign.resin.model.modulus_laws import LAWS
 from dummydesign.resin.model.resin_writer import save_resin
+from tests.support.slab_by_formula import make_tissue
 
 
 def number(value, spread=1.05):

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from slab_by_formula import make_tissue
 
 from dummydesign.design.scoring.law_parameters import _Problem, fit_presses, parametric_score
 from dummydesign.design.scoring.presses import Press, Sampling, Slabs, make_curves, press_to_depth
 from dummydesign.design.scoring.score import WEIGHTS, evaluate, steady_gamma1
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.measurement.motion import ramp_and_hold
+from tests.support.slab_by_formula import make_tissue
 
 
 class Cubic:

@@ -4,13 +4,13 @@ import dataclasses
 
 import numpy as np
 import pytest
-from slab_by_formula import make_tissue
 
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.design.scoring.presses import Sampling
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.search.slabs import search, thickness_steps
 from dummydesign.resin import load_resin
+from tests.support.slab_by_formula import make_tissue
 
 RADIUS = 14.0 / np.sqrt(np.pi)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from slab_by_formula import LayerLaw, make_tissue
 
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.design.scoring.presses import Sampling
@@ -17,6 +16,7 @@ from dummydesign.design.search.shapes import LOW_SHARE, search_fixed, search_sha
 from dummydesign.design.search.slabs import search
 from dummydesign.geometry.shapes import Crowned, sphere_foot_mm
 from dummydesign.resin import load_resin
+from tests.support.slab_by_formula import LayerLaw, make_tissue
 
 RADIUS = 7.9
 SAMPLING = Sampling()

@@ -18,7 +18,7 @@ from dummydesign.measurement.campaign import read_campaign
 from dummydesign.report.loop import write_loop_report
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "report"))
-from browser import visit
+from tests.support.browser import visit
 
 
 @pytest.fixture(scope="module")

@@ -5,12 +5,8 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-from puck_history import frictionless, ramps, relaxed
 
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
 from dummydesign.pad.tables.puck_proportions import table_for
@@ -18,6 +14,7 @@ from dummydesign.resin.puck_test.model import PuckProblem
 from dummydesign.resin.puck_test.noise import PuckNoise, covariance
 from dummydesign.resin.puck_test.reduction import find_holds, reduce_press
 from dummydesign.resin.puck_test.relaxation_fit import fit_relaxation
+from tests.support.puck_history import frictionless, ramps, relaxed
 
 DIAMETER, HEIGHT, YOUNG_KPA, ALPHA = 40.0, 32.0, 30.0, 2.4
 WINDOW = (0.03 * HEIGHT, 0.5 * HEIGHT)
@@ -111,8 +108,7 @@ def test_misfit_of_the_law_is_the_same_all_through_a_hold_and_noise_falls_with_s
 @pytest.mark.slow
 def test_intervals_hold_the_truth_over_draws_with_friction_misfit_and_drift():
     """The whole study: python benchmarks/puck_hold.py"""
-    sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
-    from puck_hold import CASES, study
+    from benchmarks.puck_hold import CASES, study
 
     got = study(20, 7, next(iter(CASES.values())))
     for name in ("young", "friction", "tau", "beta"):

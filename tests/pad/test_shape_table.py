@@ -21,7 +21,7 @@ from dummydesign.studies.tables.shape_designs import DESIGNS, EXTENT_OVER_RADIUS
 from dummydesign.studies.tables.shapes import ALL, at_levels, reduced
 
 FOLDER = data_folder() / "materials" / "tables"
-KINDS = [kind for kind in INPUTS if (FOLDER / f"{kind}-bonded.json").exists()]
+KINDS = list(INPUTS)
 ROUND = [kind for kind in KINDS if kind != "bumped"]
 SHAPES = {
     "crowned": Crowned(10.0, 3.0, 8.0), "layered": Layered(4.0, 0.3), "boned": Boned(9.1, 3.5, 7.2),

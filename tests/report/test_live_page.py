@@ -6,7 +6,6 @@ import re
 
 import numpy as np
 import pytest
-from browser import visit
 
 from dummydesign.design.scoring.presses import Sampling, make_curves, press_to_depth, steady_depth
 from dummydesign.design.search.slabs import make_slabs
@@ -17,6 +16,7 @@ from dummydesign.report.html.page import script_json
 from dummydesign.resin import load_resin
 from dummydesign.tissue.model.ranges import force_range
 from dummydesign.tissue.model.tissue_file import load_tissue
+from tests.support.browser import visit
 
 STATES = [
     (15.1, 11.5, "square:14", 250.0, 10.0, "bonded"),

@@ -7,11 +7,11 @@ import xml.etree.ElementTree as xml
 
 import numpy as np
 import pytest
-from browser import visit
 
 from dummydesign.cli import run
 from dummydesign.measurement.motion import Motion, ramp_and_hold
 from dummydesign.tissue.model.tissue_file import load_tissue
+from tests.support.browser import visit
 
 PHONE = 390
 PRESSES = ((10.0, 5.0), (10.0, 12.0), (250.0, 5.0), (250.0, 12.0), (250.0, 12.0))

@@ -7,10 +7,10 @@ import xml.etree.ElementTree as xml
 from html.parser import HTMLParser
 
 import pytest
-from browser import visit
 
 from dummydesign.cli import run
 from dummydesign.report.html.page import Section, page
+from tests.support.browser import visit
 
 PHONE = 390
 

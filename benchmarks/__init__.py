@@ -1,0 +1,1 @@
+"""Studies of speed, coverage and blind recovery; run from the project folder."""

@@ -1,0 +1,1 @@
+"""What several tests share: laws by formula, presses summed elsewhere, a browser."""

@@ -14,10 +14,10 @@ from dataclasses import replace
 os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", DUMMYDESIGN_CACHE="off")
 
 import numpy as np
-from dummydesign.tissue.fitting.fit import fit_traces
-from dummydesign.tissue.model.tissue_file import load_tissue
 
 from benchmarks.fit_coverage import GAMMA1, press
+from dummydesign.tissue.fitting.fit import fit_traces
+from dummydesign.tissue.model.tissue_file import load_tissue
 
 REPEATS = 3
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -16,8 +15,6 @@ from dummydesign.loop.result import result_dict
 from dummydesign.loop.run import close_loop
 from dummydesign.measurement.campaign import read_campaign
 from dummydesign.report.loop import write_loop_report
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "report"))
 from tests.support.browser import visit
 
 

@@ -9,7 +9,8 @@ imported when first used.
 
 from typing import Any
 
-__version__ = "0.1.0"
+from dummydesign._version import __version__
+
 __all__ = ["__version__", "fit", "suggest", "whatif"]
 
 

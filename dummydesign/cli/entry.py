@@ -10,7 +10,7 @@ import os
 import sys
 from typing import Any, NoReturn
 
-from dummydesign import __version__
+from dummydesign._version import __version__
 from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError, unknown_name
 from dummydesign.core.threads import ONE_THREAD
 

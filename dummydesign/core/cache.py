@@ -117,7 +117,7 @@ def code_version() -> str:
     """
     from importlib.metadata import PackageNotFoundError, version
 
-    from dummydesign import __version__
+    from dummydesign._version import __version__
 
     found = hashlib.sha256(__version__.encode())
     for path in sources():

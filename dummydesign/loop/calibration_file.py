@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign import __version__
+from dummydesign._version import __version__
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_text
 from dummydesign.loop.calibration import Calibration, Model

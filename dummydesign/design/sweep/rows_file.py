@@ -158,7 +158,7 @@ class RowsFile:
 
 def settings_of(study: Study, resin: Any, tissue: Any) -> dict[str, Any]:
     """Settings that rows in one file share: all but the lists that name designs; data by their hash."""
-    from dummydesign import __version__
+    from dummydesign._version import __version__
 
     settings = {
         "version": __version__,

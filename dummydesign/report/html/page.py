@@ -8,7 +8,7 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from dummydesign import __version__
+from dummydesign._version import __version__
 from dummydesign.core.files import write_text
 from dummydesign.report.figures.plot import Plot
 

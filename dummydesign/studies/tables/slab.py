@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign import __version__
+from dummydesign._version import __version__
 from dummydesign.core.datafiles import data_folder
 from dummydesign.core.files import write_text
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution

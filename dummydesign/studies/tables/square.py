@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-from dummydesign import __version__
+from dummydesign._version import __version__
 from dummydesign.core.datafiles import data_folder
 from dummydesign.core.files import write_text
 from dummydesign.pad.material.hyperelastic import Yeoh

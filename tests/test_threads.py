@@ -15,6 +15,9 @@ import scipy.linalg  # noqa: F401
 from threadpoolctl import ThreadpoolController, threadpool_limits
 
 from dummydesign.core.threads import ONE_THREAD, one_blas_thread
+from dummydesign.loop.calibration import replay
+from dummydesign.loop.run import close_loop
+from dummydesign.tissue.fitting.fit import fit_traces
 
 ROOT = Path(__file__).parent.parent
 BLAS = ThreadpoolController().select(user_api="blas")
@@ -78,18 +81,22 @@ def two_threads():
         yield
 
 
-def test_a_solve_in_space_has_one_thread_and_the_same_digits_where_the_environment_gives_two():
-    one, two = run(SOLVE, 1), run(SOLVE, 2)
+@pytest.fixture(scope="module")
+def two():
+    """What a solve tells in a process whose environment gives two threads."""
+    return run(SOLVE, 2)
+
+
+def test_a_solve_in_space_has_one_thread_and_the_same_digits_where_the_environment_gives_two(two):
+    one = run(SOLVE, 1)
     assert len(two["forces"]) >= 2 and two["seen"]
     assert two["forces"] == one["forces"]
     assert {number for counts in two["seen"] for number in counts} == {1}
 
 
-def test_the_process_that_asked_for_a_solve_has_its_own_limits_back_afterwards():
-    two = run(SOLVE, 2)
-    if not two["before"] or os.cpu_count() == 1:
+def test_the_process_that_asked_for_a_solve_has_its_own_limits_back_afterwards(two):
+    if set(two["before"]) != {2}:
         pytest.skip("no second thread to give back")
-    assert set(two["before"]) == {2}
     assert set(two["after"]) == {2}
 
 
@@ -141,6 +148,33 @@ def test_what_the_cache_keeps_is_computed_with_one_thread(two_threads, monkeypat
     for place in ("off", str(tmp_path)):
         monkeypatch.setenv("DUMMYDESIGN_CACHE", place)
         assert set(cached("test", {"a": 1}, lambda: {"threads": np.array(limits())})["threads"]) == {1}
+
+
+class Spy:
+    """Stands for an input: tells how many threads there are when it is first looked at, and ends the call there."""
+
+    def __init__(self):
+        self.seen = []
+
+    def __getattr__(self, name):
+        self.seen.extend(limits())
+        raise ZeroDivisionError
+
+
+CALLS = {
+    "close_loop": lambda spy: close_loop(spy),
+    "replay": lambda spy: replay(spy, spy),
+    "fit_traces": lambda spy: fit_traces([spy], 3),
+}
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_fits_and_the_loop_called_from_python_have_one_thread(two_threads, name):
+    before, spy = limits(), Spy()
+    with pytest.raises(ZeroDivisionError):
+        CALLS[name](spy)
+    assert spy.seen and set(spy.seen) == {1}
+    assert limits() == before
 
 
 def test_the_environment_of_own_processes_names_one_thread_everywhere():

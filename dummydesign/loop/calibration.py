@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.threads import one_blas_thread
 from dummydesign.loop.data.reduction import HOLD, PRE, RISE, UNLOADING
 from dummydesign.loop.data.trials import Presses, make_presses
 from dummydesign.loop.fitting.fit import Fit
@@ -150,6 +151,7 @@ class Replayed:
         }
 
 
+@one_blas_thread()
 def replay(campaign: Campaign, calibration: Calibration) -> Replayed:
     """Predict a campaign with the corrected and with the base model, nothing fitted.
 

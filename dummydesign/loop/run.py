@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.threads import one_blas_thread
 from dummydesign.loop.data.trials import Presses, make_presses
 from dummydesign.loop.effects import EFFECTS
 from dummydesign.loop.fitting.base_fit import fit_base, same_noise
@@ -69,6 +70,7 @@ class LoopResult:
     warnings: tuple[dict[str, str], ...]
 
 
+@one_blas_thread()
 def close_loop(campaign: Campaign, progress: Progress | None = None, young_MPa: float | None = None) -> LoopResult:
     """Run the loop on a campaign.
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.threads import one_blas_thread
 from dummydesign.inference.least_squares import profile_interval
 from dummydesign.inference.noise_floor import noise_floor
 from dummydesign.inference.reduction import ReducedTrace, reduce_trace
@@ -45,6 +46,7 @@ class Fit:
         return dict(self.result)
 
 
+@one_blas_thread()
 def fit_traces(
     traces: Sequence[Trace],
     elements: int | str = "auto",

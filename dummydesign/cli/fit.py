@@ -6,11 +6,9 @@ import argparse
 from typing import Any
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.references import PAPER
 
-SOURCE = (
-    "Development of Dummy Based on Impedance Properties of Human Soft Tissue Using a Nonlinear Viscoelastic "
-    "Model, IEEE Access, equations (4) to (6)"
-)
+SOURCE = f"{PAPER}, equations (4) to (6)"
 HELP = "Fit the nonlinear 3, 5 or 7 element law to traces of one tissue or dummy."
 
 

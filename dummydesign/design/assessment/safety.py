@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from dummydesign.tissue.model.ranges import ForceRange
 
 QUASI_STATIC_AFTER_S = 0.5
-"""ISO/TS 15066:2016, 5.5.5.3: contact below 0.5 s is transient, what lasts longer quasi-static."""
+"""ISO/TS 15066: contact below 0.5 s is transient, what lasts longer quasi-static (second-hand, docs/references.md)."""
 STEPS, LONGEST_MM = 1000, 40.0
 N_PER_CM2 = 100.0
 
@@ -176,7 +176,7 @@ def impact(body: Body, mass_kg: float, velocity_mm_s: float, longest_mm: float =
 
     References
     ----------
-    ISO/TS 15066:2016, annex A.3.4 (effective mass of the robot); here the body does not give way.
+    ISO/TS 15066:2016, annex A (effective mass of the robot); here the body does not give way.
     """
     for name, value in (("mass_kg", mass_kg), ("velocity_mm_s", velocity_mm_s)):
         if not (np.isfinite(value) and value > 0):

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.datafiles import data_folder
 from dummydesign.core.files import output_folder, write_text
+from dummydesign.core.references import HAND_STIFFNESS, PAPER
 from dummydesign.studies.tissues.anchors import judge, propose
 from dummydesign.studies.tissues.dummy_curves import SITES
 from dummydesign.studies.tissues.statements import Statement, report, sample_steady, weights
@@ -40,12 +41,11 @@ SCATTER = (0.1, 0.4)
 
 TITLES = {"palm": "centre of the palm", "thenar": "thenar eminence", "forefinger": "forefinger pad"}
 SOURCES = (
-    "Development of Dummy Based on Impedance Properties of Human Soft Tissue Using a Nonlinear Viscoelastic "
-    "Model, IEEE Access (statements in words only; its numbers stand in figures)",
+    f"{PAPER}; statements in words only, its numbers stand in figures",
     "Spartacus et al. 2021, PLOS ONE 16:e0261008 (peak ratio of the palm)",
     "Pawluk and Howe 1999, J Biomech Eng 121:178, doi 10.1115/1.2835100 (relaxation times of the fingerpad)",
     "Sensors 2017, 17:1190 (force rises with speed)",
-    "ISO/TS 15066:2016, annex A.3 (75 N/mm for hands and fingers, quoted from memory)",
+    HAND_STIFFNESS,
 )
 NOTES = (
     "Nobody's measurement: inferred from the paper's words and in vivo anchors, and wide. One's own traces "

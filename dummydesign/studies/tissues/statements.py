@@ -3,6 +3,10 @@
 A statement is true or false for a sample; how far its words reach (how near is "near the edge"?) is
 itself drawn for every sample. In the posterior a broken statement costs a factor instead of the life of
 the sample, because words may be misread and figures may deceive: see :data:`BROKEN`.
+
+References
+----------
+"The paper" is :data:`dummydesign.core.references.PAPER`.
 """
 
 from __future__ import annotations
@@ -12,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.core.references import HAND_STIFFNESS
 from dummydesign.studies.tissues.dummy_curves import SITES, THICKNESS_MM, Unknowns, depth_at, force_at, steady_curves
 
 BROKEN = 0.1
@@ -124,7 +129,7 @@ def _of_site(
         Statement(
             f"{site}: tangent at 140 N within a factor of 75 N/mm",
             "spring constant of hands and fingers 75 N/mm, held to a factor of 2.5 to 4",
-            "ISO/TS 15066:2016, annex A.3 (quoted from memory, not re-read)",
+            HAND_STIFFNESS,
             (tangent > 75 / factor) & (tangent < 75 * factor),
         )
     )

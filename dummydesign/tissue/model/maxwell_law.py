@@ -63,8 +63,8 @@ def force(
 
     References
     ----------
-    "Development of Dummy Based on Impedance Properties of Human Soft Tissue Using a Nonlinear Viscoelastic
-    Model", IEEE Access, equations (4) to (6) (``published``); the ODE is our reading of its figure 6(b).
+    :data:`dummydesign.core.references.PAPER`, equations (4) to (6) (``published``); the ODE is our reading of its
+    figure 6(b).
     """
     gamma1 = np.asarray(gamma1_N_per_mm3, float)
     gamma, damper = np.asarray(gamma_N_per_mm3, float), np.asarray(c_N_s_per_mm, float)

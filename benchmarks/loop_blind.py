@@ -24,7 +24,7 @@ import generator  # noqa: E402
 
 from dummydesign.loop.calibration import calibration_of, replay  # noqa: E402
 from dummydesign.loop.run import LoopResult, close_loop  # noqa: E402
-from dummydesign.measurement.campaign import read_campaign  # noqa: E402
+from dummydesign.measurement.campaign_file import read_campaign  # noqa: E402
 
 STRENGTHS = (1.0, 2.0, 0.5)
 """Usual size first, then doubled, then halved."""

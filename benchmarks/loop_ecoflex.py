@@ -18,7 +18,8 @@ import numpy as np
 from dummydesign.loop.calibration import calibration_of, replay
 from dummydesign.loop.result import result_dict
 from dummydesign.loop.run import close_loop
-from dummydesign.measurement.campaign import Campaign, read_campaign
+from dummydesign.measurement.campaign import Campaign
+from dummydesign.measurement.campaign_file import read_campaign
 
 HEAD = """schema = 1
 name = "{name}"

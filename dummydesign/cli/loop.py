@@ -29,7 +29,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     from dummydesign.loop.calibration_file import write_calibration
     from dummydesign.loop.result import result_dict
     from dummydesign.loop.run import close_loop
-    from dummydesign.measurement.campaign import read_campaign
+    from dummydesign.measurement.campaign_file import read_campaign
     from dummydesign.report.loop import write_loop_report
 
     campaign = read_campaign(options.campaign)

@@ -18,7 +18,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     """Read both, predict, compare."""
     from dummydesign.loop.calibration import replay
     from dummydesign.loop.calibration_file import read_calibration
-    from dummydesign.measurement.campaign import read_campaign
+    from dummydesign.measurement.campaign_file import read_campaign
 
     calibration = read_calibration(options.calibration)
     campaign = read_campaign(options.campaign)

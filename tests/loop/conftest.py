@@ -34,7 +34,7 @@ def plain(campaigns):
     """Presses and law of a campaign without an effect."""
     from dummydesign.loop.data.trials import make_presses
     from dummydesign.loop.model.base_law import law_of
-    from dummydesign.measurement.campaign import read_campaign
+    from dummydesign.measurement.campaign_file import read_campaign
 
     campaign = read_campaign(campaigns("none", 401))
     return make_presses(campaign), law_of(campaign)

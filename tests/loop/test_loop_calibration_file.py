@@ -17,7 +17,7 @@ from dummydesign.loop.calibration_file import read_calibration, write_calibratio
 from dummydesign.loop.effects import EFFECTS
 from dummydesign.loop.model.forward_model import Active
 from dummydesign.loop.model.parameters import HIGH, LOW, BaseParameters
-from dummydesign.measurement.campaign import read_campaign
+from dummydesign.measurement.campaign_file import read_campaign
 from dummydesign.resin import load_resin
 
 JUNK = [

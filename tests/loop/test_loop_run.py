@@ -13,7 +13,7 @@ from dummydesign.loop.calibration import calibration_of, replay
 from dummydesign.loop.calibration_file import read_calibration, write_calibration
 from dummydesign.loop.result import result_dict
 from dummydesign.loop.run import close_loop
-from dummydesign.measurement.campaign import read_campaign
+from dummydesign.measurement.campaign_file import read_campaign
 from dummydesign.report.loop import write_loop_report
 from tests.support.browser import visit
 

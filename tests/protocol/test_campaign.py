@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.measurement.campaign import read_campaign
+from dummydesign.measurement.campaign_file import read_campaign
 from dummydesign.measurement.landmarks import find_landmarks
 
 HEAD = """schema = 1

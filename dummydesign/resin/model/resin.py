@@ -16,6 +16,7 @@ from dummydesign.core.quantity import Quantity
 from dummydesign.resin.model.distribution import value_at
 from dummydesign.resin.model.liquid import MIXED, Component, Liquid, mixed
 from dummydesign.resin.model.modulus_laws import Law, check_young
+from dummydesign.resin.model.resin_writer import resin_dict
 
 if TYPE_CHECKING:
     from dummydesign.pad.material.relaxation import PronyTerm
@@ -282,8 +283,6 @@ class Resin:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the whole resin file as plain values, every number with interval, kind and source."""
-        from dummydesign.resin.model.resin_writer import resin_dict
-
         return resin_dict(self)
 
     def uncertain(self) -> list[str]:

@@ -5,11 +5,13 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dummydesign.core.files import write_text
 from dummydesign.core.quantity import Quantity
-from dummydesign.resin.model.resin import Resin
+
+if TYPE_CHECKING:
+    from dummydesign.resin.model.resin import Resin
 
 
 def resin_dict(resin: Resin) -> dict[str, Any]:

@@ -1,0 +1,67 @@
+"""Checks of a campaign: what the traces say against what was declared of them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from dummydesign.core.errors import InputError
+from dummydesign.measurement.campaign import Trial
+from dummydesign.measurement.campaign_lines import CampaignLines
+from dummydesign.measurement.landmarks import find_landmarks
+
+
+def check_against_declared(trial: Trial, index: int, place: CampaignLines) -> None:
+    """Refuse magnitudes that can only be another unit, seen against the declared thickness, speed and force."""
+    trace = trial.trace
+    try:
+        ramp = find_landmarks(trace.time_s, trace.displacement_mm)
+    except InputError as problem:
+        raise InputError(f"{trial.file}: {problem}") from None
+    deepest = float(trace.displacement_mm.max())
+    if deepest >= 0.95 * trial.thickness_mm:
+        raise InputError(
+            f"{place.trial(index, 'thickness_mm')}: {trial.file} presses {deepest:g} mm into a pad of "
+            f"{trial.thickness_mm:g} mm; is displacement_mm or thickness_mm in another unit?"
+        )
+    if trial.target_force_N:
+        late = trace.time_s >= ramp.hold_end_s - 0.2 * (ramp.hold_end_s - ramp.stop_time_s)
+        held = float(np.median(trace.force_N[late & (trace.time_s <= ramp.hold_end_s)]))
+        share = held / trial.target_force_N
+        if share > 100 or share < 0.01:
+            unit = "millinewtons; divide by 1000" if share > 100 else "kilonewtons or not taken; multiply by 1000"
+            raise InputError(
+                f"{trial.file}: force_N is {held:g} in the hold, the target at {place.trial(index, 'target_force_N')} "
+                f"is {trial.target_force_N:g} N; it looks like {unit}"
+            )
+    ratio = ramp.velocity_mm_s / trial.velocity_mm_s
+    if not 0.02 < ratio < 20.0:
+        raise InputError(
+            f"{place.trial(index, 'velocity_mm_s')}: velocity_mm_s = {trial.velocity_mm_s:g}, but {trial.file} moves "
+            f"at {ramp.velocity_mm_s:.4g} mm/s; is the speed in m/s, or the time of the trace in another unit?"
+        )
+
+
+def check_set(
+    trials: tuple[Trial, ...], blocks: list[dict[str, Any]], place: CampaignLines, warnings: list[dict[str, str]]
+) -> None:
+    """Checks over all trials: files and sequence numbers used twice, what is missing for some tests."""
+    for what in ("file", "sequence"):
+        seen: dict[Any, int] = {}
+        for index, trial in enumerate(trials):
+            value = getattr(trial, what)
+            if value in seen and (what == "file" or what in blocks[index]):
+                raise InputError(
+                    f"{place.trial(index, what)}: {what} = {value!r} is already used by trial {seen[value] + 1}"
+                )
+            seen[value] = index
+
+    def warn(code: str, message: str) -> None:
+        warnings.append({"code": code, "message": message})
+
+    if not any("sequence" in block for block in blocks):
+        warn("no_sequence", "no sequence is given: the order of the file is taken as the order of the trials")
+    for key in ("temperature_C", "age_days", "rest_s"):
+        if any(getattr(trial, key) is None for trial in trials):
+            warn(f"no_{key}", f"{key} is not given for every trial: effects that need it cannot be tested")

@@ -1,0 +1,206 @@
+"""Reader of a campaign folder: ``campaign.toml`` and one trace file per trial, read and checked."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from dummydesign.core.errors import InputError, unknown_name
+from dummydesign.measurement.campaign import Campaign, PadSpec, PunchSpec, Trial
+from dummydesign.measurement.campaign_checks import check_against_declared, check_set
+from dummydesign.measurement.campaign_lines import CampaignLines
+from dummydesign.measurement.sensor import Lowpass
+from dummydesign.measurement.trace import read_trace
+
+FILE = "campaign.toml"
+_TRIAL_NUMBERS = {
+    "thickness_mm": (0.5, 200.0),
+    "velocity_mm_s": (0.001, 5000.0),
+    "hold_s": (0.0, 1e5),
+    "target_force_N": (0.0, 2000.0),
+    "rest_s": (0.0, 1e9),
+    "temperature_C": (-20.0, 80.0),
+    "age_days": (0.0, 36500.0),
+}
+_TRIAL_REQUIRED = ("thickness_mm", "velocity_mm_s")
+_TRIAL_KEYS = {"file", "repeat", "sequence", *_TRIAL_NUMBERS}
+
+
+def read_campaign(folder: str | Path) -> Campaign:
+    """Read and check a campaign folder.
+
+    Parameters
+    ----------
+    folder : path
+        Holds ``campaign.toml`` and the trace files named in it.
+
+    Returns
+    -------
+    Campaign
+
+    Raises
+    ------
+    InputError
+        With file and line: missing files or keys, unknown names, numbers out of range, files outside the
+        folder, traces that are unsorted or in another unit (seen by magnitude, also against the declared
+        speed, force and thickness), fewer than two trials.
+    """
+    folder = Path(folder)
+    if not folder.is_dir():
+        raise InputError(f"campaign folder '{folder}' does not exist")
+    path = folder / FILE
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+        data = tomllib.loads(text)
+    except FileNotFoundError:
+        raise InputError(f"campaign folder '{folder}' has no {FILE}") from None
+    except (OSError, UnicodeDecodeError) as problem:
+        raise InputError(f"{FILE}: cannot be read as UTF-8 text: {problem}") from None
+    except tomllib.TOMLDecodeError as problem:
+        raise InputError(f"{FILE}: not valid TOML: {problem}") from None
+    place = CampaignLines(FILE, text)
+    if data.get("schema") != 1:
+        raise InputError(f"{FILE}: schema = {data.get('schema')!r}; this version reads schema = 1")
+    pad, punch = _pad(data, place), _punch(data, place)
+    if (pad.shape == "cylinder") != (punch.shape == "plate"):
+        raise InputError(
+            f"{place.section('punch', 'shape')}: punch '{punch.shape}' with pad shape '{pad.shape}'; "
+            "a cylinder is pressed by a plate, a slab by a square or round punch"
+        )
+    lowpass, resolution = _sensor(data, place)
+    blocks = data.get("trial")
+    if not isinstance(blocks, list) or not blocks:
+        raise InputError(f"{FILE}: has no [[trial]]")
+    if len(blocks) < 2:
+        raise InputError(
+            f"{place.trial(0)}: a single trial; a modulus and two relaxation arms need at least two trials "
+            "(two depths or speeds), and repeats to know the noise"
+        )
+    warnings: list[dict[str, str]] = []
+    trials = tuple(_trial(block, i, place, folder, len(blocks)) for i, block in enumerate(blocks))
+    check_set(trials, blocks, place, warnings)
+    return Campaign(
+        str(data.get("name", folder.name)), folder, pad, punch, lowpass, resolution, trials, tuple(warnings)
+    )
+
+
+def _number(table: dict[str, Any], key: str, where: str, low: float, high: float, hint: str = "") -> float | None:
+    """Read an optional number within its range."""
+    if key not in table:
+        return None
+    value = table[key]
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise InputError(f"{where}: {key} = {value!r} is not a number")
+    if not low <= value <= high:
+        raise InputError(f"{where}: {key} = {value:g} is outside the allowed range {low:g} to {high:g}{hint}")
+    return float(value)
+
+
+def _choice(table: dict[str, Any], key: str, where: str, known: tuple[str, ...], default: str) -> str:
+    value = str(table.get(key, default))
+    if value in known or (value.startswith("friction:") and "friction:MU" in known):
+        return value
+    raise InputError(f"{where}: {unknown_name(key, value, known)}")
+
+
+def _section(data: dict[str, Any], name: str) -> dict[str, Any]:
+    table = data.get(name, {})
+    if not isinstance(table, dict):
+        raise InputError(f"{FILE}: [{name}] must be a table")
+    return table
+
+
+def _pad(data: dict[str, Any], place: CampaignLines) -> PadSpec:
+    table = _section(data, "pad")
+
+    def number(key: str, low: float, high: float, hint: str = "") -> float | None:
+        return _number(table, key, place.section("pad", key), low, high, hint)
+
+    young = number("young_kPa_nominal", 0.5, 5000.0, "; the unit is kPa: give 25 kPa as 25.0 (not 0.025 or 25000)")
+    resin = table.get("resin")
+    if young is None and resin is None:
+        raise InputError(f"{place.section('pad')}: [pad] needs young_kPa_nominal, or resin and ratio")
+    shape = _choice(table, "shape", place.section("pad", "shape"), ("slab", "cylinder"), "slab")
+    diameter = number("diameter_mm", 2.0, 500.0)
+    if shape == "cylinder" and diameter is None:
+        raise InputError(f"{place.section('pad')}: a cylinder needs diameter_mm")
+    base = _choice(table, "base", place.section("pad", "base"), ("bonded", "sliding", "friction:MU"), "bonded")
+    return PadSpec(
+        young, None if resin is None else str(resin), number("ratio", 0.0, 1000.0), shape,
+        number("length_mm", 5.0, 2000.0), number("width_mm", 5.0, 2000.0), diameter, base,
+    )  # fmt: skip
+
+
+def _punch(data: dict[str, Any], place: CampaignLines) -> PunchSpec:
+    table = _section(data, "punch")
+    where = place.section("punch", "shape")
+    shape = _choice(table, "shape", where, ("square", "round", "plate"), "square")
+    side = _number(table, "side_mm", place.section("punch", "side_mm"), 1.0, 200.0)
+    diameter = _number(table, "diameter_mm", place.section("punch", "diameter_mm"), 1.0, 200.0)
+    if shape == "square" and side is None:
+        raise InputError(f"{where}: a square punch needs side_mm")
+    if shape == "round" and diameter is None:
+        raise InputError(f"{where}: a round punch needs diameter_mm")
+    contact = _choice(
+        table, "contact", place.section("punch", "contact"), ("bonded", "frictionless", "friction:MU"), "bonded"
+    )
+    return PunchSpec(shape, side, diameter, contact)
+
+
+def _sensor(data: dict[str, Any], place: CampaignLines) -> tuple[Lowpass | None, float]:
+    table = _section(data, "sensor")
+    where = place.section("sensor", "lowpass_hz")
+    cutoff = _number(table, "lowpass_hz", where, 0.1, 1e5)
+    resolution = _number(table, "force_resolution_N", place.section("sensor", "force_resolution_N"), 0.0, 10.0)
+    if cutoff is None:
+        return None, resolution or 0.0
+    try:
+        lowpass = Lowpass(cutoff, int(table.get("lowpass_order", 2)), int(table.get("lowpass_passes", 1)))
+    except (InputError, ValueError, TypeError) as problem:
+        raise InputError(f"{where}: {problem}") from None
+    return lowpass, resolution or 0.0
+
+
+def _whole(block: dict[str, Any], key: str, where: str, default: int) -> int:
+    value = block.get(key, default)
+    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+        raise InputError(f"{where}: {key} = {value!r} must be a whole number from 1")
+    return value
+
+
+def _trial(block: dict[str, Any], index: int, place: CampaignLines, folder: Path, count: int) -> Trial:
+    unknown = sorted(set(block) - _TRIAL_KEYS)
+    if unknown:
+        raise InputError(f"{place.trial(index, unknown[0])}: {unknown_name('key', unknown[0], _TRIAL_KEYS)}")
+    numbers = {}
+    for key, (low, high) in _TRIAL_NUMBERS.items():
+        hint = "; the unit is mm: 0.015 m is 15" if key == "thickness_mm" else ""
+        numbers[key] = _number(block, key, place.trial(index, key), low, high, hint)
+    for key in _TRIAL_REQUIRED:
+        if numbers[key] is None:
+            raise InputError(f"{place.trial(index)}: trial {index + 1} lacks {key}")
+    name = _file_name(block, index, place, folder)
+    trace = read_trace(folder / name)
+    trial = Trial(
+        name, **{k: numbers[k] for k in ("thickness_mm", "velocity_mm_s", "hold_s", "target_force_N")},
+        repeat=_whole(block, "repeat", place.trial(index, "repeat"), 1),
+        sequence=_whole(block, "sequence", place.trial(index, "sequence"), index + 1),
+        rest_s=numbers["rest_s"], temperature_C=numbers["temperature_C"], age_days=numbers["age_days"], trace=trace,
+    )  # fmt: skip
+    check_against_declared(trial, index, place)
+    return trial
+
+
+def _file_name(block: dict[str, Any], index: int, place: CampaignLines, folder: Path) -> str:
+    where = place.trial(index, "file")
+    name = block.get("file")
+    if not isinstance(name, str) or not name.strip():
+        raise InputError(f"{where}: trial {index + 1} lacks file")
+    outside = "/" in name or "\\" in name or name in (".", "..") or Path(name).is_absolute() or "\0" in name
+    if outside or not (folder / name).resolve().is_relative_to(folder.resolve()):
+        raise InputError(f"{where}: file = '{name}' leaves the campaign folder; give a plain file name inside it")
+    if not (folder / name).is_file():
+        raise InputError(f"{where}: trace file '{name}' does not exist in the campaign folder")
+    return name

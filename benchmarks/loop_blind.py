@@ -1,7 +1,7 @@
 """Blind study of the loop: ``python benchmarks/loop_blind.py``. Simulated campaigns only; about 15 s each.
 
-Campaigns come from tests/loop/generator.py, which shares no code with the effect classes. Every run is kept in
-``--rows`` (one JSON object a line), so that a study can be stopped and resumed; the table goes to ``--out``.
+Campaigns come from tests/support/campaign_generator.py, which shares no code with the effect classes. Every run is
+kept in ``--rows`` (one JSON object a line), so that a study can be stopped and resumed; the table goes to ``--out``.
 """
 
 from __future__ import annotations
@@ -18,13 +18,12 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "loop")]
-
-import generator  # noqa: E402
+sys.path.insert(0, str(ROOT))
 
 from dummydesign.loop.calibration import calibration_of, replay  # noqa: E402
 from dummydesign.loop.run import LoopResult, close_loop  # noqa: E402
 from dummydesign.measurement.campaign_file import read_campaign  # noqa: E402
+from tests.support import campaign_generator as generator  # noqa: E402
 
 STRENGTHS = (1.0, 2.0, 0.5)
 """Usual size first, then doubled, then halved."""
@@ -130,7 +129,8 @@ def main() -> None:
 def table(rows: list[dict], known: dict, unknown: dict) -> str:
     """The published table."""
     lines = ["# Blind study of the loop", ""]
-    lines += ["Simulated campaigns only (tests/loop/generator.py). Made by `python benchmarks/loop_blind.py`;"]
+    lines += ["Simulated campaigns only (tests/support/campaign_generator.py)."]
+    lines += ["Made by `python benchmarks/loop_blind.py`;"]
     lines += ["one row per campaign is kept in benchmarks/loop_blind.jsonl.", ""]
 
     def share(count: int, total: int) -> str:

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
 
 
 @pytest.fixture(scope="session")
 def campaigns(tmp_path_factory):
     """A function that writes (once) a campaign with an effect and returns its folder."""
-    import generator
+    from tests.support import campaign_generator as generator
 
     made = {}
 

@@ -19,7 +19,7 @@ from dummydesign.loop.calibration import replay
 from dummydesign.loop.run import close_loop
 from dummydesign.tissue.fitting.fit import fit_traces
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 BLAS = ThreadpoolController().select(user_api="blas")
 VARIABLES = ("OMP", "OPENBLAS", "MKL", "BLIS")
 

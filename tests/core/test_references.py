@@ -7,7 +7,7 @@ from dummydesign.resin import load_resin
 from dummydesign.studies.tissues.infer import SOURCES
 from dummydesign.tissue.model.tissue_file import load_tissue
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 
 
 def test_the_built_in_tissues_cite_what_they_were_inferred_from():

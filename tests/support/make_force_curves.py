@@ -1,4 +1,4 @@
-"""Direct finite-element curves for the campaign generator: ``python tests/loop/make_force_curves.py``.
+"""Direct finite-element curves for the campaign generator: ``python tests/support/make_force_curves.py``.
 
 Round punch of the area of the 14 mm square, glued, neo-Hookean; unit modulus. The response table is not used.
 """

@@ -202,7 +202,7 @@ def test_base_slip_and_compressibility_weaken_the_thin_pad_most(plain):
 
 
 def test_compressibility_follows_finite_elements_at_another_poisson_ratio(plain):
-    import generator_press
+    from tests.support import campaign_press as generator_press
 
     _, law = plain
     h = np.array([5.0, 15.0, 20.0])

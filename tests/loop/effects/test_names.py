@@ -6,11 +6,11 @@ import ast
 from pathlib import Path
 
 import dummydesign
+from dummydesign.loop import effects
 from dummydesign.loop.effects import EFFECTS
-from dummydesign.loop.model import effect as effects_base
 
 PACKAGE = Path(dummydesign.__file__).parent
-EFFECTS_FOLDER = Path(effects_base.__file__).parent
+EFFECTS_FOLDER = Path(effects.__file__).parent
 
 
 def speaks_of(text: str, name: str) -> bool:

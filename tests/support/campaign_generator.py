@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from generator_press import Pad, Physics, butterworth, pad_force
+
+from tests.support.campaign_press import Pad, Physics, butterworth, pad_force
 
 # Usual size of each effect (the middle strength); the sign is drawn where two signs make sense.
 SIZES = {

@@ -20,6 +20,7 @@ import numpy as np
 
 from dummydesign.core.files import write_text
 from dummydesign.design.search.solved_slabs import SlabCase, SolvedLaw, SolvedSlab, law_of, solve_slab
+from dummydesign.report.whatif import STATEMENT
 from dummydesign.studies.marked_page import MarkedPage
 
 THICKNESS_MM = (5.0, 10.0, 15.0, 20.0)
@@ -34,20 +35,6 @@ STRAINS = (0.1, 0.2, 0.3, 0.4)
 _CASE = ("base", "yeoh_c2_over_mu", "thickness_mm", "radius_mm")
 CURVES = Path("docs") / "data" / "thickness-curves.csv"
 PAGE = Path("docs") / "whatif.md"
-STATEMENT = (
-    "The paper calls its dummy II (20 mm, the thickest) the most curved and gives its thickness as the reason. "
-    "For slabs of one resin under one punch the finite elements say the opposite: at equal depth and at equal "
-    "strain the thinnest slab (5 mm) is by far the most curved and the 20 mm slab the least, on a glued and on a "
-    "sliding base. At equal force the thick slab is strained more, which evens the difference but does not turn "
-    "it: at 25 kPa and 5 N the exponent falls from 1.22 (5 mm) to 1.05 (20 mm) on a glued base, at 10 N from 1.37 "
-    "to 1.16 with 5 and 10 mm alike; in resins that stiffen the 20 mm slab is the least curved from 2 to 15 N "
-    "too. Thickness does rule the nonlinearity, through punch radius over thickness and through strain, but "
-    "thinner is more curved. If dummy II was measured to be the most curved, something else than its thickness "
-    "made it so."
-    "\n\n"
-    "Not covered: depths above 0.6 of the thickness, where a slab of 10 mm or more of that modulus would carry 15 "
-    "N, resins other than neo-Hookean and Yeoh, and a pad that lifts off its base or wraps the punch."
-)
 MARKED = MarkedPage(PAGE, "<!-- thickness tables: begin -->", "<!-- thickness tables: end -->")
 
 

@@ -17,7 +17,6 @@ from dummydesign.pad.material.hyperelastic import Law
 from dummydesign.pad.slab.square_beaded import solve_rimmed_ratios, useful_depths
 from dummydesign.pad.slab.square_sharp import Block, Cells, Ratios, depth_of_corner, solve_ratios
 from dummydesign.pad.tables.square import HELD_ERROR
-from dummydesign.studies.tables.square_fit import CORRECTION_ERROR, MESH_ERROR, RIMMED_ERROR
 
 Array = np.ndarray
 polyval = np.polynomial.polynomial.polyval
@@ -26,6 +25,11 @@ CORNERS = (0.45, 0.3, 0.2)
 STEP = 0.06
 # Beads, as large as the cells beside them.
 RIMS = (0.28, 0.2)
+# Scatter that is expected of a value besides its correction, for its weight: sharp and beaded edge.
+MESH_ERROR = 5e-4
+RIMMED_ERROR = 2e-3
+# Share of its own correction by which an extrapolated factor may be off.
+CORRECTION_ERROR = 0.5
 
 
 @dataclass(frozen=True)

@@ -7,17 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from dummydesign.pad.slab.square_curve import CORRECTION_ERROR, MESH_ERROR, RIMMED_ERROR
 from dummydesign.studies.tables.slab import RATIO_RANGE
 
 Array = np.ndarray
 
 DEPTH_END = 1.4
 TERMS = (5, 7)
-# Scatter that is expected of a value besides its correction, for its weight: sharp and beaded edge.
-MESH_ERROR = 5e-4
-RIMMED_ERROR = 2e-3
-# Share of its own correction by which an extrapolated factor may be off.
-CORRECTION_ERROR = 0.5
 
 
 @dataclass(frozen=True)

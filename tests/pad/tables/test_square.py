@@ -131,6 +131,6 @@ def test_what_cannot_be_known_is_refused(monkeypatch, tmp_path):
         predict_static(Pad(10.0, 0.03, RADIUS), [1.0], "3d")
     monkeypatch.setattr("dummydesign.pad.tables.square.data_folder", lambda: tmp_path)
     load_square.cache_clear()
-    with pytest.raises(NoAnswerError, match=r"python -m dummydesign\.pad\.build_square"):
+    with pytest.raises(NoAnswerError, match=r"python -m dummydesign\.studies\.tables\.square"):
         load_square()
     load_square.cache_clear()

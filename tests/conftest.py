@@ -1,5 +1,33 @@
-"""Tests solve what they test: the user's cache is neither read nor written, also by commands they start."""
+"""Tests solve what they test: the user's cache is neither read nor written, also by commands they start.
 
+``pytest -m slow --part 1/3`` runs one of three parts of the long tests; together the parts are all of them.
+"""
+
+from __future__ import annotations
+
+import hashlib
 import os
 
+import pytest
+
 os.environ["DUMMYDESIGN_CACHE"] = "off"
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--part", default="1/1", help="K/N: the tests whose name falls into part K of N")
+
+
+def part_of(name: str, parts: int) -> int:
+    """Part, from 1, that a test falls into: by its name alone, so that new tests move no others."""
+    return int(hashlib.sha256(name.encode()).hexdigest(), 16) % parts + 1
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    asked, _, parts = config.getoption("--part").partition("/")
+    if not (asked.isdigit() and parts.isdigit() and 1 <= int(asked) <= int(parts)):
+        raise pytest.UsageError(f"--part {asked}/{parts}: K/N with whole numbers, 1 <= K <= N")
+    if parts == "1":
+        return
+    kept = [item for item in items if part_of(item.nodeid, int(parts)) == int(asked)]
+    config.hook.pytest_deselected(items=[item for item in items if item not in kept])
+    items[:] = kept

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from dummydesign.core.errors import InputError
 
 if TYPE_CHECKING:
-    from dummydesign.design.suggest import Suggestion
+    from dummydesign.design.suggestion import Suggestion
     from dummydesign.design.sweep.spec import Study
     from dummydesign.tissue.fitting.fit import Fit
 

@@ -20,7 +20,7 @@ from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
-    from dummydesign.design.suggest import Request
+    from dummydesign.design.inputs import Inputs
     from dummydesign.design.sweep.spec import Study
     from dummydesign.measurement.trace import Trace
     from dummydesign.resin.model.resin import Resin
@@ -83,13 +83,14 @@ def suggest(
         When no pad reaches 10 N steady, or the mould could not be made: the report is then written and the rest of
         the answer in the error's ``result``.
     """
-    from dummydesign.design.suggest import Request, accept
+    from dummydesign.design.inputs import resolve
+    from dummydesign.design.request import Request
 
     path = None if calibration is None else str(calibration)
     request = Request(
         tissue, aim, resin, _pair(thickness_mm), _pair(ratio), shape=shape, verify=verify, calibration=path
     )
-    accept(request)
+    wanted = resolve(request)
     for name, value in (("robot mass in kg", robot_mass_kg), ("robot velocity in mm/s", robot_velocity_mm_s)):
         if value is not None and not (isfinite(value) and value > 0):
             raise out_of_range(name, value, "above 0", "any finite value")
@@ -100,7 +101,7 @@ def suggest(
 
     own = None if limits is None else read_limits(limits)
     folder = None if out is None else Path(out)
-    found = _search(request, folder)
+    found = _search(wanted, folder)
     safety = safety_view(found, robot_mass_kg, robot_velocity_mm_s, own)
     inputs = {
         **request.to_dict(),
@@ -117,7 +118,7 @@ def suggest(
 
     try:
         if cad:
-            from dummydesign.design.with_mould import with_mould
+            from dummydesign.design.mould import with_mould
 
             result = with_mould(result, found, folder)
     finally:
@@ -125,17 +126,17 @@ def suggest(
     return Answer(found, result)
 
 
-def _search(request: Request, folder: Path | None) -> Any:
+def _search(inputs: Inputs, folder: Path | None) -> Any:
     """Find the design; a folder that was made for an answer that there is not is taken away again."""
     from dummydesign.core.files import output_folder
-    from dummydesign.design.suggest import suggest as search
+    from dummydesign.design.suggest import design
 
     if folder is None:
-        return search(request)
+        return design(inputs)
     made = not folder.exists()
     output_folder(folder)
     try:
-        return search(request)
+        return design(inputs)
     except (InputError, NoAnswerError):
         if made:
             folder.rmdir()

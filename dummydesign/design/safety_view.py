@@ -19,11 +19,11 @@ from dummydesign.design.assessment.safety import (
     tissue_body,
     tissue_press,
 )
+from dummydesign.design.request import PUNCH_SIDE_MM
 from dummydesign.design.scoring.presses import Sampling
-from dummydesign.design.suggest import PUNCH_SIDE_MM
 
 if TYPE_CHECKING:
-    from dummydesign.design.suggest import Suggestion
+    from dummydesign.design.suggestion import Suggestion
 
 AREA_MM2 = PUNCH_SIDE_MM**2
 TEXT = (

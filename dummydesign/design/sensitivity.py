@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.design.request import RADIUS_MM
 from dummydesign.design.scoring.presses import (
     COARSE,
     Curves,
@@ -18,10 +19,9 @@ from dummydesign.design.scoring.presses import (
     steady_depth,
 )
 from dummydesign.design.search.slabs import THICKNESS_MM, Candidate
-from dummydesign.design.suggest import RADIUS_MM
 
 if TYPE_CHECKING:
-    from dummydesign.design.suggest import Suggestion
+    from dummydesign.design.suggestion import Suggestion
 
 FORCE_GRID_N = np.r_[np.linspace(0.1, 5.0, 25), np.linspace(5.25, 15.0, 40)]
 THICKNESS_GRID_MM = np.linspace(*THICKNESS_MM, 55)

@@ -1,42 +1,111 @@
-"""One design in the form of the ``suggest`` contract."""
+"""The answer of a design request with all its objects, and as values in the form of the ``suggest`` contract."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dummydesign.design.scoring.targets import LOW_GRID_N, Targets
 from dummydesign.design.search.low_force import low_force
-from dummydesign.geometry.shapes import Shape, Slab
+from dummydesign.geometry.shapes import Shape
 
 if TYPE_CHECKING:
-    from dummydesign.design.search.slabs import Candidate
+    from dummydesign.design.assessment.centring import CentringTolerance
+    from dummydesign.design.assessment.pour_yield import PourYield
+    from dummydesign.design.assessment.verification import Verification
+    from dummydesign.design.request import Request
+    from dummydesign.design.scoring.presses import ForceLaw
+    from dummydesign.design.search.best_of_kinds import Beside
+    from dummydesign.design.search.slabs import Candidate, SearchResult
     from dummydesign.resin.model.resin import Resin
+    from dummydesign.tissue.model.tissue import Tissue
 
 LOW_FORCES_N = (0.5, 1.0, 2.0, 3.0, 4.0, 5.0)
 
 
-def design_dict(
-    candidate: Candidate,
-    resin: Resin,
-    targets: Targets,
-    recipe: tuple[tuple[str, float], ...],
-    shape: Shape | None = None,
-) -> dict[str, Any]:
+@dataclass(frozen=True)
+class Design:
+    """One pad: what was evaluated (scores, presses, parameters), its shape, and what to weigh, (name, mass in g)."""
+
+    candidate: Candidate
+    shape: Shape
+    recipe: tuple[tuple[str, float], ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Suggestion:
+    """The answer: the recommended design and the others, the search, tolerance, verification, and its basis.
+
+    ``law`` is the force law in proportion with thickness, ``cast`` that of the shape as it is cast, from elements
+    when it was verified; ``beside`` the best design of each kind of shape; ``centring`` how far off the centre of
+    a crown the punch may press (with verification); ``warnings`` are {code, message}.
+    """
+
+    request: Request
+    tissue: Tissue
+    resin: Resin
+    targets: Targets
+    found: SearchResult
+    recommended: Design
+    alternatives: tuple[Design, ...]
+    law: ForceLaw
+    cast: ForceLaw
+    beside: tuple[Beside, ...]
+    pour: PourYield
+    verification: Verification
+    centring: CentringTolerance | None
+    rests_on: dict[str, Any]
+    warnings: tuple[dict[str, str], ...]
+
+    @property
+    def best(self) -> Candidate:
+        """The recommended design as it was evaluated."""
+        return self.recommended.candidate
+
+    @property
+    def shape(self) -> Shape:
+        """Shape of the recommended pad."""
+        return self.recommended.shape
+
+    @property
+    def recipe(self) -> tuple[tuple[str, float], ...]:
+        """What to weigh for the recommended pad. [g]"""
+        return self.recommended.recipe
+
+    @property
+    def force_law(self) -> str:
+        """Where the elastic forces come from, in words; empty for a law of the user's own."""
+        made_by = getattr(self.law, "provenance", {}).get("command", "")
+        return f"response table of {self.shape.name} pads, made by {made_by}" if made_by else ""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the answer in the form of the ``suggest`` contract."""
+        slope = self.resin.log_slope(self.best.ratio)
+        return {
+            "recommendation": design_dict(self.recommended, self.resin, self.targets),
+            "alternatives": [design_dict(other, self.resin, self.targets) for other in self.alternatives],
+            "sensitivity": {"d_ln_young_per_percent_ratio": 0.01 * slope, **self.pour.to_dict()},
+            "verification": self.verification.to_dict(),
+            "shapes": [item.to_dict() for item in self.beside],
+            "landing": self.centring.to_dict() if self.centring else None,
+            "rests_on": dict(self.rests_on),
+            "warnings": [dict(item) for item in self.warnings],
+            "sources": [*self.tissue.sources, *self.resin.references, *filter(None, [self.force_law])],
+        }
+
+
+def design_dict(design: Design, resin: Resin, targets: Targets) -> dict[str, Any]:
     """Return one design as plain values.
 
     Parameters
     ----------
-    candidate : Candidate
-        Design with scores, presses and fitted parameters.
+    design : Design
     resin, targets
         What it was made for.
-    recipe : tuple of (name, mass in g)
-        What to weigh.
-    shape : Shape, optional
-        A flat slab without it.
     """
+    candidate, recipe = design.candidate, design.recipe
     index, evaluation = candidate.index, candidate.evaluation
     parameters = None
     if candidate.parameters is not None:
@@ -45,7 +114,7 @@ def design_dict(
         "resin": resin.name,
         "ratio": candidate.ratio,
         "ratio_meaning": resin.ratio_meaning,
-        "shape": str(shape or Slab()),
+        "shape": str(design.shape),
         "thickness_mm": candidate.thickness_mm,
         "young_kPa": resin.modulus_kPa(candidate.ratio).to_dict(),
         "prony": [term.to_dict() for term in resin.prony(candidate.ratio)],

@@ -16,7 +16,7 @@ from dummydesign.report.html.page import Section, Table, write_report
 from dummydesign.report.html.viewer import box, read_stl, solid_section, viewer_script
 
 if TYPE_CHECKING:
-    from dummydesign.design.suggest import Suggestion
+    from dummydesign.design.suggestion import Suggestion
 
 STYLES = ("alt1", "alt2", "alt3", "alt4")
 STEADY_N = np.linspace(0.0, 15.0, 61)
@@ -97,8 +97,8 @@ def _shapes(answer: Suggestion, result: dict[str, Any]) -> list[Section]:
         "The best pad of each kind by one rule: half the total score, half the closeness to the aim below 5 N. "
         "The misfit is the rms of ln F over 0.5 to 15 N; below 5 N the tissue's curve is an extrapolation."
     )
-    if answer.landing:
-        text += f" Of the recommended pad {answer.landing.text}."
+    if answer.centring:
+        text += f" Of the recommended pad {answer.centring.text}."
     head = ["pad", "thickness mm", "ratio", "misfit", "share 0.5 to 5 N", "share 5 to 15 N",
             *(f"exponent at {force} N" for force in ("1", "5", "15")), "depth / thickness, 15 N", "total"]  # fmt: skip
     rows = []

@@ -19,12 +19,14 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.files import write_text
-from dummydesign.design.assessment.centring import Landing, landing
+from dummydesign.design.assessment.centring import CentringTolerance, centring_tolerance
+from dummydesign.design.request import PUNCH_SIDE_MM, RADIUS_MM, Request
 from dummydesign.design.scoring.presses import DEPTH_SHARE
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.search.best_of_kinds import Beside
 from dummydesign.design.search.low_force import MISFIT_N, steady_force
-from dummydesign.design.suggest import PUNCH_SIDE_MM, RADIUS_MM, Request, Suggestion, suggest
+from dummydesign.design.suggest import suggest
+from dummydesign.design.suggestion import Suggestion
 from dummydesign.geometry.shapes import Slab
 from dummydesign.studies.marked_page import MarkedPage
 
@@ -91,7 +93,7 @@ class Row:
     tissue: str
     item: Beside
     solved: Solved | None
-    landing: Landing | None
+    centring: CentringTolerance | None
 
 
 def study(tissue: str) -> tuple[Suggestion, list[Row]]:
@@ -103,7 +105,7 @@ def study(tissue: str) -> tuple[Suggestion, list[Row]]:
             rows.append(Row(tissue, item, None, None))
             continue
         solved = check(item, answer.targets) if item.kind != Slab.name and item.shape.axisymmetric else None
-        lands = landing(item.candidate, item.shape, RADIUS_MM, 0.5 * PUNCH_SIDE_MM)
+        lands = centring_tolerance(item.candidate, item.shape, RADIUS_MM, 0.5 * PUNCH_SIDE_MM)
         rows.append(Row(tissue, item, solved, lands))
         print(f"{tissue} {item.shape}: misfit {item.low_force.misfit_rms_ln_force}", flush=True)
     return answer, rows
@@ -141,17 +143,18 @@ def tables(found: list[tuple[Suggestion, list[Row], tuple[float, float, float]]]
             f"| {_share(nearest[2], base)} | | | | | | | |"
         )
         parts.append("\n".join(lines))
-        margins = [row for row in rows if row.landing]
+        margins = [row for row in rows if row.centring]
         if margins:
-            head = "| pad | " + " | ".join(f"{force:g} N" for force in margins[0].landing.force_N) + " |"
-            body = [f"| {row.item.shape} | " + " | ".join(map(_margin, *_pairs(row.landing))) + " |" for row in margins]
-            mark = "|---" * (1 + len(margins[0].landing.force_N)) + "|"
+            head = "| pad | " + " | ".join(f"{force:g} N" for force in margins[0].centring.force_N) + " |"
+            cells = [" | ".join(map(_margin, *_pairs(row.centring))) for row in margins]
+            body = [f"| {row.item.shape} | {text} |" for row, text in zip(margins, cells)]
+            mark = "|---" * (1 + len(margins[0].centring.force_N)) + "|"
             parts.append("Contact radius and, in brackets, how far off centre the punch may land unnoticed [mm]:")
             parts.append("\n".join([head, mark, *body]))
     return "\n\n".join(parts) + "\n"
 
 
-def _pairs(lands: Landing) -> tuple[tuple[float | None, ...], tuple[float | None, ...]]:
+def _pairs(lands: CentringTolerance) -> tuple[tuple[float | None, ...], tuple[float | None, ...]]:
     return lands.contact_radius_mm, lands.margin_mm
 
 
@@ -209,7 +212,7 @@ def main(arguments: list[str] | None = None) -> None:
     InputError
         When the page or its marks are missing.
     """
-    from dummydesign.design.suggest import PUNCH
+    from dummydesign.design.request import PUNCH
     from dummydesign.pad.tables.punch import punch_law
     from dummydesign.pad.tables.slab import load_table
 

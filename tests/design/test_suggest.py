@@ -8,7 +8,8 @@ import pytest
 from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import Quantity
 from dummydesign.design.assessment.pour_yield import pour_yield
-from dummydesign.design.suggest import RADIUS_MM, Request, suggest
+from dummydesign.design.request import RADIUS_MM, Request
+from dummydesign.design.suggest import suggest
 from dummydesign.resin import load_resin
 from dummydesign.resin.model.liquid import Liquid
 from dummydesign.resin.model.modulus_laws import LAWS

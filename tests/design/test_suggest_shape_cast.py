@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from dummydesign.design import sensitivity as details
+from dummydesign.design.request import RADIUS_MM, Request
 from dummydesign.design.safety_view import safety_view
 from dummydesign.design.search.shape_family import ShapeLaw
-from dummydesign.design.suggest import RADIUS_MM, Request, suggest
+from dummydesign.design.suggest import suggest
 from dummydesign.report.suggest import write_suggestion
 
 

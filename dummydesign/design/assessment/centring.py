@@ -1,4 +1,4 @@
-"""How far off the centre of a crowned pad the punch may land before the answer changes."""
+"""How far off the centre of a crowned pad the punch may press before the force changes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ DEPTH_SHARES = np.linspace(0.05, 1.0, 12)
 
 
 @dataclass(frozen=True)
-class Landing:
+class CentringTolerance:
     """Contact radius at each steady force, and the way the punch may be moved until its side meets the contact.
 
     Attributes
@@ -44,9 +44,9 @@ class Landing:
         return f"the crown has a centre: the punch may land off it by {', '.join(parts)} before the force changes"
 
 
-def landing(
+def centring_tolerance(
     best: Candidate, shape: Shape, radius_mm: float, half_side_mm: float, forces_N: tuple[float, ...] = (1.0, *FORCES_N)
-) -> Landing | None:
+) -> CentringTolerance | None:
     """Solve the contact of a round crowned pad; None for flat tops, shapes that are not round, or a failed solve."""
     from dummydesign.pad.shaped.contact_radius import contact_radius
 
@@ -62,4 +62,5 @@ def landing(
         return None
     radius = touch.radius_at(depth)
     margin = np.maximum(half_side_mm - radius, 0.0)
-    return Landing(forces_N, *(tuple(float(v) if np.isfinite(v) else None for v in row) for row in (radius, margin)))
+    values = (tuple(float(v) if np.isfinite(v) else None for v in row) for row in (radius, margin))
+    return CentringTolerance(forces_N, *values)

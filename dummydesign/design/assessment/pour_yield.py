@@ -32,7 +32,7 @@ class Tolerances:
 
 
 @dataclass(frozen=True)
-class Yield:
+class PourYield:
     """Share of pours inside the steady-state range.
 
     Attributes
@@ -76,7 +76,7 @@ def pour_yield(
     tolerances: Tolerances,
     pours: int = POURS,
     seed: int = SEED,
-) -> Yield:
+) -> PourYield:
     """Pour one design many times and press each pad at the speed of the slow condition.
 
     Parameters
@@ -96,7 +96,7 @@ def pour_yield(
 
     Returns
     -------
-    Yield
+    PourYield
     """
     rng = np.random.default_rng(seed)
     weighed = _weighed_ratio(resin, ratio, tolerances, pours, rng)
@@ -116,7 +116,7 @@ def pour_yield(
         shares[name] = _inside(law, resin, targets, thickness, young, beta, radius_mm)
     nominal = _nominal(law, resin, targets, thickness_mm, ratio, radius_mm)
     spread = float(np.std(np.log(np.maximum(stated.young_MPa(weighed), 1e-9))))
-    return Yield(
+    return PourYield(
         _stays(shares["all"], nominal),
         tuple(float(force) for force in np.array(FORCES_N)[nominal]),
         _stays(shares["making"], nominal),

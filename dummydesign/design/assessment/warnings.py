@@ -9,8 +9,13 @@ import numpy as np
 from dummydesign.design.scoring.targets import FORCES_N
 
 if TYPE_CHECKING:
+    from dummydesign.design.assessment.centring import CentringTolerance
+    from dummydesign.design.assessment.pour_yield import PourYield
+    from dummydesign.design.assessment.verification import Verification
+    from dummydesign.design.search.best_of_kinds import Chosen
     from dummydesign.design.search.slabs import Candidate
-    from dummydesign.design.suggest import Suggestion
+    from dummydesign.design.search.space import SearchSpace
+    from dummydesign.geometry.shapes import Shape
     from dummydesign.resin.model.resin import Resin
     from dummydesign.tissue.model.tissue import Tissue
 
@@ -76,64 +81,89 @@ def _leaves(numbers: dict[str, Any]) -> list[Any]:
     return found
 
 
-def design_warnings(answer: Suggestion) -> list[dict[str, str]]:
-    """List what is out of reach, at an edge, doubtful or contradictory, as {code, message}."""
-    best, resin = answer.best, answer.resin
+def design_warnings(
+    chosen: Chosen,
+    space: SearchSpace,
+    tissue: Tissue,
+    pour: PourYield,
+    verification: Verification,
+    centring: CentringTolerance | None,
+    verify: bool,
+) -> list[dict[str, str]]:
+    """List what is out of reach, at an edge, doubtful or contradictory, as {code, message}.
+
+    Parameters
+    ----------
+    chosen : Chosen
+        The recommended design and the best of each kind.
+    space : SearchSpace
+    tissue : Tissue
+    pour : PourYield
+    verification : Verification
+    centring : CentringTolerance or None
+    verify : bool
+        Whether a verification was asked for: then its notes are warnings.
+    """
+    resin = space.resin
+    said = _of_forces(chosen, space)
+    said += [("off_centre", centring.text)] if centring else []
+    said += [("no_shape", item.reason) for item in chosen.beside if item.reason]
+    said += _edges(chosen)
+    if pour.yield_fraction < 0.5:
+        share, exact = 100 * pour.yield_fraction, 100 * pour.making_only_fraction
+        text = f"{share:.0f} % of pours stay in the steady-state range"
+        said.append(("low_yield", f"{text} ({exact:.0f} % if the resin's numbers were exact)"))
+    said += [("calibration", note) for note in getattr(chosen.law, "notes", ())]
+    missed = [force for force in FORCES_N if force not in pour.judged_at_N]
+    if missed:
+        where = " and ".join(f"{force:g}" for force in missed)
+        said.append(("outside_steady_range", f"the steady curve is outside the tissue's range at {where} N"))
+    said += _of_data(resin, tissue)
+    off = verification.max_difference_percent
+    if off is not None and off > 1.0 and chosen.shape.name == "slab":
+        said.append(("table_error", f"the table is {off:.1f} % off the finite-element solve"))
+    said += [("verification", note) for note in verification.notes if verify]
+    return [{"code": code, "message": message} for code, message in said]
+
+
+def _of_forces(chosen: Chosen, space: SearchSpace) -> list[tuple[str, str]]:
+    """Conditions out of reach, and a start that is too stiff."""
+    best = chosen.found.best
     said = []
-    for column, condition in enumerate(answer.targets.conditions):
+    for column, condition in enumerate(space.targets.conditions):
         if not np.isfinite(best.evaluation.depth_mm[best.index, column]):
             force, speed = condition.steady_force_N, condition.velocity_mm_s
             said.append(("out_of_reach", f"{force:g} N at {speed:g} mm/s is out of reach and counts as outside"))
     low = float(best.evaluation.low_force_range[best.index])
     if low < 0.5:
-        said.append(
-            (
-                "stiff_at_first_touch",
-                f"below 5 N only {100 * low:.0f} % of the steady curve lies in the (extrapolated) range: "
-                + _why_stiff(answer),
-            )
-        )
-    said += [("off_centre", answer.landing.text)] if answer.landing else []
-    said += [("no_shape", item.reason) for item in answer.beside if item.reason]
-    said += _edges(answer)
-    if answer.pour.yield_fraction < 0.5:
-        share, exact = 100 * answer.pour.yield_fraction, 100 * answer.pour.making_only_fraction
-        text = f"{share:.0f} % of pours stay in the steady-state range"
-        said.append(("low_yield", f"{text} ({exact:.0f} % if the resin's numbers were exact)"))
-    said += [("calibration", note) for note in getattr(answer.law, "notes", ())]
-    missed = [force for force in FORCES_N if force not in answer.pour.judged_at_N]
-    if missed:
-        where = " and ".join(f"{force:g}" for force in missed)
-        said.append(("outside_steady_range", f"the steady curve is outside the tissue's range at {where} N"))
-    said += [("contradictory_points", text) for text in resin.contradictions]
-    weak_tissue = [kind for kind in answer.tissue.kinds if kind in WEAK]
+        share = f"below 5 N only {100 * low:.0f} % of the steady curve lies in the (extrapolated) range: "
+        said.append(("stiff_at_first_touch", share + _why_stiff(chosen.shape)))
+    return said
+
+
+def _of_data(resin: Resin, tissue: Tissue) -> list[tuple[str, str]]:
+    """Numbers that contradict each other, and those that nobody measured."""
+    said = [("contradictory_points", text) for text in resin.contradictions]
+    weak_tissue = [kind for kind in tissue.kinds if kind in WEAK]
     if weak_tissue:
-        said.append(
-            (
-                "inferred_tissue",
-                f"the parameters of {answer.tissue.name} are {' and '.join(weak_tissue)}, not measured",
-            )
-        )
+        text = f"the parameters of {tissue.name} are {' and '.join(weak_tissue)}, not measured"
+        said.append(("inferred_tissue", text))
     weak = resin.uncertain()
     if weak:
         text = f"{len(weak)} numbers of resin {resin.name} are inferred or assumed, not measured"
         said.append(("not_measured", f"{text}; 'dummydesign resins show {resin.name}' lists them"))
-    off = answer.verification.max_difference_percent
-    if off is not None and off > 1.0 and answer.shape.name == "slab":
-        said.append(("table_error", f"the table is {off:.1f} % off the finite-element solve"))
-    said += [("verification", note) for note in answer.verification.notes if answer.request.verify]
-    return [{"code": code, "message": message} for code, message in said]
+    return said
 
 
-def _why_stiff(answer: Suggestion) -> str:
-    if not answer.shape.flat_top:
+def _why_stiff(shape: Shape) -> str:
+    if not shape.flat_top:
         return "the shape starts stiffer or softer than tissue there"
     return "a flat pad starts far more linear than tissue, whatever its ratio; '--shape auto' looks for others"
 
 
-def _edges(answer: Suggestion) -> list[tuple[str, str]]:
+def _edges(chosen: Chosen) -> list[tuple[str, str]]:
     """A best design at the end of a range: more might be had outside."""
-    best, searched = answer.best, answer.found.score_map
+    best, searched = chosen.found.best, chosen.found.score_map
     said = []
     for name, value, steps in (
         ("thickness", best.thickness_mm, searched.thickness_mm),

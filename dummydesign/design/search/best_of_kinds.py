@@ -8,20 +8,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dummydesign.core.errors import InputError, NoAnswerError
-from dummydesign.design.scoring.presses import ForceLaw, Sampling
-from dummydesign.design.scoring.targets import Targets
+from dummydesign.design.scoring.presses import ForceLaw
 from dummydesign.design.search.low_force import LowForce, low_force
 from dummydesign.design.search.shapes import LOW_SHARE, Shaped, search_fixed, search_shape
 from dummydesign.design.search.slabs import Candidate, SearchResult, search
+from dummydesign.design.search.space import SearchSpace
 from dummydesign.geometry.shapes import Shape, Slab, read_shape
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from dummydesign.resin.model.resin import Resin
 
 AUTO = "auto"
-SOLVED = 3
 
 
 @dataclass(frozen=True)
@@ -58,6 +55,30 @@ class Beside:
 
 
 @dataclass(frozen=True)
+class Found:
+    """What tables give for a request: the best flat slab, designs of the kinds asked for, kinds without one.
+
+    Attributes
+    ----------
+    asked : str
+        The shape as it was asked for.
+    slab_law : ForceLaw
+    slab : SearchResult or None
+        The best slab by the rule of the shapes, None with ``slab_reason``.
+    designs : tuple of Shaped
+    missing : tuple of Beside
+        With the reason of each.
+    """
+
+    asked: str
+    slab_law: ForceLaw
+    slab: SearchResult | None
+    slab_reason: str | None = None
+    designs: tuple[Shaped, ...] = ()
+    missing: tuple[Beside, ...] = ()
+
+
+@dataclass(frozen=True)
 class Chosen:
     """The winning design with its force laws: in proportion with thickness, and as cast."""
 
@@ -91,56 +112,58 @@ def kinds_of(text: str) -> tuple[str, ...]:
     return (name,)
 
 
-def choose(
-    text: str,
-    slab_law: ForceLaw,
-    resin: Resin,
-    targets: Targets,
-    thickness_mm: NDArray,
-    ratio: NDArray,
-    radius_mm: float,
-    sampling: Sampling,
-    solve: bool = True,
-) -> Chosen:
-    """Find the best design of the kinds that ``text`` names, and the slab's by the same rule.
+def best_of_kinds(text: str, slab_law: ForceLaw, space: SearchSpace) -> Found:
+    """Search every kind of shape that a request names, and the slab by the same rule.
 
     Parameters
     ----------
     text : str
-        ``crowned``, ..., a shape with its parameters such as ``crowned:10,2``, or ``auto``.
+        ``slab``, ``crowned``, ..., a shape with its parameters such as ``crowned:10,2``, or ``auto``.
     slab_law : ForceLaw
-    resin, targets, thickness_mm, ratio, radius_mm, sampling
-        As for :func:`dummydesign.design.search.slabs.search`.
-    solve : bool
-        Work the best round pads out again on finite elements before one is chosen.
+        Elastic force of slabs.
+    space : SearchSpace
+
+    Raises
+    ------
+    NoAnswerError
+        ``no_feasible_design`` when a slab alone was asked for and there is none.
+    """
+    if text.lower() == Slab.name:
+        return Found(text, slab_law, search(slab_law, space))
+    slab: SearchResult | None = None
+    reason = None
+    try:
+        slab = search(slab_law, space, LOW_SHARE)
+    except NoAnswerError as problem:
+        reason = str(problem)
+    designs, missing = _designs(text, space)
+    return Found(text, slab_law, slab, reason, tuple(designs), tuple(missing))
+
+
+def choose(found: Found, space: SearchSpace) -> Chosen:
+    """Take the best of what was found: solved designs first; a slab only where it was asked for or by ``auto``.
 
     Raises
     ------
     NoAnswerError
         ``no_feasible_design`` when no kind has one.
     """
-    args = (resin, targets, ratio, radius_mm, sampling)
-    slab = Beside(Slab.name, None, None, None, None)
-    flat: SearchResult | None = None
-    try:
-        flat = search(slab_law, resin, targets, thickness_mm, ratio, radius_mm, sampling, LOW_SHARE)
-        slab = _beside(Slab.name, Slab(), flat.best, resin, targets, "table")
-    except NoAnswerError as problem:
-        slab = replace(slab, reason=str(problem))
-    designs, failed = _designs(text, resin, targets, thickness_mm, ratio, radius_mm, sampling)
-    if solve:
-        designs = _solved(designs, *args)
-    beside = [slab]
+    flat, law, designs = found.slab, found.slab_law, found.designs
+    if found.asked.lower() == Slab.name and flat is not None:
+        return Chosen(Slab(), flat, law, law, ())
+    beside = [Beside(Slab.name, None, None, None, None, found.slab_reason)]
+    if flat is not None:
+        beside = [_beside(Slab.name, Slab(), flat.best, space, "table")]
     for kind in dict.fromkeys(shaped.shape.name for shaped in designs):
         best = max((shaped for shaped in designs if shaped.shape.name == kind), key=_rank)
         by = "table" if best.elements is None else "elements"
-        beside.append(_beside(kind, best.shape, best.found.best, resin, targets, by))
-    listed = (*beside, *failed)
-    if text.lower() == AUTO and flat is not None:
+        beside.append(_beside(kind, best.shape, best.found.best, space, by))
+    listed = (*beside, *found.missing)
+    if found.asked.lower() == AUTO and flat is not None:
         if not designs or flat.best.merit(LOW_SHARE) >= max(designs, key=_rank).merit:
-            return Chosen(Slab(), flat, slab_law, slab_law, listed)
+            return Chosen(Slab(), flat, law, law, listed)
     if not designs:
-        raise NoAnswerError("no_feasible_design", "; ".join(item.reason for item in failed if item.reason))
+        raise NoAnswerError("no_feasible_design", "; ".join(item.reason for item in found.missing if item.reason))
     best = max(designs, key=_rank)
     return Chosen(best.shape, best.found, best.law, best.elements or replace(best.law, cast=True), listed)
 
@@ -150,27 +173,23 @@ def _rank(shaped: Shaped) -> tuple[bool, float]:
     return shaped.elements is not None, shaped.merit
 
 
-def _designs(
-    text: str, resin: Resin, targets: Targets, thickness_mm: NDArray, ratio: NDArray, radius_mm: float,
-    sampling: Sampling,
-) -> tuple[list[Shaped], list[Beside]]:  # fmt: skip
+def _designs(text: str, space: SearchSpace) -> tuple[list[Shaped], list[Beside]]:
     """Designs of the kinds asked for by their tables, and the kinds that have none with the reason."""
     from dummydesign.design.search.tabulated_shapes import load_family
 
     found: list[Shaped] = []
     failed = []
     for kind in kinds_of(text):
-        args = (resin, targets, thickness_mm, ratio, radius_mm, sampling)
         try:
             if ":" in text:
-                found.append(search_fixed(load_family(kind), read_shape(text), *args))
+                found.append(search_fixed(load_family(kind), read_shape(text), space))
             else:
-                found += search_shape(load_family(kind), *args)
+                found += search_shape(load_family(kind), space)
         except NoAnswerError as problem:
             failed.append(Beside(kind, None, None, None, None, str(problem)))
-    able = [pourable for shaped in found if (pourable := _pourable(shaped, resin)) is not None]
+    able = [pourable for shaped in found if (pourable := _pourable(shaped, space.resin)) is not None]
     for kind in {shaped.shape.name for shaped in found} - {shaped.shape.name for shaped in able}:
-        reason = f"no {kind} pad has a base that {resin.name} can be mixed for"
+        reason = f"no {kind} pad has a base that {space.resin.name} can be mixed for"
         failed.append(Beside(kind, None, None, None, None, reason))
     return able, failed
 
@@ -191,32 +210,6 @@ def _pourable(shaped: Shaped, resin: Resin) -> Shaped | None:
     return replace(shaped, found=replace(shaped.found, alternatives=others))
 
 
-def _solved(
-    designs: list[Shaped], resin: Resin, targets: Targets, ratio: NDArray, radius_mm: float, sampling: Sampling
-) -> list[Shaped]:
-    """Designs with the best round ones of each kind worked out on elements; those that cannot be solved fall away.
-
-    Of every kind the first is solved, of the best kind the first three. Fields of caps take minutes in space and
-    are solved, the first of them, when nothing else was asked for.
-    """
-    from dummydesign.design.search.resolved_by_fem import on_elements
-
-    order = sorted((shaped for shaped in designs if shaped.shape.axisymmetric), key=lambda shaped: -shaped.merit)
-    if not order:
-        order = sorted(designs, key=lambda shaped: -shaped.merit)[:1]
-    if not order:
-        return designs
-    leading = [shaped for shaped in order if shaped.shape.name == order[0].shape.name][:SOLVED]
-    firsts = [next(s for s in order if s.shape.name == kind) for kind in dict.fromkeys(s.shape.name for s in order)]
-    found = [shaped for shaped in designs if not shaped.shape.axisymmetric]
-    for shaped in [*leading, *firsts[1:]]:
-        try:
-            found.append(on_elements(shaped, resin, targets, ratio, radius_mm, sampling))
-        except NoAnswerError:
-            continue
-    return found if any(shaped.elements for shaped in found) else designs
-
-
-def _beside(kind: str, shape: Shape, best: Candidate, resin: Resin, targets: Targets, by: str) -> Beside:
-    young = 1e3 * float(np.asarray(resin.young_MPa(best.ratio)))
-    return Beside(kind, shape, best, young, low_force(best, targets), None, by)
+def _beside(kind: str, shape: Shape, best: Candidate, space: SearchSpace, by: str) -> Beside:
+    young = 1e3 * float(np.asarray(space.resin.young_MPa(best.ratio)))
+    return Beside(kind, shape, best, young, low_force(best, space.targets), None, by)

@@ -6,24 +6,22 @@ solved, the table is multiplied by what the elements give over it, and ratio and
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.cache import cached
 from dummydesign.core.errors import NoAnswerError
-from dummydesign.design.scoring.presses import Sampling
-from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.search.shape_family import ShapeLaw
 from dummydesign.design.search.shapes import LOW_SHARE, Shaped
 from dummydesign.design.search.slabs import search
-
-if TYPE_CHECKING:
-    from dummydesign.resin.model.resin import Resin
+from dummydesign.design.search.space import SearchSpace
 
 DEPTH_SHARES = np.linspace(0.04, 1.0, 16)
+SOLVED = 3
 
 
 @dataclass(frozen=True)
@@ -103,9 +101,7 @@ def _field(shaped: Shaped, thickness_mm: float, radius_mm: float, depth_mm: NDAr
     return {"depth_mm": depth * thickness_mm, "force_N": area, "error_N": area * error}
 
 
-def on_elements(
-    shaped: Shaped, resin: Resin, targets: Targets, ratio: NDArray, radius_mm: float, sampling: Sampling
-) -> Shaped:
+def on_elements(shaped: Shaped, space: SearchSpace) -> Shaped:
     """The same pad with ratio, scores and curves from its own finite elements.
 
     Raises
@@ -113,7 +109,29 @@ def on_elements(
     NoAnswerError
         When it cannot be solved, or does not reach 10 N where it was.
     """
-    law = solve_law(shaped, radius_mm)
+    law = solve_law(shaped, space.radius_mm)
     thickness = np.array([shaped.found.best.thickness_mm])
-    best = search(law, resin, targets, thickness, ratio, radius_mm, sampling, LOW_SHARE).best
+    best = search(law, replace(space, thickness_mm=thickness), LOW_SHARE).best
     return replace(shaped, found=replace(shaped.found, best=best), elements=law)
+
+
+def solve_leading(designs: Sequence[Shaped], space: SearchSpace) -> tuple[Shaped, ...]:
+    """Designs with the best round ones of each kind worked out on elements; those that cannot be solved fall away.
+
+    Of every kind the first is solved, of the best kind the first three. Fields of caps take minutes in space and
+    are solved, the first of them, when nothing else was asked for.
+    """
+    order = sorted((shaped for shaped in designs if shaped.shape.axisymmetric), key=lambda shaped: -shaped.merit)
+    if not order:
+        order = sorted(designs, key=lambda shaped: -shaped.merit)[:1]
+    if not order:
+        return tuple(designs)
+    leading = [shaped for shaped in order if shaped.shape.name == order[0].shape.name][:SOLVED]
+    firsts = [next(s for s in order if s.shape.name == kind) for kind in dict.fromkeys(s.shape.name for s in order)]
+    found = [shaped for shaped in designs if not shaped.shape.axisymmetric]
+    for shaped in [*leading, *firsts[1:]]:
+        try:
+            found.append(on_elements(shaped, space))
+        except NoAnswerError:
+            continue
+    return tuple(found if any(shaped.elements for shaped in found) else designs)

@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError, NoAnswerError
-from dummydesign.design.scoring.presses import DEPTH_SHARE, ForceLaw, Sampling
+from dummydesign.design.scoring.presses import DEPTH_SHARE, ForceLaw
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.search.low_force import MISFIT_N
 from dummydesign.design.search.shape_family import Designs, Family, ShapeLaw, rounded
 from dummydesign.design.search.slabs import THICKNESS_STEP_MM, SearchResult, search
+from dummydesign.design.search.space import SearchSpace
 from dummydesign.geometry.shapes import Shape
-from dummydesign.resin.model.resin import Resin
 
 LOW_SHARE = 0.5
 """A shape is chosen half by the total of all designs and half by its closeness to the aim below 5 N, which
@@ -100,46 +100,34 @@ def sieve(family: Family, targets: Targets, thickness_mm: NDArray, young_MPa: tu
     return Sieved(designs.take(kept), misfit[kept], best[kept])
 
 
-def search_shape(
-    family: Family,
-    resin: Resin,
-    targets: Targets,
-    thickness_mm: NDArray,
-    ratio: NDArray,
-    radius_mm: float,
-    sampling: Sampling,
-) -> list[Shaped]:
+def search_shape(family: Family, space: SearchSpace) -> list[Shaped]:
     """Find shape, thickness and ratio of one family; designs of several thicknesses, the best first.
 
     Parameters
     ----------
     family : Family
-    resin, targets, radius_mm, sampling
-        As for :func:`dummydesign.design.search.slabs.search`.
-    thickness_mm, ratio : ndarray, shapes (T,) and (R,)
-        Steps that may be taken. [mm, resin's ratio]
+    space : SearchSpace
+        Resin, targets and the steps that may be taken.
 
     Raises
     ------
     NoAnswerError
         ``no_feasible_design`` as :func:`sieve`.
     """
-    young = resin.young_MPa(ratio)
-    sieved = sieve(family, targets, thickness_mm, (float(np.min(young)), float(np.max(young))), radius_mm)
+    young = space.resin.young_MPa(space.ratio)
+    moduli = (float(np.min(young)), float(np.max(young)))
+    sieved = sieve(family, space.targets, space.thickness_mm, moduli, space.radius_mm)
     found = []
     for index in _one_a_thickness(sieved)[:TRIED]:
         shape, thickness = sieved.designs.shape(index), float(sieved.designs.thickness_mm[index])
-        found.append(_around(family, shape, thickness, resin, targets, thickness_mm, ratio, radius_mm, sampling))
+        found.append(_around(family, shape, thickness, space))
     able = [shaped for shaped in found if shaped is not None]
     if not able:
         raise NoAnswerError("no_feasible_design", f"no {family.kind} pad reaches 10 N within its depth limit")
     return sorted(able, key=lambda shaped: -shaped.merit)
 
 
-def search_fixed(
-    family: Family, shape: Shape, resin: Resin, targets: Targets, thickness_mm: NDArray, ratio: NDArray,
-    radius_mm: float, sampling: Sampling,
-) -> Shaped:  # fmt: skip
+def search_fixed(family: Family, shape: Shape, space: SearchSpace) -> Shaped:
     """Find thickness and ratio of a shape whose lengths are given: only what lies under it changes.
 
     Raises
@@ -150,18 +138,18 @@ def search_fixed(
         ``no_feasible_design`` when none reaches 10 N within its depth limit.
     """
     family.check(shape)
-    fitting = [float(thickness) for thickness in thickness_mm if _accepts(shape, float(thickness))]
+    fitting = [float(thickness) for thickness in space.thickness_mm if _accepts(shape, float(thickness))]
     if not fitting:
-        shape.check(float(thickness_mm[-1]))
+        shape.check(float(space.thickness_mm[-1]))
     law = ShapeLaw(family, shape, fitting[0], cast=True)
-    steps = np.array(fitting)[law.depth_limit_mm(np.array(fitting), radius_mm) > 0.0]
+    steps = np.array(fitting)[law.depth_limit_mm(np.array(fitting), space.radius_mm) > 0.0]
     if not len(steps):
         raise NoAnswerError(
             "no_feasible_design",
             f"{shape} lies outside the response surface of {family.kind} pads at every thickness from {fitting[0]:g} "
             f"to {fitting[-1]:g} mm; press it with 'dummydesign predict --shape {shape} --fidelity axisymmetric'",
         )
-    found = search(law, resin, targets, steps, ratio, radius_mm, sampling, LOW_SHARE)
+    found = search(law, replace(space, thickness_mm=steps), LOW_SHARE)
     return Shaped(shape, law, found)
 
 
@@ -173,23 +161,21 @@ def _accepts(shape: Shape, thickness_mm: float) -> bool:
     return True
 
 
-def _around(
-    family: Family, shape: Shape, thickness: float, resin: Resin, targets: Targets, steps: NDArray, ratio: NDArray,
-    radius_mm: float, sampling: Sampling,
-) -> Shaped | None:  # fmt: skip
+def _around(family: Family, shape: Shape, thickness: float, space: SearchSpace) -> Shaped | None:
     """Search ratio and the thicknesses near by, the shape in proportion; then its own, rounded shape exactly."""
-    near = steps[np.abs(steps - thickness) <= AROUND_STEPS * THICKNESS_STEP_MM + 1e-9]
+    near = space.thickness_mm[np.abs(space.thickness_mm - thickness) <= AROUND_STEPS * THICKNESS_STEP_MM + 1e-9]
     law = ShapeLaw(family, shape, thickness)
-    near = near[(law.depth_limit_mm(near, radius_mm) > 0.0) & family.at_thickness(shape, thickness, near).castable()]
+    castable = family.at_thickness(shape, thickness, near).castable()
+    near = near[(law.depth_limit_mm(near, space.radius_mm) > 0.0) & castable]
     if not len(near):
         return None
     try:
-        found = search(law, resin, targets, near, ratio, radius_mm, sampling, LOW_SHARE)
+        found = search(law, replace(space, thickness_mm=near), LOW_SHARE)
         chosen = np.array([found.best.thickness_mm])
         own = rounded(family.at_thickness(shape, thickness, chosen).shape(0))
         own.check(float(chosen[0]))
         law = ShapeLaw(family, own, float(chosen[0]))
-        exact = search(law, resin, targets, chosen, ratio, radius_mm, sampling, LOW_SHARE)
+        exact = search(law, replace(space, thickness_mm=chosen), LOW_SHARE)
     except (NoAnswerError, InputError):
         return None
     return Shaped(own, law, replace(found, best=exact.best))

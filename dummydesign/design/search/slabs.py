@@ -14,6 +14,7 @@ from dummydesign.design.scoring.law_parameters import fit_presses, gamma1_score,
 from dummydesign.design.scoring.presses import Curves, ForceLaw, Sampling, Slabs, make_curves
 from dummydesign.design.scoring.score import Evaluation, evaluate, steady_gamma1
 from dummydesign.design.scoring.targets import Targets
+from dummydesign.design.search.space import SearchSpace
 from dummydesign.resin.model.resin import Resin
 
 THICKNESS_MM = (3.0, 30.0)
@@ -98,16 +99,7 @@ def make_slabs(curves: Curves, slab: NDArray, resin: Resin, ratio: NDArray) -> S
     return Slabs(curves, slab, young[back], tau, beta.reshape(len(known), len(tau))[back])
 
 
-def search(
-    law: ForceLaw,
-    resin: Resin,
-    targets: Targets,
-    thickness_mm: NDArray,
-    ratio: NDArray,
-    radius_mm: float,
-    sampling: Sampling | None = None,
-    low_share: float = 0.0,
-) -> SearchResult:
+def search(law: ForceLaw, space: SearchSpace, low_share: float = 0.0) -> SearchResult:
     """Find the slab and ratio that score best, in practical steps.
 
     Every combination is scored on a coarse time grid (the map); the best of it are worked out on a fine
@@ -118,14 +110,8 @@ def search(
     ----------
     law : ForceLaw
         Elastic force of slabs.
-    resin : Resin
-    targets : Targets
-    thickness_mm, ratio : ndarray, shapes (T,) and (R,)
-        Steps to combine. [mm, resin's ratio]
-    radius_mm : float
-        Radius of the circle of the punch's area. [mm]
-    sampling : Sampling, optional
-        Of the fine presses.
+    space : SearchSpace
+        Resin, targets and the steps to combine.
     low_share : float
         Weight, in the choice of the best, of the closeness to the aim below 5 N beside the total.
 
@@ -138,8 +124,9 @@ def search(
     NoAnswerError
         ``no_feasible_design`` when none reaches 10 N steady within its depth limit.
     """
-    sampling = sampling or Sampling()
-    curves = make_curves(law, thickness_mm, radius_mm)
+    resin, targets, sampling = space.resin, space.targets, space.sampling
+    thickness_mm, ratio = space.thickness_mm, space.ratio
+    curves = make_curves(law, thickness_mm, space.radius_mm)
     slab, column = (
         index.ravel() for index in np.meshgrid(np.arange(len(thickness_mm)), np.arange(len(ratio)), indexing="ij")
     )

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.design.scoring.presses import Sampling
 from dummydesign.design.scoring.targets import make_targets
-from dummydesign.design.search import best_of_kinds as suggest_shape
 from dummydesign.design.search import tabulated_shapes as families
+from dummydesign.design.search.best_of_kinds import best_of_kinds, choose, kinds_of
 from dummydesign.design.search.low_force import MISFIT_N, low_force, misfit
 from dummydesign.design.search.shape_family import Designs, ShapeLaw
 from dummydesign.design.search.shapes import LOW_SHARE, search_fixed, search_shape, sieve
 from dummydesign.design.search.slabs import search
+from dummydesign.design.search.space import SearchSpace
 from dummydesign.geometry.shapes import Crowned, sphere_foot_mm
 from dummydesign.resin import load_resin
 from tests.support.slab_by_formula import LayerLaw, make_tissue
@@ -59,13 +62,13 @@ class CapFamily:
 @pytest.fixture(scope="module")
 def setting():
     tissue, resin = make_tissue((0.5, 0.8, 1.3)), load_resin("polyurethane-nagoya")
-    return resin, make_targets(tissue, "average", SAMPLING), np.arange(4.0, 10.5, 0.5), resin.ratios()
+    targets = make_targets(tissue, "average", SAMPLING)
+    return SearchSpace(resin, targets, np.arange(4.0, 10.5, 0.5), resin.ratios(), RADIUS, SAMPLING)
 
 
 @pytest.fixture(scope="module")
 def shaped(setting):
-    resin, targets, thickness, ratio = setting
-    return search_shape(CapFamily(), resin, targets, thickness, ratio, RADIUS, SAMPLING)[0]
+    return search_shape(CapFamily(), setting)[0]
 
 
 def test_misfit_of_the_aims_own_curve_is_zero_and_of_another_power_is_closed_form():
@@ -84,7 +87,7 @@ def test_misfit_has_no_value_when_the_pad_ends_before_the_aims_depth():
 
 
 def test_sieve_finds_the_same_misfit_and_modulus_as_a_brute_force_search(setting):
-    _, targets, thickness, _ = setting
+    targets, thickness = setting.targets, setting.thickness_mm
     found = sieve(CapFamily(), targets, thickness, (0.005, 0.5), RADIUS)
     assert np.all(np.diff(found.misfit) >= 0.0)
     depth = targets.aim_depth_mm(MISFIT_N[::3])
@@ -96,8 +99,8 @@ def test_sieve_finds_the_same_misfit_and_modulus_as_a_brute_force_search(setting
 
 
 def test_a_cap_comes_nearer_to_the_tissue_than_the_slab_by_the_same_rule(setting, shaped):
-    resin, targets, thickness, ratio = setting
-    flat = search(LayerLaw(), resin, targets, thickness, ratio, RADIUS, SAMPLING, LOW_SHARE).best
+    targets = setting.targets
+    flat = search(LayerLaw(), setting, LOW_SHARE).best
     best = shaped.found.best
     assert best.merit(LOW_SHARE) > flat.merit(LOW_SHARE)
     assert low_force(best, targets).misfit_rms_ln_force < 0.5 * low_force(flat, targets).misfit_rms_ln_force
@@ -122,26 +125,23 @@ def test_cast_law_keeps_the_top_and_proportional_law_stretches_it():
 
 
 def test_a_given_shape_is_kept_and_only_thicknesses_that_hold_it_are_searched(setting):
-    resin, targets, thickness, ratio = setting
-    found = search_fixed(CapFamily(), Crowned(8.0, 4.0), resin, targets, thickness, ratio, RADIUS, SAMPLING)
+    found = search_fixed(CapFamily(), Crowned(8.0, 4.0), setting)
     assert found.shape == Crowned(8.0, 4.0)
     assert found.found.score_map.thickness_mm.min() >= 5.5
     with pytest.raises(InputError, match="crown height = 12"):
-        search_fixed(CapFamily(), Crowned(30.0, 12.0), resin, targets, thickness, ratio, RADIUS, SAMPLING)
+        search_fixed(CapFamily(), Crowned(30.0, 12.0), setting)
 
 
 def test_no_shape_when_the_pads_are_too_thin_for_the_tissue(setting):
-    resin, _, _, ratio = setting
     soft = make_targets(make_tissue((0.002, 0.003, 0.004)), "average", SAMPLING)
     with pytest.raises(NoAnswerError, match="allow thicker pads"):
-        search_shape(CapFamily(), resin, soft, np.array([3.0, 4.0]), ratio, RADIUS, SAMPLING)
+        search_shape(CapFamily(), replace(setting, targets=soft, thickness_mm=np.array([3.0, 4.0])))
 
 
 def test_auto_takes_the_best_merit_of_all_kinds_and_lists_the_slab_beside(setting, monkeypatch):
-    resin, targets, thickness, ratio = setting
     monkeypatch.setattr(families, "FAMILIES", ("crowned",))
     monkeypatch.setattr(families, "load_family", lambda kind: CapFamily())
-    chosen = suggest_shape.choose("auto", LayerLaw(), resin, targets, thickness, ratio, RADIUS, SAMPLING, solve=False)
+    chosen = choose(best_of_kinds("auto", LayerLaw(), setting), setting)
     merit = {item.kind: item.candidate.merit(LOW_SHARE) for item in chosen.beside}
     assert set(merit) == {"slab", "crowned"}
     assert chosen.shape.name == max(merit, key=merit.get)
@@ -151,4 +151,4 @@ def test_auto_takes_the_best_merit_of_all_kinds_and_lists_the_slab_beside(settin
 @pytest.mark.parametrize(("text", "words"), [("crownd", "did you mean 'crowned'"), ("crowned:3", "needs height")])
 def test_unknown_or_incomplete_shapes_are_refused(text, words):
     with pytest.raises(InputError, match=words):
-        suggest_shape.kinds_of(text)
+        kinds_of(text)

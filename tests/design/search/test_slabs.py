@@ -9,6 +9,7 @@ from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.design.scoring.presses import Sampling
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.search.slabs import search, thickness_steps
+from dummydesign.design.search.space import SearchSpace
 from dummydesign.resin import load_resin
 from tests.support.slab_by_formula import make_tissue
 
@@ -23,7 +24,7 @@ def resin():
 @pytest.fixture(scope="module")
 def found(layer_law, resin, finger):
     targets = make_targets(finger, "average", Sampling())
-    return search(layer_law, resin, targets, thickness_steps(3.0, 30.0), resin.ratios(), RADIUS)
+    return search(layer_law, SearchSpace(resin, targets, thickness_steps(3.0, 30.0), resin.ratios(), RADIUS))
 
 
 def test_the_recommendation_is_in_practical_steps(found):
@@ -42,9 +43,8 @@ def test_the_recommendation_is_at_the_top_of_the_map(found):
 def test_no_design_nearby_scores_better_when_worked_out_exactly(found, layer_law, resin, finger):
     targets = make_targets(finger, "average", Sampling())
     near = thickness_steps(found.best.thickness_mm - 1.0, found.best.thickness_mm + 1.0)
-    again = search(
-        layer_law, resin, targets, near, resin.ratios(found.best.ratio - 0.3, found.best.ratio + 0.3), RADIUS
-    )
+    ratios = resin.ratios(found.best.ratio - 0.3, found.best.ratio + 0.3)
+    again = search(layer_law, SearchSpace(resin, targets, near, ratios, RADIUS))
     assert again.best.total <= found.best.total + 0.01
 
 
@@ -73,7 +73,7 @@ def test_alternatives_are_not_beaten_by_the_recommendation_and_differ_from_it(fo
 
 def depth_at_10_N(layer_law, resin, tissue, aim):
     targets = make_targets(tissue, aim, Sampling())
-    best = search(layer_law, resin, targets, thickness_steps(3.0, 30.0), resin.ratios(), RADIUS).best
+    best = search(layer_law, SearchSpace(resin, targets, thickness_steps(3.0, 30.0), resin.ratios(), RADIUS)).best
     return best.evaluation.depth_mm[best.index, 1]
 
 
@@ -89,7 +89,7 @@ def test_each_aim_is_answered_by_its_own_pad(layer_law, resin):
 
 def test_limits_are_kept(layer_law, resin, finger):
     targets = make_targets(finger, "average", Sampling())
-    found = search(layer_law, resin, targets, thickness_steps(8.0, 12.0), resin.ratios(16.0, 16.5), RADIUS)
+    found = search(layer_law, SearchSpace(resin, targets, thickness_steps(8.0, 12.0), resin.ratios(16.0, 16.5), RADIUS))
     assert 8.0 <= found.best.thickness_mm <= 12.0 and 16.0 <= found.best.ratio <= 16.5
 
 
@@ -97,7 +97,7 @@ def test_when_nothing_reaches_10_N_it_says_so(layer_law, resin, finger):
     soft = dataclasses.replace(resin, numbers={**resin.numbers})
     targets = make_targets(finger, "average", Sampling())
     with pytest.raises(NoAnswerError, match="reaches 10 N") as problem:
-        search(layer_law, soft, targets, thickness_steps(25.0, 30.0), resin.ratios(14.0, 14.1), RADIUS)
+        search(layer_law, SearchSpace(soft, targets, thickness_steps(25.0, 30.0), resin.ratios(14.0, 14.1), RADIUS))
     assert problem.value.code == "no_feasible_design"
 
 

@@ -1,4 +1,4 @@
-"""The mould of a recommended pad, and what it changes in the answer: what the solids hold is what is weighed."""
+"""The mould of a design: what to weigh by closed forms, its files, and the recipe by the volumes of the solids."""
 
 from __future__ import annotations
 
@@ -6,10 +6,36 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.core.errors import NoAnswerError
-from dummydesign.design.suggest import mould_of
+from dummydesign.geometry.shapes import Shape, Slab
 
 if TYPE_CHECKING:
-    from dummydesign.design.suggest import Suggestion
+    from dummydesign.design.search.slabs import Candidate
+    from dummydesign.design.suggestion import Suggestion
+    from dummydesign.mold.model.spec import MouldSpec
+    from dummydesign.resin.model.resin import Resin
+
+PAD_LENGTH_MM, PAD_WIDTH_MM = 150.0, 120.0
+
+
+def pour_recipe(resin: Resin, candidate: Candidate, shape: Shape | None = None) -> tuple[tuple[str, float], ...]:
+    """Masses to weigh for the open mould of a design, with what stays in cup and meniscus; both pours of layers. [g]"""
+    from dummydesign.mold.pour.plan import pour_plan
+
+    plan = pour_plan(mould_of(resin, candidate, shape))
+    if plan.base is None:
+        return plan.components
+    return (*plan.components, *((f"{name} (base)", mass) for name, mass in plan.base.components))
+
+
+def mould_of(resin: Resin, candidate: Candidate, shape: Shape | None = None) -> MouldSpec:
+    """Specification of the open mould of a design."""
+    from dummydesign.mold.model.preset import mould_spec
+
+    shape = shape or Slab()
+    return mould_spec(
+        candidate.thickness_mm, PAD_LENGTH_MM, PAD_WIDTH_MM, "open", resin, candidate.ratio,
+        shape.name, shape.parameters,
+    )  # fmt: skip
 
 
 def with_mould(result: dict[str, Any], answer: Suggestion, folder: Path) -> dict[str, Any]:

@@ -1,0 +1,67 @@
+"""Fourth step of a suggestion: recipe, pour yield, what the answer is based on, and what a user must know."""
+
+from __future__ import annotations
+
+from dummydesign.design.assessment.pour_yield import Tolerances, pour_yield
+from dummydesign.design.assessment.warnings import design_warnings, rests_on
+from dummydesign.design.inputs import Inputs
+from dummydesign.design.mould import pour_recipe
+from dummydesign.design.search.best_of_kinds import Chosen
+from dummydesign.design.search.shape_family import ShapeLaw
+from dummydesign.design.search.slabs import Candidate
+from dummydesign.design.solve import Solved
+from dummydesign.design.suggestion import Design, Suggestion
+from dummydesign.geometry.shapes import Shape
+from dummydesign.resin.model.resin import Resin
+
+
+def assess(inputs: Inputs, solved: Solved) -> Suggestion:
+    """Judge the chosen design and lay the whole answer together.
+
+    Parameters
+    ----------
+    inputs : Inputs
+    solved : Solved
+        The chosen design with its verification.
+    """
+    request, space, chosen = inputs.request, inputs.space, solved.chosen
+    best = chosen.found.best
+    recommended = _design(space.resin, best, chosen.shape)
+    poured = sum(mass for name, mass in recommended.recipe if not name.endswith("(base)"))
+    tolerances = Tolerances(poured, request.weighing_g, request.thickness_tolerance_mm)
+    pour = pour_yield(
+        chosen.cast, space.resin, space.targets, best.thickness_mm, best.ratio, space.radius_mm, tolerances
+    )
+    warnings = design_warnings(
+        chosen, space, inputs.tissue, pour, solved.verification, solved.centring, request.verify
+    )
+    return Suggestion(
+        request=request,
+        tissue=inputs.tissue,
+        resin=space.resin,
+        targets=space.targets,
+        found=chosen.found,
+        recommended=recommended,
+        alternatives=tuple(
+            _design(space.resin, other, _shape_at(chosen, other)) for other in chosen.found.alternatives
+        ),
+        law=chosen.law,
+        cast=chosen.cast,
+        beside=chosen.beside,
+        pour=pour,
+        verification=solved.verification,
+        centring=solved.centring,
+        rests_on=rests_on(space.resin, inputs.tissue, best),
+        warnings=tuple(warnings),
+    )
+
+
+def _shape_at(chosen: Chosen, other: Candidate) -> Shape:
+    """Shape of an alternative: the best design's, in proportion to the thickness."""
+    if other is chosen.found.best or not isinstance(chosen.law, ShapeLaw):
+        return chosen.shape
+    return chosen.law.shape_at(other.thickness_mm)
+
+
+def _design(resin: Resin, candidate: Candidate, shape: Shape) -> Design:
+    return Design(candidate, shape, pour_recipe(resin, candidate, shape))

@@ -1,0 +1,38 @@
+"""What a search runs over and is judged by."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from numpy.typing import NDArray
+
+from dummydesign.design.scoring.presses import Sampling
+from dummydesign.design.scoring.targets import Targets
+
+if TYPE_CHECKING:
+    from dummydesign.resin.model.resin import Resin
+
+
+@dataclass(frozen=True)
+class SearchSpace:
+    """Every combination of the steps of thickness and ratio, of one resin, for one set of targets.
+
+    Attributes
+    ----------
+    resin : Resin
+    targets : Targets
+    thickness_mm, ratio : ndarray, shapes (T,) and (R,)
+        Steps to combine. [mm, resin's ratio]
+    radius_mm : float
+        Radius of the circle of the punch's area. [mm]
+    sampling : Sampling
+        Of the fine presses.
+    """
+
+    resin: Resin
+    targets: Targets
+    thickness_mm: NDArray
+    ratio: NDArray
+    radius_mm: float
+    sampling: Sampling = field(default_factory=Sampling)

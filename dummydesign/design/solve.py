@@ -1,0 +1,79 @@
+"""Third step of a suggestion: what the tables found is solved by finite elements, and the best of it chosen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dummydesign.design.assessment.centring import CentringTolerance, centring_tolerance
+from dummydesign.design.assessment.verification import Verification, not_verified, of_shape, verify_design
+from dummydesign.design.inputs import Inputs
+from dummydesign.design.request import PUNCH_SIDE_MM
+from dummydesign.design.scoring.presses import make_curves
+from dummydesign.design.scoring.targets import FORCES_N
+from dummydesign.design.search.best_of_kinds import Chosen, Found, choose
+from dummydesign.design.search.resolved_by_fem import ElementsLaw, solve_leading
+from dummydesign.design.search.space import SearchSpace
+from dummydesign.geometry.shapes import Slab
+
+CALIBRATED = "designed with a calibration: its correction rests on the campaign, the table below it on elements"
+
+
+@dataclass(frozen=True)
+class Solved:
+    """The chosen design, what its verification gave, and the centring tolerance of a crown (None for others)."""
+
+    chosen: Chosen
+    verification: Verification
+    centring: CentringTolerance | None = None
+
+
+def solve(inputs: Inputs, found: Found) -> Solved:
+    """Solve the leading shaped designs, choose the best, and compare a recommended slab with its table.
+
+    Nothing is solved when the request has ``verify = False``; a design with a calibration is not compared.
+
+    Parameters
+    ----------
+    inputs : Inputs
+    found : Found
+        From :func:`dummydesign.design.search.best_of_kinds.best_of_kinds`.
+
+    Raises
+    ------
+    NoAnswerError
+        ``no_feasible_design`` when no kind of shape has a design.
+    """
+    request, space = inputs.request, inputs.space
+    if request.verify:
+        found = replace(found, designs=solve_leading(found.designs, space))
+    chosen = choose(found, space)
+    if request.calibration is not None:
+        return Solved(chosen, not_verified(CALIBRATED))
+    if not request.verify:
+        return Solved(chosen, not_verified("not asked for"))
+    lands = centring_tolerance(chosen.found.best, chosen.shape, space.radius_mm, 0.5 * PUNCH_SIDE_MM)
+    return Solved(chosen, _verify(chosen, space), lands)
+
+
+def _verify(chosen: Chosen, space: SearchSpace) -> Verification:
+    """Solve the depths of the slow conditions by finite elements; the fast ones differ by micrometres.
+
+    Compared are the forces of the circle of the punch's area, which is what is solved. A design with a shape has
+    been worked out on its elements already; what the table was off is reported.
+    """
+    best, law = chosen.found.best, chosen.cast
+    young = space.resin.young_MPa(best.ratio)
+    if isinstance(law, ElementsLaw):
+        return of_shape(law, young, space.radius_mm)
+    if chosen.shape != Slab():
+        text = f"{chosen.shape} was designed by its response table; predict --fidelity 3d solves it in minutes"
+        return not_verified(text)
+    law = getattr(law, "circle", law)
+    depth = best.evaluation.depth_mm[best.index, : len(FORCES_N)]
+    depth = depth[np.isfinite(depth)]
+    table = make_curves(law, [best.thickness_mm], space.radius_mm)
+    depth = depth[depth <= table.limit_mm[0]]
+    forces = young * np.asarray(law.force(depth, best.thickness_mm, 1.0, space.radius_mm))
+    return verify_design(best.thickness_mm, young, space.radius_mm, depth, forces)

@@ -6,6 +6,8 @@ import argparse
 import sys
 from typing import Any
 
+from dummydesign.cli.effects import add_effect_option
+
 HELP = "Measured campaign: residual, the effect the model lacks, the corrected model, and what to measure next."
 
 
@@ -13,6 +15,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("campaign", metavar="CAMPAIGN_DIR", help="folder with campaign.toml and one CSV per trial")
     parser.add_argument("--out", metavar="DIR", help="where report and calibration go (default: loop-NAME)")
+    add_effect_option(parser)
 
 
 def _progress(word: str) -> None:
@@ -27,6 +30,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     from dummydesign.core.files import output_folder
     from dummydesign.loop.calibration import calibration_of
     from dummydesign.loop.calibration_file import write_calibration
+    from dummydesign.loop.effects.own import own_effects
     from dummydesign.loop.result import result_dict
     from dummydesign.loop.run import close_loop
     from dummydesign.measurement.campaign_file import read_campaign
@@ -35,7 +39,8 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     campaign = read_campaign(options.campaign)
     name = Path(options.campaign).resolve().name
     out = output_folder(options.out or f"loop-{name}")
-    result = close_loop(campaign, _progress)
+    with own_effects(options.effect):
+        result = close_loop(campaign, _progress)
     if sys.stderr.isatty():
         print("\r\033[K", end="", file=sys.stderr)
     calibration = write_calibration(calibration_of(result), out / "calibration.json")

@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from dummydesign.cli.effects import add_effect_option
+
 HELP = "Predict a campaign with a calibration written by 'loop', and compare with what was measured."
 
 
@@ -12,22 +14,26 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("campaign", metavar="CAMPAIGN_DIR", help="folder with campaign.toml and one CSV per trial")
     parser.add_argument("--calibration", metavar="FILE", required=True, help="calibration.json of 'dummydesign loop'")
+    add_effect_option(parser)
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Read both, predict, compare."""
     from dummydesign.loop.calibration import replay
     from dummydesign.loop.calibration_file import read_calibration
+    from dummydesign.loop.effects.own import own_effects
     from dummydesign.measurement.campaign_file import read_campaign
 
-    calibration = read_calibration(options.calibration)
-    campaign = read_campaign(options.campaign)
+    with own_effects(options.effect):
+        calibration = read_calibration(options.calibration)
+        campaign = read_campaign(options.campaign)
+        predicted = replay(campaign, calibration)
     return {
         "inputs": {"campaign": options.campaign, "calibration": options.calibration},
         "warnings": list(campaign.warnings),
         "verdict": calibration.verdict,
         "effects": [one.effect.name for one in calibration.after.active],
-        **replay(campaign, calibration).to_dict(),
+        **predicted.to_dict(),
         "warning_band_N": calibration.remainder_N,
     }
 

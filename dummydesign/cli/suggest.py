@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from dummydesign.cli.effects import add_effect_option
+
 HELP = "Recommend resin ratio, pad thickness, weights to pour and a mould for a tissue."
 
 
@@ -17,6 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--thickness", metavar="MIN:MAX", help="limits in mm, inside 3 to 30")
     add("--ratio", metavar="MIN:MAX", help="limits of the mixing ratio, inside the resin's range")
     add("--calibration", metavar="FILE", help="calibration written by 'dummydesign loop'")
+    add_effect_option(parser)
     shapes = "slab (default), crowned, layered, boned, auto (the best of all), or one with lengths, crowned:10,2"
     add("--shape", default="slab", metavar="NAME[:P,..]", help=shapes)
     add("--no-cad", action="store_true", help="no mould, the recipe and the report alone")
@@ -33,22 +36,24 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
 
     from dummydesign.api import suggest
     from dummydesign.design.sweep.ranges import parse_limits
+    from dummydesign.loop.effects.own import own_effects
 
-    return suggest(
-        options.tissue,
-        aim=options.aim,
-        resin=options.resin,
-        thickness_mm=parse_limits(options.thickness, "thickness in mm"),
-        ratio=parse_limits(options.ratio, "ratio"),
-        shape=options.shape,
-        calibration=options.calibration,
-        verify=not options.no_verify,
-        cad=not options.no_cad,
-        robot_mass_kg=options.robot_mass,
-        robot_velocity_mm_s=options.robot_velocity,
-        limits=options.limits,
-        out=f"suggest-{Path(options.tissue).stem}" if options.out is None else options.out,
-    ).to_dict()
+    with own_effects(options.effect):
+        return suggest(
+            options.tissue,
+            aim=options.aim,
+            resin=options.resin,
+            thickness_mm=parse_limits(options.thickness, "thickness in mm"),
+            ratio=parse_limits(options.ratio, "ratio"),
+            shape=options.shape,
+            calibration=options.calibration,
+            verify=not options.no_verify,
+            cad=not options.no_cad,
+            robot_mass_kg=options.robot_mass,
+            robot_velocity_mm_s=options.robot_velocity,
+            limits=options.limits,
+            out=f"suggest-{Path(options.tissue).stem}" if options.out is None else options.out,
+        ).to_dict()
 
 
 def render(result: dict[str, Any]) -> str:

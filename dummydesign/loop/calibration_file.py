@@ -14,7 +14,7 @@ from dummydesign._version import __version__
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_text
 from dummydesign.loop.calibration import Calibration, Model
-from dummydesign.loop.effects import EFFECTS
+from dummydesign.loop.effects import known_effects
 from dummydesign.loop.fitting.noise import LAW_TERMS
 from dummydesign.loop.model.forward_model import Active
 from dummydesign.loop.model.parameters import HIGH, LOW, NAMES, BaseParameters
@@ -127,13 +127,17 @@ def _base(table: dict[str, Any], where: str) -> BaseParameters:
 
 
 def _effects(entries: list[Any], where: str) -> tuple[Active, ...]:
-    known = {effect.name: effect for effect in EFFECTS}
+    known = {effect.name: effect for effect in known_effects()}
     active: list[Active] = []
     for place, entry in enumerate(entries):
         at = f"{where}[{place}]"
         if not isinstance(entry, dict):
             raise _Fault(f"{at} = {_shown(entry)} is not a table")
-        effect = known[_choice(entry, "name", tuple(known), at)]
+        name = _entry(entry, "name", str, at)
+        if name not in known:
+            own = "; an effect of your own is given with --effect FILE.py"
+            raise _Fault(f"{at}.name = {_shown(name)} is not one of {', '.join(known)}{own}")
+        effect = known[name]
         if any(one.effect is effect for one in active):
             raise _Fault(f"{at}: {effect.name} stands there twice")
         values = _entry(entry, "parameters", dict, at)

@@ -50,7 +50,7 @@ def _effect(found: Found, result: LoopResult) -> dict[str, Any]:
     return {
         "name": effect.name,
         "class": type(effect).__name__,
-        "stage": effect.stage,
+        "stage": effect.hook,
         "parameters": effect_intervals(result.after.fit, effect),
         "heldout_rmse_N": found.heldout_N,
         "evidence": found.candidate.gain,

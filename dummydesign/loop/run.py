@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from dummydesign.core.errors import InputError
 from dummydesign.core.threads import one_blas_thread
 from dummydesign.loop.data.trials import Presses, make_presses
-from dummydesign.loop.effects import EFFECTS
+from dummydesign.loop.effects import known_effects
 from dummydesign.loop.fitting.base_fit import fit_base, same_noise
 from dummydesign.loop.fitting.candidates import Candidate, rank
 from dummydesign.loop.fitting.noise import repeat_pairs
@@ -142,11 +142,12 @@ def start_young_kPa(campaign: Campaign) -> float:
 
 
 def _available(presses: Presses, law: SlabLaw | PuckLaw) -> tuple[tuple[Effect, ...], dict[str, str]]:
-    reasons = {effect.name: effect.unavailable(presses, law) for effect in EFFECTS}
+    known = known_effects()
+    reasons = {effect.name: effect.unavailable(presses, law) for effect in known}
     if presses.elastic_only:
-        relaxing = [effect.name for effect in EFFECTS if type(effect).arms is not Effect.arms]
+        relaxing = [effect.name for effect in known if effect.relaxes]
         reasons.update({name: "needs holds or two speeds" for name in relaxing})
-    usable = tuple(effect for effect in EFFECTS if not reasons[effect.name])
+    usable = tuple(effect for effect in known if not reasons[effect.name])
     return usable, {name: reason for name, reason in reasons.items() if reason}
 
 

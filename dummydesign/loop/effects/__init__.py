@@ -1,47 +1,85 @@
-"""The effects that the loop knows, one class in one file each; a new one is a file and a line here."""
+"""The effects that the loop knows: those in the folders here, those installed by others, and those given as a file.
+
+A new effect is one file in ``rig``, ``material``, ``history`` or ``sensor``: nothing else names it.
+"""
 
 from __future__ import annotations
 
-from dummydesign.core.errors import unknown_name
-from dummydesign.loop.effects.history.ageing import Ageing
-from dummydesign.loop.effects.history.incomplete_recovery import IncompleteRecovery
-from dummydesign.loop.effects.history.softening_with_cycles import SofteningWithCycles
-from dummydesign.loop.effects.history.temperature import Temperature
-from dummydesign.loop.effects.material.adhesion import Adhesion
-from dummydesign.loop.effects.material.compressibility import Compressibility
-from dummydesign.loop.effects.material.fast_relaxation_mode import FastRelaxationMode
-from dummydesign.loop.effects.material.rate_dependent_viscosity import RateDependentViscosity
-from dummydesign.loop.effects.material.slow_relaxation_mode import SlowRelaxationMode
-from dummydesign.loop.effects.material.strain_dependent_relaxation import StrainDependentRelaxation
-from dummydesign.loop.effects.material.strain_stiffening import StrainStiffening
-from dummydesign.loop.effects.material.thickness_error import ThicknessError
-from dummydesign.loop.effects.rig.base_slip import BaseSlip
-from dummydesign.loop.effects.rig.contact_offset import ContactOffset
-from dummydesign.loop.effects.rig.friction_hysteresis import FrictionHysteresis
-from dummydesign.loop.effects.rig.machine_compliance import MachineCompliance
-from dummydesign.loop.effects.rig.plate_friction import PlateFriction
-from dummydesign.loop.effects.rig.punch_tilt import PunchTilt
-from dummydesign.loop.effects.sensor.force_bias import ForceBias
-from dummydesign.loop.effects.sensor.force_drift import ForceDrift
-from dummydesign.loop.effects.sensor.inertia import Inertia
-from dummydesign.loop.effects.sensor.sensor_lag import SensorLag
-from dummydesign.loop.effects.sensor.time_skew import TimeSkew
-from dummydesign.loop.model.effect import Effect
+import importlib
+import pkgutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import lru_cache
 
-EFFECTS: tuple[Effect, ...] = (
-    ContactOffset(), MachineCompliance(), PunchTilt(),
-    BaseSlip(), Compressibility(), ThicknessError(), StrainStiffening(),
-    StrainDependentRelaxation(), RateDependentViscosity(), SlowRelaxationMode(), FastRelaxationMode(),
-    SofteningWithCycles(), IncompleteRecovery(), Temperature(), Ageing(),
-    Adhesion(), FrictionHysteresis(), PlateFriction(),
-    ForceBias(), ForceDrift(), SensorLag(), TimeSkew(), Inertia(),
-)  # fmt: skip
-"""All effects, in the order of the stages they act at."""
+from dummydesign.core.errors import InputError, unknown_name
+from dummydesign.loop.model.effect import Effect, members
+
+ROOMS = ("rig", "material", "history", "sensor")
+
+
+def _find() -> tuple[Effect, ...]:
+    found: list[Effect] = []
+    for room in ROOMS:
+        package = importlib.import_module(f"{__name__}.{room}")
+        for entry in sorted(pkgutil.iter_modules(package.__path__), key=lambda one: one.name):
+            found += members(importlib.import_module(f"{package.__name__}.{entry.name}"))
+    return tuple(found)
+
+
+EFFECTS: tuple[Effect, ...] = _find()
+"""The effects of this package."""
+
+_given: list[Effect] = []
+
+
+@lru_cache(maxsize=1)
+def installed_effects() -> tuple[Effect, ...]:
+    """Effects that other packages offer under the entry point group ``dummydesign.effects``.
+
+    Raises
+    ------
+    InputError
+        When one of them cannot be loaded or breaks the contract; it names the entry point and the fault.
+    """
+    from dummydesign.loop.effects.own import load_installed
+
+    return load_installed()
+
+
+def known_effects() -> tuple[Effect, ...]:
+    """All effects: of this package, installed by others, given as files; in this order."""
+    return (*EFFECTS, *installed_effects(), *_given)
+
+
+def foreign_effects() -> tuple[Effect, ...]:
+    """Effects that are not of this package, as far as they have been loaded."""
+    return (*(installed_effects() if installed_effects.cache_info().currsize else ()), *_given)
+
+
+@contextmanager
+def also(effects: tuple[Effect, ...]) -> Iterator[None]:
+    """Know further effects for a while.
+
+    Raises
+    ------
+    InputError
+        When one has the name of another that is known.
+    """
+    before = len(_given)
+    try:
+        for effect in effects:
+            if any(effect.name == other.name for other in known_effects()):
+                raise InputError(f"effect '{effect.name}' is known already: give another name")
+            _given.append(effect)
+        yield
+    finally:
+        del _given[before:]
 
 
 def effect_named(name: str) -> Effect:
     """Find an effect by its public name."""
-    for effect in EFFECTS:
+    known = known_effects()
+    for effect in known:
         if effect.name == name:
             return effect
-    raise unknown_name("effect", name, [effect.name for effect in EFFECTS])
+    raise unknown_name("effect", name, [effect.name for effect in known])

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.core.errors import InputError
 from dummydesign.loop.fitting.fit import Fit, Problem, extend, prior_precision
 from dummydesign.loop.fitting.noise import Whitener, make_whitener
 from dummydesign.loop.model.effect import Effect
@@ -84,6 +85,9 @@ def screen(found: Fit, candidates: tuple[Effect, ...]) -> list[Screened]:
         for start in starts_of(effect):
             vector = np.insert(found.vector, at, start)
             change = np.where(problem.presses.used, problem.predict(vector) - found.forces, 0.0)
+            if not np.all(np.isfinite(change)):
+                values = ", ".join(f"{k} = {v:g}" for k, v in problem.active_of(vector)[-1].values.items())
+                raise InputError(f"effect '{effect.name}' gives a force that is not finite at {values} on these trials")
             column = projection.remove(np.r_[whiten(change).ravel(), np.zeros(projection.rows)])
             length = float(np.linalg.norm(column))
             if length < 1e-6:

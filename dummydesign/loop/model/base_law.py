@@ -153,6 +153,20 @@ def law_of(campaign: Campaign) -> SlabLaw | PuckLaw:
     return law
 
 
+def wrap(law: UnitForce, changed: UnitForce) -> UnitForce:
+    """A law that an effect made of another one, marked so that :func:`root_law` finds what lies under it.
+
+    Parameters
+    ----------
+    law : callable
+        The law so far, F / E [mm2] of depths (T, N) and thicknesses (T, 1) [mm].
+    changed : callable
+        The new one, of the same arguments.
+    """
+    changed.__wrapped__ = law  # type: ignore[attr-defined]
+    return changed
+
+
 def root_law(law: UnitForce) -> SlabLaw | PuckLaw:
     """The base law under all that effects have wrapped around it."""
     while hasattr(law, "__wrapped__"):

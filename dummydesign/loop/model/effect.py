@@ -1,8 +1,9 @@
-"""The contract of an effect: one class with parameters, a stage, the hook of that stage, and whose effect it is."""
+"""The contract of an effect: parameters, where in the forward model it acts, whose it is, and what it needs."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +14,9 @@ if TYPE_CHECKING:
     from dummydesign.loop.model.base_law import PuckLaw, SlabLaw, UnitForce
     from dummydesign.pad.material.relaxation import PronyTerm
 
-STAGES = ("motion", "pad", "sensor", "batch")
+HOOKS = ("motion", "pad", "batch", "sensor")
+"""Where an effect acts: on the depth of the punch, on the law and the relaxation of the pad, on single trials by what
+was done to their pad before, or on the signal."""
 OWNERS = ("pad", "rig", "sensor")
 Values = dict[str, float]
 
@@ -70,21 +73,23 @@ class Arm:
 
 
 class Effect:
-    """An effect at one stage. A class overrides the hooks of its stage; the others leave things as they are.
+    """A physical effect that the base model lacks. A class overrides the methods through which it acts; the others
+    leave things as they are.
 
-    The first parameter is the size; at its null value the chain leaves the effect out, so the model is
-    the base to the last bit.
+    The first parameter is the size; at its null value the forward model leaves the effect out, so the model is
+    the base to the last bit. :func:`dummydesign.loop.check_effect` tries a class against this contract.
     """
 
     name: str = ""
-    stage: str = ""
+    hook: str = ""
+    """One of :data:`HOOKS`."""
     belongs_to: str = ""
     """``pad`` (material, batch, history: goes with every pad of this material, so into a design), ``rig`` (robot,
     punch, plates, how these pads were glued and measured) or ``sensor``."""
     designed_for: str = ""
     """State that a design takes when the effect depends on one and is absent there; empty when it acts at all times."""
     needs: tuple[str, ...] = ()
-    """What a campaign must declare for every trial."""
+    """Columns that a campaign must declare for every trial: ``temperature_C``, ``age_days``, ``rest_s``."""
     shapes: tuple[str, ...] = ("slab", "cylinder")
     """Pads on which the effect is defined."""
     parameters: tuple[Parameter, ...] = ()
@@ -122,7 +127,7 @@ class Effect:
         return law
 
     def adds_terms(self, values: Values) -> tuple[PronyTerm, ...]:
-        """Pad: terms that join the relaxation of the material; the same that :meth:`arms` adds."""
+        """Pad: Prony terms that join the relaxation of the material, in presses and in a design."""
         return ()
 
     def scale(self, presses: Presses, depth_mm: NDArray, values: Values) -> NDArray:
@@ -130,8 +135,8 @@ class Effect:
         return np.ones((1, 1))
 
     def arms(self, presses: Presses, arms: tuple[Arm, ...], depth_mm: NDArray, values: Values) -> tuple[Arm, ...]:
-        """Pad: the relaxing arms in place of those so far."""
-        return arms
+        """Pad: the relaxing arms in place of those so far; by default those of :meth:`adds_terms` join them."""
+        return (*arms, *(Arm(term.tau_s, term.beta) for term in self.adds_terms(values)))
 
     def surface(self, presses: Presses, depth_mm: NDArray, force_N: NDArray, values: Values) -> NDArray:
         """Pad: the force on the punch (T, N) from the one that cannot pull. [N]"""
@@ -149,6 +154,24 @@ class Effect:
         """Where to start the base's logarithms when this effect is added; the best is kept."""
         return [logs]
 
+    @property
+    def relaxes(self) -> bool:
+        """Whether it changes the relaxation, which a campaign of one speed without holds cannot show."""
+        own = type(self)
+        return own.arms is not Effect.arms or own.adds_terms is not Effect.adds_terms
+
     def null_values(self) -> Values:
         """All parameters at their null values."""
         return {p.name: p.null for p in self.parameters}
+
+
+def effect_classes(module: ModuleType) -> list[type[Effect]]:
+    """Effect classes that a module defines, in the order they stand in it."""
+    own = [value for value in vars(module).values() if isinstance(value, type) and issubclass(value, Effect)]
+    return [one for one in own if one.__module__ == module.__name__]
+
+
+def members(module: ModuleType) -> tuple[Effect, ...]:
+    """The effects of a module: its ``MEMBERS``, or one instance of each of its classes."""
+    named = getattr(module, "MEMBERS", None)
+    return named if named is not None else tuple(one() for one in effect_classes(module))

@@ -1,4 +1,4 @@
-"""The forward model: motion, pad, sensor, in a plain order; effects act at their stage."""
+"""The forward model: motion, pad, sensor, in a plain order; effects act at their hook."""
 
 from __future__ import annotations
 

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import inspect
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from dummydesign.core.errors import NoAnswerError
+from dummydesign.loop import check_effect, effects
 from dummydesign.loop.effects import EFFECTS, effect_named
 from dummydesign.loop.model.base_law import PuckLaw
-from dummydesign.loop.model.effect import OWNERS, STAGES, Arm
+from dummydesign.loop.model.effect import Arm
 from dummydesign.loop.model.forward_model import Active, relax, simulate
 from dummydesign.loop.model.parameters import BaseParameters
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
@@ -34,19 +36,21 @@ def run(plain, *active, base=BASE):
     return simulate(presses, law, base, active)
 
 
-def test_the_vocabulary_is_complete_and_each_effect_is_one_class_in_a_file_of_its_name():
-    wanted = """contact_offset force_bias force_drift sensor_lag time_skew machine_compliance base_slip punch_tilt
-    compressibility thickness_error strain_stiffening strain_dependent_relaxation rate_dependent_viscosity
-    slow_relaxation_mode fast_relaxation_mode softening_with_cycles incomplete_recovery temperature ageing adhesion
-    inertia friction_hysteresis plate_friction""".split()
-    assert sorted(e.name for e in EFFECTS) == sorted(wanted)
+def test_each_effect_stands_once_in_the_registry_and_its_folder_says_whose_it_is():
+    names = [effect.name for effect in EFFECTS]
+    assert len(names) == len(set(names)) >= 23
+    rooms = {"rig": "rig", "sensor": "sensor", "material": "pad", "history": "pad"}
     for effect in EFFECTS:
-        assert inspect.getfile(type(effect)).endswith(f"{effect.name}.py")
-        assert effect.stage in STAGES and effect.belongs_to in OWNERS
-        assert effect.signature and effect.reference and type(effect).__doc__
-        for p in effect.parameters:
-            assert p.unit and p.low <= p.null <= p.high
-            assert p.to_value(p.to_coordinate(0.5 * (p.null + p.high))) == pytest.approx(0.5 * (p.null + p.high))
+        file = Path(inspect.getfile(type(effect)))
+        assert effect.belongs_to == rooms[file.parent.name]
+        assert file.stem == effect.name or effect.name.endswith(file.stem)
+    files = [path for room in rooms for path in (Path(inspect.getfile(effects)).parent / room).glob("[!_]*.py")]
+    assert {Path(inspect.getfile(type(effect))) for effect in EFFECTS} == set(files)
+
+
+@pytest.mark.parametrize("effect", EFFECTS, ids=lambda e: e.name)
+def test_every_effect_keeps_the_contract(effect):
+    assert check_effect(effect) == ()
 
 
 def test_the_base_is_the_table_with_the_relaxation_of_the_pad_model(plain):
@@ -90,7 +94,7 @@ def test_a_vanishing_effect_vanishes_continuously_and_a_usual_one_does_not(plain
     assert changes[1] > 0.01
 
 
-def test_two_effects_at_two_stages_act_together(plain):
+def test_two_effects_at_two_hooks_act_together(plain):
     both = run(plain, values_of("machine_compliance", compliance_mm_per_N=0.01), values_of("force_bias", bias_N=0.2))
     alone = run(plain, values_of("machine_compliance", compliance_mm_per_N=0.01))
     np.testing.assert_allclose(both, alone + 0.2, atol=1e-6)

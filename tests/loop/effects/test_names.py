@@ -1,4 +1,4 @@
-"""Names of effects stand in the files of the effects alone: a new one is a file and a line, nothing elsewhere."""
+"""Names of effects stand in the files of the effects alone: a new one is a file, nothing elsewhere."""
 
 from __future__ import annotations
 

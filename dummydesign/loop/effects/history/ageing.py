@@ -14,7 +14,7 @@ class Ageing(Effect):
     """E x (1 + growth_per_doubling log2(age / 7 days)): curing that goes on, logarithmic in time."""
 
     name = "ageing"
-    stage = "batch"
+    hook = "batch"
     belongs_to = "pad"
     designed_for = "a pad 7 days old"
     needs = ("age_days",)

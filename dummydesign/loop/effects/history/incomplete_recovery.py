@@ -16,7 +16,7 @@ class IncompleteRecovery(Effect):
     """
 
     name = "incomplete_recovery"
-    stage = "batch"
+    hook = "batch"
     belongs_to = "pad"
     designed_for = "a pad that has rested"
     needs = ("rest_s",)

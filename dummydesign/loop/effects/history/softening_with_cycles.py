@@ -17,7 +17,7 @@ class SofteningWithCycles(Effect):
     """
 
     name = "softening_with_cycles"
-    stage = "batch"
+    hook = "batch"
     belongs_to = "pad"
     designed_for = "a pad that is pressed for the first time"
     parameters = (Parameter("softening", "1", 0.0, 0.0, 0.5, 0.03),)

@@ -12,7 +12,7 @@ class Temperature(Effect):
     """E x (1 - modulus_loss_per_K (T - 23 C)). The shift of relaxation times is left out."""
 
     name = "temperature"
-    stage = "batch"
+    hook = "batch"
     belongs_to = "pad"
     designed_for = "23 C"
     needs = ("temperature_C",)

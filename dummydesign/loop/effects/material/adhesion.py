@@ -14,7 +14,7 @@ class Adhesion(Effect):
     the surface."""
 
     name = "adhesion"
-    stage = "pad"
+    hook = "pad"
     belongs_to = "pad"
     designed_for = "the way in and the hold, not the way back"
     parameters = (Parameter("pull_off_N", "N", 0.0, 0.0, 5.0, 0.1),)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from numpy.typing import NDArray
 
-from dummydesign.loop.model.base_law import UnitForce, root_law
+from dummydesign.loop.model.base_law import UnitForce, root_law, wrap
 from dummydesign.loop.model.effect import Effect, Parameter, Values
 from dummydesign.pad.tables.compressibility import load_compressibility
 
@@ -17,7 +17,7 @@ class Compressibility(Effect):
     """
 
     name = "compressibility"
-    stage = "pad"
+    hook = "pad"
     belongs_to = "pad"
     shapes = ("slab",)
     parameters = (Parameter("poisson_ratio", "1", 0.5, 0.3, 0.5, -0.005),)
@@ -32,5 +32,4 @@ class Compressibility(Effect):
             give = table.coefficient(depth_mm / thickness_mm, root.radius_mm / thickness_mm)
             return law(depth_mm, thickness_mm) / (1.0 + excess * give)
 
-        softer.__wrapped__ = law
-        return softer
+        return wrap(law, softer)

@@ -12,7 +12,7 @@ class RateDependentViscosity(Effect):
     """Time constants fall as (ramp speed / 50 mm/s)^-exponent: a shear-thinning viscosity, frozen per trial."""
 
     name = "rate_dependent_viscosity"
-    stage = "pad"
+    hook = "pad"
     belongs_to = "pad"
     designed_for = "relaxation as it is after a ramp of 50 mm/s"
     parameters = (Parameter("exponent", "1", 0.0, -0.8, 1.5, 0.1),)

@@ -17,7 +17,7 @@ class StrainDependentRelaxation(Effect):
     """
 
     name = "strain_dependent_relaxation"
-    stage = "pad"
+    hook = "pad"
     belongs_to = "pad"
     designed_for = "relaxation as it is at a depth of 0.15 of the thickness"
     parameters = (Parameter("slope", "1", 0.0, -3.0, 15.0, 0.5),)

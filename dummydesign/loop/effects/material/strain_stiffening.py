@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from numpy.typing import NDArray
 
-from dummydesign.loop.model.base_law import UnitForce
+from dummydesign.loop.model.base_law import UnitForce, wrap
 from dummydesign.loop.model.effect import Effect, Parameter, Values
 
 
@@ -16,7 +16,7 @@ class StrainStiffening(Effect):
     """
 
     name = "strain_stiffening"
-    stage = "pad"
+    hook = "pad"
     belongs_to = "pad"
     parameters = (Parameter("coefficient", "1", 0.0, -1.0, 20.0, 0.3),)
     signature = "factor that grows with depth over thickness, same at all speeds and times"
@@ -28,5 +28,4 @@ class StrainStiffening(Effect):
         def stiffer(depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
             return law(depth_mm, thickness_mm) * (1.0 + coefficient * (depth_mm / thickness_mm) ** 2)
 
-        stiffer.__wrapped__ = law
-        return stiffer
+        return wrap(law, stiffer)

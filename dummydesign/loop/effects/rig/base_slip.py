@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from numpy.typing import NDArray
 
-from dummydesign.loop.model.base_law import UnitForce, root_law, sliding_law
+from dummydesign.loop.model.base_law import UnitForce, root_law, sliding_law, wrap
 from dummydesign.loop.model.effect import Effect, Parameter, Values
 
 
@@ -15,7 +15,7 @@ class BaseSlip(Effect):
     """
 
     name = "base_slip"
-    stage = "pad"
+    hook = "pad"
     belongs_to = "rig"
     shapes = ("slab",)
     parameters = (Parameter("slip_fraction", "1", 0.0, 0.0, 1.0, 0.1, starts=(0.5,)),)
@@ -32,5 +32,4 @@ class BaseSlip(Effect):
         def mixed(depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
             return (1.0 - slip) * law(depth_mm, thickness_mm) + slip * sliding(depth_mm, thickness_mm)
 
-        mixed.__wrapped__ = law
-        return mixed
+        return wrap(law, mixed)

@@ -16,7 +16,7 @@ class ContactOffset(Effect):
     """
 
     name = "contact_offset"
-    stage = "motion"
+    hook = "motion"
     belongs_to = "rig"
     parameters = (Parameter("offset_mm", "mm", 0.0, -1.0, 1.0, 0.05),)
     signature = "late or early onset by the same length on all pads and speeds"

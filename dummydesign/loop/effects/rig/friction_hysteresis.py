@@ -14,7 +14,7 @@ class FrictionHysteresis(Effect):
     on the way out, turning over within 0.1 mm of the way back."""
 
     name = "friction_hysteresis"
-    stage = "pad"
+    hook = "pad"
     belongs_to = "rig"
     parameters = (Parameter("friction_fraction", "1", 0.0, 0.0, 0.6, 0.03),)
     signature = "unloading lower than relaxation alone explains, without rate dependence"

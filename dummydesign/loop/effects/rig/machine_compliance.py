@@ -16,7 +16,7 @@ class MachineCompliance(Effect):
     """
 
     name = "machine_compliance"
-    stage = "motion"
+    hook = "motion"
     belongs_to = "rig"
     parameters = (Parameter("compliance_mm_per_N", "mm/N", 0.0, 0.0, 0.08, 0.003),)
     signature = "softening proportional to force, same at all speeds, most on the thin pad"

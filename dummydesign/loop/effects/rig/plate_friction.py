@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.base_law import PuckLaw, SlabLaw, UnitForce, root_law
+from dummydesign.loop.model.base_law import PuckLaw, SlabLaw, UnitForce, root_law, wrap
 from dummydesign.loop.model.effect import Effect, Parameter, Values
 from dummydesign.pad.tables.puck import PuckTable, grip
 from dummydesign.pad.tables.puck_proportions import shape_range, table_for
@@ -23,7 +23,7 @@ class PlateFriction(Effect):
     """
 
     name = "plate_friction"
-    stage = "pad"
+    hook = "pad"
     belongs_to = "rig"
     shapes = ("cylinder",)
     parameters = (Parameter("friction", "1", 0.0, 0.0, 2.0, 0.1),)
@@ -53,8 +53,7 @@ class PlateFriction(Effect):
             factor = [_table(diameter, float(h)).factor(NEO_HOOKEAN, held, row) for h, row in zip(rows, share)]
             return law(depth_mm, thickness_mm) * np.stack(factor)
 
-        rubbed.__wrapped__ = law
-        return rubbed
+        return wrap(law, rubbed)
 
 
 NEO_HOOKEAN = 2.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.loop.model.base_law import UnitForce, root_law
+from dummydesign.loop.model.base_law import UnitForce, root_law, wrap
 from dummydesign.loop.model.effect import Effect, Parameter, Values
 
 
@@ -18,7 +18,7 @@ class PunchTilt(Effect):
     """
 
     name = "punch_tilt"
-    stage = "pad"
+    hook = "pad"
     belongs_to = "rig"
     shapes = ("slab",)
     parameters = (Parameter("tilt_deg", "deg", 0.0, 0.0, 8.0, 1.0, starts=(2.0,)),)
@@ -33,8 +33,7 @@ class PunchTilt(Effect):
         def tilted(depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
             return sum(0.5 * w * law(depth_mm + u, thickness_mm) for u, w in zip(lever, weight))
 
-        tilted.__wrapped__ = law
-        return tilted
+        return wrap(law, tilted)
 
 
 HALF_WIDTH_OF_RADIUS = float(np.sqrt(np.pi) / 2.0)

@@ -12,7 +12,7 @@ class ForceBias(Effect):
     """A constant added to every force (zero not set)."""
 
     name = "force_bias"
-    stage = "sensor"
+    hook = "sensor"
     belongs_to = "sensor"
     parameters = (Parameter("bias_N", "N", 0.0, -5.0, 5.0, 0.03),)
     signature = "the same force everywhere, also before contact"

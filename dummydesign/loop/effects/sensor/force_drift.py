@@ -12,7 +12,7 @@ class ForceDrift(Effect):
     """Force + drift x time since the start of the trial's file."""
 
     name = "force_drift"
-    stage = "sensor"
+    hook = "sensor"
     belongs_to = "sensor"
     parameters = (Parameter("drift_N_per_s", "N/s", 0.0, -0.5, 0.5, 0.005),)
     signature = "straight line in time, the same whatever the force, also in the unloaded tail"

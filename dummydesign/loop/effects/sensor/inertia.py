@@ -12,7 +12,7 @@ class Inertia(Effect):
     """Force + mass x acceleration of the robot: a pulse where it brakes, nothing in the hold."""
 
     name = "inertia"
-    stage = "sensor"
+    hook = "sensor"
     belongs_to = "sensor"
     parameters = (Parameter("mass_kg", "kg", 0.0, 0.0, 2.0, 0.02),)
     signature = "pulse at the stop, at the high speed only, the same on all pads"

@@ -17,7 +17,7 @@ class SensorLag(Effect):
     """
 
     name = "sensor_lag"
-    stage = "sensor"
+    hook = "sensor"
     belongs_to = "sensor"
     parameters = (Parameter("time_constant_s", "s", 0.0, 0.0, 0.1, 0.002),)
     signature = "late and rounded at the fast stop, nothing in the slow parts"

@@ -13,7 +13,7 @@ class TimeSkew(Effect):
     """The force clock is late by ``skew_s``: what is saved at t belongs to t - skew."""
 
     name = "time_skew"
-    stage = "sensor"
+    hook = "sensor"
     belongs_to = "sensor"
     parameters = (Parameter("skew_s", "s", 0.0, -0.05, 0.05, 0.002),)
     signature = "pure shift in time at the fast stop, shape unchanged"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from numpy.typing import NDArray
 
-from dummydesign.loop.model.base_law import UnitForce
+from dummydesign.loop.model.base_law import UnitForce, wrap
 from dummydesign.loop.model.effect import Effect, Parameter, Values
 
 
@@ -15,7 +15,7 @@ class ThicknessError(Effect):
     """
 
     name = "thickness_error"
-    stage = "pad"
+    hook = "pad"
     belongs_to = "rig"
     parameters = (Parameter("thickness_error_mm", "mm", 0.0, -2.0, 2.0, 0.1),)
     signature = "scale, mostly the thin pad; grows with depth as the strain does"
@@ -27,5 +27,4 @@ class ThicknessError(Effect):
         def other(depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
             return law(depth_mm, thickness_mm + error)
 
-        other.__wrapped__ = law
-        return other
+        return wrap(law, other)

@@ -1,0 +1,76 @@
+"""A relaxation slower or faster than the two arms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.loop.model.effect import Effect, Parameter, Values
+from dummydesign.pad.material.relaxation import PronyTerm
+
+USUAL_FAST_S, USUAL_SLOW_S, LONGEST_FAST_S, USUAL_BETA = 0.05, 1.5, 0.3, 0.2
+
+
+class RelaxationMode(Effect):
+    """A third arm (tau, beta), its time bounded away from the usual two.
+
+    Parameters
+    ----------
+    name, signature : str
+    time : Parameter
+        Bounds of tau [s].
+    base_starts : callable
+        Where to start the base's logarithms (5,) beside this mode.
+    """
+
+    hook = "pad"
+    belongs_to = "pad"
+    reference = "Pawluk and Howe, J. Biomech. Eng. 121 (1999) 178 (modes of 4 ms, 70 ms, 1.4 s)"
+    always_fitted = True
+
+    def __init__(
+        self, name: str, signature: str, time: Parameter, base_starts: Callable[[NDArray], list[NDArray]]
+    ) -> None:
+        self.name, self.signature = name, signature
+        self.parameters = (Parameter("beta", "1", 0.0, 0.0, 5.0, 0.05), time)
+        self._starts = base_starts
+
+    def base_starts(self, logs: NDArray) -> list[NDArray]:
+        return self._starts(logs)
+
+    def adds_terms(self, values: Values) -> tuple[PronyTerm, ...]:
+        return (PronyTerm(values["tau_s"], values["beta"]),)
+
+
+def _beside_slow(logs: NDArray) -> list[NDArray]:
+    # without the mode the slow arm sits between its own time and the mode's, or is used up by the mode
+    near, used_up = logs.copy(), logs.copy()
+    near[3] -= 0.3
+    used_up[1:] = [np.log(USUAL_FAST_S), np.log(USUAL_BETA), logs[1], logs[2]]
+    return [near, used_up]
+
+
+def _beside_fast(logs: NDArray) -> list[NDArray]:
+    near, used_up = logs.copy(), logs.copy()
+    near[1] += 0.4
+    used_up[1:] = [min(logs[3], np.log(LONGEST_FAST_S)), logs[4], np.log(USUAL_SLOW_S), np.log(USUAL_BETA)]
+    return [near, used_up]
+
+
+MEMBERS = (
+    RelaxationMode(
+        "slow_relaxation_mode",
+        "slow drift of force through the whole hold, proportional to force",
+        Parameter("tau_s", "s", 10.0, 4.0, 200.0, 10.0, log=True, starts=(30.0,)),
+        _beside_slow,
+    ),
+    RelaxationMode(
+        "fast_relaxation_mode",
+        "extra force in the fast ramp that is gone some hundredths of a second after the stop",
+        Parameter("tau_s", "s", 0.01, 0.002, 0.03, 0.01, log=True, starts=(0.02,)),
+        _beside_fast,
+    ),
+)
+"""Both are this class; the registry takes them in place of an instance of it."""

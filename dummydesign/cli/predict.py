@@ -83,7 +83,7 @@ def _pad(options: argparse.Namespace) -> tuple[Any, dict[str, float], list[str],
     from dummydesign.core.errors import InputError
     from dummydesign.geometry.shapes import read_shape
     from dummydesign.pad.material.hyperelastic import read_law
-    from dummydesign.pad.predict import Pad
+    from dummydesign.pad.pad import Pad
     from dummydesign.pad.tables.punch import equal_area_radius_mm
 
     prony = _prony(options.prony)
@@ -169,7 +169,7 @@ def _punch_sides(punch: str) -> tuple[float, float] | None:
 
 def _shape_warnings(pad: Any, fidelity: str) -> list[dict[str, str]]:
     """Warn where a square or rectangle is taken as the circle of equal area."""
-    from dummydesign.pad.predict import has_square_factor
+    from dummydesign.pad.elastic import has_square_factor
 
     if pad.sides_mm is None or fidelity == "3d" or has_square_factor(pad):
         return []

@@ -14,7 +14,7 @@ from dummydesign.geometry.shapes import Slab
 from dummydesign.pad.material.hyperelastic import Yeoh
 
 if TYPE_CHECKING:
-    from dummydesign.pad.predict import Pad
+    from dummydesign.pad.pad import Pad
     from dummydesign.pad.slab.problem import PadCurve
     from dummydesign.pad.tables.shape import ShapeLaw
 
@@ -167,7 +167,7 @@ def _by_elements(
 
 def _depth_grid(pad: Pad, deepest_mm: float | None, depths_mm: Array | None) -> tuple[Array, float]:
     """Depths that are solved, the wanted ones among them, and the deepest."""
-    from dummydesign.pad.slab.sharp_edge import MAX_DEPTH_OVER_THICKNESS
+    from dummydesign.pad.slab.problem import MAX_DEPTH_OVER_THICKNESS
 
     limit = MAX_DEPTH_OVER_THICKNESS * pad.thickness_mm
     deepest = limit if deepest_mm is None else min(max(deepest_mm, 0.02 * pad.thickness_mm), limit)
@@ -208,8 +208,10 @@ def _through(pad: Pad, solved: PadCurve) -> ElasticCurve:
 def _solve(pad: Pad, grid: Array, progress: Callable[[float], None] | None) -> PadCurve:
     """Solve the static curve by the elements that fit the punch and its contact."""
     from dummydesign.pad.puck import solve_puck
-    from dummydesign.pad.slab.indentation import profile, solve_flat, solve_shaped
-    from dummydesign.pad.slab.sharp_edge import BASES, STANDARD_EXTENT_MM, PadCurve, solve_curve
+    from dummydesign.pad.slab.indentation import profile, solve_shaped
+    from dummydesign.pad.slab.problem import BASES, STANDARD_EXTENT_MM, PadCurve
+    from dummydesign.pad.slab.sharp_edge import solve_curve
+    from dummydesign.pad.slab.sliding_faces import solve_flat
 
     common: dict[str, Any] = {"poisson": pad.poisson, "law": pad.shape}
     if pad.cylinder:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from dummydesign.core.errors import InputError, NoAnswerError
 
 if TYPE_CHECKING:
-    from dummydesign.pad.predict import Pad
+    from dummydesign.pad.pad import Pad
 
 SHARES = (0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6)
 """Depths over thickness that are solved."""
@@ -42,7 +42,7 @@ class SlabCase:
     def pad(self) -> Pad:
         """The slab with unit modulus as the pad model takes it."""
         from dummydesign.pad.material.hyperelastic import Yeoh
-        from dummydesign.pad.predict import Pad
+        from dummydesign.pad.pad import Pad
 
         return Pad(
             self.thickness_mm, 1.0, self.radius_mm, base=self.base, condition=self.condition,
@@ -52,7 +52,7 @@ class SlabCase:
     @property
     def corners_known(self) -> bool:
         """Whether this fidelity knows what the corners of the punch do; true for a round one."""
-        from dummydesign.pad.predict import has_square_factor
+        from dummydesign.pad.elastic import has_square_factor
 
         return self.sides_mm is None or self.fidelity == "3d" or has_square_factor(self.pad)
 
@@ -133,9 +133,9 @@ def solve_slab(case: SlabCase) -> SolvedSlab:
     InputError
         When the punch has corners that an axisymmetric slab of this kind cannot have.
     InputError, NoAnswerError
-        As :func:`dummydesign.pad.predict.elastic_curve`.
+        As :func:`dummydesign.pad.elastic.elastic_curve`.
     """
-    from dummydesign.pad.predict import elastic_curve
+    from dummydesign.pad.elastic import elastic_curve
 
     if not case.corners_known:
         sides = "x".join(f"{side:g}" for side in case.sides_mm)
@@ -145,7 +145,7 @@ def solve_slab(case: SlabCase) -> SolvedSlab:
         )
     pad, depth = case.pad, np.array(SHARES) * case.thickness_mm
     if case.condition != "bonded" and case.fidelity != "3d":
-        from dummydesign.pad.slab.indentation import solve_flat
+        from dummydesign.pad.slab.sliding_faces import solve_flat
 
         curve = solve_flat(
             pad.thickness_mm, pad.radius_mm, pad.young_MPa, depth, pad.condition, base=pad.base, law=pad.law

@@ -23,8 +23,7 @@ from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mesh_columns import Sizes, columns, height_lines, radial_lines, stretch
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import Law, Yeoh
-from dummydesign.pad.slab.indentation import _normalised
-from dummydesign.pad.slab.problem import BASES, FILM_REACH, FILM_STIFFNESS, STANDARD_EXTENT_MM, PadCurve
+from dummydesign.pad.slab.problem import BASES, FILM_REACH, FILM_STIFFNESS, STANDARD_EXTENT_MM, PadCurve, normalise
 from dummydesign.pad.solve.continuation import NOTHING, Path, Problem, cost, follow
 
 Array = np.ndarray
@@ -288,7 +287,7 @@ def solve_shaped_pad(
     NoAnswerError
         When no depth could be solved.
     """
-    own, depths, ratio, unit = _normalised(thickness_mm, radius_mm, young_MPa, depth_mm, poisson, law)
+    own, depths, ratio, unit = normalise(thickness_mm, radius_mm, young_MPa, depth_mm, poisson, law)
     press = Press(
         shape, float(thickness_mm), ratio, extent_mm / thickness_mm, base, condition, poisson, float(depths[0])
     )
@@ -343,8 +342,8 @@ def _slab_curve(
     press: Press, young_MPa: float, depths: Array, law: Law | None, progress: Callable[[float], None] | None
 ) -> PadCurve:
     """Sharp-edge force of the slab of the upper resin: from its table where it holds, else solved."""
-    from dummydesign.pad.slab.indentation import solve_flat
     from dummydesign.pad.slab.sharp_edge import solve_curve
+    from dummydesign.pad.slab.sliding_faces import solve_flat
     from dummydesign.pad.tables.slab import load_table
 
     h, a = press.thickness_mm, press.radius * press.thickness_mm

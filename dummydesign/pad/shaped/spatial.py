@@ -25,8 +25,7 @@ from dummydesign.pad.fem import mesh_hexahedra as space
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import Law
 from dummydesign.pad.shaped.spatial_mesh import Grid, Load, axis_lines, levels
-from dummydesign.pad.slab.indentation import _normalised
-from dummydesign.pad.slab.problem import BASES, PadCurve
+from dummydesign.pad.slab.problem import BASES, PadCurve, normalise
 from dummydesign.pad.solve.continuation import Path, Problem, cost, follow
 from dummydesign.pad.solve.solver_multifrontal import Dissection
 
@@ -163,7 +162,7 @@ def _load(
     """What is pressed, in thicknesses, with the law of unit shear modulus, the depths, and the modulus. [MPa]"""
     is_round = not isinstance(punch, tuple | list)
     half_mm = (float(punch),) * 2 if is_round else tuple(float(side) for side in punch)
-    own, depths, _, unit = _normalised(thickness_mm, half_mm[0], young_MPa, depth_mm, poisson, law)
+    own, depths, _, unit = normalise(thickness_mm, half_mm[0], young_MPa, depth_mm, poisson, law)
     load = Load(
         shape, float(thickness_mm), tuple(side / thickness_mm for side in half_mm),
         tuple(0.5 * side / thickness_mm for side in slab_mm), is_round,

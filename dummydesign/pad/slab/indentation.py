@@ -11,16 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dummydesign.core.checks import positive
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.pad.contact.resting_base import Both, RestingBase, friction_of, weight_over_shear
 from dummydesign.pad.contact.surface_axisymmetric import ProfilePunch, Punch, Surface
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mesh_axisymmetric import graded
 from dummydesign.pad.fem.mixed_solid import Solid
-from dummydesign.pad.material.hyperelastic import Law, Yeoh
-from dummydesign.pad.slab.problem import BASES, STANDARD_EXTENT_MM, PadCurve
-from dummydesign.pad.slab.sharp_edge import MAX_DEPTH_OVER_THICKNESS
+from dummydesign.pad.material.hyperelastic import Law
+from dummydesign.pad.slab.problem import BASES, STANDARD_EXTENT_MM, PadCurve, normalise
 from dummydesign.pad.solve.continuation import Path, Problem, cost, follow
 
 Array = np.ndarray
@@ -156,48 +154,6 @@ def press(
     return path
 
 
-def solve_flat(
-    thickness_mm: float,
-    radius_mm: float,
-    young_MPa: float,
-    depth_mm: Sequence[float],
-    condition: str,
-    *,
-    base: str = "bonded",
-    poisson: float = 0.5,
-    extent_mm: float = STANDARD_EXTENT_MM,
-    law: Law | None = None,
-    progress: Callable[[float], None] | None = None,
-) -> PadCurve:
-    """Static force of a slab under a flat, sharp-edged punch where something slides: its face, its base, or both.
-
-    It is the glued curve times a ratio of forces on one mesh, see ``ratio_curve``.
-
-    Parameters
-    ----------
-    thickness_mm, radius_mm, young_MPa, depth_mm
-        As for :func:`dummydesign.pad.slab.sharp_edge.solve_curve`.
-    condition : str
-        ``bonded``, ``frictionless`` or ``friction:MU``.
-    base : str
-        ``bonded``, ``sliding`` (no lift-off) or ``friction:MU`` (lifts off, rests by its weight). A glued face on
-        one of the first two is solved by :func:`dummydesign.pad.slab.sharp_edge.solve_curve`.
-
-    Raises
-    ------
-    InputError, NoAnswerError
-        For bad values; when no depth is reached with both beads.
-    """
-    from dummydesign.pad.slab.sliding_faces import solve_by_ratio
-
-    shape, depths, _, _ = _normalised(thickness_mm, radius_mm, young_MPa, depth_mm, poisson, law)
-    friction_of(condition, "condition", ("frictionless", "bonded"))
-    friction_of(base, "base", BASES)
-    return solve_by_ratio(
-        thickness_mm, radius_mm, young_MPa, depths, condition, base, poisson, extent_mm, shape, progress
-    )
-
-
 def solve_shaped(
     punch: ProfilePunch,
     thickness_mm: float,
@@ -221,10 +177,10 @@ def solve_shaped(
     reach_mm : float
         Radius that the contact will not exceed; cells of ``reach_mm / cells`` lie inside it. [mm]
 
-    Other parameters, returns and errors as for :func:`solve_flat`. The stated error, 0.2 %, is what halving
-    the cells changed at most on balls with a contact of 0.2 to 1.3 thicknesses.
+    Other parameters, returns and errors as for :func:`dummydesign.pad.slab.sliding_faces.solve_flat`. The stated
+    error, 0.2 %, is what halving the cells changed at most on balls with a contact of 0.2 to 1.3 thicknesses.
     """
-    shape, depths, reach, unit = _normalised(thickness_mm, reach_mm, young_MPa, depth_mm, poisson, law)
+    shape, depths, reach, unit = normalise(thickness_mm, reach_mm, young_MPa, depth_mm, poisson, law)
     own = ProfilePunch(lambda r: _scaled(punch, r, thickness_mm))
     region = Region(0.0, reach, reach / cells)
     problem = indentation_problem(
@@ -240,20 +196,3 @@ def solve_shaped(
 def _scaled(punch: ProfilePunch, r: Array, thickness_mm: float) -> tuple[Array, Array, Array]:
     value, slope, second = punch.height(r * thickness_mm)
     return value / thickness_mm, slope, second * thickness_mm
-
-
-def _normalised(
-    thickness_mm: float, length_mm: float, young_MPa: float, depth_mm: Sequence[float], poisson: float, law: Law | None
-) -> tuple[Law, Array, float, float]:
-    """Law with unit shear modulus, depths > 0 and a length in thicknesses, and the shear modulus [MPa]."""
-    for name, value in (("thickness_mm", thickness_mm), ("radius_mm", length_mm), ("young_MPa", young_MPa)):
-        positive(name, value)
-    depths = np.unique(np.asarray(depth_mm, dtype=float))
-    limit = MAX_DEPTH_OVER_THICKNESS * thickness_mm
-    depths = depths[depths != 0.0]
-    if not len(depths) or not np.isfinite(depths).all() or depths[0] < 0.0 or depths[-1] > limit * (1.0 + 1e-9):
-        worst = depths[-1] if len(depths) else "nothing"
-        raise InputError(f"depth_mm = {worst} is outside the allowed range above 0 to {limit:.4g}")
-    shape = law or Yeoh(1.0)
-    shape = shape.scaled(1.0 / shape.shear_MPa)
-    return shape, depths / thickness_mm, length_mm / thickness_mm, young_MPa / (2.0 * (1.0 + poisson))

@@ -6,17 +6,19 @@ The bead makes the problem well-posed at any depth (see ``axisymmetric`` for the
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
+from dummydesign.core.checks import positive
 from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.pad.contact.surface_axisymmetric import FlatPunch, Surface
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
 from dummydesign.pad.fem.mixed_solid import Solid
-from dummydesign.pad.material.hyperelastic import Law
+from dummydesign.pad.material.hyperelastic import Law, Yeoh
 from dummydesign.pad.solve.continuation import Problem
 
 Array = np.ndarray
@@ -26,6 +28,7 @@ CONTACT_STIFFNESS = 3000.0
 FILM_STIFFNESS = 300.0
 FILM_REACH = 6.0
 STANDARD_EXTENT_MM = float(np.sqrt(150.0 * 120.0 / np.pi))
+MAX_DEPTH_OVER_THICKNESS = 0.6
 BASES = ("bonded", "sliding")
 CONDITIONS = ("bonded", "frictionless")
 
@@ -176,3 +179,20 @@ def first_stiffness(slab: Slab, law: Law, poisson: float = 0.5, resolution: Reso
     """
     problem = sharp_problem(slab, law, poisson, resolution or Resolution(cells=4))
     return problem.stiffness() / (3.0 * law.shear_MPa * slab.radius)
+
+
+def normalise(
+    thickness_mm: float, length_mm: float, young_MPa: float, depth_mm: Sequence[float], poisson: float, law: Law | None
+) -> tuple[Law, Array, float, float]:
+    """Law with unit shear modulus, depths > 0 and a length in thicknesses, and the shear modulus [MPa]."""
+    for name, value in (("thickness_mm", thickness_mm), ("radius_mm", length_mm), ("young_MPa", young_MPa)):
+        positive(name, value)
+    depths = np.unique(np.asarray(depth_mm, dtype=float))
+    limit = MAX_DEPTH_OVER_THICKNESS * thickness_mm
+    depths = depths[depths != 0.0]
+    if not len(depths) or not np.isfinite(depths).all() or depths[0] < 0.0 or depths[-1] > limit * (1.0 + 1e-9):
+        worst = depths[-1] if len(depths) else "nothing"
+        raise InputError(f"depth_mm = {worst} is outside the allowed range above 0 to {limit:.4g}")
+    shape = law or Yeoh(1.0)
+    shape = shape.scaled(1.0 / shape.shear_MPa)
+    return shape, depths / thickness_mm, length_mm / thickness_mm, young_MPa / (2.0 * (1.0 + poisson))

@@ -24,6 +24,7 @@ from dummydesign.pad.slab.edge_extrapolation import Samples, fit_limit
 from dummydesign.pad.slab.problem import (
     BASES,
     CONDITIONS,
+    MAX_DEPTH_OVER_THICKNESS,
     STANDARD_EXTENT_MM,
     PadCurve,
     Slab,
@@ -46,7 +47,6 @@ LEAST_DEPTH = 0.25
 # A curve is solved on this many depths besides the wanted ones, and fitted by a series of this many terms.
 GRID_POINTS = 12
 SERIES_TERMS = 8
-MAX_DEPTH_OVER_THICKNESS = 0.6
 
 
 def climb(

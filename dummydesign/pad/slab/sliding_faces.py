@@ -2,13 +2,13 @@
 
 A bead of 0.1 makes a force too low by per cents, in the glued and in the sliding slab alike: with friction their ratio
 changes by some tenths of a per cent when the bead is halved, without by 0.2 to 2 %. So the ratio is solved with two
-beads, what is left is extrapolated with the power of ``edge_limit``, and the glued curve is the sharp-edge limit of
-``axisymmetric``.
+beads, what is left is extrapolated with the power of ``edge_extrapolation``, and the glued curve is the limit of
+``sharp_edge``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,7 @@ from dummydesign.pad.contact.resting_base import SLIP_SCALE, friction_of, weight
 from dummydesign.pad.contact.surface_axisymmetric import FlatPunch
 from dummydesign.pad.material.hyperelastic import Law
 from dummydesign.pad.slab.indentation import Region, indentation_problem
-from dummydesign.pad.slab.problem import BASES, PadCurve, Slab
+from dummydesign.pad.slab.problem import BASES, STANDARD_EXTENT_MM, PadCurve, Slab, normalise
 from dummydesign.pad.slab.sharp_edge import solve_curve
 from dummydesign.pad.solve.continuation import cost, follow
 
@@ -34,30 +34,30 @@ LEFT = 1.0 / (2.0**1.25 - 1.0)
 GLUED_ERROR, SLIDING_ERROR = 3e-3, 1e-2
 
 
-def solve_by_ratio(
+def solve_flat(
     thickness_mm: float,
     radius_mm: float,
     young_MPa: float,
-    depths: Array,
+    depth_mm: Sequence[float],
     condition: str,
-    base: str,
-    poisson: float,
-    extent_mm: float,
-    law: Law,
+    *,
+    base: str = "bonded",
+    poisson: float = 0.5,
+    extent_mm: float = STANDARD_EXTENT_MM,
+    law: Law | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> PadCurve:
-    """Force of a slab under a flat, sharp-edged punch where the face, the base or both slide or rub.
+    """Static force of a slab under a flat, sharp-edged punch where the face, the base or both slide or rub.
 
     Parameters
     ----------
-    depths : ndarray
-        Depths over thickness, above 0, increasing.
-    condition, base : str
-        ``bonded``, ``friction:MU`` and, for the face, ``frictionless``, for the base, ``sliding``.
-    law : Law
-        With unit shear modulus.
-
-    Other parameters as for :func:`dummydesign.pad.slab.sharp_edge.solve_curve`.
+    thickness_mm, radius_mm, young_MPa, depth_mm, poisson, extent_mm, law
+        As for :func:`dummydesign.pad.slab.sharp_edge.solve_curve`.
+    condition : str
+        Of the face: ``bonded``, ``frictionless`` or ``friction:MU``.
+    base : str
+        ``bonded``, ``sliding`` (no lift-off) or ``friction:MU`` (lifts off, rests by its weight). A glued face on
+        one of the first two is solved by :func:`dummydesign.pad.slab.sharp_edge.solve_curve`.
 
     Returns
     -------
@@ -67,18 +67,20 @@ def solve_by_ratio(
 
     Raises
     ------
-    NoAnswerError
-        When no depth is reached with both beads.
+    InputError, NoAnswerError
+        For bad values; when no depth is reached with both beads.
     """
-    slab = Slab(radius_mm / thickness_mm, extent_mm / thickness_mm)
+    shape, depths, ratio, unit = normalise(thickness_mm, radius_mm, young_MPa, depth_mm, poisson, law)
+    friction_of(condition, "condition", ("frictionless", "bonded"))
+    rests = friction_of(base, "base", BASES) is not None
+    slab = Slab(ratio, extent_mm / thickness_mm)
     glued = solve_curve(
-        thickness_mm, radius_mm, young_MPa, depths * thickness_mm, poisson=poisson, extent_mm=extent_mm, law=law,
+        thickness_mm, radius_mm, young_MPa, depths * thickness_mm, poisson=poisson, extent_mm=extent_mm, law=shape,
         progress=progress,
     )  # fmt: skip
     depths = depths[: len(glued.depth_mm)]
-    rests = friction_of(base, "base", BASES) is not None
-    weight = weight_over_shear(thickness_mm, young_MPa / (2.0 * (1.0 + poisson))) if rests else 0.0
-    args = (slab, law, poisson, depths, condition, base, weight)
+    weight = weight_over_shear(thickness_mm, unit) if rests else 0.0
+    args = (slab, shape, poisson, depths, condition, base, weight)
     inputs = dict(zip(("slab", "law", "poisson", "depths", "condition", "base", "weight"), args))
     found = cached("slab-ratio", inputs, lambda: _solve_ratio(*args, progress))
     count = len(found["ratio"])

@@ -10,7 +10,8 @@ from dummydesign.pad.contact.resting_base import RestingBase, friction_of, weigh
 from dummydesign.pad.contact.surface_axisymmetric import FlatPunch
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.material.hyperelastic import neo_hookean
-from dummydesign.pad.slab.indentation import Region, indentation_problem, solve_flat
+from dummydesign.pad.slab.indentation import Region, indentation_problem
+from dummydesign.pad.slab.sliding_faces import solve_flat
 from dummydesign.pad.solve.continuation import follow
 
 LAW = neo_hookean(1.0)

@@ -14,11 +14,11 @@ from dummydesign.pad.slab.indentation import (
     indentation_problem,
     press,
     profile,
-    solve_flat,
     solve_shaped,
     sphere,
 )
 from dummydesign.pad.slab.sharp_edge import Slab, climb, first_stiffness
+from dummydesign.pad.slab.sliding_faces import solve_flat
 
 LAW = neo_hookean(1.0)
 EDGE = Region(0.65, 1.2, 0.1 / 1.5)

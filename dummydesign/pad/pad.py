@@ -1,0 +1,55 @@
+"""The pad that is pressed, and the punch on it: lengths, modulus, relaxation, what is glued and what slides."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from dummydesign.core.checks import positive
+from dummydesign.core.errors import InputError
+from dummydesign.geometry.shapes import Shape, Slab
+from dummydesign.pad.material.hyperelastic import Law, Yeoh
+from dummydesign.pad.material.relaxation import PronyTerm
+
+SLAB = Slab()
+
+
+@dataclass(frozen=True)
+class Pad:
+    """A pad (a flat slab unless said), its material and the round punch of equal area on it.
+
+    ``young_MPa`` is the long-term modulus; ``prony`` is relative to it. ``law`` is the shape of the
+    hyperelastic law (its moduli are scaled), neo-Hookean without it. ``sides_mm`` are the sides of a
+    rectangular punch, ``radius_mm`` is then that of the circle of its area.
+    ``slab_mm`` are length and width of the slab. ``profile_mm`` holds the radii and heights of a shaped punch.
+    ``cylinder`` is a puck of ``radius_mm`` between plates instead of a slab. ``geometry`` is the pad's own shape;
+    depth is then counted from its highest point, and the modulus is that of the resin at the tested face.
+    """
+
+    thickness_mm: float
+    young_MPa: float
+    radius_mm: float
+    prony: tuple[PronyTerm, ...] = ()
+    base: str = "bonded"
+    condition: str = "bonded"
+    poisson: float = 0.5
+    extent_mm: float | None = None
+    law: Law | None = None
+    sides_mm: tuple[float, float] | None = None
+    slab_mm: tuple[float, float] = (150.0, 120.0)
+    profile_mm: tuple[tuple[float, ...], tuple[float, ...]] | None = None
+    cylinder: bool = False
+    geometry: Shape = SLAB
+
+    @property
+    def shape(self) -> Law:
+        """The hyperelastic law with unit shear modulus."""
+        if self.law is None:
+            return Yeoh(1.0)
+        return self.law.scaled(1.0 / self.law.shear_MPa)
+
+    def __post_init__(self) -> None:
+        for name in ("thickness_mm", "young_MPa", "radius_mm"):
+            positive(name, getattr(self, name))
+        self.geometry.check(self.thickness_mm, *self.slab_mm)
+        if self.geometry != SLAB and (self.cylinder or self.profile_mm is not None):
+            raise InputError(f"shape {self.geometry} is pressed by a flat punch, not by a profile or plates")

@@ -13,12 +13,12 @@ import numpy as np
 from dummydesign._version import __version__
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_text
+from dummydesign.geometry.interface import BASES
 from dummydesign.loop.calibration import Calibration, Model
 from dummydesign.loop.effects import known_effects
 from dummydesign.loop.fitting.noise import LAW_TERMS
 from dummydesign.loop.model.forward_model import Active
 from dummydesign.loop.model.parameters import HIGH, LOW, NAMES, BaseParameters
-from dummydesign.pad.tables.slab import BASES
 
 SCHEMA = "dummydesign.calibration/1"
 VERDICTS = ("effect", "none", "unexplained")

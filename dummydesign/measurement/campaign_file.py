@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError, unknown_name
+from dummydesign.geometry.interface import BASES, CONDITIONS, FRICTION, Interface
 from dummydesign.measurement.campaign import Campaign, PadSpec, PunchSpec, Trial
 from dummydesign.measurement.campaign_checks import check_against_declared, check_set
 from dummydesign.measurement.campaign_lines import CampaignLines
@@ -100,7 +101,7 @@ def _number(table: dict[str, Any], key: str, where: str, low: float, high: float
 
 def _choice(table: dict[str, Any], key: str, where: str, known: tuple[str, ...], default: str) -> str:
     value = str(table.get(key, default))
-    if value in known or (value.startswith("friction:") and "friction:MU" in known):
+    if value in known or (FRICTION in known and Interface.names_friction(value)):
         return value
     raise InputError(f"{where}: {unknown_name(key, value, known)}")
 
@@ -126,7 +127,7 @@ def _pad(data: dict[str, Any], place: CampaignLines) -> PadSpec:
     diameter = number("diameter_mm", 2.0, 500.0)
     if shape == "cylinder" and diameter is None:
         raise InputError(f"{place.section('pad')}: a cylinder needs diameter_mm")
-    base = _choice(table, "base", place.section("pad", "base"), ("bonded", "sliding", "friction:MU"), "bonded")
+    base = _choice(table, "base", place.section("pad", "base"), (*BASES, FRICTION), "bonded")
     return PadSpec(
         young, None if resin is None else str(resin), number("ratio", 0.0, 1000.0), shape,
         number("length_mm", 5.0, 2000.0), number("width_mm", 5.0, 2000.0), diameter, base,
@@ -144,7 +145,7 @@ def _punch(data: dict[str, Any], place: CampaignLines) -> PunchSpec:
     if shape == "round" and diameter is None:
         raise InputError(f"{where}: a round punch needs diameter_mm")
     contact = _choice(
-        table, "contact", place.section("punch", "contact"), ("bonded", "frictionless", "friction:MU"), "bonded"
+        table, "contact", place.section("punch", "contact"), (*CONDITIONS, FRICTION), "bonded"
     )
     return PunchSpec(shape, side, diameter, contact)
 

@@ -10,7 +10,9 @@ import numpy as np
 
 from dummydesign.core.cache import cached
 from dummydesign.core.errors import InputError, NoAnswerError, unknown_name
+from dummydesign.geometry.interface import BASES
 from dummydesign.geometry.shapes import Slab
+from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS, PAD_EXTENT_MM
 from dummydesign.pad.material.hyperelastic import Yeoh
 
 if TYPE_CHECKING:
@@ -70,7 +72,7 @@ def has_square_factor(pad: Pad) -> bool:
 
 def _tabulated(pad: Pad) -> bool:
     """Whether base, law and a / h are within the tables."""
-    from dummydesign.pad.tables.slab import BASES, load_table
+    from dummydesign.pad.tables.slab import load_table
 
     if pad.base not in BASES or not _in_table(pad):
         return False
@@ -167,8 +169,6 @@ def _by_elements(
 
 def _depth_grid(pad: Pad, deepest_mm: float | None, depths_mm: Array | None) -> tuple[Array, float]:
     """Depths that are solved, the wanted ones among them, and the deepest."""
-    from dummydesign.pad.slab.problem import MAX_DEPTH_OVER_THICKNESS
-
     limit = MAX_DEPTH_OVER_THICKNESS * pad.thickness_mm
     deepest = limit if deepest_mm is None else min(max(deepest_mm, 0.02 * pad.thickness_mm), limit)
     grid = np.linspace(0.0, deepest, CURVE_POINTS + 1)[1:]
@@ -209,7 +209,7 @@ def _solve(pad: Pad, grid: Array, progress: Callable[[float], None] | None) -> P
     """Solve the static curve by the elements that fit the punch and its contact."""
     from dummydesign.pad.puck import solve_puck
     from dummydesign.pad.slab.indentation import profile, solve_shaped
-    from dummydesign.pad.slab.problem import BASES, STANDARD_EXTENT_MM, PadCurve
+    from dummydesign.pad.slab.problem import PadCurve
     from dummydesign.pad.slab.sharp_edge import solve_curve
     from dummydesign.pad.slab.sliding_faces import solve_flat
 
@@ -217,7 +217,7 @@ def _solve(pad: Pad, grid: Array, progress: Callable[[float], None] | None) -> P
     if pad.cylinder:
         sizes = (2.0 * pad.radius_mm, pad.thickness_mm)
         return solve_puck(*sizes, pad.young_MPa, grid, plates=pad.condition, progress=progress, **common)
-    extent = pad.extent_mm or STANDARD_EXTENT_MM
+    extent = pad.extent_mm or PAD_EXTENT_MM
     if pad.geometry != Slab():
         return _solve_shape(pad, grid, extent, progress)
     if pad.profile_mm is not None:

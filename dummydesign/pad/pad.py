@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from dummydesign.core.checks import positive
 from dummydesign.core.errors import InputError
 from dummydesign.geometry.shapes import Shape, Slab
+from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.pad.material.hyperelastic import Law, Yeoh
 from dummydesign.pad.material.relaxation import PronyTerm
 
@@ -35,7 +36,7 @@ class Pad:
     extent_mm: float | None = None
     law: Law | None = None
     sides_mm: tuple[float, float] | None = None
-    slab_mm: tuple[float, float] = (150.0, 120.0)
+    slab_mm: tuple[float, float] = (PAD_LENGTH_MM, PAD_WIDTH_MM)
     profile_mm: tuple[tuple[float, ...], tuple[float, ...]] | None = None
     cylinder: bool = False
     geometry: Shape = SLAB

@@ -10,12 +10,13 @@ import numpy as np
 
 from dummydesign.core.checks import positive
 from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.geometry.interface import BASES
+from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS, PAD_EXTENT_MM
 from dummydesign.measurement.motion import Motion
 from dummydesign.pad.elastic import ElasticCurve, elastic_curve
 from dummydesign.pad.material.relaxation import relaxed_force
 from dummydesign.pad.pad import SLAB, Pad
 from dummydesign.pad.tables.separability import allowance
-from dummydesign.pad.tables.slab import BASES
 
 Array = np.ndarray
 __all__ = [
@@ -154,9 +155,9 @@ def _finite_strain_ratio(
 ) -> tuple[Array, dict[str, Any]]:
     """Finite-strain force over separable force at the motion's times, and what it cost."""
     from dummydesign.pad.slab.finite_strain_ratio import nodes_of_motion, solve_ratio
-    from dummydesign.pad.slab.sharp_edge import STANDARD_EXTENT_MM, Slab
+    from dummydesign.pad.slab.problem import Slab
 
-    extent = STANDARD_EXTENT_MM if pad.extent_mm is None else pad.extent_mm
+    extent = PAD_EXTENT_MM if pad.extent_mm is None else pad.extent_mm
     slab = Slab(pad.radius_mm / pad.thickness_mm, extent / pad.thickness_mm, pad.base, pad.condition)
     nodes = nodes_of_motion(motion.time_s, motion.displacement_mm / pad.thickness_mm, pad.prony)
     path = solve_ratio(slab, pad.shape, pad.prony, *nodes, poisson=pad.poisson, progress=progress)
@@ -211,7 +212,7 @@ def _check_depth(depth: Array, curve: ElasticCurve, pad: Pad) -> None:
         f"depth_mm = {worst:.4g} is outside the allowed range 0 to {limit:.4g} "
         f"(d/h = {limit / pad.thickness_mm:.3g} for a pad of {pad.thickness_mm:g} mm); {reason}"
     )
-    if curve.notes and worst <= 0.6 * pad.thickness_mm * (1.0 + 1e-9):
+    if curve.notes and worst <= MAX_DEPTH_OVER_THICKNESS * pad.thickness_mm * (1.0 + 1e-9):
         raise NoAnswerError("no_convergence", message)
     raise InputError(message)
 

@@ -28,6 +28,7 @@ import numpy as np
 from dummydesign.core.cache import cached
 from dummydesign.core.checks import positive
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
+from dummydesign.geometry.interface import FACES, FRICTION, Interface
 from dummydesign.pad.contact.surface_axisymmetric import Punch
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mixed_solid import Solid
@@ -37,7 +38,7 @@ from dummydesign.pad.solve.continuation import NOTHING, Path, Problem, cost, fol
 
 Array = np.ndarray
 
-PLATES = ("frictionless", "bonded", "friction:MU")
+PLATES = (*FACES, FRICTION)
 SLIP_SCALE = 2e-4
 CONTACT_STIFFNESS = 1e5
 # Smallest cells that are tried in turn when a curve stops early; a rough edge can fold a cell of one mesh.
@@ -57,24 +58,15 @@ class Puck:
     def __post_init__(self) -> None:
         if not 0.1 <= self.radius <= 10.0:
             raise out_of_range("puck radius over height", self.radius, 0.1, 10.0)
-        if self.plates not in ("frictionless", "bonded"):
-            _ = self.friction
+        _ = self.friction
 
     @property
     def friction(self) -> float:
         """Coefficient of friction; infinite when bonded."""
-        if self.plates == "frictionless":
-            return 0.0
-        if self.plates == "bonded":
-            return np.inf
-        name, _, number = self.plates.partition(":")
-        try:
-            value = float(number)
-        except ValueError:
-            value = -1.0
-        if name != "friction" or not 0.0 <= value <= 5.0:
+        found = Interface.find(self.plates, FACES)
+        if found is None:
             raise InputError(f"plates = '{self.plates}' is not one of {', '.join(PLATES)} with MU from 0 to 5")
-        return value
+        return found.friction
 
 
 class RoughPlate:

@@ -27,11 +27,11 @@ from dummydesign.design.search.best_of_kinds import Beside
 from dummydesign.design.search.low_force import MISFIT_N, steady_force
 from dummydesign.design.suggest import suggest
 from dummydesign.design.suggestion import Suggestion
+from dummydesign.geometry.interface import CONDITIONS
 from dummydesign.geometry.shapes import Slab
 from dummydesign.studies.marked_page import MarkedPage
 
 TISSUES = ("forefinger", "palm", "thenar")
-CONDITIONS = ("bonded", "frictionless")
 CHECKED_N = MISFIT_N[::3]
 PAGE, CURVES = Path("docs") / "shapes.md", Path("docs") / "data" / "shapes.csv"
 MARKED = MarkedPage(PAGE, "<!-- shapes tables: begin -->", "<!-- shapes tables: end -->")

@@ -11,7 +11,6 @@ from __future__ import annotations
 import argparse
 import csv
 import io
-import math
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -20,13 +19,14 @@ import numpy as np
 
 from dummydesign.core.files import write_text
 from dummydesign.design.search.solved_slabs import SlabCase, SolvedLaw, SolvedSlab, law_of, solve_slab
+from dummydesign.geometry.standard import PUNCH_RADIUS_MM
 from dummydesign.report.whatif import STATEMENT
 from dummydesign.studies.marked_page import MarkedPage
 
 THICKNESS_MM = (5.0, 10.0, 15.0, 20.0)
 STIFFENING = (0.1, 0.3)
 """c2 / mu of the Yeoh laws that are tried beside the neo-Hookean solid."""
-RADIUS_MM = 14.0 / math.sqrt(math.pi)
+RADIUS_MM = PUNCH_RADIUS_MM
 YOUNG_MPA = 0.025
 """The paper's 25 kPa; it only matters at equal force."""
 FORCES_N = (2.0, 5.0, 10.0, 15.0)

@@ -169,7 +169,8 @@ def settings_of(study: Study, resin: Any, tissue: Any) -> dict[str, Any]:
         "velocities_mm_s": list(study.velocities_mm_s),
     }
     if study.fidelity == "table":
-        from dummydesign.pad.tables.slab import BASES, load_table
+        from dummydesign.geometry.interface import BASES
+        from dummydesign.pad.tables.slab import load_table
 
         settings["tables"] = _hash({base: load_table(base).coefficients.tolist() for base in BASES})
     return settings

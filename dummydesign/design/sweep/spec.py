@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import itertools
-import math
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.core.errors import InputError, out_of_range, unknown_name
 from dummydesign.design.search.slabs import THICKNESS_MM
+from dummydesign.geometry.interface import BASES, CONDITIONS, FRICTION, Interface
 from dummydesign.pad.tables.punch import punch_sides_mm
 
 if TYPE_CHECKING:
@@ -101,8 +101,6 @@ class Study:
 
     def _check_setups(self) -> None:
         """Refuse conditions and bases that no model of this fidelity knows, and punches outside the table."""
-        from dummydesign.pad.tables.slab import BASES
-
         for base in self.bases:
             if base not in BASES:
                 raise unknown_name("base", base, BASES)
@@ -127,13 +125,11 @@ class Study:
                             "of the response table; add --fidelity axisymmetric",
                         )
             return
-        from dummydesign.pad.slab.sharp_edge import CONDITIONS
-
         for condition in self.conditions:
-            if condition.startswith("friction:") and self.fidelity == "axisymmetric":
+            if Interface.names_friction(condition) and self.fidelity == "axisymmetric":
                 check_friction(condition)
             elif condition not in CONDITIONS:
-                more = ("friction:MU",) if self.fidelity == "axisymmetric" else ()
+                more = (FRICTION,) if self.fidelity == "axisymmetric" else ()
                 raise unknown_name("condition", condition, (*CONDITIONS, *more))
         for name, _ in self.punches:
             if self.fidelity == "3d" and name.startswith("round"):
@@ -166,12 +162,8 @@ class Study:
 
 def check_friction(condition: str) -> None:
     """Refuse a coefficient of friction outside 0 to 5 (InputError)."""
-    try:
-        value = float(condition.partition(":")[2])
-    except ValueError:
-        value = math.nan
-    if not 0.0 <= value <= 5.0:
-        raise out_of_range(f"friction of condition '{condition}'", condition.partition(":")[2], 0, 5, "friction:MU")
+    if Interface.find(condition, ()) is None:
+        raise out_of_range(f"friction of condition '{condition}'", condition.partition(":")[2], 0, 5, FRICTION)
 
 
 def _is_square(punch: str) -> bool:

@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
+from dummydesign.geometry.interface import BASES
 from dummydesign.measurement.campaign import Campaign
-from dummydesign.pad.tables.slab import BASES, ResponseTable, load_table
+from dummydesign.pad.tables.slab import ResponseTable, load_table
 from dummydesign.pad.tables.square import load_square
 
 SLAB_ERROR = ((0.004, 0.3), (0.015, 0.3), (0.008, 0.4))

@@ -11,11 +11,8 @@ force, but for the slump of its free sides, which is left out: depths are counte
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from dummydesign.core.errors import InputError
 from dummydesign.pad.contact.surface_axisymmetric import Punch, Surface
 from dummydesign.pad.fem.mixed_solid import Discretisation
 
@@ -37,26 +34,6 @@ GRAVITY = 9.81  # m/s2
 def weight_over_shear(thickness_mm: float, shear_MPa: float) -> float:
     """Pressure of a pad's weight on its base over its shear modulus, rho g h / mu."""
     return DENSITY * GRAVITY * thickness_mm * 1e-9 / shear_MPa
-
-
-def friction_of(text: str, quantity: str, known: Sequence[str]) -> float | None:
-    """Coefficient of a text ``friction:MU``, None when it is one of the ``known`` names instead.
-
-    Raises
-    ------
-    InputError
-        For anything else, and MU outside 0 to 5.
-    """
-    if text in known:
-        return None
-    name, _, number = text.partition(":")
-    try:
-        value = float(number)
-    except ValueError:
-        value = -1.0
-    if name != "friction" or not 0.0 <= value <= 5.0:
-        raise InputError(f"{quantity} '{text}' is not {', '.join(known)} or friction:MU with MU from 0 to 5")
-    return value
 
 
 class RestingBase:

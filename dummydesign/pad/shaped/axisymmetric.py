@@ -16,14 +16,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.geometry.interface import BASES, FACES, Interface
 from dummydesign.geometry.shapes import Shape, Slab
-from dummydesign.pad.contact.resting_base import friction_of
+from dummydesign.geometry.standard import PAD_EXTENT_MM
 from dummydesign.pad.contact.surface_axisymmetric import FlatPunch, Surface
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mesh_columns import Sizes, columns, height_lines, radial_lines, stretch
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import Law, Yeoh
-from dummydesign.pad.slab.problem import BASES, FILM_REACH, FILM_STIFFNESS, STANDARD_EXTENT_MM, PadCurve, normalise
+from dummydesign.pad.slab.problem import FILM_REACH, FILM_STIFFNESS, PadCurve, normalise
 from dummydesign.pad.solve.continuation import NOTHING, Path, Problem, cost, follow
 
 Array = np.ndarray
@@ -139,8 +140,8 @@ def shaped_problem(press: Press, law: Law, cells: int = CELLS, rim: float = RIMS
     twin : bool
         Make the homogeneous slab without a bone on the same grid instead.
     """
-    friction = friction_of(press.condition, "condition", ("frictionless", "bonded")) or 0.0
-    grip = float(press.condition == "bonded")
+    face = Interface.parse(press.condition, "condition", FACES)
+    grip = float(face.bonded)
     if press.base not in BASES:
         raise InputError(f"base = '{press.base}' is not one of {', '.join(BASES)}")
     punch = Plate(press.radius, rim * press.scale)
@@ -184,7 +185,7 @@ def shaped_problem(press: Press, law: Law, cells: int = CELLS, rim: float = RIMS
 
     surface = Surface(
         mesh.nodes, top[near], lambda at: np.full_like(at, strength), film, GRIP_SHARE * strength * grip,
-        punch.flat_radius if len(driven) else 0.0, friction, 0.02 * coarse,
+        punch.flat_radius if len(driven) else 0.0, face.coulomb or 0.0, 0.02 * coarse,
     )  # fmt: skip
     return Problem(Solid(mesh, law, press.poisson), held, driven, 2 * below + 1, surface, punch, carried)
 
@@ -250,7 +251,7 @@ def solve_shaped_pad(
     *,
     base: str = "bonded",
     poisson: float = 0.5,
-    extent_mm: float = STANDARD_EXTENT_MM,
+    extent_mm: float = PAD_EXTENT_MM,
     law: Law | None = None,
     cells: int = CELLS,
     progress: Callable[[float], None] | None = None,
@@ -348,7 +349,7 @@ def _slab_curve(
 
     h, a = press.thickness_mm, press.radius * press.thickness_mm
     plain = press.condition == "bonded" and press.poisson == 0.5 and (law is None or law == Yeoh(law.shear_MPa))
-    if plain and abs(press.extent * h / STANDARD_EXTENT_MM - 1.0) < 0.01:
+    if plain and abs(press.extent * h / PAD_EXTENT_MM - 1.0) < 0.01:
         table = load_table(press.base)
         low, high = table.ratio_range
         if low <= press.radius <= high:

@@ -14,10 +14,10 @@ import numpy as np
 
 from dummydesign.core.cache import cached
 from dummydesign.geometry.shapes import Shape
+from dummydesign.geometry.standard import PAD_EXTENT_MM
 from dummydesign.pad.contact.surface_axisymmetric import Punch
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.shaped.axisymmetric import CELLS, Press, shaped_problem
-from dummydesign.pad.slab.problem import STANDARD_EXTENT_MM
 from dummydesign.pad.solve.continuation import follow
 
 Array = np.ndarray
@@ -42,7 +42,7 @@ class Touch:
 
 def contact_radius(
     shape: Shape, thickness_mm: float, radius_mm: float, depth_mm: Sequence[float], condition: str = "bonded",
-    extent_mm: float = STANDARD_EXTENT_MM, cells: int = CELLS,
+    extent_mm: float = PAD_EXTENT_MM, cells: int = CELLS,
 ) -> Touch:  # fmt: skip
     """Press a round shaped pad with a round flat punch and find how far the contact reaches.
 

@@ -19,19 +19,20 @@ from functools import partial
 import numpy as np
 
 from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.geometry.interface import BASES, CONDITIONS
 from dummydesign.geometry.shapes import Shape
+from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.pad.contact.surface_spatial import BeadedPunch, FaceContact, rectangle_punch, round_punch
 from dummydesign.pad.fem import mesh_hexahedra as space
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import Law
 from dummydesign.pad.shaped.spatial_mesh import Grid, Load, axis_lines, levels
-from dummydesign.pad.slab.problem import BASES, PadCurve, normalise
+from dummydesign.pad.slab.problem import PadCurve, normalise
 from dummydesign.pad.solve.continuation import Path, Problem, cost, follow
 from dummydesign.pad.solve.solver_multifrontal import Dissection
 
 Array = np.ndarray
 
-CONDITIONS = ("bonded", "frictionless")
 # Contact stiffness in shear moduli over the cell, and grip as a share of it.
 CONTACT_STIFFNESS = 1000.0
 GRIP_SHARE = 0.3
@@ -100,7 +101,7 @@ def solve_shaped_block(
     offset_mm: tuple[float, float] = (0.0, 0.0),
     base: str = "bonded",
     poisson: float = 0.5,
-    slab_mm: tuple[float, float] = (150.0, 120.0),
+    slab_mm: tuple[float, float] = (PAD_LENGTH_MM, PAD_WIDTH_MM),
     law: Law | None = None,
     grid: Grid | None = None,
     progress: Callable[[float], None] | None = None,

@@ -12,13 +12,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from dummydesign.core.errors import InputError, NoAnswerError
-from dummydesign.pad.contact.resting_base import Both, RestingBase, friction_of, weight_over_shear
+from dummydesign.geometry.interface import BASES, FACES, Interface
+from dummydesign.geometry.standard import PAD_EXTENT_MM
+from dummydesign.pad.contact.resting_base import Both, RestingBase, weight_over_shear
 from dummydesign.pad.contact.surface_axisymmetric import ProfilePunch, Punch, Surface
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mesh_axisymmetric import graded
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import Law
-from dummydesign.pad.slab.problem import BASES, STANDARD_EXTENT_MM, PadCurve, normalise
+from dummydesign.pad.slab.problem import PadCurve, normalise
 from dummydesign.pad.solve.continuation import Path, Problem, cost, follow
 
 Array = np.ndarray
@@ -105,9 +107,8 @@ def indentation_problem(
     weight : float
         Pressure of the pad's weight on the base in shear moduli; counts for ``base`` friction:MU only.
     """
-    friction = friction_of(condition, "condition", ("frictionless", "bonded")) or 0.0
-    grip = float(condition == "bonded")
-    base_friction = friction_of(base, "base", BASES)
+    face = Interface.parse(condition, "condition", FACES)
+    support = Interface.parse(base, "base", BASES)
     cell = region.cell
     inner = graded(region.start, 0.0, cell, growth)[::-1] if region.start > 0.0 else np.array([0.0])
     fine = np.linspace(region.start, region.stop, max(2, round((region.stop - region.start) / cell)) + 1)
@@ -121,19 +122,19 @@ def indentation_problem(
     held = np.zeros(mesh.size, dtype=bool)
     held[2 * np.nonzero(meshes.on_axis(mesh))[0]] = True
     below = np.nonzero(meshes.on_base(mesh, 1.0))[0]
-    held[2 * below + 1] = base in BASES
-    held[2 * below] |= base == "bonded"
+    held[2 * below + 1] = support.coulomb is None
+    held[2 * below] |= support.bonded
     sides = meshes.edges_on(mesh, meshes.on_top(mesh) & (mesh.nodes[0] <= region.stop + 0.5))
     contact = law.shear_MPa * stiffness / cell
     surface = Surface(
         mesh.nodes, sides, lambda at: np.full_like(at, contact), np.zeros_like,
-        contact * grip, 0.0, friction, SLIP_SCALE * cell,
+        contact * float(face.bonded), 0.0, face.coulomb or 0.0, SLIP_SCALE * cell,
     )  # fmt: skip
     # What touches at the start sticks or slips from where it is.
     surface.settle(np.zeros(mesh.size), punch, 0.0)
-    if base_friction is not None:
+    if support.coulomb is not None:
         bottom = meshes.edges_on(mesh, meshes.on_base(mesh, 1.0))
-        surface = Both(surface, RestingBase(mesh, bottom, law.shear_MPa, base_friction, weight))
+        surface = Both(surface, RestingBase(mesh, bottom, law.shear_MPa, support.coulomb, weight))
     return Problem(Solid(mesh, law, poisson), held, np.array([], dtype=int), 2 * below + 1, surface, punch)
 
 
@@ -164,7 +165,7 @@ def solve_shaped(
     *,
     base: str = "bonded",
     poisson: float = 0.5,
-    extent_mm: float = STANDARD_EXTENT_MM,
+    extent_mm: float = PAD_EXTENT_MM,
     law: Law | None = None,
     cells: int = 24,
 ) -> PadCurve:

@@ -14,6 +14,8 @@ import numpy as np
 
 from dummydesign.core.checks import positive
 from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.geometry.interface import BASES, CONDITIONS
+from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.pad.contact.surface_axisymmetric import FlatPunch, Surface
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
@@ -27,10 +29,6 @@ Array = np.ndarray
 CONTACT_STIFFNESS = 3000.0
 FILM_STIFFNESS = 300.0
 FILM_REACH = 6.0
-STANDARD_EXTENT_MM = float(np.sqrt(150.0 * 120.0 / np.pi))
-MAX_DEPTH_OVER_THICKNESS = 0.6
-BASES = ("bonded", "sliding")
-CONDITIONS = ("bonded", "frictionless")
 
 
 @dataclass(frozen=True)

@@ -18,14 +18,11 @@ import numpy as np
 from dummydesign.core.cache import cached
 from dummydesign.core.checks import positive
 from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS, PAD_EXTENT_MM
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
 from dummydesign.pad.material.hyperelastic import Law, Yeoh
 from dummydesign.pad.slab.edge_extrapolation import Samples, fit_limit
 from dummydesign.pad.slab.problem import (
-    BASES,
-    CONDITIONS,
-    MAX_DEPTH_OVER_THICKNESS,
-    STANDARD_EXTENT_MM,
     PadCurve,
     Slab,
     first_stiffness,
@@ -36,8 +33,8 @@ from dummydesign.pad.solve.continuation import NOTHING, Path, cost, follow
 
 Array = np.ndarray
 __all__ = [
-    "BASES", "CONDITIONS", "MAX_DEPTH_OVER_THICKNESS", "RIMS", "STANDARD_EXTENT_MM", "PadCurve", "Slab", "climb",
-    "climb_all", "first_stiffness", "rimmed_problem", "sharp_problem", "solve_curve",
+    "RIMS", "PadCurve", "Slab", "climb", "climb_all", "first_stiffness", "rimmed_problem", "sharp_problem",
+    "solve_curve",
 ]  # fmt: skip
 
 # Rims of the ladder over the smaller of punch radius and thickness, and the depth in that unit that every curve is
@@ -153,7 +150,7 @@ def solve_curve(
             f"depth_mm = {worst} is outside the allowed range 0 to {limit:.4g} "
             f"({MAX_DEPTH_OVER_THICKNESS} of the thickness {thickness_mm} mm)"
         )
-    extent = (STANDARD_EXTENT_MM if extent_mm is None else extent_mm) / thickness_mm
+    extent = (PAD_EXTENT_MM if extent_mm is None else extent_mm) / thickness_mm
     slab = Slab(radius_mm / thickness_mm, extent, base, condition)
     shape = law or Yeoh(1.0)
     shape = shape.scaled(1.0 / shape.shear_MPa)

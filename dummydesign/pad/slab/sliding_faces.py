@@ -15,11 +15,13 @@ import numpy as np
 
 from dummydesign.core.cache import cached
 from dummydesign.core.errors import NoAnswerError
-from dummydesign.pad.contact.resting_base import SLIP_SCALE, friction_of, weight_over_shear
+from dummydesign.geometry.interface import BASES, FACES, Interface
+from dummydesign.geometry.standard import PAD_EXTENT_MM
+from dummydesign.pad.contact.resting_base import SLIP_SCALE, weight_over_shear
 from dummydesign.pad.contact.surface_axisymmetric import FlatPunch
 from dummydesign.pad.material.hyperelastic import Law
 from dummydesign.pad.slab.indentation import Region, indentation_problem
-from dummydesign.pad.slab.problem import BASES, STANDARD_EXTENT_MM, PadCurve, Slab, normalise
+from dummydesign.pad.slab.problem import PadCurve, Slab, normalise
 from dummydesign.pad.slab.sharp_edge import solve_curve
 from dummydesign.pad.solve.continuation import cost, follow
 
@@ -43,7 +45,7 @@ def solve_flat(
     *,
     base: str = "bonded",
     poisson: float = 0.5,
-    extent_mm: float = STANDARD_EXTENT_MM,
+    extent_mm: float = PAD_EXTENT_MM,
     law: Law | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> PadCurve:
@@ -71,8 +73,8 @@ def solve_flat(
         For bad values; when no depth is reached with both beads.
     """
     shape, depths, ratio, unit = normalise(thickness_mm, radius_mm, young_MPa, depth_mm, poisson, law)
-    friction_of(condition, "condition", ("frictionless", "bonded"))
-    rests = friction_of(base, "base", BASES) is not None
+    Interface.parse(condition, "condition", FACES)
+    rests = Interface.parse(base, "base", BASES).coulomb is not None
     slab = Slab(ratio, extent_mm / thickness_mm)
     glued = solve_curve(
         thickness_mm, radius_mm, young_MPa, depths * thickness_mm, poisson=poisson, extent_mm=extent_mm, law=shape,
@@ -121,7 +123,7 @@ def _solve_ratio(
     doubt = np.where(np.arange(count) < both, LEFT, 1.0 + LEFT) * np.abs(held)
     ratio = coarse[:count] * np.exp((1.0 + LEFT) * held)
     error = (SLIDING_ERROR if slides else GLUED_ERROR) + doubt
-    if friction_of(base, "base", BASES) is not None:
+    if Interface.parse(base, "base", BASES).coulomb is not None:
         error = error + 0.5 * SLIP_SCALE / depths[:count]
     notes = ()
     if count < len(depths):

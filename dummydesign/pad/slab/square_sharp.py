@@ -18,11 +18,11 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.geometry.interface import BASES, CONDITIONS
 from dummydesign.pad.fem import mesh_axisymmetric as plane
 from dummydesign.pad.fem import mesh_hexahedra as space
 from dummydesign.pad.fem.mixed_solid import Discretisation, Solid
 from dummydesign.pad.material.hyperelastic import Law
-from dummydesign.pad.slab.sharp_edge import BASES, CONDITIONS
 from dummydesign.pad.solve.continuation import Path, Problem, cost, follow
 from dummydesign.pad.solve.solver_multifrontal import Dissection
 from dummydesign.pad.solve.solver_superlu import Pattern

@@ -30,6 +30,7 @@ import numpy as np
 
 from dummydesign.core.datafiles import data_folder
 from dummydesign.core.errors import NoAnswerError
+from dummydesign.geometry.interface import BASES
 from dummydesign.measurement.motion import DECELERATION_MM_S2, ramp_and_hold
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
 
@@ -39,7 +40,6 @@ RADIUS_MM = float(np.sqrt(14.0 * 14.0 / np.pi))
 THICKNESSES_MM = (5.0, 10.0, 15.0, 20.0)
 RELATIVE_DEPTHS = (0.1, 0.2, 0.3, 0.45)
 SPEEDS_MM_S = (10.0, 50.0, 250.0)
-BASES = ("bonded", "sliding")
 # The sets that check the sum: much like the library's polyurethane, and another gel, weaker by half. They are fixed
 # numbers, so that the check does not move with the library.
 SETS = {
@@ -148,13 +148,14 @@ def measure(
     finer: int = 1, rim: float | None = None, deceleration_mm_s2: float = DECELERATION_MM_S2,
 ) -> dict[str, Any]:  # fmt: skip
     """Solve one press and hold and return the range of rho and the error of the quick force at its peak."""
+    from dummydesign.geometry.standard import PAD_EXTENT_MM
     from dummydesign.pad.material.hyperelastic import Yeoh
     from dummydesign.pad.slab.finite_strain_ratio import RIMS, nodes_of_motion, solve_ratio
-    from dummydesign.pad.slab.sharp_edge import STANDARD_EXTENT_MM, Slab
+    from dummydesign.pad.slab.problem import Slab
 
     motion = ramp_and_hold(speed_mm_s, relative_depth * thickness_mm, deceleration_mm_s2=deceleration_mm_s2)
     nodes = nodes_of_motion(motion.time_s, motion.displacement_mm / thickness_mm, prony, finer)
-    slab = Slab(RADIUS_MM / thickness_mm, STANDARD_EXTENT_MM / thickness_mm, base)
+    slab = Slab(RADIUS_MM / thickness_mm, PAD_EXTENT_MM / thickness_mm, base)
     path = solve_ratio(slab, Yeoh(1.0), prony, *nodes, rims=RIMS if rim is None else (rim,))
     viscous = path.separable - path.elastic
     large = viscous > SMALLEST_VISCOUS * path.separable

@@ -20,12 +20,12 @@ import numpy as np
 from dummydesign.core.datafiles import data_folder
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
 from dummydesign.geometry.shapes import Boned, Bumped, Crowned, Layered, Shape
+from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.pad.tables.response_surface import Response
 from dummydesign.pad.tables.slab import ResponseTable, load_table
 
 Array = np.ndarray
 
-MAX_DEPTH_OVER_THICKNESS = 0.6
 INPUTS = {
     "crowned": ("thickness over punch radius", "crown height over thickness", "foot over punch radius", "R c / b^2"),
     "layered": ("thickness over punch radius", "upper layer over thickness", "modulus ratio"),

@@ -15,9 +15,9 @@ import numpy as np
 
 from dummydesign.core.datafiles import data_folder
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
+from dummydesign.geometry.interface import BASES
 
 Array = np.ndarray
-BASES = ("bonded", "sliding")
 
 
 def equal_area_radius_mm(area_mm2: float) -> float:

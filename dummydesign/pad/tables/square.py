@@ -16,10 +16,10 @@ import numpy as np
 
 from dummydesign.core.datafiles import data_folder
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
+from dummydesign.geometry.interface import BASES
 from dummydesign.pad.tables.slab import between
 
 Array = np.ndarray
-BASES = ("bonded", "sliding")
 # Half side of a square over the radius of the circle of its area.
 SIDE_OVER_RADIUS = float(np.sqrt(np.pi) / 2.0)
 # Relative error added at twice the solved depth, an assumption: half of the corner's effect on a thick pad.

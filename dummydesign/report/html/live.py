@@ -25,7 +25,8 @@ def live_data(resin: Resin, tissue: Tissue | None) -> dict[str, Any]:
     ln E and the strengths of the arms are linear between 401 ratios, which is within 0.01 % of the law.
     """
     from dummydesign.design.scoring.presses import Sampling
-    from dummydesign.pad.tables.slab import BASES, load_table
+    from dummydesign.geometry.interface import BASES
+    from dummydesign.pad.tables.slab import load_table
 
     sampling = Sampling()
     ratio = np.linspace(resin.ratio_min, resin.ratio_max, RATIOS)

@@ -20,6 +20,8 @@ from dummydesign.design.scoring.presses import (
     steady_depth,
 )
 from dummydesign.design.search.solved_slabs import SlabCase, SolvedSlab, law_of
+from dummydesign.geometry.interface import BASES
+from dummydesign.geometry.standard import PUNCH_RADIUS_MM
 from dummydesign.measurement.motion import contact_velocity
 from dummydesign.measurement.trace import Trace
 from dummydesign.pad.material.relaxation import PronyTerm
@@ -34,8 +36,7 @@ SITES = {"I": ("palm", 15.0), "II": ("thenar", 20.0), "III": ("forefinger", 5.0)
 """Tissue and thickness [mm] of each dummy (paper, section IV)."""
 RESIN, RATIO = "polyurethane-nagoya", 15.0
 PUNCH = "square:14"
-RADIUS_MM = 14.0 / math.sqrt(math.pi)
-BASES = ("bonded", "sliding")
+RADIUS_MM = PUNCH_RADIUS_MM
 HELD = {"bonded": "glued", "sliding": "sliding"}
 YOUNG_KPA = (15.0, 25.0, 34.0, 50.0)
 STIFFENING = (0.0, 0.1, 0.3)

@@ -18,12 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.design.scoring.presses import ForceLaw, Sampling, Slabs, make_curves, press_to_depth, steady_depth
+from dummydesign.geometry.standard import PUNCH_RADIUS_MM
 from dummydesign.pad.tables.punch import SquareLaw
 
 DUMMIES = (("I", "palm", 15.0), ("II", "thenar", 20.0), ("III", "forefinger", 5.0))
 """Name, tissue and thickness in mm of the paper's dummies."""
 VELOCITIES_MM_S = (10.0, 250.0)
-STEADY_N, RADIUS_MM = 10.0, 14.0 / np.sqrt(np.pi)
+STEADY_N, RADIUS_MM = 10.0, PUNCH_RADIUS_MM
 TAU_S = (0.03, 0.3, 3.0)
 AMPLITUDE, EXPONENT = (0.02, 2.0), (0.4, 0.8)
 """Strength at 0.3 s, even in the logarithm; beta falls as tau^-n with n from critical gels (0.5 to 0.7)."""

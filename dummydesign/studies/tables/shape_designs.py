@@ -13,15 +13,15 @@ import numpy as np
 
 from dummydesign.core.errors import InputError
 from dummydesign.geometry.shapes import Boned, Crowned, Layered, Shape
+from dummydesign.geometry.standard import EXTENT_OVER_RADIUS, PUNCH_RADIUS_MM
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.shaped.axisymmetric import CELLS, RIMS, Press, climb
 
 Array = np.ndarray
 
 # The punch of the tables, which makes castability (in mm) a matter of ratios: 14 x 14 mm as a circle.
-RADIUS_MM = 14.0 / float(np.sqrt(np.pi))
+RADIUS_MM = PUNCH_RADIUS_MM
 EVEN = 160
-EXTENT_OVER_RADIUS = float(np.sqrt(150.0 * 120.0)) / 14.0
 
 
 @dataclass(frozen=True)

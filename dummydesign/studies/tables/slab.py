@@ -18,6 +18,7 @@ import numpy as np
 from dummydesign._version import __version__
 from dummydesign.core.datafiles import data_folder
 from dummydesign.core.files import write_text
+from dummydesign.geometry.standard import EXTENT_OVER_RADIUS
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.slab.edge_extrapolation import Samples, fit_limit
@@ -27,7 +28,6 @@ FIELDS = ("depth", "ratio", "rim", "stiffness")
 RATIO_RANGE = (0.25, 2.7)
 DEPTHS = np.concatenate([[0.01, 0.02, 0.03, 0.04], np.arange(0.05, 0.6001, 0.025)])
 # Outer over punch radius: the 150 x 120 mm slab and the 14 mm square punch, each as the circle of equal area.
-EXTENT_OVER_RADIUS = float(np.sqrt(150.0 * 120.0) / 14.0)
 TERMS = (10, 9)
 RIMS = tuple(0.2 * 0.5**k for k in range(8))
 

@@ -7,13 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.geometry.standard import PUNCH_RADIUS_MM
 from dummydesign.pad.tables.slab import load_table
 
 THICKNESS_MM = {"palm": 15.0, "thenar": 20.0, "forefinger": 5.0}
 """Thickness of dummies I, II and III (paper, section IV), by the tissue each stands for."""
 
 SITES = tuple(THICKNESS_MM)
-RADIUS_MM = 14.0 / np.sqrt(np.pi)
+RADIUS_MM = PUNCH_RADIUS_MM
 """Radius of the circle with the punch's area."""
 
 SQUARE_OVER_ROUND = {5.0: 1.002, 15.0: 1.032, 20.0: 1.032}

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
+from dummydesign.geometry.standard import PUNCH_RADIUS_MM
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
 from dummydesign.pad.fem.mixed_solid import Solid
@@ -230,7 +231,7 @@ def tables() -> Iterator[Check]:
     """The shipped response table against solves made now, and published ratios."""
     from dummydesign.pad.tables.slab import load_table
 
-    radius = float(np.sqrt(14.0 * 14.0 / np.pi))
+    radius = PUNCH_RADIUS_MM
     for thickness in (5.0, 10.0, 15.0, 20.0):
         depth = 0.3 * thickness
         curve = solve_curve(thickness, radius, 0.025, [0.5 * depth, depth])

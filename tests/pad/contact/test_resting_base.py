@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.pad.contact.resting_base import RestingBase, friction_of, weight_over_shear
+from dummydesign.geometry.interface import BASES, Interface
+from dummydesign.pad.contact.resting_base import RestingBase, weight_over_shear
 from dummydesign.pad.contact.surface_axisymmetric import FlatPunch
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.material.hyperelastic import neo_hookean
@@ -126,4 +127,4 @@ def test_the_weight_of_a_pad_is_rho_g_h():
 @pytest.mark.parametrize("text", ["friction", "friction:x", "friction:-0.1", "friction:6", "glue", "friction:nan"])
 def test_bases_that_are_none_are_refused(text):
     with pytest.raises(InputError, match=f"base '{text}' is not bonded, sliding or friction:MU with MU from 0 to 5"):
-        friction_of(text, "base", ("bonded", "sliding"))
+        Interface.parse(text, "base", BASES)

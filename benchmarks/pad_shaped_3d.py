@@ -14,7 +14,9 @@ import argparse
 
 import numpy as np
 
-from dummydesign.geometry.shapes import Bumped, Crowned, Shape
+from dummydesign.geometry.shapes import PadShape
+from dummydesign.geometry.shapes.bumped import Bumped
+from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.shaped.axisymmetric import Press, climb
 from dummydesign.pad.shaped.spatial import shaped_problem
@@ -35,7 +37,7 @@ BUMPS = (
 )
 
 
-def force(shape: Shape, thickness_mm: float, offset_mm: float, cells: int) -> np.ndarray:
+def force(shape: PadShape, thickness_mm: float, offset_mm: float, cells: int) -> np.ndarray:
     """F / E at the depths that are reached, NaN beyond. [mm2]"""
     h = thickness_mm
     load = Load(

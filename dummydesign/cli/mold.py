@@ -35,7 +35,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Build the mould and return the answer."""
-    from dummydesign.mold.model.preset import mould_spec, read_kind
+    from dummydesign.mold.model.pad_kind import read_kind
+    from dummydesign.mold.model.preset import mould_spec
     from dummydesign.mold.runner import make_mold
 
     kind, parameters = read_kind(options.shape)
@@ -46,7 +47,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     folder = Path(options.out) if options.out else Path(f"mould_{spec.tag}")
     inputs = {
         "thickness_mm": spec.pad.thickness_mm, "length_mm": spec.pad.length_mm, "width_mm": spec.pad.width_mm,
-        "shape": kind if kind == "puck" else str(spec.pad.shape), "preset": spec.preset, "resin": spec.pour.resin,
+        "shape": spec.pad.name, "preset": spec.preset, "resin": spec.pour.resin,
         "ratio": spec.pour.ratio, "ratio_meaning": spec.pour.ratio_meaning, "out": str(folder),
     }  # fmt: skip
     if spec.base is not None:

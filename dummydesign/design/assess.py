@@ -11,7 +11,7 @@ from dummydesign.design.search.shape_family import ShapeLaw
 from dummydesign.design.search.slabs import Candidate
 from dummydesign.design.solve import Solved
 from dummydesign.design.suggestion import Design, Suggestion
-from dummydesign.geometry.shapes import Shape
+from dummydesign.geometry.shapes import PadShape
 from dummydesign.resin.model.resin import Resin
 
 
@@ -56,12 +56,12 @@ def assess(inputs: Inputs, solved: Solved) -> Suggestion:
     )
 
 
-def _shape_at(chosen: Chosen, other: Candidate) -> Shape:
+def _shape_at(chosen: Chosen, other: Candidate) -> PadShape:
     """Shape of an alternative: the best design's, in proportion to the thickness."""
     if other is chosen.found.best or not isinstance(chosen.law, ShapeLaw):
         return chosen.shape
     return chosen.law.shape_at(other.thickness_mm)
 
 
-def _design(resin: Resin, candidate: Candidate, shape: Shape) -> Design:
+def _design(resin: Resin, candidate: Candidate, shape: PadShape) -> Design:
     return Design(candidate, shape, pour_recipe(resin, candidate, shape))

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.core.errors import NoAnswerError
-from dummydesign.geometry.shapes import Shape, Slab
+from dummydesign.geometry.shapes import PadShape, Slab
 
 if TYPE_CHECKING:
     from dummydesign.design.search.slabs import Candidate
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 PAD_LENGTH_MM, PAD_WIDTH_MM = 150.0, 120.0
 
 
-def pour_recipe(resin: Resin, candidate: Candidate, shape: Shape | None = None) -> tuple[tuple[str, float], ...]:
+def pour_recipe(resin: Resin, candidate: Candidate, shape: PadShape | None = None) -> tuple[tuple[str, float], ...]:
     """Masses to weigh for the open mould of a design, with what stays in cup and meniscus; both pours of layers. [g]"""
     from dummydesign.mold.pour.plan import pour_plan
 
@@ -27,7 +27,7 @@ def pour_recipe(resin: Resin, candidate: Candidate, shape: Shape | None = None) 
     return (*plan.components, *((f"{name} (base)", mass) for name, mass in plan.base.components))
 
 
-def mould_of(resin: Resin, candidate: Candidate, shape: Shape | None = None) -> MouldSpec:
+def mould_of(resin: Resin, candidate: Candidate, shape: PadShape | None = None) -> MouldSpec:
     """Specification of the open mould of a design."""
     from dummydesign.mold.model.preset import mould_spec
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from dummydesign.design.scoring.targets import LOW_GRID_N, Targets
 from dummydesign.design.search.low_force import low_force
-from dummydesign.geometry.shapes import Shape
+from dummydesign.geometry.shapes import PadShape
 
 if TYPE_CHECKING:
     from dummydesign.design.assessment.centring import CentringTolerance
@@ -30,7 +30,7 @@ class Design:
     """One pad: what was evaluated (scores, presses, parameters), its shape, and what to weigh, (name, mass in g)."""
 
     candidate: Candidate
-    shape: Shape
+    shape: PadShape
     recipe: tuple[tuple[str, float], ...]
 
 
@@ -65,7 +65,7 @@ class Suggestion:
         return self.recommended.candidate
 
     @property
-    def shape(self) -> Shape:
+    def shape(self) -> PadShape:
         """Shape of the recommended pad."""
         return self.recommended.shape
 

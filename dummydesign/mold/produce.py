@@ -9,7 +9,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from dummydesign.mold.cad.build import Parts, build
+from dummydesign.mold.cad.build import build
+from dummydesign.mold.cad.parts import Parts
 from dummydesign.mold.checks import files as check_files
 from dummydesign.mold.checks import mesh as check_mesh
 from dummydesign.mold.checks import process as check_process
@@ -22,7 +23,8 @@ from dummydesign.mold.files import picture as view
 from dummydesign.mold.files import pour_sheet as sheet
 from dummydesign.mold.files.step import COLOURS, Material, StepPart, step_text
 from dummydesign.mold.model.spec import MouldSpec
-from dummydesign.mold.pour.plan import PourPlan, pour_plan, pour_warnings
+from dummydesign.mold.pour.plan import PourPlan, pour_plan
+from dummydesign.mold.pour.warnings import pour_warnings
 
 RIGID = Material("printed rigid polymer", "PETG or ASA, density as printed solid", 1.27)
 PICTURE_S = 90
@@ -47,7 +49,7 @@ def produce(spec: MouldSpec, folder: Path) -> dict[str, Any]:
     made = build(spec)
     meshes = {name: mesh.tessellate(part.solid) for name, part in made.parts.items()}
     picture = _start_picture(made, meshes, folder)
-    steps = {name: _step_part(made, name) for name in made.parts}
+    steps = {name: step_part(made, name) for name in made.parts}
     files = _write_steps(made, steps, folder)
     mesh_files = _write_meshes(made, meshes, folder)
     volumes = _volumes(made)
@@ -66,7 +68,7 @@ def produce(spec: MouldSpec, folder: Path) -> dict[str, Any]:
         files |= {f"{name}_{kind}": path.name for kind, path in paths.items()}
     files |= _write_views(made, meshes, folder)
     files |= _write_papers(made, plan, warnings, folder)
-    files |= _finish_picture(picture, folder, spec, warnings)
+    files |= finish_picture(picture, folder, spec, warnings)
     files |= _write_records(spec, [item.to_dict() for item in checks], files, folder)
     return {
         "files": files,
@@ -88,7 +90,8 @@ def genera(spec: MouldSpec) -> dict[str, int]:
     }  # fmt: skip
 
 
-def _step_part(made: Parts, name: str) -> StepPart:
+def step_part(made: Parts, name: str) -> StepPart:
+    """One part with its material and colour, as a STEP file holds it."""
     spec, part = made.spec, made.parts[name]
     material = {
         "resin": Material(spec.pour.resin, f"ratio {spec.pour.ratio:g}", spec.pour.density_g_per_cm3),
@@ -112,15 +115,16 @@ def _write_steps(made: Parts, steps: dict[str, StepPart], folder: Path) -> dict[
     for name, part in steps.items():
         alone = StepPart(part.name, part.solid, part.material, part.colour)
         files[name] = f"{name}_{spec.tag}.step"
-        text = step_text([alone], f"{name}_{spec.tag}", _description(spec, name))
+        text = step_text([alone], f"{name}_{spec.tag}", description(spec, name))
         (folder / files[name]).write_text(text, encoding="ascii")
     files["assembly"] = f"assembly_{spec.tag}.step"
-    text = step_text(list(steps.values()), f"assembly_{spec.tag}", _description(spec, "assembly"))
+    text = step_text(list(steps.values()), f"assembly_{spec.tag}", description(spec, "assembly"))
     (folder / files["assembly"]).write_text(text, encoding="ascii")
     return files
 
 
-def _description(spec: MouldSpec, name: str) -> str:
+def description(spec: MouldSpec, name: str) -> str:
+    """What a STEP file says of itself."""
     return f"{name} of the {spec.preset} mould for a {spec.pad.title}, specification {spec.hash}, lengths in mm"
 
 
@@ -156,8 +160,8 @@ def _start_picture(made: Parts, meshes: dict[str, Any], folder: Path) -> subproc
 def _shown(made: Parts, meshes: dict[str, Any]) -> tuple[dict[str, Any], dict[str, tuple[float, float, float]]]:
     """Meshes as pictures show them and their colours: turned over where what matters is below, and named so."""
     pad = made.spec.pad
-    upside = {"carrier": "carrier, bone up"} if pad.kind == "boned" else {}
-    upside |= {} if pad.shape.flat_top else {"pad": "pad, tested face up"}
+    upside = {"carrier": "carrier, bone up"} if pad.shape.bone_height_mm else {}
+    upside |= {} if not pad.shape.relief_mm else {"pad": "pad, tested face up"}
     shown, colours = {}, {}
     for name, part in meshes.items():
         if name == "pad" and "layer_top" in meshes:
@@ -168,7 +172,7 @@ def _shown(made: Parts, meshes: dict[str, Any]) -> tuple[dict[str, Any], dict[st
     return shown, colours
 
 
-def _finish_picture(
+def finish_picture(
     process: subprocess.Popen[bytes], folder: Path, spec: MouldSpec, warnings: list[dict[str, str]]
 ) -> dict[str, str]:
     """Wait for the picture; without one the mould is as good, and a warning says so."""

@@ -17,7 +17,8 @@ from dummydesign.core.files import output_folder
 from dummydesign.core.threads import ONE_THREAD
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.model.validate import validate
-from dummydesign.mold.pour.plan import pour_plan, pour_warnings
+from dummydesign.mold.pour.plan import pour_plan
+from dummydesign.mold.pour.warnings import pour_warnings
 
 TIMEOUT_S = 300.0
 RESULT = ".result.json"

@@ -152,8 +152,9 @@ def _shape_law(pad: Pad) -> ShapeLaw:
 
     if pad.base != "bonded":
         raise InputError(f"base = {pad.base} is not in the tables of shapes (only bonded); add --fidelity axisymmetric")
-    if not (pad.geometry.axisymmetric or pad.geometry.name == "bumped"):
-        raise InputError(f"shape {pad.geometry} is not round and has no table; add --fidelity 3d")
+    if not pad.geometry.tabulated:
+        why = "" if pad.geometry.axisymmetric else "is not round and "
+        raise InputError(f"shape {pad.geometry} {why}has no table; add --fidelity {pad.geometry.fidelity}")
     return ShapeLaw(pad.geometry)
 
 
@@ -190,8 +191,8 @@ def _through(pad: Pad, solved: PadCurve) -> ElasticCurve:
     depth, force = solved.depth_mm, solved.force_N
     if len(depth) < 2:
         raise NoAnswerError("no_convergence", f"the pad could be solved at {len(depth)} depth only: {solved.notes[0]}")
-    # F / d (on a curved top F / d^1.5) varies little; between solved depths lies a monotone cubic through it.
-    power = 1.0 if pad.geometry.flat_top else 1.5
+    # F / d (under a rounded tip F / d^1.5) varies little; between solved depths lies a monotone cubic through it.
+    power = pad.geometry.first_exponent
     stiffness = PchipInterpolator(depth, np.log(force / depth**power), extrapolate=True)
     error = solved.error_N / force
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from dummydesign.core.checks import positive
 from dummydesign.core.errors import InputError
-from dummydesign.geometry.shapes import Shape, Slab
+from dummydesign.geometry.shapes import PadShape, Slab
 from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.pad.material.hyperelastic import Law, Yeoh
 from dummydesign.pad.material.relaxation import PronyTerm
@@ -39,7 +39,7 @@ class Pad:
     slab_mm: tuple[float, float] = (PAD_LENGTH_MM, PAD_WIDTH_MM)
     profile_mm: tuple[tuple[float, ...], tuple[float, ...]] | None = None
     cylinder: bool = False
-    geometry: Shape = SLAB
+    geometry: PadShape = SLAB
 
     @property
     def shape(self) -> Law:

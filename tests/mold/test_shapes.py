@@ -12,9 +12,12 @@ import pytest
 
 from dummydesign import cli
 from dummydesign.core.errors import InputError
-from dummydesign.geometry.shapes import Conic, read_shape
-from dummydesign.mold.cad.build import Parts, brim_tool, build
-from dummydesign.mold.cad.pad_solids import cavity_solid, pad_solid, single_solid
+from dummydesign.geometry.conic import Conic
+from dummydesign.geometry.shapes import read_shape
+from dummydesign.mold.cad.build import brim_tool, build
+from dummydesign.mold.cad.pad_solids import cavity_solid, pad_solid
+from dummydesign.mold.cad.parts import Parts
+from dummydesign.mold.cad.prisms import single_solid
 from dummydesign.mold.checks import mesh as check_mesh
 from dummydesign.mold.checks import process as check_process
 from dummydesign.mold.checks import release as demould
@@ -22,11 +25,12 @@ from dummydesign.mold.checks import shape as check_shape
 from dummydesign.mold.checks import solids as check
 from dummydesign.mold.files import meshes as mesh
 from dummydesign.mold.files import pour_sheet as sheet
-from dummydesign.mold.model import volumes as contents
 from dummydesign.mold.model.layout import layout
 from dummydesign.mold.model.outline import slab_volume_mm3
-from dummydesign.mold.model.preset import mould_spec, read_kind
-from dummydesign.mold.pour.plan import pour_plan, pour_warnings
+from dummydesign.mold.model.pad_kind import read_kind
+from dummydesign.mold.model.preset import mould_spec
+from dummydesign.mold.pour.plan import pour_plan
+from dummydesign.mold.pour.warnings import pour_warnings
 from dummydesign.mold.runner import make_mold, without_cad
 from dummydesign.resin import load_resin
 
@@ -77,7 +81,7 @@ CURVED = ["crowned:10,2", "crowned:3,8,9", "crowned:5,3,5.5", "bumped:13,6,1.5,0
 @pytest.mark.parametrize("text", CURVED)
 def test_what_a_shape_adds_is_the_integral_of_its_heights(text):
     spec = _spec(text, 15.0)
-    added = contents.top_volume_mm3(spec.pad) + contents.bone_volume_mm3(spec.pad)
+    added = spec.pad.shape.top_volume_mm3(spec.pad) + spec.pad.shape.bone_volume_mm3(spec.pad)
     assert added == pytest.approx(_top_by_heights(spec), rel=1e-3)
 
 
@@ -86,10 +90,10 @@ def test_ridge_is_a_circular_segment_times_its_length_and_its_leaning_ends_add_t
     foot = math.sqrt(2 * radius * high - high**2)
     segment = radius**2 * math.acos((radius - high) / radius) - (radius - high) * foot
     conic = Conic(radius, high, foot)
-    assert contents.ridge_volume_mm3(conic, 30.0, 0.0) == pytest.approx(60.0 * segment, rel=1e-13)
+    assert conic.ridge_volume_mm3(30.0, 0.0) == pytest.approx(60.0 * segment, rel=1e-13)
     # First moment of the segment about its crest: its centroid lies (2 b)^3 / (12 A) from the centre.
     centroid = radius - (2 * foot) ** 3 / (12 * segment)
-    lean = contents.ridge_volume_mm3(conic, 30.0, 0.1) - 60.0 * segment
+    lean = conic.ridge_volume_mm3(30.0, 0.1) - 60.0 * segment
     assert lean == pytest.approx(2 * 0.1 * centroid * segment, rel=1e-12)
 
 
@@ -108,7 +112,7 @@ def test_solid_of_a_shape_has_its_closed_form_and_its_height(text, thickness):
         layout(spec).floor_outline.scaled(1 / layout(spec).scale),
         thickness - pad.face_height_mm, pad.draft_deg, pad.edge_radius_mm,
     )  # fmt: skip
-    exact = plain + contents.top_volume_mm3(pad) - contents.bone_volume_mm3(pad)
+    exact = plain + pad.shape.top_volume_mm3(pad) - pad.shape.bone_volume_mm3(pad)
     assert solid.Volume() == pytest.approx(exact, rel=check.VOLUME_REL)
     assert solid.isValid() and len(solid.Solids()) == 1
     bounds = solid.BoundingBox()
@@ -151,7 +155,7 @@ def test_all_checks_of_a_boned_mould_pass(boned):
 
 
 def test_shape_checks_of_a_layered_mould_pass(layered):
-    checks = check_shape.check_shape(layered) + check._validity(layered) + check._volumes(layered)
+    checks = check_shape.check_shape(layered) + check.check_validity(layered) + check.check_volumes(layered)
     assert _failed(checks) == []
     assert {"layers_fill_cavity", "layer_closed_form", "spacer_height"} <= set(_named(checks))
     common = demould.common_volume_mm3(layered.solid("spacer"), layered.solid("mould"))
@@ -164,7 +168,8 @@ OTHERS = [("bumped:13,6,1.5,0.2", 10.0), ("crowned:10,2,0,1", 8.0), ("boned:20,6
 @pytest.mark.parametrize("text, thickness", OTHERS)
 def test_volumes_drafts_and_shape_of_the_other_moulds_pass(text, thickness):
     made = build(_spec(text, thickness))
-    checks = check._validity(made) + check._volumes(made) + check._drafts(made) + check_shape.check_shape(made)
+    checks = check.check_validity(made) + check.check_volumes(made) + check.check_drafts(made)
+    checks += check_shape.check_shape(made)
     assert _failed(checks) == []
 
 
@@ -212,7 +217,7 @@ def test_spacer_at_the_wrong_height_is_seen(layered):
 
 
 def test_layers_that_leave_a_gap_are_seen(layered):
-    from dummydesign.mold.cad.pad_solids import drafted_prism
+    from dummydesign.mold.cad.prisms import drafted_prism
 
     gap = drafted_prism(layered.plan.top, 0.1, 0.0, layered.plan.interface_mm)
     part = layered.parts["layer_base"]
@@ -224,7 +229,7 @@ def test_bone_that_touches_the_tested_face_is_seen(boned):
     cover = boned.plan.scale * boned.spec.pad.least_gel_mm
     low = _moved(boned, "carrier", -cover)
     assert low.solid("carrier").BoundingBox().zmin == pytest.approx(0.0, abs=1e-6)
-    found = _named(check_shape.check_shape(low) + check._interference(low))
+    found = _named(check_shape.check_shape(low) + check.check_interference(low))
     for name in ("bone_cover", "bone_volume", "interference_carrier_pad", "interference_carrier_mould"):
         assert found[name].status == "fail", name
 
@@ -246,20 +251,20 @@ def test_carrier_opens_four_vents_over_the_gel_and_four_screw_holes_beside_it(bo
 
 def test_steps_of_spacer_and_carrier_do_not_depend_on_what_was_written_before(layered, boned):
     from dummydesign.mold.files import step
-    from dummydesign.mold.produce import _step_part
+    from dummydesign.mold.produce import step_part
 
     for made, name in ((layered, "spacer"), (layered, "layer_base"), (boned, "carrier"), (boned, "pad")):
-        first = step.step_text([_step_part(made, name)], name, "test")
-        assert step.step_text([_step_part(made, name)], name, "test") == first
+        first = step.step_text([step_part(made, name)], name, "test")
+        assert step.step_text([step_part(made, name)], name, "test") == first
 
 
 def test_curved_faces_survive_step(crowned, boned, tmp_path):
     from dummydesign.mold.files import step
-    from dummydesign.mold.produce import _step_part
+    from dummydesign.mold.produce import step_part
 
     for made, name in ((crowned, "pad"), (crowned, "mould"), (boned, "carrier"), (boned, "pad")):
         path = tmp_path / f"{name}.step"
-        path.write_text(step.step_text([_step_part(made, name)], name, "test"), encoding="ascii")
+        path.write_text(step.step_text([step_part(made, name)], name, "test"), encoding="ascii")
         (again,) = step.read_step(path)
         assert again.valid and again.volume_mm3 == pytest.approx(made.solid(name).Volume(), rel=1e-9)
 

@@ -12,7 +12,7 @@ from dummydesign.design.scoring.targets import FORCES_N
 
 if TYPE_CHECKING:
     from dummydesign.design.search.slabs import Candidate
-    from dummydesign.geometry.shapes import Shape
+    from dummydesign.geometry.shapes import PadShape
 
 DEPTH_SHARES = np.linspace(0.05, 1.0, 12)
 
@@ -45,7 +45,11 @@ class CentringTolerance:
 
 
 def centring_tolerance(
-    best: Candidate, shape: Shape, radius_mm: float, half_side_mm: float, forces_N: tuple[float, ...] = (1.0, *FORCES_N)
+    best: Candidate,
+    shape: PadShape,
+    radius_mm: float,
+    half_side_mm: float,
+    forces_N: tuple[float, ...] = (1.0, *FORCES_N),
 ) -> CentringTolerance | None:
     """Solve the contact of a round crowned pad; None for flat tops, shapes that are not round, or a failed solve."""
     from dummydesign.pad.shaped.contact_radius import contact_radius

@@ -43,7 +43,7 @@ def of_shape(law: ElementsLaw, young_MPa: float, radius_mm: float) -> Verificati
     note = "the design rests on the solve, not on the table"
     depths = tuple(law.depth_mm.tolist())
     off = 100.0 * law.largest_difference
-    fidelity = "axisymmetric" if law.table.shape.axisymmetric else "3d"
+    fidelity = law.table.shape.fidelity
     return Verification(fidelity, off, depths, tuple(table.tolist()), tuple(solved.tolist()), (note,))
 
 

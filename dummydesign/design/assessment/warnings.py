@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from dummydesign.design.search.best_of_kinds import Chosen
     from dummydesign.design.search.slabs import Candidate
     from dummydesign.design.search.space import SearchSpace
-    from dummydesign.geometry.shapes import Shape
+    from dummydesign.geometry.shapes import PadShape
     from dummydesign.resin.model.resin import Resin
     from dummydesign.tissue.model.tissue import Tissue
 
@@ -155,7 +155,7 @@ def _of_data(resin: Resin, tissue: Tissue) -> list[tuple[str, str]]:
     return said
 
 
-def _why_stiff(shape: Shape) -> str:
+def _why_stiff(shape: PadShape) -> str:
     if not shape.flat_top:
         return "the shape starts stiffer or softer than tissue there"
     return "a flat pad starts far more linear than tissue, whatever its ratio; '--shape auto' looks for others"

@@ -13,7 +13,7 @@ from dummydesign.design.search.low_force import LowForce, low_force
 from dummydesign.design.search.shapes import LOW_SHARE, Shaped, search_fixed, search_shape
 from dummydesign.design.search.slabs import Candidate, SearchResult, search
 from dummydesign.design.search.space import SearchSpace
-from dummydesign.geometry.shapes import Shape, Slab, read_shape
+from dummydesign.geometry.shapes import PadShape, Slab, read_shape
 
 if TYPE_CHECKING:
     from dummydesign.resin.model.resin import Resin
@@ -25,11 +25,11 @@ AUTO = "auto"
 class Beside:
     """The best design of one kind of shape, or the reason why there is none.
 
-    ``by`` says where its force comes from: ``table`` or ``elements``.
+    ``by`` says where its force comes from: ``table``, ``law`` or ``elements``.
     """
 
     kind: str
-    shape: Shape | None
+    shape: PadShape | None
     candidate: Candidate | None
     young_kPa: float | None
     low_force: LowForce | None
@@ -82,7 +82,7 @@ class Found:
 class Chosen:
     """The winning design with its force laws: in proportion with thickness, and as cast."""
 
-    shape: Shape
+    shape: PadShape
     found: SearchResult
     law: ForceLaw
     cast: ForceLaw
@@ -97,17 +97,18 @@ def kinds_of(text: str) -> tuple[str, ...]:
     InputError
         For unknown names, parameters that make no shape, or kinds without a response surface.
     """
-    from dummydesign.design.search.tabulated_shapes import FAMILIES
+    from dummydesign.design.search.tabulated_shapes import designable_kinds
 
+    known = designable_kinds()
     if text.lower() == AUTO:
-        return tuple(FAMILIES)
+        return known
     name = text.partition(":")[0].lower()
     shape = read_shape(text) if ":" in text else None
-    if shape is None and name not in FAMILIES and name != Slab.name:
+    if shape is None and name not in known and name != Slab.name:
         from dummydesign.core.errors import unknown_name
 
-        raise unknown_name("shape", text, (*FAMILIES, Slab.name, AUTO))
-    if name not in FAMILIES and name != Slab.name:
+        raise unknown_name("shape", text, (*known, Slab.name, AUTO))
+    if name not in known and name != Slab.name:
         raise InputError(f"shape {name} has no response surface; press it with 'dummydesign predict --shape {text}'")
     return (name,)
 
@@ -156,7 +157,7 @@ def choose(found: Found, space: SearchSpace) -> Chosen:
         beside = [_beside(Slab.name, Slab(), flat.best, space, "table")]
     for kind in dict.fromkeys(shaped.shape.name for shaped in designs):
         best = max((shaped for shaped in designs if shaped.shape.name == kind), key=_rank)
-        by = "table" if best.elements is None else "elements"
+        by = best.law.family.source if best.elements is None else "elements"
         beside.append(_beside(kind, best.shape, best.found.best, space, by))
     listed = (*beside, *found.missing)
     if found.asked.lower() == AUTO and flat is not None:
@@ -210,6 +211,6 @@ def _pourable(shaped: Shaped, resin: Resin) -> Shaped | None:
     return replace(shaped, found=replace(shaped.found, alternatives=others))
 
 
-def _beside(kind: str, shape: Shape, best: Candidate, space: SearchSpace, by: str) -> Beside:
+def _beside(kind: str, shape: PadShape, best: Candidate, space: SearchSpace, by: str) -> Beside:
     young = 1e3 * float(np.asarray(space.resin.young_MPa(best.ratio)))
     return Beside(kind, shape, best, young, low_force(best, space.targets), None, by)

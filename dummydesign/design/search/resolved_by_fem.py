@@ -92,8 +92,8 @@ def _round(shaped: Shaped, thickness_mm: float, radius_mm: float, depth_mm: NDAr
 
 def _field(shaped: Shaped, thickness_mm: float, radius_mm: float, depth_mm: NDArray) -> dict[str, Any]:
     """In space under the 14 x 14 mm punch, on the grid of the table, whose stated error of the solves it has."""
+    from dummydesign.pad.shaped.under_square import COARSE, press_field
     from dummydesign.pad.tables.shape import load_shape_table
-    from dummydesign.studies.tables.bumped_designs import COARSE, press_field
 
     depth, area, _ = press_field(shaped.shape, thickness_mm, depth_mm / thickness_mm, COARSE)
     table = load_shape_table(shaped.shape.name)

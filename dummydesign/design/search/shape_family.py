@@ -1,4 +1,4 @@
-"""Families of shaped pads whose force is tabulated: what the search over shapes asks of each kind."""
+"""Families of shaped pads: what the search over shapes asks of each kind."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.geometry.shapes import Shape, make_shape
+from dummydesign.geometry.shapes import PadShape, make_shape
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Designs:
         kept = {name: values[chosen] for name, values in self.parameters.items()}
         return Designs(self.kind, self.thickness_mm[chosen], kept)
 
-    def shape(self, index: int) -> Shape:
+    def shape(self, index: int) -> PadShape:
         """Shape of one pad."""
         return make_shape(self.kind, [(name, float(values[index])) for name, values in self.parameters.items()])
 
@@ -42,19 +42,21 @@ class Designs:
 
 
 class Family(Protocol):
-    """Shapes of one kind with their response surface."""
+    """Shapes of one kind with their force: a response surface, or a law."""
 
     kind: str
+    source: str
+    """Where the force comes from, a word: ``table`` or ``law``."""
 
     def candidates(self, thickness_mm: NDArray, radius_mm: float) -> Designs:
         """Pads in practical steps inside the surface's range; not yet judged by castability."""
         ...
 
-    def check(self, shape: Shape) -> None:
+    def check(self, shape: PadShape) -> None:
         """Refuse a shape that the surface is not made for (``InputError``)."""
         ...
 
-    def at_thickness(self, shape: Shape, thickness_mm: float, wanted_mm: NDArray) -> Designs:
+    def at_thickness(self, shape: PadShape, thickness_mm: float, wanted_mm: NDArray) -> Designs:
         """The same shape in proportion on pads of other thickness, from one made for ``thickness_mm``."""
         ...
 
@@ -80,7 +82,7 @@ class ShapeLaw:
     """
 
     family: Family
-    shape: Shape
+    shape: PadShape
     made_for_mm: float
     cast: bool = False
 
@@ -90,9 +92,9 @@ class ShapeLaw:
         same = {name: np.full(len(thickness_mm), value) for name, value in self.shape.parameters}
         return Designs(self.shape.name, thickness_mm, same)
 
-    def shape_at(self, thickness_mm: float) -> Shape:
+    def shape_at(self, thickness_mm: float) -> PadShape:
         """Shape of a pad of another thickness, with lengths in tenths of a millimetre."""
-        return rounded(self._designs(np.array([float(thickness_mm)])).shape(0))
+        return self._designs(np.array([float(thickness_mm)])).shape(0).rounded()
 
     def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: float) -> NDArray:
         """Elastic force; zero above the surface, NaN beyond the law's depth. [N]"""
@@ -118,10 +120,3 @@ class ShapeLaw:
         depth = np.atleast_1d(np.asarray(depth_mm, float))
         designs = self._designs(np.array([float(thickness_mm)]))
         return self.family.relative_error(designs, depth[None], radius_mm)[0].reshape(np.shape(depth_mm))
-
-
-def rounded(shape: Shape) -> Shape:
-    """The shape with lengths in tenths of a millimetre, as it is drawn and cast; ratios and caps in hundredths."""
-    fine = shape.name == "bumped"
-    digits = {name: 2 if fine or name.endswith("ratio") else 1 for name, _ in shape.parameters}
-    return make_shape(shape.name, [(name, round(value, digits[name])) for name, value in shape.parameters])

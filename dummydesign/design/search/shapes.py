@@ -17,10 +17,10 @@ from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.design.scoring.presses import DEPTH_SHARE, ForceLaw
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.search.low_force import MISFIT_N
-from dummydesign.design.search.shape_family import Designs, Family, ShapeLaw, rounded
+from dummydesign.design.search.shape_family import Designs, Family, ShapeLaw
 from dummydesign.design.search.slabs import THICKNESS_STEP_MM, SearchResult, search
 from dummydesign.design.search.space import SearchSpace
-from dummydesign.geometry.shapes import Shape
+from dummydesign.geometry.shapes import PadShape
 
 LOW_SHARE = 0.5
 """A shape is chosen half by the total of all designs and half by its closeness to the aim below 5 N, which
@@ -42,7 +42,7 @@ class Sieved:
 class Shaped:
     """A design with a shape; ``elements`` is its force law once it has been solved by finite elements."""
 
-    shape: Shape
+    shape: PadShape
     law: ShapeLaw
     found: SearchResult
     elements: ForceLaw | None = None
@@ -127,7 +127,7 @@ def search_shape(family: Family, space: SearchSpace) -> list[Shaped]:
     return sorted(able, key=lambda shaped: -shaped.merit)
 
 
-def search_fixed(family: Family, shape: Shape, space: SearchSpace) -> Shaped:
+def search_fixed(family: Family, shape: PadShape, space: SearchSpace) -> Shaped:
     """Find thickness and ratio of a shape whose lengths are given: only what lies under it changes.
 
     Raises
@@ -147,13 +147,13 @@ def search_fixed(family: Family, shape: Shape, space: SearchSpace) -> Shaped:
         raise NoAnswerError(
             "no_feasible_design",
             f"{shape} lies outside the response surface of {family.kind} pads at every thickness from {fitting[0]:g} "
-            f"to {fitting[-1]:g} mm; press it with 'dummydesign predict --shape {shape} --fidelity axisymmetric'",
+            f"to {fitting[-1]:g} mm; press it with 'dummydesign predict --shape {shape} --fidelity {shape.fidelity}'",
         )
     found = search(law, replace(space, thickness_mm=steps), LOW_SHARE)
     return Shaped(shape, law, found)
 
 
-def _accepts(shape: Shape, thickness_mm: float) -> bool:
+def _accepts(shape: PadShape, thickness_mm: float) -> bool:
     try:
         shape.check(thickness_mm)
     except InputError:
@@ -161,7 +161,7 @@ def _accepts(shape: Shape, thickness_mm: float) -> bool:
     return True
 
 
-def _around(family: Family, shape: Shape, thickness: float, space: SearchSpace) -> Shaped | None:
+def _around(family: Family, shape: PadShape, thickness: float, space: SearchSpace) -> Shaped | None:
     """Search ratio and the thicknesses near by, the shape in proportion; then its own, rounded shape exactly."""
     near = space.thickness_mm[np.abs(space.thickness_mm - thickness) <= AROUND_STEPS * THICKNESS_STEP_MM + 1e-9]
     law = ShapeLaw(family, shape, thickness)
@@ -172,7 +172,7 @@ def _around(family: Family, shape: Shape, thickness: float, space: SearchSpace) 
     try:
         found = search(law, replace(space, thickness_mm=near), LOW_SHARE)
         chosen = np.array([found.best.thickness_mm])
-        own = rounded(family.at_thickness(shape, thickness, chosen).shape(0))
+        own = family.at_thickness(shape, thickness, chosen).shape(0).rounded()
         own.check(float(chosen[0]))
         law = ShapeLaw(family, own, float(chosen[0]))
         exact = search(law, replace(space, thickness_mm=chosen), LOW_SHARE)

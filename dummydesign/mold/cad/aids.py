@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from dummydesign.mold.cad.pad_solids import drafted_prism, single_solid
+from dummydesign.mold.cad.prisms import drafted_prism, single_solid
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.layout import Layout
 from dummydesign.mold.model.spec import MouldSpec

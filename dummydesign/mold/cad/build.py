@@ -6,54 +6,16 @@ turned over and scaled by the silicone's shrinkage, so that no feature can be fo
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import Any
 
 from dummydesign.mold.cad import aids, lid, shape_aids
 from dummydesign.mold.cad.casting_box import casting_box
 from dummydesign.mold.cad.label import label_bars
-from dummydesign.mold.cad.pad_solids import bone_solid, cavity_solid, drafted_prism, single_solid
+from dummydesign.mold.cad.pad_solids import bone_solid, cavity_solid
+from dummydesign.mold.cad.parts import Parts
+from dummydesign.mold.cad.prisms import drafted_prism, single_solid
 from dummydesign.mold.model.layout import Layout, layout
 from dummydesign.mold.model.spec import MouldSpec
-
-
-@dataclass(frozen=True)
-class Part:
-    """One part: its solid in its own frame, what it is made of and where it goes in the assembly."""
-
-    name: str
-    solid: Any
-    material: str
-    offset_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
-
-
-@dataclass
-class Parts:
-    """All parts of a mould and the tools they were cut with, for the checks.
-
-    ``with_bone`` is the pad with its bone, when it has one.
-    """
-
-    spec: MouldSpec
-    plan: Layout
-    pad_nominal: Any
-    parts: dict[str, Part] = field(default_factory=dict)
-    tools: dict[str, list[Any]] = field(default_factory=dict)
-    hull: Any = None
-    with_bone: Any = None
-
-    @property
-    def cavity(self) -> Any:
-        """What fills the mould up to the fill plane: the pad, and its bone when it has one."""
-        return self.solid("pad") if self.with_bone is None else self.with_bone
-
-    def add(self, name: str, solid: Any, material: str, offset_mm: tuple[float, float, float] = (0, 0, 0)) -> None:
-        """Add one part."""
-        self.parts[name] = Part(name, solid, material, tuple(float(x) for x in offset_mm))
-
-    def solid(self, name: str) -> Any:
-        """Solid of a part in its own frame."""
-        return self.parts[name].solid
 
 
 def build(spec: MouldSpec) -> Parts:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from dummydesign.mold.cad.pad_solids import drafted_prism, rough_bounds, single_solid
+from dummydesign.mold.cad.prisms import drafted_prism, rough_bounds, single_solid
 from dummydesign.mold.model.layout import layout
 from dummydesign.mold.model.outline import Outline
 from dummydesign.mold.model.spec import MouldSpec

@@ -10,7 +10,7 @@ import math
 from itertools import pairwise
 from typing import Any
 
-from dummydesign.geometry.shapes import Conic
+from dummydesign.geometry.conic import Conic
 
 SPHERE_WITHIN = 1e-12
 # One arc would be as exact, but the kernel integrates volumes with a fixed number of points a face; with twelve

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from dummydesign.mold.cad.casting_box import casting_box
-from dummydesign.mold.cad.pad_solids import drafted_prism, single_solid
+from dummydesign.mold.cad.parts import Parts
+from dummydesign.mold.cad.prisms import drafted_prism, single_solid
 from dummydesign.mold.model.layout import Layout, Point
 from dummydesign.mold.model.outline import Outline
 from dummydesign.mold.model.spec import MouldSpec
-
-if TYPE_CHECKING:
-    from dummydesign.mold.cad.build import Parts
 
 PIN_FIT_MM = 0.1
 
@@ -19,7 +17,7 @@ PIN_FIT_MM = 0.1
 def mould_tools(spec: MouldSpec, plan: Layout, tools: dict[str, list[Any]]) -> list[Any]:
     """Sockets for the keys and the gutter, as cut into the mould's land; kept in ``tools`` for the checks."""
     c = spec.closure
-    tools["keys"] = [_ball(place, plan.land_mm, c.key_radius_mm + c.key_clearance_mm) for place in plan.keys]
+    tools["keys"] = [ball(place, plan.land_mm, c.key_radius_mm + c.key_clearance_mm) for place in plan.keys]
     tools["gutter"] = [gutter(spec, plan)]
     return [*tools["keys"], *tools["gutter"]]
 
@@ -41,7 +39,7 @@ def add_lid(made: Parts, beside_mm: float) -> None:
     land = plan.land_mm
     # Cast parting face down, so it narrows away from the parting plane and the frame lifts off.
     hull = drafted_prism(plan.top, c.lid_mm, -spec.body.outer_draft_deg, land)
-    full = single_solid(hull.fuse(*[_ball(place, land, c.key_radius_mm) for place in plan.keys]))
+    full = single_solid(hull.fuse(*[ball(place, land, c.key_radius_mm) for place in plan.keys]))
     sprue = [_funnel(spec, plan.sprue, land, c.sprue_small_mm, c.sprue_large_mm)]
     vents = [_funnel(spec, place, land, c.vent_small_mm, c.vent_large_mm) for place in plan.vents]
     made.tools["sprue"], made.tools["vents"] = sprue, vents
@@ -59,7 +57,8 @@ def add_lid(made: Parts, beside_mm: float) -> None:
         made.add(name, _pin(spec, small, large), "rigid", (side, plan.flange.width_mm + 40.0, 0))
 
 
-def _ball(place: Point, z_mm: float, radius_mm: float) -> Any:
+def ball(place: Point, z_mm: float, radius_mm: float) -> Any:
+    """Make a ball about a place at a height. [mm]"""
     import cadquery as cq
 
     return cq.Workplane(origin=(place.x_mm, place.y_mm, z_mm)).sphere(radius_mm).val()

@@ -6,7 +6,8 @@ import math
 from typing import Any
 
 from dummydesign.mold.cad.aids import strike_off
-from dummydesign.mold.cad.pad_solids import bone_solid, drafted_prism, single_solid
+from dummydesign.mold.cad.pad_solids import bone_solid
+from dummydesign.mold.cad.prisms import drafted_prism, single_solid
 from dummydesign.mold.model.layout import Layout, Point
 from dummydesign.mold.model.outline import Outline
 from dummydesign.mold.model.spec import MouldSpec

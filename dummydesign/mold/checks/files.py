@@ -8,8 +8,8 @@ import subprocess
 from collections.abc import Mapping
 from pathlib import Path
 
-from dummydesign.mold.cad.pad_solids import rough_bounds
-from dummydesign.mold.checks.solids import Check, below, equal, skipped
+from dummydesign.mold.cad.prisms import rough_bounds
+from dummydesign.mold.checks.result import Check, below, equal, skipped
 from dummydesign.mold.files.step import ORGANISATION, StepPart, read_step, time_stamp
 from dummydesign.mold.files.step_canonical import Header, canonical_step
 

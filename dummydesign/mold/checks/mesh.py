@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from dummydesign.mold.cad.build import Parts
+from dummydesign.mold.cad.parts import Parts
 from dummydesign.mold.checks.release import ray_hits, surface_samples, thicknesses_mm
-from dummydesign.mold.checks.solids import Check, above, equal
+from dummydesign.mold.checks.result import Check, above, equal
 from dummydesign.mold.model.layout import Layout
 
 WALL_SLACK_MM, RAYS = 0.06, 400

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from dummydesign.mold.checks.solids import Check, above, below, equal, skipped
+from dummydesign.mold.checks.result import Check, above, below, equal, skipped
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.layout import Layout, layout
 from dummydesign.mold.model.spec import MouldSpec, Pour
@@ -15,11 +15,6 @@ from dummydesign.mold.pour.plan import CUP_FACTOR, PourPlan
 
 # The free face may end a hundredth larger at the most, both walls taken together.
 BULGE_SHARE = 0.005
-# What must be told of a shape.
-SHAPE_NEEDS = {
-    "crowned": {"curved_master", "thickness_varies"}, "bumped": {"curved_master", "thickness_varies", "air_pockets"},
-    "layered": {"layer_bond"}, "boned": {"bone_air"},
-}  # fmt: skip
 
 
 def check_process(spec: MouldSpec, plan: PourPlan, warnings: Sequence[Mapping[str, str]]) -> list[Check]:
@@ -95,6 +90,6 @@ def _weights(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[Check]:
 def _told(spec: MouldSpec, warnings: Sequence[Mapping[str, str]]) -> Check:
     """Level tolerance, and for an open mould the meniscus, must be among what the answer and the sheet say."""
     needed = {"level", "meniscus"} if spec.body.style == "open" else {"level"}
-    needed |= SHAPE_NEEDS.get(spec.pad.kind, set())
+    needed |= spec.pad.shape.told
     missing = sorted(needed - {item["code"] for item in warnings})
     return equal("warnings_told", len(missing), 0, ", ".join(missing))

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from dummydesign.mold.cad.pad_solids import rough_bounds
+from dummydesign.mold.cad.prisms import rough_bounds
 from dummydesign.mold.model.outline import Outline
 
 FLAT = 0.9999

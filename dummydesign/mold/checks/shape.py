@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from dummydesign.geometry.shapes import RIM_FREE_MM, Bumped, Conic, sphere_foot_mm
-from dummydesign.mold.cad.build import Parts
-from dummydesign.mold.cad.pad_solids import drafted_prism
+from dummydesign.geometry.limits import RIM_FREE_MM
+from dummydesign.mold.cad.parts import Parts
+from dummydesign.mold.cad.prisms import drafted_prism
 from dummydesign.mold.checks import release as demould
-from dummydesign.mold.checks.solids import INTERFERENCE_MM3, VOLUME_REL, Check, below
+from dummydesign.mold.checks.result import Check, below
+from dummydesign.mold.checks.solids import INTERFERENCE_MM3, VOLUME_REL
 from dummydesign.mold.model import volumes as contents
 from dummydesign.mold.model.outline import Outline
-from dummydesign.mold.model.spec import PadGeometry, runs_out
+from dummydesign.mold.model.spec import PadGeometry
 
 PROFILE_MM, HEIGHT_MM, LEAST_POINTS = 1e-5, 1e-5, 12
 
@@ -20,10 +21,12 @@ PROFILE_MM, HEIGHT_MM, LEAST_POINTS = 1e-5, 1e-5, 12
 def check_shape(made: Parts) -> list[Check]:
     """Check what the slab does not have; nothing for a slab."""
     pad = made.spec.pad
-    found = [] if pad.kind in ("slab", "puck", "layered") else [face_profile(made)]
-    if pad.kind == "boned":
+    found = []
+    if pad.shape.relief_mm or pad.shape.bone_height_mm:
+        found.append(face_profile(made))
+    if pad.shape.bone_height_mm:
         found += _bone(made)
-    if pad.kind == "layered":
+    if pad.shape.layers():
         found += _layers(made)
     return found
 
@@ -36,24 +39,24 @@ def face_profile(made: Parts) -> Check:
     import numpy as np
 
     pad, shape = made.spec.pad, made.spec.pad.shape
-    foot = sphere_foot_mm(shape.radius_mm, shape.height_mm) if isinstance(shape, Bumped) else shape.foot_mm
-    turn = math.radians(Conic(shape.radius_mm, shape.height_mm, foot).foot_slope_deg) / 3
+    turn = math.radians(shape.steepest_deg) / 3
+    tall = max(shape.relief_mm, shape.bone_height_mm)
     corners = [
         point.toTuple()
         for face in _inner_faces(made.pad_nominal.copy(), pad)
-        for point in face.tessellate(0.05 * shape.height_mm, turn)[0]
+        for point in face.tessellate(0.05 * tall, turn)[0]
     ]
     if len(corners) < LEAST_POINTS:
         return below("face_profile", math.inf, PROFILE_MM, "no curved face was found")
     x, y, z = np.array(corners).T
-    height = pad.thickness_mm - shape.bone_mm(x, y) if pad.kind == "boned" else shape.drop_mm(x, y)
+    height = pad.thickness_mm - shape.bone_mm(x, y) if shape.bone_height_mm else shape.drop_mm(x, y)
     worst = float(np.abs(z - height).max())
     return below("face_profile", worst, PROFILE_MM, f"mm off the shape's formula at {len(corners)} points of its faces")
 
 
 def _inner_faces(solid: Any, pad: PadGeometry) -> list[Any]:
     """Faces that keep off the pad's rim: those of its curves and no other."""
-    reach = pad.length_mm / 2 - (-pad.thickness_mm if runs_out(pad) else RIM_FREE_MM) + 1e-3
+    reach = pad.length_mm / 2 - (-pad.thickness_mm if pad.shape.runs_out else RIM_FREE_MM) + 1e-3
     room = Outline(2 * reach, pad.width_mm - 2 * RIM_FREE_MM + 2e-3, 0.0)
     found = demould.faces_within(solid, room, 0.0, pad.thickness_mm)
     # A bar's end faces lean as the walls do.
@@ -63,10 +66,10 @@ def _inner_faces(solid: Any, pad: PadGeometry) -> list[Any]:
 def _bone(made: Parts) -> list[Check]:
     """The bone fills what the gel leaves free and keeps its cover over the tested face."""
     spec, plan = made.spec, made.plan
-    exact = plan.scale**3 * contents.bone_volume_mm3(spec.pad)
+    exact = plan.scale**3 * spec.pad.shape.bone_volume_mm3(spec.pad)
     bone = _below(made.solid("carrier"), made, plan.depth_mm)
     whole = made.solid("pad").Volume() + bone
-    cover = plan.scale * (spec.pad.thickness_mm - spec.pad.shape.height_mm)
+    cover = plan.scale * (spec.pad.thickness_mm - spec.pad.shape.bone_height_mm)
     lowest = made.solid("carrier").BoundingBox().zmin
     return [
         below("bone_volume", abs(bone / exact - 1), VOLUME_REL, "carrier below the fill plane against closed form"),

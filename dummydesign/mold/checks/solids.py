@@ -4,67 +4,31 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
-from dummydesign.mold.cad.build import Parts
+from dummydesign.geometry.shapes import PadShape
 from dummydesign.mold.cad.casting_box import to_casting
 from dummydesign.mold.cad.label import label_bars
-from dummydesign.mold.cad.pad_solids import drafted_prism, rough_bounds
+from dummydesign.mold.cad.parts import Parts
+from dummydesign.mold.cad.prisms import drafted_prism, rough_bounds
 from dummydesign.mold.checks import release as demould
+from dummydesign.mold.checks.result import Check, above, below, equal, skipped
 from dummydesign.mold.model import volumes as contents
 
 VOLUME_REL, INTERFERENCE_MM3, SILICONE_REL, DRAFT_SLACK_DEG = 1e-9, 0.01, 2e-4, 0.01
 APART_MM = 0.8
 
 
-@dataclass(frozen=True)
-class Check:
-    """One check: what was measured, the limit it was held against and the verdict."""
-
-    id: str
-    value: Any
-    limit: Any
-    status: str
-    note: str = ""
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the fields; a note only when there is one."""
-        plain = {"id": self.id, "value": self.value, "limit": self.limit, "status": self.status}
-        return {**plain, "note": self.note} if self.note else plain
-
-
-def below(name: str, value: float, limit: float, note: str = "") -> Check:
-    """Check that a finite value is at most a limit."""
-    good = math.isfinite(value) and value <= limit
-    return Check(name, value, limit, "pass" if good else "fail", note)
-
-
-def above(name: str, value: float, limit: float, note: str = "") -> Check:
-    """Check that a value is at least a limit."""
-    return Check(name, value, limit, "pass" if value >= limit else "fail", note)
-
-
-def equal(name: str, value: Any, limit: Any, note: str = "") -> Check:
-    """Check that a value is exactly the limit."""
-    return Check(name, value, limit, "pass" if value == limit else "fail", note)
-
-
-def skipped(name: str, why: str) -> Check:
-    """A check that could not be made, and why."""
-    return Check(name, None, None, "skipped", why)
-
-
 def check_solids(made: Parts) -> list[Check]:
     """Check all solids: validity, volumes, interference, silicone in the box, draft, sweep, features, label."""
-    found = [*_validity(made), *_volumes(made), *_interference(made), *_boxes(made), *_drafts(made)]
-    found += [_sweep(made), *_distances(made), *_label(made)]
+    found = [*check_validity(made), *check_volumes(made), *check_interference(made), *check_boxes(made)]
+    found += [*check_drafts(made), _sweep(made), *check_distances(made), *check_label(made)]
     if made.spec.body.style == "lidded":
         found.append(lid_one_way(made.solid("lid"), made.solid("mould")))
     return found
 
 
-def _validity(made: Parts) -> list[Check]:
+def check_validity(made: Parts) -> list[Check]:
     """Each part is one valid solid with one closed shell."""
     bad = []
     for name, part in made.parts.items():
@@ -75,7 +39,7 @@ def _validity(made: Parts) -> list[Check]:
     return [equal("solids_valid", len(made.parts) - len(bad), len(made.parts), ", ".join(bad))]
 
 
-def _volumes(made: Parts) -> list[Check]:
+def check_volumes(made: Parts) -> list[Check]:
     """Cavity against what fills it, compensated pad against nominal pad, and the pad against its closed form."""
     spec, plan, pad = made.spec, made.plan, made.solid("pad")
     nominal = made.pad_nominal.Volume()
@@ -88,17 +52,15 @@ def _volumes(made: Parts) -> list[Check]:
     return [
         below("cavity_volume", abs(cavity / filled - 1), VOLUME_REL, f"cavity to the fill plane {what}"),
         below("compensation", abs(pad.Volume() / (nominal * plan.scale**3) - 1), VOLUME_REL),
-        below("closed_form", abs(pad.Volume() / exact - 1), VOLUME_REL, _closed_form(spec.pad.kind)),
+        below("closed_form", abs(pad.Volume() / exact - 1), VOLUME_REL, _closed_form(spec.pad.shape)),
     ]
 
 
-def _closed_form(kind: str) -> str:
-    slab = "drafted slab by Steiner and Pappus"
-    added = {"crowned": ", its crown by the conic's integral", "bumped": ", caps of spheres"}
-    return slab + added.get(kind, ", less the bone by the conic's integral" if kind == "boned" else "")
+def _closed_form(shape: PadShape) -> str:
+    return "drafted slab by Steiner and Pappus" + shape.closed_form
 
 
-def _interference(made: Parts) -> list[Check]:
+def check_interference(made: Parts) -> list[Check]:
     """Parts that touch in use or in the casting box must not overlap."""
     pairs = [("mould", "pad"), ("master", "frame"), ("tray", "mould"), ("lid", "mould"), ("lid", "pad")]
     pairs += [("backer", "lid"), ("lid_master", "lid_frame"), ("strike_off", "mould"), ("strike_off", "pad")]
@@ -111,7 +73,7 @@ def _interference(made: Parts) -> list[Check]:
     return found
 
 
-def _boxes(made: Parts) -> list[Check]:
+def check_boxes(made: Parts) -> list[Check]:
     """The silicone a casting box holds is the part scaled by the silicone's shrinkage, and the box is empty of it."""
     spec, plan = made.spec, made.plan
     found = []
@@ -148,7 +110,7 @@ def cavity_draft_deg(mould: Any, made: Parts) -> float:
     return demould.minimum_draft_deg(demould.faces_within(mould, plan.opening, -0.01, plan.land_mm))
 
 
-def _drafts(made: Parts) -> list[Check]:
+def check_drafts(made: Parts) -> list[Check]:
     """Draft of cavity, of the plug it is cast on and of the frame, each in its direction of pull."""
     spec, plan, grow = made.spec, made.plan, made.plan.silicone_scale
     outer = spec.body.outer_draft_deg
@@ -185,7 +147,7 @@ def lid_one_way(lid: Any, mould: Any) -> Check:
     return above("lid_one_way", common, 50.0, "mm3 of collision when the lid is turned round")
 
 
-def _distances(made: Parts) -> list[Check]:
+def check_distances(made: Parts) -> list[Check]:
     """Key, gutter, label, sprue and vents keep apart; the gutter keeps off the cavity."""
     tools = {name: made.tools.get(name, []) for name in ("keys", "gutter", "label", "sprue", "vents")}
     flat = [(name, tool) for name, group in tools.items() for tool in group]
@@ -221,7 +183,7 @@ def _box_gap_mm(one: Any, other: Any) -> float:
     return math.hypot(*(max(0.0, a[axis] - b[axis + 3], b[axis] - a[axis + 3]) for axis in range(3)))
 
 
-def _label(made: Parts) -> list[Check]:
+def check_label(made: Parts) -> list[Check]:
     """The label reads right on the mould (void along its strokes) and mirrored on the master (proud there)."""
     bars = label_bars(made.spec, made.plan)
     if not bars:

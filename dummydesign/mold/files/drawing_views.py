@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from dummydesign.mold.cad.build import Parts
+from dummydesign.mold.cad.parts import Parts
 from dummydesign.mold.files.drawing import Dimension, Drawing, View, arrange
-from dummydesign.mold.model.spec import runs_out
 from dummydesign.mold.pour.shape_notes import shape_mark
 
 CURVE_MM = 0.02
@@ -24,7 +23,7 @@ def drawings(made: Parts) -> dict[str, Drawing]:
         f"corner radius {pad.corner_radius_mm:g}, edge radius {pad.edge_radius_mm:g}, silicone {spec.silicone.name}",
     ]
     # Along a ridge or a bar the usual section shows a straight line.
-    across = [_mould_across(made)] if runs_out(pad) else []
+    across = [_mould_across(made)] if pad.shape.runs_out else []
     title = f"Silicone mould, {spec.preset}, t = {pad.thickness_mm:g}"
     return {
         "mould": arrange(title, [_mould_top(made), _mould_cut(made), *across], notes),
@@ -142,7 +141,7 @@ def _mould_across(made: Parts) -> View:
     """Section across a ridge or a bar, with the carrier in its place."""
     plan = made.plan
     loops = cut_at_x(made.solid("mould")) + (cut_at_x(made.solid("carrier")) if "carrier" in made.parts else [])
-    foot = plan.scale * made.spec.pad.shape.foot_mm
+    foot = plan.scale * max(made.spec.pad.shape.lines_mm())
     level = plan.face_mm or plan.depth_mm
     dims = [
         _across(foot, level, 8.0),
@@ -155,7 +154,7 @@ def _mould_across(made: Parts) -> View:
 def _bone_low(made: Parts) -> float:
     """Height of a bone's tip over the cavity's floor."""
     pad, plan = made.spec.pad, made.plan
-    return plan.scale * pad.least_gel_mm if pad.kind == "boned" else 0.0
+    return plan.scale * pad.least_gel_mm if pad.shape.bone_height_mm else 0.0
 
 
 def _master_top(made: Parts) -> View:

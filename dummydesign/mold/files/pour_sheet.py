@@ -31,7 +31,7 @@ class Block:
 def pour_sheet(spec: MouldSpec, plan: PourPlan, warnings: Sequence[dict[str, str]]) -> list[Block]:
     """Put together the pour sheet of a mould, in the order of the work."""
     pad = spec.pad
-    title = f"Pour sheet: {'' if pad.kind in ('slab', 'puck') else pad.kind + ' '}pad "
+    title = f"Pour sheet: {pad.prefix + ' ' if pad.prefix else ''}pad "
     title += f"{pad.length_mm:g} x {pad.width_mm:g} x {pad.thickness_mm:g} mm, {spec.preset} mould"
     shape = shape_notes.shape_mark(spec)
     label = label_text(spec)
@@ -67,8 +67,7 @@ def _safety(spec: MouldSpec) -> str:
 def _mould_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
     silicone, box = spec.silicone, spec.box
     lidded = spec.closure is not None
-    with_kind = {"layered": ", strike-off plate, spacer", "boned": ", carrier with the bone upwards (solid)"}
-    aids = " of mould and lid, pins and backer" if lidded else with_kind.get(spec.pad.kind, ", strike-off plate")
+    aids = " of mould and lid, pins and backer" if lidded else _aids(spec)
     steps = [
         f"Print master and frame{aids} and tray (PETG or ASA; 4 perimeters, 15 % infill; plug upwards). "
         f"{shape_notes.plug_finish(spec.pad)}",
@@ -85,6 +84,13 @@ def _mould_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
             3, "Stand the sprue pin (one) and the vent pins (five) in their sockets; pull them before peeling the lid."
         )
     return [Block("head", "1. The mould"), Block("list", items=tuple(steps))]
+
+
+def _aids(spec: MouldSpec) -> str:
+    """What an open mould is closed with."""
+    if spec.pad.shape.bone_height_mm:
+        return ", carrier with the bone upwards (solid)"
+    return ", strike-off plate" if spec.base is None else ", strike-off plate, spacer"
 
 
 def witness_mass_g(pour: Pour) -> float:
@@ -180,7 +186,7 @@ def _pour_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
 
 def _open_steps(spec: MouldSpec, plan: PourPlan) -> list[str]:
     """Filling an open mould: at once, in two layers, or under a bone."""
-    if spec.pad.kind == "boned":
+    if spec.pad.shape.bone_height_mm:
         return shape_notes.carrier_steps(spec, plan)
     last = plan if plan.base is None else plan.base
     pour = spec.pour if spec.base is None else spec.base.pour

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from dummydesign.mold.cad.pad_solids import rough_bounds
+from dummydesign.mold.cad.prisms import rough_bounds
 from dummydesign.mold.files.step_canonical import Header, canonical_step
 
 ORGANISATION = "dummydesign"

@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.core.datafiles import find, read_toml
-from dummydesign.core.errors import InputError, out_of_range, unknown_name
+from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.core.quantity import Quantity, line_of, read_quantity
-from dummydesign.geometry.shapes import SHAPES, Shape, make_shape, read_shape
+from dummydesign.geometry.shapes import PadShape
+from dummydesign.mold.model.pad_kind import PUCK, canonical_kind
 from dummydesign.mold.model.spec import (
     Aids,
     BaseLayer,
@@ -89,7 +90,7 @@ def mould_spec(
     InputError
         When a file or a value is not acceptable.
     """
-    kind, parameters = _canonical(kind, parameters)
+    kind, parameters = canonical_kind(kind, parameters)
     entry = find("molds", "mould preset", preset)
     data, text = read_toml(entry.path)
     _known_keys(data, _TOP, entry.path, text)
@@ -98,12 +99,11 @@ def mould_spec(
             raise InputError(f"{entry.path.name}: '{key}' is missing")
     pad = _table(PadGeometry, data["pad"], entry.path, text, "pad", optional=True, thickness_mm=float(thickness_mm))
     pad |= {"length_mm": float(length_mm), "width_mm": float(width_mm), "kind": kind, "parameters": parameters}
-    if kind == "puck":
+    if kind == PUCK:
         # A specimen between plates is a plain cylinder; a soft mould gives it up without draft.
         pad |= {"draft_deg": 0.0, "corner_radius_mm": pad["length_mm"] / 2, "edge_radius_mm": 0.0}
     pad = PadGeometry(**pad)
-    if dict(parameters).get("ridge"):
-        # Its ends run out in the walls, where an edge cannot be rounded without a notch under the ridge.
+    if pad.shape.sharp_edge:
         pad = replace(pad, edge_radius_mm=0.0)
     resin = _resin(resin)
     pour, sources = _read_pour(data, entry.path, text, resin, ratio)
@@ -126,40 +126,6 @@ def mould_spec(
     return spec
 
 
-def read_kind(text: str) -> tuple[str, tuple[tuple[str, float], ...]]:
-    """Read a shape as typed into name and parameters; a ``puck`` takes none.
-
-    Raises
-    ------
-    InputError
-        For unknown names, missing parameters or what is not a number.
-    """
-    name, _, rest = text.partition(":")
-    if name.lower() == "puck":
-        return _canonical("puck", (("0", 0.0),) if rest else ())
-    shape = read_shape(text) if name.lower() in SHAPES else make_any(name)
-    return shape.name, shape.parameters
-
-
-def make_any(kind: str, parameters: tuple[tuple[str, float], ...] = ()) -> Shape:
-    """Make a shape; for an unknown one the puck is among the known names."""
-    if kind.lower() not in SHAPES:
-        raise unknown_name("shape", kind, [*SHAPES, "puck"])
-    return make_shape(kind, parameters)
-
-
-def _canonical(
-    kind: str, parameters: tuple[tuple[str, float], ...]
-) -> tuple[str, tuple[tuple[str, float], ...]]:
-    """Name in small letters and every parameter by its name, so that equal shapes are stored alike."""
-    if kind.lower() == "puck":
-        if parameters:
-            raise InputError("shape puck takes no parameters; its diameter is given by --length and --width")
-        return "puck", ()
-    shape = make_any(kind, parameters)
-    return shape.name, shape.parameters
-
-
 def _resin(resin: str | Resin | None) -> Resin:
     if resin is None or isinstance(resin, str):
         from dummydesign.resin import load_resin
@@ -168,7 +134,7 @@ def _resin(resin: str | Resin | None) -> Resin:
     return resin
 
 
-def _base_layer(shape: Shape, pour: Pour, resin: Resin, base_ratio: float | None) -> BaseLayer | None:
+def _base_layer(shape: PadShape, pour: Pour, resin: Resin, base_ratio: float | None) -> BaseLayer | None:
     """The second resin of a layered pad: the same family at another ratio."""
     layers = shape.layers()
     if layers is None:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import json
-import types
-from dataclasses import asdict, dataclass, fields, is_dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property
-from typing import Any, get_args, get_type_hints
+from typing import Any
 
-import numpy as np
-
-from dummydesign.geometry.shapes import Layered, Shape, make_shape
+from dummydesign.geometry.shapes import PadShape, make_shape
+from dummydesign.mold.model.pad_kind import PUCK
+from dummydesign.mold.model.spec_json import plain_data, rebuild
 
 
 @dataclass(frozen=True)
@@ -34,36 +33,40 @@ class PadGeometry:
     parameters: tuple[tuple[str, float], ...] = ()
 
     @cached_property
-    def shape(self) -> Shape:
+    def shape(self) -> PadShape:
         """The shape as the finite-element model knows it; a puck is a slab with a round outline."""
-        return make_shape("slab" if self.kind == "puck" else self.kind, self.parameters)
+        return make_shape("slab" if self.is_puck else self.kind, self.parameters)
+
+    @property
+    def is_puck(self) -> bool:
+        """Whether this is a plain cylinder, pressed between plates."""
+        return self.kind == PUCK
 
     @property
     def face_height_mm(self) -> float:
         """Height of the tested face's flat above its highest point, the mould's lowest."""
-        return float(self.shape.drop_mm(np.array(self.length_mm / 2), np.array(self.width_mm / 2)))
+        return self.shape.face_height_mm(self)
 
     @property
     def least_gel_mm(self) -> float:
         """Thinnest gel of the pad: beside a crown or a bump, over a bone, or a layer."""
-        shape = self.shape
-        if isinstance(shape, Layered):
-            return min(shape.top_mm, self.thickness_mm - shape.top_mm)
-        bone = float(shape.bone_mm(np.array(0.0), np.array(0.0)))
-        return self.thickness_mm - max(bone, self.face_height_mm)
+        return self.shape.least_gel_mm(self)
 
     @property
     def title(self) -> str:
         """Shape and size in words."""
         size = f"{self.length_mm:g} x {self.width_mm:g} x {self.thickness_mm:g} mm"
-        name = self.kind if self.kind == "puck" else str(self.shape)
-        return f"{name} pad {size}"
+        return f"{self.name} pad {size}"
 
+    @property
+    def name(self) -> str:
+        """The shape as typed, or the puck."""
+        return self.kind if self.is_puck else str(self.shape)
 
-def runs_out(pad: PadGeometry) -> bool:
-    """Whether the profile goes on into the end walls: a ridge or a bar."""
-    named = dict(pad.parameters)
-    return bool(named.get("ridge") or named.get("bar"))
+    @property
+    def prefix(self) -> str:
+        """Name of the kind before other words; empty for what is plain."""
+        return "" if self.shape.plain else self.kind
 
 
 @dataclass(frozen=True)
@@ -214,7 +217,7 @@ class MouldSpec:
 
     def to_dict(self) -> dict[str, Any]:
         """Return nested plain dictionaries; tuples become lists. A base layer that is not there is left out."""
-        plain = _plain(asdict(self))
+        plain = plain_data(asdict(self))
         if self.base is None:
             del plain["base"]
         return plain
@@ -231,37 +234,10 @@ class MouldSpec:
     @property
     def tag(self) -> str:
         """Thickness as it stands in file names, after the shape's name: ``t5``, ``t7.5``, ``crowned_t5``."""
-        plain = self.pad.kind in ("slab", "puck")
-        return f"{'' if plain else self.pad.kind + '_'}t{self.pad.thickness_mm:g}"
+        prefix = self.pad.prefix
+        return f"{prefix + '_' if prefix else ''}t{self.pad.thickness_mm:g}"
 
     @staticmethod
     def from_dict(data: dict[str, Any]) -> MouldSpec:
         """Rebuild a specification from :meth:`to_dict`."""
-        return _rebuild(MouldSpec, data)
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
-    if isinstance(value, tuple | list):
-        return [_plain(item) for item in value]
-    return value
-
-
-def _frozen(value: Any) -> Any:
-    return tuple(_frozen(item) for item in value) if isinstance(value, list) else value
-
-
-def _rebuild(kind: Any, data: Any) -> Any:
-    """Fill dataclass ``kind`` from plain data, following its type hints into nested dataclasses."""
-    hints = get_type_hints(kind)
-    found = {}
-    for item in fields(kind):
-        if item.name not in data:
-            continue
-        hint, value = hints[item.name], data[item.name]
-        if isinstance(hint, types.UnionType):
-            hint = next(part for part in get_args(hint) if part is not type(None))
-        nested = is_dataclass(hint) and isinstance(value, dict)
-        found[item.name] = _rebuild(hint, value) if nested else _frozen(value)
-    return kind(**found)
+        return rebuild(MouldSpec, data)

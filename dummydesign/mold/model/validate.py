@@ -7,10 +7,10 @@ from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
 from dummydesign.core.errors import InputError, out_of_range, unknown_name
-from dummydesign.geometry.shapes import RIM_FREE_MM
+from dummydesign.geometry.limits import RIM_FREE_MM
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.layout import Layout, layout
-from dummydesign.mold.model.spec import MouldSpec, PadGeometry, runs_out
+from dummydesign.mold.model.spec import MouldSpec, PadGeometry
 
 STYLES = ("open", "lidded")
 THICKNESS_MM = (3.0, 30.0)
@@ -68,7 +68,7 @@ def _check_pad(spec: MouldSpec) -> None:
                 f"{name} = {getattr(pad, name):g} is below {least:g}, the least for a mould of style {spec.body.style}"
             )
     _between("draft_deg", pad.draft_deg, 0.0, 10.0)
-    if pad.kind == "puck":
+    if pad.is_puck:
         if pad.length_mm != pad.width_mm:
             raise InputError(
                 f"length_mm = {pad.length_mm:g} and width_mm = {pad.width_mm:g} of a puck must both be its diameter"
@@ -83,10 +83,8 @@ def _check_shape(spec: MouldSpec, pad: PadGeometry) -> None:
     """What the shape itself allows, what its preset allows, and an edge that leaves its curves alone."""
     shape = pad.shape
     shape.check(pad.thickness_mm, pad.length_mm, pad.width_mm)
-    if spec.body.style == "lidded" and shape.name == "layered":
-        raise InputError("a layered pad is poured twice and its spacer needs an open mould; use --preset open")
-    if spec.body.style == "lidded" and shape.name == "boned":
-        raise InputError("the bone of a boned pad hangs from a plate on an open mould; use --preset open")
+    if spec.body.style == "lidded" and shape.open_mould_only:
+        raise InputError(f"{shape.open_mould_only}; use --preset open")
     if (shape.layers() is None) != (spec.base is None):
         raise InputError("a layered pad, and no other, needs a second resin for its base (base_ratio)")
     highest = min(pad.corner_radius_mm, 0.9 * (pad.thickness_mm - pad.face_height_mm))
@@ -96,10 +94,10 @@ def _check_shape(spec: MouldSpec, pad: PadGeometry) -> None:
     if not shape.flat_top:
         highest, advice = min(highest, RIM_FREE_MM / 2), "it keeps off the curved top"
     _between("edge_radius_mm", pad.edge_radius_mm, 0.0, highest, advice)
-    if runs_out(pad):
+    if shape.runs_out:
         _between("corner_radius_mm", pad.corner_radius_mm, CORNER_MM, RIM_FREE_MM, f"the {shape.name} top runs out")
-    if dict(pad.parameters).get("ridge") and pad.edge_radius_mm:
-        raise InputError(f"edge_radius_mm = {pad.edge_radius_mm:g} of a ridge must be 0: its ends run out in the walls")
+    if shape.sharp_edge and pad.edge_radius_mm:
+        raise InputError(f"edge_radius_mm = {pad.edge_radius_mm:g} of {shape.sharp_edge}")
 
 
 def _check_body(spec: MouldSpec) -> None:
@@ -130,7 +128,7 @@ def _check_body(spec: MouldSpec) -> None:
 
 def _check_closure(spec: MouldSpec) -> None:
     c, body, pad = spec.closure, spec.body, spec.pad
-    if pad.kind == "puck":
+    if pad.is_puck:
         raise InputError("a puck is poured in an open mould; use --preset open")
     if c is None:
         raise InputError("a lidded mould needs the table [closure] in its preset")

@@ -6,7 +6,6 @@ import math
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from dummydesign.geometry.shapes import Boned
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model import volumes as contents
 from dummydesign.mold.model.layout import layout
@@ -167,7 +166,7 @@ def _meniscus_mm3(spec: MouldSpec, pour: Pour) -> float:
 
 def _above_fill_mm3(spec: MouldSpec, pour: Pour) -> float:
     """Resin that stands over the fill plane: stems of a lid or of a bone's carrier, else the meniscus. [mm3]"""
-    if spec.closure is None and not isinstance(spec.pad.shape, Boned):
+    if spec.closure is None and not spec.pad.shape.bone_height_mm:
         return _meniscus_mm3(spec, pour)
     return stems_mm3(spec)
 
@@ -175,7 +174,7 @@ def _above_fill_mm3(spec: MouldSpec, pour: Pour) -> float:
 def stems_mm3(spec: MouldSpec) -> float:
     """Resin that stands in the sprue and the vents of a lid, or in the vents of a bone's carrier. [mm3]"""
     c = spec.closure
-    if isinstance(spec.pad.shape, Boned):
+    if spec.pad.shape.bone_height_mm:
         high = spec.body.freeboard_mm + spec.aids.plate_mm
         return CARRIER_VENTS * math.pi / 4 * CARRIER_VENT_MM**2 * high
     if c is None:
@@ -198,62 +197,3 @@ def spreading_time_s(spec: MouldSpec, pour: Pour, film_mm: float) -> float:
     wave = math.pi / (max(pad.length_mm, pad.width_mm) * 1e-3)
     weight = pour.density_g_per_cm3 * 1e3 * formula.GRAVITY_M_PER_S2
     return 3 * 3 * pour.viscosity_Pa_s / (weight * (film_mm * 1e-3) ** 3 * wave**2)
-
-
-def pour_warnings(spec: MouldSpec, plan: PourPlan) -> list[dict[str, str]]:
-    """Say what may go wrong with this pour, as {code, message}."""
-    from dummydesign.mold.pour.shape_notes import shape_warnings
-
-    found: list[tuple[str, str]] = [
-        (
-            "level",
-            f"level the mould to {plan.level_deg:.2f} deg: {plan.level_mm:.2f} mm over the longer side, "
-            f"{100 * plan.level_mm / spec.pad.thickness_mm:.1f} % of {spec.pad.thickness_mm:g} mm",
-        )
-    ]
-    if spec.body.style == "open":
-        boned = isinstance(spec.pad.shape, Boned)
-        plate = "the carrier of the bone" if boned else "the strike-off plate onto a release film"
-        found.append(
-            (
-                "meniscus",
-                f"a rim of up to {plan.meniscus_mm:.1f} mm climbs the walls of an open cavity: fill to the sharp "
-                f"step of the brim, no higher, and lower {plate}",
-            )
-        )
-    small = max([plan, plan.base] if plan.base else [plan], key=lambda part: part.ratio_error_percent)
-    if small.ratio_error_percent > RATIO_ERROR_LIMIT_PERCENT:
-        found.append(
-            (
-                "small_batch",
-                f"weighing to {spec.machines.balance_resolution_g:g} g leaves up to {small.ratio_error_percent:.2f} % "
-                f"error in the smaller component; mix at least {small.batch_for_ratio_g:.0f} g or use a finer balance",
-            )
-        )
-    if plan.wall_deflection_mm > 0.2:
-        found.append(
-            (
-                "wall_deflection",
-                f"the walls may bulge by {plan.wall_deflection_mm:.2f} mm under the liquid: support them in the tray",
-            )
-        )
-    slow = max([plan, plan.base] if plan.base else [plan], key=lambda part: part.pour_time_s)
-    if slow.pour_time_s > 60 * spec.pour.pot_life_min / 4:
-        found.append(
-            (
-                "slow_levelling",
-                f"the liquid needs about {slow.pour_time_s / 60:.0f} min to level itself in "
-                f"{spec.pad.least_gel_mm:g} mm, a good part of its pot life of {spec.pour.pot_life_min:g} min: spread "
-                "it with a spatula",
-            )
-        )
-    if not any("isocyanate" in name.lower() for name, _ in spec.pour.components):
-        found.append(
-            (
-                "bonding",
-                f"if {spec.pour.resin} is a silicone it bonds to a silicone mould: use a release agent and try it on a "
-                "scrap first",
-            )
-        )
-    found += shape_warnings(spec)
-    return [{"code": code, "message": message} for code, message in found]

@@ -17,7 +17,7 @@ import numpy as np
 
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.geometry.interface import BASES, FACES, Interface
-from dummydesign.geometry.shapes import Shape, Slab
+from dummydesign.geometry.shapes import PadShape
 from dummydesign.geometry.standard import PAD_EXTENT_MM
 from dummydesign.pad.contact.surface_axisymmetric import FlatPunch, Surface
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
@@ -57,7 +57,7 @@ class Press:
 
     Attributes
     ----------
-    shape : Shape
+    shape : PadShape
         Round; its lengths in mm.
     thickness_mm : float
     radius, extent : float
@@ -68,7 +68,7 @@ class Press:
         Smallest depth of interest; the apex is meshed for the contact it makes.
     """
 
-    shape: Shape
+    shape: PadShape
     thickness_mm: float
     radius: float
     extent: float
@@ -198,10 +198,11 @@ def _grid(press: Press, cells: int, rim: float) -> tuple[Array, Array, float | N
     for line in press.lines:
         places.append(line)
         sizes.append(0.6 * coarse)
-    if not press.shape.flat_top:
+    near = np.array([1e-3])
+    fallen = float(press.drop(near)[0])
+    if fallen > 0.0:
         # Contact radius of a first touch: sqrt(R d), with R from the profile itself.
-        near = np.array([1e-3])
-        tip = float(near[0] ** 2 / (2.0 * press.drop(near)[0]))
+        tip = float(near[0] ** 2 / (2.0 * fallen))
         first = min(first, 1.3 * np.sqrt(tip * press.first) * 8.0 / cells)
         places.append(0.0)
         sizes.append(first)
@@ -242,7 +243,7 @@ def sharp(rough: Array, fine: Array) -> tuple[Array, Array]:
 
 
 def solve_shaped_pad(
-    shape: Shape,
+    shape: PadShape,
     thickness_mm: float,
     radius_mm: float,
     young_MPa: float,
@@ -260,7 +261,7 @@ def solve_shaped_pad(
 
     Parameters
     ----------
-    shape : Shape
+    shape : PadShape
         Round (``shape.axisymmetric``): slab, crowned, layered or boned.
     thickness_mm, radius_mm : float
         Thickness of the pad at its highest point and radius of the punch. [mm]
@@ -318,7 +319,7 @@ def _over_slab(
     """Force of a flat-topped pad: its ratio to the slab of the upper resin on twin grids, times the slab's force."""
     slab = _slab_curve(press, young_MPa, depths, law, progress)
     factors, paths = [], []
-    if isinstance(press.shape, Slab):
+    if press.shape.plain:
         factors = [np.ones(len(depths))] * 3
     else:
         for grid in _grids(cells):

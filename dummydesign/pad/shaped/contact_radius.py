@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.cache import cached
-from dummydesign.geometry.shapes import Shape
+from dummydesign.geometry.shapes import PadShape
 from dummydesign.geometry.standard import PAD_EXTENT_MM
 from dummydesign.pad.contact.surface_axisymmetric import Punch
 from dummydesign.pad.material.hyperelastic import Yeoh
@@ -41,14 +41,14 @@ class Touch:
 
 
 def contact_radius(
-    shape: Shape, thickness_mm: float, radius_mm: float, depth_mm: Sequence[float], condition: str = "bonded",
+    shape: PadShape, thickness_mm: float, radius_mm: float, depth_mm: Sequence[float], condition: str = "bonded",
     extent_mm: float = PAD_EXTENT_MM, cells: int = CELLS,
 ) -> Touch:  # fmt: skip
     """Press a round shaped pad with a round flat punch and find how far the contact reaches.
 
     Parameters
     ----------
-    shape : Shape
+    shape : PadShape
         Round, and touched gradually.
     thickness_mm, radius_mm : float
         Thickness at the highest point and radius of the punch. [mm]

@@ -20,7 +20,7 @@ import numpy as np
 
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.geometry.interface import BASES, CONDITIONS
-from dummydesign.geometry.shapes import Shape
+from dummydesign.geometry.shapes import PadShape
 from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.pad.contact.surface_spatial import BeadedPunch, FaceContact, rectangle_punch, round_punch
 from dummydesign.pad.fem import mesh_hexahedra as space
@@ -91,7 +91,7 @@ def _punch(load: Load, rim: float) -> BeadedPunch:
 
 
 def solve_shaped_block(
-    shape: Shape,
+    shape: PadShape,
     thickness_mm: float,
     punch: tuple[float, float] | float,
     young_MPa: float,
@@ -110,7 +110,7 @@ def solve_shaped_block(
 
     Parameters
     ----------
-    shape : Shape
+    shape : PadShape
         Height fields of the pad, its highest point over the origin.
     thickness_mm : float
         Thickness at the highest point. [mm]
@@ -156,7 +156,7 @@ def solve_shaped_block(
 
 
 def _load(
-    shape: Shape, thickness_mm: float, punch: tuple[float, float] | float, young_MPa: float,
+    shape: PadShape, thickness_mm: float, punch: tuple[float, float] | float, young_MPa: float,
     depth_mm: Sequence[float], condition: str, offset_mm: tuple[float, float], base: str, poisson: float,
     slab_mm: tuple[float, float], law: Law | None,
 ) -> tuple[Load, Law, Array, float]:  # fmt: skip

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from dummydesign.geometry.shapes import Shape
+from dummydesign.geometry.shapes import PadShape
 from dummydesign.pad.fem import mesh_hexahedra as space
 
 Array = np.ndarray
@@ -53,7 +53,7 @@ class Load:
     ``first`` is the smallest depth of interest. ``homogeneous`` leaves out bone and second resin.
     """
 
-    shape: Shape
+    shape: PadShape
     thickness_mm: float
     half_sides: tuple[float, float]
     half_extents: tuple[float, float]

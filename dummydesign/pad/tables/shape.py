@@ -5,7 +5,7 @@ ln(h / a), c / h, ln(b / a) and ln s, s = R c / b^2 (apex radius R, height c and
 thickness h, punch radius a). At first touch it is 0. Over d / c the curves of all crowns bend alike where the
 contact reaches the flat, which halves the error against d / h. Layered and boned pads: ln of F over the force of
 the slab of the upper resin, which is taken from the slab's own table. Bumped pads, solved in space under a square
-punch: ln of F over Hertz's force of the middle cap, for caps of one proportion (``bumped_designs``).
+punch: ln of F over Hertz's force of the middle cap, for caps of one proportion (``Bumped.proportioned``).
 """
 
 from __future__ import annotations
@@ -19,63 +19,23 @@ import numpy as np
 
 from dummydesign.core.datafiles import data_folder
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
-from dummydesign.geometry.shapes import Boned, Bumped, Crowned, Layered, Shape
+from dummydesign.geometry.shapes import PadShape, Similarity, shape_kinds
 from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.pad.tables.response_surface import Response
 from dummydesign.pad.tables.slab import ResponseTable, load_table
 
 Array = np.ndarray
 
-INPUTS = {
-    "crowned": ("thickness over punch radius", "crown height over thickness", "foot over punch radius", "R c / b^2"),
-    "layered": ("thickness over punch radius", "upper layer over thickness", "modulus ratio"),
-    "boned": ("thickness over punch radius", "bone height over thickness", "foot over punch radius"),
-    "bumped": ("thickness over punch radius", "pitch over punch radius", "grade over height of the caps"),
-}
-# Inputs that enter by their logarithm.
-LOGARITHMS = {
-    "crowned": np.array([True, False, True, True]),
-    "layered": np.array([True, False, True]),
-    "boned": np.array([True, False, True]),
-    "bumped": np.array([True, True, False]),
-}
-# Kinds whose force is counted against Hertz's force of the highest tip.
-TIPPED = ("crowned", "bumped")
+
+def tabulated_kinds() -> dict[str, Similarity]:
+    """Kinds of shapes with a response table, by name, and the numbers it is over."""
+    return {name: kind.similarity for name, kind in shape_kinds().items() if kind.similarity is not None}
 
 
-def ratios(shape: Shape, thickness_mm: Array, radius_mm: Array) -> Array:
-    """Inputs of the shape's table (as in ``INPUTS``) at thicknesses and punch radii (n,), shape (n, k)."""
+def ratios(shape: PadShape, thickness_mm: Array, radius_mm: Array) -> Array:
+    """Numbers of the shape's table at thicknesses and punch radii (n,), shape (n, k)."""
     h, a = np.broadcast_arrays(np.asarray(thickness_mm, dtype=float), np.asarray(radius_mm, dtype=float))
-    one = np.ones_like(h)
-    if isinstance(shape, Crowned):
-        point = shape.radius_mm * shape.height_mm / shape.foot_mm**2
-        columns = [h / a, shape.height_mm / h, shape.foot_mm / a, point * one]
-    elif isinstance(shape, Layered):
-        columns = [h / a, shape.top_mm / h, shape.modulus_ratio * one]
-    elif isinstance(shape, Bumped):
-        columns = [h / a, shape.pitch_mm / a, shape.grade_mm / shape.height_mm * one]
-    else:
-        columns = [h / a, shape.height_mm / h, shape.foot_mm / a]
-    return np.stack(columns, axis=-1)
-
-
-def check_caps(shape: Bumped) -> None:
-    """Refuse caps of other proportions than those of the table.
-
-    Raises
-    ------
-    InputError
-        Naming the radius and height that the pitch asks for.
-    """
-    from dummydesign.studies.tables.bumped_designs import bumped
-
-    wanted = bumped(shape.pitch_mm, shape.grade_mm / shape.height_mm)
-    off = max(abs(shape.radius_mm / wanted.radius_mm - 1.0), abs(shape.height_mm / wanted.height_mm - 1.0))
-    if off > 0.06 or shape.rings < wanted.rings:
-        raise InputError(
-            f"{shape}: the table of bumped pads holds, at a pitch of {shape.pitch_mm:g} mm, caps of radius "
-            f"{wanted.radius_mm:.2f} and height {wanted.height_mm:.2f} mm, {wanted.rings:g} rings; use --fidelity 3d"
-        )
+    return shape.numbers(dict(shape.parameters), h, a)
 
 
 @dataclass(frozen=True)
@@ -86,7 +46,7 @@ class ShapeTable:
     ----------
     kind, condition : str
     response : Response
-        In the inputs of ``INPUTS``, logarithms taken where ``LOGARITHMS`` says so.
+        Over the numbers of the kind (:class:`~dummydesign.geometry.shapes.Similarity`), some by their logarithm.
     low, high : ndarray, shape (k,)
         Smallest and largest inputs that are answered.
     error_depth : ndarray, shape (m,)
@@ -109,6 +69,11 @@ class ShapeTable:
     solve_error: Array
     provenance: dict[str, Any]
 
+    @property
+    def similarity(self) -> Similarity:
+        """The numbers the table is over, and what forces are divided by."""
+        return tabulated_kinds()[self.kind]
+
     def inside(self, inputs: Array) -> Array:
         """Whether inputs (n, k) are in the table's range."""
         slack = 1e-9 * (1.0 + np.abs(self.high))
@@ -125,14 +90,14 @@ class ShapeTable:
         bad = inputs[~self.inside(inputs)]
         if not len(bad):
             return
-        for name, value, low, high in zip(INPUTS[self.kind], bad[0], self.low, self.high):
+        for name, value, low, high in zip(self.similarity.names, bad[0], self.low, self.high):
             if not low * (1.0 - 1e-9) <= value <= high * (1.0 + 1e-9):
                 advice = "use --fidelity axisymmetric outside the table"
                 raise out_of_range(f"{self.kind} pad: {name}", f"{value:.4g}", f"{low:.4g}", f"{high:.4g}", advice)
 
     def coordinates(self, inputs: Array) -> Array:
         """Inputs as the response surface takes them."""
-        return np.where(LOGARITHMS[self.kind], np.log(np.maximum(inputs, 1e-300)), inputs)
+        return np.where(self.similarity.logarithms, np.log(np.maximum(inputs, 1e-300)), inputs)
 
     def log_factor(self, inputs: Array, place: Array, x: Array) -> tuple[Array, Array]:
         """ln of the force over that of the tip (crowned) or of the slab, and its derivative with respect to d / h.
@@ -140,13 +105,13 @@ class ShapeTable:
         Parameters
         ----------
         inputs : ndarray, shape (n, k)
-            As in ``INPUTS``.
+            Numbers as :func:`ratios` gives them.
         place : ndarray of int
             Which of them each depth belongs to; any shape.
         x : ndarray
             Relative depths d / h of the same shape, >= 0.
         """
-        unit = inputs[:, 1] if self.kind == "crowned" else np.ones(len(inputs))
+        unit = inputs[:, 1] if self.similarity.depth_over_height else np.ones(len(inputs))
         depth = np.maximum(x, 0.0) / unit[place]
         value, slope = self.response.along(self.response.at_levels(self.coordinates(inputs)), place, depth)
         return value, slope / (2.0 * np.sqrt(np.maximum(depth, 1e-12)) * unit[place])
@@ -167,7 +132,7 @@ class ShapeLaw:
 
     Parameters
     ----------
-    shape : Shape
+    shape : PadShape
         Crowned, layered or boned, round; bumped with caps of the table's proportions.
     condition : str
         ``bonded``.
@@ -178,21 +143,13 @@ class ShapeLaw:
         For a shape or a condition without a table.
     """
 
-    def __init__(self, shape: Shape, condition: str = "bonded") -> None:
-        if shape.name not in INPUTS or not (shape.axisymmetric or isinstance(shape, Bumped)):
-            raise InputError(f"shape = {shape} has no response table; known are round {', '.join(INPUTS)}")
-        if isinstance(shape, Bumped):
-            check_caps(shape)
-        if isinstance(shape, Boned):
-            sphere = (shape.foot_mm**2 + shape.height_mm**2) / (2.0 * shape.height_mm)
-            if abs(shape.radius_mm / sphere - 1.0) > 0.05:
-                raise InputError(
-                    f"bone radius = {shape.radius_mm:g} mm is not near {sphere:.4g} mm, that of a sphere with its "
-                    "height and foot, for which the table is made; use --fidelity axisymmetric"
-                )
+    def __init__(self, shape: PadShape, condition: str = "bonded") -> None:
+        if not shape.tabulated:
+            raise InputError(f"shape = {shape} has no response table; known are round {', '.join(tabulated_kinds())}")
+        shape.check_tabulated()
         self.shape = shape
         self.table = load_shape_table(shape.name, condition)
-        self._slab: ResponseTable | None = None if shape.name in TIPPED else load_table("bonded")
+        self._slab: ResponseTable | None = None if self.table.similarity.over_tip else load_table("bonded")
 
     def inside(self, thickness_mm: Array, radius_mm: Array) -> Array:
         """Whether the table holds the pads (broadcast)."""
@@ -229,7 +186,7 @@ class ShapeLaw:
         value, slope = self.table.log_factor(inputs, place, held)
         depth, bend = held * h, slope / h
         if self._slab is None:
-            base = 16.0 / 9.0 * young * np.sqrt(self.shape.radius_mm) * depth**1.5
+            base = 16.0 / 9.0 * young * np.sqrt(self.shape.tip_radius_mm) * depth**1.5
             steep = 1.5 * base / np.maximum(depth, 1e-12)
         else:
             base, steep = self._slab.force_and_stiffness(depth, h, young, a)
@@ -293,8 +250,8 @@ def load_shape_table(kind: str, condition: str = "bonded") -> ShapeTable:
     NoAnswerError
         When the file is missing or damaged, with the command that rebuilds it.
     """
-    if kind not in INPUTS:
-        raise InputError(f"shape = '{kind}' has no table; known are {', '.join(INPUTS)}")
+    if kind not in tabulated_kinds():
+        raise InputError(f"shape = '{kind}' has no table; known are {', '.join(tabulated_kinds())}")
     if condition != "bonded":
         raise InputError(f"condition = '{condition}' is not in the tables of shapes (only bonded); solve it instead")
     path = data_folder() / "materials" / "tables" / f"{kind}-{condition}.json"

@@ -12,7 +12,10 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.errors import InputError
-from dummydesign.geometry.shapes import Boned, Crowned, Layered, Shape
+from dummydesign.geometry.shapes import PadShape
+from dummydesign.geometry.shapes.boned import Boned
+from dummydesign.geometry.shapes.crowned import Crowned
+from dummydesign.geometry.shapes.layered import Layered
 from dummydesign.geometry.standard import EXTENT_OVER_RADIUS, PUNCH_RADIUS_MM
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.shaped.axisymmetric import CELLS, RIMS, Press, climb
@@ -49,7 +52,7 @@ class Design:
         """What the table leaves away at each end."""
         return 0.02 * (self.high - self.low)
 
-    def shape(self, point: Array) -> tuple[Shape, float]:
+    def shape(self, point: Array) -> tuple[PadShape, float]:
         """Shape and thickness [mm] of a point."""
         h = float(RADIUS_MM * np.exp(point[0]))
         first = float(point[1] * h)

@@ -22,7 +22,7 @@ from dummydesign.core.datafiles import data_folder
 from dummydesign.core.files import write_text
 from dummydesign.pad.shaped.axisymmetric import EDGE_ERROR, LEAST_ERROR, sharp
 from dummydesign.pad.tables.response_surface import fit
-from dummydesign.pad.tables.shape import LOGARITHMS, TIPPED
+from dummydesign.pad.tables.shape import tabulated_kinds
 from dummydesign.studies.tables.bumped_designs import BUMPED
 from dummydesign.studies.tables.shape_designs import DESIGNS, EXTENT_OVER_RADIUS, RADIUS_MM, Design
 
@@ -94,7 +94,7 @@ def values_of(design: Design, answers: list[dict[str, Any]]) -> tuple[Array, Arr
 
 def reduced(design: Design, points: Array, values: Array) -> Array:
     """ln of F over Hertz's force of the tip (crowned), or of the factor."""
-    if design.kind not in TIPPED:
+    if not tabulated_kinds()[design.kind].over_tip:
         return np.log(values)
     h = np.exp(points[:, 0])
     if design.kind == "bumped":
@@ -145,7 +145,7 @@ def content(
     reach = np.where(reach >= depths[-1], COMPLETE, reach)
     levels, rows = (LEVELS, at_levels(design, points, rows)) if crowned else (depths, rows)
     low, high = _coordinates(design, design.low[None])[0], _coordinates(design, design.high[None])[0]
-    anchored = design.kind in TIPPED
+    anchored = tabulated_kinds()[design.kind].over_tip
     surface = fit(_coordinates(design, points), rows, levels, low, high, anchored, reach)
     short = {name: _shorter(getattr(surface, name), 7) for name in ("trend", "weights", "lengths")}
     surface = replace(surface, **short)
@@ -204,7 +204,7 @@ def content(
 
 def _plain(design: Design, point: Array) -> Array:
     """Inputs of the table of a design point: exponentials of its logarithms."""
-    logs = LOGARITHMS[design.kind].copy()
+    logs = np.array(tabulated_kinds()[design.kind].logarithms)
     if design.kind == "crowned":
         logs[3] = False
     return np.where(logs, np.exp(point), point)

@@ -6,7 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from dummydesign.geometry.shapes import Boned, Crowned, Layered, Shape
+from dummydesign.geometry.shapes import PadShape
+from dummydesign.geometry.shapes.boned import Boned
+from dummydesign.geometry.shapes.crowned import Crowned
+from dummydesign.geometry.shapes.layered import Layered
 from dummydesign.pad.shaped.axisymmetric import solve_shaped_pad
 from dummydesign.pad.slab.sharp_edge import solve_curve
 from dummydesign.studies.verification.check import Check
@@ -39,7 +42,7 @@ def slab_limits() -> Iterator[Check]:
     depth, radius = 1.5, 7.9
     slab = solve_curve(8.0, radius, 0.05, [0.5 * depth, depth])
     expected = float(slab.force_N[-1])
-    flat: tuple[tuple[str, Shape], ...] = (
+    flat: tuple[tuple[str, PadShape], ...] = (
         ("equal layers", Layered(3.0, 1.0)),
         ("bone of 0.01 mm", Boned(2000.0, 0.01)),
         ("crown of 0.003 mm", _paraboloid(2e4, 11.0)),

@@ -17,7 +17,8 @@ from dummydesign.design.search.shape_family import Designs, ShapeLaw
 from dummydesign.design.search.shapes import LOW_SHARE, search_fixed, search_shape, sieve
 from dummydesign.design.search.slabs import search
 from dummydesign.design.search.space import SearchSpace
-from dummydesign.geometry.shapes import Crowned, sphere_foot_mm
+from dummydesign.geometry.conic import sphere_foot_mm
+from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.resin import load_resin
 from tests.support.slab_by_formula import LayerLaw, make_tissue
 
@@ -29,6 +30,7 @@ class CapFamily:
     """Spherical caps by F = 16/9 E sqrt(R) d^1.5 (1 + 1.133 c + 1.497 c^2 + 1.469 c^3 + 0.755 c^4), c^2 = R d / h^2."""
 
     kind = "crowned"
+    source = "law"
 
     def candidates(self, thickness_mm, radius_mm):
         h, r = (x.ravel() for x in np.meshgrid(thickness_mm, np.array([4.0, 8.0, 12.0, 20.0]), indexing="ij"))
@@ -139,7 +141,7 @@ def test_no_shape_when_the_pads_are_too_thin_for_the_tissue(setting):
 
 
 def test_auto_takes_the_best_merit_of_all_kinds_and_lists_the_slab_beside(setting, monkeypatch):
-    monkeypatch.setattr(families, "FAMILIES", ("crowned",))
+    monkeypatch.setattr(families, "designable_kinds", lambda: ("crowned",))
     monkeypatch.setattr(families, "load_family", lambda kind: CapFamily())
     chosen = choose(best_of_kinds("auto", LayerLaw(), setting), setting)
     merit = {item.kind: item.candidate.merit(LOW_SHARE) for item in chosen.beside}

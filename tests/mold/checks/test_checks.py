@@ -7,7 +7,8 @@ from dataclasses import replace
 import pytest
 
 from dummydesign.mold.cad.build import brim_tool
-from dummydesign.mold.cad.pad_solids import drafted_prism, pad_solid, single_solid
+from dummydesign.mold.cad.pad_solids import pad_solid
+from dummydesign.mold.cad.prisms import drafted_prism, single_solid
 from dummydesign.mold.checks import mesh as check_mesh
 from dummydesign.mold.checks import process as check_process
 from dummydesign.mold.checks import release as demould
@@ -15,7 +16,8 @@ from dummydesign.mold.checks import solids as check
 from dummydesign.mold.files import meshes as mesh
 from dummydesign.mold.model.layout import layout
 from dummydesign.mold.model.outline import Outline
-from dummydesign.mold.pour.plan import pour_plan, pour_warnings, stems_mm3
+from dummydesign.mold.pour.plan import pour_plan, stems_mm3
+from dummydesign.mold.pour.warnings import pour_warnings
 
 
 def _failed(checks):
@@ -115,13 +117,13 @@ def test_lid_turned_round_collides(lidded_parts):
 
 
 def test_lid_with_symmetric_keys_fails_the_one_way_check(lidded_parts):
-    from dummydesign.mold.cad.lid import _ball
+    from dummydesign.mold.cad.lid import ball
 
     land, keys = lidded_parts.plan.land_mm, lidded_parts.plan.keys[:2]
     places = [*keys, *(type(key)(-key.x_mm, -key.y_mm) for key in keys)]
     block, hull = lidded_parts.hull, lidded_parts.tools["lid_hull"][0]
-    mould = block.cut(lidded_parts.solid("pad"), *[_ball(place, land, 3.15) for place in places])
-    lid = hull.fuse(*[_ball(place, land, 3.0) for place in places])
+    mould = block.cut(lidded_parts.solid("pad"), *[ball(place, land, 3.15) for place in places])
+    lid = hull.fuse(*[ball(place, land, 3.0) for place in places])
     assert check.lid_one_way(lid, mould).status == "fail"
 
 
@@ -133,15 +135,15 @@ def test_lid_moved_sideways_fails_interference(lidded_parts):
 
 
 def test_wrong_compensation_is_seen(open_parts):
-    from dummydesign.mold.cad.build import Parts
+    from dummydesign.mold.cad.parts import Parts
 
     wrong = Parts(open_parts.spec, open_parts.plan, open_parts.pad_nominal.scale(1.001))
     wrong.parts, wrong.tools, wrong.hull = open_parts.parts, open_parts.tools, open_parts.hull
-    assert any("compensation" in text for text in _failed(check._volumes(wrong)))
+    assert any("compensation" in text for text in _failed(check.check_volumes(wrong)))
 
 
 def test_missing_label_on_the_master_is_seen(open_parts):
-    from dummydesign.mold.cad.build import Part, Parts
+    from dummydesign.mold.cad.parts import Part, Parts
 
     plan, grow = open_parts.plan, open_parts.plan.silicone_scale
     deep = open_parts.spec.body.label_depth_mm
@@ -150,8 +152,8 @@ def test_missing_label_on_the_master_is_seen(open_parts):
     other = Parts(open_parts.spec, plan, open_parts.pad_nominal, dict(open_parts.parts), open_parts.tools)
     other.hull = open_parts.hull
     other.parts["master"] = Part("master", bald, "rigid")
-    assert any("label_reads_right" in text for text in _failed(check._label(other)))
-    assert any("silicone_in_box" in text for text in _failed(check._boxes(other)))
+    assert any("label_reads_right" in text for text in _failed(check.check_label(other)))
+    assert any("silicone_in_box" in text for text in _failed(check.check_boxes(other)))
 
 
 def test_thin_wall_and_floor_are_seen(open_parts):
@@ -166,12 +168,12 @@ def test_thin_wall_and_floor_are_seen(open_parts):
 
 
 def test_features_that_touch_are_seen(lidded_parts):
-    from dummydesign.mold.cad.build import Parts
+    from dummydesign.mold.cad.parts import Parts
 
     made = lidded_parts
     near = Parts(made.spec, made.plan, made.pad_nominal, made.parts, dict(made.tools))
     near.tools["vents"] = [made.tools["gutter"][0], *made.tools["vents"]]
-    assert any("features_apart" in text for text in _failed(check._distances(near)))
+    assert any("features_apart" in text for text in _failed(check.check_distances(near)))
 
 
 def _process(spec, plan=None, drop=()):

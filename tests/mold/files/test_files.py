@@ -19,15 +19,16 @@ from dummydesign.mold.files import drawing_views as section
 from dummydesign.mold.files import meshes as mesh
 from dummydesign.mold.files import pour_sheet as sheet
 from dummydesign.mold.files.step_canonical import Header, canonical_step
-from dummydesign.mold.pour.plan import pour_plan, pour_warnings
+from dummydesign.mold.pour.plan import pour_plan
+from dummydesign.mold.pour.warnings import pour_warnings
 
 HEADER = Header("x.step", "test", "2000-01-01T00:00:00", "dummydesign")
 
 
 def _step_parts(made):
-    from dummydesign.mold.produce import _step_part
+    from dummydesign.mold.produce import step_part
 
-    return [_step_part(made, name) for name in made.parts]
+    return [step_part(made, name) for name in made.parts]
 
 
 @pytest.fixture(scope="module")
@@ -96,12 +97,12 @@ def test_time_stamp_follows_source_date_epoch(monkeypatch):
 
 
 def test_step_of_the_child_process_is_the_same_to_the_byte(lidded_package, lidded_parts):
-    from dummydesign.mold.produce import _description
+    from dummydesign.mold.produce import description
 
     _, result = lidded_package
     tag = lidded_parts.spec.tag
     made = _step_parts(lidded_parts)
-    text = step.step_text(made, f"assembly_{tag}", _description(lidded_parts.spec, "assembly"))
+    text = step.step_text(made, f"assembly_{tag}", description(lidded_parts.spec, "assembly"))
     on_disk = Path(result.files["assembly"]).read_bytes()
     assert on_disk == text.encode("ascii")
     assert hashlib.sha256(on_disk).hexdigest() == result.step_sha256

@@ -46,10 +46,10 @@ def test_mould_without_a_picture_is_complete_and_says_so(open_spec, tmp_path):
     import subprocess
     import sys
 
-    from dummydesign.mold.produce import _finish_picture
+    from dummydesign.mold.produce import finish_picture
 
     (tmp_path / ".picture.npz").write_bytes(b"")
     dead = subprocess.Popen([sys.executable, "-c", "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)"])
     warnings: list[dict[str, str]] = []
-    assert _finish_picture(dead, tmp_path, open_spec, warnings) == {}
+    assert finish_picture(dead, tmp_path, open_spec, warnings) == {}
     assert warnings[0]["code"] == "no_picture" and not (tmp_path / ".picture.npz").exists()

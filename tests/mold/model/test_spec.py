@@ -19,7 +19,8 @@ from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.model.validate import validate
 from dummydesign.mold.model.volumes import cavity_volume_mm3
-from dummydesign.mold.pour.plan import pour_plan, pour_warnings
+from dummydesign.mold.pour.plan import pour_plan
+from dummydesign.mold.pour.warnings import pour_warnings
 
 
 def test_specification_survives_json(open_spec, lidded_spec):

@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.geometry.shapes import Boned, Bumped, Crowned, Layered, Slab
+from dummydesign.geometry.shapes import Slab
+from dummydesign.geometry.shapes.boned import Boned
+from dummydesign.geometry.shapes.bumped import Bumped
+from dummydesign.geometry.shapes.crowned import Crowned
+from dummydesign.geometry.shapes.layered import Layered
 from dummydesign.pad.fem.mesh_columns import Sizes, height_lines, radial_lines
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.shaped.axisymmetric import (

@@ -9,23 +9,26 @@ import pytest
 
 from dummydesign.core.datafiles import data_folder
 from dummydesign.core.errors import InputError
-from dummydesign.geometry.shapes import Boned, Bumped, Crowned, Layered, Slab
+from dummydesign.geometry.shapes import Slab
+from dummydesign.geometry.shapes.boned import Boned
+from dummydesign.geometry.shapes.bumped import Bumped
+from dummydesign.geometry.shapes.crowned import Crowned
+from dummydesign.geometry.shapes.layered import Layered
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.shaped.axisymmetric import Press as ShapedPress
 from dummydesign.pad.shaped.axisymmetric import climb
 from dummydesign.pad.tables.response_surface import fit
-from dummydesign.pad.tables.shape import INPUTS, TIPPED, ShapeLaw, load_shape_table, ratios
+from dummydesign.pad.tables.shape import ShapeLaw, load_shape_table, ratios, tabulated_kinds
 from dummydesign.pad.tables.slab import load_table
-from dummydesign.studies.tables.bumped_designs import bumped
 from dummydesign.studies.tables.shape_designs import DESIGNS, EXTENT_OVER_RADIUS, RADIUS_MM
 from dummydesign.studies.tables.shapes import ALL, at_levels, reduced
 
 FOLDER = data_folder() / "materials" / "tables"
-KINDS = list(INPUTS)
+KINDS = list(tabulated_kinds())
 ROUND = [kind for kind in KINDS if kind != "bumped"]
 SHAPES = {
     "crowned": Crowned(10.0, 3.0, 8.0), "layered": Layered(4.0, 0.3), "boned": Boned(9.1, 3.5, 7.2),
-    "bumped": bumped(5.0, 0.25),
+    "bumped": Bumped.proportioned(5.0, 0.25),
 }  # fmt: skip
 # Caps land one after another and were solved on few, coarse grids.
 MEDIAN = {"bumped": 0.08}
@@ -40,7 +43,8 @@ def misses(kind):
         shape, h = design.shape(point)
         depth = design.depths * h
         value = ShapeLaw(shape).force(depth, h, 1.0, RADIUS_MM)
-        unit = RADIUS_MM**2 if kind in TIPPED else load_table("bonded").force(depth, h, 1.0, RADIUS_MM)
+        over_tip = tabulated_kinds()[kind].over_tip
+        unit = RADIUS_MM**2 if over_tip else load_table("bonded").force(depth, h, 1.0, RADIUS_MM)
         rows.append(value / (values * unit) - 1.0)
     return np.array(rows)
 
@@ -193,8 +197,8 @@ def test_caps_start_as_one_cap_by_hertz_and_are_stiffer_once_more_of_them_are_to
 @pytest.mark.slow
 def test_a_field_of_caps_solved_in_space_agrees_with_its_table():
     """The whole error of the table: docs/shapes-model.md."""
-    from dummydesign.studies.tables.bumped_designs import COARSE, press_field
+    from dummydesign.pad.shaped.under_square import COARSE, press_field
 
-    field, h = bumped(5.2, 0.3), 8.0
+    field, h = Bumped.proportioned(5.2, 0.3), 8.0
     depth, area, _ = press_field(field, h, np.array([0.1, 0.2, 0.3, 0.4]), COARSE)
     assert ShapeLaw(field).force(depth * h, h, 1.0, RADIUS_MM) == pytest.approx(area, rel=0.21)

@@ -1,0 +1,23 @@
+"""Shapes of pads: one description for the finite-element model, the mould, the command line and the design.
+
+One module a shape; :func:`shape_kinds` finds them. See :class:`PadShape` for what each must answer.
+"""
+
+from dummydesign.geometry.shapes.base import PadShape
+from dummydesign.geometry.shapes.block import PadBlock
+from dummydesign.geometry.shapes.registry import (
+    make_shape,
+    part_of,
+    read_shape,
+    registered,
+    shape_help,
+    shape_kind,
+    shape_kinds,
+)
+from dummydesign.geometry.shapes.similarity import Similarity
+from dummydesign.geometry.shapes.slab import Slab
+
+__all__ = [
+    "PadBlock", "PadShape", "Similarity", "Slab", "make_shape", "part_of", "read_shape", "registered", "shape_help",
+    "shape_kind", "shape_kinds",
+]  # fmt: skip

@@ -1,0 +1,267 @@
+"""What every pad shape answers: heights, volumes, limits, words, its mould, its design box. No solver, no CAD.
+
+A pad stands on a rigid base plane and has its full thickness at its highest point, over the origin. Its
+tested face lies ``drop_mm(x, y)`` below that point; a rigid bone fills the pad from the base up to
+``bone_mm(x, y)``. Both are heights over the plane, so the gel is never undercut. A layered pad has two
+moduli, one above the other.
+
+A shape is one module of this folder with one subclass of :class:`PadShape`; all that a member's default says of a
+flat slab need not be said again. CONTRIBUTING.md has the recipe.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass, fields
+from typing import ClassVar, Self
+
+import numpy as np
+
+from dummydesign.geometry.shapes.block import PadBlock
+from dummydesign.geometry.shapes.similarity import Similarity
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class PadShape:
+    """The contract of a shape; every default is that of a flat slab. Parameters are floats, lengths end in ``_mm``."""
+
+    name: ClassVar[str] = ""
+    order: ClassVar[int] = 100
+    """Place in lists of shapes; equal ones by name."""
+    usage: ClassVar[str] = ""
+    """As it stands in help texts, with its parameters when they are few; the name without it."""
+    similarity: ClassVar[Similarity | None] = None
+    """Numbers of the kind's response table; None without one."""
+    closed_form: ClassVar[str] = ""
+    """What is added to the drafted slab's closed form of volume, in words."""
+    open_mould_only: ClassVar[str] = ""
+    """Why no lid can close the mould of this shape; empty when one can."""
+    told: ClassVar[frozenset[str]] = frozenset()
+    """Codes of the warnings without which no mould of this shape goes out."""
+
+    # Outline and profile.
+
+    @property
+    def plain(self) -> bool:
+        """Whether this is the flat slab of one resin."""
+        return False
+
+    @property
+    def axisymmetric(self) -> bool:
+        """Whether the shape is round about its highest point."""
+        return True
+
+    @property
+    def fidelity(self) -> str:
+        """The finite elements that solve it: ``axisymmetric``, or ``3d`` when it is not round."""
+        return "axisymmetric" if self.axisymmetric else "3d"
+
+    @property
+    def flat_top(self) -> bool:
+        """Whether the punch touches the whole face at once."""
+        return True
+
+    @property
+    def first_exponent(self) -> float:
+        """d ln F / d ln d at first touch: 1 of a flat, 1.5 of a rounded tip."""
+        return 1.0 if self.flat_top else 1.5
+
+    def drop_mm(self, x_mm: Array, y_mm: Array) -> Array:
+        """How far the tested face lies below the highest point. [mm]"""
+        return np.zeros(np.broadcast(x_mm, y_mm).shape)
+
+    def bone_mm(self, x_mm: Array, y_mm: Array) -> Array:
+        """How far a rigid bone reaches above the base. [mm]"""
+        return np.zeros(np.broadcast(x_mm, y_mm).shape)
+
+    def layers(self) -> tuple[float, float] | None:
+        """Thickness of the upper layer [mm] and modulus of the lower over that of the upper; None for one resin."""
+        return None
+
+    def lines_mm(self) -> tuple[float, ...]:
+        """Radii, or distances across, at which a height field has a kink, for meshes and drawings."""
+        return ()
+
+    # Volumes.
+
+    def face_height_mm(self, block: PadBlock) -> float:
+        """Height of the tested face's flat above its highest point. [mm]"""
+        return float(self.drop_mm(np.array(block.length_mm / 2), np.array(block.width_mm / 2)))
+
+    def least_gel_mm(self, block: PadBlock) -> float:
+        """Thinnest gel of the pad: beside a crown or a bump, over a bone, or a layer. [mm]"""
+        return block.thickness_mm - max(self.bone_height_mm, self.face_height_mm(block))
+
+    def top_volume_mm3(self, block: PadBlock) -> float:
+        """What stands above the flat of the tested face, in closed form. [mm3]"""
+        return 0.0
+
+    def bone_volume_mm3(self, block: PadBlock) -> float:
+        """What a rigid bone displaces in the pad, in closed form. [mm3]"""
+        return 0.0
+
+    # The mould.
+
+    @property
+    def relief_mm(self) -> float:
+        """How high the tested face stands over its flat; 0 of a flat face. [mm]"""
+        return 0.0
+
+    @property
+    def tip_radius_mm(self) -> float | None:
+        """Radius of curvature of the highest tip; None when it has none. [mm]"""
+        return None
+
+    @property
+    def pockets(self) -> int:
+        """How many narrow pockets of the mould's floor keep their air."""
+        return 0
+
+    @property
+    def bone_height_mm(self) -> float:
+        """Height of the rigid bone at its highest; 0 without one. [mm]"""
+        return float(self.bone_mm(np.array(0.0), np.array(0.0)))
+
+    @property
+    def steepest_deg(self) -> float:
+        """Largest slope of the curved face, tested face or bone. [deg]"""
+        return 0.0
+
+    @property
+    def runs_out(self) -> bool:
+        """Whether the profile goes on into the end walls, as a ridge or a bar does."""
+        return False
+
+    @property
+    def sharp_edge(self) -> str:
+        """Why the edge around the tested face cannot be rounded, as ``a ridge must be 0: ...``; empty when it can."""
+        return ""
+
+    # Limits.
+
+    def check(self, thickness_mm: float, length_mm: float = 150.0, width_mm: float = 120.0) -> None:
+        """Refuse a shape that does not fit its pad or cannot be cast.
+
+        Parameters
+        ----------
+        thickness_mm, length_mm, width_mm : float
+            The finished pad. [mm]
+
+        Raises
+        ------
+        InputError
+            Naming the quantity, its value and what is allowed.
+        """
+
+    # Words.
+
+    @property
+    def title(self) -> str:
+        """What the pad is called in a sentence."""
+        return f"{self.name} pad"
+
+    def mark(self, block: PadBlock, scale: float) -> str:
+        """One line for drawing and pour sheet, empty for a slab; ``scale`` is the cold cavity's over the pad's."""
+        return ""
+
+    def casting_notes(self, block: PadBlock) -> tuple[tuple[str, str], ...]:
+        """Further warnings of the mould as (code, message), beyond those of relief, pockets, bone and layers."""
+        return ()
+
+    # Parameters as they are typed.
+
+    @classmethod
+    def parameter_names(cls) -> tuple[str, ...]:
+        """Names of the parameters as typed, in their order."""
+        return tuple(item.name.removesuffix("_mm") for item in fields(cls))
+
+    @classmethod
+    def needed(cls) -> tuple[str, ...]:
+        """Names of the parameters without a default."""
+        return tuple(item.name.removesuffix("_mm") for item in fields(cls) if item.default is MISSING)
+
+    @classmethod
+    def of(cls, parameters: Mapping[str, float]) -> Self:
+        """The shape with parameters by their typed names."""
+        long = {item.name.removesuffix("_mm"): item.name for item in fields(cls)}
+        return cls(**{long[name]: float(value) for name, value in parameters.items()})
+
+    @property
+    def parameters(self) -> tuple[tuple[str, float], ...]:
+        """Names and values of the parameters, as typed."""
+        return tuple((item.name.removesuffix("_mm"), float(getattr(self, item.name))) for item in fields(self))
+
+    def __str__(self) -> str:
+        # All digits, and nothing that is its default: what is printed is read back as the same shape.
+        named = dict(zip((item.name for item in fields(self)), self.parameters))
+        listed = ",".join(f"{name}={_digits(value)}" for key, (name, value) in named.items() if not self._implied(key))
+        return f"{self.name}:{listed}" if listed else self.name
+
+    def _implied(self, key: str) -> bool:
+        """Whether a parameter has the value that it takes when it is not typed."""
+        value = getattr(self, key)
+        return value == type(self).__dataclass_fields__[key].default
+
+    # The design box: what a search tries, and the numbers of a response table.
+
+    @classmethod
+    def candidates(cls, thickness_mm: Array, radius_mm: float) -> tuple[Array, dict[str, Array]]:
+        """Pads in practical steps that a search tries: thicknesses and parameters by name, all of shape (M,).
+
+        Parameters
+        ----------
+        thickness_mm : ndarray, shape (n,)
+            Thicknesses that may be taken. [mm]
+        radius_mm : float
+            Radius of the circle of the punch's area. [mm]
+        """
+        none = np.zeros(0)
+        return none, dict.fromkeys(cls.parameter_names(), none)
+
+    @classmethod
+    def in_proportion(cls, k: Array) -> dict[str, Array]:
+        """Factors of the parameters that change when the thickness changes by ``k``; the others stay."""
+        return {}
+
+    @classmethod
+    def numbers(cls, parameters: Mapping[str, Array], thickness_mm: Array, radius_mm: Array) -> Array:
+        """The numbers that ``similarity`` names, shape (n, k).
+
+        Parameters
+        ----------
+        parameters : mapping
+            By their typed names, broadcast with the rest.
+        thickness_mm, radius_mm : ndarray, shape (n,)
+            Of pad and punch. [mm]
+        """
+        raise NotImplementedError(f"{cls.name} has no response table")
+
+    @property
+    def tabulated(self) -> bool:
+        """Whether the kind's response table may hold this shape."""
+        return self.similarity is not None and self.axisymmetric
+
+    def check_tabulated(self) -> None:
+        """Refuse a shape of other proportions than those that the kind's table is made for.
+
+        Raises
+        ------
+        InputError
+            Naming what the table holds.
+        """
+
+    @classmethod
+    def digits(cls, name: str) -> int:
+        """Decimals in which a parameter is drawn and cast: tenths of a millimetre, ratios in hundredths."""
+        return 2 if name.endswith("ratio") else 1
+
+    def rounded(self) -> Self:
+        """The shape as it is drawn and cast."""
+        return self.of({name: round(value, self.digits(name)) for name, value in self.parameters})
+
+
+def _digits(value: float) -> str:
+    """Shortest text that is read back as the same number."""
+    return repr(float(value)).removesuffix(".0")

@@ -1,0 +1,108 @@
+"""A rigid bone under a flat top."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from dummydesign.core.errors import InputError
+from dummydesign.geometry.limits import (
+    BAR_END_GAP_MM,
+    STEEPEST_BONE_DEG,
+    THINNEST_COVER_MM,
+    check_flag,
+    check_inside,
+    check_left,
+)
+from dummydesign.geometry.shapes.base import Array
+from dummydesign.geometry.shapes.block import PadBlock
+from dummydesign.geometry.shapes.conic_profile import FOOT_SHARES, ConicProfile, wall_slope
+from dummydesign.geometry.shapes.similarity import Similarity, grid
+
+# Heights of bones that are tried, over the thickness.
+BONE_SHARES = np.linspace(0.2, 0.7, 6)
+# How far a tabulated bone's radius may lie from that of the sphere with its height and foot.
+SPHERE_WITHIN = 0.05
+
+
+@dataclass(frozen=True)
+class Boned(ConicProfile):
+    """A rigid conic dome on the base, under a flat top: apex radius, height, foot radius (0: that of a sphere).
+
+    With ``bar`` = 1 it is a bar with that profile along the whole length.
+    """
+
+    name: ClassVar[str] = "boned"
+    order: ClassVar[int] = 4
+    closed_form: ClassVar[str] = ", less the bone by the conic's integral"
+    open_mould_only: ClassVar[str] = "the bone of a boned pad hangs from a plate on an open mould"
+    told: ClassVar[frozenset[str]] = frozenset({"bone_air"})
+    similarity: ClassVar[Similarity | None] = Similarity(
+        ("thickness over punch radius", "bone height over thickness", "foot over punch radius"),
+        (True, False, True), "slab",
+    )  # fmt: skip
+    bar: float = 0.0
+
+    @property
+    def along(self) -> bool:
+        """A bar runs along the length."""
+        return bool(self.bar)
+
+    def bone_mm(self, x_mm: Array, y_mm: Array) -> Array:
+        """How far the bone reaches above the base."""
+        return self.height_mm - self.sag_mm(x_mm, y_mm)
+
+    def ends(self, block: PadBlock) -> tuple[float, float]:
+        """The bar ends a little before the drafted walls."""
+        slope = wall_slope(block)
+        return block.length_mm / 2 + slope * (block.thickness_mm - self.height_mm) - BAR_END_GAP_MM, slope
+
+    def bone_volume_mm3(self, block: PadBlock) -> float:
+        """Volume of dome or bar."""
+        return self.volume_mm3(block)
+
+    def check(self, thickness_mm: float, length_mm: float = 150.0, width_mm: float = 120.0) -> None:
+        """Refuse bones that are too steep for the mesh and covers too thin to last."""
+        check_flag("bar", self.bar)
+        self.conic.check("bone", STEEPEST_BONE_DEG)
+        check_left("bone", self.height_mm, thickness_mm, THINNEST_COVER_MM)
+        check_inside("bone", self.foot_mm, width_mm if self.bar else min(length_mm, width_mm))
+
+    def mark(self, block: PadBlock, scale: float) -> str:
+        """Tip, height, foot and the gel over it."""
+        what = "bar along the length" if self.bar else "dome"
+        return (
+            f"bone, a {what}: tip radius {self.radius_mm:g}, height {self.height_mm:g}, foot at {self.foot_mm:.4g} "
+            f"mm; {self.least_gel_mm(block):g} mm of gel over it"
+        )
+
+    def casting_notes(self, block: PadBlock) -> tuple[tuple[str, str], ...]:
+        """A bar ends before the walls."""
+        if not self.bar:
+            return ()
+        return (("bar_ends", f"the bar ends {BAR_END_GAP_MM:g} mm before the walls: a film of gel covers its ends"),)
+
+    @classmethod
+    def candidates(cls, thickness_mm: Array, radius_mm: float) -> tuple[Array, dict[str, Array]]:
+        """Spherical domes of a height and a foot."""
+        h, share, foot = grid(thickness_mm, BONE_SHARES, FOOT_SHARES)
+        height, foot = np.round(share * h, 1), np.round(foot * radius_mm, 1)
+        return h, {"radius": np.round((foot**2 + height**2) / (2.0 * height), 1), "height": height, "foot": foot}
+
+    @classmethod
+    def numbers(cls, parameters: Mapping[str, Array], thickness_mm: Array, radius_mm: Array) -> Array:
+        """h / a, c / h and b / a."""
+        columns = (thickness_mm / radius_mm, parameters["height"] / thickness_mm, parameters["foot"] / radius_mm)
+        return np.stack(np.broadcast_arrays(*columns), axis=-1)
+
+    def check_tabulated(self) -> None:
+        """The table is of spherical domes."""
+        sphere = (self.foot_mm**2 + self.height_mm**2) / (2.0 * self.height_mm)
+        if abs(self.radius_mm / sphere - 1.0) > SPHERE_WITHIN:
+            raise InputError(
+                f"bone radius = {self.radius_mm:g} mm is not near {sphere:.4g} mm, that of a sphere with its "
+                f"height and foot, for which the table is made; use --fidelity {self.fidelity}"
+            )

@@ -1,0 +1,107 @@
+"""A crown, or a ridge, on a flat pad."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from dummydesign.geometry.limits import STEEPEST_TOP_DEG, THINNEST_GEL_MM, check_flag, check_inside, check_left
+from dummydesign.geometry.shapes.base import Array
+from dummydesign.geometry.shapes.block import PadBlock
+from dummydesign.geometry.shapes.conic_profile import FOOT_SHARES, ConicProfile, wall_slope
+from dummydesign.geometry.shapes.similarity import Similarity, grid
+
+# Crowns that are tried: height over thickness, and R c / b^2, by which a cap is a point (0.1) or blunt (0.65).
+HEIGHT_SHARES = np.linspace(0.2, 0.74, 10)
+POINTEDNESS = np.array([0.1, 0.14, 0.19, 0.25, 0.32, 0.4, 0.48, 0.56, 0.65])
+
+
+@dataclass(frozen=True)
+class Crowned(ConicProfile):
+    """A conic top over a flat pad: apex radius, height of the crown, foot radius (0: that of a sphere).
+
+    With ``ridge`` = 1 the profile is a cylinder's: it runs along the whole length and varies across the width.
+    """
+
+    name: ClassVar[str] = "crowned"
+    order: ClassVar[int] = 1
+    usage: ClassVar[str] = "crowned:RADIUS,HEIGHT[,FOOT]"
+    closed_form: ClassVar[str] = ", its crown by the conic's integral"
+    told: ClassVar[frozenset[str]] = frozenset({"curved_master", "thickness_varies"})
+    similarity: ClassVar[Similarity | None] = Similarity(
+        ("thickness over punch radius", "crown height over thickness", "foot over punch radius", "R c / b^2"),
+        (True, False, True, True), "tip", depth_over_height=True,
+    )  # fmt: skip
+    ridge: float = 0.0
+
+    @property
+    def along(self) -> bool:
+        """A ridge runs along the length."""
+        return bool(self.ridge)
+
+    @property
+    def flat_top(self) -> bool:
+        """A crown is touched gradually."""
+        return False
+
+    @property
+    def relief_mm(self) -> float:
+        """The crown's height."""
+        return self.height_mm
+
+    @property
+    def tip_radius_mm(self) -> float:
+        """The apex radius."""
+        return self.radius_mm
+
+    @property
+    def sharp_edge(self) -> str:
+        """An edge rounded under a ridge would leave a notch at its ends."""
+        return "a ridge must be 0: its ends run out in the walls" if self.ridge else ""
+
+    def drop_mm(self, x_mm: Array, y_mm: Array) -> Array:
+        """How far the crown has fallen."""
+        return self.sag_mm(x_mm, y_mm)
+
+    def ends(self, block: PadBlock) -> tuple[float, float]:
+        """The ridge meets the end walls, which lean outwards from the flat of the tested face."""
+        slope = wall_slope(block)
+        return block.length_mm / 2 - slope * self.face_height_mm(block), slope
+
+    def top_volume_mm3(self, block: PadBlock) -> float:
+        """Volume of crown or ridge."""
+        return self.volume_mm3(block)
+
+    def check(self, thickness_mm: float, length_mm: float = 150.0, width_mm: float = 120.0) -> None:
+        """Refuse tips, slopes and rests that cannot be cast."""
+        check_flag("ridge", self.ridge)
+        self.conic.check("crown", STEEPEST_TOP_DEG)
+        check_left("crown", self.height_mm, thickness_mm, THINNEST_GEL_MM)
+        check_inside("crown", self.foot_mm, width_mm if self.ridge else min(length_mm, width_mm))
+
+    def mark(self, block: PadBlock, scale: float) -> str:
+        """Tip, height and foot."""
+        what = "ridge along the length" if self.ridge else "crown"
+        return (
+            f"{what}: tip radius {self.radius_mm:g}, height {self.height_mm:g}, foot at {self.foot_mm:.4g} mm from "
+            f"the middle{'; edges of the tested face stay sharp' if self.ridge else ''}"
+        )
+
+    @classmethod
+    def candidates(cls, thickness_mm: Array, radius_mm: float) -> tuple[Array, dict[str, Array]]:
+        """Round crowns."""
+        h, share, foot, point = grid(thickness_mm, HEIGHT_SHARES, FOOT_SHARES, POINTEDNESS)
+        height, foot = np.round(share * h, 1), np.round(foot * radius_mm, 1)
+        return h, {"radius": np.round(point * foot**2 / height, 1), "height": height, "foot": foot}
+
+    @classmethod
+    def numbers(cls, parameters: Mapping[str, Array], thickness_mm: Array, radius_mm: Array) -> Array:
+        """h / a, c / h, b / a and R c / b^2."""
+        radius, height, foot = (parameters[name] for name in ("radius", "height", "foot"))
+        columns = (
+            thickness_mm / radius_mm, height / thickness_mm, foot / radius_mm, radius * height / foot**2
+        )  # fmt: skip
+        return np.stack(np.broadcast_arrays(*columns), axis=-1)

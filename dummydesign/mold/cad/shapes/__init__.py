@@ -1,0 +1,54 @@
+"""What each shape adds to the drafted block of a pad: one module a shape with ``SOLIDS``, found by the shape's name.
+
+Shapes whose tested face is flat and that have no bone need no module.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+from dummydesign.core.errors import InputError
+from dummydesign.geometry.shapes import PadShape, part_of
+from dummydesign.mold.model.spec import PadGeometry
+
+ROLE = "SOLIDS"
+
+
+class ShapeSolids(Protocol):
+    """Exact solids of one kind of shape, in the pad's frame: tip on z = 0, free face at z = thickness."""
+
+    def tops(self, pad: PadGeometry) -> list[Any]:
+        """What stands on the flat of the tested face, up to ``pad.face_height_mm``; fused with the block."""
+        ...
+
+    def bone(self, pad: PadGeometry) -> Any:
+        """The rigid bone under the free face, cut out of the gel; asked for when the shape has one."""
+        ...
+
+
+class FlatSolids:
+    """No top and no bone: the block alone."""
+
+    def tops(self, pad: PadGeometry) -> list[Any]:
+        """Nothing."""
+        return []
+
+    def bone(self, pad: PadGeometry) -> Any:
+        """None."""
+        return None
+
+
+def solids_of(shape: PadShape) -> ShapeSolids:
+    """The solids of a shape.
+
+    Raises
+    ------
+    InputError
+        For a shape with a top or a bone that has no module here.
+    """
+    found = part_of(shape.name, ROLE, __name__)
+    if found is not None:
+        return found
+    if shape.relief_mm or shape.bone_height_mm:
+        raise InputError(f"shape {shape.name} has no solids: the mould cannot be built; predict can press it")
+    return FlatSolids()

@@ -9,6 +9,7 @@ from typing import Any
 
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.geometry.interface import BASES, CONDITIONS, FRICTION, Interface
+from dummydesign.geometry.shapes import Slab, read_shape, shape_kinds
 from dummydesign.measurement.campaign import Campaign, PadSpec, PunchSpec, Trial
 from dummydesign.measurement.campaign_checks import check_against_declared, check_set
 from dummydesign.measurement.campaign_lines import CampaignLines
@@ -113,6 +114,21 @@ def _section(data: dict[str, Any], name: str) -> dict[str, Any]:
     return table
 
 
+def _refuse_shaped(text: str, where: str) -> None:
+    """Say of a pad with a shape of its own what can be done with it instead."""
+    kinds = shape_kinds()
+    name = text.partition(":")[0].lower()
+    if name not in kinds or name == Slab.name:
+        return
+    shape = read_shape(text) if ":" in text else None
+    command = f"predict --shape {shape} --fidelity {shape.fidelity}" if shape else f"predict --shape {name}:.."
+    title = shape.title if shape else f"{name} pad"
+    raise InputError(
+        f"{where}: shape = '{text}' is a {title}; the loop is for slabs and cylinders (pucks); compare its traces with "
+        f"'dummydesign {command}'"
+    )
+
+
 def _pad(data: dict[str, Any], place: CampaignLines) -> PadSpec:
     table = _section(data, "pad")
 
@@ -123,6 +139,7 @@ def _pad(data: dict[str, Any], place: CampaignLines) -> PadSpec:
     resin = table.get("resin")
     if young is None and resin is None:
         raise InputError(f"{place.section('pad')}: [pad] needs young_kPa_nominal, or resin and ratio")
+    _refuse_shaped(str(table.get("shape", "")), place.section("pad", "shape"))
     shape = _choice(table, "shape", place.section("pad", "shape"), ("slab", "cylinder"), "slab")
     diameter = number("diameter_mm", 2.0, 500.0)
     if shape == "cylinder" and diameter is None:

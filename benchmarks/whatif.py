@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from dummydesign.design.sweep.executors import open_executor
+from dummydesign.design.sweep.live_data import live_data
 from dummydesign.design.sweep.rows_file import RowsFile, settings_of
 from dummydesign.design.sweep.run import Study, tasks_of, whatif
 from dummydesign.report.whatif import write_whatif
@@ -51,7 +52,7 @@ def main() -> None:
             whatif(THOUSAND, file=RowsFile(place, THOUSAND, settings_of(THOUSAND, resin, None), False))
 
         print(f"the same with its file: {fastest(repeats, filed):.3f} s")
-        report = fastest(repeats, lambda: write_whatif(place, THOUSAND, rows, resin, None, []))
+        report = fastest(repeats, lambda: write_whatif(place, THOUSAND, rows, resin, None, live_data(resin, None), []))
         print(f"its report: {report:.3f} s")
     tasks = len(list(tasks_of(MANY, resin)))
     one = fastest(1, lambda: whatif(MANY))

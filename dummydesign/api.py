@@ -114,7 +114,10 @@ def suggest(
     result = {"inputs": inputs, **found.to_dict(), "safety": safety.to_dict(), "files": {}}
     if folder is None:
         return Answer(found, result)
+    from dummydesign.design.curves import suggestion_curves
     from dummydesign.report.suggest import write_suggestion
+
+    curves = suggestion_curves(found)
 
     try:
         if cad:
@@ -122,7 +125,7 @@ def suggest(
 
             result = with_mould(result, found, folder)
     finally:
-        result["files"] |= write_suggestion(folder, found, result, safety)
+        result["files"] |= write_suggestion(folder, found, result, curves, safety)
     return Answer(found, result)
 
 
@@ -248,6 +251,7 @@ def _work_out(
             found = work_out(study, executor=executor)
         return Rows(study, tuple(found["rows"]), found["seconds"], inputs, tuple(found["warnings"]), sources)
     from dummydesign.core.files import output_folder
+    from dummydesign.design.sweep.live_data import live_data
     from dummydesign.design.sweep.rows_file import RowsFile, settings_of
     from dummydesign.report.whatif import write_whatif
 
@@ -257,7 +261,8 @@ def _work_out(
         kept = len(file.rows)
         found = work_out(study, executor=executor, file=file)
     rows, warnings = found["rows"], found["warnings"]
-    files = {"rows": str(file.path), **write_whatif(folder, study, rows, resin, sites, warnings)}
+    page = write_whatif(folder, study, rows, resin, sites, live_data(resin, sites), warnings)
+    files = {"rows": str(file.path), **page}
     return Rows(study, tuple(rows), found["seconds"], inputs, tuple(warnings), sources, kept, files)
 
 

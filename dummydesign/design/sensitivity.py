@@ -1,4 +1,4 @@
-"""What a report shows of a suggestion: its curves, what they are held against, and how it reacts to errors."""
+"""How the recommended pad reacts to what is not exact: thickness, weighing, modulus, relaxation, one at a time."""
 
 from __future__ import annotations
 
@@ -18,21 +18,11 @@ from dummydesign.design.scoring.presses import (
     press_to_depth,
     steady_depth,
 )
-from dummydesign.design.search.slabs import THICKNESS_MM, Candidate
 
 if TYPE_CHECKING:
     from dummydesign.design.suggestion import Suggestion
 
-FORCE_GRID_N = np.r_[np.linspace(0.1, 5.0, 25), np.linspace(5.25, 15.0, 40)]
-THICKNESS_GRID_MM = np.linspace(*THICKNESS_MM, 55)
-EXPONENT_AT_N = (5.0, 10.0, 15.0)
 JUDGED_N, FAST_MM_S, SLOW_MM_S = 10.0, 250.0, 10.0
-
-
-def steady_curve(candidate: Candidate) -> NDArray:
-    """Depth of a design at :data:`FORCE_GRID_N` of steady force; NaN out of reach. [mm]"""
-    slabs = candidate.evaluation.slabs.take(np.array([candidate.index]))
-    return steady_depth(slabs, FORCE_GRID_N, SLOW_MM_S)[0]
 
 
 def ratio_error(answer: Suggestion) -> float:
@@ -45,21 +35,6 @@ def ratio_error(answer: Suggestion) -> float:
     if varied <= 0.0 or rest <= 0.0:
         return 0.0
     return float(answer.best.ratio * ((1.0 + error / varied) / (1.0 - error / rest) - 1.0))
-
-
-def exponent_over_thickness(answer: Suggestion, law: ForceLaw) -> NDArray:
-    """Local exponent d ln F / d ln x at :data:`EXPONENT_AT_N`, ratio as recommended; (thickness, force).
-
-    NaN at thicknesses that the law does not hold.
-    """
-    held = np.asarray(law.depth_limit_mm(THICKNESS_GRID_MM, RADIUS_MM)) > 0.0
-    curves = make_curves(law, THICKNESS_GRID_MM[held], RADIUS_MM)
-    slab = np.arange(int(held.sum()))
-    area = np.array(EXPONENT_AT_N) / answer.resin.young_MPa(answer.best.ratio)
-    depth = curves.depth_at(slab, np.broadcast_to(area, (len(slab), len(area))))
-    exponent = np.full((len(held), len(area)), np.nan)
-    exponent[held] = curves.slope_at(slab, depth) * depth / area
-    return exponent
 
 
 @dataclass(frozen=True)

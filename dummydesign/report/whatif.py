@@ -39,7 +39,13 @@ Rows = list[dict[str, Any]]
 
 
 def write_whatif(
-    folder: Path, study: Study, rows: Rows, resin: Resin, tissue: Tissue | None, warnings: list[dict[str, str]]
+    folder: Path,
+    study: Study,
+    rows: Rows,
+    resin: Resin,
+    tissue: Tissue | None,
+    data: dict[str, Any],
+    warnings: list[dict[str, str]],
 ) -> dict[str, str]:
     """Write the report of a study into a folder; see :func:`dummydesign.report.html.page.write_report`.
 
@@ -51,10 +57,12 @@ def write_whatif(
         In the study's order.
     resin : Resin
     tissue : Tissue or None
+    data : dict
+        What the live page computes from, see :func:`dummydesign.design.sweep.live_data.live_data`.
     warnings : list of {code, message}
     """
     sections = [
-        live_section(resin, tissue, _start(study, rows)),
+        live_section(data, resin, tissue, _start(study, rows)),
         _thickness(study, rows),
         *_map(study, rows),
         _table(study, rows),

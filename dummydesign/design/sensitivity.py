@@ -52,7 +52,7 @@ def reactions(answer: Suggestion, law: ForceLaw) -> list[Reaction]:
     ratio, thickness, young = best.ratio, best.thickness_mm, resin.young_MPa(best.ratio)
     beta = np.array([term.beta for term in resin.prony(ratio)])
     ends = [np.array([getattr(arm.beta, end) / arm.beta.value for arm in resin.arms]) for end in ("low", "high")]
-    smallest, largest = getattr(law, "ratio_range", (1e-6, 1e6))
+    smallest, largest = law.ratio_range
     thin = np.clip([thickness - tolerance, thickness + tolerance], RADIUS_MM / largest, RADIUS_MM / smallest)
     curves = make_curves(law, [thickness, *thin], RADIUS_MM)
     off = ratio_error(answer)

@@ -16,6 +16,7 @@ from dummydesign.design.search.best_of_kinds import Chosen, Found, choose
 from dummydesign.design.search.resolved_by_fem import ElementsLaw, solve_leading
 from dummydesign.design.search.space import SearchSpace
 from dummydesign.geometry.shapes import Slab
+from dummydesign.pad.tables.punch import circle_of
 
 CALIBRATED = "designed with a calibration: its correction rests on the campaign, the table below it on elements"
 
@@ -70,7 +71,7 @@ def _verify(chosen: Chosen, space: SearchSpace) -> Verification:
     if chosen.shape != Slab():
         text = f"{chosen.shape} was designed by its response table; predict --fidelity 3d solves it in minutes"
         return not_verified(text)
-    law = getattr(law, "circle", law)
+    law = circle_of(law)
     depth = best.evaluation.depth_mm[best.index, : len(FORCES_N)]
     depth = depth[np.isfinite(depth)]
     table = make_curves(law, [best.thickness_mm], space.radius_mm)

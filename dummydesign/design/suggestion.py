@@ -77,7 +77,7 @@ class Suggestion:
     @property
     def force_law(self) -> str:
         """Where the elastic forces come from, in words; empty for a law of the user's own."""
-        made_by = getattr(self.law, "provenance", {}).get("command", "")
+        made_by = self.law.provenance.get("command", "")
         return f"response table of {self.shape.name} pads, made by {made_by}" if made_by else ""
 
     def to_dict(self) -> dict[str, Any]:

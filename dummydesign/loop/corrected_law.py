@@ -9,11 +9,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.loop.calibration import Calibration
 from dummydesign.loop.model.base_law import SlabLaw
+from dummydesign.pad.force_law import BaseForceLaw
 from dummydesign.pad.tables.slab import load_table
 
 
 @dataclass(frozen=True)
-class CorrectedLaw:
+class CorrectedLaw(BaseForceLaw):
     """Static force of slabs with a calibration's effects of the pad and its law error; offers what a table offers.
 
     Effects of the rig and the sensor are left out: they are of the laboratory. Effects that depend on a state of

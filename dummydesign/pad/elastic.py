@@ -13,6 +13,7 @@ from dummydesign.core.errors import InputError, NoAnswerError, unknown_name
 from dummydesign.geometry.interface import BASES
 from dummydesign.geometry.shapes import Slab
 from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS, PAD_EXTENT_MM
+from dummydesign.pad.force_law import AtThickness, ForceLaw
 from dummydesign.pad.material.hyperelastic import Yeoh
 
 if TYPE_CHECKING:
@@ -43,13 +44,19 @@ def elastic_curve(
     deepest_mm: float | None,
     depths_mm: Array | None,
     progress: Callable[[float], None] | None,
+    force_law: ForceLaw | None = None,
 ) -> ElasticCurve:
     """Long-term force as a function of depth, by the table or solved by finite elements.
 
-    ``deepest_mm`` None asks for the whole valid range; ``depths_mm`` are met exactly by a solve.
+    ``deepest_mm`` None asks for the whole valid range; ``depths_mm`` are met exactly by a solve. A ``force_law``
+    takes the place of the response table (fidelity ``table``), whatever the pad is.
     """
     if fidelity not in FIDELITIES:
         raise unknown_name("fidelity", fidelity, FIDELITIES)
+    if force_law is not None:
+        if fidelity != "table":
+            raise InputError(f"fidelity = {fidelity} solves the pad; a force law of one's own goes with table")
+        return _by_law(pad, force_law)
     if fidelity in ("3d", "viscoelastic") and pad.base.startswith("friction"):
         raise InputError(f"base = {pad.base} is not solved by fidelity {fidelity}; use --fidelity axisymmetric")
     if fidelity == "3d":
@@ -123,7 +130,6 @@ def _in_table(pad: Pad) -> bool:
 
 
 def _by_table(pad: Pad) -> ElasticCurve:
-    from dummydesign.pad.solve.continuation import NOTHING
     from dummydesign.pad.tables.slab import load_table
 
     law = "neo-hookean" if pad.shape == Yeoh(1.0) else type(pad.shape).__name__.lower()
@@ -135,15 +141,14 @@ def _by_table(pad: Pad) -> ElasticCurve:
     ):
         if value != held:
             raise InputError(f"{name} = {value} is not in the table (only {held}); add --fidelity axisymmetric")
-    table = load_table(pad.base) if pad.geometry == Slab() else _shape_law(pad)
-    args = (pad.thickness_mm, pad.radius_mm)
-    limit = float(table.depth_limit_mm(*args))
-    return ElasticCurve(
-        lambda depth: table.force(depth, pad.thickness_mm, pad.young_MPa, pad.radius_mm),
-        lambda depth: table.relative_error(np.clip(depth, 0.0, limit), *args),
-        limit,
-        dict(NOTHING),
-    )
+    return _by_law(pad, load_table(pad.base) if pad.geometry == Slab() else _shape_law(pad))
+
+
+def _by_law(pad: Pad, law: ForceLaw) -> ElasticCurve:
+    from dummydesign.pad.solve.continuation import NOTHING
+
+    at = AtThickness(law, pad.thickness_mm, pad.young_MPa, pad.radius_mm)
+    return ElasticCurve(at.force, at.relative_error, at.limit_mm, dict(NOTHING), law.notes)
 
 
 def _shape_law(pad: Pad) -> ShapeLaw:

@@ -14,6 +14,7 @@ from dummydesign.geometry.interface import BASES
 from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS, PAD_EXTENT_MM
 from dummydesign.measurement.motion import Motion
 from dummydesign.pad.elastic import ElasticCurve, elastic_curve
+from dummydesign.pad.force_law import ForceLaw
 from dummydesign.pad.material.relaxation import relaxed_force
 from dummydesign.pad.pad import SLAB, Pad
 from dummydesign.pad.tables.separability import allowance
@@ -64,8 +65,9 @@ class MotionPrediction(_Prediction):
 
 
 def predict_static(
-    pad: Pad, depth_mm: Sequence[float], fidelity: str = "table", progress: Callable[[float], None] | None = None
-) -> StaticPrediction:
+    pad: Pad, depth_mm: Sequence[float], fidelity: str = "table", progress: Callable[[float], None] | None = None,
+    force_law: ForceLaw | None = None,
+) -> StaticPrediction:  # fmt: skip
     """Long-term force at static depths.
 
     Parameters
@@ -75,6 +77,8 @@ def predict_static(
         Depths >= 0 within the validity of the model. [mm]
     fidelity : str
         ``table`` (bonded or sliding base, glued punch, neo-Hookean) or ``axisymmetric`` (solved now).
+    force_law : ForceLaw, optional
+        Takes the place of the response table.
 
     Raises
     ------
@@ -88,7 +92,7 @@ def predict_static(
     depth = np.asarray(depth_mm, dtype=float)
     if depth.ndim != 1 or not len(depth) or not np.isfinite(depth).all():
         raise InputError(f"depth_mm = {depth_mm} must be a list of finite numbers")
-    curve = elastic_curve(pad, fidelity, float(depth.max()), depth, progress)
+    curve = elastic_curve(pad, fidelity, float(depth.max()), depth, progress, force_law)
     _check_depth(depth, curve, pad)
     force, error = curve.force(depth), curve.relative_error(depth)
     step = 1e-4 * pad.thickness_mm
@@ -100,8 +104,9 @@ def predict_static(
 
 
 def predict_motion(
-    pad: Pad, motion: Motion, fidelity: str = "table", progress: Callable[[float], None] | None = None
-) -> MotionPrediction:
+    pad: Pad, motion: Motion, fidelity: str = "table", progress: Callable[[float], None] | None = None,
+    force_law: ForceLaw | None = None,
+) -> MotionPrediction:  # fmt: skip
     """Force along a motion: elastic force of the depth, convolved with the Prony terms.
 
     F(t) = integral of (1 + sum beta_i exp(-(t - s) / tau_i)) dF_inf(d(s)); the pad does not pull, so the
@@ -109,8 +114,8 @@ def predict_motion(
     force is followed within them.
 
     A finite-strain pad is not separable: how far its force may lie from this one was measured (see
-    ``quick_error``) and widens ``force_low_N`` and ``force_high_N``. With fidelity ``viscoelastic`` the
-    motion is solved at finite strain, and the force is multiplied by the ratio found (``viscoelastic_ratio``).
+    ``separability``) and widens ``force_low_N`` and ``force_high_N``. With fidelity ``viscoelastic`` the
+    motion is solved at finite strain, and the force is multiplied by the ratio found (``finite_strain_ratio``).
 
     Raises
     ------
@@ -120,7 +125,7 @@ def predict_motion(
     deepest = float(np.max(motion.displacement_mm))
     if deepest <= 0.0:
         raise InputError(f"largest displacement_mm = {deepest:.4g} never reaches the pad; compression is positive")
-    curve = elastic_curve(pad, fidelity, deepest, None, progress)
+    curve = elastic_curve(pad, fidelity, deepest, None, progress, force_law)
     _check_depth(motion.displacement_mm, curve, pad)
     time, place, keep = _divide(motion, 0.005 * pad.thickness_mm)
     elastic = curve.force(place)
@@ -207,12 +212,14 @@ def _check_depth(depth: Array, curve: ElasticCurve, pad: Pad) -> None:
     worst, limit = float(np.max(depth)), curve.limit_mm
     if worst <= limit * (1.0 + 1e-9):
         return
-    reason = "; ".join(curve.notes) or "beyond it the pad model is not validated"
+    # A solve may have ended early and says so; a law holds as far as it says.
+    stopped = bool(curve.notes) and curve.solver["unknowns"] > 0
+    reason = "; ".join(curve.notes) if stopped else "beyond it the pad model is not validated"
     message = (
         f"depth_mm = {worst:.4g} is outside the allowed range 0 to {limit:.4g} "
         f"(d/h = {limit / pad.thickness_mm:.3g} for a pad of {pad.thickness_mm:g} mm); {reason}"
     )
-    if curve.notes and worst <= MAX_DEPTH_OVER_THICKNESS * pad.thickness_mm * (1.0 + 1e-9):
+    if stopped and worst <= MAX_DEPTH_OVER_THICKNESS * pad.thickness_mm * (1.0 + 1e-9):
         raise NoAnswerError("no_convergence", message)
     raise InputError(message)
 

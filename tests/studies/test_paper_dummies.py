@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError
+from dummydesign.pad.force_law import BaseForceLaw
 from dummydesign.pad.material.relaxation import PronyTerm
 from dummydesign.studies.paper_dummies import presses as study
 from dummydesign.studies.paper_dummies.statements import bow, half_time_s, statements
@@ -16,7 +17,7 @@ from dummydesign.tissue.model.tissue_file import load_tissue
 PRONY = (PronyTerm(0.05, 0.8), PronyTerm(1.0, 0.3))
 
 
-class CubicLaw:
+class CubicLaw(BaseForceLaw):
     """Force E a d (d / h)^2 C: a slab that follows the tissue's own law."""
 
     def force(self, depth_mm, thickness_mm, young_MPa, radius_mm):

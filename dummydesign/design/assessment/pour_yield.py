@@ -167,7 +167,7 @@ def _inside(
 ) -> NDArray:
     """Whether each pour is inside the steady-state range at each force, shape (pours, forces)."""
     # a pad thinner or thicker than the law knows is taken at the law's end
-    smallest, largest = getattr(law, "ratio_range", (1e-6, 1e6))
+    smallest, largest = law.ratio_range
     thickness = np.clip(thickness, radius_mm / largest, radius_mm / smallest)
     low, high = float(thickness.min()), float(thickness.max())
     nodes = np.linspace(low, high, NODES) if high > low else np.array([low])

@@ -113,7 +113,7 @@ def design_warnings(
         share, exact = 100 * pour.yield_fraction, 100 * pour.making_only_fraction
         text = f"{share:.0f} % of pours stay in the steady-state range"
         said.append(("low_yield", f"{text} ({exact:.0f} % if the resin's numbers were exact)"))
-    said += [("calibration", note) for note in getattr(chosen.law, "notes", ())]
+    said += [("calibration", note) for note in chosen.law.notes]
     missed = [force for force in FORCES_N if force not in pour.judged_at_N]
     if missed:
         where = " and ".join(f"{force:g}" for force in missed)

@@ -3,30 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.measurement.motion import DECELERATION_MM_S2, Motion, ramp_and_hold
+from dummydesign.pad.force_law import ForceLaw
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
 
 DEPTH_SHARE = 0.6
 """Largest depth over thickness that is designed for, as in the contract of the commands."""
 
 SAMPLES = 481
-
-
-class ForceLaw(Protocol):
-    """What a response table offers: elastic force of a slab and how deep it may be trusted."""
-
-    def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: float) -> NDArray:
-        """Elastic force [N]; all arguments broadcast."""
-        ...
-
-    def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: float) -> NDArray:
-        """Depth to which the law holds [mm]."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -86,7 +74,7 @@ def make_curves(law: ForceLaw, thickness_mm: ArrayLike, radius_mm: float, depth_
     Parameters
     ----------
     law : ForceLaw
-        Response table, or anything with the same two methods.
+        Response table, or any other of that contract.
     thickness_mm : array_like, shape (T,)
         Thicknesses inside the law's range. [mm]
     radius_mm : float

@@ -19,13 +19,14 @@ from dummydesign.design.search.shape_family import ShapeLaw
 from dummydesign.design.search.shapes import LOW_SHARE, Shaped
 from dummydesign.design.search.slabs import search
 from dummydesign.design.search.space import SearchSpace
+from dummydesign.pad.force_law import BaseForceLaw
 
 DEPTH_SHARES = np.linspace(0.04, 1.0, 16)
 SOLVED = 3
 
 
 @dataclass(frozen=True)
-class ElementsLaw:
+class ElementsLaw(BaseForceLaw):
     """Force law of one cast shape: its table times the elements' force over the table's, at the pad's own thickness.
 
     Attributes
@@ -44,7 +45,7 @@ class ElementsLaw:
     error: NDArray
 
     def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: float) -> NDArray:
-        """Elastic force; see :class:`dummydesign.design.scoring.presses.ForceLaw`. [N]"""
+        """Elastic force; see :class:`dummydesign.pad.force_law.ForceLaw`. [N]"""
         factor = np.exp(np.interp(depth_mm, self.depth_mm, self.log_factor))
         return factor * self.table.force(depth_mm, thickness_mm, young_MPa, radius_mm)
 

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.geometry.shapes import PadShape, make_shape
+from dummydesign.pad.force_law import BaseForceLaw
 
 
 @dataclass(frozen=True)
@@ -74,8 +75,8 @@ class Family(Protocol):
 
 
 @dataclass(frozen=True)
-class ShapeLaw:
-    """Force law (:class:`~dummydesign.design.scoring.presses.ForceLaw`) of one shape on pads near its own thickness.
+class ShapeLaw(BaseForceLaw):
+    """Force law (:class:`~dummydesign.pad.force_law.ForceLaw`) of one shape on pads near its own thickness.
 
     Without ``cast`` the shape's heights go in proportion with the thickness, as in a study of thickness. With it
     they stay: a pad poured too thick from one mould has the same top on a thicker base.

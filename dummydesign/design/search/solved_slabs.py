@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.pad.force_law import BaseForceLaw
 
 if TYPE_CHECKING:
     from dummydesign.pad.pad import Pad
@@ -73,7 +74,7 @@ class SolvedSlab:
 
 
 @dataclass(frozen=True)
-class SolvedLaw:
+class SolvedLaw(BaseForceLaw):
     """Elastic force of solved slabs, F = E a d exp(p(d / h)) with a polynomial p a thickness.
 
     Attributes

@@ -201,8 +201,6 @@ def _limits(slabs: Slabs, depth: NDArray, forces: Sequence[float]) -> list[str |
 def _errors(task: Task, slabs: Slabs, depth: NDArray, law: ForceLaw) -> NDArray:
     """Largest numerical error of the forces that are reached, shape (D,); NaN when the law states none. [%]"""
     known = np.isfinite(depth)
-    if not hasattr(law, "relative_error"):
-        return np.full(len(depth), np.nan)
     error = law.relative_error(np.where(known, depth, 0.0), slabs.thickness_mm[:, None], task.radius_mm)
     largest = np.where(known, error, -np.inf).max(axis=-1)
     return 100.0 * np.where(np.isfinite(largest), largest, np.nan)

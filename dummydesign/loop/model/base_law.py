@@ -71,14 +71,8 @@ class SlabLaw:
         """F / E [mm2]; beyond the table's depth its last stiffness F / d goes on (see :meth:`limit`)."""
         thickness = np.asarray(thickness_mm, float)
         ratio = np.clip(self.radius_mm / thickness, *self.table.ratio_range)
-        low, high = np.log(self.table.ratio_range)
-        across = np.polynomial.chebyshev.chebvander(
-            2.0 * (np.log(ratio[..., 0]) - low) / (high - low) - 1.0, self.table.coefficients.shape[1] - 1
-        )
-        series = (across @ self.table.coefficients.T).T[..., None]
-        start, stop = self.table.depth_range
-        share = np.clip(depth_mm / thickness, start, self.table.depth_limit(ratio))
-        value = _clenshaw(2.0 * (share - start) / (stop - start) - 1.0, series)
+        share = np.clip(depth_mm / thickness, self.table.depth_range[0], self.table.depth_limit(ratio))
+        value = self.table.log_secant(share, ratio)
         factor = square_over_circle(depth_mm, thickness, self.radius_mm, self.table.base) if self.square else 1.0
         return factor * self.radius_mm * np.maximum(depth_mm, 0.0) * np.exp(value)
 
@@ -86,14 +80,6 @@ class SlabLaw:
         """Largest depth the table knows. [mm]"""
         ratio = np.clip(self.radius_mm / np.asarray(thickness_mm, float), *self.table.ratio_range)
         return self.table.depth_limit(ratio) * thickness_mm
-
-
-def _clenshaw(u: NDArray, series: NDArray) -> NDArray:
-    """Chebyshev sum with coefficients (terms, T, 1) at points (T, N)."""
-    later, last = np.zeros_like(u), np.zeros_like(u)
-    for coefficient in series[:0:-1]:
-        later, last = 2.0 * u * later - last + coefficient, later
-    return u * later - last + series[0]
 
 
 @dataclass(frozen=True)

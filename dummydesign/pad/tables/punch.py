@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from functools import partial
 
 from dummydesign.core.errors import InputError
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
-    from dummydesign.design.scoring.presses import ForceLaw
+from dummydesign.pad.force_law import ForceLaw, TimesFactor
+from dummydesign.pad.tables.square import square_factor
 
 FORMS = "square:SIDE, rectangle:AxB or round:DIAMETER, sizes in mm"
 
@@ -48,40 +44,23 @@ def _read(text: str) -> tuple[str, list[float]]:
     return name, sizes
 
 
-@dataclass(frozen=True)
-class SquareLaw:
-    """Force law of a glued square punch: that of the circle of its area times the square's factor."""
+class SquareLaw(TimesFactor):
+    """Force law of a glued square punch: that of the circle of its area times the square's factor.
 
-    circle: ForceLaw
-    base: str
+    Parameters
+    ----------
+    circle : ForceLaw
+    base : str
+        ``bonded`` or ``sliding``.
+    """
 
-    def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: float) -> NDArray:
-        """Elastic force; see :class:`dummydesign.design.scoring.presses.ForceLaw`. [N]"""
-        from dummydesign.pad.tables.square import square_factor
+    def __init__(self, circle: ForceLaw, base: str) -> None:
+        super().__init__(circle, partial(square_factor, base=base))
 
-        factor, _ = square_factor(depth_mm, thickness_mm, radius_mm, self.base)
-        return factor * self.circle.force(depth_mm, thickness_mm, young_MPa, radius_mm)
 
-    def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: float) -> NDArray:
-        """Depth to which the circle's law holds. [mm]"""
-        return self.circle.depth_limit_mm(thickness_mm, radius_mm)
-
-    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: float) -> NDArray:
-        """Error of the force over the force: the circle's and the factor's."""
-        from dummydesign.pad.tables.square import square_factor
-
-        _, error = square_factor(depth_mm, thickness_mm, radius_mm, self.base)
-        return error + self.circle.relative_error(depth_mm, thickness_mm, radius_mm)
-
-    @property
-    def ratio_range(self) -> tuple[float, float]:
-        """Range of radius over thickness, where the circle's law has one."""
-        return getattr(self.circle, "ratio_range", (1e-6, 1e6))
-
-    @property
-    def provenance(self) -> dict[str, Any]:
-        """Where the circle's law comes from."""
-        return getattr(self.circle, "provenance", {})
+def circle_of(law: ForceLaw) -> ForceLaw:
+    """The law of the circle of the punch's area, under a square's factor or by itself."""
+    return law.law if isinstance(law, SquareLaw) else law
 
 
 def punch_law(circle: ForceLaw, punch: str, base: str = "bonded") -> ForceLaw:

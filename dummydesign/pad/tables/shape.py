@@ -21,6 +21,7 @@ from dummydesign.core.datafiles import data_folder
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
 from dummydesign.geometry.shapes import PadShape, Similarity, shape_kinds
 from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS
+from dummydesign.pad.force_law import BaseForceLaw
 from dummydesign.pad.tables.response_surface import Response
 from dummydesign.pad.tables.slab import ResponseTable, load_table
 
@@ -127,7 +128,7 @@ class ShapeTable:
         return np.hypot(np.interp(at, levels, self.error), np.interp(at, levels, self.solve_error))
 
 
-class ShapeLaw:
+class ShapeLaw(BaseForceLaw):
     """Force law of one shape (lengths fixed in mm) at any thickness and punch radius the table holds.
 
     Parameters
@@ -194,6 +195,10 @@ class ShapeLaw:
         beyond = np.where(x > limit * (1.0 + 1e-9), np.nan, 1.0)
         touching = np.where(d > 0.0, 1.0, 0.0)
         return base * factor * beyond * touching, (steep + base * bend) * factor * beyond * touching
+
+    def stiffness(self, depth_mm: Array, thickness_mm: Array, young_MPa: Array, radius_mm: Array) -> Array:
+        """Tangent stiffness dF/dd; arguments as for :meth:`force`. [N/mm]"""
+        return self.force_and_stiffness(depth_mm, thickness_mm, young_MPa, radius_mm)[1]
 
     def local_exponent(self, depth_mm: Array, thickness_mm: Array, radius_mm: Array) -> Array:
         """d ln F / d ln d at depths above 0."""

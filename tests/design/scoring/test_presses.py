@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves, press_to_depth, steady_depth
+from dummydesign.pad.force_law import BaseForceLaw
 
 RADIUS = 7.9
 
 
-class Linear:
+class Linear(BaseForceLaw):
     """F = E (100 mm) d, whatever the thickness."""
 
     def force(self, depth_mm, thickness_mm, young_MPa, radius_mm):

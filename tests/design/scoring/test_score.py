@@ -8,10 +8,11 @@ from dummydesign.design.scoring.presses import Press, Sampling, Slabs, make_curv
 from dummydesign.design.scoring.score import WEIGHTS, evaluate, steady_gamma1
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.measurement.motion import ramp_and_hold
+from dummydesign.pad.force_law import BaseForceLaw
 from tests.support.slab_by_formula import make_tissue
 
 
-class Cubic:
+class Cubic(BaseForceLaw):
     """F = E (1 / mm) d^3 / 1 mm2: with E in MPa a pad whose gamma1 in N/mm3 is E."""
 
     def force(self, depth_mm, thickness_mm, young_MPa, radius_mm):

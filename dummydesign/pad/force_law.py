@@ -1,0 +1,195 @@
+"""The contract of a force law: long-term elastic force of pads over depth, how deep it holds and how sure it is.
+
+A law is asked for many pads at once: depth, thickness, modulus and punch radius broadcast. A curve is a law at one
+pad. Laws of one's own inherit :class:`BaseForceLaw`, give ``force`` and ``depth_limit_mm``, and go wherever a
+response table goes: ``predict_static(..., force_law=...)``, ``whatif(..., law=...)``, ``suggest(..., law=...)``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+NOTHING_KNOWN: Mapping[str, Any] = MappingProxyType({})
+ANY_RATIO = (1e-6, 1e6)
+# Step of the difference that stands for a derivative, over the thickness.
+SLOPE_STEP = 1e-4
+
+Factor = Callable[[ArrayLike, ArrayLike, ArrayLike], tuple[NDArray, NDArray]]
+"""Factor on a force and its relative error, at depths, thicknesses and punch radii (broadcast). [mm]"""
+
+
+@runtime_checkable
+class ForceLaw(Protocol):
+    """What every force law offers."""
+
+    @property
+    def ratio_range(self) -> tuple[float, float]:
+        """Smallest and largest punch radius over thickness that the law answers."""
+        ...
+
+    @property
+    def provenance(self) -> Mapping[str, Any]:
+        """How it was made (``command``, ...); empty where it has none of its own."""
+        ...
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader of its forces must know."""
+        ...
+
+    def force(
+        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
+    ) -> NDArray:
+        """Elastic force; zero above the surface, NaN or held beyond the law's depth. All broadcast. [N]"""
+        ...
+
+    def stiffness(
+        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
+    ) -> NDArray:
+        """Tangent stiffness dF/dd; arguments as for :meth:`force`. [N/mm]"""
+        ...
+
+    def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
+        """Depth to which the law holds. [mm]"""
+        ...
+
+    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
+        """Stated error of the force over the force; NaN where none is stated."""
+        ...
+
+
+class BaseForceLaw:
+    """What a law is that says nothing else: any ratio, no provenance, no stated error, stiffness by differences."""
+
+    ratio_range: tuple[float, float] = ANY_RATIO
+    provenance: Mapping[str, Any] = NOTHING_KNOWN
+    notes: tuple[str, ...] = ()
+
+    def force(
+        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
+    ) -> NDArray:
+        """Elastic force; see :class:`ForceLaw`. [N]"""
+        raise NotImplementedError
+
+    def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
+        """Depth to which the law holds. [mm]"""
+        raise NotImplementedError
+
+    def stiffness(
+        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
+    ) -> NDArray:
+        """Tangent stiffness by a central difference, one-sided at both ends of the law's depths. [N/mm]"""
+        depth, step = np.asarray(depth_mm, float), SLOPE_STEP * np.asarray(thickness_mm, float)
+        low = np.maximum(depth - step, 0.0)
+        high = np.minimum(np.maximum(depth, 0.0) + step, self.depth_limit_mm(thickness_mm, radius_mm))
+        high = np.maximum(high, low + 1e-3 * step)
+        above, below = (self.force(at, thickness_mm, young_MPa, radius_mm) for at in (high, low))
+        return np.where(depth > 0.0, (above - below) / (high - low), 0.0)
+
+    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
+        """NaN: no error is stated."""
+        shape = np.broadcast_shapes(np.shape(depth_mm), np.shape(thickness_mm), np.shape(radius_mm))
+        return np.full(shape, np.nan)
+
+
+@dataclass(frozen=True)
+class TimesFactor(BaseForceLaw):
+    """A law times a factor that states its own error; the errors add up, all else is the law's.
+
+    Attributes
+    ----------
+    law : ForceLaw
+    factor : callable
+        See ``Factor``.
+    """
+
+    law: ForceLaw
+    factor: Factor
+
+    def force(
+        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
+    ) -> NDArray:
+        """Elastic force; see :class:`ForceLaw`. [N]"""
+        factor, _ = self.factor(depth_mm, thickness_mm, radius_mm)
+        return factor * self.law.force(depth_mm, thickness_mm, young_MPa, radius_mm)
+
+    def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
+        """Depth to which the law holds. [mm]"""
+        return self.law.depth_limit_mm(thickness_mm, radius_mm)
+
+    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
+        """Error of the force over the force: the law's and the factor's."""
+        _, error = self.factor(depth_mm, thickness_mm, radius_mm)
+        return error + self.law.relative_error(depth_mm, thickness_mm, radius_mm)
+
+    @property
+    def ratio_range(self) -> tuple[float, float]:  # type: ignore[override]
+        """The law's range of radius over thickness."""
+        return self.law.ratio_range
+
+    @property
+    def provenance(self) -> Mapping[str, Any]:  # type: ignore[override]
+        """Where the law comes from."""
+        return self.law.provenance
+
+    @property
+    def notes(self) -> tuple[str, ...]:  # type: ignore[override]
+        """The law's notes."""
+        return self.law.notes
+
+
+class ForceCurve(Protocol):
+    """A force law at one pad: a function of depth alone."""
+
+    @property
+    def limit_mm(self) -> float:
+        """Depth to which it holds. [mm]"""
+        ...
+
+    def force(self, depth_mm: NDArray) -> NDArray:
+        """Elastic force. [N]"""
+        ...
+
+    def relative_error(self, depth_mm: NDArray) -> NDArray:
+        """Stated error of the force over the force."""
+        ...
+
+
+@dataclass(frozen=True)
+class AtThickness:
+    """One pad of a force law: its force as a function of depth alone.
+
+    Attributes
+    ----------
+    law : ForceLaw
+    thickness_mm, young_MPa, radius_mm : float
+        Of the pad and of the punch. [mm, MPa, mm]
+    """
+
+    law: ForceLaw
+    thickness_mm: float
+    young_MPa: float
+    radius_mm: float
+
+    @property
+    def limit_mm(self) -> float:
+        """Depth to which the law holds on this pad. [mm]"""
+        return float(np.squeeze(self.law.depth_limit_mm(self.thickness_mm, self.radius_mm)))
+
+    def force(self, depth_mm: NDArray) -> NDArray:
+        """Elastic force. [N]"""
+        return self.law.force(depth_mm, self.thickness_mm, self.young_MPa, self.radius_mm)
+
+    def stiffness(self, depth_mm: NDArray) -> NDArray:
+        """Tangent stiffness dF/dd. [N/mm]"""
+        return self.law.stiffness(depth_mm, self.thickness_mm, self.young_MPa, self.radius_mm)
+
+    def relative_error(self, depth_mm: NDArray) -> NDArray:
+        """Stated error of the force over the force; outside the law's depths that of the nearest end."""
+        return self.law.relative_error(np.clip(depth_mm, 0.0, self.limit_mm), self.thickness_mm, self.radius_mm)

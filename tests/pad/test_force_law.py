@@ -1,0 +1,150 @@
+"""One contract for every force law: a toy law goes wherever the response table goes, and all laws keep it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from dummydesign.core.errors import InputError
+from dummydesign.design.search.resolved_by_fem import ElementsLaw
+from dummydesign.design.search.shape_family import ShapeLaw as FamilyShapeLaw
+from dummydesign.design.search.solved_slabs import SolvedLaw
+from dummydesign.design.sweep.run import whatif
+from dummydesign.design.sweep.spec import Study
+from dummydesign.geometry.shapes import read_shape
+from dummydesign.loop.corrected_law import CorrectedLaw
+from dummydesign.measurement.motion import ramp_and_hold
+from dummydesign.pad.force_law import AtThickness, BaseForceLaw, ForceLaw, TimesFactor
+from dummydesign.pad.material.relaxation import PronyTerm
+from dummydesign.pad.predict import Pad, predict_motion, predict_static
+from dummydesign.pad.tables.punch import SquareLaw, circle_of
+from dummydesign.pad.tables.shape import ShapeLaw
+from dummydesign.pad.tables.slab import ResponseTable, load_table
+from dummydesign.pad.tables.square import square_factor
+
+RADIUS = 7.9
+MEMBERS = ("force", "stiffness", "depth_limit_mm", "relative_error", "ratio_range", "provenance", "notes")
+
+
+@dataclass(frozen=True)
+class Foam(BaseForceLaw):
+    """F = 20 E pi a^2 (d/h)^2 / (1 - d/h): springs under the punch alone, all known in closed form."""
+
+    notes = ("foam",)
+
+    def force(self, depth_mm, thickness_mm, young_MPa, radius_mm):
+        x = np.maximum(np.asarray(depth_mm, float) / thickness_mm, 0.0)
+        return 20.0 * np.asarray(young_MPa, float) * np.pi * np.asarray(radius_mm, float) ** 2 * x**2 / (1.0 - x)
+
+    def depth_limit_mm(self, thickness_mm, radius_mm):
+        return 0.5 * np.asarray(thickness_mm, float)
+
+
+def depth_of(force_N, thickness_mm, young_MPa, radius_mm):
+    """Depth of the foam at a force: the root of x^2 + q x - q = 0, q = F / (20 E pi a^2)."""
+    q = force_N / (20.0 * young_MPa * np.pi * radius_mm**2)
+    return thickness_mm * 0.5 * (np.sqrt(q**2 + 4.0 * q) - q)
+
+
+def laws():
+    """One of each law that can be had without a solve."""
+    table = load_table()
+    depth = np.linspace(0.5, 5.0, 10)
+    solved = SolvedLaw(RADIUS, {10.0: (1.0, 0.3)}, {10.0: 5.0}, {10.0: (depth, np.full(10, 1e-3))}, ())
+    crowned = read_shape("crowned:radius=20,height=3")
+    return {
+        "table": table,
+        "square": SquareLaw(table, "bonded"),
+        "crowned": ShapeLaw(crowned),
+        "solved": solved,
+        "toy": Foam(),
+        "times": TimesFactor(Foam(), lambda d, h, a: (np.full(np.shape(d), 2.0), np.full(np.shape(d), 0.1))),
+    }
+
+
+@pytest.mark.parametrize("name", ["table", "square", "crowned", "solved", "toy", "times"])
+def test_a_law_offers_every_member_and_its_stiffness_is_the_slope_of_its_force(name):
+    law = laws()[name]
+    assert isinstance(law, ForceLaw)
+    assert np.shape(law.relative_error(np.array([1.0, 2.0]), 10.0, RADIUS)) == (2,)
+    depth, step = np.array([0.8, 2.0, 3.1]), 1e-3
+    slope = (law.force(depth + step, 10.0, 0.03, RADIUS) - law.force(depth - step, 10.0, 0.03, RADIUS)) / (2.0 * step)
+    assert law.stiffness(depth, 10.0, 0.03, RADIUS) == pytest.approx(slope, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    "kind", [ResponseTable, ShapeLaw, FamilyShapeLaw, SolvedLaw, SquareLaw, ElementsLaw, CorrectedLaw]
+)
+def test_no_law_of_the_package_lacks_a_member(kind):
+    own = set(dir(kind)) | set(getattr(kind, "__dataclass_fields__", ()))
+    assert [name for name in MEMBERS if name not in own] == []
+
+
+def test_stiffness_by_differences_is_the_derivative_inside_and_at_both_ends():
+    depth = np.array([1e-3, 1.0, 3.0, 5.0])
+    x = depth / 10.0
+    exact = 20.0 * 0.03 * np.pi * RADIUS**2 / 10.0 * (2.0 * x - x**2) / (1.0 - x) ** 2
+    found = Foam().stiffness(depth, 10.0, 0.03, RADIUS)
+    assert found[1:3] == pytest.approx(exact[1:3], rel=1e-6)
+    assert found[3] == pytest.approx(exact[3], rel=1e-3)
+    assert 0.0 < found[0] < exact[1] and Foam().stiffness(0.0, 10.0, 0.03, RADIUS) == 0.0
+
+
+def test_a_toy_law_is_predicted_with():
+    pad = Pad(10.0, 0.03, RADIUS)
+    depth = np.array([1.0, 2.5, 4.9])
+    found = predict_static(pad, depth, force_law=Foam())
+    assert found.force_N == pytest.approx(Foam().force(depth, 10.0, 0.03, RADIUS), rel=1e-12)
+    assert found.local_exponent == pytest.approx(1.0 + 1.0 / (1.0 - depth / 10.0), rel=1e-4)
+    assert found.notes == ("foam",)
+    with pytest.raises(InputError, match="outside the allowed range 0 to 5"):
+        predict_static(pad, [5.1], force_law=Foam())
+    with pytest.raises(InputError, match="a force law of one's own goes with table"):
+        predict_static(pad, [1.0], "axisymmetric", force_law=Foam())
+
+
+def test_a_toy_law_relaxes_to_its_static_force():
+    pad = Pad(10.0, 0.03, RADIUS, (PronyTerm(0.05, 1.0),))
+    found = predict_motion(pad, ramp_and_hold(100.0, 3.0, 10.0), force_law=Foam())
+    assert found.steady_force_N == pytest.approx(float(Foam().force(3.0, 10.0, 0.03, RADIUS)), rel=1e-6)
+    assert found.peak_force_N > 1.2 * found.steady_force_N
+
+
+def test_a_toy_law_is_scored_by_a_study():
+    study = Study((8.0, 12.0), (15.0,), (("round:15.8", RADIUS),), tissue="palm")
+    rows = whatif(study, law=Foam())["rows"]
+    for row in rows:
+        young = 1e-3 * row["young_kPa"]
+        for force in (1.0, 15.0):
+            wanted = depth_of(force, row["thickness_mm"], young, RADIUS)
+            assert wanted < 0.5 * row["thickness_mm"]
+            assert row["depth_mm_at_N"][f"{force:g}"] == pytest.approx(wanted, rel=1e-4)
+        assert row["force_error_percent"] is None
+        assert row["score"] is not None
+
+
+def test_factors_multiply_forces_and_add_errors():
+    table, depth = load_table(), np.array([1.0, 2.0])
+    law = SquareLaw(table, "bonded")
+    factor, error = square_factor(depth, 10.0, RADIUS)
+    assert np.array_equal(law.force(depth, 10.0, 0.03, RADIUS), factor * table.force(depth, 10.0, 0.03, RADIUS))
+    assert np.array_equal(law.relative_error(depth, 10.0, RADIUS), error + table.relative_error(depth, 10.0, RADIUS))
+    assert (law.ratio_range, law.provenance) == (table.ratio_range, table.provenance)
+    assert circle_of(law) is table and circle_of(table) is table
+
+
+def test_a_curve_is_its_law_at_one_pad():
+    curve = AtThickness(load_table(), 10.0, 0.03, RADIUS)
+    depth = np.array([0.5, 3.0])
+    assert np.array_equal(curve.force(depth), load_table().force(depth, 10.0, 0.03, RADIUS))
+    assert curve.limit_mm == pytest.approx(float(load_table().depth_limit_mm(10.0, RADIUS)))
+    end = curve.relative_error(np.array([curve.limit_mm]))
+    assert np.array_equal(curve.relative_error(np.array([2.0 * curve.limit_mm])), end)
+
+
+def test_the_series_of_one_slab_is_that_of_the_table():
+    table = load_table()
+    ratio, x = np.array([[0.4], [0.79], [2.2]]), np.linspace(0.0, 0.4, 9) * np.ones((3, 1))
+    assert table.log_secant(x, ratio) == pytest.approx(table.log_stiffness(x, ratio)[0], rel=1e-12)

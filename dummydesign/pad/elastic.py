@@ -108,8 +108,8 @@ def _in_space(
     if pad.sides_mm is None:
         raise InputError("fidelity = 3d is for square and rectangular punches; a round one is solved by axisymmetric")
     h = pad.thickness_mm
-    sides, slab = (tuple(0.5 * side / h for side in pair) for pair in (pad.sides_mm, pad.slab_mm))
-    block = Block(sides, slab, pad.base, pad.condition)
+    (a, b), (length, width) = pad.sides_mm, pad.slab_mm
+    block = Block((0.5 * a / h, 0.5 * b / h), (0.5 * length / h, 0.5 * width / h), pad.base, pad.condition)
     curve = _by_elements(pad, deepest_mm, depths_mm, progress)
     if curve.notes and _tabulated(pad):
         # The table averages over many neighbouring solves and reaches where a single one may stop.
@@ -141,7 +141,8 @@ def _by_table(pad: Pad) -> ElasticCurve:
     ):
         if value != held:
             raise InputError(f"{name} = {value} is not in the table (only {held}); add --fidelity axisymmetric")
-    return _by_law(pad, load_table(pad.base) if pad.geometry == Slab() else _shape_law(pad))
+    table: ForceLaw = load_table(pad.base) if pad.geometry == Slab() else _shape_law(pad)
+    return _by_law(pad, table)
 
 
 def _by_law(pad: Pad, law: ForceLaw) -> ElasticCurve:
@@ -267,7 +268,7 @@ def _shape_in_space(
     grid, _ = _depth_grid(pad, deepest_mm, depths_mm)
     if depths_mm is None:
         grid = grid[1::2]
-    punch = pad.radius_mm if pad.sides_mm is None else tuple(0.5 * side for side in pad.sides_mm)
+    punch = pad.radius_mm if pad.sides_mm is None else (0.5 * pad.sides_mm[0], 0.5 * pad.sides_mm[1])
     inputs = {"pad": replace(pad, young_MPa=1.0, prony=()), "depth": grid}
     more: dict[str, Any] = {"base": pad.base, "poisson": pad.poisson, "slab_mm": pad.slab_mm, "law": pad.shape}
     args = (pad.geometry, pad.thickness_mm, punch, 1.0, grid, pad.condition)

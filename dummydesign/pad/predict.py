@@ -138,8 +138,8 @@ def predict_motion(
             raise InputError(f"fidelity = viscoelastic is for slabs; shape {pad.geometry} is solved by axisymmetric")
         from dummydesign.pad.slab.finite_strain_ratio import ratio_error
 
-        ratio, cost = _finite_strain_ratio(pad, motion, progress)
-        force, below = force * ratio, ratio_error(cost["rim_over_scale"]) * viscous
+        over, cost = _finite_strain_ratio(pad, motion, progress)
+        force, below = force * over, ratio_error(cost["rim_over_scale"]) * viscous
         above = below
         solver = cost | {name: solver[name] + cost[name] for name in ("load_steps", "newton_iterations", "seconds")}
     else:

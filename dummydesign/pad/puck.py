@@ -165,7 +165,7 @@ def solve_puck(
     diameter_mm: float,
     height_mm: float,
     young_MPa: float,
-    compression_mm: Sequence[float],
+    compression_mm: Sequence[float] | Array,
     *,
     plates: str = "frictionless",
     poisson: float = 0.5,

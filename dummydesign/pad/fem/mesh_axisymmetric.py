@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -155,7 +156,9 @@ def discretise(
 _SIDES = ((4, 0, 1), (5, 1, 2), (6, 2, 3), (7, 3, 0))
 
 
-def _to_quarter(mesh: object, quads: Array, centre: Array) -> Array:
+def _to_quarter(mesh: Any, quads: Array, centre: Array | None) -> Array:
+    if centre is None:
+        raise ValueError("quarter points need a centre")
     places = mesh.doflocs.copy()
     corner = places[:, centre[0]][:, None]
     at_centre = np.zeros(places.shape[1], dtype=bool)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 
 from dummydesign.pad.fem.mixed_solid import Discretisation
@@ -56,7 +59,7 @@ def extrude(points: Array, quads: Array, z: Array) -> object:
     return MeshHex(places, np.stack([v.ravel() for v in vertices]), validate=False)
 
 
-def discretise(mesh: object, bend: object = None) -> Discretisation:
+def discretise(mesh: Any, bend: Callable[[Array], Array] | None = None) -> Discretisation:
     """Build the triquadratic discretisation of a mesh of hexahedra, pressure linear in each.
 
     Parameters

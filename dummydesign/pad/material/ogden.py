@@ -72,7 +72,8 @@ class Ogden:
 
     def _slope(self, c: Array) -> Array:
         """w'(c), c = l^2."""
-        return sum(0.5 * m * c ** (0.5 * a - 1.0) for m, a in zip(self.mu_MPa, self.alpha))
+        parts = (0.5 * m * c ** (0.5 * a - 1.0) for m, a in zip(self.mu_MPa, self.alpha))
+        return sum(parts, np.zeros_like(c))
 
     def _divided(self, x: Array, y: Array) -> Array:
         """(w'(x) - w'(y)) / (x - y), w''(x) where they are equal."""

@@ -117,7 +117,8 @@ class Viscoelastic:
         self.isochoric = Isochoric(law)
         self._arms: list[Array] | None = None
         self._last: Array | float = 0.0
-        self._strength, self._history = 0.0, None
+        self._strength = 0.0
+        self._history: Array | None = None
         self._factors: list[tuple[float, float]] = []
 
     @property
@@ -139,14 +140,15 @@ class Viscoelastic:
         self._strength = sum(jump for _, jump in self._factors)
         self._history = None
         if self._arms is not None:
-            self._history = sum(d * Q for (d, _), Q in zip(self._factors, self._arms)) - self._strength * self._last
+            carried = sum(d * Q for (d, _), Q in zip(self._factors, self._arms))
+            self._history = np.asarray(carried - self._strength * self._last)
 
     def commit(self, F: Array) -> None:
         """Accept F as the state at the end of the step."""
         if not self.prony:
             return
         now = self.isochoric.second_piola(F)
-        old = self._arms or [0.0] * len(self.prony)
+        old = self._arms or [np.zeros(())] * len(self.prony)
         self._arms = [d * Q + j * (now - self._last) for (d, j), Q in zip(self._factors, old)]
         self._last = now
 

@@ -247,7 +247,7 @@ def solve_shaped_pad(
     thickness_mm: float,
     radius_mm: float,
     young_MPa: float,
-    depth_mm: Sequence[float],
+    depth_mm: Sequence[float] | Array,
     condition: str = "bonded",
     *,
     base: str = "bonded",

@@ -95,7 +95,7 @@ def solve_shaped_block(
     thickness_mm: float,
     punch: tuple[float, float] | float,
     young_MPa: float,
-    depth_mm: Sequence[float],
+    depth_mm: Sequence[float] | Array,
     condition: str = "bonded",
     *,
     offset_mm: tuple[float, float] = (0.0, 0.0),

@@ -66,7 +66,8 @@ class Limit:
     def log_stiffness(self, depth: Array, ratio: Array) -> Array:
         """ln s0 at relative depths and a / h (broadcast)."""
         u, v = _coordinates(depth, ratio, self.depth_range, self.ratio_range)
-        return np.polynomial.chebyshev.chebval2d(*np.broadcast_arrays(u, v), self.coefficients)
+        u, v = np.broadcast_arrays(u, v)
+        return np.polynomial.chebyshev.chebval2d(u, v, self.coefficients)
 
     def error(self, depth: Array, ratio: float) -> Array:
         """Relative error at depths of one a / h: mesh, uncertain correction of the best rim, scatter near by."""

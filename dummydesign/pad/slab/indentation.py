@@ -159,7 +159,7 @@ def solve_shaped(
     punch: ProfilePunch,
     thickness_mm: float,
     young_MPa: float,
-    depth_mm: Sequence[float],
+    depth_mm: Sequence[float] | Array,
     reach_mm: float,
     condition: str = "frictionless",
     *,

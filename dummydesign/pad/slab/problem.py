@@ -180,7 +180,8 @@ def first_stiffness(slab: Slab, law: Law, poisson: float = 0.5, resolution: Reso
 
 
 def normalise(
-    thickness_mm: float, length_mm: float, young_MPa: float, depth_mm: Sequence[float], poisson: float, law: Law | None
+    thickness_mm: float, length_mm: float, young_MPa: float, depth_mm: Sequence[float] | Array, poisson: float,
+    law: Law | None,
 ) -> tuple[Law, Array, float, float]:
     """Law with unit shear modulus, depths > 0 and a length in thicknesses, and the shear modulus [MPa]."""
     for name, value in (("thickness_mm", thickness_mm), ("radius_mm", length_mm), ("young_MPa", young_MPa)):

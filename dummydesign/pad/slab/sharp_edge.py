@@ -96,7 +96,7 @@ def solve_curve(
     thickness_mm: float,
     radius_mm: float,
     young_MPa: float,
-    depth_mm: Sequence[float],
+    depth_mm: Sequence[float] | Array,
     *,
     base: str = "bonded",
     condition: str = "bonded",
@@ -185,9 +185,9 @@ def _relative_curve(
         raise NoAnswerError("no_convergence", f"the pad could not be solved: {'; '.join(stops[:1]) or 'no depth'}")
     first = np.array([first_stiffness(slab, law, poisson)])
     limit = fit_limit(samples, np.array([slab.radius]), first, (0.0, reached), None, (SERIES_TERMS, 1))
-    notes = ()
+    notes: tuple[str, ...] = ()
     if reached < depths[-1] * (1.0 - 1e-9):
         notes = (f"solved to d/h = {reached:.3f} of {depths[-1]:.3f}: {stops[0]}",)
     kept = depths[depths <= reached * (1.0 + 1e-9)]
-    stiffness = np.exp(limit.log_stiffness(kept, slab.radius))
+    stiffness = np.exp(limit.log_stiffness(kept, np.array(slab.radius)))
     return {"stiffness": stiffness, "error": limit.error(kept, slab.radius), "solver": cost(paths), "notes": notes}

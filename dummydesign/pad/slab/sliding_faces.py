@@ -40,7 +40,7 @@ def solve_flat(
     thickness_mm: float,
     radius_mm: float,
     young_MPa: float,
-    depth_mm: Sequence[float],
+    depth_mm: Sequence[float] | Array,
     condition: str,
     *,
     base: str = "bonded",
@@ -102,11 +102,11 @@ def _solve_ratio(
     rows, paths = [], []
     for rim in RIMS:
         forces = []
-        for face, held in (("bonded", "bonded"), (condition, base)):
+        for face, support in (("bonded", "bonded"), (condition, base)):
             punch = FlatPunch(slab.radius, rim * slab.scale)
             cell = punch.rim / (SLIDING_CELLS if slides else GLUED_CELLS)
             region = Region(max(0.0, slab.radius - 3.0 * punch.rim), slab.radius + 2.0 * punch.rim, cell)
-            problem = indentation_problem(punch, region, slab.extent, law, poisson, held, face, weight=weight)
+            problem = indentation_problem(punch, region, slab.extent, law, poisson, support, face, weight=weight)
             path = follow(problem, depths, 0.1 * punch.rim, 0.05 * slab.scale, 0.002 * slab.scale, progress)
             paths.append(path)
             forces.append(np.concatenate([path.force, np.full(len(depths) - len(path.force), np.nan)]))
@@ -125,7 +125,7 @@ def _solve_ratio(
     error = (SLIDING_ERROR if slides else GLUED_ERROR) + doubt
     if Interface.parse(base, "base", BASES).coulomb is not None:
         error = error + 0.5 * SLIP_SCALE / depths[:count]
-    notes = ()
+    notes: tuple[str, ...] = ()
     if count < len(depths):
         notes = (f"solved to d/h = {depths[count - 1]:.3f} of {depths[-1]:.3f}: {stops[0]}",)
     return {"ratio": ratio, "error": error, "solver": cost(paths), "notes": notes}

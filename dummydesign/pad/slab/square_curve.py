@@ -95,7 +95,7 @@ def solve_factor(
         cells = Cells(corner)
         end = min(deepest, depth_of_corner(block, cells))
         count = max(1, round(end / step))
-        depths = end * np.arange(1, count + 1) / count
+        depths: Array = end * np.arange(1, count + 1) / count
         sharp[corner] = solve_ratios(block, law, poisson, depths, cells, progress)
     beaded: dict[float, Ratios] = {}
     if max(_reach(sharp).values()) < deepest * 0.999:
@@ -134,8 +134,9 @@ def _fitted(sharp: dict[float, Ratios], beaded: dict[float, Ratios], step: float
     solver = {name: sum(run.solver[name] for run in runs) for name in runs[0].solver}
     solver["unknowns"] = max(run.solver["unknowns"] for run in runs)
     own, corrections = solution[:terms], solution[terms:].reshape(2, 2)
-    return FactorCurve(
-        own * longest ** -np.arange(float(terms)), *(corrections / np.array([1.0, longest])), longest, reach,
-        rim_reach, *(float(np.sqrt(np.mean(m**2))) if len(m) else 0.0 for m in (misfit[is_sharp], misfit[~is_sharp])),
-        solver,
-    )  # fmt: skip
+    by_corner, by_rim = corrections / np.array([1.0, longest])
+    scatter, rim_scatter = (
+        float(np.sqrt(np.mean(part**2))) if len(part) else 0.0 for part in (misfit[is_sharp], misfit[~is_sharp])
+    )
+    own = own * longest ** -np.arange(float(terms))
+    return FactorCurve(own, by_corner, by_rim, longest, reach, rim_reach, scatter, rim_scatter, solver)

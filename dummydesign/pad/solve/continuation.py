@@ -182,7 +182,7 @@ def _equilibrium(problem: Problem, u: Array, p: Array, depth: float) -> _Solutio
 @one_blas_thread()
 def follow(
     problem: Problem,
-    depths: Sequence[float],
+    depths: Sequence[float] | Array,
     first_step: float,
     largest_step: float,
     smallest_step: float,

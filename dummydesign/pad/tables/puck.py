@@ -105,12 +105,12 @@ def build(
             plates = "bonded" if np.isinf(friction) else f"friction:{friction:g}"
             law = Ogden([2.0 / alpha], [alpha])
             curve = solve_puck(2.0 * radius_over_height, 1.0, 3.0, COMPRESSIONS, plates=plates, law=law)
-            reached = len(curve.depth_mm)
+            count = len(curve.depth_mm)
             free = 3.0 * area * uniaxial(alpha, curve.depth_mm)
-            log_factor[i, j, :reached] = np.log(curve.force_N / free)
-            log_factor[i, j, reached:] = np.nan
+            log_factor[i, j, :count] = np.log(curve.force_N / free)
+            log_factor[i, j, count:] = np.nan
             seconds = curve.solver["seconds"]
-            print(f"alpha {alpha:g}, {plates}: {reached} of {len(COMPRESSIONS)}, {seconds:.1f} s", flush=True)
+            print(f"alpha {alpha:g}, {plates}: {count} of {len(COMPRESSIONS)}, {seconds:.1f} s", flush=True)
     grips = np.concatenate([[0.0], grip(np.array(frictions))])
     reached = ~np.isnan(log_factor[:, -1]).any(axis=0)
     log_factor, place = log_factor[..., reached], COMPRESSIONS[reached]

@@ -16,6 +16,7 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dummydesign.core.datafiles import data_folder
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
@@ -156,7 +157,7 @@ class ShapeLaw(BaseForceLaw):
         """Whether the table holds the pads (broadcast)."""
         return self.table.inside(ratios(self.shape, thickness_mm, radius_mm))
 
-    def force(self, depth_mm: Array, thickness_mm: Array, young_MPa: Array, radius_mm: Array) -> Array:
+    def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Static force; zero and negative depths carry none, NaN beyond the depth limit. [N]
 
         Parameters
@@ -170,7 +171,7 @@ class ShapeLaw(BaseForceLaw):
         return self.force_and_stiffness(depth_mm, thickness_mm, young_MPa, radius_mm)[0]
 
     def force_and_stiffness(
-        self, depth_mm: Array, thickness_mm: Array, young_MPa: Array, radius_mm: Array
+        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
     ) -> tuple[Array, Array]:
         """Static force [N] and tangent stiffness dF/dd [N/mm]; arguments as for :meth:`force`."""
         d, h, young, a = np.broadcast_arrays(
@@ -196,16 +197,18 @@ class ShapeLaw(BaseForceLaw):
         touching = np.where(d > 0.0, 1.0, 0.0)
         return base * factor * beyond * touching, (steep + base * bend) * factor * beyond * touching
 
-    def stiffness(self, depth_mm: Array, thickness_mm: Array, young_MPa: Array, radius_mm: Array) -> Array:
+    def stiffness(
+        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
+    ) -> Array:
         """Tangent stiffness dF/dd; arguments as for :meth:`force`. [N/mm]"""
         return self.force_and_stiffness(depth_mm, thickness_mm, young_MPa, radius_mm)[1]
 
-    def local_exponent(self, depth_mm: Array, thickness_mm: Array, radius_mm: Array) -> Array:
+    def local_exponent(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """d ln F / d ln d at depths above 0."""
         force, stiffness = self.force_and_stiffness(depth_mm, thickness_mm, 1.0, radius_mm)
         return np.asarray(depth_mm, dtype=float) * stiffness / force
 
-    def depth_limit_mm(self, thickness_mm: Array, radius_mm: Array) -> Array:
+    def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Largest valid depth. [mm]"""
         h, a = np.broadcast_arrays(np.asarray(thickness_mm, dtype=float), np.asarray(radius_mm, dtype=float))
         inputs = ratios(self.shape, h.ravel(), a.ravel())
@@ -215,7 +218,7 @@ class ShapeLaw(BaseForceLaw):
             limit = np.minimum(limit, self._slab.depth_limit(a / h))
         return limit * h
 
-    def relative_error(self, depth_mm: Array, thickness_mm: Array, radius_mm: Array) -> Array:
+    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Error of the force over the force: finite elements and regression."""
         depth, h, a = np.broadcast_arrays(
             *(np.asarray(v, dtype=float) for v in (depth_mm, thickness_mm, radius_mm))
@@ -223,7 +226,9 @@ class ShapeLaw(BaseForceLaw):
         error = self.table.relative_error(depth / h)
         return error if self._slab is None else error + self._slab.relative_error(depth, h, a)
 
-    def depth_at_force(self, force_N: Array, thickness_mm: Array, young_MPa: Array, radius_mm: Array) -> Array:
+    def depth_at_force(
+        self, force_N: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
+    ) -> Array:
         """Depth at which the static force is reached; NaN when out of reach. [mm]"""
         force, h, young, a = np.broadcast_arrays(
             *(np.asarray(v, dtype=float) for v in (force_N, thickness_mm, young_MPa, radius_mm))

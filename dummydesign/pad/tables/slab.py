@@ -12,6 +12,7 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dummydesign.core.datafiles import data_folder
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
@@ -72,7 +73,7 @@ class ResponseTable:
         start, stop = self.depth_range
         return 2.0 * (x - start) / (stop - start) - 1.0, 2.0 * (np.log(ratio) - low) / (high - low) - 1.0
 
-    def log_stiffness(self, x: Array, ratio: Array) -> tuple[Array, Array]:
+    def log_stiffness(self, x: ArrayLike, ratio: ArrayLike) -> tuple[Array, Array]:
         """Return ln s and its derivative with respect to x at relative depth x and a / h (broadcast)."""
         x, ratio = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(ratio, dtype=float))
         u, v = self._coordinates(x, ratio)
@@ -99,7 +100,7 @@ class ResponseTable:
             later, last = 2.0 * u * later - last + coefficient, later
         return u * later - last + series[0]
 
-    def _ratio(self, thickness_mm: Array, radius_mm: Array) -> Array:
+    def _ratio(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         ratio = np.asarray(radius_mm, dtype=float) / np.asarray(thickness_mm, dtype=float)
         low, high = self.ratio_range
         bad = ~((ratio >= low * (1.0 - 1e-9)) & (ratio <= high * (1.0 + 1e-9)))
@@ -114,7 +115,7 @@ class ResponseTable:
             )
         return ratio
 
-    def force(self, depth_mm: Array, thickness_mm: Array, young_MPa: Array, radius_mm: Array) -> Array:
+    def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Static force F = E a d s(d/h, a/h). [N]
 
         Parameters
@@ -132,20 +133,22 @@ class ResponseTable:
         return self.force_and_stiffness(depth_mm, thickness_mm, young_MPa, radius_mm)[0]
 
     def force_and_stiffness(
-        self, depth_mm: Array, thickness_mm: Array, young_MPa: Array, radius_mm: Array
+        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
     ) -> tuple[Array, Array]:
         """Static force [N] and tangent stiffness dF/dd [N/mm]; arguments as for :meth:`force`."""
         ratio = self._ratio(thickness_mm, radius_mm)
-        depth = np.asarray(depth_mm, dtype=float)
-        x = depth / thickness_mm
+        depth, radius = np.asarray(depth_mm, dtype=float), np.asarray(radius_mm, dtype=float)
+        x = depth / np.asarray(thickness_mm, dtype=float)
         value, slope = self.log_stiffness(np.clip(x, *self.depth_range), ratio)
-        unit = np.asarray(young_MPa, dtype=float) * radius_mm * np.exp(value)
+        unit = np.asarray(young_MPa, dtype=float) * radius * np.exp(value)
         touching = np.where(x > 0.0, 1.0, 0.0)
         beyond = np.where(x > self.depth_limit(ratio) * (1.0 + 1e-9), np.nan, 1.0)
         force = unit * np.maximum(depth, 0.0) * beyond
         return force, unit * (1.0 + np.maximum(x, 0.0) * slope) * touching * beyond
 
-    def stiffness(self, depth_mm: Array, thickness_mm: Array, young_MPa: Array, radius_mm: Array) -> Array:
+    def stiffness(
+        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
+    ) -> Array:
         """Tangent stiffness dF/dd; arguments as for :meth:`force`. [N/mm]"""
         return self.force_and_stiffness(depth_mm, thickness_mm, young_MPa, radius_mm)[1]
 
@@ -154,29 +157,31 @@ class ResponseTable:
         """None."""
         return ()
 
-    def local_exponent(self, depth_mm: Array, thickness_mm: Array, radius_mm: Array) -> Array:
+    def local_exponent(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """d ln F / d ln d = 1 + x d(ln s)/dx; 1 at first touch."""
         ratio = self._ratio(thickness_mm, radius_mm)
-        x = np.asarray(depth_mm, dtype=float) / thickness_mm
+        x = np.asarray(depth_mm, dtype=float) / np.asarray(thickness_mm, dtype=float)
         _, slope = self.log_stiffness(np.clip(x, *self.depth_range), ratio)
         return np.where(x > self.depth_limit(ratio) * (1.0 + 1e-9), np.nan, 1.0 + x * slope)
 
-    def depth_limit(self, ratio: Array) -> Array:
+    def depth_limit(self, ratio: ArrayLike) -> Array:
         """Largest valid d / h at a / h."""
         return np.interp(np.log(ratio), np.log(self.limit_ratio), self.limit_depth)
 
-    def depth_limit_mm(self, thickness_mm: Array, radius_mm: Array) -> Array:
+    def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Largest valid depth. [mm]"""
         return self.depth_limit(self._ratio(thickness_mm, radius_mm)) * np.asarray(thickness_mm, dtype=float)
 
-    def relative_error(self, depth_mm: Array, thickness_mm: Array, radius_mm: Array) -> Array:
+    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Numerical error of the force over the force: finite elements plus interpolation."""
         ratio = np.log(self._ratio(thickness_mm, radius_mm))
-        x = np.asarray(depth_mm, dtype=float) / thickness_mm
+        x = np.asarray(depth_mm, dtype=float) / np.asarray(thickness_mm, dtype=float)
         x, ratio = np.broadcast_arrays(x, ratio)
         return between(x, ratio, self.error_depth, np.log(self.error_ratio), self.error)
 
-    def depth_at_force(self, force_N: Array, thickness_mm: Array, young_MPa: Array, radius_mm: Array) -> Array:
+    def depth_at_force(
+        self, force_N: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
+    ) -> Array:
         """Depth at which the static force is reached, by safeguarded Newton steps; NaN when out of reach. [mm]"""
         force, thickness, young, radius = np.broadcast_arrays(
             *(np.asarray(v, dtype=float) for v in (force_N, thickness_mm, young_MPa, radius_mm))

@@ -13,6 +13,7 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dummydesign.core.datafiles import data_folder
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
@@ -26,7 +27,7 @@ SIDE_OVER_RADIUS = float(np.sqrt(np.pi) / 2.0)
 HELD_ERROR = 0.015
 
 
-def combined_depth(depth: Array, ratio: Array) -> Array:
+def combined_depth(depth: ArrayLike, ratio: ArrayLike) -> Array:
     """Depth over thickness times sqrt(1 + (h/a)^2): d/h on thin pads, d/a on thick ones, smooth between."""
     return np.asarray(depth, dtype=float) * np.sqrt(1.0 + 1.0 / np.asarray(ratio, dtype=float) ** 2)
 
@@ -44,7 +45,7 @@ class SquareTable:
     error: Array
     provenance: dict[str, Any]
 
-    def factor(self, depth: Array, ratio: Array) -> tuple[Array, Array]:
+    def factor(self, depth: ArrayLike, ratio: ArrayLike) -> tuple[Array, Array]:
         """Factor and its relative error at d / h and a / h (broadcast)."""
         ratio = np.asarray(ratio, dtype=float)
         y, ratio = np.broadcast_arrays(np.maximum(combined_depth(depth, ratio), 0.0), ratio)
@@ -74,9 +75,10 @@ def load_square(base: str = "bonded") -> SquareTable:
     path = data_folder() / "materials" / "tables" / f"square-{base}.json"
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
-        arrays = {n: np.array(data[n]) for n in ("coefficients", "reach_ratio", "reach_depth", "error_depth", "error")}
-        ranges = {n: tuple(data[n]) for n in ("ratio_range", "depth_range")}
-        return SquareTable(**arrays, **ranges, provenance=data["provenance"])
+        listed = ("coefficients", "reach_ratio", "reach_depth", "error_depth", "error")
+        fields: dict[str, Any] = {name: np.array(data[name]) for name in listed}
+        fields |= {name: tuple(data[name]) for name in ("ratio_range", "depth_range")}
+        return SquareTable(**fields, provenance=data["provenance"])
     except (OSError, ValueError, KeyError) as problem:
         raise NoAnswerError(
             "table_unavailable",
@@ -86,7 +88,7 @@ def load_square(base: str = "bonded") -> SquareTable:
 
 
 def square_factor(
-    depth_mm: Array, thickness_mm: Array, radius_mm: Array, base: str = "bonded"
+    depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike, base: str = "bonded"
 ) -> tuple[Array, Array]:
     """Static force under a glued square punch over that under the round punch of equal area.
 

@@ -1,0 +1,52 @@
+"""The picture of the rooms: what counts as an import, where arrows run, and that none runs upward."""
+
+from __future__ import annotations
+
+import ast
+from collections import Counter
+from pathlib import Path
+from xml.etree import ElementTree
+
+from dummydesign.studies.architecture import ROOMS, House, draw, imported, read_house, room_of, upward
+
+PACKAGE = Path(__file__).parents[2] / "dummydesign"
+
+
+def test_no_room_takes_from_a_layer_above_it():
+    house = read_house(PACKAGE)
+    assert sum(house.imports.values()) > 300
+    assert upward(house) == []
+
+
+def test_every_folder_of_the_package_is_a_room():
+    folders = {path.name for path in PACKAGE.iterdir() if (path / "__init__.py").exists()}
+    assert folders == {name for name, _ in ROOMS} - {"api"}
+
+
+def test_lazy_imports_count_and_type_only_imports_do_not():
+    source = (
+        "from typing import TYPE_CHECKING\n"
+        "import dummydesign.core.files\n"
+        "if TYPE_CHECKING:\n    from dummydesign.cli.entry import run\n"
+        "def f():\n    from dummydesign.pad import predict\n"
+    )
+    assert sorted(imported(ast.parse(source))) == ["dummydesign.core.files", "dummydesign.pad"]
+
+
+def test_an_arrow_to_a_higher_layer_and_one_between_tissue_and_resin_are_upward():
+    imports = Counter({("core", "pad"): 1, ("pad", "core"): 2, ("tissue", "resin"): 1})
+    house = House(Counter(), Counter(), imports)
+    assert upward(house) == [("core", "pad"), ("tissue", "resin")]
+
+
+def test_the_picture_names_every_room_and_every_count():
+    imports = Counter({("cli", "core"): 17})
+    root = ElementTree.fromstring(draw(House(Counter(), Counter(), imports)))
+    words = [element.text for element in root.iter("{http://www.w3.org/2000/svg}text")]
+    assert {name for name, _ in ROOMS} <= set(words) and "17" in words
+
+
+def test_the_front_door_belongs_to_the_calls_for_scripts_and_main_to_the_command_line():
+    assert room_of("dummydesign.answers") == "api"
+    assert room_of("dummydesign.__main__") == "cli"
+    assert room_of("dummydesign.pad.slab.problem") == "pad"

@@ -1,6 +1,6 @@
 """How a Poisson's ratio below 1/2 softens a glued slab.
 
-The table is made by ``python -m dummydesign.pad.tables.compressibility``.
+The table is made by ``python -m dummydesign.studies.tables.compressibility``.
 
 F(nu) / F(1/2) at equal Young's modulus is 1 / (1 + (1 - 2 nu) c): bulk and shear in series. c(a/h, d/h) comes from
 finite elements at nu = 0.48.
@@ -17,11 +17,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.datafiles import data_folder
 from dummydesign.core.errors import NoAnswerError
-from dummydesign.core.files import write_text
 
-POISSON = 0.48
-RATIOS = (0.28, 0.395, 0.527, 0.79, 1.1, 1.58, 2.2, 2.6)
-DEPTHS = (0.02, 0.1, 0.2, 0.3, 0.4, 0.5)
 NAME = "slab-compressibility.json"
 
 
@@ -64,30 +60,5 @@ def load_compressibility() -> CompressibilityTable:
         raise NoAnswerError(
             "table_unavailable",
             f"table {NAME} cannot be read ({type(problem).__name__}); "
-            "rebuild it with: python -m dummydesign.pad.tables.compressibility",
+            "rebuild it with: python -m dummydesign.studies.tables.compressibility",
         ) from None
-
-
-def build() -> dict[str, object]:
-    """Solve the compressible and the incompressible slab at all nodes."""
-    from dummydesign.pad.slab.sharp_edge import solve_curve
-
-    rows = []
-    for ratio in RATIOS:
-        soft, hard = (
-            solve_curve(1.0, ratio, 1.0, DEPTHS, poisson=poisson, extent_mm=ratio + 8.0) for poisson in (POISSON, 0.5)
-        )
-        both, at, under = np.intersect1d(np.round(soft.depth_mm, 6), np.round(hard.depth_mm, 6), return_indices=True)
-        row = (hard.force_N[under] / soft.force_N[at] - 1.0) / (1.0 - 2.0 * POISSON)
-        rows.append([float(f"{c:.5g}") for c in np.interp(DEPTHS, both, row)])
-    return {
-        "meaning": "F(nu) / F(1/2) = 1 / (1 + (1 - 2 nu) coefficient[a/h][d/h]); equal E, glued punch and base",
-        "ratio": list(RATIOS),
-        "depth": list(DEPTHS),
-        "coefficient": rows,
-        "provenance": {"command": "python -m dummydesign.pad.tables.compressibility", "poisson": POISSON},
-    }
-
-
-if __name__ == "__main__":
-    write_text(data_folder() / "materials" / "tables" / NAME, json.dumps(build(), indent=1) + "\n")

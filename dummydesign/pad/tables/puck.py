@@ -1,6 +1,6 @@
 """How much plate friction stiffens a puck: a table over friction, strain stiffening and compression.
 
-``python -m dummydesign.pad.tables.puck`` solves a cylinder of 50 x 30 mm (any of that shape) of one-term Ogden
+``dummydesign.studies.tables.puck`` solves a cylinder of 50 x 30 mm (any of that shape) of one-term Ogden
 solids between plates from frictionless to bonded and stores ln B, with B the force over that of the same
 cylinder between frictionless plates, for which a closed form exists. B hardly depends on the law, so linear
 interpolation of ln B is good to the accuracy of the solves. ``--shapes`` does the same for the other
@@ -9,9 +9,8 @@ proportions between which ``puck_shapes`` interpolates.
 
 from __future__ import annotations
 
-import argparse
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -21,17 +20,12 @@ import numpy as np
 
 from dummydesign.core.datafiles import data_folder
 from dummydesign.core.errors import NoAnswerError, out_of_range
-from dummydesign.core.files import write_text
 
 Array = np.ndarray
 
 DIAMETER_MM, HEIGHT_MM = 50.0, 30.0
-ALPHAS = (1.0, 2.0, 3.0, 4.0, 6.0)
-FRICTIONS = (0.05, 0.1, 0.15, 0.2, 0.3, 0.45, 0.7, np.inf)
-COMPRESSIONS = np.concatenate([[0.005, 0.01, 0.02], np.arange(0.04, 0.581, 0.02)])
 SHAPE_STEP = 1.3
-OTHER_SHAPES = tuple(0.5 * DIAMETER_MM / HEIGHT_MM * SHAPE_STEP**k for k in (-3, -2, -1, 1, 2, 3))
-COMMAND = "python -m dummydesign.pad.tables.puck"
+COMMAND = "python -m dummydesign.studies.tables.puck"
 
 
 def grip(friction: float | Array) -> Array:
@@ -82,48 +76,7 @@ def uniaxial(alpha: float, compression: Array) -> Array:
     return 2.0 / (3.0 * alpha) * (stretch ** (-0.5 * alpha - 1.0) - stretch ** (alpha - 1.0))
 
 
-def build(
-    radius_over_height: float, alphas: Sequence[float] = ALPHAS, frictions: Sequence[float] = FRICTIONS
-) -> PuckTable:
-    """Solve the table for one shape of puck; 2 to 5 s for each pair of alpha and friction.
-
-    A compression that one friction does not reach is filled in between its neighbours in friction; the table
-    ends where the bonded puck of some alpha ends (flat pucks fold at the edge before 58 %).
-
-    Raises
-    ------
-    NoAnswerError
-        When a bonded puck ends before 30 %.
-    """
-    from dummydesign.pad.material.ogden import Ogden
-    from dummydesign.pad.puck import solve_puck
-
-    area = np.pi * radius_over_height**2
-    log_factor = np.zeros((len(alphas), len(frictions) + 1, len(COMPRESSIONS)))
-    for i, alpha in enumerate(alphas):
-        for j, friction in enumerate(frictions, start=1):
-            plates = "bonded" if np.isinf(friction) else f"friction:{friction:g}"
-            law = Ogden([2.0 / alpha], [alpha])
-            curve = solve_puck(2.0 * radius_over_height, 1.0, 3.0, COMPRESSIONS, plates=plates, law=law)
-            count = len(curve.depth_mm)
-            free = 3.0 * area * uniaxial(alpha, curve.depth_mm)
-            log_factor[i, j, :count] = np.log(curve.force_N / free)
-            log_factor[i, j, count:] = np.nan
-            seconds = curve.solver["seconds"]
-            print(f"alpha {alpha:g}, {plates}: {count} of {len(COMPRESSIONS)}, {seconds:.1f} s", flush=True)
-    grips = np.concatenate([[0.0], grip(np.array(frictions))])
-    reached = ~np.isnan(log_factor[:, -1]).any(axis=0)
-    log_factor, place = log_factor[..., reached], COMPRESSIONS[reached]
-    if not place.size or place[-1] < 0.3:
-        raise NoAnswerError("no_convergence", "the bonded puck could not be compressed to 30 %")
-    for row in log_factor:
-        for column in row.T:
-            known = ~np.isnan(column)
-            column[~known] = np.interp(grips[~known], grips[known], column[known])
-    return PuckTable(radius_over_height, np.array(alphas), grips, place, log_factor)
-
-
-def _path(name: str = "puck-50x30.json") -> Path:
+def table_path(name: str = "puck-50x30.json") -> Path:
     return data_folder() / "materials" / "tables" / name
 
 
@@ -136,13 +89,13 @@ def load_puck_table() -> PuckTable:
     NoAnswerError
         When the file is missing or damaged.
     """
-    return _read(_path(), COMMAND, _parse)
+    return _read(table_path(), COMMAND, _parse)
 
 
 @lru_cache(maxsize=1)
 def load_shapes() -> tuple[PuckTable, ...]:
     """Read the tables of all solved proportions, by rising radius over height; see :func:`load_puck_table`."""
-    path = _path("puck-shapes.json")
+    path = table_path("puck-shapes.json")
     others = _read(path, f"{COMMAND} --shapes", lambda data: [_parse(one) for one in data["shapes"]])
     return tuple(sorted([load_puck_table(), *others], key=lambda table: table.radius_over_height))
 
@@ -160,32 +113,3 @@ def _parse(data: dict[str, Any]) -> PuckTable:
     if grid[3].shape != tuple(len(axis) for axis in grid[:3]) or not np.isfinite(grid[3]).all():
         raise ValueError("values do not fill the grid")
     return PuckTable(float(data["radius_over_height"]), *grid)
-
-
-def _content(table: PuckTable) -> dict[str, Any]:
-    return {
-        "radius_over_height": round(table.radius_over_height, 8),
-        "alpha": table.alpha.tolist(),
-        "grip": np.round(table.grip, 6).tolist(),
-        "compression": np.round(table.compression, 4).tolist(),
-        "log_factor": np.round(table.log_factor, 5).tolist(),
-    }
-
-
-def main() -> None:
-    """Build the table of the 50 x 30 mm shape, or those of the other proportions, and write it."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--shapes", action="store_true", help="the other proportions")
-    options = parser.parse_args()
-    meaning = "ln B[alpha, grip, compression]; B = force over that between frictionless plates, one-term Ogden"
-    content: dict[str, Any] = {"schema": "dummydesign.puck-table/1", "command": COMMAND, "meaning": meaning}
-    if options.shapes:
-        content |= {"command": f"{COMMAND} --shapes", "shapes": [_content(build(shape)) for shape in OTHER_SHAPES]}
-        write_text(_path("puck-shapes.json"), json.dumps(content) + "\n")
-    else:
-        shape = 0.5 * DIAMETER_MM / HEIGHT_MM
-        write_text(_path(), json.dumps(content | _content(build(shape)) | {"radius_over_height": shape}) + "\n")
-
-
-if __name__ == "__main__":
-    main()

@@ -14,8 +14,9 @@ from dummydesign.pad.material.ogden import Ogden
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
 from dummydesign.pad.predict import Pad, predict_motion, predict_static
 from dummydesign.pad.slab.finite_strain_ratio import nodes_of_motion
-from dummydesign.pad.tables.separability import MARGIN, RADIUS_MM, load_quick_error
+from dummydesign.pad.tables.separability import MARGIN, load_quick_error
 from dummydesign.pad.tables.slab import load_table
+from dummydesign.studies.tables.separability import RADIUS_MM
 
 ARMS = (PronyTerm(0.02, 0.8), PronyTerm(0.4, 0.4))
 
@@ -144,7 +145,7 @@ def test_static_depths_have_no_relaxation():
 def test_a_damaged_file_names_the_command_that_makes_it(monkeypatch, tmp_path):
     monkeypatch.setattr("dummydesign.pad.tables.separability.data_folder", lambda: tmp_path)
     load_quick_error.cache_clear()
-    with pytest.raises(NoAnswerError, match=r"python -m dummydesign\.pad\.tables\.separability"):
+    with pytest.raises(NoAnswerError, match=r"python -m dummydesign\.studies\.tables\.separability"):
         load_quick_error()
     load_quick_error.cache_clear()
 

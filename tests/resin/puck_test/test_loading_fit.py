@@ -81,6 +81,6 @@ def test_another_shape_and_bad_curves_are_refused(table, monkeypatch, tmp_path):
         fit_pucks([Curve("A2", "A", GRID, -GRID)], 50.0, 30.0, table, WINDOW)
     monkeypatch.setattr("dummydesign.pad.tables.puck.data_folder", lambda: tmp_path)
     load_puck_table.cache_clear()
-    with pytest.raises(NoAnswerError, match=r"python -m dummydesign\.pad\.tables\.puck"):
+    with pytest.raises(NoAnswerError, match=r"python -m dummydesign\.studies\.tables\.puck"):
         load_puck_table()
     load_puck_table.cache_clear()

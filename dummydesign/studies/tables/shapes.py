@@ -20,35 +20,14 @@ import numpy as np
 from dummydesign._version import __version__
 from dummydesign.core.datafiles import data_folder
 from dummydesign.core.files import write_text
-from dummydesign.pad.shaped.axisymmetric import EDGE_ERROR, LEAST_ERROR, sharp
+from dummydesign.pad.shaped.axisymmetric import EDGE_ERROR, LEAST_ERROR
 from dummydesign.pad.tables.response_surface import fit
-from dummydesign.pad.tables.shape import tabulated_kinds
-from dummydesign.studies.tables.bumped_designs import BUMPED
-from dummydesign.studies.tables.shape_designs import DESIGNS, EXTENT_OVER_RADIUS, RADIUS_MM, Design
+from dummydesign.studies.tables.designs import Design, designs
+from dummydesign.studies.tables.designs.base import EXTENT_OVER_RADIUS
 
 Array = np.ndarray
-ALL = {**DESIGNS, "bumped": BUMPED}
-
-# Levels of the response surface of crowned pads: depth over the height of the crown.
-LEVELS = np.array(
-    [0.03, 0.06, 0.1, 0.16, 0.23, 0.32, 0.42, 0.53, 0.65, 0.78, 0.92, 1.07, 1.25, 1.45, 1.7, 2.0, 2.4, 2.9, 3.5]
-)
-# Curves that reached the last depth are carried on straight to here, so that the surface has no free end.
-CARRIED_ON = 0.9
 # What a curve that reached the last depth counts in the mean that limits the table's depth.
 COMPLETE = 0.7
-MEANING = {
-    "crowned": "ln(F / (16/9 E sqrt(R) d^1.5)) over ln h/a, c/h, ln b/a, ln s and d/c; s = R c / b^2",
-    "layered": "ln(F / F of the slab of the upper resin) over ln h/a, top/h, ln modulus ratio and d/h",
-    "boned": "ln(F / F of the slab) over ln h/a, bone height/h, ln foot/a and d/h; spherical dome",
-    "bumped": "ln(F / (16/9 E sqrt(R) d^1.5)) over ln h/a, ln pitch/a, grade/height and d/h; R of the caps",
-}
-PUNCH = {
-    "crowned": "round, flat, what touches sticks, sharp edge from beads of 0.1 and 0.05",
-    "bumped": "square, flat, what touches sticks, bead of 0.1, in space",
-}
-OVER_SLAB = "round, flat, what touches sticks, ratio to the slab with a bead of 0.1"
-USUAL = {"crowned": (400, 36, 8), "bumped": (30, 8, 1)}
 
 
 def gather(design: Design, points: Array, store: Path, workers: int, finer: bool = False) -> list[dict[str, Any]]:
@@ -86,7 +65,7 @@ def values_of(design: Design, answers: list[dict[str, Any]]) -> tuple[Array, Arr
     rows, added = [], []
     for answer in answers:
         padded = [np.array(row + [np.nan] * (len(design.depths) - len(row)), dtype=float) for row in answer["force"]]
-        value, edge = sharp(*padded) if design.kind == "crowned" else (padded[0], 0.0 * padded[0])
+        value, edge = design.joined(padded)
         rows.append(value)
         added.append(edge)
     return points, np.array(rows), np.array(added)
@@ -94,36 +73,10 @@ def values_of(design: Design, answers: list[dict[str, Any]]) -> tuple[Array, Arr
 
 def reduced(design: Design, points: Array, values: Array) -> Array:
     """ln of F over Hertz's force of the tip (crowned), or of the factor."""
-    if not tabulated_kinds()[design.kind].over_tip:
+    if not design.similarity.over_tip:
         return np.log(values)
     h = np.exp(points[:, 0])
-    if design.kind == "bumped":
-        tip = np.array([design.shape(point)[0].radius_mm for point in points]) / RADIUS_MM
-    else:
-        tip = points[:, 3] * np.exp(2.0 * points[:, 2]) / (points[:, 1] * h)
-    return np.log(values / (16.0 / 9.0 * np.sqrt(tip)[:, None] * (design.depths * h[:, None]) ** 1.5))
-
-
-def at_levels(design: Design, points: Array, rows: Array) -> Array:
-    """Curves over d / h, shape (n, depths), at the levels of d / c; NaN where they were not solved.
-
-    A natural cubic spline in sqrt(d / h) from 0 at first touch, carried on straight.
-    """
-    from scipy.interpolate import CubicSpline
-
-    depths = design.depths
-    out = np.full((len(points), len(LEVELS)), np.nan)
-    for row, share, values in zip(out, points[:, 1], rows):
-        known = np.isfinite(values)
-        last = depths[known][-1]
-        place = np.sqrt(np.concatenate([[0.0], depths[known]]))
-        spline = CubicSpline(place, np.concatenate([[0.0], values[known]]), bc_type="natural")
-        x = LEVELS * share
-        inside = np.minimum(np.sqrt(x), place[-1])
-        carried = spline(inside) + (np.sqrt(x) - inside) * spline(place[-1], 1)
-        wanted = x <= (CARRIED_ON if last >= depths[-1] else last * (1.0 + 1e-9))
-        row[wanted] = carried[wanted]
-    return out
+    return np.log(values / (16.0 / 9.0 * np.sqrt(design.tips(points))[:, None] * (design.depths * h[:, None]) ** 1.5))
 
 
 def content(
@@ -138,22 +91,21 @@ def content(
     finer : list of dict
         Some of the fresh points on cells of half the size.
     """
-    depths, crowned = design.depths, design.kind == "crowned"
+    depths = design.depths
     points, values, added = values_of(design, answers)
     rows = reduced(design, points, values)
     reach = np.array([depths[np.isfinite(row)][-1] for row in rows])
     reach = np.where(reach >= depths[-1], COMPLETE, reach)
-    levels, rows = (LEVELS, at_levels(design, points, rows)) if crowned else (depths, rows)
-    low, high = _coordinates(design, design.low[None])[0], _coordinates(design, design.high[None])[0]
-    anchored = tabulated_kinds()[design.kind].over_tip
-    surface = fit(_coordinates(design, points), rows, levels, low, high, anchored, reach)
+    levels, rows = design.over_levels(points, rows)
+    low, high = (design.coordinates(end[None])[0] for end in (design.low, design.high))
+    anchored = design.similarity.over_tip
+    surface = fit(design.coordinates(points), rows, levels, low, high, anchored, reach)
     short = {name: _shorter(getattr(surface, name), 7) for name in ("trend", "weights", "lengths")}
     surface = replace(surface, **short)
     at, fresh_values, _ = values_of(design, checks)
-    checked = _coordinates(design, at)
+    checked = design.coordinates(at)
     place = np.broadcast_to(np.arange(len(at))[:, None], fresh_values.shape)
-    unit = at[:, 1:2] if crowned else np.ones((len(at), 1))
-    answered, _ = surface.along(surface.at_levels(checked), place, depths / unit)
+    answered, _ = surface.along(surface.at_levels(checked), place, depths / design.depth_unit(at))
     miss = np.abs(np.expm1(answered - reduced(design, at, fresh_values)))
     # Judged where the table answers: within the limit it states itself.
     miss = np.where(depths[None, :] <= surface.limit(checked)[:, None] * (1.0 + 1e-9), miss, np.nan)
@@ -163,9 +115,9 @@ def content(
     return {
         "kind": design.kind,
         "condition": "bonded",
-        "meaning": MEANING[design.kind],
-        "low": _list(_plain(design, design.low + design.margin), 4),
-        "high": _list(_plain(design, design.high - design.margin), 4),
+        "meaning": design.meaning,
+        "low": _list(design.plain(design.low + design.margin), 4),
+        "high": _list(design.plain(design.high - design.margin), 4),
         "error_depth": _list(depths, 4),
         "median_error": _list(_filled(np.nanmedian(miss, axis=0)), 3),
         "error": _list(_filled(np.nanpercentile(miss, 95.0, axis=0)), 3),
@@ -186,7 +138,7 @@ def content(
             "command": f"python -m dummydesign.studies.tables.shapes {design.kind} --count {len(answers)}",
             "version": __version__,
             "law": "neo-Hookean, incompressible",
-            "punch": PUNCH.get(design.kind, OVER_SLAB),
+            "punch": design.punch,
             "base": "bonded",
             "extent_over_radius": EXTENT_OVER_RADIUS,
             "cells_under_punch": design.cells,
@@ -200,21 +152,6 @@ def content(
             "largest_error": float(f"{np.nanmax(miss):.3g}"),
         },
     }  # fmt: skip
-
-
-def _plain(design: Design, point: Array) -> Array:
-    """Inputs of the table of a design point: exponentials of its logarithms."""
-    logs = np.array(tabulated_kinds()[design.kind].logarithms)
-    if design.kind == "crowned":
-        logs[3] = False
-    return np.where(logs, np.exp(point), point)
-
-
-def _coordinates(design: Design, points: Array) -> Array:
-    """Coordinates of the response surface of design points (n, k)."""
-    if design.kind != "crowned":
-        return points
-    return np.column_stack([points[:, :3], np.log(points[:, 3])])
 
 
 def _rms(values: Array) -> Array:
@@ -240,7 +177,7 @@ def _list(values: Array, digits: int) -> list[Any]:
 def main(arguments: list[str] | None = None) -> None:
     """Solve what is missing and write the table."""
     parser = argparse.ArgumentParser(description="Make a response table of shaped pads by finite elements.")
-    parser.add_argument("kind", choices=tuple(ALL))
+    parser.add_argument("kind", choices=tuple(designs()))
     parser.add_argument("--count", type=int, help="shapes that are solved")
     parser.add_argument("--fresh", type=int, help="further random shapes, for the table's error")
     parser.add_argument("--finer", type=int, help="of these on smaller cells, for the elements' error")
@@ -249,9 +186,9 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--no-solve", action="store_true", help="use what the store holds")
     parser.add_argument("--out", type=Path, default=data_folder() / "materials" / "tables")
     options = parser.parse_args(arguments)
-    design, workers = ALL[options.kind], 0 if options.no_solve else options.workers
-    usual = USUAL.get(options.kind, (80, 12, 4))
-    count, fresh, finer = (v or w for v, w in zip((options.count, options.fresh, options.finer), usual))
+    design, workers = designs()[options.kind], 0 if options.no_solve else options.workers
+    asked = (options.count, options.fresh, options.finer)
+    count, fresh, finer = (v or w for v, w in zip(asked, design.usual))
     store = options.store or Path(f"{options.kind}-solves.jsonl")
     checks = gather(design, design.fresh(fresh), store, workers)
     fine = gather(design, design.fresh(finer), store.with_suffix(".finer.jsonl"), workers, True)

@@ -20,10 +20,13 @@ from dummydesign.pad.shaped.axisymmetric import climb
 from dummydesign.pad.tables.response_surface import fit
 from dummydesign.pad.tables.shape import ShapeLaw, load_shape_table, ratios, tabulated_kinds
 from dummydesign.pad.tables.slab import load_table
-from dummydesign.studies.tables.shape_designs import DESIGNS, EXTENT_OVER_RADIUS, RADIUS_MM
-from dummydesign.studies.tables.shapes import ALL, at_levels, reduced
+from dummydesign.studies.tables.designs import designs
+from dummydesign.studies.tables.designs.base import EXTENT_OVER_RADIUS, RADIUS_MM
+from dummydesign.studies.tables.designs.crowned import at_levels
+from dummydesign.studies.tables.shapes import reduced
 
 FOLDER = data_folder() / "materials" / "tables"
+DESIGNS = designs()
 KINDS = list(tabulated_kinds())
 ROUND = [kind for kind in KINDS if kind != "bumped"]
 SHAPES = {
@@ -36,7 +39,7 @@ MEDIAN = {"bumped": 0.08}
 
 def misses(kind):
     """Relative differences between the table's law and the fresh solves that its file keeps, (shapes, depths)."""
-    design = ALL[kind]
+    design = DESIGNS[kind]
     data = json.loads((FOLDER / f"{kind}-bonded.json").read_text(encoding="utf-8"))["fresh"]
     rows = []
     for point, values in zip(np.array(data["points"]), np.array(data["values"], dtype=float)):
@@ -129,7 +132,7 @@ def test_forces_grow_with_depth_all_over_the_table():
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_inputs_of_a_shape_are_those_of_the_design(kind):
-    design = ALL[kind]
+    design = DESIGNS[kind]
     point = design.fresh(1)[0]
     shape, h = design.shape(point)
     inputs = ratios(shape, h, RADIUS_MM)
@@ -178,9 +181,9 @@ def test_curves_that_stopped_early_are_not_carried_on():
     design = DESIGNS["crowned"]
     point = np.array([[0.2, 0.5, 0.0, 0.4]])
     values = design.depths[None, :] ** 1.5 * np.exp(0.3 * np.sqrt(design.depths))[None, :]
-    full = at_levels(design, point, reduced(design, point, values))
+    full = at_levels(design.depths, point, reduced(design, point, values))
     values = np.where(design.depths <= 0.3, values, np.nan)
-    early = at_levels(design, point, reduced(design, point, values))
+    early = at_levels(design.depths, point, reduced(design, point, values))
     assert np.isfinite(full).sum() > np.isfinite(early).sum()
     # Levels up to 0.53 crown heights are below 0.3 thicknesses.
     assert np.isfinite(early[0]).sum() == 8

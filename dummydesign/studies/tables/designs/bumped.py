@@ -8,20 +8,25 @@ choose are thickness, pitch and grade: a design point is (ln h/a, ln pitch/a, gr
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from dummydesign.geometry.shapes.bumped import Bumped
 from dummydesign.pad.shaped.under_square import COARSE, press_field
-from dummydesign.studies.tables.shape_designs import RADIUS_MM, Design
-
-Array = np.ndarray
+from dummydesign.studies.tables.designs.base import RADIUS_MM, Array, Design
 
 
 @dataclass(frozen=True)
 class BumpedDesign(Design):
     """Ranges and depths of bumped pads; ``cells`` are those over half the punch's side."""
+
+    kind: ClassVar[str] = "bumped"
+    meaning: ClassVar[str] = (
+        "ln(F / (16/9 E sqrt(R) d^1.5)) over ln h/a, ln pitch/a, grade/height and d/h; R of the caps"
+    )
+    punch: ClassVar[str] = "square, flat, what touches sticks, bead of 0.1, in space"
+    usual: ClassVar[tuple[int, int, int]] = (30, 8, 1)
 
     def shape(self, point: Array) -> tuple[Bumped, float]:
         """Shape and thickness [mm] of a point."""
@@ -38,15 +43,10 @@ class BumpedDesign(Design):
         """
         shape, h = self.shape(point)
         _, area, stop = press_field(shape, h, self.depths, round(1.4 * self.cells) if finer else self.cells)
-        force = area / RADIUS_MM**2
-        return {
-            "point": [float(x) for x in point],
-            "force": [[float(f"{value:.7g}") for value in force]],
-            "stop": [stop],
-        }
+        return self._answer(point, [area / RADIUS_MM**2], [stop])
 
 
-BUMPED = BumpedDesign(
-    "bumped", np.array([np.log(0.48), np.log(0.5), 0.04]), np.array([np.log(2.2), np.log(0.92), 0.66]),
+DESIGN = BumpedDesign(
+    np.array([np.log(0.48), np.log(0.5), 0.04]), np.array([np.log(2.2), np.log(0.92), 0.66]),
     np.array([0.04, 0.08, 0.13, 0.2, 0.28, 0.37, 0.47]), COARSE,
 )  # fmt: skip

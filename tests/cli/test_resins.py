@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -71,8 +72,8 @@ def test_show_gives_every_number_with_its_source(capsys):
 def test_show_writes_a_plot_and_its_data(tmp_path, capsys):
     assert run(["resins", "show", "polyurethane-nagoya", "--out", str(tmp_path), "--json"]) == 0
     files = json.loads(capsys.readouterr().out)["files"]
-    assert "<svg" in open(files["plot"], encoding="utf-8").read()
-    lines = open(files["data"], encoding="utf-8").read().splitlines()
+    assert "<svg" in Path(files["plot"]).read_text(encoding="utf-8")
+    lines = Path(files["data"]).read_text(encoding="utf-8").splitlines()
     assert lines[0].startswith("ratio,young_low_kPa,young_kPa,young_high_kPa") and len(lines) == 62
 
 

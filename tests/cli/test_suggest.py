@@ -46,6 +46,7 @@ def test_every_tissue_gets_a_design_with_all_that_the_contract_names(tissue, cap
     assert found["sensitivity"]["d_ln_young_per_percent_ratio"] == pytest.approx(0.01 * slope)
     assert found["verification"]["max_difference_percent"] is None
     assert found["rests_on"]["inferred_or_assumed"] > 0 and found["sources"]
+    assert found["alternatives"]
     for other in found["alternatives"]:
         assert set(other) == set(best)
 

@@ -25,7 +25,7 @@ def test_other_draws_give_the_same_within_their_sampling_error(found):
 def test_the_resin_file_holds_what_the_inference_gives(found):
     """The same draws; the file has two digits of the ends and three of the middle."""
     resin = load_resin("polyurethane-nagoya")
-    for arm, tau, (low, middle, high) in zip(resin.arms, found.tau_s, found.beta):
+    for arm, tau, (low, middle, high) in zip(resin.arms, found.tau_s, found.beta, strict=True):
         assert arm.tau_s.value == tau
         np.testing.assert_allclose([arm.beta.low, arm.beta.value, arm.beta.high], [low, middle, high], rtol=0.02)
         assert low < arm.beta.value < high and arm.beta.low < middle < arm.beta.high

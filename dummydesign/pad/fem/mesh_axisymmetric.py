@@ -127,14 +127,14 @@ def discretise(
     if move is not None:
         mesh = MeshQuad2(move(mesh.doflocs), mesh.t, validate=False)
     basis = Basis(mesh, ElementQuad2(), intorder=4)
-    r = basis.global_coordinates().value[0]
+    r = np.asarray(basis.global_coordinates())[0]
     elements, n_points = basis.dx.shape
     gradient = np.zeros((elements, n_points, 5, 18))
     for i in range(9):
         shape = basis.basis[i][0]
         gradient[:, :, 0, 2 * i], gradient[:, :, 1, 2 * i] = shape.grad
         gradient[:, :, 2, 2 * i + 1], gradient[:, :, 3, 2 * i + 1] = shape.grad
-        gradient[:, :, 4, 2 * i] = np.broadcast_to(shape.value, r.shape) / r
+        gradient[:, :, 4, 2 * i] = np.broadcast_to(np.asarray(shape), r.shape) / r
     x, y = basis.X
     node = basis.element_dofs.T
     if centre is not None:

@@ -66,6 +66,7 @@ def test_alternatives_are_not_beaten_by_the_recommendation_and_differ_from_it(fo
         e, i = candidate.evaluation, candidate.index
         return np.array([e.steady_state_range[i], e.force_variation_range[i], e.aim[i], e.low_force_range[i]])
 
+    assert found.alternatives
     for other in found.alternatives:
         assert np.any(parts(other) > parts(found.best))
         assert abs(other.thickness_mm - found.best.thickness_mm) > 1.0 or abs(other.ratio - found.best.ratio) > 0.3

@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -33,8 +34,8 @@ def finished(folder, study=STUDY):
 
 def test_a_row_read_back_is_the_row_that_was_written(tmp_path):
     rows = finished(tmp_path)
-    again = open_file(tmp_path, resume=True)
-    assert [again.rows[key] for key in STUDY.keys()] == rows
+    with closing(open_file(tmp_path, resume=True)) as again:
+        assert [again.rows[key] for key in STUDY.keys()] == rows
     assert any(row["limit"] for row in rows) and any(row["limit"] is None for row in rows)
 
 
@@ -95,7 +96,8 @@ def test_rows_made_with_other_settings_are_refused_and_left_alone(tmp_path):
 
 def test_without_resume_the_file_is_made_anew(tmp_path):
     finished(tmp_path)
-    assert not open_file(tmp_path).rows
+    with closing(open_file(tmp_path)) as again:
+        assert not again.rows
     assert len((tmp_path / "rows.csv").read_text().splitlines()) == 1
 
 

@@ -67,11 +67,13 @@ def test_what_the_base_states_and_the_puck_denies_is_widened_and_said(base):
 
 
 def test_another_ratio_becomes_the_reference_and_arms_are_carried_there(base):
-    resin, *_ = update_relaxation(base, [], 17.0, (1e-6, 2e-6))
-    assert resin.relaxation_ratio_ref == 17.0
-    for before, after in zip(base.prony(17.0), resin.prony(17.0)):
-        assert after.tau_s == before.tau_s
-        assert after.beta == pytest.approx(before.beta, rel=0.15)
+    # at its own ratio a strength is the median of its draws; elsewhere the median over the laws, which are not even
+    for ratio, apart in ((base.relaxation_ratio_ref, 0.01), (17.0, 0.15)):
+        resin, *_ = update_relaxation(base, [], ratio, (1e-6, 2e-6))
+        assert resin.relaxation_ratio_ref == ratio
+        for before, after in zip(base.prony(ratio), resin.prony(ratio), strict=True):
+            assert after.tau_s == before.tau_s
+            assert after.beta == pytest.approx(before.beta, rel=apart)
     # the law between the two ratios is not known exactly, and that is in the carried strength
     assert all(spread_of(a.beta) >= 0.99 * spread_of(b.beta) for a, b in zip(resin.arms, base.arms))
 

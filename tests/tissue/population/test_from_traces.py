@@ -184,8 +184,9 @@ def test_the_shipped_subjects_are_those_of_the_shipped_draws():
         draws, weight = read_draws(draws_path(tissue_entries()[site].path))
         assert draws.shape == (400, 5, 7) and weight.sum() == pytest.approx(1.0, rel=1e-3)
         shipped = np.array([p.gamma1_N_per_mm3 for p in tissue.parameter_sets])
-        # the draws are a thinned part of those the file was made from
-        assert typical_subjects(draws)[:, 0] == pytest.approx(shipped, rel=0.15)
+        # a thinned part of the draws that the file was made from: 3.5 standard errors of a median, 1.25 sd / sqrt(m)
+        error = 3.5 * 1.2533 * np.log(np.sort(draws[..., 0], axis=1)).std(axis=0) / np.sqrt(len(draws))
+        assert np.all(np.abs(np.log(typical_subjects(draws)[:, 0] / shipped)) < error)
         assert KIND in str(tissue_entries()[site].path)
 
 

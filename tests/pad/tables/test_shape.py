@@ -198,10 +198,12 @@ def test_caps_start_as_one_cap_by_hertz_and_are_stiffer_once_more_of_them_are_to
 
 
 @pytest.mark.slow
-def test_a_field_of_caps_solved_in_space_agrees_with_its_table():
+def test_a_field_of_caps_solved_in_space_agrees_with_its_table_within_the_stated_error():
     """The whole error of the table: docs/shapes-model.md."""
     from dummydesign.pad.shaped.under_square import COARSE, press_field
 
     field, h = Bumped.proportioned(5.2, 0.3), 8.0
     depth, area, _ = press_field(field, h, np.array([0.1, 0.2, 0.3, 0.4]), COARSE)
-    assert ShapeLaw(field).force(depth * h, h, 1.0, RADIUS_MM) == pytest.approx(area, rel=0.21)
+    law = ShapeLaw(field)
+    miss = np.abs(law.force(depth * h, h, 1.0, RADIUS_MM) / area - 1.0)
+    assert np.all(miss < law.relative_error(depth * h, h, RADIUS_MM))

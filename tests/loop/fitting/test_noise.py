@@ -50,18 +50,23 @@ def test_repeats_are_paired_within_their_condition(plain):
 
 
 def test_slow_noise_is_recovered_and_does_not_see_what_changes_with_force(base):
+    """Size and time scatter by 3.8 % and 12 % from draw to draw (of 24): 3.5 such errors, the mean within 3."""
     presses = base.problem.presses
     rng = np.random.default_rng(5)
     truth = Noise(0.03, 0.025, 1.0, 0.0)
-    cover = presses.bins.covariance(truth, np.zeros_like(base.slope))
-    made = np.einsum("tij,tj->ti", np.linalg.cholesky(cover), rng.normal(size=presses.used.shape)) * presses.used
-    gains = 1.0 + rng.normal(0, 0.03, len(made))[:, None]
-    shifts = rng.normal(0, 0.02, len(made))[:, None]
-    disturbed = made + (gains - 1.0) * base.forces + shifts * base.slope + 0.3 * np.sin(presses.label / 40.0)
+    factor = np.linalg.cholesky(presses.bins.covariance(truth, np.zeros_like(base.slope)))
     start = first_sizes(presses, SLAB_ERROR).noise
-    found = estimate_slow_noise(presses, disturbed * presses.used, base.slope, base.forces, start)
-    assert found.slow_N == pytest.approx(0.025, rel=0.25)
-    assert found.slow_time_s == pytest.approx(1.0, rel=0.6)
+    found = []
+    for _ in range(8):
+        made = np.einsum("tij,tj->ti", factor, rng.normal(size=presses.used.shape)) * presses.used
+        gains = 1.0 + rng.normal(0, 0.03, len(made))[:, None]
+        shifts = rng.normal(0, 0.02, len(made))[:, None]
+        disturbed = made + (gains - 1.0) * base.forces + shifts * base.slope + 0.3 * np.sin(presses.label / 40.0)
+        noise = estimate_slow_noise(presses, disturbed * presses.used, base.slope, base.forces, start)
+        found.append(np.log([noise.slow_N / truth.slow_N, noise.slow_time_s / truth.slow_time_s]))
+    scatter = np.array([0.038, 0.12])
+    assert np.all(np.abs(found) < 3.5 * scatter)
+    assert np.all(np.abs(np.mean(found, axis=0)) < 3.0 * scatter / np.sqrt(len(found)))
 
 
 def test_the_fit_recovers_the_parameters_that_made_the_forces(plain):

@@ -36,7 +36,12 @@ def test_without_an_effect_the_verdict_is_none_and_the_base_is_at_the_noise(resu
     assert result.verdict == "none" and result.effects == ()
     assert result.base.errors.heldout_N < 1.5 * result.base.fit.sizes.floor_N
     assert result.base.fit.sizes.noise.white_N == pytest.approx(0.03, rel=0.05)
-    assert result.base.fit.sizes.noise.slow_N == pytest.approx(0.02, rel=0.4)
+    # 0.02 N of slow noise beside the rounding of the position, 0.005 mm, felt through the pad's stiffness; over ten
+    # campaigns what is found scatters by 7 % about that
+    fit = result.base.fit
+    held = (fit.problem.presses.label >= 200) & fit.problem.presses.used
+    rounding = 0.005 / np.sqrt(12.0) * np.sqrt(np.mean(fit.slope[held] ** 2))
+    assert fit.sizes.noise.slow_N == pytest.approx(np.hypot(0.02, rounding), rel=0.2)
 
 
 def test_an_effect_is_named_sized_and_lowers_the_error_on_a_second_campaign(results, campaigns):
@@ -44,8 +49,9 @@ def test_an_effect_is_named_sized_and_lowers_the_error_on_a_second_campaign(resu
     assert result.verdict == "effect"
     assert result.effects[0].candidate.effect.name == "temperature"
     value = result_dict(result)["effects"][0]["parameters"]["modulus_loss_per_K"]
-    assert abs(value["value"]) == pytest.approx(0.008, rel=0.15)
-    assert value["low"] < value["value"] < value["high"]
+    # three standard errors of the stated 95 % interval, which is a few per cent wide
+    assert abs(abs(value["value"]) - 0.008) < 3.0 * (value["high"] - value["low"]) / 3.92
+    assert value["low"] < value["value"] < value["high"] < value["low"] + 0.0012
     assert result.after.errors.heldout_N < 0.6 * result.base.errors.heldout_N
     held_out = read_campaign(campaigns("temperature", 402, held_out=True))
     predicted = replay(held_out, calibration_of(result))

@@ -10,7 +10,6 @@ punch: ln of F over Hertz's force of the middle cap, for caps of one proportion 
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -18,8 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dummydesign.core.datafiles import data_folder
-from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
+from dummydesign.core import json_table
+from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.geometry.shapes import PadShape, Similarity, shape_kinds
 from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.pad.force_law import BaseForceLaw
@@ -264,15 +263,8 @@ def load_shape_table(kind: str, condition: str = "bonded") -> ShapeTable:
         raise InputError(f"shape = '{kind}' has no table; known are {', '.join(tabulated_kinds())}")
     if condition != "bonded":
         raise InputError(f"condition = '{condition}' is not in the tables of shapes (only bonded); solve it instead")
-    path = data_folder() / "materials" / "tables" / f"{kind}-{condition}.json"
-    try:
-        return from_dict(json.loads(path.read_text(encoding="utf-8")))
-    except (OSError, ValueError, KeyError) as problem:
-        raise NoAnswerError(
-            "table_unavailable",
-            f"response table {path.name} cannot be read ({type(problem).__name__}); "
-            f"rebuild it with: python -m dummydesign.studies.tables.shapes {kind}",
-        ) from None
+    command = f"python -m dummydesign.studies.tables.shapes {kind}"
+    return json_table.read(f"{kind}-{condition}.json", "response table", command, from_dict)
 
 
 def from_dict(data: dict[str, Any]) -> ShapeTable:

@@ -11,16 +11,18 @@ import numpy as np
 
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.files import write_text
+from dummydesign.core.json_table import table_path
 from dummydesign.pad.material.ogden import Ogden
 from dummydesign.pad.puck import solve_puck
 from dummydesign.pad.tables.puck import (
     COMMAND,
     DIAMETER_MM,
     HEIGHT_MM,
+    OTHERS,
     SHAPE_STEP,
+    USUAL,
     PuckTable,
     grip,
-    table_path,
     uniaxial,
 )
 
@@ -87,10 +89,11 @@ def main() -> None:
     content: dict[str, Any] = {"schema": "dummydesign.puck-table/1", "command": COMMAND, "meaning": meaning}
     if options.shapes:
         content |= {"command": f"{COMMAND} --shapes", "shapes": [_content(build(shape)) for shape in OTHER_SHAPES]}
-        write_text(table_path("puck-shapes.json"), json.dumps(content) + "\n")
+        write_text(table_path(OTHERS), json.dumps(content) + "\n")
     else:
         shape = 0.5 * DIAMETER_MM / HEIGHT_MM
-        write_text(table_path(), json.dumps(content | _content(build(shape)) | {"radius_over_height": shape}) + "\n")
+        content |= _content(build(shape)) | {"radius_over_height": shape}
+        write_text(table_path(USUAL), json.dumps(content) + "\n")
 
 
 if __name__ == "__main__":

@@ -13,8 +13,8 @@ from dummydesign.pad.pad import Pad
 from dummydesign.pad.predict import predict_motion, predict_static
 
 BASES = st.sampled_from(["bonded", "sliding"])
-RATIO = st.floats(0.35, 2.5)
-"""Punch radius over thickness."""
+RATIO = st.floats(0.35, 1.6)
+"""Punch radius over thickness, where the tables of both bases reach half of the thickness."""
 SHARE = st.floats(0.01, 0.5)
 """Depth over thickness."""
 THICKNESS = st.floats(3.0, 30.0)
@@ -43,9 +43,9 @@ def test_lengths_that_scale_together_scale_the_force_by_their_square(base, ratio
 
 
 @EXAMPLES
-@given(BASES, RATIO, THICKNESS, SHARE, st.floats(1.01, 1.5))
+@given(BASES, RATIO, THICKNESS, st.floats(0.01, 0.33), st.floats(1.01, 1.5))
 def test_force_rises_with_depth(base, ratio, thickness_mm, share, further):
-    deeper = min(share * further, 0.55)
+    deeper = share * further
     assert force_N(base, ratio, thickness_mm, deeper, 0.02) > force_N(base, ratio, thickness_mm, share, 0.02)
 
 

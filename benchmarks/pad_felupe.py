@@ -115,7 +115,8 @@ def ours_slab(ratio: float, extent: float, depth: np.ndarray, corner: float = CO
     from dummydesign.pad.fem import mesh_axisymmetric as meshes
     from dummydesign.pad.fem.mixed_solid import Solid
     from dummydesign.pad.material.hyperelastic import neo_hookean
-    from dummydesign.pad.solve.continuation import Problem, follow
+    from dummydesign.pad.solve.continuation import follow
+    from dummydesign.pad.solve.equilibrium import Problem
 
     began = time.process_time()
     scale = min(ratio, 1.0)
@@ -143,7 +144,8 @@ def ours_puck() -> dict[str, Any]:
     """Forces, seconds and the mesh lines of the bonded puck."""
     from dummydesign.pad.material.hyperelastic import neo_hookean
     from dummydesign.pad.puck import Puck, puck_problem
-    from dummydesign.pad.solve.continuation import Problem, follow
+    from dummydesign.pad.solve.continuation import follow
+    from dummydesign.pad.solve.equilibrium import Problem
 
     began = time.process_time()
     full = puck_problem(Puck(1.0, "bonded"), neo_hookean(1.0), corner=PUCK_CORNER)

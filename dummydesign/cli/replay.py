@@ -19,9 +19,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Read both, predict, compare."""
-    from dummydesign.api import replay
+    from dummydesign.loop.calibration import replay
+    from dummydesign.loop.calibration_file import read_calibration
+    from dummydesign.loop.effects.own import own_effects
+    from dummydesign.measurement.campaign_file import read_campaign
 
-    return replay(options.campaign, options.calibration, effects=options.effect).to_dict()
+    with own_effects(options.effect):
+        calibration = read_calibration(options.calibration)
+        campaign = read_campaign(options.campaign)
+        predicted = replay(campaign, calibration)
+    return {
+        "inputs": {"campaign": options.campaign, "calibration": options.calibration},
+        "warnings": list(campaign.warnings),
+        "verdict": calibration.verdict,
+        "effects": [one.effect.name for one in calibration.after.active],
+        **predicted.to_dict(),
+        "warning_band_N": calibration.remainder_N,
+    }
 
 
 def render(result: dict[str, Any]) -> str:

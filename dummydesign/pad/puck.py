@@ -30,11 +30,13 @@ from dummydesign.core.checks import positive
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
 from dummydesign.geometry.interface import FACES, FRICTION, Interface
 from dummydesign.pad.contact.surface_axisymmetric import Punch
+from dummydesign.pad.contact.ties import NoTies
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import Law, Yeoh
 from dummydesign.pad.slab.problem import PadCurve
-from dummydesign.pad.solve.continuation import NOTHING, Path, Problem, cost, follow
+from dummydesign.pad.solve.continuation import NOTHING, Path, cost, follow
+from dummydesign.pad.solve.equilibrium import Problem
 
 Array = np.ndarray
 
@@ -69,7 +71,7 @@ class Puck:
         return found.friction
 
 
-class RoughPlate:
+class RoughPlate(NoTies):
     """The plate over the puck: a plane that comes down; for the end face and the side alike.
 
     Has the methods of :class:`dummydesign.pad.contact.surface_axisymmetric.Surface`.

@@ -11,9 +11,12 @@ force, but for the slump of its free sides, which is left out: depths are counte
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from dummydesign.pad.contact.surface_axisymmetric import Punch, Surface
+from dummydesign.pad.contact.ties import NoTies
 from dummydesign.pad.fem.mixed_solid import Discretisation
 
 Array = np.ndarray
@@ -36,7 +39,7 @@ def weight_over_shear(thickness_mm: float, shear_MPa: float) -> float:
     return DENSITY * GRAVITY * thickness_mm * 1e-9 / shear_MPa
 
 
-class RestingBase:
+class RestingBase(NoTies):
     """The pad's bottom on a rigid plate at z = -1, and the pad's own weight; has the methods of ``contact.Surface``.
 
     Parameters
@@ -96,6 +99,24 @@ class Both:
     def __init__(self, one: Surface, other: RestingBase) -> None:
         self._parts = (one, other)
         self.dofs = np.concatenate([part.dofs for part in self._parts])
+
+    def begin(self) -> None:
+        """As of each."""
+        for part in self._parts:
+            part.begin()
+
+    def memory(self) -> Any:
+        """As of each."""
+        return [part.memory() for part in self._parts]
+
+    def restore(self, memory: Any) -> None:
+        """As of each."""
+        for part, kept in zip(self._parts, memory):
+            part.restore(kept)
+
+    def tie(self, u: Array, punch: Punch, depth: float) -> bool:
+        """As of each."""
+        return any([part.tie(u, punch, depth) for part in self._parts])
 
     def settle(self, u: Array, punch: Punch, depth: float) -> None:
         """As of each."""

@@ -3,17 +3,19 @@
 Contact is a penalty on the penetration g < 0, measured along the punch's outward normal n, at the
 quadrature points of the surface sides: energy k/2 <-g>^2 per reference area. Under the flat face of a
 glued punch a film resists sliding: energy t/2 u_r^2. A point outside the face that comes to touch a glued
-punch sticks where it is at the end of that load step, held along the surface by the same kind of film,
-until it lifts off.
+punch sticks there until it lifts off, held along the surface by the same kind of film: where its gap closed
+within the load step (``ties``), or where it is at the end of that step.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
+
+from dummydesign.pad.contact.ties import closure
 
 Array = np.ndarray
 
@@ -102,6 +104,9 @@ class Surface:
     friction : float
         Coulomb's coefficient. The drag is mu p s / sqrt(s^2 + e^2) for a slip s since first touch, a
         regularised total form for slip that does not turn back; ``slip_scale`` is e.
+    ties_within_step : bool
+        Whether points that come to touch stick where their gap closed. Not for beads far smaller than a load
+        step, whose points go round much of the bead in one.
     """
 
     def __init__(
@@ -114,6 +119,7 @@ class Surface:
         grip_from: float = np.inf,
         friction: float = 0.0,
         slip_scale: float = 1e-3,
+        ties_within_step: bool = False,
     ) -> None:
         x, weight = np.polynomial.legendre.leggauss(5)
         shape = np.stack([x * (x - 1.0) / 2.0, 1.0 - x**2, x * (x + 1.0) / 2.0], axis=1)
@@ -133,13 +139,56 @@ class Surface:
         self._held = np.zeros(area.shape, dtype=bool)
         self._spot = np.zeros((*area.shape, 2))
         self._along = np.zeros((*area.shape, 2))
+        self._within = ties_within_step and (friction > 0.0 or bool(self._grip.any()))
+        self._before = self._held.copy()
+        self._last: tuple[Array, Array] | None = None
+        self._order = np.argsort(r.ravel(), kind="stable")
+        self._r = r.ravel()[self._order]
 
     def _points(self, u: Array) -> Array:
         moved = self._place + u[self.dofs].reshape(self._place.shape)
         return np.einsum("qi,eic->eqc", self._shape, moved)
 
+    def begin(self) -> None:
+        """Forget what was tied in a step that has not been accepted."""
+        self._held = self._before.copy()
+
+    def memory(self) -> Any:
+        """What is tied and where, for ``restore``."""
+        return self._held.copy(), self._spot.copy(), self._along.copy()
+
+    def restore(self, memory: Any) -> None:
+        """Take back a ``memory``."""
+        self._held, self._spot, self._along = (part.copy() for part in memory)
+
+    def tie(self, u: Array, punch: Punch, depth: float) -> bool:
+        """Tie points that came to touch in this step where the gap closed; True when there are new ones."""
+        if not self._within:
+            return False
+        points = self._points(u)
+        gap, _, _ = punch.gap(points, depth)
+        touching = gap <= 0.0
+        new = touching & ~self._held
+        if not new.any():
+            return False
+        if self._last is None:
+            start = self._points(np.zeros(len(u)))
+            self._last = (start, punch.gap(start, 0.0)[0])
+        place, room = self._last
+        share = closure(self._r, *(x.ravel()[self._order] for x in (self._before, touching, room)))
+        part = np.empty(share.shape)
+        part[self._order] = share
+        part = part.reshape(gap.shape)[..., None]
+        spot = place + part * (points + np.array([0.0, depth]) - place)
+        normal = punch.gap(spot, 0.0)[1]
+        length = np.linalg.norm(normal, axis=-1)
+        along = np.stack([-normal[..., 1], normal[..., 0]], axis=-1) / length[..., None]
+        self._spot[new], self._along[new] = spot[new], along[new]
+        self._held = self._held | new
+        return True
+
     def settle(self, u: Array, punch: Punch, depth: float) -> None:
-        """Let points that touch at the end of a load step stick where they are; free those that do not."""
+        """Accept a step: free points that do not touch; without ties within the step, tie those that do."""
         points = self._points(u)
         gap, normal, _ = punch.gap(points, depth)
         new = (gap <= 0.0) & ~self._held
@@ -147,6 +196,8 @@ class Surface:
         length = np.linalg.norm(normal, axis=-1)
         self._along[new] = (np.stack([-normal[..., 1], normal[..., 0]], axis=-1) / length[..., None])[new]
         self._held = gap <= 0.0
+        self._before = self._held.copy()
+        self._last = (points + np.array([0.0, depth]), gap)
 
     def forces(self, u: Array, punch: Punch, depth: float) -> tuple[Array, Array]:
         """Gradient (full length) and second derivative (per side) of the contact and film energy."""

@@ -13,6 +13,7 @@ from typing import Protocol
 import numpy as np
 
 from dummydesign.pad.contact.surface_axisymmetric import TOUCHING
+from dummydesign.pad.contact.ties import NoTies
 
 Array = np.ndarray
 
@@ -77,7 +78,7 @@ def round_punch(radius: float, rim: float, centre: tuple[float, float] = (0.0, 0
     return BeadedPunch((0.0, 0.0), radius - rim, rim, centre)
 
 
-class FaceContact:
+class FaceContact(NoTies):
     """Faces of the pad that may touch the punch; takes the place of ``contact.Surface`` in space.
 
     Parameters

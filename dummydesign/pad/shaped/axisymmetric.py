@@ -25,7 +25,8 @@ from dummydesign.pad.fem.mesh_columns import Sizes, columns, height_lines, radia
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import Law, Yeoh
 from dummydesign.pad.slab.problem import FILM_REACH, FILM_STIFFNESS, PadCurve, normalise
-from dummydesign.pad.solve.continuation import NOTHING, Path, Problem, cost, follow
+from dummydesign.pad.solve.continuation import NOTHING, Path, cost, follow
+from dummydesign.pad.solve.equilibrium import Problem
 
 Array = np.ndarray
 
@@ -41,6 +42,11 @@ EDGE_ERROR = 0.3
 MESH_ERROR = 1.0
 LEAST_ERROR = 2e-3
 CELLS = 16
+# Load steps in thicknesses, at 16 cells, while a contact grows that sticks: a quarter of them moves a force by at most
+# 0.2 %. Wanted depths are solved beside the path, which is the same whatever they are. Other contact takes larger ones.
+LARGEST_STEP = 0.01
+FREE_STEP = 0.03
+FIRST_DEPTH = 0.02
 
 
 class Plate(FlatPunch):
@@ -185,7 +191,7 @@ def shaped_problem(press: Press, law: Law, cells: int = CELLS, rim: float = RIMS
 
     surface = Surface(
         mesh.nodes, top[near], lambda at: np.full_like(at, strength), film, GRIP_SHARE * strength * grip,
-        punch.flat_radius if len(driven) else 0.0, face.coulomb or 0.0, 0.02 * coarse,
+        punch.flat_radius if len(driven) else 0.0, face.coulomb or 0.0, 0.02 * coarse, ties_within_step=True,
     )  # fmt: skip
     return Problem(Solid(mesh, law, press.poisson), held, driven, 2 * below + 1, surface, punch, carried)
 
@@ -217,8 +223,12 @@ def climb(press: Press, law: Law, depths: Array, cells: int = CELLS, rim: float 
           progress: Callable[[float], None] | None = None) -> Path:  # fmt: skip
     """Follow the pad with one bead through relative ``depths``."""
     problem = shaped_problem(press, law, cells, rim, twin)
-    first = 0.25 * float(depths[0]) if not press.shape.flat_top else min(0.3 * rim, float(depths[0]))
-    return follow(problem, depths, first, 0.03, 3e-4, progress)
+    if press.condition == "frictionless":
+        # Contact without memory: the force is the same whatever the steps were.
+        return follow(problem, depths, 0.25 * press.first, FREE_STEP, 3e-4, progress)
+    if press.shape.flat_top:
+        return follow(problem, depths, 0.3 * rim, FREE_STEP, 3e-4, progress, lattice=True)
+    return follow(problem, depths, 0.25 * press.first, LARGEST_STEP * CELLS / cells, 3e-4, progress, lattice=True)
 
 
 def sharp(rough: Array, fine: Array) -> tuple[Array, Array]:
@@ -291,7 +301,7 @@ def solve_shaped_pad(
     """
     own, depths, ratio, unit = normalise(thickness_mm, radius_mm, young_MPa, depth_mm, poisson, law)
     press = Press(
-        shape, float(thickness_mm), ratio, extent_mm / thickness_mm, base, condition, poisson, float(depths[0])
+        shape, float(thickness_mm), ratio, extent_mm / thickness_mm, base, condition, poisson, first_depth(depths)
     )
     press.check()
     if shape.flat_top:
@@ -305,6 +315,11 @@ def solve_shaped_pad(
         raise NoAnswerError("no_convergence", f"the pad could not be solved: {stops[0]}")
     error = LEAST_ERROR + EDGE_ERROR * np.abs(added) + MESH_ERROR * _held_on(np.abs(np.log(half / fine)))
     return _curve(press, depths, value * unit * thickness_mm**2, error, count, paths, stops)
+
+
+def first_depth(depths: Array) -> float:
+    """Depth that the apex is meshed for: 0.02, halved until no wanted depth is smaller."""
+    return FIRST_DEPTH * 0.5 ** max(0, int(np.ceil(np.log2(FIRST_DEPTH / float(depths[0])) - 1e-9)))
 
 
 def _grids(cells: int) -> list[tuple[int, float]]:

@@ -28,7 +28,8 @@ from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import Law
 from dummydesign.pad.shaped.spatial_mesh import Grid, Load, axis_lines, levels
 from dummydesign.pad.slab.problem import PadCurve, normalise
-from dummydesign.pad.solve.continuation import Path, Problem, cost, follow
+from dummydesign.pad.solve.continuation import Path, cost, follow
+from dummydesign.pad.solve.equilibrium import Problem
 from dummydesign.pad.solve.solver_multifrontal import Dissection
 
 Array = np.ndarray

@@ -21,7 +21,8 @@ from dummydesign.pad.fem.mesh_axisymmetric import graded
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import Law
 from dummydesign.pad.slab.problem import PadCurve, normalise
-from dummydesign.pad.solve.continuation import Path, Problem, cost, follow
+from dummydesign.pad.solve.continuation import Path, cost, follow
+from dummydesign.pad.solve.equilibrium import Problem
 
 Array = np.ndarray
 
@@ -128,7 +129,7 @@ def indentation_problem(
     contact = law.shear_MPa * stiffness / cell
     surface = Surface(
         mesh.nodes, sides, lambda at: np.full_like(at, contact), np.zeros_like,
-        contact * float(face.bonded), 0.0, face.coulomb or 0.0, SLIP_SCALE * cell,
+        contact * float(face.bonded), 0.0, face.coulomb or 0.0, SLIP_SCALE * cell, ties_within_step=True,
     )  # fmt: skip
     # What touches at the start sticks or slips from where it is.
     surface.settle(np.zeros(mesh.size), punch, 0.0)

@@ -21,7 +21,7 @@ from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import Law, Yeoh
-from dummydesign.pad.solve.continuation import Problem
+from dummydesign.pad.solve.equilibrium import Problem
 
 Array = np.ndarray
 

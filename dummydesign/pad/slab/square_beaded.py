@@ -23,7 +23,8 @@ from dummydesign.pad.fem import mesh_hexahedra as space
 from dummydesign.pad.fem.mixed_solid import Discretisation, Solid
 from dummydesign.pad.material.hyperelastic import Law
 from dummydesign.pad.slab.square_sharp import Block, Cells, Ratios, ratios_of
-from dummydesign.pad.solve.continuation import Problem, follow
+from dummydesign.pad.solve.continuation import follow
+from dummydesign.pad.solve.equilibrium import Problem
 from dummydesign.pad.solve.solver_multifrontal import Dissection
 from dummydesign.pad.tables.square import SIDE_OVER_RADIUS
 

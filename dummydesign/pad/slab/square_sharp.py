@@ -23,7 +23,8 @@ from dummydesign.pad.fem import mesh_axisymmetric as plane
 from dummydesign.pad.fem import mesh_hexahedra as space
 from dummydesign.pad.fem.mixed_solid import Discretisation, Solid
 from dummydesign.pad.material.hyperelastic import Law
-from dummydesign.pad.solve.continuation import Path, Problem, cost, follow
+from dummydesign.pad.solve.continuation import Path, cost, follow
+from dummydesign.pad.solve.equilibrium import Problem
 from dummydesign.pad.solve.solver_multifrontal import Dissection
 from dummydesign.pad.solve.solver_superlu import Pattern
 from dummydesign.pad.tables.square import SIDE_OVER_RADIUS

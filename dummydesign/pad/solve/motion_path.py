@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dummydesign.pad.solve.continuation import Problem, _equilibrium, _explain, _Failure
+from dummydesign.pad.solve.equilibrium import Failure, Problem, explain, find_equilibrium
 
 Array = np.ndarray
 
@@ -74,12 +74,12 @@ def follow_motion(
             to = goal if last else start + (done + share) * (goal - start)
             if timed:
                 law.begin(to_time - now)
-            answer = _equilibrium(problem, *_guess(u, p, to - here, earlier, moved, direction), to)
-            if isinstance(answer, _Failure):
+            answer = find_equilibrium(problem, *_guess(u, p, to - here, earlier, moved, direction), to)
+            if isinstance(answer, Failure):
                 iterations += answer.iterations
                 todo[:1] = [0.5 * share, 0.5 * share]
                 if 0.5 * share < SMALLEST_SHARE / parts:
-                    stop = f"{_explain(problem, u, p, here, answer.reason)}; at {now:.4g} s"
+                    stop = f"{explain(problem, u, p, here, answer.reason)}; at {now:.4g} s"
                     break
                 continue
             if to != here:

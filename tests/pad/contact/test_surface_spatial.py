@@ -15,7 +15,8 @@ from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import neo_hookean
 from dummydesign.pad.slab.square_beaded import rimmed_block, solve_rimmed_ratios
 from dummydesign.pad.slab.square_sharp import Block, Cells, solve_ratios
-from dummydesign.pad.solve.continuation import Problem, follow
+from dummydesign.pad.solve.continuation import follow
+from dummydesign.pad.solve.equilibrium import Problem
 from dummydesign.pad.solve.solver_multifrontal import Dissection
 from dummydesign.pad.solve.solver_superlu import Pattern
 

@@ -11,7 +11,8 @@ from dummydesign.pad.fem.mesh_axisymmetric import Resolution
 from dummydesign.pad.fem.mixed_solid import Solid, lame_ratio
 from dummydesign.pad.material.hyperelastic import Yeoh, neo_hookean
 from dummydesign.pad.material.kinematics import Axisymmetric, Spatial
-from dummydesign.pad.solve.continuation import Problem, follow
+from dummydesign.pad.solve.continuation import follow
+from dummydesign.pad.solve.equilibrium import Problem
 
 LAWS = [neo_hookean(0.7), Yeoh(0.7, 0.2)]
 

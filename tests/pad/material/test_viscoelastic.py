@@ -13,7 +13,8 @@ from dummydesign.pad.material.ogden import Ogden
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
 from dummydesign.pad.material.viscoelastic import Isochoric, Viscoelastic
 from dummydesign.pad.puck import Puck, puck_problem
-from dummydesign.pad.solve.continuation import Problem, follow
+from dummydesign.pad.solve.continuation import follow
+from dummydesign.pad.solve.equilibrium import Problem
 from dummydesign.pad.solve.motion_path import follow_motion
 
 ARMS = (PronyTerm(0.05, 0.6), PronyTerm(1.0, 0.3))

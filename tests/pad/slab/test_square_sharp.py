@@ -12,7 +12,8 @@ from dummydesign.pad.fem import mesh_hexahedra as space
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import Yeoh, neo_hookean
 from dummydesign.pad.slab.square_sharp import Block, Cells, block_problem, solve_ratios, twin_problem
-from dummydesign.pad.solve.continuation import Problem, follow
+from dummydesign.pad.solve.continuation import follow
+from dummydesign.pad.solve.equilibrium import Problem
 from dummydesign.pad.solve.solver_multifrontal import Dissection, elimination_order
 from dummydesign.pad.solve.solver_superlu import Pattern
 

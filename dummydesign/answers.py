@@ -88,19 +88,13 @@ class Rows:
 
 @dataclass(frozen=True)
 class Fitted:
-    """What ``fit`` found. ``found`` is the fit with all its objects, ``result`` the whole answer in values."""
+    """What ``fit`` found. ``found`` is the fit with all its objects."""
 
     found: Fit
-    result: dict[str, Any]
-
-    @property
-    def files(self) -> dict[str, str]:
-        """What was written, {role: path}."""
-        return dict(self.result["files"])
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the answer of ``dummydesign fit --json``, without its ``schema`` and ``version``."""
-        return deepcopy(self.result)
+        """Return the fit in the form of ``dummydesign fit --json``."""
+        return self.found.to_dict()
 
     def to_frame(self) -> Any:
         """Return the parameters with their intervals as a DataFrame, one row a parameter (needs pandas)."""
@@ -109,20 +103,3 @@ class Fitted:
             parts = {name: entry} if "value" in entry else {f"{name} at {v} mm/s": e for v, e in entry.items()}
             records += [{"parameter": label, **one} for label, one in parts.items()]
         return frame_of(records)
-
-
-@dataclass(frozen=True)
-class Result:
-    """What another call found: ``found`` with all its objects, ``result`` the whole answer in values."""
-
-    found: Any
-    result: dict[str, Any]
-
-    @property
-    def files(self) -> dict[str, str]:
-        """What was written, {role: path}."""
-        return dict(self.result.get("files", {}))
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the answer of the command with ``--json``, without its ``schema`` and ``version``."""
-        return deepcopy(self.result)

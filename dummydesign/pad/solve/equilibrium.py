@@ -1,0 +1,177 @@
+"""Equilibrium of a pad at one depth of the punch, by Newton's method from a predicted state."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from dummydesign.core.threads import one_blas_thread
+from dummydesign.pad.contact.surface_axisymmetric import Punch, Surface
+from dummydesign.pad.fem.mixed_solid import Solid, State
+from dummydesign.pad.solve.solver_superlu import Pattern
+
+Array = np.ndarray
+
+RESIDUAL_TOLERANCE = 1e-6
+MAX_ITERATIONS = 14
+SMALLEST_J = 0.02
+# Points that came to touch are tied once the relative residual is below this, so many times at most; the force does
+# not change by more than 0.05 % when it is 1e-3.
+TIE_TOLERANCE = 5e-2
+LARGEST_TIES = 4
+
+
+class Problem:
+    """A solid, the unknowns that move with the punch or are held, and the surface in contact.
+
+    Parameters
+    ----------
+    solid : Solid
+    held : ndarray of bool
+        Unknowns kept at zero.
+    driven : ndarray of int
+        Unknowns that move with the punch, by -depth.
+    base : ndarray of int
+        Held unknowns over which the reaction is summed: the force that the pad carries.
+    surface, punch : Surface and Punch, optional
+    carried : ndarray of int, optional
+        Free unknowns that lie on the punch's face at first touch; they go down with it at first.
+    solver : callable, optional
+        Makes the linear solver from (connectivities, free unknowns, number of unknowns); a sparse
+        factorisation by default.
+    """
+
+    def __init__(
+        self,
+        solid: Solid,
+        held: Array,
+        driven: Array,
+        base: Array,
+        surface: Surface | None = None,
+        punch: Punch | None = None,
+        carried: Array | None = None,
+        solver: Callable[[list[Array], Array, int], Any] = Pattern,
+    ) -> None:
+        self.solid, self.driven, self.base, self.surface, self.punch = solid, driven, base, surface, punch
+        self.carried = driven if carried is None else np.union1d(driven, carried)
+        fixed = held.copy()
+        fixed[driven] = True
+        used = np.zeros(solid.mesh.size, dtype=bool)
+        used[solid.mesh.dofs] = True
+        groups = [solid.mesh.dofs] + ([surface.dofs] if surface else [])
+        self.pattern = solver(groups, np.nonzero(used & ~fixed)[0], solid.mesh.size)
+
+    def contact(self, u: Array, depth: float) -> tuple[Array, list[Array]]:
+        """Force and matrices of the surface; zero without one."""
+        if self.surface is None:
+            return np.zeros(len(u)), []
+        force, matrix = self.surface.forces(u, self.punch, depth)
+        return force, [matrix]
+
+    def force(self, state: State) -> float:
+        """Force that the pad carries, from the reaction of its base."""
+        return float(state.internal_force[self.base].sum())
+
+    def start(self) -> tuple[Array, Array]:
+        """Undeformed displacement and pressure."""
+        pressures = self.solid.mesh.pressure_basis.shape[1]
+        return np.zeros(self.solid.mesh.size), np.zeros((len(self.solid.mesh.weight), pressures))
+
+    def direction(self) -> tuple[Array, Array]:
+        """Small-strain solution for a unit depth of the punch, from the undeformed state."""
+        u, p = self.start()
+        state = self.solid.state(u, p)
+        _, matrices = self.contact(u, 0.0)
+        lift = np.zeros(len(u))
+        lift[self.carried] = -1.0
+        pull = (state.stiffness @ lift[self.solid.mesh.dofs][:, :, None])[:, :, 0]
+        load = -np.bincount(self.solid.mesh.dofs.ravel(), pull.ravel(), minlength=len(u))
+        du = lift + self.pattern.solve([state.stiffness, *matrices], load)
+        return du, self.solid.pressure_step(state, du)
+
+    @one_blas_thread()
+    def stiffness(self) -> float:
+        """Force per depth at first touch (the small-strain limit)."""
+        u, p = self.start()
+        du, _ = self.direction()
+        state = self.solid.state(u, p)
+        pull = (state.stiffness @ du[self.solid.mesh.dofs][:, :, None])[:, :, 0]
+        total = np.bincount(self.solid.mesh.dofs.ravel(), pull.ravel(), minlength=len(u))
+        return float(total[self.base].sum())
+
+
+@dataclass
+class Solution:
+    """A state in equilibrium, the relative residuals on the way to it, and how often contact was tied anew."""
+
+    u: Array
+    p: Array
+    state: State
+    residuals: tuple[float, ...]
+    ties: int
+
+
+@dataclass
+class Failure:
+    """Why no equilibrium was found, and what the search cost."""
+
+    reason: str
+    iterations: int
+
+
+def find_equilibrium(
+    problem: Problem, u: Array, p: Array, depth: float, tolerance: float = RESIDUAL_TOLERANCE
+) -> Solution | Failure:
+    """Newton's method at one depth, from a predicted state."""
+    solid, free = problem.solid, problem.pattern.free
+    u = u.copy()
+    u[problem.driven] = -depth
+    state = solid.state(u, p)
+    if state is None:
+        return Failure("the predicted state turns an element inside out", 0)
+    residuals: list[float] = []
+    surface, ties = problem.surface, 0
+    if surface is not None:
+        surface.begin()
+    for _ in range(MAX_ITERATIONS):
+        contact, matrices = problem.contact(u, depth)
+        load = state.force_of_pressure - state.internal_force - contact
+        du = problem.pattern.solve([state.stiffness, *matrices], load)
+        dp = solid.pressure_step(state, du)
+        fraction = 1.0
+        while True:
+            trial = solid.state(u + fraction * du, p + fraction * dp)
+            if trial is not None and trial.J.min() > SMALLEST_J:
+                break
+            fraction *= 0.5
+            if fraction < 0.05:
+                return Failure("an element would turn inside out", len(residuals) + 1)
+        u, p, state = u + fraction * du, p + fraction * dp, trial
+        contact, _ = problem.contact(u, depth)
+        scale = np.linalg.norm(state.internal_force) + 1e-300
+        residuals.append(float(np.linalg.norm((state.internal_force + contact)[free]) / scale))
+        if not np.isfinite(residuals[-1]):
+            return Failure("the residual is no longer a number", len(residuals))
+        near = residuals[-1] < TIE_TOLERANCE and ties < LARGEST_TIES
+        if near and surface is not None and surface.tie(u, problem.punch, depth):
+            ties += 1
+            continue
+        if residuals[-1] < tolerance and fraction == 1.0:
+            return Solution(u, p, state, tuple(residuals), ties)
+    reason = f"no equilibrium after {MAX_ITERATIONS} iterations (relative residual {residuals[-1]:.1e})"
+    return Failure(reason, MAX_ITERATIONS)
+
+
+def explain(problem: Problem, u: Array, p: Array, depth: float, reason: str) -> str:
+    """Say where a path ended, with the worst element, for the user who has to act on it."""
+    state = problem.solid.state(u, p, tangent=False)
+    element, _ = np.unravel_index(np.argmin(state.J), state.J.shape)
+    nodes = problem.solid.mesh.dofs[element] // problem.solid.mesh.nodes.shape[0]
+    place = ", ".join(f"{x:.3g}" for x in problem.solid.mesh.nodes[:, nodes].mean(axis=1))
+    return (
+        f"stopped at relative depth {depth:.3f}: {reason}; worst element {element} at ({place}) thicknesses, "
+        f"smallest volume ratio {state.J.min():.2g}"
+    )

@@ -20,6 +20,8 @@ import numpy as np
 Array = np.ndarray
 
 LARGEST_PSI = 0.16
+# Power of the rim with which its effect vanishes; from one rim to one of half the size 2^-1.25 = 0.42 of it is left.
+RIM_POWER = 1.25
 FIRST_TOUCH_ERROR = 2e-4
 VALUE_ERROR = 1e-3
 # Share of its own correction by which a value with a large rim may be off.
@@ -45,7 +47,7 @@ class Samples:
     @property
     def psi(self) -> Array:
         """Size of the rim's effect, rho^1.25 y^-0.6."""
-        return self.rim**1.25 * self.scaled_depth**-0.6
+        return self.rim**RIM_POWER * self.scaled_depth**-0.6
 
     def take(self, chosen: Array) -> Samples:
         """Keep some of the values."""

@@ -1,7 +1,7 @@
 """Unilateral contact of a slab with a rigid axisymmetric punch: frictionless, rough or sticking.
 
 The whole face is in contact that opens and closes; the pad is pushed by it alone. Use this for shaped
-punches, and for flat ones that are not glued; the sharp, glued punch has its own way (``axisymmetric``).
+punches, and for flat ones that are not glued; the sharp, glued punch has its own way (``sharp_edge``).
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """A slab under a round flat punch as a finite-element problem: with a sharp edge, or with a bead at it.
 
 The sharp edge with quarter-point elements is exact at first touch; at depth its corner cells turn inside out.
-The bead makes the problem well-posed at any depth (see ``axisymmetric`` for the limit of small beads).
+The bead makes the problem well-posed at any depth (see ``sharp_edge`` for the limit of small beads).
 """
 
 from __future__ import annotations

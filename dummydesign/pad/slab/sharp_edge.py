@@ -2,7 +2,7 @@
 
 The edge of a sharp, glued punch shears the material without bound, so no mesh resolves it. The punch
 here has a small bead of radius ``rim`` at its edge, with unilateral contact, and the reported force is
-the limit of rim to 0, found from a ladder of rims each half the one before (see ``edge_limit``). A rim is
+the limit of rim to 0, found from a ladder of rims each half the one before (see ``edge_extrapolation``). A rim is
 of use for depths that are large against its own scale (depth^2 > rim, both in units of the smaller of
 punch radius and thickness); the small-depth limit comes from a sharp edge with quarter-point elements,
 which is exact there.

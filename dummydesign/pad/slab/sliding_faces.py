@@ -20,6 +20,7 @@ from dummydesign.geometry.standard import PAD_EXTENT_MM
 from dummydesign.pad.contact.resting_base import SLIP_SCALE, weight_over_shear
 from dummydesign.pad.contact.surface_axisymmetric import FlatPunch
 from dummydesign.pad.material.hyperelastic import Law
+from dummydesign.pad.slab.edge_extrapolation import RIM_POWER
 from dummydesign.pad.slab.indentation import Region, indentation_problem
 from dummydesign.pad.slab.problem import PadCurve, Slab, normalise
 from dummydesign.pad.slab.sharp_edge import solve_curve
@@ -30,8 +31,8 @@ Array = np.ndarray
 RIMS = (0.1, 0.05)
 # Cells per bead: a face that slides over the bead needs finer ones than a glued face.
 GLUED_CELLS, SLIDING_CELLS = 1.5, 3.0
-# What is left of a correction by one halving of the bead, of an effect as rim^1.25.
-LEFT = 1.0 / (2.0**1.25 - 1.0)
+# What is left of a correction by one halving of the bead.
+LEFT = 1.0 / (2.0**RIM_POWER - 1.0)
 # Error of the ratio from cells and contact: half the cells moved it by up to 0.3 % and 1 %.
 GLUED_ERROR, SLIDING_ERROR = 3e-3, 1e-2
 

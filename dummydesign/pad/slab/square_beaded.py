@@ -1,6 +1,6 @@
 """The punch with a bead at its edge in space, and its axisymmetric twin: what carries a ratio to depth.
 
-A sharp, glued corner cell folds (see ``spatial``). With a bead of radius ``rim`` at the edge and contact that
+A sharp, glued corner cell folds (see ``square_sharp``). With a bead of radius ``rim`` at the edge and contact that
 sticks, as ``axisymmetric.rimmed_problem`` has it, the solve goes deeper. Rim and cells at the edge are alike in
 both, in shares of each punch, so that the rim's and the mesh's error nearly cancel in the ratio.
 

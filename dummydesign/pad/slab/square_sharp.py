@@ -1,7 +1,7 @@
 """A punch of any rectangle on a rectangular slab in space, beside its axisymmetric twin.
 
 What is computed is the ratio of the force under a square or rectangular punch to that under the round
-punch of equal area. The corner of a sharp, glued edge cannot be resolved at depth (see ``axisymmetric``),
+punch of equal area. The corner of a sharp, glued edge cannot be resolved at depth (see ``sharp_edge``),
 but the ratio can: both are solved on tensor grids with the same cells, in shares of the punch, down from
 and beside a sharp edge, and the error of the corner cell is nearly the same in both.
 

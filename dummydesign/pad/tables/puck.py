@@ -4,7 +4,7 @@
 solids between plates from frictionless to bonded and stores ln B, with B the force over that of the same
 cylinder between frictionless plates, for which a closed form exists. B hardly depends on the law, so linear
 interpolation of ln B is good to the accuracy of the solves. ``--shapes`` does the same for the other
-proportions between which ``puck_shapes`` interpolates.
+proportions between which ``puck_proportions`` interpolates.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """How much more a square punch carries than the round punch of equal area.
 
-The factor was computed by finite elements in space (see ``spatial`` and ``build_square``) up to the depth at
-which the cell at the punch's corner folds, about 0.5 of the smaller of radius and thickness. Beyond that the
-factor of that depth is held, and its stated error grows by ``HELD_ERROR`` per such depth.
+The factor was computed by finite elements in space (see ``pad.slab.square_sharp`` and ``studies.tables.square``) up
+to the depth at which the cell at the punch's corner folds, about 0.5 of the smaller of radius and thickness. Beyond
+that the factor of that depth is held, and its stated error grows by ``HELD_ERROR`` per such depth.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def combined_depth(depth: ArrayLike, ratio: ArrayLike) -> Array:
 
 @dataclass(frozen=True)
 class SquareTable:
-    """Square over circle on one kind of base; arrays as in the file, see ``build_square``."""
+    """Square over circle on one kind of base; arrays as in the file, see ``studies.tables.square``."""
 
     coefficients: Array
     ratio_range: tuple[float, float]

@@ -1,7 +1,7 @@
 """Make the response tables from axisymmetric finite elements: ``python -m dummydesign.studies.tables.slab``.
 
 Eight rims per a / h, at Chebyshev nodes in ln(a / h), to d / h = 0.6 or as far as the elements stay sound;
-one regression over all values (see ``edge_limit``) gives the series and its stated error.
+one regression over all values (see ``pad.slab.edge_extrapolation``) gives the series and its stated error.
 """
 
 from __future__ import annotations

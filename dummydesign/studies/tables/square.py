@@ -1,10 +1,10 @@
 """Make the square-over-circle factors: ``python -m dummydesign.studies.tables.square``.
 
 A square, glued punch in space and its round twin are solved on the same cells for several a / h, in two ways:
-with a sharp edge and several corner cells (see ``spatial``), which ends where the corner cell folds, and with a
-bead at the edge of several radii (see ``spatial_rim``), which goes on from there. One regression over all values
-removes what is linear in the corner cell and in the bead, and gives the factor as a Chebyshev series, with its
-stated error (see ``fit_square``).
+with a sharp edge and several corner cells (see ``pad.slab.square_sharp``), which ends where the corner cell folds,
+and with a bead at the edge of several radii (see ``square_beaded``), which goes on from there. One regression over all
+values removes what is linear in the corner cell and in the bead, and gives the factor as a Chebyshev series, with its
+stated error (see ``square_fit``).
 """
 
 from __future__ import annotations

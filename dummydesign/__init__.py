@@ -3,19 +3,20 @@
 Inside the package lengths are in mm, forces in N, times in s and stresses in MPa;
 the unit is part of every outward name.
 
-``suggest``, ``whatif`` and ``fit`` are the calls for scripts (see :mod:`dummydesign.api`); they are
-imported when first used.
+``suggest``, ``predict``, ``whatif``, ``fit`` and the others in :mod:`dummydesign.api` are the calls for scripts; they
+are imported when first used.
 """
 
 from typing import Any
 
 from dummydesign._version import __version__
 
-__all__ = ["__version__", "fit", "suggest", "whatif"]
+CALLS = ("calibrate", "compare", "fit", "make_mould", "predict", "replay", "suggest", "whatif")
+__all__ = ["__version__", *CALLS]
 
 
 def __getattr__(name: str) -> Any:
-    if name in ("suggest", "whatif", "fit"):
+    if name in CALLS:
         from dummydesign import api
 
         return getattr(api, name)

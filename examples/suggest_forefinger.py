@@ -1,8 +1,8 @@
-"""A pad for the forefinger: what to weigh, how thick, how well it fits, and a report in ./forefinger."""
+"""A pad for the forefinger: what to weigh, how thick, how well it fits, and a report in ./forefinger (no mould)."""
 
 import dummydesign
 
-answer = dummydesign.suggest("forefinger", out="forefinger")
+answer = dummydesign.suggest("forefinger", cad=False, out="forefinger")
 best = answer.to_dict()["recommendation"]
 print(f"{best['thickness_mm']:g} mm thick, ratio {best['ratio']:g} ({best['ratio_meaning']})")
 for part in best["recipe"]["components"]:

@@ -8,9 +8,14 @@ from __future__ import annotations
 import hashlib
 import os
 
+import hypothesis
 import pytest
 
 os.environ["DUMMYDESIGN_CACHE"] = "off"
+# At a landing the drawn examples are the same for the same code; at a desk they are new each time.
+hypothesis.settings.register_profile("landing", derandomize=True)
+if os.environ.get("CI"):
+    hypothesis.settings.load_profile("landing")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

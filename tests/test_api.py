@@ -1,5 +1,6 @@
 """The calls for scripts: lazy, the same answers as the command line, dicts and tables; and the examples run."""
 
+import inspect
 import json
 import subprocess
 import sys
@@ -7,11 +8,15 @@ from concurrent.futures import ThreadPoolExecutor
 from html import escape
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import dummydesign
 from dummydesign.cli import run
+from dummydesign.cli.entry import parser_of
 from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.measurement.motion import ramp_and_hold
+from dummydesign.tissue.model.maxwell_law import force
 
 ROOT = Path(__file__).parent.parent
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
@@ -44,7 +49,7 @@ PALM_OPTIONS = ["suggest", "--tissue", "palm", "--thickness", "8:16", "--ratio",
 
 def test_suggest_is_the_answer_of_the_command(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    answer = dummydesign.suggest("palm", **PALM, out="a", robot_mass_kg=2.0)
+    answer = dummydesign.suggest("palm", **PALM, verify=False, cad=False, out="a", robot_mass_kg=2.0)
     page = Path("a/report.html").read_text()
     mine = plain(answer)
     assert mine == printed(capsys, *PALM_OPTIONS, "--no-cad", "--robot-mass", "2", "--out", "a")
@@ -58,7 +63,7 @@ def test_suggest_is_the_answer_of_the_command(capsys, tmp_path, monkeypatch):
 @pytest.mark.slow
 def test_suggest_weighs_what_the_solids_hold_as_the_command_does(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    mine = plain(dummydesign.suggest("palm", **PALM, cad=True, out="a"))
+    mine = plain(dummydesign.suggest("palm", **PALM, verify=False, out="a"))
     theirs = printed(capsys, *PALM_OPTIONS, "--out", "a")
     for found in (mine, theirs):
         assert found["mold"].pop("seconds") > 0 and found["mold"].pop("memory_MB") > 0
@@ -73,7 +78,7 @@ def test_without_cad_both_name_the_same_next_command_and_keep_the_recipe(capsys,
     monkeypatch.setattr("dummydesign.mold.runner.make_mold", broken)
     monkeypatch.chdir(tmp_path)
     with pytest.raises(NoAnswerError, match="dummydesign mold --thickness") as caught:
-        dummydesign.suggest("palm", **PALM, cad=True, out="a")
+        dummydesign.suggest("palm", **PALM, verify=False, out="a")
     theirs = printed(capsys, *PALM_OPTIONS, "--out", "a", status=1)
     error = theirs.pop("error")
     assert error == {"code": caught.value.code, "message": str(caught.value)}
@@ -82,7 +87,7 @@ def test_without_cad_both_name_the_same_next_command_and_keep_the_recipe(capsys,
 
 def test_a_mould_needs_a_folder():
     with pytest.raises(InputError, match="out"):
-        dummydesign.suggest("palm", cad=True)
+        dummydesign.suggest("palm", cad=True, verify=False)
 
 
 def test_whatif_is_the_answer_of_the_command_with_its_warnings(capsys, tmp_path, monkeypatch):
@@ -99,6 +104,83 @@ def test_whatif_is_the_answer_of_the_command_with_its_warnings(capsys, tmp_path,
     assert Path("a/report.html").read_text() == page
     unwritten = dummydesign.whatif("5:25:10", "14.5", **study, tissue="palm").to_dict()
     assert unwritten["warnings"] == mine["warnings"] and unwritten["files"] == {}
+
+
+OPTION_OF = {
+    "thickness_mm": "thickness", "length_mm": "length", "width_mm": "width", "depth_mm": "depth", "young_kPa": "young",
+    "force_N": "force", "velocity_mm_s": "velocity", "hold_s": "hold", "deceleration_mm_s2": "deceleration",
+    "robot_mass_kg": "robot_mass", "robot_velocity_mm_s": "robot_velocity", "effects": "effect",
+}  # fmt: skip
+COMMAND_OF = {
+    "suggest": ["suggest", "--tissue", "palm"],
+    "predict": ["predict", "--thickness", "5"],
+    "whatif": ["whatif", "--thickness", "5"],
+    "fit": ["fit", "a.csv"],
+    "compare": ["compare", "a.csv", "--tissue", "palm"],
+    "calibrate": ["loop", "campaign"],
+    "replay": ["replay", "campaign", "--calibration", "c.json"],
+    "make_mould": ["mold", "--thickness", "5"],
+}
+FOR_SCRIPTS = {"executor", "progress"}
+
+
+@pytest.mark.parametrize("call", dummydesign.CALLS)
+def test_every_call_has_the_defaults_and_all_options_of_its_command(call):
+    name, *words = COMMAND_OF[call]
+    options = vars(parser_of(name).parse_args(words))
+    options.pop("json")
+    if call == "suggest":
+        options["verify"] = not options.pop("no_verify")
+        # with a folder, which the command always has
+        assert options.pop("no_cad") is False
+        options["cad"] = None
+    for parameter in inspect.signature(getattr(dummydesign, call)).parameters.values():
+        if parameter.name in FOR_SCRIPTS:
+            continue
+        typed = options.pop(OPTION_OF.get(parameter.name, parameter.name))
+        if parameter.default is not inspect.Parameter.empty:
+            assert same(typed, parameter.default), parameter.name
+    assert not options
+
+
+def same(typed, default):
+    """Whether an option's text means the default: numbers and lists may be typed."""
+    if isinstance(typed, str) and isinstance(default, tuple):
+        return tuple(float(value) for value in typed.split(",")) == default
+    return (list(typed), []) == (list(default), []) if isinstance(default, tuple) else typed == default
+
+
+def test_fit_and_compare_are_the_answers_of_their_commands(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    rng = np.random.default_rng(5)
+    for velocity, depth in ((10.0, 2.5), (10.0, 3.5), (250.0, 2.5)):
+        motion = ramp_and_hold(velocity, depth, hold_s=5.0)
+        time = np.arange(0.0, motion.time_s[-1], 0.002)
+        exact = np.interp(time, motion.time_s, force("ode", motion, 0.3, [0.2], [0.2]))
+        depths = np.interp(time, motion.time_s, motion.displacement_mm)
+        rows = np.c_[time, depths, exact + rng.normal(0.0, 0.02, len(time))]
+        head = "time_s,displacement_mm,force_N"
+        np.savetxt(f"v{velocity:g}-{depth:g}.csv", rows, "%.5f", ",", header=head, comments="")
+    names = sorted(path.name for path in Path().glob("*.csv"))
+    mine = plain(dummydesign.fit(names, elements=3, out="mine.toml"))
+    assert mine == printed(capsys, "fit", *names, "--elements", "3", "--out", "mine.toml")
+    assert mine["files"]["tissue"] == "mine.toml" and mine["inputs"]["law"] == "ode"
+    mine = plain(dummydesign.compare(names, "forefinger", out="held"))
+    assert mine == printed(capsys, "compare", *names, "--tissue", "forefinger", "--out", "held")
+    assert plain(dummydesign.compare(names, "forefinger"))["files"] == {}
+
+
+def test_predict_is_the_answer_of_the_command_and_takes_numbers(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    mine = plain(dummydesign.predict(5, young_kPa=25, depth_mm="0.5,1", prony="0.1:0.3", out="c.csv"))
+    words = ["--young", "25", "--thickness", "5", "--depth", "0.5,1", "--prony", "0.1:0.3", "--out", "c.csv"]
+    theirs = printed(capsys, "predict", *words)
+    for found in (mine, theirs):
+        found["solver"].pop("seconds")
+    assert mine == theirs
+    assert dummydesign.predict(5, young_kPa=25, depth_mm=[0.5, 1]).to_dict()["force_N"] == mine["force_N"]
+    pressed = dummydesign.predict(5, resin="polyurethane-nagoya", ratio=15, force_N=5, velocity_mm_s=250).to_dict()
+    assert pressed["steady_force_N"] == pytest.approx(5.0, rel=1e-3) and pressed["peak_force_N"] > 5.0
 
 
 def has_pandas():

@@ -20,27 +20,10 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     """Read, compare, write tables and report."""
     from pathlib import Path
 
-    from dummydesign.core.files import output_folder
-    from dummydesign.measurement.sensor import parse_lowpass
-    from dummydesign.measurement.trace import read_trace
-    from dummydesign.tissue.model.tissue_file import load_tissue
+    from dummydesign.api import compare
 
-    tissue, lowpass = load_tissue(options.tissue), parse_lowpass(options.lowpass)
-    traces = [read_trace(path) for path in options.traces]
     out = options.out or f"compare-{Path(options.tissue).stem}"
-    folder = output_folder(out)
-    from dummydesign.report.files.compare import write_comparison
-    from dummydesign.tissue.fitting.compare import compare_traces
-
-    found = compare_traces(traces, tissue, lowpass)
-    files = write_comparison(found, tissue, folder)
-    inputs = {
-        "traces": options.traces,
-        "tissue": options.tissue,
-        "lowpass": lowpass.to_dict() if lowpass else None,
-        "out": out,
-    }
-    return {"inputs": inputs, **found.result, "sources": list(tissue.sources), "files": files}
+    return compare(options.traces, options.tissue, lowpass=options.lowpass, out=out).to_dict()
 
 
 def render(result: dict[str, Any]) -> str:

@@ -8,24 +8,14 @@ import json
 import math
 import os
 import sys
+from types import ModuleType
 from typing import Any, NoReturn
 
 from dummydesign._version import __version__
 from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError, unknown_name
 from dummydesign.core.threads import ONE_THREAD
 
-COMMANDS = {
-    "suggest": "recipe, pad and mould for a tissue",
-    "predict": "force of one pad under a depth, a motion or a ramp and hold",
-    "whatif": "tables over thickness, ratio, punch, speed and force",
-    "fit": "fit the five-element law to traces",
-    "mold": "mould, master, frame and pour sheet of a pad",
-    "loop": "measured campaign: residual, missing effect, corrected model",
-    "replay": "predict a campaign with a calibration",
-    "compare": "is a measured dummy inside the tissue's ranges?",
-    "tissues": "list, show or add tissues",
-    "resins": "list, show or add resins",
-}
+COMMANDS = ("suggest", "predict", "whatif", "fit", "mold", "loop", "replay", "compare", "tissues", "resins")
 
 
 class _Parser(argparse.ArgumentParser):
@@ -35,8 +25,22 @@ class _Parser(argparse.ArgumentParser):
         raise InputError(message)
 
 
+def _module(name: str) -> ModuleType:
+    """The module of a command; importing it loads nothing heavy."""
+    return importlib.import_module(f"dummydesign.cli.{name}")
+
+
+def parser_of(name: str) -> argparse.ArgumentParser:
+    """All options of a command."""
+    module = _module(name)
+    parser = _Parser(prog=f"dummydesign {name}", description=module.HELP, allow_abbrev=False)
+    module.add_arguments(parser)
+    parser.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
+    return parser
+
+
 def _overview() -> str:
-    rows = "\n".join(f"  {name:<9} {text}" for name, text in COMMANDS.items())
+    rows = "\n".join(f"  {name:<9} {_module(name).HELP}" for name in COMMANDS)
     return (
         "usage: dummydesign COMMAND [options]\n\n"
         "Soft dummies of human hand tissue: resin recipe, pad geometry and mould, from measured parameters.\n\n"
@@ -84,11 +88,8 @@ def run(arguments: list[str]) -> int:
     try:
         if name not in COMMANDS:
             raise unknown_name("command", name, COMMANDS)
-        module = importlib.import_module(f"dummydesign.cli.{name}")
-        parser = _Parser(prog=f"dummydesign {name}", description=module.HELP, allow_abbrev=False)
-        module.add_arguments(parser)
-        parser.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
-        options = parser.parse_args(arguments[1:])
+        module = _module(name)
+        options = parser_of(name).parse_args(arguments[1:])
         try:
             result = module.run(options)
         except NoAnswerError as reason:

@@ -5,10 +5,6 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from dummydesign.core.errors import InputError
-from dummydesign.core.references import PAPER
-
-SOURCE = f"{PAPER}, equations (4) to (6)"
 HELP = "Fit the nonlinear 3, 5 or 7 element law to traces of one tissue or dummy."
 
 
@@ -22,42 +18,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", metavar="tissue.toml", help="write a tissue file; residuals and report beside it")
 
 
-def elements_of(text: str) -> int | str:
-    """Read 3, 5, 7 or auto."""
-    if text not in ("3", "5", "7", "auto"):
-        raise InputError(f"--elements {text} is not one of 3, 5, 7, auto")
-    return text if text == "auto" else int(text)
-
-
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Read the traces, fit, and write what was asked for."""
-    from pathlib import Path
+    from dummydesign.api import fit
 
-    from dummydesign.core.files import output_folder
-    from dummydesign.measurement.sensor import parse_lowpass
-    from dummydesign.measurement.trace import read_trace
-    from dummydesign.tissue.fitting.fit import fit_traces
-
-    elements, lowpass = elements_of(options.elements), parse_lowpass(options.lowpass)
-    if options.out:
-        if not options.out.lower().endswith(".toml"):
-            raise InputError(f"--out '{options.out}' must end in .toml: a tissue file is written there")
-        output_folder(Path(options.out).parent)
-    fit = fit_traces([read_trace(path) for path in options.traces], elements, options.law, options.mode, lowpass)
-    inputs = {
-        "traces": options.traces,
-        "elements": options.elements,
-        "law": options.law,
-        "mode": options.mode,
-        "lowpass": lowpass.to_dict() if lowpass else None,
-        "out": options.out,
-    }
-    files: dict[str, str] = {}
-    if options.out:
-        from dummydesign.report.files.fit import write_fit
-
-        files = write_fit(fit, options.out, [SOURCE])
-    return {"inputs": inputs, **fit.to_dict(), "sources": [SOURCE], "files": files}
+    return fit(
+        options.traces,
+        elements=options.elements,
+        law=options.law,
+        mode=options.mode,
+        lowpass=options.lowpass,
+        out=options.out or None,
+    ).to_dict()
 
 
 def render(result: dict[str, Any]) -> str:

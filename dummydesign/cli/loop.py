@@ -27,31 +27,13 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     """Run the loop and write report and calibration."""
     from pathlib import Path
 
-    from dummydesign.core.files import output_folder
-    from dummydesign.loop.calibration import calibration_of
-    from dummydesign.loop.calibration_file import write_calibration
-    from dummydesign.loop.effects.own import own_effects
-    from dummydesign.loop.result import result_dict
-    from dummydesign.loop.run import close_loop
-    from dummydesign.measurement.campaign_file import read_campaign
-    from dummydesign.report.loop import write_loop_report
+    from dummydesign.api import calibrate
 
-    campaign = read_campaign(options.campaign)
-    name = Path(options.campaign).resolve().name
-    out = output_folder(options.out or f"loop-{name}")
-    with own_effects(options.effect):
-        result = close_loop(campaign, _progress)
+    out = options.out or f"loop-{Path(options.campaign).resolve().name}"
+    found = calibrate(options.campaign, effects=options.effect, out=out, progress=_progress)
     if sys.stderr.isatty():
         print("\r\033[K", end="", file=sys.stderr)
-    calibration = write_calibration(calibration_of(result), out / "calibration.json")
-    files = write_loop_report(out, result)
-    found = result_dict(result)
-    return {
-        "inputs": {"campaign": options.campaign, "out": str(out), "trials": len(campaign.trials)},
-        **found,
-        "calibration_file": str(calibration),
-        "files": {"calibration": str(calibration), **files},
-    }
+    return found.to_dict()
 
 
 def render(result: dict[str, Any]) -> str:

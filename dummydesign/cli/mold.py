@@ -6,8 +6,6 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from dummydesign.core.errors import NoAnswerError
-
 HELP = "Make the silicone mould of a pad: STEP files, printable master and frame, pour sheet, all checked."
 
 
@@ -35,32 +33,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Build the mould and return the answer."""
-    from dummydesign.mold.model.pad_kind import read_kind
-    from dummydesign.mold.model.preset import mould_spec
-    from dummydesign.mold.runner import make_mold
+    from dummydesign.api import make_mould
 
-    kind, parameters = read_kind(options.shape)
-    spec = mould_spec(
-        options.thickness, options.length, options.width, options.preset, options.resin, options.ratio, kind,
-        parameters, options.base_ratio,
-    )  # fmt: skip
-    folder = Path(options.out) if options.out else Path(f"mould_{spec.tag}")
-    inputs = {
-        "thickness_mm": spec.pad.thickness_mm, "length_mm": spec.pad.length_mm, "width_mm": spec.pad.width_mm,
-        "shape": spec.pad.name, "preset": spec.preset, "resin": spec.pour.resin,
-        "ratio": spec.pour.ratio, "ratio_meaning": spec.pour.ratio_meaning, "out": str(folder),
-    }  # fmt: skip
-    if spec.base is not None:
-        inputs |= {"base_ratio": spec.base.pour.ratio, "modulus_ratio_of_base": spec.base.modulus_ratio}
-    head = {"inputs": inputs, "sources": list(spec.sources)}
-    try:
-        result = make_mold(spec, folder)
-    except NoAnswerError as reason:
-        raise NoAnswerError(reason.code, str(reason), {**head, **reason.result}) from None
-    answer = {**head, **result.to_dict(), "spec": spec.to_dict()}
-    # Memory differs from run to run; the same question shall get the same answer but for seconds.
-    del answer["memory_MB"]
-    return answer
+    return make_mould(
+        options.thickness,
+        length_mm=options.length,
+        width_mm=options.width,
+        shape=options.shape,
+        preset=options.preset,
+        resin=options.resin,
+        ratio=options.ratio,
+        base_ratio=options.base_ratio,
+        out=options.out,
+    ).to_dict()
 
 
 def render(result: dict[str, Any]) -> str:

@@ -19,23 +19,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Read both, predict, compare."""
-    from dummydesign.loop.calibration import replay
-    from dummydesign.loop.calibration_file import read_calibration
-    from dummydesign.loop.effects.own import own_effects
-    from dummydesign.measurement.campaign_file import read_campaign
+    from dummydesign.api import replay
 
-    with own_effects(options.effect):
-        calibration = read_calibration(options.calibration)
-        campaign = read_campaign(options.campaign)
-        predicted = replay(campaign, calibration)
-    return {
-        "inputs": {"campaign": options.campaign, "calibration": options.calibration},
-        "warnings": list(campaign.warnings),
-        "verdict": calibration.verdict,
-        "effects": [one.effect.name for one in calibration.after.active],
-        **predicted.to_dict(),
-        "warning_band_N": calibration.remainder_N,
-    }
+    return replay(options.campaign, options.calibration, effects=options.effect).to_dict()
 
 
 def render(result: dict[str, Any]) -> str:

@@ -35,25 +35,23 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     from pathlib import Path
 
     from dummydesign.api import suggest
-    from dummydesign.design.sweep.ranges import parse_limits
-    from dummydesign.loop.effects.own import own_effects
 
-    with own_effects(options.effect):
-        return suggest(
-            options.tissue,
-            aim=options.aim,
-            resin=options.resin,
-            thickness_mm=parse_limits(options.thickness, "thickness in mm"),
-            ratio=parse_limits(options.ratio, "ratio"),
-            shape=options.shape,
-            calibration=options.calibration,
-            verify=not options.no_verify,
-            cad=not options.no_cad,
-            robot_mass_kg=options.robot_mass,
-            robot_velocity_mm_s=options.robot_velocity,
-            limits=options.limits,
-            out=f"suggest-{Path(options.tissue).stem}" if options.out is None else options.out,
-        ).to_dict()
+    return suggest(
+        options.tissue,
+        aim=options.aim,
+        resin=options.resin,
+        thickness_mm=options.thickness,
+        ratio=options.ratio,
+        shape=options.shape,
+        calibration=options.calibration,
+        effects=options.effect,
+        verify=not options.no_verify,
+        cad=not options.no_cad,
+        robot_mass_kg=options.robot_mass,
+        robot_velocity_mm_s=options.robot_velocity,
+        limits=options.limits,
+        out=f"suggest-{Path(options.tissue).stem}" if options.out is None else options.out,
+    ).to_dict()
 
 
 def render(result: dict[str, Any]) -> str:

@@ -7,7 +7,7 @@ from typing import Any
 
 from dummydesign.core.errors import InputError
 
-HELP = "list, show or add tissues"
+HELP = "List the known tissues, show one with all its numbers and sources, or add your own."
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.geometry.shapes import PadShape, Slab
+from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 
 if TYPE_CHECKING:
     from dummydesign.design.search.slabs import Candidate
@@ -14,7 +15,6 @@ if TYPE_CHECKING:
     from dummydesign.mold.model.spec import MouldSpec
     from dummydesign.resin.model.resin import Resin
 
-PAD_LENGTH_MM, PAD_WIDTH_MM = 150.0, 120.0
 
 
 def pour_recipe(resin: Resin, candidate: Candidate, shape: PadShape | None = None) -> tuple[tuple[str, float], ...]:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
-PUNCH_SIDE_MM = 14.0
+from dummydesign.geometry.standard import PUNCH_RADIUS_MM, PUNCH_SIDE_MM
+
 PUNCH = f"square:{PUNCH_SIDE_MM:g}"
-RADIUS_MM = PUNCH_SIDE_MM / math.sqrt(math.pi)
+RADIUS_MM = PUNCH_RADIUS_MM
 """Circle of the area of the paper's 14 x 14 mm impactor. [mm]"""
 
 

@@ -19,8 +19,8 @@ from dummydesign.design.assessment.safety import (
     tissue_body,
     tissue_press,
 )
-from dummydesign.design.request import PUNCH_SIDE_MM
 from dummydesign.design.scoring.presses import Sampling
+from dummydesign.geometry.standard import PUNCH_SIDE_MM
 
 if TYPE_CHECKING:
     from dummydesign.design.suggestion import Suggestion

@@ -9,13 +9,13 @@ import numpy as np
 from dummydesign.design.assessment.centring import CentringTolerance, centring_tolerance
 from dummydesign.design.assessment.verification import Verification, not_verified, of_shape, verify_design
 from dummydesign.design.inputs import Inputs
-from dummydesign.design.request import PUNCH_SIDE_MM
 from dummydesign.design.scoring.presses import make_curves
 from dummydesign.design.scoring.targets import FORCES_N
 from dummydesign.design.search.best_of_kinds import Chosen, Found, choose
 from dummydesign.design.search.resolved_by_fem import ElementsLaw, solve_leading
 from dummydesign.design.search.space import SearchSpace
 from dummydesign.geometry.shapes import Slab
+from dummydesign.geometry.standard import PUNCH_SIDE_MM
 from dummydesign.pad.tables.punch import circle_of
 
 CALIBRATED = "designed with a calibration: its correction rests on the campaign, the table below it on elements"

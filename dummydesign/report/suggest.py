@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from dummydesign.design.curves import SuggestionCurves
 from dummydesign.design.safety_view import SafetyView
+from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.report.html.page import Section, Table, write_report
 from dummydesign.report.html.viewer import box, read_stl, solid_section, viewer_script
 from dummydesign.report.suggest_figures import (
@@ -174,6 +175,6 @@ def _solids(best: dict[str, Any], files: dict[str, str]) -> Section:
     parts = {name: read_stl(path) for name, path in found.items() if path.is_file()}
     text = "Drag or use the arrow keys to turn, scroll to come closer."
     if "pad" not in parts:
-        parts = {"pad": box(150.0, 120.0, best["thickness_mm"])}
+        parts = {"pad": box(PAD_LENGTH_MM, PAD_WIDTH_MM, best["thickness_mm"])}
         text += " No mould was made; this is a block of the pad's size, without its shape."
     return solid_section(parts, text)

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.files import write_text
 from dummydesign.design.assessment.centring import CentringTolerance, centring_tolerance
-from dummydesign.design.request import PUNCH_SIDE_MM, RADIUS_MM, Request
+from dummydesign.design.request import RADIUS_MM, Request
 from dummydesign.design.scoring.presses import DEPTH_SHARE
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.search.best_of_kinds import Beside
@@ -29,6 +29,7 @@ from dummydesign.design.suggest import suggest
 from dummydesign.design.suggestion import Suggestion
 from dummydesign.geometry.interface import CONDITIONS
 from dummydesign.geometry.shapes import Slab
+from dummydesign.geometry.standard import PUNCH_SIDE_MM
 from dummydesign.studies.marked_page import MarkedPage
 
 TISSUES = ("forefinger", "palm", "thenar")

@@ -6,10 +6,13 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError
+from dummydesign.design.scoring.presses import make_curves
 from dummydesign.pad.force_law import BaseForceLaw
 from dummydesign.pad.material.relaxation import PronyTerm
+from dummydesign.studies.paper_dummies import dummies
 from dummydesign.studies.paper_dummies import presses as study
-from dummydesign.studies.paper_dummies.statements import bow, half_time_s, statements
+from dummydesign.studies.paper_dummies.in_time import bow, half_time_s
+from dummydesign.studies.paper_dummies.statements import statements
 from dummydesign.studies.paper_dummies.study import main
 from dummydesign.studies.paper_dummies.tables import needed_exponents, verdict
 from dummydesign.tissue.model.tissue_file import load_tissue
@@ -34,8 +37,8 @@ def test_a_press_ends_its_hold_at_the_wanted_force_and_agrees_with_the_pad_model
 
     law = study.force_laws([])["bonded", 0.0]
     dummy = study.press_dummy("III", law, 0.025, PRONY)
-    pad = Pad(5.0, 0.025, study.RADIUS_MM, PRONY, sides_mm=(14.0, 14.0))
-    for speed in study.VELOCITIES_MM_S:
+    pad = Pad(5.0, 0.025, dummies.RADIUS_MM, PRONY, sides_mm=(14.0, 14.0))
+    for speed in dummies.VELOCITIES_MM_S:
         press = dummy.presses[10.0, speed]
         assert press.force_N[-1] == pytest.approx(10.0, rel=1e-4)
         other = predict_motion(pad, ramp_and_hold(speed, press.depth_mm))
@@ -46,7 +49,7 @@ def test_a_press_ends_its_hold_at_the_wanted_force_and_agrees_with_the_pad_model
 def test_a_slab_with_the_exponent_of_tissue_keeps_its_place_and_never_enters():
     tissue = load_tissue("palm")
     gamma1 = 2.0 * max(p.gamma1_N_per_mm3 for p in tissue.parameter_sets)
-    young = gamma1 * 15.0**2 / (100.0 * study.RADIUS_MM)
+    young = gamma1 * 15.0**2 / (100.0 * dummies.RADIUS_MM)
     dummy = study.press_dummy("I", CubicLaw(), young, (), only_steady=True)
     assert dummy.exponent() == pytest.approx(3.0, abs=0.01)
     assert dummy.place_at(5.0) == pytest.approx(dummy.place_at(15.0), abs=0.01)
@@ -91,9 +94,9 @@ def test_an_exponential_has_its_half_time_and_a_straight_rise_no_bow():
 
 
 def test_an_arm_much_slower_than_the_rise_adds_its_full_strength_and_a_fast_one_next_to_nothing():
-    curves = study.make_curves(study.force_laws([])["bonded", 0.0], 5.0, study.RADIUS_MM)
+    curves = make_curves(study.force_laws([])["bonded", 0.0], 5.0, dummies.RADIUS_MM)
     weights = study.arm_weights(curves, 0.025)
-    for speed in study.VELOCITIES_MM_S:
+    for speed in dummies.VELOCITIES_MM_S:
         assert np.all(np.diff(weights[speed]) > 0)
         assert weights[speed][-1] == pytest.approx(1.0, abs=0.02)
     assert weights[10.0][0] < 0.03
@@ -101,10 +104,10 @@ def test_an_arm_much_slower_than_the_rise_adds_its_full_strength_and_a_fast_one_
 
 
 def test_a_verdict_says_where_a_statement_holds():
-    neo, stiff = study.Variant("sliding"), study.Variant("bonded", 25.0, 0.1)
+    neo, stiff = dummies.Variant("sliding"), dummies.Variant("bonded", 25.0, 0.1)
 
     def of(first, second, third):
-        return verdict({study.REFERENCE: (first, ""), neo: (second, ""), stiff: (third, "")})
+        return verdict({dummies.REFERENCE: (first, ""), neo: (second, ""), stiff: (third, "")})
 
     assert of(True, False, False) == "agrees"
     assert of(None, True, False) == of(False, True, True) == "disagrees"

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.measurement.motion import DECELERATION_MM_S2, Motion, ramp_and_hold
 from dummydesign.pad.force_law import ForceLaw
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
 
-DEPTH_SHARE = 0.6
+DEPTH_SHARE = MAX_DEPTH_OVER_THICKNESS
 """Largest depth over thickness that is designed for, as in the contract of the commands."""
 
 SAMPLES = 481

@@ -19,6 +19,7 @@ import numpy as np
 
 from dummydesign.geometry.shapes.block import PadBlock
 from dummydesign.geometry.shapes.similarity import Similarity
+from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 
 Array = np.ndarray
 
@@ -141,7 +142,9 @@ class PadShape:
 
     # Limits.
 
-    def check(self, thickness_mm: float, length_mm: float = 150.0, width_mm: float = 120.0) -> None:
+    def check(
+        self, thickness_mm: float, length_mm: float = PAD_LENGTH_MM, width_mm: float = PAD_WIDTH_MM
+    ) -> None:
         """Refuse a shape that does not fit its pad or cannot be cast.
 
         Parameters

@@ -21,6 +21,7 @@ from dummydesign.geometry.shapes.base import Array
 from dummydesign.geometry.shapes.block import PadBlock
 from dummydesign.geometry.shapes.conic_profile import FOOT_SHARES, ConicProfile, wall_slope
 from dummydesign.geometry.shapes.similarity import Similarity, grid
+from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 
 # Heights of bones that are tried, over the thickness.
 BONE_SHARES = np.linspace(0.2, 0.7, 6)
@@ -64,7 +65,9 @@ class Boned(ConicProfile):
         """Volume of dome or bar."""
         return self.volume_mm3(block)
 
-    def check(self, thickness_mm: float, length_mm: float = 150.0, width_mm: float = 120.0) -> None:
+    def check(
+        self, thickness_mm: float, length_mm: float = PAD_LENGTH_MM, width_mm: float = PAD_WIDTH_MM
+    ) -> None:
         """Refuse bones that are too steep for the mesh and covers too thin to last."""
         check_flag("bar", self.bar)
         self.conic.check("bone", STEEPEST_BONE_DEG)

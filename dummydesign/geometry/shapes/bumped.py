@@ -21,6 +21,7 @@ from dummydesign.geometry.limits import (
 from dummydesign.geometry.shapes.base import Array, PadShape
 from dummydesign.geometry.shapes.block import PadBlock
 from dummydesign.geometry.shapes.similarity import Similarity, grid
+from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 
 # The proportions that the mould allows at most: feet that nearly meet and a height of 0.26 of the diameter.
 FOOT_OVER_PITCH = 1.0 / 2.1
@@ -132,7 +133,9 @@ class Bumped(PadShape):
         """All caps."""
         return sum(self.cap(height).cap_volume_mm3() for _, _, height in self.caps_mm())
 
-    def check(self, thickness_mm: float, length_mm: float = 150.0, width_mm: float = 120.0) -> None:
+    def check(
+        self, thickness_mm: float, length_mm: float = PAD_LENGTH_MM, width_mm: float = PAD_WIDTH_MM
+    ) -> None:
         """Refuse caps that overlap, keep air or leave the pad."""
         cap = self.cap(self.height_mm)
         cap.check("cap", STEEPEST_TOP_DEG)

@@ -13,6 +13,7 @@ from dummydesign.geometry.shapes.base import Array
 from dummydesign.geometry.shapes.block import PadBlock
 from dummydesign.geometry.shapes.conic_profile import FOOT_SHARES, ConicProfile, wall_slope
 from dummydesign.geometry.shapes.similarity import Similarity, grid
+from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 
 # Crowns that are tried: height over thickness, and R c / b^2, by which a cap is a point (0.1) or blunt (0.65).
 HEIGHT_SHARES = np.linspace(0.2, 0.74, 10)
@@ -75,7 +76,9 @@ class Crowned(ConicProfile):
         """Volume of crown or ridge."""
         return self.volume_mm3(block)
 
-    def check(self, thickness_mm: float, length_mm: float = 150.0, width_mm: float = 120.0) -> None:
+    def check(
+        self, thickness_mm: float, length_mm: float = PAD_LENGTH_MM, width_mm: float = PAD_WIDTH_MM
+    ) -> None:
         """Refuse tips, slopes and rests that cannot be cast."""
         check_flag("ridge", self.ridge)
         self.conic.check("crown", STEEPEST_TOP_DEG)

@@ -13,6 +13,7 @@ from dummydesign.geometry.limits import MODULUS_RATIO, THINNEST_GEL_MM
 from dummydesign.geometry.shapes.base import Array, PadShape
 from dummydesign.geometry.shapes.block import PadBlock
 from dummydesign.geometry.shapes.similarity import Similarity, grid
+from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 
 # Upper layers that are tried, over the thickness, and moduli of the lower over that of the upper.
 TOP_SHARES = np.linspace(0.2, 0.8, 7)
@@ -41,7 +42,9 @@ class Layered(PadShape):
         """The thinner layer."""
         return min(self.top_mm, block.thickness_mm - self.top_mm)
 
-    def check(self, thickness_mm: float, length_mm: float = 150.0, width_mm: float = 120.0) -> None:
+    def check(
+        self, thickness_mm: float, length_mm: float = PAD_LENGTH_MM, width_mm: float = PAD_WIDTH_MM
+    ) -> None:
         """Refuse layers that are too thin to pour and moduli no pair of resins has."""
         most = thickness_mm - THINNEST_GEL_MM
         if not THINNEST_GEL_MM <= self.top_mm <= most:

@@ -11,6 +11,7 @@ from dummydesign.core.datafiles import find, read_toml
 from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.core.quantity import Quantity, line_of, read_quantity
 from dummydesign.geometry.shapes import PadShape
+from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.mold.model.pad_kind import PUCK, canonical_kind
 from dummydesign.mold.model.spec import (
     Aids,
@@ -53,8 +54,8 @@ _RESIN_FALLBACK = {
 
 def mould_spec(
     thickness_mm: float,
-    length_mm: float = 150.0,
-    width_mm: float = 120.0,
+    length_mm: float = PAD_LENGTH_MM,
+    width_mm: float = PAD_WIDTH_MM,
     preset: str = "open",
     resin: str | Resin | None = None,
     ratio: float = 15.0,

@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import Any
 
 from dummydesign.geometry.shapes import PadShape, make_shape
+from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.mold.model.pad_kind import PUCK
 from dummydesign.mold.model.spec_json import plain_data, rebuild
 
@@ -24,8 +25,8 @@ class PadGeometry:
     """
 
     thickness_mm: float
-    length_mm: float = 150.0
-    width_mm: float = 120.0
+    length_mm: float = PAD_LENGTH_MM
+    width_mm: float = PAD_WIDTH_MM
     draft_deg: float = 2.0
     corner_radius_mm: float = 5.0
     edge_radius_mm: float = 1.5

@@ -8,17 +8,18 @@ finite elements at nu = 0.48.
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.datafiles import data_folder
-from dummydesign.core.errors import NoAnswerError
+from dummydesign.core import json_table
+from dummydesign.core.interpolation import place_on
 
 NAME = "slab-compressibility.json"
+COMMAND = "python -m dummydesign.studies.tables.compressibility"
 
 
 @dataclass(frozen=True)
@@ -31,16 +32,13 @@ class CompressibilityTable:
 
     def coefficient(self, share: NDArray, ratio: NDArray) -> NDArray:
         """c at relative depths (T, N) and a/h (T, 1): linear in d/h and in ln a/h of ln c, constant outside."""
-        place = np.interp(np.log(ratio), np.log(self.ratio), np.arange(len(self.ratio)))
-        low = np.minimum(place.astype(int), len(self.ratio) - 2)
-        part = place - low
+        low, part = place_on(np.log(self.ratio), np.log(ratio))
         logs = np.log(self.values)
         rows = (1.0 - part) * logs[low[:, 0]] + part * logs[low[:, 0] + 1]
-        at = np.interp(share, self.depth, np.arange(len(self.depth)))
-        left = np.minimum(at.astype(int), len(self.depth) - 2)
+        left, step = place_on(self.depth, share)
         first = np.take_along_axis(rows, left, axis=1)
         second = np.take_along_axis(rows, left + 1, axis=1)
-        return np.exp(first + (at - left) * (second - first))
+        return np.exp(first + step * (second - first))
 
 
 @lru_cache(maxsize=1)
@@ -52,13 +50,8 @@ def load_compressibility() -> CompressibilityTable:
     NoAnswerError
         When it is missing or damaged.
     """
-    path = data_folder() / "materials" / "tables" / NAME
-    try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-        return CompressibilityTable(*(np.array(data[key]) for key in ("ratio", "depth", "coefficient")))
-    except (OSError, ValueError, KeyError) as problem:
-        raise NoAnswerError(
-            "table_unavailable",
-            f"table {NAME} cannot be read ({type(problem).__name__}); "
-            "rebuild it with: python -m dummydesign.studies.tables.compressibility",
-        ) from None
+    return json_table.read(NAME, "table", COMMAND, _from_dict)
+
+
+def _from_dict(data: dict[str, Any]) -> CompressibilityTable:
+    return CompressibilityTable(*(np.array(data[key]) for key in ("ratio", "depth", "coefficient")))

@@ -9,22 +9,20 @@ proportions between which ``puck_proportions`` interpolates.
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from dummydesign.core.datafiles import data_folder
-from dummydesign.core.errors import NoAnswerError, out_of_range
+from dummydesign.core import json_table
+from dummydesign.core.errors import out_of_range
 
 Array = np.ndarray
 
 DIAMETER_MM, HEIGHT_MM = 50.0, 30.0
 SHAPE_STEP = 1.3
+USUAL, OTHERS = "puck-50x30.json", "puck-shapes.json"
 COMMAND = "python -m dummydesign.studies.tables.puck"
 
 
@@ -76,10 +74,6 @@ def uniaxial(alpha: float, compression: Array) -> Array:
     return 2.0 / (3.0 * alpha) * (stretch ** (-0.5 * alpha - 1.0) - stretch ** (alpha - 1.0))
 
 
-def table_path(name: str = "puck-50x30.json") -> Path:
-    return data_folder() / "materials" / "tables" / name
-
-
 @lru_cache(maxsize=1)
 def load_puck_table() -> PuckTable:
     """Read the stored table of the 50 x 30 mm shape.
@@ -89,23 +83,17 @@ def load_puck_table() -> PuckTable:
     NoAnswerError
         When the file is missing or damaged.
     """
-    return _read(table_path(), COMMAND, _parse)
+    return json_table.read(USUAL, "friction table", COMMAND, _parse)
 
 
 @lru_cache(maxsize=1)
 def load_shapes() -> tuple[PuckTable, ...]:
     """Read the tables of all solved proportions, by rising radius over height; see :func:`load_puck_table`."""
-    path = table_path("puck-shapes.json")
-    others = _read(path, f"{COMMAND} --shapes", lambda data: [_parse(one) for one in data["shapes"]])
+    command = f"{COMMAND} --shapes"
+    others = json_table.read(
+        OTHERS, "friction tables", command, lambda data: [_parse(one) for one in data["shapes"]]
+    )
     return tuple(sorted([load_puck_table(), *others], key=lambda table: table.radius_over_height))
-
-
-def _read(path: Path, command: str, parse: Callable[[Any], Any]) -> Any:
-    try:
-        return parse(json.loads(path.read_text()))
-    except (OSError, ValueError, KeyError) as problem:
-        message = f"{path.name} is missing or damaged ({problem}); make it by {command}"
-        raise NoAnswerError("bad_table", message) from None
 
 
 def _parse(data: dict[str, Any]) -> PuckTable:

@@ -18,15 +18,14 @@ that of the past.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
-from dummydesign.core.datafiles import data_folder
-from dummydesign.core.errors import NoAnswerError
+from dummydesign.core import json_table
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
 
 Array = np.ndarray
@@ -34,6 +33,7 @@ Array = np.ndarray
 # Of 108 presses with whole sets of arms one errs by 1.33 times the sum over its single arms (20 mm, d/h 0.45, where
 # the arms needed a larger bead), the others by at most 1.22 times.
 MARGIN = 1.35
+NAME = "quick-error.json"
 COMMAND = "python -m dummydesign.studies.tables.separability"
 
 
@@ -69,22 +69,21 @@ def load_quick_error(base: str = "bonded") -> QuickError:
     NoAnswerError
         When the file is missing or damaged.
     """
-    path = data_folder() / "materials" / "tables" / "quick-error.json"
-    try:
-        rows = [row for row in json.loads(path.read_text())["single"] if row["base"] == base]
-        names = ("radius_over_thickness", "relative_depth", "rise_over_tau")
-        axes = [np.array(sorted({row[name] for row in rows})) for name in names]
-        rho = np.full([len(axis) for axis in axes], np.nan)
-        for row in rows:
-            place = tuple(int(np.searchsorted(axis, row[name])) for axis, name in zip(axes, names))
-            rho[place] = row["error_at_peak"] / row["viscous_share_at_peak"]
-        if not rho.size or not np.isfinite(rho).all():
-            raise ValueError("values do not fill the grid")
-        rho = np.concatenate([np.zeros_like(rho[:, :1]), rho], axis=1)
-        return QuickError(axes[0], np.concatenate([[0.0], axes[1]]), axes[2], rho)
-    except (OSError, ValueError, KeyError, IndexError) as problem:
-        message = f"{path.name} is missing or damaged ({problem}); make it by {COMMAND}"
-        raise NoAnswerError("bad_table", message) from None
+    return json_table.read(NAME, "table", COMMAND, lambda data: _from_dict(data, base))
+
+
+def _from_dict(data: dict[str, Any], base: str) -> QuickError:
+    rows = [row for row in data["single"] if row["base"] == base]
+    names = ("radius_over_thickness", "relative_depth", "rise_over_tau")
+    axes = [np.array(sorted({row[name] for row in rows})) for name in names]
+    rho = np.full([len(axis) for axis in axes], np.nan)
+    for row in rows:
+        place = tuple(int(np.searchsorted(axis, row[name])) for axis, name in zip(axes, names))
+        rho[place] = row["error_at_peak"] / row["viscous_share_at_peak"]
+    if not rho.size or not np.isfinite(rho).all():
+        raise ValueError("values do not fill the grid")
+    rho = np.concatenate([np.zeros_like(rho[:, :1]), rho], axis=1)
+    return QuickError(axes[0], np.concatenate([[0.0], axes[1]]), axes[2], rho)
 
 
 def allowance(

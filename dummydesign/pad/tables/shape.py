@@ -10,7 +10,6 @@ punch: ln of F over Hertz's force of the middle cap, for caps of one proportion 
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -18,8 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dummydesign.core.datafiles import data_folder
-from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
+from dummydesign.core import json_table
+from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.geometry.shapes import PadShape, Similarity, shape_kinds
 from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.pad.force_law import BaseForceLaw
@@ -37,7 +36,8 @@ def tabulated_kinds() -> dict[str, Similarity]:
 def ratios(shape: PadShape, thickness_mm: Array, radius_mm: Array) -> Array:
     """Numbers of the shape's table at thicknesses and punch radii (n,), shape (n, k)."""
     h, a = np.broadcast_arrays(np.asarray(thickness_mm, dtype=float), np.asarray(radius_mm, dtype=float))
-    return shape.numbers(dict(shape.parameters), h, a)
+    given: dict[str, Any] = dict(shape.parameters)
+    return shape.numbers(given, h, a)
 
 
 @dataclass(frozen=True)
@@ -151,6 +151,7 @@ class ShapeLaw(BaseForceLaw):
         shape.check_tabulated()
         self.shape = shape
         self.table = load_shape_table(shape.name, condition)
+        self._tip_radius_mm = float(shape.tip_radius_mm or 0.0)
         self._slab: ResponseTable | None = None if self.table.similarity.over_tip else load_table("bonded")
 
     def inside(self, thickness_mm: Array, radius_mm: Array) -> Array:
@@ -188,7 +189,7 @@ class ShapeLaw(BaseForceLaw):
         value, slope = self.table.log_factor(inputs, place, held)
         depth, bend = held * h, slope / h
         if self._slab is None:
-            base = 16.0 / 9.0 * young * np.sqrt(self.shape.tip_radius_mm) * depth**1.5
+            base = 16.0 / 9.0 * young * np.sqrt(self._tip_radius_mm) * depth**1.5
             steep = 1.5 * base / np.maximum(depth, 1e-12)
         else:
             base, steep = self._slab.force_and_stiffness(depth, h, young, a)
@@ -264,21 +265,16 @@ def load_shape_table(kind: str, condition: str = "bonded") -> ShapeTable:
         raise InputError(f"shape = '{kind}' has no table; known are {', '.join(tabulated_kinds())}")
     if condition != "bonded":
         raise InputError(f"condition = '{condition}' is not in the tables of shapes (only bonded); solve it instead")
-    path = data_folder() / "materials" / "tables" / f"{kind}-{condition}.json"
-    try:
-        return from_dict(json.loads(path.read_text(encoding="utf-8")))
-    except (OSError, ValueError, KeyError) as problem:
-        raise NoAnswerError(
-            "table_unavailable",
-            f"response table {path.name} cannot be read ({type(problem).__name__}); "
-            f"rebuild it with: python -m dummydesign.studies.tables.shapes {kind}",
-        ) from None
+    command = f"python -m dummydesign.studies.tables.shapes {kind}"
+    return json_table.read(f"{kind}-{condition}.json", "response table", command, from_dict)
 
 
 def from_dict(data: dict[str, Any]) -> ShapeTable:
     """Table from the content of its file."""
+    surface = data["surface"]
     names = ("low", "high", "lengths", "centres", "levels", "trend", "weights", "reach")
-    surface = Response(*(np.array(data["surface"][name], dtype=float) for name in names), data["surface"]["anchored"])
+    known: dict[str, Any] = {name: np.array(surface[name], dtype=float) for name in names}
     listed = ("low", "high", "error_depth", "median_error", "error", "solve_error")
-    arrays = (np.array(data[name], dtype=float) for name in listed)
-    return ShapeTable(data["kind"], data["condition"], surface, *arrays, data["provenance"])
+    fields: dict[str, Any] = {name: np.array(data[name], dtype=float) for name in listed}
+    response = Response(**known, anchored=surface["anchored"])
+    return ShapeTable(data["kind"], data["condition"], response, **fields, provenance=data["provenance"])

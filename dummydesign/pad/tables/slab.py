@@ -6,7 +6,6 @@ stiffness and local exponent follow by exact differentiation, and evaluated with
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -14,8 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dummydesign.core.datafiles import data_folder
-from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
+from dummydesign.core import json_table
+from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.core.interpolation import between
 from dummydesign.geometry.interface import BASES
 
 Array = np.ndarray
@@ -24,17 +24,6 @@ Array = np.ndarray
 def equal_area_radius_mm(area_mm2: float) -> float:
     """Radius of the round punch of the same area: sqrt(A / pi). [mm]"""
     return float(np.sqrt(area_mm2 / np.pi))
-
-
-def between(x: Array, y: Array, columns: Array, rows: Array, values: Array) -> Array:
-    """Bilinear interpolation of ``values`` (rows, columns) at x and y of one shape; ends are held."""
-    by_row = np.array([np.interp(x, columns, row) for row in values])
-    place = np.clip(np.interp(y, rows, np.arange(len(rows))), 0.0, len(rows) - 1.000001)
-    low = place.astype(int)
-    part = place - low
-    first = np.take_along_axis(by_row, low[None], axis=0)[0]
-    second = np.take_along_axis(by_row, low[None] + 1, axis=0)[0]
-    return (1.0 - part) * first + part * second
 
 
 @dataclass(frozen=True)
@@ -220,24 +209,20 @@ def load_table(base: str = "bonded") -> ResponseTable:
     """
     if base not in BASES:
         raise InputError(f"base = '{base}' has no table; known are {', '.join(BASES)}; use --fidelity axisymmetric")
-    path = data_folder() / "materials" / "tables" / f"slab-{base}.json"
-    try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-        return ResponseTable(
-            base=data["base"],
-            coefficients=np.array(data["coefficients"]),
-            ratio_range=tuple(data["ratio_range"]),
-            depth_range=tuple(data["depth_range"]),
-            limit_ratio=np.array(data["limit_ratio"]),
-            limit_depth=np.array(data["limit_depth"]),
-            error_ratio=np.array(data["error_ratio"]),
-            error_depth=np.array(data["error_depth"]),
-            error=np.array(data["error"]),
-            provenance=data["provenance"],
-        )
-    except (OSError, ValueError, KeyError) as problem:
-        raise NoAnswerError(
-            "table_unavailable",
-            f"response table {path.name} cannot be read ({type(problem).__name__}); "
-            "rebuild it with: python -m dummydesign.studies.tables.slab",
-        ) from None
+    command = "python -m dummydesign.studies.tables.slab"
+    return json_table.read(f"slab-{base}.json", "response table", command, _from_dict)
+
+
+def _from_dict(data: dict[str, Any]) -> ResponseTable:
+    return ResponseTable(
+        base=data["base"],
+        coefficients=np.array(data["coefficients"]),
+        ratio_range=tuple(data["ratio_range"]),
+        depth_range=tuple(data["depth_range"]),
+        limit_ratio=np.array(data["limit_ratio"]),
+        limit_depth=np.array(data["limit_depth"]),
+        error_ratio=np.array(data["error_ratio"]),
+        error_depth=np.array(data["error_depth"]),
+        error=np.array(data["error"]),
+        provenance=data["provenance"],
+    )

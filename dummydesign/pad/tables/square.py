@@ -7,7 +7,6 @@ that the factor of that depth is held, and its stated error grows by ``HELD_ERRO
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -15,10 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dummydesign.core.datafiles import data_folder
-from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
+from dummydesign.core import json_table
+from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.core.interpolation import between
 from dummydesign.geometry.interface import BASES
-from dummydesign.pad.tables.slab import between
 
 Array = np.ndarray
 # Half side of a square over the radius of the circle of its area.
@@ -72,19 +71,15 @@ def load_square(base: str = "bonded") -> SquareTable:
     """
     if base not in BASES:
         raise InputError(f"base = '{base}' has no square factor; known are {', '.join(BASES)}")
-    path = data_folder() / "materials" / "tables" / f"square-{base}.json"
-    try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-        listed = ("coefficients", "reach_ratio", "reach_depth", "error_depth", "error")
-        fields: dict[str, Any] = {name: np.array(data[name]) for name in listed}
-        fields |= {name: tuple(data[name]) for name in ("ratio_range", "depth_range")}
-        return SquareTable(**fields, provenance=data["provenance"])
-    except (OSError, ValueError, KeyError) as problem:
-        raise NoAnswerError(
-            "table_unavailable",
-            f"square factors {path.name} cannot be read ({type(problem).__name__}); "
-            "rebuild them with: python -m dummydesign.studies.tables.square",
-        ) from None
+    command = "python -m dummydesign.studies.tables.square"
+    return json_table.read(f"square-{base}.json", "table of square factors", command, _from_dict)
+
+
+def _from_dict(data: dict[str, Any]) -> SquareTable:
+    listed = ("coefficients", "reach_ratio", "reach_depth", "error_depth", "error")
+    fields: dict[str, Any] = {name: np.array(data[name]) for name in listed}
+    fields |= {name: tuple(data[name]) for name in ("ratio_range", "depth_range")}
+    return SquareTable(**fields, provenance=data["provenance"])
 
 
 def square_factor(

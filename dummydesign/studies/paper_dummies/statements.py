@@ -13,18 +13,24 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dummydesign.measurement.motion import contact_velocity
-from dummydesign.studies.paper_dummies.presses import SAMPLING, STEADY_GRID_N, Dummy, PressFigures
-from dummydesign.tissue.model.ranges import STEADY_TOLERANCE
+from dummydesign.studies.paper_dummies.in_time import (
+    CENTRE,
+    SOFT_EDGE,
+    SPEEDS,
+    STIFF_EDGE,
+    Dummies,
+    Judged,
+    concave,
+    falls,
+    more_viscous,
+    peaks_placed,
+    rise_is_high,
+    rises_inside,
+    within,
+)
+from dummydesign.studies.paper_dummies.presses import STEADY_GRID_N, Dummy
 
-Dummies = dict[str, Dummy]
-Judged = tuple[bool | None, str]
-CENTRE = (0.25, 0.75)
-STIFF_EDGE, SOFT_EDGE = (0.75, 1.05), (-0.05, 0.25)
 ABOUT_5N = (4.0, 6.0)
-SPEEDS = (10.0, 250.0)
-VISIBLE = 0.1
-"""Difference of peak over steady force that a figure shows."""
 
 
 @dataclass(frozen=True)
@@ -50,10 +56,6 @@ def statements() -> tuple[Statement, ...]:
     for name in ("I", "II", "III"):
         found += [*_steady(name), *_in_time(name)]
     return tuple(found)
-
-
-def _within(value: float, span: tuple[float, float]) -> bool | None:
-    return None if math.isnan(value) else bool(span[0] <= value <= span[1])
 
 
 def _steady(name: str) -> list[Statement]:
@@ -100,21 +102,21 @@ def _in_time(name: str) -> list[Statement]:
     def say(words: str, section: str, basis: str, judge: Callable[[Dummy], Judged]) -> Statement:
         return Statement(name, words, section, basis, lambda dummies: judge(dummies[name]))
 
-    rows = [say("F(t) at 10 N, 10 mm/s: begins above the range, ends the rise in it", "IV-C", "band", _rise)]
+    rows = [say("F(t) at 10 N, 10 mm/s: begins above the range, ends the rise in it", "IV-C", "band", rises_inside)]
     if name == "II":
         rows += [
-            say("large peak near the upper edge at 10 N", "IV-C", "input", lambda d: _peaks(d, STIFF_EDGE)),
-            say("rise near the upper edge at 10 N, 250 mm/s", "V-B", "band", _high_rise),
-            say("falls off faster than the subjects", "IV-A", "band", lambda d: _falls(d, faster=True)),
-            Statement("II", "more viscous than I and III: larger peak at 10 N", "IV-C", "free", _more_viscous),
+            say("large peak near the upper edge at 10 N", "IV-C", "input", lambda d: peaks_placed(d, STIFF_EDGE)),
+            say("rise near the upper edge at 10 N, 250 mm/s", "V-B", "band", rise_is_high),
+            say("falls off faster than the subjects", "IV-A", "band", lambda d: falls(d, faster=True)),
+            Statement("II", "more viscous than I and III: larger peak at 10 N", "IV-C", "free", more_viscous),
         ]
     else:
-        rows.append(say("peak inside the range at 10 N", "IV-C", "input", lambda d: _peaks(d, (0.0, 1.0))))
+        rows.append(say("peak inside the range at 10 N", "IV-C", "input", lambda d: peaks_placed(d, (0.0, 1.0))))
     if name == "I":
-        rows.append(say("F(t) at the centre of the range at 10 N", "V-B", "band", lambda d: _peaks(d, CENTRE)))
+        rows.append(say("F(t) at the centre of the range at 10 N", "V-B", "band", lambda d: peaks_placed(d, CENTRE)))
     if name == "III":
-        rows.append(say("falls off slower than the subjects", "IV-A", "band", lambda d: _falls(d, faster=False)))
-    rows.append(say("rise concave-down at 250 mm/s", "V-B", "free", _concave))
+        rows.append(say("falls off slower than the subjects", "IV-A", "band", lambda d: falls(d, faster=False)))
+    rows.append(say("rise concave-down at 250 mm/s", "V-B", "free", concave))
     return rows
 
 
@@ -131,7 +133,7 @@ def _crossing(d: Dummy) -> Judged:
     crossing = d.crossing_N
     if math.isnan(crossing):
         return False, f"stiffer up to {min(d.reach_N, 15.0):.1f} N"
-    return _within(crossing, ABOUT_5N), f"at {crossing:.1f} N"
+    return within(crossing, ABOUT_5N), f"at {crossing:.1f} N"
 
 
 def _inside_above(d: Dummy) -> Judged:
@@ -151,7 +153,7 @@ def _softens(d: Dummy) -> Judged:
 
 def _placed(d: Dummy, span: tuple[float, float]) -> Judged:
     place = d.place_at(10.0)
-    return _within(place, span), f"place {place:.2f} (0 softest, 1 stiffest)"
+    return within(place, span), f"place {place:.2f} (0 softest, 1 stiffest)"
 
 
 def _value(d: Dummy, name: str) -> tuple[list[float], list[tuple[float, float]]]:
@@ -191,7 +193,7 @@ def _average(d: Dummy) -> Judged:
         return None, "no press at one of the speeds"
     (value,), ((low, high),) = _value(d, "gamma1")
     place = math.log(value / low) / math.log(high / low)
-    return _within(place, CENTRE), f"place {place:.2f} in ln gamma1"
+    return within(place, CENTRE), f"place {place:.2f} in ln gamma1"
 
 
 def _misleading(d: Dummy) -> Judged:
@@ -212,91 +214,3 @@ def _most_curved(dummies: Dummies) -> Judged:
 def _worse(dummies: Dummies, name: str) -> Judged:
     ratio = {key: (d.edges_mm[0][5] / d.depth_mm[5]) ** 3 for key, d in dummies.items()}
     return bool(ratio[name] > ratio["II"]), f"force over the stiffest's at 1 N: {ratio[name]:.2g}, II {ratio['II']:.2g}"
-
-
-def _at_10N(d: Dummy) -> list[PressFigures] | None:
-    found = [d.presses.get((10.0, speed)) for speed in SPEEDS]
-    return None if None in found else found
-
-
-def _out(d: Dummy) -> Judged:
-    return None, f"10 N out of reach ({d.reach_N:.1f} N)"
-
-
-def _rise(d: Dummy) -> Judged:
-    press = d.presses.get((10.0, 10.0))
-    if press is None:
-        return _out(d)
-    (early, _, top), (late, low, high) = press.at(0.1 * press.stop_s), press.at(press.stop_s)
-    near = STEADY_TOLERANCE * 10.0
-    holds = early > top and low - near <= late <= high + near
-    return holds, f"{early:.2f} N against {top:.2g} N at a tenth, {late:.1f} N against {low:.1f} to {high:.1f} at stop"
-
-
-def _peaks(d: Dummy, span: tuple[float, float]) -> Judged:
-    presses = _at_10N(d)
-    if presses is None:
-        return _out(d)
-    shown = ", ".join(f"{p.peak_N:.1f} N in {p.band.peak_low_N:.1f} to {p.band.peak_high_N:.1f}" for p in presses)
-    near = [STEADY_TOLERANCE * 10.0 / (p.band.peak_high_N - p.band.peak_low_N) for p in presses]
-    return all(_within(p.peak_place, (span[0] - n, span[1] + n)) for p, n in zip(presses, near)), shown
-
-
-def _high_rise(d: Dummy) -> Judged:
-    press = d.presses.get((10.0, 250.0))
-    if press is None:
-        return _out(d)
-    places = []
-    for share in np.linspace(0.5, 1.0, 26):
-        force, low, high = press.at(share * press.stop_s)
-        places.append((force - low) / (high - low))
-    return _within(float(np.mean(places)), STIFF_EDGE), f"mean place {np.mean(places):.2f} over the later half"
-
-
-def half_time_s(time: np.ndarray, force: np.ndarray) -> float:
-    """Time from the peak until half of the fall from peak to the end is done. [s]"""
-    top = int(np.argmax(force))
-    left = (force[top:] - force[-1]) / (force[top] - force[-1])
-    return float(np.interp(-0.5, -np.minimum.accumulate(left), time[top:] - time[top]))
-
-
-def _falls(d: Dummy, faster: bool) -> Judged:
-    presses = _at_10N(d)
-    if presses is None:
-        return _out(d)
-    holds, shown = [], []
-    for press in presses:
-        own = half_time_s(press.time_s, press.force_N)
-        others = [half_time_s(press.band.time_s, curve) for curve in press.band.curves_N]
-        holds.append(own < min(others) if faster else own > max(others))
-        shown.append(f"{1e3 * own:.0f} ms ({1e3 * min(others):.0f} to {1e3 * max(others):.0f})")
-    return all(holds), f"half-time {', '.join(shown)}"
-
-
-def _more_viscous(dummies: Dummies) -> Judged:
-    found = {name: _at_10N(dummy) for name, dummy in dummies.items()}
-    if None in found.values():
-        return None, "10 N out of reach of one"
-    ratio = {name: [press.peak_N / 10.0 for press in presses] for name, presses in found.items()}
-    shown = "; ".join(f"{name} {values[0]:.2f}, {values[1]:.2f}" for name, values in ratio.items())
-    others = np.maximum(ratio["I"], ratio["III"])
-    return bool(np.all(np.array(ratio["II"]) > others + VISIBLE)), f"peak over steady at 10, 250 mm/s: {shown}"
-
-
-def bow(time: np.ndarray, force: np.ndarray, stop_s: float) -> float:
-    """Mean force over (0, stop) above half the force at its end, over that force: positive is concave-down."""
-    grid = np.linspace(0.0, stop_s, 401)
-    curve = np.interp(grid, time, force)
-    return float(np.mean(0.5 * (curve[1:] + curve[:-1])) / curve[-1] - 0.5)
-
-
-def _concave(d: Dummy) -> Judged:
-    press = d.presses.get((10.0, 250.0))
-    if press is None:
-        return _out(d)
-    peak_s = float(press.time_s[np.argmax(press.force_N)])
-    touch = float(contact_velocity(250.0, press.depth_mm, SAMPLING.deceleration_mm_s2))
-    brake_s = press.stop_s - touch / SAMPLING.deceleration_mm_s2
-    whole = bow(press.time_s, press.force_N, peak_s)
-    even = f"{bow(press.time_s, press.force_N, brake_s):+.2f} before braking" if brake_s > 1e-5 else "brakes throughout"
-    return whole > 0.0, f"bow {whole:+.2f} from contact to peak, {even}"

@@ -7,15 +7,10 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from dummydesign.studies.paper_dummies.presses import HELD, REFERENCE, SITES, Dummy, Variant
+from dummydesign.studies.paper_dummies.dummies import HELD, REFERENCE, SITES, Dummy, Variant
+from dummydesign.studies.paper_dummies.in_time import CENTRE, SOFT_EDGE, SPEEDS, STIFF_EDGE, Dummies, Judged
 from dummydesign.studies.paper_dummies.statements import (
     ABOUT_5N,
-    CENTRE,
-    SOFT_EDGE,
-    SPEEDS,
-    STIFF_EDGE,
-    Dummies,
-    Judged,
     Statement,
     statements,
 )

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import json
+import argparse
 
 import numpy as np
 
 from dummydesign.core.datafiles import data_folder
-from dummydesign.core.files import write_text
 from dummydesign.pad.slab.sharp_edge import solve_curve
 from dummydesign.pad.tables.compressibility import NAME
+from dummydesign.studies.tables.common import Build, write_table
 
 POISSON = 0.48
 RATIOS = (0.28, 0.395, 0.527, 0.79, 1.1, 1.58, 2.2, 2.6)
@@ -31,9 +31,17 @@ def build() -> dict[str, object]:
         "ratio": list(RATIOS),
         "depth": list(DEPTHS),
         "coefficient": rows,
-        "provenance": {"command": "python -m dummydesign.studies.tables.compressibility", "poisson": POISSON},
+        "provenance": {"poisson": POISSON},
     }
 
 
+def main(arguments: list[str] | None = None) -> None:
+    """Solve and write the table."""
+    parser = argparse.ArgumentParser(prog="python -m dummydesign.studies.tables.compressibility", description=__doc__)
+    parser.parse_args(arguments)
+    run = Build.begin("dummydesign.studies.tables.compressibility", arguments)
+    write_table(data_folder() / "materials" / "tables" / NAME, build(), run)
+
+
 if __name__ == "__main__":
-    write_text(data_folder() / "materials" / "tables" / NAME, json.dumps(build(), indent=1) + "\n")
+    main()

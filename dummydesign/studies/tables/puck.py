@@ -3,26 +3,27 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from dummydesign.core.errors import NoAnswerError
-from dummydesign.core.files import write_text
+from dummydesign.core.json_table import table_path
 from dummydesign.pad.material.ogden import Ogden
 from dummydesign.pad.puck import solve_puck
 from dummydesign.pad.tables.puck import (
     COMMAND,
     DIAMETER_MM,
     HEIGHT_MM,
+    OTHERS,
     SHAPE_STEP,
+    USUAL,
     PuckTable,
     grip,
-    table_path,
     uniaxial,
 )
+from dummydesign.studies.tables.common import Build, write_table
 
 ALPHAS = (1.0, 2.0, 3.0, 4.0, 6.0)
 FRICTIONS = (0.05, 0.1, 0.15, 0.2, 0.3, 0.45, 0.7, np.inf)
@@ -83,14 +84,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--shapes", action="store_true", help="the other proportions")
     options = parser.parse_args()
+    run = Build.begin("dummydesign.studies.tables.puck")
     meaning = "ln B[alpha, grip, compression]; B = force over that between frictionless plates, one-term Ogden"
     content: dict[str, Any] = {"schema": "dummydesign.puck-table/1", "command": COMMAND, "meaning": meaning}
     if options.shapes:
         content |= {"command": f"{COMMAND} --shapes", "shapes": [_content(build(shape)) for shape in OTHER_SHAPES]}
-        write_text(table_path("puck-shapes.json"), json.dumps(content) + "\n")
+        write_table(table_path(OTHERS), content, run)
     else:
         shape = 0.5 * DIAMETER_MM / HEIGHT_MM
-        write_text(table_path(), json.dumps(content | _content(build(shape)) | {"radius_over_height": shape}) + "\n")
+        content |= _content(build(shape)) | {"radius_over_height": shape}
+        write_table(table_path(USUAL), content, run)
 
 
 if __name__ == "__main__":

@@ -20,6 +20,7 @@ from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.material.relaxation import PronyTerm
 from dummydesign.pad.slab.finite_strain_ratio import RIMS, nodes_of_motion, solve_ratio
 from dummydesign.pad.tables.separability import COMMAND
+from dummydesign.studies.tables.common import Build
 
 RADIUS_MM = float(np.sqrt(14.0 * 14.0 / np.pi))
 THICKNESSES_MM = (5.0, 10.0, 15.0, 20.0)
@@ -118,6 +119,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--part", action="append", choices=list(parts), help="measure this part only; may be repeated")
     asked = parser.parse_args().part or list(parts)
+    run = Build.begin("dummydesign.studies.tables.separability")
     path = data_folder() / "materials" / "tables" / "quick-error.json"
     before = json.loads(path.read_text()) if len(asked) < len(parts) else {}
     made = {name: build() if name in asked else before[name] for name, build in parts.items()}
@@ -127,6 +129,7 @@ def main() -> None:
         "meaning": "rho = (F - F_quick) / (F_quick - F_elastic) at and after the stop of a ramp and hold of 10 s",
         "arms": {name: [term.to_dict() for term in terms] for name, terms in SETS.items()},
         "convergence": made["convergence"],
+        "provenance": run.provenance(),
     }
     lists = [f'"{name}": [\n  ' + ",\n  ".join(map(json.dumps, made[name])) + "\n ]" for name in ("single", "values")]
     write_text(path, json.dumps(head, indent=1)[:-2] + ",\n " + ",\n ".join(lists) + "\n}\n")

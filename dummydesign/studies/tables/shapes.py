@@ -17,11 +17,10 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign._version import __version__
 from dummydesign.core.datafiles import data_folder
-from dummydesign.core.files import write_text
 from dummydesign.pad.shaped.axisymmetric import EDGE_ERROR, LEAST_ERROR
 from dummydesign.pad.tables.response_surface import fit
+from dummydesign.studies.tables.common import Build, write_table
 from dummydesign.studies.tables.designs import Design, designs
 from dummydesign.studies.tables.designs.base import EXTENT_OVER_RADIUS
 
@@ -135,8 +134,6 @@ def content(
         },
         "fresh": {"points": _list(at, 7), "values": _list(fresh_values, 6)},
         "provenance": {
-            "command": f"python -m dummydesign.studies.tables.shapes {design.kind} --count {len(answers)}",
-            "version": __version__,
             "law": "neo-Hookean, incompressible",
             "punch": design.punch,
             "base": "bonded",
@@ -186,6 +183,7 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--no-solve", action="store_true", help="use what the store holds")
     parser.add_argument("--out", type=Path, default=data_folder() / "materials" / "tables")
     options = parser.parse_args(arguments)
+    build = Build.begin("dummydesign.studies.tables.shapes", arguments)
     design, workers = designs()[options.kind], 0 if options.no_solve else options.workers
     asked = (options.count, options.fresh, options.finer)
     count, fresh, finer = (v or w for v, w in zip(asked, design.usual))
@@ -194,7 +192,7 @@ def main(arguments: list[str] | None = None) -> None:
     fine = gather(design, design.fresh(finer), store.with_suffix(".finer.jsonl"), workers, True)
     answers = gather(design, design.points(count), store, workers)
     table = content(design, answers, checks, fine)
-    write_text(options.out / f"{options.kind}-bonded.json", json.dumps(table) + "\n")
+    write_table(options.out / f"{options.kind}-bonded.json", table, build)
     print(json.dumps(table["provenance"], indent=1))
 
 

@@ -15,14 +15,13 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign._version import __version__
 from dummydesign.core.datafiles import data_folder
-from dummydesign.core.files import write_text
 from dummydesign.geometry.standard import EXTENT_OVER_RADIUS
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.slab.edge_extrapolation import Samples, fit_limit
 from dummydesign.pad.slab.sharp_edge import Slab, climb_all, first_stiffness
+from dummydesign.studies.tables.common import Build, write_table
 
 FIELDS = ("depth", "ratio", "rim", "stiffness")
 RATIO_RANGE = (0.25, 2.7)
@@ -69,8 +68,6 @@ def content(answers: list[tuple[float, float, Samples]], base: str) -> dict[str,
         "error_depth": [_short(d) for d in depths],
         "error": [[_short(e, 3) for e in limit.error(depths, ratio)] for ratio in ratios],
         "provenance": {
-            "command": "python -m dummydesign.studies.tables.slab",
-            "version": __version__,
             "law": "neo-Hookean, incompressible",
             "punch": "round, flat, glued, sharp edge as the limit of a small rim",
             "extent_over_radius": EXTENT_OVER_RADIUS,
@@ -109,10 +106,11 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--out", type=Path, default=data_folder() / "materials" / "tables")
     options = parser.parse_args(arguments)
+    build = Build.begin("dummydesign.studies.tables.slab", arguments)
     for base in options.base or ["bonded", "sliding"]:
         if options.refit:
             answers = stored(options.out / f"slab-{base}.json")
-            write_text(options.out / f"slab-{base}.json", json.dumps(content(answers, base)) + "\n")
+            write_table(options.out / f"slab-{base}.json", content(answers, base), build)
             continue
         tasks = [(float(ratio), base, rim) for ratio in nodes(options.count) for rim in RIMS]
         answers = []
@@ -121,7 +119,7 @@ def main(arguments: list[str] | None = None) -> None:
                 answers.append(answer)
                 print(f"{base} a/h = {ratio:.3f} rim {rim:.4f}: {len(answer[2].depth)} depths", file=sys.stderr)
         table = content(answers, base)
-        write_text(options.out / f"slab-{base}.json", json.dumps(table) + "\n")
+        write_table(options.out / f"slab-{base}.json", table, build)
         print(f"slab-{base}.json: {table['provenance']}")
 
 

@@ -19,13 +19,12 @@ from pathlib import Path
 
 import numpy as np
 
-from dummydesign._version import __version__
 from dummydesign.core.datafiles import data_folder
-from dummydesign.core.files import write_text
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.slab.square_beaded import solve_rimmed_ratios, useful_depths
 from dummydesign.pad.slab.square_sharp import Block, Cells, Ratios, depth_of_corner, solve_ratios
 from dummydesign.pad.tables.square import SIDE_OVER_RADIUS, combined_depth
+from dummydesign.studies.tables.common import Build, write_table
 from dummydesign.studies.tables.slab import nodes
 from dummydesign.studies.tables.square_fit import DEPTH_END, Values, content, short
 
@@ -103,6 +102,7 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--keep", choices=("sharp", "others"), help="take these values over from the present file")
     parser.add_argument("--out", type=Path, default=data_folder() / "materials" / "tables")
     options = parser.parse_args(arguments)
+    build = Build.begin("dummydesign.studies.tables.square", arguments)
     for base in options.base or ["bonded", "sliding"]:
         path = options.out / f"square-{base}.json"
         tasks, parts = rimmed_tasks(base, options.count, options.rims), []
@@ -116,8 +116,8 @@ def main(arguments: list[str] | None = None) -> None:
             for task, answer in zip(tasks, pool.map(solve_one, tasks)):
                 parts.append(values_of(task, answer))
                 print(f"{task}: {len(answer.depth)} depths, {answer.solver}", file=sys.stderr, flush=True)
-        table = content(base, Values.joined(parts), EXTENT_OVER_SIDE, __version__)
-        write_text(path, json.dumps(table) + "\n")
+        table = content(base, Values.joined(parts), EXTENT_OVER_SIDE)
+        write_table(path, table, build)
         print(f"square-{base}.json: {table['provenance']}")
 
 

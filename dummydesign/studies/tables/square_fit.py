@@ -73,7 +73,7 @@ def fit(values: Values) -> tuple[Array, Array, Array]:
     return solution[:count].reshape(TERMS), solution[count:], np.log(values.factor) - matrix @ solution
 
 
-def content(base: str, values: Values, extent_over_side: tuple[float, float], version: str) -> dict[str, Any]:
+def content(base: str, values: Values, extent_over_side: tuple[float, float]) -> dict[str, Any]:
     """Fit all values; return what goes into the file."""
     coefficients, correction, misfit = fit(values)
     ratios = np.unique(values.ratio[values.depth > 0.0])
@@ -93,8 +93,6 @@ def content(base: str, values: Values, extent_over_side: tuple[float, float], ve
         "error_depth": [short(d) for d in depths],
         "error": [[short(e, 3) for e in row] for row in error],
         "provenance": {
-            "command": "python -m dummydesign.studies.tables.square",
-            "version": version,
             "law": "neo-Hookean, incompressible",
             "punch": "square over round, flat, glued; sharp edge, and beyond its reach an edge with a bead; "
             "both on the same cells",

@@ -278,12 +278,12 @@ def test_plate_friction_of_a_puck_without_a_table_is_unavailable_with_the_reason
 def test_plate_friction_without_its_table_is_an_error_and_not_another_law(monkeypatch, tmp_path):
     from dummydesign.loop.effects.rig import plate_friction
 
-    monkeypatch.setattr(puck_table, "data_folder", lambda: tmp_path)
+    monkeypatch.setattr("dummydesign.core.json_table.data_folder", lambda: tmp_path)
     for cached in (puck_table.load_puck_table, puck_table.load_shapes, plate_friction._table):
         cached.cache_clear()
-    with pytest.raises(NoAnswerError, match=r"puck-.*\.json is missing"):
+    with pytest.raises(NoAnswerError, match=r"puck-.*\.json cannot be read \(FileNotFoundError\)"):
         rubbed(50.0, np.array([[30.0]]), np.array([[3.0]]), 0.2)
-    with pytest.raises(NoAnswerError, match=r"puck-.*\.json is missing"):
+    with pytest.raises(NoAnswerError, match=r"puck-.*\.json cannot be read \(FileNotFoundError\)"):
         effect_named("plate_friction").unavailable(Pucks(0.3, 30.0), PuckLaw(50.0))
 
 

@@ -17,11 +17,12 @@ D = np.array([[0.1, 0.2, 0.3]]) * H
 
 
 def test_a_missing_table_of_square_factors_is_an_error_and_not_another_number(monkeypatch, tmp_path):
-    monkeypatch.setattr(square, "data_folder", lambda: tmp_path)
+    law = SlabLaw(load_table("bonded"), RADIUS, True)
+    monkeypatch.setattr("dummydesign.core.json_table.data_folder", lambda: tmp_path)
     for cached in (square.load_square, loop_law._square_curve):
         cached.cache_clear()
     with pytest.raises(NoAnswerError, match="square factors"):
-        SlabLaw(load_table("bonded"), RADIUS, True)(D, H)
+        law(D, H)
 
 
 @pytest.mark.parametrize("base", ["bonded", "sliding"])

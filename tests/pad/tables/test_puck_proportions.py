@@ -56,7 +56,7 @@ def test_proportions_beyond_the_solved_ones_are_refused():
 
 
 def test_a_missing_table_names_the_command_that_makes_it(monkeypatch, tmp_path):
-    monkeypatch.setattr("dummydesign.pad.tables.puck.table_path", lambda name="": tmp_path / name)
+    monkeypatch.setattr("dummydesign.core.json_table.data_folder", lambda: tmp_path)
     load_shapes.cache_clear()
     with pytest.raises(NoAnswerError, match=r"python -m dummydesign\.studies\.tables\.puck --shapes"):
         load_shapes()

@@ -143,7 +143,7 @@ def test_static_depths_have_no_relaxation():
 
 
 def test_a_damaged_file_names_the_command_that_makes_it(monkeypatch, tmp_path):
-    monkeypatch.setattr("dummydesign.pad.tables.separability.data_folder", lambda: tmp_path)
+    monkeypatch.setattr("dummydesign.core.json_table.data_folder", lambda: tmp_path)
     load_quick_error.cache_clear()
     with pytest.raises(NoAnswerError, match=r"python -m dummydesign\.studies\.tables\.separability"):
         load_quick_error()

@@ -93,7 +93,7 @@ def test_a_damaged_table_names_the_command_that_rebuilds_it(monkeypatch, tmp_pat
     tables = tmp_path / "materials" / "tables"
     tables.mkdir(parents=True)
     (tables / "slab-bonded.json").write_text("{ torn")
-    monkeypatch.setattr("dummydesign.pad.tables.slab.data_folder", lambda: tmp_path)
+    monkeypatch.setattr("dummydesign.core.json_table.data_folder", lambda: tmp_path)
     load_table.cache_clear()
     with pytest.raises(NoAnswerError, match=r"python -m dummydesign\.studies\.tables\.slab"):
         load_table()

@@ -129,7 +129,7 @@ def test_what_cannot_be_known_is_refused(monkeypatch, tmp_path):
         square_factor(0.1, 1.0, 7.9)
     with pytest.raises(InputError, match="3d is for square and rectangular"):
         predict_static(Pad(10.0, 0.03, RADIUS), [1.0], "3d")
-    monkeypatch.setattr("dummydesign.pad.tables.square.data_folder", lambda: tmp_path)
+    monkeypatch.setattr("dummydesign.core.json_table.data_folder", lambda: tmp_path)
     load_square.cache_clear()
     with pytest.raises(NoAnswerError, match=r"python -m dummydesign\.studies\.tables\.square"):
         load_square()

@@ -79,7 +79,7 @@ def test_another_shape_and_bad_curves_are_refused(table, monkeypatch, tmp_path):
         fit_pucks([curve], 50.0, 30.0, table, (1.0, 25.0))
     with pytest.raises(InputError, match="curve A2: needs 5 or more loads above 0"):
         fit_pucks([Curve("A2", "A", GRID, -GRID)], 50.0, 30.0, table, WINDOW)
-    monkeypatch.setattr("dummydesign.pad.tables.puck.data_folder", lambda: tmp_path)
+    monkeypatch.setattr("dummydesign.core.json_table.data_folder", lambda: tmp_path)
     load_puck_table.cache_clear()
     with pytest.raises(NoAnswerError, match=r"python -m dummydesign\.studies\.tables\.puck"):
         load_puck_table()

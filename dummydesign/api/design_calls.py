@@ -1,28 +1,23 @@
-"""The three calls for scripts: :func:`suggest`, :func:`whatif`, :func:`fit`; each result has a dict and a table.
-
-    import dummydesign
-    answer = dummydesign.suggest("forefinger")
-    answer.to_dict()["recommendation"]["thickness_mm"]
-"""
+"""The calls that design: :func:`suggest` one pad, :func:`whatif` many slabs."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from contextlib import nullcontext
 from math import isfinite
-from os import PathLike
+from os import PathLike, fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dummydesign.answers import Answer, Fitted, Rows
+from dummydesign.api.answers import Answer, Rows
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
     from dummydesign.design.inputs import Inputs
+    from dummydesign.design.request import Request
     from dummydesign.design.sweep.spec import Study
-    from dummydesign.measurement.trace import Trace
     from dummydesign.resin.model.resin import Resin
 
 Values = float | str | Iterable[float]
@@ -34,18 +29,19 @@ def suggest(
     *,
     aim: str = "average",
     resin: str = "polyurethane-nagoya",
-    thickness_mm: tuple[float, float] | None = None,
-    ratio: tuple[float, float] | None = None,
+    thickness_mm: tuple[float, float] | str | None = None,
+    ratio: tuple[float, float] | str | None = None,
     shape: str = "slab",
     calibration: str | PathLike[str] | None = None,
-    verify: bool = False,
-    cad: bool = False,
+    effects: Iterable[str | PathLike[str]] = (),
+    verify: bool = True,
+    cad: bool | None = None,
     robot_mass_kg: float | None = None,
     robot_velocity_mm_s: float = 250.0,
     limits: str | PathLike[str] | None = None,
     out: str | PathLike[str] | None = None,
 ) -> Answer:
-    """Recommend ratio, thickness and, if asked for, shape of a pad for a tissue, with its mould when ``cad``.
+    """Recommend ratio, thickness and, if asked for, shape of a pad for a tissue; with ``out`` its mould and report.
 
     Parameters
     ----------
@@ -53,22 +49,25 @@ def suggest(
         Names of the library, or paths of TOML files.
     aim : str
         ``average``, ``safe-side`` or ``subject:NAME``.
-    thickness_mm, ratio : (low, high), optional
-        Limits with both ends included.
+    thickness_mm, ratio : (low, high) or "LOW:HIGH", optional
+        Limits with both ends included. [mm, resin's ratio]
     shape : str
         ``slab``, a kind such as ``crowned``, one with its lengths, or ``auto``.
     calibration : path, optional
         Written by ``dummydesign loop``; slabs only.
+    effects : iterable of path
+        Files with effects of your own that the calibration names.
     verify : bool
         Solve the recommended pad by finite elements.
-    cad : bool
-        Make the mould into ``out``; the recipe is then that of the solids' volumes.
+    cad : bool, optional
+        Make the mould into ``out``; the recipe is then that of the solids' volumes. By default wherever there is
+        an ``out``.
     robot_mass_kg, robot_velocity_mm_s : float
-        A free mass that runs into tissue and pad, for the safety view. [kg, mm/s]
+        Mass and speed of a free body that hits tissue and pad, for the safety view. [kg, mm/s]
     limits : path, optional
         Limits of force and pressure with their source (TOML), for the safety view.
     out : path, optional
-        Folder in which the report is written.
+        Folder of the mould and the report, which are not made without it.
 
     Returns
     -------
@@ -83,34 +82,41 @@ def suggest(
         When no pad reaches 10 N steady, or the mould could not be made: the report is then written and the rest of
         the answer in the error's ``result``.
     """
-    from dummydesign.design.inputs import resolve
     from dummydesign.design.request import Request
+    from dummydesign.loop.effects.own import own_effects
 
+    limits_mm, limits_ratio = _pair(thickness_mm, "thickness in mm"), _pair(ratio, "ratio")
     path = None if calibration is None else str(calibration)
-    request = Request(
-        tissue, aim, resin, _pair(thickness_mm), _pair(ratio), shape=shape, verify=verify, calibration=path
-    )
-    wanted = resolve(request)
-    for name, value in (("robot mass in kg", robot_mass_kg), ("robot velocity in mm/s", robot_velocity_mm_s)):
-        if value is not None and not (isfinite(value) and value > 0):
-            raise out_of_range(name, value, "above 0", "any finite value")
+    request = Request(tissue, aim, resin, limits_mm, limits_ratio, shape=shape, verify=verify, calibration=path)
     if cad and out is None:
         raise InputError("cad = True needs out, the folder for the files of the mould")
-    from dummydesign.design.assessment.safety import read_limits
-    from dummydesign.design.safety_view import safety_view
-
-    own = None if limits is None else read_limits(limits)
     folder = None if out is None else Path(out)
-    found = _search(wanted, folder)
-    safety = safety_view(found, robot_mass_kg, robot_velocity_mm_s, own)
     inputs = {
         **request.to_dict(),
-        "cad": cad,
+        "cad": folder is not None if cad is None else cad,
         "out": None if folder is None else str(folder),
         "robot_mass_kg": robot_mass_kg,
         "robot_velocity_mm_s": robot_velocity_mm_s,
         "limits": None if limits is None else str(limits),
     }
+    with own_effects([fspath(path) for path in effects]):
+        return _answer(request, inputs, folder)
+
+
+def _answer(request: Request, inputs: dict[str, Any], folder: Path | None) -> Answer:
+    """Resolve, design, and write what there is a folder for."""
+    from dummydesign.design.assessment.safety import read_limits
+    from dummydesign.design.inputs import resolve
+    from dummydesign.design.safety_view import safety_view
+
+    wanted = resolve(request)
+    mass_kg, velocity_mm_s = inputs["robot_mass_kg"], inputs["robot_velocity_mm_s"]
+    for name, value in (("robot mass in kg", mass_kg), ("robot velocity in mm/s", velocity_mm_s)):
+        if value is not None and not (isfinite(value) and value > 0):
+            raise out_of_range(name, value, "above 0", "any finite value")
+    limits = None if inputs["limits"] is None else read_limits(inputs["limits"])
+    found = _search(wanted, folder)
+    safety = safety_view(found, mass_kg, velocity_mm_s, limits)
     result = {"inputs": inputs, **found.to_dict(), "safety": safety.to_dict(), "files": {}}
     if folder is None:
         return Answer(found, result)
@@ -118,9 +124,8 @@ def suggest(
     from dummydesign.report.suggest import write_suggestion
 
     curves = suggestion_curves(found)
-
     try:
-        if cad:
+        if inputs["cad"]:
             from dummydesign.design.mould import with_mould
 
             result = with_mould(result, found, folder)
@@ -266,40 +271,10 @@ def _work_out(
     return Rows(study, tuple(rows), found["seconds"], inputs, tuple(warnings), sources, kept, files)
 
 
-def fit(
-    traces: Iterable[str | PathLike[str] | Trace],
-    *,
-    elements: int | str = "auto",
-    law: str = "ode",
-    mode: str = "joint",
-    lowpass: str | None = None,
-) -> Fitted:
-    """Fit the tissue law to traces of one tissue or dummy; see :func:`dummydesign.tissue.fitting.fit.fit_traces`.
+def _pair(limits: tuple[float, float] | str | None, name: str) -> tuple[float, float] | None:
+    """Two numbers, or the same as text, ``MIN:MAX``."""
+    if limits is None or isinstance(limits, str):
+        from dummydesign.design.sweep.ranges import parse_limits
 
-    Parameters
-    ----------
-    traces : iterable of path or Trace
-        CSV files with time_s, displacement_mm, force_N, or traces in memory.
-    elements : 3, 5, 7 or "auto"
-    law : str
-        ``ode``, ``consistent`` or ``published``.
-    mode : str
-        ``joint``, ``per-speed`` or ``per-condition``.
-    lowpass : str, optional
-        Filter the forces went through, ``HZ[:ORDER[:PASSES]]``.
-
-    Raises
-    ------
-    InputError
-        For files or settings that cannot be used.
-    """
-    from dummydesign.measurement.sensor import parse_lowpass
-    from dummydesign.measurement.trace import Trace, read_trace
-    from dummydesign.tissue.fitting.fit import fit_traces
-
-    read = [trace if isinstance(trace, Trace) else read_trace(Path(trace)) for trace in traces]
-    return Fitted(fit_traces(read, elements, law, mode, parse_lowpass(lowpass)))
-
-
-def _pair(limits: tuple[float, float] | None) -> tuple[float, float] | None:
-    return None if limits is None else (float(limits[0]), float(limits[1]))
+        return parse_limits(limits, name)
+    return float(limits[0]), float(limits[1])

@@ -88,13 +88,19 @@ class Rows:
 
 @dataclass(frozen=True)
 class Fitted:
-    """What ``fit`` found. ``found`` is the fit with all its objects."""
+    """What ``fit`` found. ``found`` is the fit with all its objects, ``result`` the whole answer in values."""
 
     found: Fit
+    result: dict[str, Any]
+
+    @property
+    def files(self) -> dict[str, str]:
+        """What was written, {role: path}."""
+        return dict(self.result["files"])
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the fit in the form of ``dummydesign fit --json``."""
-        return self.found.to_dict()
+        """Return the answer of ``dummydesign fit --json``, without its ``schema`` and ``version``."""
+        return deepcopy(self.result)
 
     def to_frame(self) -> Any:
         """Return the parameters with their intervals as a DataFrame, one row a parameter (needs pandas)."""
@@ -103,3 +109,20 @@ class Fitted:
             parts = {name: entry} if "value" in entry else {f"{name} at {v} mm/s": e for v, e in entry.items()}
             records += [{"parameter": label, **one} for label, one in parts.items()]
         return frame_of(records)
+
+
+@dataclass(frozen=True)
+class Result:
+    """What another call found: ``found`` with all its objects, ``result`` the whole answer in values."""
+
+    found: Any
+    result: dict[str, Any]
+
+    @property
+    def files(self) -> dict[str, str]:
+        """What was written, {role: path}."""
+        return dict(self.result.get("files", {}))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the answer of the command with ``--json``, without its ``schema`` and ``version``."""
+        return deepcopy(self.result)

@@ -1,0 +1,21 @@
+"""The calls for scripts; each result has ``to_dict()``, what the command of the same name prints with ``--json``.
+
+    import dummydesign
+    answer = dummydesign.suggest("forefinger")
+    answer.to_dict()["recommendation"]["thickness_mm"]
+
+The command line calls these functions, with the same defaults, and prints what they return. Heavy packages are
+imported when a function runs.
+"""
+
+from dummydesign.api.answers import Answer, Fitted, Result, Rows
+from dummydesign.api.campaign_calls import calibrate, replay
+from dummydesign.api.design_calls import suggest, whatif
+from dummydesign.api.mould_calls import make_mould
+from dummydesign.api.predict_calls import predict
+from dummydesign.api.trace_calls import compare, fit
+
+__all__ = [
+    "Answer", "Fitted", "Result", "Rows", "calibrate", "compare", "fit", "make_mould", "predict",
+    "replay", "suggest", "whatif",
+]  # fmt: skip

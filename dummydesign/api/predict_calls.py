@@ -1,0 +1,260 @@
+"""The call that presses one pad: :func:`predict`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from math import pi, sqrt
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from dummydesign.api.answers import Result
+from dummydesign.core.errors import InputError
+
+if TYPE_CHECKING:
+    from dummydesign.pad.material.relaxation import PronyTerm
+    from dummydesign.pad.pad import Pad
+
+STATIC = ("depth_mm", "force_N", "force_low_N", "force_high_N", "local_exponent")
+MOVED = ("time_s", "displacement_mm", "force_N", "force_low_N", "force_high_N")
+
+
+def predict(
+    thickness_mm: float,
+    *,
+    young_kPa: float | None = None,
+    resin: str | None = None,
+    ratio: float | None = None,
+    depth_mm: str | float | Iterable[float] | None = None,
+    motion: str | PathLike[str] | None = None,
+    force_N: float | None = None,
+    velocity_mm_s: float | None = None,
+    hold_s: float = 10.0,
+    deceleration_mm_s2: float = 30000.0,
+    punch: str = "square:14",
+    condition: str = "bonded",
+    base: str = "bonded",
+    pad: str = "slab:150x120",
+    shape: str = "slab",
+    poisson: float = 0.5,
+    law: str = "neo-hookean",
+    prony: str | None = None,
+    fidelity: str = "table",
+    out: str | PathLike[str] | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Result:
+    """Force of one pad at static depths, under a measured motion, or in a ramp and hold.
+
+    Parameters
+    ----------
+    thickness_mm : float
+    young_kPa : float, optional
+        Long-term Young's modulus; or ``resin`` with its mixing ``ratio``. [kPa]
+    depth_mm : numbers or text
+        Static depths such as ``[1, 2]`` or ``"1,2"``; or ``motion``, or ``force_N``. [mm]
+    motion : path
+        CSV with the columns time_s, displacement_mm.
+    force_N, velocity_mm_s : float
+        Force at the end of a ramp and hold, and speed of the ramp. [N, mm/s]
+    hold_s, deceleration_mm_s2 : float
+        Hold after the stop, and braking. [s, mm/s2]
+    punch : str
+        ``square:14``, ``round:D``, ``rectangle:AxB``, ``profile:FILE.csv`` or ``plate``.
+    condition, base : str
+        Face and base: ``bonded``, ``frictionless`` (face) or ``sliding`` (base), ``friction:MU``.
+    pad : str
+        ``slab:LxW`` or ``cylinder:DIAMETER``.
+    shape : str
+        Such as ``crowned:10,2``.
+    poisson : float
+    law : str
+        ``neo-hookean``, ``yeoh:C2_OVER_MU`` or ``ogden:MU,ALPHA;...``.
+    prony : str, optional
+        Relaxation ``TAU:BETA,...``, beta relative to the long-term modulus; the resin's by default.
+    fidelity : str
+        ``table``, ``axisymmetric``, ``3d`` or ``viscoelastic``.
+    out : path, optional
+        CSV file of the curve.
+    progress : callable, optional
+        Called with each solved depth over thickness.
+
+    Returns
+    -------
+    Result
+        The same as ``dummydesign predict --json`` prints for the same question.
+
+    Raises
+    ------
+    InputError
+        For values that are not allowed.
+    NoAnswerError
+        When the force is out of the pad's reach, or a solve fails.
+    """
+    inputs = {name: value for name, value in locals().items() if name != "progress"}
+    asked = [name for name in ("depth_mm", "motion", "force_N") if inputs[name] is not None]
+    if len(asked) != 1:
+        raise InputError(f"give exactly one of --depth, --motion and --force, not {len(asked)}")
+    from dummydesign.pad.predict import predict_motion, predict_static
+
+    made, young, sources = _pad(inputs)
+    warnings = _punch_warnings(made, fidelity)
+    common: dict[str, Any] = {"inputs": inputs, "sources": sources, "warnings": warnings, "young_kPa": young}
+    common["prony"] = [term.to_dict() for term in made.prony]
+    if depth_mm is not None:
+        found = predict_static(made, numbers("depth", depth_mm), fidelity, progress)
+    else:
+        pressed, reached = _motion(made, inputs)
+        common |= reached
+        found = predict_motion(made, pressed, fidelity, progress)
+    result = {**common, **found.to_dict()}
+    result["warnings"] = warnings + [{"code": "stopped_early", "message": note} for note in result.pop("notes")]
+    if out:
+        result["files"] = {"curve": str(_write(out, STATIC if asked == ["depth_mm"] else MOVED, result))}
+    return Result(found, result)
+
+
+def _motion(made: Pad, inputs: dict[str, Any]) -> tuple[Any, dict[str, float]]:
+    """The measured motion, or the ramp and hold that ends at the force, with its depth."""
+    from dummydesign.measurement.motion import ramp_and_hold
+    from dummydesign.pad.predict import depth_for_steady_force
+
+    if inputs["motion"] is not None:
+        from dummydesign.measurement.motion_file import read_motion
+
+        return read_motion(inputs["motion"]), {}
+    velocity, hold = inputs["velocity_mm_s"], inputs["hold_s"]
+    if velocity is None:
+        raise InputError("--force needs --velocity, the speed of the ramp in mm/s")
+
+    def motion_to(depth: float) -> Any:
+        return ramp_and_hold(velocity, depth, hold, inputs["deceleration_mm_s2"])
+
+    depth = depth_for_steady_force(made, inputs["force_N"], hold, motion_to, inputs["fidelity"])
+    return motion_to(depth), {"depth_mm": depth}
+
+
+def _pad(inputs: dict[str, Any]) -> tuple[Pad, dict[str, float], list[str]]:
+    """Make the pad that is asked for; also its modulus with interval, and sources."""
+    from dummydesign.geometry.shapes import read_shape
+    from dummydesign.pad.material.hyperelastic import read_law
+    from dummydesign.pad.pad import Pad
+    from dummydesign.pad.tables.punch import equal_area_radius_mm, punch_sides_mm
+
+    young, sources, prony = _material(inputs)
+    size_text, punch = inputs["pad"], inputs["punch"]
+    kind, _, size = size_text.partition(":")
+    sides = numbers("pad", size.replace("x", ","))
+    if {"slab": 2, "cylinder": 1}.get(kind) != len(sides) or not min(sides) > 0:
+        raise InputError(f"pad '{size_text}' is not of the form slab:LENGTHxWIDTH or cylinder:DIAMETER in mm")
+    cylinder, plate = kind == "cylinder", punch == "plate"
+    if cylinder != plate:
+        raise InputError(f"pad '{size_text}' and punch '{punch}': plates press cylinders only")
+    profile = _profile(punch[len("profile:") :]) if punch.startswith("profile:") else None
+    if cylinder:
+        radius = 0.5 * sides[0]
+    else:
+        radius = profile[0][-1] if profile else equal_area_radius_mm(punch)
+    made = Pad(
+        thickness_mm=inputs["thickness_mm"],
+        young_MPa=young["value"] * 1e-3,
+        radius_mm=radius,
+        prony=prony,
+        base=inputs["base"],
+        condition=inputs["condition"],
+        poisson=inputs["poisson"],
+        law=read_law(inputs["law"]),
+        extent_mm=sqrt(sides[0] * sides[-1] / pi),
+        sides_mm=None if profile or cylinder else punch_sides_mm(punch),
+        slab_mm=(sides[0], sides[-1]),
+        profile_mm=profile,
+        cylinder=cylinder,
+        geometry=read_shape(inputs["shape"]),
+    )
+    return made, young, sources
+
+
+def _material(inputs: dict[str, Any]) -> tuple[dict[str, float], list[str], tuple[PronyTerm, ...]]:
+    """Modulus with interval, sources and relaxation, given or from a resin."""
+    prony = _prony(inputs["prony"])
+    if (inputs["young_kPa"] is None) == (inputs["resin"] is None):
+        raise InputError("give either --young KPA or --resin NAME with --ratio R")
+    if inputs["young_kPa"] is not None:
+        young = inputs["young_kPa"]
+        return {"value": young, "low": young, "high": young}, [], prony
+    from dummydesign.resin import load_resin
+
+    if inputs["ratio"] is None:
+        raise InputError("--resin needs --ratio, the mixing ratio")
+    resin = load_resin(inputs["resin"])
+    modulus = resin.modulus_kPa(inputs["ratio"])
+    prony = prony if inputs["prony"] is not None else resin.prony(inputs["ratio"])
+    young = {"value": modulus.value, "low": modulus.low, "high": modulus.high}
+    return young, [modulus.source, *resin.references], prony
+
+
+def _profile(path: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Read a punch profile: columns r_mm and z_mm, the height over its lowest point."""
+    import csv
+
+    name = Path(path).name
+    try:
+        rows = list(csv.DictReader(Path(path).read_text(encoding="utf-8-sig").splitlines()))
+    except (OSError, UnicodeDecodeError) as problem:
+        reason = getattr(problem, "strerror", "not UTF-8")
+        raise InputError(f"punch profile '{path}' cannot be read: {reason}") from None
+    values = []
+    for line, row in enumerate(rows, start=2):
+        try:
+            values.append((float(row["r_mm"]), float(row["z_mm"])))
+        except (KeyError, TypeError, ValueError):
+            raise InputError(f"{name}:{line}: needs numbers in the columns r_mm and z_mm") from None
+    if len(values) < 3:
+        raise InputError(f"{name}: {len(values)} rows; a punch profile needs at least 3 of r_mm, z_mm")
+    r, z = zip(*values)
+    return r, z
+
+
+def _punch_warnings(made: Pad, fidelity: str) -> list[dict[str, str]]:
+    """Warn where a square or rectangle is taken as the circle of equal area."""
+    from dummydesign.pad.elastic import has_square_factor
+
+    if made.sides_mm is None or fidelity == "3d" or has_square_factor(made):
+        return []
+    message = (
+        "the punch is taken as the circle of equal area; a square is 0 to 3 % stiffer (5 to 20 mm pads), "
+        "a rectangle more; --fidelity 3d solves it"
+    )
+    return [{"code": "equal_area_punch", "message": message}]
+
+
+def numbers(name: str, text: str | float | Iterable[float]) -> list[float]:
+    """Numbers from text such as ``"1,2"``, one number, or several."""
+    try:
+        if isinstance(text, str):
+            return [float(part) for part in text.split(",")]
+        return [float(text)] if isinstance(text, int | float) else [float(part) for part in text]
+    except (TypeError, ValueError):
+        raise InputError(f"--{name} '{text}' is not a list of numbers separated by commas") from None
+
+
+def _prony(text: str | None) -> tuple[PronyTerm, ...]:
+    """Terms from ``TAU:BETA,...``."""
+    from dummydesign.pad.material.relaxation import PronyTerm
+
+    if not text:
+        return ()
+    terms = []
+    for part in text.split(","):
+        pair = part.split(":")
+        if len(pair) != 2:
+            raise InputError(f"--prony '{part}' is not TAU:BETA, such as 0.1:0.3,1.5:0.3")
+        terms.append(PronyTerm(*(numbers("prony", number)[0] for number in pair)))
+    return tuple(terms)
+
+
+def _write(path: str | PathLike[str], columns: tuple[str, ...], result: dict[str, Any]) -> Path:
+    from dummydesign.core.files import write_text
+
+    rows = zip(*(result[name] for name in columns))
+    lines = [",".join(columns), *(",".join(f"{value:.8g}" for value in row) for row in rows)]
+    return write_text(path, "\n".join(lines) + "\n")

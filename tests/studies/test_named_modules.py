@@ -1,0 +1,57 @@
+"""Modules that data files, messages and documents name are there, so that what they say can be repeated."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+import dummydesign
+from dummydesign.core.datafiles import data_folder
+
+PACKAGE = Path(dummydesign.__file__).parent
+PROJECT = PACKAGE.parent
+NAME = re.compile(r"(?<![\w./-])dummydesign(?:\.[A-Za-z_]\w*+)++(?![-/])")  # not schemas, dummydesign.loop/1
+RUN = re.compile(r"python -m (dummydesign(?:\.\w+)+)")
+
+
+def texts() -> list[Path]:
+    """Sources, shipped data and, in a checkout, the documents and benchmarks."""
+    shipped = [path for folder in ("materials", "molds") for path in (data_folder() / folder).rglob("*")]
+    documents = [*PROJECT.glob("docs/**/*.md"), *PROJECT.glob("*.md"), *PROJECT.glob("benchmarks/*.py")]
+    kept = [*PACKAGE.rglob("*.py"), *shipped, *documents]
+    return sorted(p for p in kept if p.suffix in (".py", ".md", ".toml", ".json") and p.name != "CHANGELOG.md")
+
+
+@cache
+def there(name: str) -> bool:
+    """Whether a dotted name is a module, or something inside one."""
+    module, _, last = name.rpartition(".")
+    try:
+        if find_spec(name) is not None:
+            return True
+    except ModuleNotFoundError:
+        pass
+    return module != "" and there(module) and hasattr(import_module(module), last)
+
+
+def test_every_module_that_is_named_is_there():
+    gone = {
+        f"{path.name}: {name}"
+        for path in texts()
+        for name in NAME.findall(path.read_text(encoding="utf-8"))
+        if name != "dummydesign.effects" and not there(name)  # a group of entry points
+    }
+    assert gone == set()
+
+
+@pytest.mark.parametrize("name", sorted({n for p in texts() for n in RUN.findall(p.read_text(encoding="utf-8"))}))
+def test_what_is_to_be_run_by_its_name_can_be_run(name):
+    spec = find_spec(name)
+    if spec.submodule_search_locations is not None:
+        spec = find_spec(f"{name}.__main__")
+    assert '__name__ == "__main__"' in Path(spec.origin).read_text(encoding="utf-8")

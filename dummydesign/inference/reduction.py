@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
+from dummydesign.measurement.landmarks import approach_velocity
 from dummydesign.measurement.motion import Motion, Ramp, find_ramp
 from dummydesign.measurement.trace import Trace
 
@@ -88,23 +89,6 @@ def reduce_trace(trace: Trace) -> ReducedTrace:
         trace, ramp, approach_velocity(time, trace.displacement_mm, ramp), float(force[inside][late].mean()),
         edges[used], edges[used + 1], samples, mean, Motion(nodes, displacement), average, inside,
     )  # fmt: skip
-
-
-def approach_velocity(time: NDArray, x: NDArray, ramp: Ramp) -> float:
-    """Speed the robot was sent with: the fastest stretch of 0.4 depths before the stop, the approach included.
-
-    A shallow press at 250 mm/s brakes all the way from the surface, so its mean speed says little. [mm/s]
-    """
-    before = time <= ramp.stop_time_s
-    climb = np.maximum.accumulate(x[before])
-    rising = np.r_[True, np.diff(climb) > 0]
-    grid, climb = time[before][rising], climb[rising]
-    stretch = 0.4 * ramp.depth_mm
-    if len(grid) < 3 or climb[-1] - climb[0] <= stretch:
-        return ramp.velocity_mm_s
-    starts = np.linspace(climb[0], climb[-1] - stretch, 200)
-    needed = np.interp(starts + stretch, climb, grid) - np.interp(starts, climb, grid)
-    return float(stretch / needed.min())
 
 
 def _edges(ramp: Ramp, time: NDArray) -> NDArray:

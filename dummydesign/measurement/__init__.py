@@ -1,1 +1,1 @@
-"""Protocol: motions, sensor chain, traces and campaigns; knows nothing of what is pressed."""
+"""Measurement: traces, motions, sensors, campaigns and the import of what machines write; knows nothing of what is pressed."""

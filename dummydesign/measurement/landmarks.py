@@ -68,3 +68,20 @@ def _hold_end(time: NDArray, x: NDArray, depth: float, stop: float) -> float:
     after = min(last + 5, len(x) - 1)
     speed = (x[last] - x[after]) / (time[after] - time[last])
     return float(max(time[last] - wander / max(speed, 1e-9), stop))
+
+
+def approach_velocity(time: NDArray, x: NDArray, ramp: Ramp) -> float:
+    """Speed the robot was sent with: the fastest stretch of 0.4 depths before the stop, the approach included.
+
+    A shallow press at 250 mm/s brakes all the way from the surface, so its mean speed says little. [mm/s]
+    """
+    before = time <= ramp.stop_time_s
+    climb = np.maximum.accumulate(x[before])
+    rising = np.r_[True, np.diff(climb) > 0]
+    grid, climb = time[before][rising], climb[rising]
+    stretch = 0.4 * ramp.depth_mm
+    if len(grid) < 3 or climb[-1] - climb[0] <= stretch:
+        return ramp.velocity_mm_s
+    starts = np.linspace(climb[0], climb[-1] - stretch, 200)
+    needed = np.interp(starts + stretch, climb, grid) - np.interp(starts, climb, grid)
+    return float(stretch / needed.min())

@@ -1,0 +1,173 @@
+"""Several files or a folder at once: which files, one answer for all, and the traces that are written."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.core.errors import InputError
+from dummydesign.core.files import write_bytes
+from dummydesign.measurement.importing.core.decisions import NoTableError, Settings
+from dummydesign.measurement.importing.read import Imported, import_file
+from dummydesign.measurement.trace import COLUMNS
+
+ENDINGS = (".csv", ".txt", ".dat", ".tsv", ".asc", ".tra", ".log", ".lst", ".prn", ".lvm", ".xlsx", ".xls")
+_ROWS = 50_000
+
+
+def files_of(paths: Iterable[str | Path]) -> list[tuple[Path, bool]]:
+    """List the files that are meant; a folder stands for its files with the usual endings.
+
+    Returns
+    -------
+    list of (path, from a folder)
+
+    Raises
+    ------
+    InputError
+        When a path does not exist, or a folder holds no such file.
+    """
+    found: list[tuple[Path, bool]] = []
+    for name in paths:
+        path = Path(name)
+        if path.is_dir():
+            try:
+                inside = sorted(p for p in path.iterdir() if p.is_file() and not p.name.startswith("."))
+            except OSError as problem:
+                raise InputError(f"folder '{path}' cannot be read: {problem.strerror or problem}") from None
+            inside = [p for p in inside if p.suffix.lower() in ENDINGS]
+            if not inside:
+                raise InputError(f"folder '{path}' holds no file that may be a trace ({', '.join(ENDINGS)})")
+            found += [(p, True) for p in inside]
+        elif not path.exists():
+            raise InputError(f"file '{path}' does not exist")
+        else:
+            found.append((path, False))
+    unique: dict[Path, tuple[Path, bool]] = {}
+    for path, inside in found:
+        unique.setdefault(path.resolve(), (path, inside))
+    return list(unique.values())
+
+
+def import_files(paths: Sequence[str | Path], settings: Settings | None = None) -> tuple[list[Imported], list[dict[str, Any]]]:
+    """Read several files and folders.
+
+    Returns
+    -------
+    imported : list of Imported
+    warnings : list of {code, message}
+        Of all of them together: files of a folder that hold no table, presses that two files share.
+
+    Raises
+    ------
+    InputError, QuestionError
+        The first one that a file gives, with the number of other files that have one too. Nothing is left out
+        silently.
+    """
+    imported: list[Imported] = []
+    warnings: list[dict[str, Any]] = []
+    problems: list[InputError] = []
+    listed = files_of(paths)
+    for path, inside in listed:
+        try:
+            imported.append(import_file(path, settings))
+        except NoTableError as problem:
+            if not inside:
+                problems.append(problem)
+                continue
+            warnings.append({"code": "skipped", "message": f"{path.name} is left out: it holds no table of numbers"})
+        except InputError as problem:
+            problems.append(problem)
+    if problems:
+        more = f" (and {len(problems) - 1} of {len(listed)} files more have such a doubt)" if len(problems) > 1 else ""
+        raise type(problems[0])(f"{problems[0]}{more}")
+    if not imported:
+        raise InputError(f"none of the {len(listed)} files holds a table of numbers")
+    return imported, warnings + _same_presses(imported)
+
+
+def _same_presses(imported: Sequence[Imported]) -> list[dict[str, Any]]:
+    """Presses that stand in two files word for word: one subject under two names, or a copy."""
+    seen: dict[str, tuple[Path, int]] = {}
+    warnings = []
+    for one in imported:
+        for press in one.presses:
+            rounded = np.round(np.stack([press.displacement_mm, press.force_N]), 4)
+            key = hashlib.sha256(rounded.tobytes()).hexdigest()
+            if key in seen and seen[key][0] != one.source:
+                source, number = seen[key]
+                warnings.append(
+                    {
+                        "code": "same_press",
+                        "message": f"{one.source.name} press {press.number} is the same recording as {source.name} press "
+                        f"{number}: one subject under two names, or a copy? take one of them out",
+                    }
+                )
+            seen.setdefault(key, (one.source, press.number))
+    return warnings
+
+
+def write_traces(imported: Sequence[Imported], folder: Path) -> list[dict[str, Any]]:
+    """Write one canonical CSV a press into a folder.
+
+    Returns
+    -------
+    list of dict
+        One a file: ``source``, ``traces``, ``decisions``, ``warnings``; paths relative to the folder.
+
+    Raises
+    ------
+    InputError
+        When a trace would take the place of a file that was read: nothing of a source is changed.
+    """
+    sources = {one.source.resolve() for one in imported}
+    taken: set[str] = set()
+    planned = []
+    for one in imported:
+        for press in one.presses:
+            name = _name(one.source, press.number, taken)
+            if (folder / name).resolve() in sources:
+                raise InputError(f"trace '{name}' would take the place of a file that is read; give another --out")
+            planned.append((one, press, name))
+    for _, press, name in planned:
+        write_bytes(folder / name, trace_bytes(press.time_s, press.displacement_mm, press.force_N))
+    return [
+        {
+            "source": str(one.source),
+            "traces": [
+                {"file": name, "press": press.number, "samples": len(press.time_s), **press.summary.to_dict()}
+                for owner, press, name in planned
+                if owner is one
+            ],
+            "decisions": [decision.to_dict() for decision in one.decisions],
+            "warnings": list(one.warnings),
+        }
+        for one in imported
+    ]
+
+
+def _name(source: Path, number: int, taken: set[str]) -> str:
+    """A plain name: the source's, and the number of the press; another count behind it where two sources share one."""
+    stem = re.sub(r"[^\w.-]+", "_", source.stem).strip("._") or "trace"
+    name, count = f"{stem[:100]}_{number}.csv", 1
+    while name.lower() in taken:
+        count += 1
+        name = f"{stem[:100]}-{count}_{number}.csv"
+    taken.add(name.lower())
+    return name
+
+
+def trace_bytes(time_s: NDArray, displacement_mm: NDArray, force_N: NDArray) -> bytes:
+    """The canonical CSV, to a microsecond, a nanometre and a micronewton."""
+    rows = np.stack([time_s, displacement_mm, force_N], axis=1)
+    parts = [",".join(COLUMNS) + "\n"]
+    for start in range(0, len(rows), _ROWS):
+        part = rows[start : start + _ROWS]
+        parts.append(("%.6f,%.6f,%.6f\n" * len(part)) % tuple(part.ravel().tolist()))
+    return "".join(parts).encode("ascii")

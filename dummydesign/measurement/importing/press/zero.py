@@ -1,0 +1,200 @@
+"""Zero of force and position: the laboratory's own where the force agrees with it, else the contact that was found."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from dummydesign.measurement.importing.core.decisions import Notes, question
+from dummydesign.measurement.importing.press.contact import LEAST_LEAD_IN, Contact
+
+FILTER_DELAY_S = 6.4e-3
+"""Delay of a second-order low-pass of 35 Hz, sqrt(2) / (2 pi 35 Hz), which the file's force may have gone through."""
+SURE_MM, SURE_SHARE = 0.25, 0.07
+"""Half-width of the contact's interval that is good enough: in mm, or as a share of the depth."""
+SMALL_MM, BENEFIT = 0.05, 0.5
+"""The file's own zero stands unless it lies beyond the interval by half its half-width (1 in 300) and 0.05 mm."""
+LATE_MM, LATE_SHARE = 0.15, 0.05
+"""Distance of the contact from the file's own zero that deserves a word although a filter explains it."""
+UNSURE_MM, UNSURE_SHARE = 0.1, 0.025
+"""Half-width of the contact's interval above which a zero that rests on it is called uncertain."""
+OTHER_SITE = 0.5
+"""Share of the depth beyond which a later contact is another place, not the dent that the press before left."""
+
+
+@dataclass(frozen=True)
+class Zero:
+    """What is subtracted from one press (compression positive), and how far the contact may lie off. [mm, N]"""
+
+    contact_mm: float
+    contact_low_mm: float
+    contact_high_mm: float
+    tare_N: float
+
+
+def interval(contact: Contact) -> tuple[float, float]:
+    """Interval of the contact when the force may be late by a filter nobody told of. [mm]"""
+    return contact.low_mm - max(contact.velocity_mm_s, 0.0) * FILTER_DELAY_S, contact.high_mm
+
+
+def find_contacts(
+    file: str, contacts: Sequence[Contact], depths: Sequence[float], first_mm: float, flipped: bool, notes: Notes
+) -> list[float]:
+    """Choose the zero of position of each press.
+
+    Parameters
+    ----------
+    contacts : sequence of Contact
+        One a press, in order.
+    depths : sequence of float
+        Deepest position of each press less its contact. [mm]
+    first_mm : float
+        Position at the first sample.
+    flipped : bool
+        Whether the file's own position counts the other way, for the option in a question.
+
+    Returns
+    -------
+    list of float
+        Position of contact of each press. [mm]
+
+    Raises
+    ------
+    QuestionError
+        When the file's own zero does not fit and the contact cannot be told from the force closely enough.
+    """
+    best = _reference(contacts)
+    low, high = interval(contacts[best])
+    found, seen = contacts[best].position_mm, _text(contacts[best])
+    more = BENEFIT * 0.5 * (contacts[best].high_mm - contacts[best].low_mm) + SMALL_MM
+    if low - more <= 0.0 <= high + more and first_mm <= SMALL_MM:
+        zero = 0.0
+        notes.decide("contact", "the file's own zero", f"the force begins at {seen}, which agrees with it")
+        if not contacts[best].low_mm <= 0.0 and found > max(LATE_MM, LATE_SHARE * depths[best]):
+            notes.warn(
+                "contact_may_be_late",
+                f"{file}: the force begins at {seen}; at {contacts[best].velocity_mm_s:.3g} mm/s a force filter explains "
+                f"this, else the surface lies {found:.2g} mm deeper: press slowly once, or say --contact",
+            )
+    else:
+        wide = 0.5 * (high - low)
+        if wide > max(SURE_MM, SURE_SHARE * depths[best]):
+            sign = -1.0 if flipped else 1.0
+            ends = sorted((sign * low, sign * high))
+            raise question(
+                file,
+                f"contact lies between {ends[0]:.2f} and {ends[1]:.2f} mm (a filter of the force counted in), too wide "
+                "to take its middle",
+                f"--contact N with the reading at contact, as a slow press shows it, or --contact {sign * found:.3f}",
+            )
+        zero = found
+        why = f"the force begins there ({seen}), not at the file's own zero"
+        notes.decide("contact", f"{found:.3f} mm", why)
+        if wide > max(UNSURE_MM, UNSURE_SHARE * depths[best]):
+            notes.warn(
+                "contact_uncertain",
+                f"{file}: the zero rests on the force alone, which begins at {seen}: it may be {wide:.2g} mm off; a slower "
+                "press or a sensor of less noise tells it more closely, or say --contact N",
+            )
+    return [_of_press(number, contact, zero, depth, file, notes) for number, (contact, depth) in enumerate(zip(contacts, depths))]
+
+
+def _text(contact: Contact) -> str:
+    return f"{contact.position_mm:.3f} mm (95 %: {contact.low_mm:.3f} to {contact.high_mm:.3f})"
+
+
+def _reference(contacts: Sequence[Contact]) -> int:
+    """The press that tells the contact: the first, for it meets a fresh surface, unless it was fast and one was slow."""
+    slowest = min(range(len(contacts)), key=lambda number: contacts[number].velocity_mm_s)
+    low, high = interval(contacts[slowest])
+    first_low, first_high = interval(contacts[0])
+    slower = contacts[slowest].velocity_mm_s < 0.5 * contacts[0].velocity_mm_s
+    return slowest if slower and low <= first_high and high >= first_low and high - low < first_high - first_low else 0
+
+
+def _of_press(number: int, contact: Contact, zero: float, depth: float, file: str, notes: Notes) -> float:
+    """The zero of one press: the common one, unless this press was plainly made somewhere else."""
+    low, high = interval(contact)
+    if low - SMALL_MM <= zero <= high + SMALL_MM:
+        return zero
+    off = contact.position_mm - zero
+    if number and (off < 0 or off > OTHER_SITE * depth):
+        notes.warn(
+            "another_place",
+            f"{file}: press {number + 1} begins at {contact.position_mm:.3f} mm, {abs(off):.2g} mm "
+            f"{'above' if off < 0 else 'below'} the first contact: taken as another place with a zero of its own; if it "
+            "is the same place, say --contact",
+        )
+        return contact.position_mm
+    if number:
+        notes.warn(
+            "surface_not_back",
+            f"{file}: press {number + 1} begins {off:.2g} mm deeper than the first contact, which stays zero: the "
+            "surface had not come back; rest longer between presses, or tell the loop the rest",
+        )
+    return zero
+
+
+def find_tares(file: str, contacts: Sequence[Contact], rest_N: float, flipped: bool, notes: Notes) -> list[float]:
+    """Choose what is subtracted from the force of each press.
+
+    Only a lead-in shows what the force reads at no load; a press without one takes that of the press before.
+
+    Parameters
+    ----------
+    contacts : sequence of Contact
+        One a press; their tares count from ``rest_N``.
+    rest_N : float
+        Reading at rest, compression positive.
+    flipped : bool
+        Whether the file's own force counts the other way.
+
+    Raises
+    ------
+    QuestionError
+        When there is no lead-in and the force does not begin at zero.
+    """
+    first = contacts[0]
+    if first.lead_in < LEAST_LEAD_IN:
+        level, noise = rest_N, max(first.noise_N, 1e-12)
+        if abs(level) > max(4.0 * noise, 0.004 * first.peak_N):
+            shown = -level if flipped else level
+            raise question(
+                file,
+                f"the force is {shown:.3g} N at the first sample and there is no lead-in before contact: an offset, or "
+                "already pressed",
+                f"--tare {shown:.4g} where it is an offset, --tare none where it presses",
+            )
+        notes.decide("tare", "none", "there is no lead-in, and the force begins at zero within its noise")
+        tares, before = [0.0], 0.0
+    else:
+        before = _significant(first, rest_N, notes)
+        tares = [before]
+    for contact in contacts[1:]:
+        own = contact.lead_in >= LEAST_LEAD_IN
+        level = rest_N + contact.tare_N if own else before
+        before = level if own and abs(level - before) > 3.0 * (contact.tare_error_N + _error(first)) else before
+        tares.append(before)
+    if max(tares) - min(tares) > 0.0:
+        text = ", ".join(f"{tare:.4g}" for tare in tares)
+        notes.warn(
+            "zero_wanders",
+            f"{file}: the force at no load changes from press to press ({text} N); each press is tared by its own "
+            "lead-in: let the sensor warm up, or zero it before each press",
+        )
+    return tares
+
+
+def _error(contact: Contact) -> float:
+    return contact.tare_error_N if contact.lead_in >= LEAST_LEAD_IN else 0.0
+
+
+def _significant(contact: Contact, rest_N: float, notes: Notes) -> float:
+    """The lead-in's mean, or zero where its error holds zero: then nothing of a tared file is changed."""
+    level = rest_N + contact.tare_N
+    text = f"mean of {contact.lead_in} samples before contact, {level:.4g} N with an error of {contact.tare_error_N:.2g} N"
+    if abs(level) <= 1.5 * contact.tare_error_N or abs(level) < 0.1 * contact.noise_N:
+        notes.decide("tare", "none", f"the {text} is zero within its noise")
+        return 0.0
+    notes.decide("tare", f"{level:.4g} N", f"the {text}")
+    return level

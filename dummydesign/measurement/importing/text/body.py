@@ -1,0 +1,164 @@
+"""The numbers of a table: fast where every line is alike, line by line where one is not, and then with its number."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.core.errors import InputError
+from dummydesign.measurement.importing.core.decisions import Notes
+from dummydesign.measurement.importing.text.layout import Layout, is_comment
+from dummydesign.measurement.importing.text.numbers import is_missing, is_number, is_stamp, seconds_of_stamp, to_float
+
+MOST_INTERRUPTIONS = 500
+
+
+@dataclass(frozen=True)
+class Body:
+    """Numbers of the wanted columns.
+
+    Attributes
+    ----------
+    values : ndarray, shape (rows, columns)
+        As written, in the units of the file; stamps in seconds since midnight of the first day.
+    lines : ndarray of int, shape (rows,)
+        Line of the file that each row stands in.
+    breaks : tuple of int
+        Rows before which the table was interrupted by a line of text.
+    """
+
+    values: NDArray
+    lines: NDArray
+    breaks: tuple[int, ...]
+
+
+def read_body(layout: Layout, columns: Sequence[int], notes: Notes) -> Body:
+    """Read the numbers of some columns.
+
+    Raises
+    ------
+    InputError
+        With file and line, for a cell that is no number or is missing, and for a row of another length.
+    """
+    body = _fast(layout, columns)
+    return body if body is not None else _slow(layout, columns, notes)
+
+
+def _fast(layout: Layout, columns: Sequence[int]) -> Body | None:
+    """All lines in one go; None unless every one of them has the same form."""
+    lines, separator = layout.lines[layout.first : layout.last], layout.separator
+    if layout.thousands or any(layout.kinds[column] != "number" for column in columns):
+        return None
+    if layout.decimal == "," and separator == ",":
+        return None
+    if separator == " ":
+        if {len(line.split()) for line in lines} != {len(layout.kinds)}:
+            return None
+    elif {line.count(separator) for line in lines} != {lines[0].count(separator)}:
+        return None
+    if layout.decimal == ",":
+        if any("." in line for line in lines):
+            return None  # a dot is a thousands sign here
+        lines = [line.replace(",", ".") for line in lines]
+    try:
+        values = np.loadtxt(
+            lines, delimiter=None if separator == " " else separator, comments=None, quotechar='"', usecols=list(columns),
+            ndmin=2,
+        )  # fmt: skip
+    except (ValueError, IndexError):
+        return None
+    if len(values) != len(lines) or not np.isfinite(values).all():
+        return None
+    start = layout.line(layout.first)
+    return Body(values, np.arange(start, start + len(values)), ())
+
+
+def _slow(layout: Layout, columns: Sequence[int], notes: Notes) -> Body:
+    """Line by line, with the faults named; lines of text between the numbers part the table."""
+    width, days = len(layout.kinds), _Days()
+    rows: list[list[float]] = []
+    numbers: list[int] = []
+    breaks: list[int] = []
+    between: list[int] = []
+    for index in range(layout.first, layout.last):
+        line = layout.lines[index]
+        if not line.strip() or is_comment(line):
+            continue
+        cells = layout.cells(line)
+        if len(cells) != width:
+            while len(cells) > width and not cells[-1]:
+                cells = cells[:-1]
+        wanted = [cells[column] if column < len(cells) else "" for column in columns]
+        good = [is_stamp(cell) or is_number(cell, layout.decimal) for cell in wanted]
+        if not any(good):
+            # A line of text, of units or a header again: what follows may be another test.
+            if any(cells):
+                between.append(index)
+                if rows and (not breaks or breaks[-1] != len(rows)):
+                    breaks.append(len(rows))
+            continue
+        if len(cells) != width or not all(good):
+            raise _fault(layout, index, cells, columns, wanted, good)
+        try:
+            rows.append(
+                [
+                    days.seconds(cell) if layout.kinds[column] == "stamp" else to_float(cell, layout.decimal)
+                    for cell, column in zip(wanted, columns)
+                ]
+            )
+        except ValueError:
+            raise _fault(layout, index, cells, columns, wanted, [False] * len(wanted)) from None
+        numbers.append(layout.line(index))
+    if len(between) > MOST_INTERRUPTIONS:
+        raise InputError(
+            f"{layout.file}:{layout.line(between[0])}: {len(between)} lines between the rows are not numbers, such as "
+            f"'{layout.lines[between[0]].strip()[:40]}'; export the table without text between its rows"
+        )
+    if between:
+        notes.decide(
+            "lines between",
+            f"{len(between)} lines",
+            f"text between the rows, left out; the first is line {layout.line(between[0])}: "
+            f"'{layout.lines[between[0]].strip()[:40]}'",
+        )
+    values = np.array(rows, float).reshape(-1, len(columns))
+    if not np.isfinite(values).all():
+        row = int(np.nonzero(~np.isfinite(values).all(axis=1))[0][0])
+        raise InputError(f"{layout.file}:{numbers[row]}: a number is too large to be read")
+    return Body(values, np.array(numbers, int), tuple(at for at in breaks if at < len(rows)))
+
+
+class _Days:
+    """Seconds over midnight: the day goes on where the date changes, or the clock falls back by half a day."""
+
+    def __init__(self) -> None:
+        self.day, self.date, self.clock = 0, "", 0.0
+
+    def seconds(self, cell: str) -> float:
+        if not is_stamp(cell):
+            raise ValueError(cell)
+        clock, date = seconds_of_stamp(cell)
+        if (self.date and date != self.date) or clock < self.clock - 43200.0:
+            self.day += 1
+        self.date, self.clock = date, clock
+        return 86400.0 * self.day + clock
+
+
+def _fault(
+    layout: Layout, index: int, cells: Sequence[str], columns: Sequence[int], wanted: Sequence[str], good: Sequence[bool]
+) -> InputError:
+    where = f"{layout.file}:{layout.line(index)}"
+    if len(cells) != len(layout.kinds):
+        return InputError(
+            f"{where}: has {len(cells)} cells, the table has {len(layout.kinds)}; mend or leave out this line of the file"
+        )
+    at = list(good).index(False)
+    name = layout.names[columns[at]] or f"column {columns[at] + 1}"
+    if is_missing(wanted[at]):
+        what = f"'{wanted[at]}' is no finite number" if wanted[at] else "is missing"
+        return InputError(f"{where}: {name}: {what}: the recording dropped out here; cut the file there or export it again")
+    sign = "dot" if layout.decimal == "." else "comma"
+    return InputError(f"{where}: {name} = '{wanted[at][:40]}' is not a number with a decimal {sign}")

@@ -1,0 +1,370 @@
+"""Where the table of numbers stands in a text, how its cells are parted, and what its header says."""
+
+from __future__ import annotations
+
+import csv
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from dummydesign.core.errors import InputError
+from dummydesign.measurement.importing.core.units import find_unit, split_name
+from dummydesign.measurement.importing.core.vocabulary import roles_of_name
+from dummydesign.measurement.importing.core.decisions import NoTableError, Notes, Settings, question
+from dummydesign.measurement.importing.text.numbers import (
+    decimal_evidence,
+    has_thousands,
+    is_missing,
+    is_number,
+    is_stamp,
+)
+
+SEPARATORS = {"\t": "tab", ";": "semicolon", "|": "bar", ",": "comma", " ": "spaces"}
+COMMENTS = ("#", "%", "//")
+LEAST_ROWS = 3
+_SAMPLE = 60
+_HEADER_LINES = 8
+
+
+@dataclass(frozen=True)
+class Layout:
+    """The table inside a text.
+
+    Attributes
+    ----------
+    file : str
+        Name for messages.
+    lines : list of str
+        All lines.
+    first, last : int
+        The table's numbers stand in ``lines[first:last]``.
+    skipped : int
+        Lines left out before ``lines[0]``, so that line numbers in messages are those of the file.
+    separator, decimal : str
+    thousands : bool
+        Whether numbers have thousands signs.
+    kinds : tuple of str
+        ``number``, ``stamp``, ``text`` or ``empty``, a column each.
+    names, units : tuple of str
+        Header and unit row, a cell a column; empty where there is none.
+    """
+
+    file: str
+    lines: list[str]
+    first: int
+    last: int
+    skipped: int
+    separator: str
+    decimal: str
+    thousands: bool
+    kinds: tuple[str, ...]
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+
+    def line(self, index: int) -> int:
+        """Line number in the file, from 1, of ``lines[index]``."""
+        return index + self.skipped + 1
+
+    def cells(self, line: str) -> list[str]:
+        """Part one line."""
+        return split(line, self.separator)
+
+
+def split(line: str, separator: str) -> list[str]:
+    """Part a line into stripped cells; quotes keep a separator inside a cell."""
+    if separator == " ":
+        return line.replace('"', " ").split()
+    if '"' in line:
+        try:
+            return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True))]
+        except (csv.Error, StopIteration):
+            return [cell.strip().strip('"') for cell in line.split(separator)]
+    return [cell.strip() for cell in line.split(separator)]
+
+
+def is_comment(line: str) -> bool:
+    """Whether a line is a comment."""
+    return line.lstrip().startswith(COMMENTS)
+
+
+def find_layout(file: str, text: str, settings: Settings, notes: Notes) -> Layout:
+    """Find the table of numbers.
+
+    Separator and decimal sign are read off lines spread over the whole text; then the first and the last line of
+    that form bound the table, and the header is looked for above it.
+
+    Raises
+    ------
+    InputError
+        When there is no table, when the file breaks off within a line, or when comma parts both cells and decimals.
+    QuestionError
+        When the decimal sign can be either.
+    """
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    skipped = settings.skip or 0
+    lines = lines[skipped:]
+    used = [line for line in lines if line.strip() and not is_comment(line)]
+    if not used:
+        raise NoTableError(f"{file}: holds no table: nothing but comments and blank lines")
+    sample = used[:: max(len(used) // _SAMPLE, 1)]
+    separator = _separator(file, sample, settings, notes)
+    width, kinds = _columns(sample, separator)
+    if width < 2 or kinds.count("number") + kinds.count("stamp") < 2:
+        raise NoTableError(f"{file}: {_nothing(used, separator)}")
+    first, last = _bounds(lines, separator, kinds)
+    if last - first < LEAST_ROWS:
+        raise NoTableError(f"{file}: {_nothing(used, separator)}")
+    body = lines[first:last]
+    cells = [
+        cell
+        for line in body[:: max(len(body) // 300, 1)]
+        for cell, kind in zip(split(line, separator), kinds)
+        if kind == "number" and is_number(cell)
+    ]
+    decimal = _decimal(file, cells, separator, settings, notes)
+    names, units, where = _header(lines, first, separator, kinds)
+    _refuse_two_commas(file, separator, cells, len(kinds), lines, first)
+    _refuse_unfinished(file, lines, last, separator, kinds, skipped)
+    _tell(lines, first, last, where, notes)
+    thousands = any(has_thousands(cell, decimal) for cell in cells)
+    return Layout(file, lines, first, last, skipped, separator, decimal, thousands, kinds, names, units)
+
+
+def separator_of(word: str) -> str:
+    """Read ``--separator``: the sign itself or its name.
+
+    Raises
+    ------
+    InputError
+        For any other word.
+    """
+    known = {**{sign: sign for sign in SEPARATORS}, **{name: sign for sign, name in SEPARATORS.items()}, "\\t": "\t"}
+    known |= {"space": " ", "whitespace": " ", "pipe": "|"}
+    if word.lower() not in known:
+        raise InputError(f"--separator '{word}' is not one of tab, semicolon, comma, bar, spaces (or the sign itself)")
+    return known[word.lower()]
+
+
+def _separator(file: str, sample: Sequence[str], settings: Settings, notes: Notes) -> str:
+    if settings.separator is not None:
+        separator = separator_of(settings.separator)
+        notes.decide("separator", SEPARATORS[separator], "given by --separator")
+        return separator
+    best, chosen = 0.0, ""
+    for separator in SEPARATORS:
+        rows = [split(line, separator) for line in sample if separator == " " or separator in line]
+        good = [
+            (len(row), sum(is_number(cell) or is_stamp(cell) for cell in row) / len(row)) for row in rows if len(row) > 1
+        ]
+        good = [(width, share) for width, share in good if share * width >= 2]
+        if not good:
+            continue
+        width, count = Counter(width for width, _ in good).most_common(1)[0]
+        score = count / len(sample) * sum(share for one, share in good if one == width) / count
+        if score > best + 1e-9:
+            best, chosen = score, separator
+    if not chosen:
+        raise NoTableError(f"{file}: {_nothing(sample, ';')}")
+    notes.decide("separator", SEPARATORS[chosen], "parts most lines into equally many numbers")
+    return chosen
+
+
+def _columns(sample: Sequence[str], separator: str) -> tuple[int, tuple[str, ...]]:
+    """Number of columns and what each of them holds, by the sampled lines."""
+    rows = [split(line, separator) for line in sample]
+    rows = [row for row in rows if sum(is_number(cell) or is_stamp(cell) for cell in row) >= 2]
+    if not rows:
+        return 0, ()
+    width = Counter(map(len, rows)).most_common(1)[0][0]
+    kinds = []
+    for column in zip(*(row for row in rows if len(row) == width)):
+        filled = [cell for cell in column if not is_missing(cell)]
+        if not filled:
+            kinds.append("empty")
+        elif sum(map(is_number, filled)) >= 0.7 * len(filled):
+            kinds.append("number")
+        elif sum(map(is_stamp, filled)) >= 0.7 * len(filled):
+            kinds.append("stamp")
+        else:
+            kinds.append("text")
+    return width, tuple(kinds)
+
+
+def is_row(cells: Sequence[str], kinds: Sequence[str]) -> bool:
+    """Whether cells are a row of the table: every column holds what it should, and not all of it is missing."""
+    if len(cells) != len(kinds):
+        return False
+    filled = 0
+    for cell, kind in zip(cells, kinds):
+        if kind in ("number", "stamp"):
+            if (is_number if kind == "number" else is_stamp)(cell):
+                filled += 1
+            elif not is_missing(cell):
+                return False
+    return filled > 0
+
+
+def _bounds(lines: Sequence[str], separator: str, kinds: Sequence[str]) -> tuple[int, int]:
+    """First and one past the last line of the table; a lone row of numbers in a preamble does not begin it."""
+
+    def row(index: int) -> bool:
+        return not is_comment(lines[index]) and is_row(split(lines[index], separator), kinds)
+
+    first = 0
+    while first < len(lines):
+        if row(first):
+            ahead = [i for i in range(first + 1, min(first + 8, len(lines))) if lines[i].strip()][:2]
+            if all(map(row, ahead)):
+                break
+        first += 1
+    last = len(lines)
+    while last > first and not row(last - 1):
+        last -= 1
+    return first, last
+
+
+def _decimal(file: str, cells: Sequence[str], separator: str, settings: Settings, notes: Notes) -> str:
+    if settings.decimal is not None:
+        notes.decide("decimal", settings.decimal, "given by --decimal")
+        return settings.decimal
+    seen = decimal_evidence(cells)
+    if seen["."] and seen[","]:
+        few, many = sorted((".", ","), key=lambda sign: seen[sign])
+        if seen[few] > 0.02 * seen[many]:
+            doubt = f"{seen['.']} numbers have a decimal dot and {seen[',']} a decimal comma"
+            raise question(file, doubt, "--decimal . or --decimal ,")
+        seen[few] = 0
+    if seen["."] or seen[","]:
+        decimal = "." if seen["."] else ","
+        notes.decide("decimal", decimal, f"{seen[decimal]} of the numbers looked at can be read in this way only")
+        return decimal
+    if seen["either"] and any("," in cell for cell in cells):
+        example = next(cell for cell in cells if "," in cell)
+        raise question(file, f"'{example}' may be a decimal or a thousand", "--decimal , or --decimal .")
+    if seen["either"] and separator != ",":
+        example = next(cell for cell in cells if "." in cell)
+        raise question(file, f"'{example}' may be a decimal or a thousand", "--decimal . or --decimal ,")
+    notes.decide("decimal", ".", "the comma parts the columns" if separator == "," else "no number has a decimal sign")
+    return "."
+
+
+def _header(
+    lines: Sequence[str], first: int, separator: str, kinds: Sequence[str]
+) -> tuple[tuple[str, ...], tuple[str, ...], list[int]]:
+    """Names and units above the table, and the indices of the lines they stand in."""
+    width = len(kinds)
+    rows: list[tuple[int, list[str]]] = []
+    for index in range(first - 1, max(first - 1 - 3 * _HEADER_LINES, -1), -1):
+        cells = _header_cells(lines[index], separator, width)
+        if cells is not None and len(rows) < _HEADER_LINES:
+            rows.append((index, cells))
+    empty = ("",) * width
+    unit_rows = [(sum(find_unit(cell) is not None for cell in cells), index, cells) for index, cells in rows]
+    unit_rows = [
+        row for row in unit_rows if row[0] >= 2 and row[0] >= 0.6 * sum(bool(cell) for cell in row[2])
+    ]
+    units = max(unit_rows, key=lambda row: (row[0], row[1]), default=None)
+    named = [
+        (sum(bool(roles_of_name(split_name(cell)[0])) or split_name(cell)[1] is not None for cell in cells), index, cells)
+        for index, cells in rows
+        if units is None or index != units[1]
+    ]
+    names = max((row for row in named if row[0]), key=lambda row: (row[0], row[1]), default=None)
+    if names is None and named and not any(is_number(cell) for cell in named[0][2]):
+        names = named[0]
+    where = [row[1] for row in (names, units) if row is not None]
+    return (
+        tuple(names[2]) if names else empty,
+        tuple(units[2]) if units else empty,
+        where,
+    )
+
+
+def _header_cells(line: str, separator: str, width: int) -> list[str] | None:
+    """Part a line above the table into as many cells as the table has; None where that cannot be."""
+    text = line.strip()
+    for mark in COMMENTS:
+        text = text.removeprefix(mark) if text.startswith(mark) else text
+    if not text.strip():
+        return None
+    ways = [split(line if text == line.strip() else text, separator)]
+    if separator == " ":
+        ways = [
+            [part.strip() for part in text.replace("\t", "  ").split("  ") if part.strip()],
+            *ways,
+        ]
+    ways += [split(text, other) for other in SEPARATORS if other not in (separator, " ") and other in text]
+    for cells in ways:
+        while len(cells) > width and not cells[-1]:
+            cells = cells[:-1]
+        if width - 1 <= len(cells) < width and len(cells) >= 2 and separator != " ":
+            cells = [*cells, *[""] * (width - len(cells))]
+        if len(cells) == width:
+            return [cell.strip('"').strip() for cell in cells]
+    return None
+
+
+def _nothing(lines: Sequence[str], separator: str) -> str:
+    """Say why there is no table."""
+    named = any(
+        len([cell for cell in split(line, sign) if roles_of_name(split_name(cell)[0])]) >= 2
+        for line in lines[:200]
+        for sign in SEPARATORS
+        if sign in line
+    )
+    if named:
+        return "has a header but no rows of numbers below it; export the test with its data"
+    return "holds no table of numbers; export time, displacement and force as columns of text"
+
+
+def _refuse_two_commas(
+    file: str, separator: str, cells: Sequence[str], width: int, lines: Sequence[str], first: int
+) -> None:
+    if separator != "," or width % 2 or any("." in cell or "," in cell for cell in cells):
+        return
+    for line in lines[max(first - _HEADER_LINES, 0) : first]:
+        head = split(line, ",")
+        if len(head) == width // 2 and sum(bool(roles_of_name(split_name(cell)[0])) for cell in head) >= 2:
+            raise InputError(
+                f"{file}: {len(head)} names but {width} cells a row: the comma parts both columns and decimals, which "
+                "cannot be told apart; export with ';' between columns, or with numbers in quotes"
+            )
+
+
+def _refuse_unfinished(
+    file: str, lines: Sequence[str], last: int, separator: str, kinds: Sequence[str], skipped: int
+) -> None:
+    """A last line without its end that breaks off within a row: the file is still being written."""
+    if not lines or not lines[-1].strip():
+        return
+    index = len(lines) - 1
+    cells = split(lines[-1], separator)
+    broken = last <= index and all(is_number(cell) or is_stamp(cell) or cell in ("", "-", "+") for cell in cells)
+    if last == index + 1:
+        final = max((i for i, kind in enumerate(kinds) if kind == "number"), default=0)
+        digits = [
+            len(row[final].replace(",", ".").rpartition(".")[2])
+            for row in (split(line, separator) for line in lines[max(index - 40, 0) : index])
+            if len(row) == len(kinds)
+        ]
+        last_digits = len(cells[final].replace(",", ".").rpartition(".")[2])
+        broken = is_missing(cells[final]) or (len(digits) > 5 and len(set(digits)) == 1 and last_digits < digits[0])
+    if broken and len(lines) > 1:
+        raise InputError(
+            f"{file}:{index + skipped + 1}: the last line breaks off ('{lines[-1].strip()[-40:]}'): the file is still "
+            "being written, or was cut; wait for the test to end and export it again"
+        )
+
+
+def _tell(lines: Sequence[str], first: int, last: int, where: Sequence[int], notes: Notes) -> None:
+    before = [index for index in range(first) if lines[index].strip() and index not in where]
+    if before:
+        notes.decide("preamble", f"{len(before)} lines", f"no numbers of the table; the first: '{_short(lines[before[0]])}'")
+    after = [line for line in lines[last:] if line.strip()]
+    if after:
+        notes.decide("footer", f"{len(after)} lines", f"not rows of the table; the first: '{_short(after[0])}'")
+
+
+def _short(line: str) -> str:
+    text = " ".join(line.split())
+    return text if len(text) <= 60 else text[:57] + "..."

@@ -1,1 +1,2 @@
-"""Measurement: traces, motions, sensors, campaigns and the import of what machines write; knows nothing of what is pressed."""
+"""Measurement: traces, motions, sensors, campaigns and the import of what machines write; knows nothing of what "
+"is pressed."""

@@ -9,11 +9,19 @@ import datetime
 from dataclasses import dataclass
 
 import numpy as np
+
 from tests.support.machine_presses import Recording, recording
 
 _TIME = {"s": (1.0, 4), "ms": (1e3, 1), "min": (1 / 60, 7)}
 _LENGTH = {"mm": (1.0, 4), "m": (1e-3, 7), "um": (1e3, 1), "cm": (0.1, 5), "in": (1 / 25.4, 6)}
-_FORCE = {"N": (1.0, 4), "kN": (1e-3, 7), "mN": (1e3, 1), "cN": (1e2, 2), "gf": (1 / 9.80665e-3, 2), "lbf": (1 / 4.4482216, 5)}
+_FORCE = {
+    "N": (1.0, 4),
+    "kN": (1e-3, 7),
+    "mN": (1e3, 1),
+    "cN": (1e2, 2),
+    "gf": (1 / 9.80665e-3, 2),
+    "lbf": (1 / 4.4482216, 5),
+}
 
 
 @dataclass(frozen=True)
@@ -77,14 +85,18 @@ _DIALECTS: dict[str, _Dialect] = {
     "savetxt": _Dialect(("time", "depth", "load"), "bracket", " ", ".", ("utf-8",), comment="# ", ending=".txt"),
     "columns": _Dialect(("Elapsed Time", "Position", "Force"), "paren", "  ", ".", ("utf-8",), ending=".asc",
                         footer=("", "End of test", "Maximum force reached")),
-    "logger": _Dialect(("Time", "LVDT", "Load Cell"), "bracket", "\t", ".", ("utf-8",), ("% sampled by DAQ", "% gain 10"),
+    "logger": _Dialect(("Time", "LVDT", "Load Cell"), "bracket", "\t", ".", ("utf-8",), ("% sampled by DAQ",
+                       "% gain 10"),
                        comment="%", extra=(("Temperature", "°C"), ("Sample", ""))),
     "robot": _Dialect(("timestamp", "tcp_z", "fz"), "bracket", ",", ".", ("utf-8",), order=(0, 1, 2),
                       extra=(("tcp_x", "mm"), ("fx", "N")), stamp="iso", ending=".log"),
-    "robot german": _Dialect(("Zeitstempel", "Position", "Kraft"), "bracket", ";", ",", ("utf-8-sig", "cp1252"), stamp="clock"),
-    "epoch": _Dialect(("timestamp", "position", "force"), "bracket", ",", ".", ("utf-8",), stamp="epoch", ending=".csv"),
+    "robot german": _Dialect(("Zeitstempel", "Position", "Kraft"), "bracket", ";", ",", ("utf-8-sig", "cp1252"),
+                       stamp="clock"),
+    "epoch": _Dialect(("timestamp", "position", "force"), "bracket", ",", ".", ("utf-8",), stamp="epoch",
+                       ending=".csv"),
     "unicode text": _Dialect(("Zeit", "Verschiebung", "Kraft"), "paren", "\t", ",", ("utf-16",), ending=".txt"),
-    "thousands": _Dialect(("Time", "Position", "Load"), "paren", ",", ".", ("utf-8",), quoted=True, units={"*": "thousands"}),
+    "thousands": _Dialect(("Time", "Position", "Load"), "paren", ",", ".", ("utf-8",), quoted=True,
+                       units={"*": "thousands"}),
     "thousands german": _Dialect(("Zeit", "Weg", "Kraft"), "paren", ";", ",", ("cp1252",), units={"*": "thousands"}),
 }  # fmt: skip
 DIALECTS = tuple(_DIALECTS)
@@ -121,8 +133,8 @@ def machine_file(seed: int, dialect: str | None = None) -> MachineFile:
     text = _write(draw, style, record.time_s + start, x, force, units)
     encoding = str(draw.choice(style.encodings))
     newline = str(draw.choice(["\n", "\r\n", "\r\n", "\r"]))
-    facts = {"dialect": kind, "units": units, "way": way, "push": push, "offset_N": offset, "zero": zero, "place_mm": place,
-             "encoding": encoding, "presses": presses, "lead_in": lead_in, "seed": seed}  # fmt: skip
+    facts = {"dialect": kind, "units": units, "way": way, "push": push, "offset_N": offset, "zero": zero,
+             "place_mm": place, "encoding": encoding, "presses": presses, "lead_in": lead_in, "seed": seed}  # fmt: skip
     return MachineFile(f"press {seed:05d}{style.ending}", newline.join(text).encode(encoding), record, facts)
 
 
@@ -152,17 +164,22 @@ def _header(style: _Dialect, units) -> list[list[str]]:
     spelled = [(style.units or {}).get(unit, unit) for unit in spelled]
     if "um" in spelled and "cp932" not in style.encodings:
         spelled[spelled.index("um")] = "µm" if style.separator != "  " else "um"
-    order = [0, 1, 2]
-    ordered = [spelled[i] for i in style.order] if style.layout == "row" else [spelled[i] for i in style.order]
+    ordered = [spelled[i] for i in style.order]
     titles = list(style.names) + [title for title, _ in style.extra]
     shown = ordered + [unit for _, unit in style.extra]
     if style.stamp:
-        shown[order[0]] = ""
+        shown[0] = ""
     quote = (lambda text: f'"{text}"') if style.quoted else (lambda text: text)
     if style.layout == "row":
         a, b = style.brackets if style.brackets != "[]" else ("", "")
         return [[quote(title) for title in titles], [quote(f"{a}{unit}{b}") for unit in shown]]
-    forms = {"bracket": "{0} {2}{1}{3}", "paren": "{0} ({1})", "in": "{0} in {1}", "slash": "{0}/{1}", "underscore": "{0}_{1}"}
+    forms = {
+        "bracket": "{0} {2}{1}{3}",
+        "paren": "{0} ({1})",
+        "in": "{0} in {1}",
+        "slash": "{0}/{1}",
+        "underscore": "{0}_{1}",
+    }
     form = forms[style.layout]
     if style.separator in (" ",):
         form = form.replace(" ", "")

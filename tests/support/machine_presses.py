@@ -79,7 +79,7 @@ def _cycle(draw, velocity, depth, hold, rate, lead_in, unload):
     if velocity < 0.5:
         dwell, rest = 20 * dwell, 20 * rest
     total = dwell + straight + brake + hold + leave + rest
-    t = np.arange(int(round(total * rate)) + 1) / rate
+    t = np.arange(round(total * rate) + 1) / rate
     s = t - dwell
     x = np.full(len(t), -above)
     ramp = (s > 0) & (s <= straight)
@@ -100,7 +100,10 @@ def _tissue(draw, time, x):
     """Five-element law: F = g1 x^3 + sum of arms g x^2 e with e' = x' - g x^2 e / c (exact decay between samples)."""
     deep = np.maximum(x, 0.0)
     force = deep**3
-    for share, tau in ((draw.uniform(0.3, 2.0), draw.uniform(0.5, 3.0)), (draw.uniform(1.0, 10.0), draw.uniform(0.02, 0.2))):
+    for share, tau in (
+        (draw.uniform(0.3, 2.0), draw.uniform(0.5, 3.0)),
+        (draw.uniform(1.0, 10.0), draw.uniform(0.02, 0.2)),
+    ):
         stretch, previous = np.zeros(len(x)), 0.0
         way, dt = np.diff(deep), np.diff(time)
         rate = (0.5 * (deep[1:] + deep[:-1])) ** 2 / deep.max() ** 2 / tau
@@ -117,7 +120,10 @@ def _linear_relaxing(draw, time, elastic, x):
     """Elastic force with two Prony arms, F = Fe + sum b * int exp(-(t-s)/tau) dFe; cannot pull."""
     force = elastic.copy()
     dt, step = np.diff(time), np.diff(elastic)
-    for share, tau in ((draw.uniform(0.1, 0.4), draw.uniform(0.8, 3.0)), (draw.uniform(0.1, 0.6), draw.uniform(0.02, 0.2))):
+    for share, tau in (
+        (draw.uniform(0.1, 0.4), draw.uniform(0.8, 3.0)),
+        (draw.uniform(0.1, 0.6), draw.uniform(0.02, 0.2)),
+    ):
         decay, arm, held = np.exp(-dt / tau), np.zeros(len(x)), 0.0
         for k in range(len(step)):
             held = (held + step[k]) * decay[k]

@@ -55,7 +55,9 @@ def files_of(paths: Iterable[str | Path]) -> list[tuple[Path, bool]]:
     return list(unique.values())
 
 
-def import_files(paths: Sequence[str | Path], settings: Settings | None = None) -> tuple[list[Imported], list[dict[str, Any]]]:
+def import_files(
+    paths: Sequence[str | Path], settings: Settings | None = None
+) -> tuple[list[Imported], list[dict[str, Any]]]:
     """Read several files and folders.
 
     Returns
@@ -105,7 +107,8 @@ def _same_presses(imported: Sequence[Imported]) -> list[dict[str, Any]]:
                 warnings.append(
                     {
                         "code": "same_press",
-                        "message": f"{one.source.name} press {press.number} is the same recording as {source.name} press "
+                        "message": f"{one.source.name} press {press.number} is the same recording as {source.name} "
+                        "press "
                         f"{number}: one subject under two names, or a copy? take one of them out",
                     }
                 )

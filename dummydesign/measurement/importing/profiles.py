@@ -9,11 +9,11 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
+from dummydesign.core.datafiles import Entry, entries, find, read_toml, user_folder
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.files import write_text
-from dummydesign.core.datafiles import Entry, entries, find, read_toml, user_folder
-from dummydesign.measurement.importing.core.vocabulary import ROLES
 from dummydesign.measurement.importing.core.decisions import Settings
+from dummydesign.measurement.importing.core.vocabulary import ROLES
 from dummydesign.measurement.importing.read import Imported
 
 KIND = "profiles"
@@ -68,7 +68,8 @@ def _settings(data: dict[str, Any], file: str) -> Settings:
 
 
 def learned(given: Settings, found: Iterable[Imported]) -> Settings:
-    """What to keep for the next time: what the user gave, and the columns, units and signs of text that all files share."""
+    """What to keep for the next time: what the user gave, and the columns, units and signs of text that all files "
+    "share."""
     layouts = [one.columns for one in found]
 
     def common(values: list[str]) -> str | None:
@@ -106,7 +107,9 @@ def save_profile(name: str, settings: Settings, overwrite: bool = False) -> Path
         raise InputError(f"--save-profile '{name}': a profile's name is made of letters, digits, '-', '_' and '.'")
     path = user_folder() / KIND / f"{name}.toml"
     if path.exists() and not overwrite and _settings(read_toml(path)[0], path.name) != settings:
-        raise InputError(f"--save-profile '{name}': exists already with other settings; add --replace to put this in its place")
+        raise InputError(
+            f"--save-profile '{name}': exists already with other settings; add --replace to put this in its place"
+        )
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as problem:

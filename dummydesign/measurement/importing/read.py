@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.measurement.importing.core.units import BASE, known_units, scaled_unit
 from dummydesign.measurement.importing.core.decisions import Decision, Notes, Settings, question
+from dummydesign.measurement.importing.core.units import BASE, known_units, scaled_unit
 from dummydesign.measurement.importing.press.contact import LEAST_LEAD_IN, Contact, find_contact
 from dummydesign.measurement.importing.press.sanity import check_press
 from dummydesign.measurement.importing.press.signs import Signs, find_signs
@@ -102,7 +102,9 @@ def import_file(path: str | Path, settings: Settings | None = None) -> Imported:
         summary = summarise(name, t, way, force)
         check_press(name, t, way, force, contact, summary, notes.warn)
         presses.append(
-            Press(number, t, way, force, summary, contact.low_mm - zero, contact.high_mm - zero, float(time[span.start]))
+            Press(
+                number, t, way, force, summary, contact.low_mm - zero, contact.high_mm - zero, float(time[span.start])
+            )
         )
     return Imported(path, tuple(presses), tuple(notes.decisions), tuple(notes.warnings), columns)
 
@@ -136,14 +138,18 @@ def _spans(file: str, x: NDArray, load: NDArray, columns: Columns, settings: Set
         except InputError:
             if len(columns.recordings) == 1:
                 raise
-            notes.warn("nothing_pressed", f"{file}: nothing is pressed in the recording that begins at sample {first + 1}; "
-                       "it is left out")  # fmt: skip
+            notes.warn(
+                "nothing_pressed",
+                f"{file}: nothing is pressed in the recording that begins at sample {first + 1}; it is left out",
+            )
             continue
         spans += [Span(span.start + first, span.stop + first, span.onset + first) for span in found]
     if not spans:
         raise InputError(f"{file}: nothing is pressed in any of its {len(columns.recordings)} recordings")
-    why = "force and depth return to zero between them" if len(spans) > 1 else (
-        "force and depth do not return to zero and rise again" if several else "--split none"
+    why = (
+        "force and depth return to zero between them"
+        if len(spans) > 1
+        else ("force and depth do not return to zero and rise again" if several else "--split none")
     )
     notes.decide("presses", str(len(spans)), why)
     return spans
@@ -163,7 +169,13 @@ def _contact(
 
 
 def _tares(
-    file: str, contacts: Sequence[Contact], rest: float, signs: Signs, settings: Settings, tare: float | None, notes: Notes
+    file: str,
+    contacts: Sequence[Contact],
+    rest: float,
+    signs: Signs,
+    settings: Settings,
+    tare: float | None,
+    notes: Notes,
 ) -> list[float]:
     if settings.tare == "none":
         notes.decide("tare", "none", "given by --tare")
@@ -192,9 +204,7 @@ def _zeros(
     return find_contacts(file, contacts, depths, float(x[spans[0].start]), signs.displacement < 0, notes)
 
 
-def _magnitudes(
-    file: str, time: NDArray, x: NDArray, load: NDArray, spans: Sequence[Span], settings: Settings
-) -> None:
+def _magnitudes(file: str, time: NDArray, x: NDArray, load: NDArray, spans: Sequence[Span], settings: Settings) -> None:
     """Ask for the unit where a press would be beyond what any such machine does."""
     force = max(float(load[s.start : s.stop].max()) for s in spans)
     depth = max(float(x[s.start : s.stop].max() - x[s.onset]) for s in spans)

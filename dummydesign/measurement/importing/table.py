@@ -5,15 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.importing.columns.roles import Column, candidates, choose, describe_columns, wanted
 from dummydesign.measurement.importing.columns.scales import factors
 from dummydesign.measurement.importing.columns.times import recordings
-from dummydesign.measurement.importing.core.vocabulary import ROLES
 from dummydesign.measurement.importing.core.decisions import Notes, Settings
+from dummydesign.measurement.importing.core.vocabulary import ROLES
 from dummydesign.measurement.importing.text.body import read_body
 from dummydesign.measurement.importing.text.encoding import decode
 from dummydesign.measurement.importing.text.layout import Layout, find_layout
@@ -67,7 +66,9 @@ def read_columns(path: Path, settings: Settings, notes: Notes) -> Columns:
     time = (raw["time"] - first) * scale["time"] if abs(first) > 1e6 else raw["time"] * scale["time"]
     keep, ranges = recordings(file, time, body.values, body.breaks, body.lines, notes)
     x, force = raw["displacement"] * scale["displacement"], raw["force"] * scale["force"]
-    return Columns(file, time[keep], x[keep], force[keep], tuple(ranges), layout, {role: chosen[role] for role in ROLES})
+    return Columns(
+        file, time[keep], x[keep], force[keep], tuple(ranges), layout, {role: chosen[role] for role in ROLES}
+    )
 
 
 def _bytes(path: Path) -> bytes:

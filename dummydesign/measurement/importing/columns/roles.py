@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError, unknown_name
+from dummydesign.measurement.importing.core.decisions import Notes, Settings, question
 from dummydesign.measurement.importing.core.units import KIND_OF_ROLE, OTHER, Unit, find_unit, split_name
 from dummydesign.measurement.importing.core.vocabulary import ROLES, roles_of_name
-from dummydesign.measurement.importing.core.decisions import Notes, Settings, question
 from dummydesign.measurement.importing.text.layout import Layout
 
 
@@ -240,18 +240,25 @@ def _by_behaviour(
     if absent:
         shown = ", ".join(f"'{column.title}'" if column.title else f"column {column.index + 1}" for column in columns)
         option = f"--columns {','.join(f'{role}=NAME' for role in absent)}"
-        raise InputError(f"{layout.file}: no column is {' or '.join(absent)} (there are {shown}); say {option}, or export it")
+        raise InputError(
+            f"{layout.file}: no column is {' or '.join(absent)} (there are {shown}); say {option}, or export it"
+        )
     # Without the units the answer would be a guess; with them the user has said what kinds of numbers these are.
     if not certain or any(role not in settings.units for role in missing):
         option = "--columns " + ",".join(f"{role}={guess[role].label}" for role in missing)
         option += " --units " + ",".join(
-            f"{role}={settings.units.get(role, {'time': 's', 'displacement': 'mm', 'force': 'N'}[role])}" for role in missing
+            f"{role}={settings.units.get(role, {'time': 's', 'displacement': 'mm', 'force': 'N'}[role])}"
+            for role in missing
         )
         listed = ", ".join(f"{role} may be column {guess[role].label}" for role in missing)
         raise question(layout.file, f"no names and units say what the columns are; by what they do {listed}", option)
     for role in missing:
-        why = "the only one that always rises" if role == "time" else "stands still in holds" if role == "displacement" else (
-            "moves on in holds"
+        why = (
+            "the only one that always rises"
+            if role == "time"
+            else "stands still in holds"
+            if role == "displacement"
+            else ("moves on in holds")
         )
         notes.decide(f"{role} column", guess[role].label, why)
     return guess

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.importing.columns.roles import Column
+from dummydesign.measurement.importing.core.decisions import Notes, Settings, question
 from dummydesign.measurement.importing.core.units import BASE, KIND_OF_ROLE, Unit, known_units, scaled_unit
 from dummydesign.measurement.importing.core.vocabulary import ROLES
-from dummydesign.measurement.importing.core.decisions import Notes, Settings, question
 
 _SINCE_1970 = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 _YEARS = (9.4e8, 2.3e9)
@@ -58,15 +58,14 @@ def factors(
     return {role: unit.factor for role, unit in found.items()}
 
 
-def _unit(
-    file: str, role: str, column: Column, values: NDArray, settings: Settings, notes: Notes
-) -> Unit | None:
+def _unit(file: str, role: str, column: Column, values: NDArray, settings: Settings, notes: Notes) -> Unit | None:
     kind = KIND_OF_ROLE[role]
     if role in settings.units:
         unit = scaled_unit(settings.units[role], kind)
         if unit is None:
             raise InputError(
-                f"--units {role}={settings.units[role]} is no {kind}; known are {known_units(kind)}, or a count such as "
+                f"--units {role}={settings.units[role]} is no {kind}; known are {known_units(kind)}, or a count "
+                "such as "
                 f"0.5{BASE[kind]}"
             )
         notes.decide(f"{role} unit", unit.text, "given by --units")

@@ -9,7 +9,9 @@ from dummydesign.core.errors import InputError
 from dummydesign.measurement.importing.core.decisions import Notes
 
 
-def recordings(file: str, time: NDArray, rows: NDArray, breaks: tuple[int, ...], lines: NDArray, notes: Notes) -> tuple[NDArray, list[tuple[int, int]]]:
+def recordings(
+    file: str, time: NDArray, rows: NDArray, breaks: tuple[int, ...], lines: NDArray, notes: Notes
+) -> tuple[NDArray, list[tuple[int, int]]]:
     """Find rows to keep and the recordings in them.
 
     A row that repeats the one before it word for word is left out. Where the time falls back to (about) its
@@ -43,7 +45,9 @@ def recordings(file: str, time: NDArray, rows: NDArray, breaks: tuple[int, ...],
     same = still[np.all(rows[still] == rows[still - 1], axis=1)] if still.size else still
     if same.size and same.size <= 0.02 * len(time):
         keep[same] = False
-        notes.decide("repeated rows", f"{same.size} rows", f"word for word the row before; the first is line {lines[same[0]]}")
+        notes.decide(
+            "repeated rows", f"{same.size} rows", f"word for word the row before; the first is line {lines[same[0]]}"
+        )
     kept, at = time[keep], lines[keep]
     jumps = np.diff(kept)
     wrong = np.flatnonzero(jumps <= 0) + 1
@@ -71,10 +75,12 @@ def _refuse(file: str, time: NDArray, row: int, lines: NDArray, jumps: NDArray) 
         steps = jumps[jumps > 0]
         size = float(steps.min()) if steps.size else 0.0
         raise InputError(
-            f"{where}: time = {time[row]:.6g} s is written {1 / max(1 - share, 1e-9):.1f} times on average: its last digit "
+            f"{where}: time = {time[row]:.6g} s is written {1 / max(1 - share, 1e-9):.1f} times on average: its "
+            "last digit "
             f"({size:.3g} s) is coarser than the sampling; export the time with more digits"
         )
     raise InputError(
-        f"{where}: time = {time[row]:.6g} s does not rise (the row before has {time[row - 1]:.6g} s); sort the rows, or "
+        f"{where}: time = {time[row]:.6g} s does not rise (the row before has {time[row - 1]:.6g} s); sort the "
+        "rows, or "
         "leave this one out"
     )

@@ -36,7 +36,9 @@ _ELSEWHERE = (
     "% mpa kpa pa gpa hpa bar n/mm2 n/mm² n/mm^2 kn/m2 mm/mm mm/s mm/min m/s n/s n/mm n/m v mv a ma °c c degc k °f °"
     " deg rad nm/rad nmm ncm n·m n.m n*m j mj hz khz rpm - -/- 1/s u/min kg/m3"
 ).split()
-_ALIKE = str.maketrans({"µ": "u", "μ": "u", "［": "[", "］": "]", "（": "(", "）": ")", "〔": "(", "〕": ")", "／": "/"})
+_ALIKE = str.maketrans(
+    {"µ": "u", "μ": "u", "［": "[", "］": "]", "（": "(", "）": ")", "〔": "(", "〕": ")", "／": "/"}
+)
 _BRACKETS = re.compile(r"\[([^\[\]]*)\]|\(([^()]*)\)|<([^<>]*)>|\{([^{}]*)\}")
 _TAIL = re.compile(r"^(.*?)(?:_|\s*/\s*|\s+in\s+|\s+en\s+|\s*:\s*|\s*,\s*|\s+)([A-Za-zµμ%\"°秒分]+)\.?$")
 

@@ -37,13 +37,26 @@ _WORDS: dict[str, str] = {
     ),
 }  # fmt: skip
 _KANJI: dict[str, tuple[str, ...]] = {
-    "other": ("応力", "ひずみ", "歪", "温度", "速度", "トルク", "圧力", "番号", "サイクル", "指令", "目標", "電圧", "日付"),
+    "other": (
+        *("応力", "ひずみ", "歪", "温度", "速度", "トルク", "圧力"),
+        *("番号", "サイクル", "指令", "目標", "電圧", "日付"),
+    ),
     "time": ("時間", "時刻", "経過"),
     "displacement": ("変位", "位置", "ストローク", "押込", "押し込み", "深さ", "圧縮量", "たわみ", "伸び", "移動量"),
     "force": ("荷重", "試験力", "押付力", "反力", "力"),
 }  # fmt: skip
 _COMPOUND: dict[str, tuple[str, ...]] = {
-    "other": ("soll", "spannung", "geschwindigkeit", "temperatur", "dehnung", "setpoint", "velocity", "stress", "strain"),
+    "other": (
+        "soll",
+        "spannung",
+        "geschwindigkeit",
+        "temperatur",
+        "dehnung",
+        "setpoint",
+        "velocity",
+        "stress",
+        "strain",
+    ),
     "time": ("zeit", "timestamp"),
     "displacement": ("weg", "verschiebung", "displacement", "extension", "eindring"),
     "force": ("kraft", "force"),

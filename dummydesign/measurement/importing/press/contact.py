@@ -199,4 +199,9 @@ def _tare(lead: NDArray, noise: float) -> tuple[float, float, float, float]:
     third = max(len(parts) // 3, 1)
     drift = float(np.mean(parts[-third:]) - np.mean(parts[:third]))
     inner = float(np.std(np.array(parts) - np.linspace(parts[0], parts[-1], len(parts))))
-    return float(np.mean(lead)), error, float(np.std(lead)), drift if abs(drift) > 4.0 * max(inner, noise / 5.0) else 0.0
+    return (
+        float(np.mean(lead)),
+        error,
+        float(np.std(lead)),
+        drift if abs(drift) > 4.0 * max(inner, noise / 5.0) else 0.0,
+    )

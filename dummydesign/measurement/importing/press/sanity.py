@@ -46,7 +46,7 @@ def check_press(
     _gaps(name, time, x, summary, warn)
     _dropped(name, time, x, force, summary, noise, warn)
     _spikes(name, time, force, noise, warn)
-    _units(name, force, summary, warn)
+    _units(name, summary, warn)
 
 
 def _lead_in(name: str, contact: Contact, summary: Summary, warn: Warn) -> None:
@@ -70,7 +70,8 @@ def _hold(name: str, time: NDArray, force: NDArray, summary: Summary, noise: flo
     if fall > FALLING * summary.steady_force_N and fall > 4.0 * noise / np.sqrt(late.sum()):
         warn(
             "hold_too_short",
-            f"{name}: after {summary.hold_s:.3g} s the force still falls, by {100 * fall / summary.steady_force_N:.1f} % in "
+            f"{name}: after {summary.hold_s:.3g} s the force still falls, by "
+            f"{100 * fall / summary.steady_force_N:.1f} % in "
             f"the last {0.2 * summary.hold_s:.2g} s: {summary.steady_force_N:.3g} N is no steady force; hold for 10 s",
         )
 
@@ -92,7 +93,8 @@ def _several_holds(name: str, time: NDArray, x: NDArray, summary: Summary, warn:
         depths = ", ".join(f"{depth:.2f}" for depth in sorted({*plateaus, summary.depth_mm}))
         warn(
             "several_holds",
-            f"{name}: the punch stands at several depths ({depths} mm) without coming back to zero between; fits read one "
+            f"{name}: the punch stands at several depths ({depths} mm) without coming back to zero between; fits "
+            "read one "
             "ramp and one hold: press each depth by itself, or cut the file",
         )
 
@@ -111,7 +113,8 @@ def _clipped(name: str, time: NDArray, x: NDArray, force: NDArray, warn: Warn) -
     if length > 4 * usual and (moved or length > 10 * usual):
         warn(
             "clipped",
-            f"{name}: the force stands at exactly {top:.6g} N for {length} samples from {time[first]:.4g} s: the load cell "
+            f"{name}: the force stands at exactly {top:.6g} N for {length} samples from {time[first]:.4g} s: the "
+            "load cell "
             "or its amplifier is at its end; use a larger range, and do not fit this press",
         )
 
@@ -141,14 +144,13 @@ def _gaps(name: str, time: NDArray, x: NDArray, summary: Summary, warn: Warn) ->
         at = int(found[0])
         warn(
             "drop_out",
-            f"{name}: no samples from {time[at]:.4g} to {time[at + 1]:.4g} s ({found.size} such gaps) within the press; "
+            f"{name}: no samples from {time[at]:.4g} to {time[at + 1]:.4g} s ({found.size} such gaps) within the "
+            "press; "
             "the force between is not known: record again",
         )
 
 
-def _dropped(
-    name: str, time: NDArray, x: NDArray, force: NDArray, summary: Summary, noise: float, warn: Warn
-) -> None:
+def _dropped(name: str, time: NDArray, x: NDArray, force: NDArray, summary: Summary, noise: float, warn: Warn) -> None:
     """Force at zero for a few samples while the punch is deep, or both columns frozen while it should move."""
     deep = (x > 0.5 * summary.depth_mm) & (time <= summary.hold_end_s)
     near = np.median(force[deep]) if deep.any() else 0.0
@@ -162,10 +164,15 @@ def _dropped(
     same = (np.diff(x) == 0) & (np.diff(force) == 0)
     rise = (x[1:] > 0.02 * summary.depth_mm) & (x[1:] < 0.95 * summary.depth_mm) & (time[1:] < summary.stop_time_s)
     first, last = _longest(same & rise) if (same & rise).any() else (0, 0)
-    if last - first >= 5 and last < len(x) - 1 and abs(x[last + 1] - x[last]) > 3.0 * float(np.median(np.abs(np.diff(x)[rise]))):
+    if (
+        last - first >= 5
+        and last < len(x) - 1
+        and abs(x[last + 1] - x[last]) > 3.0 * float(np.median(np.abs(np.diff(x)[rise])))
+    ):
         warn(
             "drop_out",
-            f"{name}: force and position repeat for {last - first} samples from {time[first]:.4g} s in the rise and then "
+            f"{name}: force and position repeat for {last - first} samples from {time[first]:.4g} s in the rise "
+            "and then "
             "jump: the recording stood still; record again",
         )
 
@@ -182,16 +189,16 @@ def _spikes(name: str, time: NDArray, force: NDArray, noise: float, warn: Warn) 
         worst = int(found[np.argmax(off[found - 1])])
         warn(
             "spike",
-            f"{name}: {found.size} single samples stand out, by {off[worst - 1]:.3g} N at {time[worst]:.4g} s; they are kept: "
+            f"{name}: {found.size} single samples stand out, by {off[worst - 1]:.3g} N at {time[worst]:.4g} s; "
+            "they are kept: "
             "mend the shielding, or take them out before fitting",
         )
 
 
-def _units(name: str, force: NDArray, summary: Summary, warn: Warn) -> None:
+def _units(name: str, summary: Summary, warn: Warn) -> None:
     stiffness = summary.peak_force_N / max(summary.depth_mm, 1e-9)
+    seen = f"{name}: {summary.peak_force_N:.4g} N at {summary.depth_mm:.3g} mm is stiffer than any hand or pad"
     if stiffness > GRAMS_N_PER_MM and summary.peak_force_N > GRAMS_N:
-        what = f"{summary.peak_force_N:.4g} N at {summary.depth_mm:.3g} mm is stiffer than any hand or pad: is the force in grams?"
-        warn("far_from_known", f"{name}: {what} Say --units force=gf if so")
+        warn("far_from_known", f"{seen}: is the force in grams? say --units force=gf if so")
     elif stiffness > INCHES_N_PER_MM and summary.depth_mm < INCHES_MM:
-        what = f"{summary.peak_force_N:.4g} N at only {summary.depth_mm:.3g} mm: is the position in inches?"
-        warn("far_from_known", f"{name}: {what} Say --units displacement=in if so")
+        warn("far_from_known", f"{seen}: is the position in inches? say --units displacement=in if so")

@@ -64,7 +64,7 @@ def find_signs(file: str, x: NDArray, force: NDArray, settings: Settings, tare_N
     few = int(np.clip(len(force) // 200, 3, 50))
     rest = float(np.median(force[:few])) if tare_N is None else tare_N
     up, down = float(smooth.max() - rest), float(rest - smooth.min())
-    
+
     swing = max(up, down)
     if swing <= 0 or swing < 8.0 * noise_of(force):
         raise InputError(
@@ -111,7 +111,9 @@ def _way(file: str, x: NDArray, load: NDArray) -> float:
     return 1.0 if rise > 0 else -1.0
 
 
-def _refuse_loaded_start(file: str, smooth: NDArray, rest: float, sign: float, swing: float, tare_N: float | None) -> None:
+def _refuse_loaded_start(
+    file: str, smooth: NDArray, rest: float, sign: float, swing: float, tare_N: float | None
+) -> None:
     """A recording that begins pressed and ends free looks like a press of the other sign on a large offset."""
     other = rest + sign * swing
     if tare_N is None and abs(rest) > 0.5 * swing and abs(other) < 0.25 * abs(rest):
@@ -128,4 +130,6 @@ def _check_given(file: str, x: NDArray, smooth: NDArray, signs: Signs) -> None:
     if load.max() < -load.min():
         raise InputError(f"{file}: with --flip as given the force falls while pressing; turn --flip force round")
     if _way(file, x, load) * signs.displacement < 0:
-        raise InputError(f"{file}: with --flip as given the punch moves out while the force rises; turn --flip displacement round")
+        raise InputError(
+            f"{file}: with --flip as given the punch moves out while the force rises; turn --flip displacement round"
+        )

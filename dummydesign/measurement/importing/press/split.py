@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,7 +77,7 @@ def find_presses(file: str, x: NDArray, load: NDArray, several: bool) -> list[Sp
             joined[-1] = (joined[-1][0], run[1])
     if not several:
         joined = [(joined[0][0], joined[-1][1])]
-    cuts = [0, *(_cut(x, before[1], after[0]) for before, after in zip(joined, joined[1:])), len(x)]
+    cuts = [0, *(_cut(x, before[1], after[0]) for before, after in pairwise(joined)), len(x)]
     return [Span(a, b, run[0]) for a, b, run in zip(cuts, cuts[1:], joined)]
 
 

@@ -51,4 +51,6 @@ def summarise(file: str, time: NDArray, x: NDArray, force: NDArray) -> Summary:
         steady = float(np.mean(force[late])) if late.any() else None
     speed = approach_velocity(time, x, ramp)
     held = 0.0 if steady is None else hold
-    return Summary(float(speed), float(held), float(ramp.depth_mm), float(force.max()), steady, ramp.stop_time_s, ramp.hold_end_s)
+    return Summary(
+        float(speed), float(held), float(ramp.depth_mm), float(force.max()), steady, ramp.stop_time_s, ramp.hold_end_s
+    )

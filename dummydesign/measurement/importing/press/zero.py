@@ -73,7 +73,8 @@ def find_contacts(
         if not contacts[best].low_mm <= 0.0 and found > max(LATE_MM, LATE_SHARE * depths[best]):
             notes.warn(
                 "contact_may_be_late",
-                f"{file}: the force begins at {seen}; at {contacts[best].velocity_mm_s:.3g} mm/s a force filter explains "
+                f"{file}: the force begins at {seen}; at {contacts[best].velocity_mm_s:.3g} mm/s a force filter "
+                "explains "
                 f"this, else the surface lies {found:.2g} mm deeper: press slowly once, or say --contact",
             )
     else:
@@ -93,10 +94,14 @@ def find_contacts(
         if wide > max(UNSURE_MM, UNSURE_SHARE * depths[best]):
             notes.warn(
                 "contact_uncertain",
-                f"{file}: the zero rests on the force alone, which begins at {seen}: it may be {wide:.2g} mm off; a slower "
+                f"{file}: the zero rests on the force alone, which begins at {seen}: it may be {wide:.2g} mm off; "
+                "a slower "
                 "press or a sensor of less noise tells it more closely, or say --contact N",
             )
-    return [_of_press(number, contact, zero, depth, file, notes) for number, (contact, depth) in enumerate(zip(contacts, depths))]
+    return [
+        _of_press(number, contact, zero, depth, file, notes)
+        for number, (contact, depth) in enumerate(zip(contacts, depths))
+    ]
 
 
 def _text(contact: Contact) -> str:
@@ -104,7 +109,8 @@ def _text(contact: Contact) -> str:
 
 
 def _reference(contacts: Sequence[Contact]) -> int:
-    """The press that tells the contact: the first, for it meets a fresh surface, unless it was fast and one was slow."""
+    """The press that tells the contact: the first, for it meets a fresh surface, unless it was fast and one was "
+    "slow."""
     slowest = min(range(len(contacts)), key=lambda number: contacts[number].velocity_mm_s)
     low, high = interval(contacts[slowest])
     first_low, first_high = interval(contacts[0])
@@ -122,7 +128,8 @@ def _of_press(number: int, contact: Contact, zero: float, depth: float, file: st
         notes.warn(
             "another_place",
             f"{file}: press {number + 1} begins at {contact.position_mm:.3f} mm, {abs(off):.2g} mm "
-            f"{'above' if off < 0 else 'below'} the first contact: taken as another place with a zero of its own; if it "
+            f"{'above' if off < 0 else 'below'} the first contact: taken as another place with a zero of its own; "
+            "if it "
             "is the same place, say --contact",
         )
         return contact.position_mm
@@ -192,7 +199,9 @@ def _error(contact: Contact) -> float:
 def _significant(contact: Contact, rest_N: float, notes: Notes) -> float:
     """The lead-in's mean, or zero where its error holds zero: then nothing of a tared file is changed."""
     level = rest_N + contact.tare_N
-    text = f"mean of {contact.lead_in} samples before contact, {level:.4g} N with an error of {contact.tare_error_N:.2g} N"
+    text = (
+        f"mean of {contact.lead_in} samples before contact, {level:.4g} N with an error of {contact.tare_error_N:.2g} N"
+    )
     if abs(level) <= 1.5 * contact.tare_error_N or abs(level) < 0.1 * contact.noise_N:
         notes.decide("tare", "none", f"the {text} is zero within its noise")
         return 0.0

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.importing.core.decisions import Notes
-from dummydesign.measurement.importing.text.layout import Layout, is_comment
+from dummydesign.measurement.importing.text.cells import is_comment
+from dummydesign.measurement.importing.text.layout import Layout
 from dummydesign.measurement.importing.text.numbers import is_missing, is_number, is_stamp, seconds_of_stamp, to_float
 
 MOST_INTERRUPTIONS = 500
@@ -65,9 +66,13 @@ def _fast(layout: Layout, columns: Sequence[int]) -> Body | None:
         lines = [line.replace(",", ".") for line in lines]
     try:
         values = np.loadtxt(
-            lines, delimiter=None if separator == " " else separator, comments=None, quotechar='"', usecols=list(columns),
+            lines,
+            delimiter=None if separator == " " else separator,
+            comments=None,
+            quotechar='"',
+            usecols=list(columns),
             ndmin=2,
-        )  # fmt: skip
+        )
     except (ValueError, IndexError):
         return None
     if len(values) != len(lines) or not np.isfinite(values).all():
@@ -148,17 +153,25 @@ class _Days:
 
 
 def _fault(
-    layout: Layout, index: int, cells: Sequence[str], columns: Sequence[int], wanted: Sequence[str], good: Sequence[bool]
+    layout: Layout,
+    index: int,
+    cells: Sequence[str],
+    columns: Sequence[int],
+    wanted: Sequence[str],
+    good: Sequence[bool],
 ) -> InputError:
     where = f"{layout.file}:{layout.line(index)}"
     if len(cells) != len(layout.kinds):
         return InputError(
-            f"{where}: has {len(cells)} cells, the table has {len(layout.kinds)}; mend or leave out this line of the file"
+            f"{where}: has {len(cells)} cells, the table has {len(layout.kinds)}; mend or leave out this line of "
+            "the file"
         )
     at = list(good).index(False)
     name = layout.names[columns[at]] or f"column {columns[at] + 1}"
     if is_missing(wanted[at]):
         what = f"'{wanted[at]}' is no finite number" if wanted[at] else "is missing"
-        return InputError(f"{where}: {name}: {what}: the recording dropped out here; cut the file there or export it again")
+        return InputError(
+            f"{where}: {name}: {what}: the recording dropped out here; cut the file there or export it again"
+        )
     sign = "dot" if layout.decimal == "." else "comma"
     return InputError(f"{where}: {name} = '{wanted[at][:40]}' is not a number with a decimal {sign}")

@@ -5,9 +5,9 @@ from __future__ import annotations
 import codecs
 
 from dummydesign.core.errors import InputError
+from dummydesign.measurement.importing.core.decisions import Notes
 from dummydesign.measurement.importing.core.units import split_name
 from dummydesign.measurement.importing.core.vocabulary import ROLES, roles_of_name
-from dummydesign.measurement.importing.core.decisions import Notes
 
 _MARKS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
@@ -17,7 +17,8 @@ _MARKS = (
     (codecs.BOM_UTF16_BE, "utf-16"),
 )
 _PAGES = ("cp1252", "cp932", "mac_roman", "cp850", "euc_jp", "cp1250")
-"""Code pages that are tried, likeliest first: Western Windows, Japanese Windows, old Macs, DOS, Unix, Central Europe."""
+"""Code pages that are tried, likeliest first: Western Windows, Japanese Windows, old Macs, DOS, Unix, Central "
+"Europe."""
 _NO_TEXT = {
     b"%PDF": "a PDF",
     b"\x89PNG": "a picture",

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import csv
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from dummydesign.core.errors import InputError
-from dummydesign.measurement.importing.core.units import find_unit, split_name
-from dummydesign.measurement.importing.core.vocabulary import roles_of_name
 from dummydesign.measurement.importing.core.decisions import NoTableError, Notes, Settings, question
+from dummydesign.measurement.importing.core.units import split_name
+from dummydesign.measurement.importing.core.vocabulary import roles_of_name
+from dummydesign.measurement.importing.text.cells import SEPARATORS, is_comment, split
+from dummydesign.measurement.importing.text.header import HEADER_LINES, find_header
 from dummydesign.measurement.importing.text.numbers import (
     decimal_evidence,
     has_thousands,
@@ -19,11 +20,8 @@ from dummydesign.measurement.importing.text.numbers import (
     is_stamp,
 )
 
-SEPARATORS = {"\t": "tab", ";": "semicolon", "|": "bar", ",": "comma", " ": "spaces"}
-COMMENTS = ("#", "%", "//")
 LEAST_ROWS = 3
 _SAMPLE = 60
-_HEADER_LINES = 8
 
 
 @dataclass(frozen=True)
@@ -70,23 +68,6 @@ class Layout:
         return split(line, self.separator)
 
 
-def split(line: str, separator: str) -> list[str]:
-    """Part a line into stripped cells; quotes keep a separator inside a cell."""
-    if separator == " ":
-        return line.replace('"', " ").split()
-    if '"' in line:
-        try:
-            return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True))]
-        except (csv.Error, StopIteration):
-            return [cell.strip().strip('"') for cell in line.split(separator)]
-    return [cell.strip() for cell in line.split(separator)]
-
-
-def is_comment(line: str) -> bool:
-    """Whether a line is a comment."""
-    return line.lstrip().startswith(COMMENTS)
-
-
 def find_layout(file: str, text: str, settings: Settings, notes: Notes) -> Layout:
     """Find the table of numbers.
 
@@ -122,7 +103,7 @@ def find_layout(file: str, text: str, settings: Settings, notes: Notes) -> Layou
         if kind == "number" and is_number(cell)
     ]
     decimal = _decimal(file, cells, separator, settings, notes)
-    names, units, where = _header(lines, first, separator, kinds)
+    names, units, where = find_header(lines, first, separator, kinds)
     _refuse_two_commas(file, separator, cells, len(kinds), lines, first)
     _refuse_unfinished(file, lines, last, separator, kinds, skipped)
     _tell(lines, first, last, where, notes)
@@ -154,7 +135,9 @@ def _separator(file: str, sample: Sequence[str], settings: Settings, notes: Note
     for separator in SEPARATORS:
         rows = [split(line, separator) for line in sample if separator == " " or separator in line]
         good = [
-            (len(row), sum(is_number(cell) or is_stamp(cell) for cell in row) / len(row)) for row in rows if len(row) > 1
+            (len(row), sum(is_number(cell) or is_stamp(cell) for cell in row) / len(row))
+            for row in rows
+            if len(row) > 1
         ]
         good = [(width, share) for width, share in good if share * width >= 2]
         if not good:
@@ -248,62 +231,6 @@ def _decimal(file: str, cells: Sequence[str], separator: str, settings: Settings
     return "."
 
 
-def _header(
-    lines: Sequence[str], first: int, separator: str, kinds: Sequence[str]
-) -> tuple[tuple[str, ...], tuple[str, ...], list[int]]:
-    """Names and units above the table, and the indices of the lines they stand in."""
-    width = len(kinds)
-    rows: list[tuple[int, list[str]]] = []
-    for index in range(first - 1, max(first - 1 - 3 * _HEADER_LINES, -1), -1):
-        cells = _header_cells(lines[index], separator, width)
-        if cells is not None and len(rows) < _HEADER_LINES:
-            rows.append((index, cells))
-    empty = ("",) * width
-    unit_rows = [(sum(find_unit(cell) is not None for cell in cells), index, cells) for index, cells in rows]
-    unit_rows = [
-        row for row in unit_rows if row[0] >= 2 and row[0] >= 0.6 * sum(bool(cell) for cell in row[2])
-    ]
-    units = max(unit_rows, key=lambda row: (row[0], row[1]), default=None)
-    named = [
-        (sum(bool(roles_of_name(split_name(cell)[0])) or split_name(cell)[1] is not None for cell in cells), index, cells)
-        for index, cells in rows
-        if units is None or index != units[1]
-    ]
-    names = max((row for row in named if row[0]), key=lambda row: (row[0], row[1]), default=None)
-    if names is None and named and not any(is_number(cell) for cell in named[0][2]):
-        names = named[0]
-    where = [row[1] for row in (names, units) if row is not None]
-    return (
-        tuple(names[2]) if names else empty,
-        tuple(units[2]) if units else empty,
-        where,
-    )
-
-
-def _header_cells(line: str, separator: str, width: int) -> list[str] | None:
-    """Part a line above the table into as many cells as the table has; None where that cannot be."""
-    text = line.strip()
-    for mark in COMMENTS:
-        text = text.removeprefix(mark) if text.startswith(mark) else text
-    if not text.strip():
-        return None
-    ways = [split(line if text == line.strip() else text, separator)]
-    if separator == " ":
-        ways = [
-            [part.strip() for part in text.replace("\t", "  ").split("  ") if part.strip()],
-            *ways,
-        ]
-    ways += [split(text, other) for other in SEPARATORS if other not in (separator, " ") and other in text]
-    for cells in ways:
-        while len(cells) > width and not cells[-1]:
-            cells = cells[:-1]
-        if width - 1 <= len(cells) < width and len(cells) >= 2 and separator != " ":
-            cells = [*cells, *[""] * (width - len(cells))]
-        if len(cells) == width:
-            return [cell.strip('"').strip() for cell in cells]
-    return None
-
-
 def _nothing(lines: Sequence[str], separator: str) -> str:
     """Say why there is no table."""
     named = any(
@@ -322,7 +249,7 @@ def _refuse_two_commas(
 ) -> None:
     if separator != "," or width % 2 or any("." in cell or "," in cell for cell in cells):
         return
-    for line in lines[max(first - _HEADER_LINES, 0) : first]:
+    for line in lines[max(first - HEADER_LINES, 0) : first]:
         head = split(line, ",")
         if len(head) == width // 2 and sum(bool(roles_of_name(split_name(cell)[0])) for cell in head) >= 2:
             raise InputError(
@@ -359,7 +286,9 @@ def _refuse_unfinished(
 def _tell(lines: Sequence[str], first: int, last: int, where: Sequence[int], notes: Notes) -> None:
     before = [index for index in range(first) if lines[index].strip() and index not in where]
     if before:
-        notes.decide("preamble", f"{len(before)} lines", f"no numbers of the table; the first: '{_short(lines[before[0]])}'")
+        notes.decide(
+            "preamble", f"{len(before)} lines", f"no numbers of the table; the first: '{_short(lines[before[0]])}'"
+        )
     after = [line for line in lines[last:] if line.strip()]
     if after:
         notes.decide("footer", f"{len(after)} lines", f"not rows of the table; the first: '{_short(after[0])}'")

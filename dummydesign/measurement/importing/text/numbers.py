@@ -1,4 +1,5 @@
-"""Numbers and clock times as they are written: decimal and thousands signs, typographic minus, stamps of date and time."""
+"""Numbers and clock times as they are written: decimal and thousands signs, typographic minus, stamps of date and "
+"time."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ def is_workbook(data: bytes) -> bool:
 
 
 def workbook_text(file: str, data: bytes, notes: Notes) -> str:
-    """Write the sheet that holds a table as lines of cells parted by tabs; sheets with several tables follow each other.
+    """Write the sheets that hold a table as lines of cells parted by tabs, one sheet after the other.
 
     Raises
     ------

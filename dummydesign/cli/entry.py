@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import json
+import keyword
 import math
 import os
 import sys
@@ -15,7 +16,10 @@ from dummydesign._version import __version__
 from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError, unknown_name
 from dummydesign.core.threads import ONE_THREAD
 
-COMMANDS = ("suggest", "predict", "whatif", "fit", "mold", "loop", "replay", "compare", "tissues", "resins")
+COMMANDS = (
+    *("suggest", "predict", "whatif", "import", "fit", "mold"),
+    *("loop", "replay", "compare", "tissues", "resins"),
+)
 
 
 class _Parser(argparse.ArgumentParser):
@@ -26,8 +30,8 @@ class _Parser(argparse.ArgumentParser):
 
 
 def _module(name: str) -> ModuleType:
-    """The module of a command; importing it loads nothing heavy."""
-    return importlib.import_module(f"dummydesign.cli.{name}")
+    """The module of a command; importing it loads nothing heavy. One whose name is a keyword ends in ``_``."""
+    return importlib.import_module(f"dummydesign.cli.{name}{'_' if keyword.iskeyword(name) else ''}")
 
 
 def parser_of(name: str) -> argparse.ArgumentParser:

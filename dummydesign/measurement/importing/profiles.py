@@ -9,21 +9,16 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
-from dummydesign.core.datafiles import Entry, entries, find, read_toml, user_folder
+from dummydesign.core.datafiles import find, read_toml, user_folder
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.files import write_text
 from dummydesign.measurement.importing.core.decisions import Settings
 from dummydesign.measurement.importing.core.vocabulary import ROLES
+from dummydesign.measurement.importing.profile_names import KIND
 from dummydesign.measurement.importing.read import Imported
 
-KIND = "profiles"
 _KEYS = {field.name for field in fields(Settings)}
 _PLAIN = Settings()
-
-
-def list_profiles() -> list[Entry]:
-    """The profiles that are known."""
-    return [entry for _, entry in sorted(entries(KIND).items())]
 
 
 def load_profile(name: str) -> Settings:
@@ -76,20 +71,14 @@ def learned(given: Settings, found: Iterable[Imported]) -> Settings:
         return values[0] if values and len(set(values)) == 1 and values[0] else None
 
     columns = dict(given.columns)
-    units = dict(given.units)
     for role in ROLES:
         title = common([one.chosen[role].title for one in layouts])
-        names = [one.layout.names for one in layouts]
-        alone = title and all(list(row).count(title) == 1 for row in names)
-        if role not in columns and alone:
-            columns[role] = str(title)
-        unit = common([one.chosen[role].unit.text if one.chosen[role].unit else "" for one in layouts])
-        if role not in units and unit and all(one.chosen[role].kind == "number" for one in layouts):
-            units[role] = unit
+        # Units are not kept: a file states its own, and one that does not was read with those that were given.
+        if role not in columns and title and all(list(one.layout.names).count(title) == 1 for one in layouts):
+            columns[role] = title
     return replace(
         given,
         columns=columns,
-        units=units,
         separator=given.separator or common([one.layout.separator for one in layouts]),
         decimal=given.decimal or common([one.layout.decimal for one in layouts]),
     )

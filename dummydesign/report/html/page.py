@@ -78,7 +78,7 @@ def page(
     scripts : sequence of str
         JavaScript, put at the end.
     tables : str
-        What the names of the CSV files beside the page begin with.
+        What the names of the CSV files beside the page begin with; empty where there are none.
     """
     style = (Path(__file__).parent / "page.css").read_text(encoding="utf-8")
     boxes = "".join(f'<div class="fact"><b>{escape(v)}</b><span>{escape(what)}</span></div>' for v, what in facts)
@@ -86,6 +86,9 @@ def page(
     warned = f'<ul class="warnings">{said}</ul>' if said else ""
     listed = "".join(f"<li>{escape(text)}</li>" for text in sources)
     cited = f'<section><h2>Sources</h2><ul class="sources">{listed}</ul></section>' if listed else ""
+    beside = ""
+    if tables:
+        beside = f" The values of every figure stand in the {escape(tables)}-*.csv files beside this page."
     return (
         '<!doctype html><html lang="en"><head><meta charset="utf-8">'
         f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
@@ -97,8 +100,7 @@ def page(
         + "".join(section.to_html() for section in sections)
         + cited
         + f"<footer>dummydesign {__version__}. Lengths in mm, forces in N, times in s; moduli are long-term "
-        f"(relaxed) Young's moduli. The values of every figure stand in the {escape(tables)}-*.csv files beside this "
-        "page.</footer>"
+        f"(relaxed) Young's moduli.{beside}</footer>"
         "</main>" + "".join(f"<script>{script}</script>" for script in scripts) + "</body></html>\n"
     )
 

@@ -69,6 +69,14 @@ def _unit(file: str, role: str, column: Column, values: NDArray, settings: Setti
                 f"0.5{BASE[kind]}"
             )
         notes.decide(f"{role} unit", unit.text, "given by --units")
+        stated = column.unit
+        if stated is not None and stated.kind == kind and stated.factor != unit.factor:
+            notes.warn(
+                "unit_overridden",
+                f"{file}: the header says that {role} is in {stated.text}; it is taken in {unit.text}, as --units "
+                "or the "
+                "profile says: leave that out if the header is right",
+            )
         return unit
     if column.kind == "stamp":
         notes.decide("time unit", "s", "clock times, counted from the first")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from dummydesign.core.errors import InputError
@@ -54,6 +54,25 @@ class Settings:
     tare: str = "auto"
     contact: str = "auto"
     split: str = "auto"
+
+    def __post_init__(self) -> None:
+        """Refuse what no file can be read with.
+
+        Raises
+        ------
+        InputError
+        """
+        if self.decimal not in (None, ".", ","):
+            raise InputError(f"--decimal {self.decimal} is neither . nor ,")
+        if self.split not in ("auto", "none"):
+            raise InputError(f"--split {self.split} is neither auto nor none")
+        wrong = sorted((self.flip or frozenset()) - {"displacement", "force"})
+        if wrong:
+            raise InputError(f"--flip '{wrong[0]}' is not displacement, force, both with a comma between, or none")
+
+    def to_dict(self) -> dict[str, Any]:
+        """All settings as plain values."""
+        return {**asdict(self), "flip": None if self.flip is None else sorted(self.flip)}
 
 
 class QuestionError(InputError):

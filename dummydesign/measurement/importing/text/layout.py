@@ -90,6 +90,12 @@ def find_layout(file: str, text: str, settings: Settings, notes: Notes) -> Layou
     sample = used[:: max(len(used) // _SAMPLE, 1)]
     separator = _separator(file, sample, settings, notes)
     width, kinds = _columns(sample, separator)
+    if settings.separator is not None and (width < 2 or kinds.count("number") + kinds.count("stamp") < 2):
+        raise InputError(
+            f"{file}: parted by {SEPARATORS[separator]}, as --separator or the profile says, there is no table of "
+            "numbers; "
+            "leave that out to have it found"
+        )
     if width < 2 or kinds.count("number") + kinds.count("stamp") < 2:
         raise NoTableError(f"{file}: {_nothing(used, separator)}")
     first, last = _bounds(lines, separator, kinds)
@@ -207,10 +213,17 @@ def _bounds(lines: Sequence[str], separator: str, kinds: Sequence[str]) -> tuple
 
 
 def _decimal(file: str, cells: Sequence[str], separator: str, settings: Settings, notes: Notes) -> str:
+    seen = decimal_evidence(cells)
     if settings.decimal is not None:
+        other = "," if settings.decimal == "." else "."
+        if seen[other] > seen[settings.decimal]:
+            raise InputError(
+                f"{file}: with --decimal {settings.decimal} most numbers cannot be read: {seen[other]} of them "
+                f"have '{other}' "
+                "as their decimal sign; leave the option (or the profile) out"
+            )
         notes.decide("decimal", settings.decimal, "given by --decimal")
         return settings.decimal
-    seen = decimal_evidence(cells)
     if seen["."] and seen[","]:
         few, many = sorted((".", ","), key=lambda sign: seen[sign])
         if seen[few] > 0.02 * seen[many]:

@@ -45,8 +45,6 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         return {"inputs": {"list": True}, "profiles": _profiles()}
     if not options.files:
         raise InputError("import needs a FILE or FOLDER (or --list for the profiles)")
-    from pathlib import Path
-
     from dummydesign.core.files import output_folder
     from dummydesign.measurement.importing.batch import import_files, write_traces
     from dummydesign.measurement.importing.profiles import learned, save_profile
@@ -54,6 +52,8 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
 
     settings = _settings(options)
     imported, warnings = import_files(options.files, settings)
+    # before anything is written: a name that is taken must not leave traces behind
+    profile = options.save_profile and save_profile(options.save_profile, learned(settings, imported), options.replace)
     out = options.out or _default_folder(options.files)
     folder = output_folder(out)
     files = write_traces(imported, folder)
@@ -61,11 +61,11 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     result: dict[str, Any] = {
         "inputs": {"files": [str(name) for name in options.files], **settings.to_dict(), "out": out},
         "files": files,
-        "preview": str(Path(preview)),
+        "preview": preview,
         "warnings": [*(warning for one in files for warning in one["warnings"]), *warnings],
     }
-    if options.save_profile:
-        result["profile"] = str(save_profile(options.save_profile, learned(settings, imported), options.replace))
+    if profile:
+        result["profile"] = str(profile)
     return result
 
 

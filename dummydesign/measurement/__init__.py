@@ -1,2 +1,1 @@
-"""Measurement: traces, motions, sensors, campaigns and the import of what machines write; knows nothing of what "
-"is pressed."""
+"""Measurement: traces, motions, sensors, campaigns, and the import of what machines write; not what is pressed."""

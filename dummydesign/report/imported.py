@@ -50,8 +50,7 @@ def write_preview(
     facts = [(str(len(imported)), "files"), (str(presses), "presses")]
     lead = (
         "What was read, one press a trace: tared, zero at contact, compression positive. Look at the contact of "
-        "each press "
-        "and at the decisions; where one is wrong, its option settles it."
+        "each press and at the decisions; where one is wrong, its option settles it."
     )
     if drawn < presses:
         lead += f" Figures of the first {drawn} presses; the rest stand in the tables."
@@ -110,8 +109,7 @@ def _toe(number: int, one: Imported, press: Press) -> Plot:
     line = Line(f"press {press.number}", x[part], force[part], STYLES[(press.number - 1) % len(STYLES)])
     alt = (
         f"Force over position about the contact of press {press.number} of {one.source.name}; by the force alone "
-        "contact "
-        f"lies between {low:.3g} and {high:.3g} mm of the zero that was taken."
+        f"contact lies between {low:.3g} and {high:.3g} mm of the zero that was taken."
     )
     zero = Dots("zero", np.zeros(1), np.zeros(1), "aim")
     return Plot(

@@ -14,7 +14,7 @@ from tests.support.machine_files import MachineFile
 CONTACT_MM, CONTACT_SHARE = 0.15, 0.04
 """What a contact may be off where it has to be found by the force: 0.15 mm or 4 % of the depth."""
 
-ABOUT_CONTACT = {"contact_uncertain", "contact_may_be_late", "another_place", "surface_not_back"}
+ABOUT_CONTACT = {"contact_uncertain", "contact_may_be_late", "contact_not_checked", "another_place", "surface_not_back"}
 
 
 @dataclass(frozen=True)

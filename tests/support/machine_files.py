@@ -102,16 +102,25 @@ _DIALECTS: dict[str, _Dialect] = {
 DIALECTS = tuple(_DIALECTS)
 
 
-def machine_file(seed: int, dialect: str | None = None) -> MachineFile:
-    """Make one file. The same seed makes the same file."""
+def machine_file(seed: int, fast: bool = False) -> MachineFile:
+    """Make one file. The same seed makes the same file.
+
+    Parameters
+    ----------
+    seed : int
+    fast : bool
+        50 or 250 mm/s in coordinates whose zero is not at contact: more than the force alone can tell.
+    """
     draw = np.random.default_rng([seed, 1])
-    kind = dialect or DIALECTS[seed % len(DIALECTS)]
+    kind = DIALECTS[seed % len(DIALECTS)]
     style = _DIALECTS[kind]
     presses = int(draw.choice([1, 1, 1, 2, 3]))
     zero = str(draw.choice(["own", "own", "late", "robot"]))
     lead_in = not (zero == "own" and presses == 1 and draw.random() < 0.15)
     # Where contact has to be told from the force alone, a fast press behind an unknown filter cannot tell it.
     velocity = float(draw.choice([2.0, 10.0])) if zero != "own" else None
+    if fast:
+        zero, lead_in, velocity = str(draw.choice(["late", "robot"])), True, float(draw.choice([50.0, 250.0]))
     record = recording(seed, presses, velocity, lead_in=lead_in)
     units = {
         "time": str(draw.choice(["s", "s", "s", "ms", "min"])),

@@ -42,11 +42,12 @@ def recording(
     rate = 1000.0 if velocity > 100 else 500.0 if velocity > 5 else 50.0 if velocity > 0.5 else 2.0
     law = draw.choice(["tissue", "pad", "hertz"])
     depths = [float(draw.uniform(2.5, 7.0)) for _ in range(presses)]
+    above = float(draw.uniform(0.5, 3.0)) if lead_in else 0.0
     unload = bool(draw.integers(2)) if unload is None else unload
     times, motion, clock = [], [], 0.0
     for number, depth in enumerate(depths):
         last = number == presses - 1
-        t, x = _cycle(draw, velocity, depth, hold, rate, lead_in or number > 0, unload or not last)
+        t, x = _cycle(draw, velocity, depth, hold, rate, above, unload or not last)
         times.append(clock + t)
         motion.append(x)
         clock += t[-1] + 1.0 / rate
@@ -65,10 +66,9 @@ def recording(
     )
 
 
-def _cycle(draw, velocity, depth, hold, rate, lead_in, unload):
+def _cycle(draw, velocity, depth, hold, rate, above, unload):
     """Time and position of one press: dwell above the surface, approach, ramp with braking, hold, retraction."""
-    above = float(draw.uniform(0.5, 3.0)) if lead_in else 0.0
-    dwell = float(draw.uniform(0.2, 1.0)) if lead_in else 0.0
+    dwell = float(draw.uniform(0.2, 1.0)) if above > 0 else 0.0
     braking = 30_000.0 if velocity > 100 else 1_000.0
     stop_way = min(velocity**2 / (2 * braking), depth)
     straight = (above + depth - stop_way) / velocity

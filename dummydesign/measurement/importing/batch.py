@@ -108,8 +108,7 @@ def _same_presses(imported: Sequence[Imported]) -> list[dict[str, Any]]:
                     {
                         "code": "same_press",
                         "message": f"{one.source.name} press {press.number} is the same recording as {source.name} "
-                        "press "
-                        f"{number}: one subject under two names, or a copy? take one of them out",
+                        f"press {number}: one subject under two names, or a copy? take one of them out",
                     }
                 )
             seen.setdefault(key, (one.source, press.number))

@@ -63,8 +63,7 @@ def _settings(data: dict[str, Any], file: str) -> Settings:
 
 
 def learned(given: Settings, found: Iterable[Imported]) -> Settings:
-    """What to keep for the next time: what the user gave, and the columns, units and signs of text that all files "
-    "share."""
+    """What to keep for the next time: what the user gave, and the columns and signs of text that all files share."""
     layouts = [one.columns for one in found]
 
     def common(values: list[str]) -> str | None:

@@ -17,7 +17,7 @@ from dummydesign.measurement.importing.core.units import BASE, known_units, scal
 from dummydesign.measurement.importing.press.contact import LEAST_LEAD_IN, Contact, find_contact
 from dummydesign.measurement.importing.press.sanity import check_press
 from dummydesign.measurement.importing.press.signs import Signs, find_signs
-from dummydesign.measurement.importing.press.split import Span, find_presses
+from dummydesign.measurement.importing.press.split import HIGH, Span, find_presses
 from dummydesign.measurement.importing.press.summary import Summary, summarise
 from dummydesign.measurement.importing.press.zero import find_contacts, find_tares
 from dummydesign.measurement.importing.table import Columns, read_columns
@@ -133,6 +133,12 @@ def _spans(file: str, x: NDArray, load: NDArray, columns: Columns, settings: Set
     for first, stop in columns.recordings:
         part = slice(first, stop)
         shift = float(np.median(load[part][:5])) if first else 0.0
+        if abs(shift) > HIGH * float(load.max()):
+            raise InputError(
+                f"{file}: the recording that begins at sample {first + 1} begins pressed, with {shift:.3g} N; "
+                "record from "
+                "before contact, or leave it out of the file"
+            )
         try:
             found = find_presses(file, x[part], load[part] - shift, several)
         except InputError:
@@ -201,7 +207,7 @@ def _zeros(
         notes.decide("contact", f"{zero:.6g} mm" if given is not None else "the file's own zero", "given by --contact")
         return [zero] * len(spans)
     depths = [float(x[s.start : s.stop].max()) - c.position_mm for s, c in zip(spans, contacts)]
-    return find_contacts(file, contacts, depths, float(x[spans[0].start]), signs.displacement < 0, notes)
+    return find_contacts(file, contacts, depths, float(x[spans[0].start]), signs.displacement, notes)
 
 
 def _magnitudes(file: str, time: NDArray, x: NDArray, load: NDArray, spans: Sequence[Span], settings: Settings) -> None:

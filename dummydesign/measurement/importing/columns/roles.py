@@ -14,6 +14,12 @@ from dummydesign.measurement.importing.core.units import KIND_OF_ROLE, OTHER, Un
 from dummydesign.measurement.importing.core.vocabulary import ROLES, roles_of_name
 from dummydesign.measurement.importing.text.layout import Layout
 
+_BEHAVIOUR = {
+    "time": "the only one that always rises",
+    "displacement": "stands still in holds",
+    "force": "moves on in holds",
+}
+
 
 @dataclass(frozen=True)
 class Column:
@@ -230,10 +236,11 @@ def _by_behaviour(
     rest = [role for role in missing if role != "time"]
     certain = "time" not in missing or "time" in guess
     if len(rest) == len(free) == 2:
-        order = sorted(free, key=lambda column: _restlessness(values[column.index]))
-        quiet, loud = (_restlessness(values[column.index]) for column in order)
-        guess |= {"displacement": order[0], "force": order[1]}
-        certain = certain and loud > 5.0 * quiet
+        order = sorted(free, key=lambda column: -_held(values[column.index]))
+        most, least = (_held(values[column.index]) for column in order)
+        certain = certain and most > 0.03 and most > 5.0 * least
+        if certain:
+            guess |= {"displacement": order[0], "force": order[1]}
     elif len(rest) == len(free) == 1:
         guess[rest[0]] = free[0]
     absent = [role for role in missing if role not in guess]
@@ -253,17 +260,13 @@ def _by_behaviour(
         listed = ", ".join(f"{role} may be column {guess[role].label}" for role in missing)
         raise question(layout.file, f"no names and units say what the columns are; by what they do {listed}", option)
     for role in missing:
-        why = (
-            "the only one that always rises"
-            if role == "time"
-            else "stands still in holds"
-            if role == "displacement"
-            else ("moves on in holds")
-        )
-        notes.decide(f"{role} column", guess[role].label, why)
+        notes.decide(f"{role} column", guess[role].label, _BEHAVIOUR[role])
     return guess
 
 
-def _restlessness(values: NDArray) -> float:
-    """Median step over the range: next to nothing for a position that is held, not so for a force with its noise."""
-    return float(np.median(np.abs(np.diff(values))) / max(float(np.ptp(values)), 1e-300))
+def _held(values: NDArray) -> float:
+    """Share of samples near the end of the range that is farther from the first: there a position stands."""
+    near = 0.02 * float(np.ptp(values))
+    if values.max() - values[0] >= values[0] - values.min():
+        return float(np.mean(values > values.max() - near))
+    return float(np.mean(values < values.min() + near))

@@ -64,18 +64,16 @@ def _unit(file: str, role: str, column: Column, values: NDArray, settings: Setti
         unit = scaled_unit(settings.units[role], kind)
         if unit is None:
             raise InputError(
-                f"--units {role}={settings.units[role]} is no {kind}; known are {known_units(kind)}, or a count "
-                "such as "
-                f"0.5{BASE[kind]}"
+                f"--units {role}={settings.units[role]} is no {kind}; known are {known_units(kind)}, or a count such "
+                f"as 0.5{BASE[kind]}"
             )
         notes.decide(f"{role} unit", unit.text, "given by --units")
         stated = column.unit
         if stated is not None and stated.kind == kind and stated.factor != unit.factor:
             notes.warn(
                 "unit_overridden",
-                f"{file}: the header says that {role} is in {stated.text}; it is taken in {unit.text}, as --units "
-                "or the "
-                "profile says: leave that out if the header is right",
+                f"{file}: the header says that {role} is in {stated.text}; it is taken in {unit.text}, as --units or "
+                "the profile says: leave that out if the header is right",
             )
         return unit
     if column.kind == "stamp":

@@ -75,12 +75,10 @@ def _refuse(file: str, time: NDArray, row: int, lines: NDArray, jumps: NDArray) 
         steps = jumps[jumps > 0]
         size = float(steps.min()) if steps.size else 0.0
         raise InputError(
-            f"{where}: time = {time[row]:.6g} s is written {1 / max(1 - share, 1e-9):.1f} times on average: its "
-            "last digit "
-            f"({size:.3g} s) is coarser than the sampling; export the time with more digits"
+            f"{where}: time = {time[row]:.6g} s is written {1 / max(1 - share, 1e-9):.1f} times on average: its last "
+            f"digit ({size:.3g} s) is coarser than the sampling; export the time with more digits"
         )
     raise InputError(
-        f"{where}: time = {time[row]:.6g} s does not rise (the row before has {time[row - 1]:.6g} s); sort the "
-        "rows, or "
-        "leave this one out"
+        f"{where}: time = {time[row]:.6g} s does not rise (the row before has {time[row - 1]:.6g} s); sort the rows, "
+        "or leave this one out"
     )

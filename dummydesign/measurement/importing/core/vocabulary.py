@@ -94,3 +94,12 @@ def roles_of_name(name: str) -> frozenset[str]:
         # "Cycle elapsed time" are times all the same.
         return frozenset(["time"]) if found == {"other", "time"} else frozenset(["other"])
     return frozenset(found)
+
+
+def is_known_word(word: str) -> bool:
+    """Whether a single word, as a whole, is one that columns are named by."""
+    kanji = unicodedata.normalize("NFKC", word)
+    if any(sign in kanji for signs in _KANJI.values() for sign in signs):
+        return True
+    words = words_of(word)
+    return len(words) == 1 and any(words[0] in known for known in _SETS.values())

@@ -12,12 +12,14 @@ from dummydesign.measurement.importing.press.split import Span
 
 RISE, SEEN = (0.03, 0.15), 80.0
 """The rise is looked at up to 80 times the noise: further up a law bends more; between these shares of the peak."""
+LEAST_SEEN = 30.0
+"""Multiple of the noise that is looked at in a press of little force, up to half of its peak."""
 MISFIT = 0.02
 """Relative error that the law of the rise may have."""
 LAW = 0.02
 """Share of the way from contact to the end of the part looked at by which a wrong law may shift the contact."""
 POWERS = np.arange(0.8, 3.21, 0.15)
-BENDS = np.linspace(-0.3, 0.1, 5)
+BENDS = np.linspace(-0.6, 0.1, 6)
 """Relative change of a power of the depth over the part looked at: what relaxes or stiffens on the way."""
 LEAST_LEAD_IN = 5
 _WAYS, _CELLS = 60, 80
@@ -67,7 +69,7 @@ def find_contact(time: NDArray, x: NDArray, load: NDArray, span: Span, tare_N: f
 
     The force before and shortly after contact is fitted by b + a u^n (1 + c u), u = max(x - x0, 0), along the
     measured position: b is the tare and x0 the contact; n is left free between 0.8 and 3.2 (a flat punch 1, a ball
-    1.5, tissue 3), and c so that the force may bend by -30 to 10 % on the way. The interval of x0 is the profile of
+    1.5, tissue 3), and c so that the force may bend by -60 to 10 % on the way. The interval of x0 is the profile of
     the misfit over a, b, c and n; x0 is the mean over that profile.
 
     Parameters
@@ -81,8 +83,9 @@ def find_contact(time: NDArray, x: NDArray, load: NDArray, span: Span, tare_N: f
     """
     onset, start = span.onset, span.start
     peak = float(load[span.start : span.stop].max())
-    level = float(np.clip(SEEN * noise_of(load[start : onset + 1]), RISE[0] * peak, RISE[1] * peak))
-    level = max(level, min(4.0 * float(load[onset]), 0.5 * peak))
+    grain = noise_of(load[start : onset + 1])
+    level = float(np.clip(SEEN * grain, RISE[0] * peak, RISE[1] * peak))
+    level = max(level, min(max(4.0 * float(load[onset]), LEAST_SEEN * grain), 0.5 * peak))
     top = onset + int(np.argmax(load[onset : span.stop] >= level))
     top = max(top, onset + 1, start + 2)
     reach = max(float(x[top] - x[onset]), 1e-6)

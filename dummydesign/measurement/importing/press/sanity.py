@@ -94,8 +94,7 @@ def _several_holds(name: str, time: NDArray, x: NDArray, summary: Summary, warn:
         warn(
             "several_holds",
             f"{name}: the punch stands at several depths ({depths} mm) without coming back to zero between; fits "
-            "read one "
-            "ramp and one hold: press each depth by itself, or cut the file",
+            "read one ramp and one hold: press each depth by itself, or cut the file",
         )
 
 
@@ -114,8 +113,7 @@ def _clipped(name: str, time: NDArray, x: NDArray, force: NDArray, warn: Warn) -
         warn(
             "clipped",
             f"{name}: the force stands at exactly {top:.6g} N for {length} samples from {time[first]:.4g} s: the "
-            "load cell "
-            "or its amplifier is at its end; use a larger range, and do not fit this press",
+            "load cell or its amplifier is at its end; use a larger range, and do not fit this press",
         )
 
 
@@ -145,8 +143,7 @@ def _gaps(name: str, time: NDArray, x: NDArray, summary: Summary, warn: Warn) ->
         warn(
             "drop_out",
             f"{name}: no samples from {time[at]:.4g} to {time[at + 1]:.4g} s ({found.size} such gaps) within the "
-            "press; "
-            "the force between is not known: record again",
+            "press; the force between is not known: record again",
         )
 
 
@@ -171,9 +168,8 @@ def _dropped(name: str, time: NDArray, x: NDArray, force: NDArray, summary: Summ
     ):
         warn(
             "drop_out",
-            f"{name}: force and position repeat for {last - first} samples from {time[first]:.4g} s in the rise "
-            "and then "
-            "jump: the recording stood still; record again",
+            f"{name}: force and position repeat for {last - first} samples from {time[first]:.4g} s in the rise and "
+            "then jump: the recording stood still; record again",
         )
 
 
@@ -189,9 +185,8 @@ def _spikes(name: str, time: NDArray, force: NDArray, noise: float, warn: Warn) 
         worst = int(found[np.argmax(off[found - 1])])
         warn(
             "spike",
-            f"{name}: {found.size} single samples stand out, by {off[worst - 1]:.3g} N at {time[worst]:.4g} s; "
-            "they are kept: "
-            "mend the shielding, or take them out before fitting",
+            f"{name}: {found.size} single samples stand out, by {off[worst - 1]:.3g} N at {time[worst]:.4g} s; they "
+            "are kept: mend the shielding, or take them out before fitting",
         )
 
 

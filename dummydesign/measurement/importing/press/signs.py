@@ -61,17 +61,16 @@ def find_signs(file: str, x: NDArray, force: NDArray, settings: Settings, tare_N
         When the force swings both ways, begins loaded, or the position goes both ways.
     """
     smooth = middle_of_three(force)
-    few = int(np.clip(len(force) // 200, 3, 50))
+    moved = np.abs(x - x[0]) > 0.01 * float(np.ptp(x))
+    few = int(np.clip(np.argmax(moved) if moved.any() else 0, 1, 50))
     rest = float(np.median(force[:few])) if tare_N is None else tare_N
     up, down = float(smooth.max() - rest), float(rest - smooth.min())
-
     swing = max(up, down)
     if swing <= 0 or swing < 8.0 * noise_of(force):
         raise InputError(
             f"{file}: nothing is pressed: the force stays within {swing:.3g} N of {rest:.4g} N; "
             "is this the force column, and the right file? (--columns force=NAME)"
         )
-
     if settings.flip is not None:
         signs = Signs(*(-1.0 if name in settings.flip else 1.0 for name in ("displacement", "force")), rest)
         _check_given(file, x, smooth, signs)

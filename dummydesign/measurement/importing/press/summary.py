@@ -12,6 +12,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.measurement.landmarks import approach_velocity, find_landmarks
 
 SHORTEST_HOLD_S = 0.3
+SHALLOWEST_MM = 0.02
 
 
 @dataclass(frozen=True)
@@ -44,6 +45,12 @@ def summarise(file: str, time: NDArray, x: NDArray, force: NDArray) -> Summary:
         ramp = find_landmarks(time, x)
     except InputError as problem:
         raise InputError(f"{file}: {problem}; record from before contact, or say --contact N") from None
+    if ramp.depth_mm < SHALLOWEST_MM:
+        raise InputError(
+            f"{file}: presses {ramp.depth_mm:.3g} mm deep only, counted from contact; is the displacement that of "
+            "the punch? "
+            "(--columns displacement=NAME, --contact N)"
+        )
     hold = max(ramp.hold_end_s - ramp.stop_time_s, 0.0)
     steady = None
     if hold >= SHORTEST_HOLD_S:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 
 from dummydesign.measurement.importing.core.decisions import Notes, question
 from dummydesign.measurement.importing.press.contact import LEAST_LEAD_IN, Contact
@@ -16,20 +17,10 @@ SMALL_MM, BENEFIT = 0.05, 0.5
 """The file's own zero stands unless it lies beyond the interval by half its half-width (1 in 300) and 0.05 mm."""
 LATE_MM, LATE_SHARE = 0.15, 0.05
 """Distance of the contact from the file's own zero that deserves a word although a filter explains it."""
-UNSURE_MM, UNSURE_SHARE = 0.1, 0.025
+UNSURE_MM, UNSURE_SHARE = 0.06, 0.015
 """Half-width of the contact's interval above which a zero that rests on it is called uncertain."""
 OTHER_SITE = 0.5
-"""Share of the depth beyond which a later contact is another place, not the dent that the press before left."""
-
-
-@dataclass(frozen=True)
-class Zero:
-    """What is subtracted from one press (compression positive), and how far the contact may lie off. [mm, N]"""
-
-    contact_mm: float
-    contact_low_mm: float
-    contact_high_mm: float
-    tare_N: float
+"""Share of the deepest press so far beyond which a later contact is another place, not the dent that was left."""
 
 
 def interval(contact: Contact) -> tuple[float, float]:
@@ -38,7 +29,7 @@ def interval(contact: Contact) -> tuple[float, float]:
 
 
 def find_contacts(
-    file: str, contacts: Sequence[Contact], depths: Sequence[float], first_mm: float, flipped: bool, notes: Notes
+    file: str, contacts: Sequence[Contact], depths: Sequence[float], first_mm: float, sign: float, notes: Notes
 ) -> list[float]:
     """Choose the zero of position of each press.
 
@@ -50,67 +41,86 @@ def find_contacts(
         Deepest position of each press less its contact. [mm]
     first_mm : float
         Position at the first sample.
-    flipped : bool
-        Whether the file's own position counts the other way, for the option in a question.
+    sign : float
+        -1 where the file's own position falls while pressing; readings are told as the file counts them.
 
     Returns
     -------
     list of float
-        Position of contact of each press. [mm]
+        Position of contact of each press, compression positive. [mm]
 
     Raises
     ------
     QuestionError
         When the file's own zero does not fit and the contact cannot be told from the force closely enough.
     """
-    best = _reference(contacts)
-    low, high = interval(contacts[best])
-    found, seen = contacts[best].position_mm, _text(contacts[best])
-    more = BENEFIT * 0.5 * (contacts[best].high_mm - contacts[best].low_mm) + SMALL_MM
+    first = _reference(contacts)
+    reference, depth = contacts[first], depths[first]
+    low, high = interval(reference)
+    more = BENEFIT * 0.5 * (reference.high_mm - reference.low_mm) + SMALL_MM
     if low - more <= 0.0 <= high + more and first_mm <= SMALL_MM:
         zero = 0.0
-        notes.decide("contact", "the file's own zero", f"the force begins at {seen}, which agrees with it")
-        if not contacts[best].low_mm <= 0.0 and found > max(LATE_MM, LATE_SHARE * depths[best]):
-            notes.warn(
-                "contact_may_be_late",
-                f"{file}: the force begins at {seen}; at {contacts[best].velocity_mm_s:.3g} mm/s a force filter "
-                "explains "
-                f"this, else the surface lies {found:.2g} mm deeper: press slowly once, or say --contact",
-            )
+        notes.decide(
+            "contact", "the file's own zero", f"the force begins at {_text(reference, sign)}, which agrees with it"
+        )
+        _doubt_own_zero(file, reference, depth, sign, notes)
     else:
-        wide = 0.5 * (high - low)
-        if wide > max(SURE_MM, SURE_SHARE * depths[best]):
-            sign = -1.0 if flipped else 1.0
-            ends = sorted((sign * low, sign * high))
-            raise question(
-                file,
-                f"contact lies between {ends[0]:.2f} and {ends[1]:.2f} mm (a filter of the force counted in), too wide "
-                "to take its middle",
-                f"--contact N with the reading at contact, as a slow press shows it, or --contact {sign * found:.3f}",
-            )
-        zero = found
-        why = f"the force begins there ({seen}), not at the file's own zero"
-        notes.decide("contact", f"{found:.3f} mm", why)
-        if wide > max(UNSURE_MM, UNSURE_SHARE * depths[best]):
-            notes.warn(
-                "contact_uncertain",
-                f"{file}: the zero rests on the force alone, which begins at {seen}: it may be {wide:.2g} mm off; "
-                "a slower "
-                "press or a sensor of less noise tells it more closely, or say --contact N",
-            )
+        zero = _by_force(file, _together(contacts, first), depth, sign, notes)
     return [
-        _of_press(number, contact, zero, depth, file, notes)
-        for number, (contact, depth) in enumerate(zip(contacts, depths))
+        _of_press(number, contact, zero, max(depths[: number + 1]), sign, file, notes)
+        for number, contact in enumerate(contacts)
     ]
 
 
-def _text(contact: Contact) -> str:
-    return f"{contact.position_mm:.3f} mm (95 %: {contact.low_mm:.3f} to {contact.high_mm:.3f})"
+def _doubt_own_zero(file: str, contact: Contact, depth: float, sign: float, notes: Notes) -> None:
+    """A word where the file's own zero agrees with the force only because the force tells it so loosely."""
+    off, limit = contact.position_mm, max(LATE_MM, LATE_SHARE * depth)
+    low, high = interval(contact)
+    if off > limit and contact.low_mm > 0.0:
+        notes.warn(
+            "contact_may_be_late",
+            f"{file}: the force begins at {_text(contact, sign)}; at {contact.velocity_mm_s:.3g} mm/s a force filter "
+            f"explains this, else the surface lies {off:.2g} mm deeper: press slowly once, or say --contact",
+        )
+    elif abs(off) > limit and 0.5 * (high - low) > max(SURE_MM, SURE_SHARE * depth):
+        ends = sorted((sign * low, sign * high))
+        notes.warn(
+            "contact_not_checked",
+            f"{file}: by the force contact lies between {ends[0]:.2f} and {ends[1]:.2f} mm (a filter of the force "
+            "counted "
+            "in), which is too wide to check the file's own zero by: press slowly once, or say --contact",
+        )
+
+
+def _by_force(file: str, contact: Contact, depth: float, sign: float, notes: Notes) -> float:
+    """The contact that the force tells, where it tells it closely enough."""
+    low, high = interval(contact)
+    found, wide, text = contact.position_mm, 0.5 * (high - low), _text(contact, sign)
+    if wide > max(SURE_MM, SURE_SHARE * depth):
+        ends = sorted((sign * low, sign * high))
+        raise question(
+            file,
+            f"contact lies between {ends[0]:.2f} and {ends[1]:.2f} mm (a filter of the force counted in), too wide to "
+            "take its middle",
+            f"--contact N with the reading at contact, as a slow press shows it, or --contact {sign * found:.3f}",
+        )
+    notes.decide("contact", f"{sign * found:.3f} mm", f"the force begins there ({text}), not at the file's own zero")
+    if wide > max(UNSURE_MM, UNSURE_SHARE * depth):
+        notes.warn(
+            "contact_uncertain",
+            f"{file}: the zero rests on the force alone, which begins at {text}: it may be {wide:.2g} mm off; a slower "
+            "press or a sensor of less noise tells it more closely, or say --contact N",
+        )
+    return found
+
+
+def _text(contact: Contact, sign: float) -> str:
+    ends = sorted((sign * contact.low_mm, sign * contact.high_mm))
+    return f"{sign * contact.position_mm:.3f} mm (95 %: {ends[0]:.3f} to {ends[1]:.3f})"
 
 
 def _reference(contacts: Sequence[Contact]) -> int:
-    """The press that tells the contact: the first, for it meets a fresh surface, unless it was fast and one was "
-    "slow."""
+    """The press that tells the contact: the first meets a fresh surface; a later one where only that was slow."""
     slowest = min(range(len(contacts)), key=lambda number: contacts[number].velocity_mm_s)
     low, high = interval(contacts[slowest])
     first_low, first_high = interval(contacts[0])
@@ -118,27 +128,41 @@ def _reference(contacts: Sequence[Contact]) -> int:
     return slowest if slower and low <= first_high and high >= first_low and high - low < first_high - first_low else 0
 
 
-def _of_press(number: int, contact: Contact, zero: float, depth: float, file: str, notes: Notes) -> float:
+def _together(contacts: Sequence[Contact], first: int) -> Contact:
+    """The contact by all presses that agree with the first within their errors, weighted by these."""
+    halves = [0.5 * (contact.high_mm - contact.low_mm) for contact in contacts]
+    reference = contacts[first]
+    agree = [
+        (contact.position_mm, half)
+        for contact, half in zip(contacts, halves)
+        if abs(contact.position_mm - reference.position_mm) <= math.hypot(half, halves[first])
+        and contact.velocity_mm_s < 2.0 * reference.velocity_mm_s
+    ]
+    weights = [half**-2 for _, half in agree]
+    position = sum(weight * place for weight, (place, _) in zip(weights, agree)) / sum(weights)
+    half = sum(weights) ** -0.5
+    return replace(reference, position_mm=position, low_mm=position - half, high_mm=position + half)
+
+
+def _of_press(number: int, contact: Contact, zero: float, depth: float, sign: float, file: str, notes: Notes) -> float:
     """The zero of one press: the common one, unless this press was plainly made somewhere else."""
     low, high = interval(contact)
-    if low - SMALL_MM <= zero <= high + SMALL_MM:
-        return zero
     off = contact.position_mm - zero
-    if number and (off < 0 or off > OTHER_SITE * depth):
+    if low - SMALL_MM <= zero <= high + SMALL_MM or number == 0:
+        return zero
+    if off < 0 or off > OTHER_SITE * depth:
         notes.warn(
             "another_place",
-            f"{file}: press {number + 1} begins at {contact.position_mm:.3f} mm, {abs(off):.2g} mm "
-            f"{'above' if off < 0 else 'below'} the first contact: taken as another place with a zero of its own; "
-            "if it "
-            "is the same place, say --contact",
+            f"{file}: press {number + 1} begins at {sign * contact.position_mm:.3f} mm, {abs(off):.2g} mm "
+            f"{'above' if off < 0 else 'below'} the first contact: taken as another place with a zero of its own; if "
+            "it is the same place, say --contact",
         )
         return contact.position_mm
-    if number:
-        notes.warn(
-            "surface_not_back",
-            f"{file}: press {number + 1} begins {off:.2g} mm deeper than the first contact, which stays zero: the "
-            "surface had not come back; rest longer between presses, or tell the loop the rest",
-        )
+    notes.warn(
+        "surface_not_back",
+        f"{file}: press {number + 1} begins {off:.2g} mm deeper than the first contact, which stays zero: the surface "
+        "had not come back; rest longer between presses, or tell the loop the rest",
+    )
     return zero
 
 

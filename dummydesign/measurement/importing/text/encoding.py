@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import codecs
+import re
 
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.importing.core.decisions import Notes
-from dummydesign.measurement.importing.core.units import split_name
-from dummydesign.measurement.importing.core.vocabulary import ROLES, roles_of_name
+from dummydesign.measurement.importing.core.vocabulary import is_known_word
 
 _MARKS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
@@ -17,8 +17,7 @@ _MARKS = (
     (codecs.BOM_UTF16_BE, "utf-16"),
 )
 _PAGES = ("cp1252", "cp932", "mac_roman", "cp850", "euc_jp", "cp1250")
-"""Code pages that are tried, likeliest first: Western Windows, Japanese Windows, old Macs, DOS, Unix, Central "
-"Europe."""
+"""Code pages that are tried, likeliest first: Western and Japanese Windows, old Macs, DOS, Unix, Central Europe."""
 _NO_TEXT = {
     b"%PDF": "a PDF",
     b"\x89PNG": "a picture",
@@ -135,18 +134,16 @@ def _by_words(file: str, data: bytes, notes: Notes) -> str:
             raise InputError(f"{file}: is no text in any encoding tried; export it as UTF-8 or say --encoding NAME")
         best = (0, "latin-1", text)
     known, page, text = best
-    why = f"not UTF-8; {known} column names are known words in it" if known else "not UTF-8; numbers read alike in all"
+    why = f"not UTF-8; {known} words of its header are known in it" if known else "not UTF-8; numbers read alike in all"
     notes.decide("encoding", page, why)
     return text
 
 
 def _known_words(text: str) -> int:
-    """Column names beyond ASCII, in the lines before the numbers, that say a role."""
+    """Words beyond ASCII, in the lines before the numbers, that are known as names of columns."""
     found = 0
     for line in text[:20000].splitlines()[:200]:
-        if line.isascii():
-            continue
-        for cell in line.replace(";", "\t").replace(",", "\t").split("\t"):
-            if not cell.isascii() and len(cell) < 60 and roles_of_name(split_name(cell)[0]) & {*ROLES, "other"}:
-                found += 1
+        if not line.isascii():
+            words = re.split(r"[\s;,\t\"()\[\]/|_]+", line)
+            found += sum(is_known_word(word) for word in words if not word.isascii())
     return found

@@ -93,8 +93,7 @@ def find_layout(file: str, text: str, settings: Settings, notes: Notes) -> Layou
     if settings.separator is not None and (width < 2 or kinds.count("number") + kinds.count("stamp") < 2):
         raise InputError(
             f"{file}: parted by {SEPARATORS[separator]}, as --separator or the profile says, there is no table of "
-            "numbers; "
-            "leave that out to have it found"
+            "numbers; leave that out to have it found"
         )
     if width < 2 or kinds.count("number") + kinds.count("stamp") < 2:
         raise NoTableError(f"{file}: {_nothing(used, separator)}")
@@ -218,9 +217,8 @@ def _decimal(file: str, cells: Sequence[str], separator: str, settings: Settings
         other = "," if settings.decimal == "." else "."
         if seen[other] > seen[settings.decimal]:
             raise InputError(
-                f"{file}: with --decimal {settings.decimal} most numbers cannot be read: {seen[other]} of them "
-                f"have '{other}' "
-                "as their decimal sign; leave the option (or the profile) out"
+                f"{file}: with --decimal {settings.decimal} most numbers cannot be read: {seen[other]} of them have "
+                f"'{other}' as their decimal sign; leave the option (or the profile) out"
             )
         notes.decide("decimal", settings.decimal, "given by --decimal")
         return settings.decimal

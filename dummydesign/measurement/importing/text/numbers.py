@@ -1,5 +1,4 @@
-"""Numbers and clock times as they are written: decimal and thousands signs, typographic minus, stamps of date and "
-"time."""
+"""Numbers and clock times as they are written: decimal and thousands signs, typographic minus, stamps of time."""
 
 from __future__ import annotations
 
@@ -10,16 +9,18 @@ _MINUS = str.maketrans({"−": "-", "–": "-", "－": "-"})
 _GROUPS = {".": ",'’ \u00a0\u202f", ",": ".'’ \u00a0\u202f"}
 _NUMBER = {
     decimal: re.compile(
-        rf"[+-]?(?:[1-9]\d{{0,2}}(?:([{groups}])\d{{3}})(?:\1\d{{3}})*|\d+)?(?:{re.escape(decimal)}\d*)?(?:[eE][+-]?\d+)?"
+        rf"[+-]?(?:[1-9]\d{{0,2}}(?:([{groups}])\d{{3}})(?:\1\d{{3}})*|\d+)?(?:{re.escape(decimal)}\d*)?(?:[eE][+-]?\d+)?",
+        re.ASCII,
     )
     for decimal, groups in _GROUPS.items()
 }
 _NOT_FINITE = {"nan", "inf", "-inf", "+inf", "#nv", "#n/a", "n/a", "na", "null", "none", "---", "--", "-", "overflow"}
 _STAMP = re.compile(
     r"(?:(\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[-/.]\d{1,2}[-/.]\d{2,4})[T ]+)?"
-    r"(\d{1,2}):(\d{2}):(\d{2})(?:[.,:](\d+))?(?: ?([AaPp])\.?[Mm]\.?)?(?:Z| ?[+-]\d{2}:?\d{2})?"
+    r"(\d{1,2}):(\d{2}):(\d{2})(?:[.,:](\d+))?(?: ?([AaPp])\.?[Mm]\.?)?(?:Z| ?[+-]\d{2}:?\d{2})?",
+    re.ASCII,
 )
-_MINUTES = re.compile(r"(\d{1,3}):(\d{2})[.,](\d+)")
+_MINUTES = re.compile(r"(\d{1,3}):(\d{2})[.,](\d+)", re.ASCII)
 
 
 def is_number(cell: str, decimal: str | None = None) -> bool:

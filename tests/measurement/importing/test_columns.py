@@ -1,0 +1,202 @@
+"""Which column is what, in which unit; and the questions where a file does not say."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from dummydesign.core.errors import InputError
+from dummydesign.measurement.importing.core.decisions import Notes, QuestionError, Settings
+from dummydesign.measurement.importing.core.units import find_unit, scaled_unit, split_name
+from dummydesign.measurement.importing.core.vocabulary import roles_of_name
+from dummydesign.measurement.importing.table import read_columns
+
+TIME = np.arange(400) * 0.01
+WAY = np.clip(-1.0 + 2.0 * TIME, -1.0, 4.0)
+FORCE = np.where(WAY > 0, WAY**2 * (0.8 + 0.2 * np.exp(-np.maximum(TIME - 2.5, 0))), 0.0) + 0.001 * np.sin(40 * TIME)
+
+
+def read(tmp_path, head, columns=(TIME, WAY, FORCE), settings=None, separator=";"):
+    rows = [separator.join(cell if isinstance(cell, str) else f"{cell:.6f}" for cell in row) for row in zip(*columns)]
+    path = tmp_path / "press.csv"
+    path.write_text("\n".join([*([head] if head else []), *rows]) + "\n", encoding="utf-8")
+    notes = Notes()
+    found = read_columns(path, settings or Settings(), notes)
+    return found, notes
+
+
+def close(found):
+    assert np.allclose(found.time_s - found.time_s[0], TIME, atol=2e-6)
+    assert np.allclose(found.displacement_mm, WAY, atol=1e-5) and np.allclose(found.force_N, FORCE, atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "unit", "kind"),
+    [
+        ("Zeit [s]", "Zeit", "s", "time"), ("Weg in mm", "Weg", "mm", "length"), ("Time_s", "Time", "s", "time"),
+        ("t/s", "t", "s", "time"), ("Kraft (kN)", "Kraft", "kN", "force"), ("変位（mm）", "変位", "mm", "length"),
+        ("Prüfzeit in ms", "Prüfzeit", "ms", "time"), ("Déplacement (µm)", "Déplacement", "um", "length"),
+        ("Elapsed Time (sec)", "Elapsed Time", "sec", "time"), ("mm", "", "mm", "length"),
+        ("Load [gf]", "Load", "gf", "force"),
+        ("Stress (MPa)", "Stress", "MPa", "other"), ("Force", "Force", None, None), ("Kanal M", "Kanal M", None, None),
+    ],
+)  # fmt: skip
+def test_a_name_is_parted_from_its_unit(text, name, unit, kind):
+    found_name, found = split_name(text)
+    assert found_name == name
+    assert (found.text, found.kind) == (unit, kind) if unit else found is None
+
+
+@pytest.mark.parametrize(
+    ("name", "role"),
+    [
+        ("Prüfzeit", "time"), ("Temps", "time"), ("Durée", "time"), ("経過時間", "time"), ("timestamp", "time"),
+        ("Standardweg", "displacement"), ("Traversenweg absolut", "displacement"), ("Enfoncement", "displacement"),
+        ("押込み深さ", "displacement"), ("Compressive extension", "displacement"),
+        ("actual_TCP_pose_z", "displacement"),
+        ("Standardkraft", "force"), ("Charge", "force"), ("試験力", "force"), ("Axial Force", "force"), ("Fz", "force"),
+        ("Kraft Sollwert", "other"), ("Load cell temperature", "other"), ("Stress", "other"),
+        ("Geschwindigkeit", "other"),
+        ("応力", "other"), ("Cycle elapsed time", "time"),
+    ],
+)  # fmt: skip
+def test_names_in_four_languages_say_their_role(name, role):
+    assert roles_of_name(name) == {role}
+
+
+def test_units_that_differ_by_a_capital_are_kept_apart():
+    assert find_unit("mN").factor == 1e-3 and find_unit("MN") is None and find_unit("mn") is None
+    assert find_unit("MM").factor == 1.0 and find_unit("KN").factor == 1e3 and find_unit("Sec").factor == 1.0
+    assert find_unit("kgf").factor == pytest.approx(9.80665) and find_unit("lbf").factor == pytest.approx(4.448222)
+    assert scaled_unit("0.002s", "time").factor == 0.002 and scaled_unit("5 um", "length").factor == pytest.approx(5e-3)
+    assert scaled_unit("mm", "force") is None and scaled_unit("-1s", "time") is None
+
+
+@pytest.mark.parametrize(
+    ("head", "scale"),
+    [
+        ("Zeit [ms];Weg [m];Kraft [kN]", (1e3, 1e-3, 1e-3)), ("Zeit [min];Weg [µm];Kraft [cN]", (1 / 60, 1e3, 1e2)),
+        ("time (h);depth (in);load (lbf)", (1 / 3600, 1 / 25.4, 1 / 4.4482216152605)),
+    ],
+)  # fmt: skip
+def test_stated_units_are_brought_to_s_mm_and_newton(tmp_path, head, scale):
+    rows = [values * factor for values, factor in zip((TIME, WAY, FORCE), scale)]
+    lines = [";".join(f"{cell:.12f}" for cell in row) for row in zip(*rows)]
+    (tmp_path / "a.csv").write_text("\n".join([head, *lines]) + "\n", encoding="utf-8")
+    close(read_columns(tmp_path / "a.csv", Settings(), Notes()))
+
+
+def test_a_unit_row_may_be_in_another_order_than_ours(tmp_path):
+    found, _ = read(tmp_path, "Axial Force;Time;Axial Displacement\nN;Sec;mm", (FORCE, TIME, WAY))
+    close(found)
+
+
+@pytest.mark.parametrize("head", ["Zeit;Weg;Kraft", "Zeit [s];Weg [mm];Kraft", "Zeit [s];Weg [mm];Kraft [V]"])
+def test_a_unit_that_is_not_stated_is_asked_for(tmp_path, head):
+    with pytest.raises(QuestionError, match=r"say --units .*force=N"):
+        read(tmp_path, head)
+    found, _ = read(tmp_path, head, settings=Settings(units={"time": "s", "displacement": "mm", "force": "N"}))
+    close(found)
+
+
+def test_a_unit_given_against_the_header_is_taken_with_a_warning(tmp_path):
+    found, notes = read(tmp_path, "Zeit [s];Weg [mm];Kraft [N]", settings=Settings(units={"force": "mN"}))
+    assert np.allclose(found.force_N, FORCE / 1e3, atol=1e-6)
+    assert [warning["code"] for warning in notes.warnings] == ["unit_overridden"]
+
+
+def test_without_names_and_units_nothing_is_guessed_but_the_answer_is_shown(tmp_path):
+    with pytest.raises(QuestionError, match=r"--columns time=2,displacement=1,force=3 --units time=s"):
+        read(tmp_path, "", (WAY, TIME, FORCE))
+    units = {"time": "s", "displacement": "mm", "force": "N"}
+    found, notes = read(tmp_path, "", (WAY, TIME, FORCE), Settings(units=units))
+    close(found)
+    why = {decision.what: decision.why for decision in notes.decisions}
+    assert "always rises" in why["time column"] and "stands still" in why["displacement column"]
+
+
+def test_a_name_and_a_unit_that_agree_outweigh_a_unit_alone(tmp_path):
+    other = 20.0 + 0.1 * np.sin(TIME)
+    found, _ = read(tmp_path, "Zeit [s];Kanal 7 [N];Weg [mm];Kraft [N]", (TIME, other, WAY, FORCE))
+    close(found)
+
+
+def test_commanded_values_stress_and_strain_are_not_taken(tmp_path):
+    head = "Zeit [s];Weg Sollwert [mm];Weg [mm];Kraft [N];Spannung [MPa];Dehnung [%]"
+    found, _ = read(tmp_path, head, (TIME, np.minimum(WAY * 1.2, 4.0), WAY, FORCE, FORCE / 196, WAY / 15))
+    close(found)
+
+
+def test_two_columns_that_differ_are_asked_for_and_equal_ones_are_not(tmp_path):
+    head = "Zeit [s];Weg [mm];Traversenweg [mm];Kraft [N]"
+    found, notes = read(tmp_path, head, (TIME, WAY, 300.0 - WAY, FORCE))
+    close(found)
+    assert any("hold the same" in decision.why for decision in notes.decisions)
+    with pytest.raises(QuestionError, match=r"displacement may be 'Weg .mm.' or 'Traversenweg .mm.'"):
+        read(tmp_path, head, (TIME, WAY, WAY + 0.02 * FORCE, FORCE))
+    settings = Settings(columns={"displacement": "Traversenweg"})
+    found, _ = read(tmp_path, head, (TIME, WAY + 0.02 * FORCE, WAY, FORCE), settings)
+    close(found)
+
+
+def test_the_same_name_twice_is_asked_for_by_number(tmp_path):
+    head = "Zeit [s];Weg [mm];Kraft [N];Zeit [s];Weg [mm];Kraft [N]"
+    columns = (TIME, WAY, FORCE, TIME, 1.1 * WAY, 1.3 * FORCE)
+    with pytest.raises(QuestionError, match="--columns displacement=2"):
+        read(tmp_path, head, columns)
+    found, _ = read(tmp_path, head, columns, Settings(columns={"displacement": "2", "force": "3"}))
+    close(found)
+
+
+@pytest.mark.parametrize(
+    ("columns", "says"),
+    [
+        ({"force": "Kraftt"}, "did you mean 'Kraft"), ({"force": "9"}, "unknown column"),
+        ({"force": "2", "displacement": "2"}, "same column for two roles"), ({"force": "Notiz"}, "holds no numbers"),
+    ],
+)  # fmt: skip
+def test_a_column_that_is_not_there_is_refused(tmp_path, columns, says):
+    head = "Zeit [s];Weg [mm];Kraft [N];Notiz"
+    with pytest.raises(InputError, match=says):
+        read(tmp_path, head, (TIME, WAY, FORCE, ["ok"] * len(TIME)), Settings(columns=columns))
+
+
+def test_two_columns_are_no_press(tmp_path):
+    with pytest.raises(InputError, match="no column is force"):
+        read(tmp_path, "Zeit [s];Weg [mm]", (TIME, WAY))
+
+
+@pytest.mark.parametrize(
+    ("begin", "factor"), [(1763561000.0, 1.0), (1763561000.0, 1e3), (1763561000.0, 1e6), (45980.5 * 86400, 1 / 86400)]
+)
+def test_times_that_count_from_1970_or_1900_show_their_unit(tmp_path, begin, factor):
+    stamps = [f"{(begin + second) * factor:.{10 if factor < 1 else 4}f}" for second in TIME]
+    found, _ = read(tmp_path, "timestamp;Weg [mm];Kraft [N]", (stamps, WAY, FORCE))
+    assert np.allclose(found.time_s - found.time_s[0], TIME, atol=1e-4)
+
+
+def test_clock_times_need_no_unit(tmp_path):
+    stamps = [f"19.11.2025 14:02:{11 + second:09.6f}" for second in TIME]
+    found, _ = read(tmp_path, "Zeitstempel;Weg [mm];Kraft [N]", (stamps, WAY, FORCE))
+    close(found)
+
+
+def test_a_time_that_stands_or_goes_back_is_named_by_its_line(tmp_path):
+    time = TIME.copy()
+    time[100] = time[98]
+    with pytest.raises(InputError, match=r"press.csv:102: time = 0.98 s does not rise"):
+        read(tmp_path, "Zeit [s];Weg [mm];Kraft [N]", (time, WAY, FORCE))
+    with pytest.raises(InputError, match="coarser than the sampling"):
+        read(tmp_path, "Zeit [s];Weg [mm];Kraft [N]", (np.floor(TIME * 20) / 20, WAY, FORCE))
+
+
+def test_a_row_that_stands_twice_is_taken_once(tmp_path):
+    twice = np.sort(np.r_[np.arange(len(TIME)), 50, 51])
+    found, notes = read(tmp_path, "Zeit [s];Weg [mm];Kraft [N]", (TIME[twice], WAY[twice], FORCE[twice]))
+    close(found)
+    assert "repeated rows" in {decision.what for decision in notes.decisions}
+
+
+def test_a_time_that_begins_again_begins_another_recording(tmp_path):
+    found, _ = read(tmp_path, "Zeit [s];Weg [mm];Kraft [N]", (np.r_[TIME, TIME], np.r_[WAY, WAY], np.r_[FORCE, FORCE]))
+    assert found.recordings == ((0, len(TIME)), (len(TIME), 2 * len(TIME)))

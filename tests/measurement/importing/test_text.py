@@ -1,0 +1,227 @@
+"""From bytes to a table: encodings, separators, decimal and thousands signs, headers, damaged text."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from dummydesign.core.errors import InputError
+from dummydesign.measurement.importing.core.decisions import NoTableError, Notes, QuestionError, Settings
+from dummydesign.measurement.importing.text.body import read_body
+from dummydesign.measurement.importing.text.encoding import decode
+from dummydesign.measurement.importing.text.layout import find_layout
+from dummydesign.measurement.importing.text.numbers import decimal_evidence, is_number, seconds_of_stamp, to_float
+
+ROWS = [(0.01 * i, -1.0 + 0.1 * i, 0.004 * i * i) for i in range(40)]
+
+
+def table(separator=",", decimal=".", head="Zeit,Weg,Kraft", digits=4):
+    lines = [head.replace(",", separator)] if head else []
+    for row in ROWS:
+        lines.append(separator.join(f"{value:.{digits}f}".replace(".", decimal) for value in row))
+    return "\n".join(lines) + "\n"
+
+
+def layout_of(text, **settings):
+    return find_layout("a.csv", text, Settings(**settings), Notes())
+
+
+def values_of(text, **settings):
+    layout = layout_of(text, **settings)
+    return read_body(layout, range(len(layout.kinds)), Notes()).values
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "utf-32"])
+def test_unicode_files_are_decoded_with_and_without_a_mark(encoding):
+    text = table(head="Prüfzeit,Weg,Kraft")
+    assert decode("a.csv", text.encode(encoding), None, Notes()) == text
+
+
+@pytest.mark.parametrize(
+    ("encoding", "head"),
+    [
+        ("cp1252", "Prüfzeit,Weg,Prüfkraft"),
+        ("latin-1", "Durée,Déplacement,Force"),
+        ("cp932", "時間,変位,荷重"),
+        ("euc_jp", "試験時間,押込み深さ,荷重"),
+        ("mac_roman", "Prüfzeit,Weg,Prüfkraft"),
+        ("cp850", "Prüfzeit,Weg,Prüfkraft"),
+    ],
+)
+def test_a_code_page_is_told_by_the_words_that_are_known_in_it(encoding, head):
+    assert decode("a.csv", table(head=head).encode(encoding), None, Notes()).splitlines()[0] == head
+
+
+@pytest.mark.parametrize(
+    ("data", "says"),
+    [
+        (b"", "is empty"),
+        (b" \r\n\n", "is empty"),
+        (b"%PDF-1.7 ...", "a PDF"),
+        (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "save it as .xlsx or CSV"),
+        (b"0,1\x00,2\n", "zero bytes"),
+    ],
+)
+def test_what_is_no_text_says_what_it_is(data, says):
+    with pytest.raises(InputError, match=says):
+        decode("a.csv", data, None, Notes())
+
+
+def test_a_given_encoding_is_used_or_refused():
+    assert decode("a.csv", "Prüf".encode("cp850"), "cp850", Notes()) == "Prüf"
+    with pytest.raises(InputError, match="not known"):
+        decode("a.csv", b"a", "cp99999", Notes())
+    with pytest.raises(InputError, match="utf-8"):
+        decode("a.csv", b"\xff\xfa", "utf-8", Notes())
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t", "|", " ", "   "])
+@pytest.mark.parametrize("decimal", [".", ","])
+def test_separator_and_decimal_sign_are_found(separator, decimal):
+    if separator == decimal:
+        pytest.skip("one sign for both is refused, see below")
+    assert np.allclose(values_of(table(separator, decimal)), ROWS, atol=1e-4)
+
+
+def test_quoted_numbers_with_a_decimal_comma_between_commas_are_read():
+    lines = ['"Temps (s)","Course (mm)","Charge (N)"']
+    lines += [",".join(f'"{value:.4f}"'.replace(".", ",") for value in row) for row in ROWS]
+    assert np.allclose(values_of("\n".join(lines) + "\n"), ROWS, atol=1e-4)
+
+
+def test_a_comma_for_both_is_refused_and_the_mend_is_named():
+    with pytest.raises(InputError, match="export with ';'"):
+        layout_of(table(",", ",", "Zeit,Weg,Kraft"))
+
+
+@pytest.mark.parametrize(
+    ("cell", "decimal", "value"),
+    [
+        ("1.234,5", ",", 1234.5), ("1,234.5", ".", 1234.5), ("1'234.5", ".", 1234.5), ("1 234,5", ",", 1234.5),
+        ("1\u202f234,5", ",", 1234.5), ("-0,25", ",", -0.25), ("−0.25", ".", -0.25), ("+1.5E-03", ".", 0.0015),
+        ("12.", ".", 12.0), (".5", ".", 0.5), ("1,234,567", ".", 1234567.0),
+    ],
+)  # fmt: skip
+def test_numbers_are_read_with_thousands_signs_and_typographic_minus(cell, decimal, value):
+    assert is_number(cell, decimal) and to_float(cell, decimal) == pytest.approx(value)
+
+
+@pytest.mark.parametrize("cell", ["", "abc", "1.2.3", "0,123.4", "--1", "1e", "12 N", "0x1f", "1_000", "½", "١٢"])
+def test_what_is_no_number_is_none(cell):
+    with pytest.raises(ValueError):
+        to_float(cell, ".")
+
+
+def test_the_decimal_sign_is_told_by_numbers_that_can_be_read_in_one_way_only():
+    assert decimal_evidence(["0,795", "17,95"]) == {".": 0, ",": 2, "either": 0}
+    assert decimal_evidence(["1,795", "12.345"]) == {".": 0, ",": 0, "either": 2}
+    assert decimal_evidence(["1.795,20", "1,234,567"]) == {".": 1, ",": 1, "either": 0}
+
+
+def test_numbers_that_may_be_decimals_or_thousands_are_asked_for():
+    lines = ["a;b;c"] + [f"{i},{100 + i};{i + 1},{200 + i};{i + 2},{300 + i}" for i in range(1, 30)]
+    text = "\n".join(lines) + "\n"
+    with pytest.raises(QuestionError, match="--decimal"):
+        layout_of(text)
+    assert values_of(text, decimal=",")[0] == pytest.approx([1.101, 2.201, 3.301])
+    assert values_of(text, decimal=".")[0] == pytest.approx([1101.0, 2201.0, 3301.0])
+
+
+def test_a_decimal_sign_that_the_numbers_contradict_is_refused():
+    with pytest.raises(InputError, match="have ',' as their decimal sign"):
+        layout_of(table(";", ","), decimal=".")
+
+
+def test_thousands_signs_that_stand_in_few_rows_only_are_seen():
+    rows = [f"0,{i:02d};{i}.5;{'1.234,5' if i == 25 else f'{i},5'}".replace(".5;", ",5;") for i in range(40)]
+    assert values_of("Zeit;Weg;Kraft\n" + "\n".join(rows) + "\n")[25, 2] == 1234.5
+
+
+def test_preamble_units_comments_and_footer_are_parted_from_the_table():
+    text = (
+        "Prüfprotokoll\nv;10;mm/s\n\nZeit;Weg;Kraft\ns;mm;N\n# begin\n"
+        + table(";", ",", head="")
+        + "\nEnde der Prüfung\nMax;2,9;6,08\n"
+    )
+    notes = Notes()
+    layout = find_layout("a.csv", text, Settings(), notes)
+    assert layout.names == ("Zeit", "Weg", "Kraft") and layout.units == ("s", "mm", "N")
+    assert len(read_body(layout, [0, 1, 2], notes).values) == len(ROWS)
+    assert {"preamble", "footer"} <= {decision.what for decision in notes.decisions}
+
+
+def test_units_may_stand_above_the_names_and_behind_a_comment_sign():
+    layout = layout_of("s;mm;N\nZeit;Weg;Kraft\n" + table(";", ",", head=""))
+    assert layout.names == ("Zeit", "Weg", "Kraft") and layout.units == ("s", "mm", "N")
+    layout = layout_of("# time[s] depth[mm] load[N]\n" + table(" ", ".", head=""))
+    assert layout.names == ("time[s]", "depth[mm]", "load[N]")
+
+
+def test_names_with_spaces_stand_over_columns_parted_by_spaces():
+    layout = layout_of("Elapsed Time (s)   Axial Force (N)   Position (mm)\n" + table("   ", ".", head=""))
+    assert layout.names == ("Elapsed Time (s)", "Axial Force (N)", "Position (mm)")
+
+
+@pytest.mark.parametrize("newline", ["\n", "\r\n", "\r"])
+def test_every_kind_of_line_end_is_one(newline):
+    assert len(values_of(table().replace("\n", newline))) == len(ROWS)
+
+
+@pytest.mark.parametrize(
+    ("bad", "says"),
+    [
+        ("0.4000,abc,1.0", r"a.csv:42: Weg = 'abc' is not a number"),
+        ("0.4000,nan,1.0", r"a.csv:42: Weg: 'nan' is no finite number"),
+        ("0.4000,,1.0", r"a.csv:42: Weg: is missing"),
+        ("0.4000,1.0", r"a.csv:42: has 2 cells, the table has 3"),
+        ("0.4000,1.0,2.0,3.0", r"a.csv:42: has 4 cells, the table has 3"),
+        ("0.4000,1e999,1.0", r"a.csv:42: a number is too large"),
+    ],
+)  # fmt: skip
+def test_a_bad_row_is_named_by_its_line(bad, says):
+    with pytest.raises(InputError, match=says):
+        values_of(table() + bad + "\n" + table(head=""))
+
+
+def test_text_between_rows_parts_the_table():
+    layout = layout_of(table() + "Cycle 2\n" + table())
+    body = read_body(layout, [0, 1, 2], Notes())
+    assert len(body.values) == 2 * len(ROWS) and body.breaks == (len(ROWS),)
+    assert body.lines[len(ROWS)] == len(ROWS) + 4
+
+
+@pytest.mark.parametrize("tail", ["0.4000,1.0", "0.4000,1.0,", "0.4000,1.0000,1.02"])
+def test_a_file_that_is_being_written_is_refused(tail):
+    with pytest.raises(InputError, match="still being written"):
+        layout_of(table() + tail)
+
+
+def test_a_last_line_without_its_end_is_read_when_it_is_whole():
+    assert len(values_of(table().rstrip("\n"))) == len(ROWS)
+
+
+@pytest.mark.parametrize("text", ["# nothing\n\n", "Zeit;Weg;Kraft\n", "hello\nworld\n", "1\n2\n3\n4\n"])
+def test_a_file_without_a_table_says_so(text):
+    with pytest.raises(NoTableError):
+        layout_of(text)
+
+
+def test_clock_times_are_seconds_of_the_day():
+    assert seconds_of_stamp("14:02:11,125")[0] == pytest.approx(50531.125)
+    assert seconds_of_stamp("2025-11-19T14:02:11.125")[0] == pytest.approx(50531.125)
+    assert seconds_of_stamp("19.11.2025 02:02:11.5 PM") == (pytest.approx(50531.5), "19.11.2025")
+    assert seconds_of_stamp("2:11.5")[0] == pytest.approx(131.5)
+    with pytest.raises(ValueError):
+        seconds_of_stamp("25:00:00")
+
+
+def test_clock_times_go_on_over_midnight():
+    rows = [f"23:59:59.{i:02d};{i};{i}" for i in range(50, 100)] + [f"00:00:00.{i:02d};{i};{i}" for i in range(50)]
+    seconds = values_of("Uhrzeit;Weg;Kraft\n" + "\n".join(rows) + "\n")[:, 0]
+    assert np.allclose(np.diff(seconds), 0.01)
+
+
+def test_the_quick_and_the_patient_reader_agree():
+    quick = values_of(table(";", ","))
+    patient = values_of(table(";", ",") + "\nCycle 2\n" + table(";", ",", head=""))
+    assert np.array_equal(quick, patient[: len(quick)])

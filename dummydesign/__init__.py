@@ -11,7 +11,7 @@ from typing import Any
 
 from dummydesign._version import __version__
 
-CALLS = ("calibrate", "compare", "fit", "make_mould", "predict", "replay", "suggest", "whatif")
+CALLS = ("calibrate", "compare", "fit", "import_traces", "make_mould", "predict", "replay", "suggest", "whatif")
 __all__ = ["__version__", *CALLS]
 
 

@@ -11,11 +11,12 @@ imported when a function runs.
 from dummydesign.api.answers import Answer, Fitted, Result, Rows
 from dummydesign.api.campaign_calls import calibrate, replay
 from dummydesign.api.design_calls import suggest, whatif
+from dummydesign.api.import_calls import import_traces
 from dummydesign.api.mould_calls import make_mould
 from dummydesign.api.predict_calls import predict
 from dummydesign.api.trace_calls import compare, fit
 
 __all__ = [
-    "Answer", "Fitted", "Result", "Rows", "calibrate", "compare", "fit", "make_mould", "predict",
-    "replay", "suggest", "whatif",
+    "Answer", "Fitted", "Result", "Rows", "calibrate", "compare", "fit", "import_traces", "make_mould",
+    "predict", "replay", "suggest", "whatif",
 ]  # fmt: skip

@@ -4,17 +4,11 @@ from __future__ import annotations
 
 import argparse
 import re
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from dummydesign.core.errors import InputError
 
-if TYPE_CHECKING:
-    from dummydesign.measurement.importing.core.decisions import Settings
-
-HELP = (
-    "Read files of test machines, spreadsheets and robots, and write each press as a trace: tared, zero at contact, "
-    "compression positive. What is not sure is asked, with the option that settles it; the files are never changed."
-)
+HELP = "Read the files of test machines: each press a trace, tared, zero at contact, compression positive."
 ROLES = ("time", "displacement", "force")
 
 
@@ -40,68 +34,35 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
-    """Read, decide, write traces and preview."""
+    """Read, decide, write traces and preview; or list the profiles."""
     if options.list:
-        return {"inputs": {"list": True}, "profiles": _profiles()}
+        from dummydesign.measurement.importing.profile_names import list_profiles
+
+        rows = [{"name": one.name, "origin": one.origin, "path": str(one.path)} for one in list_profiles()]
+        return {"inputs": {"list": True}, "profiles": rows}
     if not options.files:
         raise InputError("import needs a FILE or FOLDER (or --list for the profiles)")
-    from dummydesign.core.files import output_folder
-    from dummydesign.measurement.importing.batch import import_files, write_traces
-    from dummydesign.measurement.importing.profiles import learned, save_profile
-    from dummydesign.report.imported import write_preview
+    from dummydesign.api import import_traces
 
-    settings = _settings(options)
-    imported, warnings = import_files(options.files, settings)
-    # before anything is written: a name that is taken must not leave traces behind
-    profile = options.save_profile and save_profile(options.save_profile, learned(settings, imported), options.replace)
-    out = options.out or _default_folder(options.files)
-    folder = output_folder(out)
-    files = write_traces(imported, folder)
-    preview = write_preview(folder, imported, files, warnings)
-    result: dict[str, Any] = {
-        "inputs": {"files": [str(name) for name in options.files], **settings.to_dict(), "out": out},
-        "files": files,
-        "preview": preview,
-        "warnings": [*(warning for one in files for warning in one["warnings"]), *warnings],
-    }
-    if profile:
-        result["profile"] = str(profile)
-    return result
-
-
-def _profiles() -> list[dict[str, str]]:
-    from dummydesign.measurement.importing.profile_names import list_profiles
-
-    return [{"name": entry.name, "origin": entry.origin, "path": str(entry.path)} for entry in list_profiles()]
-
-
-def _settings(options: argparse.Namespace) -> Settings:
-    """What the options and the profile settle together."""
-    from dataclasses import replace
-
-    from dummydesign.measurement.importing.core.decisions import Settings
-    from dummydesign.measurement.importing.profiles import load_profile
-
-    base = load_profile(options.profile) if options.profile else Settings()
-    given: dict[str, Any] = {}
-    for name in ("separator", "encoding", "tare", "contact"):
-        if getattr(options, name) is not None:
-            given[name] = getattr(options, name)
-    if options.columns is not None:
-        given["columns"] = {**base.columns, **pairs("columns", options.columns)}
-    if options.units is not None:
-        given["units"] = {**base.units, **pairs("units", options.units)}
-    if options.decimal is not None:
-        given["decimal"] = {"dot": ".", "point": ".", "comma": ","}.get(options.decimal, options.decimal)
-    if options.skip is not None:
-        if not options.skip.isdigit():
-            raise InputError(f"--skip {options.skip} is not a whole number of lines from 0")
-        given["skip"] = int(options.skip)
-    if options.flip is not None:
-        given["flip"] = frozenset() if options.flip == "none" else frozenset(options.flip.split(","))
-    if options.split is not None:
-        given["split"] = options.split
-    return replace(base, **given)
+    if options.skip is not None and not options.skip.isdigit():
+        raise InputError(f"--skip {options.skip} is not a whole number of lines from 0")
+    return import_traces(
+        options.files,
+        profile=options.profile,
+        save_profile=options.save_profile,
+        columns=None if options.columns is None else pairs("columns", options.columns),
+        units=None if options.units is None else pairs("units", options.units),
+        separator=options.separator,
+        decimal={"dot": ".", "point": ".", "comma": ","}.get(options.decimal, options.decimal),
+        encoding=options.encoding,
+        skip=None if options.skip is None else int(options.skip),
+        flip=None if options.flip is None else [] if options.flip == "none" else options.flip.split(","),
+        tare=options.tare,
+        contact=options.contact,
+        split=options.split,
+        out=options.out or _default_folder(options.files),
+        replace=options.replace,
+    ).to_dict()
 
 
 def pairs(option: str, text: str) -> dict[str, str]:
@@ -148,9 +109,8 @@ def render(result: dict[str, Any]) -> str:
         for trace in one["traces"]:
             steady = "-" if trace["steady_force_N"] is None else f"{trace['steady_force_N']:.3f}"
             lines.append(
-                f"  {trace['file'][:28]:<28} {trace['samples']:>8} {trace['velocity_mm_s']:>7.4g} "
-                f"{trace['hold_s']:>7.3g} "
-                f"{trace['depth_mm']:>7.3f} {trace['peak_force_N']:>8.3f} {steady:>9}"
+                f"  {trace['file'][:28]:<28} {trace['samples']:>8} {trace['velocity_mm_s']:>8.4g} "
+                f"{trace['hold_s']:>8.3g} {trace['depth_mm']:>8.3f} {trace['peak_force_N']:>8.3f} {steady:>8}"
             )
     lines += [f"warning: {warning['message']}" for warning in result["warnings"]]
     lines.append(f"traces in: {result['inputs']['out']}")

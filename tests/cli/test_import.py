@@ -8,6 +8,7 @@ import json
 import numpy as np
 import pytest
 
+import dummydesign
 from dummydesign.cli.entry import run
 from dummydesign.cli.import_ import pairs
 from dummydesign.core.errors import InputError
@@ -67,6 +68,17 @@ def test_the_same_command_gives_the_same_answer_and_the_source_stays_as_it_is(tm
     first = asked(capsys, "a.csv")[1]
     assert asked(capsys, "a.csv")[1] == first
     assert state() == before
+
+
+def test_the_call_from_python_is_the_answer_of_the_command(tmp_path, capsys):
+    write(tmp_path / "a.csv", head="Zeit;Weg;Kraft")
+    units = {"time": "s", "displacement": "mm", "force": "N"}
+    mine = dummydesign.import_traces(["a.csv"], units=units, tare="none", out="out")
+    _, theirs, _ = asked(capsys, "a.csv", "--units", "time=s,displacement=mm,force=N", "--tare", "none", "--out", "out")
+    assert mine.to_dict() == {key: value for key, value in theirs.items() if key not in ("schema", "version", "sources")}
+    unwritten = dummydesign.import_traces(["a.csv"], units=units, tare="none")
+    assert unwritten.to_dict()["preview"] is None
+    assert len(unwritten.found[0].presses[0].time_s) == mine.to_dict()["files"][0]["traces"][0]["samples"]
 
 
 def test_an_imported_trace_imports_to_itself(tmp_path, capsys):

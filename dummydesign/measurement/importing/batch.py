@@ -14,11 +14,13 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_bytes
 from dummydesign.measurement.importing.core.decisions import NoTableError, Settings
-from dummydesign.measurement.importing.read import Imported, import_file
+from dummydesign.measurement.importing.read import Imported, Press, import_file
 from dummydesign.measurement.trace import COLUMNS
 
 ENDINGS = (".csv", ".txt", ".dat", ".tsv", ".asc", ".tra", ".log", ".lst", ".prn", ".lvm", ".xlsx", ".xls")
 _ROWS = 50_000
+Planned = tuple[Imported, Press, str]
+"""A press, the file it comes from, and the name of its trace."""
 
 
 def files_of(paths: Iterable[str | Path]) -> list[tuple[Path, bool]]:
@@ -115,13 +117,8 @@ def _same_presses(imported: Sequence[Imported]) -> list[dict[str, Any]]:
     return warnings
 
 
-def write_traces(imported: Sequence[Imported], folder: Path) -> list[dict[str, Any]]:
-    """Write one canonical CSV a press into a folder.
-
-    Returns
-    -------
-    list of dict
-        One a file: ``source``, ``traces``, ``decisions``, ``warnings``; paths relative to the folder.
+def plan_traces(imported: Sequence[Imported], folder: Path | None) -> list[Planned]:
+    """Choose the file name of every press.
 
     Raises
     ------
@@ -134,11 +131,21 @@ def write_traces(imported: Sequence[Imported], folder: Path) -> list[dict[str, A
     for one in imported:
         for press in one.presses:
             name = _name(one.source, press.number, taken)
-            if (folder / name).resolve() in sources:
+            if folder is not None and (folder / name).resolve() in sources:
                 raise InputError(f"trace '{name}' would take the place of a file that is read; give another --out")
             planned.append((one, press, name))
+    return planned
+
+
+def write_traces(planned: Sequence[Planned], folder: Path) -> None:
+    """Write one canonical CSV a press into a folder."""
     for _, press, name in planned:
         write_bytes(folder / name, trace_bytes(press.time_s, press.displacement_mm, press.force_N))
+
+
+def describe(imported: Sequence[Imported], planned: Sequence[Planned]) -> list[dict[str, Any]]:
+    """Say what became of each file: ``source``, ``traces`` (names without their folder), ``decisions``, "
+    "``warnings``."""
     return [
         {
             "source": str(one.source),

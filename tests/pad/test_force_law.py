@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -11,6 +11,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.design.search.resolved_by_fem import ElementsLaw
 from dummydesign.design.search.shape_family import ShapeLaw as FamilyShapeLaw
 from dummydesign.design.search.solved_slabs import SolvedLaw
+from dummydesign.design.search.tabulated_shapes import load_family
 from dummydesign.design.sweep.run import whatif
 from dummydesign.design.sweep.spec import Study
 from dummydesign.geometry.shapes import read_shape
@@ -54,7 +55,10 @@ def laws():
     depth = np.linspace(0.5, 5.0, 10)
     solved = SolvedLaw(RADIUS, {10.0: (1.0, 0.3)}, {10.0: 5.0}, {10.0: (depth, np.full(10, 1e-3))}, ())
     crowned = read_shape("crowned:radius=20,height=3")
+    family = FamilyShapeLaw(load_family("crowned"), crowned, 10.0)
     return {
+        "family": family,
+        "elements": ElementsLaw(replace(family, cast=True), 10.0, depth, np.linspace(0.0, 0.02, 10), np.full(10, 0.01)),
         "table": table,
         "square": SquareLaw(table, "bonded"),
         "crowned": ShapeLaw(crowned),
@@ -64,11 +68,12 @@ def laws():
     }
 
 
-@pytest.mark.parametrize("name", ["table", "square", "crowned", "solved", "toy", "times"])
+@pytest.mark.parametrize("name", ["table", "square", "crowned", "family", "elements", "solved", "toy", "times"])
 def test_a_law_offers_every_member_and_its_stiffness_is_the_slope_of_its_force(name):
     law = laws()[name]
     assert isinstance(law, ForceLaw)
     assert np.shape(law.relative_error(np.array([1.0, 2.0]), 10.0, RADIUS)) == (2,)
+    assert np.shape(law.relative_error(np.array([[1.0, 2.0]]), np.array([[10.0]]), RADIUS)) == (1, 2)
     depth, step = np.array([0.8, 2.0, 3.1]), 1e-3
     slope = (law.force(depth + step, 10.0, 0.03, RADIUS) - law.force(depth - step, 10.0, 0.03, RADIUS)) / (2.0 * step)
     assert law.stiffness(depth, 10.0, 0.03, RADIUS) == pytest.approx(slope, rel=1e-4)

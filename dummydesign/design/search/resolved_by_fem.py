@@ -54,9 +54,10 @@ class ElementsLaw(BaseForceLaw):
         reached = self.depth_mm[-1] * np.asarray(thickness_mm, float) / self.thickness_mm
         return np.minimum(self.table.depth_limit_mm(thickness_mm, radius_mm), reached)
 
-    def relative_error(self, depth_mm: ArrayLike, thickness_mm: float, radius_mm: float) -> NDArray:
+    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: float) -> NDArray:
         """Error of the elements over the force."""
-        return np.interp(depth_mm, self.depth_mm, self.error)
+        shape = np.broadcast_shapes(np.shape(depth_mm), np.shape(thickness_mm))
+        return np.interp(np.broadcast_to(depth_mm, shape), self.depth_mm, self.error)
 
     @property
     def largest_difference(self) -> float:

@@ -116,8 +116,12 @@ class ShapeLaw(BaseForceLaw):
         limit = self.family.limit_mm(self._designs(thickness.ravel()), radius_mm)
         return limit.reshape(np.shape(thickness_mm))
 
-    def relative_error(self, depth_mm: ArrayLike, thickness_mm: float, radius_mm: float) -> NDArray:
-        """Stated error of the force over the force at depths of one pad."""
-        depth = np.atleast_1d(np.asarray(depth_mm, float))
-        designs = self._designs(np.array([float(thickness_mm)]))
-        return self.family.relative_error(designs, depth[None], radius_mm)[0].reshape(np.shape(depth_mm))
+    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: float) -> NDArray:
+        """Stated error of the force over the force; depths and thicknesses broadcast."""
+        depth, thickness = np.broadcast_arrays(np.asarray(depth_mm, float), np.asarray(thickness_mm, float))
+        error = np.empty(depth.shape)
+        for value in np.unique(thickness):
+            here = thickness == value
+            designs = self._designs(np.array([float(value)]))
+            error[here] = self.family.relative_error(designs, depth[here][None], radius_mm)[0]
+        return error

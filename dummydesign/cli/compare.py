@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-HELP = "Hold the traces of a cast dummy against a tissue: parameters, steady-state range, force variation range."
+HELP = "Compare the traces of a cast dummy with a tissue: parameters, steady-state range, force variation range."
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -41,7 +41,7 @@ def render(result: dict[str, Any]) -> str:
         cells = " ".join(f"{text(row[key]):>10}" for key in ("value", "low", "high", "band_low", "band_high"))
         lines.append(f"{name:<22} {cells}  {verdict}")
     steady = result["steady_state_range"]
-    lines.append("steady-state curve inside the range, share of the force reached:")
+    lines.append("steady-state curve, fraction in range of the force reached:")
     for label, key in (("0.5 to 5 N", "below_5N_fraction"), ("5 to 15 N", "above_5N_fraction")):
         share = steady[key]
         lines.append(f"  {label:<11} {'not reached' if share is None else f'{100 * share:.0f} %'}")

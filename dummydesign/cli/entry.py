@@ -119,7 +119,7 @@ def run(arguments: list[str]) -> int:
             raise
         text = " ".join(str(problem).split())
         print(
-            f"error: a fault in dummydesign itself ({type(problem).__name__}: {text}); "
+            f"error: internal error ({type(problem).__name__}: {text}); "
             "please report it with the command; DUMMYDESIGN_DEBUG=1 shows where",
             file=sys.stderr,
         )

@@ -46,7 +46,7 @@ def render(result: dict[str, Any]) -> str:
             low, high = (f"{one[end]:.5g}" if one[end] is not None else "-" for end in ("low", "high"))
             state = "  at bound" if one["at_bound"] else ""
             lines.append(f"{label:<30} {one['value']:>11.5g} {low:>11} {high:>11}{state}")
-    lines.append(f"{'elements':<9} {'rms N':>9} {'AICc':>11} {'left-out rms N':>15}")
+    lines.append(f"{'elements':<9} {'rms N':>9} {'AICc':>11} {'held-out rms N':>15}")
     for number, row in result["comparison"].items():
         heldout = f"{row['heldout_rmse_N']:.4g}" if row["heldout_rmse_N"] is not None else "-"
         lines.append(f"{number:<9} {row['rmse_N']:>9.4g} {row['aicc']:>11.1f} {heldout:>15}")

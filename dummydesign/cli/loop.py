@@ -50,10 +50,10 @@ def render(result: dict[str, Any]) -> str:
         for name, value in effect["parameters"].items():
             lines.append(f"  {name} = {value['value']:.4g}  (95 %: {value['low']:.4g} to {value['high']:.4g})")
         if effect["confounded_with"]:
-            lines.append(f"  explains the data as well: {', '.join(effect['confounded_with'])}")
+            lines.append(f"  equally good explanations: {', '.join(effect['confounded_with'])}")
         if effect["family"]:
-            lines.append(f"  acts alike in this campaign: {', '.join(effect['family'])}")
-    lines.append(f"{'':<8} {'fitted N':>9} {'left out N':>11} {'noise floor N':>14} {'lack of fit p':>14}")
+            lines.append(f"  indistinguishable in this campaign: {', '.join(effect['family'])}")
+    lines.append(f"{'':<8} {'fitted N':>9} {'held-out N':>11} {'noise floor N':>14} {'lack of fit p':>14}")
     for label in ("base", "after"):
         error = result[label]["error"]
         lines.append(

@@ -79,12 +79,13 @@ def render(result: dict[str, Any]) -> str:
         lines += ["", f"Files in {folder}"]
         lines += [f"  {role:<20}{Path(path).name}" for role, path in result["files"].items()]
     if result["warnings"]:
-        lines += ["", "Mind"]
+        lines += ["", "Cautions"]
         lines += [f"  - {item['message']}" for item in result["warnings"]]
     return "\n".join(lines)
 
 
 def _weights(pour: dict[str, Any]) -> list[str]:
     lines = [f"  {part['name']:<14}{part['mass_g']:10.1f} g" for part in pour["components"]]
-    lines.append(f"  {'total':<14}{pour['batch_mass_g']:10.1f} g   of which {pour['pad_mass_g']:.1f} g stay in the pad")
+    ends = f"of which {pour['pad_mass_g']:.1f} g end up in the pad"
+    lines.append(f"  {'total':<14}{pour['batch_mass_g']:10.1f} g   {ends}")
     return lines

@@ -116,7 +116,7 @@ def render(result: dict[str, Any]) -> str:
     """Lay the answer out as short tables."""
     lines: list[str] = []
     if "resins" in result:
-        lines.append(f"{'name':<24} {'origin':<9} {'ratio':<12} {'E in kPa':<14} ratio counts")
+        lines.append(f"{'name':<24} {'origin':<9} {'ratio':<12} {'E in kPa':<14} ratio definition")
         for row in result["resins"]:
             ratio = "{:g} to {:g}".format(*row["ratio_range"])
             young = "{:.3g} to {:.3g}".format(*row["young_kPa_range"])
@@ -134,7 +134,7 @@ def _render_puck(result: dict[str, Any]) -> list[str]:
     low, high = ("bonded" if friction[end] is None else f"{friction[end]:.2g}" for end in ("low", "high"))
     return [
         f"modulus   {young['value']:.4g} kPa (95 %: {young['low']:.4g} to {young['high']:.4g}), this puck alone",
-        f"plates    friction {low} to {high} agrees with the curve; it was not told and is in the interval",
+        f"plates    friction {low} to {high} agrees with the curve; not specified, included in the interval",
         f"misfit    {result['rmse_N']:.3g} N rms over {result['compression_mm'][0]:.3g} to "
         f"{result['compression_mm'][1]:.3g} mm",
         *_render_relaxation(result["relaxation"]),
@@ -150,10 +150,10 @@ def _render_relaxation(found: dict[str, Any] | None) -> list[str]:
     for arm in found["prony"]:
         beta, tau = arm["beta"], arm["tau_s"]
         lines.append(
-            f"arm       {beta['value']:.3g} of the long-term modulus (95 %: {beta['low']:.3g} to {beta['high']:.3g}) "
+            f"term      {beta['value']:.3g} of the long-term modulus (95 %: {beta['low']:.3g} to {beta['high']:.3g}) "
             f"at {tau['value']:.3g} s ({tau['low']:.3g} to {tau['high']:.3g})"
         )
-    return lines or ["arm       none that the holds can tell"]
+    return lines or ["term      none that the holds resolve"]
 
 
 def _render_resin(result: dict[str, Any]) -> list[str]:
@@ -164,7 +164,7 @@ def _render_resin(result: dict[str, Any]) -> list[str]:
         "",
         "  ratio   E kPa (95 % interval)     % of E per",
     ]
-    lines.append("                                  % of ratio   strength of arms, per long-term modulus")
+    lines.append("                                  % of ratio   Prony terms, relative to the long-term modulus")
     for row in result["curve"]:
         young = row["young_kPa"]
         arms = ", ".join(f"{arm['beta']:.2g} at {arm['tau_s']:g} s" for arm in row["prony"])

@@ -22,9 +22,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_effect_option(parser)
     shapes = "slab (default), crowned, layered, boned, auto (the best of all), or one with lengths, crowned:10,2"
     add("--shape", default="slab", metavar="NAME[:P,..]", help=shapes)
-    add("--no-cad", action="store_true", help="no mould, the recipe and the report alone")
-    add("--no-verify", action="store_true", help="do not solve the design again by finite elements")
-    add("--robot-mass", type=float, metavar="KG", help="safety view: a free mass that runs into tissue and pad")
+    add("--no-cad", action="store_true", help="skip the mould; write recipe and report only")
+    add("--no-verify", action="store_true", help="do not check the design by finite elements")
+    add("--robot-mass", type=float, metavar="KG", help="safety view: mass of the free body that hits tissue and pad")
     add("--robot-velocity", type=float, default=250.0, metavar="MM_S", help="its speed (default 250 mm/s)")
     add("--limits", metavar="FILE", help="safety view: your limits of force and pressure, with their source (TOML)")
     add("--out", metavar="DIR", help="folder of the files (default suggest-TISSUE)")
@@ -70,12 +70,12 @@ def render(result: dict[str, Any]) -> str:
         "scores, 0 to 1 (more is better):",
         "  " + "   ".join(f"{name.replace('_', ' ')} {value:.2f}" for name, value in best["scores"].items()),
         "",
-        "  steady N  mm/s   depth mm  depth/thickness  peak N   tissue peak N   share inside",
+        "  steady N  mm/s   depth mm  depth/thickness  peak N   tissue peak N   fraction in range",
     ]
     lines += [_condition(row) for row in best["conditions"]]
     lines += [
         "",
-        "  low forces (never measured on people; cubic extrapolated):",
+        "  small forces (extrapolated with the cubic law; no data on people):",
         "  N      depth mm   tissue mm",
     ]
     for row in best["low_force"]:
@@ -92,8 +92,9 @@ def _shapes(result: dict[str, Any]) -> list[str]:
         return []
     lines = [
         "",
-        "  shapes side by side (misfit: rms of ln F from 0.5 to 15 N; exponent d ln F / d ln x, tissue 3):",
-        "  misfit  share <5 N  share >5 N  exponent 1/5/15 N  d/h    total  pad",
+        "  shapes side by side (misfit: rms of ln F from 0.5 to 15 N; range: fraction of the steady curve in range;",
+        "  exponent d ln F / d ln x, tissue 3):",
+        "  misfit  range <5 N  range >5 N  exponent 1/5/15 N  d/h    total  pad",
     ]
     for row in result["shapes"]:
         if row["shape"] is None:
@@ -160,8 +161,8 @@ def _more(result: dict[str, Any]) -> list[str]:
         "",
         f"tolerance: modulus changes {slope:.0f} % per 1 % of ratio; "
         f"with {limits['weighing_g']:g} g and {limits['thickness_mm']:g} mm",
-        f"  {100 * tolerance['yield_fraction']:.0f} % of pours stay in the steady range at {judged} N "
-        f"({100 * tolerance['making_only_fraction']:.0f} % if the resin's numbers were exact); by force: "
+        f"  {100 * tolerance['yield_fraction']:.0f} % of castings are in the steady range at {judged} N "
+        f"({100 * tolerance['making_only_fraction']:.0f} % if the resin properties were known exactly); by force: "
         + ", ".join(f"{force} N {100 * share:.0f} %" for force, share in tolerance["by_force"].items()),
     ]
     checked = result["verification"]

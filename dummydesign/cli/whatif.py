@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-HELP = "Work out many slabs at once: depth, stiffness, local exponent, peak over steady, score for a tissue."
+HELP = "Compute many slabs at once: depth, stiffness, local exponent, peak over steady, score for a tissue."
 SHOWN = 40
 
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 AREA_MM2 = PUNCH_SIDE_MM**2
 TEXT = (
-    "What a robot does to the tissue and to the pad under the same press: the energy of the rise (integral of F dx "
+    "Load on the tissue and on the pad under the same press: the energy of the rise (integral of F dx "
     "from touch to stop, the criterion the paper names for dummy II) and the largest mean pressure, force over the "
     "14 x 14 mm face. A pad serves a criterion where its number lies among the subjects'. Peak pressure is not "
     "given: under a sharp edge it grows without bound, it needs the edge radius of the real part."
@@ -103,7 +103,7 @@ def safety_view(
         bodies = {"pad": pad_body(slabs)}
         words = (
             f"A free mass of {robot_mass_kg:g} kg touches at {robot_velocity_mm_s:g} mm/s and is stopped by the "
-            "clamped body alone; the energy is that of the mass, so force and depth tell the bodies apart."
+            "clamped body alone; the energy is that of the mass, so the bodies differ in force and depth."
         )
         try:
             bodies["tissue"] = tissue_body(answer.targets.tissue.parameter_sets, robot_velocity_mm_s)

@@ -18,7 +18,7 @@ from dummydesign.geometry.shapes import Slab
 from dummydesign.geometry.standard import PUNCH_SIDE_MM
 from dummydesign.pad.tables.punch import circle_of
 
-CALIBRATED = "designed with a calibration: its correction rests on the campaign, the table below it on elements"
+CALIBRATED = "designed with a calibration: the correction is based on the campaign, the table on finite elements"
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ def _verify(chosen: Chosen, space: SearchSpace) -> Verification:
     if isinstance(law, ElementsLaw):
         return of_shape(law, young, space.radius_mm)
     if chosen.shape != Slab():
-        text = f"{chosen.shape} was designed by its response table; predict --fidelity 3d solves it in minutes"
+        text = f"{chosen.shape} was designed with its response table; predict --fidelity 3d solves it in minutes"
         return not_verified(text)
     law = circle_of(law)
     depth = best.evaluation.depth_mm[best.index, : len(FORCES_N)]

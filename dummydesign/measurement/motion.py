@@ -132,12 +132,13 @@ def find_ramp(time_s: ArrayLike, displacement_mm: ArrayLike) -> Ramp:
     Raises
     ------
     InputError
-        When the motion never presses, or already presses at its first sample.
+        When the motion contains no compression, or already presses at its first sample.
     """
     time, x = np.asarray(time_s, float), np.asarray(displacement_mm, float)
     largest = float(x.max())
     if largest <= 0:
-        raise InputError(f"the motion never presses: largest displacement_mm = {largest:g}; compression is positive")
+        text = f"the motion contains no compression: largest displacement_mm = {largest:g}; compression is positive"
+        raise InputError(text)
     if x[0] > 0.1 * largest:
         raise InputError(f"the motion starts pressed at displacement_mm = {x[0]:g}; it must begin at or before contact")
     near = x >= largest - max(0.05, 0.03 * largest)

@@ -30,13 +30,13 @@ def write_compare_report(folder: Path, found: Comparison, tissue: Tissue, source
     mean = float(np.mean([row["inside_fraction"] for row in rows]))
     facts = [
         (_percent(steady["above_5N_fraction"]), "of the steady-state curve inside, 5 to 15 N"),
-        (_percent(steady["below_5N_fraction"]), "of it inside below 5 N, where nobody was measured"),
+        (_percent(steady["below_5N_fraction"]), "of it in range below 5 N, where there are no data on people"),
         (_percent(mean), "of force over time inside, mean of the conditions"),
         (f"{sum(known)} of {len(known)}", "parameters inside their bands"),
     ]
     lead = (
         f"Measured dummy against {tissue.title} ({tissue.name}), {len(tissue.subjects)} subjects, law {data['law']}. "
-        "Each press is held against the subjects at its own steady force, speed, hold and braking."
+        "Each press is compared with the subjects at its own steady force, speed, hold and braking."
     )
     sections = [
         Section("Steady force", _steady_words(data), [_steady(found, tissue)]),

@@ -97,7 +97,7 @@ def _groups(fit: Fit) -> list[tuple[float, float, list[tuple[Any, ...]]]]:
 def _words(fit: Fit) -> str:
     text = "Dots are means over the bins that were fitted, the line is the fit along the measured motion."
     more = len(_groups(fit)) - MOST_PLOTS
-    return text + (f" {more} more conditions stand in the residual table." if more > 0 else "")
+    return text + (f" {more} more conditions are in the residual table." if more > 0 else "")
 
 
 def _presses(fit: Fit) -> list[Plot]:

@@ -172,7 +172,7 @@ def _where(data: dict[str, Any]) -> Table:
          f"{after[row['factor']]['excess']:.0f}" if row["factor"] in after else None]
         for row in data["residual"]["where"]
     ]  # fmt: skip
-    return Table(["factor", "base: excess", "share of chi-square", "corrected: excess"], rows)
+    return Table(["factor", "base: excess", "fraction of chi-square", "corrected: excess"], rows)
 
 
 def _groups(result: LoopResult) -> Iterator[tuple[str, NDArray]]:

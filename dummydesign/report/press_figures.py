@@ -37,7 +37,7 @@ def table_of_parameters(parameters: Mapping[str, Any]) -> Table:
     for name, entry in parameters.items():
         several = {name: entry} if "value" in entry else {f"{name} at {v} mm/s": one for v, one in entry.items()}
         for label, one in several.items():
-            note = "ended at the edge of its box" if one.get("at_bound") else ""
+            note = "at the limit of its range" if one.get("at_bound") else ""
             note = "; ".join(part for part in (note, one.get("reason", "")) if part)
             rows.append([label, *(digits(one[key]) for key in ("value", "low", "high")), note])
     return Table(["parameter", "value", "95 % low", "95 % high", ""], rows)

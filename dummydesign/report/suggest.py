@@ -47,7 +47,7 @@ def write_suggestion(
         (f"{young['value']:.3g} kPa", f"long-term modulus (95 %: {young['low']:.3g} to {young['high']:.3g})"),
         *((f"{item['mass_g']:.1f} g", f"{item['name']} to weigh") for item in recipe["components"]),
         (f"{best['scores']['total']:.2f}", "score, 0 to 1"),
-        (f"{100 * result['sensitivity']['yield_fraction']:.0f} %", "of pours stay in the steady-state range"),
+        (f"{100 * result['sensitivity']['yield_fraction']:.0f} %", "of castings are in the steady-state range"),
     ]
     lead = (
         f"Recommended for {answer.tissue.title} ({answer.tissue.name}), aim {answer.request.aim}, of "
@@ -73,7 +73,7 @@ def write_suggestion(
 
 def _steady_words(answer: Suggestion) -> str:
     return (
-        "The relaxed pad against the subjects. Below 5 N nobody was measured; the range there is the cubic law "
+        "The relaxed pad and the subjects. Below 5 N there are no data on people; the range there is the cubic law "
         "extrapolated and drawn paler. "
         + (_FLAT if answer.shape.flat_top else "The pad's top is touched gradually, so it starts soft.")
     )
@@ -103,7 +103,7 @@ def _shapes(answer: Suggestion, result: dict[str, Any], curves: SuggestionCurves
     )
     if answer.centring:
         text += f" Of the recommended pad {answer.centring.text}."
-    head = ["pad", "thickness mm", "ratio", "misfit", "share 0.5 to 5 N", "share 5 to 15 N",
+    head = ["pad", "thickness mm", "ratio", "misfit", "in range 0.5 to 5 N", "in range 5 to 15 N",
             *(f"exponent at {force} N" for force in ("1", "5", "15")), "depth / thickness, 15 N", "total"]  # fmt: skip
     rows = []
     for row in result["shapes"]:
@@ -127,8 +127,8 @@ def _why(result: dict[str, Any]) -> str:
     return (
         f"Scores from 0 to 1: {scores}. The modulus changes {slope:.0f} % per 1 % of the ratio."
         "\n\n"
-        "In the map the ellipse holds what weighing and thickness errors can do at most; the dotted line is the 95 % "
-        "interval of the ratio that really gives the wanted modulus, over what is not known of the resin."
+        "In the map the ellipse bounds the effect of weighing and thickness errors; the dotted line is the 95 % "
+        "interval of the ratio that gives the wanted modulus, given the uncertainty of the resin."
     )
 
 
@@ -173,7 +173,7 @@ def _solids(best: dict[str, Any], files: dict[str, str]) -> Section:
     """The made parts when their STL files are there, else a plain block."""
     found = {name: Path(files[f"{name}_stl"]) for name in ("mould", "pad") if f"{name}_stl" in files}
     parts = {name: read_stl(path) for name, path in found.items() if path.is_file()}
-    text = "Drag or use the arrow keys to turn, scroll to come closer."
+    text = "Drag or use the arrow keys to turn, scroll to zoom."
     if "pad" not in parts:
         parts = {"pad": box(PAD_LENGTH_MM, PAD_WIDTH_MM, best["thickness_mm"])}
         text += " No mould was made; this is a block of the pad's size, without its shape."

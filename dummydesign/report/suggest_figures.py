@@ -134,7 +134,7 @@ def exponent_plot(answer: Suggestion, curves: SuggestionCurves) -> Plot:
     alt = f"Local exponent over thickness at ratio {answer.best.ratio:g}; the tissue's law has 3 everywhere."
     return Plot("exponent", f"Local exponent over thickness, ratio {answer.best.ratio:g}", alt, "thickness [mm]",
                 "d ln F / d ln x", "thickness_mm", "exponent", tuple(layers), zero=False,
-                note="1 is a straight line; the tissue's law has 3")  # fmt: skip
+                note="1 is linear; the tissue's law has 3")  # fmt: skip
 
 
 def sensitivity_bars(curves: SuggestionCurves) -> list[Plot]:

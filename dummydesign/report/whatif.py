@@ -200,5 +200,5 @@ def _table(study: Study, rows: Rows) -> Section:
         for force in forces:
             values += [row["depth_mm_at_N"][force], row["exponent_at_N"][force]]
         lines.append([*values, *(row["peak_over_steady"][speed] for speed in speeds), row["limit"] or ""])
-    more = f"The first {SHOWN} of {len(rows)} designs; all stand in rows.csv." if len(rows) > SHOWN else ""
+    more = f"The first {SHOWN} of {len(rows)} designs; all are in rows.csv." if len(rows) > SHOWN else ""
     return Section("Rows", more, table=Table(head, lines))

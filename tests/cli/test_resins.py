@@ -66,7 +66,7 @@ def test_show_gives_every_number_with_its_source(capsys):
     assert found["resin"]["modulus"]["young_ref_kPa"]["value"] == 25.0
     assert run(["resins", "show", "polyurethane-nagoya"]) == 0
     text = capsys.readouterr().out
-    assert "per long-term modulus" in text and "section IV" in text
+    assert "relative to the long-term modulus" in text and "section IV" in text
 
 
 def test_show_writes_a_plot_and_its_data(tmp_path, capsys):

@@ -109,7 +109,8 @@ def test_without_cad_the_recipe_stands_and_the_missing_step_is_named(capsys, mon
 def test_text_shows_recipe_scores_and_what_it_rests_on(capsys):
     assert run(["suggest", "--tissue", "forefinger", *QUICK]) == 0
     text = capsys.readouterr().out
-    for part in ("polyol", "isocyanate", "total", "share inside", "inferred or assumed", "alternatives", "% of pours"):
+    parts = ("polyol", "isocyanate", "total", "fraction in range", "inferred or assumed", "alternatives")
+    for part in (*parts, "% of castings"):
         assert part in text
     assert max(len(line) for line in text.splitlines() if not line.startswith(("warning", "next"))) < 260
 

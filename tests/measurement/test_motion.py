@@ -76,7 +76,7 @@ def test_speed_depth_and_stop_are_found_in_a_quantised_noisy_motion(speed, depth
         (lambda: ramp_and_hold(10.0, [1.0, -1.0]), "depth_mm = -1"),
         (lambda: ramp_and_hold(10.0, 1.0, hold_s=np.nan), "hold_s"),
         (lambda: ramp_and_hold(10.0, 1.0, deceleration_mm_s2=0.0), "deceleration"),
-        (lambda: find_ramp(np.arange(5.0), -np.arange(5.0)), "never presses"),
+        (lambda: find_ramp(np.arange(5.0), -np.arange(5.0)), "contains no compression"),
         (lambda: find_ramp(np.arange(5.0), np.full(5, 2.0)), "starts pressed"),
     ],
 )

@@ -122,7 +122,7 @@ def test_what_is_not_identifiable_is_said_beside_its_parameter():
 
     entry = {"value": 2.0, "low": None, "high": 3.0, "at_bound": True, "reason": "not identifiable: no bound below"}
     row = table_of_parameters({"c2": {"10": entry}, "gamma1": entry | {"at_bound": False, "reason": ""}}).rows
-    assert row[0] == ["c2 at 10 mm/s", "2", None, "3", "ended at the edge of its box; not identifiable: no bound below"]
+    assert row[0] == ["c2 at 10 mm/s", "2", None, "3", "at the limit of its range; not identifiable: no bound below"]
     assert row[1][-1] == ""
 
 

@@ -41,7 +41,7 @@ class CentringTolerance:
     def text(self) -> str:
         """The margins as a sentence."""
         parts = [f"{m:.1f} mm at {f:g} N" for f, m in zip(self.force_N, self.margin_mm) if m is not None]
-        return f"the crown has a centre: the punch may land off it by {', '.join(parts)} before the force changes"
+        return f"alignment tolerance of the crown: {', '.join(parts)}; beyond it the force changes"
 
 
 def centring_tolerance(

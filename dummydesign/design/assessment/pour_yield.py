@@ -43,9 +43,9 @@ class PourYield:
     judged_at_N : tuple of float
         These forces, out of 5, 10 and 15 N.
     making_only_fraction : float
-        The same if the resin's numbers were exactly as stated: weighing and thickness alone.
+        The same if the resin properties were known exactlyly as stated: weighing and thickness alone.
     by_force : dict
-        {force: share inside at this force}, every uncertainty.
+        {force: fraction in range at this force}, every uncertainty.
     by_force_making_only : dict
         {force: share}, weighing and thickness alone.
     young_spread_percent : float

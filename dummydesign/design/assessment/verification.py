@@ -40,7 +40,7 @@ def of_shape(law: ElementsLaw, young_MPa: float, radius_mm: float) -> Verificati
     """The record of a shape that was designed on its own elements: what the table gave, what was solved."""
     table = np.asarray(law.table.force(law.depth_mm, law.thickness_mm, young_MPa, radius_mm), float)
     solved = table * np.exp(law.log_factor)
-    note = "the design rests on the solve, not on the table"
+    note = "the design is based on the finite-element solution, not on the table"
     depths = tuple(law.depth_mm.tolist())
     off = 100.0 * law.largest_difference
     fidelity = law.table.shape.fidelity

@@ -42,7 +42,7 @@ def rests_on(resin: Resin, tissue: Tissue, best: Candidate) -> dict[str, Any]:
     text = (
         f"{sum(weak.values())} of the {total} numbers that decide this design are inferred or assumed "
         f"(tissue {weak['tissue']} of {len(tissue_kinds)}, resin {weak['resin']} of {len(resin_kinds)}). "
-        f"The design needs {wanted:.3g} kPa; with what is not known of the resin the ratio that gives it "
+        f"The design needs {wanted:.3g} kPa; given the uncertainty of the resin, the ratio that gives it "
         f"lies between {low:.2f} and {high:.2f} (95 %)."
     )
     return {
@@ -65,13 +65,14 @@ def _both(tissue_kinds: list[str], resin_kinds: list[str]) -> list[tuple[str, li
 def _next_step(resin: Resin, best: Candidate, weak: dict[str, int]) -> str:
     """The measurement that would help most."""
     if not resin.points and weak["resin"]:
+        second = best.ratio + 1.0 if best.ratio + 1.0 <= resin.ratio_max else best.ratio - 1.0
         return (
-            f"pour a test puck at ratio {best.ratio:g} and one a part higher, measure their modulus and give "
+            f"pour two test pucks, at ratios {best.ratio:g} and {second:g}, measure their modulus and pass "
             "both to 'dummydesign resins add'"
         )
     if weak["tissue"]:
         return "replace the inferred tissue by your own traces with 'dummydesign tissues add'"
-    return "cast the pad, press it as the protocol says and give the traces to 'dummydesign compare'"
+    return "cast the pad, press it by the protocol and pass the traces to 'dummydesign compare'"
 
 
 def _leaves(numbers: dict[str, Any]) -> list[Any]:
@@ -111,8 +112,8 @@ def design_warnings(
     said += _edges(chosen)
     if pour.yield_fraction < 0.5:
         share, exact = 100 * pour.yield_fraction, 100 * pour.making_only_fraction
-        text = f"{share:.0f} % of pours stay in the steady-state range"
-        said.append(("low_yield", f"{text} ({exact:.0f} % if the resin's numbers were exact)"))
+        text = f"{share:.0f} % of castings are in the steady-state range"
+        said.append(("low_yield", f"{text} ({exact:.0f} % if the resin properties were known exactly)"))
     said += [("calibration", note) for note in chosen.law.notes]
     missed = [force for force in FORCES_N if force not in pour.judged_at_N]
     if missed:
@@ -121,7 +122,7 @@ def design_warnings(
     said += _of_data(resin, tissue)
     off = verification.max_difference_percent
     if off is not None and off > 1.0 and chosen.shape.name == "slab":
-        said.append(("table_error", f"the table is {off:.1f} % off the finite-element solve"))
+        said.append(("table_error", f"the table differs by {off:.1f} % from the finite-element solution"))
     said += [("verification", note) for note in verification.notes if verify]
     return [{"code": code, "message": message} for code, message in said]
 
@@ -133,7 +134,7 @@ def _of_forces(chosen: Chosen, space: SearchSpace) -> list[tuple[str, str]]:
     for column, condition in enumerate(space.targets.conditions):
         if not np.isfinite(best.evaluation.depth_mm[best.index, column]):
             force, speed = condition.steady_force_N, condition.velocity_mm_s
-            said.append(("out_of_reach", f"{force:g} N at {speed:g} mm/s is out of reach and counts as outside"))
+            said.append(("out_of_reach", f"{force:g} N at {speed:g} mm/s is out of reach and counts as out of range"))
     low = float(best.evaluation.low_force_range[best.index])
     if low < 0.5:
         share = f"below 5 N only {100 * low:.0f} % of the steady curve lies in the (extrapolated) range: "
@@ -170,5 +171,5 @@ def _edges(chosen: Chosen) -> list[tuple[str, str]]:
         ("ratio", best.ratio, searched.ratio),
     ):
         if len(steps) > 1 and value in (steps[0], steps[-1]):
-            said.append(("at_edge", f"the best {name} {value:g} is at the end of what was searched"))
+            said.append(("at_edge", f"the best {name} {value:g} is at the limit of the range searched"))
     return said

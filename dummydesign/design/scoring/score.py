@@ -1,4 +1,4 @@
-"""Scores of many designs at once: share inside the tissue's ranges, closeness to the aim, parameters.
+"""Scores of many designs at once: fraction in range the tissue's ranges, closeness to the aim, parameters.
 
 Every part lies between 0 and 1 and more is better; the total is their weighted mean (:data:`WEIGHTS`), so
 it rises whenever a part rises and the others stay. A condition out of reach counts as 0, never as missing.
@@ -19,9 +19,9 @@ FIRST_HOLD_S = 0.005
 """Time after the stop from which the hold counts, as in the tissue's own definition. [s]"""
 
 WEIGHTS = {"aim": 0.6, "steady_state_range": 0.15, "force_variation_range": 0.15, "parametric": 0.1}
-"""The curves lead, nine tenths: closeness to the aim's own curves, then the share inside the ranges. The
+"""The curves lead, nine tenths: closeness to the aim's own curves, then the fraction in range the ranges. The
 parameters mislead when a pad's exponent differs from 3 (the paper's dummy III) and count least. The aim
-weighs most because a share inside a range does not tell its middle from its stiff edge."""
+weighs most because a fraction in range a range does not tell its middle from its stiff edge."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ def evaluate(slabs: Slabs, targets: Targets, sampling: Sampling = COARSE, exact:
     sampling : Sampling
         Sampling of the presses; the coarse default serves the map.
     exact : bool
-        Use the tissue's own definition of the share inside a force range (slower) instead of the same
+        Use the tissue's own definition of the fraction in range a force range (slower) instead of the same
         share taken at the samples.
 
     Returns

@@ -93,8 +93,8 @@ def study_warnings(study: Study, rows: list[dict[str, Any]]) -> list[dict[str, s
         said.append({"code": "out_of_reach", "message": message})
     rough = [row["force_error_percent"] for row in rows if (row["force_error_percent"] or 0.0) > ROUGH_PERCENT]
     if rough:
-        message = f"forces of {len(rough)} designs are known to {max(rough):.1f} % at worst ('force_error_percent')"
-        said.append({"code": "rough_solve", "message": f"{message}; their exponents are rougher still"})
+        message = f"the force of {len(rough)} designs has an error of up to {max(rough):.1f} % ('force_error_percent')"
+        said.append({"code": "rough_solve", "message": f"{message}; their exponents are less accurate"})
     if study.reduced:
         message = f"{', '.join(study.reduced)}: taken as the circle of equal area; --fidelity 3d solves the corners"
         said.append({"code": "punch_as_circle", "message": message})

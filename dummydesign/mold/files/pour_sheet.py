@@ -48,7 +48,7 @@ def pour_sheet(spec: MouldSpec, plan: PourPlan, warnings: Sequence[dict[str, str
         *_weight_blocks(spec, plan),
         *_pour_blocks(spec, plan),
         *_demould_blocks(spec),
-        Block("head", "Mind"),
+        Block("head", "Cautions"),
         Block("list", items=tuple(item["message"] for item in warnings)),
     ]
 

@@ -25,8 +25,8 @@ def pour_warnings(spec: MouldSpec, plan: PourPlan) -> list[dict[str, str]]:
         found.append(
             (
                 "meniscus",
-                f"a rim of up to {plan.meniscus_mm:.1f} mm climbs the walls of an open cavity: fill to the sharp "
-                f"step of the brim, no higher, and lower {plate}",
+                f"the liquid forms a meniscus up to {plan.meniscus_mm:.1f} mm high at the walls of an open cavity: "
+                f"fill to the sharp step of the brim, no higher, and lower {plate}",
             )
         )
     small = max([plan, plan.base] if plan.base else [plan], key=lambda part: part.ratio_error_percent)

@@ -56,7 +56,7 @@ def live_section(data: dict[str, Any], resin: Resin, tissue: Tissue | None, star
     ]
     if tissue is not None:
         numbers += [
-            ("inside_fraction", f"share of the press inside the range of {tissue.name}"),
+            ("inside_fraction", f"fraction of the press in the range of {tissue.name}"),
             ("tissue_depth", f"depth of {tissue.name}"),
             ("tissue_peak", f"peak of {tissue.name}"),
         ]

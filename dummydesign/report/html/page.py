@@ -88,7 +88,7 @@ def page(
     cited = f'<section><h2>Sources</h2><ul class="sources">{listed}</ul></section>' if listed else ""
     beside = ""
     if tables:
-        beside = f" The values of every figure stand in the {escape(tables)}-*.csv files beside this page."
+        beside = f" The values of every figure are in the {escape(tables)}-*.csv files beside this page."
     return (
         '<!doctype html><html lang="en"><head><meta charset="utf-8">'
         f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'

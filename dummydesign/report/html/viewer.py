@@ -72,7 +72,7 @@ def solid_section(parts: Mapping[str, NDArray], text: str) -> Section:
     names = " and ".join(parts)
     html = (
         '<div class="viewer"><canvas id="view-canvas" tabindex="0" role="img" '
-        f'aria-label="{escape(names)} as solids; drag or use the arrow keys to turn, scroll to come closer"></canvas>'
+        f'aria-label="{escape(names)} as solids; drag or use the arrow keys to turn, scroll to zoom"></canvas>'
         '<div class="controls noprint"><label>apart <input type="range" id="view-apart" min="0" max="1" step="0.01" '
         f'value="{1 if len(packed) > 1 else 0}"></label></div><p id="view-note"></p></div>'
         f'<script type="application/json" id="view-data">{script_json(packed)}</script>'

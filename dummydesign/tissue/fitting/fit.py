@@ -259,7 +259,7 @@ def _warnings(law: str, result: dict[str, Any], pairs: Sequence[tuple[Problem, O
         for key, one in {"": entry}.items() if "value" in entry else entry.items():
             at = f" at {key} mm/s" if key else ""
             if one["at_bound"]:
-                found.append({"code": "at_bound", "message": f"{name}{at} ended at the edge of its box"})
+                found.append({"code": "at_bound", "message": f"{name}{at} at the limit of its range"})
             elif "not identifiable" in one.get("reason", ""):
                 found.append({"code": "not_identifiable", "message": f"{name}{at}: {one['reason']}"})
     broken = _paper_order(pairs)

@@ -195,7 +195,7 @@ def steady_inside(subjects: tuple[Parameters, ...], force_N: ArrayLike, depth_mm
     force_N : array_like, shape (n,)
         Rising steady forces; the part of 0.5 to 15 N that they cover is judged. [N]
     depth_mm : array_like, shape (..., n)
-        Depth of each curve at those forces; NaN where it is out of reach (counts as outside). [mm]
+        Depth of each curve at those forces; NaN where it is out of reach (counts as out of range). [mm]
 
     Returns
     -------

@@ -274,7 +274,7 @@ def test_traces_without_a_press_or_a_hold_are_refused_by_name(clean):
     with pytest.raises(InputError, match="at least one trace"):
         fit_traces([])
     still = Trace("still.csv", whole.time_s, -1.0 + 0 * whole.displacement_mm, whole.force_N)
-    with pytest.raises(InputError, match=r"still.csv: the motion never presses"):
+    with pytest.raises(InputError, match=r"still.csv: the motion contains no compression"):
         fit_traces([still])
     short = whole.time_s < whole.time_s[0] + 0.06 + np.cbrt(5 / GAMMA1) / 10
     cut = Trace("cut.csv", whole.time_s[short], whole.displacement_mm[short], whole.force_N[short])

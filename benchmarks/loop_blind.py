@@ -20,8 +20,10 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from dummydesign.loop.calibration import calibration_of, replay  # noqa: E402
-from dummydesign.loop.run import LoopResult, close_loop  # noqa: E402
+from dummydesign.loop.calibration import calibration_of  # noqa: E402
+from dummydesign.loop.replay import replay  # noqa: E402
+from dummydesign.loop.result import LoopResult  # noqa: E402
+from dummydesign.loop.run import close_loop  # noqa: E402
 from dummydesign.measurement.campaign_file import read_campaign  # noqa: E402
 from tests.support import campaign_generator as generator  # noqa: E402
 

@@ -15,7 +15,8 @@ from pathlib import Path
 
 import numpy as np
 
-from dummydesign.loop.calibration import calibration_of, replay
+from dummydesign.loop.calibration import calibration_of
+from dummydesign.loop.replay import replay
 from dummydesign.loop.result import result_dict
 from dummydesign.loop.run import close_loop
 from dummydesign.measurement.campaign import Campaign

@@ -85,17 +85,18 @@ def replay(campaign: str | PathLike[str], calibration: str | PathLike[str], *, e
     InputError
         For files that cannot be used.
     """
-    from dummydesign.loop.calibration import replay as predict_again
     from dummydesign.loop.calibration_file import read_calibration
     from dummydesign.loop.effects.own import own_effects
+    from dummydesign.loop.replay import replay as predict_again
     from dummydesign.measurement.campaign_file import read_campaign
 
     with own_effects([fspath(path) for path in effects]):
         known, read = read_calibration(fspath(calibration)), read_campaign(fspath(campaign))
         found = predict_again(read, known)
+    caution = [{"code": "calibration", "message": known.caution}] if known.caution else []
     result = {
         "inputs": {"campaign": fspath(campaign), "calibration": fspath(calibration)},
-        "warnings": list(read.warnings),
+        "warnings": [*read.warnings, *caution],
         "verdict": known.verdict,
         "effects": [one.effect.name for one in known.after.active],
         **found.to_dict(),

@@ -43,6 +43,9 @@ def render(result: dict[str, Any]) -> str:
         return "-" if value is None else format(value, form)
 
     lines = [f"verdict: {result['verdict']}"]
+    over, expected = (result["residual"][f"{name}_over_noise_floor"] for name in ("heldout", "expected"))
+    if over is not None:
+        lines.append(f"left out: predicted to {over:.2f} noise floors; {expected:.2f} when nothing is missing")
     for reason in result["residual"]["unexplained_because"]:
         lines.append(f"  unexplained: {reason}")
     for effect in result["effects"]:

@@ -8,17 +8,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.errors import InputError
-from dummydesign.core.threads import one_blas_thread
 from dummydesign.loop.data.reduction import HOLD, PRE, RISE, UNLOADING
-from dummydesign.loop.data.trials import Presses, make_presses
+from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.fitting.fit import Fit
 from dummydesign.loop.fitting.noise import LAW_TERMS
-from dummydesign.loop.model.base_law import PuckLaw, SlabLaw, law_of
+from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
 from dummydesign.loop.model.forward_model import Active, LawError, simulate
 from dummydesign.loop.model.parameters import BaseParameters
-from dummydesign.loop.run import LoopResult, start_young_kPa
-from dummydesign.measurement.campaign import Campaign
+from dummydesign.loop.result import LoopResult
+from dummydesign.loop.run import start_young_kPa
 from dummydesign.pad.material.relaxation import PronyTerm
 
 _PHASES = {PRE: "before_contact", RISE: "rise", HOLD: "hold", UNLOADING: "unloading"}
@@ -76,6 +74,8 @@ class Calibration:
     noise_floor_N : float
     pad : dict
         Set-up of the campaign: young_kPa_expected, resin, ratio, base, shape.
+    unexplained_because : tuple of str
+        Why the verdict is ``unexplained``; empty otherwise, and in files of earlier versions.
     """
 
     base: Model
@@ -84,6 +84,15 @@ class Calibration:
     remainder_N: dict[str, float]
     noise_floor_N: float
     pad: dict[str, Any]
+    unexplained_because: tuple[str, ...] = ()
+
+    @property
+    def caution(self) -> str:
+        """What a user of an incomplete calibration must be told; empty when what it left was noise."""
+        if self.verdict != "unexplained":
+            return ""
+        why = f": {self.unexplained_because[0]}" if self.unexplained_because else ""
+        return f"the calibration's verdict is unexplained, something is missing in its model{why}"
 
     def prony(self) -> tuple[PronyTerm, ...]:
         """Relaxation of the corrected material at small strain, extra modes included."""
@@ -123,66 +132,6 @@ def calibration_of(result: LoopResult) -> Calibration:
         "shape": result.campaign.pad.shape,
     }
     return Calibration(
-        model_of(result.base.fit), model_of(fit), result.verdict, left, fit.sizes.floor_N, pad
-    )
-
-
-@dataclass(frozen=True)
-class Replayed:
-    """A campaign predicted with a calibration: errors per trial and over all samples. [N]"""
-
-    files: tuple[str, ...]
-    rmse_N: NDArray
-    base_rmse_N: NDArray
-    peak_error_N: NDArray
-    total_rmse_N: float
-    total_base_rmse_N: float
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the JSON of ``replay``."""
-        rows = zip(self.files, self.rmse_N, self.base_rmse_N, self.peak_error_N)
-        return {
-            "trials": [
-                {"file": file, "rmse_N": float(own), "base_rmse_N": float(base), "peak_error_N": float(peak)}
-                for file, own, base, peak in rows
-            ],
-            "rmse_N": self.total_rmse_N,
-            "base_rmse_N": self.total_base_rmse_N,
-        }
-
-
-@one_blas_thread()
-def replay(campaign: Campaign, calibration: Calibration) -> Replayed:
-    """Predict a campaign with the corrected and with the base model, nothing fitted.
-
-    ``peak_error_N`` is modelled minus measured largest force, both smoothed over five samples.
-
-    Raises
-    ------
-    InputError
-        When an effect of the calibration has no value on these pads, or needs what the campaign does not declare.
-    """
-    law, presses = law_of(campaign), make_presses(campaign)
-    for one in calibration.after.active:
-        reason = one.effect.undefined(presses, law)
-        if reason:
-            raise InputError(f"the calibration holds {one.effect.name}, which this campaign cannot take: {reason}")
-    after = presses.at_samples(calibration.after.nodes(presses, law))
-    base = presses.at_samples(calibration.base.nodes(presses, law))
-    measured = [trial.trace.force_N for trial in campaign.trials]
-
-    def squares(model: list[NDArray]) -> list[float]:
-        return [float(np.mean((f - m) ** 2)) for f, m in zip(measured, model)]
-
-    weight = np.array([len(f) for f in measured])
-    own, plain = np.array(squares(after)), np.array(squares(base))
-    smooth = np.ones(5) / 5.0
-
-    def peak(force: NDArray) -> float:
-        return float(np.convolve(force, smooth, "valid").max())
-
-    peaks = [peak(m) - peak(f) for f, m in zip(measured, after)]
-    return Replayed(
-        tuple(trial.file for trial in campaign.trials), np.sqrt(own), np.sqrt(plain), np.array(peaks),
-        float(np.sqrt(np.average(own, weights=weight))), float(np.sqrt(np.average(plain, weights=weight))),
+        model_of(result.base.fit), model_of(fit), result.verdict, left, fit.sizes.floor_N, pad,
+        result.remainder.reasons,
     )  # fmt: skip

@@ -35,6 +35,7 @@ def write_calibration(calibration: Calibration, path: str | Path) -> Path:
         "schema": SCHEMA,
         "version": __version__,
         "verdict": calibration.verdict,
+        "unexplained_because": list(calibration.unexplained_because),
         "base": calibration.base.to_dict(),
         "after": calibration.after.to_dict(),
         "remainder_rmse_N": calibration.remainder_N,
@@ -86,7 +87,17 @@ def _calibration(data: dict[str, Any]) -> Calibration:
         {phase: _number(left, phase, "remainder_rmse_N", 0.0) for phase in left},
         _number(data, "noise_floor_N", "", 0.0),
         _pad(_entry(data, "pad", dict, "")),
+        _reasons(data),
     )
+
+
+def _reasons(data: dict[str, Any]) -> tuple[str, ...]:
+    """Why the verdict is unexplained; files of earlier versions do not say it."""
+    rows = _entry(data, "unexplained_because", list, "") if "unexplained_because" in data else []
+    for place, row in enumerate(rows):
+        if not isinstance(row, str):
+            raise _Fault(f"unexplained_because[{place}] = {_shown(row)} is not a text")
+    return tuple(rows)
 
 
 def _pad(table: dict[str, Any]) -> dict[str, Any]:

@@ -33,7 +33,7 @@ class CorrectedLaw(BaseForceLaw):
     @property
     def notes(self) -> tuple[str, ...]:
         """What a reader of the design must know of the effects in it."""
-        said = []
+        said = [self.calibration.caution] if self.calibration.caution else []
         for one in self.calibration.design_effects():
             if one.effect.designed_for:
                 said.append(f"the calibration holds {one.effect.name}: the design is for {one.effect.designed_for}")

@@ -1,14 +1,66 @@
-"""The JSON of ``loop``."""
+"""What the loop found, and the JSON of ``loop``."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from dummydesign.loop.data.trials import Presses
+from dummydesign.loop.fitting.candidates import Candidate
+from dummydesign.loop.fitting.screening import Screened
 from dummydesign.loop.judging.acceptance import Found
-from dummydesign.loop.judging.assessed import effect_intervals
-from dummydesign.loop.run import LoopResult
+from dummydesign.loop.judging.assessed import Stage, effect_intervals
+from dummydesign.loop.judging.residual_checks import Check
+from dummydesign.loop.judging.residual_dependence import Dependence
+from dummydesign.loop.judging.verdict import Remainder
+from dummydesign.loop.next_measurement import NextMeasurement
+from dummydesign.measurement.campaign import Campaign
+
+
+@dataclass(frozen=True)
+class LoopResult:
+    """All that the loop found.
+
+    Attributes
+    ----------
+    campaign, presses
+    base, after : Stage
+        Without and with the accepted effects; the same when there are none.
+    verdict : str
+        ``effect``, ``none`` or ``unexplained``.
+    effects : tuple of Found
+    screened : tuple of Screened
+        Scores of all effects at the base.
+    ranking : tuple of Candidate
+        Joint fits at the base, best first.
+    remainder : Remainder
+    where, where_after : tuple of Dependence
+        What the residual of the base and of the corrected model depends on.
+    checks : tuple of Check
+        Of the corrected model.
+    next : NextMeasurement or None
+    untested : dict
+        Effects that this campaign cannot test, with the reason.
+    warnings : tuple of dict
+    """
+
+    campaign: Campaign
+    presses: Presses
+    base: Stage
+    after: Stage
+    verdict: str
+    effects: tuple[Found, ...]
+    screened: tuple[Screened, ...]
+    ranking: tuple[Candidate, ...]
+    remainder: Remainder
+    where: tuple[Dependence, ...]
+    where_after: tuple[Dependence, ...]
+    checks: tuple[Check, ...]
+    next: NextMeasurement | None
+    untested: dict[str, str]
+    warnings: tuple[dict[str, str], ...]
 
 
 def result_dict(result: LoopResult) -> dict[str, Any]:
@@ -26,6 +78,8 @@ def result_dict(result: LoopResult) -> dict[str, Any]:
             "where": [one.to_dict() for one in result.where],
             "where_after": [one.to_dict() for one in result.where_after],
             "unexplained_because": list(result.remainder.reasons),
+            "heldout_over_noise_floor": result.remainder.over_floor,
+            "expected_over_noise_floor": result.remainder.expected,
             "checks": [check.to_dict() for check in result.checks],
             "by_trial": [
                 {

@@ -3,71 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.threads import one_blas_thread
 from dummydesign.loop.data.trials import Presses, make_presses
 from dummydesign.loop.effects import known_effects
-from dummydesign.loop.fitting.base_fit import fit_base, same_noise
-from dummydesign.loop.fitting.candidates import Candidate, rank
+from dummydesign.loop.fitting.base_fit import fit_base
+from dummydesign.loop.fitting.candidates import Candidate
 from dummydesign.loop.fitting.noise import repeat_pairs
-from dummydesign.loop.fitting.screening import Screened
-from dummydesign.loop.judging.acceptance import Found, accept
+from dummydesign.loop.judging.acceptance import Found
 from dummydesign.loop.judging.assessed import Stage, make_stage
-from dummydesign.loop.judging.residual_checks import Check, run_checks
-from dummydesign.loop.judging.residual_dependence import Dependence, dependences
-from dummydesign.loop.judging.verdict import GAIN_FLOOR, SECOND_FLOOR, SECOND_SHARE, Remainder, remainder
+from dummydesign.loop.judging.residual_checks import run_checks
+from dummydesign.loop.judging.residual_dependence import dependences
+from dummydesign.loop.judging.search import search
+from dummydesign.loop.judging.verdict import remainder
 from dummydesign.loop.model.base_law import PuckLaw, SlabLaw, law_of
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.next_measurement import NextMeasurement, next_measurement
+from dummydesign.loop.result import LoopResult
 from dummydesign.measurement.campaign import Campaign
 
 Progress = Callable[[str], None]
-
-
-@dataclass(frozen=True)
-class LoopResult:
-    """All that the loop found.
-
-    Attributes
-    ----------
-    campaign, presses
-    base, after : Stage
-        Without and with the accepted effects; the same when there are none.
-    verdict : str
-        ``effect``, ``none`` or ``unexplained``.
-    effects : tuple of Found
-    screened : tuple of Screened
-        Scores of all effects at the base.
-    ranking : tuple of Candidate
-        Joint fits at the base, best first.
-    remainder : Remainder
-    where, where_after : tuple of Dependence
-        What the residual of the base and of the corrected model depends on.
-    checks : tuple of Check
-        Of the corrected model.
-    next : NextMeasurement or None
-    untested : dict
-        Effects that this campaign cannot test, with the reason.
-    warnings : tuple of dict
-    """
-
-    campaign: Campaign
-    presses: Presses
-    base: Stage
-    after: Stage
-    verdict: str
-    effects: tuple[Found, ...]
-    screened: tuple[Screened, ...]
-    ranking: tuple[Candidate, ...]
-    remainder: Remainder
-    where: tuple[Dependence, ...]
-    where_after: tuple[Dependence, ...]
-    checks: tuple[Check, ...]
-    next: NextMeasurement | None
-    untested: dict[str, str]
-    warnings: tuple[dict[str, str], ...]
 
 
 @one_blas_thread()
@@ -98,30 +54,17 @@ def close_loop(campaign: Campaign, progress: Progress | None = None, young_MPa: 
     base_fit = fit_base(presses, law, start, progress)
     base = make_stage(base_fit)
     available, untested = _available(presses, law)
-    screened, ranking = rank(base_fit, available, progress)
-    effects: list[Found] = []
-    after = base
-    first = accept(base, screened, ranking, GAIN_FLOOR)
-    if first is not None:
-        after = make_stage(same_noise(first.candidate.fit))
-        effects.append(first)
-        tell("second effect")
-        rest = tuple(e for e in available if e.name != first.candidate.effect.name)
-        more, second_ranking = rank(after.fit, rest, progress, keep=6, least_z=4.0)
-        second = accept(after, more, second_ranking, max(SECOND_FLOOR, SECOND_SHARE * first.candidate.gain))
-        if second is not None:
-            after = make_stage(same_noise(second.candidate.fit))
-            effects.append(second)
+    found = search(base, available, progress)
+    after, effects = found.after, found.effects
     tell("remainder")
     where_after = dependences(after.fit)
     checks = run_checks(after.fit)
-    won = sum(found.candidate.gain for found in effects)
-    left = remainder(base.lack, after.lack, won, where_after, checks)
+    left = remainder(base, after, where_after, checks)
     verdict = "unexplained" if left.reasons else "effect" if effects else "none"
     tell("next measurement")
-    following = _next(campaign, base, effects, ranking)
+    following = _next(campaign, base, effects, found.ranking)
     return LoopResult(
-        campaign, presses, base, after, verdict, tuple(effects), tuple(screened), tuple(ranking), left,
+        campaign, presses, base, after, verdict, effects, tuple(found.screened), tuple(found.ranking), left,
         tuple(dependences(base.fit)), tuple(where_after), tuple(checks), following, untested,
         _warnings(campaign, presses, law),
     )  # fmt: skip
@@ -152,7 +95,7 @@ def _available(presses: Presses, law: SlabLaw | PuckLaw) -> tuple[tuple[Effect, 
 
 
 def _next(
-    campaign: Campaign, base: Stage, effects: list[Found], ranking: list[Candidate]
+    campaign: Campaign, base: Stage, effects: tuple[Found, ...], ranking: list[Candidate]
 ) -> NextMeasurement | None:
     """Separate the two likeliest explanations: effect and runner-up, or nothing and the best candidate."""
     if effects:

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.loop.result import result_dict
-from dummydesign.loop.run import LoopResult
+from dummydesign.loop.result import LoopResult, result_dict
 from dummydesign.report.figures.layers import Band, Bars, Dots, Line
 from dummydesign.report.figures.plot import Plot
 from dummydesign.report.html.page import Section, Table, write_report

@@ -15,7 +15,7 @@ import scipy.linalg  # noqa: F401
 from threadpoolctl import ThreadpoolController, threadpool_limits
 
 from dummydesign.core.threads import ONE_THREAD, one_blas_thread
-from dummydesign.loop.calibration import replay
+from dummydesign.loop.replay import replay
 from dummydesign.loop.run import close_loop
 from dummydesign.tissue.fitting.fit import fit_traces
 

@@ -12,11 +12,12 @@ import pytest
 from dummydesign import cli
 from dummydesign.core.errors import InputError
 from dummydesign.design.calibrated import with_calibration
-from dummydesign.loop.calibration import Calibration, Model, replay
+from dummydesign.loop.calibration import Calibration, Model
 from dummydesign.loop.calibration_file import read_calibration, write_calibration
 from dummydesign.loop.effects import EFFECTS
 from dummydesign.loop.model.forward_model import Active
 from dummydesign.loop.model.parameters import HIGH, LOW, BaseParameters
+from dummydesign.loop.replay import replay
 from dummydesign.measurement.campaign_file import read_campaign
 from dummydesign.resin import load_resin
 

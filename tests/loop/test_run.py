@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.loop.calibration import calibration_of, replay
+from dummydesign.loop.calibration import calibration_of
 from dummydesign.loop.calibration_file import read_calibration, write_calibration
+from dummydesign.loop.replay import replay
 from dummydesign.loop.result import result_dict
 from dummydesign.loop.run import close_loop
 from dummydesign.measurement.campaign_file import read_campaign

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from tests.support.campaign_press import Pad, Physics, butterworth, pad_force
+from tests.support.campaign_signal import as_saved, at_the_pad, at_the_punch, slow_noise
 
 # Usual size of each effect (the middle strength); the sign is drawn where two signs make sense.
 SIZES = {
@@ -120,9 +121,18 @@ def motion(row: dict, depth: float, deceleration: float, rng: np.random.Generato
 
 
 def write_campaign(
-    folder: Path, effect: str, size: float, seed: int, held_out: bool = False, level_error: float = 0.005
+    folder: Path,
+    effect: str,
+    size: float,
+    seed: int,
+    held_out: bool = False,
+    level_error: float = 0.005,
+    more: tuple[tuple[str, float], ...] = (),
 ) -> Truth:
-    """Write a campaign with one effect of the given size; the same seed has the same material in both roles."""
+    """Write a campaign with one effect of the given size; the same seed has the same material in both roles.
+
+    ``more`` are further effects with their sizes, acting together with the first.
+    """
     material = np.random.default_rng([seed, 1])
     rng = np.random.default_rng([seed, 2 + held_out])
     young = float(np.exp(material.uniform(np.log(18.0), np.log(60.0)))) * 1e-3
@@ -133,7 +143,10 @@ def write_campaign(
     deceleration = material.uniform(8000.0, 25000.0)
     sign = 1.0 if material.random() < 0.5 or effect not in TWO_SIGNED else -1.0
     top_force = material.uniform(9.0, 14.0)
-    size = size * sign
+    effects = {effect: size * sign}
+    for place, (name, amount) in enumerate(more):
+        turned = np.random.default_rng([seed, 10 + place]).random() < 0.5 and name in TWO_SIGNED
+        effects[name] = -amount if turned else amount
     rows = conditions(rng, held_out)
     h = np.array([row["h"] for row in rows])
     pads = {t: rng.normal(0, level_error, 2) for t in (5.0, 10.0, 15.0, 20.0)}
@@ -154,15 +167,15 @@ def write_campaign(
 
     time, x, away = stacked(0), stacked(1), stacked(2).astype(bool)
     time = time + np.maximum(np.arange(longest) - np.array([[len(m[0]) - 1] for m in moved]), 0) * 1e-3
-    physics = _physics(effect, size, young, tau, beta, pad, rows, np.array(depths), rng)
+    physics = _physics(effects, young, tau, beta, pad, rows, np.array(depths), rng)
     force = pad_force(time, x, away, physics)
-    force = _unknown_pad(effect, size, force)
-    before = np.stack([_punch(effect, size, t, f, a) for t, f, a in zip(time, force, stacked(4))])
-    signal = butterworth(time, before, 35.0, size if effect == "sensor_lag" else 0.0)
-    return _write(folder, effect, size, rows, moved, signal, nominal, young, slow_time, rng)
+    force = at_the_pad(effects, force)
+    before = np.stack([at_the_punch(effects, t, f, a) for t, f, a in zip(time, force, stacked(4))])
+    signal = butterworth(time, before, 35.0, effects.get("sensor_lag", 0.0))
+    return _write(folder, effects, rows, moved, signal, nominal, young, slow_time, rng)
 
 
-def _physics(effect, size, young, tau, beta, pad, rows, depths, rng) -> Physics:
+def _physics(effects, young, tau, beta, pad, rows, depths, rng) -> Physics:
     """Turn the effect into what acts during the trials."""
     count = len(rows)
     age = np.array([r["age"] for r in rows])
@@ -171,98 +184,63 @@ def _physics(effect, size, young, tau, beta, pad, rows, depths, rng) -> Physics:
     scale, offset = np.ones(count), rng.normal(0, 0.004, count)
     taus, betas = np.repeat(tau[:, None], count, 1), np.repeat(beta[:, None], count, 1)
     extra: dict = {}
-    match effect:
-        case "contact_offset":
-            offset = offset + size
-        case "machine_compliance":
-            extra["compliance"] = size
-        case "punch_tilt":
-            pad.tilt_deg = size
-        case "base_slip":
-            pad.slip = size
-        case "compressibility":
-            pad.poisson = 0.5 - size
-        case "thickness_error":
-            pad.thickness_error = size
-        case "strain_stiffening":
-            pad.stiffening = size
-        case "stiffness_bump":
-            pad.bump = size
-        case "strain_dependent_relaxation":
-            extra["beta_strain"] = size
-        case "rate_dependent_viscosity":
-            taus = taus * ((1.0 + speed / 20.0) / (1.0 + 50.0 / 20.0)) ** (-size)
-        case "poroelastic":
-            taus = taus * np.array([1.0, 1.0])[:, None]
-            taus[1] = taus[1] * (pad.thickness / 13.0) ** (1.2 * size)
-            betas[1] = betas[1] * (pad.thickness / 13.0) ** (-0.4 * size)
-        case "slow_relaxation_mode" | "fast_relaxation_mode":
-            middle = SLOW_TAU_S if effect.startswith("slow") else FAST_TAU_S
-            more = np.array([middle / 1.4, middle * 1.4])
-            taus = np.concatenate([taus, np.repeat(more[:, None], count, 1)])
-            betas = np.concatenate([betas, np.full((2, count), 0.5 * size)])
-        case "temperature":
-            scale = np.exp(-size * warm)
-        case "ageing":
-            scale = (age / 7.0) ** np.log2(1.0 + size)
-        case "softening_with_cycles":
-            extra["softening"] = size
-            extra["soft_depth"] = [
-                np.array([depths[k] if k < i and rows[k]["h"] == rows[i]["h"] else 0.0 for i in range(count)])
-                for k in range(count)
-            ]
-        case "incomplete_recovery":
-            last: dict = {}
-            for i, row in enumerate(rows):
-                if row["h"] in last:
-                    offset[i] += size * depths[last[row["h"]]] / (1.0 + row["rest"] / RECOVERY_TAU_S)
-                last[row["h"]] = i
-        case "adhesion":
-            extra["pull_off"] = size
-        case "friction_hysteresis":
-            extra["friction"] = size
-        case "gain_scatter":
-            scale = 1.0 + rng.normal(0, size, count)
+    for effect, size in effects.items():
+        match effect:
+            case "contact_offset":
+                offset = offset + size
+            case "machine_compliance":
+                extra["compliance"] = size
+            case "punch_tilt":
+                pad.tilt_deg = size
+            case "base_slip":
+                pad.slip = size
+            case "compressibility":
+                pad.poisson = 0.5 - size
+            case "thickness_error":
+                pad.thickness_error = size
+            case "strain_stiffening":
+                pad.stiffening = size
+            case "stiffness_bump":
+                pad.bump = size
+            case "strain_dependent_relaxation":
+                extra["beta_strain"] = size
+            case "rate_dependent_viscosity":
+                taus = taus * ((1.0 + speed / 20.0) / (1.0 + 50.0 / 20.0)) ** (-size)
+            case "poroelastic":
+                taus = taus * np.array([1.0, 1.0])[:, None]
+                taus[1] = taus[1] * (pad.thickness / 13.0) ** (1.2 * size)
+                betas[1] = betas[1] * (pad.thickness / 13.0) ** (-0.4 * size)
+            case "slow_relaxation_mode" | "fast_relaxation_mode":
+                middle = SLOW_TAU_S if effect.startswith("slow") else FAST_TAU_S
+                more = np.array([middle / 1.4, middle * 1.4])
+                taus = np.concatenate([taus, np.repeat(more[:, None], count, 1)])
+                betas = np.concatenate([betas, np.full((2, count), 0.5 * size)])
+            case "temperature":
+                scale = scale * np.exp(-size * warm)
+            case "ageing":
+                scale = scale * (age / 7.0) ** np.log2(1.0 + size)
+            case "softening_with_cycles":
+                extra["softening"] = size
+                extra["soft_depth"] = [
+                    np.array([depths[k] if k < i and rows[k]["h"] == rows[i]["h"] else 0.0 for i in range(count)])
+                    for k in range(count)
+                ]
+            case "incomplete_recovery":
+                last: dict = {}
+                for i, row in enumerate(rows):
+                    if row["h"] in last:
+                        offset[i] += size * depths[last[row["h"]]] / (1.0 + row["rest"] / RECOVERY_TAU_S)
+                    last[row["h"]] = i
+            case "adhesion":
+                extra["pull_off"] = size
+            case "friction_hysteresis":
+                extra["friction"] = size
+            case "gain_scatter":
+                scale = scale * (1.0 + rng.normal(0, size, count))
     return Physics(young * scale, taus, betas, pad, offset, **extra)
 
 
-def _unknown_pad(effect: str, size: float, force: np.ndarray) -> np.ndarray:
-    """Effects outside the vocabulary that act on the force of the pad."""
-    if effect == "saturation":
-        knee = 0.72 * np.quantile(force.max(axis=1), 0.9)
-        over = np.maximum(force - knee, 0.0)
-        return np.minimum(force, knee) + over / (1.0 + 0.25 * size * over)
-    return force
-
-
-def _punch(effect: str, size: float, time: np.ndarray, force: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
-    """What is added to the force of one trial before the filter."""
-    if effect == "force_bias":
-        return force + size
-    if effect == "force_drift":
-        return force + size * 15.0 * (1.0 - np.exp(-time / 15.0))
-    if effect == "inertia":
-        return force + size * acceleration * 1e-3
-    if effect == "ringing" and np.any(acceleration):
-        stop = time[np.nonzero(acceleration)[0][-1]]
-        hit = -acceleration.min() * 1e-3
-        after = np.maximum(time - stop, 0.0)
-        return force + 0.06 * size * hit * np.exp(-after / 0.07) * np.sin(2 * np.pi * 17.0 * after) * (time > stop)
-    return force
-
-
-def _saved(effect: str, size: float, time: np.ndarray, signal: np.ndarray, rng) -> np.ndarray:
-    """What happens to the filtered signal of one trial."""
-    if effect == "time_skew":
-        return np.interp(time - size, time, signal)
-    if effect == "mains_hum":
-        return signal + size * np.sin(2 * np.pi * 50.0 * time + rng.uniform(0, 6.28))
-    if effect == "load_drop" and rng.random() < 0.35:
-        return signal - size * (time > rng.uniform(1.0, 8.0))
-    return signal
-
-
-def _write(folder, effect, size, rows, moved, force, nominal, young, slow_time, rng) -> Truth:
+def _write(folder, effects, rows, moved, force, nominal, young, slow_time, rng) -> Truth:
     folder.mkdir(parents=True, exist_ok=True)
     lines = [
         "schema = 1", f'name = "{folder.name}"', "[pad]", f"young_kPa_nominal = {nominal:.2f}", "length_mm = 150.0",
@@ -271,9 +249,9 @@ def _write(folder, effect, size, rows, moved, force, nominal, young, slow_time, 
     ]  # fmt: skip
     squares, samples = 0.0, 0
     for i, (row, (time, x, _away, save, _)) in enumerate(zip(rows, moved)):
-        signal = _saved(effect, size, time, force[i, : len(time)], rng)[save]
+        signal = as_saved(effects, time, force[i, : len(time)], rng)[save]
         t = time[save]
-        noise = rng.normal(0, 0.03, len(t)) + _slow(t, 0.02, slow_time, rng)
+        noise = rng.normal(0, 0.03, len(t)) + slow_noise(t, 0.02, slow_time, rng)
         squares, samples = squares + float((noise**2).sum()), samples + len(t)
         saved = np.round(signal + noise, 2)
         place = np.round((x[save] + 0.0) / 0.005) * 0.005
@@ -287,16 +265,6 @@ def _write(folder, effect, size, rows, moved, force, nominal, young, slow_time, 
             f"age_days = {row['age']}",
         ]  # fmt: skip
     (folder / "campaign.toml").write_text("\n".join(lines) + "\n")
+    effect, size = next(iter(effects.items()))
     shown = 0.5 - size if effect == "compressibility" else size
     return Truth(effect, shown, float(np.sqrt(squares / samples)), young * 1e3)
-
-
-def _slow(time: np.ndarray, size: float, correlation: float, rng) -> np.ndarray:
-    """Ornstein-Uhlenbeck noise on any grid."""
-    out = np.empty(len(time))
-    out[0] = rng.normal(0, size)
-    keep = np.exp(-np.diff(time) / correlation)
-    kicks = rng.normal(0, size, len(time) - 1) * np.sqrt(1 - keep**2)
-    for k in range(len(time) - 1):
-        out[k + 1] = keep[k] * out[k] + kicks[k]
-    return out

@@ -75,18 +75,34 @@ def rank(
     progress: Callable[[str], None] | None = None,
     keep: int = KEEP,
     least_z: float = LEAST_Z,
+    refitted: int = SETTLE,
+    always: bool = True,
 ) -> tuple[list[Screened], list[Candidate]]:
     """Screen all effects and refit the best; both lists best first.
 
     The refit re-estimates contact scatter and law error for every effect that its first fit leaves in the
     race, because what an effect explains the law error need not.
+
+    Parameters
+    ----------
+    found : Fit
+        The model that each effect joins.
+    effects : tuple of Effect
+    progress : callable, optional
+        Called with the name of each effect that is fitted.
+    keep, least_z : int, float
+        Effects fitted, and the score from which on.
+    refitted : int
+        How many of them with contact scatter and law error estimated anew.
+    always : bool
+        Whether a few are fitted whatever their score.
     """
     usual = modest(found)
     screened = screen(usual, effects)
     tried = []
-    chosen = screened[:keep] + [one for one in screened[keep:] if one.effect.always_fitted]
+    chosen = screened[:keep] + [one for one in screened[keep:] if always and one.effect.always_fitted]
     for place, one in enumerate(chosen):
-        if abs(one.z) < least_z and place >= ALWAYS and not one.effect.always_fitted:
+        if abs(one.z) < least_z and not (always and (place < ALWAYS or one.effect.always_fitted)):
             continue
         if progress is not None:
             progress(one.effect.name)
@@ -94,7 +110,7 @@ def rank(
     tried.sort(key=lambda pair: pair[1].chi2)
     candidates = []
     largest = usual.chi2 - tried[0][1].chi2 if tried else 0.0
-    for one, trial in tried[:SETTLE]:
+    for one, trial in tried[:refitted]:
         if usual.chi2 - trial.chi2 < max(1.0, 0.01 * largest) and candidates:
             continue
         settled = settle(trial.problem, trial.vector, trial.sizes, 2, 8)

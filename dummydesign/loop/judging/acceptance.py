@@ -30,22 +30,24 @@ class Found:
     ranking: tuple[Candidate, ...]
 
 
-def accept(before: Stage, screened: list[Screened], ranking: list[Candidate], floor: float) -> Found | None:
+def accept(
+    before: Stage, screened: list[Screened], ranking: list[Candidate], floor: float, least: float = 0.0
+) -> Found | None:
     """The first candidate that beats the threshold inside its bounds and predicts left-out conditions better.
 
     Rivals that cannot be told from it may stand in for it there: which of them predicts best is chance.
     """
-    inside = [candidate for candidate in ranking if not _at_bound(candidate)]
+    inside = [candidate for candidate in ranking if not at_bound(candidate)]
     for candidate in inside[:4]:
         ratio = lack_of_fit(candidate.fit).ratio
-        threshold = gain_threshold(screened, ratio, floor)
+        threshold = max(gain_threshold(screened, ratio, floor), least)
         if candidate.gain < threshold:
             return None
         near = [c for c in rivals(inside, candidate, ratio) if c.gain <= candidate.gain]
         if not any(predicts_better(before, c.fit) for c in (candidate, *near)):
             continue
         return Found(
-            candidate, tuple(c.effect.name for c in rivals(inside, candidate, ratio)[:2]),
+            candidate, tuple(c.effect.name for c in rivals(ranking, candidate, ratio)[:2]),
             tuple(family_of(candidate.screened, screened)), threshold, errors(candidate.fit).heldout_N,
             (candidate, *(c for c in inside if c is not candidate)),
         )  # fmt: skip
@@ -65,7 +67,7 @@ def predicts_better(before: Stage, after: Fit) -> bool:
     return (cells is None or cells < LITTLE) and pads is not None and pads < -LITTLE
 
 
-def _at_bound(candidate: Candidate) -> bool:
+def at_bound(candidate: Candidate) -> bool:
     """Whether the size ended at the end of what is plausible: something else is being imitated."""
     size = candidate.effect.parameters[0]
     place = candidate.fit.problem.fixed - len(candidate.effect.parameters)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.loop.fitting.candidates import USUAL_POSITION_MM
 from dummydesign.loop.fitting.fit import BASE, Fit, prior_precision
 from dummydesign.loop.fitting.noise import make_whitener
 
@@ -90,6 +91,18 @@ def errors(found: Fit, cells: NDArray | None = None) -> Errors:
     use = np.isfinite(heldout)
     value = float(np.sqrt((heldout[use] ** 2 * counted[use]).sum() / counted[use].sum())) if use.any() else None
     return Errors(train, value, by_trial, heldout)
+
+
+def expected_heldout_N(found: Fit) -> float:
+    """Error on left-out conditions when nothing is missing: noise, contact scatter, uncertainty of all parameters. [N]
+
+    Contact scatter counts up to that of a usual robot: more of it is a sign that something is missing.
+    """
+    presses, noise = found.problem.presses, found.sizes.noise
+    weight = presses.samples * presses.used
+    position = min(noise.position_mm, USUAL_POSITION_MM)
+    spread = np.einsum("tbi,ij,tbj->tb", found.jacobian, found.covariance, found.jacobian)
+    return float(np.sqrt(found.sizes.floor_N**2 + np.average((position * found.slope) ** 2 + spread, weights=weight)))
 
 
 def leave_out(found: Fit, cells: NDArray) -> dict[int, NDArray]:

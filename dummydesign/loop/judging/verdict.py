@@ -9,20 +9,24 @@ import numpy as np
 
 from dummydesign.loop.fitting.candidates import Candidate
 from dummydesign.loop.fitting.screening import Screened
-from dummydesign.loop.judging.lack_of_fit import LackOfFit
+from dummydesign.loop.judging.assessed import Stage
+from dummydesign.loop.judging.left_out import expected_heldout_N
 from dummydesign.loop.judging.residual_checks import Check
 from dummydesign.loop.judging.residual_dependence import Dependence
 
 GAIN_FLOOR = 30.0
-SECOND_FLOOR, SECOND_SHARE = 50.0, 0.05
-"""A second effect must gain this much, and this share of the first one's gain: the first one's law of growth is
-never quite the true one, and what it leaves must not be called an effect."""
+NEXT_FLOOR, NEXT_SHARE = 50.0, 0.02
+"""A further effect must gain this much, and this share of what those before it gained together: their laws of growth
+are never quite the true ones, and what they leave must not be called an effect."""
 RIVAL_GAP = 10.0
 FAMILY_COSINE = 0.9
 LACK_LIMIT = 1.5
 LACK_P = 0.01
 PROBE_LIMIT = 60.0
-EXPLAINED = 5.0 / 6.0
+FORGIVEN = 1.0 / 6.0
+"""Share of the evidence won that may follow one factor: laws of growth are never quite the true ones."""
+LEFT_LIMIT = 1.3
+"""Left-out error over what noise and the force law's own error let expect, up to which it counts as noise."""
 DRAWS = 4000
 
 
@@ -59,38 +63,54 @@ def rivals(candidates: list[Candidate], first: Candidate, ratio: float | None) -
 
 @dataclass(frozen=True)
 class Remainder:
-    """Why a model is held to be incomplete; empty reasons when it is not."""
+    """What a model leaves, and why it is held to be incomplete.
+
+    Attributes
+    ----------
+    reasons : tuple of str
+        Empty when what is left is noise.
+    over_floor, expected : float or None
+        Left-out error over the noise floor, and what noise, contact scatter and the parameters' uncertainty let expect.
+    """
 
     reasons: tuple[str, ...]
+    over_floor: float | None = None
+    expected: float | None = None
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the reasons."""
-        return {"reasons": list(self.reasons)}
+        """Return the reasons and both ratios."""
+        return {
+            "reasons": list(self.reasons), "heldout_over_noise_floor": self.over_floor,
+            "expected_over_noise_floor": self.expected,
+        }  # fmt: skip
 
 
-def remainder(
-    base: LackOfFit, best: LackOfFit, won: float, where: list[Dependence], checks: list[Check]
-) -> Remainder:
-    """Judge what is left after the best model.
+def remainder(base: Stage, after: Stage, where: list[Dependence], checks: list[Check]) -> Remainder:
+    """Judge what is left after the best model: noise, or something more.
 
     Parameters
     ----------
-    base, best : LackOfFit
-        Of the base model and of the model with the accepted effects (the same when there are none).
-    won : float
-        Evidence of the accepted effects together.
+    base, after : Stage
+        Without and with the accepted effects (the same when there are none).
     where, checks : list
         Of the best model.
     """
     reasons = [f"{check.name}: {check.text}" for check in checks if check.exceeded]
-    if best.ratio is not None and best.ratio > LACK_LIMIT and best.p < LACK_P:
-        explained = 1.0 - (best.ratio - 1.0) / max(base.ratio - 1.0, 1e-9)
-        if explained < EXPLAINED:
-            reasons.append(f"lack of fit {best.ratio:.2f} times the pure error of repeats (p = {best.p:.4f})")
+    floor, left = after.fit.sizes.floor_N, after.errors.heldout_N
+    expected = expected_heldout_N(after.fit) / floor
+    over = None if left is None else left / floor
+    if over is not None and over > LEFT_LIMIT * expected:
+        reasons.append(
+            f"left-out conditions are predicted to {over:.2f} noise floors; noise and the force law's error would "
+            f"leave {expected:.2f}, at most {LEFT_LIMIT * expected:.2f} is taken for noise"
+        )
+    lack = after.lack
+    if lack.ratio is not None and lack.ratio > LACK_LIMIT and lack.p < LACK_P:
+        reasons.append(f"lack of fit {lack.ratio:.2f} times the pure error of repeats (p = {lack.p:.4f})")
     # a law of growth that is a little off is allowed for
-    scale = max(1.0, best.ratio or 1.0)
+    scale, won = max(1.0, lack.ratio or 1.0), base.fit.score - after.fit.score
     for one in where:
-        if one.excess > PROBE_LIMIT * scale and one.excess > (1.0 - EXPLAINED) * won:
+        if one.excess > PROBE_LIMIT * scale and one.excess > FORGIVEN * won:
             reasons.append(f"residual follows {one.factor} ({one.excess:.0f} in chi2 beyond noise)")
             break
-    return Remainder(tuple(reasons))
+    return Remainder(tuple(reasons), over, expected)

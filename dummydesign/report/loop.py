@@ -36,6 +36,11 @@ def write_loop_report(folder: Path, result: LoopResult) -> dict[str, str]:
         (f"{after['train_rmse_N']:.3g} N", "rms residual of the corrected model"),
         (f"{after['noise_floor_N']:.3g} N", "noise floor"),
     ]  # fmt: skip
+    left = data["residual"]
+    if left["heldout_over_noise_floor"] is not None:
+        expected = f"{left['expected_over_noise_floor']:.2f} when nothing is missing"
+        words = f"noise floors of error on left-out conditions, {expected}"
+        facts.insert(1, (f"{left['heldout_over_noise_floor']:.2f}", words))
     lead = f"{result.campaign.name}: {len(result.presses.trials)} trials. " + (
         VERDICTS[data["verdict"]].format(names=names).capitalize() + "."
     )

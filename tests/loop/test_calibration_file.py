@@ -76,7 +76,7 @@ def test_an_older_file_without_owners_and_set_up_is_read(tmp_path):
     [
         (("after", "base", "tau_1_s"), "x", "after.base.tau_1_s = 'x' is not a finite number"),
         (("after", "base", "young_kPa"), -3, "after.base.young_kPa = -3 is outside the allowed range 0.2 to 20000"),
-        (("after", "effects", 0, "name"), "offset", r"after.effects\[0\].name = 'offset' is not one of contact_offset"),
+        (("after", "effects", 0, "name"), "offset", r"after.effects\[0\].name = 'offset' is not one of .*contact_offset.*--effect"),
         (("after", "effects"), {}, "after.effects = dict is not a list"),
         (("after", "law_error", "thickness_mm"), [20, 5], "must hold thicknesses above 0 that rise"),
         (("base", "law_error", "level_slope_curve"), [[0.0]], "must hold 3 rows of 1 numbers"),
@@ -99,7 +99,7 @@ def test_a_fault_is_named_with_its_place_and_what_is_allowed(place, value, said,
 
 def test_an_effect_that_stands_twice_is_refused(tmp_path):
     path = write_calibration(made((made().after.active[0],) * 2), tmp_path / "c.json")
-    with pytest.raises(InputError, match="contact_offset stands there twice"):
+    with pytest.raises(InputError, match=f"{EFFECTS[0].name} stands there twice"):
         read_calibration(path)
 
 

@@ -76,7 +76,7 @@ def test_an_older_file_without_owners_and_set_up_is_read(tmp_path):
     [
         (("after", "base", "tau_1_s"), "x", "after.base.tau_1_s = 'x' is not a finite number"),
         (("after", "base", "young_kPa"), -3, "after.base.young_kPa = -3 is outside the allowed range 0.2 to 20000"),
-        (("after", "effects", 0, "name"), "offset", r"after.effects\[0\].name = 'offset' is not one of .*contact_offset.*--effect"),
+        (("after", "effects", 0, "name"), "offset", r"after.effects\[0\].name = 'offset' is not one of .*--effect"),
         (("after", "effects"), {}, "after.effects = dict is not a list"),
         (("after", "law_error", "thickness_mm"), [20, 5], "must hold thicknesses above 0 that rise"),
         (("base", "law_error", "level_slope_curve"), [[0.0]], "must hold 3 rows of 1 numbers"),

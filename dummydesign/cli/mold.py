@@ -11,6 +11,8 @@ HELP = "Make the silicone mould of a pad: STEP files, printable master and frame
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of contracts: thickness, size, shape, preset, resin, ratio, output folder."""
+    from dummydesign.geometry.shapes import shape_help
+
     parser.add_argument("--thickness", type=float, required=True, metavar="MM", help="thickness of the pad, 3 to 30 mm")
     parser.add_argument("--length", type=float, default=150.0, metavar="MM", help="length of the pad (default 150)")
     parser.add_argument("--width", type=float, default=120.0, metavar="MM", help="width of the pad (default 120)")
@@ -18,7 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--shape",
         default="slab",
         metavar="NAME[:P,..]",
-        help="slab (default), crowned, bumped, layered, boned or puck, with their parameters",
+        help=shape_help("puck"),
     )
     parser.add_argument(
         "--preset", default="open", metavar="NAME|FILE", help="mould preset: open, lidded or a TOML file"

@@ -12,6 +12,8 @@ HELP = "Recommend resin ratio, pad thickness, weights to pour and a mould for a 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add what can be asked."""
+    from dummydesign.geometry.shapes import shape_help
+
     add = parser.add_argument
     add("--tissue", required=True, metavar="NAME|FILE", help="see 'dummydesign tissues list'")
     add("--aim", default="average", metavar="AIM", help="average (default), safe-side or subject:NAME")
@@ -20,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--ratio", metavar="MIN:MAX", help="limits of the mixing ratio, inside the resin's range")
     add("--calibration", metavar="FILE", help="calibration written by 'dummydesign loop'")
     add_effect_option(parser)
-    shapes = "slab (default), crowned, layered, boned, auto (the best of all), or one with lengths, crowned:10,2"
+    shapes = shape_help("auto (the best of all)") + "; lengths that are not given are searched"
     add("--shape", default="slab", metavar="NAME[:P,..]", help=shapes)
     add("--no-cad", action="store_true", help="skip the mould; write recipe and report only")
     add("--no-verify", action="store_true", help="do not check the design by finite elements")

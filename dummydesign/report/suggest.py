@@ -83,12 +83,12 @@ _FLAT = "A flat pad starts nearly linear, so it crosses the tissue's curve and c
 
 
 def _pad_words(answer: Suggestion) -> str:
-    return "slab" if answer.shape.name == "slab" else f"{answer.shape.name} pad"
+    return answer.shape.title
 
 
 def _shape_fact(answer: Suggestion) -> list[tuple[str, str]]:
     """The shape's lengths, with places where a narrow box may break the line."""
-    if answer.shape.name == "slab":
+    if answer.shape.plain:
         return []
     return [(answer.shape.name, str(answer.shape).partition(":")[2].replace(",", ", ") + " (mm)")]
 

@@ -121,7 +121,7 @@ def design_warnings(
         said.append(("outside_steady_range", f"the steady curve is outside the tissue's range at {where} N"))
     said += _of_data(resin, tissue)
     off = verification.max_difference_percent
-    if off is not None and off > 1.0 and chosen.shape.name == "slab":
+    if off is not None and off > 1.0 and chosen.shape.plain:
         said.append(("table_error", f"the table differs by {off:.1f} % from the finite-element solution"))
     said += [("verification", note) for note in verification.notes if verify]
     return [{"code": code, "message": message} for code, message in said]

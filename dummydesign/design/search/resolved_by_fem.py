@@ -93,10 +93,13 @@ def _round(shaped: Shaped, thickness_mm: float, radius_mm: float, depth_mm: NDAr
 
 
 def _field(shaped: Shaped, thickness_mm: float, radius_mm: float, depth_mm: NDArray) -> dict[str, Any]:
-    """In space under the 14 x 14 mm punch, on the grid of the table, whose stated error of the solves it has."""
-    from dummydesign.pad.shaped.under_square import COARSE, press_field
+    """In space under the 14 x 14 mm punch; with a table, on its grid, whose stated error of the solves it has."""
+    from dummydesign.pad.shaped.spatial import solve_shaped_block
+    from dummydesign.pad.shaped.under_square import COARSE, HALF_SIDE_MM, press_field
     from dummydesign.pad.tables.shape import load_shape_table
 
+    if not shaped.shape.tabulated:
+        return vars(solve_shaped_block(shaped.shape, thickness_mm, (HALF_SIDE_MM,) * 2, 1.0, depth_mm))
     depth, area, _ = press_field(shaped.shape, thickness_mm, depth_mm / thickness_mm, COARSE)
     table = load_shape_table(shaped.shape.name)
     error = np.interp(depth, table.error_depth, table.solve_error)

@@ -81,8 +81,8 @@ class ShapeTable:
         slack = 1e-9 * (1.0 + np.abs(self.high))
         return np.all((inputs >= self.low - slack) & (inputs <= self.high + slack), axis=-1)
 
-    def check(self, inputs: Array) -> None:
-        """Refuse inputs outside the range.
+    def check(self, inputs: Array, fidelity: str) -> None:
+        """Refuse inputs outside the range; ``fidelity`` is what solves the shape there.
 
         Raises
         ------
@@ -94,7 +94,7 @@ class ShapeTable:
             return
         for name, value, low, high in zip(self.similarity.names, bad[0], self.low, self.high):
             if not low * (1.0 - 1e-9) <= value <= high * (1.0 + 1e-9):
-                advice = "use --fidelity axisymmetric outside the table"
+                advice = f"use --fidelity {fidelity} outside the table"
                 raise out_of_range(f"{self.kind} pad: {name}", f"{value:.4g}", f"{low:.4g}", f"{high:.4g}", advice)
 
     def coordinates(self, inputs: Array) -> Array:
@@ -180,7 +180,7 @@ class ShapeLaw(BaseForceLaw):
         )
         pads, place = self._pads(h, a)
         inputs = ratios(self.shape, *pads)
-        self.table.check(inputs)
+        self.table.check(inputs, self.shape.fidelity)
         x = np.maximum(d, 0.0) / h
         limit = self.table.depth_limit(inputs)[place]
         if self._slab is not None:
@@ -213,7 +213,7 @@ class ShapeLaw(BaseForceLaw):
         """Largest valid depth. [mm]"""
         h, a = np.broadcast_arrays(np.asarray(thickness_mm, dtype=float), np.asarray(radius_mm, dtype=float))
         inputs = ratios(self.shape, h.ravel(), a.ravel())
-        self.table.check(inputs)
+        self.table.check(inputs, self.shape.fidelity)
         limit = self.table.depth_limit(inputs).reshape(h.shape)
         if self._slab is not None:
             limit = np.minimum(limit, self._slab.depth_limit(a / h))

@@ -11,7 +11,7 @@ HELP = "Make the silicone mould of a pad: STEP files, printable master and frame
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of contracts: thickness, size, shape, preset, resin, ratio, output folder."""
-    from dummydesign.geometry.shapes import shape_help
+    from dummydesign.geometry.shape_names import shape_help
 
     parser.add_argument("--thickness", type=float, required=True, metavar="MM", help="thickness of the pad, 3 to 30 mm")
     parser.add_argument("--length", type=float, default=150.0, metavar="MM", help="length of the pad (default 150)")

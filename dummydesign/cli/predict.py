@@ -11,7 +11,7 @@ SHOWN = 25
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the pad, the material and what is done to it."""
-    from dummydesign.geometry.shapes import shape_help
+    from dummydesign.geometry.shape_names import shape_help
 
     add = parser.add_argument
     add("--young", type=float, metavar="KPA", help="long-term Young's modulus in kPa")
@@ -29,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--condition", default="bonded", metavar="NAME", help="bonded (default), frictionless, friction:MU")
     add("--base", default="bonded", metavar="NAME", help="bonded (default), sliding or friction:MU")
     add("--pad", default="slab:150x120", metavar="slab:LxW", help="slab (default 150x120 mm) or cylinder:DIAMETER")
-    add("--shape", default="slab", metavar="NAME[:P,..]", help=shape_help())
+    add("--shape", default="slab", metavar="NAME[:P,..]", help=shape_help() + "; as crowned:RADIUS,HEIGHT")
     add("--poisson", type=float, default=0.5, metavar="NU", help="Poisson's ratio (default 0.5)")
     laws = "neo-hookean (default), yeoh:C2_OVER_MU or ogden:MU,ALPHA;MU,ALPHA (scaled to the modulus)"
     add("--law", default="neo-hookean", metavar="NAME", help=laws)

@@ -12,7 +12,7 @@ HELP = "Recommend resin ratio, pad thickness, weights to pour and a mould for a 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add what can be asked."""
-    from dummydesign.geometry.shapes import shape_help
+    from dummydesign.geometry.shape_names import shape_help
 
     add = parser.add_argument
     add("--tissue", required=True, metavar="NAME|FILE", help="see 'dummydesign tissues list'")

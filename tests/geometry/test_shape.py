@@ -10,6 +10,7 @@ import pytest
 from dummydesign.core.errors import InputError
 from dummydesign.geometry.conic import Conic, sphere_foot_mm
 from dummydesign.geometry.limits import DEEPEST_POCKET, RIM_FREE_MM
+from dummydesign.geometry.shape_names import shape_help, shape_names
 from dummydesign.geometry.shapes import Slab, make_shape, read_shape, shape_kinds
 from dummydesign.geometry.shapes.boned import Boned
 from dummydesign.geometry.shapes.bumped import Bumped
@@ -117,7 +118,8 @@ def test_names_places_and_case_make_one_shape():
     assert crown == read_shape("Crowned:height=2,radius=10") == read_shape("crowned:10,height_mm=2")
     assert crown.foot_mm == 6.0 and str(read_shape("crowned:10,2,6")) == "crowned:radius=10,height=2"
     assert read_shape("layered:8,0.4").layers() == (8.0, 0.4) and read_shape("slab") == Slab()
-    assert set(shape_kinds()) == {"slab", "crowned", "bumped", "layered", "boned"}
+    assert list(shape_kinds()) == ["slab", "crowned", "bumped", "layered", "boned"]
+    assert set(shape_names()) == set(shape_kinds()) and shape_help("puck").startswith("slab (default), boned, ")
 
 
 UNREADABLE = [

@@ -9,6 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from dummydesign.core.errors import InputError
+from dummydesign.geometry.conic_profile import FOOT_SHARES, ConicProfile, wall_slope
 from dummydesign.geometry.limits import (
     BAR_END_GAP_MM,
     STEEPEST_BONE_DEG,
@@ -17,10 +18,9 @@ from dummydesign.geometry.limits import (
     check_inside,
     check_left,
 )
-from dummydesign.geometry.shapes.base import Array
-from dummydesign.geometry.shapes.block import PadBlock
-from dummydesign.geometry.shapes.conic_profile import FOOT_SHARES, ConicProfile, wall_slope
-from dummydesign.geometry.shapes.similarity import Similarity, grid
+from dummydesign.geometry.pad_block import PadBlock
+from dummydesign.geometry.pad_shape import Array
+from dummydesign.geometry.similarity import Similarity, grid
 from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 
 # Heights of bones that are tried, over the thickness.

@@ -18,9 +18,9 @@ from dummydesign.geometry.limits import (
     check_inside,
     check_left,
 )
-from dummydesign.geometry.shapes.base import Array, PadShape
-from dummydesign.geometry.shapes.block import PadBlock
-from dummydesign.geometry.shapes.similarity import Similarity, grid
+from dummydesign.geometry.pad_block import PadBlock
+from dummydesign.geometry.pad_shape import Array, PadShape
+from dummydesign.geometry.similarity import Similarity, grid
 from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 
 # The proportions that the mould allows at most: feet that nearly meet and a height of 0.26 of the diameter.

@@ -8,11 +8,11 @@ from typing import ClassVar
 
 import numpy as np
 
+from dummydesign.geometry.conic_profile import FOOT_SHARES, ConicProfile, wall_slope
 from dummydesign.geometry.limits import STEEPEST_TOP_DEG, THINNEST_GEL_MM, check_flag, check_inside, check_left
-from dummydesign.geometry.shapes.base import Array
-from dummydesign.geometry.shapes.block import PadBlock
-from dummydesign.geometry.shapes.conic_profile import FOOT_SHARES, ConicProfile, wall_slope
-from dummydesign.geometry.shapes.similarity import Similarity, grid
+from dummydesign.geometry.pad_block import PadBlock
+from dummydesign.geometry.pad_shape import Array
+from dummydesign.geometry.similarity import Similarity, grid
 from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 
 # Crowns that are tried: height over thickness, and R c / b^2, by which a cap is a point (0.1) or blunt (0.65).
@@ -29,7 +29,6 @@ class Crowned(ConicProfile):
 
     name: ClassVar[str] = "crowned"
     order: ClassVar[int] = 1
-    usage: ClassVar[str] = "crowned:RADIUS,HEIGHT[,FOOT]"
     closed_form: ClassVar[str] = ", its crown by the conic's integral"
     told: ClassVar[frozenset[str]] = frozenset({"curved_master", "thickness_varies"})
     similarity: ClassVar[Similarity | None] = Similarity(

@@ -10,9 +10,9 @@ import numpy as np
 
 from dummydesign.core.errors import out_of_range
 from dummydesign.geometry.limits import MODULUS_RATIO, THINNEST_GEL_MM
-from dummydesign.geometry.shapes.base import Array, PadShape
-from dummydesign.geometry.shapes.block import PadBlock
-from dummydesign.geometry.shapes.similarity import Similarity, grid
+from dummydesign.geometry.pad_block import PadBlock
+from dummydesign.geometry.pad_shape import Array, PadShape
+from dummydesign.geometry.similarity import Similarity, grid
 from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 
 # Upper layers that are tried, over the thickness, and moduli of the lower over that of the upper.

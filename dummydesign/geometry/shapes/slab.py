@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from dummydesign.geometry.shapes.base import PadShape
+from dummydesign.geometry.pad_shape import PadShape
 
 
 @dataclass(frozen=True)
@@ -14,7 +14,6 @@ class Slab(PadShape):
 
     name: ClassVar[str] = "slab"
     order: ClassVar[int] = 0
-    usage: ClassVar[str] = "slab (default)"
 
     @property
     def plain(self) -> bool:

@@ -1,9 +1,8 @@
-"""Which shapes there are: the members of this folder, found by name, and shapes that others register."""
+"""Which shapes there are: the modules of ``geometry/shapes``, found by name, and shapes that others register."""
 
 from __future__ import annotations
 
 import importlib
-import pkgutil
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import lru_cache
@@ -13,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.errors import InputError, unknown_name
-from dummydesign.geometry.shapes.base import PadShape
+from dummydesign.geometry.pad_shape import PadShape
+from dummydesign.geometry.shape_names import shape_names
 
 _REGISTERED: dict[str, type[PadShape]] = {}
 _PARTS: dict[tuple[str, str], Any] = {}
@@ -131,18 +131,12 @@ def read_shape(text: str) -> PadShape:
     return make_shape(name, parameters)
 
 
-def shape_help(*more: str) -> str:
-    """The shapes as help texts list them, with further names at the end."""
-    return ", ".join([*(kind.usage or kind.name for kind in shape_kinds().values()), *more])
-
-
 @lru_cache(maxsize=1)
 def _members() -> tuple[type[PadShape], ...]:
-    """The named shapes of this folder's modules."""
-    package = importlib.import_module(__package__)
+    """The shapes of the package: in the module of its name, the one whose ``name`` it is."""
     found = []
-    for item in pkgutil.iter_modules(package.__path__):
-        module = importlib.import_module(f"{__package__}.{item.name}")
+    for name in shape_names():
+        module = importlib.import_module(f"{__package__}.shapes.{name}")
         kinds = (value for value in vars(module).values() if isinstance(value, type) and issubclass(value, PadShape))
-        found += [kind for kind in kinds if kind.name and kind.__module__ == module.__name__]
+        found.append(next(kind for kind in kinds if kind.name == name))
     return tuple(found)

@@ -5,8 +5,8 @@ tested face lies ``drop_mm(x, y)`` below that point; a rigid bone fills the pad 
 ``bone_mm(x, y)``. Both are heights over the plane, so the gel is never undercut. A layered pad has two
 moduli, one above the other.
 
-A shape is one module of this folder with one subclass of :class:`PadShape`; all that a member's default says of a
-flat slab need not be said again. CONTRIBUTING.md has the recipe.
+A shape is a subclass of :class:`PadShape` in the module of its name in ``geometry/shapes``; what a member's default
+says of a flat slab need not be said again. CONTRIBUTING.md has the recipe.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from dummydesign.geometry.shapes.block import PadBlock
-from dummydesign.geometry.shapes.similarity import Similarity
+from dummydesign.geometry.pad_block import PadBlock
+from dummydesign.geometry.similarity import Similarity
 from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 
 Array = np.ndarray
@@ -31,8 +31,6 @@ class PadShape:
     name: ClassVar[str] = ""
     order: ClassVar[int] = 100
     """Place in lists of shapes; equal ones by name."""
-    usage: ClassVar[str] = ""
-    """As it stands in help texts, with its parameters when they are few; the name without it."""
     similarity: ClassVar[Similarity | None] = None
     """Numbers of the kind's response table; None without one."""
     closed_form: ClassVar[str] = ""

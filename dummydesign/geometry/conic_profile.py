@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from dummydesign.geometry.conic import Conic, sphere_foot_mm
-from dummydesign.geometry.shapes.base import Array, PadShape
-from dummydesign.geometry.shapes.block import PadBlock
+from dummydesign.geometry.pad_block import PadBlock
+from dummydesign.geometry.pad_shape import Array, PadShape
 
 # Feet that are tried in a search, over the punch's radius.
 FOOT_SHARES = np.geomspace(0.4, 1.7, 9)

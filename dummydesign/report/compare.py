@@ -79,7 +79,7 @@ def _steady(found: Comparison, tissue: Tissue) -> Plot:
 
 def _presses(found: Comparison, data: dict[str, Any]) -> list[Plot]:
     """One figure a condition, in the order of the rows of the force variation range."""
-    from dummydesign.tissue.fitting.fit import condition_groups
+    from dummydesign.tissue.fitting.groups import condition_groups
 
     bands = {id(trace): band for trace, band in found.presses}
     groups = condition_groups([trace for trace, _ in found.presses])

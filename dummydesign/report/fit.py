@@ -83,7 +83,7 @@ def _series(fit: Fit) -> Iterable[tuple[ReducedTrace, np.ndarray, np.ndarray, np
 
 def _groups(fit: Fit) -> list[tuple[float, float, list[tuple[Any, ...]]]]:
     """Speed, mean steady force and series of each condition, repeats together."""
-    from dummydesign.tissue.fitting.fit import condition_groups
+    from dummydesign.tissue.fitting.groups import condition_groups
 
     series = {id(row[0]): row for row in _series(fit)}
     traces: list[ReducedTrace] = [row[0] for row in series.values()]

@@ -8,9 +8,7 @@ from numpy.typing import NDArray
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.studies.tissues.statements import Statement
 from dummydesign.tissue.model.maxwell_law import force
-
-SPEEDS_MM_S = (10.0, 250.0)
-STEADY_N = 10.0
+from dummydesign.tissue.population.protocol import SPEEDS_MM_S, STEADY_N
 
 PEAK_RATIO = {"palm": (2.0, 2.75, 1.15), "thenar": (2.0, 2.75, 1.3), "forefinger": (2.0, 2.75, 1.5)}
 """Peak over steady force in a fast press: measured low and high, and the factor a site may differ by."""

@@ -15,6 +15,7 @@ from dummydesign.inference.noise_floor import noise_floor
 from dummydesign.inference.reduction import ReducedTrace, reduce_trace
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
+from dummydesign.tissue.fitting.groups import condition_groups, rounded_velocity, speed_groups
 from dummydesign.tissue.fitting.problem import Optimum, Problem
 from dummydesign.tissue.fitting.residuals import heldout_rmse, trace_residuals
 from dummydesign.tissue.model.maxwell_law import ELEMENTS, check_law, parameter_names
@@ -119,38 +120,6 @@ def _simplest(comparison: dict[str, dict[str, Any]]) -> int:
     """Fewest elements whose AICc is within :data:`PARSIMONY` of the lowest."""
     lowest = min(row["aicc"] for row in comparison.values())
     return min(int(n) for n, row in comparison.items() if row["aicc"] <= lowest + PARSIMONY)
-
-
-def rounded_velocity(velocity_mm_s: float) -> float:
-    """Nominal speed of a measured one: two significant digits. [mm/s]"""
-    return float(f"{velocity_mm_s:.2g}")
-
-
-def speed_groups(traces: Sequence[ReducedTrace]) -> list[tuple[float, list[ReducedTrace]]]:
-    """Group traces whose speeds are within 15 % of their neighbour's: (nominal speed, traces), rising."""
-    ordered = sorted(traces, key=lambda trace: trace.velocity_mm_s)
-    groups: list[list[ReducedTrace]] = []
-    for trace in ordered:
-        if groups and trace.velocity_mm_s < 1.15 * groups[-1][-1].velocity_mm_s:
-            groups[-1].append(trace)
-        else:
-            groups.append([trace])
-    return [(rounded_velocity(float(np.median([t.velocity_mm_s for t in g]))), g) for g in groups]
-
-
-def condition_groups(traces: Sequence[ReducedTrace]) -> list[tuple[float, float, list[ReducedTrace]]]:
-    """Group by speed and by depth (5 % apart at most); (speed, mean depth, traces)."""
-    found = []
-    for speed, group in speed_groups(traces):
-        ordered = sorted(group, key=lambda trace: trace.ramp.depth_mm)
-        parts: list[list[ReducedTrace]] = []
-        for trace in ordered:
-            if parts and trace.ramp.depth_mm < 1.05 * parts[-1][-1].ramp.depth_mm:
-                parts[-1].append(trace)
-            else:
-                parts.append([trace])
-        found += [(speed, float(np.mean([t.ramp.depth_mm for t in part])), part) for part in parts]
-    return found
 
 
 def _problems(law: str, mode: str, reduced: list[ReducedTrace], lowpass: Lowpass | None) -> list[Problem]:

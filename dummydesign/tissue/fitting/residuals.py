@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.inference.least_squares import solve
+from dummydesign.tissue.fitting.groups import condition_groups
+from dummydesign.tissue.fitting.problem import Optimum, Problem
 from dummydesign.tissue.model.maxwell_law import force
-
-if TYPE_CHECKING:
-    from dummydesign.tissue.fitting.problem import Optimum, Problem
 
 
 def fitted_force(problem: Problem, optimum: Optimum, index: int) -> NDArray:
@@ -70,8 +69,6 @@ def heldout_rmse(problem: Problem, optimum: Optimum) -> float | None:
 
     None with fewer than three conditions, or when none can be left out without losing its dampers.
     """
-    from dummydesign.tissue.fitting.fit import condition_groups
-
     conditions = [{id(trace) for trace in group} for _, _, group in condition_groups(problem.traces)]
     if len(conditions) < 3:
         return None

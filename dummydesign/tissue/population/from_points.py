@@ -29,6 +29,7 @@ from dummydesign.tissue.population.posterior import (
     typical_subjects,
     weighted_quantile,
 )
+from dummydesign.tissue.population.protocol import STEADY_N
 
 FEWEST_EFFECTIVE = 20.0
 """Draws that must be left in effect; with fewer the points contradict what was inferred."""
@@ -159,7 +160,7 @@ def _with_people(
 def _relative_interval(draws: NDArray, weight: NDArray) -> tuple[NDArray, NDArray]:
     """Ends of the 95 % interval over the median of gamma2, gamma3 and the c at known gamma1, shape (6,)."""
     gamma1 = draws[..., :1]
-    area = np.cbrt(10.0 / gamma1) ** 2
+    area = np.cbrt(STEADY_N / gamma1) ** 2
     relative = np.concatenate([draws[..., 1:3] / gamma1, draws[..., 3:] / (gamma1 * area)], axis=-1)
     flat, share = relative.reshape(-1, 6), np.repeat(weight, draws.shape[1])
     low, middle, high = (weighted_quantile(flat, at, share) for at in (0.025, 0.5, 0.975))
@@ -171,7 +172,7 @@ def _arms_for(draws: NDArray, weight: NDArray, gamma1: NDArray) -> NDArray:
     count = draws.shape[1]
     typical = typical_subjects(draws, weight)
     relative = typical.copy()
-    area = np.cbrt(10.0 / typical[:, 0]) ** 2
+    area = np.cbrt(STEADY_N / typical[:, 0]) ** 2
     relative[:, 1:3] /= typical[:, :1]
     for column, arm in ((3, 1), (4, 1), (5, 2), (6, 2)):
         relative[:, column] = typical[:, column] / (typical[:, arm] * area)
@@ -180,7 +181,7 @@ def _arms_for(draws: NDArray, weight: NDArray, gamma1: NDArray) -> NDArray:
         place = round(row * (count - 1) / max(len(gamma1) - 1, 1)) if len(gamma1) <= count else row % count
         rows[row, 0] = value
         rows[row, 1:3] = relative[place, 1:3] * value
-        own_area = np.cbrt(10.0 / value) ** 2
+        own_area = np.cbrt(STEADY_N / value) ** 2
         for column, arm in ((3, 1), (4, 1), (5, 2), (6, 2)):
             rows[row, column] = relative[place, column] * rows[row, arm] * own_area
     return rows

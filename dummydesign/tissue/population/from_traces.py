@@ -45,8 +45,8 @@ def add_tissue(name: str, files: list[str], law: str, elements: str, lowpass: st
     InputError
         For a bad name, unreadable files, subjects of the same name, or laws that differ.
     """
-    from dummydesign.report.files.fit import subject_from_fit
     from dummydesign.tissue.fitting.fit import fit_traces
+    from dummydesign.tissue.fitting.subject import subject_from_fit
 
     folder = tissue_folder(name)
     if elements not in ("3", "5", "7"):

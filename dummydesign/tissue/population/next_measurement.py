@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.measurement.motion import ramp_and_hold
-from dummydesign.studies.tissues.anchors import SPEEDS_MM_S, STEADY_N
 from dummydesign.tissue.model.maxwell_law import force
+from dummydesign.tissue.population.protocol import SPEEDS_MM_S, STEADY_N
 
 MEASUREMENTS = {
     "steady_depth": "the depth at which one more person carries a steady 10 N",

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import Quantity
-from dummydesign.studies.tissues.anchors import SPEEDS_MM_S, STEADY_N
 from dummydesign.tissue.model.parameters import Parameters, speed_key
 from dummydesign.tissue.model.tissue import Subject
+from dummydesign.tissue.population.protocol import SPEEDS_MM_S, STEADY_N
 
 COLUMNS = (
     "gamma1_N_per_mm3",

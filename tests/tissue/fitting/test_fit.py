@@ -12,9 +12,10 @@ from dummydesign.inference.reduction import between, reduce_trace
 from dummydesign.measurement.motion import Motion, ramp_and_hold
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
-from dummydesign.report.files.fit import subject_from_fit
-from dummydesign.tissue.fitting.fit import fit_traces, speed_groups
+from dummydesign.tissue.fitting.fit import fit_traces
+from dummydesign.tissue.fitting.groups import speed_groups
 from dummydesign.tissue.fitting.problem import Problem
+from dummydesign.tissue.fitting.subject import subject_from_fit
 from dummydesign.tissue.model.maxwell_law import force, parameter_names
 
 SIX = [(v, f) for v in (10.0, 250.0) for f in (5.0, 10.0, 15.0)]

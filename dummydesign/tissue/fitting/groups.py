@@ -1,0 +1,41 @@
+"""Presses of one tissue by condition: speeds and depths that count as the same."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dummydesign.inference.reduction import ReducedTrace
+
+
+def rounded_velocity(velocity_mm_s: float) -> float:
+    """Nominal speed of a measured one: two significant digits. [mm/s]"""
+    return float(f"{velocity_mm_s:.2g}")
+
+
+def speed_groups(traces: Sequence[ReducedTrace]) -> list[tuple[float, list[ReducedTrace]]]:
+    """Group traces whose speeds are within 15 % of their neighbour's: (nominal speed, traces), rising."""
+    ordered = sorted(traces, key=lambda trace: trace.velocity_mm_s)
+    groups: list[list[ReducedTrace]] = []
+    for trace in ordered:
+        if groups and trace.velocity_mm_s < 1.15 * groups[-1][-1].velocity_mm_s:
+            groups[-1].append(trace)
+        else:
+            groups.append([trace])
+    return [(rounded_velocity(float(np.median([t.velocity_mm_s for t in g]))), g) for g in groups]
+
+
+def condition_groups(traces: Sequence[ReducedTrace]) -> list[tuple[float, float, list[ReducedTrace]]]:
+    """Group by speed and by depth (5 % apart at most); (speed, mean depth, traces)."""
+    found = []
+    for speed, group in speed_groups(traces):
+        ordered = sorted(group, key=lambda trace: trace.ramp.depth_mm)
+        parts: list[list[ReducedTrace]] = []
+        for trace in ordered:
+            if parts and trace.ramp.depth_mm < 1.05 * parts[-1][-1].ramp.depth_mm:
+                parts[-1].append(trace)
+            else:
+                parts.append([trace])
+        found += [(speed, float(np.mean([t.ramp.depth_mm for t in part])), part) for part in parts]
+    return found

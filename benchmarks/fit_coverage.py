@@ -13,11 +13,11 @@ from dataclasses import replace
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from dummydesign.inference.least_squares import profile_interval
-from dummydesign.inference.reduction import reduce_trace
+from dummydesign.inference.profile import profile_interval
 from dummydesign.measurement.motion import contact_velocity
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue.fitting.problem import Problem, largest_slow
+from dummydesign.tissue.fitting.reduction import reduce_trace
 
 GAMMA1, GAMMA, DAMPER = 0.09, np.array([0.03, 0.11]), np.array([1.2, 0.08])
 TRUTH = np.r_[GAMMA1, GAMMA, DAMPER]

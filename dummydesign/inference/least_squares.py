@@ -1,9 +1,10 @@
-"""Trust-region least squares from several starts, and intervals by profile likelihood."""
+"""Trust-region least squares from several starts."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,37 +12,29 @@ from numpy.typing import NDArray
 Model = Callable[[NDArray], tuple[NDArray, NDArray]]
 """Maps parameters (p,) to whitened residuals (n,) and their Jacobian (n, p)."""
 
-THRESHOLD = 3.8415
-"""95 % point of chi-square with one degree of freedom."""
-
-FARTHEST = 12.0
-"""How far from the optimum an end of an interval is searched, in the parameter unit (ln: factor 1.6e5)."""
+Residual = Callable[[NDArray], NDArray]
+"""Maps parameters (p,) to whitened residuals (n,)."""
 
 
 @dataclass(frozen=True)
 class Solution:
     """The best of several starts.
 
-    ``parameters`` (p,), ``chi_square`` and ``agreeing``: how many of ``starts`` ended within 1e-3 of it.
+    ``parameters`` (p,), ``chi_square`` and ``agreeing``: how many of ``starts`` ended within 1e-3 of it;
+    ``residual`` (n,) and ``jacobian`` (n, p) there.
     """
 
     parameters: NDArray
     chi_square: float
     starts: int
     agreeing: int
+    residual: NDArray | None = None
+    jacobian: NDArray | None = None
 
 
-@dataclass(frozen=True)
-class Interval:
-    """A profile interval; an end that is not found is None and ``reason`` says why."""
-
-    low: float | None
-    high: float | None
-    at_bound: bool
-    reason: str
-
-
-def solve(model: Model, starts: Sequence[NDArray], low: NDArray, high: NDArray, tolerance: float = 1e-9) -> Solution:
+def solve(
+    model: Model, starts: Sequence[NDArray], low: NDArray, high: NDArray, tolerance: float = 1e-9, most: int = 400
+) -> Solution:
     """Minimise the sum of squares inside a box by the trust-region method of scipy, from every start.
 
     Parameters
@@ -49,36 +42,69 @@ def solve(model: Model, starts: Sequence[NDArray], low: NDArray, high: NDArray, 
     model : callable
         Residuals and Jacobian.
     starts : sequence of ndarray (p,)
-        At least one.
+        At least one; those on or outside the box are moved inside.
     low, high : ndarray (p,)
         The box.
     tolerance : float
         Relative tolerance on cost, step and gradient.
+    most : int
+        Evaluations of the residuals from each start.
     """
-    from scipy.optimize import least_squares
-
     results = []
-    margin = 1e-9 * np.minimum(high - low, 1.0)
     for start in starts:
         memory = _Memory(model)
-        found = least_squares(
-            memory.residual, np.clip(start, low + margin, high - margin), memory.jacobian, bounds=(low, high),
-            method="trf", x_scale="jac", ftol=tolerance, xtol=tolerance, gtol=tolerance, max_nfev=400,
-        )  # fmt: skip
-        results.append((2.0 * float(found.cost), found.x))
-    best = min(results, key=lambda pair: pair[0])
-    near = sum(cost <= best[0] + max(1e-3, 1e-6 * best[0]) for cost, _ in results)
-    return Solution(best[1], best[0], len(results), near)
+        results.append(_descend(memory.residual, memory.jacobian, start, low, high, tolerance, most, "jac"))
+    return _best(results)
+
+
+def solve_by_differences(
+    residual: Residual, starts: Sequence[NDArray], low: NDArray, high: NDArray, tolerance: float = 1e-8,
+    most: int = 400, scale: NDArray | str = "jac",
+) -> Solution:  # fmt: skip
+    """As :func:`solve`, with the Jacobian by forward differences.
+
+    Parameters
+    ----------
+    residual : callable
+        Residuals.
+    starts, low, high, tolerance, most
+        As for :func:`solve`.
+    scale : ndarray, shape (p,), or "jac"
+        Usual size of a step in each parameter; by default that of the Jacobian.
+    """
+    return _best([_descend(residual, "2-point", start, low, high, tolerance, most, scale) for start in starts])
+
+
+def _descend(
+    residual: Residual, jacobian: Callable[[NDArray], NDArray] | str, start: NDArray, low: NDArray, high: NDArray,
+    tolerance: float, most: int, scale: NDArray | str,
+) -> Any:  # fmt: skip
+    from scipy.optimize import least_squares
+
+    margin = 1e-9 * np.minimum(high - low, 1.0)
+    return least_squares(
+        residual, np.clip(start, low + margin, high - margin), jacobian, bounds=(low, high), method="trf",
+        x_scale=scale, ftol=tolerance, xtol=tolerance, gtol=tolerance, max_nfev=most,
+    )  # fmt: skip
+
+
+def _best(results: list[Any]) -> Solution:
+    found = min(results, key=lambda one: one.cost)
+    least = 2.0 * float(found.cost)
+    near = sum(2.0 * one.cost <= least + max(1e-3, 1e-6 * least) for one in results)
+    return Solution(found.x, least, len(results), near, found.fun, found.jac)
 
 
 class _Memory:
     """Keeps the last evaluation, because scipy asks for residual and Jacobian apart."""
 
     def __init__(self, model: Model) -> None:
-        self._model, self._at, self._kept = model, None, None
+        self._model = model
+        self._at: NDArray | None = None
+        self._kept: tuple[NDArray, NDArray] | None = None
 
     def _evaluate(self, at: NDArray) -> tuple[NDArray, NDArray]:
-        if self._at is None or not np.array_equal(at, self._at):
+        if self._kept is None or self._at is None or not np.array_equal(at, self._at):
             self._at, self._kept = at.copy(), self._model(at)
         return self._kept
 
@@ -99,86 +125,3 @@ def covariance(jacobian: NDArray) -> NDArray | None:
     if np.linalg.cond(scaled) > 1e14:
         return None
     return np.linalg.inv(scaled) / np.outer(scale, scale)
-
-
-def profile_interval(model: Model, best: Solution, index: int, low: NDArray, high: NDArray) -> Interval:
-    """95 % interval of one parameter: where the best cost with it held is 3.84 above the minimum.
-
-    An end that is not reached inside the box, or within :data:`FARTHEST`, is None: the data do not
-    determine the parameter on that side. ``at_bound`` tells that the optimum itself lies on the box.
-    """
-    centre = best.parameters
-    at_bound = bool(min(centre[index] - low[index], high[index] - centre[index]) < 1e-4)
-    spread = covariance(model(centre)[1])
-    first = np.sqrt(THRESHOLD * spread[index, index]) if spread is not None else 0.5
-    first = float(np.clip(first, 1e-6, 2.0))
-    ends, reasons = [], []
-    for side in (-1.0, 1.0):
-        limit = min(centre[index] - low[index] if side < 0 else high[index] - centre[index], FARTHEST)
-        found = _profile_end(model, best, index, low, high, side, first, limit)
-        ends.append(None if found is None else centre[index] + side * found)
-        if found is None:
-            reasons.append("below" if side < 0 else "above")
-    reason = f"not identifiable: the data set no bound {' or '.join(reasons)}" if reasons else ""
-    return Interval(ends[0], ends[1], at_bound, reason)
-
-
-def _profile_end(
-    model: Model,
-    best: Solution,
-    index: int,
-    low: NDArray,
-    high: NDArray,
-    side: float,
-    first: float,
-    limit: float,
-) -> float | None:
-    """Distance at which the profiled cost has risen by the threshold; None when it never does."""
-    free = np.delete(np.arange(len(low)), index)
-    centre = best.parameters
-    # always from the optimum and from the nearest point below the threshold: a far point may lie in another basin
-    warm = best.parameters[free]
-    root = np.sqrt(THRESHOLD)
-    before, height_before, distance = 0.0, 0.0, min(first, limit)
-    top = None
-    for _ in range(25):
-        starts = [best.parameters[free]] if before == 0.0 else [warm, best.parameters[free]]
-        reached, cost = _held(model, centre, index, side * distance, starts, low, high)
-        height = np.sqrt(max(cost - best.chi_square, 0.0))
-        if abs(height - root) < 0.01 * root:
-            return distance
-        if height < root:
-            before, height_before, warm = distance, height, reached
-            if top is None:
-                if distance >= limit:
-                    return None
-                rate = height / distance
-                ahead = distance * 2.5 if rate <= 0 else min(1.05 * root / rate, 2.5 * distance)
-                distance = min(ahead, limit)
-                continue
-        else:
-            top = (distance, height)
-        share = (root - height_before) / max(top[1] - height_before, 1e-12)
-        distance = before + (top[0] - before) * float(np.clip(share, 0.05, 0.95))
-        if top[0] - before < 1e-7:
-            return distance
-    return distance
-
-
-def _held(
-    model: Model, centre: NDArray, index: int, shift: float, starts: list[NDArray], low: NDArray, high: NDArray
-) -> tuple[NDArray, float]:
-    """Minimise over all but one parameter, which is held at ``shift`` from the optimum."""
-    free = np.delete(np.arange(len(low)), index)
-
-    def reduced(values: NDArray) -> tuple[NDArray, NDArray]:
-        point = centre.copy()
-        point[index] += shift
-        point[free] = values
-        residual, jacobian = model(point)
-        return residual, jacobian[:, free]
-
-    if not len(free):
-        return starts[0], float((reduced(starts[0])[0] ** 2).sum())
-    found = solve(reduced, starts, low[free], high[free], 1e-6)
-    return found.parameters, found.chi_square

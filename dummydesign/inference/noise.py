@@ -1,40 +1,24 @@
-"""The noise of binned traces: white, slowly correlated, contact position, and misfit of the law itself.
+"""Noise of binned traces: its covariance, and its sizes by restricted maximum likelihood.
 
-Samples at 1 kHz are not independent: a slow part that lives for a second does not average away in a bin,
-and a bias of the contact zero moves a whole press. What a wrong law leaves is a share of the peak of the
-press in every bin; without that part, a misfit of newtons would be taken for certainty. (In proportion to
-the force of the moment, or correlated over a whole rise, it would pull the fit away from least squares: a
-curve far from the data would cost little. That neighbouring bins misfit alike is counted by :data:`ALIKE`.)
-Sizes are estimated from the residuals by restricted maximum likelihood, so that parameters that were fitted
-do not count as knowledge of the noise; slow noise and contact position are bounded by what can be seen
-without a law and by what a robot can do, and the misfit takes the rest.
+Samples at 1 kHz are not independent: a slow part that lives for a second does not average away in a bin, and an
+error of the contact position moves a whole press. Sizes are estimated from residuals by restricted maximum
+likelihood, so that parameters that were fitted do not count as knowledge of the noise. What a wrong law leaves is
+the user's to add: each knows along what its law misfits.
+
+References
+----------
+Patterson and Thompson, Biometrika 58 (1971) 545 (restricted maximum likelihood);
+Uhlenbeck and Ornstein, Phys. Rev. 36 (1930) 823 (the slow part).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
-from typing import Any
+from dataclasses import asdict, dataclass
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-
-from dummydesign.inference.reduction import ReducedTrace
-
-LOWEST = 1e-4
-"""Slow noise [N], position [mm] and misfit over peak below which they count as none."""
-
-MISFIT_GAIN = 6.0
-"""Gain in twice the log likelihood for which misfit is believed."""
-
-LARGEST_POSITION_MM = 0.05
-"""Largest error of the contact position that is believed; robot precision is 0.02 mm."""
-
-ALIKE = 3.0
-"""Neighbouring bins that misfit alike: the variance of misfit is raised by as much for the intervals."""
-
-FLOOR_N = 1e-3
-"""Smallest white noise that is believed: a tenth of the usual step of a force sensor. [N]"""
 
 
 @dataclass(frozen=True)
@@ -52,18 +36,29 @@ class Noise:
         return asdict(self)
 
 
+class Binned(Protocol):
+    """Edges [s] and numbers of samples of the bins of a trace, each of shape (bins,)."""
+
+    @property
+    def start_s(self) -> NDArray: ...
+    @property
+    def end_s(self) -> NDArray: ...
+    @property
+    def samples(self) -> NDArray: ...
+
+
 class Bins:
     """Bins of several traces as padded stacks, for batched linear algebra.
 
     Arrays have shape (traces, longest); ``used`` masks the padding.
     """
 
-    def __init__(self, traces: Sequence[ReducedTrace]) -> None:
-        longest = max(len(trace.force_N) for trace in traces)
+    def __init__(self, traces: Sequence[Binned]) -> None:
+        longest = max(len(trace.samples) for trace in traces)
         self.used = np.zeros((len(traces), longest), dtype=bool)
         self.start, self.end, self.samples = (np.zeros_like(self.used, dtype=float) for _ in range(3))
         for row, trace in enumerate(traces):
-            count = len(trace.force_N)
+            count = len(trace.samples)
             self.used[row, :count] = True
             self.start[row, :count], self.end[row, :count] = trace.start_s, trace.end_s
             self.samples[row, :count] = trace.samples
@@ -78,10 +73,21 @@ class Bins:
         out[self.used] = values
         return out
 
+    def slow(self, slow_time_s: float) -> NDArray:
+        """Covariance of an Ornstein-Uhlenbeck process of variance one averaged exactly over the bins.
+
+        Shape (traces, longest, longest); what is in the padding has no meaning.
+        """
+        length = np.where(self.used, np.maximum(self.end - self.start, 1e-9), 1.0) / slow_time_s
+        loss = -np.expm1(-length) / length
+        slow = loss[:, :, None] * loss[:, None, :] * np.exp(-self._gap / slow_time_s)
+        # the small-length limit of 2 (L - 1 + exp(-L)) / L^2 is 1 - L / 3
+        own = np.where(length > 1e-4, 2.0 * (1.0 - loss) / length, 1.0 - length / 3.0)
+        slow[:, self._rows, self._rows] = own
+        return slow
+
     def covariance(self, noise: Noise, slope: NDArray, level: NDArray | None = None) -> NDArray:
         """Covariance of the bins, shape (traces, longest, longest), identity in the padding. [N2]
-
-        The slow part is an Ornstein-Uhlenbeck process averaged exactly over the bins.
 
         Parameters
         ----------
@@ -91,28 +97,20 @@ class Bins:
         level : ndarray, shape (traces, longest), optional
             Measured peak force of the press of each bin, needed when the noise has misfit. [N]
         """
-        length = np.where(self.used, np.maximum(self.end - self.start, 1e-9), 1.0) / noise.slow_time_s
-        loss = -np.expm1(-length) / length
-        slow = loss[:, :, None] * loss[:, None, :] * np.exp(-self._gap / noise.slow_time_s)
-        rows = self._rows
-        # the small-length limit of 2 (L - 1 + exp(-L)) / L^2 is 1 - L / 3
-        own = np.where(length > 1e-4, 2.0 * (1.0 - loss) / length, 1.0 - length / 3.0)
-        slow[:, rows, rows] = own
-        total = noise.slow_N**2 * slow
+        total = noise.slow_N**2 * self.slow(noise.slow_time_s)
         if noise.position_mm > 0:
             total += noise.position_mm**2 * slope[:, :, None] * slope[:, None, :]
         total = np.where(self._both, total, 0.0)
         white = noise.white_N**2 / np.maximum(self.samples, 1.0)
         if level is not None:
             white = white + (noise.misfit_fraction * level) ** 2
-        total[:, rows, rows] += np.where(self.used, white, 1.0)
+        total[:, self._rows, self._rows] += np.where(self.used, white, 1.0)
         return total
 
 
-def whitener(bins: Bins, noise: Noise, slope: NDArray, level: NDArray | None = None) -> NDArray:
-    """Inverse Cholesky factors (traces, longest, longest): whitened = factor @ stacked values."""
-    lower = np.linalg.cholesky(bins.covariance(noise, slope, level))
-    return np.linalg.inv(lower)
+def whitener(covariance: NDArray) -> NDArray:
+    """Inverse Cholesky factors (..., n, n) of covariances: whitened = factor @ values."""
+    return np.linalg.inv(np.linalg.cholesky(covariance))
 
 
 def minus_two_log_likelihood(bins: Bins, factor: NDArray, residual: NDArray) -> float:
@@ -123,85 +121,74 @@ def minus_two_log_likelihood(bins: Bins, factor: NDArray, residual: NDArray) -> 
     return float((white**2).sum() - 2.0 * np.log(diagonal).sum() + count * np.log(2.0 * np.pi))
 
 
-def estimate_noise(
-    bins: Bins,
-    level: NDArray,
-    slope: NDArray,
-    residual: NDArray,
-    jacobian: NDArray,
-    largest_slow_N: float,
-    start: Noise | None = None,
-) -> Noise:
-    """Estimate the noise by restricted maximum likelihood.
+def restricted_likelihood(
+    covariance: NDArray, residual: NDArray, columns: NDArray, shared: bool = True, refitted: bool = False
+) -> float:
+    """Minus twice the restricted log likelihood of residuals, up to a constant.
+
+    r' V^-1 r + ln det V + ln det(X' V^-1 X), summed over the traces.
 
     Parameters
     ----------
-    bins : Bins
-    level, slope, residual : ndarray, shape (traces, longest)
-        Peak of the press [N], dF / dx [N/mm] and residual [N] of each bin.
-    jacobian : ndarray, shape (traces, longest, parameters)
-        Sensitivity to what was fitted.
-    largest_slow_N : float
-        Bound of the slow part, from the data without any law; that of the white part is half as much
-        again. Misfit is looked for only when one of them is reached. [N]
-    start : Noise, optional
-        A former estimate to start from.
+    covariance : ndarray, shape (traces, n, n)
+        V, identity in the padding.
+    residual : ndarray, shape (traces, n)
+        r, zero in the padding.
+    columns : ndarray, shape (traces, n, p)
+        X, sensitivity to what was fitted.
+    shared : bool
+        Whether the parameters are common to all traces; else each trace has its own, and the third term is summed.
+    refitted : bool
+        Whether the fit is repeated for this covariance, which takes r' V^-1 X (X' V^-1 X)^-1 X' V^-1 r off. For the
+        residuals of a law that misfits this is no: the noise must not be made likely by moving the fit away.
+    """
+    lower = np.linalg.cholesky(covariance)
+    white = np.linalg.solve(lower, np.concatenate([residual[..., None], columns], axis=-1))
+    groups = white.reshape(1, -1, white.shape[-1]) if shared else white
+    rest, turned = groups[..., 0], groups[..., 1:]
+    information = np.swapaxes(turned, 1, 2) @ turned
+    diagonal = np.arange(information.shape[-1])
+    trace = np.trace(information, axis1=1, axis2=2) / max(len(diagonal), 1)
+    information[:, diagonal, diagonal] += 1e-9 * trace[:, None] + 1e-300
+    cost = (rest**2).sum() + 2.0 * np.log(np.diagonal(lower, axis1=1, axis2=2)).sum()
+    if refitted:
+        inner = np.swapaxes(turned, 1, 2) @ rest[..., None]
+        cost -= (inner * np.linalg.solve(information, inner)).sum()
+    return float(cost + np.linalg.slogdet(information)[1].sum())
+
+
+def likeliest(
+    cost: Callable[[NDArray], float], start: NDArray, low: NDArray, high: NDArray, step: float = 0.5, most: int = 200
+) -> tuple[NDArray, float]:
+    """Positive sizes of least cost within bounds, by Nelder-Mead in their logarithms.
+
+    Parameters
+    ----------
+    cost : callable
+        Minus twice a log likelihood of sizes of shape (k,).
+    start, low, high : ndarray, shape (k,)
+        Above 0; a start outside is brought inside.
+    step : float
+        Size of the first simplex in the logarithm.
+    most : int
+        Evaluations.
 
     Returns
     -------
-    Noise
-        The contact position is left at 0 with fewer than four traces: one press cannot tell it from
-        the parameters. Misfit and position at their lower bounds are returned as 0.
+    ndarray, shape (k,)
+        To 3 % or to 0.05 in the cost.
+    float
+        Its cost.
     """
-    columns = np.concatenate([residual[..., None], jacobian], axis=-1)
-    with_position = len(residual) >= 4
-    scale = max(float(np.sqrt((residual**2).sum() / bins.used.sum())), FLOOR_N)
-    first = Noise(max(min(scale, largest_slow_N), 2 * FLOOR_N), 0.5 * scale, 0.5, 5e-3 * with_position)
-
-    def cost(noise: Noise) -> float:
-        lower = np.linalg.cholesky(bins.covariance(noise, slope, level))
-        white = np.linalg.solve(lower, columns).reshape(-1, columns.shape[-1])
-        information = white[:, 1:].T @ white[:, 1:]
-        information[np.diag_indices_from(information)] += 1e-8 * np.trace(information) / len(information)
-        determinant = 2.0 * np.log(np.diagonal(lower, axis1=1, axis2=2)).sum()
-        return float(white[:, 0] @ white[:, 0] + determinant + np.linalg.slogdet(information)[1])
-
-    low = Noise(FLOOR_N, 1e-4, 5e-3, LOWEST if with_position else 0.0)
-    high = Noise(1.5 * largest_slow_N, largest_slow_N, 5.0, LARGEST_POSITION_MM if with_position else 0.0)
-    step = 0.6 if start is None else 0.25
-    plain, plain_cost = _minimise(cost, start or first, low, high, step)
-    if plain.white_N < 0.9 * high.white_N and plain.slow_N < 0.9 * high.slow_N:
-        return plain  # what is left looks like the noise of the holds
-    low, high = replace(low, misfit_fraction=LOWEST), replace(high, misfit_fraction=1.0)
-    begin = replace(plain, misfit_fraction=max(plain.misfit_fraction, 3e-3))
-    wide, wide_cost = _minimise(cost, begin, low, high, step)
-    # slow noise and misfit are alike: misfit must earn its place
-    if wide_cost > plain_cost - MISFIT_GAIN:
-        return plain
-    return replace(wide, misfit_fraction=ALIKE**0.5 * wide.misfit_fraction)
-
-
-def _minimise(
-    cost: Callable[[Noise], float], start: Noise, low: Noise, high: Noise, step: float
-) -> tuple[Noise, float]:
-    """Nelder-Mead in the logarithms of the sizes whose upper bound is not 0; sizes at their bound become 0."""
     from scipy.optimize import minimize
 
-    names = [name for name, value in high.to_dict().items() if value > 0]
-    bottom, top = (np.log([getattr(end, name) for name in names]) for end in (low, high))
-    begin = np.log([max(getattr(start, name), 1e-9) for name in names])
-    begin = np.clip(begin, bottom + 1e-3, top - 1e-3)
-
-    def made(logs: NDArray) -> Noise:
-        sizes = dict(zip(names, np.exp(np.clip(logs, bottom, top)).tolist()))
-        sizes = {name: 0.0 if value <= 1.02 * LOWEST else value for name, value in sizes.items()}
-        return Noise(**{**{name: 0.0 for name in high.to_dict()}, **sizes})
-
-    def bounded(logs: NDArray) -> float:
-        outside = np.sum(np.maximum(bottom - logs, 0) ** 2 + np.maximum(logs - top, 0) ** 2)
-        return cost(made(logs)) + 10.0 * float(outside)
-
-    simplex = np.vstack([begin, begin + step * np.eye(len(begin))])
-    options = {"initial_simplex": simplex, "xatol": 0.03, "fatol": 0.05, "maxfev": 200}
-    found = minimize(bounded, begin, method="Nelder-Mead", options=options)
-    return made(found.x), float(found.fun)
+    bottom, top = np.log(low), np.log(high)
+    begin = np.clip(np.log(np.maximum(start, low)), bottom, top)
+    # a step that would leave the box goes the other way: a simplex clipped to the box can be flat
+    step_in = np.where(begin + step <= top, step, -step)
+    simplex = np.clip(np.vstack([begin, begin + np.diag(step_in)]), bottom, top)
+    found = minimize(
+        lambda logs: cost(np.exp(logs)), begin, method="Nelder-Mead", bounds=list(zip(bottom, top)),
+        options={"initial_simplex": simplex, "xatol": 0.03, "fatol": 0.05, "maxfev": most},
+    )  # fmt: skip
+    return np.exp(found.x), float(found.fun)

@@ -1,20 +1,40 @@
-"""The noise of a hold without any law."""
+"""The noise of a trace without any law: white noise of neighbouring samples, and what a smooth hold leaves."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 
 import numpy as np
+from numpy.typing import NDArray
 
-from dummydesign.inference.reduction import ReducedTrace
+ROBUST = 1.4826
+"""Standard deviation of a normal variable over the median of its absolute value."""
 
 
-def noise_floor(traces: Sequence[ReducedTrace]) -> float:
-    """Rms of the noise of the hold without any law: what a smooth curve in log time cannot follow. [N]"""
+def white_noise(second_differences_N: NDArray, robust: bool = False) -> float:
+    """Standard deviation of white noise from second differences F(k+1) - 2 F(k) + F(k-1), 0 without any. [N]
+
+    Second differences of independent errors have six times their variance. ``robust`` takes the median of
+    their absolute values, which a few jumps do not move; without it rounding to the resolution counts as noise.
+    """
+    if not second_differences_N.size:
+        return 0.0
+    if robust:
+        return ROBUST * float(np.median(np.abs(second_differences_N))) / np.sqrt(6.0)
+    return float(np.sqrt(np.mean(second_differences_N**2) / 6.0))
+
+
+def noise_floor(holds: Iterable[tuple[NDArray, NDArray]]) -> float:
+    """Rms of what a smooth curve in the logarithm of time cannot follow of holds. [N]
+
+    Parameters
+    ----------
+    holds : iterable of (time, force)
+        Time since the stop [s] and force [N] of the samples of each trace; the first twentieth is left out, and a
+        hold of less than 20 samples does not count.
+    """
     squares, count = 0.0, 0
-    for trace in traces:
-        time = trace.trace.time_s[trace.inside] - trace.ramp.stop_time_s
-        force_N = trace.trace.force_N[trace.inside]
+    for time, force_N in holds:
         late = time > 0.05 * time[-1]
         if late.sum() < 20:
             continue

@@ -1,4 +1,7 @@
-"""Reduction of a trace to some fifty bins, and the operator that reduces a model curve in the same way."""
+"""Bins of a measured trace: means of the samples, and the operator that bins a modelled curve in the same way.
+
+Which bins and nodes suit a press is the user's choice; what a bin is, is written here once.
+"""
 
 from __future__ import annotations
 
@@ -7,173 +10,129 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.errors import InputError
-from dummydesign.measurement.landmarks import approach_velocity
-from dummydesign.measurement.motion import Motion, Ramp, find_ramp
-from dummydesign.measurement.trace import Trace
-
-RISE_BINS = 20
 HOLD_GROWTH = 1.33
-FIRST_HOLD_S = 1e-3
-RISE_NODES = 160
-FINE_NODES = 80
-"""Nodes that a rise of few samples is brought to; its motion between samples is :func:`between`."""
-SETTLED_S = 0.01
-"""Time after the stop from which the motion is taken as a slow wander and the force as smooth. [s]"""
+"""Ratio of neighbouring times since the stop at which bins of a hold end."""
 
 
 @dataclass(frozen=True)
-class ReducedTrace:
-    """One press in bins, and the motion at the nodes where a model is evaluated.
+class Binning:
+    """Bins that hold samples, and which sample is in which.
 
     Attributes
     ----------
-    trace : Trace
-        Where it comes from.
-    ramp : Ramp
-        Contact, stop, end of hold.
-    velocity_mm_s, steady_force_N : float
-        Speed the robot was sent with; mean force of the last twentieth of the hold.
-    start_s, end_s, samples, force_N : ndarray, shape (bins,)
-        Edges, number of raw samples and mean force of each bin.
-    motion : Motion
-        Measured displacement at the nodes, shape (nodes,).
-    average : ndarray, shape (bins, nodes)
-        Takes a curve that is linear between the nodes to its means over the raw samples of each bin.
-    inside : ndarray of int
-        Indices of the raw samples that are used.
+    start_s, end_s, samples : ndarray, shape (bins,)
+        Edges and number of samples.
+    interval : ndarray of int, shape (bins,)
+        Place of each bin among the intervals between the edges that were asked for.
+    inside, place : ndarray of int, shape (used samples,)
+        Samples that are used, and the bin of each.
     """
 
-    trace: Trace
-    ramp: Ramp
-    velocity_mm_s: float
-    steady_force_N: float
     start_s: NDArray
     end_s: NDArray
     samples: NDArray
-    force_N: NDArray
-    motion: Motion
-    average: NDArray
+    interval: NDArray
     inside: NDArray
+    place: NDArray
+
+    def mean(self, values: NDArray) -> NDArray:
+        """Mean of the samples (n,) of each bin, shape (bins,)."""
+        return np.bincount(self.place, values[self.inside]) / self.samples
+
+    def scatter(self, values: NDArray) -> NDArray:
+        """Sum of squared deviations of the samples (n,) from the mean of their bin, shape (bins,)."""
+        return np.bincount(self.place, (values[self.inside] - self.mean(values)[self.place]) ** 2)
+
+    def average(self, time_s: NDArray, nodes_s: NDArray, smooth_from_s: float = np.inf) -> NDArray:
+        """Operator (bins, nodes) from a curve's values at nodes to its means over the samples of each bin.
+
+        Parameters
+        ----------
+        time_s : ndarray, shape (n,)
+            All samples. [s]
+        nodes_s : ndarray, shape (nodes,)
+            Increasing; the curve is constant outside. [s]
+        smooth_from_s : float
+            The curve is linear between nodes up to here; after it, where nodes may be far apart, it is the cubic
+            through the four nearest ones. [s]
+        """
+        time = time_s[self.inside]
+        after = np.clip(np.searchsorted(nodes_s, time), 1, len(nodes_s) - 1)
+        part = np.clip((time - nodes_s[after - 1]) / (nodes_s[after] - nodes_s[after - 1]), 0.0, 1.0)
+        average = np.zeros((len(self.samples), len(nodes_s)))
+        first = int(np.searchsorted(nodes_s, smooth_from_s))
+        smooth = (time > nodes_s[min(first, len(nodes_s) - 1)]) & (len(nodes_s) - first >= 4)
+        np.add.at(average, (self.place[~smooth], after[~smooth] - 1), 1.0 - part[~smooth])
+        np.add.at(average, (self.place[~smooth], after[~smooth]), part[~smooth])
+        start = np.clip(after[smooth] - 2, first, len(nodes_s) - 4)
+        at = nodes_s[start[:, None] + np.arange(4)]
+        for corner in range(4):
+            others = np.delete(at, corner, axis=1)
+            weight = np.prod((time[smooth, None] - others) / (at[:, [corner]] - others), axis=1)
+            np.add.at(average, (self.place[smooth], start + corner), weight)
+        return average / self.samples[:, None]
 
 
-def reduce_trace(trace: Trace) -> ReducedTrace:
-    """Cut a press into bins: evenly over the rise, from 1 ms growing by a third each over the hold.
+def cut(time_s: NDArray, edges_s: NDArray, left_out: NDArray | None = None) -> Binning:
+    """Sort samples into the intervals between edges; the last interval is closed, empty ones are dropped.
 
-    What comes after the hold (unloading) is left out, as is what lies more than a few samples before
-    contact. The displacement is kept as measured; in the hold it is averaged between nodes.
-
-    Raises
-    ------
-    InputError
-        With the file name when the trace holds no press or no hold.
-    """
-    try:
-        ramp = find_ramp(trace.time_s, trace.displacement_mm)
-    except InputError as problem:
-        raise InputError(f"{trace.name}: {problem}") from None
-    time, force = trace.time_s, trace.force_N
-    hold = ramp.hold_end_s - ramp.stop_time_s
-    if hold < 5 * ramp.rise_time_s * 0.02 or hold < 0.05:
-        raise InputError(f"{trace.name}: a hold of {hold:.3g} s is too short to see relaxation; hold 10 s")
-    edges = _edges(ramp, time)
-    inside = np.nonzero((time >= edges[0]) & (time <= ramp.hold_end_s))[0]
-    which = np.clip(np.searchsorted(edges, time[inside], side="right") - 1, 0, len(edges) - 2)
-    used, place, samples = np.unique(which, return_inverse=True, return_counts=True)
-    nodes = _nodes(time, edges, ramp)
-    displacement = _node_displacement(nodes, time, trace.displacement_mm, ramp)
-    average = _average(time[inside], place, samples, nodes, ramp.stop_time_s + SETTLED_S)
-    mean = np.bincount(place, force[inside]) / samples
-    late = time[inside] >= ramp.hold_end_s - 0.05 * hold
-    return ReducedTrace(
-        trace, ramp, approach_velocity(time, trace.displacement_mm, ramp), float(force[inside][late].mean()),
-        edges[used], edges[used + 1], samples, mean, Motion(nodes, displacement), average, inside,
-    )  # fmt: skip
-
-
-def _edges(ramp: Ramp, time: NDArray) -> NDArray:
-    """Bin edges [s]: one bin before contact, the rise, the hold."""
-    step = float(np.median(np.diff(time)))
-    before = max(float(time[0]), ramp.contact_time_s - 3 * max(step, 1e-3))
-    rise = np.linspace(ramp.contact_time_s, ramp.stop_time_s, RISE_BINS + 1)
-    hold = ramp.hold_end_s - ramp.stop_time_s
-    count = max(int(np.ceil(np.log(hold / FIRST_HOLD_S) / np.log(HOLD_GROWTH))), 2)
-    edges = np.r_[before, rise, ramp.stop_time_s + np.geomspace(FIRST_HOLD_S, hold, count)]
-    return np.unique(edges)
-
-
-def _nodes(time: NDArray, edges: NDArray, ramp: Ramp) -> NDArray:
-    """Times at which the model is evaluated: the samples of the rise (thinned), and three per hold bin."""
-    rise = time[(time >= edges[0]) & (time < ramp.stop_time_s + SETTLED_S)]
-    if len(rise) > RISE_NODES:
-        rise = rise[np.unique(np.linspace(0, len(rise) - 1, RISE_NODES).astype(int))]
-    elif 1 < len(rise) < FINE_NODES:
-        parts = -(-FINE_NODES // len(rise))
-        rise = np.interp(np.arange(parts * (len(rise) - 1) + 1) / parts, np.arange(len(rise)), rise)
-    hold = edges[edges >= ramp.stop_time_s]
-    middle = 0.5 * (hold[:-1] + hold[1:])
-    nodes = np.union1d(np.r_[rise, ramp.contact_time_s, ramp.stop_time_s], np.r_[hold, middle])
-    nodes = nodes[(nodes >= edges[0]) & (nodes <= ramp.hold_end_s)]
-    return nodes[np.r_[True, np.diff(nodes) > 1e-7]]
-
-
-def _node_displacement(nodes: NDArray, time: NDArray, x: NDArray, ramp: Ramp) -> NDArray:
-    """Displacement at the nodes: as measured in the rise, mean between half-way points in the hold."""
-    measured = between(nodes, time, x)
-    integral = np.r_[0.0, np.cumsum(0.5 * (x[1:] + x[:-1]) * np.diff(time))]
-    half = np.r_[nodes[0], 0.5 * (nodes[1:] + nodes[:-1]), nodes[-1]]
-    mean = np.diff(np.interp(half, time, integral)) / np.diff(half)
-    return np.where(nodes > ramp.stop_time_s + SETTLED_S, mean, measured)
-
-
-def between(at: NDArray, time: NDArray, x: NDArray) -> NDArray:
-    """Motion between samples: cubic by central differences, without overshoot; outside as at the ends.
-
-    Exact for a constant deceleration. A chord would run below the braking of a robot at 250 mm/s, by 4 um at
-    1 kHz, which a fit of the fast arm sees. Slopes are at most three times those of the chords beside them, so
-    that the curve rises where the samples rise and an abrupt stop stays one.
-
-    References
+    Parameters
     ----------
-    Fritsch and Carlson, SIAM J. Numer. Anal. 17 (1980) 238 (condition for a monotone cubic).
+    time_s : ndarray, shape (n,)
+        Samples. [s]
+    edges_s : ndarray, shape (m + 1,)
+        Increasing. [s]
+    left_out : ndarray of bool, shape (m,), optional
+        Intervals that are not used.
     """
-    if len(time) < 3:
-        return np.interp(at, time, x)
-    step = np.diff(time)
-    chord = np.diff(x) / step
-    left, right = chord[:-1], chord[1:]
-    middle = (left * step[1:] + right * step[:-1]) / (step[1:] + step[:-1])
-    limit = np.where(left * right > 0, 3.0 * np.minimum(np.abs(left), np.abs(right)), 0.0)
-    inner = np.clip(middle, -limit, limit)
-    ends, most = 2.0 * chord[[0, -1]] - inner[[0, -1]], 3.0 * np.abs(chord[[0, -1]])
-    ends = np.where(ends * chord[[0, -1]] > 0, np.clip(ends, -most, most), 0.0)
-    slope = np.r_[ends[0], inner, ends[1]]
-    place = np.clip(np.searchsorted(time, at, side="right") - 1, 0, len(step) - 1)
-    h = step[place]
-    t = np.clip((at - time[place]) / h, 0.0, 1.0)
-    return (
-        x[place] * (1 + 2 * t) * (1 - t) ** 2 + x[place + 1] * t**2 * (3 - 2 * t)
-        + h * t * (1 - t) * (slope[place] * (1 - t) - slope[place + 1] * t)
-    )  # fmt: skip
+    which = np.clip(np.searchsorted(edges_s, time_s, side="right") - 1, 0, len(edges_s) - 2)
+    # ends of a hold are sums of times: a sample on one may lie an ulp behind it
+    use = (time_s >= edges_s[0]) & (time_s <= edges_s[-1] + 1e-9)
+    if left_out is not None:
+        use &= ~left_out[which]
+    inside = np.nonzero(use)[0]
+    interval, place, samples = np.unique(which[inside], return_inverse=True, return_counts=True)
+    return Binning(edges_s[interval], edges_s[interval + 1], samples, interval, inside, place)
 
 
-def _average(time: NDArray, place: NDArray, samples: NDArray, nodes: NDArray, smooth_from: float) -> NDArray:
-    """Operator (bins, nodes) from node values to means over the samples of each bin.
+def hold_edges(first_s: float, duration_s: float, fewest: int = 2) -> NDArray:
+    """Ends of the bins of a hold, from ``first_s`` growing by at most a third to the end of it.
 
-    Linear between nodes up to ``smooth_from``; after it, where nodes are far apart and the force is
-    smooth, by the cubic through the four nearest nodes.
+    Parameters
+    ----------
+    first_s, duration_s : float
+        First end and length of the hold, since the stop. [s]
+    fewest : int
+        Least number of bins.
+
+    Returns
+    -------
+    ndarray, shape (bins,)
+        Times since the stop; the stop itself is not among them. [s]
     """
-    after = np.clip(np.searchsorted(nodes, time), 1, len(nodes) - 1)
-    share = np.clip((time - nodes[after - 1]) / (nodes[after] - nodes[after - 1]), 0.0, 1.0)
-    average = np.zeros((len(samples), len(nodes)))
-    first = int(np.searchsorted(nodes, smooth_from))
-    smooth = (time > nodes[min(first, len(nodes) - 1)]) & (len(nodes) - first >= 4)
-    np.add.at(average, (place[~smooth], after[~smooth] - 1), 1.0 - share[~smooth])
-    np.add.at(average, (place[~smooth], after[~smooth]), share[~smooth])
-    start = np.clip(after[smooth] - 2, first, len(nodes) - 4)
-    at = nodes[start[:, None] + np.arange(4)]
-    for corner in range(4):
-        others = np.delete(at, corner, axis=1)
-        weight = np.prod((time[smooth, None] - others) / (at[:, [corner]] - others), axis=1)
-        np.add.at(average, (place[smooth], start + corner), weight)
-    return average / samples[:, None]
+    count = max(int(np.ceil(np.log(duration_s / first_s) / np.log(HOLD_GROWTH))), fewest)
+    return np.geomspace(first_s, duration_s, count)
+
+
+def repeatable_hold_edges(first_s: float, duration_s: float) -> NDArray:
+    """Beginnings of the bins of a hold at the same times since the stop however long it lasts. [s]
+
+    Bins grow by a third, but none is shorter than ``first_s``: repeats can be compared bin by bin.
+    """
+    edges = [0.0, first_s]
+    while edges[-1] < duration_s:
+        edges.append(edges[-1] + max(first_s, edges[-1] * (HOLD_GROWTH - 1.0)))
+    return np.array(edges[:-1])
+
+
+def mean_around(nodes_s: NDArray, time_s: NDArray, values: NDArray) -> NDArray:
+    """Means of a piecewise-linear curve between the points half-way from node to node, shape (nodes,)."""
+    integral = np.r_[0.0, np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(time_s))]
+    half = np.r_[nodes_s[0], 0.5 * (nodes_s[1:] + nodes_s[:-1]), nodes_s[-1]]
+    return np.diff(np.interp(half, time_s, integral)) / np.maximum(np.diff(half), 1e-12)
+
+
+def distinct(times_s: NDArray, apart_s: float) -> NDArray:
+    """Increasing times that are more than ``apart_s`` from the one before. [s]"""
+    ordered = np.unique(times_s)
+    return ordered[np.r_[True, np.diff(ordered) > apart_s]]

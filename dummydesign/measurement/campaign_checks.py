@@ -9,14 +9,14 @@ import numpy as np
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.campaign import Trial
 from dummydesign.measurement.campaign_lines import CampaignLines
-from dummydesign.measurement.landmarks import find_landmarks
+from dummydesign.measurement.landmarks import find_ramp
 
 
 def check_against_declared(trial: Trial, index: int, place: CampaignLines) -> None:
     """Refuse magnitudes that can only be another unit, seen against the declared thickness, speed and force."""
     trace = trial.trace
     try:
-        ramp = find_landmarks(trace.time_s, trace.displacement_mm)
+        ramp = find_ramp(trace.time_s, trace.displacement_mm, "slowed")
     except InputError as problem:
         raise InputError(f"{trial.file}: {problem}") from None
     deepest = float(trace.displacement_mm.max())

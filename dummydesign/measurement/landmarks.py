@@ -1,36 +1,68 @@
-"""Contact, stop and end of hold of a measured press whose robot wanders and whose position has steps."""
+"""Landmarks of measured presses: contact, stop and end of hold of one ramp, and all holds of a stepped loading."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Literal
+
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.motion import Ramp
 
-STOPPED = 0.1
-"""Share of the speed of the ramp below which the punch counts as stopped."""
+SLOWED = 0.1
+"""Fraction of the speed of the ramp below which the punch counts as stopped."""
 STEP_MM = 0.005
+"""Resolution of the position that must not disturb the speed. [mm]"""
 LEAVE_MM = 0.06
+"""Wander that does not end a hold. [mm]"""
+HOLD_FRACTION = 0.1
+"""A hold lasts at least this fraction of the time that the ramps alone take."""
 
 
-def find_landmarks(time_s: NDArray, displacement_mm: NDArray) -> Ramp:
-    """Find the landmarks of one ramp and hold.
+@dataclass(frozen=True)
+class Hold:
+    """A stretch at one compression: from stop to leaving [s], and where [mm]."""
 
-    The stop is where the speed, over a window that steps of 5 um do not disturb, falls to a tenth of the
-    speed between 20 and 60 % of the depth; unlike a depth to be reached, it does not move when the robot
-    creeps by hundredths of a millimetre afterwards. The hold ends where the punch leaves for good; a motion
-    that ends while it presses has its stop there and no hold.
+    start_s: float
+    end_s: float
+    displacement_mm: float
+
+    @property
+    def duration_s(self) -> float:
+        """How long it lasts. [s]"""
+        return self.end_s - self.start_s
+
+
+def find_ramp(
+    time_s: ArrayLike, displacement_mm: ArrayLike, stop: Literal["reached", "slowed"] = "reached"
+) -> Ramp:
+    """Find contact, stop, held depth and end of hold in one measured ramp and hold.
+
+    The depth is the median near the largest displacement. Two rules for the stop:
+
+    - ``reached``: where the motion, carried on at the speed it has over the last hundredths of a millimetre,
+      reaches that depth; the hold ends where the motion leaves it for good. Exact for a clean ramp.
+    - ``slowed``: where the speed, over a window that steps of 5 um do not disturb, falls to a tenth of that
+      between contact and 60 % of the depth. It does not move when the robot creeps by hundredths of a millimetre
+      afterwards, and the hold may wander by 0.06 mm. A motion that ends while it presses has its stop there.
 
     Parameters
     ----------
-    time_s, displacement_mm : ndarray, shape (n,)
-        One measured motion, compression positive. [s, mm]
+    time_s, displacement_mm : array_like, shape (n,)
+        One motion, compression positive. [s, mm]
+    stop : str
+        ``reached`` or ``slowed``.
+
+    Returns
+    -------
+    Ramp
 
     Raises
     ------
     InputError
-        When the motion contains no compression or begins pressed.
+        When the motion contains no compression, or already presses at its first sample.
     """
     time, x = np.asarray(time_s, float), np.asarray(displacement_mm, float)
     largest = float(x.max())
@@ -40,27 +72,41 @@ def find_landmarks(time_s: NDArray, displacement_mm: NDArray) -> Ramp:
     if x[0] > 0.1 * largest:
         raise InputError(f"the motion starts pressed at displacement_mm = {x[0]:g}; it must begin at or before contact")
     depth = float(np.median(x[x >= largest - max(0.05, 0.03 * largest)]))
-    early, late = int(np.argmax(x >= 0.2 * depth)), int(np.argmax(x >= 0.6 * depth))
-    below = np.nonzero(x[: early + 1] <= 0)[0]
+    below = np.nonzero(x[: int(np.argmax(x >= 0.2 * depth)) + 1] <= 0)[0]
     start = int(below[-1]) if below.size else 0
-    contact = _cross(time, x, start)
+    contact = _crossing(time, x, start, 0.0) if x[start] < 0 else float(time[start])
+    if stop == "slowed":
+        stopped = _slowed(time, x, depth, start)
+        end = _left(time, x, depth, stopped)
+    else:
+        reach = min(0.02, 0.01 * depth)
+        stopped = _reached(time, x, depth, reach)
+        end = float(time[np.nonzero(x >= depth - max(2 * reach, 0.04))[0][-1]])
+    return Ramp(contact, stopped, end, depth, depth / max(stopped - contact, 1e-9))
+
+
+def _reached(time: NDArray, x: NDArray, depth: float, reach: float) -> float:
+    """Stop time from the crossing of depth - reach and the speed between depth - 4 reach and there."""
+    stop_at = int(np.argmax(x >= depth - reach))
+    if stop_at == 0:
+        return float(time[0])
+    late = _crossing(time, x, stop_at - 1, depth - reach)
+    early_at = int(np.argmax(x >= depth - 4 * reach))
+    early = _crossing(time, x, early_at - 1, depth - 4 * reach) if early_at > 0 else float(time[0])
+    return min(late + (late - early) / 3.0, float(time[-1]))
+
+
+def _slowed(time: NDArray, x: NDArray, depth: float, start: int) -> float:
+    """First time after 60 % of the depth from which the punch goes on at a tenth of its speed."""
+    late = int(np.argmax(x >= 0.6 * depth))
     speed = (x[late] - x[start]) / max(time[late] - time[start], 1e-9)
     window = max(10.0 * STEP_MM / speed, 3.0 * float(np.median(np.diff(time[start : late + 4]))))
     ahead = np.interp(time[late:] + window, time, x) - x[late:]
-    slow = np.nonzero((ahead <= STOPPED * speed * window) & (time[late:] + window <= time[-1]))[0]
-    stop = float(time[late + (int(slow[0]) if slow.size else len(time) - late - 1)])
-    return Ramp(contact, stop, _hold_end(time, x, depth, stop), depth, depth / max(stop - contact, 1e-9))
+    slow = np.nonzero((ahead <= SLOWED * speed * window) & (time[late:] + window <= time[-1]))[0]
+    return float(time[late + (int(slow[0]) if slow.size else len(time) - late - 1)])
 
 
-def _cross(time: NDArray, x: NDArray, before: int) -> float:
-    """Time at which the line from a sample at or above the surface to the next one reaches it."""
-    rise = x[before + 1] - x[before]
-    if x[before] >= 0 or rise <= 0:
-        return float(time[before])
-    return float(time[before] - x[before] / rise * (time[before + 1] - time[before]))
-
-
-def _hold_end(time: NDArray, x: NDArray, depth: float, stop: float) -> float:
+def _left(time: NDArray, x: NDArray, depth: float, stop: float) -> float:
     """Time at which the punch begins to leave for good. [s]"""
     wander = max(LEAVE_MM, 0.01 * depth)
     last = int(np.nonzero(x >= depth - wander)[0][-1])
@@ -69,6 +115,14 @@ def _hold_end(time: NDArray, x: NDArray, depth: float, stop: float) -> float:
     after = min(last + 5, len(x) - 1)
     speed = (x[last] - x[after]) / (time[after] - time[last])
     return float(max(time[last] - wander / max(speed, 1e-9), stop))
+
+
+def _crossing(time: NDArray, x: NDArray, before: int, level: float) -> float:
+    """Time at which the line from sample ``before`` to the next one reaches ``level``."""
+    rise = x[before + 1] - x[before]
+    if rise <= 0:
+        return float(time[before + 1])
+    return float(time[before] + (level - x[before]) / rise * (time[before + 1] - time[before]))
 
 
 def approach_velocity(time: NDArray, x: NDArray, ramp: Ramp) -> float:
@@ -86,3 +140,60 @@ def approach_velocity(time: NDArray, x: NDArray, ramp: Ramp) -> float:
     starts = np.linspace(climb[0], climb[-1] - stretch, 200)
     needed = np.interp(starts + stretch, climb, grid) - np.interp(starts, climb, grid)
     return float(stretch / needed.min())
+
+
+def find_holds(time_s: NDArray, displacement_mm: NDArray) -> tuple[Hold, ...]:
+    """Find the stretches in which the plates stand still under load, up to the end of the deepest.
+
+    The speed of the ramps is the median over a hundred even steps of displacement, so that it does not depend
+    on how long was held. Still is a tenth of it over the time in which the ramp goes 2 %. A curve that only
+    loads, or loads and unloads, has no hold.
+
+    Parameters
+    ----------
+    time_s, displacement_mm : ndarray, shape (n,)
+        One motion, compression positive. [s, mm]
+
+    Returns
+    -------
+    tuple of Hold
+        By rising displacement.
+    """
+    time, x = np.asarray(time_s, float), np.asarray(displacement_mm, float)
+    top = np.maximum.accumulate(x)
+    deepest = float(top[-1])
+    passed = np.searchsorted(top, np.linspace(0.02, 0.98, 97) * deepest)
+    crossing = np.diff(time[np.minimum(passed, len(time) - 1)])
+    # fast ramps cross several levels between two samples
+    one = max(float(np.median(crossing)), float(np.sum(crossing[crossing <= 3 * np.median(crossing)])) / len(crossing))
+    half = max(one, 2.0 * float(np.median(np.diff(time))))
+    speed = 0.01 * deepest / max(one, 1e-12)
+    moved = np.abs(np.interp(time + half, time, x) - np.interp(time - half, time, x))
+    edges = np.diff(np.r_[False, (moved <= SLOWED * speed * 2.0 * half) & (x > 0.03 * deepest), False].astype(int))
+    least = max(HOLD_FRACTION * 100.0 * one, 4.0 * half)
+    reach = max(0.002 * deepest, 0.01)
+    found: list[Hold] = []
+    for first, last in zip(np.nonzero(edges == 1)[0], np.nonzero(edges == -1)[0] - 1):
+        place = float(np.median(x[first : last + 1]))
+        begin, end = _stretch(x, first, last, place, reach)
+        if time[end] - time[begin] < least or end - begin < 10:
+            continue
+        if found and place < found[-1].displacement_mm - reach:
+            break
+        if found and time[begin] <= found[-1].end_s + 2 * half and abs(place - found[-1].displacement_mm) <= reach:
+            found[-1] = Hold(found[-1].start_s, float(time[end]), found[-1].displacement_mm)
+        else:
+            found.append(Hold(float(time[begin]), float(time[end]), place))
+    return tuple(found)
+
+
+def _stretch(x: NDArray, first: int, last: int, place: float, reach: float) -> tuple[int, int]:
+    """First and last sample within ``reach`` of a place, around the samples that stand still."""
+    begin, end = first, last
+    while begin < last and x[begin] < place - reach:
+        begin += 1
+    while begin > 0 and x[begin - 1] >= place - reach:
+        begin -= 1
+    while end < len(x) - 1 and abs(x[end + 1] - place) <= reach:
+        end += 1
+    return begin, end

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.core.errors import out_of_range
 
 DECELERATION_MM_S2 = 30_000.0
 """Default braking of the robot, 30 m/s2: 250 mm/s are stopped in 8.3 ms and 1.04 mm."""
@@ -115,58 +115,3 @@ def ramp_and_hold(
     held = np.broadcast_to(stop, (*depth.shape, hold_points))
     displacement = np.concatenate([(stop - distance) * share, stop - distance * left**2, held], axis=-1)
     return Motion(time, displacement)
-
-
-def find_ramp(time_s: ArrayLike, displacement_mm: ArrayLike) -> Ramp:
-    """Find contact, stop, held depth and end of hold in one measured ramp and hold.
-
-    The depth is the median near the largest displacement. The stop is where the motion, carried on at
-    the speed it has over the last hundredths of a millimetre, reaches that depth; the hold ends where
-    the motion leaves it for good.
-
-    Parameters
-    ----------
-    time_s, displacement_mm : array_like, shape (n,)
-        One motion. [s, mm]
-
-    Raises
-    ------
-    InputError
-        When the motion contains no compression, or already presses at its first sample.
-    """
-    time, x = np.asarray(time_s, float), np.asarray(displacement_mm, float)
-    largest = float(x.max())
-    if largest <= 0:
-        text = f"the motion contains no compression: largest displacement_mm = {largest:g}; compression is positive"
-        raise InputError(text)
-    if x[0] > 0.1 * largest:
-        raise InputError(f"the motion starts pressed at displacement_mm = {x[0]:g}; it must begin at or before contact")
-    near = x >= largest - max(0.05, 0.03 * largest)
-    depth = float(np.median(x[near]))
-    reach = min(0.02, 0.01 * depth)
-    stop_at = int(np.argmax(x >= depth - reach))
-    held = np.nonzero(x >= depth - max(2 * reach, 0.04))[0]
-    below = np.nonzero(x[:stop_at] <= 0)[0]
-    start = int(below[-1]) if below.size else 0
-    contact = _crossing(time, x, start, 0.0) if x[start] < 0 else float(time[start])
-    stop = _stop_time(time, x, depth, reach, stop_at)
-    rise = max(stop - contact, 1e-9)
-    return Ramp(contact, stop, float(time[held[-1]]), depth, depth / rise)
-
-
-def _stop_time(time: NDArray, x: NDArray, depth: float, reach: float, stop_at: int) -> float:
-    """Stop time from the crossing of depth - reach and the speed between depth - 4 reach and there."""
-    if stop_at == 0:
-        return float(time[0])
-    late = _crossing(time, x, stop_at - 1, depth - reach)
-    early_at = int(np.argmax(x >= depth - 4 * reach))
-    early = _crossing(time, x, early_at - 1, depth - 4 * reach) if early_at > 0 else float(time[0])
-    return min(late + (late - early) / 3.0, float(time[-1]))
-
-
-def _crossing(time: NDArray, x: NDArray, before: int, level: float) -> float:
-    """Time at which the line from sample ``before`` to the next one reaches ``level``."""
-    rise = x[before + 1] - x[before]
-    if rise <= 0:
-        return float(time[before + 1])
-    return float(time[before] + (level - x[before]) / rise * (time[before + 1] - time[before]))

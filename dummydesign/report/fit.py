@@ -14,8 +14,8 @@ from dummydesign.report.html.page import Section, Table, write_report
 from dummydesign.report.press_figures import STYLES, log_start, table_of_parameters, unique
 
 if TYPE_CHECKING:
-    from dummydesign.inference.reduction import ReducedTrace
     from dummydesign.tissue.fitting.fit import Fit
+    from dummydesign.tissue.fitting.reduction import ReducedTrace
 
 MOST_PLOTS = 24
 LAWS = {

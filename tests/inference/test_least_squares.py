@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from dummydesign.inference.least_squares import Solution, profile_interval, solve
+from dummydesign.inference.least_squares import Solution, solve
+from dummydesign.inference.profile import profile_interval
 
 WIDE = np.full(2, 50.0)
 

@@ -7,7 +7,7 @@ import pytest
 
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.campaign_file import read_campaign
-from dummydesign.measurement.landmarks import find_landmarks
+from dummydesign.measurement.landmarks import find_ramp
 
 HEAD = """schema = 1
 name = "small"
@@ -153,7 +153,7 @@ def test_landmarks_ignore_a_robot_that_creeps_after_the_stop():
     contact, speed, depth = 0.1, 120.0, 0.58
     x = np.minimum(speed * (time - contact), depth)
     creep = np.where(time > contact + depth / speed, 0.02 * np.clip(time - 0.2, 0, 5) / 5, 0.0)
-    found = find_landmarks(time, np.round((x + creep) / 0.005) * 0.005)
+    found = find_ramp(time, np.round((x + creep) / 0.005) * 0.005, "slowed")
     assert found.contact_time_s == pytest.approx(contact, abs=1e-3)
     assert found.stop_time_s == pytest.approx(contact + depth / speed, abs=2e-3)
     assert found.hold_end_s == pytest.approx(time[-1])
@@ -163,4 +163,4 @@ def test_the_hold_ends_where_the_punch_leaves():
     time = np.arange(0.0, 12.0, 2e-3)
     x = np.minimum(10.0 * (time - 0.1), 4.0)
     x = np.where(time > 10.0, 4.0 - 10.0 * (time - 10.0), x)
-    assert find_landmarks(time, x).hold_end_s == pytest.approx(10.0, abs=5e-3)
+    assert find_ramp(time, x, "slowed").hold_end_s == pytest.approx(10.0, abs=5e-3)

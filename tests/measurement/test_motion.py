@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.measurement.motion import contact_velocity, find_ramp, ramp_and_hold
+from dummydesign.measurement.landmarks import find_ramp
+from dummydesign.measurement.motion import contact_velocity, ramp_and_hold
 
 
 def test_the_ramp_ends_exactly_at_the_depth_and_stays_there():

@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.measurement.landmarks import find_landmarks
+from dummydesign.inference.noise_floor import white_noise
+from dummydesign.inference.reduction import cut, distinct, mean_around, repeatable_hold_edges
+from dummydesign.measurement.landmarks import find_ramp
 from dummydesign.measurement.motion import Ramp
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
@@ -22,7 +24,6 @@ SLOW_BINS = 17
 SHORTEST_HOLD_S = 0.05
 LOADING_BINS = 40
 """Bins of a press that ends while it loads."""
-HOLD_GROWTH = 1.33
 UNLOADING_BINS = 20
 RISE_NODES = 80
 AWAY_NODES = 45
@@ -79,24 +80,19 @@ def reduce_press(trace: Trace, lowpass: Lowpass | None) -> ReducedPress:
         With the file name when it holds no press.
     """
     try:
-        ramp = find_landmarks(trace.time_s, trace.displacement_mm)
+        ramp = find_ramp(trace.time_s, trace.displacement_mm, "slowed")
     except InputError as problem:
         raise InputError(f"{trace.name}: {problem}") from None
     edges, labels = _bin_edges(trace.time_s, ramp)
-    which = np.searchsorted(edges, trace.time_s, side="right") - 1
-    inside = (which >= 0) & (which < len(labels))
-    inside[inside] = labels[which[inside]] >= 0
-    used, place, samples = np.unique(which[inside], return_inverse=True, return_counts=True)
-    time, force = trace.time_s[inside], trace.force_N[inside]
-    mean = np.bincount(place, force) / samples
-    scatter = np.bincount(place, (force - mean[place]) ** 2)
+    binning = cut(trace.time_s, edges, labels < 0)
     nodes, x = _nodes(trace, ramp)
     filtered = np.eye(len(nodes)) if lowpass is None else lowpass.apply(nodes, np.eye(len(nodes))).T
-    operator = _average(time, place, samples, nodes) @ filtered
+    operator = binning.average(trace.time_s, nodes) @ filtered
     acceleration = np.interp(nodes, trace.time_s, _acceleration(trace.time_s, trace.displacement_mm))
     return ReducedPress(
-        ramp, edges[:-1][used], edges[1:][used], samples.astype(float), mean, labels[used], scatter,
-        nodes, x, acceleration, filtered, operator, _white(trace, ramp),
+        ramp, binning.start_s, binning.end_s, binning.samples.astype(float), binning.mean(trace.force_N),
+        labels[binning.interval], binning.scatter(trace.force_N), nodes, x, acceleration, filtered, operator,
+        _white(trace, ramp),
     )  # fmt: skip
 
 
@@ -128,10 +124,7 @@ def _bin_edges(time: NDArray, ramp: Ramp) -> tuple[NDArray, NDArray]:
     else:
         parts.append(before + (stop - before) / SLOW_BINS * np.arange(SLOW_BINS))
         labels.append(100 * RISE + np.arange(SLOW_BINS))
-    hold = [0.0, step]
-    while hold[-1] < end - stop:
-        hold.append(hold[-1] + max(step, hold[-1] * (HOLD_GROWTH - 1.0)))
-    hold = np.array(hold[:-1])
+    hold = repeatable_hold_edges(step, end - stop)
     parts.append(stop + hold)
     labels.append(100 * HOLD + np.arange(len(hold)))
     if time[-1] > end + 0.1:
@@ -173,26 +166,13 @@ def _nodes(trace: Trace, ramp: Ramp) -> tuple[NDArray, NDArray]:
         away = away[:: int(np.ceil(len(away) / AWAY_NODES))]
     nodes = np.unique(np.r_[start, rise, hold, end, away, time[-1]])
     nodes = nodes[(nodes >= time[0]) & (nodes <= time[-1])]
-    nodes = nodes[np.r_[True, np.diff(nodes) > 1e-5]]
+    nodes = distinct(nodes, 1e-5)
     near = np.diff(time).min() > 0 and len(time) > 3
     placed = CubicSpline(time, x)(nodes) if near else np.interp(nodes, time, x)
-    linear = np.interp(nodes, time, x)
-    integral = np.r_[0.0, np.cumsum(0.5 * (x[1:] + x[:-1]) * np.diff(time))]
-    half = np.r_[nodes[0], 0.5 * (nodes[1:] + nodes[:-1]), nodes[-1]]
-    mean = np.diff(np.interp(half, time, integral)) / np.maximum(np.diff(half), 1e-12)
+    linear, mean = np.interp(nodes, time, x), mean_around(nodes, time, x)
     held = (nodes > late) & (nodes < end - 0.02)
     smooth = (nodes >= contact) & (nodes <= late)
     return nodes, np.where(held, mean, np.where(smooth, placed, linear))
-
-
-def _average(time: NDArray, place: NDArray, samples: NDArray, nodes: NDArray) -> NDArray:
-    """Operator (bins, nodes) from node values to means over the samples of each bin."""
-    after = np.clip(np.searchsorted(nodes, time), 1, len(nodes) - 1)
-    share = np.clip((time - nodes[after - 1]) / (nodes[after] - nodes[after - 1]), 0.0, 1.0)
-    average = np.zeros((len(samples), len(nodes)))
-    np.add.at(average, (place, after - 1), 1.0 - share)
-    np.add.at(average, (place, after), share)
-    return average / samples[:, None]
 
 
 def _acceleration(time: NDArray, x: NDArray) -> NDArray:
@@ -213,4 +193,4 @@ def _white(trace: Trace, ramp: Ramp) -> float:
     second = (force[2:] - 2 * force[1:-1] + force[:-2])[even & quiet]
     if len(second) < 20:
         second = np.diff(force, 2)
-    return float(max(np.sqrt(np.mean(second**2) / 6.0), 1e-3))
+    return max(white_noise(second), 1e-3)

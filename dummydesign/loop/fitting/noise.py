@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.inference.noise import Bins, Noise
+from dummydesign.inference.noise import Bins, Noise, likeliest, restricted_likelihood, whitener
 from dummydesign.loop.data.reduction import UNLOADING
 from dummydesign.loop.data.trials import Presses
 
@@ -22,6 +22,10 @@ POSITION_PRIOR_MM = (0.008, 1.0)
 """Median and spread (of the logarithm) of the contact scatter; that of the law's error belongs to the law."""
 LAW_TERMS = 3
 """Level, slope and curvature in depth over thickness."""
+SLOW_BOUNDS = np.array([[1e-4, 0.05], [5.0, 20.0]])
+"""Lowest and highest slow noise [N] and time of it [s]."""
+SIZE_BOUNDS = np.array([[3e-4, 3e-4, 3e-4, 3e-4], [0.5, 0.2, 0.3, 0.3]])
+"""Lowest and highest contact scatter [mm] and law error in level, slope and curvature."""
 Priors = tuple[tuple[float, float], ...]
 
 
@@ -116,8 +120,6 @@ def estimate_slow_noise(presses: Presses, residual: NDArray, slope: NDArray, for
     start : Noise
         White noise and contact scatter are taken from it unchanged.
     """
-    from scipy.optimize import minimize
-
     parts, places = contrasts(presses, residual)
     if parts:
         nuisance = [np.stack([slope[i, a], force[i, a]], axis=1) for i, _, a, _ in places]
@@ -133,24 +135,14 @@ def estimate_slow_noise(presses: Presses, residual: NDArray, slope: NDArray, for
     columns = bins.stacked(np.concatenate(nuisance))
     zero = np.zeros_like(values)
 
-    def cost(logs: NDArray) -> float:
-        slow, time = np.exp(np.clip(logs, np.log([1e-4, 0.05]), np.log([5.0, 20.0])))
-        noise = Noise(start.white_N, slow, time, 0.0)
-        factor = np.linalg.inv(np.linalg.cholesky(bins.covariance(noise, zero)))
-        u, x = (factor @ values[..., None])[..., 0], factor @ columns
-        gram = np.swapaxes(x, 1, 2) @ x + 1e-9 * np.eye(2)
-        inner = (np.swapaxes(x, 1, 2) @ u[..., None])[..., 0]
-        chi2 = (u**2).sum() - (inner * np.linalg.solve(gram, inner[..., None])[..., 0]).sum()
-        logs_of = -2.0 * np.log(np.diagonal(factor, axis1=1, axis2=2)).sum()
-        weak = ((logs[1] - 0.0) / 1.0) ** 2
-        return float(chi2 + logs_of + np.linalg.slogdet(gram)[1].sum() + weak)
+    def cost(sizes: NDArray) -> float:
+        cover = bins.covariance(Noise(start.white_N, *sizes.tolist(), 0.0), zero)
+        weak = np.log(sizes[1]) ** 2  # the time is hardly seen in short holds: 1 s within a factor of e
+        return restricted_likelihood(cover, values, columns, shared=False, refitted=True) + weak
 
-    begin = np.log([max(start.slow_N, 1e-3), start.slow_time_s])
-    simplex = np.vstack([begin, begin + [0.5, 0.0], begin + [0.0, 0.5]])
-    options = {"initial_simplex": simplex, "xatol": 0.03, "fatol": 0.05, "maxfev": 60}
-    logs = minimize(cost, begin, method="Nelder-Mead", options=options).x
-    slow, time = np.exp(np.clip(logs, np.log([1e-4, 0.05]), np.log([5.0, 20.0])))
-    return Noise(start.white_N, float(slow), float(time), start.position_mm)
+    begin = np.array([max(start.slow_N, 1e-3), start.slow_time_s])
+    slow, time = likeliest(cost, begin, *SLOW_BOUNDS, most=60)[0].tolist()
+    return Noise(start.white_N, slow, time, start.position_mm)
 
 
 def _penalty(log_size: float, prior: tuple[float, float]) -> float:
@@ -181,8 +173,6 @@ def estimate_sizes(
         Minus twice the log likelihood with the random columns integrated out, the fixed ones at their best,
         plus the penalties of the priors; without the constant of the white and slow noise.
     """
-    from scipy.optimize import minimize
-
     p = counts[0]
     inner, total = gram[1:, 0], gram[0, 0]
     random = gram[1 + p :, 1 + p :]
@@ -200,16 +190,11 @@ def estimate_sizes(
         priors = sum(_penalty(v, q) for v, q in zip(logs, (POSITION_PRIOR_MM, *law_priors)))
         return float(chi2 + volume + priors)
 
-    def clipped(logs: NDArray) -> NDArray:
-        return np.clip(logs, np.log([3e-4, 3e-4, 3e-4, 3e-4]), np.log([0.5, 0.2, 0.3, 0.3]))
-
-    begin = np.log([max(sizes.noise.position_mm, 1e-3), *sizes.law])
-    simplex = np.vstack([begin, begin + 0.5 * np.eye(len(begin))])
-    options = {"initial_simplex": simplex, "xatol": 0.02, "fatol": 0.05, "maxfev": 110}
-    logs = clipped(minimize(lambda z: score(clipped(z), True), begin, method="Nelder-Mead", options=options).x)
-    position, *law = (float(v) for v in np.exp(logs))
+    begin = np.array([max(sizes.noise.position_mm, 1e-3), *sizes.law])
+    found = likeliest(lambda z: score(np.log(z), True), begin, *SIZE_BOUNDS, most=110)[0]
+    position, *law = found.tolist()
     noise = Noise(sizes.noise.white_N, sizes.noise.slow_N, sizes.noise.slow_time_s, position)
-    return Sizes(noise, *law), score(logs, False)
+    return Sizes(noise, *law), score(np.log(found), False)
 
 
 Whitener = Callable[[NDArray], NDArray]
@@ -219,7 +204,7 @@ Whitener = Callable[[NDArray], NDArray]
 def make_whitener(presses: Presses, noise: Noise, slope: NDArray, with_position: bool) -> Whitener:
     """Whitening by the noise, with or without the scatter of the contact position."""
     used = noise if with_position else Noise(noise.white_N, noise.slow_N, noise.slow_time_s, 0.0)
-    factor = np.linalg.inv(np.linalg.cholesky(presses.bins.covariance(used, slope)))
+    factor = whitener(presses.bins.covariance(used, slope))
 
     def apply(values: NDArray) -> NDArray:
         return (factor @ values[..., None])[..., 0] if values.ndim == 2 else factor @ values

@@ -18,10 +18,10 @@ from dummydesign.resin.model.resin_writer import save_resin
 from dummydesign.resin.update.modulus import Point, update_resin
 
 if TYPE_CHECKING:
+    from dummydesign.measurement.landmarks import Hold
     from dummydesign.measurement.trace import Trace
     from dummydesign.pad.tables.puck import PuckTable
     from dummydesign.resin.model.resin import Resin
-    from dummydesign.resin.puck_test.reduction import Hold
     from dummydesign.resin.puck_test.relaxation_fit import PuckRelaxation
 
 Array = np.ndarray
@@ -110,9 +110,9 @@ def add_compression(
     InputError
         For a bad file, shape, name or ratio, or a compression that is too small.
     """
+    from dummydesign.measurement.landmarks import find_holds
     from dummydesign.measurement.trace import read_trace
     from dummydesign.pad.tables.puck_proportions import table_for
-    from dummydesign.resin.puck_test.reduction import find_holds
 
     if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_-]*", name):
         raise InputError(f"name = '{name}' cannot be a file name; use letters, digits, '-' and '_'")

@@ -20,11 +20,12 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.errors import InputError
+from dummydesign.inference.least_squares import solve_by_differences
+from dummydesign.inference.profile import within
 from dummydesign.pad.tables.puck import PuckTable, friction_of, uniaxial
 
 Array = np.ndarray
 
-CHI_SQUARE_95 = 3.84
 GRIPS = np.linspace(0.0, 1.0, 26)
 ALPHA_RANGE = (1.0, 6.0)
 LARGEST_OFFSET = 0.04
@@ -140,8 +141,6 @@ def _model(table: PuckTable, alpha: float, grip_value: float, compression: Array
 
 
 def _best(parts: list[tuple[Array, Array]], table: PuckTable, grip_value: float, guess: _Point | None) -> _Point:
-    from scipy.optimize import least_squares
-
     count = len(parts)
     if guess is None:
         c, stress = parts[0]
@@ -160,13 +159,12 @@ def _best(parts: list[tuple[Array, Array]], table: PuckTable, grip_value: float,
             found.append(np.log(np.maximum(value, 1e-12) / stress))
         return found
 
-    answer = least_squares(
-        lambda q: np.concatenate(residuals(q)), start, bounds=(lower, upper),
-        x_scale=np.r_[0.1, 0.5, np.full(count, 0.003)],
-    )  # fmt: skip
-    rest = residuals(answer.x)
+    best = solve_by_differences(
+        lambda q: np.concatenate(residuals(q)), [start], lower, upper, scale=np.r_[0.1, 0.5, np.full(count, 0.003)]
+    ).parameters
+    rest = residuals(best)
     mean_square = float(np.mean(np.concatenate(rest) ** 2))
-    return _Point(grip_value, answer.x[0], answer.x[1], answer.x[2:], mean_square, rest)
+    return _Point(grip_value, best[0], best[1], best[2:], mean_square, rest)
 
 
 def _summarise(curves: Sequence[Curve], points: list[_Point], height_mm: float) -> PuckFit:
@@ -176,7 +174,7 @@ def _summarise(curves: Sequence[Curve], points: list[_Point], height_mm: float) 
     pucks = len({curve.puck for curve in curves})
     variance = (scatter**2 + best.mean_square) / pucks
     excess = [(point.mean_square - best.mean_square) / variance for point in points]
-    kept = [point for point, above in zip(points, excess) if above <= CHI_SQUARE_95]
+    kept = [points[place] for place in within(excess)]
     young = np.exp([point.log_young for point in kept])
     # One puck's modulus differs from another's: the mean of all is known to this.
     around = 1.96 * np.sqrt(variance)

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from dummydesign.core.recurrence import linear_recurrence
+from dummydesign.inference.least_squares import solve_by_differences
+from dummydesign.inference.model_selection import aicc
 from dummydesign.pad.tables.puck import PuckTable, uniaxial
 from dummydesign.resin.puck_test.noise import PuckNoise, whitener
 from dummydesign.resin.puck_test.reduction import PuckPress
@@ -108,28 +110,18 @@ class PuckProblem:
 
     def fit(self, starts: list[Array], grip: float) -> Trial:
         """Trust-region least squares of the whitened residuals; arms in the order of their times."""
-        from scipy.optimize import least_squares
-
-        best = None
-        for start in starts:
-            low, high = self.box((len(start) - 3) // 2)
-            inside = np.clip(start, low + 1e-6, high - 1e-6)
-            answer = least_squares(
-                lambda q: self.factor @ self.residual(q, grip), inside, bounds=(low, high), x_scale="jac",
-                ftol=1e-7, xtol=1e-7, gtol=1e-7, max_nfev=60,
-            )  # fmt: skip
-            if best is None or answer.cost < best.cost:
-                best = answer
-        q, arms = best.x.copy(), (len(best.x) - 3) // 2
-        order = np.argsort(q[3 + arms :])
+        arms = (len(starts[0]) - 3) // 2
+        best = solve_by_differences(
+            lambda q: self.factor @ self.residual(q, grip), starts, *self.box(arms), tolerance=1e-7, most=60
+        )
+        order = np.argsort(best.parameters[3 + arms :])
         columns = np.r_[0, 1, 2, 3 + order, 3 + arms + order]
-        return Trial(grip, q[columns], 2.0 * float(best.cost), best.fun, best.jac[:, columns])
+        return Trial(grip, best.parameters[columns], best.chi_square, best.residual, best.jacobian[:, columns])
 
     def aicc(self, found: Trial) -> float:
         """Corrected Akaike criterion under the whitening of now; friction and two sizes of noise are counted."""
-        count, unknown = len(found.residual), len(found.parameters) + 3
         fit = found.chi_square - 2.0 * float(np.log(np.diag(self.factor)).sum())
-        return fit + 2 * unknown + 2 * unknown * (unknown + 1) / max(count - unknown - 1, 1)
+        return aicc(fit, len(found.parameters) + 3, len(found.residual))
 
 
 def _smooth_log_factor(table: PuckTable, grip: float) -> Callable[[float, Array], Array]:

@@ -3,10 +3,6 @@
 The law's misfit is a share of the force that varies smoothly with compression: it is the same all through a hold
 and never looks like relaxation. Slow noise is an Ornstein-Uhlenbeck force (drift of the load cell). Sizes are
 found by restricted maximum likelihood, the white part from the samples.
-
-References
-----------
-Patterson and Thompson, Biometrika 58 (1971) 545 (restricted maximum likelihood).
 """
 
 from __future__ import annotations
@@ -15,6 +11,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from dummydesign.inference import noise as inference
 from dummydesign.resin.puck_test.reduction import PuckPress
 
 Array = np.ndarray
@@ -50,11 +47,7 @@ def covariance(press: PuckPress, height_mm: float, noise: PuckNoise) -> Array:
     apart = c[:, None] - c
     total = noise.misfit**2 * np.exp(-0.5 * (apart / ALIKE) ** 2)
     total += RIPPLE**2 * np.exp(-0.5 * (apart / RIPPLE_LENGTH) ** 2)
-    length = np.maximum(press.end_s - press.start_s, 1e-9) / noise.slow_time_s
-    loss = -np.expm1(-length) / length
-    gap = np.maximum(press.start_s[None, :] - press.end_s[:, None], 0.0)
-    slow = loss[:, None] * loss * np.exp(-np.maximum(gap, gap.T) / noise.slow_time_s)
-    np.fill_diagonal(slow, np.where(length > 1e-4, 2.0 * (1.0 - loss) / length, 1.0 - length / 3.0))
+    slow = inference.Bins([press]).slow(noise.slow_time_s)[0]
     total += noise.slow_N**2 * slow / np.outer(press.force_N, press.force_N)
     total[np.diag_indices_from(total)] += noise.white_N**2 / press.samples / press.force_N**2 + JITTER**2
     return total
@@ -62,7 +55,7 @@ def covariance(press: PuckPress, height_mm: float, noise: PuckNoise) -> Array:
 
 def whitener(press: PuckPress, height_mm: float, noise: PuckNoise) -> Array:
     """Inverse Cholesky factor: whitened = factor @ residual."""
-    return np.linalg.inv(np.linalg.cholesky(covariance(press, height_mm, noise)))
+    return inference.whitener(covariance(press, height_mm, noise))
 
 
 def estimate(press: PuckPress, height_mm: float, residual: Array, jacobian: Array) -> PuckNoise:
@@ -75,30 +68,21 @@ def estimate(press: PuckPress, height_mm: float, residual: Array, jacobian: Arra
     residual : ndarray, shape (bins,)
     jacobian : ndarray, shape (bins, parameters)
     """
-    from scipy.optimize import minimize
-
-    both = np.column_stack([residual, jacobian])
     level = float(press.force_N.max())
     longest = max(hold.duration_s for hold in press.holds)
-    low = np.log([1e-5 * level, 1e-2 * longest, LEAST_MISFIT])
-    high = np.log([0.02 * level, longest, 0.3])
+    start, low, high = np.array(
+        [
+            [1e-3 * level, 0.1 * longest, 1.2 * LEAST_MISFIT],
+            [1e-5 * level, 1e-2 * longest, LEAST_MISFIT],
+            [0.02 * level, longest, 0.3],
+        ]
+    )
 
-    def made(logs: Array) -> PuckNoise:
-        slow, life, misfit = np.exp(np.clip(logs, low, high)).tolist()
-        return PuckNoise(press.white_N, slow, life, misfit)
+    def made(sizes: Array) -> PuckNoise:
+        return PuckNoise(press.white_N, *sizes.tolist())
 
-    def cost(logs: Array) -> float:
-        factor = np.linalg.cholesky(covariance(press, height_mm, made(logs)))
-        white = np.linalg.solve(factor, both)
-        information = white[:, 1:].T @ white[:, 1:]
-        information[np.diag_indices_from(information)] += 1e-9 * np.trace(information) / len(information)
-        outside = np.sum(np.maximum(low - logs, 0.0) ** 2 + np.maximum(logs - high, 0.0) ** 2)
-        return float(
-            white[:, 0] @ white[:, 0] + 2.0 * np.log(np.diag(factor)).sum()
-            + np.linalg.slogdet(information)[1] + 10.0 * outside
-        )  # fmt: skip
+    def cost(sizes: Array) -> float:
+        own = covariance(press, height_mm, made(sizes))
+        return inference.restricted_likelihood(own[None], residual[None], jacobian[None])
 
-    start = np.log([1e-3 * level, 0.1 * longest, 1.2 * LEAST_MISFIT])
-    simplex = np.vstack([start, start + np.diag([0.8, 0.8, 0.3])])
-    options = {"initial_simplex": simplex, "xatol": 0.03, "fatol": 0.05, "maxfev": 160}
-    return made(minimize(cost, start, method="Nelder-Mead", options=options).x)
+    return made(inference.likeliest(cost, start, low, high)[0])

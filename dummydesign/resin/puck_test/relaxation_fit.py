@@ -20,8 +20,7 @@ strengths, which are relative to the modulus, up accordingly.
 
 References
 ----------
-Fung, Biomechanics: Mechanical Properties of Living Tissues (1993), chapter 7 (quasi-linear law);
-Hurvich and Tsai, Biometrika 76 (1989) 297 (AICc).
+Fung, Biomechanics: Mechanical Properties of Living Tissues (1993), chapter 7 (quasi-linear law).
 """
 
 from __future__ import annotations
@@ -30,6 +29,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dummydesign.inference.model_selection import simplest
+from dummydesign.inference.profile import CHI_SQUARE_95, within
 from dummydesign.pad.tables.puck import PuckTable, friction_of
 from dummydesign.resin.puck_test.model import PuckProblem, Trial
 from dummydesign.resin.puck_test.noise import PuckNoise, estimate, whitener
@@ -38,8 +39,6 @@ from dummydesign.resin.puck_test.reduction import PuckPress
 Array = np.ndarray
 
 MOST_ARMS = 3
-PARSIMONY = 6.0
-CHI_SQUARE_95 = 3.84
 PUCK_SCATTER = 0.02
 GRIPS = np.linspace(0.0, 1.0, 11)
 COARSE = (0.0, 0.5, 1.0)
@@ -117,7 +116,7 @@ def fit_relaxation(press: PuckPress, diameter_mm: float, height_mm: float, table
             problem.factor = whitener(press, height_mm, _noise(problem, rivals[arms]))
             rivals[arms] = problem.fit([rivals[arms].parameters], rivals[arms].grip)
     scores = {arms: problem.aicc(found) for arms, found in rivals.items()}
-    chosen = min(arms for arms, score in scores.items() if score <= min(scores.values()) + PARSIMONY)
+    chosen = simplest(scores)
     noise = _noise(problem, rivals[chosen])
     problem.factor = whitener(press, height_mm, noise)
     profile, warm = [], rivals[chosen].parameters
@@ -153,7 +152,7 @@ def _summarise(
     problem: PuckProblem, profile: list[Trial], comparison: dict[str, dict[str, float]], noise: PuckNoise
 ) -> PuckRelaxation:
     best = min(profile, key=lambda one: one.chi_square)
-    kept = [one for one in profile if one.chi_square <= best.chi_square + CHI_SQUARE_95]
+    kept = [profile[place] for place in within([one.chi_square for one in profile])]
     reach = [np.sqrt(CHI_SQUARE_95 - (one.chi_square - best.chi_square)) * _spreads(one) for one in kept]
     low = np.min([one.parameters - width for one, width in zip(kept, reach)], axis=0)
     high = np.max([one.parameters + width for one, width in zip(kept, reach)], axis=0)
@@ -190,7 +189,7 @@ def _elastic(problem: PuckProblem, profile: list[Trial], best: Trial) -> tuple[F
     squares = [float(np.mean(problem.residual(one.parameters, one.grip) ** 2)) for one in profile]
     own = squares[profile.index(best)]
     variance = PUCK_SCATTER**2 + own
-    kept = [one for one, square in zip(profile, squares) if square - own <= CHI_SQUARE_95 * variance]
+    kept = [profile[place] for place in within(squares, variance, own)]
     around = np.sqrt(CHI_SQUARE_95 * variance)
     logs = [one.parameters[0] for one in kept]
     young = Found(*np.exp([best.parameters[0], min(logs) - around, max(logs) + around]).tolist())

@@ -139,9 +139,9 @@ def fit_presses(presses: dict[tuple[float, float], PressFigures], law: str) -> t
     Parameters, float
         Parameters, and rms residual of the binned traces [N].
     """
-    from dummydesign.inference.reduction import reduce_trace
     from dummydesign.tissue.fitting.groups import speed_groups
     from dummydesign.tissue.fitting.problem import Problem
+    from dummydesign.tissue.fitting.reduction import reduce_trace
     from dummydesign.tissue.fitting.residuals import trace_residuals
     from dummydesign.tissue.model.parameters import Parameters
 

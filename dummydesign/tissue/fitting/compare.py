@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.inference.reduction import ReducedTrace, reduce_trace
 from dummydesign.measurement.motion import DECELERATION_MM_S2
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue.fitting.fit import Fit, fit_traces
 from dummydesign.tissue.fitting.groups import condition_groups
+from dummydesign.tissue.fitting.reduction import ReducedTrace, reduce_trace
 from dummydesign.tissue.model.ranges import STEADY_TOLERANCE, ForceRange
 from dummydesign.tissue.model.tissue import Tissue
 

@@ -10,23 +10,19 @@ import numpy as np
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.threads import one_blas_thread
-from dummydesign.inference.least_squares import profile_interval
+from dummydesign.inference.model_selection import simplest
 from dummydesign.inference.noise_floor import noise_floor
-from dummydesign.inference.reduction import ReducedTrace, reduce_trace
+from dummydesign.inference.profile import profile_interval
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue.fitting.groups import condition_groups, rounded_velocity, speed_groups
 from dummydesign.tissue.fitting.problem import Optimum, Problem
+from dummydesign.tissue.fitting.reduction import ReducedTrace, reduce_trace
 from dummydesign.tissue.fitting.residuals import heldout_rmse, trace_residuals
 from dummydesign.tissue.model.maxwell_law import ELEMENTS, check_law, parameter_names
 from dummydesign.tissue.model.parameters import speed_key
 
 MODES = ("joint", "per-speed", "per-condition")
-
-PARSIMONY = 6.0
-"""Gain in AICc that more elements must bring: the time of a spurious arm is free to hunt for noise, which
-earns it more than the two units a parameter is charged with."""
-
 
 @dataclass(frozen=True)
 class Fit:
@@ -101,25 +97,19 @@ def fit_traces(
     problems = _problems(law, mode, reduced, lowpass)
     optima = {n: [problem.optimum((n - 1) // 2) for problem in problems] for n in ELEMENTS}
     comparison = _comparison(mode, problems, optima)
-    chosen = _simplest(comparison) if elements == "auto" else int(elements)
+    chosen = simplest({int(n): row["aicc"] for n, row in comparison.items()}) if elements == "auto" else int(elements)
     pairs = tuple(zip(problems, optima[chosen]))
     result: dict[str, Any] = {"elements": chosen, "law": law, "mode": mode}
     result |= _parameters(mode, pairs, chosen, intervals)
     result |= trace_residuals(pairs)
     place = {trace.name: index for index, trace in enumerate(traces)}
     result["by_trace"].sort(key=lambda row: place[row["file"]])
-    result["noise_floor_N"] = noise_floor(reduced)
+    result["noise_floor_N"] = noise_floor(trace.hold for trace in reduced)
     result["noise"] = [optimum.noise.to_dict() for _, optimum in pairs]
     result["starts"] = {"tried": pairs[0][1].solution.starts, "same_optimum": pairs[0][1].solution.agreeing}
     result["comparison"] = comparison
     result["warnings"] = _warnings(law, result, pairs)
     return Fit(chosen, law, mode, lowpass, result, pairs)
-
-
-def _simplest(comparison: dict[str, dict[str, Any]]) -> int:
-    """Fewest elements whose AICc is within :data:`PARSIMONY` of the lowest."""
-    lowest = min(row["aicc"] for row in comparison.values())
-    return min(int(n) for n, row in comparison.items() if row["aicc"] <= lowest + PARSIMONY)
 
 
 def _problems(law: str, mode: str, reduced: list[ReducedTrace], lowpass: Lowpass | None) -> list[Problem]:

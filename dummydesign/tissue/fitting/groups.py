@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dummydesign.inference.reduction import ReducedTrace
+from dummydesign.tissue.fitting.reduction import ReducedTrace
 
 
 def rounded_velocity(velocity_mm_s: float) -> float:

@@ -10,10 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.inference.least_squares import Model, Solution, solve
-from dummydesign.inference.noise import Bins, Noise, estimate_noise, minus_two_log_likelihood, whitener
+from dummydesign.inference.model_selection import aicc
+from dummydesign.inference.noise import Bins, Noise, minus_two_log_likelihood, whitener
 from dummydesign.inference.noise_floor import noise_floor
-from dummydesign.inference.reduction import ReducedTrace
 from dummydesign.measurement.sensor import Lowpass
+from dummydesign.tissue.fitting.noise import estimate_noise
+from dummydesign.tissue.fitting.reduction import ReducedTrace
 from dummydesign.tissue.fitting.responses import Responses
 
 START_RATES_PER_S = np.geomspace(0.05, 400.0, 14)
@@ -35,7 +37,7 @@ class Optimum:
 
 def largest_slow(traces: Sequence[ReducedTrace]) -> float:
     """Slow noise that may be believed: twice what the holds show without any law. [N]"""
-    return max(2.0 * noise_floor(traces), 0.01)
+    return max(2.0 * noise_floor(trace.hold for trace in traces), 0.01)
 
 
 class Problem:
@@ -177,7 +179,7 @@ class Problem:
             force, jacobian = self.predict(found.parameters, arms)
             residual, sensitivity = self.bins.stacked(self.force - force), self.bins.stacked(jacobian)
             noise = estimate_noise(self.bins, level, slope, residual, sensitivity, self.largest_slow_N, noise)
-            factor = whitener(self.bins, noise, slope, level)
+            factor = whitener(self.bins.covariance(noise, slope, level))
             found = solve(self.model(arms, factor), [found.parameters], low, high)
         best = Solution(found.parameters, found.chi_square, first.starts, first.agreeing)
         return Optimum(arms, self._slowest_first(best, arms), noise, factor)
@@ -193,9 +195,7 @@ class Problem:
         theta = solve(model, [optimum.solution.parameters], low, high, 1e-7).parameters
         residual = self.bins.stacked(self.force - self.predict(theta, optimum.arms)[0])
         unknown = len(theta) + (5 if len(self.traces) >= 4 else 4)
-        spare = max(len(self.force) - unknown - 1, 1)
-        likelihood = minus_two_log_likelihood(self.bins, factor, residual)
-        return likelihood + 2 * unknown + 2 * unknown * (unknown + 1) / spare
+        return aicc(minus_two_log_likelihood(self.bins, factor, residual), unknown, len(self.force))
 
     def _slowest_first(self, solution: Solution, arms: int) -> Solution:
         """Order the arms by falling c / gamma (geometric mean over groups)."""

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.inference.reduction import ReducedTrace
 from dummydesign.measurement.sensor import Lowpass
+from dummydesign.tissue.fitting.reduction import ReducedTrace
 from dummydesign.tissue.model.maxwell_law import Drive
 
 PER_DECADE = 10

@@ -20,7 +20,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError, out_of_range, unknown_name
 from dummydesign.core.recurrence import linear_recurrence
-from dummydesign.measurement.motion import Motion, find_ramp
+from dummydesign.measurement.landmarks import find_ramp
+from dummydesign.measurement.motion import Motion
 
 LAWS = ("ode", "consistent", "published")
 ELEMENTS = (3, 5, 7)

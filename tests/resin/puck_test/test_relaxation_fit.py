@@ -8,11 +8,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from dummydesign.measurement.landmarks import find_holds
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
 from dummydesign.pad.tables.puck_proportions import table_for
 from dummydesign.resin.puck_test.model import PuckProblem
 from dummydesign.resin.puck_test.noise import PuckNoise, covariance
-from dummydesign.resin.puck_test.reduction import find_holds, reduce_press
+from dummydesign.resin.puck_test.reduction import reduce_press
 from dummydesign.resin.puck_test.relaxation_fit import fit_relaxation
 from tests.support.puck_history import frictionless, ramps, relaxed
 

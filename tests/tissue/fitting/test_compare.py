@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from dummydesign.cli import run
-from dummydesign.inference.reduction import reduce_trace
 from dummydesign.measurement.motion import Motion, ramp_and_hold
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue import load_tissue
 from dummydesign.tissue.fitting.compare import STEADY_GRID_N, compare_traces, steady_curve
+from dummydesign.tissue.fitting.reduction import reduce_trace
 
 CONDITIONS = [(v, f) for v in (10.0, 250.0) for f in (5.0, 10.0, 15.0)]
 

@@ -8,13 +8,13 @@ from benchmarks.fit_coverage import DAMPER, GAMMA, GAMMA1, TRUTH, coverage, pres
 from dummydesign.core.errors import InputError
 from dummydesign.inference.least_squares import covariance, solve
 from dummydesign.inference.noise import Noise, whitener
-from dummydesign.inference.reduction import between, reduce_trace
 from dummydesign.measurement.motion import Motion, ramp_and_hold
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue.fitting.fit import fit_traces
 from dummydesign.tissue.fitting.groups import speed_groups
 from dummydesign.tissue.fitting.problem import Problem
+from dummydesign.tissue.fitting.reduction import between, reduce_trace
 from dummydesign.tissue.fitting.subject import subject_from_fit
 from dummydesign.tissue.model.maxwell_law import force, parameter_names
 
@@ -66,7 +66,7 @@ def test_ninety_five_percent_intervals_hold_the_truth_in_white_and_in_slow_noise
 def test_the_motion_between_samples_hardly_biases_the_fast_arm(clean):
     """Without noise, in the standard deviations that 0.03 N of white noise leaves; chords biased c3 by 0.63."""
     problem = Problem("ode", [[reduce_trace(trace) for trace in clean]], None)
-    factor = whitener(problem.bins, Noise(0.03, 1e-4, 0.5, 0.0), np.zeros_like(problem.bins.start))
+    factor = whitener(problem.bins.covariance(Noise(0.03, 1e-4, 0.5, 0.0), np.zeros_like(problem.bins.start)))
     model, (low, high) = problem.model(2, factor), problem.box(2)
     found = solve(model, [np.log(TRUTH)], low, high).parameters
     spread = np.sqrt(np.diag(covariance(model(found)[1])))

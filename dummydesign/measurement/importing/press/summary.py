@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.measurement.landmarks import approach_velocity, find_landmarks
+from dummydesign.measurement.landmarks import approach_velocity, find_ramp
 
 SHORTEST_HOLD_S = 0.3
 SHALLOWEST_MM = 0.02
@@ -42,7 +42,7 @@ def summarise(file: str, time: NDArray, x: NDArray, force: NDArray) -> Summary:
         When the motion cannot be followed: it begins pressed, or never presses.
     """
     try:
-        ramp = find_landmarks(time, x)
+        ramp = find_ramp(time, x, "slowed")
     except InputError as problem:
         raise InputError(f"{file}: {problem}; record from before contact, or say --contact N") from None
     if ramp.depth_mm < SHALLOWEST_MM:

@@ -1,0 +1,126 @@
+"""Intervals by profile likelihood."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.inference.least_squares import Model, Solution, covariance, solve
+
+CHI_SQUARE_95 = 3.8415
+"""95 % point of chi-square with one degree of freedom."""
+
+FARTHEST = 12.0
+"""How far from the optimum an end of an interval is searched, in the parameter unit (ln: factor 1.6e5)."""
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A profile interval; an end that is not found is None and ``reason`` says why."""
+
+    low: float | None
+    high: float | None
+    at_bound: bool
+    reason: str
+
+
+def profile_interval(model: Model, best: Solution, index: int, low: NDArray, high: NDArray) -> Interval:
+    """95 % interval of one parameter: where the best cost with it held is 3.84 above the minimum.
+
+    An end that is not reached inside the box, or within :data:`FARTHEST`, is None: the data do not
+    determine the parameter on that side. ``at_bound`` tells that the optimum itself lies on the box.
+    """
+    centre = best.parameters
+    at_bound = bool(min(centre[index] - low[index], high[index] - centre[index]) < 1e-4)
+    spread = covariance(model(centre)[1])
+    first = np.sqrt(CHI_SQUARE_95 * spread[index, index]) if spread is not None else 0.5
+    first = float(np.clip(first, 1e-6, 2.0))
+    ends, reasons = [], []
+    for side in (-1.0, 1.0):
+        limit = min(centre[index] - low[index] if side < 0 else high[index] - centre[index], FARTHEST)
+        found = _profile_end(model, best, index, low, high, side, first, limit)
+        ends.append(None if found is None else centre[index] + side * found)
+        if found is None:
+            reasons.append("below" if side < 0 else "above")
+    reason = f"not identifiable: the data set no bound {' or '.join(reasons)}" if reasons else ""
+    return Interval(ends[0], ends[1], at_bound, reason)
+
+
+def _profile_end(
+    model: Model,
+    best: Solution,
+    index: int,
+    low: NDArray,
+    high: NDArray,
+    side: float,
+    first: float,
+    limit: float,
+) -> float | None:
+    """Distance at which the profiled cost has risen by the threshold; None when it never does."""
+    free = np.delete(np.arange(len(low)), index)
+    centre = best.parameters
+    # always from the optimum and from the nearest point below the threshold: a far point may lie in another basin
+    warm = best.parameters[free]
+    root = np.sqrt(CHI_SQUARE_95)
+    before, height_before, distance = 0.0, 0.0, min(first, limit)
+    top = None
+    for _ in range(25):
+        starts = [best.parameters[free]] if before == 0.0 else [warm, best.parameters[free]]
+        reached, cost = _held(model, centre, index, side * distance, starts, low, high)
+        height = np.sqrt(max(cost - best.chi_square, 0.0))
+        if abs(height - root) < 0.01 * root:
+            return distance
+        if height < root:
+            before, height_before, warm = distance, height, reached
+            if top is None:
+                if distance >= limit:
+                    return None
+                rate = height / distance
+                ahead = distance * 2.5 if rate <= 0 else min(1.05 * root / rate, 2.5 * distance)
+                distance = min(ahead, limit)
+                continue
+        else:
+            top = (distance, height)
+        share = (root - height_before) / max(top[1] - height_before, 1e-12)
+        distance = before + (top[0] - before) * float(np.clip(share, 0.05, 0.95))
+        if top[0] - before < 1e-7:
+            return distance
+    return distance
+
+
+def within(costs: Sequence[float], unit: float = 1.0, lowest: float | None = None) -> list[int]:
+    """Places on a profile whose cost is at most 3.84 units above its lowest: the 95 % interval on a grid.
+
+    Parameters
+    ----------
+    costs : sequence of float
+        Least cost with the profiled parameter at each value of a grid.
+    unit : float
+        What one of chi-square is in the cost.
+    lowest : float, optional
+        Cost of the best fit when another criterion chose it; by default the least of the grid.
+    """
+    least = min(costs) if lowest is None else lowest
+    return [place for place, cost in enumerate(costs) if cost - least <= CHI_SQUARE_95 * unit]
+
+
+def _held(
+    model: Model, centre: NDArray, index: int, shift: float, starts: list[NDArray], low: NDArray, high: NDArray
+) -> tuple[NDArray, float]:
+    """Minimise over all but one parameter, which is held at ``shift`` from the optimum."""
+    free = np.delete(np.arange(len(low)), index)
+
+    def reduced(values: NDArray) -> tuple[NDArray, NDArray]:
+        point = centre.copy()
+        point[index] += shift
+        point[free] = values
+        residual, jacobian = model(point)
+        return residual, jacobian[:, free]
+
+    if not len(free):
+        return starts[0], float((reduced(starts[0])[0] ** 2).sum())
+    found = solve(reduced, starts, low[free], high[free], 1e-6)
+    return found.parameters, found.chi_square

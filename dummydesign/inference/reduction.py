@@ -96,7 +96,7 @@ def cut(time_s: NDArray, edges_s: NDArray, left_out: NDArray | None = None) -> B
 
 
 def hold_edges(first_s: float, duration_s: float, fewest: int = 2) -> NDArray:
-    """Ends of the bins of a hold, from ``first_s`` growing by at most a third to the end of it.
+    """Ends of the bins of a hold, from ``first_s`` growing by about a third to the end of it.
 
     Parameters
     ----------

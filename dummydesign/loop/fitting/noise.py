@@ -141,7 +141,7 @@ def estimate_slow_noise(presses: Presses, residual: NDArray, slope: NDArray, for
         return restricted_likelihood(cover, values, columns, shared=False, refitted=True) + weak
 
     begin = np.array([max(start.slow_N, 1e-3), start.slow_time_s])
-    slow, time = likeliest(cost, begin, *SLOW_BOUNDS, most=60)[0].tolist()
+    slow, time = likeliest(cost, begin, *SLOW_BOUNDS)[0].tolist()
     return Noise(start.white_N, slow, time, start.position_mm)
 
 
@@ -191,7 +191,7 @@ def estimate_sizes(
         return float(chi2 + volume + priors)
 
     begin = np.array([max(sizes.noise.position_mm, 1e-3), *sizes.law])
-    found = likeliest(lambda z: score(np.log(z), True), begin, *SIZE_BOUNDS, most=110)[0]
+    found = likeliest(lambda z: score(np.log(z), True), begin, *SIZE_BOUNDS)[0]
     position, *law = found.tolist()
     noise = Noise(sizes.noise.white_N, sizes.noise.slow_N, sizes.noise.slow_time_s, position)
     return Sizes(noise, *law), score(np.log(found), False)

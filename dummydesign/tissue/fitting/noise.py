@@ -67,7 +67,6 @@ def estimate_noise(
     begin = start or Noise(max(min(scale, largest_slow_N), 2 * FLOOR_N), 0.5 * scale, 0.5, 5e-3 * with_position)
     low = Noise(FLOOR_N, LOWEST, 5e-3, LOWEST if with_position else 0.0)
     high = Noise(1.5 * largest_slow_N, largest_slow_N, 5.0, LARGEST_POSITION_MM if with_position else 0.0)
-    step = 0.6 if start is None else 0.25
 
     def search(begin: Noise, low: Noise, high: Noise) -> tuple[Noise, float]:
         """Sizes whose upper bound is not 0; those at their lower bound become 0."""
@@ -80,7 +79,6 @@ def estimate_noise(
         sizes, cost = likeliest(
             lambda sizes: restricted_likelihood(bins.covariance(made(sizes), slope, level), residual, jacobian),
             *(np.array([getattr(one, name) for name in names]) for one in (begin, low, high)),
-            step,
         )
         return made(sizes), cost
 

@@ -12,17 +12,13 @@ from dummydesign.report.figures.layers import Band, Dots, Line
 from dummydesign.report.figures.plot import Plot
 from dummydesign.report.html.page import Section, Table, write_report
 from dummydesign.report.press_figures import STYLES, log_start, table_of_parameters, unique
+from dummydesign.tissue.model.laws import law_named
 
 if TYPE_CHECKING:
     from dummydesign.tissue.fitting.fit import Fit
     from dummydesign.tissue.fitting.reduction import ReducedTrace
 
 MOST_PLOTS = 24
-LAWS = {
-    "ode": "the differential equation of the arms along the measured motion",
-    "consistent": "equation (5) for an ideal ramp, continuous at the stop",
-    "published": "equation (5) for an ideal ramp, as printed",
-}
 MODES = {
     "joint": "one set of parameters for all traces",
     "per-speed": "springs common to all traces, dampers of each speed by themselves",
@@ -50,8 +46,8 @@ def write_fit_report(folder: Path, stem: str, fit: Fit, sources: Sequence[str]) 
         (str(len(data["by_trace"])), "traces"),
     ]
     lead = (
-        f"Nonlinear law of {data['elements']} elements fitted to traces: {LAWS[fit.law]}; {MODES[fit.mode]}. "
-        f"Low and high are the ends of 95 % intervals."
+        f"Nonlinear law of {data['elements']} elements fitted to traces: {law_named(fit.law).words}; "
+        f"{MODES[fit.mode]}. Low and high are the ends of 95 % intervals."
     )
     sections = [
         Section("Force over time", _words(fit), _presses(fit)),

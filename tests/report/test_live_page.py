@@ -15,6 +15,7 @@ from dummydesign.pad.tables.slab import load_table
 from dummydesign.report.html.live import live_scripts
 from dummydesign.report.html.page import script_json
 from dummydesign.resin import load_resin
+from dummydesign.tissue.model.laws import law_named
 from dummydesign.tissue.model.ranges import force_range
 from dummydesign.tissue.model.tissue_file import load_tissue
 from tests.support.browser import visit
@@ -75,9 +76,11 @@ def computed(tmp_path_factory):
          "velocity_mm_s": v, "force_N": f, "base": b}
         for r, h, p, v, f, b in STATES
     ]  # fmt: skip
+    live = {name: law_named(name).live for name in LAWS}
     script = (
         f"const data = {script_json(data)}, states = {script_json(states)}, out = {{}};"
-        f"for (const law of {json.dumps(LAWS)}) {{ data.tissue.law = law; out[law] = states.map((s) => {{"
+        f"for (const [law, how] of Object.entries({json.dumps(live)})) {{ data.tissue.law = how;"
+        "out[law] = states.map((s) => {"
         "const r = DD.compute(data, s), at = [0.003, 0.03, 0.3, 3];"
         "if (r.press) r.force_N = at.map((t) => DD.interp(t, r.press.t, r.press.force));"
         "delete r.press; delete r.range; delete r.curve; return r; }); }"

@@ -16,7 +16,7 @@ from dummydesign.studies.tissues.dummy_curves import (
 )
 from dummydesign.studies.tissues.infer import infer_site, main, subjects_of
 from dummydesign.studies.tissues.statements import BROKEN, Statement, conflicts, report, sample_steady, weights
-from dummydesign.tissue.model.maxwell_law import force
+from dummydesign.tissue.model.laws import law_named
 from dummydesign.tissue.model.tissue_file import load_tissue
 from dummydesign.tissue.population.posterior import read_draws
 
@@ -94,7 +94,7 @@ def test_posterior_arms_agree_with_the_anchors_they_were_drawn_for():
     draws, lines = infer_site("palm", np.full(60, 0.15), np.full(60, 1.5), rng)
     gamma1, gamma, fast = draws[:, 2, 0], draws[:, 2, 1:3], draws[:, 2, [4, 6]]
     motion = ramp_and_hold(250.0, np.cbrt(10.0 / gamma1), 10.0, np.inf)
-    curve = force("ode", motion, gamma1, gamma, fast)
+    curve = law_named("ode").force(motion, gamma1, gamma, fast)
     ratio = curve.max(axis=-1) / curve[:, -1]
     assert 1.7 < np.median(ratio) < 3.0
     assert any("peak ratio" in line for line in lines)

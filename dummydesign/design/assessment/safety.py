@@ -77,10 +77,11 @@ def tissue_press(band: ForceRange, law: str = "ode", sampling: Sampling | None =
     band : ForceRange
         From :func:`dummydesign.tissue.model.ranges.force_range` with the hold and braking of ``sampling``.
     law : str
-        Law of the subjects. All but ``ode`` know an ideal ramp only, so their energy is that of the ideal
+        Law of the subjects. For one that knows an ideal ramp only the energy is that of the ideal
         ramp. A subject that is still moving when the range ends has NaN.
     """
-    from dummydesign.tissue.model.maxwell_law import ramps_of
+    from dummydesign.tissue.model.laws import law_named
+    from dummydesign.tissue.model.laws.ideal_ramp import ramps_of
     from dummydesign.tissue.model.ranges import interpolate_rows
 
     sampling = sampling or Sampling()
@@ -88,7 +89,7 @@ def tissue_press(band: ForceRange, law: str = "ode", sampling: Sampling | None =
     grid = np.broadcast_to(band.time_s, band.curves_N.shape)
     forces = interpolate_rows(motion.time_s, grid, band.curves_N)
     displacement = motion.displacement_mm
-    if law != "ode":
+    if law_named(law).ideal_ramp:
         contact, stop, depth = (values[:, None] for values in ramps_of(motion))
         displacement = depth * np.clip((motion.time_s - contact) / (stop - contact), 0.0, 1.0)
     found = _of_press(motion.time_s, displacement, forces, band.stop_s)
@@ -135,24 +136,25 @@ def pad_body(slabs: Slabs) -> Body:
 
 
 def tissue_body(subjects: Sequence[Parameters], velocity_mm_s: float) -> Body:
-    """Subjects by the ode form: q' = x' - (gamma / c) x^2 q, F = gamma1 x^3 + sum gamma x^2 q.
+    """Subjects by the arms of their law, q' = gain x' - decay q, and F = gamma1 x^3 + sum gamma x^2 q.
 
     Raises
     ------
     InputError
-        For a law other than ``ode``: the others know ideal ramps only.
+        For a law that knows ideal ramps only.
     """
+    from dummydesign.tissue.model.laws import law_named
     from dummydesign.tissue.model.ranges import stack
 
     law, gamma1, gamma, dampers = stack(tuple(subjects), velocity_mm_s)
-    if law != "ode":
-        raise InputError(f"law = '{law}' follows ideal ramps only; a robot of finite mass needs a tissue of law ode")
+    form = law_named(law)
+    form.stretch_rates(np.zeros(len(gamma1)), gamma / dampers)  # says at once if the law does not
 
     def force(x: NDArray, q: NDArray) -> NDArray:
         return gamma1 * x**3 + (gamma * q).sum(axis=-1) * x**2
 
     def rates(x: NDArray) -> tuple[NDArray, NDArray]:
-        return np.ones_like(gamma), gamma / dampers * (x**2)[:, None]
+        return form.stretch_rates(x, gamma / dampers)
 
     return Body(len(gamma1), gamma.shape[-1], force, rates)
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from dummydesign.design.scoring.presses import Press, Sampling, Slabs, press_to_depth
 from dummydesign.design.scoring.score import halving
 from dummydesign.design.scoring.targets import NARROWEST, Targets
-from dummydesign.tissue.model.maxwell_law import Drive
+from dummydesign.tissue.model.laws import law_named
 
 if TYPE_CHECKING:
     from dummydesign.tissue.model.parameters import Parameters
@@ -92,7 +92,7 @@ class _Problem:
             self.weight.append(_weights(motion.time_s, stop) * known[..., None])
             force = np.nan_to_num(np.stack([press.force_N for press in group], axis=1))
             wanted.append((force * self.weight[-1]).reshape(len(depth), -1))
-            self.drives.append(Drive(targets.tissue.law, motion))
+            self.drives.append(law_named(targets.tissue.law).drive(motion))
         self.wanted = np.concatenate(wanted, axis=1)
         start = targets.parameters
         rate = np.array([np.divide(start.gamma_N_per_mm3, start.dampers_at(v)) for v in _speeds(targets)])

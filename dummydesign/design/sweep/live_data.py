@@ -63,7 +63,13 @@ def _square(base: str) -> dict[str, Any]:
     return {name: np.asarray(getattr(table, name)).tolist() for name in names}
 
 
-def _tissue(tissue: Tissue) -> dict[str, Any]:
+def _tissue(tissue: Tissue) -> dict[str, Any] | None:
+    """The subjects and what the page computes their law by; None for a law that a page cannot compute."""
+    from dummydesign.tissue.model.laws import law_named
+
+    law = law_named(tissue.law).live
+    if law is None:
+        return None
     subjects = [
         {
             "gamma1": subject.gamma1_N_per_mm3,
@@ -73,4 +79,4 @@ def _tissue(tissue: Tissue) -> dict[str, Any]:
         }
         for subject in tissue.parameter_sets
     ]
-    return {"name": tissue.name, "law": tissue.law, "subjects": subjects}
+    return {"name": tissue.name, "law": law, "subjects": subjects}

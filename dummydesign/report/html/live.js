@@ -110,7 +110,7 @@ const DD = (() => {
     return depth;
   }
 
-  // Tissue law: tissue/law.py. An arm's response for a unit spring and rate r = gamma / c.
+  // Tissue law, as tissue/model/laws say it in their data. An arm's response for a unit spring and rate r = gamma / c.
   const GX = [-0.8611363115940526, -0.33998104358485626, 0.33998104358485626, 0.8611363115940526];
   const GW = [0.34785484513745385, 0.6521451548625461, 0.6521451548625461, 0.34785484513745385];
   function armOde(m, rate) {
@@ -138,15 +138,15 @@ const DD = (() => {
     }
     return out;
   }
-  function armRamp(law, m, rate) {
+  function armRamp(runningClock, m, rate) {
     const rise = m.ideal.stop, v = m.ideal.depth / rise, r = Math.max(rate, 1e-300);
     return Float64Array.from(m.t, (t) => {
       const rising = Math.min(t, rise), held = Math.max(t - rise, 0);
-      const clock = law === "consistent" ? rise : Math.max(t, rise);
+      const clock = runningClock ? Math.max(t, rise) : rise;
       return -Math.expm1(-r * v * v * rising ** 3) * v / r * Math.exp(-r * (v * clock) ** 2 * held);
     });
   }
-  // Stop and depth of the ideal ramp as protocol/motion.py finds them on these samples.
+  // Stop and depth of the ideal ramp as measurement/landmarks.py finds them on these samples.
   function idealRamp(m) {
     const largest = max(m.x), near = m.x.filter((x) => x >= largest - Math.max(0.05, 0.03 * largest)).sort((a, b) => a - b);
     const depth = 0.5 * (near[(near.length - 1) >> 1] + near[near.length >> 1]), reach = Math.min(0.02, 0.01 * depth);
@@ -169,14 +169,14 @@ const DD = (() => {
   function tissueForce(law, subject, m, v) {
     const c = dampersAt(subject, v);
     let elastic = m.x.map((x) => Math.max(x, 0) ** 3);
-    if (law !== "ode") {
+    if (law.ideal_ramp) {
       m.ideal = idealRamp(m);
       const speed = m.ideal.depth / m.ideal.stop;
       elastic = m.t.map((t) => (speed * Math.min(t, m.ideal.stop)) ** 3);
     }
     const total = elastic.map((e) => subject.gamma1 * e);
     subject.gamma.forEach((gamma, k) => {
-      const arm = law === "ode" ? armOde(m, gamma / c[k]) : armRamp(law, m, gamma / c[k]);
+      const arm = law.ideal_ramp ? armRamp(law.running_clock, m, gamma / c[k]) : armOde(m, gamma / c[k]);
       for (let i = 0; i < total.length; i++) total[i] += gamma * arm[i];
     });
     return total;

@@ -54,7 +54,7 @@ def live_section(data: dict[str, Any], resin: Resin, tissue: Tissue | None, star
         ("peak_force_N", "peak force"),
         ("peak_over_steady", "peak over steady"),
     ]
-    if tissue is not None:
+    if tissue is not None and data["tissue"] is not None:
         numbers += [
             ("inside_fraction", f"fraction of the press in the range of {tissue.name}"),
             ("tissue_depth", f"depth of {tissue.name}"),

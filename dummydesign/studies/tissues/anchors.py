@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.studies.tissues.statements import Statement
-from dummydesign.tissue.model.maxwell_law import force
-from dummydesign.tissue.population.protocol import SPEEDS_MM_S, STEADY_N
+from dummydesign.tissue.model.laws import law_named
+from dummydesign.tissue.population.protocol import LAW, SPEEDS_MM_S, STEADY_N
 
 PEAK_RATIO = {"palm": (2.0, 2.75, 1.15), "thenar": (2.0, 2.75, 1.3), "forefinger": (2.0, 2.75, 1.5)}
 """Peak over steady force in a fast press: measured low and high, and the factor a site may differ by."""
@@ -55,7 +55,7 @@ def judge(site: str, gamma1: NDArray, arms: dict[str, NDArray], rng: np.random.G
     for at, speed in enumerate(SPEEDS_MM_S):
         # the ideal ramp of the paper's law; sample 12 of 24 is half of the rise
         motion = ramp_and_hold(speed, arms["depth_mm"], 10.0, np.inf, 24, 1, 12)
-        curve = force("ode", motion, gamma1, gamma, dampers[:, at])
+        curve = law_named(LAW).force(motion, gamma1, gamma, dampers[:, at])
         peaks.append(curve.max(axis=-1) / curve[:, -1])
         middle.append(curve[:, 12] / curve[:, 24])
     low, high, factor = PEAK_RATIO[site]

@@ -30,6 +30,7 @@ from dummydesign.studies.tissues.statements import Statement, report, sample_ste
 from dummydesign.tissue.model.tissue import Tissue
 from dummydesign.tissue.model.tissue_file import tissue_toml
 from dummydesign.tissue.population.posterior import draws_csv, subject_of, typical_subjects
+from dummydesign.tissue.population.protocol import LAW
 
 SUBJECTS = 5
 KEPT = 400
@@ -124,7 +125,7 @@ def tissue_from_draws(site: str, draws: NDArray, seed: int, samples: int) -> Tis
         subject_of(f"rank-{rank + 1}-of-{SUBJECTS}", value[rank], low[rank], high[rank], kinds)
         for rank in range(SUBJECTS)
     )
-    return Tissue(site, TITLES[site], "ode", subjects, SOURCES, NOTES, "built-in")
+    return Tissue(site, TITLES[site], LAW, subjects, SOURCES, NOTES, "built-in")
 
 
 def run(seed: int, samples: int, folder: Path, proposals: int = PROPOSALS) -> list[str]:

@@ -19,7 +19,7 @@ from dummydesign.tissue.fitting.groups import condition_groups, rounded_velocity
 from dummydesign.tissue.fitting.problem import Optimum, Problem
 from dummydesign.tissue.fitting.reduction import ReducedTrace, reduce_trace
 from dummydesign.tissue.fitting.residuals import heldout_rmse, trace_residuals
-from dummydesign.tissue.model.maxwell_law import ELEMENTS, check_law, parameter_names
+from dummydesign.tissue.model.laws import law_named
 from dummydesign.tissue.model.parameters import speed_key
 
 MODES = ("joint", "per-speed", "per-condition")
@@ -84,18 +84,18 @@ def fit_traces(
     InputError
         For unknown choices, no traces, or a trace without a press and a hold.
     """
-    check_law(law)
+    allowed = law_named(law).elements
     if mode not in MODES:
         from dummydesign.core.errors import unknown_name
 
         raise unknown_name("mode", mode, MODES)
-    if elements != "auto" and elements not in ELEMENTS:
-        raise InputError(f"elements = {elements} is not one of 3, 5, 7 or auto")
+    if elements != "auto" and elements not in allowed:
+        raise InputError(f"elements = {elements} is not one of {', '.join(map(str, allowed))} or auto")
     if not traces:
         raise InputError("fit needs at least one trace")
     reduced = [reduce_trace(trace) for trace in traces]
     problems = _problems(law, mode, reduced, lowpass)
-    optima = {n: [problem.optimum((n - 1) // 2) for problem in problems] for n in ELEMENTS}
+    optima = {n: [problem.optimum((n - 1) // 2) for problem in problems] for n in allowed}
     comparison = _comparison(mode, problems, optima)
     chosen = simplest({int(n): row["aicc"] for n, row in comparison.items()}) if elements == "auto" else int(elements)
     pairs = tuple(zip(problems, optima[chosen]))
@@ -129,7 +129,7 @@ def _comparison(mode: str, problems: list[Problem], optima: dict[int, list[Optim
         table[str(elements)] = {
             "rmse_N": trace_residuals(pairs)["rmse_N"],
             # the noise of the most flexible rival, which has the least misfit in it
-            "aicc": sum(p.aicc(o, best.factor) for (p, o), best in zip(pairs, optima[max(ELEMENTS)])),
+            "aicc": sum(p.aicc(o, best.factor) for (p, o), best in zip(pairs, optima[max(optima)])),
             "heldout_rmse_N": heldout,
             "parameters": sum(len(optimum.solution.parameters) for optimum in found),
         }
@@ -138,7 +138,7 @@ def _comparison(mode: str, problems: list[Problem], optima: dict[int, list[Optim
 
 def _parameters(mode: str, pairs: Sequence[tuple[Problem, Optimum]], elements: int, intervals: bool) -> dict[str, Any]:
     """``parameters`` and, by mode, ``by_speed`` or ``by_condition``."""
-    names = parameter_names(elements)
+    names = law_named(pairs[0][0].law).parameter_names(elements)
     arms = (elements - 1) // 2
     objects = [_objects(problem, optimum, intervals) for problem, optimum in pairs]
     if mode == "joint":
@@ -203,7 +203,7 @@ def _objects(problem: Problem, optimum: Optimum, intervals: bool) -> list[dict[s
 def _warnings(law: str, result: dict[str, Any], pairs: Sequence[tuple[Problem, Optimum]]) -> list[dict[str, str]]:
     """Say what a reader of the parameters must know."""
     found = []
-    if law != "ode":
+    if law_named(law).ideal_ramp:
         found.append(
             {"code": "ideal_ramp", "message": f"law {law} knows only an ideal ramp: mean speed and stop time of "
              "each measured motion were used"}

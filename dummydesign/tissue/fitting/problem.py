@@ -17,12 +17,10 @@ from dummydesign.measurement.sensor import Lowpass
 from dummydesign.tissue.fitting.noise import estimate_noise
 from dummydesign.tissue.fitting.reduction import ReducedTrace
 from dummydesign.tissue.fitting.responses import Responses
+from dummydesign.tissue.model.laws import law_named
 
 START_RATES_PER_S = np.geomspace(0.05, 400.0, 14)
 """Decay rates at the median depth from which starts are combined."""
-
-FAINTEST, STRONGEST = 1e-5, 1e4
-"""Box of gamma_i over the size of gamma1; that of c follows from the tabulated rates."""
 
 
 @dataclass(frozen=True)
@@ -90,13 +88,7 @@ class Problem:
 
     def box(self, arms: int) -> tuple[NDArray, NDArray]:
         """Lowest and highest ln parameters."""
-        size, (slow, fast) = np.log(self.size), self.responses[0].log_rate
-        springs = [size + np.log(FAINTEST), size + np.log(STRONGEST)]
-        dampers = [springs[0] - fast, springs[1] - slow]
-        count = len(self.groups) * arms
-        low = np.r_[size - 6.0, np.full(arms, springs[0]), np.full(count, dampers[0])]
-        high = np.r_[size + 3.0, np.full(arms, springs[1]), np.full(count, dampers[1])]
-        return low, high
+        return law_named(self.law).bounds(arms, len(self.groups), self.size, self.responses[0].log_rate)
 
     def model(self, arms: int, factor: NDArray) -> Model:
         """Residuals and Jacobian, whitened by ``factor`` (traces, longest, longest)."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from dummydesign.inference.least_squares import solve
 from dummydesign.tissue.fitting.groups import condition_groups
 from dummydesign.tissue.fitting.problem import Optimum, Problem
-from dummydesign.tissue.model.maxwell_law import force
+from dummydesign.tissue.model.laws import law_named
 
 
 def fitted_force(problem: Problem, optimum: Optimum, index: int) -> NDArray:
@@ -19,7 +19,7 @@ def fitted_force(problem: Problem, optimum: Optimum, index: int) -> NDArray:
     gamma1, gamma, damper = problem.split(optimum.solution.parameters, optimum.arms)
     group = next(g for g in range(len(problem.groups)) if index < sum(len(part) for part in problem.groups[: g + 1]))
     motion = problem.traces[index].motion
-    curve = force(problem.law, motion, np.exp(gamma1), np.exp(gamma), np.exp(damper[group]))
+    curve = law_named(problem.law).force(motion, np.exp(gamma1), np.exp(gamma), np.exp(damper[group]))
     return curve if problem.lowpass is None else problem.lowpass.apply(motion.time_s, curve)
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.tissue.fitting.reduction import ReducedTrace
-from dummydesign.tissue.model.maxwell_law import Drive
+from dummydesign.tissue.model.laws import law_named
 
 PER_DECADE = 10
 SLOWEST_PER_S, FASTEST_PER_S = 1e-3, 3e4
@@ -37,7 +37,7 @@ class Responses:
         grid = np.linspace(low, high, int(np.ceil((high - low) / np.log(10.0) * PER_DECADE)) + 1)
         elastic, arms = [], []
         for trace in traces:
-            drive = Drive(law, trace.motion)
+            drive = law_named(law).drive(trace.motion)
             # by decades: only the fast ones need the fine quadrature
             parts = [drive.arm(np.exp(part)) for part in np.array_split(grid, max(len(grid) // PER_DECADE, 1))]
             curves = np.vstack([drive.elastic[None], *parts])

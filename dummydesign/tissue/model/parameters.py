@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.tissue.model.maxwell_law import arms_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -66,10 +67,10 @@ class Parameters:
 
     def force(self, motion: Motion, velocity_mm_s: float) -> NDArray:
         """Force under a motion with the dampers of the given speed; shape of the motion. [N]"""
-        from dummydesign.tissue.model.maxwell_law import force
+        from dummydesign.tissue.model.laws import law_named
 
         dampers = self.dampers_at(velocity_mm_s)
-        return force(self.law, motion, self.gamma1_N_per_mm3, self.gamma_N_per_mm3, dampers)
+        return law_named(self.law).force(motion, self.gamma1_N_per_mm3, self.gamma_N_per_mm3, dampers)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the outward names: gamma1_N_per_mm3 .., c2_N_s_per_mm {speed: value} .., and the law."""
@@ -85,7 +86,7 @@ class Parameters:
     @classmethod
     def from_dict(cls, law: str, values: Mapping[str, Any]) -> Parameters:
         """Make parameters from outward names; dampers are given as {speed: value}."""
-        arms = sorted(int(name[5]) for name in values if name.startswith("gamma") and name[5] != "1")
+        arms = arms_of(values)
         speeds = sorted(values[f"c{arms[0]}_N_s_per_mm"], key=float) if arms else []
         return cls(
             law,

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.motion import DECELERATION_MM_S2, Motion, ramp_and_hold
 from dummydesign.measurement.sensor import Lowpass
-from dummydesign.tissue.model.maxwell_law import force, steady_depth
+from dummydesign.tissue.model.laws import law_named
 from dummydesign.tissue.model.parameters import Parameters
 
 STEADY_PARTS_N = {"below_5N": (0.5, 5.0), "above_5N": (5.0, 15.0)}
@@ -159,9 +159,9 @@ def force_range(
     def coarse(depth: NDArray) -> Motion:
         return ramp_and_hold(velocity_mm_s, depth, hold_s, deceleration_mm_s2, 24, 12, 3)
 
-    depth = steady_depth(law, coarse, steady_force_N, gamma1, gamma, dampers)
+    depth = law_named(law).steady_depth(coarse, steady_force_N, gamma1, gamma, dampers)
     motion = ramp_and_hold(velocity_mm_s, depth, hold_s, deceleration_mm_s2)
-    curves = force(law, motion, gamma1, gamma, dampers)
+    curves = law_named(law).force(motion, gamma1, gamma, dampers)
     if lowpass is not None:
         curves = lowpass.apply(motion.time_s, curves)
     stop = motion.time_s[..., -1] - hold_s

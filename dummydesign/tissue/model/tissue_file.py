@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import Any
 
 from dummydesign.core.datafiles import Entry, data_folder, entries, find, read_toml
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.quantity import Quantity, line_of, read_quantity
+from dummydesign.tissue.model.laws import LAWS, law_named
+from dummydesign.tissue.model.maxwell_law import arms_of
 from dummydesign.tissue.model.parameters import Parameters, speed_key
 from dummydesign.tissue.model.tissue import Subject, Tissue, same_shape
 
 KIND = "materials/tissues"
-LAWS = ("ode", "consistent", "published")
 _TOP = ("schema", "name", "title", "law", "sources", "notes", "subject", "inference")
-_NUMBER = re.compile(r"^(gamma[1-4]_N_per_mm3|c[2-4]_N_s_per_mm)$")
 
 
 def tissue_entries() -> dict[str, Entry]:
@@ -102,21 +101,25 @@ def _subject(item: dict[str, Any], law: str, path: Path, text: str, number: int)
         raise InputError(f"{path.name}: subject {number} has no name")
     # line numbers are searched from this subject's own name on
     rest = "\n" * (line_of(text, f'"{name}"') - 1) + text.split("\n", line_of(text, f'"{name}"') - 1)[-1]
+    form = law_named(law)
+    known = form.parameter_names(max(form.elements))
     numbers: dict[str, Any] = {}
     for key, value in item.items():
         if key == "name":
             continue
-        if not _NUMBER.match(key):
-            allowed = "gamma1_N_per_mm3 .. gamma4_N_per_mm3, c2_N_s_per_mm .. c4_N_s_per_mm"
+        if key not in known:
+            last = max(form.elements) // 2 + 1
+            allowed = f"gamma1_N_per_mm3 .. gamma{last}_N_per_mm3, c2_N_s_per_mm .. c{last}_N_s_per_mm"
             raise InputError(f"{path.name}:{line_of(rest, key)}: unknown key '{key}'; known are name, {allowed}")
         if key.startswith("gamma"):
             numbers[key] = read_quantity(item, key, path, rest)
         else:
             numbers[key] = _dampers(value, key, path, rest)
         _positive(numbers[key], key, path, rest)
-    arms = sorted(key[5] for key in numbers if key.startswith("gamma") and key[5] != "1")
+    arms = arms_of(numbers)
     wanted = {"gamma1_N_per_mm3"} | {f"gamma{a}_N_per_mm3" for a in arms} | {f"c{a}_N_s_per_mm" for a in arms}
-    if arms not in (["2"], ["2", "3"], ["2", "3", "4"]) or set(numbers) != wanted:
+    whole = 1 + 2 * len(arms) in form.elements and arms == list(range(2, 2 + len(arms)))
+    if not whole or set(numbers) != wanted:
         lacking = sorted(wanted - set(numbers)) or ["gamma2_N_per_mm3"]
         raise InputError(f"{path.name}: subject '{name}' lacks {lacking[0]} or has an arm too many")
     speeds = {tuple(sorted(numbers[f"c{arm}_N_s_per_mm"], key=float)) for arm in arms}

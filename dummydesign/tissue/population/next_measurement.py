@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.measurement.motion import ramp_and_hold
-from dummydesign.tissue.model.maxwell_law import force
-from dummydesign.tissue.population.protocol import SPEEDS_MM_S, STEADY_N
+from dummydesign.tissue.model.laws import law_named
+from dummydesign.tissue.population.protocol import LAW, SPEEDS_MM_S, STEADY_N
 
 MEASUREMENTS = {
     "steady_depth": "the depth at which one more person carries a steady 10 N",
@@ -67,7 +67,7 @@ def _observed(draws: NDArray) -> dict[str, NDArray]:
     seen = {"steady_depth": np.log(depth)}
     for at, speed in enumerate(SPEEDS_MM_S):
         motion = ramp_and_hold(speed, depth, 10.0, ramp_points=24, brake_points=8, hold_points=24)
-        curve = force("ode", motion, gamma1, gamma, draws[..., [3 + at, 5 + at]])
+        curve = law_named(LAW).force(motion, gamma1, gamma, draws[..., [3 + at, 5 + at]])
         label, after = (("slow", 1.0), ("fast", 0.05))[at]
         seen[f"{label}_peak"] = np.log(curve.max(axis=-1) / curve[..., -1])
         # the hold is sampled alike for all persons

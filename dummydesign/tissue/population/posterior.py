@@ -12,7 +12,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import Quantity
 from dummydesign.tissue.model.parameters import Parameters, speed_key
 from dummydesign.tissue.model.tissue import Subject
-from dummydesign.tissue.population.protocol import SPEEDS_MM_S, STEADY_N
+from dummydesign.tissue.population.protocol import LAW, SPEEDS_MM_S, STEADY_N
 
 COLUMNS = (
     "gamma1_N_per_mm3",
@@ -124,4 +124,4 @@ def subject_of(name: str, value: NDArray, low: NDArray, high: NDArray, kinds: li
         key: {speed: q.value for speed, q in entry.items()} if isinstance(entry, dict) else entry.value
         for key, entry in numbers.items()
     }
-    return Subject(name, Parameters.from_dict("ode", plain), numbers)
+    return Subject(name, Parameters.from_dict(LAW, plain), numbers)

@@ -16,7 +16,8 @@ from dummydesign.tissue.fitting.groups import speed_groups
 from dummydesign.tissue.fitting.problem import Problem
 from dummydesign.tissue.fitting.reduction import between, reduce_trace
 from dummydesign.tissue.fitting.subject import subject_from_fit
-from dummydesign.tissue.model.maxwell_law import force, parameter_names
+from dummydesign.tissue.model.laws import law_named
+from dummydesign.tissue.model.maxwell_law import parameter_names
 
 SIX = [(v, f) for v in (10.0, 250.0) for f in (5.0, 10.0, 15.0)]
 
@@ -138,7 +139,7 @@ def test_the_printed_laws_are_fitted_back_from_their_own_curves(law):
         time_s = np.arange(0.0, motion.time_s[-1], 1e-3)
         time_s = np.union1d(time_s, [motion.time_s[60]])
         x = np.interp(time_s, motion.time_s, motion.displacement_mm)
-        curve = force(law, Motion(time_s, x), GAMMA1, GAMMA, DAMPER)
+        curve = law_named(law).force(Motion(time_s, x), GAMMA1, GAMMA, DAMPER)
         traces.append(Trace(f"{v}_{f}.csv", time_s, x, curve))
     fit = fit_traces(traces, 5, law)
     assert values(fit) == pytest.approx(TRUTH, rel=0.02)
@@ -164,7 +165,7 @@ def test_the_motion_is_followed_as_measured_with_wander_steps_and_uneven_samplin
         time_s = np.r_[np.arange(-0.05, stop + 0.4, 1e-3), np.arange(stop + 0.4, stop + 10.0, 0.02)]
         x = np.where(time_s < 0, v * time_s, np.interp(time_s, motion.time_s, motion.displacement_mm))
         x = x + 0.01 * np.sin(2 * np.pi * 0.3 * time_s + k) * np.clip(time_s / stop, 0, 1)
-        curve = force("ode", Motion(time_s, x), GAMMA1, GAMMA, DAMPER)
+        curve = law_named("ode").force(Motion(time_s, x), GAMMA1, GAMMA, DAMPER)
         traces.append(noisy(Trace(f"{v}_{f}.csv", time_s, np.round(x / 0.005) * 0.005, curve), k))
     fit = fit_traces(traces, 5)
     for truth, entry in zip(TRUTH, fit.result["parameters"].values()):

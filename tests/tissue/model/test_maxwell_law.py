@@ -6,7 +6,8 @@ from scipy.integrate import solve_ivp
 
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.motion import Motion, ramp_and_hold
-from dummydesign.tissue.model.maxwell_law import Drive, force, parameter_names, steady_depth
+from dummydesign.tissue.model.laws import law_named
+from dummydesign.tissue.model.maxwell_law import parameter_names
 
 V, DEPTH = 250.0, 2.0
 
@@ -19,7 +20,7 @@ def peak(law, number, **options):
     """Arm force at the stop over c v, for gamma x^3 / (c v) = ``number``."""
     c = 0.01
     motion = ideal(**options)
-    return force(law, motion, 0.0, [number * c * V / DEPTH**3], [c])[60] / (c * V)
+    return law_named(law).force(motion, 0.0, [number * c * V / DEPTH**3], [c])[60] / (c * V)
 
 
 def reference(motion, gamma1, gamma, c, times):
@@ -71,7 +72,7 @@ def test_in_a_hold_the_arm_decays_at_gamma_x2_over_c():
     gamma, c = 0.4, 1.7
     for law in ("ode", "consistent"):
         motion = ideal(hold_s=5.0)
-        arm = force(law, motion, 0.0, [gamma], [c])
+        arm = law_named(law).force(motion, 0.0, [gamma], [c])
         held = slice(-40, None)
         slope = np.polyfit(motion.time_s[held], np.log(arm[held]), 1)[0]
         assert slope == pytest.approx(-gamma * DEPTH**2 / c, rel=1e-7)
@@ -80,8 +81,8 @@ def test_in_a_hold_the_arm_decays_at_gamma_x2_over_c():
 def test_the_published_hold_exponent_grows_with_time_squared():
     gamma, c = 0.02, 3.0
     motion = ideal(hold_s=5.0)
-    consistent = force("consistent", motion, 0.0, [gamma], [c])
-    published = force("published", motion, 0.0, [gamma], [c])
+    consistent = law_named("consistent").force(motion, 0.0, [gamma], [c])
+    published = law_named("published").force(motion, 0.0, [gamma], [c])
     stop = DEPTH / V
     assert np.allclose(published[:61], consistent[:61])
     late = motion.time_s[-1]
@@ -92,7 +93,7 @@ def test_the_published_hold_exponent_grows_with_time_squared():
 def test_the_steady_force_is_the_cube_law_and_only_gamma1_sets_it():
     motion = ramp_and_hold(10.0, 3.0, hold_s=1e4)
     for law in ("ode", "consistent", "published"):
-        assert force(law, motion, 0.3, [0.5, 0.2], [1.0, 0.05])[-1] == pytest.approx(0.3 * 27, rel=1e-9)
+        assert law_named(law).force(motion, 0.3, [0.5, 0.2], [1.0, 0.05])[-1] == pytest.approx(0.3 * 27, rel=1e-9)
 
 
 @pytest.mark.parametrize("velocity, depth", [(10.0, 5.0), (250.0, 5.0), (250.0, 0.8)])
@@ -101,7 +102,7 @@ def test_the_ode_agrees_with_an_independent_integrator_on_a_braked_press(velocit
     times = motion.time_s[1:]
     gamma, c = np.array([0.05, 0.6]), np.array([0.4, 0.004])
     exact = reference(motion, 0.08, gamma, c, times)
-    assert np.allclose(force("ode", motion, 0.08, gamma, c)[1:], exact, rtol=2e-6, atol=1e-8)
+    assert np.allclose(law_named("ode").force(motion, 0.08, gamma, c)[1:], exact, rtol=2e-6, atol=1e-8)
 
 
 def test_the_ode_follows_an_unloading_and_a_second_press():
@@ -109,14 +110,14 @@ def test_the_ode_follows_an_unloading_and_a_second_press():
     gamma, c = np.array([0.3, 2.0]), np.array([0.8, 0.1])
     clipped = Motion(np.r_[0.0, 0.3 / 7, motion.time_s[1:]], np.r_[0.0, 0.0, motion.displacement_mm[1:]])
     exact = reference(clipped, 0.1, gamma, c, motion.time_s[1:])
-    got = force("ode", clipped, 0.1, gamma, c)[2:]
+    got = law_named("ode").force(clipped, 0.1, gamma, c)[2:]
     assert np.allclose(got, exact, rtol=1e-5)
 
 
 def test_on_an_ideal_ramp_the_number_of_samples_does_not_matter():
-    exact = force("ode", ideal(ramp_points=400), 0.1, [3.0], [0.004])[400]
+    exact = law_named("ode").force(ideal(ramp_points=400), 0.1, [3.0], [0.004])[400]
     for points in (5, 20, 80):
-        got = force("ode", ideal(ramp_points=points), 0.1, [3.0], [0.004])[points]
+        got = law_named("ode").force(ideal(ramp_points=points), 0.1, [3.0], [0.004])[points]
         assert got == pytest.approx(exact, rel=2e-4 if points == 5 else 2e-6)
 
 
@@ -124,7 +125,7 @@ def test_a_curved_motion_is_followed_to_second_order_in_the_step():
     def end(steps):
         time = np.linspace(0.0, 0.05, steps + 1)
         motion = Motion(time, 3.0 * np.sin(0.5 * np.pi * time / 0.05))
-        return force("ode", motion, 0.1, [0.5], [0.1])[-1]
+        return law_named("ode").force(motion, 0.1, [0.5], [0.1])[-1]
 
     exact = end(20_000)
     error = np.abs(np.array([end(steps) for steps in (25, 50, 100)]) - exact)
@@ -136,13 +137,13 @@ def test_metres_give_the_same_newtons_as_millimetres(law):
     motion = ideal()
     in_metres = Motion(motion.time_s, motion.displacement_mm / 1000)
     gamma, c = np.array([0.5, 0.1]), np.array([0.01, 0.5])
-    mm = force(law, motion, 0.2, gamma, c)
+    mm = law_named(law).force(motion, 0.2, gamma, c)
     if law == "ode":
-        m = force(law, in_metres, 0.2e9, gamma * 1e9, c * 1e3)
+        m = law_named(law).force(in_metres, 0.2e9, gamma * 1e9, c * 1e3)
         assert np.allclose(m, mm, rtol=1e-9)
     # the same press twice as slow with dampers twice as strong is the same force on a stretched clock
     slow = Motion(2 * motion.time_s, motion.displacement_mm)
-    assert np.allclose(force(law, slow, 0.2, gamma, 2 * c), mm, rtol=2e-4)
+    assert np.allclose(law_named(law).force(slow, 0.2, gamma, 2 * c), mm, rtol=2e-4)
 
 
 def test_many_parameter_sets_and_motions_at_once_equal_one_by_one():
@@ -154,16 +155,17 @@ def test_many_parameter_sets_and_motions_at_once_equal_one_by_one():
         rng.uniform(0.01, 1, (5, 2, 1, 2)),
     )
     for law in ("ode", "consistent", "published"):
-        many = force(law, motion, gamma1, gamma, c)
-        one = force(law, ramp_and_hold(250.0, 2.0), gamma1[3, 0, 0], gamma[3, 0, 0], c[3, 1, 0])
+        many = law_named(law).force(motion, gamma1, gamma, c)
+        one = law_named(law).force(ramp_and_hold(250.0, 2.0), gamma1[3, 0, 0], gamma[3, 0, 0], c[3, 1, 0])
         assert many.shape == (5, 2, 3, motion.time_s.shape[-1])
         assert np.allclose(many[3, 1, 1], one, rtol=1e-9)
 
 
 def test_the_force_is_linear_in_the_springs_at_a_fixed_rate():
-    drive = Drive("ode", ideal())
-    assert np.allclose(force("ode", ideal(), 0.0, [0.6], [0.3]), 3 * force("ode", ideal(), 0.0, [0.2], [0.1]))
-    assert np.allclose(0.2 * drive.arm(2.0), force("ode", ideal(), 0.0, [0.2], [0.1]))
+    drive = law_named("ode").drive(ideal())
+    one, three = (law_named("ode").force(ideal(), 0.0, [0.2 * k], [0.1 * k]) for k in (1, 3))
+    assert np.allclose(three, 3 * one)
+    assert np.allclose(0.2 * drive.arm(2.0), one)
 
 
 def test_the_depth_for_a_steady_force_gives_that_force_at_the_end_of_the_hold():
@@ -171,8 +173,8 @@ def test_the_depth_for_a_steady_force_gives_that_force_at_the_end_of_the_hold():
         return ramp_and_hold(10.0, depth)
 
     gamma1, gamma, c = np.array([0.05, 0.5]), np.array([[0.02], [0.4]]), np.array([[2.0], [3.0]])
-    depth = steady_depth("ode", press, 10.0, gamma1, gamma, c)
-    assert np.allclose(force("ode", press(depth), gamma1, gamma, c)[:, -1], 10.0, rtol=1e-6)
+    depth = law_named("ode").steady_depth(press, 10.0, gamma1, gamma, c)
+    assert np.allclose(law_named("ode").force(press(depth), gamma1, gamma, c)[:, -1], 10.0, rtol=1e-6)
     assert np.all(depth < np.cbrt(10.0 / gamma1))
 
 
@@ -185,11 +187,11 @@ def test_parameters_are_named_by_their_arms_and_units():
 @pytest.mark.parametrize(
     "make, said",
     [
-        (lambda: force("odes", ideal(), 1.0, [1.0], [1.0]), "did you mean 'ode'"),
-        (lambda: force("ode", ideal(), 1.0, [1.0], [0.0]), "damper"),
-        (lambda: force("ode", ideal(), 1.0, [-1.0], [1.0]), "gamma = -1"),
-        (lambda: force("ode", ideal(), 1.0, [1.0], [1.0, 2.0]), "1 springs but 2 dampers"),
-        (lambda: parameter_names(4), "3, 5, 7"),
+        (lambda: law_named("odes").force(ideal(), 1.0, [1.0], [1.0]), "did you mean 'ode'"),
+        (lambda: law_named("ode").force(ideal(), 1.0, [1.0], [0.0]), "damper"),
+        (lambda: law_named("ode").force(ideal(), 1.0, [-1.0], [1.0]), "gamma = -1"),
+        (lambda: law_named("ode").force(ideal(), 1.0, [1.0], [1.0, 2.0]), "1 springs but 2 dampers"),
+        (lambda: law_named("ode").parameter_names(4), "3, 5, 7"),
     ],
 )
 def test_bad_parameters_are_named(make, said):

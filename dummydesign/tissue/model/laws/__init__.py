@@ -1,0 +1,54 @@
+"""The laws of soft tissue that are known: each module here offers instances of ``MaxwellLaw``.
+
+A new law is one module here, and one part in ``report/html/live.js`` where the what-if page shall compute it.
+"""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from dummydesign.core.errors import InputError, unknown_name
+from dummydesign.tissue.model.maxwell_law import MaxwellLaw
+
+
+def _find() -> dict[str, MaxwellLaw]:
+    found: dict[str, MaxwellLaw] = {}
+    for entry in pkgutil.iter_modules(__path__):
+        module = importlib.import_module(f"{__name__}.{entry.name}")
+        found |= {value.name: value for value in vars(module).values() if isinstance(value, MaxwellLaw)}
+    return found
+
+
+LAWS: dict[str, MaxwellLaw] = _find()
+"""Laws by name."""
+
+DEFAULT = "ode"
+"""Law that follows any motion, of the built-in tissues."""
+
+
+def law_named(name: str) -> MaxwellLaw:
+    """Find a law by its name, or raise InputError with the nearest known one."""
+    if name not in LAWS:
+        raise unknown_name("law", name, LAWS)
+    return LAWS[name]
+
+
+@contextmanager
+def also(law: MaxwellLaw) -> Iterator[None]:
+    """Know a further law for a while.
+
+    Raises
+    ------
+    InputError
+        When its name is taken.
+    """
+    if law.name in LAWS:
+        raise InputError(f"law '{law.name}' is known already: give another name")
+    LAWS[law.name] = law
+    try:
+        yield
+    finally:
+        del LAWS[law.name]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dummydesign.inference.least_squares import Solution, solve
+from dummydesign.inference.least_squares import Solution, solve, solve_by_differences, solve_marquardt
 from dummydesign.inference.profile import profile_interval
 
 WIDE = np.full(2, 50.0)
@@ -73,3 +73,59 @@ def test_the_best_of_several_starts_is_kept_and_the_agreeing_ones_counted():
     best = solve(model, starts, -WIDE, WIDE)
     assert best.parameters == pytest.approx([2.0, 0.0], abs=1e-6)
     assert (best.starts, best.agreeing) == (3, 2)
+
+
+@pytest.mark.parametrize("by", ["trust region", "differences", "marquardt"])
+@pytest.mark.parametrize("top", [50.0, 2.5])
+def test_the_three_searches_find_the_same_minimum_inside_and_on_the_box(by, top):
+    """y = a exp(-b t): with b bounded below its least-squares value the best a is the linear one at the bound."""
+    t = np.linspace(0.0, 1.0, 30)
+    y = 4.0 * np.exp(-3.0 * t) + 0.01 * np.cos(40.0 * t)
+    low, high, start = np.array([-9.0, -9.0]), np.array([9.0, np.log(top)]), np.array([0.0, 0.0])
+
+    def residual(b):
+        return np.exp(b[0] - np.exp(b[1]) * t) - y
+
+    def jacobian(b):
+        value = residual(b) + y
+        return np.column_stack([value, -np.exp(b[1]) * t * value])
+
+    if by == "trust region":
+        found = solve(lambda b: (residual(b), jacobian(b)), [start], low, high).parameters
+    elif by == "differences":
+        found = solve_by_differences(residual, [start], low, high, 1e-10).parameters
+    else:
+        found = solve_marquardt(residual, jacobian, start, low, high, iterations=60, enough=1e-12)
+    if top > 3.0:
+        assert np.exp(found) == pytest.approx([4.0, 3.0], rel=0.01)
+        assert np.max(np.abs(jacobian(found).T @ residual(found))) < 1e-4
+    else:
+        column = np.exp(-top * t)
+        assert np.exp(found) == pytest.approx([column @ y / (column @ column), top], rel=1e-4)
+        assert by != "marquardt" or found[1] == high[1]
+
+
+def test_parameters_that_are_fixed_stay_and_the_others_are_best_for_them():
+    x = np.linspace(0.0, 1.0, 20)
+    design = np.column_stack([np.ones(20), x])
+    y = 2.0 + 3.0 * x
+    found = solve_marquardt(
+        lambda b: design @ b - y, lambda b: design, np.array([1.0, 0.0]), -WIDE, WIDE, [0], 60, 1e-12
+    )
+    assert found == pytest.approx([1.0, x @ (y - 1.0) / (x @ x)])
+
+
+def test_the_jacobian_is_made_once_a_step_that_is_taken():
+    made, tried = [], []
+
+    def residual(b):
+        tried.append(b)
+        return np.array([10.0 * (b[1] - b[0] ** 2), 1.0 - b[0]])
+
+    def jacobian(b):
+        made.append(tuple(b))
+        return np.array([[-20.0 * b[0], 10.0], [-1.0, 0.0]])
+
+    found = solve_marquardt(residual, jacobian, np.array([-1.2, 1.0]), -WIDE, WIDE, iterations=200, enough=1e-14)
+    assert found == pytest.approx([1.0, 1.0], abs=1e-5)
+    assert len(set(made)) == len(made) < len(tried)

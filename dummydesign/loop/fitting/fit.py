@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.inference.least_squares import solve_marquardt
 from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.fitting.noise import LAW_TERMS, Sizes, estimate_sizes, make_whitener
 from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
@@ -179,46 +180,32 @@ def fit(problem: Problem, start: NDArray, sizes: Sizes, iterations: int = 12, fi
         ``score`` is NaN: see :func:`with_sizes`.
     """
     low, high = problem.bounds()
-    vector = np.clip(start, low, high)
-    prior = prior_precision(problem, sizes)
-    forces = problem.predict(vector)
-    slope = problem.slope(vector, forces)
-    whiten = make_whitener(problem.presses, sizes.noise, slope, True)
+    begin = np.clip(start, low, high)
+    root = np.sqrt(prior_precision(problem, sizes))
     used = problem.presses.used
-    measured = problem.presses.force_N
+    whiten = make_whitener(problem.presses, sizes.noise, problem.slope(begin, problem.predict(begin)), True)
+    kept: dict[bytes, NDArray] = {}
 
-    def cost_of(candidate: NDArray, predicted: NDArray) -> float:
-        white = whiten(np.where(used, measured - predicted, 0.0))
-        return float((white**2).sum() + (prior * candidate**2).sum())
+    def forces_at(vector: NDArray) -> NDArray:
+        key = vector.tobytes()
+        if key not in kept:
+            kept[key] = problem.predict(vector)
+        return kept[key]
 
-    cost, damping = cost_of(vector, forces), 1e-4
-    for _ in range(iterations):
-        jacobian = problem.jacobian(vector, forces)
-        jacobian[~used] = 0.0
-        turned = whiten(jacobian).reshape(-1, len(vector))
-        white = whiten(np.where(used, measured - forces, 0.0)).ravel()
-        normal = turned.T @ turned + np.diag(prior)
-        gradient = turned.T @ white - prior * vector
-        frozen = ((vector <= low + 1e-9) & (gradient < 0)) | ((vector >= high - 1e-9) & (gradient > 0))
-        frozen[[*fixed, *problem.frozen()]] = True
-        free = ~frozen
-        before = cost
-        for _attempt in range(6):
-            matrix = normal[np.ix_(free, free)]
-            matrix = matrix + np.diag(damping * np.diag(matrix) + 1e-10)
-            step = np.zeros_like(vector)
-            step[free] = np.clip(np.linalg.solve(matrix, gradient[free]), -1.5, 1.5)
-            trial = np.clip(vector + step, low, high)
-            predicted = problem.predict(trial)
-            new = cost_of(trial, predicted)
-            if np.isfinite(new) and new < cost:
-                vector, forces, cost, damping = trial, predicted, new, max(damping * 0.1, 1e-7)
-                break
-            damping *= 8.0
-        if before - cost < 0.02:
-            break
+    def residual(vector: NDArray) -> NDArray:
+        error = np.where(used, forces_at(vector) - problem.presses.force_N, 0.0)
+        return np.r_[whiten(error).ravel(), root * vector]
+
+    def jacobian(vector: NDArray) -> NDArray:
+        change = problem.jacobian(vector, forces_at(vector))
+        change[~used] = 0.0
+        return np.concatenate([whiten(change).reshape(-1, len(vector)), np.diag(root)])
+
+    held = [*fixed, *problem.frozen()]
+    vector = solve_marquardt(residual, jacobian, begin, low, high, held, iterations)
+    forces = forces_at(vector)
     if vector[1] > vector[3] and low[3] <= vector[1] and vector[3] <= high[1]:
-        vector[[1, 2, 3, 4]] = vector[[3, 4, 1, 2]]  # the fast arm first
+        vector = vector[[0, 3, 4, 1, 2, *range(5, len(vector))]]  # the fast arm first
     return _finish(problem, vector, forces, sizes)
 
 

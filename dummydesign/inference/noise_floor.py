@@ -20,7 +20,7 @@ def white_noise(second_differences_N: NDArray, robust: bool = False) -> float:
     if not second_differences_N.size:
         return 0.0
     if robust:
-        return ROBUST * float(np.median(np.abs(second_differences_N))) / np.sqrt(6.0)
+        return float(ROBUST * np.median(np.abs(second_differences_N)) / np.sqrt(6.0))
     return float(np.sqrt(np.mean(second_differences_N**2) / 6.0))
 
 

@@ -39,7 +39,7 @@ def test_the_hold_of_a_ramp_is_the_one_hold_that_is_found():
 @pytest.mark.parametrize("stop", ["reached", "slowed"])
 def test_what_is_no_press_is_refused_by_either_rule(stop):
     time = np.arange(0.0, 1.0, 0.01)
-    with pytest.raises(InputError, match="never presses"):
+    with pytest.raises(InputError, match="contains no compression"):
         find_ramp(time, -1.0 - time, stop)
     with pytest.raises(InputError, match="starts pressed"):
         find_ramp(time, np.full(100, 3.0), stop)

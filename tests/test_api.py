@@ -16,7 +16,7 @@ from dummydesign.cli import run
 from dummydesign.cli.entry import parser_of
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.measurement.motion import ramp_and_hold
-from dummydesign.tissue.model.maxwell_law import force
+from dummydesign.tissue.model.laws import law_named
 
 ROOT = Path(__file__).parent.parent
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
@@ -160,7 +160,7 @@ def test_fit_and_compare_are_the_answers_of_their_commands(capsys, tmp_path, mon
     for velocity, depth in ((10.0, 2.5), (10.0, 3.5), (250.0, 2.5)):
         motion = ramp_and_hold(velocity, depth, hold_s=5.0)
         time = np.arange(0.0, motion.time_s[-1], 0.002)
-        exact = np.interp(time, motion.time_s, force("ode", motion, 0.3, [0.2], [0.2]))
+        exact = np.interp(time, motion.time_s, law_named("ode").force(motion, 0.3, [0.2], [0.2]))
         depths = np.interp(time, motion.time_s, motion.displacement_mm)
         rows = np.c_[time, depths, exact + rng.normal(0.0, 0.02, len(time))]
         head = "time_s,displacement_mm,force_N"

@@ -1,4 +1,4 @@
-"""Covariance of binned noise, restricted likelihood and its search; sizes come back for each of the three users."""
+"""Covariance of binned noise, restricted likelihood, its search; tissue fits and pucks (the loop: loop/fitting)."""
 
 from dataclasses import dataclass
 from itertools import pairwise

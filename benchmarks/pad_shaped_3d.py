@@ -18,7 +18,8 @@ from dummydesign.geometry.shapes import PadShape
 from dummydesign.geometry.shapes.bumped import Bumped
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.pad.material.hyperelastic import Yeoh
-from dummydesign.pad.shaped.axisymmetric import Press, climb
+from dummydesign.pad.shaped.axisymmetric import climb
+from dummydesign.pad.shaped.problem import Press
 from dummydesign.pad.shaped.spatial import shaped_problem
 from dummydesign.pad.shaped.spatial_mesh import Grid, Load
 from dummydesign.pad.solve.continuation import follow

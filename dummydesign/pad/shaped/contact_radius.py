@@ -17,7 +17,7 @@ from dummydesign.geometry.shapes import PadShape
 from dummydesign.geometry.standard import PAD_EXTENT_MM
 from dummydesign.pad.contact.surface_axisymmetric import Punch
 from dummydesign.pad.material.hyperelastic import Yeoh
-from dummydesign.pad.shaped.axisymmetric import CELLS, Press, shaped_problem
+from dummydesign.pad.shaped.problem import CELLS, Press, shaped_problem
 from dummydesign.pad.solve.continuation import follow
 
 Array = np.ndarray

@@ -13,15 +13,8 @@ from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.geometry.shapes.layered import Layered
 from dummydesign.pad.fem.mesh_columns import Sizes, height_lines, radial_lines
 from dummydesign.pad.material.hyperelastic import Yeoh
-from dummydesign.pad.shaped.axisymmetric import (
-    LEFT_TO_SHARP,
-    Plate,
-    Press,
-    climb,
-    shaped_problem,
-    sharp,
-    solve_shaped_pad,
-)
+from dummydesign.pad.shaped.axisymmetric import LEFT_TO_SHARP, climb, sharp, solve_shaped_pad
+from dummydesign.pad.shaped.problem import Plate, Press, shaped_problem
 from dummydesign.pad.tables.slab import load_table
 
 LAW = Yeoh(1.0)

@@ -14,8 +14,9 @@ from dummydesign.geometry.shapes.bumped import Bumped
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.geometry.shapes.layered import Layered
 from dummydesign.pad.material.hyperelastic import neo_hookean
-from dummydesign.pad.shaped.axisymmetric import Press, climb
-from dummydesign.pad.shaped.axisymmetric import shaped_problem as round_problem
+from dummydesign.pad.shaped.axisymmetric import climb
+from dummydesign.pad.shaped.problem import Press
+from dummydesign.pad.shaped.problem import shaped_problem as round_problem
 from dummydesign.pad.shaped.spatial import shaped_problem, solve_shaped_block
 from dummydesign.pad.shaped.spatial_mesh import Grid, Load, graded_lines
 from dummydesign.pad.solve.continuation import follow

@@ -15,8 +15,8 @@ from dummydesign.geometry.shapes.bumped import Bumped
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.geometry.shapes.layered import Layered
 from dummydesign.pad.material.hyperelastic import Yeoh
-from dummydesign.pad.shaped.axisymmetric import Press as ShapedPress
 from dummydesign.pad.shaped.axisymmetric import climb
+from dummydesign.pad.shaped.problem import Press as ShapedPress
 from dummydesign.pad.tables.response_surface import fit
 from dummydesign.pad.tables.shape import ShapeLaw, load_shape_table, ratios, tabulated_kinds
 from dummydesign.pad.tables.slab import load_table

@@ -14,7 +14,8 @@ from dummydesign.core.errors import InputError
 from dummydesign.geometry.shapes import PadShape, Similarity, shape_kind
 from dummydesign.geometry.standard import EXTENT_OVER_RADIUS, PUNCH_RADIUS_MM
 from dummydesign.pad.material.hyperelastic import Yeoh
-from dummydesign.pad.shaped.axisymmetric import RIMS, Press, climb
+from dummydesign.pad.shaped.axisymmetric import climb
+from dummydesign.pad.shaped.problem import RIMS, Press
 
 Array = np.ndarray
 

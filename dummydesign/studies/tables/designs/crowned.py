@@ -9,7 +9,8 @@ import numpy as np
 
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.pad.material.hyperelastic import Yeoh
-from dummydesign.pad.shaped.axisymmetric import CELLS, RIMS, climb, sharp
+from dummydesign.pad.shaped.axisymmetric import climb, sharp
+from dummydesign.pad.shaped.problem import CELLS, RIMS
 from dummydesign.studies.tables.designs.base import FOOT, RADIUS_MM, THICK, Array, Design
 
 # Points that are even in s; all others are even in ln s.

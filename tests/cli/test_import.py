@@ -12,6 +12,7 @@ import dummydesign
 from dummydesign.cli.entry import run
 from dummydesign.cli.import_ import pairs
 from dummydesign.core.errors import InputError
+from dummydesign.measurement.importing.batch import trace_bytes
 from dummydesign.measurement.trace import read_trace
 from tests.support.machine_files import machine_file
 from tests.support.machine_presses import recording
@@ -86,6 +87,12 @@ def test_an_imported_trace_imports_to_itself(tmp_path, capsys):
     assert asked(capsys, "a.csv", "--out", "once")[0] == 0
     assert asked(capsys, "once/a_1.csv", "--out", "twice")[0] == 0
     assert (tmp_path / "once/a_1.csv").read_bytes() == (tmp_path / "twice/a_1_1.csv").read_bytes()
+
+
+def test_traces_are_written_as_python_writes_numbers():
+    values = np.array([[0.0, -1.0, 1e-7], [12345.6789012, -0.0000004, -0.5], [1e6, 99.9999996, -1234.000001]])
+    wanted = "".join("{:.6f},{:.6f},{:.6f}\n".format(*row) for row in values).replace("-0.000000", "0.000000")
+    assert trace_bytes(*values.T) == b"time_s,displacement_mm,force_N\n" + wanted.encode()
 
 
 def test_a_trace_never_takes_the_place_of_a_file_that_is_read(tmp_path, capsys):

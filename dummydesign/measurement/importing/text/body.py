@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.measurement.importing.core.decisions import Notes
 from dummydesign.measurement.importing.text.cells import is_comment
 from dummydesign.measurement.importing.text.layout import Layout
-from dummydesign.measurement.importing.text.numbers import is_missing, is_number, is_stamp, seconds_of_stamp, to_float
+from dummydesign.measurement.importing.text.numbers import is_missing, parse, seconds_of_stamp
 
 MOST_INTERRUPTIONS = 500
 
@@ -61,9 +62,10 @@ def _fast(layout: Layout, columns: Sequence[int]) -> Body | None:
     elif {line.count(separator) for line in lines} != {lines[0].count(separator)}:
         return None
     if layout.decimal == ",":
-        if any("." in line for line in lines):
+        whole = "\n".join(lines)
+        if "." in whole:
             return None  # a dot is a thousands sign here
-        lines = [line.replace(",", ".") for line in lines]
+        lines = whole.replace(",", ".").split("\n")
     try:
         values = np.loadtxt(
             lines,
@@ -84,7 +86,7 @@ def _fast(layout: Layout, columns: Sequence[int]) -> Body | None:
 def _slow(layout: Layout, columns: Sequence[int], notes: Notes) -> Body:
     """Line by line, with the faults named; lines of text between the numbers part the table."""
     width, days = len(layout.kinds), _Days()
-    rows: list[list[float]] = []
+    rows: list[list[Any]] = []
     numbers: list[int] = []
     breaks: list[int] = []
     between: list[int] = []
@@ -97,7 +99,8 @@ def _slow(layout: Layout, columns: Sequence[int], notes: Notes) -> Body:
             while len(cells) > width and not cells[-1]:
                 cells = cells[:-1]
         wanted = [cells[column] if column < len(cells) else "" for column in columns]
-        good = [is_stamp(cell) or is_number(cell, layout.decimal) for cell in wanted]
+        read = [_read(cell, layout.kinds[column], layout.decimal) for cell, column in zip(wanted, columns)]
+        good = [number is not None for number in read]
         if not any(good):
             # A line of text, of units or a header again: what follows may be another test.
             if any(cells):
@@ -107,15 +110,7 @@ def _slow(layout: Layout, columns: Sequence[int], notes: Notes) -> Body:
             continue
         if len(cells) != width or not all(good):
             raise _fault(layout, index, cells, columns, wanted, good)
-        try:
-            rows.append(
-                [
-                    days.seconds(cell) if layout.kinds[column] == "stamp" else to_float(cell, layout.decimal)
-                    for cell, column in zip(wanted, columns)
-                ]
-            )
-        except ValueError:
-            raise _fault(layout, index, cells, columns, wanted, [False] * len(wanted)) from None
+        rows.append([days.go_on(number) if isinstance(number, tuple) else number for number in read])
         numbers.append(layout.line(index))
     if len(between) > MOST_INTERRUPTIONS:
         raise InputError(
@@ -136,16 +131,24 @@ def _slow(layout: Layout, columns: Sequence[int], notes: Notes) -> Body:
     return Body(values, np.array(numbers, int), tuple(at for at in breaks if at < len(rows)))
 
 
+def _read(cell: str, kind: str, decimal: str) -> float | tuple[float, str] | None:
+    """A number, or the clock and the date of a stamp; None where the cell is neither."""
+    if kind != "stamp":
+        return parse(cell, decimal)
+    try:
+        return seconds_of_stamp(cell)
+    except ValueError:
+        return None
+
+
 class _Days:
     """Seconds over midnight: the day goes on where the date changes, or the clock falls back by half a day."""
 
     def __init__(self) -> None:
         self.day, self.date, self.clock = 0, "", 0.0
 
-    def seconds(self, cell: str) -> float:
-        if not is_stamp(cell):
-            raise ValueError(cell)
-        clock, date = seconds_of_stamp(cell)
+    def go_on(self, stamp: tuple[float, str]) -> float:
+        clock, date = stamp
         if (self.date and date != self.date) or clock < self.clock - 43200.0:
             self.day += 1
         self.date, self.clock = date, clock

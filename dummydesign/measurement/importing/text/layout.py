@@ -84,10 +84,9 @@ def find_layout(file: str, text: str, settings: Settings, notes: Notes) -> Layou
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     skipped = settings.skip or 0
     lines = lines[skipped:]
-    used = [line for line in lines if line.strip() and not is_comment(line)]
-    if not used:
+    sample = _spread(lines)
+    if not sample:
         raise NoTableError(f"{file}: holds no table: nothing but comments and blank lines")
-    sample = used[:: max(len(used) // _SAMPLE, 1)]
     separator = _separator(file, sample, settings, notes)
     width, kinds = _columns(sample, separator)
     if settings.separator is not None and (width < 2 or kinds.count("number") + kinds.count("stamp") < 2):
@@ -96,10 +95,10 @@ def find_layout(file: str, text: str, settings: Settings, notes: Notes) -> Layou
             "numbers; leave that out to have it found"
         )
     if width < 2 or kinds.count("number") + kinds.count("stamp") < 2:
-        raise NoTableError(f"{file}: {_nothing(used, separator)}")
+        raise NoTableError(f"{file}: {_nothing(lines, separator)}")
     first, last = _bounds(lines, separator, kinds)
     if last - first < LEAST_ROWS:
-        raise NoTableError(f"{file}: {_nothing(used, separator)}")
+        raise NoTableError(f"{file}: {_nothing(lines, separator)}")
     body = lines[first:last]
     cells = [
         cell
@@ -114,6 +113,15 @@ def find_layout(file: str, text: str, settings: Settings, notes: Notes) -> Layou
     _tell(lines, first, last, where, notes)
     thousands = any(has_thousands(cell, decimal) for cell in cells)
     return Layout(file, lines, first, last, skipped, separator, decimal, thousands, kinds, names, units)
+
+
+def _spread(lines: Sequence[str]) -> list[str]:
+    """Some lines of the whole text, neither blank nor comments."""
+    for step in (max(len(lines) // (4 * _SAMPLE), 1), 1):
+        used = [line for line in lines[::step] if line.strip() and not is_comment(line)]
+        if len(used) >= min(_SAMPLE, len(lines)) or step == 1:
+            break
+    return used[:: max(len(used) // _SAMPLE, 1)]
 
 
 def separator_of(word: str) -> str:

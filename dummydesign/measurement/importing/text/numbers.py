@@ -14,6 +14,9 @@ _NUMBER = {
     )
     for decimal, groups in _GROUPS.items()
 }
+_PLAIN = {".": re.compile(r"-?\d+(?:\.\d+)?", re.ASCII), ",": re.compile(r"-?\d+(?:,\d+)?", re.ASCII)}
+"""Numbers of the usual form, which most are; the patterns above also take groups, exponents and other signs."""
+_DIGITS = frozenset("0123456789")
 _NOT_FINITE = {"nan", "inf", "-inf", "+inf", "#nv", "#n/a", "n/a", "na", "null", "none", "---", "--", "-", "overflow"}
 _STAMP = re.compile(
     r"(?:(\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[-/.]\d{1,2}[-/.]\d{2,4})[T ]+)?"
@@ -25,34 +28,27 @@ _MINUTES = re.compile(r"(\d{1,3}):(\d{2})[.,](\d+)", re.ASCII)
 
 def is_number(cell: str, decimal: str | None = None) -> bool:
     """Whether a cell is a number, with this decimal sign or with either."""
-    if not cell or not any(letter.isdigit() for letter in cell[:6]):
-        return False
+    return any(parse(cell, sign) is not None for sign in ((decimal,) if decimal else (".", ",")))
+
+
+def parse(cell: str, decimal: str) -> float | None:
+    """Read a number with this decimal sign, thousands signs taken out; None where it is none."""
+    if _PLAIN[decimal].fullmatch(cell):
+        return float(cell.replace(",", "."))
     text = cell.translate(_MINUS)
-    return any(
-        (found := _NUMBER[sign].fullmatch(text)) is not None and bool(found[0].strip("+-"))
-        for sign in ((decimal,) if decimal else (".", ","))
-    )
+    if not any(letter in _DIGITS for letter in text) or not _NUMBER[decimal].fullmatch(text):
+        return None
+    for sign in _GROUPS[decimal]:
+        text = text.replace(sign, "")
+    try:
+        return float(text.replace(",", "."))
+    except ValueError:  # an exponent without a mantissa
+        return None
 
 
 def is_missing(cell: str) -> bool:
     """Whether a cell stands for a number that is not there."""
     return not cell or cell.lower() in _NOT_FINITE
-
-
-def to_float(cell: str, decimal: str) -> float:
-    """Read a number with this decimal sign; thousands signs are taken out.
-
-    Raises
-    ------
-    ValueError
-        When it is none.
-    """
-    text = cell.translate(_MINUS)
-    if not is_number(text, decimal):
-        raise ValueError(cell)
-    for sign in _GROUPS[decimal]:
-        text = text.replace(sign, "")
-    return float(text.replace(",", "."))
 
 
 def has_thousands(cell: str, decimal: str) -> bool:

@@ -9,6 +9,7 @@ import numpy as np
 
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.motion import Motion
+from dummydesign.measurement.trace import import_first
 
 _COLUMNS = ("time_s", "displacement_mm")
 
@@ -24,12 +25,15 @@ def read_motion(path: str | Path) -> Motion:
     path = Path(path)
     try:
         text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as problem:
-        raise InputError(f"motion file '{path}' cannot be read: {getattr(problem, 'strerror', 'not UTF-8')}") from None
+    except OSError as problem:
+        raise InputError(f"motion file '{path}' cannot be read: {problem.strerror}") from None
+    except UnicodeDecodeError:
+        raise InputError(f"motion file '{path}' is not UTF-8 text{import_first(path)}") from None
     rows = csv.DictReader(text.splitlines())
     missing = [name for name in _COLUMNS if name not in (rows.fieldnames or [])]
     if missing:
-        raise InputError(f"{path.name}:1: column '{missing[0]}' is missing; the header must name {', '.join(_COLUMNS)}")
+        advice = f"the header must name {', '.join(_COLUMNS)}{import_first(path) if rows.fieldnames else ''}"
+        raise InputError(f"{path.name}:1: column '{missing[0]}' is missing; {advice}")
     values: list[tuple[float, float]] = []
     for row in rows:
         pair = []

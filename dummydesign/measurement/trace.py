@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import shlex
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,6 +15,8 @@ from dummydesign.core.errors import InputError
 
 COLUMNS = ("time_s", "displacement_mm", "force_N")
 MIN_SAMPLES = 10
+COARSE_S, SLOW_MM_S, LONG_S = 0.5, 0.05, 1000.0
+"""Steps of time, speed and length of a press from which on it is doubted that its time is in seconds."""
 
 
 @dataclass(frozen=True)
@@ -46,10 +49,10 @@ def read_trace(path: str | Path) -> Trace:
     except FileNotFoundError:
         raise InputError(f"trace file '{path}' does not exist") from None
     except UnicodeDecodeError:
-        raise InputError(f"{path.name}: is not UTF-8 text") from None
+        raise InputError(f"{path.name}: is not UTF-8 text{import_first(path)}") from None
     except OSError as problem:
         raise InputError(f"{path.name}: cannot be read: {problem.strerror}") from None
-    values, lines = _read_columns(path.name, text)
+    values, lines = _read_columns(path, text)
     time, displacement, force = values.T
     if len(time) < MIN_SAMPLES:
         raise InputError(f"{path.name}: {len(time)} samples; at least {MIN_SAMPLES} are needed")
@@ -59,17 +62,27 @@ def read_trace(path: str | Path) -> Trace:
         raise InputError(
             f"{path.name}:{lines[at + 1]}: time_s = {time[at + 1]:g} does not increase (line before: {time[at]:g})"
         )
-    _check_magnitudes(path.name, time, displacement, force)
+    fault = magnitude_fault(time, displacement, force)
+    if fault:
+        raise InputError(f"{path.name}: {fault}{import_first(path)}")
+    _check_one_press(path, displacement, force)
     return Trace(path.name, time, displacement, force)
 
 
-def _read_columns(name: str, text: str) -> tuple[NDArray, list[int]]:
+def import_first(path: str | Path) -> str:
+    """The end of a message about a file that is not in the form of traces: the command that brings it there."""
+    return f"; import it first: dummydesign import {shlex.quote(str(path))}"
+
+
+def _read_columns(path: Path, text: str) -> tuple[NDArray, list[int]]:
     """Return the three columns as an array (n, 3) and the file line of each row."""
+    name = path.name
     rows = csv.reader(io.StringIO(text))
     header = [cell.strip() for cell in next(rows, [])]
     missing = [column for column in COLUMNS if column not in header]
     if missing:
-        raise InputError(f"{name}:1: column '{missing[0]}' is missing{_header_advice(missing[0], header)}")
+        advice = _header_advice(missing[0], header) + (import_first(path) if any(header) else "")
+        raise InputError(f"{name}:1: column '{missing[0]}' is missing{advice}")
     places = [header.index(column) for column in COLUMNS]
     values, lines = [], []
     for row in rows:
@@ -110,13 +123,26 @@ def _header_advice(missing: str, header: list[str]) -> str:
     return f"; the header must be {','.join(COLUMNS)} (found {','.join(header) or 'nothing'})"
 
 
-def _check_magnitudes(name: str, time: NDArray, displacement: NDArray, force: NDArray) -> None:
-    """Refuse what can only be another unit or sign, and say which one it looks like."""
+def _check_one_press(path: Path, displacement: NDArray, force: NDArray) -> None:
+    """Refuse several presses in one file: they would be read as one long hold."""
+    from dummydesign.measurement.importing.press.split import find_presses
+
+    try:
+        count = len(find_presses(path.name, displacement, force - np.median(force[:3]), True))
+    except InputError:
+        return  # too little force to tell; whoever uses the trace says so
+    if count > 1:
+        raise InputError(f"{path.name}: holds {count} presses; a trace is one{import_first(path)}")
+
+
+def magnitude_fault(time: NDArray, displacement: NDArray, force: NDArray) -> str:
+    """What can only be another unit or sign, and which one it looks like; empty where all is plausible."""
     strongest_at = int(np.argmax(np.abs(force)))
     strongest, pressed = float(np.abs(force[strongest_at])), float(displacement[strongest_at])
     deepest = float(displacement.max()) if pressed > 0 else float(np.max(np.abs(displacement)))
     step = float(np.median(np.diff(time)))
     x, f = f"largest displacement_mm = {deepest:g}", f"largest force_N = {strongest:g}"
+    slow = _milliseconds(time, displacement)
     guesses = [
         (not np.any(displacement), "displacement_mm is zero throughout"),
         (strongest == 0, "force_N is zero throughout"),
@@ -124,10 +150,21 @@ def _check_magnitudes(name: str, time: NDArray, displacement: NDArray, force: ND
         (deepest > 300, f"{x} looks like micrometres; divide by 1000"),
         (strongest > 2000, f"{f} looks like millinewtons; divide by 1000"),
         (strongest < 0.03, f"{f} looks like kilonewtons; multiply by 1000"),
-        (step >= 0.5, f"time_s has steps of {step:g}; it looks like milliseconds, divide by 1000"),
+        (slow, f"time_s has steps of {step:g}; it looks like milliseconds, divide by 1000"),
         (force[strongest_at] < 0, "force_N is negative at its largest; compression must be positive"),
         (pressed <= 0, "displacement_mm is not positive at the largest force; compression must be positive"),
     ]
-    for wrong, message in guesses:
-        if wrong:
-            raise InputError(f"{name}: {message}")
+    return next((message for wrong, message in guesses if wrong), "")
+
+
+def _milliseconds(time: NDArray, displacement: NDArray) -> bool:
+    """Whether time counts milliseconds: coarse steps in the rise, and a rise or a hold that is too slow for seconds.
+
+    Either alone is usual: a quasi-static press has a sample every second or two, a long hold lasts for an hour.
+    """
+    deepest = int(np.argmax(displacement >= 0.95 * displacement.max()))
+    start = int(np.argmax(displacement >= 0.05 * displacement.max()))
+    rise = slice(start, deepest + 1) if deepest > start + 1 else slice(None)
+    step = float(np.median(np.diff(time[rise])))
+    speed = abs(float(displacement[deepest] - displacement[start])) / max(float(time[deepest] - time[start]), 1e-12)
+    return step >= COARSE_S and (speed < SLOW_MM_S or float(time[-1] - time[0]) > LONG_S)

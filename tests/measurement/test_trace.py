@@ -77,3 +77,34 @@ def test_a_fast_approach_from_far_above_the_surface_is_no_sign_error(tmp_path):
     depth = np.r_[np.linspace(-25.0, 2.0, 10), np.full(10, 2.0)]
     force = np.where(depth > 0, 3.0, 0.0)
     assert read_trace(_write(tmp_path, depth=depth, force=force)).displacement_mm.max() == 2.0
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"header": "Time_s,displacement_mm,force_N"}, {"header": "Zeit [s];Weg [mm];Kraft [N]"}, {"force": -FORCE},
+     {"depth": DEPTH * 1000}],
+)  # fmt: skip
+def test_a_file_in_another_form_says_how_to_bring_it_in(tmp_path, change):
+    path = _write(tmp_path, **change)
+    with pytest.raises(InputError, match="import it first: dummydesign import ") as caught:
+        read_trace(path)
+    assert str(path) in str(caught.value)
+
+
+def test_a_quasi_static_press_with_a_sample_every_second_and_a_half_is_read(tmp_path):
+    time = np.arange(80) * 1.5
+    depth = time * 10.0 / 60.0
+    assert len(read_trace(_write(tmp_path, time=time, depth=depth, force=5.0 * depth)).time_s) == 80
+
+
+def test_a_long_hold_that_is_sampled_seldom_is_no_sign_of_milliseconds(tmp_path):
+    time = np.r_[np.arange(20) * 0.05, 2.0 + np.arange(400) * 5.0]
+    depth = np.minimum(5.0 * time, 4.0)
+    assert read_trace(_write(tmp_path, time=time, depth=depth, force=2.0 * depth)).time_s[-1] > 1900
+
+
+def test_several_presses_in_one_file_are_refused_and_not_read_as_one_long_hold(tmp_path):
+    time = np.arange(900) * 0.01
+    depth = np.clip(8.0 * np.sin(2 * np.pi * time / 3.0), -1.0, 4.0)
+    with pytest.raises(InputError, match="holds 3 presses; a trace is one; import it first"):
+        read_trace(_write(tmp_path, time=time, depth=depth, force=2.0 * np.maximum(depth, 0.0)))

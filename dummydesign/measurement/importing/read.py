@@ -21,6 +21,7 @@ from dummydesign.measurement.importing.press.split import HIGH, Span, find_press
 from dummydesign.measurement.importing.press.summary import Summary, summarise
 from dummydesign.measurement.importing.press.zero import find_contacts, find_tares
 from dummydesign.measurement.importing.table import Columns, read_columns
+from dummydesign.measurement.trace import magnitude_fault
 
 
 @dataclass(frozen=True)
@@ -100,6 +101,9 @@ def import_file(path: str | Path, settings: Settings | None = None) -> Imported:
         t, way = time[part] - time[span.start], x[part] - zero + 0.0
         force = load[part] + rest - level + 0.0
         summary = summarise(name, t, way, force)
+        fault = magnitude_fault(t, way, force)
+        if fault:
+            raise question(name, fault, "--units time=.., displacement=.. or force=.. with the unit that it is in")
         check_press(name, t, way, force, contact, summary, notes.warn)
         presses.append(
             Press(

@@ -12,12 +12,15 @@ from numpy.typing import NDArray
 from dummydesign.measurement.motion import DECELERATION_MM_S2
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
+from dummydesign.measurement.trace_checks import CODES
 from dummydesign.tissue.fitting.fit import Fit, fit_traces
 from dummydesign.tissue.fitting.groups import condition_groups
 from dummydesign.tissue.fitting.reduction import ReducedTrace, reduce_trace
 from dummydesign.tissue.model.ranges import STEADY_TOLERANCE, ForceRange
 from dummydesign.tissue.model.tissue import Tissue
 
+SHOWN = ("lack_of_fit", "at_bound", "not_identifiable", *CODES)
+"""Codes of the fit's warnings that a comparison repeats."""
 STEADY_GRID_N = np.linspace(0.5, 15.0, 146)
 """Forces at which the steady-state curve is judged. [N]"""
 
@@ -183,7 +186,7 @@ def _steady_shares(tissue: Tissue, depth: NDArray) -> dict[str, Any]:
 
 
 def _warnings(fit: Fit, tissue: Tissue, points: NDArray, rows: list[dict[str, Any]]) -> list[dict[str, str]]:
-    found = [w for w in fit.result["warnings"] if w["code"] in ("lack_of_fit", "at_bound", "not_identifiable")]
+    found = [w for w in fit.result["warnings"] if w["code"] in SHOWN]
     if "inferred" in tissue.kinds:
         found.append({"code": "inferred_tissue", "message": f"the band of {tissue.name} is inferred, not measured"})
     if points[0, 1] > 0.6:

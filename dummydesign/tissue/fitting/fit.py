@@ -15,6 +15,7 @@ from dummydesign.inference.noise_floor import noise_floor
 from dummydesign.inference.profile import profile_interval
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
+from dummydesign.measurement.trace_checks import copies_among, doubts_of, subjects_among
 from dummydesign.tissue.fitting.groups import condition_groups, rounded_velocity, speed_groups
 from dummydesign.tissue.fitting.problem import Optimum, Problem
 from dummydesign.tissue.fitting.reduction import ReducedTrace, reduce_trace
@@ -108,7 +109,12 @@ def fit_traces(
     result["noise"] = [optimum.noise.to_dict() for _, optimum in pairs]
     result["starts"] = {"tried": pairs[0][1].solution.starts, "same_optimum": pairs[0][1].solution.agreeing}
     result["comparison"] = comparison
-    result["warnings"] = _warnings(law, result, pairs)
+    result["warnings"] = [
+        *_warnings(law, result, pairs),
+        *(doubt for trace in traces for doubt in doubts_of(trace)),
+        *copies_among(traces),
+        *subjects_among(result["by_trace"]),
+    ]
     return Fit(chosen, law, mode, lowpass, result, pairs)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.files import output_folder, write_text
 from dummydesign.measurement.sensor import parse_lowpass
 from dummydesign.measurement.trace import read_trace
+from dummydesign.measurement.trace_checks import copies_among
 from dummydesign.tissue.model.tissue import Subject, Tissue, same_shape
 from dummydesign.tissue.model.tissue_file import KIND, load_tissue, tissue_toml
 
@@ -56,14 +58,19 @@ def add_tissue(name: str, files: list[str], law: str, elements: str, lowpass: st
     rows: list[dict[str, Any]] = [{"subject": subject.name, "from": source} for subject, source in subjects]
     warnings: list[dict[str, str]] = []
     made = [subject for subject, _ in subjects]
+    read = {person: [read_trace(path) for path in paths] for person, paths in groups.items()}
+    # over all subjects, for one under two names counts twice
+    named = [replace(trace, name=f"{who}: {trace.name}") for who, traces in read.items() for trace in traces]
+    warnings += copies_among(named)
     for person, paths in groups.items():
-        fit = fit_traces([read_trace(path) for path in paths], int(elements), law, "per-speed", sensor)
+        fit = fit_traces(read[person], int(elements), law, "per-speed", sensor)
         made.append(subject_from_fit(person, fit))
         rows.append(
             {"subject": person, "from": ", ".join(path.name for path in paths), "rmse_N": fit.result["rmse_N"],
              "max_residual_N": fit.result["max_residual_N"]}
         )  # fmt: skip
-        warnings += [{"code": w["code"], "message": f"{person}: {w['message']}"} for w in fit.result["warnings"]]
+        said = [warning for warning in fit.result["warnings"] if warning["code"] != "same_press"]
+        warnings += [{"code": w["code"], "message": f"{person}: {w['message']}"} for w in said]
     tissue = _checked(name, made)
     warnings += _shadow_warning(name)
     path = write_text(folder / f"{name}.toml", tissue_toml(tissue))

@@ -18,7 +18,7 @@ FALLING = 0.01
 SHORT_HOLD_S = 10.0
 """Hold of the published protocol; no shorter one is called too short unless the force still falls."""
 GRAMS_N_PER_MM, GRAMS_N = 100.0, 200.0
-INCHES_N_PER_MM, INCHES_MM = 20.0, 0.6
+INCHES_N_PER_MM, INCHES_MM = 60.0, 0.5
 """Stiffness and size beyond any hand or pad (a 5 mm pad: 7 N/mm at 15 N): both must agree before a unit is doubted."""
 
 
@@ -151,6 +151,7 @@ def _dropped(name: str, time: NDArray, x: NDArray, force: NDArray, summary: Summ
     """Force at zero for a few samples while the punch is deep, or both columns frozen while it should move."""
     deep = (x > 0.5 * summary.depth_mm) & (time <= summary.hold_end_s)
     near = np.median(force[deep]) if deep.any() else 0.0
+    deep &= np.cumsum(force > 0.5 * near) > 0  # a filtered force is late in a fast rise
     lost = np.flatnonzero(deep & (np.abs(force) < max(3.0 * noise, 0.02 * near)) & (near > 20.0 * max(noise, 1e-9)))
     if lost.size:
         warn(

@@ -56,9 +56,7 @@ def find_contacts(
     """
     first = _reference(contacts)
     reference, depth = contacts[first], depths[first]
-    low, high = interval(reference)
-    more = BENEFIT * 0.5 * (reference.high_mm - reference.low_mm) + SMALL_MM
-    if low - more <= 0.0 <= high + more and first_mm <= SMALL_MM:
+    if own_zero_agrees(reference) and first_mm <= SMALL_MM:
         zero = 0.0
         notes.decide(
             "contact", "the file's own zero", f"the force begins at {_text(reference, sign)}, which agrees with it"
@@ -70,6 +68,20 @@ def find_contacts(
         _of_press(number, contact, zero, max(depths[: number + 1]), sign, file, notes)
         for number, contact in enumerate(contacts)
     ]
+
+
+def own_zero_agrees(contact: Contact) -> bool:
+    """Whether zero lies within the interval of the contact, given the benefit of the doubt."""
+    low, high = interval(contact)
+    more = BENEFIT * 0.5 * (contact.high_mm - contact.low_mm) + SMALL_MM
+    return low - more <= 0.0 <= high + more
+
+
+def contact_off(contact: Contact, depth_mm: float) -> str:
+    """Say that contact is not at zero; empty where it may be, or is so nearly that it does not matter."""
+    if own_zero_agrees(contact) or abs(contact.position_mm) <= max(LATE_MM, LATE_SHARE * depth_mm):
+        return ""
+    return f"the force begins at {_text(contact, 1.0)}, not at zero displacement"
 
 
 def _doubt_own_zero(file: str, contact: Contact, depth: float, sign: float, notes: Notes) -> None:

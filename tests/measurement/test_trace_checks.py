@@ -1,0 +1,63 @@
+"""What looks wrong in traces that are fitted together."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dummydesign.measurement.trace import Trace
+from dummydesign.measurement.trace_checks import copies_among, doubts_of, subjects_among
+from tests.support.machine_presses import recording
+
+
+def trace(seed=4, tare=0.0, place=0.0, scale=1.0, name="a.csv"):
+    record = recording(seed, velocity_mm_s=10.0, hold_s=10.0, filtered=False)
+    return Trace(name, record.time_s, record.displacement_mm + place, scale * record.force_N + tare)
+
+
+def codes(found):
+    return [warning["code"] for warning in found]
+
+
+def test_a_tared_press_with_its_zero_at_contact_is_not_doubted():
+    assert doubts_of(trace()) == []
+
+
+def test_a_force_before_contact_is_told_with_the_command_that_mends_it():
+    found = doubts_of(trace(tare=0.8))
+    assert codes(found) == ["force_before_contact"]
+    assert "0.799 N" in found[0]["message"] and "dummydesign import a.csv" in found[0]["message"]
+
+
+def test_a_force_before_contact_within_its_noise_is_not_told():
+    assert doubts_of(trace(tare=0.005)) == []
+
+
+def test_a_contact_that_lies_elsewhere_is_told_with_its_interval():
+    found = doubts_of(trace(seed=6, place=0.6))
+    assert codes(found) == ["contact_off"] and "95 %" in found[0]["message"]
+
+
+def test_a_copy_under_another_name_is_told_and_a_repeat_is_not():
+    assert codes(copies_among([trace(name="anna.csv"), trace(name="bert.csv")])) == ["same_press"]
+    record = trace()
+    force = record.force_N + np.r_[0.01, np.zeros(len(record.force_N) - 1)]
+    again = Trace("c.csv", record.time_s, record.displacement_mm, force)
+    assert copies_among([record, again]) == []
+
+
+def row(file, depth, force, speed=10.0):
+    forces = {"steady_force_N": force, "peak_force_N": 1.5 * force}
+    return {"file": file, "depth_mm": depth, "velocity_mm_s": speed, **forces}
+
+
+def test_two_subjects_in_one_fit_are_told():
+    assert codes(subjects_among([row("a", 3.0, 5.0), row("b", 3.1, 9.0)])) == ["several_subjects"]
+    # less force at a third more depth: a softer hand
+    assert codes(subjects_among([row("a", 3.0, 5.0), row("b", 4.1, 4.5)])) == ["several_subjects"]
+
+
+def test_depths_repeats_and_speeds_of_one_subject_are_not_taken_for_two():
+    for power in (1.0, 1.5, 3.0):
+        rows = [row(str(depth), depth, 0.5 * depth**power) for depth in (2.0, 2.5, 3.0, 4.0)]
+        assert subjects_among([*rows, row("repeat", 3.0, 0.45 * 3.0**power)]) == []
+    assert subjects_among([row("slow", 3.0, 5.0), row("fast", 3.0, 9.0, 250.0)]) == []

@@ -238,7 +238,8 @@ def test_suggest_finds_its_best_pad_by_the_law_it_brings(capsys):
 
 @pytest.mark.slow
 def test_suggest_works_its_best_pad_out_on_finite_elements(capsys):
-    status, found = _answer(capsys, "suggest", "--tissue", "forefinger", "--shape", TEXT, "--no-cad")
+    asked = ["suggest", "--tissue", "forefinger", "--thickness", "8:12", "--no-cad", "--shape"]
+    status, found = _answer(capsys, *asked, TEXT)
     assert status == 0
     assert {row["kind"]: row["by"] for row in found["shapes"]}["coned"] == "elements"
 

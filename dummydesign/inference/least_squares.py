@@ -94,7 +94,7 @@ def _descend(
 def _best(results: list[Any]) -> Solution:
     found = min(results, key=lambda one: one.cost)
     least = 2.0 * float(found.cost)
-    near = sum(2.0 * one.cost <= least + max(1e-3, 1e-6 * least) for one in results)
+    near = sum(bool(2.0 * one.cost <= least + max(1e-3, 1e-6 * least)) for one in results)
     return Solution(found.x, least, len(results), near, found.fun, found.jac)
 
 

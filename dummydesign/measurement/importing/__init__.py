@@ -1,0 +1,1 @@
+"""Import of files as test machines write them: text, columns, units, signs, contact, presses."""

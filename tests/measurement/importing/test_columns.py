@@ -139,6 +139,15 @@ def test_two_columns_that_differ_are_asked_for_and_equal_ones_are_not(tmp_path):
     close(found)
 
 
+def test_the_axis_that_is_pressed_along_is_taken_and_a_lone_other_one_too(tmp_path):
+    head = "Zeit [s];x [mm];y [mm];z [mm];fx [N];fy [N];fz [N]"
+    still = np.zeros(len(TIME))
+    found, _ = read(tmp_path, head, (TIME, still + 1, still + 2, WAY, 0.02 * FORCE, 0.03 * FORCE, FORCE))
+    close(found)
+    found, _ = read(tmp_path, "t [s];x [mm];fx [N]", (TIME, WAY, FORCE))
+    close(found)
+
+
 def test_the_same_name_twice_is_asked_for_by_number(tmp_path):
     head = "Zeit [s];Weg [mm];Kraft [N];Zeit [s];Weg [mm];Kraft [N]"
     columns = (TIME, WAY, FORCE, TIME, 1.1 * WAY, 1.3 * FORCE)

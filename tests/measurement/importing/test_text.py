@@ -161,6 +161,22 @@ def test_names_with_spaces_stand_over_columns_parted_by_spaces():
     assert layout.names == ("Elapsed Time (s)", "Axial Force (N)", "Position (mm)")
 
 
+def test_a_header_whose_quoted_cells_go_over_two_lines_is_one_row():
+    text = '"Time\n(s)","Extension\n(mm)","Load\n(N)"\n' + table(head="")
+    assert layout_of(text).names == ("Time (s)", "Extension (mm)", "Load (N)")
+    with pytest.raises(InputError, match=r"a.csv:15: Time \(s\)"):
+        values_of(text.replace("\n0.1000", "\nbad"))
+
+
+def test_a_row_that_counts_the_columns_is_no_data():
+    assert values_of("Zeit;Weg;Kraft\ns;mm;N\n1;2;3\n" + table(";", ",", head=""))[0, 0] == 0.0
+
+
+def test_a_tab_at_the_end_of_every_line_makes_no_column():
+    layout = layout_of(table("\t", head="Zeit,Weg,Kraft,Comment").replace("\n0", "\t\n0"))
+    assert layout.separator == "\t" and layout.names[:3] == ("Zeit", "Weg", "Kraft")
+
+
 @pytest.mark.parametrize("newline", ["\n", "\r\n", "\r"])
 def test_every_kind_of_line_end_is_one(newline):
     assert len(values_of(table().replace("\n", newline))) == len(ROWS)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -183,7 +184,8 @@ def _one_of(
     rivals = [column for column in moving[1:] if not _same(values[first.index], values[column.index], role)]
     if rivals:
         names = " or ".join(f"'{column.label}'" for column in (first, *rivals))
-        raise question(layout.file, f"{role} may be {names}", f"--columns {role}={_pick(first, found)}")
+        option = f"--columns {shlex.quote(f'{role}={_pick(first, found)}')}"
+        raise question(layout.file, f"{role} may be {names}", option)
     others = ", ".join(f"'{column.label}'" for column in found if column is not first)
     return first, f"{why}; {others} hold the same or nothing"
 
@@ -252,13 +254,16 @@ def _by_behaviour(
         )
     # Without the units the answer would be a guess; with them the user has said what kinds of numbers these are.
     if not certain or any(role not in settings.units for role in missing):
-        option = "--columns " + ",".join(f"{role}={guess[role].label}" for role in missing)
+        option = "--columns " + shlex.quote(",".join(f"{role}={guess[role].label}" for role in missing))
         option += " --units " + ",".join(
             f"{role}={settings.units.get(role, {'time': 's', 'displacement': 'mm', 'force': 'N'}[role])}"
             for role in missing
         )
         listed = ", ".join(f"{role} may be column {guess[role].label}" for role in missing)
-        raise question(layout.file, f"no names and units say what the columns are; by what they do {listed}", option)
+        which = " or ".join(missing)
+        raise question(
+            layout.file, f"neither names nor units say which column is {which}; by what they do {listed}", option
+        )
     for role in missing:
         notes.decide(f"{role} column", guess[role].label, _BEHAVIOUR[role])
     return guess

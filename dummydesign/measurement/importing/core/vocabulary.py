@@ -15,8 +15,9 @@ _WORDS: dict[str, str] = {
     ),
     "displacement": (
         "displacement disp extension position pos depth indentation travel stroke crosshead deflection penetration "
-        "deformation compression lvdt z "
-        "weg standardweg traversenweg kolbenweg prufweg pruefweg verschiebung eindringtiefe eindringung eindruckweg "
+        "deformation compression lvdt distance z "
+        "weg standardweg traversenweg kolbenweg prufweg pruefweg verschiebung abstand eindringtiefe eindringung "
+        "eindruckweg "
         "tiefe hub verformung stauchung stauchweg langenanderung laengenaenderung "
         "deplacement course profondeur enfoncement allongement fleche ecrasement"
     ),
@@ -28,7 +29,7 @@ _WORDS: dict[str, str] = {
     "other": (
         "stress strain strength modulus temperature torque moment speed velocity rate energy work pressure voltage "
         "cycle cycles step sample samples index count segment status mode channel nr no number date datum id specimen "
-        "error flow width diameter area acceleration frequency setpoint fx fy tx ty tz mx my mz x y rx ry rz "
+        "error flow width diameter area acceleration frequency setpoint tx ty tz mx my mz rx ry rz "
         "spannung dehnung temperatur drehmoment geschwindigkeit arbeit energie druck zyklus zyklen schritt "
         "messwert probe breite flache flaeche modul "
         "contrainte temperature couple vitesse travail pression cycle cycles echantillon module "

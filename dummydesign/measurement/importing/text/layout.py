@@ -8,10 +8,9 @@ from dataclasses import dataclass
 
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.importing.core.decisions import NoTableError, Notes, Settings, question
-from dummydesign.measurement.importing.core.units import split_name
-from dummydesign.measurement.importing.core.vocabulary import roles_of_name
-from dummydesign.measurement.importing.text.cells import SEPARATORS, is_comment, split
-from dummydesign.measurement.importing.text.header import HEADER_LINES, find_header
+from dummydesign.measurement.importing.text.cells import SEPARATORS, is_comment, split, whole_cells
+from dummydesign.measurement.importing.text.faults import refuse_two_commas, refuse_unfinished, why_no_table
+from dummydesign.measurement.importing.text.header import find_header
 from dummydesign.measurement.importing.text.numbers import (
     decimal_evidence,
     has_thousands,
@@ -83,7 +82,7 @@ def find_layout(file: str, text: str, settings: Settings, notes: Notes) -> Layou
     """
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     skipped = settings.skip or 0
-    lines = lines[skipped:]
+    lines = whole_cells(lines[skipped:])
     sample = _spread(lines)
     if not sample:
         raise NoTableError(f"{file}: holds no table: nothing but comments and blank lines")
@@ -95,10 +94,10 @@ def find_layout(file: str, text: str, settings: Settings, notes: Notes) -> Layou
             "numbers; leave that out to have it found"
         )
     if width < 2 or kinds.count("number") + kinds.count("stamp") < 2:
-        raise NoTableError(f"{file}: {_nothing(lines, separator)}")
+        raise NoTableError(f"{file}: {why_no_table(lines, separator)}")
     first, last = _bounds(lines, separator, kinds)
     if last - first < LEAST_ROWS:
-        raise NoTableError(f"{file}: {_nothing(lines, separator)}")
+        raise NoTableError(f"{file}: {why_no_table(lines, separator)}")
     body = lines[first:last]
     cells = [
         cell
@@ -108,8 +107,8 @@ def find_layout(file: str, text: str, settings: Settings, notes: Notes) -> Layou
     ]
     decimal = _decimal(file, cells, separator, settings, notes)
     names, units, where = find_header(lines, first, separator, kinds)
-    _refuse_two_commas(file, separator, cells, len(kinds), lines, first)
-    _refuse_unfinished(file, lines, last, separator, kinds, skipped)
+    refuse_two_commas(file, separator, cells, len(kinds), lines, first)
+    refuse_unfinished(file, lines, last, separator, kinds, skipped)
     _tell(lines, first, last, where, notes)
     thousands = any(has_thousands(cell, decimal) for cell in cells)
     return Layout(file, lines, first, last, skipped, separator, decimal, thousands, kinds, names, units)
@@ -147,28 +146,31 @@ def _separator(file: str, sample: Sequence[str], settings: Settings, notes: Note
     best, chosen = 0.0, ""
     for separator in SEPARATORS:
         rows = [split(line, separator) for line in sample if separator == " " or separator in line]
-        good = [
-            (len(row), sum(is_number(cell) or is_stamp(cell) for cell in row) / len(row))
-            for row in rows
-            if len(row) > 1
-        ]
-        good = [(width, share) for width, share in good if share * width >= 2]
+        # Empty cells do not count: a tab at the end of every line makes one.
+        good = [(len(row), _numbers_in(row), sum(map(bool, row))) for row in rows]
+        good = [(width, numbers / filled) for width, numbers, filled in good if numbers >= 2]
         if not good:
             continue
         width, count = Counter(width for width, _ in good).most_common(1)[0]
         score = count / len(sample) * sum(share for one, share in good if one == width) / count
+        if separator == " ":
+            score *= 0.95  # a tab is white space too: where it parts nearly as well, it is meant
         if score > best + 1e-9:
             best, chosen = score, separator
     if not chosen:
-        raise NoTableError(f"{file}: {_nothing(sample, ';')}")
+        raise NoTableError(f"{file}: {why_no_table(sample, ';')}")
     notes.decide("separator", SEPARATORS[chosen], "parts most lines into equally many numbers")
     return chosen
+
+
+def _numbers_in(row: Sequence[str]) -> int:
+    return sum(is_number(cell) or is_stamp(cell) for cell in row)
 
 
 def _columns(sample: Sequence[str], separator: str) -> tuple[int, tuple[str, ...]]:
     """Number of columns and what each of them holds, by the sampled lines."""
     rows = [split(line, separator) for line in sample]
-    rows = [row for row in rows if sum(is_number(cell) or is_stamp(cell) for cell in row) >= 2]
+    rows = [row for row in rows if _numbers_in(row) >= 2]
     if not rows:
         return 0, ()
     width = Counter(map(len, rows)).most_common(1)[0][0]
@@ -213,10 +215,20 @@ def _bounds(lines: Sequence[str], separator: str, kinds: Sequence[str]) -> tuple
             if all(map(row, ahead)):
                 break
         first += 1
+    first += _counts_columns(lines, first, separator)
     last = len(lines)
     while last > first and not row(last - 1):
         last -= 1
     return first, last
+
+
+def _counts_columns(lines: Sequence[str], first: int, separator: str) -> int:
+    """1 where the first row only counts the columns (1;2;3), which some programs write under their names."""
+    if first + 1 >= len(lines):
+        return 0
+    cells = split(lines[first], separator)
+    counted = any(cells == [str(begin + place) for place in range(len(cells))] for begin in (0, 1))
+    return int(counted and len(cells) > 2 and not split(lines[first + 1], separator)[0].startswith(("2", "1.0", "1,0")))
 
 
 def _decimal(file: str, cells: Sequence[str], separator: str, settings: Settings, notes: Notes) -> str:
@@ -248,58 +260,6 @@ def _decimal(file: str, cells: Sequence[str], separator: str, settings: Settings
         raise question(file, f"'{example}' may be a decimal or a thousand", "--decimal . or --decimal ,")
     notes.decide("decimal", ".", "the comma parts the columns" if separator == "," else "no number has a decimal sign")
     return "."
-
-
-def _nothing(lines: Sequence[str], separator: str) -> str:
-    """Say why there is no table."""
-    named = any(
-        len([cell for cell in split(line, sign) if roles_of_name(split_name(cell)[0])]) >= 2
-        for line in lines[:200]
-        for sign in SEPARATORS
-        if sign in line
-    )
-    if named:
-        return "has a header but no rows of numbers below it; export the test with its data"
-    return "holds no table of numbers; export time, displacement and force as columns of text"
-
-
-def _refuse_two_commas(
-    file: str, separator: str, cells: Sequence[str], width: int, lines: Sequence[str], first: int
-) -> None:
-    if separator != "," or width % 2 or any("." in cell or "," in cell for cell in cells):
-        return
-    for line in lines[max(first - HEADER_LINES, 0) : first]:
-        head = split(line, ",")
-        if len(head) == width // 2 and sum(bool(roles_of_name(split_name(cell)[0])) for cell in head) >= 2:
-            raise InputError(
-                f"{file}: {len(head)} names but {width} cells a row: the comma parts both columns and decimals, which "
-                "cannot be told apart; export with ';' between columns, or with numbers in quotes"
-            )
-
-
-def _refuse_unfinished(
-    file: str, lines: Sequence[str], last: int, separator: str, kinds: Sequence[str], skipped: int
-) -> None:
-    """A last line without its end that breaks off within a row: the file is still being written."""
-    if not lines or not lines[-1].strip():
-        return
-    index = len(lines) - 1
-    cells = split(lines[-1], separator)
-    broken = last <= index and all(is_number(cell) or is_stamp(cell) or cell in ("", "-", "+") for cell in cells)
-    if last == index + 1:
-        final = max((i for i, kind in enumerate(kinds) if kind == "number"), default=0)
-        digits = [
-            len(row[final].replace(",", ".").rpartition(".")[2])
-            for row in (split(line, separator) for line in lines[max(index - 40, 0) : index])
-            if len(row) == len(kinds)
-        ]
-        last_digits = len(cells[final].replace(",", ".").rpartition(".")[2])
-        broken = is_missing(cells[final]) or (len(digits) > 5 and len(set(digits)) == 1 and last_digits < digits[0])
-    if broken and len(lines) > 1:
-        raise InputError(
-            f"{file}:{index + skipped + 1}: the last line breaks off ('{lines[-1].strip()[-40:]}'): the file is still "
-            "being written, or was cut; wait for the test to end and export it again"
-        )
 
 
 def _tell(lines: Sequence[str], first: int, last: int, where: Sequence[int], notes: Notes) -> None:

@@ -1,0 +1,64 @@
+"""Texts that are no table, or no whole one, and what to do about them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from dummydesign.core.errors import InputError
+from dummydesign.measurement.importing.core.units import split_name
+from dummydesign.measurement.importing.core.vocabulary import roles_of_name
+from dummydesign.measurement.importing.text.cells import SEPARATORS, split
+from dummydesign.measurement.importing.text.header import HEADER_LINES
+from dummydesign.measurement.importing.text.numbers import is_missing, is_number, is_stamp
+
+
+def why_no_table(lines: Sequence[str], separator: str) -> str:
+    """Say why there is no table."""
+    named = any(
+        len([cell for cell in split(line, sign) if roles_of_name(split_name(cell)[0])]) >= 2
+        for line in lines[:200]
+        for sign in SEPARATORS
+        if sign in line
+    )
+    if named:
+        return "has a header but no rows of numbers below it; export the test with its data"
+    return "holds no table of numbers; export time, displacement and force as columns of text"
+
+
+def refuse_two_commas(
+    file: str, separator: str, cells: Sequence[str], width: int, lines: Sequence[str], first: int
+) -> None:
+    if separator != "," or width % 2 or any("." in cell or "," in cell for cell in cells):
+        return
+    for line in lines[max(first - HEADER_LINES, 0) : first]:
+        head = split(line, ",")
+        if len(head) == width // 2 and sum(bool(roles_of_name(split_name(cell)[0])) for cell in head) >= 2:
+            raise InputError(
+                f"{file}: {len(head)} names but {width} cells a row: the comma parts both columns and decimals, which "
+                "cannot be told apart; export with ';' between columns, or with numbers in quotes"
+            )
+
+
+def refuse_unfinished(
+    file: str, lines: Sequence[str], last: int, separator: str, kinds: Sequence[str], skipped: int
+) -> None:
+    """A last line without its end that breaks off within a row: the file is still being written."""
+    if not lines or not lines[-1].strip():
+        return
+    index = len(lines) - 1
+    cells = split(lines[-1], separator)
+    broken = last <= index and all(is_number(cell) or is_stamp(cell) or cell in ("", "-", "+") for cell in cells)
+    if last == index + 1:
+        final = max((i for i, kind in enumerate(kinds) if kind == "number"), default=0)
+        digits = [
+            len(row[final].replace(",", ".").rpartition(".")[2])
+            for row in (split(line, separator) for line in lines[max(index - 40, 0) : index])
+            if len(row) == len(kinds)
+        ]
+        last_digits = len(cells[final].replace(",", ".").rpartition(".")[2])
+        broken = is_missing(cells[final]) or (len(digits) > 5 and len(set(digits)) == 1 and last_digits < digits[0])
+    if broken and len(lines) > 1:
+        raise InputError(
+            f"{file}:{index + skipped + 1}: the last line breaks off ('{lines[-1].strip()[-40:]}'): the file is still "
+            "being written, or was cut; wait for the test to end and export it again"
+        )

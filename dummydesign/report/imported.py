@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -45,7 +46,7 @@ def write_preview(
             drawn += len(one.presses)
             plots = [_recording(number, one), *(_toe(number, one, press) for press in one.presses)]
         sections.append(Section(one.source.name, "", plots, _traces(written)))
-        sections.append(Section(f"{one.source.name}: what was decided", table=_decisions(written)))
+        sections.append(Section(f"{one.source.name}: what was decided", html=_decisions(written)))
     presses = sum(len(one.presses) for one in imported)
     facts = [(str(len(imported)), "files"), (str(presses), "presses")]
     lead = (
@@ -124,6 +125,10 @@ def _traces(written: Mapping[str, Any]) -> Table:
     return Table(head, [[trace[key] for key in keys] for trace in written["traces"]])
 
 
-def _decisions(written: Mapping[str, Any]) -> Table:
-    rows = [[decision["what"], decision["value"], decision["why"]] for decision in written["decisions"]]
-    return Table(["what", "value", "why"], rows)
+def _decisions(written: Mapping[str, Any]) -> str:
+    """What was decided, value and reason, in lines that a reader goes through from the left."""
+    rows = "".join(
+        f"<li><b>{escape(one['what'])}: {escape(one['value'])}</b> - {escape(one['why'])}</li>"
+        for one in written["decisions"]
+    )
+    return f"<ul>{rows}</ul>"

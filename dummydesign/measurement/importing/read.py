@@ -18,7 +18,7 @@ from dummydesign.measurement.importing.press.contact import LEAST_LEAD_IN, Conta
 from dummydesign.measurement.importing.press.sanity import check_press
 from dummydesign.measurement.importing.press.signs import Signs, find_signs
 from dummydesign.measurement.importing.press.split import HIGH, Span, find_presses
-from dummydesign.measurement.importing.press.summary import Summary, summarise
+from dummydesign.measurement.importing.press.summary import SHALLOWEST_MM, Summary, summarise
 from dummydesign.measurement.importing.press.zero import find_contacts, find_tares
 from dummydesign.measurement.importing.table import Columns, read_columns
 from dummydesign.measurement.trace import magnitude_fault
@@ -90,7 +90,7 @@ def import_file(path: str | Path, settings: Settings | None = None) -> Imported:
     load = signs.force * (columns.force_N - signs.rest_force_N)
     spans = _spans(file, x, load, columns, settings, notes)
     _magnitudes(file, time, x, load, spans, settings)
-    contacts = [_contact(time, x, load, span, signs, settings, tare) for span in spans]
+    contacts = [_contact(file, time, x, load, span, signs, settings, tare) for span in spans]
     rest = signs.force * signs.rest_force_N
     tares = _tares(file, contacts, rest, signs, settings, tare, notes)
     zeros = _zeros(file, contacts, x, spans, signs, settings, given, notes)
@@ -166,9 +166,29 @@ def _spans(file: str, x: NDArray, load: NDArray, columns: Columns, settings: Set
 
 
 def _contact(
-    time: NDArray, x: NDArray, load: NDArray, span: Span, signs: Signs, settings: Settings, tare: float | None
+    file: str,
+    time: NDArray,
+    x: NDArray,
+    load: NDArray,
+    span: Span,
+    signs: Signs,
+    settings: Settings,
+    tare: float | None,
 ) -> Contact:
-    """Contact of one press; where nothing was recorded before it, with the force counted from zero."""
+    """Contact of one press; where nothing was recorded before it, with the force counted from zero.
+
+    Raises
+    ------
+    InputError
+        When the punch stands still while the force rises.
+    """
+    way = x[span.onset : span.stop]
+    if float(way.max() - x[span.start : span.onset + 1].min()) < SHALLOWEST_MM:
+        raise InputError(
+            f"{file}: the force rises to {load[span.start : span.stop].max():.3g} N while the position stands at "
+            f"{x[span.onset]:.4g} mm; does the recording begin pressed, or is this another column? "
+            "(--columns displacement=NAME)"
+        )
     if tare is not None:
         return find_contact(time, x, load, span, 0.0)
     contact = find_contact(time, x, load, span)

@@ -41,16 +41,16 @@ def summarise(file: str, time: NDArray, x: NDArray, force: NDArray) -> Summary:
     InputError
         When the motion cannot be followed: it begins pressed, or never presses.
     """
+    if x.max() < SHALLOWEST_MM:
+        raise InputError(
+            f"{file}: presses {x.max():.3g} mm deep only, counted from contact; is the displacement that of "
+            "the punch? "
+            "(--columns displacement=NAME, --contact N)"
+        )
     try:
         ramp = find_ramp(time, x, "slowed")
     except InputError as problem:
         raise InputError(f"{file}: {problem}; record from before contact, or say --contact N") from None
-    if ramp.depth_mm < SHALLOWEST_MM:
-        raise InputError(
-            f"{file}: presses {ramp.depth_mm:.3g} mm deep only, counted from contact; is the displacement that of "
-            "the punch? "
-            "(--columns displacement=NAME, --contact N)"
-        )
     hold = max(ramp.hold_end_s - ramp.stop_time_s, 0.0)
     steady = None
     if hold >= SHORTEST_HOLD_S:

@@ -15,7 +15,7 @@ SURE_MM, SURE_SHARE = 0.25, 0.07
 """Half-width of the contact's interval that is good enough: in mm, or as a share of the depth."""
 SMALL_MM, BENEFIT = 0.05, 0.5
 """The file's own zero stands unless it lies beyond the interval by half its half-width (1 in 300) and 0.05 mm."""
-LATE_MM, LATE_SHARE = 0.15, 0.05
+LATE_MM, LATE_SHARE = 0.1, 0.03
 """Distance of the contact from the file's own zero that deserves a word although a filter explains it."""
 UNSURE_MM, UNSURE_SHARE = 0.06, 0.015
 """Half-width of the contact's interval above which a zero that rests on it is called uncertain."""
@@ -85,22 +85,25 @@ def contact_off(contact: Contact, depth_mm: float) -> str:
 
 
 def _doubt_own_zero(file: str, contact: Contact, depth: float, sign: float, notes: Notes) -> None:
-    """A word where the file's own zero agrees with the force only because the force tells it so loosely."""
+    """A word where the file's own zero stands, but not because the force agrees with it closely."""
     off, limit = contact.position_mm, max(LATE_MM, LATE_SHARE * depth)
     low, high = interval(contact)
-    if off > limit and contact.low_mm > 0.0:
+    if abs(off) > limit and not contact.low_mm <= 0.0 <= contact.high_mm:
+        why = "only just agrees with it"
+        if low <= 0.0 < contact.low_mm:
+            why = f"at {contact.velocity_mm_s:.3g} mm/s would agree with it behind a force filter"
         notes.warn(
             "contact_may_be_late",
-            f"{file}: the force begins at {_text(contact, sign)}; at {contact.velocity_mm_s:.3g} mm/s a force filter "
-            f"explains this, else the surface lies {off:.2g} mm deeper: press slowly once, or say --contact",
+            f"{file}: the file's own zero is kept, but the force begins at {_text(contact, sign)}, which {why}; "
+            "else the "
+            f"surface lies {abs(off):.2g} mm {'deeper' if off > 0 else 'higher'}: press slowly once, or say --contact",
         )
     elif abs(off) > limit and 0.5 * (high - low) > max(SURE_MM, SURE_SHARE * depth):
         ends = sorted((sign * low, sign * high))
         notes.warn(
             "contact_not_checked",
             f"{file}: by the force contact lies between {ends[0]:.2f} and {ends[1]:.2f} mm (a filter of the force "
-            "counted "
-            "in), which is too wide to check the file's own zero by: press slowly once, or say --contact",
+            "counted in), which is too wide to check the file's own zero by: press slowly once, or say --contact",
         )
 
 

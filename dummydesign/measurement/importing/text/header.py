@@ -11,6 +11,7 @@ from dummydesign.measurement.importing.text.numbers import is_number
 
 HEADER_LINES = 8
 """Lines above the table that may be its header."""
+_LONGEST = 80
 
 
 def find_header(
@@ -67,5 +68,5 @@ def _header_cells(line: str, separator: str, width: int) -> list[str] | None:
         if width - 1 <= len(cells) < width and len(cells) >= 2 and separator != " ":
             cells = [*cells, *[""] * (width - len(cells))]
         if len(cells) == width:
-            return [cell.strip('"').strip() for cell in cells]
+            return [cell.strip('"').strip()[:_LONGEST] for cell in cells]
     return None

@@ -20,6 +20,7 @@ from dummydesign.measurement.importing.text.numbers import (
 )
 
 LEAST_ROWS = 3
+LONGEST_LINE = 20_000
 _SAMPLE = 60
 
 
@@ -86,6 +87,11 @@ def find_layout(file: str, text: str, settings: Settings, notes: Notes) -> Layou
     sample = _spread(lines)
     if not sample:
         raise NoTableError(f"{file}: holds no table: nothing but comments and blank lines")
+    longest = max(map(len, sample))
+    if longest > LONGEST_LINE:
+        raise NoTableError(
+            f"{file}: a line is {longest} characters long: the line ends are lost; export the test as text again"
+        )
     separator = _separator(file, sample, settings, notes)
     width, kinds = _columns(sample, separator)
     if settings.separator is not None and (width < 2 or kinds.count("number") + kinds.count("stamp") < 2):

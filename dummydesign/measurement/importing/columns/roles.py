@@ -37,6 +37,11 @@ class Column:
         """How it is called in messages and in ``--columns``."""
         return self.title or str(self.index + 1)
 
+    @property
+    def short(self) -> str:
+        """Title for a message: what a damaged file takes for a title can be as long as the file."""
+        return self.title if len(self.title) <= 40 else f"{self.title[:40]}..."
+
 
 def describe_columns(layout: Layout) -> list[Column]:
     """Read names and units of all columns."""
@@ -102,7 +107,7 @@ def _named(layout: Layout, columns: Sequence[Column], role: str, word: str) -> C
     if not alike and word.strip().isdigit() and 1 <= int(word) <= len(columns):
         alike = [columns[int(word) - 1]]
     if not alike:
-        titles = [column.title for column in columns if column.title] or [f"1 to {len(columns)}"]
+        titles = [column.short for column in columns[:12] if column.title] or [f"1 to {len(columns)}"]
         raise InputError(f"{layout.file}: --columns {role}: {unknown_name('column', word, titles)}")
     if len(alike) > 1:
         places = ", ".join(str(column.index + 1) for column in alike)
@@ -247,7 +252,8 @@ def _by_behaviour(
         guess[rest[0]] = free[0]
     absent = [role for role in missing if role not in guess]
     if absent:
-        shown = ", ".join(f"'{column.title}'" if column.title else f"column {column.index + 1}" for column in columns)
+        named = [f"'{column.short}'" if column.title else f"column {column.index + 1}" for column in columns[:12]]
+        shown = ", ".join(named)
         option = f"--columns {','.join(f'{role}=NAME' for role in absent)}"
         raise InputError(
             f"{layout.file}: no column is {' or '.join(absent)} (there are {shown}); say {option}, or export it"

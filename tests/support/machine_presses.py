@@ -24,6 +24,7 @@ class Recording:
     depth_mm: tuple[float, ...]
     hold_s: float
     filtered: bool
+    law: str
 
 
 def recording(
@@ -61,9 +62,8 @@ def recording(
     slow = _slow(draw, time, 0.5 * noise)
     white = draw.normal(0.0, noise, len(time))
     measured = x + draw.normal(0.0, 0.001, len(x))
-    return Recording(
-        time, measured, force + white + slow, force, noise, velocity, tuple(depths), hold if hold > 0 else 0.0, filtered
-    )
+    seen = force + white + slow
+    return Recording(time, measured, seen, force, noise, velocity, tuple(depths), hold, filtered, str(law))
 
 
 def _cycle(draw, velocity, depth, hold, rate, above, unload):

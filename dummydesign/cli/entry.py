@@ -3,23 +3,16 @@
 from __future__ import annotations
 
 import argparse
-import importlib
 import json
-import keyword
 import math
 import os
 import sys
-from types import ModuleType
 from typing import Any, NoReturn
 
 from dummydesign._version import __version__
+from dummydesign.cli.registry import COMMANDS, module_of
 from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError, unknown_name
 from dummydesign.core.threads import ONE_THREAD
-
-COMMANDS = (
-    *("suggest", "predict", "whatif", "import", "fit", "mold"),
-    *("loop", "replay", "compare", "tissues", "resins"),
-)
 
 
 class _Parser(argparse.ArgumentParser):
@@ -29,14 +22,9 @@ class _Parser(argparse.ArgumentParser):
         raise InputError(message)
 
 
-def _module(name: str) -> ModuleType:
-    """The module of a command; importing it loads nothing heavy. One whose name is a keyword ends in ``_``."""
-    return importlib.import_module(f"dummydesign.cli.{name}{'_' if keyword.iskeyword(name) else ''}")
-
-
 def parser_of(name: str) -> argparse.ArgumentParser:
     """All options of a command."""
-    module = _module(name)
+    module = module_of(name)
     parser = _Parser(prog=f"dummydesign {name}", description=module.HELP, allow_abbrev=False)
     module.add_arguments(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
@@ -44,7 +32,7 @@ def parser_of(name: str) -> argparse.ArgumentParser:
 
 
 def _overview() -> str:
-    rows = "\n".join(f"  {name:<9} {_module(name).HELP}" for name in COMMANDS)
+    rows = "\n".join(f"  {name:<9} {module_of(name).HELP}" for name in COMMANDS)
     return (
         "usage: dummydesign COMMAND [options]\n\n"
         "Soft dummies of human hand tissue: resin recipe, pad geometry and mould, from measured parameters.\n\n"
@@ -92,7 +80,7 @@ def run(arguments: list[str]) -> int:
     try:
         if name not in COMMANDS:
             raise unknown_name("command", name, COMMANDS)
-        module = _module(name)
+        module = module_of(name)
         options = parser_of(name).parse_args(arguments[1:])
         try:
             result = module.run(options)

@@ -47,7 +47,7 @@ print(json.dumps({"before": before, "seen": seen, "after": threads(), "forces": 
 
 COMMAND = COUNT + """
 from dummydesign import cli
-from dummydesign.cli import tissues
+from dummydesign.cli.library import tissues
 
 def run(options):
     import scipy.linalg

@@ -38,7 +38,7 @@ def test_command_gives_one_json_object_with_the_contract(lidded_package, lidded_
 
 
 def test_text_answer_shows_weights_checks_and_files(lidded_package):
-    from dummydesign.cli.mold import render
+    from dummydesign.cli.design.mold import render
 
     text = render(lidded_package[1].answer)
     assert "polyol" in text and " 0 failed" in text and "pad_t8.step" in text and "None" not in text

@@ -6,7 +6,7 @@ import argparse
 import sys
 from typing import Any
 
-from dummydesign.cli.effects import add_effect_option
+from dummydesign.cli.effect_option import add_effect_option
 
 HELP = "Measured campaign: residual, the effect the model lacks, the corrected model, and what to measure next."
 

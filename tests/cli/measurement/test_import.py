@@ -10,7 +10,7 @@ import pytest
 
 import dummydesign
 from dummydesign.cli.entry import run
-from dummydesign.cli.import_ import pairs
+from dummydesign.cli.measurement.import_ import pairs
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.importing.batch import trace_bytes
 from dummydesign.measurement.trace import read_trace

@@ -1,0 +1,1 @@
+"""Commands that read measured data: import files, fit traces, learn from a campaign, compare."""

@@ -35,13 +35,43 @@ class NoAnswerError(DummydesignError):
 
 
 def out_of_range(quantity: str, value: object, low: object, high: object, advice: str = "") -> InputError:
-    """Make the error for a number outside its allowed range, both ends included."""
+    """Make the error for a number outside its allowed range, both ends included.
+
+    Parameters
+    ----------
+    quantity : str
+        What is out of range, as the user wrote it or knows it: ``thickness``, ``--ratio``.
+    value, low, high : object
+        The number given and the ends allowed, as they are to be printed, with their unit where they have one.
+    advice : str
+        What to do instead; put after a semicolon.
+
+    Returns
+    -------
+    InputError
+        To be raised by the caller.
+    """
     tail = f"; {advice}" if advice else ""
     return InputError(f"{quantity} = {value} is outside the allowed range {low} to {high}{tail}")
 
 
 def unknown_name(kind: str, name: str, known: Iterable[str]) -> InputError:
-    """Make the error for a name that is not in the list, with the nearest known name."""
+    """Make the error for a name that is not in the list, with the nearest known name.
+
+    Parameters
+    ----------
+    kind : str
+        What the name is of: ``tissue``, ``resin``, ``effect``.
+    name : str
+        The name as it was typed.
+    known : iterable of str
+        All names that are accepted.
+
+    Returns
+    -------
+    InputError
+        To be raised by the caller.
+    """
     names = sorted(known)
     near = difflib.get_close_matches(name.lower(), [n.lower() for n in names], n=1, cutoff=0.5)
     hint = ""

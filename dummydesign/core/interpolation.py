@@ -36,6 +36,12 @@ def between(x: NDArray, y: NDArray, columns: NDArray, rows: NDArray, values: NDA
     columns, rows : ndarray, shape (m,) and (n,)
         Increasing grid in x and in y.
     values : ndarray, shape (n, m)
+        The table: one row for each of ``rows``.
+
+    Returns
+    -------
+    ndarray
+        Of the shape of ``x``.
     """
     by_row = np.array([np.interp(x, columns, row) for row in values])
     low, part = place_on(rows, y)

@@ -47,6 +47,17 @@ def line_of(text: str, *keys: str) -> int:
 def read_quantity(table: dict[str, Any], key: str, path: Path, text: str = "") -> Quantity:
     """Read ``table[key]`` as a :class:`Quantity`, refusing what has no interval, kind or source.
 
+    Parameters
+    ----------
+    table : dict
+        The table of a TOML file that holds the entry.
+    key : str
+        Name of the entry, with the unit as suffix.
+    path : Path
+        The file, named in messages.
+    text : str
+        Its text, from which the line in a message is taken; without it messages have no line.
+
     Raises
     ------
     InputError

@@ -57,6 +57,7 @@ class Interface:
         quantity : str
             What is read, for the message: ``base``, ``condition``, ...
         known : sequence of str
+            The words that are allowed here beside ``friction:MU``: ``bonded``, ``sliding``, ...
 
         Raises
         ------

@@ -18,7 +18,26 @@ Size = TypeVar("Size", int, float)
 
 
 def aicc(minus_two_log_likelihood: float, unknown: int, observed: int) -> float:
-    """Corrected Akaike criterion of ``unknown`` parameters, those of the noise included, on ``observed`` numbers."""
+    """Corrected Akaike criterion of ``unknown`` parameters, those of the noise included, on ``observed`` numbers.
+
+    Parameters
+    ----------
+    minus_two_log_likelihood : float
+        Minus twice the logarithm of the largest likelihood.
+    unknown : int
+        Parameters that were fitted, those of the noise included.
+    observed : int
+        Numbers that were fitted to.
+
+    Returns
+    -------
+    float
+        The criterion; only differences between models of the same data mean something.
+
+    References
+    ----------
+    Hurvich and Tsai, Biometrika 76 (1989) 297.
+    """
     spare = max(observed - unknown - 1, 1)
     return minus_two_log_likelihood + 2 * unknown + 2 * unknown * (unknown + 1) / spare
 

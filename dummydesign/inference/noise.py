@@ -119,7 +119,22 @@ def whitener(covariance: NDArray) -> NDArray:
 
 
 def minus_two_log_likelihood(bins: Bins, factor: NDArray, residual: NDArray) -> float:
-    """Minus twice the Gaussian log likelihood of stacked residuals (traces, longest) under a whitening."""
+    """Minus twice the Gaussian log likelihood of stacked residuals (traces, longest) under a whitening.
+
+    Parameters
+    ----------
+    bins : Bins
+        The bins of all traces; what pads the shorter ones does not count.
+    factor : ndarray, shape (traces, longest, longest)
+        Inverse Cholesky factors of the covariances, see :func:`whitener`. [1/N]
+    residual : ndarray, shape (traces, longest)
+        Measured minus modelled force of the bins, 0 in the padding. [N]
+
+    Returns
+    -------
+    float
+        Minus twice the logarithm of the Gaussian density.
+    """
     white = (factor @ residual[..., None])[..., 0]
     diagonal = np.diagonal(factor, axis1=1, axis2=2)
     count = int(bins.used.sum())

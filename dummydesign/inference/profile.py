@@ -32,6 +32,26 @@ def profile_interval(model: Model, best: Solution, index: int, low: NDArray, hig
 
     An end that is not reached inside the box, or within :data:`FARTHEST`, is None: the data do not
     determine the parameter on that side. ``at_bound`` tells that the optimum itself lies on the box.
+
+    Parameters
+    ----------
+    model : callable
+        Maps parameters (p,) to whitened residuals (n,) and their Jacobian (n, p).
+    best : Solution
+        The minimum, of the same model.
+    index : int
+        Which parameter.
+    low, high : ndarray, shape (p,)
+        The box in which all parameters stay.
+
+    Returns
+    -------
+    Interval
+        In the unit of the parameter; an end that is not found is None, with the reason.
+
+    References
+    ----------
+    Venzon and Moolgavkar, J. R. Stat. Soc. C 37 (1988) 87.
     """
     centre = best.parameters
     at_bound = bool(min(centre[index] - low[index], high[index] - centre[index]) < 1e-4)

@@ -126,7 +126,20 @@ def repeatable_hold_edges(first_s: float, duration_s: float) -> NDArray:
 
 
 def mean_around(nodes_s: NDArray, time_s: NDArray, values: NDArray) -> NDArray:
-    """Means of a piecewise-linear curve between the points half-way from node to node, shape (nodes,)."""
+    """Means of a piecewise-linear curve between the points half-way from node to node, shape (nodes,).
+
+    Parameters
+    ----------
+    nodes_s : ndarray, shape (nodes,)
+        Increasing times at which a mean is wanted. [s]
+    time_s, values : ndarray, shape (n,)
+        The samples; between them the curve is straight. [s, any unit]
+
+    Returns
+    -------
+    ndarray, shape (nodes,)
+        In the unit of ``values``.
+    """
     integral = np.r_[0.0, np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(time_s))]
     half = np.r_[nodes_s[0], 0.5 * (nodes_s[1:] + nodes_s[:-1]), nodes_s[-1]]
     return np.diff(np.interp(half, time_s, integral)) / np.maximum(np.diff(half), 1e-12)

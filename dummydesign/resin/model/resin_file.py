@@ -60,10 +60,10 @@ def load_resin(name: str = DEFAULT) -> Resin:
 def read_resin(entry: Entry) -> Resin:
     """Read and check one resin file; see :func:`load_resin`."""
     content, text = read_toml(entry.path)
-    return parse_resin(content, text, entry.path, entry.origin)
+    return _parse_resin(content, text, entry.path, entry.origin)
 
 
-def check_keys(table: Mapping[str, Any], known: Iterable[str], path: Path, text: str, *where: str) -> None:
+def _check_keys(table: Mapping[str, Any], known: Iterable[str], path: Path, text: str, *where: str) -> None:
     """Refuse keys that are not in the schema, with file, line and the nearest known key (InputError)."""
     allowed = sorted(known)
     for key in table:
@@ -74,9 +74,9 @@ def check_keys(table: Mapping[str, Any], known: Iterable[str], path: Path, text:
             raise _fault(path, text, (*where, key), message)
 
 
-def parse_resin(content: Mapping[str, Any], text: str, path: Path, origin: str) -> Resin:
+def _parse_resin(content: Mapping[str, Any], text: str, path: Path, origin: str) -> Resin:
     """Make a resin from the content of a file; ``text`` and ``path`` serve the messages."""
-    check_keys(content, _TOP, path, text)
+    _check_keys(content, _TOP, path, text)
     for key in _NEEDED:
         if key not in content:
             raise InputError(f"{path.name}: '{key}' is missing")
@@ -90,7 +90,7 @@ def parse_resin(content: Mapping[str, Any], text: str, path: Path, origin: str) 
     law, numbers, posterior, prior = _modulus(content["modulus"], path, text)
     arms, ratio_ref, softness = _relaxation(content["relaxation"], path, text, low, high)
     properties = content.get("property", {})
-    check_keys(properties, PROPERTIES, path, text, "[property")
+    _check_keys(properties, PROPERTIES, path, text, "[property")
     resin = Resin(
         name=str(content["name"]),
         title=str(content.get("title", content["name"])),
@@ -142,7 +142,7 @@ def read_points(path: Path) -> tuple[str, str, list[tuple[float, Quantity]]]:
         With file and line when something is missing, unknown or not a number.
     """
     content, text = read_toml(path)
-    check_keys(content, ("schema", "base", "name", "point"), path, text)
+    _check_keys(content, ("schema", "base", "name", "point"), path, text)
     if "point" not in content:
         raise InputError(f"{path.name}: 'point' is missing; give [[point]] tables with ratio and young_kPa")
     points = [_point(item, path, text) for item in _tables(content["point"], "point", path, text)]
@@ -180,7 +180,7 @@ def _liquids(value: Any, path: Path, text: str) -> tuple[Liquid, ...]:
     """Read the components; exactly one of them is weighed by the ratio."""
     liquids = []
     for item in _tables(value, "component", path, text):
-        check_keys(item, _LIQUID, path, text, "[[component]]")
+        _check_keys(item, _LIQUID, path, text, "[[component]]")
         name, parts = str(item.get("name", "")).strip(), item.get("parts")
         if not name:
             raise _fault(path, text, "[[component]]", "a component lacks its 'name'")
@@ -206,12 +206,12 @@ def _modulus(
     if name not in LAWS:
         raise _fault(path, text, ("[modulus]", "law"), str(unknown_name("law of the modulus", name, LAWS)))
     law = LAWS[name]
-    check_keys(table, {"law", "posterior", "prior", *law.parameters}, path, text, "[modulus")
+    _check_keys(table, {"law", "posterior", "prior", *law.parameters}, path, text, "[modulus")
     numbers = {key: _positive(table, key, path, text) for key in law.parameters}
     if "posterior" not in table:
         return law, numbers, None, None
     draws = _table(table["posterior"], "posterior", path, text)
-    check_keys(draws, law.parameters, path, text, "[modulus.posterior]")
+    _check_keys(draws, law.parameters, path, text, "[modulus.posterior]")
     try:
         columns = {key: np.asarray(draws[key], dtype=float) for key in law.parameters}
     except (KeyError, TypeError, ValueError):
@@ -222,14 +222,14 @@ def _modulus(
         message = f"needs one equally long list of numbers for each of {', '.join(law.parameters)}"
         raise _fault(path, text, "[modulus.posterior]", message)
     prior = _table(table.get("prior"), "modulus.prior", path, text)
-    check_keys(prior, law.parameters, path, text, "[modulus.prior")
+    _check_keys(prior, law.parameters, path, text, "[modulus.prior")
     return law, numbers, columns, {key: _positive(prior, key, path, text) for key in law.parameters}
 
 
 def _relaxation(value: Any, path: Path, text: str, low: float, high: float) -> tuple[tuple[Arm, ...], float, Quantity]:
     """Read the arms, the ratio they belong to and how they grow when the resin softens."""
     table = _table(value, "relaxation", path, text)
-    check_keys(table, ("ratio_ref", "softness_exponent", "term"), path, text, "[relaxation")
+    _check_keys(table, ("ratio_ref", "softness_exponent", "term"), path, text, "[relaxation")
     for key in ("ratio_ref", "softness_exponent"):
         if key not in table:
             raise InputError(f"{path.name}:{line_of(text, '[relaxation')}: '{key}' is missing in [relaxation]")
@@ -239,7 +239,7 @@ def _relaxation(value: Any, path: Path, text: str, low: float, high: float) -> t
         raise _fault(path, text, ("[relaxation", "ratio_ref"), message)
     arms = []
     for item in _tables(table["term"], "relaxation.term", path, text) if table.get("term") else []:
-        check_keys(item, ("tau_s", "beta"), path, text, "[[relaxation.term]]")
+        _check_keys(item, ("tau_s", "beta"), path, text, "[[relaxation.term]]")
         arms.append(Arm(_positive(item, "tau_s", path, text), _positive(item, "beta", path, text, zero=True)))
     return tuple(arms), ratio_ref, _positive(table, "softness_exponent", path, text, zero=True)
 
@@ -247,7 +247,7 @@ def _relaxation(value: Any, path: Path, text: str, low: float, high: float) -> t
 def _point(item: Any, path: Path, text: str) -> dict[str, Any]:
     """Read one measured modulus: a ratio and a quantity."""
     table = _table(item, "point", path, text)
-    check_keys(table, ("ratio", "young_kPa"), path, text, "[[point]]")
+    _check_keys(table, ("ratio", "young_kPa"), path, text, "[[point]]")
     if "ratio" not in table:
         raise InputError(f"{path.name}:{line_of(text, '[[point]]')}: a point lacks its 'ratio'")
     return {

@@ -1,6 +1,6 @@
 """The model of a puck pressed with holds: force of the bins, starts, least squares, criterion.
 
-See ``puck_relax`` for the law and the references.
+See :mod:`dummydesign.resin.puck_test.relaxation_fit` for the law and the references.
 """
 
 from __future__ import annotations
@@ -50,7 +50,22 @@ class PuckProblem:
         self.factor = whitener(press, height_mm, PuckNoise(press.white_N, 1e-3 * press.force_N.max(), 1.0, 0.02))
 
     def elastic(self, alpha: float, grip: float, offset: float) -> Array:
-        """Long-term force over E at the nodes, zeroed where the displacement is zero. [N/kPa]"""
+        """Long-term force over E at the nodes, zeroed where the displacement is zero. [N/kPa]
+
+        Parameters
+        ----------
+        alpha : float
+            Exponent of the one-term Ogden law.
+        grip : float
+            Friction coordinate of the plates, from 0 (sliding) to 1 (bonded).
+        offset : float
+            Compression at which the plate touches the puck in truth, over its height.
+
+        Returns
+        -------
+        ndarray, shape (nodes,)
+            Force over Young's modulus. [N/kPa]
+        """
         place = np.r_[0.0, self.press.displacement_mm] / self.height_mm
         c = np.maximum(place - offset, 0.0)
         load = self.area * uniaxial(alpha, c) * np.exp(self._log_factor(grip)(alpha, c))
@@ -90,7 +105,22 @@ class PuckProblem:
         return np.array(low), np.array(high)
 
     def starts(self, arms: int, grip: float, count: int = 2) -> list[Array]:
-        """The best of all combinations of times on a grid, E and strengths by non-negative least squares."""
+        """The best of all combinations of times on a grid, E and strengths by non-negative least squares.
+
+        Parameters
+        ----------
+        arms : int
+            Maxwell branches of the relaxation.
+        grip : float
+            Friction coordinate of the plates, from 0 (sliding) to 1 (bonded).
+        count : int
+            How many of the best starts are returned.
+
+        Returns
+        -------
+        list of ndarray
+            Each ln E (kPa), alpha, offset, then ln beta and ln tau (s) of the branches.
+        """
         from scipy.optimize import nnls
 
         found = []

@@ -42,7 +42,20 @@ class PuckNoise:
 
 
 def covariance(press: PuckPress, height_mm: float, noise: PuckNoise) -> Array:
-    """Covariance of the bins' residuals of ln force, shape (bins, bins)."""
+    """Covariance of the bins' residuals of ln force, shape (bins, bins).
+
+    Parameters
+    ----------
+    press : PuckPress
+        The binned press.
+    height_mm : float
+        Undeformed height of the puck. [mm]
+    noise : PuckNoise
+
+    Returns
+    -------
+    ndarray, shape (bins, bins)
+    """
     c = press.compression_mm / height_mm
     apart = c[:, None] - c
     total = noise.misfit**2 * np.exp(-0.5 * (apart / ALIKE) ** 2)
@@ -54,7 +67,21 @@ def covariance(press: PuckPress, height_mm: float, noise: PuckNoise) -> Array:
 
 
 def whitener(press: PuckPress, height_mm: float, noise: PuckNoise) -> Array:
-    """Inverse Cholesky factor: whitened = factor @ residual."""
+    """Inverse Cholesky factor: whitened = factor @ residual.
+
+    Parameters
+    ----------
+    press : PuckPress
+        The binned press.
+    height_mm : float
+        Undeformed height of the puck. [mm]
+    noise : PuckNoise
+
+    Returns
+    -------
+    ndarray, shape (bins, bins)
+        Lower triangle.
+    """
     return inference.whitener(covariance(press, height_mm, noise))
 
 
@@ -64,9 +91,17 @@ def estimate(press: PuckPress, height_mm: float, residual: Array, jacobian: Arra
     Parameters
     ----------
     press : PuckPress
+        The binned press.
     height_mm : float
+        Undeformed height of the puck. [mm]
     residual : ndarray, shape (bins,)
+        ln of fitted over measured force of the bins.
     jacobian : ndarray, shape (bins, parameters)
+        Derivative of the modelled ln force with respect to what was fitted.
+
+    Returns
+    -------
+    PuckNoise
     """
     level = float(press.force_N.max())
     longest = max(hold.duration_s for hold in press.holds)

@@ -55,6 +55,7 @@ def reduce_press(
     Parameters
     ----------
     time_s, displacement_mm, force_N : ndarray, shape (n,)
+        The recording; displacement is 0 at contact and grows in compression. [s, mm, N]
     holds : tuple of Hold
         At least one.
     window_mm : (float, float)

@@ -1,6 +1,6 @@
 """Long-term modulus, relaxation, stiffening and plate friction of a puck from one press with holds.
 
-The force is that of ``puck_fit`` with relaxation on top (quasi-linear law):
+The force is that of :mod:`dummydesign.resin.puck_test.loading_fit` with relaxation on top (quasi-linear law):
 
     F(t) = E integral of (1 + sum_i beta_i exp(-(t - s) / tau_i)) d[A u(c; alpha) B(c; alpha, friction)],
 
@@ -9,7 +9,7 @@ which the starts are found. The number of arms, 0 to 3, is the smallest whose AI
 under the noise of the richest. Friction is not told: it is profiled from frictionless to bonded.
 
 Intervals of times and strengths are those of the profile likelihood over friction, with the other parameters in
-their Gaussian approximation. Modulus and friction have the cautious ones of ``puck_fit``: how the law misfits
+their Gaussian approximation. Modulus and friction have the cautious ones of ``loading_fit``: how the law misfits
 along the compression is not known, so a puck counts as one independent number with that misfit and a scatter of 2 %
 as its size. (By the likelihood, with a smooth misfit of known length, they held the truth in 0.7 of the draws of a
 rougher one.) alpha has none: it takes up what the law misfits.
@@ -98,6 +98,7 @@ def fit_relaxation(press: PuckPress, diameter_mm: float, height_mm: float, table
     Parameters
     ----------
     press : PuckPress
+        One press with holds, reduced by :func:`reduce_press`.
     diameter_mm, height_mm : float
         Undeformed puck. [mm]
     table : PuckTable

@@ -21,9 +21,9 @@ import pytest
 
 import dummydesign
 
-DONE = ("cli", "core", "geometry", "inference", "resin")
+DONE = ("cli", "core", "geometry", "inference", "mold", "resin")
 """Rooms whose docstrings are complete; ``NOT_YET`` holds the others, and only shrinks."""
-NOT_YET = ("api", "design", "loop", "measurement", "mold", "pad", "report", "studies", "tissue")
+NOT_YET = ("api", "design", "loop", "measurement", "pad", "report", "studies", "tissue")
 FEWEST = 3
 UNITS = {
     "mm": "mm", "mm2": "mm2", "mm3": "mm3", "mm_s": "mm/s", "N": "N", "s": "s", "ms": "ms", "MPa": "MPa", "kPa": "kPa",

@@ -175,7 +175,24 @@ def _shown(made: Parts, meshes: dict[str, Any]) -> tuple[dict[str, Any], dict[st
 def finish_picture(
     process: subprocess.Popen[bytes], folder: Path, spec: MouldSpec, warnings: list[dict[str, str]]
 ) -> dict[str, str]:
-    """Wait for the picture; without one the mould is as good, and a warning says so."""
+    """Wait for the picture; without one the mould is as good, and a warning says so.
+
+    Parameters
+    ----------
+    process : subprocess.Popen
+        The renderer, started before the checks.
+    folder : Path
+        Where it writes.
+    spec : MouldSpec
+        The mould; its tag is part of the file name.
+    warnings : list of dict
+        A warning is appended when there is no picture.
+
+    Returns
+    -------
+    dict
+        ``{"picture": file name}``, empty without one.
+    """
     try:
         process.wait(PICTURE_S)
     except subprocess.TimeoutExpired:

@@ -16,8 +16,22 @@ VOLUME_EPS_MM3 = 1e-3
 def to_casting(solid: Any, parting_mm: float, turned: bool, scale: float) -> Any:
     """Bring a silicone part into its casting frame: parting face on z = 0, silicone above, scaled.
 
-    ``turned`` turns it over about the x axis (a part that is used face up is cast face down). The
-    pivot is the same for everything that is brought over: the middle of the parting face.
+    The pivot is the same for everything that is brought over: the middle of the parting face.
+
+    Parameters
+    ----------
+    solid : cadquery.Shape
+        Part in the mould's frame.
+    parting_mm : float
+        Height of the parting face in the mould's frame. [mm]
+    turned : bool
+        Turned over about the x axis: a part that is used face up is cast face down.
+    scale : float
+        Casting size over finished size, for the shrinkage of the silicone; at least 1.
+
+    Returns
+    -------
+    cadquery.Shape
     """
     import cadquery as cq
 
@@ -40,7 +54,7 @@ def casting_box(
     hull : Solid
         The drafted block the part was cut from; what is in it but not in the part becomes the plug.
     parting_mm : float
-        Height of the parting face in the mould's frame.
+        Height of the parting face in the mould's frame. [mm]
     turned : bool
         Cast upside down.
     sockets : tuple of Solid

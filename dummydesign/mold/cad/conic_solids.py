@@ -19,7 +19,19 @@ RIDGE_PIECES = 12
 
 
 def cap_solid(conic: Conic, x_mm: float = 0.0, y_mm: float = 0.0, z_mm: float = 0.0) -> Any:
-    """Make the cap that widens upwards from its apex at a place to its flat ``height_mm`` above it."""
+    """Make the cap that widens upwards from its apex at a place to its flat ``height_mm`` above it.
+
+    Parameters
+    ----------
+    conic : Conic
+        Profile from the apex outwards.
+    x_mm, y_mm, z_mm : float
+        Where the apex lies. [mm]
+
+    Returns
+    -------
+    cadquery.Solid
+    """
     import cadquery as cq
 
     b, c = conic.foot_mm, conic.height_mm
@@ -39,6 +51,21 @@ def ridge_solid(conic: Conic, half_length_mm: float, slope: float, z_mm: float =
     """Make the ridge along x that widens upwards from its crest at ``z_mm``; its ends lean outwards by ``slope``.
 
     The ends are planes, on which the profile is again a conic; ruled faces between the two are exact.
+
+    Parameters
+    ----------
+    conic : Conic
+        Profile across the ridge, from its crest outwards.
+    half_length_mm : float
+        Half the length of the crest, along x. [mm]
+    slope : float
+        Tangent of the draft angle: how far an end moves outwards per height.
+    z_mm : float
+        Height of the crest. [mm]
+
+    Returns
+    -------
+    cadquery.Solid
     """
     import cadquery as cq
 

@@ -15,7 +15,21 @@ PIN_FIT_MM = 0.1
 
 
 def mould_tools(spec: MouldSpec, plan: Layout, tools: dict[str, list[Any]]) -> list[Any]:
-    """Sockets for the keys and the gutter, as cut into the mould's land; kept in ``tools`` for the checks."""
+    """Sockets for the keys and the gutter, as cut into the mould's land.
+
+    Parameters
+    ----------
+    spec : MouldSpec
+        Of a lidded mould.
+    plan : Layout
+        Its layout.
+    tools : dict
+        Cutting solids by name; ``keys`` and ``gutter`` are added for the checks.
+
+    Returns
+    -------
+    list of cadquery.Solid
+    """
     c = spec.closure
     tools["keys"] = [ball(place, plan.land_mm, c.key_radius_mm + c.key_clearance_mm) for place in plan.keys]
     tools["gutter"] = [gutter(spec, plan)]
@@ -58,7 +72,19 @@ def add_lid(made: Parts, beside_mm: float) -> None:
 
 
 def ball(place: Point, z_mm: float, radius_mm: float) -> Any:
-    """Make a ball about a place at a height. [mm]"""
+    """Make a ball about a place at a height. [mm]
+
+    Parameters
+    ----------
+    place : Point
+        Its centre seen from above.
+    z_mm, radius_mm : float
+        Height of the centre, and the radius. [mm]
+
+    Returns
+    -------
+    cadquery.Solid
+    """
     import cadquery as cq
 
     return cq.Workplane(origin=(place.x_mm, place.y_mm, z_mm)).sphere(radius_mm).val()

@@ -40,7 +40,19 @@ class Parts:
         return self.solid("pad") if self.with_bone is None else self.with_bone
 
     def add(self, name: str, solid: Any, material: str, offset_mm: tuple[float, float, float] = (0, 0, 0)) -> None:
-        """Add one part."""
+        """Add one part.
+
+        Parameters
+        ----------
+        name : str
+            Its name in files and checks: ``pad``, ``mould``, ``lid``, ...
+        solid : cadquery.Solid
+            The part in its own frame. [mm]
+        material : str
+            ``resin``, ``resin_base``, ``silicone`` or ``rigid``.
+        offset_mm : (float, float, float)
+            Where it goes in the assembly. [mm]
+        """
         self.parts[name] = Part(name, solid, material, tuple(float(x) for x in offset_mm))
 
     def solid(self, name: str) -> Any:

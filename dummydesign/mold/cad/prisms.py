@@ -8,7 +8,21 @@ from dummydesign.mold.model.outline import Outline
 
 
 def drafted_prism(outline: Outline, height_mm: float, draft_deg: float, z_mm: float = 0.0) -> Any:
-    """Make the solid over ``outline`` at ``z_mm`` whose walls move outwards by z tan(draft)."""
+    """Make the solid over ``outline`` at ``z_mm`` whose walls move outwards by z tan(draft).
+
+    Parameters
+    ----------
+    outline : Outline
+        Its lower face, a rounded rectangle or a circle.
+    height_mm, z_mm : float
+        Height, and level of the lower face. [mm]
+    draft_deg : float
+        Angle of the walls from the vertical; positive widens upwards. [deg]
+
+    Returns
+    -------
+    cadquery.Solid
+    """
     import cadquery as cq
 
     if outline.is_circle:

@@ -74,6 +74,19 @@ def text_length_mm(text: str, height_mm: float) -> float:
 def text_bars(text: str, height_mm: float, stroke_mm: float, middle: tuple[float, float]) -> list[Bar]:
     """Strokes of a text centred on ``middle``, reading along +x when seen from +z.
 
+    Parameters
+    ----------
+    text : str
+        Letters of :data:`KNOWN`.
+    height_mm, stroke_mm : float
+        Height of a letter and width of its strokes. [mm]
+    middle : (float, float)
+        Centre of the text, x and y. [mm]
+
+    Returns
+    -------
+    list of Bar
+
     Raises
     ------
     KeyError

@@ -19,7 +19,21 @@ SECOND_READER_S = 120
 
 
 def check_step(parts: Mapping[str, StepPart], files: Mapping[str, Path], assembly: Path) -> list[Check]:
-    """Read all STEP files again: names, solids, volumes, bounds, colours, materials, declared volumes."""
+    """Read all STEP files again: names, solids, volumes, bounds, colours, materials, declared volumes.
+
+    Parameters
+    ----------
+    parts : mapping of str to StepPart
+        What was written, by name of the part.
+    files : mapping of str to Path
+        The single STEP file of each part.
+    assembly : Path
+        The STEP file with all parts.
+
+    Returns
+    -------
+    list of Check
+    """
     volume = bounds = colour = density = 0.0
     wrong: list[str] = []
     names = 0
@@ -47,7 +61,21 @@ def check_step(parts: Mapping[str, StepPart], files: Mapping[str, Path], assembl
 
 
 def check_step_text(assembly: Path, small: Path, spec_hash: str) -> list[Check]:
-    """Header without translator names, millimetres, fixed stamp, the hash; a file already in canonical order."""
+    """Header without translator names, millimetres, fixed stamp, the hash; a file already in canonical order.
+
+    Parameters
+    ----------
+    assembly : Path
+        The STEP file with all parts; its header and units are read.
+    small : Path
+        A short STEP file, which is brought to canonical order again.
+    spec_hash : str
+        Hash of the specification that the header must name.
+
+    Returns
+    -------
+    list of Check
+    """
     text = assembly.read_text(encoding="ascii")
     head = text[: text.find("DATA;")]
     foreign = re.findall(r"Open CASCADE|translator|'Author'|Unknown|processor", text)
@@ -69,7 +97,21 @@ def _is_canonical(path: Path) -> bool:
 
 
 def check_second_reader(assembly: Path, volume_mm3: float, count: int) -> Check:
-    """Read the assembly with FreeCAD when it is installed; otherwise say that this was skipped."""
+    """Read the assembly with FreeCAD when it is installed; otherwise say that this was skipped.
+
+    Parameters
+    ----------
+    assembly : Path
+        The STEP file with all parts.
+    volume_mm3 : float
+        Sum of their volumes. [mm3]
+    count : int
+        How many solids it holds.
+
+    Returns
+    -------
+    Check
+    """
     program = next((found for name in ("FreeCADCmd", "freecadcmd") if (found := shutil.which(name))), None)
     if program is None:
         return skipped("step_second_reader", "FreeCAD is not installed on this machine")
@@ -92,7 +134,21 @@ def check_second_reader(assembly: Path, volume_mm3: float, count: int) -> Check:
 def check_meshes(
     parts: Mapping[str, StepPart], genus: Mapping[str, int], files: Mapping[str, list[Path]]
 ) -> list[Check]:
-    """Load every mesh file again: watertight, wound outwards, the solid's volume, the expected Euler number."""
+    """Load every mesh file again: watertight, wound outwards, the solid's volume, the expected Euler number.
+
+    Parameters
+    ----------
+    parts : mapping of str to StepPart
+        The exact solids, by name.
+    genus : mapping of str to int
+        Number of through holes of each part.
+    files : mapping of str to list of Path
+        Mesh files of each part (STL, 3MF).
+
+    Returns
+    -------
+    list of Check
+    """
     import trimesh
 
     loose: list[str] = []

@@ -19,7 +19,18 @@ FINE = (0.02, 0.1)
 def check_mould_mesh(made: Parts, mould: Any, fine: Any) -> list[Check]:
     """No ray leaves the cavity blocked; wall and floor are as thick as specified.
 
-    ``mould`` is the mesh as exported, ``fine`` a finer one for the rays.
+    Parameters
+    ----------
+    made : Parts
+        The parts with specification and layout.
+    mould : trimesh.Trimesh
+        Mesh of the mould as exported. [mm]
+    fine : trimesh.Trimesh
+        A finer one, for the rays. [mm]
+
+    Returns
+    -------
+    list of Check
     """
     import numpy as np
 

@@ -18,7 +18,21 @@ BULGE_SHARE = 0.005
 
 
 def check_process(spec: MouldSpec, plan: PourPlan, warnings: Sequence[Mapping[str, str]]) -> list[Check]:
-    """Check machines, tray, walls, weights, cup, pot life, and that level and meniscus are warned of."""
+    """Check machines, tray, walls, weights, cup, pot life, and that level and meniscus are warned of.
+
+    Parameters
+    ----------
+    spec : MouldSpec
+        The mould.
+    plan : PourPlan
+        Weights and times of its pours.
+    warnings : sequence of mapping
+        ``code`` and ``message`` of each warning that goes out with it.
+
+    Returns
+    -------
+    list of Check
+    """
     place = layout(spec)
     found = [*_machines(spec, place), *_walls(spec, place, plan), *_weights(spec, spec.pour, plan)]
     if spec.base is not None and plan.base is not None:

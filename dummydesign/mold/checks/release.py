@@ -14,7 +14,21 @@ SAMPLES = 7
 
 
 def faces_within(solid: Any, outline: Outline, low_mm: float, high_mm: float, slack_mm: float = 0.02) -> list[Any]:
-    """Faces of a solid whose bounding box lies inside an outline's rectangle and between two heights."""
+    """Faces of a solid whose bounding box lies inside an outline's rectangle and between two heights.
+
+    Parameters
+    ----------
+    solid : cadquery.Solid
+        The part, centred on the z axis. [mm]
+    outline : Outline
+        Its rectangle counts, about the z axis.
+    low_mm, high_mm, slack_mm : float
+        Heights between which the face lies, and how far it may stand out of the region. [mm]
+
+    Returns
+    -------
+    list of cadquery.Face
+    """
     found = []
     across, along = outline.length_mm / 2 + slack_mm, outline.width_mm / 2 + slack_mm
     for face in solid.Faces():
@@ -66,6 +80,20 @@ def surface_samples(mesh: Any, chosen: Any, count: int) -> tuple[Any, Any]:
 
     Large triangles are split until their edges are shorter than the spacing, so that no patch of a flat
     wall stays unseen; points are the centroids.
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh
+        The surface. [mm]
+    chosen : ndarray of int, shape (k,)
+        Triangles to sample.
+    count : int
+        Points wanted.
+
+    Returns
+    -------
+    ndarray, ndarray
+        Points and outward unit normals, each of shape (n, 3). [mm]
     """
     import numpy as np
     import trimesh
@@ -85,6 +113,22 @@ def ray_hits(mesh: Any, outline: Outline, low_mm: float, high_mm: float, count: 
 
     Rays start 1e-3 mm in front of points spread over the faces; a face that looks down counts as well. A ray
     that is in the open can only enter material through a face that looks down, so only those are searched.
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh
+        A closed surface. [mm]
+    outline : Outline
+        Rays start within its rectangle, about the z axis.
+    low_mm, high_mm : float
+        Heights between which they start. [mm]
+    count : int
+        How many rays, about.
+
+    Returns
+    -------
+    int
+        0 when the part can be drawn straight up.
     """
     import numpy as np
 
@@ -122,6 +166,15 @@ def thicknesses_mm(mesh: Any, points: Any, normals: Any) -> tuple[Any, Any]:
 
     Ray against triangle by Moeller and Trumbore, J. Graphics Tools 2 (1997) 21.
 
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh
+        A closed surface. [mm]
+    points : ndarray, shape (n, 3)
+        Points on the surface. [mm]
+    normals : ndarray, shape (n, 3)
+        Outward unit normals there.
+
     Returns
     -------
     ndarray, ndarray
@@ -151,7 +204,20 @@ def thicknesses_mm(mesh: Any, points: Any, normals: Any) -> tuple[Any, Any]:
 
 
 def sweep_interference_mm3(moving: Any, still: Any, offsets_mm: Sequence[float]) -> float:
-    """Largest common volume while one solid is pulled along +z through given offsets. [mm3]"""
+    """Largest common volume while one solid is pulled along +z through given offsets. [mm3]
+
+    Parameters
+    ----------
+    moving, still : cadquery.Shape
+        The part that is pulled, in its first position, and the one it is pulled out of.
+    offsets_mm : sequence of float
+        Heights at which the common volume is taken. [mm]
+
+    Returns
+    -------
+    float
+        0 when nothing is in the way. [mm3]
+    """
     import cadquery as cq
 
     worst = 0.0

@@ -24,18 +24,64 @@ class Check:
 
 
 def below(name: str, value: float, limit: float, note: str = "") -> Check:
-    """Check that a finite value is at most a limit."""
+    """Check that a finite value is at most a limit.
+
+    Parameters
+    ----------
+    name : str
+        What was checked, a key in the result.
+    value : float
+        What was measured.
+    limit : float
+        What it is compared with, in the same unit.
+    note : str
+        Unit or circumstances, for the reader.
+
+    Returns
+    -------
+    Check
+    """
     good = math.isfinite(value) and value <= limit
     return Check(name, value, limit, "pass" if good else "fail", note)
 
 
 def above(name: str, value: float, limit: float, note: str = "") -> Check:
-    """Check that a value is at least a limit."""
+    """Check that a value is at least a limit.
+
+    Parameters
+    ----------
+    name : str
+        What was checked, a key in the result.
+    value : float
+        What was measured.
+    limit : float
+        What it is compared with, in the same unit.
+    note : str
+        Unit or circumstances, for the reader.
+
+    Returns
+    -------
+    Check
+    """
     return Check(name, value, limit, "pass" if value >= limit else "fail", note)
 
 
 def equal(name: str, value: Any, limit: Any, note: str = "") -> Check:
-    """Check that a value is exactly the limit."""
+    """Check that a value is exactly the limit.
+
+    Parameters
+    ----------
+    name : str
+        What was checked, a key in the result.
+    value, limit : object
+        What was found and what it must be.
+    note : str
+        Circumstances, for the reader.
+
+    Returns
+    -------
+    Check
+    """
     return Check(name, value, limit, "pass" if value == limit else "fail", note)
 
 

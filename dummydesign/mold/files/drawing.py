@@ -73,7 +73,21 @@ class View:
 
 
 def arrange(title: str, views: Sequence[View], notes: Sequence[str]) -> Drawing:
-    """Stack views on one A3 sheet at the largest preferred scale that fits, with a title block of notes."""
+    """Stack views on one A3 sheet at the largest preferred scale that fits, with a title block of notes.
+
+    Parameters
+    ----------
+    title : str
+        Name of the part, in the title block.
+    views : sequence of View
+        From top to bottom of the sheet.
+    notes : sequence of str
+        Lines of the title block.
+
+    Returns
+    -------
+    Drawing
+    """
     above, between, under = 22.0, 28.0, 13.0
     room = SHEET_MM[0] - 2 * MARGIN_MM - 70.0, SHEET_MM[1] - 2 * MARGIN_MM - TITLE_MM - above - under
     width = max(view.bounds[2] - view.bounds[0] for view in views)

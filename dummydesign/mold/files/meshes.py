@@ -16,6 +16,20 @@ def tessellate(solid: Any, tolerance_mm: float | None = None, angle_rad: float |
 
     Without a tolerance it is refined until the mesh holds the solid's volume to ``VOLUME_REL``, so that
     small round parts come out as true as large flat ones.
+
+    Parameters
+    ----------
+    solid : cadquery.Shape
+        Exact solid. [mm]
+    tolerance_mm : float, optional
+        Largest distance of a triangle from the surface; found by itself when not given. [mm]
+    angle_rad : float, optional
+        Largest angle between neighbouring triangles of a curved face. [rad]
+
+    Returns
+    -------
+    trimesh.Trimesh
+        Watertight, in mm.
     """
     if tolerance_mm is not None:
         return _mesh(solid, tolerance_mm, angle_rad or ANGLE_RAD)
@@ -69,7 +83,21 @@ def write_3mf(mesh: Any, path: Path) -> None:
 
 
 def coloured_scene(meshes: Mapping[str, Any], colours: Mapping[str, tuple[float, float, float]], unit: float) -> Any:
-    """Put meshes in one scene, lengths times ``unit``; z up is turned to y up as GLB viewers expect."""
+    """Put meshes in one scene, lengths times ``unit``; z up is turned to y up as GLB viewers expect.
+
+    Parameters
+    ----------
+    meshes : mapping of str to trimesh.Trimesh
+        The parts by name. [mm]
+    colours : mapping of str to (float, float, float)
+        Red, green and blue of each, from 0 to 1.
+    unit : float
+        Length of a millimetre in the scene: 1e-3 for metres.
+
+    Returns
+    -------
+    trimesh.Scene
+    """
     import numpy as np
     import trimesh
 
@@ -94,7 +122,17 @@ def write_glb(scene: Any, path: Path) -> None:
 
 
 def write_html(scene: Any, path: Path, title: str) -> None:
-    """Write the scene as one HTML page with its viewer in it; opens without a network."""
+    """Write the scene as one HTML page with its viewer in it; opens without a network.
+
+    Parameters
+    ----------
+    scene : trimesh.Scene
+        What is shown.
+    path : Path
+        File that is written.
+    title : str
+        Title of the page; escaped here.
+    """
     import html
 
     from trimesh.viewer.notebook import scene_to_html

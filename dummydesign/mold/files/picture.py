@@ -17,7 +17,19 @@ STACK = ("tray", "mould", "pad", "layer_top", "spacer", "layer_base", "lid", "ba
 
 
 def pack(meshes: dict[str, Any], colours: dict[str, tuple[float, float, float]], title: str, path: Path) -> None:
-    """Write what the picture needs into one file: vertices, faces, colour and place of each part shown."""
+    """Write what the picture needs into one file: vertices, faces, colour and place of each part shown.
+
+    Parameters
+    ----------
+    meshes : dict of str to trimesh.Trimesh
+        The parts by name. [mm]
+    colours : dict of str to (float, float, float)
+        Red, green and blue of each, from 0 to 1.
+    title : str
+        Line over the picture.
+    path : Path
+        The ``.npz`` file that is written.
+    """
     import numpy as np
 
     arrays: dict[str, Any] = {"title": np.array(title)}

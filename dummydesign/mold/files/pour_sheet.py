@@ -29,7 +29,21 @@ class Block:
 
 
 def pour_sheet(spec: MouldSpec, plan: PourPlan, warnings: Sequence[dict[str, str]]) -> list[Block]:
-    """Put together the pour sheet of a mould, in the order of the work."""
+    """Put together the pour sheet of a mould, in the order of the work.
+
+    Parameters
+    ----------
+    spec : MouldSpec
+        The mould.
+    plan : PourPlan
+        Weights and times of its pours.
+    warnings : sequence of dict
+        ``code`` and ``message`` of each.
+
+    Returns
+    -------
+    list of Block
+    """
     pad = spec.pad
     title = f"Pour sheet: {pad.prefix + ' ' if pad.prefix else ''}pad "
     title += f"{pad.length_mm:g} x {pad.width_mm:g} x {pad.thickness_mm:g} mm, {spec.preset} mould"

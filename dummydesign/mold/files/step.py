@@ -69,6 +69,20 @@ def time_stamp() -> str:
 def step_text(parts: Sequence[StepPart], root: str, description: str) -> str:
     """Return the STEP text of one part, or of an assembly named ``root`` when there are several.
 
+    Parameters
+    ----------
+    parts : sequence of StepPart
+        One part, or those of an assembly.
+    root : str
+        Name of the part or of the assembly.
+    description : str
+        Line of the header; it names the specification's hash.
+
+    Returns
+    -------
+    str
+        The file in canonical order, the same to the last byte for the same parts.
+
     Raises
     ------
     RuntimeError

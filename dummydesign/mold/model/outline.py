@@ -104,6 +104,16 @@ def edge_fillet_volume_mm3(base: Outline, radius_mm: float, draft_deg: float) ->
 
 
 def slab_volume_mm3(base: Outline, height_mm: float, draft_deg: float, edge_radius_mm: float) -> float:
-    """Volume of a drafted slab with a filleted lower edge, exact for corner radius >= edge radius. [mm3]"""
+    """Volume of a drafted slab with a filleted lower edge, exact for corner radius >= edge radius. [mm3]
+
+    Parameters
+    ----------
+    base : Outline
+        The lower face before its edge is rounded.
+    height_mm, edge_radius_mm : float
+        Height of the slab and radius of the fillet around its lower face. [mm]
+    draft_deg : float
+        Angle of the walls from the vertical; positive widens upwards. [deg]
+    """
     whole = drafted_volume_mm3(base, height_mm, draft_deg)
     return whole - edge_fillet_volume_mm3(base, edge_radius_mm, draft_deg)

@@ -145,7 +145,7 @@ def _base_layer(shape: PadShape, pour: Pour, resin: Resin, base_ratio: float | N
     upper = resin.young_MPa(pour.ratio)
     if base_ratio is None:
         base_ratio = _ratio_of_base(resin, pour, upper, layers[1])
-    numbers = resin_numbers(resin, base_ratio, pour.room_temperature_C)
+    numbers = _resin_numbers(resin, base_ratio, pour.room_temperature_C)
     return BaseLayer(replace(pour, **numbers), resin.young_MPa(base_ratio) / upper)
 
 
@@ -207,7 +207,7 @@ def _read_pour(
             raise InputError(f"{path.name}: table [process] lacks {key}")
     loose = {key: read_quantity(data["pour"], key, path, text) for key in _POUR}
     room = _number(process["room_temperature_C"], "room_temperature_C", path, text)
-    liquid = resin_numbers(resin, ratio, room)
+    liquid = _resin_numbers(resin, ratio, room)
     sources = [_named_source(key, quantity) for key, quantity in loose.items()]
     sources += [f"resin {resin.name}: {reference}" for reference in resin.references[:1]]
     values = {key: quantity.value for key, quantity in loose.items()}
@@ -216,7 +216,7 @@ def _read_pour(
     return Pour(**liquid, **values, room_temperature_C=room, degas=str(process["degas"])), sources
 
 
-def resin_numbers(resin: Resin, ratio: float, room_temperature_C: float) -> dict[str, Any]:
+def _resin_numbers(resin: Resin, ratio: float, room_temperature_C: float) -> dict[str, Any]:
     """Collect what pouring needs from a resin at a ratio; what it does not know takes room-temperature practice."""
     if not math.isfinite(ratio):
         raise out_of_range("ratio", ratio, resin.ratio_min, resin.ratio_max, resin.ratio_meaning)

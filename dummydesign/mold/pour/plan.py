@@ -93,7 +93,7 @@ def pour_plan(spec: MouldSpec, resin_mm3: float | None = None, silicone_mm3: flo
         The mould.
     resin_mm3, silicone_mm3 : float, optional
         Volumes measured on the solids (resin: the pad; silicone: mould and lid together); by default the
-        closed forms.
+        closed forms. [mm3]
     """
     plan = layout(spec)
     resin = contents.resin_volume_mm3(spec, plan) if resin_mm3 is None else resin_mm3
@@ -187,11 +187,23 @@ def stems_mm3(spec: MouldSpec) -> float:
 
 
 def spreading_time_s(spec: MouldSpec, pour: Pour, film_mm: float) -> float:
-    """Time in which a poured film levels itself over the pad, of the order given by thin-film flow.
+    """Time in which a poured film levels itself over the pad, of the order given by thin-film flow. [s]
 
-    A film of thickness h levels a slope of wavelength 2 L in tau = 3 mu / (rho g h^3 q^2), q = pi / L
-    (lubrication theory, Orchard, Appl. Sci. Res. A 11 (1963) 451, gravity term alone); three of them
-    leave 5 %. [s]
+    A film of thickness h levels a slope of wavelength 2 L in tau = 3 mu / (rho g h^3 q^2), q = pi / L; three of
+    them leave 5 %.
+
+    Parameters
+    ----------
+    spec : MouldSpec
+        The mould; L is the longer side of its pad.
+    pour : Pour
+        Density and viscosity of the mixed resin.
+    film_mm : float
+        Thickness of the film. [mm]
+
+    References
+    ----------
+    Orchard, Appl. Sci. Res. A 11 (1963) 451 (lubrication theory; the gravity term alone).
     """
     pad = spec.pad
     wave = math.pi / (max(pad.length_mm, pad.width_mm) * 1e-3)

@@ -21,18 +21,18 @@ import pytest
 
 import dummydesign
 
-DONE = ("cli", "core", "geometry", "inference", "mold", "resin")
+DONE = ("cli", "core", "geometry", "inference", "mold", "resin", "studies")
 """Rooms whose docstrings are complete; ``NOT_YET`` holds the others, and only shrinks."""
-NOT_YET = ("api", "design", "loop", "measurement", "pad", "report", "studies", "tissue")
+NOT_YET = ("api", "design", "loop", "measurement", "pad", "report", "tissue")
 FEWEST = 3
 UNITS = {
     "mm": "mm", "mm2": "mm2", "mm3": "mm3", "mm_s": "mm/s", "N": "N", "s": "s", "ms": "ms", "MPa": "MPa", "kPa": "kPa",
     "GPa": "GPa", "Pa": "Pa", "Pa_s": "Pa s", "deg": "deg", "rad": "rad", "K": "K", "C": "C", "g": "g", "kg": "kg",
     "h": "h", "Hz": "Hz", "N_mm": "N/mm", "ml": "ml", "per_K": "1/K", "g_per_cm3": "g/cm3", "N_per_m": "N/m",
-    "mm_s2": "mm/s2",
+    "mm_s2": "mm/s2", "N_per_mm3": "N/mm3", "N_s_per_mm": "N s/mm",
 }  # fmt: skip
 ENTRY = re.compile(r"^(\*{0,2}\w+(?:, \*{0,2}\w+)*)(?: : (.+))?$")
-ARRAY = re.compile(r"NDArray|ArrayLike|\bArray\b")
+ARRAY = re.compile(r"ndarray|NDArray|ArrayLike|\bArray\b")
 SHAPED = re.compile(r"shape|\(\w*[,)]|broadcast|As (for|in)|scalar")
 
 

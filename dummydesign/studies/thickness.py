@@ -93,6 +93,22 @@ def curvature_at(law: SolvedLaw, base: str, thickness_mm: float, depth_mm: float
     """Curvature of a solved slab at a depth.
 
     With F = E a x exp(p(x / h)) and u = x / h: n = 1 + u p'(u), dn / d ln x = u p'(u) + u^2 p''(u).
+
+    Parameters
+    ----------
+    law : SolvedLaw
+        The solved slabs.
+    base : str
+        ``bonded`` or ``sliding``, for the row.
+    thickness_mm : float
+        One of the solved thicknesses. [mm]
+    depth_mm : float
+        Where to look. [mm]
+
+    Returns
+    -------
+    Curvature
+        With None for what lies beyond the solved depth.
     """
     if not depth_mm <= law.limits_mm[thickness_mm] * (1.0 + 1e-9):
         return Curvature(base, thickness_mm, None, None, None, None, None)
@@ -104,7 +120,17 @@ def curvature_at(law: SolvedLaw, base: str, thickness_mm: float, depth_mm: float
 
 
 def depth_at_force(law: SolvedLaw, thickness_mm: float, force_N: float) -> float:
-    """Depth at which a solved slab of the study's modulus carries a force; infinite when out of reach. [mm]"""
+    """Depth at which a solved slab of the study's modulus carries a force; infinite when out of reach. [mm]
+
+    Parameters
+    ----------
+    law : SolvedLaw
+        The solved slabs.
+    thickness_mm : float
+        One of the solved thicknesses. [mm]
+    force_N : float
+        The force to be carried. [N]
+    """
     depth = np.linspace(0.0, law.limits_mm[thickness_mm], 4001)
     force = law.force(depth, thickness_mm, YOUNG_MPA, law.radius_mm)
     return float(np.interp(force_N, force, depth, right=np.inf))

@@ -94,7 +94,20 @@ def more_viscous(dummies: Dummies) -> Judged:
 
 
 def bow(time: np.ndarray, force: np.ndarray, stop_s: float) -> float:
-    """Mean force over (0, stop) above half the force at its end, over that force: positive is concave-down."""
+    """Mean force over (0, stop) above half the force at its end, over that force: positive is concave-down.
+
+    Parameters
+    ----------
+    time, force : ndarray, shape (n,)
+        A press from its first contact on. [s, N]
+    stop_s : float
+        When the punch stops. [s]
+
+    Returns
+    -------
+    float
+        0 of a straight rise; no unit.
+    """
     grid = np.linspace(0.0, stop_s, 401)
     curve = np.interp(grid, time, force)
     return float(np.mean(0.5 * (curve[1:] + curve[:-1])) / curve[-1] - 0.5)

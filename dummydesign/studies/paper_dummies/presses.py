@@ -116,6 +116,20 @@ def arm_weights(curves: Curves, young_MPa: float, force_N: float = 10.0) -> dict
     A dummy whose weights are all smaller than another's has the smaller peak with any single arm. In a sum of
     arms the largest extra forces lie at slightly different times (while braking, or at the stop), so the sum of
     weights bounds the peak from above only.
+
+    Parameters
+    ----------
+    curves : Curves
+        Elastic curves at 1 MPa; the first is used.
+    young_MPa : float
+        Long-term modulus. [MPa]
+    force_N : float
+        Long-term force at the depth where the punch stops. [N]
+
+    Returns
+    -------
+    dict
+        Weights by speed (mm/s), each an ndarray; empty where the force is out of the slab's reach.
     """
     count = len(ARM_TAU_S)
     none, each = np.zeros(count, int), np.full(count, young_MPa)

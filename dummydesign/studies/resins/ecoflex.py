@@ -166,7 +166,7 @@ def _number(quantity: dict[str, Any]) -> str:
     )
 
 
-def resin_text(family: str, law: FamilyLaw, largest: float) -> str:
+def _resin_text(family: str, law: FamilyLaw, largest: float) -> str:
     """Text of the resin file of one family; what is not measured comes from ``ecoflex-liquid.toml``."""
     from dummydesign.core.datafiles import read_toml
 
@@ -274,7 +274,7 @@ def main() -> None:
     laws = {family: fit_family([m for m in mixtures if m.family == family]) for family in FAMILIES}
     write_text(measured_folder() / "ecoflex-moduli.csv", moduli_text(mixtures))
     for family, law in laws.items():
-        text = resin_text(family, law, max(law.left_out))
+        text = _resin_text(family, law, max(law.left_out))
         write_text(data_folder() / "materials" / "resins" / f"{FAMILIES[family]}.toml", text)
     tables = report(mixtures, laws)
     print(tables)

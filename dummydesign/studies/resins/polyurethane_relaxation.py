@@ -63,7 +63,9 @@ def infer(law: ForceLaw | None = None, draws: int = DRAWS, seed: int = SEED) -> 
     law : ForceLaw, optional
         Elastic force of slabs; that of the glued square punch by default.
     draws : int
+        How many combinations of strength, exponent and modulus are tried.
     seed : int
+        Of the generator of random numbers.
     """
     if law is None:
         from dummydesign.pad.tables.slab import load_table

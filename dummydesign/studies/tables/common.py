@@ -71,7 +71,19 @@ def sources_hash() -> str:
 
 
 def write_table(path: Path, content: dict[str, Any], build: Build, seed: int | None = None) -> None:
-    """Write a table as one line of JSON with its provenance; what the content says of itself there stays."""
+    """Write a table as one line of JSON with its provenance; what the content says of itself there stays.
+
+    Parameters
+    ----------
+    path : Path
+        The JSON file that is written.
+    content : dict
+        The table.
+    build : Build
+        The run that made it: command, sources, time.
+    seed : int, optional
+        Of the random numbers, where there were any.
+    """
     made = {**content, "provenance": {**content.get("provenance", {}), **build.provenance(seed)}}
     write_text(path, json.dumps(made) + "\n")
 

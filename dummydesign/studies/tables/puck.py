@@ -39,6 +39,19 @@ def build(
     A compression that one friction does not reach is filled in between its neighbours in friction; the table
     ends where the bonded puck of some alpha ends (flat pucks fold at the edge before 58 %).
 
+    Parameters
+    ----------
+    radius_over_height : float
+        Radius of the undeformed puck over its height.
+    alphas : sequence of float
+        Exponents of the one-term Ogden law.
+    frictions : sequence of float
+        Coefficients of friction of the plates, ``inf`` for bonded; frictionless is added in closed form.
+
+    Returns
+    -------
+    PuckTable
+
     Raises
     ------
     NoAnswerError

@@ -43,7 +43,32 @@ def measure(
     base: str, thickness_mm: float, relative_depth: float, speed_mm_s: float, prony: tuple[PronyTerm, ...],
     finer: int = 1, rim: float | None = None, deceleration_mm_s2: float = DECELERATION_MM_S2,
 ) -> dict[str, Any]:  # fmt: skip
-    """Solve one press and hold and return the range of rho and the error of the quick force at its peak."""
+    """Solve one press and hold and return the range of rho and the error of the quick force at its peak.
+
+    Parameters
+    ----------
+    base : str
+        ``bonded`` or ``sliding``.
+    thickness_mm : float
+        Of the slab; the punch has a radius of 14 mm. [mm]
+    relative_depth : float
+        Depth of the hold over the thickness.
+    speed_mm_s : float
+        Of the punch. [mm/s]
+    prony : tuple of PronyTerm
+        Relaxation of the pad.
+    finer : int
+        By how much the steps in time are finer than usual.
+    rim : float, optional
+        One fillet radius of the punch's edge over its radius; the usual ones and their extrapolation otherwise.
+    deceleration_mm_s2 : float
+        With which the punch stops, ``inf`` for at once. [mm/s2]
+
+    Returns
+    -------
+    dict
+        One row of the table.
+    """
     from dummydesign.geometry.standard import PAD_EXTENT_MM
     from dummydesign.pad.slab.problem import Slab
 
@@ -74,7 +99,20 @@ def measure(
 
 
 def measure_single(base: str, thickness_mm: float, relative_depth: float, rise: float) -> dict[str, Any]:
-    """The same for one arm, its time a share of the rise time, so strong that its force can be told from the mesh."""
+    """As :func:`measure`, with a single Prony term so strong that its force stands out from errors of the mesh.
+
+    Parameters
+    ----------
+    base, thickness_mm, relative_depth
+        As for :func:`measure`.
+    rise : float
+        Time of the rise over the time constant of the term.
+
+    Returns
+    -------
+    dict
+        A row of :func:`measure` with ``rise_over_tau``.
+    """
     tau = relative_depth * thickness_mm / SINGLE_SPEED_MM_S / rise
     arm = (PronyTerm(tau, max(rise, 1.0)),)
     row = measure(base, thickness_mm, relative_depth, SINGLE_SPEED_MM_S, arm, deceleration_mm_s2=np.inf)

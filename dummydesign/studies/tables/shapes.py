@@ -29,7 +29,7 @@ Array = np.ndarray
 COMPLETE = 0.7
 
 
-def gather(design: Design, points: Array, store: Path, workers: int, finer: bool = False) -> list[dict[str, Any]]:
+def _gather(design: Design, points: Array, store: Path, workers: int, finer: bool = False) -> list[dict[str, Any]]:
     """Solve the points that the store does not hold yet (none with 0 workers); answers in the points' order."""
     known: dict[tuple[str, ...], dict[str, Any]] = {}
 
@@ -71,7 +71,21 @@ def values_of(design: Design, answers: list[dict[str, Any]]) -> tuple[Array, Arr
 
 
 def reduced(design: Design, points: Array, values: Array) -> Array:
-    """ln of F over Hertz's force of the tip (crowned), or of the factor."""
+    """ln of F over Hertz's force of the tip (crowned), or of the factor.
+
+    Parameters
+    ----------
+    design : Design
+        The table's design: its depths and similarity numbers.
+    points : ndarray, shape (n, k)
+        Design points; column 0 is ln h / a.
+    values : ndarray, shape (n, depths)
+        Force over E a^2, or the factor on the slab's force.
+
+    Returns
+    -------
+    ndarray, shape (n, depths)
+    """
     if not design.similarity.over_tip:
         return np.log(values)
     h = np.exp(points[:, 0])
@@ -85,8 +99,10 @@ def content(
 
     Parameters
     ----------
+    design : Design
+        What is tabulated.
     answers, checks : list of dict
-        Solves of the design and of the fresh points, from :func:`gather`.
+        Solves of the design and of the fresh points, from :func:`_gather`.
     finer : list of dict
         Some of the fresh points on cells of half the size.
     """
@@ -188,9 +204,9 @@ def main(arguments: list[str] | None = None) -> None:
     asked = (options.count, options.fresh, options.finer)
     count, fresh, finer = (v or w for v, w in zip(asked, design.usual))
     store = options.store or Path(f"{options.kind}-solves.jsonl")
-    checks = gather(design, design.fresh(fresh), store, workers)
-    fine = gather(design, design.fresh(finer), store.with_suffix(".finer.jsonl"), workers, True)
-    answers = gather(design, design.points(count), store, workers)
+    checks = _gather(design, design.fresh(fresh), store, workers)
+    fine = _gather(design, design.fresh(finer), store.with_suffix(".finer.jsonl"), workers, True)
+    answers = _gather(design, design.points(count), store, workers)
     table = content(design, answers, checks, fine)
     write_table(options.out / f"{options.kind}-bonded.json", table, build)
     print(json.dumps(table["provenance"], indent=1))

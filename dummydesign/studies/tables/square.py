@@ -87,7 +87,7 @@ def sharp_tasks(base: str, count: int) -> list[Task]:
     return tasks + [Task(float(ratio), base, corner) for ratio in nodes(count) for corner in CORNERS]
 
 
-def rimmed_tasks(base: str, count: int, rims: Sequence[float]) -> list[Task]:
+def _rimmed_tasks(base: str, count: int, rims: Sequence[float]) -> list[Task]:
     """Edges with a bead."""
     return [Task(float(ratio), base, rim, rim) for ratio in nodes(count) for rim in rims]
 
@@ -105,7 +105,7 @@ def main(arguments: list[str] | None = None) -> None:
     build = Build.begin("dummydesign.studies.tables.square", arguments)
     for base in options.base or ["bonded", "sliding"]:
         path = options.out / f"square-{base}.json"
-        tasks, parts = rimmed_tasks(base, options.count, options.rims), []
+        tasks, parts = _rimmed_tasks(base, options.count, options.rims), []
         if options.keep:
             kept = Values.read(json.loads(path.read_text(encoding="utf-8"))["values"])
             again = np.isin(kept.rim, options.rims) if options.keep == "others" else kept.rim > 0.0

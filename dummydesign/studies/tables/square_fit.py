@@ -74,7 +74,21 @@ def fit(values: Values) -> tuple[Array, Array, Array]:
 
 
 def content(base: str, values: Values, extent_over_side: tuple[float, float]) -> dict[str, Any]:
-    """Fit all values; return what goes into the file."""
+    """Fit all values; return what goes into the file.
+
+    Parameters
+    ----------
+    base : str
+        ``bonded`` or ``sliding``.
+    values : Values
+        Solved factors with corner cell and edge fillet of each.
+    extent_over_side : (float, float)
+        Length and width of the solved block over the side of the punch, noted in the file.
+
+    Returns
+    -------
+    dict
+    """
     coefficients, correction, misfit = fit(values)
     ratios = np.unique(values.ratio[values.depth > 0.0])
     reach = np.minimum([values.depth[values.ratio == r].max() for r in ratios], DEPTH_END)

@@ -47,7 +47,24 @@ def propose(gamma1: NDArray, rng: np.random.Generator) -> dict[str, NDArray]:
 
 
 def judge(site: str, gamma1: NDArray, arms: dict[str, NDArray], rng: np.random.Generator) -> list[Statement]:
-    """Judge proposals of arms for one site by the law itself (``ode``) at 10 N and both speeds."""
+    """Judge proposals of arms for one site by the law itself (``ode``) at 10 N and both speeds.
+
+    Parameters
+    ----------
+    site : str
+        ``palm``, ``thenar`` or ``forefinger``.
+    gamma1 : ndarray, shape (n,)
+        Steady coefficient of a typical subject. [N/mm3]
+    arms : dict of ndarray, shapes (n, ...)
+        As :func:`propose` gives them.
+    rng : numpy.random.Generator
+        For what a statement leaves open (how near is near).
+
+    Returns
+    -------
+    list of Statement
+        One for each anchor, with whether it holds for each proposal.
+    """
     count = len(gamma1)
     gamma = arms["strength"] * gamma1[:, None]
     dampers = arms["time_s"] * (gamma * arms["depth_mm"][:, None] ** 2)[:, None, :]

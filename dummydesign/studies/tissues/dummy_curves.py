@@ -48,6 +48,20 @@ def slab_force(depth_mm: NDArray, thickness_mm: float, base: str) -> NDArray:
 
     By the response table where it is valid; beyond it the force goes on with the local exponent it has
     there, which understates how a slab stiffens when it is nearly crushed.
+
+    Parameters
+    ----------
+    depth_mm : ndarray, shape (m,)
+        Depths above 0. [mm]
+    thickness_mm : float
+        One of the thicknesses of the paper's dummies. [mm]
+    base : str
+        ``bonded`` or ``sliding``.
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        [N]
     """
     table = load_table(base)
     depth = np.asarray(depth_mm, float)
@@ -60,6 +74,15 @@ def slab_force(depth_mm: NDArray, thickness_mm: float, base: str) -> NDArray:
 
 def steady_curves(site: str, unknowns: Unknowns, points: int = 60) -> tuple[NDArray, NDArray]:
     """Steady force of the dummy of one site over depth, for every sample.
+
+    Parameters
+    ----------
+    site : str
+        ``palm``, ``thenar`` or ``forefinger``.
+    unknowns : Unknowns
+        The n samples.
+    points : int
+        How many depths.
 
     Returns
     -------
@@ -79,11 +102,31 @@ def steady_curves(site: str, unknowns: Unknowns, points: int = 60) -> tuple[NDAr
 
 
 def depth_at(force_N: NDArray, depth: NDArray, curves: NDArray) -> NDArray:
-    """Depth at which each curve reaches its row of forces (n, m); NaN beyond the last depth. [mm]"""
+    """Depth at which each curve reaches its row of forces (n, m); NaN beyond the last depth. [mm]
+
+    Parameters
+    ----------
+    force_N : ndarray, shape (n, m)
+        Forces wanted of each curve. [N]
+    depth : ndarray, shape (points,)
+        Increasing depths of the curves. [mm]
+    curves : ndarray, shape (n, points)
+        Increasing forces. [N]
+    """
     rows = [np.interp(f, curve, depth, right=np.nan) for f, curve in zip(force_N, curves)]
     return np.array(rows)
 
 
 def force_at(depth_mm: NDArray, depth: NDArray, curves: NDArray) -> NDArray:
-    """Force of each curve at its row of depths (n, m); NaN beyond the last depth. [N]"""
+    """Force of each curve at its row of depths (n, m); NaN beyond the last depth. [N]
+
+    Parameters
+    ----------
+    depth_mm : ndarray, shape (n, m)
+        Depths wanted of each curve. [mm]
+    depth : ndarray, shape (points,)
+        Increasing depths of the curves. [mm]
+    curves : ndarray, shape (n, points)
+        Increasing forces. [N]
+    """
     return np.array([np.interp(x, depth, curve, right=np.nan) for x, curve in zip(depth_mm, curves)])

@@ -63,8 +63,10 @@ def subjects_of(gamma1: NDArray, spread: NDArray, arms: dict[str, NDArray], rng:
     ----------
     gamma1, spread : ndarray, shape (n,)
         Stiffest subject [N/mm3]; ratio of depths of the softest and the stiffest at equal force.
-    arms : dict
+    arms : dict of ndarray, shapes (n, ...)
         As :func:`anchors.propose` gives them.
+    rng : numpy.random.Generator
+        For the places between softest and stiffest and the scatter of the arms.
 
     Returns
     -------
@@ -92,6 +94,24 @@ def infer_site(
     """Draw the arms for posterior samples of the steady part; return draws (m, 5, 7) and report lines.
 
     One of ``proposals`` is taken per sample by its weight, so that the arms do not sway the steady part.
+
+    Parameters
+    ----------
+    site : str
+        ``palm``, ``thenar`` or ``forefinger``.
+    stiffest, spread : ndarray, shape (n,)
+        Posterior samples of the steady part: gamma1 of the stiffest subject [N/mm3] and the ratio of depths.
+    rng : numpy.random.Generator
+        Source of the proposals.
+    proposals : int
+        Combinations of arms tried for each sample.
+
+    Returns
+    -------
+    draws : ndarray, shape (m, 5, 7)
+        As :func:`subjects_of` gives them.
+    lines : list of str
+        What each statement excluded.
     """
     draws, judged, shares = [], [], []
     for block in np.array_split(np.arange(len(stiffest)), max(len(stiffest) // BLOCK, 1)):
@@ -116,7 +136,7 @@ def _merged(parts: list) -> tuple[Statement, ...]:
     )
 
 
-def tissue_from_draws(site: str, draws: NDArray, seed: int, samples: int) -> Tissue:
+def _tissue_from_draws(site: str, draws: NDArray, seed: int, samples: int) -> Tissue:
     """Make the tissue of a site from posterior draws (m, 5, 7), subjects by rising gamma1."""
     value = typical_subjects(draws)
     low, high = np.quantile(draws, [0.025, 0.975], axis=0)
@@ -129,7 +149,19 @@ def tissue_from_draws(site: str, draws: NDArray, seed: int, samples: int) -> Tis
 
 
 def run(seed: int, samples: int, folder: Path, proposals: int = PROPOSALS) -> list[str]:
-    """Infer all sites, write their files into ``folder`` and return the report's lines."""
+    """Infer all sites, write their files into ``folder`` and return the report's lines.
+
+    Parameters
+    ----------
+    seed : int
+        Of the generator of random numbers.
+    samples : int
+        Draws of the steady part.
+    folder : Path
+        Where the tissue files are written.
+    proposals : int
+        Combinations of arms tried for each sample of the steady part.
+    """
     rng = np.random.default_rng(seed)
     parts = [sample_steady(min(samples - start, 20_000), rng) for start in range(0, samples, 20_000)]
     weight = np.concatenate([weights(part.statements) for part in parts])
@@ -144,7 +176,7 @@ def run(seed: int, samples: int, folder: Path, proposals: int = PROPOSALS) -> li
         spread = np.concatenate([part.spread[site] for part in parts])[chosen]
         draws, told = infer_site(site, stiffest, spread, rng, proposals)
         lines += ["", f"arms of the {site}: {STEADY * proposals} proposals", *told]
-        tissue = tissue_from_draws(site, draws, seed, samples)
+        tissue = _tissue_from_draws(site, draws, seed, samples)
         summary = "\n".join(f'  "{line}",' for line in _summary(effective, merged, samples, seed))
         command = f"python -m dummydesign.studies.tissues.infer --seed {seed} --samples {samples}"
         extra = f'[inference]\ncommand = "{command}"\n'

@@ -88,6 +88,15 @@ def at_levels(depths: Array, points: Array, rows: Array) -> Array:
     """Curves over d / h, shape (n, depths), at the levels of d / c; NaN where they were not solved.
 
     A natural cubic spline in sqrt(d / h) from 0 at first touch, carried on straight.
+
+    Parameters
+    ----------
+    depths : ndarray, shape (depths,)
+        Increasing depths over thickness.
+    points : ndarray, shape (n, 4)
+        The design points; column 1 is c / h.
+    rows : ndarray, shape (n, depths)
+        Values at those depths, NaN where none was reached.
     """
     from scipy.interpolate import CubicSpline
 

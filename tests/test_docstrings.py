@@ -21,9 +21,9 @@ import pytest
 
 import dummydesign
 
-DONE = ("cli", "core", "geometry", "inference", "mold", "resin", "studies")
+DONE = ("api", "cli", "core", "geometry", "inference", "mold", "resin", "studies", "tissue")
 """Rooms whose docstrings are complete; ``NOT_YET`` holds the others, and only shrinks."""
-NOT_YET = ("api", "design", "loop", "measurement", "pad", "report", "tissue")
+NOT_YET = ("design", "loop", "measurement", "pad", "report")
 FEWEST = 3
 UNITS = {
     "mm": "mm", "mm2": "mm2", "mm3": "mm3", "mm_s": "mm/s", "N": "N", "s": "s", "ms": "ms", "MPa": "MPa", "kPa": "kPa",

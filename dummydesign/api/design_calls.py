@@ -177,7 +177,9 @@ def whatif(
     thickness_mm, ratio, velocity_mm_s, force_N : number, numbers or text
         See :data:`Values`; the ratio is the resin's reference by default. [mm, resin's ratio, mm/s, N]
     resin, tissue : str
-        Names or paths; with a tissue every design is scored for it and ``aim``.
+        Names or paths; with a tissue every design is scored for it.
+    aim : str
+        Whom of the tissue a score is for: ``average``, ``safe-side`` or ``subject:NAME``.
     punch, condition, base : str or several
         Such as ``square:14``, ``bonded``, ``sliding``.
     fidelity : str

@@ -46,6 +46,8 @@ def import_traces(
     columns, units : mapping, optional
         From ``time``, ``displacement`` and ``force`` to a column's name or number, and to a unit.
     separator, decimal, encoding : str, optional
+        Between columns (``tab``, ``semicolon``, ``comma``, ``bar``, ``spaces``), the decimal sign (``.`` or ``,``),
+        and the encoding (``utf-8``, ``cp1252``, ...).
     skip : int, optional
         Lines to leave out at the start.
     flip : iterable of str, optional

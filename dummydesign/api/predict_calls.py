@@ -48,8 +48,13 @@ def predict(
     Parameters
     ----------
     thickness_mm : float
+        Of the undeformed pad, or height of a puck. [mm]
     young_kPa : float, optional
-        Long-term Young's modulus; or ``resin`` with its mixing ``ratio``. [kPa]
+        Long-term (equilibrium) Young's modulus, in place of ``resin`` and ``ratio``. [kPa]
+    resin : str, optional
+        Name or path; modulus and relaxation are those of the resin at ``ratio``.
+    ratio : float, optional
+        Mixing ratio, in the resin's own definition.
     depth_mm : numbers or text
         Static depths such as ``[1, 2]`` or ``"1,2"``; or ``motion``, or ``force_N``. [mm]
     motion : path
@@ -67,6 +72,7 @@ def predict(
     shape : str
         Such as ``crowned:10,2``.
     poisson : float
+        Poisson's ratio; other than 0.5 (incompressible) only by finite elements.
     law : str
         ``neo-hookean``, ``yeoh:C2_OVER_MU`` or ``ogden:MU,ALPHA;...``.
     prony : str, optional

@@ -34,6 +34,7 @@ def fit(
     traces : iterable of path or Trace
         CSV files with time_s, displacement_mm, force_N, or traces in memory.
     elements : 3, 5, 7 or "auto"
+        Springs and dampers of the law: one spring, and two elements for each Maxwell branch.
     law : str
         ``ode``, ``consistent`` or ``published``.
     mode : str

@@ -128,6 +128,18 @@ def between(at: NDArray, time: NDArray, x: NDArray) -> NDArray:
     1 kHz, which a fit of the fast arm sees. Slopes are at most three times those of the chords beside them, so
     that the curve rises where the samples rise and an abrupt stop stays one.
 
+    Parameters
+    ----------
+    at : ndarray, shape (m,)
+        Times wanted. [s]
+    time, x : ndarray, shape (n,)
+        Increasing times of the samples, and the displacement there. [s, mm]
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        Displacement. [mm]
+
     References
     ----------
     Fritsch and Carlson, SIAM J. Numer. Anal. 17 (1980) 238 (condition for a monotone cubic).

@@ -15,7 +15,22 @@ from dummydesign.tissue.model.laws import law_named
 
 
 def fitted_force(problem: Problem, optimum: Optimum, index: int) -> NDArray:
-    """Fitted force of trace ``index`` of the problem at its nodes, filtered as recorded. [N]"""
+    """Fitted force of trace ``index`` of the problem at its nodes, filtered as recorded. [N]
+
+    Parameters
+    ----------
+    problem : Problem
+        The traces and the law.
+    optimum : Optimum
+        Its best fit.
+    index : int
+        Which trace, in the order of the problem.
+
+    Returns
+    -------
+    ndarray, shape (nodes,)
+        At the nodes of the trace's motion. [N]
+    """
     gamma1, gamma, damper = problem.split(optimum.solution.parameters, optimum.arms)
     group = next(g for g in range(len(problem.groups)) if index < sum(len(part) for part in problem.groups[: g + 1]))
     motion = problem.traces[index].motion

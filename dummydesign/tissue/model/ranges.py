@@ -107,7 +107,19 @@ class ForceRange:
 
 
 def interpolate_rows(at: NDArray, time: NDArray, values: NDArray) -> NDArray:
-    """Interpolate each row of ``values`` (..., n) over its row of ``time`` at its row of ``at`` (..., m)."""
+    """Interpolate each row of values over its row of times.
+
+    Parameters
+    ----------
+    at : ndarray, shape (..., m)
+        Times wanted in each row; beyond the row's ends its end values are taken. [s]
+    time, values : ndarray, shape (..., n)
+        Increasing times and the values there. [s, any unit]
+
+    Returns
+    -------
+    ndarray, shape (..., m)
+    """
     flat = at.reshape(-1, at.shape[-1])
     rows = [
         np.interp(a, t, v)
@@ -192,6 +204,8 @@ def steady_inside(subjects: tuple[Parameters, ...], force_N: ArrayLike, depth_mm
 
     Parameters
     ----------
+    subjects : tuple of Parameters
+        They span the range; at least one.
     force_N : array_like, shape (n,)
         Rising steady forces; the part of 0.5 to 15 N that they cover is judged. [N]
     depth_mm : array_like, shape (..., n)

@@ -151,7 +151,19 @@ class Tissue:
         deceleration_mm_s2: float = 30_000.0,
         lowpass: Lowpass | None = None,
     ) -> ForceRange:
-        """Envelope of the subjects' F(t) at one condition; see :func:`ranges.force_range`."""
+        """Envelope of the subjects' F(t) at one condition; see :func:`ranges.force_range`.
+
+        Parameters
+        ----------
+        steady_force_N : float
+            Force at the end of the hold, the same for every subject. [N]
+        velocity_mm_s : float
+            Speed of the punch; one at which the subjects have dampers. [mm/s]
+        hold_s, deceleration_mm_s2 : float
+            Hold after the stop, and braking of the robot. [s, mm/s2]
+        lowpass : Lowpass, optional
+            Sensor filter to put on the curves; none by default.
+        """
         from dummydesign.tissue.model.ranges import force_range
 
         return force_range(self.parameter_sets, steady_force_N, velocity_mm_s, hold_s, deceleration_mm_s2, lowpass)

@@ -54,7 +54,22 @@ def readable_tissues() -> tuple[list[Tissue], list[str]]:
 
 
 def parse_tissue(content: dict[str, Any], text: str, entry: Entry) -> Tissue:
-    """Check the content of a tissue file and make the Tissue; ``text`` gives the line numbers."""
+    """Check the content of a tissue file and make the Tissue.
+
+    Parameters
+    ----------
+    content : dict
+        The file as TOML gives it.
+    text : str
+        The file's text, from which the line in a message is taken.
+    entry : Entry
+        Name, path and origin of the file.
+
+    Raises
+    ------
+    InputError
+        With file and line, for a key or number that the schema or the law does not allow.
+    """
     path = entry.path
     for key in content:
         if key not in _TOP:

@@ -33,6 +33,7 @@ def next_measurement(draws: NDArray, weight: NDArray, persons_measured: int = 0)
     draws : ndarray, shape (m, 5, 7)
         Posterior draws, columns as ``posterior.COLUMNS``.
     weight : ndarray, shape (m,)
+        Of each draw; they need not add up to 1.
     persons_measured : int
         Persons whose steady depth is known already; with five of them the steady depth is not asked for.
 

@@ -66,7 +66,21 @@ def read_draws(path: Path) -> tuple[NDArray, NDArray]:
 
 
 def weighted_quantile(values: NDArray, share: float, weight: NDArray) -> NDArray:
-    """Quantile along the first axis of ``values`` (m, ...) with weights (m,)."""
+    """Quantile of weighted values along their first axis.
+
+    Parameters
+    ----------
+    values : ndarray, shape (m, ...)
+        The draws.
+    share : float
+        Which quantile, from 0 to 1.
+    weight : ndarray, shape (m,)
+        Of each draw; they need not add up to 1.
+
+    Returns
+    -------
+    ndarray, shape (...)
+    """
     order = np.argsort(values, axis=0)
     ordered = np.take_along_axis(values, order, 0)
     cumulated = np.cumsum(weight[order], axis=0)
@@ -84,11 +98,25 @@ def weighted_quantile(values: NDArray, share: float, weight: NDArray) -> NDArray
 
 
 def typical_subjects(draws: NDArray, weight: NDArray | None = None, gamma1: NDArray | None = None) -> NDArray:
-    """Five subjects (5, 7) that differ as those of the draws (m, 5, 7) do.
+    """Five subjects that differ as those of the draws do.
 
-    gamma1 are the posterior medians of the k-th smallest of five (or as given, rising); the ratios
-    gamma_i / gamma1 and the times c / (gamma x^2) at the depth of 10 N are medians of their own k-th
-    smallest, dealt to the subjects by :data:`DEALT`; the gammas of an arm are put in the order of gamma1.
+    gamma1 are the posterior medians of the k-th smallest of five (or as given); the ratios gamma_i / gamma1 and the
+    times c / (gamma x^2) at the depth of 10 N are medians of their own k-th smallest, dealt to the subjects by
+    :data:`DEALT`; the gammas of an arm are put in the order of gamma1.
+
+    Parameters
+    ----------
+    draws : ndarray, shape (m, 5, 7)
+        Posterior draws, columns as :data:`COLUMNS`.
+    weight : ndarray, shape (m,), optional
+        Of each draw; equal by default.
+    gamma1 : ndarray, shape (5,), optional
+        Measured gamma1 to be kept. [N/mm3]
+
+    Returns
+    -------
+    ndarray, shape (5, 7)
+        Subjects by rising gamma1.
     """
     weight = np.ones(len(draws)) if weight is None else weight
 
@@ -110,7 +138,21 @@ def typical_subjects(draws: NDArray, weight: NDArray | None = None, gamma1: NDAr
 
 
 def subject_of(name: str, value: NDArray, low: NDArray, high: NDArray, kinds: list[tuple[str, str]]) -> Subject:
-    """Make a subject from rows (7,) of values and interval ends, with (kind, source) per column."""
+    """Make a subject from a row of values and the ends of their intervals.
+
+    Parameters
+    ----------
+    name : str
+        Of the subject.
+    value, low, high : ndarray, shape (7,)
+        Columns as :data:`COLUMNS`; an end that contradicts its value is moved to it.
+    kinds : list of (str, str)
+        Kind and source of each column.
+
+    Returns
+    -------
+    Subject
+    """
     numbers: dict[str, object] = {}
     for column, label in enumerate(COLUMNS):
         centre, least, most = (float(f"{row[column]:.4g}") for row in (value, low, high))

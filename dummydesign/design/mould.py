@@ -18,7 +18,22 @@ if TYPE_CHECKING:
 
 
 def pour_recipe(resin: Resin, candidate: Candidate, shape: PadShape | None = None) -> tuple[tuple[str, float], ...]:
-    """Masses to weigh for the open mould of a design, with what stays in cup and meniscus; both pours of layers. [g]"""
+    """Masses to weigh for the open mould of a design, with what stays in cup and meniscus; both pours of layers.
+
+    Parameters
+    ----------
+    resin : Resin
+        What is poured.
+    candidate : Candidate
+        Thickness and ratio.
+    shape : PadShape, optional
+        A flat slab by default.
+
+    Returns
+    -------
+    tuple of (str, float)
+        Name and mass of each component. [g]
+    """
     from dummydesign.mold.pour.plan import pour_plan
 
     plan = pour_plan(mould_of(resin, candidate, shape))
@@ -28,7 +43,21 @@ def pour_recipe(resin: Resin, candidate: Candidate, shape: PadShape | None = Non
 
 
 def mould_of(resin: Resin, candidate: Candidate, shape: PadShape | None = None) -> MouldSpec:
-    """Specification of the open mould of a design."""
+    """Specification of the open mould of a design.
+
+    Parameters
+    ----------
+    resin : Resin
+        What is poured.
+    candidate : Candidate
+        Thickness and ratio.
+    shape : PadShape, optional
+        A flat slab by default.
+
+    Returns
+    -------
+    MouldSpec
+    """
     from dummydesign.mold.model.preset import mould_spec
 
     shape = shape or Slab()

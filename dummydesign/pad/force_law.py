@@ -46,13 +46,30 @@ class ForceLaw(Protocol):
     def force(
         self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
     ) -> NDArray:
-        """Elastic force; zero above the surface, NaN or held beyond the law's depth. All broadcast. [N]"""
+        """Elastic force; zero above the surface, NaN or held beyond the law's depth. All arguments broadcast.
+
+        Parameters
+        ----------
+        depth_mm, thickness_mm : array_like, broadcast
+            Depth of the punch in the pad, and thickness of the undeformed pad. [mm]
+        young_MPa : array_like, broadcast
+            Long-term (equilibrium) Young's modulus. [MPa]
+        radius_mm : array_like, broadcast
+            Radius of the punch, or of the circle of its area. [mm]
+
+        Returns
+        -------
+        ndarray
+            [N]
+        """
         ...
 
     def stiffness(
         self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
     ) -> NDArray:
-        """Tangent stiffness dF/dd; arguments as for :meth:`force`. [N/mm]"""
+        """Tangent stiffness dF/dd, all arguments broadcast; see :meth:`ForceLaw.force` for them. [N/mm]
+        --
+        """
         ...
 
     def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
@@ -60,7 +77,15 @@ class ForceLaw(Protocol):
         ...
 
     def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
-        """Stated error of the force over the force; NaN where none is stated."""
+        """Stated error of the force over the force; NaN where none is stated.
+
+        Parameters
+        ----------
+        depth_mm, thickness_mm : array_like, broadcast
+            Depth of the punch in the pad, and thickness of the undeformed pad. [mm]
+        radius_mm : array_like, broadcast
+            Radius of the punch, or of the circle of its area. [mm]
+        """
         ...
 
 
@@ -84,7 +109,9 @@ class BaseForceLaw:
     def stiffness(
         self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
     ) -> NDArray:
-        """Tangent stiffness by a central difference, one-sided at both ends of the law's depths. [N/mm]"""
+        """Tangent stiffness by a central difference, one-sided at both ends of the law's depths; see :class:`ForceLaw`.
+        --
+        """
         depth, step = np.asarray(depth_mm, float), SLOPE_STEP * np.asarray(thickness_mm, float)
         low = np.maximum(depth - step, 0.0)
         high = np.minimum(np.maximum(depth, 0.0) + step, self.depth_limit_mm(thickness_mm, radius_mm))
@@ -93,7 +120,9 @@ class BaseForceLaw:
         return np.where(depth > 0.0, (above - below) / (high - low), 0.0)
 
     def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
-        """NaN: no error is stated."""
+        """NaN: no error is stated; see :class:`ForceLaw`.
+        --
+        """
         shape = np.broadcast_shapes(np.shape(depth_mm), np.shape(thickness_mm), np.shape(radius_mm))
         return np.full(shape, np.nan)
 
@@ -124,7 +153,9 @@ class TimesFactor(BaseForceLaw):
         return self.law.depth_limit_mm(thickness_mm, radius_mm)
 
     def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
-        """Error of the force over the force: the law's and the factor's."""
+        """Error of the force over the force: the law's and the factor's; see :class:`ForceLaw`.
+        --
+        """
         _, error = self.factor(depth_mm, thickness_mm, radius_mm)
         return error + self.law.relative_error(depth_mm, thickness_mm, radius_mm)
 

@@ -23,7 +23,24 @@ FARTHEST = 3.0
 
 
 def write_compare_report(folder: Path, found: Comparison, tissue: Tissue, sources: Sequence[str]) -> dict[str, str]:
-    """Write the report of a comparison; see :func:`dummydesign.report.html.page.write_report`."""
+    """Write the report of a comparison; see :func:`dummydesign.report.html.page.write_report`.
+
+    Parameters
+    ----------
+    folder : Path
+        Made when it is not there.
+    found : Comparison
+        What was compared.
+    tissue : Tissue
+        With whom.
+    sources : sequence of str
+        Where the tissue's numbers come from, for the foot of the page.
+
+    Returns
+    -------
+    dict
+        Paths by role: ``report`` and one ``report_NAME`` a plot.
+    """
     data = found.result
     steady, rows = data["steady_state_range"], data["force_variation_range"]
     known = [row["inside"] for row in data["parametric"].values() if row["inside"] is not None]

@@ -32,10 +32,13 @@ def write_fit_report(folder: Path, stem: str, fit: Fit, sources: Sequence[str]) 
     Parameters
     ----------
     folder : Path
+        Where the files go.
     stem : str
         Name of the tissue file without ending.
     fit : Fit
+        What was fitted.
     sources : sequence of str
+        Files of the traces, for the foot of the page.
     """
     data = fit.result
     facts = [

@@ -33,7 +33,9 @@ def write_preview(
     Parameters
     ----------
     folder : Path
+        Where the file goes.
     imported : sequence of Imported
+        The files as read, with their presses.
     files : sequence of dict
         What was written of each, as in the command's JSON.
     warnings : iterable of {code, message}

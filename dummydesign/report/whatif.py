@@ -52,14 +52,19 @@ def write_whatif(
     Parameters
     ----------
     folder : Path
+        Where the files go.
     study : Study
+        What was asked.
     rows : list of dict
-        In the study's order.
+        The answers, in the study's order.
     resin : Resin
+        Gives ratios their moduli in the live page.
     tissue : Tissue or None
+        Whose ranges are shown; None without scores.
     data : dict
         What the live page computes from, see :func:`dummydesign.design.sweep.live_data.live_data`.
     warnings : list of {code, message}
+        Listed at the top.
     """
     sections = [
         live_section(data, resin, tissue, _start(study, rows)),

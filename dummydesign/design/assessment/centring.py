@@ -51,7 +51,23 @@ def centring_tolerance(
     half_side_mm: float,
     forces_N: tuple[float, ...] = (1.0, *FORCES_N),
 ) -> CentringTolerance | None:
-    """Solve the contact of a round crowned pad; None for flat tops, shapes that are not round, or a failed solve."""
+    """Solve the contact of a round crowned pad; None for flat tops, shapes that are not round, or a failed solve.
+
+    Parameters
+    ----------
+    best : Candidate
+        The design, with its curves.
+    shape : PadShape
+        Its shape.
+    radius_mm, half_side_mm : float
+        Radius of the circle of the punch's area, and half of the punch's shorter side. [mm]
+    forces_N : tuple of float
+        Forces at which a tolerance is wanted. [N]
+
+    Returns
+    -------
+    CentringTolerance or None
+    """
     from dummydesign.pad.shaped.contact_radius import contact_radius
 
     if shape.flat_top or not shape.axisymmetric:

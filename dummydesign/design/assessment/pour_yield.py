@@ -84,7 +84,7 @@ def pour_yield(
     law, resin, targets
         As for :func:`dummydesign.design.search.slabs.search`.
     thickness_mm, ratio : float
-        The design.
+        The design. [mm, resin's ratio]
     radius_mm : float
         Radius of the circle of the punch's area. [mm]
     tolerances : Tolerances

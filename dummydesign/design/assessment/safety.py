@@ -60,7 +60,24 @@ def _of_press(time_s: NDArray, displacement_mm: NDArray, force_N: NDArray, stop_
 
 
 def pad_press(slabs: Slabs, depth_mm: NDArray, velocity_mm_s: float, sampling: Sampling | None = None) -> Contact:
-    """Ramp and hold on pads, each to its own depth (NaN for out of reach); see :class:`Contact`."""
+    """Ramp and hold on pads, each to its own depth (NaN for out of reach); see :class:`Contact`.
+
+    Parameters
+    ----------
+    slabs : Slabs
+        D designs.
+    depth_mm : ndarray, shape (D,)
+        Depth of each; NaN for out of reach. [mm]
+    velocity_mm_s : float
+        Speed of the ramp. [mm/s]
+    sampling : Sampling, optional
+        Hold and braking; those of the measurements by default.
+
+    Returns
+    -------
+    Contact
+        Arrays of shape (D,), NaN where out of reach.
+    """
     sampling = sampling or Sampling()
     press = press_to_depth(slabs, depth_mm, velocity_mm_s, sampling)
     reached = np.isfinite(depth_mm)
@@ -79,6 +96,8 @@ def tissue_press(band: ForceRange, law: str = "ode", sampling: Sampling | None =
     law : str
         Law of the subjects. For one that knows an ideal ramp only the energy is that of the ideal
         ramp. A subject that is still moving when the range ends has NaN.
+    sampling : Sampling, optional
+        Hold and braking; those of the measurements by default.
     """
     from dummydesign.tissue.model.laws import law_named
     from dummydesign.tissue.model.laws.ideal_ramp import ramps_of
@@ -264,9 +283,22 @@ def read_limits(path: str | Path) -> Limits:
 
 
 def against_limits(contact: Contact, area_mm2: float, limits: Limits) -> list[dict[str, Any]]:
-    """Hold contacts against limits: one row a criterion, with the largest value over the bodies.
+    """Compare contacts with limits: one row a criterion, with the largest value over the bodies.
 
     Pressure is the mean over the punch, F / A.
+
+    Parameters
+    ----------
+    contact : Contact
+        Forces of one or several bodies.
+    area_mm2 : float
+        Area of the punch. [mm2]
+    limits : Limits
+        Largest force and pressure of the body region, and the factor for transient contact.
+
+    Returns
+    -------
+    list of dict
     """
     rows = []
     for criterion, limit, factor in (

@@ -37,7 +37,19 @@ def not_verified(reason: str) -> Verification:
 
 
 def of_shape(law: ElementsLaw, young_MPa: float, radius_mm: float) -> Verification:
-    """The record of a shape that was designed on its own elements: what the table gave, what was solved."""
+    """The record of a shape that was designed on its own elements: what the table gave, what was solved.
+
+    Parameters
+    ----------
+    law : ElementsLaw
+        The shape's table corrected by its own finite elements.
+    young_MPa, radius_mm : float
+        Modulus of the design, and radius of the circle of the punch's area. [MPa, mm]
+
+    Returns
+    -------
+    Verification
+    """
     table = np.asarray(law.table.force(law.depth_mm, law.thickness_mm, young_MPa, radius_mm), float)
     solved = table * np.exp(law.log_factor)
     note = "the design is based on the finite-element solution, not on the table"

@@ -29,6 +29,20 @@ def rests_on(resin: Resin, tissue: Tissue, best: Candidate) -> dict[str, Any]:
     Counted are the numbers that decide the design: the tissue's parameters, the modulus law and the
     relaxation of the resin. ``ratio_low`` and ``ratio_high`` bound (95 %) the ratio that really gives the
     wanted modulus, over what is not known of the resin; None where that lies outside the resin's range.
+
+    Parameters
+    ----------
+    resin : Resin
+        With the kind of each number.
+    tissue : Tissue
+        With the kind of each number.
+    best : Candidate
+        The recommended design.
+
+    Returns
+    -------
+    dict
+        Counts, ``ratio_low``, ``ratio_high``, and ``text`` and ``next_step`` for the reader.
     """
     tissue_kinds = [quantity.kind for subject in tissue.subjects for quantity in _leaves(subject.numbers)]
     resin_numbers = [*resin.numbers.values(), *(arm.beta for arm in resin.arms), resin.softness_exponent]

@@ -37,7 +37,7 @@ def fit_presses(slabs: Slabs, targets: Targets, depth_mm: NDArray, sampling: Sam
     targets : Targets
         Names law, number of arms and conditions.
     depth_mm : ndarray, shape (D, conditions)
-        Depth of each press; NaN where out of reach, which leaves that press out.
+        Depth of each press; NaN where out of reach, which leaves that press out. [mm]
     sampling : Sampling
         Hold and braking.
 

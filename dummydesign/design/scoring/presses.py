@@ -155,7 +155,24 @@ class Press:
 
 
 def press_to_depth(slabs: Slabs, depth_mm: NDArray, velocity_mm_s: float, sampling: Sampling) -> Press:
-    """Press every design to its depth (D,), brake, hold: elastic curve with Prony relaxation on top."""
+    """Press every design to its depth (D,), brake, hold: elastic curve with Prony relaxation on top.
+
+    Parameters
+    ----------
+    slabs : Slabs
+        D designs.
+    depth_mm : ndarray, shape (D,)
+        Depth of each; NaN for out of reach. [mm]
+    velocity_mm_s : float
+        Speed of the ramp. [mm/s]
+    sampling : Sampling
+        Hold and braking.
+
+    Returns
+    -------
+    Press
+        Rows of NaN force where out of reach.
+    """
     reachable = np.isfinite(depth_mm)
     depth = np.where(reachable, depth_mm, slabs.curves.limit_mm[slabs.slab])
     motion = sampling.motion(velocity_mm_s, depth)

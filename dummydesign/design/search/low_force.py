@@ -71,7 +71,7 @@ def misfit(depth_mm: NDArray, force_N: NDArray, aim_depth_mm: NDArray) -> float 
     ----------
     depth_mm, force_N : ndarray, shape (n,)
         Steady curve of the pad; NaN depths are out of its reach. [mm, N]
-    aim_depth_mm : ndarray
+    aim_depth_mm : ndarray, shape (m,)
         Depths at which the aim carries :data:`MISFIT_N`. [mm]
 
     Returns
@@ -93,7 +93,15 @@ def steady_force(candidate: Candidate, depth_mm: NDArray) -> NDArray:
 
 
 def force_at(at_mm: NDArray, depth_mm: NDArray, force_N: NDArray) -> NDArray:
-    """Force at depths on a curve, straight in ln F over ln depth; NaN beyond the curve's deepest point. [N]"""
+    """Force at depths on a curve, straight in ln F over ln depth; NaN beyond the curve's deepest point. [N]
+
+    Parameters
+    ----------
+    at_mm : ndarray, shape (m,)
+        Depths wanted, above 0. [mm]
+    depth_mm, force_N : ndarray, shape (n,)
+        The curve, rising; NaN depths are out of its reach. [mm, N]
+    """
     known = np.isfinite(depth_mm)
     curve = np.log(depth_mm[known]), np.log(force_N[known])
     # A little slack: the aim's deepest point may be the curve's own.

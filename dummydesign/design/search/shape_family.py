@@ -58,11 +58,41 @@ class Family(Protocol):
         ...
 
     def at_thickness(self, shape: PadShape, thickness_mm: float, wanted_mm: NDArray) -> Designs:
-        """The same shape in proportion on pads of other thickness, from one made for ``thickness_mm``."""
+        """The same shape in proportion on pads of other thickness.
+
+        Parameters
+        ----------
+        shape : PadShape
+            Made for a pad of ``thickness_mm``.
+        thickness_mm : float
+            That pad. [mm]
+        wanted_mm : ndarray, shape (M,)
+            The other thicknesses. [mm]
+
+        Returns
+        -------
+        Designs
+            M of them.
+        """
         ...
 
     def area_mm2(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
-        """F / E at depths (M, n); NaN where the surface does not reach. [mm2]"""
+        """Force over Young's modulus; NaN where the surface does not reach.
+
+        Parameters
+        ----------
+        designs : Designs
+            M pads.
+        depth_mm : ndarray, shape (M, n)
+            Depths on each. [mm]
+        radius_mm : float
+            Radius of the circle of the punch's area. [mm]
+
+        Returns
+        -------
+        ndarray, shape (M, n)
+            [mm2]
+        """
         ...
 
     def limit_mm(self, designs: Designs, radius_mm: float) -> NDArray:
@@ -70,7 +100,21 @@ class Family(Protocol):
         ...
 
     def relative_error(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
-        """Stated error of the force over the force at depths (M, n)."""
+        """Stated error of the force over the force.
+
+        Parameters
+        ----------
+        designs : Designs
+            M pads.
+        depth_mm : ndarray, shape (M, n)
+            Depths on each. [mm]
+        radius_mm : float
+            Radius of the circle of the punch's area. [mm]
+
+        Returns
+        -------
+        ndarray, shape (M, n)
+        """
         ...
 
 
@@ -98,7 +142,10 @@ class ShapeLaw(BaseForceLaw):
         return self._designs(np.array([float(thickness_mm)])).shape(0).rounded()
 
     def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: float) -> NDArray:
-        """Elastic force; zero above the surface, NaN beyond the law's depth. [N]"""
+        """Elastic force; zero above the surface, NaN beyond the law's depth; see
+        :class:`dummydesign.pad.force_law.ForceLaw`. [N]
+        --
+        """
         given = (np.asarray(value, float) for value in (depth_mm, thickness_mm, young_MPa))
         depth, thickness, young = np.broadcast_arrays(*given)
         known, row = np.unique(thickness, return_inverse=True)
@@ -117,7 +164,9 @@ class ShapeLaw(BaseForceLaw):
         return limit.reshape(np.shape(thickness_mm))
 
     def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: float) -> NDArray:
-        """Stated error of the force over the force; depths and thicknesses broadcast."""
+        """Stated error of the force over the force; see :class:`dummydesign.pad.force_law.ForceLaw`.
+        --
+        """
         depth, thickness = np.broadcast_arrays(np.asarray(depth_mm, float), np.asarray(thickness_mm, float))
         error = np.empty(depth.shape)
         for value in np.unique(thickness):

@@ -130,6 +130,19 @@ def search_shape(family: Family, space: SearchSpace) -> list[Shaped]:
 def search_fixed(family: Family, shape: PadShape, space: SearchSpace) -> Shaped:
     """Find thickness and ratio of a shape whose lengths are given: only what lies under it changes.
 
+    Parameters
+    ----------
+    family : Family
+        Of the shape's kind.
+    shape : PadShape
+        With all its lengths.
+    space : SearchSpace
+        Tissue, resin, punch, and the thicknesses and ratios that may be taken.
+
+    Returns
+    -------
+    Shaped
+
     Raises
     ------
     InputError

@@ -91,7 +91,23 @@ def thickness_steps(low_mm: float, high_mm: float) -> NDArray:
 
 
 def make_slabs(curves: Curves, slab: NDArray, resin: Resin, ratio: NDArray) -> Slabs:
-    """Designs from slab indices (D,) and ratios (D,) with the central numbers of a resin."""
+    """Designs with the central numbers of a resin.
+
+    Parameters
+    ----------
+    curves : Curves
+        Elastic curves of the slabs, per modulus.
+    slab : ndarray of int, shape (D,)
+        Which of the curves each design has.
+    resin : Resin
+        Gives modulus and relaxation at a ratio.
+    ratio : ndarray, shape (D,)
+        Mixing ratio of each, in the resin's own definition.
+
+    Returns
+    -------
+    Slabs
+    """
     known, back = np.unique(ratio, return_inverse=True)
     beta = np.array([[term.beta for term in resin.prony(float(value))] for value in known])
     tau = tuple(arm.tau_s.value for arm in resin.arms)

@@ -98,7 +98,10 @@ class SolvedLaw(BaseForceLaw):
     notes: tuple[str, ...]
 
     def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: float) -> NDArray:
-        """Elastic force at solved thicknesses; all arguments broadcast. [N]"""
+        """Elastic force at solved thicknesses and the one solved radius; see
+        :class:`dummydesign.pad.force_law.ForceLaw`. [N]
+        --
+        """
         if not np.isclose(radius_mm, self.radius_mm):
             raise ValueError(f"solved for a punch radius of {self.radius_mm} mm, asked for {radius_mm}")
         depth, thickness, young = np.broadcast_arrays(
@@ -117,7 +120,10 @@ class SolvedLaw(BaseForceLaw):
 
 
     def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: float) -> NDArray:
-        """Error of the force over the force, between solved depths on straight lines; arguments broadcast."""
+        """Error of the force over the force, between solved depths on straight lines; see
+        :class:`dummydesign.pad.force_law.ForceLaw`.
+        --
+        """
         depth, thickness = np.broadcast_arrays(np.asarray(depth_mm, float), np.asarray(thickness_mm, float))
         found = np.empty(depth.shape)
         for value in np.unique(thickness):
@@ -202,9 +208,11 @@ def solve_law(
         Runs the solves; here one after the other by default.
     base, condition : str
         What holds the base and the face under the punch.
-    sides_mm, fidelity
-        See :class:`SlabCase`. Where the fidelity does not know the corners the punch is taken as the circle;
-        whoever asks has to say so (``Study.reduced``).
+    sides_mm : (float, float), optional
+        Sides of a rectangular punch. Where the fidelity does not know the corners the punch is taken as the circle;
+        whoever asks has to say so (``Study.reduced``). [mm]
+    fidelity : str
+        ``axisymmetric`` or ``3d``; see :class:`SlabCase`.
 
     Raises
     ------

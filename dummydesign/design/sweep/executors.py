@@ -73,6 +73,15 @@ def _dask(address: str) -> Iterator[Executor]:
 def completed(function: Callable[[Any], Any], tasks: Iterable[Any], executor: Executor | None) -> Iterator[Any]:
     """Yield results as they are done; each task's exactly once.
 
+    Parameters
+    ----------
+    function : callable
+        Takes one task; must be importable by a worker.
+    tasks : iterable
+        What it is called with.
+    executor : concurrent.futures.Executor or None
+        Where it runs; here, one after the other, when None.
+
     Raises
     ------
     NoAnswerError

@@ -157,7 +157,21 @@ class RowsFile:
 
 
 def settings_of(study: Study, resin: Any, tissue: Any) -> dict[str, Any]:
-    """Settings that rows in one file share: all but the lists that name designs; data by their hash."""
+    """Settings that rows in one file share: all but the lists that name designs; data by their hash.
+
+    Parameters
+    ----------
+    study : Study
+        What was asked.
+    resin : Resin
+        Entered by name and hash.
+    tissue : Tissue or None
+        Likewise; None without scores.
+
+    Returns
+    -------
+    dict
+    """
     from dummydesign._version import __version__
 
     settings = {

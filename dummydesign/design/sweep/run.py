@@ -106,6 +106,19 @@ def tasks_of(study: Study, resin: Resin, done: Iterable[Key] = ()) -> Iterator[T
 
     By the table a task is a few thousand designs of one punch, condition and base; by finite elements it is
     one slab, solved once for all its ratios.
+
+    Parameters
+    ----------
+    study : Study
+        What was asked.
+    resin : Resin
+        Gives modulus and relaxation at a ratio.
+    done : iterable of Key
+        Designs that need not be worked out again.
+
+    Yields
+    ------
+    Task
     """
     done = set(done)
     targets = _targets(study)

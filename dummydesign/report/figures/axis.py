@@ -46,7 +46,22 @@ def _short(value: float) -> str:
 
 
 def span(values: list[float], from_zero: bool = False, margin: float = 0.04) -> tuple[float, float]:
-    """Range that holds all finite values with a margin; never empty."""
+    """Range that holds all finite values with a margin; never empty.
+
+    Parameters
+    ----------
+    values : list of float
+        What the axis shows; values that are not finite do not count.
+    from_zero : bool
+        Whether the axis begins at 0 when no value is below.
+    margin : float
+        Room beyond the values, over their range.
+
+    Returns
+    -------
+    (float, float)
+        Lower and upper end, in the unit of the values.
+    """
     known = [value for value in values if math.isfinite(value)]
     low, high = (min(known), max(known)) if known else (0.0, 1.0)
     if from_zero:

@@ -136,7 +136,22 @@ def edges(centres: NDArray) -> NDArray:
 
 
 def thin(x: NDArray, log: bool, *others: NDArray) -> list[NDArray]:
-    """Keep at most :data:`MOST_POINTS` of many points, evenly along the axis, ends and extremes included."""
+    """Keep at most :data:`MOST_POINTS` of many points, evenly along the axis, ends and extremes included.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+        Rising positions along the axis.
+    log : bool
+        Whether the axis is logarithmic.
+    *others : ndarray, shape (n,)
+        Curves over ``x``; the largest and smallest value of each stays.
+
+    Returns
+    -------
+    list of ndarray
+        ``x`` and the others at the positions that are kept.
+    """
     if len(x) <= MOST_POINTS:
         return [x, *others]
     place = np.log(np.maximum(x, 1e-12)) if log else x

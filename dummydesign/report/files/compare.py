@@ -16,7 +16,22 @@ from dummydesign.tissue.model.tissue import Tissue
 
 
 def write_comparison(found: Comparison, tissue: Tissue, folder: Path) -> dict[str, str]:
-    """Write parametric.csv, steady_state.csv, force_variation.csv, ranges.png, compare.json and the report."""
+    """Write parametric.csv, steady_state.csv, force_variation.csv, ranges.png, compare.json and the report.
+
+    Parameters
+    ----------
+    found : Comparison
+        What was compared.
+    tissue : Tissue
+        With whom.
+    folder : Path
+        Where the files go.
+
+    Returns
+    -------
+    dict
+        Paths of the files by role.
+    """
     files = {
         "parametric": write_text(folder / "parametric.csv", _parametric(found)),
         "steady_state": write_text(folder / "steady_state.csv", _steady(found, tissue)),

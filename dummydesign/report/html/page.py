@@ -70,15 +70,24 @@ def page(
     Parameters
     ----------
     title, lead : str
+        Heading of the page and the sentence under it; escaped here.
     sections : iterable of Section
+        In the order of the page.
     facts : sequence of (value with unit, what it is)
         Shown large at the top.
     warnings : sequence of {code, message}
+        Listed under the facts.
     sources : sequence of str
+        Where numbers come from, at the foot.
     scripts : sequence of str
         JavaScript, put at the end.
     tables : str
         What the names of the CSV files beside the page begin with; empty where there are none.
+
+    Returns
+    -------
+    str
+        HTML that asks nothing of the outside.
     """
     style = (Path(__file__).parent / "page.css").read_text(encoding="utf-8")
     boxes = "".join(f'<div class="fact"><b>{escape(v)}</b><span>{escape(what)}</span></div>' for v, what in facts)
@@ -120,6 +129,10 @@ def write_report(
 
     Parameters
     ----------
+    folder : Path
+        Made when it is not there.
+    title, lead, sections, facts, warnings, sources, scripts
+        As for :func:`page`.
     stem : str
         Takes the place of ``report`` in the names of the files.
 

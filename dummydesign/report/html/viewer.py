@@ -38,7 +38,13 @@ def read_stl(path: str | Path) -> NDArray:
 
 
 def box(length_mm: float, width_mm: float, height_mm: float) -> NDArray:
-    """Triangles of a box that stands on z = 0, seen from outside; shape (12, 3, 3). [mm]"""
+    """Triangles of a box that stands on z = 0, seen from outside; shape (12, 3, 3). [mm]
+
+    Parameters
+    ----------
+    length_mm, width_mm, height_mm : float
+        Along x, y and z. [mm]
+    """
     x, y = 0.5 * length_mm, 0.5 * width_mm
     corner = np.array([(a * x, b * y, c * height_mm) for c in (0, 1) for b in (-1, 1) for a in (-1, 1)])
     sides = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
@@ -46,7 +52,22 @@ def box(length_mm: float, width_mm: float, height_mm: float) -> NDArray:
 
 
 def pack(triangles: NDArray, colour: tuple[float, float, float], lift_mm: float) -> dict[str, Any]:
-    """One part for the page: corners in 65535 steps of its box, colour, and how far it is lifted when apart."""
+    """One part for the page: corners in 65535 steps of its box, colour, and how far it is lifted when apart.
+
+    Parameters
+    ----------
+    triangles : ndarray, shape (n, 3, 3)
+        Corners of the triangles, counter-clockwise from outside. [mm]
+    colour : (float, float, float)
+        Red, green and blue, from 0 to 1.
+    lift_mm : float
+        By how much the part is lifted when the parts are shown apart. [mm]
+
+    Returns
+    -------
+    dict
+        Plain values for JSON.
+    """
     low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
     steps = np.round((triangles - low) / np.maximum(high - low, 1e-9) * 65535).astype("<u2")
     coded = base64.b64encode(steps.tobytes()).decode("ascii")

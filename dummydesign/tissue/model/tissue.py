@@ -138,7 +138,7 @@ class Tissue:
         return steady_depth_range(self.parameter_sets, force_N)
 
     def steady_inside(self, force_N: ArrayLike, depth_mm: ArrayLike) -> dict[str, NDArray]:
-        """Share of steady-state curves inside the range; see :func:`ranges.steady_inside`."""
+        """Share of steady-state curves inside the range; see :func:`dummydesign.tissue.model.ranges.steady_inside`."""
         from dummydesign.tissue.model.ranges import steady_inside
 
         return steady_inside(self.parameter_sets, force_N, depth_mm)
@@ -151,7 +151,7 @@ class Tissue:
         deceleration_mm_s2: float = 30_000.0,
         lowpass: Lowpass | None = None,
     ) -> ForceRange:
-        """Envelope of the subjects' F(t) at one condition; see :func:`ranges.force_range`.
+        """Envelope of the subjects' F(t) at one condition; see :func:`dummydesign.tissue.model.ranges.force_range`.
 
         Parameters
         ----------

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from dummydesign.core.errors import InputError, NoAnswerError, unknown_name
 from dummydesign.geometry.interface import BASES
 from dummydesign.geometry.shapes import Slab
 from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS, PAD_EXTENT_MM
-from dummydesign.pad.force_law import AtThickness, ForceLaw
+from dummydesign.pad.force_law import SLOPE_STEP, AtThickness, ForceLaw, slope_of
 from dummydesign.pad.material.hyperelastic import Yeoh
 
 if TYPE_CHECKING:
@@ -29,13 +29,21 @@ CURVE_POINTS = 16
 
 @dataclass(frozen=True)
 class ElasticCurve:
-    """Long-term elastic force as a function of depth, and its relative error."""
+    """Long-term elastic force as a function of depth, and its relative error.
+
+    Keeps the contract ``ForceCurve``; ``provenance`` is that of the law or table, empty where the pad was solved.
+    """
 
     force: Callable[[Array], Array]
     relative_error: Callable[[Array], Array]
     limit_mm: float
     solver: dict[str, Any]
     notes: tuple[str, ...] = ()
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+
+    def stiffness(self, depth_mm: Array) -> Array:
+        """Tangent stiffness dF/dd, by a central difference. [N/mm]"""
+        return slope_of(self.force, depth_mm, SLOPE_STEP * self.limit_mm, self.limit_mm)
 
 
 def elastic_curve(
@@ -149,7 +157,7 @@ def _by_law(pad: Pad, law: ForceLaw) -> ElasticCurve:
     from dummydesign.pad.solve.continuation import NOTHING
 
     at = AtThickness(law, pad.thickness_mm, pad.young_MPa, pad.radius_mm)
-    return ElasticCurve(at.force, at.relative_error, at.limit_mm, dict(NOTHING), law.notes)
+    return ElasticCurve(at.force, at.relative_error, at.limit_mm, dict(NOTHING), law.notes, law.provenance)
 
 
 def _shape_law(pad: Pad) -> ShapeLaw:

@@ -89,6 +89,25 @@ class ForceLaw(Protocol):
         ...
 
 
+def slope_of(
+    force: Callable[[NDArray], NDArray], depth_mm: ArrayLike, step_mm: ArrayLike, limit_mm: ArrayLike
+) -> NDArray:
+    """Derivative of a force by a central difference, one-sided at the surface and at the limit; zero above it.
+
+    Parameters
+    ----------
+    force : callable
+        Force of depths. [mm -> N]
+    depth_mm, step_mm, limit_mm : array_like
+        Where, the half step, and the largest depth the force is asked at; broadcast. [mm]
+    """
+    depth, step = np.asarray(depth_mm, float), np.asarray(step_mm, float)
+    low = np.maximum(depth - step, 0.0)
+    high = np.minimum(np.maximum(depth, 0.0) + step, limit_mm)
+    high = np.maximum(high, low + 1e-3 * step)
+    return np.where(depth > 0.0, (force(high) - force(low)) / (high - low), 0.0)
+
+
 class BaseForceLaw:
     """What a law is that says nothing else: any ratio, no provenance, no stated error, stiffness by differences."""
 
@@ -109,15 +128,10 @@ class BaseForceLaw:
     def stiffness(
         self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
     ) -> NDArray:
-        """Tangent stiffness by a central difference, one-sided at both ends of the law's depths; see :class:`ForceLaw`.
-        --
-        """
-        depth, step = np.asarray(depth_mm, float), SLOPE_STEP * np.asarray(thickness_mm, float)
-        low = np.maximum(depth - step, 0.0)
-        high = np.minimum(np.maximum(depth, 0.0) + step, self.depth_limit_mm(thickness_mm, radius_mm))
-        high = np.maximum(high, low + 1e-3 * step)
-        above, below = (self.force(at, thickness_mm, young_MPa, radius_mm) for at in (high, low))
-        return np.where(depth > 0.0, (above - below) / (high - low), 0.0)
+        """Tangent stiffness by a central difference, one-sided at both ends; see :class:`ForceLaw`. [N/mm]"""
+        step = SLOPE_STEP * np.asarray(thickness_mm, float)
+        limit = self.depth_limit_mm(thickness_mm, radius_mm)
+        return slope_of(lambda depth: self.force(depth, thickness_mm, young_MPa, radius_mm), depth_mm, step, limit)
 
     def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
         """NaN: no error is stated; see :class:`ForceLaw`.
@@ -175,20 +189,37 @@ class TimesFactor(BaseForceLaw):
         return self.law.notes
 
 
+@runtime_checkable
 class ForceCurve(Protocol):
-    """A force law at one pad: a function of depth alone."""
+    """A force law at one pad, or the solve of one: a function of depth alone."""
+
+    @property
+    def provenance(self) -> Mapping[str, Any]:
+        """How it was made; empty where it has none of its own."""
+        ...
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader of its forces must know."""
+        ...
 
     @property
     def limit_mm(self) -> float:
         """Depth to which it holds. [mm]"""
         ...
 
-    def force(self, depth_mm: NDArray) -> NDArray:
-        """Elastic force. [N]"""
+    @property
+    def force(self) -> Callable[[NDArray], NDArray]:
+        """Elastic force of depths. [mm -> N]"""
         ...
 
-    def relative_error(self, depth_mm: NDArray) -> NDArray:
-        """Stated error of the force over the force."""
+    def stiffness(self, depth_mm: NDArray) -> NDArray:
+        """Tangent stiffness dF/dd. [N/mm]"""
+        ...
+
+    @property
+    def relative_error(self) -> Callable[[NDArray], NDArray]:
+        """Stated error of the force over the force, of depths."""
         ...
 
 
@@ -207,6 +238,16 @@ class AtThickness:
     thickness_mm: float
     young_MPa: float
     radius_mm: float
+
+    @property
+    def provenance(self) -> Mapping[str, Any]:
+        """How the law was made."""
+        return self.law.provenance
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """The law's notes."""
+        return self.law.notes
 
     @property
     def limit_mm(self) -> float:

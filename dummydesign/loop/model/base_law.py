@@ -6,18 +6,20 @@ This is the one seam between the loop and the pad model.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.geometry.interface import BASES
 from dummydesign.measurement.campaign import Campaign
+from dummydesign.pad.force_law import BaseForceLaw
 from dummydesign.pad.tables.slab import ResponseTable, load_table
-from dummydesign.pad.tables.square import load_square
+from dummydesign.pad.tables.square import load_square, square_factor
 
 SLAB_ERROR = ((0.004, 0.3), (0.015, 0.3), (0.008, 0.4))
 PUCK_ERROR = SLAB_ERROR
@@ -49,8 +51,47 @@ def square_over_circle(depth_mm: NDArray, thickness_mm: NDArray, radius_mm: floa
     return np.stack([np.interp(s, _SHARES, _square_curve(float(h), radius_mm, base)) for s, h in zip(share, rows)])
 
 
+class _OneFace(BaseForceLaw):
+    """A law of one punch or puck, given per unit modulus by its call; here what the contract of force laws adds."""
+
+    @property
+    def face_radius_mm(self) -> float:
+        """Radius of what is pressed on, of equal area. [mm]"""
+        raise NotImplementedError
+
+    def __call__(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
+        """F / E of depths (T, N) on thicknesses (T, 1). [mm2]"""
+        raise NotImplementedError
+
+    def limit(self, thickness_mm: NDArray) -> NDArray:
+        """Largest depth the law knows. [mm]"""
+        raise NotImplementedError
+
+    def force(
+        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
+    ) -> NDArray:
+        """Elastic force, for the law's own radius; see :class:`dummydesign.pad.force_law.ForceLaw`. [N]
+
+        Raises
+        ------
+        InputError
+            For another radius than the law's.
+        """
+        if not np.allclose(radius_mm, self.face_radius_mm):
+            raise InputError(f"radius_mm = {radius_mm}: this law is that of {self.face_radius_mm:.6g} mm alone")
+        depth, thickness, young, _ = np.broadcast_arrays(
+            *(np.asarray(value, float) for value in (depth_mm, thickness_mm, young_MPa, radius_mm))
+        )
+        unit = self(depth.reshape(-1, 1), thickness.reshape(-1, 1))
+        return young * unit.reshape(depth.shape)
+
+    def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
+        """Depth to which the law holds. [mm]"""
+        return self.limit(np.broadcast_arrays(np.asarray(thickness_mm, float), radius_mm)[0])
+
+
 @dataclass(frozen=True)
-class SlabLaw:
+class SlabLaw(_OneFace):
     """Glued flat punch on a slab, incompressible neo-Hookean, from the response table.
 
     Attributes
@@ -81,9 +122,31 @@ class SlabLaw:
         ratio = np.clip(self.radius_mm / np.asarray(thickness_mm, float), *self.table.ratio_range)
         return self.table.depth_limit(ratio) * thickness_mm
 
+    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
+        """The table's error and that of the square's factor; see :class:`dummydesign.pad.force_law.ForceLaw`."""
+        error = self.table.relative_error(depth_mm, thickness_mm, radius_mm)
+        if not self.square:
+            return error
+        return error + square_factor(depth_mm, thickness_mm, radius_mm, self.table.base)[1]
+
+    @property
+    def face_radius_mm(self) -> float:
+        """Radius of the circle of the punch's area. [mm]"""
+        return self.radius_mm
+
+    @property
+    def ratio_range(self) -> tuple[float, float]:  # type: ignore[override]
+        """The table's range of radius over thickness; the nearest end is held outside it."""
+        return self.table.ratio_range
+
+    @property
+    def provenance(self) -> Mapping[str, Any]:  # type: ignore[override]
+        """How the table was made."""
+        return self.table.provenance
+
 
 @dataclass(frozen=True)
-class PuckLaw:
+class PuckLaw(_OneFace):
     """Cylinder between frictionless plates: homogeneous compression, F / E = A (1 / l^2 - l) / 3, l = 1 - d / h.
 
     Incompressible neo-Hookean, exact; a puck that slips freely stays a cylinder.
@@ -101,6 +164,15 @@ class PuckLaw:
     def limit(self, thickness_mm: NDArray) -> NDArray:
         """Largest depth. [mm]"""
         return 0.8 * np.asarray(thickness_mm, float)
+
+    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
+        """Zero, a closed form; see :class:`dummydesign.pad.force_law.ForceLaw`."""
+        return np.zeros(np.broadcast_shapes(np.shape(depth_mm), np.shape(thickness_mm), np.shape(radius_mm)))
+
+    @property
+    def face_radius_mm(self) -> float:
+        """Radius of the puck. [mm]"""
+        return 0.5 * self.diameter_mm
 
 
 def law_of(campaign: Campaign) -> SlabLaw | PuckLaw:

@@ -24,9 +24,9 @@ import pytest
 
 import dummydesign
 
-DONE = ("api", "cli", "core", "design", "geometry", "inference", "mold", "report", "resin", "studies", "tissue")
+DONE = ("api", "cli", "core", "design", "geometry", "inference", "loop", "mold", "report", "resin", "studies", "tissue")
 """Rooms whose docstrings are complete; ``NOT_YET`` holds the others, and only shrinks."""
-NOT_YET = ("loop", "measurement", "pad")
+NOT_YET = ("measurement", "pad")
 FEWEST = 3
 UNITS = {
     "mm": "mm", "mm2": "mm2", "mm3": "mm3", "mm_s": "mm/s", "N": "N", "s": "s", "ms": "ms", "MPa": "MPa", "kPa": "kPa",

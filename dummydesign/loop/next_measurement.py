@@ -161,6 +161,7 @@ def next_measurement(first: Fit, second: Fit, names: tuple[str, ...], lowpass: L
     first, second : Fit
         The two explanations, both fitted to the campaign.
     names : tuple of str
+        What the two are called.
     lowpass : Lowpass or None
         The declared sensor filter.
     """

@@ -33,10 +33,11 @@ def close_loop(campaign: Campaign, progress: Progress | None = None, young_MPa: 
     Parameters
     ----------
     campaign : Campaign
+        What was measured.
     progress : callable, optional
         Called with a word for each step.
     young_MPa : float, optional
-        Where to start the modulus; by default the nominal one of the campaign.
+        Where to start the modulus; by default the nominal one of the campaign. [MPa]
 
     Raises
     ------

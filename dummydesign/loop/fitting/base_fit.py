@@ -19,9 +19,17 @@ def fit_base(
     Parameters
     ----------
     presses : Presses
+        The reduced trials of the campaign.
     law : SlabLaw or PuckLaw
+        Elastic force per unit modulus.
     young_MPa : float
-        Where to start.
+        Where to start. [MPa]
+    progress : callable, optional
+        Called with a word for each step.
+
+    Returns
+    -------
+    Fit
     """
     problem = Problem(presses, law)
     vector, sizes = start_vector(problem, young_MPa), first_sizes(presses, law.error_priors)

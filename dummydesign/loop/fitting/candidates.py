@@ -88,6 +88,7 @@ def rank(
     found : Fit
         The model that each effect joins.
     effects : tuple of Effect
+        Those that may join it.
     progress : callable, optional
         Called with the name of each effect that is fitted.
     keep, least_z : int, float

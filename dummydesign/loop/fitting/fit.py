@@ -161,7 +161,21 @@ def start_vector(problem: Problem, young_MPa: float) -> NDArray:
 
 
 def extend(problem: Problem, base_logs: NDArray, law: NDArray) -> NDArray:
-    """A vector with the effects at their null values."""
+    """A vector of parameters with the effects at their null values.
+
+    Parameters
+    ----------
+    problem : Problem
+        With E effects, all parameters of which are appended.
+    base_logs : ndarray, shape (b,)
+        Logarithms of the base parameters.
+    law : ndarray, shape (l,)
+        Deviations of the force law.
+
+    Returns
+    -------
+    ndarray, shape (b + effects + l,)
+    """
     null = [p.to_coordinate(p.null) for effect in problem.effects for p in effect.parameters]
     return np.r_[base_logs, null, law]
 
@@ -172,7 +186,20 @@ def prior_precision(problem: Problem, sizes: Sizes) -> NDArray:
 
 
 def fit(problem: Problem, start: NDArray, sizes: Sizes, iterations: int = 12, fixed: Sequence[int] = ()) -> Fit:
-    """Levenberg-Marquardt with the noise of ``sizes``; ``fixed`` entries of the vector stay as they are.
+    """Levenberg-Marquardt with a given noise.
+
+    Parameters
+    ----------
+    problem : Problem
+        The data and the model.
+    start : ndarray, shape (p,)
+        Where to begin; brought inside the bounds.
+    sizes : Sizes
+        Sizes of noise and law error.
+    iterations : int
+        Most steps.
+    fixed : sequence of int
+        Entries of the vector that stay as they are.
 
     Returns
     -------
@@ -251,7 +278,21 @@ def with_sizes(found: Fit) -> Fit:
 
 
 def settle(problem: Problem, start: NDArray, sizes: Sizes, rounds: int = 2, iterations: int = 12) -> Fit:
-    """Alternate the fit and the estimate of contact scatter and law error."""
+    """Alternate the fit and the estimate of contact scatter and law error.
+
+    Parameters
+    ----------
+    problem, start, iterations
+        As for :func:`fit`.
+    sizes : Sizes
+        First guess of the sizes of noise and law error.
+    rounds : int
+        Fits, with an estimate of the sizes after each.
+
+    Returns
+    -------
+    Fit
+    """
     found = fit(problem, start, sizes, iterations)
     for _ in range(rounds - 1):
         sized = with_sizes(found)

@@ -202,7 +202,24 @@ Whitener = Callable[[NDArray], NDArray]
 
 
 def make_whitener(presses: Presses, noise: Noise, slope: NDArray, with_position: bool) -> Whitener:
-    """Whitening by the noise, with or without the scatter of the contact position."""
+    """Whitening by the noise, with or without the scatter of the contact position.
+
+    Parameters
+    ----------
+    presses : Presses
+        T trials with their bins.
+    noise : Noise
+        Its sizes.
+    slope : ndarray, shape (T, bins)
+        dF / dx of each bin. [N/mm]
+    with_position : bool
+        Whether the scatter of the contact position counts as noise.
+
+    Returns
+    -------
+    callable
+        Maps residuals (T, bins) or columns (T, bins, k) to whitened ones.
+    """
     used = noise if with_position else Noise(noise.white_N, noise.slow_N, noise.slow_time_s, 0.0)
     factor = whitener(presses.bins.covariance(used, slope))
 

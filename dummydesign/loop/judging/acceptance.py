@@ -36,6 +36,24 @@ def accept(
     """The first candidate that beats the threshold inside its bounds and predicts left-out conditions better.
 
     Rivals that cannot be told from it may stand in for it there: which of them predicts best is chance.
+
+    Parameters
+    ----------
+    before : Stage
+        The accepted model so far.
+    screened : list of Screened
+        Scores of all effects.
+    ranking : list of Candidate
+        Fitted effects, best first.
+    floor : float
+        Least gain that ever counts, in the score (minus two ln likelihood).
+    least : float
+        A further lower limit of the gain.
+
+    Returns
+    -------
+    Found or None
+        None when no candidate is accepted.
     """
     inside = [candidate for candidate in ranking if not at_bound(candidate)]
     for candidate in inside[:4]:

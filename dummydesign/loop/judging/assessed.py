@@ -52,7 +52,22 @@ def pad_errors(fit: Fit) -> Errors:
 
 
 def interval(fit: Fit, place: int, to_value: Callable[[float], float]) -> dict[str, Any]:
-    """Value with its 95 % interval from the curvature at the optimum, widened by the lack of fit."""
+    """Value with its 95 % interval from the curvature at the optimum, widened by the lack of fit.
+
+    Parameters
+    ----------
+    fit : Fit
+        With its covariance.
+    place : int
+        Which entry of the parameter vector.
+    to_value : callable
+        From the fitted coordinate to the parameter in its unit; monotone.
+
+    Returns
+    -------
+    dict
+        ``value``, ``low``, ``high`` in the parameter's unit, and ``at_bound``.
+    """
     low, high = fit.problem.bounds()
     at, spread = fit.vector[place], 1.96 * float(np.sqrt(max(fit.covariance[place, place], 0.0)))
     ends = sorted((to_value(max(at - spread, low[place])), to_value(min(at + spread, high[place]))))

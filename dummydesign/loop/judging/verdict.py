@@ -35,6 +35,20 @@ def gain_threshold(screened: list[Screened], ratio: float | None, floor: float =
 
     The scores of all candidates are drawn with the correlations of their signatures. Noise models are never
     quite right, so the limit also grows with the lack of fit that the best candidate leaves.
+
+    Parameters
+    ----------
+    screened : list of Screened
+        Scores of all candidates with their signatures.
+    ratio : float or None
+        Lack of fit of the best candidate over the scatter of repeats, as a ratio of variances; None without repeats.
+    floor : float
+        Least threshold.
+
+    Returns
+    -------
+    float
+        In the score (minus two ln likelihood).
     """
     if not screened:
         return floor
@@ -56,7 +70,21 @@ def family_of(one: Screened, others: list[Screened]) -> list[str]:
 
 
 def rivals(candidates: list[Candidate], first: Candidate, ratio: float | None) -> list[Candidate]:
-    """Candidates that explain the data as well as ``first``, or nearly, likeliest first."""
+    """Candidates that explain the data as well as ``first``, or nearly, likeliest first.
+
+    Parameters
+    ----------
+    candidates : list of Candidate
+        Best first.
+    first : Candidate
+        The one that is compared with.
+    ratio : float or None
+        Lack of fit that it leaves over the scatter of repeats, a ratio of variances; widens the gap that counts.
+
+    Returns
+    -------
+    list of Candidate
+    """
     gap = RIVAL_GAP * max(1.0, ratio or 1.0)
     return [c for c in candidates if c is not first and first.gain - c.gain < gap]
 

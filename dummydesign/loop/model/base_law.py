@@ -45,7 +45,23 @@ def _square_curve(thickness_mm: float, radius_mm: float, base: str) -> NDArray:
 
 
 def square_over_circle(depth_mm: NDArray, thickness_mm: NDArray, radius_mm: float, base: str = "bonded") -> NDArray:
-    """Force of a square punch over that of the round one of equal area, for depths (T, N) on pads (T, 1)."""
+    """Force of a square punch over that of the round one of equal area.
+
+    Parameters
+    ----------
+    depth_mm : ndarray, shape (T, N)
+        Depths on T pads. [mm]
+    thickness_mm : ndarray, shape (T, 1)
+        Of the pads. [mm]
+    radius_mm : float
+        Radius of the circle of the punch's area. [mm]
+    base : str
+        ``bonded`` or ``sliding``.
+
+    Returns
+    -------
+    ndarray, shape (T, N)
+    """
     share = np.clip(depth_mm / thickness_mm, 0.0, _SHARES[-1])
     rows = np.broadcast_to(np.asarray(thickness_mm, float), (len(share), 1))[:, 0]
     return np.stack([np.interp(s, _SHARES, _square_curve(float(h), radius_mm, base)) for s, h in zip(share, rows)])

@@ -115,11 +115,41 @@ class Effect:
         return self.undefined(presses, law) or self.untestable(presses)
 
     def depth(self, presses: Presses, depth_mm: NDArray, values: Values) -> NDArray:
-        """Motion: depth of the punch in the pad (T, N) from the one so far. [mm]"""
+        """Motion: depth of the punch in the pad.
+
+        Parameters
+        ----------
+        presses : Presses
+            T trials of N samples, with their conditions.
+        depth_mm : ndarray, shape (T, N)
+            The depth so far. [mm]
+        values : mapping of str to float
+            The effect's parameters, each in its own unit.
+
+        Returns
+        -------
+        ndarray, shape (T, N)
+            [mm]
+        """
         return depth_mm
 
     def yielding(self, presses: Presses, force_N: NDArray, values: Values) -> NDArray:
-        """Motion: how much the set-up gives way under the force (T, N). [mm]"""
+        """Motion: how much the set-up gives way under the force.
+
+        Parameters
+        ----------
+        presses : Presses
+            T trials of N samples, with their conditions.
+        force_N : ndarray, shape (T, N)
+            The force on the set-up. [N]
+        values : mapping of str to float
+            The effect's parameters, each in its own unit.
+
+        Returns
+        -------
+        ndarray, shape (T, N)
+            Taken off the displacement. [mm]
+        """
         return np.zeros_like(force_N)
 
     def law(self, law: UnitForce, values: Values) -> UnitForce:
@@ -131,23 +161,100 @@ class Effect:
         return ()
 
     def scale(self, presses: Presses, depth_mm: NDArray, values: Values) -> NDArray:
-        """Batch: factor on the elastic force, (T, 1) or (T, N)."""
+        """Batch: factor on the elastic force.
+
+        Parameters
+        ----------
+        presses : Presses
+            T trials of N samples, with their conditions.
+        depth_mm : ndarray, shape (T, N)
+            Depth of the punch in the pad. [mm]
+        values : mapping of str to float
+            The effect's parameters, each in its own unit.
+
+        Returns
+        -------
+        ndarray, shape (T, 1) or (T, N)
+        """
         return np.ones((1, 1))
 
     def arms(self, presses: Presses, arms: tuple[Arm, ...], depth_mm: NDArray, values: Values) -> tuple[Arm, ...]:
-        """Pad: the relaxing arms in place of those so far; by default those of :meth:`adds_terms` join them."""
+        """Pad: the relaxing arms in place of those so far; by default those of :meth:`adds_terms` join them.
+
+        Parameters
+        ----------
+        presses : Presses
+            T trials of N samples, with their conditions.
+        arms : tuple of Arm
+            Those so far.
+        depth_mm : ndarray, shape (T, N)
+            Depth of the punch in the pad. [mm]
+        values : mapping of str to float
+            The effect's parameters, each in its own unit.
+
+        Returns
+        -------
+        tuple of Arm
+        """
         return (*arms, *(Arm(term.tau_s, term.beta) for term in self.adds_terms(values)))
 
     def surface(self, presses: Presses, depth_mm: NDArray, force_N: NDArray, values: Values) -> NDArray:
-        """Pad: the force on the punch (T, N) from the one that cannot pull. [N]"""
+        """Pad: the force on the punch, from the one that cannot pull.
+
+        Parameters
+        ----------
+        presses : Presses
+            T trials of N samples, with their conditions.
+        depth_mm : ndarray, shape (T, N)
+            Depth of the punch in the pad. [mm]
+        force_N : ndarray, shape (T, N)
+            The force so far, not below the floor. [N]
+        values : mapping of str to float
+            The effect's parameters, each in its own unit.
+
+        Returns
+        -------
+        ndarray, shape (T, N)
+            [N]
+        """
         return force_N
 
     def floor(self, presses: Presses, floor_N: NDArray, values: Values) -> NDArray:
-        """Pad: the least force the contact can carry (T, N); zero in the base. [N]"""
+        """Pad: the least force the contact can carry; zero in the base.
+
+        Parameters
+        ----------
+        presses : Presses
+            T trials of N samples, with their conditions.
+        floor_N : ndarray, shape (T, N)
+            The least force so far. [N]
+        values : mapping of str to float
+            The effect's parameters, each in its own unit.
+
+        Returns
+        -------
+        ndarray, shape (T, N)
+            [N]
+        """
         return floor_N
 
     def sensor(self, presses: Presses, force_N: NDArray, values: Values) -> NDArray:
-        """Sensor: the signal before the declared filter (T, N). [N]"""
+        """Sensor: the signal before the declared filter.
+
+        Parameters
+        ----------
+        presses : Presses
+            T trials of N samples, with their conditions.
+        force_N : ndarray, shape (T, N)
+            The signal so far. [N]
+        values : mapping of str to float
+            The effect's parameters, each in its own unit.
+
+        Returns
+        -------
+        ndarray, shape (T, N)
+            [N]
+        """
         return force_N
 
     def base_starts(self, logs: NDArray) -> list[NDArray]:

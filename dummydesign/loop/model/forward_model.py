@@ -139,10 +139,24 @@ def _pad_force(
 
 
 def relax(time_s: NDArray, elastic_N: NDArray, arms: Sequence[Arm]) -> NDArray:
-    """Quasi-linear force of elastic forces (T, N), piecewise linear in time, with arms that may differ by trial.
+    """Quasi-linear force of elastic forces, piecewise linear in time, with arms that may differ by trial.
 
     The same law as :func:`dummydesign.pad.material.relaxation.relaxed_force`, with an optional weight on what
     each arm is loaded with.
+
+    Parameters
+    ----------
+    time_s : ndarray, shape (T, N)
+        Increasing times of each trial. [s]
+    elastic_N : ndarray, shape (T, N)
+        Long-term elastic force there. [N]
+    arms : sequence of Arm
+        Time constants and strengths, equal for all trials or one each.
+
+    Returns
+    -------
+    ndarray, shape (T, N)
+        [N]
     """
     step = np.diff(time_s, axis=1)
     rise = np.diff(elastic_N, axis=1)

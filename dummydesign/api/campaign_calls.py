@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable
 from os import PathLike, fspath
 
 from dummydesign.api.answers import Result
+from dummydesign.api.questions import question
 
 Paths = Iterable["str | PathLike[str]"]
 
@@ -15,6 +16,7 @@ def calibrate(
     *,
     effects: Paths = (),
     out: str | PathLike[str] | None = None,
+    replace: bool = False,
     progress: Callable[[str], None] | None = None,
 ) -> Result:
     """Find what the model lacks in a measured campaign, and correct it; see :func:`dummydesign.loop.run.close_loop`.
@@ -26,7 +28,10 @@ def calibrate(
     effects : iterable of path
         Files with effects of your own.
     out : path, optional
-        Folder of calibration and report, which are not written without it.
+        Folder of calibration and report, which are not written without it; the next free number when it holds
+        another answer.
+    replace : bool
+        Take the place of the other answer instead.
     progress : callable, optional
         Called with a word at each step.
 
@@ -40,27 +45,30 @@ def calibrate(
     InputError
         For files that cannot be used.
     """
-    from dummydesign.core.files import output_folder
     from dummydesign.loop.calibration import calibration_of
     from dummydesign.loop.calibration_file import write_calibration
     from dummydesign.loop.effects.own import own_effects
     from dummydesign.loop.result import result_dict
     from dummydesign.loop.run import close_loop
-    from dummydesign.measurement.campaign_file import read_campaign
+    from dummydesign.measurement.campaign_file import FILE, read_campaign
     from dummydesign.report.loop import write_loop_report
 
-    read = read_campaign(fspath(campaign))
-    folder = None if out is None else output_folder(out)
-    with own_effects([fspath(path) for path in effects]):
-        found = close_loop(read, progress or (lambda word: None))
-    inputs = {
-        "campaign": fspath(campaign), "out": None if folder is None else str(folder), "trials": len(read.trials)
-    }  # fmt: skip
-    if folder is None:
+    read, own = read_campaign(fspath(campaign)), [fspath(path) for path in effects]
+    inputs = {"campaign": fspath(campaign), "out": None if out is None else fspath(out), "trials": len(read.trials)}
+    if out is None:
+        with own_effects(own):
+            found = close_loop(read, progress or (lambda word: None))
         return Result(found, {"inputs": inputs, **result_dict(found), "calibration_file": None, "files": {}})
-    calibration = str(write_calibration(calibration_of(found), folder / "calibration.json"))
-    files = {"calibration": calibration, **write_loop_report(folder, found)}
-    return Result(found, {"inputs": inputs, **result_dict(found), "calibration_file": calibration, "files": files})
+    from dummydesign.core.outputs.write import new_folder
+
+    files = [read.folder / FILE, *(read.folder / trial.file for trial in read.trials), *own]
+    with own_effects(own), new_folder(out, question("loop", inputs, files=files), replace=replace) as output:
+        found = close_loop(read, progress or (lambda word: None))
+        calibration = str(write_calibration(calibration_of(found), output.path("calibration.json")))
+        result = {"inputs": {**inputs, "out": str(output.folder)}, **result_dict(found)}
+        written = {"calibration": calibration, **write_loop_report(output.work, found)}
+        result = output.answer({**result, "calibration_file": calibration, "files": written})
+    return Result(found, result)
 
 
 def replay(campaign: str | PathLike[str], calibration: str | PathLike[str], *, effects: Paths = ()) -> Result:

@@ -10,12 +10,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Answer, Rows
+from dummydesign.api.questions import question
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
-    from dummydesign.design.inputs import Inputs
+    from dummydesign.core.outputs.write import Output
     from dummydesign.design.request import Request
     from dummydesign.design.sweep.spec import Study
     from dummydesign.resin.model.resin import Resin
@@ -40,6 +41,7 @@ def suggest(
     robot_velocity_mm_s: float = 250.0,
     limits: str | PathLike[str] | None = None,
     out: str | PathLike[str] | None = None,
+    replace: bool = False,
 ) -> Answer:
     """Recommend ratio, thickness and, if asked for, shape of a pad for a tissue; with ``out`` its mould and report.
 
@@ -67,7 +69,10 @@ def suggest(
     limits : path, optional
         Limits of force and pressure with their source (TOML), for the safety view.
     out : path, optional
-        Folder of the mould and the report, which are not made without it.
+        Folder of the mould and the report, which are not made without it; the next free number when it holds the
+        answer to another question.
+    replace : bool
+        Take the place of the other answer instead.
 
     Returns
     -------
@@ -99,15 +104,20 @@ def suggest(
         "robot_velocity_mm_s": robot_velocity_mm_s,
         "limits": None if limits is None else str(limits),
     }
-    with own_effects([fspath(path) for path in effects]):
-        return _answer(request, inputs, folder)
+    own = [fspath(path) for path in effects]
+    with own_effects(own):
+        return _answer(request, inputs, own, folder, replace)
 
 
-def _answer(request: Request, inputs: dict[str, Any], folder: Path | None) -> Answer:
+def _answer(
+    request: Request, inputs: dict[str, Any], effects: list[str], folder: Path | None, replace: bool
+) -> Answer:
     """Resolve, design, and write what there is a folder for."""
+    from dummydesign.core.outputs.write import new_folder
     from dummydesign.design.assessment.safety import read_limits
     from dummydesign.design.inputs import resolve
     from dummydesign.design.safety_view import safety_view
+    from dummydesign.design.suggest import design
 
     wanted = resolve(request)
     mass_kg, velocity_mm_s = inputs["robot_mass_kg"], inputs["robot_velocity_mm_s"]
@@ -115,40 +125,44 @@ def _answer(request: Request, inputs: dict[str, Any], folder: Path | None) -> An
         if value is not None and not (isfinite(value) and value > 0):
             raise out_of_range(name, value, "above 0", "any finite value")
     limits = None if inputs["limits"] is None else read_limits(inputs["limits"])
-    found = _search(wanted, folder)
-    safety = safety_view(found, mass_kg, velocity_mm_s, limits)
-    result = {"inputs": inputs, **found.to_dict(), "safety": safety.to_dict(), "files": {}}
+
+    def answered() -> tuple[Any, Any, dict[str, Any]]:
+        found = design(wanted)
+        safety = safety_view(found, mass_kg, velocity_mm_s, limits)
+        return found, safety, {"inputs": inputs, **found.to_dict(), "safety": safety.to_dict(), "files": {}}
+
     if folder is None:
+        found, _, result = answered()
         return Answer(found, result)
-    from dummydesign.design.curves import suggestion_curves
-    from dummydesign.report.suggest import write_suggestion
-
-    curves = suggestion_curves(found)
-    try:
-        if inputs["cad"]:
-            from dummydesign.design.mould import with_mould
-
-            result = with_mould(result, found, folder)
-    finally:
-        result["files"] |= write_suggestion(folder, found, result, curves, safety)
+    read = (inputs["calibration"], inputs["limits"], *effects)
+    asked = question("suggest", inputs, tissue=request.tissue, resin=request.resin, files=read)
+    with new_folder(folder, asked, replace=replace) as output:
+        found, safety, result = answered()
+        result["inputs"] = {**inputs, "out": str(output.folder)}
+        result, missing = _written(found, safety, result, output)
+    if missing is not None:
+        raise NoAnswerError(missing.code, output.settled(str(missing)), result)
     return Answer(found, result)
 
 
-def _search(inputs: Inputs, folder: Path | None) -> Any:
-    """Find the design; a folder that was made for an answer that there is not is taken away again."""
-    from dummydesign.core.files import output_folder
-    from dummydesign.design.suggest import design
+def _written(
+    found: Any, safety: Any, result: dict[str, Any], output: Output
+) -> tuple[dict[str, Any], NoAnswerError | None]:
+    """Write mould and report; a mould that cannot be made leaves the report, and the reason is returned."""
+    from dummydesign.design.curves import suggestion_curves
+    from dummydesign.report.suggest import write_suggestion
 
-    if folder is None:
-        return design(inputs)
-    made = not folder.exists()
-    output_folder(folder)
-    try:
-        return design(inputs)
-    except (InputError, NoAnswerError):
-        if made:
-            folder.rmdir()
-        raise
+    curves, missing = suggestion_curves(found), None
+    if result["inputs"]["cad"]:
+        from dummydesign.design.mould import with_mould
+
+        try:
+            result = with_mould(result, found, output.work)
+            output.extra["hash"] = result["mold"]["spec_hash"]
+        except NoAnswerError as reason:
+            missing, result = reason, reason.result
+    result["files"] |= write_suggestion(output.work, found, result, curves, safety)
+    return output.answer(result), missing
 
 
 def whatif(
@@ -169,6 +183,7 @@ def whatif(
     executor: Executor | None = None,
     out: str | PathLike[str] | None = None,
     resume: bool = False,
+    replace: bool = False,
 ) -> Rows:
     """Work out every combination of slabs, ratios, punches and supports.
 
@@ -191,9 +206,11 @@ def whatif(
     executor : concurrent.futures.Executor, optional
         Runs the tasks side by side, from any library with this interface, instead of ``workers`` or ``scheduler``.
     out : path, optional
-        Folder of ``rows.csv`` and the report.
+        Folder of ``rows.csv`` and the report; the next free number when it holds the answer to another question.
     resume : bool
         Keep the rows that are in ``out``.
+    replace : bool
+        Take the place of the other answer instead.
 
     Returns
     -------
@@ -237,11 +254,11 @@ def whatif(
         "out": None if folder is None else str(folder),
     }
     opened = open_executor(workers, scheduler) if executor is None else nullcontext(executor)
-    return _work_out(study, material, opened, folder, resume, inputs)
+    return _work_out(study, material, opened, folder, inputs, replace)
 
 
 def _work_out(
-    study: Study, resin: Resin, opened: Any, folder: Path | None, resume: bool, inputs: dict[str, Any]
+    study: Study, resin: Resin, opened: Any, folder: Path | None, inputs: dict[str, Any], replace: bool
 ) -> Rows:
     """Run a study that was checked, and write rows and report when there is a folder."""
     from dummydesign.design.sweep.run import whatif as work_out
@@ -257,20 +274,23 @@ def _work_out(
         with opened as executor:
             found = work_out(study, executor=executor)
         return Rows(study, tuple(found["rows"]), found["seconds"], inputs, tuple(found["warnings"]), sources)
-    from dummydesign.core.files import output_folder
+    from dummydesign.core.outputs.write import growing_folder
     from dummydesign.design.sweep.live_data import live_data
     from dummydesign.design.sweep.rows_file import RowsFile, settings_of
     from dummydesign.report.whatif import write_whatif
 
     settings = settings_of(study, resin, sites)
-    with opened as executor:
-        file = RowsFile(output_folder(folder), study, settings, resume)
+    asked = question("whatif", inputs, tissue=study.tissue, resin=study.resin)
+    with opened as executor, growing_folder(folder, asked, replace=replace, go_on=inputs["resume"]) as output:
+        file = RowsFile(output.work, study, settings, inputs["resume"])
         kept = len(file.rows)
         found = work_out(study, executor=executor, file=file)
-    rows, warnings = found["rows"], found["warnings"]
-    page = write_whatif(folder, study, rows, resin, sites, live_data(resin, sites), warnings)
-    files = {"rows": str(file.path), **page}
-    return Rows(study, tuple(rows), found["seconds"], inputs, tuple(warnings), sources, kept, files)
+        rows = found["rows"]
+        page = write_whatif(output.work, study, rows, resin, sites, live_data(resin, sites), found["warnings"])
+    told = output.answer({"warnings": found["warnings"], "files": {"rows": str(file.path), **page}})
+    inputs = {**inputs, "out": str(output.folder)}
+    warnings = tuple(told["warnings"])
+    return Rows(study, tuple(rows), found["seconds"], inputs, warnings, sources, kept, told["files"])
 
 
 def _pair(limits: tuple[float, float] | str | None, name: str) -> tuple[float, float] | None:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Result
+from dummydesign.api.questions import question
 
 if TYPE_CHECKING:
     from dummydesign.measurement.importing.core.decisions import Settings
@@ -57,9 +58,10 @@ def import_traces(
     split : str, optional
         ``auto`` or ``none``.
     out : path, optional
-        Folder of the traces and of the preview, which are not written without it.
+        Folder of the traces and of the preview, which are not written without it; the next free number when it
+        holds another answer.
     replace : bool
-        Whether ``save_profile`` may take the place of another profile of its name.
+        Take the place of another answer in ``out``, and with ``save_profile`` that of a profile of its name.
 
     Returns
     -------
@@ -72,7 +74,6 @@ def import_traces(
     InputError
         For files that cannot be read, and for what they leave open: then with the option that settles it.
     """
-    from dummydesign.core.files import output_folder
     from dummydesign.measurement.importing.batch import describe, import_files, plan_traces, write_traces
     from dummydesign.measurement.importing.profiles import learned
     from dummydesign.measurement.importing.profiles import save_profile as keep
@@ -83,32 +84,42 @@ def import_traces(
     settings = _settings(profile, {key: value for key, value in given.items() if value is not None})
     names = [fspath(name) for name in files]
     imported, warnings = import_files(names, settings)
+    inputs = {
+        "files": names,
+        "profile": profile,
+        **settings.to_dict(),
+        "save_profile": save_profile,
+        "out": None if out is None else fspath(out),
+    }
     planned = plan_traces(imported, None if out is None else Path(out))
-    # before anything is written: a name that is taken must not leave traces behind
-    kept = keep(save_profile, learned(settings, imported), replace) if save_profile else None
     found = describe(imported, planned)
-    preview = None
-    if out is not None:
-        from dummydesign.report.imported import write_preview
-
-        folder = output_folder(out)
-        write_traces(planned, folder)
-        preview = write_preview(folder, imported, found, warnings)
     result: dict[str, Any] = {
-        "inputs": {
-            "files": names,
-            "profile": profile,
-            **settings.to_dict(),
-            "save_profile": save_profile,
-            "out": None if out is None else fspath(out),
-        },
+        "inputs": inputs,
         "files": found,
-        "preview": preview,
+        "preview": None,
         "warnings": [*(warning for one in found for warning in one["warnings"]), *warnings],
     }
-    if kept is not None:
-        result["profile"] = str(kept)
-    return Result(imported, result)
+
+    def kept() -> dict[str, str]:
+        if not save_profile:
+            return {}
+        return {"profile": str(keep(save_profile, learned(settings, imported), replace))}
+
+    if out is None:
+        return Result(imported, result | kept())
+    from dummydesign.core.outputs.write import new_folder
+    from dummydesign.report.imported import write_preview
+
+    asked = question("import", inputs, files=[one.source for one in imported])
+    with new_folder(out, asked, replace=replace) as output:
+        # first: a name that is taken must not leave traces behind
+        profiles = kept()
+        write_traces(planned, output.work)
+        result["preview"] = output.settled(write_preview(output.work, imported, found, warnings))
+    result["inputs"] = {**inputs, "out": str(output.folder)}
+    result["manifest"] = str(output.folder / output.place.manifest)
+    result["warnings"] += output.place.warnings
+    return Result(imported, result | profiles)
 
 
 def _settings(profile: str | None, given: dict[str, Any]) -> Settings:

@@ -6,6 +6,7 @@ from os import PathLike
 from pathlib import Path
 
 from dummydesign.api.answers import Result
+from dummydesign.api.questions import question
 from dummydesign.core.errors import NoAnswerError
 
 
@@ -20,6 +21,7 @@ def make_mould(
     ratio: float = 15.0,
     base_ratio: float | None = None,
     out: str | PathLike[str] | None = None,
+    replace: bool = False,
 ) -> Result:
     """Make the silicone mould of a pad: STEP files, printable master and frame, pour sheet, all checked.
 
@@ -36,7 +38,9 @@ def make_mould(
     ratio, base_ratio : float
         Mixing ratio, and that of a layered pad's base (by default from its modulus ratio).
     out : path, optional
-        Folder of the files; ``mould_tMM`` by default.
+        Folder of the files, ``mould_tMM`` by default; the next free number when it holds another answer.
+    replace : bool
+        Take the place of the other answer instead.
 
     Returns
     -------
@@ -50,6 +54,7 @@ def make_mould(
     NoAnswerError
         Without CAD, or when the mould fails a check; what there is of the answer stands in the error's ``result``.
     """
+    from dummydesign.core.outputs.write import new_folder
     from dummydesign.mold.model.pad_kind import read_kind
     from dummydesign.mold.model.preset import mould_spec
     from dummydesign.mold.runner import make_mold
@@ -64,12 +69,16 @@ def make_mould(
     }  # fmt: skip
     if spec.base is not None:
         inputs |= {"base_ratio": spec.base.pour.ratio, "modulus_ratio_of_base": spec.base.modulus_ratio}
-    head = {"inputs": inputs, "sources": list(spec.sources)}
-    try:
-        found = make_mold(spec, folder)
-    except NoAnswerError as reason:
-        raise NoAnswerError(reason.code, str(reason), {**head, **reason.result}) from None
-    result = {**head, **found.to_dict(), "spec": spec.to_dict()}
+    asked = question("mold", {**inputs, "specification": spec.hash}, resin=resin, preset=preset)
+    with new_folder(folder, asked, replace=replace) as output:
+        head = {"inputs": {**inputs, "out": str(output.folder)}, "sources": list(spec.sources)}
+        try:
+            found = make_mold(spec, output.work)
+        except NoAnswerError as reason:
+            result = output.settled({**head, **reason.result})
+            raise NoAnswerError(reason.code, output.settled(str(reason)), result) from None
+        output.extra["hash"] = spec.hash
+        result = output.answer({**head, **found.to_dict(), "spec": spec.to_dict()})
     # Memory differs from run to run; the same question shall get the same answer but for seconds.
     del result["memory_MB"]
     return Result(found, result)

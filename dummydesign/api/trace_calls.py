@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterable
 from os import PathLike, fspath
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Fitted, Result
+from dummydesign.api.questions import question
 from dummydesign.core.errors import InputError
 from dummydesign.core.references import PAPER
 
 if TYPE_CHECKING:
+    from dummydesign.core.outputs.manifest import Question
     from dummydesign.measurement.trace import Trace
+    from dummydesign.tissue.fitting.fit import Fit
 
 LAW_SOURCE = f"{PAPER}, equations (4) to (6)"
 Traces = Iterable["str | PathLike[str] | Trace"]
@@ -26,6 +29,7 @@ def fit(
     mode: str = "joint",
     lowpass: str | None = None,
     out: str | PathLike[str] | None = None,
+    replace: bool = False,
 ) -> Fitted:
     """Fit the tissue law to traces of one tissue or dummy; see :func:`dummydesign.tissue.fitting.fit.fit_traces`.
 
@@ -42,7 +46,10 @@ def fit(
     lowpass : str, optional
         Filter the forces went through, ``HZ[:ORDER[:PASSES]]``.
     out : path, optional
-        Tissue file (TOML) to write, with residuals and report beside it.
+        Tissue file (TOML) to write, with residuals, report and manifest beside it; the next free number when a
+        file of this name is there that another fit wrote.
+    replace : bool
+        Take the place of the other file instead.
 
     Returns
     -------
@@ -54,7 +61,6 @@ def fit(
     InputError
         For files or settings that cannot be used.
     """
-    from dummydesign.core.files import output_folder
     from dummydesign.measurement.sensor import parse_lowpass
     from dummydesign.tissue.fitting.fit import fit_traces
 
@@ -62,12 +68,9 @@ def fit(
         raise InputError(f"elements = {elements} is not one of 3, 5, 7, auto")
     count = elements if elements == "auto" else int(elements)
     passed = parse_lowpass(lowpass)
-    if out is not None:
-        if not str(out).lower().endswith(".toml"):
-            raise InputError(f"out = '{out}' must end in .toml: a tissue file is written there")
-        output_folder(Path(out).parent)
+    if out is not None and not str(out).lower().endswith(".toml"):
+        raise InputError(f"out = '{out}' must end in .toml: a tissue file is written there")
     names, read = _read(traces)
-    found = fit_traces(read, count, law, mode, passed)
     inputs = {
         "traces": names,
         "elements": str(elements),
@@ -76,16 +79,33 @@ def fit(
         "lowpass": passed.to_dict() if passed else None,
         "out": None if out is None else fspath(out),
     }
-    files: dict[str, str] = {}
-    if out is not None:
-        from dummydesign.report.files.fit import write_fit
 
-        files = write_fit(found, fspath(out), [LAW_SOURCE])
-    return Fitted(found, {"inputs": inputs, **found.to_dict(), "sources": [LAW_SOURCE], "files": files})
+    def answered(fitted: Fit, path: Path | None) -> dict[str, Any]:
+        place = None if path is None else str(path)
+        return {"inputs": {**inputs, "out": place}, **fitted.to_dict(), "sources": [LAW_SOURCE], "files": {}}
+
+    if out is None:
+        found = fit_traces(read, count, law, mode, passed)
+        return Fitted(found, answered(found, None))
+    from dummydesign.core.outputs.write import new_files
+    from dummydesign.report.files.fit import write_fit
+
+    with new_files(out, _question("fit", inputs, names, read), replace=replace) as output:
+        found = fit_traces(read, count, law, mode, passed)
+        name = f"{output.place.stem}.toml"
+        result = answered(found, output.folder / name)
+        result["files"] = write_fit(found, fspath(output.work / name), [LAW_SOURCE])
+        result = output.answer(result)
+    return Fitted(found, result)
 
 
 def compare(
-    traces: Traces, tissue: str, *, lowpass: str | None = None, out: str | PathLike[str] | None = None
+    traces: Traces,
+    tissue: str,
+    *,
+    lowpass: str | None = None,
+    out: str | PathLike[str] | None = None,
+    replace: bool = False,
 ) -> Result:
     """Compare the traces of a cast dummy with a tissue; see :mod:`dummydesign.tissue.fitting.compare`.
 
@@ -98,7 +118,10 @@ def compare(
     lowpass : str, optional
         Filter the forces went through, ``HZ[:ORDER[:PASSES]]``.
     out : path, optional
-        Folder of tables and report, which are not written without it.
+        Folder of tables and report, which are not written without it; the next free number when it holds another
+        answer.
+    replace : bool
+        Take the place of the other answer instead.
 
     Returns
     -------
@@ -110,27 +133,43 @@ def compare(
     InputError
         For names or files that cannot be used.
     """
-    from dummydesign.core.files import output_folder
     from dummydesign.measurement.sensor import parse_lowpass
     from dummydesign.tissue.fitting.compare import compare_traces
     from dummydesign.tissue.model.tissue_file import load_tissue
 
     site, passed = load_tissue(tissue), parse_lowpass(lowpass)
     names, read = _read(traces)
-    folder = None if out is None else output_folder(out)
-    found = compare_traces(read, site, passed)
     inputs = {
         "traces": names,
         "tissue": tissue,
         "lowpass": passed.to_dict() if passed else None,
         "out": None if out is None else fspath(out),
     }
-    files: dict[str, str] = {}
-    if folder is not None:
-        from dummydesign.report.files.compare import write_comparison
+    if out is None:
+        found = compare_traces(read, site, passed)
+        return Result(found, {"inputs": inputs, **found.result, "sources": list(site.sources), "files": {}})
+    from dummydesign.core.outputs.write import new_folder
+    from dummydesign.report.files.compare import write_comparison
 
-        files = write_comparison(found, site, folder)
-    return Result(found, {"inputs": inputs, **found.result, "sources": list(site.sources), "files": files})
+    with new_folder(out, _question("compare", inputs, names, read, tissue), replace=replace) as output:
+        found = compare_traces(read, site, passed)
+        head = {"inputs": {**inputs, "out": str(output.folder)}, **found.result, "sources": list(site.sources)}
+        result = output.answer({**head, "files": write_comparison(found, site, output.work)})
+    return Result(found, result)
+
+
+def _question(
+    command: str, inputs: dict[str, Any], names: list[str], traces: list[Trace], tissue: str | None = None
+) -> Question:
+    """The question of a call with traces; those in memory count by their numbers."""
+    from hashlib import sha256
+
+    numbers = [
+        sha256(b"".join(part.tobytes() for part in (one.time_s, one.displacement_mm, one.force_N))).hexdigest()
+        for one in traces
+    ]
+    files = [name for name in names if Path(name).is_file()]
+    return question(command, {**inputs, "trace_numbers_sha256": numbers}, tissue=tissue, files=files)
 
 
 def _read(traces: Traces) -> tuple[list[str], list[Trace]]:

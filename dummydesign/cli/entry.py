@@ -6,12 +6,14 @@ import argparse
 import json
 import math
 import os
+import signal
 import sys
 from typing import Any, NoReturn
 
 from dummydesign._version import __version__
 from dummydesign.cli.registry import COMMANDS, module_of
 from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError, unknown_name
+from dummydesign.core.outputs.manifest import COMMAND_LINE
 from dummydesign.core.threads import ONE_THREAD
 
 
@@ -77,6 +79,7 @@ def run(arguments: list[str]) -> int:
         print(f"dummydesign {__version__}")
         return 0
     name, as_json = arguments[0], "--json" in arguments
+    COMMAND_LINE.set(tuple(arguments))
     try:
         if name not in COMMANDS:
             raise unknown_name("command", name, COMMANDS)
@@ -114,10 +117,18 @@ def run(arguments: list[str]) -> int:
         return 1
 
 
+def _stop(*_: object) -> NoReturn:
+    """End as by Ctrl-C, so that half-written folders are cleared away."""
+    raise KeyboardInterrupt
+
+
 def main() -> NoReturn:
     """Entry point without arguments; reads ``sys.argv`` and exits with the command's status."""
     # before numpy is loaded, for this process and those it starts
     os.environ.update(ONE_THREAD)
+    for name in ("SIGTERM", "SIGHUP"):
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), _stop)
     try:
         status = run(sys.argv[1:])
         sys.stdout.flush()

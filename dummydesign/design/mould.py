@@ -98,7 +98,7 @@ def with_mould(result: dict[str, Any], answer: Suggestion, folder: Path) -> dict
         mould = runner.make_mold(spec, folder).to_dict()
     except NoAnswerError as problem:
         step = f"dummydesign mold --thickness {best.thickness_mm:g} --resin {answer.request.resin}"
-        step += f" --ratio {best.ratio:g} --shape {answer.shape} --out {folder}"
+        step += f" --ratio {best.ratio:g} --shape {answer.shape}"
         message = f"{problem}; the recipe stands, the mould is missing: then run '{step}'"
         raise NoAnswerError(problem.code, message, result) from None
     files, warnings = mould.pop("files"), mould.pop("warnings")

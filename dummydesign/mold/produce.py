@@ -69,7 +69,7 @@ def produce(spec: MouldSpec, folder: Path) -> dict[str, Any]:
     files |= _write_views(made, meshes, folder)
     files |= _write_papers(made, plan, warnings, folder)
     files |= finish_picture(picture, folder, spec, warnings)
-    files |= _write_records(spec, [item.to_dict() for item in checks], files, folder)
+    files |= _write_records(spec, [item.to_dict() for item in checks], folder)
     return {
         "files": files,
         "volumes_mm3": volumes,
@@ -243,16 +243,11 @@ def _write_papers(made: Parts, plan: PourPlan, warnings: list[dict[str, str]], f
     return files
 
 
-def _write_records(
-    spec: MouldSpec, checks: list[dict[str, Any]], files: dict[str, str], folder: Path
-) -> dict[str, str]:
-    """Specification, checks, and the SHA-256 of every other file."""
+def _write_records(spec: MouldSpec, checks: list[dict[str, Any]], folder: Path) -> dict[str, str]:
+    """Specification and checks."""
     write_json(folder / "spec.json", {"hash": spec.hash, "spec": spec.to_dict()})
     write_json(folder / "checks.json", checks)
-    found = {**files, "spec": "spec.json", "checks": "checks.json"}
-    sums = {name: hashlib.sha256((folder / name).read_bytes()).hexdigest() for name in sorted(found.values())}
-    write_json(folder / "manifest.json", {"hash": spec.hash, "sha256": sums})
-    return {"spec": "spec.json", "checks": "checks.json", "manifest": "manifest.json"}
+    return {"spec": "spec.json", "checks": "checks.json"}
 
 
 def write_json(path: Path, content: Any) -> None:

@@ -6,6 +6,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from dummydesign.cli.output_option import add_replace_option
+
 HELP = "Make the silicone mould of a pad: STEP files, printable master and frame, pour sheet, all checked."
 
 
@@ -31,6 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--base-ratio", type=float, metavar="R", help="ratio of a layered pad's base (default: from its modulus ratio)"
     )
     parser.add_argument("--out", metavar="DIR", help="folder for the files (default mould_tMM)")
+    add_replace_option(parser)
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
@@ -47,6 +50,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         ratio=options.ratio,
         base_ratio=options.base_ratio,
         out=options.out,
+        replace=options.replace,
     ).to_dict()
 
 

@@ -6,6 +6,7 @@ import argparse
 from typing import Any
 
 from dummydesign.cli.effect_option import add_effect_option
+from dummydesign.cli.output_option import add_replace_option
 
 HELP = "Recommend resin ratio, pad thickness, weights to pour and a mould for a tissue."
 
@@ -30,6 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--robot-velocity", type=float, default=250.0, metavar="MM_S", help="its speed (default 250 mm/s)")
     add("--limits", metavar="FILE", help="safety view: your limits of force and pressure, with their source (TOML)")
     add("--out", metavar="DIR", help="folder of the files (default suggest-TISSUE)")
+    add_replace_option(parser)
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
@@ -53,6 +55,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         robot_velocity_mm_s=options.robot_velocity,
         limits=options.limits,
         out=f"suggest-{Path(options.tissue).stem}" if options.out is None else options.out,
+        replace=options.replace,
     ).to_dict()
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from dummydesign.cli.output_option import add_replace_option
+
 HELP = "Compute many slabs at once: depth, stiffness, local exponent, peak over steady, score for a tissue."
 SHOWN = 40
 
@@ -32,6 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--scheduler", metavar="ADDRESS", help="a running Dask scheduler, such as tcp://host:8786")
     add("--resume", action="store_true", help="keep the rows that are in the folder and work out what is missing")
     add("--out", metavar="DIR", help="folder of rows.csv and report.html (default whatif-RESIN)")
+    add_replace_option(parser)
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
@@ -54,6 +57,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         workers=options.workers,
         scheduler=options.scheduler,
         out=f"whatif-{load_resin(options.resin).name}" if options.out is None else options.out,
+        replace=options.replace,
         resume=options.resume,
     ).to_dict()
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from dummydesign.cli.output_option import add_replace_option
+
 HELP = "Compare the traces of a cast dummy with a tissue: parameters, steady-state range, force variation range."
 
 
@@ -14,6 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--tissue", required=True, metavar="NAME|FILE", help="see 'dummydesign tissues list'")
     parser.add_argument("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help="filter the force went through")
     parser.add_argument("--out", metavar="DIR", help="folder of the files (default compare-TISSUE)")
+    add_replace_option(parser)
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
@@ -23,7 +26,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     from dummydesign.api import compare
 
     out = options.out or f"compare-{Path(options.tissue).stem}"
-    return compare(options.traces, options.tissue, lowpass=options.lowpass, out=out).to_dict()
+    return compare(options.traces, options.tissue, lowpass=options.lowpass, out=out, replace=options.replace).to_dict()
 
 
 def render(result: dict[str, Any]) -> str:

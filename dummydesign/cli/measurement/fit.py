@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from dummydesign.cli.output_option import add_replace_option
+
 HELP = "Fit the nonlinear 3, 5 or 7 element law to traces of one tissue or dummy."
 
 
@@ -16,6 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--mode", default="joint", metavar="joint|per-speed|per-condition", help="default joint")
     parser.add_argument("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help="filter the force went through")
     parser.add_argument("--out", metavar="tissue.toml", help="write a tissue file; residuals and report beside it")
+    add_replace_option(parser)
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
@@ -29,6 +32,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         mode=options.mode,
         lowpass=options.lowpass,
         out=options.out or None,
+        replace=options.replace,
     ).to_dict()
 
 

@@ -30,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--contact", metavar="auto|none|MM", help="reading at contact, as the file counts it (default auto: by force)")
     add("--split", metavar="auto|none", help="auto: parted where force and depth return to zero; none: one press")
     add("--out", metavar="DIR", help="folder of the traces (default import-NAME)")
-    add("--replace", action="store_true", help="let --save-profile take the place of a profile of this name")
+    add("--replace", action="store_true", help="take the place of another answer in --out, or of the profile's name")
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:

@@ -7,6 +7,7 @@ import sys
 from typing import Any
 
 from dummydesign.cli.effect_option import add_effect_option
+from dummydesign.cli.output_option import add_replace_option
 
 HELP = "Measured campaign: residual, the effect the model lacks, the corrected model, and what to measure next."
 
@@ -15,6 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("campaign", metavar="CAMPAIGN_DIR", help="folder with campaign.toml and one CSV per trial")
     parser.add_argument("--out", metavar="DIR", help="where report and calibration go (default: loop-NAME)")
+    add_replace_option(parser)
     add_effect_option(parser)
 
 
@@ -30,7 +32,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     from dummydesign.api import calibrate
 
     out = options.out or f"loop-{Path(options.campaign).resolve().name}"
-    found = calibrate(options.campaign, effects=options.effect, out=out, progress=_progress)
+    found = calibrate(options.campaign, effects=options.effect, out=out, replace=options.replace, progress=_progress)
     if sys.stderr.isatty():
         print("\r\033[K", end="", file=sys.stderr)
     return found.to_dict()

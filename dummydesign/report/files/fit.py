@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import output_folder, write_bytes, write_text
+from dummydesign.core.files import write_bytes, write_text
 from dummydesign.report.fit import write_fit_report
 from dummydesign.tissue.fitting.fit import Fit
 from dummydesign.tissue.fitting.residuals import residual_plot, residual_table
@@ -29,12 +29,11 @@ def write_fit(fit: Fit, out: str, sources: Sequence[str] = ()) -> dict[str, str]
     Raises
     ------
     InputError
-        When ``out`` does not end in .toml or its folder cannot be written.
+        When ``out`` does not end in .toml or the files cannot be written.
     """
     path = Path(out)
     if path.suffix.lower() != ".toml":
         raise InputError(f"--out '{out}' must end in .toml: a tissue file is written there")
-    output_folder(path.parent)
     subject = subject_from_fit(path.stem, fit)
     notes = tuple(warning["message"] for warning in fit.result["warnings"])
     tissue = Tissue(path.stem, f"fit of {path.stem}", fit.law, (subject,), (), notes, "file")

@@ -198,7 +198,8 @@ def test_given_readings_are_taken_as_the_file_counts_them(tmp_path, capsys):
     assert np.allclose(trace.force_N, record.force_N, atol=1e-4)
     status, result, _ = asked(capsys, "r.csv", "--contact", "30cm", "--tare", "none", "--split", "none", "--flip",
                               "displacement,force")  # fmt: skip
-    trace = read_trace(tmp_path / "import-r" / result["files"][0]["traces"][0]["file"])
+    assert result["inputs"]["out"] == "import-r-2"
+    trace = read_trace(tmp_path / "import-r-2" / result["files"][0]["traces"][0]["file"])
     assert status == 0 and np.allclose(trace.force_N, record.force_N - 1.5, atol=1e-4)
 
 

@@ -24,9 +24,12 @@ import pytest
 
 import dummydesign
 
-DONE = ("api", "cli", "core", "design", "geometry", "inference", "loop", "mold", "report", "resin", "studies", "tissue")
-"""Rooms whose docstrings are complete; ``NOT_YET`` holds the others, and only shrinks."""
-NOT_YET = ("measurement", "pad")
+ROOMS = (
+    "api", "cli", "core", "design", "geometry", "inference", "loop", "measurement", "mold", "pad", "report", "resin",
+    "studies", "tissue",
+)  # fmt: skip
+NOT_YET = ("measurement.importing", "pad.contact", "pad.puck", "pad.shaped", "pad.slab", "pad.solve")
+"""Modules whose docstrings are not complete yet; this list only shrinks."""
 FEWEST = 3
 UNITS = {
     "mm": "mm", "mm2": "mm2", "mm3": "mm3", "mm_s": "mm/s", "N": "N", "s": "s", "ms": "ms", "MPa": "MPa", "kPa": "kPa",
@@ -44,8 +47,12 @@ def modules(room: str) -> Iterator[Any]:
     top = importlib.import_module(f"dummydesign.{room}")
     yield top
     for item in pkgutil.walk_packages(top.__path__, f"{top.__name__}."):
-        if not any(part.startswith("_") for part in item.name.split(".")):
+        if not any(part.startswith("_") for part in item.name.split(".")) and not left_out(item.name):
             yield importlib.import_module(item.name)
+
+
+def left_out(module: str) -> bool:
+    return any(f"{module}.".startswith(f"dummydesign.{name}.") for name in NOT_YET)
 
 
 def documented(module: Any) -> Iterator[tuple[str, FunctionType, list[str]]]:
@@ -69,7 +76,7 @@ def documented(module: Any) -> Iterator[tuple[str, FunctionType, list[str]]]:
 def named(function: FunctionType, module: Any) -> Iterator[str]:
     """Docstrings of the definitions that a docstring names with "see"; of a class, its method of the same name."""
     for path in SEE.findall(function.__doc__ or ""):
-        found = vars(module).get(path) or pydoc.locate(path)
+        found = pydoc.locate(f"{module.__name__}.{path}") or pydoc.locate(path)
         assert found is not None, f"{module.__name__}.{function.__qualname__} names {path}, which is not there"
         same = getattr(found, function.__name__, None) if inspect.isclass(found) else found
         yield getattr(same, "__doc__", None) or ""
@@ -141,14 +148,14 @@ def complaints(room: str) -> list[str]:
     return found
 
 
-@pytest.mark.parametrize("room", DONE)
+@pytest.mark.parametrize("room", ROOMS)
 def test_public_functions_of_three_arguments_say_what_each_is(room):
     assert complaints(room) == []
 
 
 def test_every_room_is_looked_at():
     folders = {item.name for item in pkgutil.iter_modules(dummydesign.__path__) if item.ispkg}
-    assert folders == {*DONE, *NOT_YET}
+    assert folders == set(ROOMS)
 
 
 def three(time_s, force_N, name):

@@ -45,9 +45,7 @@ class CorrectedLaw(BaseForceLaw):
         return tuple(said)
 
     def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: float) -> NDArray:
-        """Static force, NaN beyond the table; see :class:`dummydesign.pad.force_law.ForceLaw`. [N]
-        --
-        """
+        """Static force, NaN beyond the table; see :class:`dummydesign.pad.force_law.ForceLaw`. [N]"""
         depth, thickness, young = np.broadcast_arrays(
             *(np.asarray(value, dtype=float) for value in (depth_mm, thickness_mm, young_MPa))
         )

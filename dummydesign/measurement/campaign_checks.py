@@ -13,7 +13,22 @@ from dummydesign.measurement.landmarks import find_ramp
 
 
 def check_against_declared(trial: Trial, index: int, place: CampaignLines) -> None:
-    """Refuse magnitudes that can only be another unit, seen against the declared thickness, speed and force."""
+    """Refuse magnitudes that can only be another unit, seen against the declared thickness, speed and force.
+
+    Parameters
+    ----------
+    trial : Trial
+        With its trace.
+    index : int
+        Its place in the campaign file, from 0.
+    place : CampaignLines
+        Gives the line of an entry, for the message.
+
+    Raises
+    ------
+    InputError
+        Naming the file, what it holds, what is declared, and the unit it looks like.
+    """
     trace = trial.trace
     try:
         ramp = find_ramp(trace.time_s, trace.displacement_mm, "slowed")
@@ -46,7 +61,24 @@ def check_against_declared(trial: Trial, index: int, place: CampaignLines) -> No
 def check_set(
     trials: tuple[Trial, ...], blocks: list[dict[str, Any]], place: CampaignLines, warnings: list[dict[str, str]]
 ) -> None:
-    """Checks over all trials: files and sequence numbers used twice, what is missing for some tests."""
+    """Checks over all trials: files and sequence numbers used twice, what is missing for some tests.
+
+    Parameters
+    ----------
+    trials : tuple of Trial
+        All trials of the campaign.
+    blocks : list of dict
+        What the file says of each, which shows what was left to defaults.
+    place : CampaignLines
+        Gives the line of an entry, for messages.
+    warnings : list of {code, message}
+        What is missing for some tests is appended.
+
+    Raises
+    ------
+    InputError
+        For a file or a sequence number that is used twice.
+    """
     for what in ("file", "sequence"):
         seen: dict[Any, int] = {}
         for index, trial in enumerate(trials):

@@ -128,7 +128,19 @@ def _crossing(time: NDArray, x: NDArray, before: int, level: float) -> float:
 def approach_velocity(time: NDArray, x: NDArray, ramp: Ramp) -> float:
     """Speed the robot was sent with: the fastest stretch of 0.4 depths before the stop, the approach included.
 
-    A shallow press at 250 mm/s brakes all the way from the surface, so its mean speed says little. [mm/s]
+    A shallow press at 250 mm/s brakes all the way from the surface, so its mean speed says little.
+
+    Parameters
+    ----------
+    time, x : ndarray, shape (n,)
+        Times and displacements of the trace. [s, mm]
+    ramp : Ramp
+        Contact and stop that were found in it.
+
+    Returns
+    -------
+    float
+        [mm/s]
     """
     before = time <= ramp.stop_time_s
     climb = np.maximum.accumulate(x[before])

@@ -50,7 +50,20 @@ class Ramp:
 
 
 def contact_velocity(velocity_mm_s: ArrayLike, depth_mm: ArrayLike, deceleration_mm_s2: float) -> NDArray:
-    """Speed at first touch [mm/s]: as commanded, or sqrt(2 a depth) if braking begins above the surface."""
+    """Speed at first touch: as commanded, or sqrt(2 a depth) if braking begins above the surface.
+
+    Parameters
+    ----------
+    velocity_mm_s, depth_mm : array_like, broadcast
+        Commanded speed, and depth of the stop. [mm/s, mm]
+    deceleration_mm_s2 : float
+        Constant braking a. [mm/s2]
+
+    Returns
+    -------
+    ndarray
+        [mm/s]
+    """
     fastest = np.sqrt(2.0 * deceleration_mm_s2 * np.asarray(depth_mm, float))
     return np.minimum(np.asarray(velocity_mm_s, float), fastest)
 

@@ -136,7 +136,18 @@ def _check_one_press(path: Path, displacement: NDArray, force: NDArray) -> None:
 
 
 def magnitude_fault(time: NDArray, displacement: NDArray, force: NDArray) -> str:
-    """What can only be another unit or sign, and which one it looks like; empty where all is plausible."""
+    """What can only be another unit or sign, and which one it looks like; empty where all is plausible.
+
+    Parameters
+    ----------
+    time, displacement, force : ndarray, shape (n,)
+        The trace, as if it were in the project's units. [s, mm, N]
+
+    Returns
+    -------
+    str
+        A sentence for the message of an error.
+    """
     strongest_at = int(np.argmax(np.abs(force)))
     strongest, pressed = float(np.abs(force[strongest_at])), float(displacement[strongest_at])
     deepest = float(displacement.max()) if pressed > 0 else float(np.max(np.abs(displacement)))

@@ -56,8 +56,22 @@ def elastic_curve(
 ) -> ElasticCurve:
     """Long-term force as a function of depth, by the table or solved by finite elements.
 
-    ``deepest_mm`` None asks for the whole valid range; ``depths_mm`` are met exactly by a solve. A ``force_law``
-    takes the place of the response table (fidelity ``table``), whatever the pad is.
+    Parameters
+    ----------
+    pad : Pad
+    fidelity : str
+        One of :data:`FIDELITIES`.
+    deepest_mm, depths_mm : float and ndarray, shape (n,), or None
+        Largest depth that is needed, the whole valid range without it; depths that a solve meets exactly. [mm]
+    progress : callable or None
+        Called with each solved depth over thickness.
+    force_law : ForceLaw, optional
+        Takes the place of the response table (fidelity ``table``), whatever the pad is.
+
+    Raises
+    ------
+    InputError, NoAnswerError
+        For a case that the fidelity does not cover, with one that does; when a solve does not reach a depth.
     """
     if fidelity not in FIDELITIES:
         raise unknown_name("fidelity", fidelity, FIDELITIES)

@@ -67,8 +67,17 @@ class ForceLaw(Protocol):
     def stiffness(
         self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
     ) -> NDArray:
-        """Tangent stiffness dF/dd, all arguments broadcast; see :meth:`ForceLaw.force` for them. [N/mm]
-        --
+        """Tangent stiffness dF/dd. All arguments broadcast.
+
+        Parameters
+        ----------
+        depth_mm, thickness_mm, young_MPa, radius_mm
+            As for :meth:`force`.
+
+        Returns
+        -------
+        ndarray
+            [N/mm]
         """
         ...
 
@@ -134,9 +143,7 @@ class BaseForceLaw:
         return slope_of(lambda depth: self.force(depth, thickness_mm, young_MPa, radius_mm), depth_mm, step, limit)
 
     def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
-        """NaN: no error is stated; see :class:`ForceLaw`.
-        --
-        """
+        """NaN: no error is stated; see :class:`ForceLaw`."""
         shape = np.broadcast_shapes(np.shape(depth_mm), np.shape(thickness_mm), np.shape(radius_mm))
         return np.full(shape, np.nan)
 
@@ -167,9 +174,7 @@ class TimesFactor(BaseForceLaw):
         return self.law.depth_limit_mm(thickness_mm, radius_mm)
 
     def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
-        """Error of the force over the force: the law's and the factor's; see :class:`ForceLaw`.
-        --
-        """
+        """Error of the force over the force: the law's and the factor's; see :class:`ForceLaw`."""
         _, error = self.factor(depth_mm, thickness_mm, radius_mm)
         return error + self.law.relative_error(depth_mm, thickness_mm, radius_mm)
 

@@ -73,10 +73,13 @@ def predict_static(
     Parameters
     ----------
     pad : Pad
+        Pad, punch and modulus.
     depth_mm : sequence of float
         Depths >= 0 within the validity of the model. [mm]
     fidelity : str
-        ``table`` (bonded or sliding base, glued punch, neo-Hookean) or ``axisymmetric`` (solved now).
+        ``table`` (bonded or sliding base, glued punch, neo-Hookean), or ``axisymmetric`` or ``3d`` (solved now).
+    progress : callable, optional
+        Called with each solved depth over thickness.
     force_law : ForceLaw, optional
         Takes the place of the response table.
 
@@ -116,6 +119,19 @@ def predict_motion(
     A finite-strain pad is not separable: how far its force may lie from this one was measured (see
     ``separability``) and widens ``force_low_N`` and ``force_high_N``. With fidelity ``viscoelastic`` the
     motion is solved at finite strain, and the force is multiplied by the ratio found (``finite_strain_ratio``).
+
+    Parameters
+    ----------
+    pad : Pad
+        Pad, punch, modulus and relaxation.
+    motion : Motion
+        Depth of the punch over time.
+    fidelity : str
+        ``table``, ``axisymmetric``, ``3d`` or ``viscoelastic``.
+    progress : callable, optional
+        Called with each solved depth over thickness.
+    force_law : ForceLaw, optional
+        Takes the place of the response table.
 
     Raises
     ------
@@ -176,8 +192,16 @@ def depth_for_steady_force(
 
     Parameters
     ----------
+    pad : Pad
+        Pad, punch, modulus and relaxation.
+    force_N : float
+        Wanted at the end of the hold, above 0. [N]
+    hold_s : float
+        Hold after the stop, above 0. [s]
     motion_to : callable
-        Gives the motion to a depth, with a hold of ``hold_s``.
+        Gives the motion to a depth (mm), with a hold of ``hold_s``.
+    fidelity : str
+        As for :func:`predict_motion`.
 
     Raises
     ------

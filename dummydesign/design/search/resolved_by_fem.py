@@ -55,9 +55,7 @@ class ElementsLaw(BaseForceLaw):
         return np.minimum(self.table.depth_limit_mm(thickness_mm, radius_mm), reached)
 
     def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: float) -> NDArray:
-        """Error of the elements over the force; see :class:`dummydesign.pad.force_law.ForceLaw`.
-        --
-        """
+        """Error of the elements over the force; see :class:`dummydesign.pad.force_law.ForceLaw`."""
         shape = np.broadcast_shapes(np.shape(depth_mm), np.shape(thickness_mm))
         return np.interp(np.broadcast_to(depth_mm, shape), self.depth_mm, self.error)
 

@@ -144,7 +144,6 @@ class ShapeLaw(BaseForceLaw):
     def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: float) -> NDArray:
         """Elastic force; zero above the surface, NaN beyond the law's depth; see
         :class:`dummydesign.pad.force_law.ForceLaw`. [N]
-        --
         """
         given = (np.asarray(value, float) for value in (depth_mm, thickness_mm, young_MPa))
         depth, thickness, young = np.broadcast_arrays(*given)
@@ -164,9 +163,7 @@ class ShapeLaw(BaseForceLaw):
         return limit.reshape(np.shape(thickness_mm))
 
     def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: float) -> NDArray:
-        """Stated error of the force over the force; see :class:`dummydesign.pad.force_law.ForceLaw`.
-        --
-        """
+        """Stated error of the force over the force; see :class:`dummydesign.pad.force_law.ForceLaw`."""
         depth, thickness = np.broadcast_arrays(np.asarray(depth_mm, float), np.asarray(thickness_mm, float))
         error = np.empty(depth.shape)
         for value in np.unique(thickness):

@@ -100,7 +100,6 @@ class SolvedLaw(BaseForceLaw):
     def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: float) -> NDArray:
         """Elastic force at solved thicknesses and the one solved radius; see
         :class:`dummydesign.pad.force_law.ForceLaw`. [N]
-        --
         """
         if not np.isclose(radius_mm, self.radius_mm):
             raise ValueError(f"solved for a punch radius of {self.radius_mm} mm, asked for {radius_mm}")
@@ -122,7 +121,6 @@ class SolvedLaw(BaseForceLaw):
     def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: float) -> NDArray:
         """Error of the force over the force, between solved depths on straight lines; see
         :class:`dummydesign.pad.force_law.ForceLaw`.
-        --
         """
         depth, thickness = np.broadcast_arrays(np.asarray(depth_mm, float), np.asarray(thickness_mm, float))
         found = np.empty(depth.shape)

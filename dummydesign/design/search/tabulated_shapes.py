@@ -49,9 +49,7 @@ class TableFamily:
         ShapeLaw(shape)
 
     def at_thickness(self, shape: PadShape, thickness_mm: float, wanted_mm: NDArray) -> Designs:
-        """The same shape in the proportion of its kind (:meth:`PadShape.in_proportion`); see :class:`Family`.
-        --
-        """
+        """The same shape in the proportion of its kind (:meth:`PadShape.in_proportion`); see :class:`Family`."""
         wanted = np.asarray(wanted_mm, float)
         k = wanted / thickness_mm
         grows = self._shape.in_proportion(k)
@@ -60,9 +58,7 @@ class TableFamily:
         return Designs(self.kind, wanted, scaled)
 
     def area_mm2(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
-        """Force over modulus; NaN where the table does not reach; see :class:`Family`. [mm2]
-        --
-        """
+        """Force over modulus; NaN where the table does not reach; see :class:`Family`. [mm2]"""
         inputs = self._inputs(designs, radius_mm)
         h = designs.thickness_mm[:, None]
         depth = np.maximum(np.asarray(depth_mm, float), 0.0)
@@ -90,9 +86,7 @@ class TableFamily:
         return np.where(inside, limit, 0.0) * designs.thickness_mm
 
     def relative_error(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
-        """Stated error of the force over the force; see :class:`Family`.
-        --
-        """
+        """Stated error of the force over the force; see :class:`Family`."""
         return self.table.relative_error(depth_mm / designs.thickness_mm[:, None])
 
     def _inputs(self, designs: Designs, radius_mm: float) -> NDArray:

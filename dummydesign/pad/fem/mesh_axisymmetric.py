@@ -29,7 +29,19 @@ class Resolution:
 
 
 def graded(start: float, stop: float, first: float, growth: float) -> Array:
-    """Points from ``start`` to ``stop`` whose cells grow by ``growth`` from about ``first``."""
+    """Points from ``start`` to ``stop`` whose cells grow by ``growth`` from about ``first``.
+
+    Parameters
+    ----------
+    start, stop : float
+        First and last point, in any unit of length.
+    first, growth : float
+        Size of the first cell, and of each cell over the one before; 1 for even cells.
+
+    Returns
+    -------
+    ndarray, shape (cells + 1,)
+    """
     length = abs(stop - start)
     if growth > 1.0:
         count = max(1, int(np.ceil(np.log(1.0 + length * (growth - 1.0) / first) / np.log(growth))))
@@ -52,6 +64,8 @@ def web_mesh(
         Half width and depth of the box that holds the web.
     rings : int
         Rings of the web, each half the size of the one outside; the innermost is collapsed to the edge.
+    resolution : Resolution
+        Cells along the box, and their growth outside it.
 
     Returns
     -------
@@ -110,7 +124,7 @@ def discretise(
     ----------
     points, quads : ndarray
         Vertices, shape (2, n), and quadrilaterals, shape (4, n).
-    centre : ndarray of int, optional
+    centre : ndarray of int, shape (k,), optional
         Coinciding vertices of collapsed quadrilaterals; their nodes are made one.
     quarter_points : bool
         Move the mid-side nodes next to the centre to a quarter of their side, so that displacements

@@ -38,7 +38,21 @@ class Sizes:
 
 
 def radial_lines(sizes: Sizes, lines: Sequence[float], extent: float) -> Array:
-    """Radii from 0 to ``extent`` that follow the sizes and meet every one of ``lines``."""
+    """Radii from 0 to the outer radius that follow the wanted sizes and meet every marked radius.
+
+    Parameters
+    ----------
+    sizes : Sizes
+        Wanted size of a cell at each radius.
+    lines : sequence of float
+        Radii that must be met: kinks of the profile, the punch's edge.
+    extent : float
+        Outer radius, in the unit of the others.
+
+    Returns
+    -------
+    ndarray, shape (cells + 1,)
+    """
     marks = np.unique(np.concatenate([[0.0, extent], [x for x in lines if 0.0 < x < extent]]))
     found = [0.0]
     for start, stop in pairwise(marks):

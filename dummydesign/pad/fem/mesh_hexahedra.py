@@ -19,6 +19,19 @@ def lines(length: float, first: float, growth: float) -> Array:
 
     As many cells as the largest growth needs; the growth is then lowered until they fit. A length of
     less than 1.5 first cells is one cell.
+
+    Parameters
+    ----------
+    length : float
+        Last point, in any unit of length.
+    first : float
+        Size of the first cell.
+    growth : float
+        Largest ratio of neighbouring cells, above 1.
+
+    Returns
+    -------
+    ndarray, shape (cells + 1,)
     """
     if length < 1.5 * first:
         return np.array([0.0, length])
@@ -32,7 +45,19 @@ def lines(length: float, first: float, growth: float) -> Array:
 
 
 def lines_around(edge: float, extent: float, first: float, growth: float) -> Array:
-    """Points 0 to ``extent``, finest on both sides of ``edge``."""
+    """Points 0 to ``extent``, finest on both sides of ``edge``.
+
+    Parameters
+    ----------
+    edge, extent : float
+        Where cells are finest, and the last point, in one unit of length.
+    first, growth : float
+        Size of the cells at the edge, and the largest ratio of neighbouring cells.
+
+    Returns
+    -------
+    ndarray, shape (cells + 1,)
+    """
     inside = edge - lines(edge, first, growth)[::-1]
     return np.concatenate([inside, edge + lines(extent - edge, first, growth)[1:]])
 
@@ -49,7 +74,21 @@ _CORNERS = {(0, 0): 0, (1, 0): 1, (1, 1): 2, (0, 1): 3}
 
 
 def extrude(points: Array, quads: Array, z: Array) -> object:
-    """Hexahedra (scikit-fem ``MeshHex``) over quadrilaterals and increasing levels ``z``, level by level."""
+    """Hexahedra over quadrilaterals, level by level.
+
+    Parameters
+    ----------
+    points : ndarray, shape (2, n)
+        Vertices in the plane.
+    quads : ndarray of int, shape (4, m)
+        Their quadrilaterals.
+    z : ndarray, shape (levels,)
+        Increasing heights.
+
+    Returns
+    -------
+    skfem.MeshHex
+    """
     from skfem import MeshHex
 
     count = points.shape[1]
@@ -92,7 +131,21 @@ def discretise(mesh: Any, bend: Callable[[Array], Array] | None = None) -> Discr
 
 
 def horizontal_faces(mesh: Discretisation, cells: Array, upper: bool = True) -> Array:
-    """Nodes of the upper (or lower) faces of ``cells`` on a lattice of 3 x 3, shape (faces, 9), y fastest."""
+    """Nodes of the upper or lower faces of cells, on a lattice of 3 x 3, y fastest.
+
+    Parameters
+    ----------
+    mesh : Discretisation
+        Of 27-node hexahedra.
+    cells : ndarray of int, shape (faces,)
+        Which cells.
+    upper : bool
+        Their upper faces, else the lower.
+
+    Returns
+    -------
+    ndarray of int, shape (faces, 9)
+    """
     from skfem import ElementHex2
 
     local = ElementHex2().doflocs

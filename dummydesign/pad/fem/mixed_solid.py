@@ -110,7 +110,17 @@ class Solid:
         return F + self.mesh.kinematics.identity
 
     def state(self, u: Array, p: Array, tangent: bool = True) -> State | None:
-        """Evaluate the solid; None where a quadrature point is turned inside out (J <= 0)."""
+        """Evaluate the solid; None where an element is inverted at a quadrature point (J <= 0).
+
+        Parameters
+        ----------
+        u : ndarray, shape (displacements,)
+            Displacements of the nodes, in the mesh's unit of length.
+        p : ndarray, shape (elements, pressures)
+            Pressures of the elements. [MPa]
+        tangent : bool
+            Whether the tangent is wanted too.
+        """
         mesh, kin = self.mesh, self.mesh.kinematics
         F = self.deformation(u)
         J = kin.determinant(F)

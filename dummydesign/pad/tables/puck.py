@@ -48,7 +48,21 @@ class PuckTable:
     log_factor: Array
 
     def factor(self, alpha: float, grip_value: float, compression: Array) -> Array:
-        """B of one law and friction at compressions (over height); those outside are taken at the ends."""
+        """B of one law and friction: force over that between frictionless plates.
+
+        Parameters
+        ----------
+        alpha : float
+            Exponent of the one-term Ogden law.
+        grip_value : float
+            Friction coordinate, mu / (mu + 0.2): 0 frictionless, 1 bonded.
+        compression : ndarray, shape (n,)
+            Over the height of the puck; values beyond the table are taken at its ends.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+        """
         i, t = _place(self.alpha, alpha)
         j, s = _place(self.grip, grip_value)
         corner = self.log_factor[i : i + 2, j : j + 2]

@@ -67,6 +67,20 @@ def punch_law(circle: ForceLaw, punch: str, base: str = "bonded") -> ForceLaw:
     """The force law of a glued punch from that of the circle of its area; only squares differ.
 
     A rectangle counts as the circle: its factor depends on its sides and is solved by ``--fidelity 3d``.
+
+    Parameters
+    ----------
+    circle : ForceLaw
+        Of round punches.
+    punch : str
+        As typed: ``square:14``, ``round:16``, ``rectangle:20x10``.
+    base : str
+        ``bonded`` or ``sliding``.
+
+    Returns
+    -------
+    ForceLaw
+        To be asked with the radius of the circle of the punch's area.
     """
     sides = punch_sides_mm(punch)
     return SquareLaw(circle, base) if sides is not None and sides[0] == sides[1] else circle

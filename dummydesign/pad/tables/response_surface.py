@@ -27,7 +27,20 @@ def quadratic(q: Array) -> Array:
 
 
 def matern(first: Array, second: Array, lengths: Array) -> Array:
-    """Matern kernel (nu = 5/2) between points (n, k) and (m, k) of scaled inputs."""
+    """Matern kernel (nu = 5/2) between two sets of points of scaled inputs.
+
+    Parameters
+    ----------
+    first, second : ndarray, shapes (n, k) and (m, k)
+        The points.
+    lengths : ndarray, shape (k,)
+        Length of the kernel along each input.
+
+    Returns
+    -------
+    ndarray, shape (n, m)
+        1 where two points agree.
+    """
     a, b = first / lengths, second / lengths
     square = (a**2).sum(1)[:, None] + (b**2).sum(1) - 2.0 * a @ b.T
     distance = np.sqrt(5.0 * np.maximum(square, 0.0))
@@ -141,11 +154,15 @@ def fit(
     Parameters
     ----------
     inputs : ndarray, shape (n, k)
+        Solved points.
     values : ndarray, shape (n, m)
         y at the levels; NaN where a point did not reach one.
     levels : ndarray, shape (m,)
+        Depths, in a unit of the caller's choice.
     low, high : ndarray, shape (k,)
-        Scale of the inputs.
+        Inputs that are scaled to -1 and 1.
+    anchored : bool
+        Whether y is 0 at depth 0; else it is held below the first level.
     reach : ndarray, shape (n,)
         d / h to which each point was solved.
     noise : float

@@ -51,6 +51,19 @@ class QuickError:
 
         Linear between the grid in ln(a/h), d/h and ln(rise). Held at the ends of a / h and for longer rises;
         in proportion to shorter ones; the line in d / h is carried on beyond its end.
+
+        Parameters
+        ----------
+        ratio : float
+            Punch radius over thickness.
+        depth : ndarray, shape (n,)
+            Depths over thickness.
+        rise : float
+            Time of the rise over the time constant of the relaxation.
+
+        Returns
+        -------
+        ndarray, shape (n,)
         """
         width = np.clip(np.log(ratio), *np.log(self.ratio[[0, -1]]))
         time = np.clip(np.log(rise), *np.log(self.rise[[0, -1]]))

@@ -34,7 +34,20 @@ def tabulated_kinds() -> dict[str, Similarity]:
 
 
 def ratios(shape: PadShape, thickness_mm: Array, radius_mm: Array) -> Array:
-    """Numbers of the shape's table at thicknesses and punch radii (n,), shape (n, k)."""
+    """Numbers of the shape's response table.
+
+    Parameters
+    ----------
+    shape : PadShape
+        A shape of a kind with a table.
+    thickness_mm, radius_mm : ndarray, shape (n,), or a scalar
+        Of pads and punches. [mm]
+
+    Returns
+    -------
+    ndarray, shape (n, k)
+        As :meth:`PadShape.numbers` gives them.
+    """
     h, a = np.broadcast_arrays(np.asarray(thickness_mm, dtype=float), np.asarray(radius_mm, dtype=float))
     given: dict[str, Any] = dict(shape.parameters)
     return shape.numbers(given, h, a)
@@ -161,20 +174,15 @@ class ShapeLaw(BaseForceLaw):
     def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Static force; zero and negative depths carry none, NaN beyond the depth limit. [N]
 
-        Parameters
-        ----------
-        depth_mm : array_like
-            Below the pad's highest point. [mm]
-        thickness_mm, young_MPa, radius_mm : array_like
-            Thickness at the highest point [mm], long-term modulus of the (upper) resin [MPa], punch radius [mm];
-            broadcast with the depth.
+        Thickness is that at the highest point, the modulus that of the upper resin; see
+        :class:`dummydesign.pad.force_law.ForceLaw`.
         """
         return self.force_and_stiffness(depth_mm, thickness_mm, young_MPa, radius_mm)[0]
 
     def force_and_stiffness(
         self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
     ) -> tuple[Array, Array]:
-        """Static force [N] and tangent stiffness dF/dd [N/mm]; arguments as for :meth:`force`."""
+        """Static force [N] and tangent stiffness dF/dd [N/mm]; see :meth:`ResponseTable.force_and_stiffness`."""
         d, h, young, a = np.broadcast_arrays(
             *(np.asarray(v, dtype=float) for v in (depth_mm, thickness_mm, young_MPa, radius_mm))
         )
@@ -201,11 +209,11 @@ class ShapeLaw(BaseForceLaw):
     def stiffness(
         self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
     ) -> Array:
-        """Tangent stiffness dF/dd; arguments as for :meth:`force`. [N/mm]"""
+        """Tangent stiffness dF/dd; see :class:`dummydesign.pad.force_law.ForceLaw`. [N/mm]"""
         return self.force_and_stiffness(depth_mm, thickness_mm, young_MPa, radius_mm)[1]
 
     def local_exponent(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
-        """d ln F / d ln d at depths above 0."""
+        """d ln F / d ln d at depths above 0; see :meth:`ResponseTable.local_exponent`."""
         force, stiffness = self.force_and_stiffness(depth_mm, thickness_mm, 1.0, radius_mm)
         return np.asarray(depth_mm, dtype=float) * stiffness / force
 
@@ -220,7 +228,9 @@ class ShapeLaw(BaseForceLaw):
         return limit * h
 
     def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
-        """Error of the force over the force: finite elements and regression."""
+        """Error of the force over the force: finite elements and regression; see
+        :class:`dummydesign.pad.force_law.ForceLaw`.
+        """
         depth, h, a = np.broadcast_arrays(
             *(np.asarray(v, dtype=float) for v in (depth_mm, thickness_mm, radius_mm))
         )
@@ -230,7 +240,7 @@ class ShapeLaw(BaseForceLaw):
     def depth_at_force(
         self, force_N: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
     ) -> Array:
-        """Depth at which the static force is reached; NaN when out of reach. [mm]"""
+        """Depth of a force, NaN when out of reach; see :meth:`ResponseTable.depth_at_force`. [mm]"""
         force, h, young, a = np.broadcast_arrays(
             *(np.asarray(v, dtype=float) for v in (force_N, thickness_mm, young_MPa, radius_mm))
         )

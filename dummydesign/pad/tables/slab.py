@@ -109,10 +109,10 @@ class ResponseTable:
 
         Parameters
         ----------
-        depth_mm : array_like
+        depth_mm : array_like, broadcast
             Depth; zero and negative depths (above the surface) carry no force. [mm]
-        thickness_mm, young_MPa, radius_mm : array_like
-            Thickness [mm], long-term Young's modulus [MPa], punch radius [mm]; broadcast with the depth.
+        thickness_mm, young_MPa, radius_mm : array_like, broadcast
+            Thickness [mm], long-term Young's modulus [MPa], punch radius [mm].
 
         Returns
         -------
@@ -124,7 +124,13 @@ class ResponseTable:
     def force_and_stiffness(
         self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
     ) -> tuple[Array, Array]:
-        """Static force [N] and tangent stiffness dF/dd [N/mm]; arguments as for :meth:`force`."""
+        """Static force [N] and tangent stiffness dF/dd [N/mm].
+
+        Parameters
+        ----------
+        depth_mm, thickness_mm, young_MPa, radius_mm
+            As for :meth:`force`.
+        """
         ratio = self._ratio(thickness_mm, radius_mm)
         depth, radius = np.asarray(depth_mm, dtype=float), np.asarray(radius_mm, dtype=float)
         x = depth / np.asarray(thickness_mm, dtype=float)
@@ -138,7 +144,7 @@ class ResponseTable:
     def stiffness(
         self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
     ) -> Array:
-        """Tangent stiffness dF/dd; arguments as for :meth:`force`. [N/mm]"""
+        """Tangent stiffness dF/dd; see :meth:`ResponseTable.force` for the arguments. [N/mm]"""
         return self.force_and_stiffness(depth_mm, thickness_mm, young_MPa, radius_mm)[1]
 
     @property
@@ -147,7 +153,18 @@ class ResponseTable:
         return ()
 
     def local_exponent(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
-        """d ln F / d ln d = 1 + x d(ln s)/dx; 1 at first touch."""
+        """Exponent d ln F / d ln d = 1 + x d(ln s)/dx of the force; 1 at first touch.
+
+        Parameters
+        ----------
+        depth_mm, thickness_mm, radius_mm
+            As for :meth:`force`.
+
+        Returns
+        -------
+        ndarray
+            NaN beyond the depth limit.
+        """
         ratio = self._ratio(thickness_mm, radius_mm)
         x = np.asarray(depth_mm, dtype=float) / np.asarray(thickness_mm, dtype=float)
         _, slope = self.log_stiffness(np.clip(x, *self.depth_range), ratio)
@@ -162,7 +179,9 @@ class ResponseTable:
         return self.depth_limit(self._ratio(thickness_mm, radius_mm)) * np.asarray(thickness_mm, dtype=float)
 
     def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
-        """Numerical error of the force over the force: finite elements plus interpolation."""
+        """Numerical error of the force over the force, finite elements plus interpolation; see
+        :class:`dummydesign.pad.force_law.ForceLaw`.
+        """
         ratio = np.log(self._ratio(thickness_mm, radius_mm))
         x = np.asarray(depth_mm, dtype=float) / np.asarray(thickness_mm, dtype=float)
         x, ratio = np.broadcast_arrays(x, ratio)
@@ -171,7 +190,15 @@ class ResponseTable:
     def depth_at_force(
         self, force_N: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
     ) -> Array:
-        """Depth at which the static force is reached, by safeguarded Newton steps; NaN when out of reach. [mm]"""
+        """Depth at which the static force is reached, by safeguarded Newton steps; NaN when out of reach. [mm]
+
+        Parameters
+        ----------
+        force_N : array_like, broadcast
+            Wanted. [N]
+        thickness_mm, young_MPa, radius_mm
+            As for :meth:`force`.
+        """
         force, thickness, young, radius = np.broadcast_arrays(
             *(np.asarray(v, dtype=float) for v in (force_N, thickness_mm, young_MPa, radius_mm))
         )

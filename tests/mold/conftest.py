@@ -13,6 +13,7 @@ import pytest
 
 import dummydesign
 from dummydesign.mold.model.preset import mould_spec
+from tests.support.mould_checks import shape_spec
 
 
 @pytest.fixture(scope="session")
@@ -52,3 +53,24 @@ def lidded_package(lidded_spec, tmp_path_factory):
     assert done.returncode == 0, done.stderr
     answer = json.loads(done.stdout)
     return folder, SimpleNamespace(answer=answer, **answer)
+
+
+@pytest.fixture(scope="session")
+def crowned():
+    from dummydesign.mold.cad.build import build
+
+    return build(shape_spec("crowned:3,8,9", 15.0))
+
+
+@pytest.fixture(scope="session")
+def layered():
+    from dummydesign.mold.cad.build import build
+
+    return build(shape_spec("layered:3,0.4", 8.0))
+
+
+@pytest.fixture(scope="session")
+def boned():
+    from dummydesign.mold.cad.build import build
+
+    return build(shape_spec("boned:20,6", 15.0))

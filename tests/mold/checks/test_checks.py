@@ -18,15 +18,12 @@ from dummydesign.mold.model.layout import layout
 from dummydesign.mold.model.outline import Outline
 from dummydesign.mold.pour.plan import pour_plan, stems_mm3
 from dummydesign.mold.pour.warnings import pour_warnings
-
-
-def _failed(checks):
-    return [f"{item.id} = {item.value} ({item.note})" for item in checks if item.status == "fail"]
+from tests.support.mould_checks import failed
 
 
 def test_all_checks_of_an_open_mould_pass(open_parts):
     checks = check.check_solids(open_parts)
-    assert _failed(checks) == []
+    assert failed(checks) == []
     assert {"cavity_volume", "closed_form", "draft_cavity", "sweep_cavity", "silicone_in_box_mould"} <= {
         item.id for item in checks
     }
@@ -34,7 +31,7 @@ def test_all_checks_of_an_open_mould_pass(open_parts):
 
 def test_all_checks_of_a_lidded_mould_pass(lidded_parts):
     checks = check.check_solids(lidded_parts)
-    assert _failed(checks) == []
+    assert failed(checks) == []
     assert {"lid_one_way", "features_apart", "gutter_to_cavity", "silicone_in_box_lid"} <= {c.id for c in checks}
 
 
@@ -44,7 +41,7 @@ def _mesh_checks(made, mould):
 
 def test_mesh_checks_pass_on_good_moulds(open_parts, lidded_parts):
     for made in (open_parts, lidded_parts):
-        assert _failed(_mesh_checks(made, made.solid("mould"))) == []
+        assert failed(_mesh_checks(made, made.solid("mould"))) == []
 
 
 def _bad_mould(made, pad=None, lip=None):
@@ -94,7 +91,7 @@ def test_inward_lip_fails_rays_and_sweep(open_parts):
     pad = open_parts.solid("pad").cut(lip)
     found = _measures(open_parts, mould, pad)
     assert found["rays"] > 0 and found["sweep"] > 1.0 and found["draft"] < 0
-    assert "rays_blocked" in " ".join(_failed(_mesh_checks(open_parts, mould)))
+    assert "rays_blocked" in " ".join(failed(_mesh_checks(open_parts, mould)))
 
 
 def test_closed_hole_through_the_pad_fails_rays_and_sweep(open_parts):
@@ -139,7 +136,7 @@ def test_wrong_compensation_is_seen(open_parts):
 
     wrong = Parts(open_parts.spec, open_parts.plan, open_parts.pad_nominal.scale(1.001))
     wrong.parts, wrong.tools, wrong.hull = open_parts.parts, open_parts.tools, open_parts.hull
-    assert any("compensation" in text for text in _failed(check.check_volumes(wrong)))
+    assert any("compensation" in text for text in failed(check.check_volumes(wrong)))
 
 
 def test_missing_label_on_the_master_is_seen(open_parts):
@@ -152,8 +149,8 @@ def test_missing_label_on_the_master_is_seen(open_parts):
     other = Parts(open_parts.spec, plan, open_parts.pad_nominal, dict(open_parts.parts), open_parts.tools)
     other.hull = open_parts.hull
     other.parts["master"] = Part("master", bald, "rigid")
-    assert any("label_reads_right" in text for text in _failed(check.check_label(other)))
-    assert any("silicone_in_box" in text for text in _failed(check.check_boxes(other)))
+    assert any("label_reads_right" in text for text in failed(check.check_label(other)))
+    assert any("silicone_in_box" in text for text in failed(check.check_boxes(other)))
 
 
 def test_thin_wall_and_floor_are_seen(open_parts):
@@ -173,13 +170,13 @@ def test_features_that_touch_are_seen(lidded_parts):
     made = lidded_parts
     near = Parts(made.spec, made.plan, made.pad_nominal, made.parts, dict(made.tools))
     near.tools["vents"] = [made.tools["gutter"][0], *made.tools["vents"]]
-    assert any("features_apart" in text for text in _failed(check.check_distances(near)))
+    assert any("features_apart" in text for text in failed(check.check_distances(near)))
 
 
 def _process(spec, plan=None, drop=()):
     plan = plan or pour_plan(spec)
     told = [item for item in pour_warnings(spec, plan) if item["code"] not in drop]
-    return " ".join(_failed(check_process.check_process(spec, plan, told)))
+    return " ".join(failed(check_process.check_process(spec, plan, told)))
 
 
 def test_process_checks_fail_on_what_cannot_be_poured(open_spec):
@@ -236,4 +233,4 @@ def test_puck_is_a_plain_cylinder_whose_mould_passes():
 
     made = build(mould_spec(30.0, 50.0, 50.0, kind="puck"))
     assert made.pad_nominal.Volume() == pytest.approx(math.pi * 25**2 * 30, rel=1e-12)
-    assert _failed(check.check_solids(made)) == []
+    assert failed(check.check_solids(made)) == []

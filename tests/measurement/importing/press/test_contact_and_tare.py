@@ -1,0 +1,127 @@
+"""Contact and tare of a press, held against presses of known law, contact and noise."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from dummydesign.measurement.importing.core.decisions import Notes, QuestionError
+from dummydesign.measurement.importing.press.contact import find_contact
+from dummydesign.measurement.importing.press.split import find_presses
+from dummydesign.measurement.importing.press.zero import FILTER_DELAY_S, find_contacts, find_tares, interval
+from tests.support.machine_presses import recording
+from tests.support.parted_press import parts_of
+
+
+@pytest.mark.parametrize("power", [1.0, 1.5, 2.0, 3.0])
+@pytest.mark.parametrize("place", [0.0, 0.7, -321.4])
+def test_contact_is_found_for_every_power_law(power, place):
+    time = np.arange(0, 2.0, 0.002)
+    x = np.clip(-2.0 + 10.0 * (time - 0.4), -2.0, 5.0)
+    force = 15.0 * (np.maximum(x, 0.0) / 5.0) ** power
+    noise = np.random.default_rng(int(10 * power)).normal(0.0, 0.01, len(time))
+    load = force + noise
+    spans = find_presses("a.csv", x + place, load, True)
+    contact = find_contact(time, x + place, load, spans[0])
+    assert contact.position_mm == pytest.approx(place, abs=0.05 if power < 2.5 else 0.15)
+    assert contact.low_mm < place < contact.high_mm
+    assert contact.tare_N == pytest.approx(0.0, abs=contact.tare_error_N)
+    assert contact.velocity_mm_s == pytest.approx(10.0, rel=0.01)
+
+
+def test_without_noise_contact_is_exact():
+    time = np.arange(0, 2.0, 0.001)
+    x = np.clip(-1.0 + 10.0 * (time - 0.3), -1.0, 5.0)
+    load = np.maximum(x - 0.25, 0.0) ** 1.5
+    contact = find_contact(time, x, load, find_presses("a.csv", x, load, True)[0])
+    assert contact.position_mm == pytest.approx(0.25, abs=0.01)
+
+
+@pytest.mark.slow
+def test_intervals_of_contact_hold_the_truth_as_often_as_they_say():
+    inside, off = [], []
+    for seed in range(5000, 5200):
+        record = recording(seed, velocity_mm_s=[2.0, 10.0, 50.0][seed % 3])
+        low, high = interval(parts_of(record)[2][0])
+        inside.append(low <= 0.0 <= high)
+        off.append(parts_of(record)[2][0].position_mm)
+    assert np.mean(inside) >= 0.95
+    assert np.sqrt(np.mean(np.square(off))) < 0.15
+
+
+def contacts_of(seed=2, place=0.0, **options):
+    record = recording(seed, velocity_mm_s=options.pop("velocity", 10.0), filtered=False, **options)
+    signs, spans, contacts = parts_of(record, place=place)
+    x = record.displacement_mm + place
+    depths = [float(x[s.start : s.stop].max()) - c.position_mm for s, c in zip(spans, contacts)]
+    return contacts, depths, float(x[0]), signs
+
+
+def test_the_own_zero_of_a_file_stands_where_the_force_agrees():
+    contacts, depths, first, _ = contacts_of()
+    notes = Notes()
+    assert find_contacts("a.csv", contacts, depths, first, 1.0, notes) == [0.0]
+    assert notes.decisions[0].value == "the file's own zero"
+
+
+def test_a_zero_half_a_millimetre_off_is_moved_to_the_contact():
+    contacts, depths, first, _ = contacts_of(seed=6, place=0.5)
+    found = find_contacts("a.csv", contacts, depths, first, 1.0, Notes())
+    assert found[0] == pytest.approx(0.5, abs=0.05)
+
+
+def test_a_fast_press_in_unknown_coordinates_is_asked_about_and_a_slow_one_beside_it_answers():
+    fast, depths, first, _ = contacts_of(seed=6, velocity=250.0, place=200.0)
+    assert interval(fast[0])[0] == pytest.approx(fast[0].low_mm - FILTER_DELAY_S * fast[0].velocity_mm_s)
+    with pytest.raises(QuestionError, match="--contact"):
+        find_contacts("a.csv", fast, depths, first, 1.0, Notes())
+    slow, more, _, _ = contacts_of(seed=6, place=200.0)
+    found = find_contacts("a.csv", [*fast, *slow], [*depths, *more], first, 1.0, Notes())
+    assert found == pytest.approx([200.0, 200.0], abs=0.05)
+
+
+def test_a_dent_that_is_left_is_told_and_does_not_move_the_surface():
+    contacts, depths, first, _ = contacts_of(seed=6)
+    later, more, _, _ = contacts_of(seed=6, place=0.4)
+    notes = Notes()
+    assert find_contacts("a.csv", [*contacts, *later], [*depths, *more], first, 1.0, notes) == [0.0, 0.0]
+    assert [warning["code"] for warning in notes.warnings] == ["surface_not_back"]
+
+
+def test_a_press_at_another_place_gets_a_zero_of_its_own():
+    contacts, depths, first, _ = contacts_of(seed=6)
+    other, more, _, _ = contacts_of(seed=6, place=-3.0)
+    notes = Notes()
+    found = find_contacts("a.csv", [*contacts, *other], [*depths, *more], first, 1.0, notes)
+    assert found == pytest.approx([0.0, -3.0], abs=0.05)
+    assert [warning["code"] for warning in notes.warnings] == ["another_place"]
+
+
+def test_the_lead_in_tares_and_a_tared_file_is_left_alone():
+    record = recording(7, velocity_mm_s=10.0, lead_in=True)
+    signs, _, contacts = parts_of(record, tare=0.8)
+    assert find_tares("a.csv", contacts, signs.rest_force_N, False, Notes())[0] == pytest.approx(0.8, abs=0.02)
+    quiet = recording(7, velocity_mm_s=10.0)
+    signs, _, contacts = parts_of(quiet)
+    assert find_tares("a.csv", contacts, signs.rest_force_N, False, Notes()) == [0.0]
+
+
+def test_without_a_lead_in_a_force_at_the_start_is_asked_about():
+    record = recording(7, velocity_mm_s=10.0, lead_in=False)
+    signs, _, contacts = parts_of(record)
+    assert contacts[0].lead_in < 5
+    assert find_tares("a.csv", contacts, signs.rest_force_N, False, Notes()) == [0.0]
+    signs, _, contacts = parts_of(record, tare=0.8)
+    with pytest.raises(QuestionError, match=r"--tare .* --tare none"):
+        find_tares("a.csv", contacts, signs.rest_force_N, False, Notes())
+
+
+def test_a_zero_that_wanders_from_press_to_press_is_tared_press_by_press():
+    record = recording(8, presses=2, velocity_mm_s=10.0)
+    _, spans, _ = parts_of(record)
+    tare = np.where(np.arange(len(record.time_s)) < spans[1].start, 0.3, 0.5)
+    signs, _, contacts = parts_of(record, tare=tare)
+    notes = Notes()
+    found = find_tares("a.csv", contacts, signs.rest_force_N, False, notes)
+    assert found == pytest.approx([0.3, 0.5], abs=0.04)
+    assert [warning["code"] for warning in notes.warnings] == ["zero_wanders"]

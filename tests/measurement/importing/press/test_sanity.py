@@ -1,0 +1,84 @@
+"""What looks wrong in a press is told by its name; a good press gives no warning."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from dummydesign.measurement.importing.press.contact import find_contact
+from dummydesign.measurement.importing.press.sanity import check_press
+from dummydesign.measurement.importing.press.split import find_presses
+from dummydesign.measurement.importing.press.summary import summarise
+
+
+def checked(time, x, force):
+    """Codes of what looks wrong in one press."""
+    codes = []
+    span = find_presses("a.csv", x, force, True)[0]
+    contact = find_contact(time, x, force, span)
+    summary = summarise("a.csv", time, x, force)
+    check_press("a.csv", time, x, force, contact, summary, lambda code, text: codes.append(code))
+    return codes
+
+
+@pytest.fixture
+def press():
+    """A slow ball press with a long hold, as arrays that a test may damage."""
+    rng = np.random.default_rng(11)
+    time = np.arange(0, 12.0, 0.004)
+    x = np.clip(-1.0 + 5.0 * (time - 0.4), -1.0, 4.0)
+    force = 2.0 * np.maximum(x, 0) ** 1.5 * np.where(time > 1.4, 0.8 + 0.2 * np.exp(-(time - 1.4) / 0.4), 1.0)
+    return time, x + rng.normal(0, 0.0005, len(x)), force + rng.normal(0, 0.01, len(x))
+
+
+def test_a_good_press_gives_no_warning(press):
+    assert checked(*press) == []
+
+
+def test_a_load_cell_at_its_end_is_told(press):
+    time, x, force = press
+    assert "clipped" in checked(time, x, np.minimum(force, 11.0))
+
+
+def test_a_coarse_resolution_is_not_taken_for_a_load_cell_at_its_end(press):
+    time, x, force = press
+    assert checked(time, x, np.round(force, 1)) == []
+
+
+def test_single_samples_far_off_are_told(press):
+    time, x, force = press
+    force[[900, 1500]] += 4.0
+    assert checked(time, x, force) == ["spike"]
+
+
+def test_a_force_that_is_lost_in_the_hold_is_told(press):
+    time, x, force = press
+    force[1000:1010] = 0.0
+    assert "drop_out" in checked(time, x, force)
+
+
+def test_missing_samples_in_the_rise_are_told_and_a_sparser_hold_is_not(press):
+    time, x, force = press
+    keep = np.r_[0:200, 240 : len(time)]
+    assert "drop_out" in checked(time[keep], x[keep], force[keep])
+    keep = np.r_[0:500, 500 : len(time) : 25]
+    assert checked(time[keep], x[keep], force[keep]) == []
+
+
+def test_a_short_hold_whose_force_still_falls_is_told(press):
+    time, x, force = press
+    keep = time < 2.4
+    assert checked(time[keep], x[keep], force[keep]) == ["hold_too_short"]
+
+
+def test_a_staircase_is_told(press):
+    time, _, _ = press
+    x = np.interp(time, [0, 0.4, 1.0, 4.0, 4.4, 8.0, 8.4, 12.0], [-1, -1, 2, 2, 3, 3, 4, 4])
+    assert "several_holds" in checked(time, x, 2.0 * np.maximum(x, 0) ** 1.5)
+
+
+@pytest.mark.parametrize("change", ["grams", "inches"])
+def test_a_press_far_from_any_hand_or_pad_is_doubted(press, change):
+    time, x, force = press
+    x, force = (x, force / 9.80665e-3) if change == "grams" else (x / 25.4, force)
+    assert "far_from_known" in checked(time, x, force)

@@ -1,0 +1,53 @@
+"""A recording is parted into presses where the punch is out, and nowhere else."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from dummydesign.measurement.importing.press.split import find_presses
+from tests.support.machine_presses import recording
+from tests.support.parted_press import parts_of
+
+
+@pytest.mark.parametrize("presses", [1, 2, 3])
+@pytest.mark.parametrize("seed", range(6))
+def test_presses_are_parted_where_the_punch_is_out_and_hold_all_samples(seed, presses):
+    record = recording(seed, presses)
+    _, spans, _ = parts_of(record)
+    assert len(spans) == presses
+    assert spans[0].start == 0 and spans[-1].stop == len(record.time_s)
+    assert all(a.stop == b.start for a, b in pairwise(spans))
+    cuts = [span.start for span in spans[1:]]
+    assert np.all(record.displacement_mm[cuts] < 0) and np.all(np.abs(record.true_force_N[cuts]) < 1e-6)
+
+
+def test_a_lost_signal_within_a_hold_parts_nothing():
+    record = recording(3, velocity_mm_s=10.0)
+    force = record.force_N.copy()
+    middle = int(np.argmax(force)) + 300
+    force[middle : middle + 20] = 0.0
+    assert len(find_presses("a.csv", record.displacement_mm, force, True)) == 1
+
+
+def test_presses_are_parted_although_the_zero_of_the_force_drifts():
+    record = recording(4, presses=3, velocity_mm_s=10.0)
+    drift = 0.08 * record.force_N.max() * record.time_s / record.time_s[-1]
+    assert len(find_presses("a.csv", record.displacement_mm, record.force_N + drift, True)) == 3
+
+
+def test_presses_on_a_surface_that_pulls_are_parted():
+    record = recording(4, presses=2, velocity_mm_s=10.0)
+    leaving = np.r_[np.diff(record.displacement_mm) < -0.005, False] & (record.displacement_mm > -0.5)
+    force = np.where(leaving & (record.force_N < 1.0), -1.5, record.force_N)
+    assert len(find_presses("a.csv", record.displacement_mm, force, True)) == 2
+
+
+def test_a_jolt_of_the_robot_in_the_air_is_no_press():
+    record = recording(5, velocity_mm_s=10.0)
+    force = record.force_N.copy()
+    start = int(np.argmax(np.diff(record.displacement_mm) > 0.01))
+    force[start : start + 8] += 0.15 * force.max()
+    assert len(find_presses("a.csv", record.displacement_mm, force, True)) == 1

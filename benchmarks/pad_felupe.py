@@ -143,12 +143,12 @@ def ours_slab(ratio: float, extent: float, depth: np.ndarray, corner: float = CO
 def ours_puck() -> dict[str, Any]:
     """Forces, seconds and the mesh lines of the bonded puck."""
     from dummydesign.pad.material.hyperelastic import neo_hookean
-    from dummydesign.pad.puck import Puck, puck_problem
+    from dummydesign.pad.puck import UnitPuck, puck_problem
     from dummydesign.pad.solve.continuation import follow
     from dummydesign.pad.solve.equilibrium import Problem
 
     began = time.process_time()
-    full = puck_problem(Puck(1.0, "bonded"), neo_hookean(1.0), corner=PUCK_CORNER)
+    full = puck_problem(UnitPuck(1.0, "bonded"), neo_hookean(1.0), corner=PUCK_CORNER)
     mesh = full.solid.mesh
     held = np.ones(mesh.size, dtype=bool)
     held[full.pattern.free] = held[full.driven] = False

@@ -13,7 +13,7 @@ from dummydesign.core.errors import InputError
 
 if TYPE_CHECKING:
     from dummydesign.pad.material.relaxation import PronyTerm
-    from dummydesign.pad.pad import Pad
+    from dummydesign.pad.pad import Pad, Puck
 
 STATIC = ("depth_mm", "force_N", "force_low_N", "force_high_N", "local_exponent")
 MOVED = ("time_s", "displacement_mm", "force_N", "force_low_N", "force_high_N")
@@ -119,7 +119,7 @@ def predict(
     return Result(found, result)
 
 
-def _motion(made: Pad, inputs: dict[str, Any]) -> tuple[Any, dict[str, float]]:
+def _motion(made: Pad | Puck, inputs: dict[str, Any]) -> tuple[Any, dict[str, float]]:
     """The measured motion, or the ramp and hold that ends at the force, with its depth."""
     from dummydesign.measurement.motion import ramp_and_hold
     from dummydesign.pad.predict import depth_for_steady_force
@@ -139,11 +139,11 @@ def _motion(made: Pad, inputs: dict[str, Any]) -> tuple[Any, dict[str, float]]:
     return motion_to(depth), {"depth_mm": depth}
 
 
-def _pad(inputs: dict[str, Any]) -> tuple[Pad, dict[str, float], list[str]]:
-    """Make the pad that is asked for; also its modulus with interval, and sources."""
+def _pad(inputs: dict[str, Any]) -> tuple[Pad | Puck, dict[str, float], list[str]]:
+    """Make the pad or puck that is asked for; also its modulus with interval, and sources."""
     from dummydesign.geometry.shapes import read_shape
     from dummydesign.pad.material.hyperelastic import read_law
-    from dummydesign.pad.pad import Pad
+    from dummydesign.pad.pad import SLAB, Pad, Puck
     from dummydesign.pad.tables.punch import equal_area_radius_mm, punch_sides_mm
 
     young, sources, prony = _material(inputs)
@@ -155,11 +155,18 @@ def _pad(inputs: dict[str, Any]) -> tuple[Pad, dict[str, float], list[str]]:
     cylinder, plate = kind == "cylinder", punch == "plate"
     if cylinder != plate:
         raise InputError(f"pad '{size_text}' and punch '{punch}': plates press cylinders only")
-    profile = _profile(punch[len("profile:") :]) if punch.startswith("profile:") else None
+    law, geometry = read_law(inputs["law"]), read_shape(inputs["shape"])
     if cylinder:
-        radius = 0.5 * sides[0]
-    else:
-        radius = profile[0][-1] if profile else equal_area_radius_mm(punch)
+        if geometry != SLAB:
+            raise InputError(f"shape {geometry} is pressed by a flat punch, not by a profile or plates")
+        if inputs["base"] != "bonded":
+            raise InputError(f"base = {inputs['base']}: both plates hold a puck alike; say how by --condition")
+        puck = Puck(
+            inputs["thickness_mm"], young["value"] * 1e-3, sides[0], prony, inputs["condition"], inputs["poisson"], law
+        )
+        return puck, young, sources
+    profile = _profile(punch[len("profile:") :]) if punch.startswith("profile:") else None
+    radius = profile[0][-1] if profile else equal_area_radius_mm(punch)
     made = Pad(
         thickness_mm=inputs["thickness_mm"],
         young_MPa=young["value"] * 1e-3,
@@ -168,13 +175,12 @@ def _pad(inputs: dict[str, Any]) -> tuple[Pad, dict[str, float], list[str]]:
         base=inputs["base"],
         condition=inputs["condition"],
         poisson=inputs["poisson"],
-        law=read_law(inputs["law"]),
+        law=law,
         extent_mm=sqrt(sides[0] * sides[-1] / pi),
-        sides_mm=None if profile or cylinder else punch_sides_mm(punch),
+        sides_mm=None if profile else punch_sides_mm(punch),
         slab_mm=(sides[0], sides[-1]),
         profile_mm=profile,
-        cylinder=cylinder,
-        geometry=read_shape(inputs["shape"]),
+        geometry=geometry,
     )
     return made, young, sources
 
@@ -220,11 +226,12 @@ def _profile(path: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
     return r, z
 
 
-def _punch_warnings(made: Pad, fidelity: str) -> list[dict[str, str]]:
+def _punch_warnings(made: Pad | Puck, fidelity: str) -> list[dict[str, str]]:
     """Warn where a square or rectangle is taken as the circle of equal area."""
     from dummydesign.pad.elastic import has_square_factor
+    from dummydesign.pad.pad import Puck
 
-    if made.sides_mm is None or fidelity == "3d" or has_square_factor(made):
+    if isinstance(made, Puck) or made.sides_mm is None or fidelity == "3d" or has_square_factor(made):
         return []
     message = (
         "the punch is taken as the circle of equal area; a square is 0 to 3 % stiffer (5 to 20 mm pads), "

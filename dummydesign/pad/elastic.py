@@ -2,52 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dummydesign.core.cache import cached
-from dummydesign.core.errors import InputError, NoAnswerError, unknown_name
+from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.geometry.interface import BASES
 from dummydesign.geometry.shapes import Slab
-from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS, PAD_EXTENT_MM
-from dummydesign.pad.force_law import SLOPE_STEP, AtThickness, ForceLaw, slope_of
+from dummydesign.geometry.standard import PAD_EXTENT_MM
+from dummydesign.pad.curve import ElasticCurve, depth_grid, through
+from dummydesign.pad.force_law import AtThickness, ForceLaw
 from dummydesign.pad.material.hyperelastic import Yeoh
+from dummydesign.pad.pad import Pad, Puck
 
 if TYPE_CHECKING:
-    from dummydesign.pad.pad import Pad
     from dummydesign.pad.slab.problem import PadCurve
     from dummydesign.pad.tables.shape import ShapeLaw
 
 Array = np.ndarray
 FIDELITIES = ("table", "axisymmetric", "viscoelastic", "3d")
-# Depths at which a finite-element curve is solved before it is followed along a motion.
-CURVE_POINTS = 16
-
-
-@dataclass(frozen=True)
-class ElasticCurve:
-    """Long-term elastic force as a function of depth, and its relative error.
-
-    Keeps the contract ``ForceCurve``; ``provenance`` is that of the law or table, empty where the pad was solved.
-    """
-
-    force: Callable[[Array], Array]
-    relative_error: Callable[[Array], Array]
-    limit_mm: float
-    solver: dict[str, Any]
-    notes: tuple[str, ...] = ()
-    provenance: Mapping[str, Any] = field(default_factory=dict)
-
-    def stiffness(self, depth_mm: Array) -> Array:
-        """Tangent stiffness dF/dd, by a central difference. [N/mm]"""
-        return slope_of(self.force, depth_mm, SLOPE_STEP * self.limit_mm, self.limit_mm)
 
 
 def elastic_curve(
-    pad: Pad,
+    pad: Pad | Puck,
     fidelity: str,
     deepest_mm: float | None,
     depths_mm: Array | None,
@@ -79,6 +59,8 @@ def elastic_curve(
         if fidelity != "table":
             raise InputError(f"fidelity = {fidelity} solves the pad; a force law of one's own goes with table")
         return _by_law(pad, force_law)
+    if isinstance(pad, Puck):
+        return _of_puck(pad, fidelity, deepest_mm, depths_mm, progress)
     if fidelity in ("3d", "viscoelastic") and pad.base.startswith("friction"):
         raise InputError(f"base = {pad.base} is not solved by fidelity {fidelity}; use --fidelity axisymmetric")
     if fidelity == "3d":
@@ -92,6 +74,25 @@ def elastic_curve(
     from dummydesign.pad.tables.square import square_factor
 
     return _times(curve, lambda depth: square_factor(depth, pad.thickness_mm, pad.radius_mm, pad.base))
+
+
+def _of_puck(
+    puck: Puck, fidelity: str, deepest_mm: float | None, depths_mm: Array | None,
+    progress: Callable[[float], None] | None,
+) -> ElasticCurve:  # fmt: skip
+    """A puck between plates, solved by its own elements."""
+    from dummydesign.pad.puck import solve_puck
+
+    if fidelity == "table":
+        raise InputError("punch = plate is not in the table (only flat); add --fidelity axisymmetric")
+    if fidelity != "axisymmetric":
+        raise InputError(f"fidelity = {fidelity} is not for pucks between plates; use --fidelity axisymmetric")
+    grid, _ = depth_grid(puck.thickness_mm, deepest_mm, depths_mm)
+    solved = solve_puck(
+        puck.diameter_mm, puck.thickness_mm, puck.young_MPa, grid,
+        plates=puck.plates, poisson=puck.poisson, law=puck.shape, progress=progress,
+    )  # fmt: skip
+    return through(1.0, solved)
 
 
 def has_square_factor(pad: Pad) -> bool:
@@ -147,7 +148,7 @@ def _in_space(
 
 
 def _in_table(pad: Pad) -> bool:
-    plain = pad.profile_mm is None and not pad.cylinder and pad.geometry == Slab()
+    plain = pad.profile_mm is None and pad.geometry == Slab()
     return plain and pad.condition == "bonded" and pad.poisson == 0.5 and pad.shape == Yeoh(1.0)
 
 
@@ -156,7 +157,7 @@ def _by_table(pad: Pad) -> ElasticCurve:
 
     law = "neo-hookean" if pad.shape == Yeoh(1.0) else type(pad.shape).__name__.lower()
     for name, value, held in (
-        ("punch", "profile" if pad.profile_mm else "plate" if pad.cylinder else "flat", "flat"),
+        ("punch", "profile" if pad.profile_mm else "flat", "flat"),
         ("punch condition", pad.condition, "bonded"),
         ("poisson", pad.poisson, 0.5),
         ("law", law, "neo-hookean"),
@@ -167,7 +168,7 @@ def _by_table(pad: Pad) -> ElasticCurve:
     return _by_law(pad, table)
 
 
-def _by_law(pad: Pad, law: ForceLaw) -> ElasticCurve:
+def _by_law(pad: Pad | Puck, law: ForceLaw) -> ElasticCurve:
     from dummydesign.pad.solve.continuation import NOTHING
 
     at = AtThickness(law, pad.thickness_mm, pad.young_MPa, pad.radius_mm)
@@ -189,63 +190,21 @@ def _shape_law(pad: Pad) -> ShapeLaw:
 def _by_elements(
     pad: Pad, deepest_mm: float | None, depths_mm: Array | None, progress: Callable[[float], None] | None
 ) -> ElasticCurve:
-    grid, deepest = _depth_grid(pad, deepest_mm, depths_mm)
-    if pad.condition != "bonded" and not pad.cylinder:
+    grid, deepest = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)
+    if pad.condition != "bonded":
         # A face that slides needs some depth to start from.
         grid = grid[grid >= min(0.025 * pad.thickness_mm, 0.25 * deepest)]
-    return _through(pad, _solve(pad, grid, progress))
-
-
-def _depth_grid(pad: Pad, deepest_mm: float | None, depths_mm: Array | None) -> tuple[Array, float]:
-    """Depths that are solved, the wanted ones among them, and the deepest."""
-    limit = MAX_DEPTH_OVER_THICKNESS * pad.thickness_mm
-    deepest = limit if deepest_mm is None else min(max(deepest_mm, 0.02 * pad.thickness_mm), limit)
-    grid = np.linspace(0.0, deepest, CURVE_POINTS + 1)[1:]
-    if depths_mm is not None:
-        grid = np.union1d(grid[::2], depths_mm[(depths_mm > 0.0) & (depths_mm <= limit)])
-    return grid, deepest
-
-
-def _through(pad: Pad, solved: PadCurve) -> ElasticCurve:
-    """A curve through solved depths.
-
-    Raises
-    ------
-    NoAnswerError
-        When fewer than two were reached.
-    """
-    from scipy.interpolate import PchipInterpolator
-
-    depth, force = solved.depth_mm, solved.force_N
-    if len(depth) < 2:
-        raise NoAnswerError("no_convergence", f"the pad could be solved at {len(depth)} depth only: {solved.notes[0]}")
-    # F / d (under a rounded tip F / d^1.5) varies little; between solved depths lies a monotone cubic through it.
-    power = pad.geometry.first_exponent
-    stiffness = PchipInterpolator(depth, np.log(force / depth**power), extrapolate=True)
-    error = solved.error_N / force
-
-    def value(at: Array) -> Array:
-        at = np.asarray(at, dtype=float)
-        inside = np.clip(at, 0.0, depth[-1])
-        return np.where(at > 0.0, inside**power * np.exp(stiffness(inside)), 0.0)
-
-    return ElasticCurve(
-        value, lambda at: np.interp(at, depth, error), float(depth[-1]), solved.solver, solved.notes
-    )
+    return through(pad.geometry.first_exponent, _solve(pad, grid, progress))
 
 
 def _solve(pad: Pad, grid: Array, progress: Callable[[float], None] | None) -> PadCurve:
     """Solve the static curve by the elements that fit the punch and its contact."""
-    from dummydesign.pad.puck import solve_puck
     from dummydesign.pad.slab.indentation import profile, solve_shaped
     from dummydesign.pad.slab.problem import PadCurve
     from dummydesign.pad.slab.sharp_edge import solve_curve
     from dummydesign.pad.slab.sliding_faces import solve_flat
 
     common: dict[str, Any] = {"poisson": pad.poisson, "law": pad.shape}
-    if pad.cylinder:
-        sizes = (2.0 * pad.radius_mm, pad.thickness_mm)
-        return solve_puck(*sizes, pad.young_MPa, grid, plates=pad.condition, progress=progress, **common)
     extent = pad.extent_mm or PAD_EXTENT_MM
     if pad.geometry != Slab():
         return _solve_shape(pad, grid, extent, progress)
@@ -287,7 +246,7 @@ def _shape_in_space(
     from dummydesign.pad.shaped.spatial import solve_shaped_block
     from dummydesign.pad.slab.problem import PadCurve
 
-    grid, _ = _depth_grid(pad, deepest_mm, depths_mm)
+    grid, _ = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)
     if depths_mm is None:
         grid = grid[1::2]
     punch = pad.radius_mm if pad.sides_mm is None else (0.5 * pad.sides_mm[0], 0.5 * pad.sides_mm[1])
@@ -296,4 +255,4 @@ def _shape_in_space(
     args = (pad.geometry, pad.thickness_mm, punch, 1.0, grid, pad.condition)
     made = cached("shape-3d", inputs, lambda: vars(solve_shaped_block(*args, progress=progress, **more)))
     force, error = (made[name] * pad.young_MPa for name in ("force_N", "error_N"))
-    return _through(pad, PadCurve(**(made | {"force_N": force, "error_N": error})))
+    return through(pad.geometry.first_exponent, PadCurve(**(made | {"force_N": force, "error_N": error})))

@@ -1,4 +1,4 @@
-"""The pad that is pressed, and the punch on it: lengths, modulus, relaxation, what is glued and what slides."""
+"""What is pressed: a pad with the punch on it, or a puck between plates. Lengths, modulus, relaxation, interfaces."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ class Pad:
     hyperelastic law (its moduli are scaled), neo-Hookean without it. ``sides_mm`` are the sides of a
     rectangular punch, ``radius_mm`` is then that of the circle of its area.
     ``slab_mm`` are length and width of the slab. ``profile_mm`` holds the radii and heights of a shaped punch.
-    ``cylinder`` is a puck of ``radius_mm`` between plates instead of a slab. ``geometry`` is the pad's own shape;
-    depth is then counted from its highest point, and the modulus is that of the resin at the tested face.
+    ``geometry`` is the pad's own shape; depth is then counted from its highest point, and the modulus is that of
+    the resin at the tested face.
     """
 
     thickness_mm: float
@@ -38,19 +38,51 @@ class Pad:
     sides_mm: tuple[float, float] | None = None
     slab_mm: tuple[float, float] = (PAD_LENGTH_MM, PAD_WIDTH_MM)
     profile_mm: tuple[tuple[float, ...], tuple[float, ...]] | None = None
-    cylinder: bool = False
     geometry: PadShape = SLAB
 
     @property
     def shape(self) -> Law:
         """The hyperelastic law with unit shear modulus."""
-        if self.law is None:
-            return Yeoh(1.0)
-        return self.law.scaled(1.0 / self.law.shear_MPa)
+        return _unit(self.law)
 
     def __post_init__(self) -> None:
         for name in ("thickness_mm", "young_MPa", "radius_mm"):
             positive(name, getattr(self, name))
         self.geometry.check(self.thickness_mm, *self.slab_mm)
-        if self.geometry != SLAB and (self.cylinder or self.profile_mm is not None):
+        if self.geometry != SLAB and self.profile_mm is not None:
             raise InputError(f"shape {self.geometry} is pressed by a flat punch, not by a profile or plates")
+
+
+@dataclass(frozen=True)
+class Puck:
+    """A cylinder compressed between two plates; depth is how much nearer the plates come.
+
+    ``thickness_mm`` is its height; ``young_MPa``, ``prony`` and ``law`` are as of :class:`Pad`. ``plates`` says how
+    they hold both faces: ``frictionless``, ``bonded`` or ``friction:MU``.
+    """
+
+    thickness_mm: float
+    young_MPa: float
+    diameter_mm: float
+    prony: tuple[PronyTerm, ...] = ()
+    plates: str = "frictionless"
+    poisson: float = 0.5
+    law: Law | None = None
+
+    @property
+    def radius_mm(self) -> float:
+        """Half the diameter. [mm]"""
+        return 0.5 * self.diameter_mm
+
+    @property
+    def shape(self) -> Law:
+        """The hyperelastic law with unit shear modulus."""
+        return _unit(self.law)
+
+    def __post_init__(self) -> None:
+        for name in ("thickness_mm", "young_MPa", "diameter_mm"):
+            positive(name, getattr(self, name))
+
+
+def _unit(law: Law | None) -> Law:
+    return Yeoh(1.0) if law is None else law.scaled(1.0 / law.shear_MPa)

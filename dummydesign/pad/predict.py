@@ -13,15 +13,16 @@ from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.geometry.interface import BASES
 from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS, PAD_EXTENT_MM
 from dummydesign.measurement.motion import Motion
-from dummydesign.pad.elastic import ElasticCurve, elastic_curve
+from dummydesign.pad.curve import ElasticCurve
+from dummydesign.pad.elastic import elastic_curve
 from dummydesign.pad.force_law import ForceLaw
 from dummydesign.pad.material.relaxation import relaxed_force
-from dummydesign.pad.pad import SLAB, Pad
+from dummydesign.pad.pad import SLAB, Pad, Puck
 from dummydesign.pad.tables.separability import allowance
 
 Array = np.ndarray
 __all__ = [
-    "MotionPrediction", "Pad", "StaticPrediction", "depth_for_steady_force", "predict_motion", "predict_static",
+    "MotionPrediction", "Pad", "Puck", "StaticPrediction", "depth_for_steady_force", "predict_motion", "predict_static",
 ]  # fmt: skip
 
 
@@ -65,14 +66,14 @@ class MotionPrediction(_Prediction):
 
 
 def predict_static(
-    pad: Pad, depth_mm: Sequence[float], fidelity: str = "table", progress: Callable[[float], None] | None = None,
-    force_law: ForceLaw | None = None,
+    pad: Pad | Puck, depth_mm: Sequence[float], fidelity: str = "table",
+    progress: Callable[[float], None] | None = None, force_law: ForceLaw | None = None,
 ) -> StaticPrediction:  # fmt: skip
     """Long-term force at static depths.
 
     Parameters
     ----------
-    pad : Pad
+    pad : Pad or Puck
         Pad, punch and modulus.
     depth_mm : sequence of float
         Depths >= 0 within the validity of the model. [mm]
@@ -107,7 +108,7 @@ def predict_static(
 
 
 def predict_motion(
-    pad: Pad, motion: Motion, fidelity: str = "table", progress: Callable[[float], None] | None = None,
+    pad: Pad | Puck, motion: Motion, fidelity: str = "table", progress: Callable[[float], None] | None = None,
     force_law: ForceLaw | None = None,
 ) -> MotionPrediction:  # fmt: skip
     """Force along a motion: elastic force of the depth, convolved with the Prony terms.
@@ -122,7 +123,7 @@ def predict_motion(
 
     Parameters
     ----------
-    pad : Pad
+    pad : Pad or Puck
         Pad, punch, modulus and relaxation.
     motion : Motion
         Depth of the punch over time.
@@ -149,7 +150,7 @@ def predict_motion(
     deepest_yet = np.maximum.accumulate(np.maximum(motion.displacement_mm, 0.0))
     error = force * curve.relative_error(deepest_yet)
     solver, viscous = curve.solver, np.abs(force - np.maximum(elastic[keep], 0.0))
-    if fidelity == "viscoelastic":
+    if fidelity == "viscoelastic" and isinstance(pad, Pad):
         if pad.geometry != SLAB:
             raise InputError(f"fidelity = viscoelastic is for slabs; shape {pad.geometry} is solved by axisymmetric")
         from dummydesign.pad.slab.finite_strain_ratio import ratio_error
@@ -160,8 +161,9 @@ def predict_motion(
         solver = cost | {name: solver[name] + cost[name] for name in ("load_steps", "newton_iterations", "seconds")}
     else:
         ratio = pad.radius_mm / pad.thickness_mm
-        # Not measured for a base with friction: the larger of both its limits.
-        bases = (pad.base,) if pad.base in BASES else BASES
+        # Not measured for a base with friction: the larger of both its limits; nor for a puck: that of a glued slab.
+        base = "bonded" if isinstance(pad, Puck) else pad.base
+        bases = (base,) if base in BASES else BASES
         args = (ratio, place / pad.thickness_mm, time, elastic, pad.prony)
         below, above = np.max([allowance(base, *args) for base in bases], axis=0)[:, keep]
     peak = int(np.argmax(force))
@@ -186,13 +188,13 @@ def _finite_strain_ratio(
 
 
 def depth_for_steady_force(
-    pad: Pad, force_N: float, hold_s: float, motion_to: Callable[[float], Motion], fidelity: str = "table"
+    pad: Pad | Puck, force_N: float, hold_s: float, motion_to: Callable[[float], Motion], fidelity: str = "table"
 ) -> float:
     """Depth at which the force at the end of a ramp and hold is the wanted one. [mm]
 
     Parameters
     ----------
-    pad : Pad
+    pad : Pad or Puck
         Pad, punch, modulus and relaxation.
     force_N : float
         Wanted at the end of the hold, above 0. [N]
@@ -232,7 +234,7 @@ def depth_for_steady_force(
     return float(brentq(lambda depth: steady(depth) - force_N, low, high, xtol=1e-9))
 
 
-def _check_depth(depth: Array, curve: ElasticCurve, pad: Pad) -> None:
+def _check_depth(depth: Array, curve: ElasticCurve, pad: Pad | Puck) -> None:
     worst, limit = float(np.max(depth)), curve.limit_mm
     if worst <= limit * (1.0 + 1e-9):
         return

@@ -51,8 +51,8 @@ MESH_ERROR = 5e-3
 
 
 @dataclass(frozen=True)
-class Puck:
-    """Radius over height of a cylinder, and how its plates hold it: frictionless, bonded or friction:MU."""
+class UnitPuck:
+    """A cylinder of unit height, by its radius over height and its plates: frictionless, bonded or friction:MU."""
 
     radius: float
     plates: str = "frictionless"
@@ -129,7 +129,7 @@ class RoughPlate(NoTies):
 
 
 def puck_problem(
-    puck: Puck, law: Law, poisson: float = 0.5, corner: float = CORNER_CELLS[0], slip_scale: float = SLIP_SCALE
+    puck: UnitPuck, law: Law, poisson: float = 0.5, corner: float = CORNER_CELLS[0], slip_scale: float = SLIP_SCALE
 ) -> Problem:
     """Upper half of a cylinder of unit height under a plate; the plate's depth is half the compression.
 
@@ -215,7 +215,7 @@ def solve_puck(
         )
     shape = law or Yeoh(1.0)
     shape = shape.scaled(1.0 / shape.shear_MPa)
-    puck = Puck(0.5 * diameter_mm / height_mm, plates)
+    puck = UnitPuck(0.5 * diameter_mm / height_mm, plates)
     relative = wanted[wanted > 0.0] / height_mm
     start = np.zeros(int(wanted[0] == 0.0))
     if not len(relative):
@@ -228,7 +228,7 @@ def solve_puck(
 
 
 def _farthest(
-    puck: Puck, law: Law, poisson: float, compression: Array, progress: Callable[[float], None] | None
+    puck: UnitPuck, law: Law, poisson: float, compression: Array, progress: Callable[[float], None] | None
 ) -> dict[str, Any]:
     """The path of the mesh that gets farthest, tried in turn."""
     path = compress(puck, law, compression, poisson, progress=progress)
@@ -244,7 +244,7 @@ def _farthest(
 
 
 def compress(
-    puck: Puck,
+    puck: UnitPuck,
     law: Law,
     compression: Array,
     poisson: float = 0.5,

@@ -137,6 +137,15 @@ def test_predict_takes_friction_profiles_and_plates(tmp_path, capsys):
     assert forces[0] == pytest.approx(16.0 / 9.0 * 0.025 * 20.0**0.5 * 1.97, rel=0.06)
     assert cli.run([*common, "--thickness", "10", "--depth", "1", "--punch", "profile:none.csv"]) == 2
     assert cli.run([*common, "--thickness", "10", "--depth", "1", "--punch", "plate"]) == 2
+    capsys.readouterr()
+    for words, says in (
+        (["--base", "sliding"], "both plates hold a puck alike"),
+        (["--shape", "crowned:10,2"], "pressed by a flat punch, not by a profile or plates"),
+        (["--fidelity", "3d"], "fidelity = 3d is not for pucks"),
+        (["--fidelity", "table"], "punch = plate is not in the table"),
+    ):
+        assert cli.run([*common, *puck, *words]) == 2
+        assert says in capsys.readouterr().err
     profile.write_text("r_mm,z_mm\n0,0\n1,a\n2,3\n")
     capsys.readouterr()
     assert cli.run([*common, "--thickness", "10", "--depth", "1", "--punch", f"profile:{profile}"]) == 2

@@ -9,7 +9,7 @@ import pytest
 from dummydesign.core.errors import InputError
 from dummydesign.design.sweep.spec import check_friction
 from dummydesign.geometry.interface import BASES, CONDITIONS, Interface
-from dummydesign.pad.puck import Puck
+from dummydesign.pad.puck import UnitPuck
 from dummydesign.pad.slab.sliding_faces import solve_flat
 
 BAD = ("friction:-0.1", "friction:5.1", "friction:nan", "friction:inf", "friction:", "friction:rough", "friction:0.3:1")
@@ -37,7 +37,7 @@ def test_everything_that_takes_friction_refuses_the_same_texts(text):
     with pytest.raises(InputError, match=f"^{message}$"):
         Interface.parse(text, "base", BASES)
     with pytest.raises(InputError, match=f"plates = '{text}' is not one of frictionless, bonded, friction:MU with MU"):
-        Puck(1.0, text)
+        UnitPuck(1.0, text)
     with pytest.raises(InputError, match=f"friction of condition '{text}'"):
         check_friction(text)
     with pytest.raises(InputError, match=f"^condition '{text}' is not frictionless, bonded or friction:MU"):

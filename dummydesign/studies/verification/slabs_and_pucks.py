@@ -14,7 +14,7 @@ from dummydesign.pad.material.hyperelastic import Law, Yeoh, neo_hookean
 from dummydesign.pad.material.ogden import Ogden
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
 from dummydesign.pad.material.viscoelastic import Viscoelastic
-from dummydesign.pad.puck import Puck, compress, puck_problem
+from dummydesign.pad.puck import UnitPuck, compress, puck_problem
 from dummydesign.pad.slab.sharp_edge import Slab, first_stiffness, rimmed_problem, solve_curve
 from dummydesign.pad.solve.continuation import follow
 from dummydesign.pad.solve.motion_path import follow_motion
@@ -50,7 +50,7 @@ LAWS: dict[str, tuple[Law, Callable[[Array], Array]]] = {
 def uniform_compression() -> Iterator[Check]:
     """Patch test: every law, half of the height."""
     for name, (law, stress) in LAWS.items():
-        path = compress(Puck(1.3, "frictionless"), law, np.array([0.5]), corner=0.2)
+        path = compress(UnitPuck(1.3, "frictionless"), law, np.array([0.5]), corner=0.2)
         expected = np.pi * 1.3**2 * float(stress(np.array(0.5)))
         yield Check(
             "Uniform compression (patch test)", f"{name}, force at 50 %", expected, float(path.force[0]), 5e-5,
@@ -63,7 +63,7 @@ def bonded_pucks() -> Iterator[Check]:
     published = {0.1: 1.070, 0.25: 1.196, 0.417: 1.404, 1.0: 2.956, 2.0: 8.76}
     for shape, apparent in published.items():
         radius = 2.0 * shape
-        problem = puck_problem(Puck(radius, "bonded"), NEO, corner=0.004 * min(radius, 1.0))
+        problem = puck_problem(UnitPuck(radius, "bonded"), NEO, corner=0.004 * min(radius, 1.0))
         found = problem.stiffness() / 2.0 / (3.0 * np.pi * radius**2)
         name = f"E_app / E at shape factor {shape:g}"
         yield Check("Bonded pucks", name, apparent, found, 2e-3, "an independent finite-element code")
@@ -171,7 +171,7 @@ def _smooth_energy(k: float) -> float:
 
 def newton() -> Iterator[Check]:
     """Order of the last steps of Newton's method, with contact."""
-    problem = puck_problem(Puck(1.0, "bonded"), Ogden([0.4], [5.0]), corner=0.05)
+    problem = puck_problem(UnitPuck(1.0, "bonded"), Ogden([0.4], [5.0]), corner=0.05)
     path = follow(problem, [0.1], 0.1, 0.1, 0.05)
     last = [residual for residual in path.residuals[-1] if residual > 1e-13]
     rates = [np.log(c / b) / np.log(b / a) for a, b, c in zip(last, last[1:], last[2:])]
@@ -185,7 +185,7 @@ def relaxation() -> Iterator[Check]:
     """Finite-strain relaxation in a hold, and its linear limit."""
     hold = np.array([0.02, 0.2, 2.0])
     time, depth = np.r_[0.0, 1e-7, hold], np.r_[0.0, np.full(4, 0.2)]
-    problem = puck_problem(Puck(1.0, "frictionless"), Viscoelastic(NEO, ARMS), corner=0.3)
+    problem = puck_problem(UnitPuck(1.0, "frictionless"), Viscoelastic(NEO, ARMS), corner=0.3)
     path = follow_motion(problem, time, depth, 0.05)
     kernel = 1.0 + sum(a.beta * np.exp(-hold / a.tau_s) for a in ARMS)
     for t, force, expected in zip(hold, path.force[2:], np.pi * (1 / 0.36 - 0.6) * kernel):
@@ -193,7 +193,7 @@ def relaxation() -> Iterator[Check]:
         yield Check("Relaxation", name, float(expected), float(force), 3e-4, "elastic stress times the kernel")
     time = np.r_[np.linspace(0.0, 0.1, 6), 1.0]
     small = 1e-5 * np.minimum(time / 0.1, 1.0)
-    bonded = Puck(1.0, "bonded")
+    bonded = UnitPuck(1.0, "bonded")
     path = follow_motion(puck_problem(bonded, Viscoelastic(NEO, ARMS)), time, small, 1.0)
     expected = relaxed_force(time, puck_problem(bonded, NEO).stiffness() * small, ARMS)
     yield Check(

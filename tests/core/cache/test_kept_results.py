@@ -89,11 +89,10 @@ def test_an_entry_is_text_that_says_what_was_asked(place):
 def test_a_prediction_from_the_cache_is_the_fresh_one_and_serves_other_moduli(place, monkeypatch):
     """A puck by elements: the second time nothing is solved, seconds and counts are those of the solve."""
     from dummydesign.pad import puck
-    from dummydesign.pad.predict import Pad, predict_static
+    from dummydesign.pad.predict import Puck, predict_static
 
     def pressed(young_MPa):
-        pad = Pad(30.0, young_MPa, 25.0, condition="frictionless", cylinder=True)
-        return predict_static(pad, [3.0, 6.0], "axisymmetric").to_dict()
+        return predict_static(Puck(30.0, young_MPa, 50.0), [3.0, 6.0], "axisymmetric").to_dict()
 
     fresh = pressed(0.03)
     monkeypatch.setattr(puck, "compress", None)

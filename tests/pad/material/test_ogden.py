@@ -9,7 +9,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.pad.material.hyperelastic import neo_hookean, read_law
 from dummydesign.pad.material.kinematics import Axisymmetric, Spatial
 from dummydesign.pad.material.ogden import Ogden
-from dummydesign.pad.puck import Puck, puck_problem
+from dummydesign.pad.puck import UnitPuck, puck_problem
 from dummydesign.pad.solve.continuation import follow
 
 LAWS = [
@@ -109,7 +109,7 @@ def test_axisymmetric_components_are_the_spatial_ones_without_shear_out_of_the_p
 def test_a_cylinder_between_sliding_plates_follows_the_uniaxial_closed_form(law):
     """Nominal stress sum mu (l^(-alpha/2 - 1) - l^(alpha - 1)), force on the undeformed area."""
     compression = np.array([0.1, 0.3, 0.5])
-    path = follow(puck_problem(Puck(1.3, "frictionless"), law), compression / 2, 0.05, 0.05, 0.005)
+    path = follow(puck_problem(UnitPuck(1.3, "frictionless"), law), compression / 2, 0.05, 0.05, 0.005)
     stretch = 1.0 - compression
     stress = sum(m * (stretch ** (-a / 2 - 1) - stretch ** (a - 1)) for m, a in zip(law.mu_MPa, law.alpha))
     assert path.stop is None

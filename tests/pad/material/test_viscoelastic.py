@@ -12,7 +12,7 @@ from dummydesign.pad.material.kinematics import Axisymmetric, Spatial
 from dummydesign.pad.material.ogden import Ogden
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
 from dummydesign.pad.material.viscoelastic import Isochoric, Viscoelastic
-from dummydesign.pad.puck import Puck, puck_problem
+from dummydesign.pad.puck import UnitPuck, puck_problem
 from dummydesign.pad.solve.continuation import follow
 from dummydesign.pad.solve.equilibrium import Problem
 from dummydesign.pad.solve.motion_path import follow_motion
@@ -85,7 +85,7 @@ def test_without_strength_the_stress_and_tangent_are_those_of_the_law_to_the_las
 
 
 def puck(law, prony):
-    return puck_problem(Puck(1.0, "frictionless"), Viscoelastic(law, prony), corner=0.3)
+    return puck_problem(UnitPuck(1.0, "frictionless"), Viscoelastic(law, prony), corner=0.3)
 
 
 def test_a_uniform_puck_in_a_hold_relaxes_as_the_closed_form_says():
@@ -139,7 +139,7 @@ def small_press(corner):
     """Relative difference of a small press of a bonded puck to the separable convolution, at each time."""
     time = np.r_[np.linspace(0.0, 0.1, 6), 0.15, 0.4, 2.0]
     depth = 1e-5 * np.minimum(time / 0.1, 1.0)
-    bonded = Puck(1.0, "bonded")
+    bonded = UnitPuck(1.0, "bonded")
     path = follow_motion(puck_problem(bonded, Viscoelastic(neo_hookean(1.0), ARMS), corner=corner), time, depth, 1.0)
     elastic = puck_problem(bonded, neo_hookean(1.0), corner=corner).stiffness() * depth
     return np.abs(path.force[1:] / relaxed_force(time, elastic, ARMS)[1:] - 1.0)
@@ -164,10 +164,10 @@ def test_at_large_strain_the_elements_follow_the_integral_and_not_the_separable_
 
 def test_without_arms_a_motion_gives_the_elastic_forces_to_the_last_bit():
     depths = np.array([0.05, 0.1, 0.15])
-    elastic = puck_problem(Puck(1.0, "bonded"), neo_hookean(1.0), corner=0.1)
+    elastic = puck_problem(UnitPuck(1.0, "bonded"), neo_hookean(1.0), corner=0.1)
     plain = follow(elastic, depths, 0.05, 0.05, 0.01)
     silent = Viscoelastic(neo_hookean(1.0), (PronyTerm(0.1, 0.0),))
-    problem = puck_problem(Puck(1.0, "bonded"), silent, corner=0.1)
+    problem = puck_problem(UnitPuck(1.0, "bonded"), silent, corner=0.1)
     path = follow_motion(problem, np.r_[0.0, 1.0, 2.0, 3.0], np.r_[0.0, depths], 0.05)
     assert np.array_equal(path.force[1:], plain.force)
 
@@ -178,7 +178,7 @@ def test_a_time_step_of_zero_is_refused():
 
 
 def test_a_motion_that_cannot_be_followed_says_where_it_stopped():
-    problem: Problem = puck_problem(Puck(1.0, "bonded"), Viscoelastic(neo_hookean(1.0), ARMS), corner=0.3)
+    problem: Problem = puck_problem(UnitPuck(1.0, "bonded"), Viscoelastic(neo_hookean(1.0), ARMS), corner=0.3)
     path = follow_motion(problem, np.array([0.0, 1.0, 2.0]), np.array([0.0, 0.2, 0.499]), 0.1)
     assert path.stop is not None and "stopped at relative depth" in path.stop
     assert len(path.force) == 2

@@ -62,6 +62,8 @@ class Discretisation:
     nodes : ndarray, shape (dimension, nodes); degree of freedom = dimension * node + direction.
     kinematics : type
         ``Axisymmetric`` or ``Spatial``.
+    modulus_factor : ndarray, shape (elements,), optional
+        Modulus of each element over the law's, already in ``weight``; 1 without it.
     """
 
     gradient: Array
@@ -70,6 +72,7 @@ class Discretisation:
     dofs: Array
     nodes: Array
     kinematics: Any
+    modulus_factor: Array | None = None
 
     @property
     def size(self) -> int:

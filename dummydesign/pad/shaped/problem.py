@@ -139,7 +139,7 @@ def shaped_problem(press: Press, law: Law, cells: int = CELLS, rim: float = RIMS
     if layers and not twin:
         # Energy and pressure terms scale alike: the pressure is that of the upper layer, times the ratio.
         factor = np.where(share[row] >= interface - 1e-9, layers[1], 1.0)
-        mesh = replace(mesh, weight=mesh.weight * factor[:, None])
+        mesh = replace(mesh, weight=mesh.weight * factor[:, None], modulus_factor=factor)
     node = mesh.dofs.reshape(len(mesh.dofs), 9, 2)[:, :, 0] // 2
     top, below = node[row == 0][:, [2, 6, 3]], np.unique(node[row == row.max()][:, [0, 4, 1]])
     held = np.zeros(mesh.size, dtype=bool)

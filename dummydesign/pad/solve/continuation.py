@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dummydesign.core.threads import one_blas_thread
-from dummydesign.pad.solve.equilibrium import RESIDUAL_TOLERANCE, Failure, Problem, explain, find_equilibrium
+from dummydesign.pad.solve.equilibrium import RESIDUAL_TOLERANCE, Failure, Problem, Solution, explain, find_equilibrium
 
 Array = np.ndarray
 
@@ -63,6 +63,7 @@ def follow(
     progress: Callable[[float], None] | None = None,
     sound_J: float = 0.0,
     lattice: bool = False,
+    visit: Callable[[float, Solution], None] | None = None,
 ) -> Path:
     """Follow the equilibrium from first touch through ``depths`` (increasing, in the mesh's unit of length).
 
@@ -73,6 +74,8 @@ def follow(
     With ``lattice`` the steps end at multiples of ``largest_step`` (halves, quarters, ... of it at the start),
     whatever depths are wanted; those are solved beside the path and leave no trace on it. Contact that sticks
     remembers its path, so this makes an answer independent of the other depths that are asked for.
+
+    ``visit`` is called with every wanted depth and the equilibrium found there.
     """
     began = time.perf_counter()
     targets = np.asarray(depths, dtype=float)
@@ -110,7 +113,7 @@ def follow(
         passed = [goal for goal in targets[len(found) :] if goal <= trial_depth * (1.0 + 1e-12)]
         tied = problem.surface.memory() if problem.surface is not None and passed else None
         for goal in passed:
-            state = answer.state
+            solved = answer
             if goal < trial_depth * (1.0 - 1e-9):
                 part = (goal - depth) / (trial_depth - depth)
                 beside = find_equilibrium(problem, u + part * (answer.u - u), p + part * (answer.p - p), goal)
@@ -119,8 +122,10 @@ def follow(
                     stop = explain(problem, u, p, depth, beside.reason)
                     break
                 iterations += len(beside.residuals)
-                state = beside.state
-            found.append((goal, problem.force(state), float(state.J.min())))
+                solved = beside
+            found.append((goal, problem.force(solved.state), float(solved.state.J.min())))
+            if visit:
+                visit(goal, solved)
             if progress:
                 progress(goal)
             if found[-1][2] < sound_J:

@@ -1,0 +1,1 @@
+"""Displacement, stress and contact pressure inside a pressed pad: solved, written for ParaView, drawn."""

@@ -1,0 +1,211 @@
+"""Solve the fields of a round pad at static depths.
+
+The punch has the bead of the finest shaped solve (0.05 of the smaller of punch radius and thickness) at its edge; the
+force of these fields is the one with that bead, not the limit of a sharp edge.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.geometry.interface import BASES, FACES, Interface
+from dummydesign.geometry.standard import PAD_EXTENT_MM
+from dummydesign.pad.fem import mesh_axisymmetric as meshes
+from dummydesign.pad.fields.pressed import FREE, SLIPS, STICKS, Face, Pressed
+from dummydesign.pad.fields.recover import cells, face_tractions, recovered
+from dummydesign.pad.pad import SLAB, Pad
+from dummydesign.pad.solve.continuation import follow
+from dummydesign.pad.solve.equilibrium import Problem, Solution
+
+Array = np.ndarray
+
+RIM = 0.05
+# A place touches where its pressure is above this share of the largest.
+TOUCHES = 1e-3
+# A place slips where its shear is this share of Coulomb's limit (the regularised law reaches 1 only for large slip).
+SLIP_SHARE = 0.95
+
+
+@dataclass(frozen=True)
+class Setup:
+    """A problem of finite elements in thicknesses and shear moduli, and how its path is followed."""
+
+    problem: Problem
+    first_step: float
+    largest_step: float
+    smallest_step: float
+    lattice: bool = False
+
+
+def solve_fields(
+    pad: Pad, depth_mm: Sequence[float], progress: Callable[[float], None] | None = None
+) -> tuple[tuple[Pressed, ...], tuple[str, ...]]:
+    """Fields of a round pad at static depths.
+
+    Parameters
+    ----------
+    pad : Pad
+        A slab or a round shaped pad under a round punch or a profile; a square punch is taken as the circle of equal
+        area.
+    depth_mm : sequence of float
+        Depths above 0, increasing or not. [mm]
+    progress : callable, optional
+        Called with each solved depth over thickness.
+
+    Returns
+    -------
+    fields : tuple of Pressed
+        At the depths that were reached.
+    notes : tuple of str
+        Why some are missing, and what was taken for what.
+
+    Raises
+    ------
+    InputError
+        For a pad that is not round, or depths outside the validity.
+    NoAnswerError
+        When no depth could be solved.
+    """
+    from dummydesign.pad.slab.problem import normalise
+
+    if pad.cylinder:
+        raise InputError("fields are for pads under a punch; pad = cylinder between plates has none yet")
+    if not pad.geometry.axisymmetric:
+        raise InputError(f"fields are for round pads; shape {pad.geometry} is not round")
+    h = pad.thickness_mm
+    law, depths, _, shear = normalise(h, pad.radius_mm, pad.young_MPa, depth_mm, pad.poisson, pad.shape)
+    setup = _setup(pad, law, depths, shear)
+    found: list[Pressed] = []
+
+    def keep(depth: float, solution: Solution) -> None:
+        found.append(_pressed(setup.problem, solution, depth, pad, shear))
+
+    steps = (setup.first_step, setup.largest_step, setup.smallest_step)
+    path = follow(setup.problem, depths, *steps, progress, lattice=setup.lattice, visit=keep)
+    if not found:
+        raise NoAnswerError("no_convergence", f"the fields could not be solved: {path.stop}")
+    notes: tuple[str, ...] = ()
+    if pad.sides_mm is not None:
+        notes += (f"fields are those of a round punch of equal area, radius {pad.radius_mm:.4g} mm",)
+    if path.stop:
+        notes += (f"fields were solved to {found[-1].depth_mm:.3g} mm: {path.stop}",)
+    return tuple(found), notes
+
+
+def _setup(pad: Pad, law: Any, depths: Array, shear: float) -> Setup:
+    """The problem that the pad's own curve is solved by, with one bead."""
+    from dummydesign.pad.contact.resting_base import weight_over_shear
+    from dummydesign.pad.contact.surface_axisymmetric import FlatPunch, ProfilePunch
+    from dummydesign.pad.shaped.axisymmetric import LARGEST_STEP, first_depth
+    from dummydesign.pad.shaped.problem import CELLS, Press, shaped_problem
+    from dummydesign.pad.slab.indentation import (
+        SHAPED_STIFFNESS,
+        Region,
+        indentation_problem,
+        profile,
+    )
+    from dummydesign.pad.slab.problem import Slab, rimmed_problem
+
+    h, extent = pad.thickness_mm, (pad.extent_mm or PAD_EXTENT_MM) / pad.thickness_mm
+    radius = pad.radius_mm / h
+    if pad.geometry != SLAB:
+        first = first_depth(depths)
+        press = Press(pad.geometry, h, radius, extent, pad.base, pad.condition, pad.poisson, first)
+        press.check()
+        step = 0.3 * RIM if pad.geometry.flat_top else 0.25 * first
+        return Setup(shaped_problem(press, law, CELLS, RIM), step, LARGEST_STEP, 3e-4, True)
+    weight = weight_over_shear(h, shear)
+    own = (law, pad.poisson, pad.base, pad.condition)
+    if pad.profile_mm is not None:
+        shape = profile(*(np.asarray(part) / h for part in pad.profile_mm))
+        punch = ProfilePunch(shape.height)
+        region = Region(0.0, radius, radius / 24)
+        made = indentation_problem(punch, region, extent, *own, stiffness=SHAPED_STIFFNESS, weight=weight)
+        first = 0.25 * float(depths[0])
+        return Setup(made, first, 0.05, first / 64.0)
+    slab_scale = min(radius, 1.0)
+    if pad.condition == "bonded" and pad.base in BASES:
+        slab = Slab(radius, extent, pad.base, pad.condition)
+        made = rimmed_problem(slab, law, pad.poisson, RIM * slab_scale, meshes.Resolution(cells=6))
+        return Setup(made, RIM * slab_scale, 0.05 * slab_scale, 0.005 * slab_scale)
+    flat = FlatPunch(radius, RIM * slab_scale)
+    region = Region(max(0.0, radius - 3.0 * flat.rim), radius + 2.0 * flat.rim, flat.rim / 3.0)
+    made = indentation_problem(flat, region, extent, *own, weight=weight)
+    return Setup(made, 0.1 * flat.rim, 0.05 * slab_scale, 0.002 * slab_scale)
+
+
+def _pressed(problem: Problem, solution: Solution, depth: float, pad: Pad, shear: float) -> Pressed:
+    """The fields of one equilibrium in mm and MPa."""
+    solid, h = problem.solid, pad.thickness_mm
+    mesh = solid.mesh
+    factor = np.ones(len(mesh.weight)) if mesh.modulus_factor is None else mesh.modulus_factor
+    stress, stretch = recovered(solid, solution, factor)
+    bottom = float(mesh.nodes[1].min())
+    lift = np.array([0.0, bottom])
+    moved = solution.u.reshape(-1, 2)
+    used = np.unique(cells(solid))
+    number = np.full(mesh.nodes.shape[1], -1)
+    number[used] = np.arange(len(used))
+    face = _face(problem, solution, pad)
+    outline = _outline(problem, depth, pad.radius_mm / h)
+    face = Face(
+        number[face.node], face.radius_mm * h, (face.height_mm - bottom) * h, face.rest_mm * h, face.pressure_MPa * shear,
+        face.shear_MPa * shear, face.state,
+    )  # fmt: skip
+    return Pressed(
+        depth * h, problem.force(solution.state) * shear * h * h, (mesh.nodes.T - lift)[used] * h, moved[used] * h,
+        number[cells(solid)], stress[used] * shear, stretch[used], face, (outline - lift) * h,
+    )  # fmt: skip
+
+
+def _face(problem: Problem, solution: Solution, pad: Pad) -> Face:
+    """The tested face in the problem's own units."""
+    solid = problem.solid
+    sides = face_sides(problem)
+    found = face_tractions(solid.mesh.nodes, solution.u, solution.state.internal_force, sides)
+    node, pressure, drag = found["node"], found["pressure"], found["shear"]
+    touches = pressure > TOUCHES * pressure.max()
+    driven = problem.driven[problem.driven % 2 == 1] // 2
+    touches |= np.isin(node, driven)
+    face = Interface.parse(pad.condition, "condition", FACES)
+    state = np.where(touches, STICKS, FREE)
+    if not face.bonded:
+        limit = SLIP_SHARE * (face.coulomb or 0.0) * pressure
+        state = np.where(touches & (np.abs(drag) >= limit), SLIPS, state)
+    pressure, drag = np.where(touches, pressure, 0.0), np.where(touches, drag, 0.0)
+    place = solid.mesh.nodes[:, node] + solution.u.reshape(-1, 2).T[:, node]
+    return Face(node, place[0], place[1], solid.mesh.nodes[0, node], pressure, drag, state)
+
+
+def face_sides(problem: Problem) -> Array:
+    """Sides of the tested face: those of one cell only that lie neither on the axis, the base nor the rim."""
+    mesh = problem.solid.mesh
+    node = cells(problem.solid)
+    three = np.concatenate([node[:, [i, side, j]] for side, i, j in ((4, 0, 1), (5, 1, 2), (6, 2, 3), (7, 3, 0))])
+    middle, counts = np.unique(three[:, 1], return_counts=True)
+    once = np.isin(three[:, 1], middle[counts == 1])
+    r, z = mesh.nodes
+    length = np.linalg.norm(mesh.nodes[:, three[:, 0]] - mesh.nodes[:, three[:, 2]], axis=0)
+    base = np.zeros(mesh.nodes.shape[1], dtype=bool)
+    base[problem.base // 2] = True
+    near = 1e-9
+    elsewhere = base[three].all(axis=1) | (r[three] < near).all(axis=1) | (r[three] > r.max() - near).all(axis=1)
+    return three[once & ~elsewhere & (length > 1e-12)]
+
+
+def _outline(problem: Problem, depth: float, radius: float) -> Array:
+    """Lower outline of the punch from the axis out, then up."""
+    punch: Any = problem.punch
+    if hasattr(punch, "height"):
+        r = np.linspace(0.0, radius, 200)
+        return np.stack([r, np.asarray(punch.height(r)[0]) - depth], axis=1)
+    rim = getattr(punch, "rim", 0.0)
+    turn = np.linspace(0.0, 0.5 * np.pi, 30)
+    flat = radius - rim
+    bend = np.stack([flat + rim * np.sin(turn), rim * (1.0 - np.cos(turn)) - depth], axis=1)
+    return np.concatenate([[[0.0, -depth]], bend, [[radius, 0.3 + rim]]])

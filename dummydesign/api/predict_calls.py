@@ -41,6 +41,8 @@ def predict(
     prony: str | None = None,
     fidelity: str = "table",
     out: str | PathLike[str] | None = None,
+    fields: str | PathLike[str] | None = None,
+    picture: str | PathLike[str] | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Result:
     """Force of one pad at static depths, under a measured motion, or in a ramp and hold.
@@ -81,6 +83,10 @@ def predict(
         ``table``, ``axisymmetric``, ``3d`` or ``viscoelastic``.
     out : path, optional
         CSV file of the curve.
+    fields : path, optional
+        ``NAME.vtu`` for displacement, stress and contact at the static depths, with fidelity ``axisymmetric``.
+    picture : path, optional
+        ``.png``, ``.svg`` or ``.pdf`` of the deformed cross-section with its stress, at up to four of the depths.
     progress : callable, optional
         Called with each solved depth over thickness.
 
@@ -102,6 +108,8 @@ def predict(
         raise InputError(f"give exactly one of --depth, --motion and --force, not {len(asked)}")
     from dummydesign.pad.predict import predict_motion, predict_static
 
+    if (fields or picture) and (depth_mm is None or fidelity != "axisymmetric"):
+        raise InputError("fields and pictures are of static depths: --depth with --fidelity axisymmetric")
     made, young, sources = _pad(inputs)
     warnings = _punch_warnings(made, fidelity)
     common: dict[str, Any] = {"inputs": inputs, "sources": sources, "warnings": warnings, "young_kPa": young}
@@ -114,9 +122,41 @@ def predict(
         found = predict_motion(made, pressed, fidelity, progress)
     result = {**common, **found.to_dict()}
     result["warnings"] = warnings + [{"code": "stopped_early", "message": note} for note in result.pop("notes")]
+    files: dict[str, Any] = {}
+    if depth_mm is not None and fidelity == "axisymmetric":
+        files = _add_fields(made, result, fields, picture)
     if out:
-        result["files"] = {"curve": str(_write(out, STATIC if asked == ["depth_mm"] else MOVED, result))}
-    return Result(found, result)
+        files = {"curve": str(_write(out, STATIC if asked == ["depth_mm"] else MOVED, result))} | files
+    return Result(found, result | ({"files": files} if files else {}))
+
+
+def _add_fields(
+    made: Pad, result: dict[str, Any], path: str | PathLike[str] | None, picture: str | PathLike[str] | None
+) -> dict[str, Any]:
+    """Put the contact pressures into the answer, and write fields and picture where they are asked for."""
+    from dummydesign.pad.fields.solve import contact_pressures, has_fields, solve_fields
+
+    depths = [depth for depth in result["depth_mm"] if depth > 0.0]
+    if not (path or picture):
+        if depths and has_fields(made):
+            contact, notes = contact_pressures(made, depths)
+            result["contact_pressure"] = contact
+            result["warnings"] += [{"code": "contact_pressure", "message": note} for note in notes]
+        return {}
+    fields, notes = solve_fields(made, depths)
+    result["contact_pressure"] = [pressed.contact() for pressed in fields]
+    result["warnings"] += [{"code": "contact_pressure", "message": note} for note in notes]
+    files: dict[str, Any] = {}
+    if path:
+        from dummydesign.pad.fields.vtu import write_fields
+
+        files["fields"] = [str(file) for file in write_fields(fields, path)]
+    if picture:
+        from dummydesign.pad.fields.picture import write_picture
+
+        title = f"{made.geometry}, {made.thickness_mm:g} mm, {made.young_MPa * 1e3:.3g} kPa"
+        files["picture"] = str(write_picture(fields, picture, title))
+    return files
 
 
 def _motion(made: Pad | Puck, inputs: dict[str, Any]) -> tuple[Any, dict[str, float]]:

@@ -36,6 +36,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--prony", metavar="TAU:BETA,...", help="relaxation, beta relative to the long-term modulus")
     add("--fidelity", default="table", metavar="NAME", help="table (default), axisymmetric, 3d or viscoelastic")
     add("--out", metavar="FILE.csv", help="write the curve as CSV")
+    add("--fields", metavar="FILE.vtu", help="stress and contact at the depths, for ParaView (axisymmetric)")
+    add("--picture", metavar="FILE.png", help="deformed cross-section with stress and contact pressure (axisymmetric)")
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
@@ -63,6 +65,8 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         prony=options.prony,
         fidelity=options.fidelity,
         out=options.out,
+        fields=options.fields,
+        picture=options.picture,
         progress=_progress(options),
     ).to_dict()
 
@@ -95,6 +99,12 @@ def render(result: dict[str, Any]) -> str:
     rows = list(zip(*(result[name] for name in names)))
     step = max(1, len(rows) // SHOWN)
     lines += [" ".join(form.format(value) for form, value in zip(formats, row)) for row in rows[::step]]
+    for contact in result.get("contact_pressure", []):
+        edge = f", at the edge up to {contact['edge_kPa']:.3g} kPa" if contact["edge_kPa"] > contact["peak_kPa"] else ""
+        lines.append(
+            f"contact pressure at {contact['depth_mm']:.3g} mm: mean {contact['mean_kPa']:.3g} kPa, "
+            f"peak {contact['peak_kPa']:.3g} kPa at radius {contact['peak_radius_mm']:.2g} mm{edge}"
+        )
     solver = result["solver"]
     if solver["unknowns"]:
         lines.append(

@@ -87,9 +87,10 @@ def _section(axes: Any, pressed: Pressed, reach: float, top: float, ceiling: flo
     for side in (1.0, -1.0):
         shown = axes.tripcolor(side * place[:, 0], place[:, 1], triangles, stress, shading="gouraud", cmap="viridis",
                                vmin=0.0, vmax=ceiling, rasterized=True)  # fmt: skip
-        axes.fill(side * np.append(pressed.punch_mm[:, 0], 0.0), np.append(pressed.punch_mm[:, 1], top + reach),
-                  facecolor="0.75", edgecolor="0.2", linewidth=0.8)  # fmt: skip
         axes.plot(side * place[pressed.face.node, 0], place[pressed.face.node, 1], color="0.1", linewidth=0.8)
+    half = np.concatenate([pressed.punch_mm, [[pressed.punch_mm[-1, 0], top + reach]]])
+    outline = np.concatenate([half[::-1] * (-1.0, 1.0), half])
+    axes.fill(*outline.T, facecolor="0.75", edgecolor="0.2", linewidth=0.8)
     axes.axhline(0.0, color="0.2", linewidth=1.6)
     axes.set(xlim=(-reach, reach), ylim=(-0.04 * reach, top), aspect="equal", ylabel="height in mm")
     axes.set_title(f"depth {pressed.depth_mm:.3g} mm, force {pressed.force_N:.3g} N", fontsize=9, loc="left")

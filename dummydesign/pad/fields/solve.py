@@ -7,7 +7,7 @@ force of these fields is the one with that bead, not the limit of a sharp edge.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -73,10 +73,9 @@ def solve_fields(
     """
     from dummydesign.pad.slab.problem import normalise
 
-    if pad.cylinder:
-        raise InputError("fields are for pads under a punch; pad = cylinder between plates has none yet")
-    if not pad.geometry.axisymmetric:
-        raise InputError(f"fields are for round pads; shape {pad.geometry} is not round")
+    if not has_fields(pad):
+        what = "pad = cylinder between plates" if pad.cylinder else f"shape {pad.geometry}"
+        raise InputError(f"fields are for round pads under a punch; {what} has none yet")
     h = pad.thickness_mm
     law, depths, _, shear = normalise(h, pad.radius_mm, pad.young_MPa, depth_mm, pad.poisson, pad.shape)
     setup = _setup(pad, law, depths, shear)
@@ -95,6 +94,30 @@ def solve_fields(
     if path.stop:
         notes += (f"fields were solved to {found[-1].depth_mm:.3g} mm: {path.stop}",)
     return tuple(found), notes
+
+
+def has_fields(pad: Pad) -> bool:
+    """Whether the pad is round and under a punch."""
+    return not pad.cylinder and pad.geometry.axisymmetric
+
+
+def contact_pressures(pad: Pad, depth_mm: Sequence[float]) -> tuple[list[dict[str, Any]], tuple[str, ...]]:
+    """Mean, peak and profile of the contact pressure at static depths; solves are kept in the cache.
+
+    Returns
+    -------
+    contact : list of dict
+        As :meth:`dummydesign.pad.fields.pressed.Pressed.contact` gives them, at the depths that were reached.
+    notes : tuple of str
+    """
+    from dummydesign.core.cache import cached
+
+    def solve() -> dict[str, Any]:
+        fields, notes = solve_fields(pad, depth_mm)
+        return {"contact": [pressed.contact() for pressed in fields], "notes": list(notes)}
+
+    made = cached("contact", {"pad": replace(pad, prony=()), "depth": np.asarray(depth_mm, dtype=float)}, solve)
+    return made["contact"], tuple(made["notes"])
 
 
 def _setup(pad: Pad, law: Any, depths: Array, shear: float) -> Setup:
@@ -154,8 +177,8 @@ def _pressed(problem: Problem, solution: Solution, depth: float, pad: Pad, shear
     face = _face(problem, solution, pad)
     outline = _outline(problem, depth, pad.radius_mm / h)
     face = Face(
-        number[face.node], face.radius_mm * h, (face.height_mm - bottom) * h, face.rest_mm * h, face.pressure_MPa * shear,
-        face.shear_MPa * shear, face.state,
+        number[face.node], face.radius_mm * h, (face.height_mm - bottom) * h, face.rest_mm * h,
+        face.pressure_MPa * shear, face.shear_MPa * shear, face.state,
     )  # fmt: skip
     return Pressed(
         depth * h, problem.force(solution.state) * shear * h * h, (mesh.nodes.T - lift)[used] * h, moved[used] * h,
@@ -189,7 +212,7 @@ def face_sides(problem: Problem) -> Array:
     three = np.concatenate([node[:, [i, side, j]] for side, i, j in ((4, 0, 1), (5, 1, 2), (6, 2, 3), (7, 3, 0))])
     middle, counts = np.unique(three[:, 1], return_counts=True)
     once = np.isin(three[:, 1], middle[counts == 1])
-    r, z = mesh.nodes
+    r = mesh.nodes[0]
     length = np.linalg.norm(mesh.nodes[:, three[:, 0]] - mesh.nodes[:, three[:, 2]], axis=0)
     base = np.zeros(mesh.nodes.shape[1], dtype=bool)
     base[problem.base // 2] = True

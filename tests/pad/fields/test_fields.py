@@ -1,0 +1,174 @@
+"""Stress, displacement and contact pressure inside pressed pads: closed forms, balance of forces, files."""
+
+from functools import lru_cache
+
+import numpy as np
+import pytest
+
+from dummydesign.core.errors import InputError
+from dummydesign.geometry.shapes import read_shape
+from dummydesign.pad.fem import mesh_axisymmetric as meshes
+from dummydesign.pad.fem.mixed_solid import Solid
+from dummydesign.pad.fields.recover import cauchy, face_tractions, quadrature_places, to_nodes
+from dummydesign.pad.fields.solve import solve_fields
+from dummydesign.pad.fields.vtu import grid, write_fields
+from dummydesign.pad.material.hyperelastic import Yeoh
+from dummydesign.pad.pad import Pad
+
+YOUNG_MPa = 0.03
+
+
+def block() -> tuple[Solid, np.ndarray]:
+    """A cylinder of 3 x 2 cells."""
+    points = np.array([(x, y) for x in (0.0, 0.4, 0.7, 1.0) for y in (0.0, -0.4, -1.0)]).T
+    number = np.arange(12).reshape(4, 3)
+    quads = np.stack([number[:-1, 1:], number[1:, 1:], number[1:, :-1], number[:-1, :-1]]).reshape(4, -1)
+    mesh = meshes.discretise(points, quads)
+    return Solid(mesh, Yeoh(2.0, 0.3)), mesh.nodes
+
+
+@lru_cache
+def pressed(shape: str = "slab", condition: str = "bonded", share: float = 0.1):
+    thickness = 10.0 if shape == "slab" else 8.0
+    pad = Pad(thickness, YOUNG_MPa, 7.9, condition=condition, geometry=read_shape(shape))
+    return solve_fields(pad, [share * thickness])[0][0]
+
+
+def test_a_cylinder_squeezed_evenly_has_the_stress_of_the_closed_form():
+    solid, nodes = block()
+    stretch = 0.7
+    across = 1.0 / np.sqrt(stretch)
+    u = np.stack([(across - 1.0) * nodes[0], (stretch - 1.0) * nodes[1]], axis=1).ravel()
+    p = np.zeros((len(solid.mesh.weight), 3))
+    # The pressure that leaves the sides free: sigma_rr = 0.
+    trial, _ = cauchy(solid, u, p, np.ones(len(p)))
+    p[:, 0] = -trial[:, 0, 0]
+    stress, principal = cauchy(solid, u, p, np.ones(len(p)))
+    invariant = stretch**2 + 2.0 / stretch - 3.0
+    wanted = (2.0 + 4.0 * 0.3 * invariant) * (stretch**2 - 1.0 / stretch)
+    at_nodes = to_nodes(solid, quadrature_places(stress.shape[1]), stress)
+    assert np.allclose(at_nodes, [0.0, wanted, 0.0, 0.0], atol=1e-9)
+    assert np.allclose(principal[..., [0, 2]], [across, stretch])
+
+
+def test_half_the_modulus_in_a_cell_halves_its_stress():
+    solid, nodes = block()
+    u = np.stack([0.05 * nodes[0], -0.1 * nodes[1]], axis=1).ravel()
+    p = np.zeros((len(solid.mesh.weight), 3))
+    factor = np.ones(len(p))
+    factor[2] = 0.5
+    whole, half = cauchy(solid, u, p, np.ones(len(p)))[0], cauchy(solid, u, p, factor)[0]
+    assert np.allclose(half[2], 0.5 * whole[2]) and np.allclose(half[3], whole[3])
+
+
+def test_an_even_pressure_is_recovered_from_its_nodal_forces():
+    # Two sides of unequal length; nodal forces by Gauss's rule, not by the formula that is tested.
+    r = np.array([0.0, 0.3, 0.6, 1.1, 1.6])
+    nodes = np.stack([r, 0.2 * r])
+    sides = np.array([[0, 1, 2], [2, 3, 4]])
+    x, weight = np.polynomial.legendre.leggauss(6)
+    shape = np.stack([x * (x - 1.0) / 2.0, 1.0 - x**2, x * (x + 1.0) / 2.0])
+    force = np.zeros((5, 2))
+    normal = np.array([0.2, -1.0]) / np.hypot(0.2, 1.0)
+    for side in sides:
+        length = np.hypot(*(nodes[:, side[2]] - nodes[:, side[0]]))
+        for i, node in enumerate(side):
+            share = (2.0 * np.pi * (nodes[0, side] @ shape) * shape[i] * weight).sum() * 0.5 * length
+            force[node] += 3.0 * share * normal
+    found = face_tractions(nodes, np.zeros(10), force.ravel(), sides)
+    assert found["pressure"] == pytest.approx(3.0) and found["shear"] == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("shape", ["slab", "crowned:20,2,9"])
+def test_the_stress_on_the_base_carries_the_force_of_the_punch(shape):
+    found = pressed(shape)
+    base = found.rest_mm[:, 1] < 1e-9
+    order = np.argsort(found.rest_mm[base, 0])
+    r, stress = found.rest_mm[base, 0][order], found.cauchy_MPa[base, 1][order]
+    assert np.trapezoid(-2.0 * np.pi * r * stress, r) == pytest.approx(found.force_N, rel=0.01)
+
+
+def test_the_pressure_over_a_crown_carries_the_force():
+    face = pressed("crowned:20,2,9").face
+    total = np.trapezoid(2.0 * np.pi * face.radius_mm * face.pressure_MPa, face.radius_mm)
+    assert total == pytest.approx(pressed("crowned:20,2,9").force_N, rel=0.01)
+
+
+def test_the_pressure_on_the_face_is_the_stress_just_below_it():
+    found = pressed()
+    inside = (found.face.rest_mm > 0.5) & (found.face.rest_mm < 5.0)
+    below = -found.cauchy_MPa[found.face.node[inside], 1]
+    assert below == pytest.approx(found.face.pressure_MPa[inside], rel=0.02)
+
+
+def test_a_shallow_crown_without_friction_has_hertz_pressure_and_the_force_of_a_cap_on_a_layer():
+    # p = p0 sqrt(1 - (r/a)^2) with p0 = 3 F / (2 pi a^2); F over Hertz's as E. K. Dimitriadis et al. give it for a
+    # glued incompressible layer, Biophys. J. 82 (2002) 2798, doi 10.1016/S0006-3495(02)75620-8, x = sqrt(R d) / h.
+    depth = 0.16
+    pad = Pad(20.0, YOUNG_MPa, 9.0, condition="frictionless", geometry=read_shape("crowned:40,1.5,11"), extent_mm=60.0)
+    found = solve_fields(pad, [0.5 * depth, depth])[0][-1]
+    x = np.sqrt(40.0 * depth) / 20.0
+    layer = 1.0 + 1.133 * x + 1.283 * x**2 + 0.769 * x**3 + 0.0975 * x**4
+    assert found.force_N == pytest.approx(layer * 16.0 / 9.0 * YOUNG_MPa * np.sqrt(40.0) * depth**1.5, rel=0.01)
+    r, p = found.face.radius_mm, found.face.pressure_MPa
+    inside = p > 0.3 * p.max()
+    slope, peak = np.polyfit(r[inside] ** 2, p[inside] ** 2, 1)
+    radius = np.sqrt(-peak / slope)
+    assert inside.sum() >= 8
+    assert np.sqrt(peak) == pytest.approx(1.5 * found.force_N / (np.pi * radius**2), rel=0.02)
+    assert p[inside] == pytest.approx(np.sqrt(peak * (1.0 - (r[inside] / radius) ** 2)), rel=0.03)
+    assert found.contact()["peak_radius_mm"] < 0.3 * radius
+    assert found.face.shear_MPa == pytest.approx(0.0, abs=3e-3 * p.max())
+    assert set(found.contact()["profile"]["state"]) == {"slips"}
+
+
+def test_stress_is_proportional_to_the_modulus():
+    soft = pressed()
+    stiff = solve_fields(Pad(10.0, 2.0 * YOUNG_MPa, 7.9), [1.0])[0][0]
+    assert stiff.force_N == pytest.approx(2.0 * soft.force_N, rel=1e-9)
+    assert stiff.cauchy_MPa == pytest.approx(2.0 * soft.cauchy_MPa, rel=1e-9, abs=1e-15)
+    assert stiff.displacement_mm == pytest.approx(soft.displacement_mm, rel=1e-9, abs=1e-12)
+
+
+def test_the_volume_is_kept():
+    crowned = pressed("crowned:20,2,9").stretch.prod(axis=1)
+    assert crowned == pytest.approx(1.0, abs=0.005)
+
+
+def test_a_glued_face_sticks():
+    assert set(pressed().contact()["profile"]["state"]) == {"sticks"}
+
+
+def test_paraview_reads_back_what_was_written(tmp_path):
+    import pyvista
+
+    found = pressed()
+    files = write_fields([found, found], tmp_path / "pad.vtu")
+    assert [file.name for file in files] == ["pad.pvd", "pad-1.vtu", "pad-2.vtu"]
+    read = pyvista.read(files[1])
+    assert read.n_cells == len(found.cells)
+    assert read.point_data["principal_MPa"] == pytest.approx(found.principal_MPa)
+    series = pyvista.PVDReader(files[0])
+    assert [entry.path for entry in series.datasets] == ["pad-1.vtu", "pad-2.vtu"]
+    assert series.time_values == [found.depth_mm]
+
+
+def test_cells_stand_upright_so_that_programs_find_their_area():
+    found = pressed()
+    area = grid(found).compute_cell_sizes(length=False, volume=False)["Area"]
+    assert np.abs(area).sum() == pytest.approx(10.0 * found.rest_mm[:, 0].max(), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("name", "word"), [("pad.vtk", "must end with .vtu"), ("missing/pad.vtu", "cannot be written")]
+)
+def test_a_place_that_cannot_be_written_is_said_in_one_line(tmp_path, name, word):
+    with pytest.raises(InputError, match=word):
+        write_fields([pressed()], tmp_path / name)
+    assert not list(tmp_path.iterdir())
+
+
+def test_pads_that_are_not_round_have_no_fields():
+    pad = Pad(10.0, YOUNG_MPa, 7.9, geometry=read_shape("bumped:pitch=5,radius=2.91,height=1.24,grade=0.34"))
+    with pytest.raises(InputError, match="round pads"):
+        solve_fields(pad, [1.0])

@@ -10,10 +10,11 @@ imported when a function runs.
 
 from dummydesign.api.answers import Answer, Fitted, Result, Rows
 from dummydesign.api.campaign_calls import calibrate, replay
-from dummydesign.api.design_calls import suggest, whatif
+from dummydesign.api.design_calls import suggest
 from dummydesign.api.import_calls import import_traces
 from dummydesign.api.mould_calls import make_mould
 from dummydesign.api.predict_calls import predict
+from dummydesign.api.sweep_calls import whatif
 from dummydesign.api.trace_calls import compare, fit
 
 __all__ = [

@@ -1,28 +1,21 @@
-"""The calls that design: :func:`suggest` one pad, :func:`whatif` many slabs."""
+"""The call that designs one pad: :func:`suggest`."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from contextlib import nullcontext
 from math import isfinite
 from os import PathLike, fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dummydesign.api.answers import Answer, Rows
+from dummydesign.api.answers import Answer
 from dummydesign.api.questions import question
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
 
 if TYPE_CHECKING:
-    from concurrent.futures import Executor
 
     from dummydesign.core.outputs.write import Output
     from dummydesign.design.request import Request
-    from dummydesign.design.sweep.spec import Study
-    from dummydesign.resin.model.resin import Resin
-
-Values = float | str | Iterable[float]
-"""One number, numbers, or text as on the command line: ``"3:30:0.5"`` (end included) or ``"5,15"``."""
 
 
 def suggest(
@@ -86,6 +79,15 @@ def suggest(
     NoAnswerError
         When no pad reaches 10 N steady, or the mould could not be made: the report is then written and the rest of
         the answer in the error's ``result``.
+
+    Examples
+    --------
+    >>> import dummydesign
+    >>> answer = dummydesign.suggest("forefinger", verify=False).to_dict()
+    >>> answer["recommendation"]["thickness_mm"], answer["recommendation"]["ratio"]
+    (6.0, 15.4)
+    >>> [(part["name"], part["mass_g"]) for part in answer["recommendation"]["recipe"]["components"]]
+    [('polyol', 113.7), ('isocyanate', 17.5)]
     """
     from dummydesign.design.request import Request
     from dummydesign.loop.effects.own import own_effects
@@ -163,134 +165,6 @@ def _written(
             missing, result = reason, reason.result
     result["files"] |= write_suggestion(output.work, found, result, curves, safety)
     return output.answer(result), missing
-
-
-def whatif(
-    thickness_mm: Values,
-    ratio: Values | None = None,
-    *,
-    resin: str = "polyurethane-nagoya",
-    tissue: str | None = None,
-    aim: str = "average",
-    punch: str | Iterable[str] = "square:14",
-    condition: str | Iterable[str] = "bonded",
-    base: str | Iterable[str] = "bonded",
-    velocity_mm_s: Values = (10.0, 250.0),
-    force_N: Values = (1.0, 5.0, 10.0, 15.0),
-    fidelity: str = "table",
-    workers: int = 1,
-    scheduler: str | None = None,
-    executor: Executor | None = None,
-    out: str | PathLike[str] | None = None,
-    resume: bool = False,
-    replace: bool = False,
-) -> Rows:
-    """Work out every combination of slabs, ratios, punches and supports.
-
-    Parameters
-    ----------
-    thickness_mm, ratio, velocity_mm_s, force_N : number, numbers or text
-        See :data:`Values`; the ratio is the resin's reference by default. [mm, resin's ratio, mm/s, N]
-    resin, tissue : str
-        Names or paths; with a tissue every design is scored for it.
-    aim : str
-        Whom of the tissue a score is for: ``average``, ``safe-side`` or ``subject:NAME``.
-    punch, condition, base : str or several
-        Such as ``square:14``, ``bonded``, ``sliding``.
-    fidelity : str
-        ``table``, ``axisymmetric`` or ``3d``.
-    workers : int
-        Processes on this machine.
-    scheduler : str, optional
-        Address of a running Dask scheduler.
-    executor : concurrent.futures.Executor, optional
-        Runs the tasks side by side, from any library with this interface, instead of ``workers`` or ``scheduler``.
-    out : path, optional
-        Folder of ``rows.csv`` and the report; the next free number when it holds the answer to another question.
-    resume : bool
-        Keep the rows that are in ``out``.
-    replace : bool
-        Take the place of the other answer instead.
-
-    Returns
-    -------
-    Rows
-        The same as ``dummydesign whatif --json`` prints for the same question.
-
-    Raises
-    ------
-    InputError
-        For names, ranges or a number of designs that are not allowed.
-    NoAnswerError
-        When a worker was lost; what was done is in ``out``.
-    """
-    from dummydesign.design.sweep.executors import open_executor
-    from dummydesign.design.sweep.ranges import read_names, read_values
-    from dummydesign.design.sweep.spec import Study
-    from dummydesign.pad.tables.punch import equal_area_radius_mm
-    from dummydesign.resin import load_resin
-
-    material = load_resin(resin)
-    study = Study(
-        read_values(thickness_mm, "thickness in mm"),
-        (material.relaxation_ratio_ref,) if ratio is None else read_values(ratio, "ratio"),
-        tuple((name, equal_area_radius_mm(name)) for name in read_names(punch)),
-        read_values(velocity_mm_s, "velocity in mm/s"),
-        read_values(force_N, "force in N"),
-        resin,
-        tissue,
-        aim,
-        fidelity,
-        read_names(condition),
-        read_names(base),
-    )
-    study.check(material)
-    folder = None if out is None else Path(out)
-    inputs = {
-        **study.to_dict(),
-        "workers": workers if executor is None else None,
-        "scheduler": scheduler,
-        "resume": resume,
-        "out": None if folder is None else str(folder),
-    }
-    opened = open_executor(workers, scheduler) if executor is None else nullcontext(executor)
-    return _work_out(study, material, opened, folder, inputs, replace)
-
-
-def _work_out(
-    study: Study, resin: Resin, opened: Any, folder: Path | None, inputs: dict[str, Any], replace: bool
-) -> Rows:
-    """Run a study that was checked, and write rows and report when there is a folder."""
-    from dummydesign.design.sweep.run import whatif as work_out
-
-    sites = None
-    if study.tissue is not None:
-        from dummydesign.tissue.model.tissue_file import load_tissue
-
-        sites = load_tissue(study.tissue)
-        sites.target(study.aim)
-    sources = (*resin.references, *(() if sites is None else sites.sources))
-    if folder is None:
-        with opened as executor:
-            found = work_out(study, executor=executor)
-        return Rows(study, tuple(found["rows"]), found["seconds"], inputs, tuple(found["warnings"]), sources)
-    from dummydesign.core.outputs.write import growing_folder
-    from dummydesign.design.sweep.live_data import live_data
-    from dummydesign.design.sweep.rows_file import RowsFile, settings_of
-    from dummydesign.report.whatif import write_whatif
-
-    settings = settings_of(study, resin, sites)
-    asked = question("whatif", inputs, tissue=study.tissue, resin=study.resin)
-    with opened as executor, growing_folder(folder, asked, replace=replace, go_on=inputs["resume"]) as output:
-        file = RowsFile(output.work, study, settings, inputs["resume"])
-        kept = len(file.rows)
-        found = work_out(study, executor=executor, file=file)
-        rows = found["rows"]
-        page = write_whatif(output.work, study, rows, resin, sites, live_data(resin, sites), found["warnings"])
-    told = output.answer({"warnings": found["warnings"], "files": {"rows": str(file.path), **page}})
-    inputs = {**inputs, "out": str(output.folder)}
-    warnings = tuple(told["warnings"])
-    return Rows(study, tuple(rows), found["seconds"], inputs, warnings, sources, kept, told["files"])
 
 
 def _pair(limits: tuple[float, float] | str | None, name: str) -> tuple[float, float] | None:

@@ -53,6 +53,15 @@ def make_mould(
         For sizes, names or files that are not allowed.
     NoAnswerError
         Without CAD, or when the mould fails a check; what there is of the answer stands in the error's ``result``.
+
+    Examples
+    --------
+    CadQuery needs about a minute.
+
+    >>> import dummydesign
+    >>> made = dummydesign.make_mould(8, length_mm=60, width_mm=50, out="mould")  # doctest: +SKIP
+    >>> {check["verdict"] for check in made.to_dict()["checks"]}  # doctest: +SKIP
+    {'pass'}
     """
     from dummydesign.core.outputs.write import new_folder
     from dummydesign.mold.model.pad_kind import read_kind

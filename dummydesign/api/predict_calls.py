@@ -101,6 +101,13 @@ def predict(
         For values that are not allowed.
     NoAnswerError
         When the force is out of the pad's reach, or a solve fails.
+
+    Examples
+    --------
+    >>> import dummydesign
+    >>> pad = dummydesign.predict(12, young_kPa=25, depth_mm=[1, 2], punch="round:28")
+    >>> [round(force, 2) for force in pad.to_dict()["force_N"]]
+    [4.95, 10.76]
     """
     inputs = {name: value for name, value in locals().items() if name != "progress"}
     asked = [name for name in ("depth_mm", "motion", "force_N") if inputs[name] is not None]

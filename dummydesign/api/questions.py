@@ -26,6 +26,7 @@ def question(
     Parameters
     ----------
     command : str
+        Name of the command, as it is typed.
     inputs : mapping
         All values used, as the answer names them.
     tissue, resin, preset : str, optional

@@ -60,6 +60,21 @@ def fit(
     ------
     InputError
         For files or settings that cannot be used.
+
+    Examples
+    --------
+    A press that the law itself gives is fitted by the law's own parameters.
+
+    >>> import dummydesign
+    >>> from dummydesign.measurement.motion import ramp_and_hold
+    >>> from dummydesign.measurement.trace import Trace
+    >>> from dummydesign.tissue import load_tissue
+    >>> finger = load_tissue("forefinger").target()
+    >>> motion = ramp_and_hold(10.0, 1.5, hold_s=5.0, hold_points=400)
+    >>> trace = Trace("press", motion.time_s, motion.displacement_mm, finger.force(motion, 10.0))
+    >>> found = dummydesign.fit([trace], elements=5).to_dict()["parameters"]
+    >>> f"{finger.gamma1_N_per_mm3:.3f}, fitted {found['gamma1_N_per_mm3']['value']:.3f}"
+    '3.635, fitted 3.635'
     """
     from dummydesign.measurement.sensor import parse_lowpass
     from dummydesign.tissue.fitting.fit import fit_traces

@@ -63,6 +63,13 @@ class Interface:
         ------
         InputError
             For anything else, and MU outside 0 to 5.
+
+        Examples
+        --------
+        >>> Interface.parse("friction:0.3", "base", BASES).coulomb
+        0.3
+        >>> Interface.parse("sliding", "base", BASES).bonded
+        False
         """
         found = Interface.find(text, known)
         if found is None:

@@ -115,10 +115,27 @@ def make_shape(kind: str, parameters: Sequence[tuple[str, float]] = ()) -> PadSh
 def read_shape(text: str) -> PadShape:
     """Read ``NAME``, ``NAME:KEY=VALUE,...`` or ``NAME:VALUE,...``.
 
+    Parameters
+    ----------
+    text : str
+        A shape as it is typed.
+
+    Returns
+    -------
+    PadShape
+
     Raises
     ------
     InputError
         For unknown names, missing parameters or what is not a number.
+
+    Examples
+    --------
+    >>> crown = read_shape("crowned:20,2")
+    >>> print(crown)
+    crowned:radius=20,height=2
+    >>> round(float(crown.drop_mm(5.0, 0.0)), 3)  # 20 - sqrt(20^2 - 5^2)
+    0.635
     """
     name, _, rest = text.partition(":")
     parameters = []

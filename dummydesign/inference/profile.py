@@ -52,6 +52,22 @@ def profile_interval(model: Model, best: Solution, index: int, low: NDArray, hig
     References
     ----------
     Venzon and Moolgavkar, J. R. Stat. Soc. C 37 (1988) 87.
+
+    Examples
+    --------
+    An exponential with noise of 0.05, its time constant 1.5:
+
+    >>> import numpy as np
+    >>> x = np.linspace(0.0, 4.0, 30)
+    >>> def model(q):
+    ...     curve = q[0] * np.exp(-x / q[1])
+    ...     slope = np.column_stack([curve / q[0], curve * x / q[1] ** 2])
+    ...     return (curve - 2.0 * np.exp(-x / 1.5)) / 0.05, slope / 0.05
+    >>> low, high = np.full(2, 0.1), np.full(2, 10.0)
+    >>> best = solve(model, [np.ones(2)], low, high)
+    >>> found = profile_interval(model, best, 1, low, high)
+    >>> f"{best.parameters[1]:.2f} ({found.low:.2f} to {found.high:.2f})"
+    '1.50 (1.44 to 1.57)'
     """
     centre = best.parameters
     at_bound = bool(min(centre[index] - low[index], high[index] - centre[index]) < 1e-4)

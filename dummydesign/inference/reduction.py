@@ -84,6 +84,13 @@ def cut(time_s: NDArray, edges_s: NDArray, left_out: NDArray | None = None) -> B
         Increasing. [s]
     left_out : ndarray of bool, shape (m,), optional
         Intervals that are not used.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> bins = cut(np.arange(6.0), np.array([0.0, 2.0, 5.0]))
+    >>> bins.samples.tolist(), bins.mean(np.arange(6.0)).tolist()
+    ([2, 4], [0.5, 3.5])
     """
     which = np.clip(np.searchsorted(edges_s, time_s, side="right") - 1, 0, len(edges_s) - 2)
     # ends of a hold are sums of times: a sample on one may lie an ulp behind it

@@ -118,7 +118,21 @@ def slope_of(
 
 
 class BaseForceLaw:
-    """What a law is that says nothing else: any ratio, no provenance, no stated error, stiffness by differences."""
+    """What a law is that says nothing else: any ratio, no provenance, no stated error, stiffness by differences.
+
+    Examples
+    --------
+    A foam that carries under the punch alone, half as deep as it is thick:
+
+    >>> class Foam(BaseForceLaw):
+    ...     def force(self, depth_mm, thickness_mm, young_MPa, radius_mm):
+    ...         return young_MPa * np.pi * np.square(radius_mm) * np.asarray(depth_mm) / thickness_mm
+    ...     def depth_limit_mm(self, thickness_mm, radius_mm):
+    ...         return 0.5 * np.asarray(thickness_mm)
+    >>> pad = AtThickness(Foam(), thickness_mm=10.0, young_MPa=0.1, radius_mm=14.0)
+    >>> f"{pad.force(1.0):.2f} N, {pad.stiffness(1.0):.2f} N/mm, to {pad.limit_mm:g} mm"
+    '6.16 N, 6.16 N/mm, to 5 mm'
+    """
 
     ratio_range: tuple[float, float] = ANY_RATIO
     provenance: Mapping[str, Any] = NOTHING_KNOWN

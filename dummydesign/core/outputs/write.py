@@ -74,6 +74,20 @@ def new_folder(out: str | os.PathLike[str], question: Question, *, replace: bool
     Nothing is left when the body raises. When it ends, the manifest is written, the files of an earlier answer to
     the same question (or, with ``replace``, of the earlier answer) go, and the new ones are renamed into place.
 
+    Parameters
+    ----------
+    out : path
+        The folder that is wished for.
+    question : Question
+        What is answered: command, inputs, files that are read.
+    replace : bool
+        Whether an answer to another question that lies there goes; else the next free number is taken.
+
+    Yields
+    ------
+    Output
+        Whose ``work`` the body writes into.
+
     Raises
     ------
     InputError
@@ -89,6 +103,13 @@ def new_files(out: str | os.PathLike[str], question: Question, *, replace: bool 
     """Write a set of files with one stem into a folder that others share; ``place.stem`` is the stem to use.
 
     See :func:`new_folder`.
+
+    Parameters
+    ----------
+    out : path
+        Path of the first file; its stem is that of all.
+    question, replace
+        As for :func:`new_folder`.
     """
     with _written(choose_files(Path(out), question, replace), question) as output:
         yield output
@@ -102,6 +123,13 @@ def growing_folder(
 
     The manifest says ``finished: false`` until the body has ended. A folder that was made for nothing but it goes
     when the body raises without having written a file.
+
+    Parameters
+    ----------
+    out, question, replace
+        As for :func:`new_folder`.
+    go_on : bool
+        Whether the rows that lie there already are kept.
     """
     place = choose_folder(Path(out), question, replace, go_on)
     made = _make(place.folder)

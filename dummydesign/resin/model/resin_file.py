@@ -53,6 +53,14 @@ def load_resin(name: str = DEFAULT) -> Resin:
     ------
     InputError
         When it does not exist or its file breaks the schema or the physics, with file and line.
+
+    Examples
+    --------
+    >>> resin = load_resin("polyurethane-nagoya")
+    >>> round(resin.young_MPa(15.4) * 1e3, 1)
+    38.7
+    >>> [(part.name, round(part.mass_g, 1)) for part in resin.recipe(15.4, 100.0)]
+    [('polyol', 86.7), ('isocyanate', 13.3)]
     """
     return read_resin(find(KIND, "resin", name))
 

@@ -66,7 +66,17 @@ class Parameters:
         return known[-1][1]
 
     def force(self, motion: Motion, velocity_mm_s: float) -> NDArray:
-        """Force under a motion with the dampers of the given speed; shape of the motion. [N]"""
+        """Force under a motion with the dampers of the given speed; shape of the motion. [N]
+
+        Examples
+        --------
+        >>> from dummydesign.measurement.motion import ramp_and_hold
+        >>> from dummydesign.tissue import load_tissue
+        >>> finger = load_tissue("forefinger").target()
+        >>> force_N = finger.force(ramp_and_hold(10.0, 1.0, hold_s=60.0), 10.0)
+        >>> f"peak {force_N.max():.1f} N, after a minute {force_N[-1]:.2f} N"  # gamma1 is 3.63 N/mm3
+        'peak 7.0 N, after a minute 3.63 N'
+        """
         from dummydesign.tissue.model.laws import law_named
 
         dampers = self.dampers_at(velocity_mm_s)

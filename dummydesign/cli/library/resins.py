@@ -5,18 +5,23 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-HELP = "List the known resins, show one with all its numbers and sources, or add your own."
+from dummydesign.cli.library.own import ACTIONS, add_own_actions, render_own, run_own
+
+HELP = "List the known resins, show one with all its numbers and sources, and add, rename or remove your own."
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the actions."""
-    actions = parser.add_subparsers(dest="action", required=True, metavar="list|show|add|add-compression")
+    words = "list|show|add|add-compression|remove|rename|path"
+    actions = parser.add_subparsers(dest="action", required=True, metavar=words)
     actions.add_parser("list", help="names, origin, ratio and modulus range", allow_abbrev=False)
     show = actions.add_parser("show", help="one resin, every number with its source", allow_abbrev=False)
     show.add_argument("name", metavar="NAME")
     show.add_argument("--out", metavar="DIR", help="also write a plot and its CSV")
     add = actions.add_parser("add", help="keep a resin file, or update a resin by measured points", allow_abbrev=False)
     add.add_argument("file", metavar="FILE")
+    told = "take the place of a resin of your own that has this name"
+    add.add_argument("--replace", action="store_true", help=told)
     told = "modulus and relaxation of a batch from its puck's curve"
     puck = actions.add_parser("add-compression", help=told, allow_abbrev=False)
     told = "time_s, displacement_mm, force_N: one slow loading, or ramps and holds"
@@ -26,12 +31,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     puck.add_argument("--name", required=True, help="of the resin that results")
     puck.add_argument("--ratio", type=float, required=True, metavar="R", help="mixing ratio of the puck")
     puck.add_argument("--resin", metavar="BASE", help="resin whose law is updated")
-    for action in (actions.choices["list"], show, add, puck):
+    told = "begin NAME again, without the points it has"
+    puck.add_argument("--replace", action="store_true", help=told)
+    add_own_actions(actions, "resin")
+    for action in actions.choices.values():
         action.add_argument("--json", action="store_true", default=argparse.SUPPRESS)
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Do the action and return plain values."""
+    if options.action in ACTIONS:
+        return run_own(options, "materials/resins", "resin")
     actions = {"list": _list, "show": _show, "add": _add, "add-compression": _add_compression}
     return actions[options.action](options)
 
@@ -82,13 +92,17 @@ def _show(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def _add(options: argparse.Namespace) -> dict[str, Any]:
+    from dummydesign.core.own_files import hidden_by
     from dummydesign.resin.describe import explain
     from dummydesign.resin.update.rows import add_resin
 
-    resin, path = add_resin(options.file)
+    resin, path = add_resin(options.file, options.replace)
+    explained = explain(resin)
+    said = hidden_by("materials/resins", "resin", path.stem)
     return {
         "inputs": {"action": "add", "file": options.file},
-        **explain(resin),
+        **explained,
+        "warnings": [*said, *explained["warnings"]],
         "sources": list(resin.references),
         "files": {"resin": str(path)},
     }
@@ -98,8 +112,9 @@ def _add_compression(options: argparse.Namespace) -> dict[str, Any]:
     from dummydesign.resin.puck_test.add import add_compression
 
     done = add_compression(
-        options.file, options.diameter, options.height, options.name, options.ratio, options.resin
-    )
+        options.file, options.diameter, options.height, options.name, options.ratio, options.resin,
+        options.replace,
+    )  # fmt: skip
     inputs = {
         "action": "add-compression",
         "file": options.file,
@@ -114,6 +129,9 @@ def _add_compression(options: argparse.Namespace) -> dict[str, Any]:
 
 def render(result: dict[str, Any]) -> str:
     """Lay the answer out as short tables."""
+    own = render_own(result)
+    if own is not None:
+        return own
     lines: list[str] = []
     if "resins" in result:
         lines.append(f"{'name':<24} {'origin':<9} {'ratio':<12} {'E in kPa':<14} ratio definition")
@@ -138,7 +156,11 @@ def _render_puck(result: dict[str, Any]) -> list[str]:
         f"misfit    {result['rmse_N']:.3g} N rms over {result['compression_mm'][0]:.3g} to "
         f"{result['compression_mm'][1]:.3g} mm",
         *_render_relaxation(result["relaxation"]),
-        f"resin     {result['name']}: law of {result['base']} updated at ratio {result['ratio']:g}",
+        f"resin     {result['name']}: " + {
+            "added": f"law of {result['base']} updated at ratio {result['ratio']:g}",
+            "unchanged": f"has this puck at ratio {result['ratio']:g} already; nothing was changed",
+            "replaced": f"had this puck at {result['before']}; that point was replaced by ratio {result['ratio']:g}",
+        }[result["action"]],
         f"file      {result['files']['resin']}",
     ]
 
@@ -171,6 +193,11 @@ def _render_resin(result: dict[str, Any]) -> list[str]:
         interval = f"({young['low']:.3g} to {young['high']:.3g})"
         slope = row["d_ln_young_per_percent_ratio"] * 100
         lines.append(f"  {row['ratio']:<6g}  {young['value']:<7.3g}{interval:<19} {slope:>6.1f}       {arms}")
+    for point in resin.get("point", []):
+        young, puck = point["young_kPa"], point.get("puck")
+        came = f"{puck['diameter_mm']:g} x {puck['height_mm']:g} mm puck, {puck['file']}" if puck else young["source"]
+        span = f"({young['low']:.3g} to {young['high']:.3g}, {young['kind']})"
+        lines.append(f"  point at ratio {point['ratio']:g}: {young['value']:.3g} kPa {span} from {came}")
     lines += ["", "numbers (value, low to high, kind):"]
     for name, item in result["numbers"].items():
         lines.append(f"  {name:<26} {item['value']:<8.4g} {item['low']:.4g} to {item['high']:.4g}  {item['kind']}")

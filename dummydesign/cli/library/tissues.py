@@ -5,14 +5,15 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from dummydesign.cli.library.own import ACTIONS, add_own_actions, render_own, run_own
 from dummydesign.core.errors import InputError
 
-HELP = "List the known tissues, show one with all its numbers and sources, or add your own."
+HELP = "List the known tissues, show one with all its numbers and sources, and add, rename or remove your own."
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    actions = parser.add_subparsers(dest="action", metavar="list|show|add|add-points")
+    actions = parser.add_subparsers(dest="action", metavar="list|show|add|add-points|remove|rename|path")
     actions.add_parser("list", help="names, origin and kind of the known tissues")
     show = actions.add_parser("show", help="every number of one tissue with its interval and source")
     show.add_argument("name", metavar="NAME", help="a known tissue or a TOML file")
@@ -22,15 +23,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add.add_argument("--law", default="ode", help="published, consistent or ode (default ode)")
     add.add_argument("--elements", default="5", help="3, 5 or 7 (default 5)")
     add.add_argument("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help="filter of the recorded force")
+    add.add_argument("--replace", action="store_true", help="take the place of a tissue of your own with this name")
     points = actions.add_parser("add-points", help="update a tissue by points read off figures")
     points.add_argument("name", metavar="NAME", help="the tissue to update")
     points.add_argument("points", metavar="POINTS.csv", help="columns subject,depth_mm,force_N")
+    add_own_actions(actions, "tissue")
     for parser_ in actions.choices.values():
         parser_.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print one JSON object")
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Run the chosen action."""
+    if options.action in ACTIONS:
+        return run_own(options, "materials/tissues", "tissue")
     if options.action == "list":
         return _list()
     if options.action == "show":
@@ -38,12 +43,13 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     if options.action == "add":
         from dummydesign.tissue.population.from_traces import add_tissue
 
-        return add_tissue(options.name, options.files, options.law, options.elements, options.lowpass)
+        return add_tissue(options.name, options.files, options.law, options.elements, options.lowpass, options.replace)
     if options.action == "add-points":
         from dummydesign.tissue.population.from_points import add_points
 
         return add_points(options.name, options.points)
-    raise InputError("tissues needs an action: list, show NAME, add NAME FILE... or add-points NAME POINTS.csv")
+    actions = "list, show NAME, add NAME FILE..., add-points NAME POINTS.csv, remove NAME, rename OLD NEW or path NAME"
+    raise InputError(f"tissues needs an action: {actions}")
 
 
 def _list() -> dict[str, Any]:
@@ -82,6 +88,9 @@ def _show(name: str) -> dict[str, Any]:
 
 def render(result: dict[str, Any]) -> str:
     """Make the readable table."""
+    own = render_own(result)
+    if own is not None:
+        return own
     if "tissues" in result:
         lines = [f"{'tissue':<14} {'origin':<9} {'kind':<20} {'law':<11} subjects  gamma1 in N/mm3"]
         for row in result["tissues"]:

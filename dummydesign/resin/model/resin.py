@@ -63,7 +63,8 @@ class Resin:
 
     Ratios are in the unit named by ``ratio_meaning``; ``law`` with its ``numbers`` gives
     the long-term Young's modulus, ``arms`` the relaxation at ``relaxation_ratio_ref``. ``posterior``
-    holds joint draws of the law's parameters when points have updated it.
+    holds joint draws of the law's parameters when points have updated it. ``prior_numbers`` and
+    ``prior_relaxation`` (arms and the ratio they refer to) are those before any point.
     """
 
     name: str
@@ -86,6 +87,7 @@ class Resin:
     contradictions: tuple[str, ...] = ()
     posterior: Mapping[str, NDArray] | None = field(default=None, repr=False)
     prior_numbers: Mapping[str, Quantity] | None = field(default=None, repr=False)
+    prior_relaxation: tuple[tuple[Arm, ...], float] | None = field(default=None, repr=False)
 
     def check_ratio(self, ratio: ArrayLike) -> None:
         """Refuse ratios outside the range the law is meant for (InputError)."""

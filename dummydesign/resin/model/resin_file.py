@@ -15,6 +15,7 @@ from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.quantity import Quantity, line_of, read_quantity
 from dummydesign.resin.model.liquid import Liquid
 from dummydesign.resin.model.modulus_laws import LAWS, Law
+from dummydesign.resin.model.puck_point import read_puck_point
 from dummydesign.resin.model.resin import Arm, Resin
 
 KIND = "materials/resins"
@@ -96,7 +97,7 @@ def _parse_resin(content: Mapping[str, Any], text: str, path: Path, origin: str)
         message = f"needs 0 <= ratio_min < ratio_max and ratio_step > 0, given {low}, {high}, {step}"
         raise _fault(path, text, "ratio_min", message)
     law, numbers, posterior, prior = _modulus(content["modulus"], path, text)
-    arms, ratio_ref, softness = _relaxation(content["relaxation"], path, text, low, high)
+    arms, ratio_ref, softness, prior_arms = _relaxation(content["relaxation"], path, text, low, high)
     properties = content.get("property", {})
     _check_keys(properties, PROPERTIES, path, text, "[property")
     resin = Resin(
@@ -120,6 +121,7 @@ def _parse_resin(content: Mapping[str, Any], text: str, path: Path, origin: str)
         contradictions=tuple(str(item) for item in content.get("contradictions", [])),
         posterior=posterior,
         prior_numbers=prior,
+        prior_relaxation=prior_arms,
     )
     _check_physics(resin, path, text)
     return resin
@@ -234,13 +236,25 @@ def _modulus(
     return law, numbers, columns, {key: _positive(prior, key, path, text) for key in law.parameters}
 
 
-def _relaxation(value: Any, path: Path, text: str, low: float, high: float) -> tuple[tuple[Arm, ...], float, Quantity]:
-    """Read the arms, the ratio they belong to and how they grow when the resin softens."""
+def _relaxation(
+    value: Any, path: Path, text: str, low: float, high: float
+) -> tuple[tuple[Arm, ...], float, Quantity, tuple[tuple[Arm, ...], float] | None]:
+    """Read the arms, the ratio they belong to, how they grow when the resin softens, and the arms before any puck."""
     table = _table(value, "relaxation", path, text)
-    _check_keys(table, ("ratio_ref", "softness_exponent", "term"), path, text, "[relaxation")
+    _check_keys(table, ("ratio_ref", "softness_exponent", "term", "prior"), path, text, "[relaxation")
     for key in ("ratio_ref", "softness_exponent"):
         if key not in table:
             raise InputError(f"{path.name}:{line_of(text, '[relaxation')}: '{key}' is missing in [relaxation]")
+    arms, ratio_ref = _arms(table, path, text, low, high)
+    prior = None
+    if "prior" in table:
+        before = _table(table["prior"], "prior", path, text)
+        _check_keys(before, ("ratio_ref", "term"), path, text, "[relaxation.prior")
+        prior = _arms({"ratio_ref": ratio_ref, **before}, path, text, low, high)
+    return arms, ratio_ref, _positive(table, "softness_exponent", path, text, zero=True), prior
+
+
+def _arms(table: Mapping[str, Any], path: Path, text: str, low: float, high: float) -> tuple[tuple[Arm, ...], float]:
     ratio_ref = _number(table, "ratio_ref", path, text)
     if not low <= ratio_ref <= high:
         message = f"ratio_ref = {ratio_ref} is outside the resin's range {low} to {high}"
@@ -249,18 +263,19 @@ def _relaxation(value: Any, path: Path, text: str, low: float, high: float) -> t
     for item in _tables(table["term"], "relaxation.term", path, text) if table.get("term") else []:
         _check_keys(item, ("tau_s", "beta"), path, text, "[[relaxation.term]]")
         arms.append(Arm(_positive(item, "tau_s", path, text), _positive(item, "beta", path, text, zero=True)))
-    return tuple(arms), ratio_ref, _positive(table, "softness_exponent", path, text, zero=True)
+    return tuple(arms), ratio_ref
 
 
 def _point(item: Any, path: Path, text: str) -> dict[str, Any]:
     """Read one measured modulus: a ratio and a quantity."""
     table = _table(item, "point", path, text)
-    _check_keys(table, ("ratio", "young_kPa"), path, text, "[[point]]")
+    _check_keys(table, ("ratio", "young_kPa", "puck"), path, text, "[[point]]")
     if "ratio" not in table:
         raise InputError(f"{path.name}:{line_of(text, '[[point]]')}: a point lacks its 'ratio'")
     return {
         "ratio": _number(table, "ratio", path, text),
         "young_kPa": _positive(table, "young_kPa", path, text),
+        **({"puck": read_puck_point(table["puck"], path)} if "puck" in table else {}),
     }
 
 

@@ -49,7 +49,15 @@ def resin_dict(resin: Resin) -> dict[str, Any]:
         "property": _plain(resin.properties),
     }
     if resin.points:
-        content["point"] = [{"ratio": item["ratio"], "young_kPa": item["young_kPa"].to_dict()} for item in resin.points]
+        content["point"] = [
+            {"ratio": item["ratio"], "young_kPa": item["young_kPa"].to_dict()}
+            | ({"puck": item["puck"].to_dict()} if "puck" in item else {})
+            for item in resin.points
+        ]
+    if resin.prior_relaxation is not None:
+        arms, ratio_ref = resin.prior_relaxation
+        terms = [{"tau_s": arm.tau_s.to_dict(), "beta": arm.beta.to_dict()} for arm in arms]
+        content["relaxation"]["prior"] = {"ratio_ref": ratio_ref, "term": terms}
     return content
 
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,10 +11,13 @@ import numpy as np
 from dummydesign.core.datafiles import entries, user_folder
 from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.core.files import output_folder
+from dummydesign.core.own_files import check_name, hidden_by
 from dummydesign.core.quantity import Quantity
+from dummydesign.resin.model.puck_point import PuckPoint, recording_sha256
 from dummydesign.resin.model.resin_file import DEFAULT, KIND, load_resin
 from dummydesign.resin.model.resin_writer import save_resin
-from dummydesign.resin.update.modulus import Point, update_resin
+from dummydesign.resin.update.modulus import Point
+from dummydesign.resin.update.pucks import known_puck, with_point, without_puck
 
 if TYPE_CHECKING:
     from dummydesign.measurement.landmarks import Hold
@@ -34,7 +36,11 @@ STEPS = 60
 
 @dataclass(frozen=True)
 class Compressed:
-    """What one puck's curve says; ``young_kPa`` is of this puck alone, ``relaxation`` None without a hold."""
+    """What one puck's curve says; ``young_kPa`` is of this puck alone, ``relaxation`` None without a hold.
+
+    ``action`` is ``added``, ``unchanged`` (the resin has this puck at this ratio) or ``replaced`` (it had it at
+    another ratio or size, said in ``before``).
+    """
 
     name: str
     base: str
@@ -47,6 +53,8 @@ class Compressed:
     file: str
     relaxation: dict[str, Any] | None = None
     warnings: tuple[dict[str, str], ...] = ()
+    action: str = "added"
+    before: str | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values; ``law`` names the elastic law that was fitted."""
@@ -61,6 +69,8 @@ class Compressed:
             "compression_mm": list(self.compression_mm),
             "relaxation": self.relaxation,
             "warnings": list(self.warnings),
+            "action": self.action,
+            "before": self.before,
             "files": {"resin": self.file},
         }
 
@@ -80,8 +90,9 @@ def loading(displacement_mm: Array, force_N: Array) -> tuple[Array, Array]:
 
 
 def add_compression(
-    file: str | Path, diameter_mm: float, height_mm: float, name: str, ratio: float, base: str | None = None
-) -> Compressed:
+    file: str | Path, diameter_mm: float, height_mm: float, name: str, ratio: float, base: str | None = None,
+    replace_own: bool = False,
+) -> Compressed:  # fmt: skip
     """Fit a puck's compression curve and keep the resin that its modulus makes of a law.
 
     A curve without a hold: load = A E u(c; alpha) B(c; alpha, friction), see
@@ -91,6 +102,9 @@ def add_compression(
     :mod:`dummydesign.resin.puck_test.relaxation_fit`: the modulus is then the long-term one, and the arms go into
     the resin by the rule of :mod:`dummydesign.resin.update.relaxation`. What friction leaves open is
     in the intervals of both.
+
+    A recording that the resin has is known by its numbers: at the same ratio and size nothing is changed, else its
+    point is replaced, as if it had not been there before.
 
     Parameters
     ----------
@@ -103,7 +117,9 @@ def add_compression(
     ratio : float
         Mixing ratio of the puck.
     base : str, optional
-        Resin whose law is updated; by default the user's own NAME, else the paper's polyurethane.
+        Resin whose law is updated; by default the one called NAME, else the paper's polyurethane.
+    replace_own : bool
+        Begin a resin of the user that has this name again, without the points it has.
 
     Raises
     ------
@@ -114,19 +130,25 @@ def add_compression(
     from dummydesign.measurement.trace import read_trace
     from dummydesign.pad.tables.puck_proportions import table_for
 
-    if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_-]*", name):
-        raise InputError(f"name = '{name}' cannot be a file name; use letters, digits, '-' and '_'")
     for what, value in (("diameter_mm", diameter_mm), ("height_mm", height_mm)):
         if not (np.isfinite(value) and value > 0.0):
             raise out_of_range(what, value, "above 0", "any finite value")
+    check_name("resin", name)
     known = entries(KIND).get(name.lower())
     own = known is not None and known.origin == "user"
-    resin = load_resin(base or (name if own else DEFAULT))
+    if own and base is not None and base.lower() != name.lower() and not replace_own:
+        raise InputError(
+            f"resin '{known.name}' exists; leave --resin out to add this puck to it, or --replace to begin it again"
+        )
+    if own and replace_own and base is None:
+        raise InputError(f"--replace begins resin '{known.name}' again; say from which one with --resin")
+    resin = load_resin(base or (name if known is not None else DEFAULT))
     resin.check_ratio(ratio)
     table = table_for(diameter_mm, height_mm)
     trace = read_trace(file)
     window = _window(trace, height_mm, table)
     source = f"puck {diameter_mm:g} x {height_mm:g} mm, {trace.name}, fitted with plate friction left open"
+    puck = PuckPoint(recording_sha256(trace), trace.name, diameter_mm, height_mm)
     seen = find_holds(trace.time_s, trace.displacement_mm)
     holds = tuple(hold for hold in seen if window[0] < hold.displacement_mm <= window[1])
     if seen and not holds:
@@ -134,10 +156,34 @@ def add_compression(
             f"{trace.name}: holds at {', '.join(f'{hold.displacement_mm:.3g}' for hold in seen)} mm; one must lie "
             f"between {window[0]:.3g} and {window[1]:.3g} mm, or cut the file at the end of the loading"
         )
-    if holds:
-        return _with_holds(trace, holds, (diameter_mm, height_mm), table, window, resin, name, ratio, source)
-    place, load = loading(trace.displacement_mm, trace.force_N)
-    return _without_hold(trace, place, load, (diameter_mm, height_mm), table, window, resin, name, ratio, source)
+    before = known_puck(resin, puck.sha256)
+    fitted = _with_holds if holds else _without_hold
+    found, point = fitted(trace, holds, table, window, puck, ratio, source)
+    found = replace(found, name=name, base=resin.name)
+    path = user_folder() / KIND / f"{name if known is None or not own else known.name}.toml"
+    if before is not None and _same(before, point):
+        return replace(found, action="unchanged", file=str(path))
+    if before is not None:
+        resin = without_puck(resin, puck.sha256)
+        found = replace(found, action="replaced", before=_place(before))
+    kept, updates, said = with_point(resin, point, path.stem)
+    warnings = (*found.warnings, *({"code": "relaxation_update", "message": text} for text in said))
+    warnings += () if own else tuple(hidden_by(KIND, "resin", name))
+    relaxation = None
+    if found.relaxation is not None:
+        relaxation = found.relaxation | {"updates": [one.to_dict() for one in updates]}
+    return replace(found, relaxation=relaxation, warnings=warnings, file=_keep(kept))
+
+
+def _same(before: Point, now: Point) -> bool:
+    """Whether a puck is known at this ratio and size."""
+    return before.ratio == now.ratio and all(
+        getattr(before.puck, size) == getattr(now.puck, size) for size in ("diameter_mm", "height_mm")
+    )
+
+
+def _place(point: Point) -> str:
+    return f"ratio {point.ratio:g}, {point.puck.diameter_mm:g} x {point.puck.height_mm:g} mm" if point.puck else ""
 
 
 def _window(trace: Trace, height_mm: float, table: PuckTable) -> tuple[float, float]:
@@ -154,52 +200,48 @@ def _window(trace: Trace, height_mm: float, table: PuckTable) -> tuple[float, fl
 
 
 def _without_hold(
-    trace: Trace, place: Array, load: Array, size_mm: tuple[float, float], table: PuckTable,
-    window: tuple[float, float], resin: Resin, name: str, ratio: float, source: str,
-) -> Compressed:  # fmt: skip
+    trace: Trace, holds: tuple[Hold, ...], table: PuckTable, window: tuple[float, float], puck: PuckPoint,
+    ratio: float, source: str,
+) -> tuple[Compressed, Point]:  # fmt: skip
     from dummydesign.resin.puck_test.loading_fit import Curve, fit_pucks
 
     first, last = window
+    place, load = loading(trace.displacement_mm, trace.force_N)
     grid = np.concatenate([[0.0], np.linspace(first, last, STEPS)])
     curve = Curve(trace.name, "puck", grid, np.interp(grid, place, load))
-    found = fit_pucks([curve], *size_mm, table, (first * (1 - 1e-9), last))
+    found = fit_pucks([curve], puck.diameter_mm, puck.height_mm, table, (first * (1 - 1e-9), last))
     young = Quantity(found.young_kPa, found.young_low_kPa, found.young_high_kPa, "fitted", source)
-    path = _keep(update_resin(resin, [Point(ratio, young)], name))
     friction = _friction(found.friction, found.friction_low, found.friction_high)
     absolute = found.rmse * float(np.sqrt(np.mean(curve.load_N[1:] ** 2)))
-    return Compressed(name, resin.name, ratio, young, found.alpha, friction, absolute, (first, last), path)
+    told = Compressed("", "", ratio, young, found.alpha, friction, absolute, (first, last), "")
+    return told, Point(ratio, young, puck)
 
 
 def _with_holds(
-    trace: Trace, holds: tuple[Hold, ...], size_mm: tuple[float, float], table: PuckTable,
-    window: tuple[float, float], resin: Resin, name: str, ratio: float, source: str,
-) -> Compressed:  # fmt: skip
+    trace: Trace, holds: tuple[Hold, ...], table: PuckTable, window: tuple[float, float], puck: PuckPoint,
+    ratio: float, source: str,
+) -> tuple[Compressed, Point]:  # fmt: skip
     from dummydesign.resin.puck_test.reduction import reduce_press
     from dummydesign.resin.puck_test.relaxation_fit import fit_relaxation
-    from dummydesign.resin.update.relaxation import update_relaxation
 
     # half a hundredth of the height more, so that a hold at the very end is not cut by its own noise
     press = reduce_press(
-        trace.time_s, trace.displacement_mm, trace.force_N, holds, (window[0], window[1] + 0.005 * size_mm[1])
+        trace.time_s, trace.displacement_mm, trace.force_N, holds, (window[0], window[1] + 0.005 * puck.height_mm)
     )
-    found = fit_relaxation(press, *size_mm, table)
+    found = fit_relaxation(press, puck.diameter_mm, puck.height_mm, table)
     young = Quantity(found.young_kPa.value, found.young_kPa.low, found.young_kPa.high, "fitted", source)
-    kept = update_resin(resin, [Point(ratio, young)], name)
-    told = f"holds of puck {size_mm[0]:g} x {size_mm[1]:g} mm, {trace.name}"
-    measured = [
+    told = f"holds of puck {puck.diameter_mm:g} x {puck.height_mm:g} mm, {trace.name}"
+    arms = [
         tuple(Quantity(one.value, one.low, one.high, "fitted", told) for one in (arm.tau_s, arm.beta))
         for arm in found.arms
         if not arm.reason
     ]
-    kept, updates, said = update_relaxation(kept, measured, ratio, found.seen_s)
-    path = _keep(kept)
     warnings = [{"code": "not_identifiable", "message": _flag(arm.reason)} for arm in found.arms if arm.reason]
-    warnings += [{"code": "relaxation_update", "message": text} for text in said]
-    return Compressed(
-        name, resin.name, ratio, young, found.alpha,
-        _friction(found.friction.value, found.friction.low, found.friction.high), found.rmse_N, window, path,
-        relaxation_dict(found, holds) | {"updates": [one.to_dict() for one in updates]}, tuple(warnings),
+    shown = Compressed(
+        "", "", ratio, young, found.alpha, _friction(found.friction.value, found.friction.low, found.friction.high),
+        found.rmse_N, window, "", relaxation_dict(found, holds), tuple(warnings),
     )  # fmt: skip
+    return shown, Point(ratio, young, replace(puck, seen_s=tuple(found.seen_s), arms=tuple(arms)))
 
 
 def _flag(reason: str) -> str:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +14,7 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import Quantity
 from dummydesign.resin.model.distribution import HALF_WIDTH, value_at
+from dummydesign.resin.model.puck_point import PuckPoint
 from dummydesign.resin.model.resin import Resin
 
 CHAINS, STEPS, SEED = 400, 150, 7
@@ -21,10 +24,15 @@ SMALLEST_SPREAD = 0.005
 
 @dataclass(frozen=True)
 class Point:
-    """A modulus measured at a ratio."""
+    """A modulus measured at a ratio; ``puck`` says on which recording, when it is known."""
 
     ratio: float
     young_kPa: Quantity
+    puck: PuckPoint | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the point as a resin holds it."""
+        return {"ratio": self.ratio, "young_kPa": self.young_kPa} | ({} if self.puck is None else {"puck": self.puck})
 
     @property
     def log_young(self) -> float:
@@ -75,7 +83,7 @@ def update_resin(resin: Resin, points: Sequence[Point], name: str, seed: int = S
     """
     if not points:
         raise InputError("no points: give at least one [[point]] with ratio and young_kPa")
-    known = [Point(item["ratio"], item["young_kPa"]) for item in resin.points]
+    known = [Point(**item) for item in resin.points]
     every = [*known, *points]
     resin.check_ratio([point.ratio for point in every])
     prior = base_numbers(resin)
@@ -99,14 +107,19 @@ def update_resin(resin: Resin, points: Sequence[Point], name: str, seed: int = S
     return replace(
         resin,
         name=name,
-        title=f"{resin.title}, updated by {len(every)} measured point{'s' if len(every) > 1 else ''}",
+        title=f"{base_title(resin)}, updated by {len(every)} measured point{'s' if len(every) > 1 else ''}",
         origin="user",
         numbers=_summary(prior, draws, central, len(every)),
         posterior={key: draws[key] for key in prior},
         prior_numbers=prior,
-        points=tuple({"ratio": p.ratio, "young_kPa": p.young_kPa} for p in every),
+        points=tuple(point.to_dict() for point in every),
         contradictions=tuple(contradictions(resin, every, misfit, best, names, widening)),
     )
+
+
+def base_title(resin: Resin) -> str:
+    """Title of a resin without the words of an earlier update."""
+    return re.sub(r"(, updated by \d+ measured points?)+$", "", resin.title)
 
 
 def base_numbers(resin: Resin) -> dict[str, Quantity]:

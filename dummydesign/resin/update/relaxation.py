@@ -126,6 +126,7 @@ def update_relaxation(
     order = np.argsort([arm.tau_s.value for arm in arms])
     changed = replace(
         resin, arms=tuple(arms[k] for k in order), relaxation_ratio_ref=ratio,
+        prior_relaxation=resin.prior_relaxation or (resin.arms, resin.relaxation_ratio_ref),
         notes=(*resin.notes, *(f"relaxation: {text}" for text in said if f"relaxation: {text}" not in resin.notes)),
     )  # fmt: skip
     return changed, tuple(sorted(updates, key=lambda one: one.tau_s)), tuple(said)

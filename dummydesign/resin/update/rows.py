@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 from pathlib import Path
 
 from dummydesign.core.datafiles import Entry, read_toml, user_folder
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import output_folder
+from dummydesign.core.own_files import make_room
 from dummydesign.resin.model.resin import Resin
 from dummydesign.resin.model.resin_file import KIND, load_resin, read_points, read_resin
 from dummydesign.resin.model.resin_writer import save_resin
 
 
-def add_resin(file: str | Path) -> tuple[Resin, Path]:
+def add_resin(file: str | Path, replace_own: bool = False) -> tuple[Resin, Path]:
     """Check a file and keep the resin it describes in the user's own folder.
 
     A file with ``[modulus]`` is a whole resin; one with ``[[point]]`` and without ``[modulus]`` updates
@@ -24,6 +24,8 @@ def add_resin(file: str | Path) -> tuple[Resin, Path]:
     ----------
     file : path
         TOML file.
+    replace_own : bool
+        Take the place of a resin of the user with this name.
 
     Returns
     -------
@@ -34,7 +36,7 @@ def add_resin(file: str | Path) -> tuple[Resin, Path]:
     Raises
     ------
     InputError
-        When the file or its name is not usable or the folder cannot be written.
+        When the file or its name is not usable, the name is taken, or the folder cannot be written.
     """
     path = Path(file)
     if not path.is_file():
@@ -47,9 +49,6 @@ def add_resin(file: str | Path) -> tuple[Resin, Path]:
 
         base, name, points = read_points(path)
         resin = update_resin(load_resin(base), [Point(ratio, young) for ratio, young in points], name)
-    if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]*", resin.name) or resin.name.endswith("."):
-        raise InputError(
-            f"{path.name}: name = '{resin.name}' cannot be a file name; use letters, digits, '-', '_' and '.'"
-        )
+    make_room(KIND, "resin", resin.name, replace_own)
     folder = output_folder(user_folder() / KIND)
     return resin, save_resin(resin, folder / f"{resin.name}.toml")

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from dummydesign.core.datafiles import find
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_text
+from dummydesign.core.own_files import hidden_by
 from dummydesign.core.quantity import Quantity
 from dummydesign.tissue.model.parameters import Parameters
 from dummydesign.tissue.model.tissue import Subject, Tissue
@@ -81,6 +82,8 @@ def add_points(name: str, points: str) -> dict[str, Any]:
         updated, told = _update_fitted(tissue, steady)
         warnings += told
     write_text(files["tissue"], tissue_toml(updated))
+    if entry.origin == "built-in":
+        warnings += hidden_by(KIND, "tissue", tissue.name)
     before, after = (t.bands["gamma1_N_per_mm3"].to_dict() for t in (tissue, updated))
     return {
         "inputs": {"action": "add-points", "name": name, "points": points, "origin_before": entry.origin},

@@ -7,9 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from dummydesign.core.datafiles import data_folder, user_folder
+from dummydesign.core.datafiles import user_folder
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import output_folder, write_text
+from dummydesign.core.own_files import make_room
 from dummydesign.measurement.sensor import parse_lowpass
 from dummydesign.measurement.trace import read_trace
 from dummydesign.measurement.trace_checks import copies_among
@@ -19,7 +20,9 @@ from dummydesign.tissue.model.tissue_file import KIND, load_tissue, tissue_toml
 _NAME = re.compile(r"^[A-Za-z0-9][A-Za-z0-9_-]*$")
 
 
-def add_tissue(name: str, files: list[str], law: str, elements: str, lowpass: str | None) -> dict[str, Any]:
+def add_tissue(
+    name: str, files: list[str], law: str, elements: str, lowpass: str | None, replace_own: bool = False
+) -> dict[str, Any]:
     """Make a tissue from several subjects and keep it in the user's folder.
 
     A TOML file (as ``fit --out`` writes) brings its subjects; a folder holds the traces of one subject
@@ -36,6 +39,8 @@ def add_tissue(name: str, files: list[str], law: str, elements: str, lowpass: st
         Law and number of elements of the fits of traces.
     lowpass : str or None
         Filter of the recorded forces, ``HZ[:ORDER[:PASSES]]``.
+    replace_own : bool
+        Take the place of a tissue of the user with this name.
 
     Returns
     -------
@@ -45,12 +50,13 @@ def add_tissue(name: str, files: list[str], law: str, elements: str, lowpass: st
     Raises
     ------
     InputError
-        For a bad name, unreadable files, subjects of the same name, or laws that differ.
+        For a bad or taken name, unreadable files, subjects of the same name, or laws that differ.
     """
     from dummydesign.tissue.fitting.fit import fit_traces
     from dummydesign.tissue.fitting.subject import subject_from_fit
 
     folder = tissue_folder(name)
+    hidden = make_room(KIND, "tissue", name, replace_own)
     if elements not in ("3", "5", "7"):
         raise InputError(f"--elements {elements} is not one of 3, 5, 7: the subjects of a tissue share one number")
     sensor = parse_lowpass(lowpass)
@@ -72,7 +78,7 @@ def add_tissue(name: str, files: list[str], law: str, elements: str, lowpass: st
         said = [warning for warning in fit.result["warnings"] if warning["code"] != "same_press"]
         warnings += [{"code": w["code"], "message": f"{person}: {w['message']}"} for w in said]
     tissue = _checked(name, made)
-    warnings += _shadow_warning(name)
+    warnings += hidden
     path = write_text(folder / f"{name}.toml", tissue_toml(tissue))
     inputs = {"action": "add", "name": name, "files": files, "law": law, "elements": elements, "lowpass": lowpass}
     return {
@@ -85,13 +91,6 @@ def tissue_folder(name: str) -> Path:
     if not _NAME.match(name):
         raise InputError(f"tissue name '{name}' may hold letters, digits, '-' and '_' only")
     return output_folder(user_folder() / KIND)
-
-
-def _shadow_warning(name: str) -> list[dict[str, str]]:
-    if not (data_folder() / KIND / f"{name.lower()}.toml").is_file():
-        return []
-    message = f"'{name}' now stands for this tissue of your own instead of the built-in one"
-    return [{"code": "shadows_built_in", "message": message}]
 
 
 def _sort_files(files: list[str]) -> tuple[list[tuple[Subject, str]], dict[str, list[Path]]]:

@@ -55,11 +55,86 @@ def test_the_modulus_of_a_solved_puck_is_recovered_inside_its_interval(curve, tm
     assert run(["suggest", "--tissue", "palm", "--resin", "batch", "--no-cad", "--no-verify", "--json"]) == 0
 
 
+def other_recording(curve, folder, factor=1.01, name="second.csv"):
+    head, *rows = curve.read_text().splitlines()
+    changed = [",".join([*row.split(",")[:2], f"{factor * float(row.split(',')[2]):.5f}"]) for row in rows]
+    (folder / name).write_text("\n".join([head, *changed]) + "\n")
+    return folder / name
+
+
 def test_a_second_puck_is_kept_beside_the_first(curve, tmp_path, monkeypatch):
     monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
     assert run(command(curve)) == 0
-    assert run(command(curve, ratio=15.2)) == 0
+    assert run(command(other_recording(curve, tmp_path), ratio=15.2)) == 0
     assert [point["ratio"] for point in load_resin("batch").points] == [15.0, 15.2]
+
+
+def same_resin(first, second):
+    assert first.arms == second.arms and first.points == second.points and first.notes == second.notes
+    assert {name: (q.value, q.low, q.high) for name, q in first.numbers.items()} == {
+        name: (q.value, q.low, q.high) for name, q in second.numbers.items()
+    }
+    assert first.title == second.title and first.relaxation_ratio_ref == second.relaxation_ratio_ref
+
+
+def test_a_puck_added_twice_counts_once_also_under_another_name_of_its_file(curve, tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
+    assert run(command(curve)) == 0
+    file = tmp_path / "materials/resins/batch.toml"
+    before = file.read_bytes()
+    copy = tmp_path / "copy.csv"
+    copy.write_bytes(curve.read_bytes().replace(b"\n", b"\r\n"))
+    capsys.readouterr()
+    assert run(command(copy)) == 0 and "nothing was changed" in capsys.readouterr().out
+    assert file.read_bytes() == before
+
+
+def test_a_mistyped_ratio_is_put_right_as_if_it_had_not_been_typed(curve, held, tmp_path, monkeypatch, capsys):
+    second = other_recording(curve, tmp_path)
+
+    def made(home, *ratios):
+        monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path / home))
+        for file, ratio, size in ratios:
+            assert run(command(file, ratio=ratio, diameter=size[0], height=size[1])) == 0
+        return load_resin("batch")
+
+    wide, narrow = (50, 30), (42, 28)
+    right = made("a", (second, 15.2, wide), (held, 15, narrow))
+    capsys.readouterr()
+    wrong = made("b", (held, 17, narrow), (second, 15.2, wide), (held, 15, narrow))
+    assert "had this puck at ratio 17, 42 x 28 mm; that point was replaced by ratio 15" in capsys.readouterr().out
+    same_resin(right, wrong)
+    assert [point["ratio"] for point in load_resin("batch").points] == [15.2, 15.0]
+
+
+def test_show_says_where_each_point_came_from(curve, tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
+    assert run(command(curve)) == 0
+    capsys.readouterr()
+    assert run(["resins", "show", "batch"]) == 0
+    assert "point at ratio 15: 30 kPa" in (text := capsys.readouterr().out) and "50 x 30 mm puck, puck.csv" in text
+
+
+def test_points_of_a_resin_are_not_lost_silently(curve, tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
+    second = other_recording(curve, tmp_path)
+    assert run(command(curve)) == 0
+    base = ("--resin", "polyurethane-nagoya")
+    assert run(command(second, *base, ratio=15.2)) == 2 and "leave --resin out" in capsys.readouterr().err
+    assert run(command(second, "--replace", ratio=15.2)) == 2 and "--resin" in capsys.readouterr().err
+    assert run(command(second, *base, "--replace", ratio=15.2)) == 0
+    assert [point["ratio"] for point in load_resin("batch").points] == [15.2]
+
+
+def test_a_built_in_name_updates_that_resin_and_says_what_it_hides(curve, tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
+    words = command(curve, "--json", ratio=20)
+    words[words.index("batch")] = "ecoflex-00-30"
+    assert run(words) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["base"] == "ecoflex-00-30"
+    messages = [one["message"] for one in found["warnings"] if one["code"] == "shadows_built_in"]
+    assert len(messages) == 1 and "hides the built-in" in messages[0]
 
 
 def test_a_loading_alone_says_nothing_of_relaxation_and_leaves_that_of_the_base(curve, tmp_path, monkeypatch, capsys):

@@ -18,7 +18,7 @@ from dummydesign.geometry.standard import PAD_EXTENT_MM
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fields.pressed import FREE, SLIPS, STICKS, Face, Pressed
 from dummydesign.pad.fields.recover import cells, face_tractions, recovered
-from dummydesign.pad.pad import SLAB, Pad
+from dummydesign.pad.pad import SLAB, Pad, Puck
 from dummydesign.pad.solve.continuation import follow
 from dummydesign.pad.solve.equilibrium import Problem, Solution
 
@@ -43,7 +43,7 @@ class Setup:
 
 
 def solve_fields(
-    pad: Pad, depth_mm: Sequence[float], progress: Callable[[float], None] | None = None
+    pad: Pad | Puck, depth_mm: Sequence[float], progress: Callable[[float], None] | None = None
 ) -> tuple[tuple[Pressed, ...], tuple[str, ...]]:
     """Fields of a round pad at static depths.
 
@@ -73,8 +73,8 @@ def solve_fields(
     """
     from dummydesign.pad.slab.problem import normalise
 
-    if not has_fields(pad):
-        what = "pad = cylinder between plates" if pad.cylinder else f"shape {pad.geometry}"
+    if isinstance(pad, Puck) or not has_fields(pad):
+        what = "pad = cylinder between plates" if isinstance(pad, Puck) else f"shape {pad.geometry}"
         raise InputError(f"fields are for round pads under a punch; {what} has none yet")
     h = pad.thickness_mm
     law, depths, _, shear = normalise(h, pad.radius_mm, pad.young_MPa, depth_mm, pad.poisson, pad.shape)
@@ -96,9 +96,9 @@ def solve_fields(
     return tuple(found), notes
 
 
-def has_fields(pad: Pad) -> bool:
+def has_fields(pad: Pad | Puck) -> bool:
     """Whether the pad is round and under a punch."""
-    return not pad.cylinder and pad.geometry.axisymmetric
+    return not isinstance(pad, Puck) and pad.geometry.axisymmetric
 
 
 def contact_pressures(pad: Pad, depth_mm: Sequence[float]) -> tuple[list[dict[str, Any]], tuple[str, ...]]:

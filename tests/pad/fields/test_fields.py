@@ -10,10 +10,10 @@ from dummydesign.geometry.shapes import read_shape
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.fields.recover import cauchy, face_tractions, quadrature_places, to_nodes
-from dummydesign.pad.fields.solve import solve_fields
+from dummydesign.pad.fields.solve import has_fields, solve_fields
 from dummydesign.pad.fields.vtu import grid, write_fields
 from dummydesign.pad.material.hyperelastic import Yeoh
-from dummydesign.pad.pad import Pad
+from dummydesign.pad.pad import Pad, Puck
 
 YOUNG_MPa = 0.03
 
@@ -172,3 +172,10 @@ def test_pads_that_are_not_round_have_no_fields():
     pad = Pad(10.0, YOUNG_MPa, 7.9, geometry=read_shape("bumped:pitch=5,radius=2.91,height=1.24,grade=0.34"))
     with pytest.raises(InputError, match="round pads"):
         solve_fields(pad, [1.0])
+
+
+def test_a_puck_between_plates_has_no_fields():
+    puck = Puck(30.0, YOUNG_MPa, 50.0)
+    assert not has_fields(puck)
+    with pytest.raises(InputError, match="cylinder between plates"):
+        solve_fields(puck, [1.0])

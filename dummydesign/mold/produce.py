@@ -235,7 +235,8 @@ def _write_papers(made: Parts, plan: PourPlan, warnings: list[dict[str, str]], f
         for kind, text in (("svg", drawing.to_svg(paper)), ("dxf", drawing.to_dxf(paper))):
             files[f"drawing_{name}_{kind}"] = f"drawing_{name}_{tag}.{kind}"
             (folder / files[f"drawing_{name}_{kind}"]).write_text(text, encoding="utf-8")
-    blocks = sheet.pour_sheet(made.spec, plan, warnings)
+    printed = {name: part.solid.Volume() for name, part in made.parts.items() if part.material == "rigid"}
+    blocks = sheet.pour_sheet(made.spec, plan, warnings, printed)
     files["pour_sheet"], files["pour_sheet_html"] = f"pour_{tag}.md", f"pour_{tag}.html"
     (folder / files["pour_sheet"]).write_text(sheet.to_markdown(blocks), encoding="utf-8")
     page = sheet.to_html(blocks, drawing.to_svg(sheets["mould"]))

@@ -12,6 +12,8 @@ from dummydesign.mold.model.layout import Layout, layout
 from dummydesign.mold.model.spec import MouldSpec, Pour
 from dummydesign.mold.model.validate import WARM_K
 from dummydesign.mold.pour.plan import CUP_FACTOR, PourPlan
+from dummydesign.mold.pour.pour_steps import pour_steps
+from dummydesign.mold.pour.steps import order_faults
 
 # The free face may end a hundredth larger at the most, both walls taken together.
 BULGE_SHARE = 0.005
@@ -38,7 +40,8 @@ def check_process(spec: MouldSpec, plan: PourPlan, warnings: Sequence[Mapping[st
     if spec.base is not None and plan.base is not None:
         base = _weights(spec, spec.base.pour, plan.base)
         found += [replace(item, id=f"{item.id}_base") for item in base]
-    return [*found, _told(spec, warnings)]
+    faults = order_faults(pour_steps(spec, plan))
+    return [*found, equal("sheet_order", len(faults), 0, "; ".join(faults)), _told(spec, warnings)]
 
 
 def _machines(spec: MouldSpec, place: Layout) -> list[Check]:
@@ -54,6 +57,11 @@ def _machines(spec: MouldSpec, place: Layout) -> list[Check]:
         found.append(above("fits_oven", min(shelf[0] - low, shelf[1] - high), 0.0, "mm to spare on the shelf"))
     else:
         found.append(skipped("fits_oven", "cures at room temperature"))
+    if spec.plastic is None:
+        found.append(skipped("plastic_bears_oven", "the preset names no plastic"))
+    else:
+        spare = spec.plastic.service_temperature_C - spec.pour.cure_temperature_C
+        found.append(above("plastic_bears_oven", spare, 0.0, f"K to spare for {spec.plastic.name} in the oven"))
     if spec.pour.degas == "mould":
         tall = place.height_mm + formula.collar_height_mm(place.depth_mm, spec.pour.foam_factor)
         spare = min(m.chamber_diameter_mm - place.top.diagonal_mm, m.chamber_height_mm - tall)

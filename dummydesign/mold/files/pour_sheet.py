@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import html
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from dummydesign.mold.cad.label import label_text
 from dummydesign.mold.model import formulas as formula
-from dummydesign.mold.model.layout import layout
 from dummydesign.mold.model.spec import MouldSpec, Pour
 from dummydesign.mold.pour import shape_notes
+from dummydesign.mold.pour.acceptance import TROUBLE, acceptance_rows
+from dummydesign.mold.pour.materials_list import bill_of_materials
 from dummydesign.mold.pour.plan import PourPlan, split_batch
+from dummydesign.mold.pour.pour_steps import pour_steps
 
 WITNESS_DIAMETER_MM, WITNESS_HEIGHT_MM = 50.0, 30.0
 BLANK = "________"
@@ -28,7 +30,9 @@ class Block:
     items: tuple[str, ...] = ()
 
 
-def pour_sheet(spec: MouldSpec, plan: PourPlan, warnings: Sequence[dict[str, str]]) -> list[Block]:
+def pour_sheet(
+    spec: MouldSpec, plan: PourPlan, warnings: Sequence[dict[str, str]], printed_mm3: Mapping[str, float] | None = None
+) -> list[Block]:
     """Put together the pour sheet of a mould, in the order of the work.
 
     Parameters
@@ -39,6 +43,8 @@ def pour_sheet(spec: MouldSpec, plan: PourPlan, warnings: Sequence[dict[str, str
         Weights and times of its pours.
     warnings : sequence of dict
         ``code`` and ``message`` of each.
+    printed_mm3 : mapping, optional
+        Volumes of the printed parts, for the list of what is needed. [mm3]
 
     Returns
     -------
@@ -62,6 +68,10 @@ def pour_sheet(spec: MouldSpec, plan: PourPlan, warnings: Sequence[dict[str, str
         *_weight_blocks(spec, plan),
         *_pour_blocks(spec, plan),
         *_demould_blocks(spec),
+        Block("head", "5. Accept or reject"),
+        Block("table", rows=tuple(acceptance_rows(spec, plan))),
+        Block("head", "What is needed"),
+        Block("table", rows=tuple(bill_of_materials(spec, plan, printed_mm3))),
         Block("head", "Cautions"),
         Block("list", items=tuple(item["message"] for item in warnings)),
     ]
@@ -83,14 +93,15 @@ def _mould_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
     lidded = spec.closure is not None
     aids = " of mould and lid, pins and backer" if lidded else _aids(spec)
     steps = [
-        f"Print master and frame{aids} and tray (PETG or ASA; 4 perimeters, 15 % infill; plug upwards). "
+        f"Print master and frame{aids} and tray ({_plastic(spec)}; 4 perimeters, 15 % infill; plug upwards). "
         f"{shape_notes.plug_finish(spec.pad)}",
         f"Test cure inhibition: a dab of this silicone on this print, and a dab of resin {spec.pour.resin} on cured "
         "silicone, overnight. Tacky borders mean inhibition: seal the print or change the product.",
         f"Bolt frame to master (8 x M{math.floor(box.bolt_hole_mm):g}) and stand the box level: the silicone's free "
         "face becomes the mould's underside.",
         f"Mix {plan.silicone_mass_g:.0f} g {silicone.name} (two cups, pour over and mix again), degas at most 5 min, "
-        f"pour within {silicone.pot_life_min:g} min from one corner up to the step in the frame; no oven with PLA.",
+        f"pour within {silicone.pot_life_min:g} min from one corner up to the step in the frame; cure it at "
+        "room temperature: the print may not bear more.",
         f"Leave {silicone.cure_time_h:g} h, lift the frame off, peel the silicone off the plug.",
     ]
     if lidded:
@@ -98,6 +109,12 @@ def _mould_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
             3, "Stand the sprue pin (one) and the vent pins (five) in their sockets; pull them before peeling the lid."
         )
     return [Block("head", "1. The mould"), Block("list", items=tuple(steps))]
+
+
+def _plastic(spec: MouldSpec) -> str:
+    if spec.plastic is not None:
+        return f"{spec.plastic.name.upper()}, bears {spec.plastic.service_temperature_C:g} C"
+    return f"a plastic that bears {spec.pour.cure_temperature_C:g} C"
 
 
 def _aids(spec: MouldSpec) -> str:
@@ -159,63 +176,9 @@ def _weighing(spec: MouldSpec, pour: Pour, plan: PourPlan, alone: str) -> list[B
 
 
 def _pour_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
-    pour, pad = spec.pour, spec.pad
-    latest = pour.pot_life_min - max(2.0, plan.pour_time_s / 60)
-    place = layout(spec)
-    steps = [
-        *shape_notes.before_mixing(spec),
-        f"Set the mould in its tray and level it with the three screws to {plan.level_deg:.2f} deg "
-        f"({plan.level_mm:.2f} mm over {max(pad.length_mm, pad.width_mm):g} mm), along and across. Read: {BLANK}",
-        f"Weigh {', then '.join(name for name, _ in pour.components)}; stir slowly for two minutes, scrape wall and "
-        f"floor, pour over into a second cup and stir again. Start of mixing: {BLANK}",
-    ]
-    if pour.degas == "mould":
-        steps.append(
-            f"Set the collar on the land and pour; degas in the mould below {pour.degas_pressure_kPa:g} kPa until the "
-            f"foam falls (it may rise {plan.collar_mm:.0f} mm), then take the collar off."
-        )
-    else:
-        steps.append(
-            f"Degas in the cup below {pour.degas_pressure_kPa:g} kPa until the foam has fallen and a minute more. A "
-            "weaker pump only swells the bubbles."
-        )
-    if spec.body.style == "open":
-        steps += _open_steps(spec, plan)
-    else:
-        steps += [
-            "Release agent on the parting faces only. Close the lid (it goes on in one way), lay on the backer, clamp.",
-            f"Prop the vent end 5 to 10 degrees high, pour through the sprue until all five vents show resin "
-            f"({plan.fill_mass_g:.0f} g), lay level again, top up. Keep vents open while it is hot. Poured: {BLANK} g",
-        ]
-    what = "All of this" if plan.base is None else "Each of the two pours"
-    steps.append(f"{what} within {latest:.0f} min of mixing (pot life {pour.pot_life_min:g} min). Done at: {BLANK}")
-    hot = pour.cure_temperature_C > pour.room_temperature_C
-    where = f"at {pour.cure_temperature_C:g} C" if hot else "at room temperature"
-    steps.append(
-        f"Cure {pour.cure_time_h:g} h {where}, level, in the tray. The hot mould grows by {plan.thermal_growth_mm:.1f} "
-        f"mm; the cavity is cut {100 * (place.scale - 1):+.2f} % to end at size."
-    )
-    return [Block("head", "3. Pour"), Block("list", items=tuple(steps))]
-
-
-def _open_steps(spec: MouldSpec, plan: PourPlan) -> list[str]:
-    """Filling an open mould: at once, in two layers, or under a bone."""
-    if spec.pad.shape.bone_height_mm:
-        return shape_notes.carrier_steps(spec, plan)
-    last = plan if plan.base is None else plan.base
-    pour = spec.pour if spec.base is None else spec.base.pour
-    whole = (
-        f"Stand the mould on the balance, tare it, pour in a thin stream into one corner and stop at "
-        f"{plan.fill_mass_g:.1f} g (the step of the brim is the fill line; {plan.gram_per_mm_g:.1f} g make one "
-        f"millimetre). Poured: {BLANK} g"
-    )
-    return [
-        *([whole] if plan.base is None else shape_notes.first_layer_steps(spec, plan)),
-        f"Prick bubbles, wait {max(30.0, last.pour_time_s):.0f} s for the liquid to level (viscosity "
-        f"{pour.viscosity_Pa_s:.2g} Pa s).",
-        "Lay release film on the strike-off plate, set it down on one edge and lower it like a hinge until it "
-        "rests on the land; excess comes up in the gap.",
-    ]
+    steps = tuple(step.text for step in pour_steps(spec, plan))
+    trouble = [Block("head", "When a step fails"), Block("list", items=TROUBLE)]
+    return [Block("head", "3. Pour"), Block("list", items=steps), *trouble]
 
 
 def _demould_blocks(spec: MouldSpec) -> list[Block]:

@@ -14,6 +14,7 @@ from dummydesign.geometry.shapes import PadShape
 from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.mold.model.pad_kind import PUCK, canonical_kind
 from dummydesign.mold.model.spec import (
+    Acceptance,
     Aids,
     BaseLayer,
     Body,
@@ -22,6 +23,7 @@ from dummydesign.mold.model.spec import (
     Machines,
     MouldSpec,
     PadGeometry,
+    Plastic,
     Pour,
     Silicone,
 )
@@ -41,7 +43,7 @@ _POUR = (
 )
 _PROCESS = ("room_temperature_C", "degas", "foam_factor", "pour_and_degas_min")
 _TABLES = {"pad", "body", "box", "aids", "process", "closure", "pour"}
-_TOP = {"schema", "name", "title", "style", "silicone", "machines"} | _TABLES
+_TOP = {"schema", "name", "title", "style", "silicone", "machines", "plastic", "acceptance"} | _TABLES
 # What a resin may leave out; each is plain room-temperature practice and listed as assumed in the answer.
 _RESIN_FALLBACK = {
     "pot_life_min": 20.0,
@@ -109,7 +111,9 @@ def mould_spec(
     resin = _resin(resin)
     pour, sources = _read_pour(data, entry.path, text, resin, ratio)
     silicone, more = read_silicone(str(data["silicone"]), entry.path)
+    plastic, its_sources = read_plastic(str(data["plastic"]), entry.path) if "plastic" in data else (None, [])
     closure = data.get("closure")
+    limits = _table(Acceptance, data.get("acceptance", {}), entry.path, text, "acceptance", optional=True)
     spec = MouldSpec(
         preset=entry.name,
         pad=pad,
@@ -120,8 +124,10 @@ def mould_spec(
         pour=pour,
         machines=read_machines(str(data["machines"]), entry.path),
         closure=Closure(**_table(Closure, closure, entry.path, text, "closure")) if closure is not None else None,
-        sources=tuple(dict.fromkeys(sources + more)),
+        sources=tuple(dict.fromkeys(sources + more + its_sources)),
         base=_base_layer(pad.shape, pour, resin, base_ratio),
+        plastic=plastic,
+        acceptance=Acceptance(**limits),
     )
     validate(spec)
     return spec
@@ -249,6 +255,17 @@ def read_silicone(name: str, preset: Path) -> tuple[Silicone, list[str]]:
     numbers = {key: read_quantity(data, key, entry.path, text) for key in _SILICONE}
     sources = [_named_source(f"silicone {key}", quantity) for key, quantity in numbers.items()]
     return Silicone(entry.name, **{key: quantity.value for key, quantity in numbers.items()}), sources
+
+
+def read_plastic(name: str, preset: Path) -> tuple[Plastic, list[str]]:
+    """Read the plastic of the printed parts by name or file; return it and where its numbers come from."""
+    entry = _beside(name, preset, "molds/plastics", "plastic")
+    data, text = read_toml(entry.path)
+    keys = ("service_temperature_C", "density_g_per_cm3")
+    _known_keys(data, {"schema", "name", "title", *keys}, entry.path, text)
+    numbers = {key: read_quantity(data, key, entry.path, text) for key in keys}
+    sources = [_named_source(f"plastic {key}", quantity) for key, quantity in numbers.items()]
+    return Plastic(entry.name, **{key: quantity.value for key, quantity in numbers.items()}), sources
 
 
 def read_machines(name: str, preset: Path) -> Machines:

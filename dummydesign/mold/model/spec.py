@@ -201,6 +201,25 @@ class Machines:
 
 
 @dataclass(frozen=True)
+class Plastic:
+    """What the printed parts are made of."""
+
+    name: str
+    service_temperature_C: float
+    density_g_per_cm3: float
+
+
+@dataclass(frozen=True)
+class Acceptance:
+    """How far a cast pad may be off: mean thickness, its spread over five places, mass, modulus of the witness."""
+
+    thickness_percent: float = 3.0
+    spread_percent: float = 5.0
+    mass_percent: float = 2.0
+    modulus_percent: float = 10.0
+
+
+@dataclass(frozen=True)
 class MouldSpec:
     """Everything a mould is made from; equal specifications have equal hashes and equal files."""
 
@@ -215,12 +234,15 @@ class MouldSpec:
     closure: Closure | None = None
     sources: tuple[str, ...] = ()
     base: BaseLayer | None = None
+    plastic: Plastic | None = None
+    acceptance: Acceptance = Acceptance()
 
     def to_dict(self) -> dict[str, Any]:
-        """Return nested plain dictionaries; tuples become lists. A base layer that is not there is left out."""
+        """Return nested plain dictionaries, tuples as lists; a base layer or plastic that is not there is left out."""
         plain = plain_data(asdict(self))
-        if self.base is None:
-            del plain["base"]
+        for name in ("base", "plastic"):
+            if plain[name] is None:
+                del plain[name]
         return plain
 
     def canonical(self) -> str:

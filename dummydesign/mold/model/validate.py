@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import asdict, fields, is_dataclass, replace
 from typing import Any
 
 from dummydesign.core.errors import InputError, out_of_range, unknown_name
@@ -160,6 +160,14 @@ def _check_process(spec: MouldSpec) -> None:
     _between("shrinkage_percent", pour.shrinkage_percent, 0.0, 5.0)
     _between("shrinkage_percent of the silicone", silicone.shrinkage_percent, 0.0, 3.0)
     _between("cure_temperature_C", pour.cure_temperature_C, 0.0, 150.0)
+    plastic, hot = spec.plastic, spec.pour.cure_temperature_C
+    if plastic is not None and hot > plastic.service_temperature_C:
+        raise InputError(
+            f"plastic '{plastic.name}' bears {plastic.service_temperature_C:g} C, the resin cures at {hot:g} C and the "
+            "tray stays in the oven: name a plastic in the preset that bears it, such as plastic = \"asa\""
+        )
+    for name, value in asdict(spec.acceptance).items():
+        _between(f"acceptance {name}", value, 0.1, 50.0)
     _between("foam_factor", pour.foam_factor, 1.5, 8.0)
     if pour.degas not in ("cup", "mould"):
         raise unknown_name("place to degas", pour.degas, ("cup", "mould"))

@@ -6,6 +6,7 @@ from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.layout import layout
 from dummydesign.mold.model.spec import MouldSpec, PadGeometry
 from dummydesign.mold.pour.plan import PourPlan
+from dummydesign.mold.pour.steps import CLOSE, DEGAS, GEL, MIX, POUR, WAIT, Step
 
 BLANK = "________"
 
@@ -29,44 +30,58 @@ def shape_mark(spec: MouldSpec) -> str:
     return spec.pad.shape.mark(spec.pad, layout(spec).scale)
 
 
-def first_layer_steps(spec: MouldSpec, plan: PourPlan) -> list[str]:
+def by_difference(plan: PourPlan, why: str) -> str:
+    """How a mass is poured into a mould that stays where it is level."""
+    return (
+        f"Put the cup on the balance and tare it. Pour in a thin stream into one corner and put the cup back: the "
+        f"balance shows what has left it. Stop at -{plan.fill_mass_g:.1f} g ({why}). The mould stays where it is. "
+        f"Poured: {BLANK} g"
+    )
+
+
+def first_layer_steps(spec: MouldSpec, plan: PourPlan) -> list[Step]:
     """From the first pour of a layered pad to the moment of the second."""
     pour, under = spec.pour, plan.base
-    return [
-        f"UPPER LAYER FIRST (it forms the tested face): with the mould on the balance pour and stop at "
-        f"{plan.fill_mass_g:.1f} g ({plan.gram_per_mm_g:.1f} g make one millimetre). Poured: {BLANK} g at: {BLANK}",
+    texts = [
+        f"UPPER LAYER FIRST (it forms the tested face). "
+        f"{by_difference(plan, f'{plan.gram_per_mm_g:.1f} g make one millimetre')} at: {BLANK}",
         f"Prick bubbles, wait {max(30.0, plan.pour_time_s):.0f} s. Lay release film on the spacer, set it down on one "
         "edge and lower it like a hinge until it rests on the land; what is too much comes up in the gap. Without a "
         "spacer the layer is as even as the mould is level.",
-        f"Let it gel, level, {_where(spec)}; not before its pot life of {pour.pot_life_min:g} min is over lift the "
-        f"spacer on one edge. Gelled at: {BLANK}",
+        f"Let it gel where it stands, {_where(spec)}; not before its pot life of {pour.pot_life_min:g} min is over "
+        f"lift the spacer on one edge. Gelled at: {BLANK}",
         "BASE LAYER SECOND, while the first is tacky: weigh, mix and degas it only now, as the first (ratio "
-        f"{spec.base.pour.ratio:.4g}). The surface must be free of film, dust and release agent. Stop at "
-        f"{under.fill_mass_g:.1f} g. Poured: {BLANK} g at: {BLANK}",
+        f"{spec.base.pour.ratio:.4g}). The surface must be free of film, dust and release agent. "
+        f"{by_difference(under, 'up to the step of the brim')} at: {BLANK}",
     ]
+    acts = ((POUR,), (WAIT, CLOSE), (GEL,), (MIX, DEGAS, POUR))
+    return [Step(text, act) for text, act in zip(texts, acts)]
 
 
-def before_mixing(spec: MouldSpec) -> list[str]:
+def before_mixing(spec: MouldSpec) -> list[Step]:
     """What is done before the resin is opened."""
     if not spec.pad.shape.bone_height_mm:
         return []
     return [
-        "Roughen or drill the bone and the underside of its plate (keys), clean, prime them for this resin and let the "
-        "primer dry: what is neither keyed nor primed peels off the gel. No release agent here. Lower the carrier into "
-        "the empty mould once: it must sit on the land all round.",
+        Step(
+            "Roughen or drill the bone and the underside of its plate (keys), clean, prime them for this resin and let "
+            "the primer dry: what is neither keyed nor primed peels off the gel. No release agent here. Lower the "
+            "carrier into the empty mould once: it must sit on the land all round."
+        ),
     ]
 
 
-def carrier_steps(spec: MouldSpec, plan: PourPlan) -> list[str]:
+def carrier_steps(spec: MouldSpec, plan: PourPlan) -> list[Step]:
     """How the bone gets into the resin."""
     bone = spec.pad.shape.bone_volume_mm3(spec.pad) * 1e-3
-    return [
-        f"Stand the mould on the balance, tare it, pour and stop at {plan.fill_mass_g:.1f} g: the bone displaces "
-        f"{bone:.1f} cm3, so the resin stands below the step of the brim. Poured: {BLANK} g",
+    why = f"the bone displaces {bone:.1f} cm3, so the resin stands below the step of the brim"
+    texts = [
+        by_difference(plan, why),
         "Wet bone and plate with resin. Set the plate down on one edge and lower it like a hinge, slowly, until it "
         "rests on the land and every vent shows resin; top up through a vent. Clamp it or weigh it down: it must not "
         f"float. Seated all round: {BLANK}",
     ]
+    return [Step(text, act) for text, act in zip(texts, ((POUR,), (CLOSE,)))]
 
 
 def demould_first(spec: MouldSpec) -> str:

@@ -1,0 +1,87 @@
+"""Whether a cast pad is the one that was designed: limits, what each deviation costs in force, what to do. No CAD."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dummydesign.geometry.standard import PUNCH_RADIUS_MM
+from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.mold.pour.plan import PourPlan
+
+BLANK = "________"
+# Depth over thickness at which the force's sensitivity to the thickness is told.
+TOLD_DEPTH = 0.25
+
+
+def force_per_thickness(spec: MouldSpec) -> float | None:
+    """Relative change of the force at a given depth for a relative change of the thickness, d ln F / d ln h.
+
+    At a quarter of the thickness, glued, under a square punch of 14 mm, by the response table; None for a pad
+    that no table holds or that is pressed between plates.
+    """
+    from dummydesign.core.errors import InputError
+    from dummydesign.pad.tables.shape import ShapeLaw
+    from dummydesign.pad.tables.slab import load_table
+
+    pad = spec.pad
+    if pad.is_puck or not (pad.shape.plain or pad.shape.tabulated):
+        return None
+    h, step = pad.thickness_mm, 0.01
+    try:
+        law = load_table("bonded") if pad.shape.plain else ShapeLaw(pad.shape)
+        force = law.force(TOLD_DEPTH * h, np.array([1.0 - step, 1.0 + step]) * h, 1.0, PUNCH_RADIUS_MM)
+    except InputError:
+        return None
+    change = float(np.log(force[1] / force[0]) / np.log((1.0 + step) / (1.0 - step)))
+    return change if np.isfinite(change) else None
+
+
+def acceptance_rows(spec: MouldSpec, plan: PourPlan) -> list[tuple[str, ...]]:
+    """Table of what is measured on the finished pad, what is allowed, what it costs and what to do; a row each."""
+    limits, pad = spec.acceptance, spec.pad
+    slope = force_per_thickness(spec)
+    h = pad.thickness_mm
+    mass = plan.pad_mass_g + (plan.base.pad_mass_g if plan.base else 0.0)
+
+    def costs(percent: float) -> str:
+        return "not known" if slope is None else f"{abs(slope) * percent:.0f} % of force at a given depth"
+
+    return [
+        ("measured", "wanted", "allowed", "the limit costs", "really", "if it is missed"),
+        (
+            "thickness, mean of five", f"{h:.2f} mm", f"{h * (1 - limits.thickness_percent / 100):.2f} to "
+            f"{h * (1 + limits.thickness_percent / 100):.2f} mm", costs(limits.thickness_percent), BLANK,
+            "give the campaign the real thickness; beyond twice the limit cast again",
+        ),
+        (
+            "thickness, largest less smallest", "0 mm", f"{h * limits.spread_percent / 100:.2f} mm",
+            costs(limits.spread_percent / 2.0), BLANK, "level again with the load in the mould, cast again",
+        ),
+        (
+            "mass", f"{mass:.1f} g", f"{mass * (1 - limits.mass_percent / 100):.1f} to "
+            f"{mass * (1 + limits.mass_percent / 100):.1f} g", costs(limits.mass_percent), BLANK,
+            "too light: air inside or a leak; too heavy: overfilled",
+        ),
+        (
+            "modulus of the witness", "that of the design", f"within {limits.modulus_percent:g} %",
+            f"{limits.modulus_percent:.0f} % of force", BLANK,
+            "wrong ratio, moist or old resin: cast again, or design again with resins add-compression",
+        ),
+        (
+            "bubbles over 1 mm under the punch", "none", "none", "local softening, not known", BLANK,
+            "reject; degas longer or at a lower pressure",
+        ),
+    ]  # fmt: skip
+
+
+TROUBLE = (
+    "Foam does not fall within the time: the pump is too weak or the resin is moist. Throw the batch away.",
+    "Too little poured: mix the missing grams anew within the pot life, or strike off short and enter the mass; never "
+    "stretch a batch after it thickens.",
+    "Too much poured: take it off with a syringe from a corner before it gels.",
+    "The mould was bumped: level again at once while the resin still flows; once it has gelled, cast again.",
+    "Air under the plate: lift one edge, let it out, lower again.",
+    "A face that stays tacky: cure inhibition or a wrong ratio. Test print, silicone and resin on scraps before the "
+    "next pour.",
+    "A torn corner of the mould: outside the land it may be glued with silicone; in the cavity cast a new mould.",
+)

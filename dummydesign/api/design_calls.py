@@ -56,7 +56,7 @@ def suggest(
         Solve the recommended pad by finite elements.
     cad : bool, optional
         Make the mould into ``out``; the recipe is then that of the solids' volumes. By default wherever there is
-        an ``out``.
+        an ``out``. None is made of a pad whose verdict is red (``answer.found.verdict.acceptable``).
     robot_mass_kg, robot_velocity_mm_s : float
         Mass and speed of a free body that hits tissue and pad, for the safety view. [kg, mm/s]
     limits : path, optional
@@ -155,7 +155,7 @@ def _written(
     from dummydesign.report.suggest import write_suggestion
 
     curves, missing = suggestion_curves(found), None
-    if result["inputs"]["cad"]:
+    if result["inputs"]["cad"] and found.verdict.acceptable:
         from dummydesign.design.mould import with_mould
 
         try:

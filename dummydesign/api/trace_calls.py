@@ -148,6 +148,7 @@ def compare(
     InputError
         For names or files that cannot be used.
     """
+    from dummydesign.design.assessment.verdict_of_traces import verdict_of_traces
     from dummydesign.measurement.sensor import parse_lowpass
     from dummydesign.tissue.fitting.compare import compare_traces
     from dummydesign.tissue.model.tissue_file import load_tissue
@@ -162,14 +163,17 @@ def compare(
     }
     if out is None:
         found = compare_traces(read, site, passed)
-        return Result(found, {"inputs": inputs, **found.result, "sources": list(site.sources), "files": {}})
+        known = {"inputs": inputs, "verdict": verdict_of_traces(found, site).to_dict(), **found.result}
+        return Result(found, {**known, "sources": list(site.sources), "files": {}})
     from dummydesign.core.outputs.write import new_folder
     from dummydesign.report.files.compare import write_comparison
 
     with new_folder(out, _question("compare", inputs, names, read, tissue), replace=replace) as output:
         found = compare_traces(read, site, passed)
-        head = {"inputs": {**inputs, "out": str(output.folder)}, **found.result, "sources": list(site.sources)}
-        result = output.answer({**head, "files": write_comparison(found, site, output.work)})
+        judged = verdict_of_traces(found, site).to_dict()
+        head = {"inputs": {**inputs, "out": str(output.folder)}, "verdict": judged, **found.result}
+        files = write_comparison(found, site, output.work, judged)
+        result = output.answer({**head, "sources": list(site.sources), "files": files})
     return Result(found, result)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dummydesign.design.assessment.pour_yield import Tolerances, pour_yield
+from dummydesign.design.assessment.readings import verdict_of_design
 from dummydesign.design.assessment.warnings import design_warnings, rests_on
 from dummydesign.design.inputs import Inputs
 from dummydesign.design.mould import pour_recipe
@@ -41,6 +42,7 @@ def assess(inputs: Inputs, solved: Solved) -> Suggestion:
         resin=space.resin,
         targets=space.targets,
         found=chosen.found,
+        verdict=verdict_of_design(chosen.cast, best, space, tolerances),
         recommended=recommended,
         alternatives=tuple(
             _design(space.resin, other, _shape_at(chosen, other)) for other in chosen.found.alternatives

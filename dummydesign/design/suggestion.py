@@ -14,6 +14,7 @@ from dummydesign.geometry.shapes import PadShape
 if TYPE_CHECKING:
     from dummydesign.design.assessment.centring import CentringTolerance
     from dummydesign.design.assessment.pour_yield import PourYield
+    from dummydesign.design.assessment.verdict import Verdict
     from dummydesign.design.assessment.verification import Verification
     from dummydesign.design.request import Request
     from dummydesign.design.scoring.presses import ForceLaw
@@ -36,7 +37,7 @@ class Design:
 
 @dataclass(frozen=True, kw_only=True)
 class Suggestion:
-    """The answer: the recommended design and the others, the search, tolerance, verification, and its basis.
+    """The answer: verdict, recommended design and the others, the search, tolerance, verification, and its basis.
 
     ``law`` is the force law in proportion with thickness, ``cast`` that of the shape as it is cast, from elements
     when it was verified; ``beside`` the best design of each kind of shape; ``centring`` how far off the centre of
@@ -48,6 +49,7 @@ class Suggestion:
     resin: Resin
     targets: Targets
     found: SearchResult
+    verdict: Verdict
     recommended: Design
     alternatives: tuple[Design, ...]
     law: ForceLaw
@@ -84,6 +86,7 @@ class Suggestion:
         """Return the answer in the form of the ``suggest`` contract."""
         slope = self.resin.log_slope(self.best.ratio)
         return {
+            "verdict": self.verdict.to_dict(),
             "recommendation": design_dict(self.recommended, self.resin, self.targets),
             "alternatives": [design_dict(other, self.resin, self.targets) for other in self.alternatives],
             "sensitivity": {"d_ln_young_per_percent_ratio": 0.01 * slope, **self.pour.to_dict()},

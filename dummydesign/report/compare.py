@@ -22,6 +22,7 @@ FARTHEST = 3.0
 """Parameters are drawn up to this many widths of the band beside it."""
 
 
+<<<<<<< HEAD
 def write_compare_report(folder: Path, found: Comparison, tissue: Tissue, sources: Sequence[str]) -> dict[str, str]:
     """Write the report of a comparison; see :func:`dummydesign.report.html.page.write_report`.
 
@@ -41,6 +42,12 @@ def write_compare_report(folder: Path, found: Comparison, tissue: Tissue, source
     dict
         Paths by role: ``report`` and one ``report_NAME`` a plot.
     """
+=======
+def write_compare_report(
+    folder: Path, found: Comparison, tissue: Tissue, sources: Sequence[str], verdict: dict[str, Any] | None = None
+) -> dict[str, str]:
+    """Write the report of a comparison; see :func:`dummydesign.report.html.page.write_report`."""
+>>>>>>> 600e7f8 (suggest and compare begin with a verdict: inside, reads low, reads high, mixed or poor, with a light on the terminal and in the report)
     data = found.result
     steady, rows = data["steady_state_range"], data["force_variation_range"]
     known = [row["inside"] for row in data["parametric"].values() if row["inside"] is not None]
@@ -62,7 +69,8 @@ def write_compare_report(folder: Path, found: Comparison, tissue: Tissue, source
         Section("Parameters", _parameter_words(data), _parameters(data), _parametric(data)),
         Section("Fit behind the parameters", _fit_words(data), table=_traces(data)),
     ]  # fmt: skip
-    return write_report(folder, f"Dummy against {tissue.name}", lead, sections, facts, data["warnings"], sources)
+    title = f"Dummy against {tissue.name}"
+    return write_report(folder, title, lead, sections, facts, data["warnings"], sources, verdict=verdict)
 
 
 def _percent(share: float | None) -> str:

@@ -67,7 +67,8 @@ def write_suggestion(
     ]  # fmt: skip
     title = f"Dummy for the {answer.tissue.name}"
     return write_report(
-        folder, title, lead, sections, facts, result["warnings"], result["sources"], [viewer_script()]
+        folder, title, lead, sections, facts, result["warnings"], result["sources"], [viewer_script()],
+        verdict=result["verdict"],
     )
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from dummydesign.cli.effect_option import add_effect_option
 from dummydesign.cli.output_option import add_replace_option
+from dummydesign.cli.verdict import verdict_lines
 
 HELP = "Recommend resin ratio, pad thickness, weights to pour and a mould for a tissue."
 
@@ -39,8 +40,9 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     from pathlib import Path
 
     from dummydesign.api import suggest
+    from dummydesign.core.errors import NoAnswerError
 
-    return suggest(
+    answer = suggest(
         options.tissue,
         aim=options.aim,
         resin=options.resin,
@@ -56,7 +58,21 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         limits=options.limits,
         out=f"suggest-{Path(options.tissue).stem}" if options.out is None else options.out,
         replace=options.replace,
-    ).to_dict()
+    )
+    result = answer.to_dict()
+    if not answer.found.verdict.acceptable:
+        raise NoAnswerError("no_acceptable_pad", _why_not(result, options.no_cad), result)
+    return result
+
+
+def _why_not(result: dict[str, Any], no_cad: bool) -> str:
+    """What is said on standard error when the best pad is not good enough."""
+    best = result["recommendation"]
+    text = f"the best pad found is not acceptable: {result['verdict']['level'].replace('_', ' ')}"
+    if no_cad:
+        return text
+    command = f"dummydesign mold --thickness {best['thickness_mm']:g} --resin {best['resin']} --ratio {best['ratio']:g}"
+    return f"{text}; no mould was made ('{command} --shape {best['shape']}' makes it all the same)"
 
 
 def render(result: dict[str, Any]) -> str:
@@ -65,6 +81,7 @@ def render(result: dict[str, Any]) -> str:
     young, recipe = best["young_kPa"], best["recipe"]
     weigh = ", ".join(f"{item['name']} {item['mass_g']:.1f} g" for item in recipe["components"])
     lines = [
+        *verdict_lines(result["verdict"]),
         f"{result['inputs']['tissue']}, aim {result['inputs']['aim']}",
         "",
         f"  pad        {best['thickness_mm']:g} mm thick, 150 x 120 mm {best['shape']}, glued to a rigid base",

@@ -6,6 +6,7 @@ import argparse
 from typing import Any
 
 from dummydesign.cli.output_option import add_replace_option
+from dummydesign.cli.verdict import verdict_lines
 
 HELP = "Compare the traces of a cast dummy with a tissue: parameters, steady-state range, force variation range."
 
@@ -35,7 +36,7 @@ def render(result: dict[str, Any]) -> str:
     def text(value: float | None) -> str:
         return "-" if value is None else f"{value:.4g}"
 
-    lines = [f"against {result['tissue']}, law {result['law']}"]
+    lines = [*verdict_lines(result["verdict"]), f"against {result['tissue']}, law {result['law']}"]
     lines.append(
         f"{'parameter':<22} {'dummy':>10} {'95 % low':>10} {'95 % high':>10} {'band low':>10} {'band high':>10}"
     )

@@ -66,6 +66,49 @@ class PourYield:
         return asdict(self)
 
 
+@dataclass(frozen=True)
+class Pours:
+    """Pads that may come out of one design: ``thickness_mm``, ``young_MPa`` (n,) and ``beta`` (n, arms)."""
+
+    thickness_mm: NDArray
+    young_MPa: NDArray
+    beta: NDArray
+
+
+def draw_pours(
+    resin: Resin, thickness_mm: float, ratio: float, tolerances: Tolerances, pours: int = POURS, seed: int = SEED
+) -> tuple[Pours, Pours]:
+    """Draw pours of one design: with all that is not known, and with errors of weighing and thickness alone.
+
+    Parameters
+    ----------
+    resin : Resin
+    thickness_mm, ratio : float
+        The design.
+    tolerances : Tolerances
+    pours : int
+    seed : int
+        The same seed gives the same pours.
+    """
+    rng = np.random.default_rng(seed)
+    weighed = _weighed_ratio(resin, ratio, tolerances, pours, rng)
+    thickness = thickness_mm + tolerances.thickness_mm * rng.uniform(-1.0, 1.0, pours)
+    drawn = resin.draw(pours, rng)
+    central = {name: np.full(pours, value) for name, value in resin.central.items()}
+    stated = replace(
+        drawn,
+        numbers=central,
+        beta_ref=np.tile([arm.beta.value for arm in resin.arms], (pours, 1)),
+        softness_exponent=np.full(pours, resin.softness_exponent.value),
+    )
+    kept = np.clip(weighed, resin.ratio_min, resin.ratio_max)
+    every, making = (
+        Pours(thickness, np.maximum(numbers.young_MPa(weighed), 1e-9), numbers.beta(kept))
+        for numbers in (drawn, stated)
+    )
+    return every, making
+
+
 def pour_yield(
     law: ForceLaw,
     resin: Resin,
@@ -98,24 +141,11 @@ def pour_yield(
     -------
     PourYield
     """
-    rng = np.random.default_rng(seed)
-    weighed = _weighed_ratio(resin, ratio, tolerances, pours, rng)
-    thickness = thickness_mm + tolerances.thickness_mm * rng.uniform(-1.0, 1.0, pours)
-    drawn = resin.draw(pours, rng)
-    central = {name: np.full(pours, value) for name, value in resin.central.items()}
-    stated = replace(
-        drawn,
-        numbers=central,
-        beta_ref=np.tile([arm.beta.value for arm in resin.arms], (pours, 1)),
-        softness_exponent=np.full(pours, resin.softness_exponent.value),
-    )
     shares = {}
-    for name, numbers in (("all", drawn), ("making", stated)):
-        young = np.maximum(numbers.young_MPa(weighed), 1e-9)
-        beta = numbers.beta(np.clip(weighed, resin.ratio_min, resin.ratio_max))
-        shares[name] = _inside(law, resin, targets, thickness, young, beta, radius_mm)
+    for name, poured in zip(("all", "making"), draw_pours(resin, thickness_mm, ratio, tolerances, pours, seed)):
+        shares[name] = _inside(law, resin, targets, poured.thickness_mm, poured.young_MPa, poured.beta, radius_mm)
+        spread = float(np.std(np.log(poured.young_MPa)))
     nominal = _nominal(law, resin, targets, thickness_mm, ratio, radius_mm)
-    spread = float(np.std(np.log(np.maximum(stated.young_MPa(weighed), 1e-9))))
     return PourYield(
         _stays(shares["all"], nominal),
         tuple(float(force) for force in np.array(FORCES_N)[nominal]),

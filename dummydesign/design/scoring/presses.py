@@ -147,11 +147,18 @@ class Press:
     force_N: NDArray
     stop_s: NDArray
     depth_mm: NDArray
+    displacement_mm: NDArray
 
     @property
     def peak_N(self) -> NDArray:
         """Largest force of each press, shape (D,); NaN where out of reach. [N]"""
         return self.force_N.max(axis=-1)
+
+    @property
+    def energy_mJ(self) -> NDArray:
+        """Integral of F dx from touch to stop, shape (D,); NaN where out of reach."""
+        step = np.diff(self.displacement_mm, axis=-1)
+        return (0.5 * (self.force_N[:, 1:] + self.force_N[:, :-1]) * step).sum(axis=-1)
 
 
 def press_to_depth(slabs: Slabs, depth_mm: NDArray, velocity_mm_s: float, sampling: Sampling) -> Press:
@@ -183,7 +190,7 @@ def press_to_depth(slabs: Slabs, depth_mm: NDArray, velocity_mm_s: float, sampli
         relative += slabs.beta[:, arm, None] * (relaxed_force(motion.time_s, area, [PronyTerm(tau, 1.0)]) - area)
     force = np.where(reachable[:, None], slabs.young_MPa[:, None] * relative, np.nan)
     stop = motion.time_s[:, sampling.ramp_points + sampling.brake_points]
-    return Press(motion.time_s, force, stop, np.where(reachable, depth_mm, np.nan))
+    return Press(motion.time_s, force, stop, np.where(reachable, depth_mm, np.nan), motion.displacement_mm)
 
 
 def steady_depth(

@@ -30,8 +30,8 @@ class Evaluation:
 
     ``steady_state_range`` (5 to 15 N), ``low_force_range`` (0.5 to 5 N), ``force_variation_range``, ``aim``
     and ``low_aim`` (closeness to the aim below 5 N, no part of the total) have shape (D,), ``inside`` and
-    ``depth_mm`` (D, conditions), ``low_depth_mm`` (D, low forces); ``presses`` one a condition, in the order
-    of the targets' conditions.
+    ``depth_mm`` (D, conditions), ``low_depth_mm`` (D, low forces), ``steady_depth_mm`` (D, steady forces); ``presses``
+    one a condition, in the order of the targets' conditions.
     """
 
     slabs: Slabs
@@ -43,6 +43,7 @@ class Evaluation:
     inside: NDArray
     depth_mm: NDArray
     low_depth_mm: NDArray
+    steady_depth_mm: NDArray
     presses: tuple[Press, ...]
 
     def total(self, parametric: NDArray) -> NDArray:
@@ -58,7 +59,7 @@ class Evaluation:
     def take(self, chosen: NDArray) -> Evaluation:
         """Keep the designs chosen by index or mask (without their presses)."""
         own = ("steady_state_range", "low_force_range", "force_variation_range", "aim", "low_aim", "inside")
-        parts = [getattr(self, name)[chosen] for name in (*own, "depth_mm", "low_depth_mm")]
+        parts = [getattr(self, name)[chosen] for name in (*own, "depth_mm", "low_depth_mm", "steady_depth_mm")]
         return Evaluation(self.slabs.take(chosen), *parts, ())
 
     @property
@@ -131,6 +132,7 @@ def evaluate(slabs: Slabs, targets: Targets, sampling: Sampling = COARSE, exact:
         np.stack(inside, axis=-1),
         np.stack(depths, axis=-1),
         reached[:, : len(LOW_GRID_N)],
+        reached[:, len(LOW_GRID_N) :],
         tuple(presses),
     )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from dummydesign.tissue.model.ranges import interpolate_rows
 from dummydesign.tissue.model.tissue import Tissue
 
 
+<<<<<<< HEAD
 def write_comparison(found: Comparison, tissue: Tissue, folder: Path) -> dict[str, str]:
     """Write parametric.csv, steady_state.csv, force_variation.csv, ranges.png, compare.json and the report.
 
@@ -32,14 +34,20 @@ def write_comparison(found: Comparison, tissue: Tissue, folder: Path) -> dict[st
     dict
         Paths of the files by role.
     """
+=======
+def write_comparison(
+    found: Comparison, tissue: Tissue, folder: Path, verdict: dict[str, Any] | None = None
+) -> dict[str, str]:
+    """Write parametric.csv, steady_state.csv, force_variation.csv, ranges.png, compare.json and the report."""
+>>>>>>> 600e7f8 (suggest and compare begin with a verdict: inside, reads low, reads high, mixed or poor, with a light on the terminal and in the report)
     files = {
         "parametric": write_text(folder / "parametric.csv", _parametric(found)),
         "steady_state": write_text(folder / "steady_state.csv", _steady(found, tissue)),
         "force_variation": write_text(folder / "force_variation.csv", _force_variation(found)),
         "picture": write_bytes(folder / "ranges.png", _picture(found, tissue)),
-        "json": write_text(folder / "compare.json", json.dumps(found.result, indent=1) + "\n"),
+        "json": write_text(folder / "compare.json", json.dumps({"verdict": verdict, **found.result}, indent=1) + "\n"),
     }
-    report = write_compare_report(folder, found, tissue, tissue.sources)
+    report = write_compare_report(folder, found, tissue, tissue.sources, verdict)
     return {role: str(path) for role, path in files.items()} | report
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -64,6 +64,7 @@ def page(
     sources: Sequence[str] = (),
     scripts: Sequence[str] = (),
     tables: str = "report",
+    verdict: Mapping[str, Any] | None = None,
 ) -> str:
     """Lay out one page.
 
@@ -83,11 +84,16 @@ def page(
         JavaScript, put at the end.
     tables : str
         What the names of the CSV files beside the page begin with; empty where there are none.
+<<<<<<< HEAD
 
     Returns
     -------
     str
         HTML that asks nothing of the outside.
+=======
+    verdict : dict, optional
+        ``light`` and ``text``, the first thing on the page.
+>>>>>>> 600e7f8 (suggest and compare begin with a verdict: inside, reads low, reads high, mixed or poor, with a light on the terminal and in the report)
     """
     style = (Path(__file__).parent / "page.css").read_text(encoding="utf-8")
     boxes = "".join(f'<div class="fact"><b>{escape(v)}</b><span>{escape(what)}</span></div>' for v, what in facts)
@@ -103,7 +109,8 @@ def page(
         f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f"<title>{escape(title)}</title><style>{style}</style></head><body><main>"
-        f'<h1>{escape(title)}</h1><p class="lead">{escape(lead)}</p>'
+        + _banner(verdict)
+        + f'<h1>{escape(title)}</h1><p class="lead">{escape(lead)}</p>'
         + (f'<div class="facts">{boxes}</div>' if boxes else "")
         + warned
         + "".join(section.to_html() for section in sections)
@@ -111,6 +118,18 @@ def page(
         + f"<footer>dummydesign {__version__}. Lengths in mm, forces in N, times in s; moduli are long-term "
         f"(relaxed) Young's moduli.{beside}</footer>"
         "</main>" + "".join(f"<script>{script}</script>" for script in scripts) + "</body></html>\n"
+    )
+
+
+def _banner(verdict: Mapping[str, Any] | None) -> str:
+    """The verdict with its light, in colour and in words."""
+    if verdict is None:
+        return ""
+    word, _, rest = verdict["text"].partition(":")
+    light = escape(verdict["light"])
+    return (
+        f'<div class="verdict {light}" role="status"><span class="light" aria-hidden="true"></span>'
+        f"<p><b>{light.upper()}: {escape(word.upper())}</b>{escape(rest)}.</p></div>"
     )
 
 
@@ -124,6 +143,7 @@ def write_report(
     sources: Sequence[str] = (),
     scripts: Sequence[str] = (),
     stem: str = "report",
+    verdict: Mapping[str, Any] | None = None,
 ) -> dict[str, str]:
     """Write ``report.html`` and a CSV of every plot (``report-NAME.csv``) into a folder; see :func:`page`.
 
@@ -135,6 +155,8 @@ def write_report(
         As for :func:`page`.
     stem : str
         Takes the place of ``report`` in the names of the files.
+    verdict : dict, optional
+        ``light`` and ``text``.
 
     Returns
     -------
@@ -150,7 +172,7 @@ def write_report(
     for plot in (plot for section in sections for plot in section.plots):
         path = write_text(folder / f"{stem}-{plot.name}.csv", plot.csv_text())
         files[f"report_{plot.name.replace('-', '_')}"] = str(path)
-    text = page(title, lead, sections, facts, warnings, sources, scripts, stem)
+    text = page(title, lead, sections, facts, warnings, sources, scripts, stem, verdict)
     return {"report": str(write_text(folder / f"{stem}.html", text)), **files}
 
 

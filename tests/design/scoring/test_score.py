@@ -85,7 +85,7 @@ def test_parameters_are_recovered_from_presses_that_follow_the_law(law):
             condition.velocity_mm_s, np.array([depth]), ramp_points=16, brake_points=8, hold_points=24
         )
         force = truth.force(motion, condition.velocity_mm_s)
-        presses.append(Press(motion.time_s, force, motion.time_s[:, 24], np.array([depth])))
+        presses.append(Press(motion.time_s, force, motion.time_s[:, 24], np.array([depth]), motion.displacement_mm))
     problem = _Problem(presses, sampling, targets, np.array([0, 0, 0, 1, 1, 1]))
     rates = problem.solve()
     springs = problem.springs(rates)[0]

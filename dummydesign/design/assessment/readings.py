@@ -1,0 +1,124 @@
+"""What the verdict is worked out from: ranges of a tissue at a protocol, readings of a design and of its pours."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.design.assessment.pour_yield import Pours, Tolerances, draw_pours
+from dummydesign.design.assessment.safety import tissue_press
+from dummydesign.design.assessment.verdict import Ranges, Readings, Verdict, verdict
+from dummydesign.design.scoring.presses import ForceLaw, Sampling, Slabs, make_curves
+from dummydesign.design.scoring.score import Evaluation, evaluate
+from dummydesign.design.scoring.targets import STEADY_GRID_N, Targets
+from dummydesign.resin.model.distribution import HALF_WIDTH
+
+if TYPE_CHECKING:
+    from dummydesign.design.search.slabs import Candidate
+    from dummydesign.design.search.space import SearchSpace
+
+POURS, NODES, SEED = 400, 41, 17
+AT_LIMIT = 0.99
+
+
+def ranges_of(targets: Targets, sampling: Sampling) -> Ranges:
+    """Peaks and energies of the outermost subjects in every press of a protocol, and their depths from 5 to 15 N."""
+    conditions = targets.conditions
+    energies = [tissue_press(condition.range, targets.tissue.law, sampling).energy_mJ for condition in conditions]
+    stiff, soft = targets.depth_range_mm(STEADY_GRID_N)
+    return Ranges(
+        np.array([condition.steady_force_N for condition in conditions]),
+        np.array([condition.velocity_mm_s for condition in conditions]),
+        np.array([condition.range.peak_low_N for condition in conditions]),
+        np.array([condition.range.peak_high_N for condition in conditions]),
+        np.array([energy.min() for energy in energies]),
+        np.array([energy.max() for energy in energies]),
+        STEADY_GRID_N,
+        stiff,
+        soft,
+        len(targets.tissue.subjects),
+    )
+
+
+def readings_of(evaluation: Evaluation) -> Readings:
+    """Readings of all designs of an evaluation, shapes (D, c) and (D, g)."""
+    return Readings(
+        np.stack([press.peak_N for press in evaluation.presses], axis=-1),
+        np.stack([press.energy_mJ for press in evaluation.presses], axis=-1),
+        evaluation.steady_depth_mm,
+    )
+
+
+def reading_of(candidate: Candidate) -> Readings:
+    """Readings of one design, shapes (c,) and (g,)."""
+    every = readings_of(candidate.evaluation)
+    return Readings(*(values[candidate.index] for values in vars(every).values()))
+
+
+def spread_of(
+    law: ForceLaw, candidate: Candidate, space: SearchSpace, tolerances: Tolerances, pours: int = POURS
+) -> Readings:
+    """Readings of pours of a design: weighing, thickness, what is not known of the resin, and the law's own error.
+
+    Parameters
+    ----------
+    law : ForceLaw
+        Of the pad as cast.
+    candidate : Candidate
+    space : SearchSpace
+    tolerances : Tolerances
+    pours : int
+    """
+    every, _ = draw_pours(space.resin, candidate.thickness_mm, candidate.ratio, tolerances, pours)
+    depth = candidate.evaluation.depth_mm[candidate.index]
+    known = depth[np.isfinite(depth)]
+    off = np.zeros(pours)
+    if len(known):
+        error = float(np.max(law.relative_error(known, candidate.thickness_mm, space.radius_mm)))
+        off = error / HALF_WIDTH * np.random.default_rng(SEED).standard_normal(pours)
+    slabs = poured_slabs(law, replace(every, young_MPa=every.young_MPa * np.exp(off)), space)
+    sampling = space.sampling
+    coarse = Sampling(16, 8, 20, sampling.hold_s, sampling.deceleration_mm_s2)
+    return readings_of(evaluate(slabs, space.targets, coarse))
+
+
+def poured_slabs(law: ForceLaw, pours: Pours, space: SearchSpace) -> Slabs:
+    """Pours as designs to press; their thicknesses are taken at the nearest of 41 even steps, a hundredth of a
+    millimetre for 0.2 mm either way."""
+    smallest, largest = law.ratio_range
+    thickness = np.clip(pours.thickness_mm, space.radius_mm / largest, space.radius_mm / smallest)
+    low, high = float(thickness.min()), float(thickness.max())
+    nodes = np.linspace(low, high, NODES) if high > low else np.array([low])
+    place = np.rint((thickness - low) / max(high - low, 1e-12) * (len(nodes) - 1)).astype(int)
+    tau = tuple(arm.tau_s.value for arm in space.resin.arms)
+    return Slabs(make_curves(law, nodes, space.radius_mm), place, pours.young_MPa, tau, pours.beta)
+
+
+def limits_that_bind(candidate: Candidate, thickness_mm: NDArray, ratio: NDArray) -> tuple[str, ...]:
+    """Which limits a design lies at: depth over thickness, and the ends of what was searched."""
+    depth = candidate.evaluation.depth_mm[candidate.index]
+    slabs = candidate.evaluation.slabs
+    limit = float(slabs.curves.limit_mm[slabs.slab[candidate.index]])
+    bound = []
+    if not np.isfinite(depth).all() or np.nanmax(depth) >= AT_LIMIT * limit:
+        bound.append(f"depth over thickness (at most {limit / candidate.thickness_mm:.2f})")
+    for name, value, steps, unit in (
+        ("thickness", candidate.thickness_mm, thickness_mm, " mm"),
+        ("ratio", candidate.ratio, ratio, ""),
+    ):
+        if len(steps) > 1 and value in (steps[0], steps[-1]):
+            bound.append(f"{name} ({steps[0]:g} to {steps[-1]:g}{unit})")
+    return tuple(bound)
+
+
+def verdict_of_design(law: ForceLaw, candidate: Candidate, space: SearchSpace, tolerances: Tolerances) -> Verdict:
+    """Verdict on a design: as it stands, with what its pours may turn out as, and the limits that bind it."""
+    return verdict(
+        ranges_of(space.targets, space.sampling),
+        reading_of(candidate),
+        spread_of(law, candidate, space, tolerances),
+        limits_that_bind(candidate, space.thickness_mm, space.ratio),
+    )

@@ -1,0 +1,108 @@
+"""The verdict on a pad that was cast and pressed: its traces against the tissue's subjects in the same presses."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.design.assessment.safety import tissue_press
+from dummydesign.design.assessment.verdict import Ranges, Readings, Verdict, verdict
+from dummydesign.design.scoring.presses import Sampling
+from dummydesign.tissue.fitting.compare import STEADY_GRID_N, Comparison, braking_of
+from dummydesign.tissue.fitting.groups import condition_groups
+
+if TYPE_CHECKING:
+    from dummydesign.tissue.fitting.reduction import ReducedTrace
+    from dummydesign.tissue.model.ranges import ForceRange
+    from dummydesign.tissue.model.tissue import Tissue
+
+DRAWS, SEED = 500, 23
+DEPTH_ERROR_MM = 0.01
+"""Standard deviation of where a trace has its zero: half of the 0.02 mm to which a robot is taken to repeat."""
+SMOOTHED = 5
+"""Samples of the parabola that the peak is read from; a single largest sample is too large by its noise."""
+LOWEST_N = 5.0
+
+
+def verdict_of_traces(found: Comparison, tissue: Tissue) -> Verdict:
+    """Judge a cast pad by its traces.
+
+    Each press is held against the subjects at its own steady force, speed, hold and braking; repeats are averaged.
+    True pads that may be behind the measurement are drawn from the noise, the scatter of repeats and the zero of
+    depth. A speed of the tissue at which the pad was not pressed leaves open whether it is inside.
+
+    Parameters
+    ----------
+    found : Comparison
+    tissue : Tissue
+    """
+    bands = {id(trace): band for trace, band in found.presses}
+    noise = float(found.fit.result["noise_floor_N"] or 0.0)
+    rows = [
+        _press([(trace, bands[id(trace)]) for trace in group], tissue, speed, noise)
+        for speed, _, group in condition_groups([trace for trace, _ in found.presses])
+    ]
+    force, speeds, low, high, least, most, peak, error, energy = (np.array(column) for column in zip(*rows))
+    grid = (STEADY_GRID_N >= max(LOWEST_N, 0.97 * found.points[0, 1])) & np.isfinite(found.steady)
+    steady, depth = STEADY_GRID_N[grid], found.steady[grid]
+    ranges = Ranges(
+        force, speeds, low, high, least, most, steady, *tissue.steady_depth_range(steady), len(tissue.subjects)
+    )
+    rng = np.random.default_rng(SEED)
+    spread = Readings(
+        peak + error * rng.standard_normal((DRAWS, len(peak))),
+        energy * (1.0 + error / peak * rng.standard_normal((DRAWS, len(peak)))),
+        depth + DEPTH_ERROR_MM * rng.standard_normal((DRAWS, 1)),
+    )
+    missing = [known for known in tissue.velocities_mm_s if not np.any(np.abs(np.log(speeds / known)) < np.log(1.5))]
+    unsettled = f"it was not pressed at {' and '.join(f'{v:g}' for v in missing)} mm/s" if missing else ""
+    if not len(steady):
+        unsettled = " and ".join(filter(None, [unsettled, f"it was not pressed above {LOWEST_N:g} N"]))
+    readings = Readings(peak, energy, depth)
+    return verdict(ranges, readings, spread, of="pads that may be behind these traces", unsettled=unsettled)
+
+
+def _press(
+    pairs: list[tuple[ReducedTrace, ForceRange]], tissue: Tissue, speed_mm_s: float, noise_N: float
+) -> tuple[float, ...]:
+    """One condition: force, speed, outermost peaks and energies of the subjects, the pad's, and its peak's error."""
+    peaks = np.array([peak_of(trace, noise_N) for trace, _ in pairs])
+    energies = np.array([energy_of(trace) for trace, _ in pairs])
+    outer = []
+    for trace, band in pairs:
+        hold = trace.ramp.hold_end_s - trace.ramp.stop_time_s
+        sampling = Sampling(hold_s=hold, deceleration_mm_s2=braking_of(trace, speed_mm_s))
+        energy = tissue_press(band, tissue.law, sampling).energy_mJ
+        outer.append((trace.steady_force_N, band.peak_low_N, band.peak_high_N, energy.min(), energy.max()))
+    force, low, high, least, most = np.mean(outer, axis=0)
+    # Repeats differ in depth and force; what scatters is the peak over its own lowest subject.
+    relative = peaks / np.array([row[1] for row in outer])
+    scatter = float(np.std(relative, ddof=1)) * low if len(peaks) > 1 else 0.0
+    error = float(np.hypot(noise_N, scatter)) / np.sqrt(len(peaks))
+    return (force, speed_mm_s, low, high, least, most, float(peaks.mean()), error, float(energies.mean()))
+
+
+def peak_of(trace: ReducedTrace, noise_N: float = 0.0) -> float:
+    """Largest force of a press: of parabolas through five samples, less what noise adds to a largest value. [N]
+
+    With fewer than twenty samples in the rise the largest sample is taken.
+    """
+    force = trace.trace.force_N[trace.inside]
+    time = trace.trace.time_s[trace.inside]
+    rising = int(((time >= trace.ramp.contact_time_s) & (time <= trace.ramp.stop_time_s)).sum())
+    if rising < 4 * SMOOTHED:
+        return float(force.max())
+    weights = np.array([-3.0, 12.0, 17.0, 12.0, -3.0]) / 35.0
+    left = float(np.sqrt((weights**2).sum()))
+    return float(np.convolve(force, weights, "valid").max()) - left * noise_N
+
+
+def energy_of(trace: ReducedTrace) -> float:
+    """Integral of F dx from contact to stop. [mJ]"""
+    time = trace.trace.time_s
+    rise = (time >= trace.ramp.contact_time_s) & (time <= trace.ramp.stop_time_s)
+    x: NDArray = trace.trace.displacement_mm[rise]
+    force = trace.trace.force_N[rise]
+    return float((0.5 * (force[1:] + force[:-1]) * np.diff(x)).sum())

@@ -22,8 +22,9 @@ FARTHEST = 3.0
 """Parameters are drawn up to this many widths of the band beside it."""
 
 
-<<<<<<< HEAD
-def write_compare_report(folder: Path, found: Comparison, tissue: Tissue, sources: Sequence[str]) -> dict[str, str]:
+def write_compare_report(
+    folder: Path, found: Comparison, tissue: Tissue, sources: Sequence[str], verdict: dict[str, Any] | None = None
+) -> dict[str, str]:
     """Write the report of a comparison; see :func:`dummydesign.report.html.page.write_report`.
 
     Parameters
@@ -36,18 +37,14 @@ def write_compare_report(folder: Path, found: Comparison, tissue: Tissue, source
         With whom.
     sources : sequence of str
         Where the tissue's numbers come from, for the foot of the page.
+    verdict : dict, optional
+        ``light`` and ``text``, the first thing on the page.
 
     Returns
     -------
     dict
         Paths by role: ``report`` and one ``report_NAME`` a plot.
     """
-=======
-def write_compare_report(
-    folder: Path, found: Comparison, tissue: Tissue, sources: Sequence[str], verdict: dict[str, Any] | None = None
-) -> dict[str, str]:
-    """Write the report of a comparison; see :func:`dummydesign.report.html.page.write_report`."""
->>>>>>> 600e7f8 (suggest and compare begin with a verdict: inside, reads low, reads high, mixed or poor, with a light on the terminal and in the report)
     data = found.result
     steady, rows = data["steady_state_range"], data["force_variation_range"]
     known = [row["inside"] for row in data["parametric"].values() if row["inside"] is not None]

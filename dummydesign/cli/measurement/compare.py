@@ -41,9 +41,9 @@ def render(result: dict[str, Any]) -> str:
         f"{'parameter':<22} {'dummy':>10} {'95 % low':>10} {'95 % high':>10} {'band low':>10} {'band high':>10}"
     )
     for name, row in result["parametric"].items():
-        verdict = {True: "inside", False: "outside", None: "no band"}[row["inside"]]
+        place = {True: "inside", False: "outside", None: "no band"}[row["inside"]]
         cells = " ".join(f"{text(row[key]):>10}" for key in ("value", "low", "high", "band_low", "band_high"))
-        lines.append(f"{name:<22} {cells}  {verdict}")
+        lines.append(f"{name:<22} {cells}  {place}")
     steady = result["steady_state_range"]
     lines.append("steady-state curve, fraction in range of the force reached:")
     for label, key in (("0.5 to 5 N", "below_5N_fraction"), ("5 to 15 N", "above_5N_fraction")):

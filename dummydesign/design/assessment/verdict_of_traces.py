@@ -23,6 +23,9 @@ DEPTH_ERROR_MM = 0.01
 """Standard deviation of where a trace has its zero: half of the 0.02 mm to which a robot is taken to repeat."""
 SMOOTHED = 5
 """Samples of the parabola that the peak is read from; a single largest sample is too large by its noise."""
+PARABOLA = np.array([-3.0, 12.0, 17.0, 12.0, -3.0]) / 35.0
+RAW_BIAS = 1.5
+"""Standard deviations by which the largest of the few samples about a peak is too large."""
 LOWEST_N = 5.0
 
 
@@ -85,18 +88,27 @@ def _press(
 
 
 def peak_of(trace: ReducedTrace, noise_N: float = 0.0) -> float:
-    """Largest force of a press: of parabolas through five samples, less what noise adds to a largest value. [N]
+    """Largest force of a press: of parabolas through five even samples, less what noise adds to a largest value. [N]
 
-    With fewer than twenty samples in the rise the largest sample is taken.
+    Where sampling is not even the sample itself is taken, and with fewer than twenty samples in the rise throughout.
+
+    Parameters
+    ----------
+    trace : ReducedTrace
+    noise_N : float
+        Standard deviation of a sample.
     """
     force = trace.trace.force_N[trace.inside]
     time = trace.trace.time_s[trace.inside]
     rising = int(((time >= trace.ramp.contact_time_s) & (time <= trace.ramp.stop_time_s)).sum())
     if rising < 4 * SMOOTHED:
         return float(force.max())
-    weights = np.array([-3.0, 12.0, 17.0, 12.0, -3.0]) / 35.0
-    left = float(np.sqrt((weights**2).sum()))
-    return float(np.convolve(force, weights, "valid").max()) - left * noise_N
+    step = np.lib.stride_tricks.sliding_window_view(np.diff(time), SMOOTHED - 1)
+    even = step.max(axis=-1) < 1.2 * step.min(axis=-1)
+    left = float(np.sqrt((PARABOLA**2).sum()))
+    smooth = np.convolve(force, PARABOLA, "valid") - left * noise_N
+    middle = force[SMOOTHED // 2 : -(SMOOTHED // 2)] - RAW_BIAS * noise_N
+    return float(np.where(even, smooth, middle).max())
 
 
 def energy_of(trace: ReducedTrace) -> float:

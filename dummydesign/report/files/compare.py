@@ -16,8 +16,9 @@ from dummydesign.tissue.model.ranges import interpolate_rows
 from dummydesign.tissue.model.tissue import Tissue
 
 
-<<<<<<< HEAD
-def write_comparison(found: Comparison, tissue: Tissue, folder: Path) -> dict[str, str]:
+def write_comparison(
+    found: Comparison, tissue: Tissue, folder: Path, verdict: dict[str, Any] | None = None
+) -> dict[str, str]:
     """Write parametric.csv, steady_state.csv, force_variation.csv, ranges.png, compare.json and the report.
 
     Parameters
@@ -28,18 +29,14 @@ def write_comparison(found: Comparison, tissue: Tissue, folder: Path) -> dict[st
         With whom.
     folder : Path
         Where the files go.
+    verdict : dict, optional
+        First on the page.
 
     Returns
     -------
     dict
         Paths of the files by role.
     """
-=======
-def write_comparison(
-    found: Comparison, tissue: Tissue, folder: Path, verdict: dict[str, Any] | None = None
-) -> dict[str, str]:
-    """Write parametric.csv, steady_state.csv, force_variation.csv, ranges.png, compare.json and the report."""
->>>>>>> 600e7f8 (suggest and compare begin with a verdict: inside, reads low, reads high, mixed or poor, with a light on the terminal and in the report)
     files = {
         "parametric": write_text(folder / "parametric.csv", _parametric(found)),
         "steady_state": write_text(folder / "steady_state.csv", _steady(found, tissue)),

@@ -84,16 +84,13 @@ def page(
         JavaScript, put at the end.
     tables : str
         What the names of the CSV files beside the page begin with; empty where there are none.
-<<<<<<< HEAD
+    verdict : dict, optional
+        ``light`` and ``text``, the first thing on the page.
 
     Returns
     -------
     str
         HTML that asks nothing of the outside.
-=======
-    verdict : dict, optional
-        ``light`` and ``text``, the first thing on the page.
->>>>>>> 600e7f8 (suggest and compare begin with a verdict: inside, reads low, reads high, mixed or poor, with a light on the terminal and in the report)
     """
     style = (Path(__file__).parent / "page.css").read_text(encoding="utf-8")
     boxes = "".join(f'<div class="fact"><b>{escape(v)}</b><span>{escape(what)}</span></div>' for v, what in facts)

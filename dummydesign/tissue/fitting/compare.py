@@ -21,6 +21,7 @@ from dummydesign.tissue.model.tissue import Tissue
 
 SHOWN = ("lack_of_fit", "at_bound", "not_identifiable", *CODES)
 """Codes of the fit's warnings that a comparison repeats."""
+BRAKING_MM_S2 = (3_000.0, 200_000.0)
 STEADY_GRID_N = np.linspace(0.5, 15.0, 146)
 """Forces at which the steady-state curve is judged. [N]"""
 
@@ -120,11 +121,27 @@ def _range_for(trace: ReducedTrace, speed: float, tissue: Tissue, lowpass: Lowpa
 
 
 def braking_of(trace: ReducedTrace, velocity_mm_s: float) -> float:
-    """Deceleration of the robot from its rise time: t_p = d / v + v / (2 a); the default when it is not seen."""
+    """Deceleration of the robot: of the way left before the stop, sqrt(d - x) = sqrt(a / 2) (t_stop - t). [mm/s2]
+
+    With fewer than four samples there, from the rise time, t_p = d / v + v / (2 a); the default when it is not seen.
+
+    Parameters
+    ----------
+    trace : ReducedTrace
+    velocity_mm_s : float
+        Speed before the braking.
+    """
     spare = trace.ramp.rise_time_s - trace.ramp.depth_mm / velocity_mm_s
     if velocity_mm_s < 50 or spare <= 0:
         return DECELERATION_MM_S2
-    return float(np.clip(velocity_mm_s / (2.0 * spare), 3_000.0, 200_000.0))
+    rough = float(np.clip(velocity_mm_s / (2.0 * spare), *BRAKING_MM_S2))
+    time, x = trace.trace.time_s, trace.trace.displacement_mm
+    left = (trace.ramp.depth_mm - x) * 2.0 * rough / velocity_mm_s**2
+    seen = (time > trace.ramp.contact_time_s) & (time < trace.ramp.stop_time_s) & (left > 0.02) & (left < 0.6)
+    if seen.sum() < 4:
+        return rough
+    slope = np.polyfit(time[seen], np.sqrt(trace.ramp.depth_mm - x[seen]), 1)[0]
+    return float(np.clip(2.0 * slope**2, *BRAKING_MM_S2))
 
 
 def _shares(trace: ReducedTrace, band: ForceRange, noise_N: float) -> dict[str, Any]:

@@ -72,11 +72,56 @@ def test_the_command_writes_tables_report_and_one_json_object(palm, tmp_path, ca
     assert run(["compare", *files, "--tissue", "palm", "--out", "report", "--json"]) == 0
     result = json.loads(capsys.readouterr().out)
     assert result["schema"] == "dummydesign.compare/1" and result["tissue"] == "palm"
+    assert result["verdict"]["level"] in ("inside", "reads_low", "reads_high", "mixed", "poor")
     assert {"parametric", "steady_state_range", "force_variation_range", "files", "inputs", "sources"} <= set(result)
     for path in result["files"].values():
         assert (tmp_path / path).stat().st_size > 100
     page = (tmp_path / "report" / "report.html").read_text()
+    assert page.index(result["verdict"]["light"].upper()) < page.index("<h1>")
     assert "<svg" in page and "src=" not in page and "href=" not in page
     assert f"{100 * result['steady_state_range']['above_5N_fraction']:.0f} %" in page
     assert run(["compare", *files, "--tissue", "plam", "--out", "report"]) == 2
     assert "did you mean 'palm'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("deceleration", [15_000.0, 30_000.0, 60_000.0])
+def test_the_braking_is_read_from_the_motion(palm, deceleration):
+    from dummydesign.tissue.fitting.compare import braking_of
+
+    motion = ramp_and_hold(250.0, 6.0, deceleration_mm_s2=deceleration)
+    time = np.arange(0.0, motion.time_s[-1], 5e-4)
+    x = np.interp(time, motion.time_s, motion.displacement_mm)
+    trace = Trace("fast.csv", time, x, palm.parameter_sets[2].force(Motion(time, x), 250.0))
+    assert braking_of(reduce_trace(trace), 250.0) == pytest.approx(deceleration, rel=0.03)
+
+
+@pytest.mark.parametrize("subject", [1, 2, 3])
+def test_a_dummy_between_the_outermost_subjects_is_called_inside(palm, subject):
+    from dummydesign.design.assessment.verdict_of_traces import verdict_of_traces
+
+    first, last = palm.parameter_sets[0], palm.parameter_sets[-1]
+    found = verdict_of_traces(compare_traces(presses(palm.parameter_sets[subject], noise_N=0.01), palm), palm)
+    ratio = palm.parameter_sets[subject].gamma1_N_per_mm3 / first.gamma1_N_per_mm3
+    assert 1 < ratio < last.gamma1_N_per_mm3 / first.gamma1_N_per_mm3
+    # a subject may be the outermost in peaks of its own, then noise decides; it is never below the others
+    assert found.peaks == 6 and found.peaks_below == 0 and not found.low and found.steady_fraction == 1.0
+
+
+def test_a_dummy_that_hardly_relaxes_or_is_too_soft_reads_low(palm):
+    import dataclasses
+
+    from dummydesign.design.assessment.verdict_of_traces import verdict_of_traces
+
+    middle = palm.parameter_sets[2]
+    stiff_arms = dataclasses.replace(middle, gamma_N_per_mm3=tuple(0.02 * g for g in middle.gamma_N_per_mm3))
+    found = verdict_of_traces(compare_traces(presses(stiff_arms), palm), palm)
+    assert found.level == "reads_low" and found.peaks_below == 6 and found.steady_fraction == 1.0
+    found = verdict_of_traces(compare_traces(presses(palm.parameter_sets[0], 0.7), palm), palm)
+    assert found.level == "reads_low" and found.steady_below_fraction > 0.9
+
+
+def test_a_dummy_that_was_pressed_at_one_speed_is_not_called_inside(palm):
+    from dummydesign.design.assessment.verdict_of_traces import verdict_of_traces
+
+    found = verdict_of_traces(compare_traces(presses(palm.parameter_sets[2])[:3], palm), palm)
+    assert found.level == "mixed" and "not pressed at 250 mm/s" in found.text

@@ -43,8 +43,9 @@ def printed(capsys, *arguments, status=0):
     return found
 
 
-PALM = {"thickness_mm": (8, 16), "ratio": (15, 16)}
-PALM_OPTIONS = ["suggest", "--tissue", "palm", "--thickness", "8:16", "--ratio", "15:16", "--no-verify"]
+PALM = {"thickness_mm": (8, 16), "ratio": (15, 16), "shape": "slab"}
+PALM_OPTIONS = ["suggest", "--tissue", "palm", "--thickness", "8:16", "--ratio", "15:16", "--shape", "slab",
+                "--no-verify"]  # fmt: skip
 
 
 def test_suggest_is_the_answer_of_the_command(capsys, tmp_path, monkeypatch):
@@ -52,7 +53,9 @@ def test_suggest_is_the_answer_of_the_command(capsys, tmp_path, monkeypatch):
     answer = dummydesign.suggest("palm", **PALM, verify=False, cad=False, out="a", robot_mass_kg=2.0)
     page = Path("a/report.html").read_text()
     mine = plain(answer)
-    assert mine == printed(capsys, *PALM_OPTIONS, "--no-cad", "--robot-mass", "2", "--out", "a")
+    theirs = printed(capsys, *PALM_OPTIONS, "--no-cad", "--robot-mass", "2", "--out", "a", status=1)
+    assert theirs.pop("error")["code"] == "no_acceptable_pad" and not answer.found.verdict.acceptable
+    assert mine == theirs
     assert Path("a/report.html").read_text() == page
     frame = answer.to_frame() if has_pandas() else None
     if frame is not None:
@@ -63,8 +66,9 @@ def test_suggest_is_the_answer_of_the_command(capsys, tmp_path, monkeypatch):
 @pytest.mark.slow
 def test_suggest_weighs_what_the_solids_hold_as_the_command_does(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    mine = plain(dummydesign.suggest("palm", **PALM, verify=False, out="a"))
-    theirs = printed(capsys, *PALM_OPTIONS, "--out", "a")
+    mine = plain(dummydesign.suggest("palm", **PALM, verify=False, cad=True, out="a"))
+    theirs = printed(capsys, *PALM_OPTIONS, "--cad", "--out", "a", status=1)
+    assert theirs.pop("error")["code"] == "no_acceptable_pad"
     for found in (mine, theirs):
         assert found["mold"].pop("seconds") > 0 and found["mold"].pop("memory_MB") > 0
     assert mine == theirs
@@ -78,8 +82,8 @@ def test_without_cad_both_name_the_same_next_command_and_keep_the_recipe(capsys,
     monkeypatch.setattr("dummydesign.mold.runner.make_mold", broken)
     monkeypatch.chdir(tmp_path)
     with pytest.raises(NoAnswerError, match="dummydesign mold --thickness") as caught:
-        dummydesign.suggest("palm", **PALM, verify=False, out="a")
-    theirs = printed(capsys, *PALM_OPTIONS, "--out", "a", status=1)
+        dummydesign.suggest("palm", **PALM, verify=False, cad=True, out="a")
+    theirs = printed(capsys, *PALM_OPTIONS, "--cad", "--out", "a", status=1)
     error = theirs.pop("error")
     assert error == {"code": caught.value.code, "message": str(caught.value)}
     assert json.loads(json.dumps(caught.value.result)) == theirs
@@ -133,7 +137,7 @@ def test_every_call_has_the_defaults_and_all_options_of_its_command(call):
     if call == "suggest":
         options["verify"] = not options.pop("no_verify")
         # with a folder, which the command always has
-        assert options.pop("no_cad") is False
+        assert options.pop("no_cad") is False and options.pop("cad") is False
         options["cad"] = None
     if call == "import_traces":
         # another question: which profiles there are

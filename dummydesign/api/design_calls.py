@@ -56,7 +56,7 @@ def suggest(
         Solve the recommended pad by finite elements.
     cad : bool, optional
         Make the mould into ``out``; the recipe is then that of the solids' volumes. By default wherever there is
-        an ``out``. None is made of a pad whose verdict is red (``answer.found.verdict.acceptable``).
+        an ``out`` and the verdict is not red (``answer.found.verdict.acceptable``).
     robot_mass_kg, robot_velocity_mm_s : float
         Mass and speed of a free body that hits tissue and pad, for the safety view. [kg, mm/s]
     limits : path, optional
@@ -100,7 +100,7 @@ def suggest(
     folder = None if out is None else Path(out)
     inputs = {
         **request.to_dict(),
-        "cad": folder is not None if cad is None else cad,
+        "cad": False if folder is None else cad,
         "out": None if folder is None else str(folder),
         "robot_mass_kg": robot_mass_kg,
         "robot_velocity_mm_s": robot_velocity_mm_s,
@@ -140,7 +140,8 @@ def _answer(
     asked = question("suggest", inputs, tissue=request.tissue, resin=request.resin, files=read)
     with new_folder(folder, asked, replace=replace) as output:
         found, safety, result = answered()
-        result["inputs"] = {**inputs, "out": str(output.folder)}
+        wanted_cad = found.verdict.acceptable if inputs["cad"] is None else inputs["cad"]
+        result["inputs"] = {**inputs, "cad": wanted_cad, "out": str(output.folder)}
         result, missing = _written(found, safety, result, output)
     if missing is not None:
         raise NoAnswerError(missing.code, output.settled(str(missing)), result)
@@ -155,7 +156,7 @@ def _written(
     from dummydesign.report.suggest import write_suggestion
 
     curves, missing = suggestion_curves(found), None
-    if result["inputs"]["cad"] and found.verdict.acceptable:
+    if result["inputs"]["cad"]:
         from dummydesign.design.mould import with_mould
 
         try:

@@ -19,8 +19,8 @@ PHONE = 390
 def made(tmp_path_factory):
     """One report of each command: {name: folder}."""
     folders = {name: tmp_path_factory.mktemp(name) for name in ("suggest", "whatif")}
-    assert run(["suggest", "--tissue", "palm", "--no-cad", "--no-verify", "--robot-mass", "3",
-                "--out", str(folders["suggest"])]) == 0  # fmt: skip
+    assert run(["suggest", "--tissue", "palm", "--shape", "slab", "--no-cad", "--no-verify", "--robot-mass", "3",
+                "--out", str(folders["suggest"])]) == 1  # fmt: skip
     assert run(["whatif", "--thickness", "5:20:5", "--ratio", "15:17:0.5", "--tissue", "palm",
                 "--out", str(folders["whatif"])]) == 0  # fmt: skip
     return folders

@@ -26,6 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_effect_option(parser)
     shapes = shape_help("auto (the best of all)") + "; lengths that are not given are searched"
     add("--shape", default="slab", metavar="NAME[:P,..]", help=shapes)
+    add("--cad", action="store_true", help="make the mould also of a pad that is not acceptable")
     add("--no-cad", action="store_true", help="skip the mould; write recipe and report only")
     add("--no-verify", action="store_true", help="do not check the design by finite elements")
     add("--robot-mass", type=float, metavar="KG", help="safety view: mass of the free body that hits tissue and pad")
@@ -52,7 +53,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         calibration=options.calibration,
         effects=options.effect,
         verify=not options.no_verify,
-        cad=not options.no_cad,
+        cad=False if options.no_cad else (True if options.cad else None),
         robot_mass_kg=options.robot_mass,
         robot_velocity_mm_s=options.robot_velocity,
         limits=options.limits,
@@ -61,18 +62,10 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     )
     result = answer.to_dict()
     if not answer.found.verdict.acceptable:
-        raise NoAnswerError("no_acceptable_pad", _why_not(result, options.no_cad), result)
+        text = f"the best pad found is not acceptable: {result['verdict']['level'].replace('_', ' ')}"
+        text += "" if options.cad or options.no_cad else "; no mould was made of it (--cad makes it all the same)"
+        raise NoAnswerError("no_acceptable_pad", text, result)
     return result
-
-
-def _why_not(result: dict[str, Any], no_cad: bool) -> str:
-    """What is said on standard error when the best pad is not good enough."""
-    best = result["recommendation"]
-    text = f"the best pad found is not acceptable: {result['verdict']['level'].replace('_', ' ')}"
-    if no_cad:
-        return text
-    command = f"dummydesign mold --thickness {best['thickness_mm']:g} --resin {best['resin']} --ratio {best['ratio']:g}"
-    return f"{text}; no mould was made ('{command} --shape {best['shape']}' makes it all the same)"
 
 
 def render(result: dict[str, Any]) -> str:

@@ -7,7 +7,8 @@ import pytest
 from dummydesign.cli import run
 from dummydesign.resin import load_resin
 
-QUICK = ["--no-cad", "--no-verify"]
+QUICK = ["--shape", "slab", "--no-cad", "--no-verify"]
+RED = 1  # every slab of this resin reads low in some peaks
 
 
 @pytest.fixture(autouse=True)
@@ -23,7 +24,8 @@ def answer(capsys, *arguments):
 @pytest.mark.parametrize("tissue", ["forefinger", "palm", "thenar"])
 def test_every_tissue_gets_a_design_with_all_that_the_contract_names(tissue, capsys):
     status, found = answer(capsys, "suggest", "--tissue", tissue, *QUICK)
-    assert status == 0 and found["schema"] == "dummydesign.suggest/1"
+    assert status == RED and found["schema"] == "dummydesign.suggest/1"
+    assert found["verdict"]["level"] == "reads_low" and found["error"]["code"] == "no_acceptable_pad"
     best = found["recommendation"]
     assert 3 <= best["thickness_mm"] <= 30 and 14 <= best["ratio"] <= 20
     assert best["ratio_meaning"] == "isocyanate parts per 100 polyol by weight"
@@ -96,7 +98,7 @@ def test_without_cad_the_recipe_stands_and_the_missing_step_is_named(capsys, mon
         raise NoAnswerError("cad_unavailable", "libGL.so.1 is missing: apt install libgl1")
 
     monkeypatch.setattr("dummydesign.mold.runner.make_mold", broken)
-    arguments = ["suggest", "--tissue", "forefinger", "--no-verify", "--out", str(tmp_path)]
+    arguments = ["suggest", "--tissue", "forefinger", "--shape", "slab", "--cad", "--no-verify", "--out", str(tmp_path)]
     status, found = answer(capsys, *arguments)
     assert status == 1 and found["error"]["code"] == "cad_unavailable"
     assert found["recommendation"]["recipe"]["total_g"] > 0
@@ -107,12 +109,14 @@ def test_without_cad_the_recipe_stands_and_the_missing_step_is_named(capsys, mon
 
 
 def test_text_shows_recipe_scores_and_what_it_rests_on(capsys):
-    assert run(["suggest", "--tissue", "forefinger", *QUICK]) == 0
-    text = capsys.readouterr().out
+    assert run(["suggest", "--tissue", "forefinger", *QUICK]) == RED
+    shown = capsys.readouterr()
+    text = shown.out
+    assert text.startswith("RED  READS LOW") and "not acceptable: reads low" in shown.err
     parts = ("polyol", "isocyanate", "total", "fraction in range", "inferred or assumed", "alternatives")
     for part in (*parts, "% of castings"):
         assert part in text
-    assert max(len(line) for line in text.splitlines() if not line.startswith(("warning", "next"))) < 260
+    assert max(len(line) for line in text.splitlines() if not line.startswith(("warning", "next", "RED"))) < 260
 
 
 @pytest.mark.parametrize(
@@ -138,7 +142,7 @@ def test_bad_input_is_one_line_and_status_2(arguments, message, capsys):
 
 def test_one_ratio_is_a_range_of_one(capsys):
     status, found = answer(capsys, "suggest", "--tissue", "palm", "--ratio", "15", *QUICK)
-    assert status == 0 and found["recommendation"]["ratio"] == 15.0
+    assert status == RED and found["recommendation"]["ratio"] == 15.0
     assert {other["ratio"] for other in found["alternatives"]} <= {15.0}
 
 
@@ -266,3 +270,11 @@ def test_the_recommended_design_is_verified_by_finite_elements(capsys):
     checked = found["verification"]
     assert checked["fidelity"] == "axisymmetric" and len(checked["depth_mm"]) == 3
     assert 0 <= checked["max_difference_percent"] < 10
+
+
+def test_a_palm_of_a_silicone_that_hardly_relaxes_is_called_unsafe(capsys):
+    status, found = answer(capsys, "suggest", "--tissue", "palm", "--resin", "ecoflex-00-30", *QUICK)
+    judged = found["verdict"]
+    assert status == 1 and judged["level"] == "reads_low" and judged["light"] == "red"
+    assert judged["peaks_below"] == judged["peaks"] == 6 and judged["furthest_below_percent"] > 30
+    assert found["files"] and not any("step" in path for path in found["files"].values())

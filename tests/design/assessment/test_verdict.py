@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from dummydesign.design.assessment.readings import ranges_of, reading_of
@@ -125,6 +125,7 @@ def test_one_subject_makes_no_range_so_nothing_is_inside_it():
     assert verdict(one, pad(peak=1.1, width=1.0)).level == "reads_high"
 
 
+@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(
     st.lists(st.floats(0.4, 2.5), min_size=6, max_size=6), st.lists(st.floats(0.4, 2.5), min_size=6, max_size=6),
     st.floats(0.7, 1.4), st.floats(1.0, 1.5), st.integers(0, 5),
@@ -140,6 +141,7 @@ def test_more_force_never_moves_a_pad_from_inside_to_low(peaks, energies, depth,
     assert before.low == (before.level in ("reads_low",) or (before.level == "mixed" and before.light == "red"))
 
 
+@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(st.floats(1e-3, 1e3), st.lists(st.floats(0.3, 3.0), min_size=6, max_size=6), st.floats(0.6, 1.5))
 def test_forces_of_pad_and_subjects_times_the_same_factor_give_the_same_verdict(factor, peaks, depth):
     start = pad()

@@ -84,9 +84,10 @@ def draw_pours(
     ----------
     resin : Resin
     thickness_mm, ratio : float
-        The design.
+        The design. [mm, resin's ratio]
     tolerances : Tolerances
     pours : int
+        How many.
     seed : int
         The same seed gives the same pours.
     """

@@ -71,6 +71,7 @@ def spread_of(
     space : SearchSpace
     tolerances : Tolerances
     pours : int
+        How many.
     """
     every, _ = draw_pours(space.resin, candidate.thickness_mm, candidate.ratio, tolerances, pours)
     depth = candidate.evaluation.depth_mm[candidate.index]
@@ -86,8 +87,17 @@ def spread_of(
 
 
 def poured_slabs(law: ForceLaw, pours: Pours, space: SearchSpace) -> Slabs:
-    """Pours as designs to press; their thicknesses are taken at the nearest of 41 even steps, a hundredth of a
-    millimetre for 0.2 mm either way."""
+    """Pours as designs to press; their thicknesses are taken at the nearest of 41 even steps.
+
+    These are a hundredth of a millimetre apart for 0.2 mm either way.
+
+    Parameters
+    ----------
+    law : ForceLaw
+        Of the pad as cast.
+    pours : Pours
+    space : SearchSpace
+    """
     smallest, largest = law.ratio_range
     thickness = np.clip(pours.thickness_mm, space.radius_mm / largest, space.radius_mm / smallest)
     low, high = float(thickness.min()), float(thickness.max())
@@ -98,7 +108,14 @@ def poured_slabs(law: ForceLaw, pours: Pours, space: SearchSpace) -> Slabs:
 
 
 def limits_that_bind(candidate: Candidate, thickness_mm: NDArray, ratio: NDArray) -> tuple[str, ...]:
-    """Which limits a design lies at: depth over thickness, and the ends of what was searched."""
+    """Which limits a design lies at: depth over thickness, and the ends of what was searched.
+
+    Parameters
+    ----------
+    candidate : Candidate
+    thickness_mm, ratio : ndarray, shapes (T,) and (R,)
+        What was searched. [mm, resin's ratio]
+    """
     depth = candidate.evaluation.depth_mm[candidate.index]
     slabs = candidate.evaluation.slabs
     limit = float(slabs.curves.limit_mm[slabs.slab[candidate.index]])
@@ -115,7 +132,18 @@ def limits_that_bind(candidate: Candidate, thickness_mm: NDArray, ratio: NDArray
 
 
 def verdict_of_design(law: ForceLaw, candidate: Candidate, space: SearchSpace, tolerances: Tolerances) -> Verdict:
-    """Verdict on a design: as it stands, with what its pours may turn out as, and the limits that bind it."""
+    """Verdict on a design: as it stands, with what its pours may turn out as, and the limits that bind it.
+
+    Parameters
+    ----------
+    law : ForceLaw
+        Of the pad as cast.
+    candidate : Candidate
+    space : SearchSpace
+        What was searched.
+    tolerances : Tolerances
+        Of weighing and thickness.
+    """
     return verdict(
         ranges_of(space.targets, space.sampling),
         reading_of(candidate),

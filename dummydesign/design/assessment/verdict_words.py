@@ -52,7 +52,16 @@ class Findings:
 
 
 def sentence(level: str, found: Findings, limits: Sequence[str]) -> str:
-    """The verdict in words; what is low comes first."""
+    """The verdict in words; what is low comes first.
+
+    Parameters
+    ----------
+    level : str
+        As judged.
+    found : Findings
+    limits : sequence of str
+        Limits that bind.
+    """
     low = _below_words(found)
     high = _above_words(found)
     if level == "reads_low":

@@ -135,7 +135,7 @@ def test_text_shows_recipe_scores_and_what_it_rests_on(capsys):
     ],
 )
 def test_bad_input_is_one_line_and_status_2(arguments, message, capsys):
-    status = run(["suggest", *arguments, *QUICK])
+    status = run(["suggest", *QUICK, *arguments])
     error = capsys.readouterr().err.strip()
     assert status == 2 and error.startswith("error: ") and message in error and "\n" not in error
 

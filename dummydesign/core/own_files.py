@@ -26,6 +26,7 @@ def make_room(kind: str, what: str, name: str, replace: bool) -> list[dict[str, 
     kind, what : str
         Folder, such as ``materials/resins``, and how the thing is called, such as ``resin``.
     name : str
+        Of the new file, without its ending.
     replace : bool
         Whether a file of the user with this name may go.
 
@@ -47,7 +48,15 @@ def make_room(kind: str, what: str, name: str, replace: bool) -> list[dict[str, 
 
 
 def hidden_by(kind: str, what: str, name: str) -> list[dict[str, str]]:
-    """A warning when a user's file of this name hides a built-in one."""
+    """A warning when a user's file of this name hides a built-in one.
+
+    Parameters
+    ----------
+    kind, what : str
+        Folder and how the thing is called, as for :func:`make_room`.
+    name : str
+        Of the user's file.
+    """
     if not (data_folder() / kind / f"{name.lower()}.toml").is_file():
         return []
     message = (
@@ -59,6 +68,13 @@ def hidden_by(kind: str, what: str, name: str) -> list[dict[str, str]]:
 
 def own_entry(kind: str, what: str, name: str) -> Entry:
     """Find a file of the user by its name.
+
+    Parameters
+    ----------
+    kind, what : str
+        Folder and how the thing is called, as for :func:`make_room`.
+    name : str
+        In any case of letters.
 
     Raises
     ------
@@ -75,7 +91,15 @@ def own_entry(kind: str, what: str, name: str) -> Entry:
 
 
 def remove_own(kind: str, what: str, name: str) -> list[Path]:
-    """Delete a file of the user, with the draws beside it; return what was deleted."""
+    """Delete a file of the user, with the draws beside it; return what was deleted.
+
+    Parameters
+    ----------
+    kind, what : str
+        Folder and how the thing is called, as for :func:`make_room`.
+    name : str
+        In any case of letters.
+    """
     gone = _with_companions(own_entry(kind, what, name).path)
     for path in gone:
         try:
@@ -87,6 +111,13 @@ def remove_own(kind: str, what: str, name: str) -> list[Path]:
 
 def rename_own(kind: str, what: str, old: str, new: str) -> tuple[Path, list[dict[str, str]]]:
     """Give a file of the user another name, also inside the file; return its new path and what it now hides.
+
+    Parameters
+    ----------
+    kind, what : str
+        Folder and how the thing is called, as for :func:`make_room`.
+    old, new : str
+        Name that it has and name that it gets.
 
     Raises
     ------

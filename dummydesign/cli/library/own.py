@@ -20,7 +20,15 @@ def add_own_actions(actions: Any, what: str) -> None:
 
 
 def run_own(options: argparse.Namespace, kind: str, what: str) -> dict[str, Any]:
-    """Do the action and return plain values."""
+    """Do the action and return plain values.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        With ``action`` (path, remove or rename) and its names.
+    kind, what : str
+        Folder, such as ``materials/resins``, and how the thing is called, such as ``resin``.
+    """
     from dummydesign.core.datafiles import find
     from dummydesign.core.own_files import remove_own, rename_own
 

@@ -26,9 +26,11 @@ def write_picture(fields: Sequence[Pressed], path: str | Path, title: str = "") 
     Parameters
     ----------
     fields : sequence of Pressed
+        One for each depth.
     path : path
         ``.png``, ``.svg`` or ``.pdf``.
     title : str
+        Over the picture.
 
     Returns
     -------

@@ -22,7 +22,9 @@ def cauchy(solid: Solid, u: Array, p: Array, factor: Array) -> tuple[Array, Arra
 
     Parameters
     ----------
-    u, p : ndarray
+    solid : Solid
+        Its elements and law.
+    u, p : ndarray, shape (unknowns,), (elements, 3)
         Displacements and pressures of the equilibrium.
     factor : ndarray, shape (elements,)
         Modulus of each element over the law's.
@@ -59,9 +61,12 @@ def to_nodes(solid: Solid, places: Array, values: Array) -> Array:
 
     Parameters
     ----------
+    solid : Solid
+        Its elements.
     places : ndarray, shape (2, points)
         Quadrature points on the unit square.
     values : ndarray, shape (elements, points, k)
+        What is known there.
 
     Returns
     -------
@@ -97,8 +102,9 @@ def face_tractions(nodes: Array, u: Array, force: Array, sides: Array) -> dict[s
     nodes : ndarray, shape (2, n)
         Before the press, in one unit of length.
     u : ndarray, shape (2 n,)
+        Displacements, in the same unit.
     force : ndarray, shape (2 n,)
-        Of the pad on what holds it: the internal force.
+        Nodal forces of the punch on the pad: the internal forces of the equilibrium.
     sides : ndarray of int, shape (sides, 3)
         End, middle and end node.
 
@@ -145,7 +151,17 @@ def quadrature_places(points: int) -> Array:
 
 
 def recovered(solid: Solid, solution: Solution, factor: Array) -> tuple[Array, Array]:
-    """Cauchy stress (n, 4) and principal stretches (n, 3) at the nodes of an equilibrium."""
+    """Cauchy stress (n, 4) and principal stretches (n, 3) at the nodes of an equilibrium.
+
+    Parameters
+    ----------
+    solid : Solid
+        Its elements and law.
+    solution : Solution
+        The equilibrium.
+    factor : ndarray, shape (elements,)
+        Modulus of each element over the law's.
+    """
     stress, stretch = cauchy(solid, solution.u, solution.p, factor)
     places = quadrature_places(stress.shape[1])
     both = to_nodes(solid, places, np.concatenate([stress, stretch], axis=-1))

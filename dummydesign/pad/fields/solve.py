@@ -52,7 +52,7 @@ def solve_fields(
     pad : Pad
         A slab or a round shaped pad under a round punch or a profile; a square punch is taken as the circle of equal
         area.
-    depth_mm : sequence of float
+    depth_mm : sequence of float, shape (depths,)
         Depths above 0, increasing or not. [mm]
     progress : callable, optional
         Called with each solved depth over thickness.

@@ -53,6 +53,7 @@ def write_fields(fields: Sequence[Pressed], path: str | Path) -> list[Path]:
     Parameters
     ----------
     fields : sequence of Pressed
+        One for each depth.
     path : path
         ``NAME.vtu``. One depth is written there, several to ``NAME-1.vtu``, ``NAME-2.vtu`` ...; ``NAME.pvd`` lists
         them with the depth in the place of the time.

@@ -14,6 +14,15 @@ _NOTE = "relaxation: "
 def with_point(resin: Resin, point: Point, name: str) -> tuple[Resin, tuple[ArmUpdate, ...], tuple[str, ...]]:
     """Update the law by a point, and the relaxation by what its puck's holds showed.
 
+    Parameters
+    ----------
+    resin : Resin
+        As it was.
+    point : Point
+        What was measured at one ratio.
+    name : str
+        Of the resin that is made.
+
     Returns
     -------
     resin : Resin

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from os import PathLike, fspath
+from pathlib import Path
 
 from dummydesign.api.answers import Result
 from dummydesign.api.questions import question
@@ -61,7 +62,7 @@ def calibrate(
         return Result(found, {"inputs": inputs, **result_dict(found), "calibration_file": None, "files": {}})
     from dummydesign.core.outputs.write import new_folder
 
-    files = [read.folder / FILE, *(read.folder / trial.file for trial in read.trials), *own]
+    files: list[str | Path] = [read.folder / FILE, *(read.folder / trial.file for trial in read.trials), *own]
     with own_effects(own), new_folder(out, question("loop", inputs, files=files), replace=replace) as output:
         found = close_loop(read, progress or (lambda word: None))
         calibration = str(write_calibration(calibration_of(found), output.path("calibration.json")))

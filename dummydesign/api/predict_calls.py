@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from math import pi, sqrt
-from os import PathLike
+from os import PathLike, fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +14,7 @@ from dummydesign.core.errors import InputError
 if TYPE_CHECKING:
     from dummydesign.pad.material.relaxation import PronyTerm
     from dummydesign.pad.pad import Pad, Puck
+    from dummydesign.pad.predict import MotionPrediction, StaticPrediction
 
 STATIC = ("depth_mm", "force_N", "force_low_N", "force_high_N", "local_exponent")
 MOVED = ("time_s", "displacement_mm", "force_N", "force_low_N", "force_high_N")
@@ -121,6 +122,7 @@ def predict(
     warnings = _punch_warnings(made, fidelity)
     common: dict[str, Any] = {"inputs": inputs, "sources": sources, "warnings": warnings, "young_kPa": young}
     common["prony"] = [term.to_dict() for term in made.prony]
+    found: StaticPrediction | MotionPrediction
     if depth_mm is not None:
         found = predict_static(made, numbers("depth", depth_mm), fidelity, progress)
     else:
@@ -138,7 +140,7 @@ def predict(
 
 
 def _add_fields(
-    made: Pad, result: dict[str, Any], path: str | PathLike[str] | None, picture: str | PathLike[str] | None
+    made: Pad | Puck, result: dict[str, Any], path: str | PathLike[str] | None, picture: str | PathLike[str] | None
 ) -> dict[str, Any]:
     """Put the contact pressures into the answer, and write fields and picture where they are asked for."""
     from dummydesign.pad.fields.solve import contact_pressures, has_fields, solve_fields
@@ -157,12 +159,14 @@ def _add_fields(
     if path:
         from dummydesign.pad.fields.vtu import write_fields
 
-        files["fields"] = [str(file) for file in write_fields(fields, path)]
+        files["fields"] = [str(file) for file in write_fields(fields, fspath(path))]
     if picture:
         from dummydesign.pad.fields.picture import write_picture
+        from dummydesign.pad.pad import Pad
 
+        assert isinstance(made, Pad)  # a puck was refused by the solve
         title = f"{made.geometry}, {made.thickness_mm:g} mm, {made.young_MPa * 1e3:.3g} kPa"
-        files["picture"] = str(write_picture(fields, picture, title))
+        files["picture"] = str(write_picture(fields, fspath(picture), title))
     return files
 
 
@@ -317,4 +321,4 @@ def _write(path: str | PathLike[str], columns: tuple[str, ...], result: dict[str
 
     rows = zip(*(result[name] for name in columns))
     lines = [",".join(columns), *(",".join(f"{value:.8g}" for value in row) for row in rows)]
-    return write_text(path, "\n".join(lines) + "\n")
+    return write_text(fspath(path), "\n".join(lines) + "\n")

@@ -195,9 +195,6 @@ def _read(traces: Traces) -> tuple[list[str], list[Trace]]:
     """Names and traces; files are read."""
     from dummydesign.measurement.trace import Trace, read_trace
 
-    names, read = [], []
-    for trace in traces:
-        in_memory = isinstance(trace, Trace)
-        names.append(trace.name if in_memory else fspath(trace))
-        read.append(trace if in_memory else read_trace(trace))
+    read = [trace if isinstance(trace, Trace) else read_trace(fspath(trace)) for trace in traces]
+    names = [one.name if isinstance(one, Trace) else fspath(one) for one in traces]
     return names, read

@@ -37,9 +37,9 @@ class PunchSpec:
     @property
     def radius_mm(self) -> float:
         """Radius of the circle of equal area. [mm]"""
-        if self.shape == "square":
+        if self.shape == "square" and self.side_mm is not None:
             return float(self.side_mm) / math.sqrt(math.pi)
-        if self.shape == "round":
+        if self.shape == "round" and self.diameter_mm is not None:
             return 0.5 * float(self.diameter_mm)
         raise InputError("a plate has no radius of equal area")
 

@@ -192,7 +192,7 @@ def _trial(block: dict[str, Any], index: int, place: CampaignLines, folder: Path
     unknown = sorted(set(block) - _TRIAL_KEYS)
     if unknown:
         raise InputError(f"{place.trial(index, unknown[0])}: {unknown_name('key', unknown[0], _TRIAL_KEYS)}")
-    numbers = {}
+    numbers: dict[str, Any] = {}
     for key, (low, high) in _TRIAL_NUMBERS.items():
         hint = "; the unit is mm: 0.015 m is 15" if key == "thickness_mm" else ""
         numbers[key] = _number(block, key, place.trial(index, key), low, high, hint)

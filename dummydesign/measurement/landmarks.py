@@ -187,7 +187,7 @@ def find_holds(time_s: NDArray, displacement_mm: NDArray) -> tuple[Hold, ...]:
     found: list[Hold] = []
     for first, last in zip(np.nonzero(edges == 1)[0], np.nonzero(edges == -1)[0] - 1):
         place = float(np.median(x[first : last + 1]))
-        begin, end = _stretch(x, first, last, place, reach)
+        begin, end = _stretch(x, int(first), int(last), place, reach)
         if time[end] - time[begin] < least or end - begin < 10:
             continue
         if found and place < found[-1].displacement_mm - reach:

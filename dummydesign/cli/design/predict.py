@@ -86,6 +86,8 @@ def render(result: dict[str, Any]) -> str:
         f"pad {result['inputs']['thickness_mm']:g} mm, E = {young['value']:.4g} kPa "
         f"({young['low']:.4g} to {young['high']:.4g}), punch {result['inputs']['punch']}, fidelity {result['fidelity']}"
     ]
+    names: tuple[str, ...]
+    formats: tuple[str, ...]
     if "peak_force_N" in result:
         lines += [
             f"peak force    {result['peak_force_N']:.3f} N at {result['peak_time_s']:.4f} s",

@@ -52,8 +52,8 @@ def files_of(paths: Iterable[str | Path]) -> list[tuple[Path, bool]]:
         else:
             found.append((path, False))
     unique: dict[Path, tuple[Path, bool]] = {}
-    for path, inside in found:
-        unique.setdefault(path.resolve(), (path, inside))
+    for path, in_folder in found:
+        unique.setdefault(path.resolve(), (path, in_folder))
     return list(unique.values())
 
 

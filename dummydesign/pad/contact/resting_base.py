@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign.pad.contact.surface_axisymmetric import Punch, Surface
-from dummydesign.pad.contact.ties import NoTies
+from dummydesign.pad.contact.surface_axisymmetric import Punch
+from dummydesign.pad.contact.ties import Contact, NoTies
 from dummydesign.pad.fem.mixed_solid import Discretisation
 
 Array = np.ndarray
@@ -96,8 +96,8 @@ class RestingBase(NoTies):
 class Both:
     """Two surfaces in contact at once, such as face and base."""
 
-    def __init__(self, one: Surface, other: RestingBase) -> None:
-        self._parts = (one, other)
+    def __init__(self, one: Contact, other: RestingBase) -> None:
+        self._parts: tuple[Contact, ...] = (one, other)
         self.dofs = np.concatenate([part.dofs for part in self._parts])
 
     def begin(self) -> None:

@@ -131,9 +131,9 @@ class Surface:
         self.dofs = np.stack([2 * sides, 2 * sides + 1], axis=-1).reshape(len(sides), 6)
         self._shape, self._place = shape, place
         self._stiffness = area * stiffness(r)
-        self._film = np.zeros((len(sides), 3, 2, 3, 2))
-        self._film[:, :, 0, :, 0] = np.einsum("qi,qj,eq->eij", shape, shape, area * film(r))
-        self._film = self._film.reshape(len(sides), 6, 6)
+        slide = np.zeros((len(sides), 3, 2, 3, 2))
+        slide[:, :, 0, :, 0] = np.einsum("qi,qj,eq->eij", shape, shape, area * film(r))
+        self._film = slide.reshape(len(sides), 6, 6)
         self._grip = np.where(r >= grip_from, area * grip, 0.0)
         self._friction, self._slip_scale = friction, slip_scale
         self._held = np.zeros(area.shape, dtype=bool)

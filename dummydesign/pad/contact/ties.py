@@ -6,11 +6,37 @@ it, and forces depend on the step: by 3 % on a crowned pad with steps of 0.03 of
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 Array = np.ndarray
+
+
+class Contact(Protocol):
+    """What a problem needs of a surface that touches: its unknowns, its forces, and what it remembers."""
+
+    dofs: Array
+
+    def settle(self, u: Array, punch: Any, depth: float) -> None:
+        """Take the state at the end of a step as that from which the next one starts."""
+
+    def forces(self, u: Array, punch: Any, depth: float) -> tuple[Array, Array]:
+        """Internal force (full length) and its derivative (per side)."""
+        ...
+
+    def begin(self) -> None:
+        """Go back to what was tied at the last accepted step."""
+
+    def tie(self, u: Array, punch: Any, depth: float) -> bool:
+        """Tie what came to touch in this step; True when there is something new."""
+        ...
+
+    def memory(self) -> Any:
+        """What is tied, for :meth:`restore`."""
+
+    def restore(self, memory: Any) -> None:
+        """Take back what was tied."""
 
 
 class NoTies:

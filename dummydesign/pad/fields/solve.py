@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 
@@ -73,7 +73,7 @@ def solve_fields(
     """
     from dummydesign.pad.slab.problem import normalise
 
-    if isinstance(pad, Puck) or not has_fields(pad):
+    if not has_fields(pad):
         what = "pad = cylinder between plates" if isinstance(pad, Puck) else f"shape {pad.geometry}"
         raise InputError(f"fields are for round pads under a punch; {what} has none yet")
     h = pad.thickness_mm
@@ -96,7 +96,7 @@ def solve_fields(
     return tuple(found), notes
 
 
-def has_fields(pad: Pad | Puck) -> bool:
+def has_fields(pad: Pad | Puck) -> TypeGuard[Pad]:
     """Whether the pad is round and under a punch."""
     return not isinstance(pad, Puck) and pad.geometry.axisymmetric
 

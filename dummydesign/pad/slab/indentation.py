@@ -16,6 +16,7 @@ from dummydesign.geometry.interface import BASES, FACES, Interface
 from dummydesign.geometry.standard import PAD_EXTENT_MM
 from dummydesign.pad.contact.resting_base import Both, RestingBase, weight_over_shear
 from dummydesign.pad.contact.surface_axisymmetric import ProfilePunch, Punch, Surface
+from dummydesign.pad.contact.ties import Contact
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mesh_axisymmetric import graded
 from dummydesign.pad.fem.mixed_solid import Solid
@@ -47,7 +48,7 @@ def sphere(radius: float) -> ProfilePunch:
     return ProfilePunch(height)
 
 
-def profile(radius: Sequence[float], height: Sequence[float]) -> ProfilePunch:
+def profile(radius: Sequence[float] | Array, height: Sequence[float] | Array) -> ProfilePunch:
     """A punch through points (r, z(r)) measured from its lowest point, joined by a smooth curve.
 
     Raises
@@ -127,7 +128,7 @@ def indentation_problem(
     held[2 * below] |= support.bonded
     sides = meshes.edges_on(mesh, meshes.on_top(mesh) & (mesh.nodes[0] <= region.stop + 0.5))
     contact = law.shear_MPa * stiffness / cell
-    surface = Surface(
+    surface: Contact = Surface(
         mesh.nodes, sides, lambda at: np.full_like(at, contact), np.zeros_like,
         contact * float(face.bonded), 0.0, face.coulomb or 0.0, SLIP_SCALE * cell, ties_within_step=True,
     )  # fmt: skip
@@ -140,7 +141,7 @@ def indentation_problem(
 
 
 def press(
-    problem: Problem, depths: Sequence[float], first_step: float, largest_step: float,
+    problem: Problem, depths: Sequence[float] | Array, first_step: float, largest_step: float,
     progress: Callable[[float], None] | None = None,
 ) -> Path:  # fmt: skip
     """Follow the contact through ``depths`` (thicknesses); raise when not even the first is reached.

@@ -62,7 +62,7 @@ def rimmed_block(block: Block, law: Law, poisson: float, cells: Cells, rim: floa
     ``rim`` in units of the smaller of radius and thickness, times half side over radius as the corner cell.
     """
     first, bead = (share * block.scale * SIDE_OVER_RADIUS for share in (cells.corner, rim))
-    core = tuple(side - bead for side in block.half_sides)
+    core = (block.half_sides[0] - bead, block.half_sides[1] - bead)
     (x, last_x), (y, last_y) = (
         _lines(edge, extent, first, cells.growth) for edge, extent in zip(core, block.half_extents)
     )

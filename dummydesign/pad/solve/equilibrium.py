@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.threads import one_blas_thread
-from dummydesign.pad.contact.surface_axisymmetric import Punch, Surface
+from dummydesign.pad.contact.surface_axisymmetric import Punch
+from dummydesign.pad.contact.ties import Contact
 from dummydesign.pad.fem.mixed_solid import Solid, State
 from dummydesign.pad.solve.solver_superlu import Pattern
 
@@ -36,7 +37,7 @@ class Problem:
         Unknowns that move with the punch, by -depth.
     base : ndarray of int
         Held unknowns over which the reaction is summed: the force that the pad carries.
-    surface, punch : Surface and Punch, optional
+    surface, punch : Contact and Punch, optional
     carried : ndarray of int, optional
         Free unknowns that lie on the punch's face at first touch; they go down with it at first.
     solver : callable, optional
@@ -50,7 +51,7 @@ class Problem:
         held: Array,
         driven: Array,
         base: Array,
-        surface: Surface | None = None,
+        surface: Contact | None = None,
         punch: Punch | None = None,
         carried: Array | None = None,
         solver: Callable[[list[Array], Array, int], Any] = Pattern,

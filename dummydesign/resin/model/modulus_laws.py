@@ -53,7 +53,7 @@ class GelPoint:
     """
 
     name = "gel_point"
-    parameters = ("young_ref_kPa", "ratio_ref", "gel_ratio_over_ref", "exponent")
+    parameters: tuple[str, ...] = ("young_ref_kPa", "ratio_ref", "gel_ratio_over_ref", "exponent")
     direction = 1
 
     def young_kPa(self, ratio: ArrayLike, parameters: Parameters) -> NDArray:
@@ -86,7 +86,7 @@ class PolymerFraction:
     """
 
     name = "polymer_fraction"
-    parameters = ("young_neat_kPa", "exponent")
+    parameters: tuple[str, ...] = ("young_neat_kPa", "exponent")
     direction = -1
 
     def young_kPa(self, ratio: ArrayLike, parameters: Parameters) -> NDArray:
@@ -104,7 +104,8 @@ class PolymerFraction:
         return np.asarray(parameters["exponent"], float) > 0
 
 
-LAWS: dict[str, Law] = {law.name: law for law in (GelPoint(), PolymerFraction())}
+_ALL: tuple[Law, ...] = (GelPoint(), PolymerFraction())
+LAWS: dict[str, Law] = {law.name: law for law in _ALL}
 """Known laws by the name used in resin files."""
 
 

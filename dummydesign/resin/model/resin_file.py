@@ -194,7 +194,7 @@ def _liquids(value: Any, path: Path, text: str) -> tuple[Liquid, ...]:
         name, parts = str(item.get("name", "")).strip(), item.get("parts")
         if not name:
             raise _fault(path, text, "[[component]]", "a component lacks its 'name'")
-        if parts != "ratio" and not (_is_number(parts) and parts > 0):
+        if parts is None or (parts != "ratio" and not (_is_number(parts) and parts > 0)):
             message = f"'parts' of {name} = {parts!r}; it must be a number above 0 or \"ratio\""
             raise _fault(path, text, (name, "parts"), message)
         density = _positive(item, "density_g_per_cm3", path, text)

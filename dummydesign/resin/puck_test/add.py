@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from dummydesign.measurement.trace import Trace
     from dummydesign.pad.tables.puck import PuckTable
     from dummydesign.resin.model.resin import Resin
-    from dummydesign.resin.puck_test.relaxation_fit import PuckRelaxation
+    from dummydesign.resin.puck_test.relaxation_fit import Found, PuckRelaxation
 
 Array = np.ndarray
 
@@ -135,13 +135,13 @@ def add_compression(
             raise out_of_range(what, value, "above 0", "any finite value")
     check_name("resin", name)
     known = entries(KIND).get(name.lower())
-    own = known is not None and known.origin == "user"
+    own = known if known is not None and known.origin == "user" else None
     if own and base is not None and base.lower() != name.lower() and not replace_own:
         raise InputError(
-            f"resin '{known.name}' exists; leave --resin out to add this puck to it, or --replace to begin it again"
+            f"resin '{own.name}' exists; leave --resin out to add this puck to it, or --replace to begin it again"
         )
     if own and replace_own and base is None:
-        raise InputError(f"--replace begins resin '{known.name}' again; say from which one with --resin")
+        raise InputError(f"--replace begins resin '{own.name}' again; say from which one with --resin")
     resin = load_resin(base or (name if known is not None else DEFAULT))
     resin.check_ratio(ratio)
     table = table_for(diameter_mm, height_mm)
@@ -231,17 +231,17 @@ def _with_holds(
     found = fit_relaxation(press, puck.diameter_mm, puck.height_mm, table)
     young = Quantity(found.young_kPa.value, found.young_kPa.low, found.young_kPa.high, "fitted", source)
     told = f"holds of puck {puck.diameter_mm:g} x {puck.height_mm:g} mm, {trace.name}"
-    arms = [
-        tuple(Quantity(one.value, one.low, one.high, "fitted", told) for one in (arm.tau_s, arm.beta))
-        for arm in found.arms
-        if not arm.reason
-    ]
+
+    def quantity(one: Found) -> Quantity:
+        return Quantity(one.value, one.low, one.high, "fitted", told)
+
+    arms = [(quantity(arm.tau_s), quantity(arm.beta)) for arm in found.arms if not arm.reason]
     warnings = [{"code": "not_identifiable", "message": _flag(arm.reason)} for arm in found.arms if arm.reason]
     shown = Compressed(
         "", "", ratio, young, found.alpha, _friction(found.friction.value, found.friction.low, found.friction.high),
         found.rmse_N, window, "", relaxation_dict(found, holds), tuple(warnings),
     )  # fmt: skip
-    return shown, Point(ratio, young, replace(puck, seen_s=tuple(found.seen_s), arms=tuple(arms)))
+    return shown, Point(ratio, young, replace(puck, seen_s=(found.seen_s[0], found.seen_s[1]), arms=tuple(arms)))
 
 
 def _flag(reason: str) -> str:

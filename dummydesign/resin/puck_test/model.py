@@ -144,6 +144,7 @@ class PuckProblem:
         best = solve_by_differences(
             lambda q: self.factor @ self.residual(q, grip), starts, *self.box(arms), tolerance=1e-7, most=60
         )
+        assert best.residual is not None and best.jacobian is not None
         order = np.argsort(best.parameters[3 + arms :])
         columns = np.r_[0, 1, 2, 3 + order, 3 + arms + order]
         return Trial(grip, best.parameters[columns], best.chi_square, best.residual, best.jacobian[:, columns])

@@ -120,7 +120,8 @@ def fit_relaxation(press: PuckPress, diameter_mm: float, height_mm: float, table
     chosen = simplest(scores)
     noise = _noise(problem, rivals[chosen])
     problem.factor = whitener(press, height_mm, noise)
-    profile, warm = [], rivals[chosen].parameters
+    profile: list[Trial] = []
+    warm = rivals[chosen].parameters
     for grip in GRIPS[np.argsort(np.abs(GRIPS - rivals[chosen].grip))]:
         nearest = min(profile, key=lambda one: abs(one.grip - grip)).parameters if profile else warm
         profile.append(problem.fit([nearest, warm] if profile else [warm], float(grip)))
@@ -162,8 +163,10 @@ def _summarise(
     parts = []
     for k in range(arms):
         strength, time = 3 + k, 3 + arms + k
-        values = [Found(*np.exp([q[i], max(low[i], -40.0), min(high[i], 40.0)]).tolist()) for i in (time, strength)]
-        parts.append(PuckArm(values[0], values[1], _reason(problem, *values, q[time] - ends[0][time])))
+        tau_s, beta = (
+            Found(*np.exp([q[i], max(low[i], -40.0), min(high[i], 40.0)]).tolist()) for i in (time, strength)
+        )
+        parts.append(PuckArm(tau_s, beta, _reason(problem, tau_s, beta, q[time] - ends[0][time])))
     # what a slow arm still carries at the end of the file counts as stiffness
     elastic = problem.elastic(q[1], best.grip, q[2])
     stiff = 1.0

@@ -93,14 +93,15 @@ def update_relaxation(
             if index not in taken and abs(math.log(arm.tau_s.value / tau.value)) <= math.log(SAME_TIME)
         ]
         own = (beta.value, beta.low, beta.high)
-        if near and base[min(near)[1]] is not None:
+        carried = base[min(near)[1]] if near else None
+        if carried is not None:
             index = min(near)[1]
             taken.add(index)
-            value, widening = _combined(base[index], own)
+            value, widening = _combined(carried, own)
             if widening > 1.0:
                 said.append(
                     f"the strength at {tau.value:.3g} s, {beta.value:.3g}, is not what the base states "
-                    f"({base[index][0]:.3g}); both were widened {widening:.1f} times so that they agree"
+                    f"({carried[0]:.3g}); both were widened {widening:.1f} times so that they agree"
                 )
             source = f"{beta.source}; prior ({resin.arms[index].beta.source}) by inverse variance of ln beta"
             updates.append(ArmUpdate(tau.value, "both", base[index], own, value))

@@ -88,7 +88,7 @@ def compare_traces(traces: Sequence[Trace], tissue: Tissue, lowpass: Lowpass | N
 def steady_curve(reduced: Sequence[ReducedTrace]) -> tuple[NDArray, NDArray]:
     """Steady points (k, 2) of depth and force at the end of the hold, and depths at :data:`STEADY_GRID_N`."""
     points = np.array(sorted((trace.ramp.depth_mm, trace.steady_force_N) for trace in reduced))
-    merged = []
+    merged: list[tuple[list[float], list[float]]] = []
     for depth, force in points:
         if merged and depth < 1.05 * merged[-1][0][-1]:
             merged[-1][0].append(depth)

@@ -160,7 +160,7 @@ def _parameters(mode: str, pairs: Sequence[tuple[Problem, Optimum]], elements: i
         for arm in range(arms):
             shared[names[1 + arms + arm]] = {speed: dampers[at * arms + arm] for at, speed in enumerate(speeds)}
         return {"parameters": shared, "by_speed": by_speed}
-    conditions = []
+    conditions: list[dict[str, Any]] = []
     for (problem, _), own in zip(pairs, objects):
         group = problem.traces
         conditions.append(

@@ -131,7 +131,8 @@ class Problem:
 
         rows = np.concatenate([np.arange(part.start, part.stop) for part in where])
         columns = self._columns(np.tile(grid, (len(self.groups), 1)))[rows] * weight[rows, None]
-        triangle = np.linalg.qr(np.column_stack([columns, self.force[rows] * weight[rows]]), mode="r")
+        weighted = np.column_stack([columns, self.force[rows] * weight[rows]])
+        triangle = np.asarray(np.linalg.qr(weighted, mode="r"))
         ranked = []
         for combo in itertools.combinations(range(len(grid)), arms):
             places = [0, *(1 + place for place in combo)]
@@ -163,7 +164,8 @@ class Problem:
         diagonal = np.arange(rough.shape[1])
         factor[:, diagonal, diagonal] = np.where(self.bins.used, rough, 1.0)
         first = solve(self.model(arms, factor), self.starts(arms), low, high, 1e-7)
-        found, noise = first, None
+        found = first
+        noise: Noise | None = None
         measured = self.bins.stacked(self.force)
         slope = 3.0 * np.maximum(measured, 0.0) / np.maximum(depth, shallow)
         level = np.where(self.bins.used, measured.max(axis=1, keepdims=True), 0.0)
@@ -173,6 +175,7 @@ class Problem:
             noise = estimate_noise(self.bins, level, slope, residual, sensitivity, self.largest_slow_N, noise)
             factor = whitener(self.bins.covariance(noise, slope, level))
             found = solve(self.model(arms, factor), [found.parameters], low, high)
+        assert noise is not None
         best = Solution(found.parameters, found.chi_square, first.starts, first.agreeing)
         return Optimum(arms, self._slowest_first(best, arms), noise, factor)
 

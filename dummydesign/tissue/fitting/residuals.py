@@ -47,7 +47,8 @@ def trace_residuals(pairs: Sequence[tuple[Problem, Optimum]]) -> dict[str, Any]:
         ``rmse_N`` over all raw samples alike, ``max_residual_N`` the largest of the bins (a single
         sample is mostly noise), and ``by_trace``.
     """
-    rows, squares, count = [], 0.0, 0
+    rows: list[dict[str, Any]] = []
+    squares, count = 0.0, 0
     for problem, optimum in pairs:
         binned = problem.predict(optimum.solution.parameters, optimum.arms)[0] - problem.force
         ends = np.cumsum([0, *(len(trace.force_N) for trace in problem.traces)])

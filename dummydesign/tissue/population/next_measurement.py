@@ -46,7 +46,7 @@ def next_measurement(draws: NDArray, weight: NDArray, persons_measured: int = 0)
     outcomes = np.column_stack([end(seen[name], axis=1) for name in MEASUREMENTS for end in (np.min, np.max)])
     share = weight / weight.sum()
     middle = draws.shape[1] // 2
-    ranking = []
+    ranking: list[dict[str, Any]] = []
     for name in MEASUREMENTS:
         if name == "steady_depth" and persons_measured >= draws.shape[1]:
             continue

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -153,7 +154,7 @@ def subject_of(name: str, value: NDArray, low: NDArray, high: NDArray, kinds: li
     -------
     Subject
     """
-    numbers: dict[str, object] = {}
+    numbers: dict[str, Any] = {}
     for column, label in enumerate(COLUMNS):
         centre, least, most = (float(f"{row[column]:.4g}") for row in (value, low, high))
         quantity = Quantity(centre, min(least, centre), max(most, centre), *kinds[column])

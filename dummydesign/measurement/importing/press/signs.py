@@ -72,7 +72,8 @@ def find_signs(file: str, x: NDArray, force: NDArray, settings: Settings, tare_N
             "is this the force column, and the right file? (--columns force=NAME)"
         )
     if settings.flip is not None:
-        signs = Signs(*(-1.0 if name in settings.flip else 1.0 for name in ("displacement", "force")), rest)
+        way, push = (-1.0 if name in settings.flip else 1.0 for name in ("displacement", "force"))
+        signs = Signs(way, push, rest)
         _check_given(file, x, smooth, signs)
         for name in ("displacement", "force"):
             notes.decide(f"{name} sign", "flipped" if name in settings.flip else "as written", "given by --flip")

@@ -153,8 +153,8 @@ def _separator(file: str, sample: Sequence[str], settings: Settings, notes: Note
     for separator in SEPARATORS:
         rows = [split(line, separator) for line in sample if separator == " " or separator in line]
         # Empty cells do not count: a tab at the end of every line makes one.
-        good = [(len(row), _numbers_in(row), sum(map(bool, row))) for row in rows]
-        good = [(width, numbers / filled) for width, numbers, filled in good if numbers >= 2]
+        counted = [(len(row), _numbers_in(row), sum(map(bool, row))) for row in rows]
+        good = [(width, numbers / filled) for width, numbers, filled in counted if numbers >= 2]
         if not good:
             continue
         width, count = Counter(width for width, _ in good).most_common(1)[0]

@@ -62,13 +62,13 @@ class RampDrive:
 
     def arm(self, rate: ArrayLike) -> NDArray:
         """A(t; r). [mm3]"""
-        rate = np.maximum(np.asarray(rate, float)[..., None], 1e-300)
+        r = np.maximum(np.asarray(rate, float)[..., None], 1e-300)
         v, peak_time = self._velocity, self._rise
         rising = np.minimum(self._since, peak_time)
         held = np.maximum(self._since - peak_time, 0.0)
         clock = np.maximum(self._since, peak_time) if self._running_clock else peak_time
-        loaded = -np.expm1(-rate * v**2 * rising**3) * v / rate
-        return loaded * np.exp(-rate * (v * clock) ** 2 * held)
+        loaded = -np.expm1(-r * v**2 * rising**3) * v / r
+        return loaded * np.exp(-r * (v * clock) ** 2 * held)
 
 
 def ramps_of(motion: Motion) -> tuple[NDArray, NDArray, NDArray]:
@@ -78,7 +78,8 @@ def ramps_of(motion: Motion) -> tuple[NDArray, NDArray, NDArray]:
     found = [find_ramp(t, d) for t, d in zip(flat_time, flat_x)]
     leading = time.shape[:-1]
     columns = np.array([[ramp.contact_time_s, ramp.stop_time_s, ramp.depth_mm] for ramp in found])
-    return tuple(columns[:, index].reshape(leading) for index in range(3))
+    contact, stop, depth = (columns[:, index].reshape(leading) for index in range(3))
+    return contact, stop, depth
 
 
 CONSISTENT, PUBLISHED = Consistent(), Published()

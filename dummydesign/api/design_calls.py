@@ -116,7 +116,7 @@ def _answer(
 ) -> Answer:
     """Resolve, design, and write what there is a folder for."""
     from dummydesign.core.outputs.write import new_folder
-    from dummydesign.design.assessment.safety import read_limits
+    from dummydesign.design.assessment.limits import read_limits
     from dummydesign.design.inputs import resolve
     from dummydesign.design.safety_view import safety_view
     from dummydesign.design.suggest import design

@@ -8,17 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dummydesign.core.errors import InputError
-from dummydesign.design.assessment.safety import (
-    N_PER_CM2,
-    Contact,
-    Limits,
-    against_limits,
-    impact,
-    pad_body,
-    pad_press,
-    tissue_body,
-    tissue_press,
-)
+from dummydesign.design.assessment.limits import N_PER_CM2, Limits, against_limits
+from dummydesign.design.assessment.safety import Contact, impact, pad_body, pad_press, tissue_body, tissue_press
 from dummydesign.design.scoring.presses import Sampling
 from dummydesign.geometry.standard import PUNCH_SIDE_MM
 

@@ -1,7 +1,6 @@
-"""Energy of the rise, mean pressure, and a robot of finite mass: tissue against dummy, beside a user's limits.
+"""Energy of the rise, mean pressure, and a robot of finite mass: tissue against dummy.
 
-The form is that of ISO/TS 15066:2016, annex A: force and pressure, each quasi-static and transient. The
-limits themselves are user data with their source; none are built in.
+The form is that of ISO/TS 15066:2016, annex A: force and pressure, each quasi-static and transient.
 
 Peak pressure is not given: under a sharp-edged glued punch the contact pressure grows without bound towards
 the edge as the mesh is refined, so a number would tell of the mesh. It needs the edge radius of the real part.
@@ -11,14 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.errors import InputError, out_of_range
-from dummydesign.core.quantity import Quantity, line_of, read_quantity
+from dummydesign.core.errors import out_of_range
 from dummydesign.design.scoring.presses import Sampling, Slabs, press_to_depth
 
 if TYPE_CHECKING:
@@ -28,7 +25,6 @@ if TYPE_CHECKING:
 QUASI_STATIC_AFTER_S = 0.5
 """ISO/TS 15066: contact below 0.5 s is transient, what lasts longer quasi-static (second-hand, docs/references.md)."""
 STEPS, LONGEST_MM = 1000, 40.0
-N_PER_CM2 = 100.0
 
 
 @dataclass(frozen=True)
@@ -246,72 +242,3 @@ def _run(body: Body, mass: float, velocity: float, step: NDArray, longest: float
     known = np.isfinite(stop)
     none = np.full(body.count, np.nan)
     return Contact(depth, np.where(known, energy, np.nan), np.where(known, peak, np.nan), none, stop)
-
-
-@dataclass(frozen=True)
-class Limits:
-    """A user's limits at one site, each with source: force [N] and pressure [N/cm2], and the transient factor."""
-
-    name: str
-    force_N: Quantity
-    pressure_N_per_cm2: Quantity
-    transient_factor: Quantity
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return all numbers with interval, kind and source."""
-        return asdict(self)
-
-
-def read_limits(path: str | Path) -> Limits:
-    """Read a limits file: ``name`` and the three numbers, each with value, low, high, kind, source.
-
-    Raises
-    ------
-    InputError
-        When the file cannot be read, a number lacks its source, or a name is not known.
-    """
-    from dummydesign.core.datafiles import read_toml
-
-    path = Path(path)
-    table, text = read_toml(path)
-    names = ("force_N", "pressure_N_per_cm2", "transient_factor")
-    for key in table:
-        if key not in ("schema", "name", *names):
-            known = ", ".join(("name", *names))
-            raise InputError(f"{path.name}:{line_of(text, key)}: unknown key '{key}'; known are {known}")
-    return Limits(str(table.get("name", path.stem)), *(read_quantity(table, name, path, text) for name in names))
-
-
-def against_limits(contact: Contact, area_mm2: float, limits: Limits) -> list[dict[str, Any]]:
-    """Compare contacts with limits: one row a criterion, with the largest value over the bodies.
-
-    Pressure is the mean over the punch, F / A.
-
-    Parameters
-    ----------
-    contact : Contact
-        Forces of one or several bodies.
-    area_mm2 : float
-        Area of the punch. [mm2]
-    limits : Limits
-        Largest force and pressure of the body region, and the factor for transient contact.
-
-    Returns
-    -------
-    list of dict
-    """
-    rows = []
-    for criterion, limit, factor in (
-        ("force_N", limits.force_N.value, 1.0),
-        ("mean_pressure_N_per_cm2", limits.pressure_N_per_cm2.value, N_PER_CM2 / area_mm2),
-    ):
-        for kind, values, scale in (
-            ("quasi-static", contact.held_force_N, 1.0),
-            ("transient", contact.peak_force_N, limits.transient_factor.value),
-        ):
-            known = values[np.isfinite(values)]
-            value = float(known.max()) * factor if len(known) else None
-            allowed = limit * scale
-            within = None if value is None else value <= allowed
-            rows.append({"criterion": criterion, "contact": kind, "value": value, "limit": allowed, "within": within})
-    return rows

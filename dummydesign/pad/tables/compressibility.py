@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core import json_table
-from dummydesign.core.interpolation import place_on
+from dummydesign.pad.tables.interpolation import place_on
 
 NAME = "slab-compressibility.json"
 COMMAND = "python -m dummydesign.studies.tables.compressibility"

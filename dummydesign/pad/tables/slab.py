@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike
 
 from dummydesign.core import json_table
 from dummydesign.core.errors import InputError, out_of_range
-from dummydesign.core.interpolation import between
 from dummydesign.geometry.interface import BASES
+from dummydesign.pad.tables.interpolation import between
 
 Array = np.ndarray
 

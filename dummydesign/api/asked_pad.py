@@ -1,0 +1,126 @@
+"""The pad or puck that a call asks for in words: sizes, punch, interfaces, law, modulus or resin, relaxation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import pi, sqrt
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from dummydesign.core.errors import InputError
+
+if TYPE_CHECKING:
+    from dummydesign.pad.material.relaxation import PronyTerm
+    from dummydesign.pad.pad import Pad, Puck
+
+
+def asked_pad(inputs: dict[str, Any]) -> tuple[Pad | Puck, dict[str, float], list[str]]:
+    """Make the pad or puck that is asked for; also its modulus with interval, and sources."""
+    from dummydesign.geometry.shapes import read_shape
+    from dummydesign.pad.material.hyperelastic import read_law
+    from dummydesign.pad.pad import SLAB, Pad, Puck
+    from dummydesign.pad.tables.punch import equal_area_radius_mm, punch_sides_mm
+
+    young, sources, prony = _material(inputs)
+    size_text, punch = inputs["pad"], inputs["punch"]
+    kind, _, size = size_text.partition(":")
+    sides = numbers("pad", size.replace("x", ","))
+    if {"slab": 2, "cylinder": 1}.get(kind) != len(sides) or not min(sides) > 0:
+        raise InputError(f"pad '{size_text}' is not of the form slab:LENGTHxWIDTH or cylinder:DIAMETER in mm")
+    cylinder, plate = kind == "cylinder", punch == "plate"
+    if cylinder != plate:
+        raise InputError(f"pad '{size_text}' and punch '{punch}': plates press cylinders only")
+    law, geometry = read_law(inputs["law"]), read_shape(inputs["shape"])
+    if cylinder:
+        if geometry != SLAB:
+            raise InputError(f"shape {geometry} is pressed by a flat punch, not by a profile or plates")
+        if inputs["base"] != "bonded":
+            raise InputError(f"base = {inputs['base']}: both plates hold a puck alike; say how by --condition")
+        puck = Puck(
+            inputs["thickness_mm"], young["value"] * 1e-3, sides[0], prony, inputs["condition"], inputs["poisson"], law
+        )
+        return puck, young, sources
+    profile = _profile(punch[len("profile:") :]) if punch.startswith("profile:") else None
+    radius = profile[0][-1] if profile else equal_area_radius_mm(punch)
+    made = Pad(
+        thickness_mm=inputs["thickness_mm"],
+        young_MPa=young["value"] * 1e-3,
+        radius_mm=radius,
+        prony=prony,
+        base=inputs["base"],
+        condition=inputs["condition"],
+        poisson=inputs["poisson"],
+        law=law,
+        extent_mm=sqrt(sides[0] * sides[-1] / pi),
+        sides_mm=None if profile else punch_sides_mm(punch),
+        slab_mm=(sides[0], sides[-1]),
+        profile_mm=profile,
+        geometry=geometry,
+    )
+    return made, young, sources
+
+
+def _material(inputs: dict[str, Any]) -> tuple[dict[str, float], list[str], tuple[PronyTerm, ...]]:
+    """Modulus with interval, sources and relaxation, given or from a resin."""
+    prony = _prony(inputs["prony"])
+    if (inputs["young_kPa"] is None) == (inputs["resin"] is None):
+        raise InputError("give either --young KPA or --resin NAME with --ratio R")
+    if inputs["young_kPa"] is not None:
+        young = inputs["young_kPa"]
+        return {"value": young, "low": young, "high": young}, [], prony
+    from dummydesign.resin import load_resin
+
+    if inputs["ratio"] is None:
+        raise InputError("--resin needs --ratio, the mixing ratio")
+    resin = load_resin(inputs["resin"])
+    modulus = resin.modulus_kPa(inputs["ratio"])
+    prony = prony if inputs["prony"] is not None else resin.prony(inputs["ratio"])
+    young = {"value": modulus.value, "low": modulus.low, "high": modulus.high}
+    return young, [modulus.source, *resin.references], prony
+
+
+def _profile(path: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Read a punch profile: columns r_mm and z_mm, the height over its lowest point."""
+    import csv
+
+    name = Path(path).name
+    try:
+        rows = list(csv.DictReader(Path(path).read_text(encoding="utf-8-sig").splitlines()))
+    except (OSError, UnicodeDecodeError) as problem:
+        reason = getattr(problem, "strerror", "not UTF-8")
+        raise InputError(f"punch profile '{path}' cannot be read: {reason}") from None
+    values = []
+    for line, row in enumerate(rows, start=2):
+        try:
+            values.append((float(row["r_mm"]), float(row["z_mm"])))
+        except (KeyError, TypeError, ValueError):
+            raise InputError(f"{name}:{line}: needs numbers in the columns r_mm and z_mm") from None
+    if len(values) < 3:
+        raise InputError(f"{name}: {len(values)} rows; a punch profile needs at least 3 of r_mm, z_mm")
+    r, z = zip(*values)
+    return r, z
+
+
+def numbers(name: str, text: str | float | Iterable[float]) -> list[float]:
+    """Numbers from text such as ``"1,2"``, one number, or several."""
+    try:
+        if isinstance(text, str):
+            return [float(part) for part in text.split(",")]
+        return [float(text)] if isinstance(text, int | float) else [float(part) for part in text]
+    except (TypeError, ValueError):
+        raise InputError(f"--{name} '{text}' is not a list of numbers separated by commas") from None
+
+
+def _prony(text: str | None) -> tuple[PronyTerm, ...]:
+    """Terms from ``TAU:BETA,...``."""
+    from dummydesign.pad.material.relaxation import PronyTerm
+
+    if not text:
+        return ()
+    terms = []
+    for part in text.split(","):
+        pair = part.split(":")
+        if len(pair) != 2:
+            raise InputError(f"--prony '{part}' is not TAU:BETA, such as 0.1:0.3,1.5:0.3")
+        terms.append(PronyTerm(*(numbers("prony", number)[0] for number in pair)))
+    return tuple(terms)

@@ -11,7 +11,10 @@ from typing import Any
 
 from dummydesign._version import __version__
 
-CALLS = ("calibrate", "compare", "fit", "import_traces", "make_mould", "predict", "replay", "suggest", "whatif")
+CALLS = (
+    "calibrate", "close_loop", "compare", "fit", "import_traces", "load_resin", "load_tissue", "make_mould", "predict",
+    "replay", "suggest", "whatif",
+)  # fmt: skip
 __all__ = ["__version__", *CALLS]
 
 

@@ -123,13 +123,14 @@ COMMAND_OF = {
     "fit": ["fit", "a.csv"],
     "compare": ["compare", "a.csv", "--tissue", "palm"],
     "calibrate": ["loop", "campaign"],
+    "close_loop": ["loop", "campaign"],
     "replay": ["replay", "campaign", "--calibration", "c.json"],
     "make_mould": ["mold", "--thickness", "5"],
 }
 FOR_SCRIPTS = {"executor", "progress"}
 
 
-@pytest.mark.parametrize("call", dummydesign.CALLS)
+@pytest.mark.parametrize("call", sorted({*dummydesign.CALLS} - {"load_resin", "load_tissue"}))
 def test_every_call_has_the_defaults_and_all_options_of_its_command(call):
     name, *words = COMMAND_OF[call]
     options = vars(parser_of(name).parse_args(words))
@@ -251,3 +252,32 @@ def test_every_example_runs_and_prints(path, tmp_path):
 def test_there_is_an_example_of_every_call():
     text = "".join(path.read_text() for path in EXAMPLES)
     assert all(f"dummydesign.{name}(" in text for name in ("suggest", "whatif", "fit"))
+
+
+def test_answers_are_short_to_look_at_and_give_their_values_as_attributes():
+    pressed = dummydesign.predict(10.0, young_kPa=30.0, depth_mm=[1.0, 2.0, 3.0])
+    assert pressed.force_N.shape == (3,) and pressed.fidelity == "table"
+    assert pressed.to_dict()["force_N"] == pressed.force_N.tolist()
+    designed = dummydesign.suggest("forefinger", verify=False, shape="slab")
+    rows = dummydesign.whatif(5)
+    for answer in (pressed, designed, rows):
+        assert repr(answer).startswith(f"{answer.call}(") and len(repr(answer)) < 1000
+        assert answer._repr_html_().startswith("<table>") and len(answer._repr_html_()) < 20_000
+    assert designed.recommendation["thickness_mm"] > 0.0
+    with pytest.raises(AttributeError, match=r"predict has no 'peak'; it has .*force_N"):
+        _ = pressed.peak
+    assert [row["depth_mm"] for row in pressed.records()] == [1.0, 2.0, 3.0]
+
+
+def test_force_curves_are_drawn_with_their_interval():
+    axes = dummydesign.predict(10.0, young_kPa=30.0, depth_mm=[1.0, 2.0, 3.0]).plot()
+    assert axes.get_xlabel() == "depth in mm"
+    assert axes.lines[0].get_ydata() == pytest.approx([2.05, 4.40, 7.08], rel=0.01)
+    with pytest.raises(InputError, match="which suggest has none of"):
+        dummydesign.suggest("forefinger", verify=False, shape="slab").plot()
+
+
+def test_tissues_and_resins_are_loaded_by_name():
+    assert dummydesign.load_tissue("palm").name == "palm"
+    assert dummydesign.load_resin("ecoflex-00-30").young_MPa(0.0) > 0.0
+    assert dummydesign.close_loop is dummydesign.calibrate

@@ -16,8 +16,12 @@ from dummydesign.api.mould_calls import make_mould
 from dummydesign.api.predict_calls import predict
 from dummydesign.api.sweep_calls import whatif
 from dummydesign.api.trace_calls import compare, fit
+from dummydesign.resin import load_resin
+from dummydesign.tissue import load_tissue
+
+close_loop = calibrate
 
 __all__ = [
-    "Answer", "Fitted", "Result", "Rows", "calibrate", "compare", "fit", "import_traces", "make_mould",
-    "predict", "replay", "suggest", "whatif",
+    "Answer", "Fitted", "Result", "Rows", "calibrate", "close_loop", "compare", "fit", "import_traces", "load_resin",
+    "load_tissue", "make_mould", "predict", "replay", "suggest", "whatif",
 ]  # fmt: skip

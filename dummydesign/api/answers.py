@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from copy import deepcopy
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from dummydesign.core.errors import InputError
+from dummydesign.api.values import Values, frame_of
 
 if TYPE_CHECKING:
     from dummydesign.design.suggestion import Suggestion
@@ -15,36 +14,47 @@ if TYPE_CHECKING:
     from dummydesign.tissue.fitting.fit import Fit
 
 
-def frame_of(records: Sequence[dict[str, Any]]) -> Any:
-    """Make a pandas DataFrame; nested values become columns such as ``depth_mm_at_N.10``.
+@dataclass(frozen=True, repr=False)
+class Result(Values):
+    """What a call found: ``found`` with all its objects, ``result`` the whole answer in values."""
 
-    Raises
-    ------
-    InputError
-        When pandas is not installed.
-    """
-    try:
-        from pandas import json_normalize
-    except ImportError:
-        raise InputError("to_frame needs pandas, which is not installed; pip install pandas, or use to_dict") from None
-    return json_normalize(list(records))
+    found: Any
+    result: dict[str, Any]
+    name: str = "answer"
+
+    @property
+    def call(self) -> str:
+        """Name of the call."""
+        return self.name
+
+    def values(self) -> Mapping[str, Any]:
+        """The whole answer, not copied."""
+        return self.result
+
+    @property
+    def files(self) -> dict[str, Any]:
+        """What was written, {role: path}."""
+        return dict(self.result.get("files", {}))
+
+    def plot(self, axes: Any = None) -> Any:
+        """Draw the force with its interval over depth or time, for an answer of ``predict``; return the axes.
+
+        Raises
+        ------
+        InputError
+            For an answer that holds no force curve.
+        """
+        from dummydesign.api.plots import force_curve
+
+        return force_curve(self.call, self.result, axes)
 
 
-@dataclass(frozen=True)
-class Answer:
+@dataclass(frozen=True, repr=False)
+class Answer(Result):
     """What ``suggest`` found. ``found`` is the search with all its objects, ``result`` the whole answer in values."""
 
     found: Suggestion
-    result: dict[str, Any]
-
-    @property
-    def files(self) -> dict[str, str]:
-        """What was written, {role: path}."""
-        return dict(self.result["files"])
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the answer of ``dummydesign suggest --json``, without its ``schema`` and ``version``."""
-        return deepcopy(self.result)
+    name: str = "suggest"
 
     def to_frame(self) -> Any:
         """Return recommendation and alternatives as a DataFrame, one row a design (needs pandas)."""
@@ -53,8 +63,24 @@ class Answer:
         return frame_of([{key: design[key] for key in keys} for design in designs])
 
 
-@dataclass(frozen=True)
-class Rows:
+@dataclass(frozen=True, repr=False)
+class Fitted(Result):
+    """What ``fit`` found. ``found`` is the fit with all its objects, ``result`` the whole answer in values."""
+
+    found: Fit
+    name: str = "fit"
+
+    def to_frame(self) -> Any:
+        """Return the parameters with their intervals as a DataFrame, one row a parameter (needs pandas)."""
+        records = []
+        for name, entry in self.found.to_dict()["parameters"].items():
+            parts = {name: entry} if "value" in entry else {f"{name} at {v} mm/s": e for v, e in entry.items()}
+            records += [{"parameter": label, **one} for label, one in parts.items()]
+        return frame_of(records)
+
+
+@dataclass(frozen=True, repr=False)
+class Rows(Values):
     """What ``whatif`` found: one row a design, in the study's order.
 
     ``inputs`` are all values used, ``resumed_rows`` the number of rows that were there before.
@@ -69,8 +95,13 @@ class Rows:
     resumed_rows: int = 0
     files: dict[str, str] = field(default_factory=dict)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return the answer of ``dummydesign whatif --json``, without its ``schema`` and ``version``."""
+    @property
+    def call(self) -> str:
+        """Name of the call."""
+        return "whatif"
+
+    def values(self) -> Mapping[str, Any]:
+        """The whole answer as plain values."""
         return {
             "inputs": dict(self.inputs),
             "warnings": [dict(item) for item in self.warnings],
@@ -81,48 +112,6 @@ class Rows:
             "files": dict(self.files),
         }
 
-    def to_frame(self) -> Any:
-        """Return the rows as a DataFrame, one row a design (needs pandas)."""
-        return frame_of(self.rows)
-
-
-@dataclass(frozen=True)
-class Fitted:
-    """What ``fit`` found. ``found`` is the fit with all its objects, ``result`` the whole answer in values."""
-
-    found: Fit
-    result: dict[str, Any]
-
-    @property
-    def files(self) -> dict[str, str]:
-        """What was written, {role: path}."""
-        return dict(self.result["files"])
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the answer of ``dummydesign fit --json``, without its ``schema`` and ``version``."""
-        return deepcopy(self.result)
-
-    def to_frame(self) -> Any:
-        """Return the parameters with their intervals as a DataFrame, one row a parameter (needs pandas)."""
-        records = []
-        for name, entry in self.found.to_dict()["parameters"].items():
-            parts = {name: entry} if "value" in entry else {f"{name} at {v} mm/s": e for v, e in entry.items()}
-            records += [{"parameter": label, **one} for label, one in parts.items()]
-        return frame_of(records)
-
-
-@dataclass(frozen=True)
-class Result:
-    """What another call found: ``found`` with all its objects, ``result`` the whole answer in values."""
-
-    found: Any
-    result: dict[str, Any]
-
-    @property
-    def files(self) -> dict[str, str]:
-        """What was written, {role: path}."""
-        return dict(self.result.get("files", {}))
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the answer of the command with ``--json``, without its ``schema`` and ``version``."""
-        return deepcopy(self.result)
+    def records(self) -> list[dict[str, Any]]:
+        """One row a design."""
+        return [dict(row) for row in self.rows]

@@ -59,7 +59,8 @@ def calibrate(
     if out is None:
         with own_effects(own):
             found = close_loop(read, progress or (lambda word: None))
-        return Result(found, {"inputs": inputs, **result_dict(found), "calibration_file": None, "files": {}})
+        result = {"inputs": inputs, **result_dict(found), "calibration_file": None, "files": {}}
+        return Result(found, result, "close_loop")
     from dummydesign.core.outputs.write import new_folder
 
     files: list[str | Path] = [read.folder / FILE, *(read.folder / trial.file for trial in read.trials), *own]
@@ -69,7 +70,7 @@ def calibrate(
         result = {"inputs": {**inputs, "out": str(output.folder)}, **result_dict(found)}
         written = {"calibration": calibration, **write_loop_report(output.work, found)}
         result = output.answer({**result, "calibration_file": calibration, "files": written})
-    return Result(found, result)
+    return Result(found, result, "close_loop")
 
 
 def replay(campaign: str | PathLike[str], calibration: str | PathLike[str], *, effects: Paths = ()) -> Result:
@@ -111,4 +112,4 @@ def replay(campaign: str | PathLike[str], calibration: str | PathLike[str], *, e
         **found.to_dict(),
         "warning_band_N": known.remainder_N,
     }
-    return Result(found, result)
+    return Result(found, result, "replay")

@@ -106,7 +106,7 @@ def import_traces(
         return {"profile": str(keep(save_profile, learned(settings, imported), replace))}
 
     if out is None:
-        return Result(imported, result | kept())
+        return Result(imported, result | kept(), "import_traces")
     from dummydesign.core.outputs.write import new_folder
     from dummydesign.report.imported import write_preview
 
@@ -119,7 +119,7 @@ def import_traces(
     result["inputs"] = {**inputs, "out": str(output.folder)}
     result["manifest"] = str(output.folder / output.place.manifest)
     result["warnings"] += output.place.warnings
-    return Result(imported, result | profiles)
+    return Result(imported, result | profiles, "import_traces")
 
 
 def _settings(profile: str | None, given: dict[str, Any]) -> Settings:

@@ -90,4 +90,4 @@ def make_mould(
         result = output.answer({**head, **found.to_dict(), "spec": spec.to_dict()})
     # Memory differs from run to run; the same question shall get the same answer but for seconds.
     del result["memory_MB"]
-    return Result(found, result)
+    return Result(found, result, "make_mould")

@@ -135,7 +135,7 @@ def predict(
         files = _add_fields(made, result, fields, picture)
     if out:
         files = {"curve": str(_write(out, STATIC if asked == ["depth_mm"] else MOVED, result))} | files
-    return Result(found, result | ({"files": files} if files else {}))
+    return Result(found, result | ({"files": files} if files else {}), "predict")
 
 
 def _add_fields(

@@ -164,7 +164,7 @@ def compare(
     if out is None:
         found = compare_traces(read, site, passed)
         known = {"inputs": inputs, "verdict": verdict_of_traces(found, site).to_dict(), **found.result}
-        return Result(found, {**known, "sources": list(site.sources), "files": {}})
+        return Result(found, {**known, "sources": list(site.sources), "files": {}}, "compare")
     from dummydesign.core.outputs.write import new_folder
     from dummydesign.report.files.compare import write_comparison
 
@@ -174,7 +174,7 @@ def compare(
         head = {"inputs": {**inputs, "out": str(output.folder)}, "verdict": judged, **found.result}
         files = write_comparison(found, site, output.work, judged)
         result = output.answer({**head, "sources": list(site.sources), "files": files})
-    return Result(found, result)
+    return Result(found, result, "compare")
 
 
 def _question(

@@ -33,7 +33,15 @@ def on_files(files: Any, config: Any) -> Any:
 
 
 def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
-    """Turn links into the repository into links of the site, or into plain words."""
+    """Turn links into the repository into links of the site, or into plain words.
+
+    Parameters
+    ----------
+    markdown : str
+        Of the page.
+    page, config, files
+        As the site's builder gives them; not used.
+    """
     for old, new in MOVED:
         markdown = re.sub(old, new, markdown)
     return NO_PAGE.sub(r"`\1`", markdown)

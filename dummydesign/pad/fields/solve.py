@@ -107,7 +107,7 @@ def contact_pressures(pad: Pad, depth_mm: Sequence[float]) -> tuple[list[dict[st
     Returns
     -------
     contact : list of dict
-        As :meth:`dummydesign.pad.fields.pressed.Pressed.contact` gives them, at the depths that were reached.
+        As the method ``contact`` of ``Pressed`` gives them, at the depths that were reached.
     notes : tuple of str
     """
     from dummydesign.core.cache import cached

@@ -134,7 +134,7 @@ def tables(found: list[tuple[Suggestion, list[Row], tuple[float, float, float]]]
         flat = next(row.item for row in rows if row.item.kind == Slab.name)
         base = flat.low_force.misfit_rms_ln_force if flat.low_force else None
         lines = [
-            "| pad | mm | E kPa | misfit | of the slab's | glued | frictionless | share < 5 N | share > 5 N "
+            "| pad | mm | E kPa | misfit | of the slab's | glued | frictionless | fraction < 5 N | fraction > 5 N "
             "| exponent 0.5 / 1 / 5 / 15 N | d/h at 15 N | total |",
             "|---|---|---|---|---|---|---|---|---|---|---|---|",
         ]
@@ -150,7 +150,7 @@ def tables(found: list[tuple[Suggestion, list[Row], tuple[float, float, float]]]
             cells = [" | ".join(map(_margin, *_pairs(row.centring))) for row in margins]
             body = [f"| {row.item.shape} | {text} |" for row, text in zip(margins, cells)]
             mark = "|---" * (1 + len(margins[0].centring.force_N)) + "|"
-            parts.append("Contact radius and, in brackets, how far off centre the punch may land unnoticed [mm]:")
+            parts.append("Contact radius and, in brackets, the alignment tolerance of the punch [mm]:")
             parts.append("\n".join([head, mark, *body]))
     return "\n\n".join(parts) + "\n"
 

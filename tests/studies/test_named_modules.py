@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import pydoc
 import re
 from functools import cache
-from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -29,14 +29,8 @@ def texts() -> list[Path]:
 
 @cache
 def there(name: str) -> bool:
-    """Whether a dotted name is a module, or something inside one."""
-    module, _, last = name.rpartition(".")
-    try:
-        if find_spec(name) is not None:
-            return True
-    except ModuleNotFoundError:
-        pass
-    return module != "" and there(module) and hasattr(import_module(module), last)
+    """Whether a dotted name is a module, something inside one, or a member of a class."""
+    return pydoc.locate(name) is not None
 
 
 def test_every_module_that_is_named_is_there():
@@ -55,3 +49,18 @@ def test_what_is_to_be_run_by_its_name_can_be_run(name):
     if spec.submodule_search_locations is not None:
         spec = find_spec(f"{name}.__main__")
     assert '__name__ == "__main__"' in Path(spec.origin).read_text(encoding="utf-8")
+
+
+FOLDERS = "dummydesign|pad|studies|tests|benchmarks|docs|examples|resin|tissue"
+PATH = re.compile(rf"(?<![\w/.-])(?:{FOLDERS})/[\w/.-]*\w\.(?:py|js|md|csv)\b")
+
+
+def test_every_file_that_a_document_names_is_there():
+    gone = {
+        f"{path.name}: {name}"
+        for path in [*PROJECT.glob("docs/*.md"), *PROJECT.glob("*.md")]
+        if path.name != "CHANGELOG.md"
+        for name in PATH.findall(path.read_text(encoding="utf-8"))
+        if "NAME" not in name and not any((base / name).exists() for base in (PROJECT, PACKAGE))
+    }
+    assert gone == set()

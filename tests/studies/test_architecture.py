@@ -10,6 +10,7 @@ from xml.etree import ElementTree
 from dummydesign.studies.architecture import ROOMS, House, draw, imported, read_house, room_of, upward
 
 PACKAGE = Path(__file__).parents[2] / "dummydesign"
+LONGEST, FULL = 300, 12
 
 
 def test_no_room_takes_from_a_layer_above_it():
@@ -21,6 +22,17 @@ def test_no_room_takes_from_a_layer_above_it():
 def test_every_folder_of_the_package_is_a_room():
     folders = {path.name for path in PACKAGE.iterdir() if (path / "__init__.py").exists()}
     assert folders == {name for name, _ in ROOMS}
+
+
+def test_a_file_has_one_idea_and_a_folder_is_taken_in_at_a_glance():
+    """At most 300 lines a file, tests included, and twelve modules a folder of the package."""
+    root = PACKAGE.parent
+    files = [path for part in ("dummydesign", "tests", "benchmarks") for path in (root / part).rglob("*.py")]
+    assert len(files) > 400
+    long = {path.relative_to(root).as_posix(): len(path.read_text(encoding="utf-8").splitlines()) for path in files}
+    assert {name: lines for name, lines in long.items() if lines > LONGEST} == {}
+    folders = Counter(path.parent.relative_to(root).as_posix() for path in files if path.is_relative_to(PACKAGE))
+    assert {name: count for name, count in folders.items() if count > FULL} == {}
 
 
 def test_lazy_imports_count_and_type_only_imports_do_not():

@@ -21,7 +21,10 @@ class Values:
     Subclasses have ``call``, the name of the call, and ``values()``, the whole answer as plain values.
     """
 
-    call = "answer"
+    @property
+    def call(self) -> str:
+        """Name of the call."""
+        return "answer"
 
     def values(self) -> Mapping[str, Any]:
         """The whole answer, not copied."""

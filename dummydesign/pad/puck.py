@@ -29,6 +29,7 @@ from dummydesign.core.cache import cached
 from dummydesign.core.checks import positive
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
 from dummydesign.geometry.interface import FACES, FRICTION, Interface
+from dummydesign.pad.contact.stiffness import PUCK_PLATES
 from dummydesign.pad.contact.surface_axisymmetric import Punch
 from dummydesign.pad.contact.ties import NoTies
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
@@ -42,7 +43,7 @@ Array = np.ndarray
 
 PLATES = (*FACES, FRICTION)
 SLIP_SCALE = 2e-4
-CONTACT_STIFFNESS = 1e5
+CONTACT_STIFFNESS = PUCK_PLATES.contact
 # Smallest cells that are tried in turn when a curve stops early; a rough edge can fold a cell of one mesh.
 CORNER_CELLS = (0.01, 0.02, 0.014, 0.03)
 GROWTH = 1.4

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from dummydesign.pad.contact.stiffness import RESTING_BASE
 from dummydesign.pad.contact.surface_axisymmetric import Punch
 from dummydesign.pad.contact.ties import Contact, NoTies
 from dummydesign.pad.fem.mixed_solid import Discretisation
@@ -26,7 +27,7 @@ Array = np.ndarray
 # the second and twice the last by less than 0.1 % (friction 0.3, pads of 5 and 20 mm).
 SLIP_SCALE = 1e-4
 SOFT_SHARE = 0.01
-CONTACT_STIFFNESS = 3e4
+CONTACT_STIFFNESS = RESTING_BASE.contact
 # Friction is eased in: its slip scale is larger by this factor at first touch, and by 1/e less at each of these depths.
 EASE, EASE_DEPTH = 100.0, 0.003
 # Gels and silicones of the library have 970 to 1070 kg/m3; 5 % of it is at most 0.5 % of the force (5, 20 mm; 25 kPa).

@@ -20,6 +20,7 @@ from dummydesign.geometry.shapes import PadShape
 from dummydesign.geometry.standard import PAD_EXTENT_MM
 from dummydesign.pad.material.hyperelastic import Law, Yeoh
 from dummydesign.pad.shaped.problem import CELLS, RIMS, Press, shaped_problem
+from dummydesign.pad.slab.edge_extrapolation import carried_on
 from dummydesign.pad.slab.problem import PadCurve, normalise
 from dummydesign.pad.solve.continuation import NOTHING, Path, cost, follow
 
@@ -69,7 +70,7 @@ def sharp(rough: Array, fine: Array) -> tuple[Array, Array]:
     else:
         step = np.zeros(len(step))
     best = np.where(np.isfinite(fine), fine, rough * np.exp(step))
-    return best * np.exp(LEFT_TO_SHARP * step), np.expm1(LEFT_TO_SHARP * step)
+    return carried_on(best, step, LEFT_TO_SHARP), np.expm1(LEFT_TO_SHARP * step)
 
 
 def solve_shaped_pad(

@@ -9,6 +9,7 @@ import numpy as np
 from dummydesign.core.errors import InputError
 from dummydesign.geometry.interface import BASES, FACES, Interface
 from dummydesign.geometry.shapes import PadShape
+from dummydesign.pad.contact.stiffness import ROUND_SHAPED_PAD
 from dummydesign.pad.contact.surface_axisymmetric import FlatPunch, Surface
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mesh_columns import Sizes, columns, height_lines, radial_lines, stretch
@@ -20,8 +21,7 @@ from dummydesign.pad.solve.equilibrium import Problem
 Array = np.ndarray
 
 # Contact stiffness in shear moduli over the cell, and what holds a sticking point, as a share of it.
-CONTACT_STIFFNESS = 2000.0
-GRIP_SHARE = 0.1
+CONTACT_STIFFNESS, GRIP_SHARE = ROUND_SHAPED_PAD.contact, ROUND_SHAPED_PAD.grip_share
 # Beads at the punch's edge over the smaller of radius and thickness.
 RIMS = (0.1, 0.05)
 CELLS = 16

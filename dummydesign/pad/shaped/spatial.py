@@ -22,6 +22,7 @@ from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.geometry.interface import BASES, CONDITIONS
 from dummydesign.geometry.shapes import PadShape
 from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
+from dummydesign.pad.contact.stiffness import SHAPED_PAD_IN_SPACE
 from dummydesign.pad.contact.surface_spatial import BeadedPunch, FaceContact, rectangle_punch, round_punch
 from dummydesign.pad.fem import mesh_hexahedra as space
 from dummydesign.pad.fem.mixed_solid import Solid
@@ -35,8 +36,7 @@ from dummydesign.pad.solve.solver_multifrontal import Dissection
 Array = np.ndarray
 
 # Contact stiffness in shear moduli over the cell, and grip as a share of it.
-CONTACT_STIFFNESS = 1000.0
-GRIP_SHARE = 0.3
+CONTACT_STIFFNESS, GRIP_SHARE = SHAPED_PAD_IN_SPACE.contact, SHAPED_PAD_IN_SPACE.grip_share
 # How far beyond the punch the surface may come to touch it, in units of the smaller of punch and thickness.
 REACH = 0.8
 

@@ -30,6 +30,23 @@ CORRECTION_ERROR = 0.05
 LIMIT_ERROR = 0.3
 
 
+def carried_on(values: Array, step: Array, share: float) -> Array:
+    """Values carried on to a sharp edge by a share of the step that halving the rim made.
+
+    Where the effect of a rim vanishes with its power p, 1 / (2^p - 1) of the step is left after the smaller rim.
+
+    Parameters
+    ----------
+    values : ndarray, broadcast
+        Forces with the smaller rim, or with the larger one, when the share is by one larger.
+    step : ndarray, broadcast
+        Logarithm of the values with the smaller rim over those with the larger one.
+    share : float
+        What is added of the step.
+    """
+    return values * np.exp(share * step)
+
+
 @dataclass(frozen=True)
 class Samples:
     """Values of s with rims: relative depth x, a / h, rim and s itself; arrays of one length."""

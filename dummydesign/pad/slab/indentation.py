@@ -15,6 +15,7 @@ from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.geometry.interface import BASES, FACES, Interface
 from dummydesign.geometry.standard import PAD_EXTENT_MM
 from dummydesign.pad.contact.resting_base import Both, RestingBase, weight_over_shear
+from dummydesign.pad.contact.stiffness import PROFILE_PUNCH, SLIDING_EDGE
 from dummydesign.pad.contact.surface_axisymmetric import ProfilePunch, Punch, Surface
 from dummydesign.pad.contact.ties import Contact
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
@@ -27,9 +28,8 @@ from dummydesign.pad.solve.equilibrium import Problem
 
 Array = np.ndarray
 
-# Contact stiffness in shear moduli per cell: an edge that slides needs the softer one to converge.
-SHAPED_STIFFNESS = 2000.0
-EDGE_STIFFNESS = 300.0
+# Contact stiffness in shear moduli per cell, of a profile and of a flat punch that slides.
+SHAPED_STIFFNESS, EDGE_STIFFNESS = PROFILE_PUNCH.contact, SLIDING_EDGE.contact
 SLIP_SCALE = 0.02
 
 

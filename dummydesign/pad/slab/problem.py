@@ -16,6 +16,7 @@ from dummydesign.core.checks import positive
 from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.geometry.interface import BASES, CONDITIONS
 from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS
+from dummydesign.pad.contact.stiffness import GLUED_SLAB
 from dummydesign.pad.contact.surface_axisymmetric import FlatPunch, Surface
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
@@ -25,9 +26,9 @@ from dummydesign.pad.solve.equilibrium import Problem
 
 Array = np.ndarray
 
-# Contact and film stiffness in shear moduli per rim; ten times either moves the limit by less than 0.1 %.
-CONTACT_STIFFNESS = 3000.0
-FILM_STIFFNESS = 300.0
+# Contact and film stiffness in shear moduli per rim.
+CONTACT_STIFFNESS = GLUED_SLAB.contact
+FILM_STIFFNESS = GLUED_SLAB.contact * GLUED_SLAB.grip_share
 FILM_REACH = 6.0
 
 

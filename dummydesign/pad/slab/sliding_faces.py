@@ -20,7 +20,7 @@ from dummydesign.geometry.standard import PAD_EXTENT_MM
 from dummydesign.pad.contact.resting_base import SLIP_SCALE, weight_over_shear
 from dummydesign.pad.contact.surface_axisymmetric import FlatPunch
 from dummydesign.pad.material.hyperelastic import Law
-from dummydesign.pad.slab.edge_extrapolation import RIM_POWER
+from dummydesign.pad.slab.edge_extrapolation import RIM_POWER, carried_on
 from dummydesign.pad.slab.indentation import Region, indentation_problem
 from dummydesign.pad.slab.problem import PadCurve, Slab, normalise
 from dummydesign.pad.slab.sharp_edge import solve_curve
@@ -122,7 +122,7 @@ def _solve_ratio(
     # Where the small bead stops first, its correction is held, and doubted as a whole.
     held = np.concatenate([change, np.full(count - both, change[-1])])
     doubt = np.where(np.arange(count) < both, LEFT, 1.0 + LEFT) * np.abs(held)
-    ratio = coarse[:count] * np.exp((1.0 + LEFT) * held)
+    ratio = carried_on(coarse[:count], held, 1.0 + LEFT)
     error = (SLIDING_ERROR if slides else GLUED_ERROR) + doubt
     if Interface.parse(base, "base", BASES).coulomb is not None:
         error = error + 0.5 * SLIP_SCALE / depths[:count]

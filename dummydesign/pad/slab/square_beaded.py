@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from dummydesign.pad.contact.stiffness import BEADED_SQUARE
 from dummydesign.pad.contact.surface_axisymmetric import FlatPunch, Surface
 from dummydesign.pad.contact.surface_spatial import BeadedPunch, FaceContact
 from dummydesign.pad.fem import mesh_axisymmetric as plane
@@ -32,8 +33,8 @@ Array = np.ndarray
 _TOLERANCE = 1e-9
 
 # Contact and grip in shear moduli per rim.
-CONTACT_STIFFNESS = 1000.0
-GRIP_STIFFNESS = 300.0
+CONTACT_STIFFNESS = BEADED_SQUARE.contact
+GRIP_STIFFNESS = BEADED_SQUARE.contact * BEADED_SQUARE.grip_share
 # Cells inside the flat face's edge that are held by contact instead of moving with the punch.
 FILM_CELLS = 1
 # How far beyond the punch the surface may come to touch it, in units of the smaller of radius and thickness.

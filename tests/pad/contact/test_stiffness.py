@@ -1,0 +1,24 @@
+"""Every solve takes its contact stiffness from the one table."""
+
+from dummydesign.pad import puck
+from dummydesign.pad.contact import resting_base, stiffness
+from dummydesign.pad.shaped import problem as round_pad
+from dummydesign.pad.shaped import spatial
+from dummydesign.pad.slab import indentation, problem, square_beaded
+
+
+def test_each_solve_has_the_penalty_of_its_line_and_each_line_its_reason():
+    lines = {name: value for name, value in vars(stiffness).items() if isinstance(value, stiffness.Penalty)}
+    assert all(line.contact > 0.0 and 0.0 < line.grip_share <= 1.0 and line.reason for line in lines.values())
+    taken = {
+        "GLUED_SLAB": problem.CONTACT_STIFFNESS,
+        "BEADED_SQUARE": square_beaded.CONTACT_STIFFNESS,
+        "SLIDING_EDGE": indentation.EDGE_STIFFNESS,
+        "PROFILE_PUNCH": indentation.SHAPED_STIFFNESS,
+        "ROUND_SHAPED_PAD": round_pad.CONTACT_STIFFNESS,
+        "SHAPED_PAD_IN_SPACE": spatial.CONTACT_STIFFNESS,
+        "RESTING_BASE": resting_base.CONTACT_STIFFNESS,
+        "PUCK_PLATES": puck.CONTACT_STIFFNESS,
+    }
+    assert taken == {name: line.contact for name, line in lines.items()}
+    assert (problem.FILM_STIFFNESS, square_beaded.GRIP_STIFFNESS) == (300.0, 300.0)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from dummydesign.api.values import Values, frame_of
+from dummydesign.api.display.values import Values, frame_of
 
 if TYPE_CHECKING:
     from dummydesign.design.suggestion import Suggestion
@@ -44,7 +44,7 @@ class Result(Values):
         InputError
             For an answer that holds no force curve.
         """
-        from dummydesign.api.plots import force_curve
+        from dummydesign.api.display.plots import force_curve
 
         return force_curve(self.call, self.result, axes)
 

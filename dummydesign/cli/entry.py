@@ -11,6 +11,7 @@ import sys
 from typing import Any, NoReturn
 
 from dummydesign._version import __version__
+from dummydesign.cli.examples import examples_of
 from dummydesign.cli.registry import COMMANDS, module_of
 from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError, unknown_name
 from dummydesign.core.outputs.manifest import COMMAND_LINE
@@ -27,7 +28,8 @@ class _Parser(argparse.ArgumentParser):
 def parser_of(name: str) -> argparse.ArgumentParser:
     """All options of a command."""
     module = module_of(name)
-    parser = _Parser(prog=f"dummydesign {name}", description=module.HELP, allow_abbrev=False)
+    parser = _Parser(prog=f"dummydesign {name}", description=module.HELP, epilog=examples_of(name), allow_abbrev=False,
+                     formatter_class=argparse.RawDescriptionHelpFormatter)  # fmt: skip
     module.add_arguments(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
     return parser

@@ -1,0 +1,60 @@
+"""Two examples of every command, shown at the end of its ``--help``."""
+
+from __future__ import annotations
+
+# A line on what it does, then the words after ``dummydesign``.
+EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
+    "suggest": (
+        ("the pad for a forefinger, its mould and report", "suggest --tissue forefinger"),
+        ("the best slab for a palm, without CAD", "suggest --tissue palm --shape slab --no-cad"),
+    ),
+    "predict": (
+        ("force of a 10 mm slab of 30 kPa at three depths", "predict --young 30 --thickness 10 --depth 1,2,3"),
+        (
+            "stress inside a crowned pad, for ParaView",
+            "predict --young 40 --thickness 8 --shape crowned:20,2,9 --depth 2 --fidelity axisymmetric --fields a.vtu",
+        ),
+    ),
+    "whatif": (
+        ("how the thickness changes the curve", "whatif --thickness 5:20:5 --ratio 15"),
+        ("scores for a thenar over ratio and thickness", "whatif --thickness 5:20:5 --ratio 14:16:0.5 --tissue thenar"),
+    ),
+    "mold": (
+        ("an open mould for a 5 mm pad", "mold --thickness 5"),
+        ("a lidded mould for a 20 mm pad", "mold --thickness 20 --preset lidded --ratio 15.4 --out thenar"),
+    ),
+    "import": (
+        ("read what a test machine wrote", "import export.csv --out traces"),
+        ("the same machine again, by its profile", "import monday.csv --profile my-zwick --out traces"),
+    ),
+    "fit": (
+        ("parameters of the tissue law from two presses", "fit slow.csv fast.csv"),
+        ("with a report", "fit slow.csv fast.csv --out fit"),
+    ),
+    "compare": (
+        ("a cast pad against a palm's ranges", "compare pad.csv --tissue palm"),
+        ("with a report", "compare pad.csv --tissue palm --out compared"),
+    ),
+    "loop": (
+        ("trace a campaign to what the model lacks", "loop campaign"),
+        ("with an effect of your own", "loop campaign --effect my_effect.py --out loop"),
+    ),
+    "replay": (
+        ("predict another campaign with what was learned", "replay campaign2 --calibration loop/calibration.json"),
+        ("the same as JSON", "replay campaign2 --calibration loop/calibration.json --json"),
+    ),
+    "tissues": (
+        ("the tissues there are", "tissues list"),
+        ("one of them with its sources", "tissues show palm"),
+    ),
+    "resins": (
+        ("the resins there are", "resins list"),
+        ("one of them with its sources", "resins show ecoflex-00-30"),
+    ),
+}  # fmt: skip
+
+
+def examples_of(command: str) -> str:
+    """The end of a command's help: its examples, or nothing."""
+    rows = [f"  {what}:\n    dummydesign {words}" for what, words in EXAMPLES.get(command, ())]
+    return "examples:\n" + "\n".join(rows) if rows else ""

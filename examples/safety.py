@@ -1,4 +1,4 @@
-"""What a robot of 4 kg at 250 mm/s does to the palm and to its dummy, beside one's own limits."""
+"""What a robot of 4 kg at 250 mm/s does to the palm and to its dummy, beside your own limits."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The option by which a command takes effects of one's own."""
+"""The option by which a command takes effects of your own."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ def profile_interval(model: Model, best: Solution, index: int, low: NDArray, hig
     """95 % interval of one parameter: where the best cost with it held is 3.84 above the minimum.
 
     An end that is not reached inside the box, or within :data:`FARTHEST`, is None: the data do not
-    determine the parameter on that side. ``at_bound`` tells that the optimum itself lies on the box.
+    determine the parameter on that side. ``at_bound`` says that the optimum itself lies on the box.
 
     Parameters
     ----------

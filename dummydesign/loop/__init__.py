@@ -1,6 +1,6 @@
 """Closing the loop: a measured campaign, its residual, the effects the model lacks, and the corrected model.
 
-For effects of one's own: :class:`Effect`, :class:`Parameter`, :func:`wrap`, :func:`check_effect`.
+For effects of your own: :class:`Effect`, :class:`Parameter`, :func:`wrap`, :func:`check_effect`.
 """
 
 from __future__ import annotations

@@ -57,7 +57,7 @@ def elastic_curve(
         raise unknown_name("fidelity", fidelity, FIDELITIES)
     if force_law is not None:
         if fidelity != "table":
-            raise InputError(f"fidelity = {fidelity} solves the pad; a force law of one's own goes with table")
+            raise InputError(f"fidelity = {fidelity} solves the pad; a force law of your own goes with table")
         return _by_law(pad, force_law)
     if isinstance(pad, Puck):
         return _of_puck(pad, fidelity, deepest_mm, depths_mm, progress)

@@ -1,7 +1,7 @@
 """The contract of a force law: long-term elastic force of pads over depth, how deep it holds and how sure it is.
 
 A law is asked for many pads at once: depth, thickness, modulus and punch radius broadcast. A curve is a law at one
-pad. Laws of one's own inherit :class:`BaseForceLaw`, give ``force`` and ``depth_limit_mm``, and go wherever a
+pad. Your own laws inherit :class:`BaseForceLaw`, give ``force`` and ``depth_limit_mm``, and go wherever a
 response table goes: ``predict_static(..., force_law=...)``, ``whatif(..., law=...)``, ``suggest(..., law=...)``.
 """
 

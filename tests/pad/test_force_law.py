@@ -116,7 +116,7 @@ def test_a_toy_law_is_predicted_with():
     assert found.notes == ("foam",)
     with pytest.raises(InputError, match="outside the allowed range 0 to 5"):
         predict_static(pad, [5.1], force_law=Foam())
-    with pytest.raises(InputError, match="a force law of one's own goes with table"):
+    with pytest.raises(InputError, match="a force law of your own goes with table"):
         predict_static(pad, [1.0], "axisymmetric", force_law=Foam())
 
 

@@ -9,7 +9,7 @@ ACTIONS = ("remove", "rename", "path")
 
 
 def add_own_actions(actions: Any, what: str) -> None:
-    """Declare the actions on a file of one's own."""
+    """Declare the actions on a file of your own."""
     remove = actions.add_parser("remove", help=f"delete a {what} of your own", allow_abbrev=False)
     remove.add_argument("name", metavar="NAME")
     rename = actions.add_parser("rename", help=f"give a {what} of your own another name", allow_abbrev=False)

@@ -47,7 +47,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def _list(options: argparse.Namespace) -> dict[str, Any]:
-    """A broken file of the user is said and left out, so that it never hides the others."""
+    """A broken file of the user gives a warning and is left out, so that it never hides the others."""
     from dummydesign.core.datafiles import entries
     from dummydesign.core.errors import InputError
     from dummydesign.resin.model.resin_file import KIND, read_resin

@@ -3,7 +3,7 @@
 The form is that of ISO/TS 15066:2016, annex A: force and pressure, each quasi-static and transient.
 
 Peak pressure is not given: under a sharp-edged glued punch the contact pressure grows without bound towards
-the edge as the mesh is refined, so a number would tell of the mesh. It needs the edge radius of the real part.
+the edge as the mesh is refined, so a value would depend on the mesh. It needs the edge radius of the real part.
 """
 
 from __future__ import annotations
@@ -179,7 +179,7 @@ def impact(body: Body, mass_kg: float, velocity_mm_s: float, longest_mm: float =
 
     m x'' = -F, x(0) = 0, x'(0) = v, by the midpoint rule with the arms' decay integrated exactly, so that a
     fast arm needs no short step; about 1000 steps to the stop. The energy of the rise is that of the mass,
-    m v^2 / 2, whatever the body; force and depth tell bodies apart.
+    m v^2 / 2, whatever the body; force and depth distinguish bodies.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ FIRST_HOLD_S = 0.005
 WEIGHTS = {"aim": 0.6, "steady_state_range": 0.15, "force_variation_range": 0.15, "parametric": 0.1}
 """The curves lead, nine tenths: closeness to the aim's own curves, then the fraction in range the ranges. The
 parameters mislead when a pad's exponent differs from 3 (the paper's dummy III) and count least. The aim
-weighs most because a fraction in range a range does not tell its middle from its stiff edge."""
+weighs most because a fraction in range does not distinguish the middle of a range from its stiff edge."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""What a design is held against: the tissue's ranges at each condition and the aim inside them."""
+"""What a design is compared with: the tissue's ranges at each condition and the aim inside them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ LOW_GRID_N = np.array([0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5, 5.0])
 """Steady forces of the part that was never measured; reported, not scored. [N]"""
 NARROWEST = 0.15
 """Half-widths of bands are never taken below 15 %: a single subject has no band, but distances from it need
-a scale on which a slab's unavoidable misfit still tells better from worse."""
+a scale on which a slab's unavoidable misfit still distinguishes better from worse."""
 
 
 @dataclass(frozen=True)

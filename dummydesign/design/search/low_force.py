@@ -48,7 +48,7 @@ class LowForce:
 
 
 def low_force(candidate: Candidate, targets: Targets) -> LowForce:
-    """Hold a design against the aim and the subjects' range over 0.5 to 15 N."""
+    """Compare a design with the aim and the subjects' range over 0.5 to 15 N."""
     index, evaluation = candidate.index, candidate.evaluation
     slabs = evaluation.slabs.take(np.array([index]))
     area = np.array(EXPONENT_AT_N) / slabs.young_MPa[0]

@@ -1,4 +1,4 @@
-"""Work a design with a shape out again on finite elements: a search picks what its table flatters.
+"""Solve a shaped design again by finite elements: a search prefers designs whose table error is favourable.
 
 The best of many pads by a table with an error is also the one whose error helps it most. So the pads that win are
 solved, the table is multiplied by what the elements give over it, and ratio and scores are found anew.

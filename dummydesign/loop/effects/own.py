@@ -1,4 +1,4 @@
-"""Effects of one's own: from a file, or installed under the entry point group ``dummydesign.effects``."""
+"""Effects of your own: from a file, or installed under the entry point group ``dummydesign.effects``."""
 
 from __future__ import annotations
 

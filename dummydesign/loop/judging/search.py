@@ -57,7 +57,7 @@ class Selection:
 def search(base: Stage, available: tuple[Effect, ...], progress: Progress | None = None) -> Selection:
     """Add effects while one is accepted, then look again at each of those found.
 
-    The best models of each size are carried on, so that a rival that fits less well alone may win with a partner.
+    The best models of each size are kept, so that a rival that fits less well alone may win with a partner.
     What must be gained grows with the number of models tried.
 
     Parameters

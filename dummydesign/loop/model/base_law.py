@@ -214,7 +214,7 @@ def law_of(campaign: Campaign) -> SlabLaw | PuckLaw:
     if pad.base not in BASES:
         raise InputError(
             f"pad base = '{pad.base}': campaigns are fitted with base = 'bonded' or 'sliding'; name the nearer one, "
-            "and the effect base_slip tells how much of the base slides"
+            "and the effect base_slip says how much of the base slides"
         )
     table = load_table(pad.base)
     law = SlabLaw(table, punch.radius_mm, punch.shape == "square")

@@ -50,7 +50,7 @@ class QuickError:
         """rho at one a / h, any d / h and one rise time.
 
         Linear between the grid in ln(a/h), d/h and ln(rise). Held at the ends of a / h and for longer rises;
-        in proportion to shorter ones; the line in d / h is carried on beyond its end.
+        in proportion to shorter ones; extrapolated linearly in d / h beyond its end.
 
         Parameters
         ----------

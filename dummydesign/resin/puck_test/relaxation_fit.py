@@ -6,7 +6,7 @@ The force is that of :mod:`dummydesign.resin.puck_test.loading_fit` with relaxat
 
 driven by the measured motion. Given alpha, contact offset and times the force is linear in E and E beta_i, from
 which the starts are found. The number of arms, 0 to 3, is the smallest whose AICc is within 6 of the lowest, all
-under the noise of the richest. Friction is not told: it is profiled from frictionless to bonded.
+under the noise of the richest. Friction is not specified: it is profiled from frictionless to bonded.
 
 Intervals of times and strengths are those of the profile likelihood over friction, with the other parameters in
 their Gaussian approximation. Modulus and friction have the cautious ones of ``loading_fit``: how the law misfits

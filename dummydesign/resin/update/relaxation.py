@@ -5,13 +5,13 @@ The base's arms are carried to the puck's ratio, with what is not known of its l
 - a measured arm and the base's nearest one within a factor of three in time are taken for the same; the posterior
   of ln beta is normal, with weights 1 / variance of the base's and of the measured. The time is the measured one.
   Where the two miss each other by more than 2.6 of their joint standard deviation, both are widened until they
-  agree (Birge ratio) and that is said;
+  agree (Birge ratio) and this is reported;
 - a measured arm without a counterpart is taken as measured;
 - an arm of the base inside the times that the puck could show, without a counterpart, is not there: the measured
   arms stand for all of it;
-- an arm of the base outside those times is kept as the base has it, and that is said.
+- an arm of the base outside those times is kept as the base has it, and this is reported.
 
-Pour to pour, strengths scatter by more than one puck can tell: :data:`POUR` is added to the measured spread.
+From pour to pour strengths scatter by more than one puck shows: :data:`POUR` is added to the measured spread.
 
 References
 ----------

@@ -1,4 +1,4 @@
-"""Keep a resin of one's own: a whole resin file, or measured points that update a known one."""
+"""Keep a resin of your own: a whole resin file, or measured points that update a known one."""
 
 from __future__ import annotations
 

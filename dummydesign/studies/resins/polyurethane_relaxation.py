@@ -1,4 +1,4 @@
-"""Infer how strongly the paper's polyurethane relaxes from what is said of its dummies' peaks.
+"""Infer how strongly the paper's polyurethane relaxes from what the paper says of its dummies' peaks.
 
 The paper gives no relaxation of its resin, but says (section IV-C, at 10 N steady, 10 and 250 mm/s): the
 peaks of dummies I and III are small and lie in the force variation range of palm and forefinger, the peak

@@ -49,7 +49,7 @@ SOURCES = (
     HAND_STIFFNESS,
 )
 NOTES = (
-    "Nobody's measurement: inferred from the paper's words and in vivo anchors, and wide. One's own traces "
+    "Not measured: inferred from the paper's description and in vivo data; wide intervals. Your own traces "
     "(tissues add) or points read off the paper's figures (tissues add-points) replace it.",
     "The subjects are posterior medians of the k-th smallest of five, not persons.",
     "Below a steady force of 5 N nothing was measured; the band there is the cube law extrapolated.",

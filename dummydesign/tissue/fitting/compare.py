@@ -42,7 +42,7 @@ class Comparison:
 
 
 def compare_traces(traces: Sequence[Trace], tissue: Tissue, lowpass: Lowpass | None = None) -> Comparison:
-    """Hold a dummy's traces against a tissue: by parameters, by steady-state range, by force variation range.
+    """Compare a dummy's traces with a tissue: by parameters, by steady-state range, by force variation range.
 
     The dummy is fitted per speed with the law and the number of elements of the tissue. Its steady-state
     curve goes through its measured (depth, force at the end of the hold); below the smallest of them it

@@ -1,4 +1,4 @@
-"""The two ranges a dummy is held against: steady-state force over depth, and force over time."""
+"""The two ranges a dummy is compared with: steady-state force over depth, and force over time."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from dummydesign.tissue.model.laws import law_named
 from dummydesign.tissue.model.parameters import Parameters
 
 STEADY_PARTS_N = {"below_5N": (0.5, 5.0), "above_5N": (5.0, 15.0)}
-"""Parts of the steady-state range that are reported apart; below 5 N nobody was measured. [N]"""
+"""Parts of the steady-state range that are reported separately; below 5 N there are no measurements. [N]"""
 
 FIRST_HOLD_S = 0.005
 

@@ -36,7 +36,7 @@ def load_tissue(name_or_path: str) -> Tissue:
 
 
 def readable_tissues() -> tuple[list[Tissue], list[str]]:
-    """Load all known tissues; a user's file that cannot be read is said, the built-in one taken."""
+    """Load all known tissues; a user's file that cannot be read gives a warning and the built-in one is taken."""
     found, problems = [], []
     for entry in tissue_entries().values():
         places = [entry]

@@ -1,4 +1,4 @@
-"""``tissues add``: a tissue of one's own from several subjects' traces or fits."""
+"""``tissues add``: a tissue of your own from several subjects' traces or fits."""
 
 from __future__ import annotations
 

@@ -87,7 +87,7 @@ class CrownedDesign(Design):
 def at_levels(depths: Array, points: Array, rows: Array) -> Array:
     """Curves over d / h, shape (n, depths), at the levels of d / c; NaN where they were not solved.
 
-    A natural cubic spline in sqrt(d / h) from 0 at first touch, carried on straight.
+    A natural cubic spline in sqrt(d / h) from 0 at first touch, extrapolated linearly.
 
     Parameters
     ----------

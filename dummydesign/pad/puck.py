@@ -97,14 +97,20 @@ class RoughPlate(NoTies):
         return np.einsum("qi,eic->eqc", self._shape, moved)
 
     def settle(self, u: Array, punch: Punch | None, depth: float) -> None:
-        """Remember where points first touched, so that their slip is counted from there."""
+        """Remember where points first touched, so that their slip is counted from there.
+
+        See :class:`dummydesign.pad.contact.ties.Contact`.
+        """
         points = self._points(u)
         new = (points[..., 1] + depth >= 0.0) & ~self._touched
         self._spot[new] = points[..., 0][new]
         self._touched |= new
 
     def forces(self, u: Array, punch: Punch | None, depth: float) -> tuple[Array, Array]:
-        """Internal force (full length) and its derivative (per side) of contact and friction."""
+        """Internal force (full length) and its derivative (per side) of contact and friction.
+
+        See :class:`dummydesign.pad.contact.ties.Contact`.
+        """
         points = self._points(u)
         penetration = points[..., 1] + depth
         stiffness = np.where(penetration >= -1e-12, self._stiffness, 0.0) * self._area
@@ -134,7 +140,18 @@ def puck_problem(
 ) -> Problem:
     """Upper half of a cylinder of unit height under a plate; the plate's depth is half the compression.
 
-    ``corner`` is the size of the smallest cell, at the edge of the end face, in heights.
+    Parameters
+    ----------
+    puck : Puck
+        Radius over height, and what the plates do.
+    law : Law
+        Its moduli set the unit of stress.
+    poisson : float
+        Poisson's ratio; 0.5 is incompressible.
+    corner : float
+        Size of the smallest cell, at the edge of the end face, in heights.
+    slip_scale : float
+        Slip over which Coulomb's friction is regularised, in heights.
     """
     r = meshes.graded(puck.radius, 0.0, corner, GROWTH)[::-1]
     z = meshes.graded(0.0, -0.5, corner, GROWTH)
@@ -183,7 +200,7 @@ def solve_puck(
         Of the undeformed cylinder. [mm]
     young_MPa : float
         Long-term Young's modulus E; the shear modulus is E / (2 (1 + nu)). [MPa]
-    compression_mm : sequence of float
+    compression_mm : sequence of float, or ndarray of shape (n,)
         How much nearer the plates come, >= 0, at most 0.6 heights. [mm]
     plates : str
         ``frictionless``, ``bonded`` or ``friction:MU``.
@@ -191,6 +208,8 @@ def solve_puck(
         Poisson's ratio; 0.5 is incompressible.
     law : Law, optional
         Shape of the hyperelastic law, scaled to the modulus; neo-Hookean by default.
+    progress : callable, optional
+        Called with each compression over height that is solved.
 
     Returns
     -------
@@ -253,7 +272,17 @@ def compress(
     slip_scale: float = SLIP_SCALE,
     progress: Callable[[float], None] | None = None,
 ) -> Path:
-    """Follow a puck of unit height through relative compressions; a Path whose depth is HALF of them."""
+    """Follow a puck of unit height through relative compressions; a Path whose depth is HALF of them.
+
+    Parameters
+    ----------
+    puck, law, poisson, corner, slip_scale
+        As for :func:`puck_problem`.
+    compression : ndarray, shape (n,)
+        Increasing, over the height.
+    progress : callable, optional
+        Called with each solved depth, half of the compression.
+    """
     problem = puck_problem(puck, law, poisson, corner, slip_scale)
     first = 0.02 if problem.surface is None else slip_scale
     return follow(problem, np.asarray(compression) / 2.0, first, 0.0125, 1e-4, progress)

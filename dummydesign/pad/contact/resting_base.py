@@ -68,10 +68,16 @@ class RestingBase(NoTies):
         self._pull, self._weight = area * weight * shear, weight
 
     def settle(self, u: Array, punch: Punch | None, depth: float) -> None:
-        """Nothing to remember: slip is counted from the undeformed pad."""
+        """Nothing to remember: slip is counted from the undeformed pad.
+
+        See :class:`dummydesign.pad.contact.ties.Contact`.
+        """
 
     def forces(self, u: Array, punch: Punch | None, depth: float) -> tuple[Array, Array]:
-        """Force (full length) and its derivative (per side) of contact, friction and weight."""
+        """Force (full length) and its derivative (per side) of contact, friction and weight.
+
+        See :class:`dummydesign.pad.contact.ties.Contact`.
+        """
         local = u[self.dofs].reshape(-1, 3, 2)
         slip, gap = (local[:, :, k] @ self._shape.T for k in (0, 1))
         scale = SLIP_SCALE * (1.0 + EASE * np.exp(-depth / EASE_DEPTH))
@@ -116,15 +122,45 @@ class Both:
             part.restore(kept)
 
     def tie(self, u: Array, punch: Punch, depth: float) -> bool:
-        """As of each."""
+        """As of each.
+
+        Parameters
+        ----------
+        u : ndarray, shape (displacements,)
+            Displacements of the nodes, in the mesh's unit of length.
+        punch : Punch
+            What presses the upper face.
+        depth : float
+            How far it has come, in the same unit.
+        """
         return any([part.tie(u, punch, depth) for part in self._parts])
 
     def settle(self, u: Array, punch: Punch, depth: float) -> None:
-        """As of each."""
+        """As of each.
+
+        Parameters
+        ----------
+        u : ndarray, shape (displacements,)
+            Displacements of the nodes, in the mesh's unit of length.
+        punch : Punch
+            What presses the upper face.
+        depth : float
+            How far it has come, in the same unit.
+        """
         for part in self._parts:
             part.settle(u, punch, depth)
 
     def forces(self, u: Array, punch: Punch, depth: float) -> tuple[Array, Array]:
-        """Sum of the forces, and all matrices in the order of ``dofs``."""
+        """Sum of the forces, and all matrices in the order of ``dofs``.
+
+        Parameters
+        ----------
+        u : ndarray, shape (displacements,)
+            Displacements of the nodes, in the mesh's unit of length.
+        punch : Punch
+            What presses the upper face.
+        depth : float
+            How far it has come, in the same unit.
+        """
         found = [part.forces(u, punch, depth) for part in self._parts]
         return found[0][0] + found[1][0], np.concatenate([matrix for _, matrix in found])

@@ -35,9 +35,9 @@ class Punch(Protocol):
 
 @dataclass(frozen=True)
 class FlatPunch:
-    """A flat punch of a given radius whose edge is a bead of radius ``rim``; the sides above recede.
+    """A flat punch of a given radius whose edge is a fillet of radius ``rim``; the sides above recede.
 
-    The pad may touch the bead all round but nothing behind it: the punch's sides never touch.
+    The pad may touch the fillet all round but nothing behind it: the punch's sides never touch.
     """
 
     radius: float
@@ -45,11 +45,11 @@ class FlatPunch:
 
     @property
     def flat_radius(self) -> float:
-        """Radius at which the flat face ends and the bead begins."""
+        """Radius at which the flat face ends and the fillet begins."""
         return self.radius - self.rim
 
     def gap(self, points: Array, depth: float) -> tuple[Array, Array, Array]:
-        """Distance to the face or the bead, whichever is nearest, with its derivatives."""
+        """Distance to the face or the fillet, whichever is nearest, with its derivatives."""
         v = points - np.array([self.flat_radius, self.rim - depth])
         distance = np.maximum(np.linalg.norm(v, axis=-1), 1e-300)
         flat = self._flat(v)
@@ -62,7 +62,7 @@ class FlatPunch:
 
     @staticmethod
     def _flat(v: Array) -> Array:
-        """Which points, measured from where the bead is centred, the face pushes; the bead pushes the others."""
+        """Which points, measured from where the fillet is centred, the face pushes; the fillet pushes the others."""
         return (v[..., 0] < 0.0) & (v[..., 1] < 0.0)
 
 
@@ -105,8 +105,8 @@ class Surface:
         Coulomb's coefficient. The drag is mu p s / sqrt(s^2 + e^2) for a slip s since first touch, a
         regularised total form for slip that does not turn back; ``slip_scale`` is e.
     ties_within_step : bool
-        Whether points that come to touch stick where their gap closed. Not for beads far smaller than a load
-        step, whose points go round much of the bead in one.
+        Whether points that come to touch stick where their gap closed. Not for fillets far smaller than a load
+        step, whose points go round much of the fillet in one.
     """
 
     def __init__(
@@ -162,7 +162,17 @@ class Surface:
         self._held, self._spot, self._along = (part.copy() for part in memory)
 
     def tie(self, u: Array, punch: Punch, depth: float) -> bool:
-        """Tie points that came to touch in this step where the gap closed; True when there are new ones."""
+        """Tie points that came to touch in this step where the gap closed; True when there are new ones.
+
+        Parameters
+        ----------
+        u : ndarray, shape (displacements,)
+            Displacements of the nodes, in the mesh's unit of length.
+        punch : Punch
+            Gives gap, normal and curvature at places.
+        depth : float
+            How far the punch has come, in the same unit.
+        """
         if not self._within:
             return False
         points = self._points(u)
@@ -188,7 +198,13 @@ class Surface:
         return True
 
     def settle(self, u: Array, punch: Punch, depth: float) -> None:
-        """Accept a step: free points that do not touch; without ties within the step, tie those that do."""
+        """Accept a step: free points that do not touch; without ties within the step, tie those that do.
+
+        Parameters
+        ----------
+        u, punch, depth
+            As for :meth:`tie`.
+        """
         points = self._points(u)
         gap, normal, _ = punch.gap(points, depth)
         new = (gap <= 0.0) & ~self._held
@@ -200,7 +216,18 @@ class Surface:
         self._last = (points + np.array([0.0, depth]), gap)
 
     def forces(self, u: Array, punch: Punch, depth: float) -> tuple[Array, Array]:
-        """Gradient (full length) and second derivative (per side) of the contact and film energy."""
+        """Gradient (full length) and second derivative (per side) of the contact and film energy.
+
+        Parameters
+        ----------
+        u, punch, depth
+            As for :meth:`tie`.
+
+        Returns
+        -------
+        gradient : ndarray, shape (displacements,)
+        second : ndarray, shape (sides, dofs, dofs)
+        """
         local = u[self.dofs]
         points = self._points(u)
         gap, normal, bend = punch.gap(points, depth)

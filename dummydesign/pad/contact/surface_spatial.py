@@ -1,4 +1,4 @@
-"""Unilateral contact in space: faces of 27-node hexahedra and a rigid flat punch with a bead at its edge.
+"""Unilateral contact in space: faces of 27-node hexahedra and a rigid flat punch with a fillet at its edge.
 
 The same penalty and the same grip as of ``contact``, which is their axisymmetric form: energy k/2 <-g>^2 per
 reference area at the quadrature points of the faces, g the gap; what touches a glued punch at the end of a
@@ -33,7 +33,7 @@ class SpatialPunch(Protocol):
 
 @dataclass(frozen=True)
 class BeadedPunch:
-    """A flat punch with a bead of radius ``rim`` all round its edge; the sides above recede.
+    """A flat punch with a fillet of radius ``rim`` all round its edge; the sides above recede.
 
     The flat face is every point within ``corner`` of a rectangle of half sides ``core`` about ``centre``: a
     rectangle without ``corner``, a disc without ``core``. The punch reaches ``rim`` beyond its face.
@@ -45,7 +45,7 @@ class BeadedPunch:
     centre: tuple[float, float] = (0.0, 0.0)
 
     def gap(self, points: Array, depth: float) -> tuple[Array, Array, Array]:
-        """Distance to the face or the bead, whichever is nearest, with its derivatives."""
+        """Distance to the face or the fillet, whichever is nearest, with its derivatives."""
         plan = points[..., :2] - np.array(self.centre)
         over = np.maximum(np.abs(plan) - np.array(self.core), 0.0)
         away = np.maximum(np.linalg.norm(over, axis=-1), 1e-300)
@@ -69,12 +69,32 @@ class BeadedPunch:
 def rectangle_punch(
     half_sides: tuple[float, float], rim: float, centre: tuple[float, float] = (0.0, 0.0)
 ) -> BeadedPunch:
-    """A rectangular punch of the given half sides over all, its bead included."""
+    """A rectangular punch, its edge fillet included in its sides.
+
+    Parameters
+    ----------
+    half_sides : (float, float)
+        Half of its outer sides, in the mesh's unit of length.
+    rim : float
+        Radius of the edge fillet.
+    centre : (float, float)
+        Where its centre is, x and y.
+    """
     return BeadedPunch((half_sides[0] - rim, half_sides[1] - rim), 0.0, rim, centre)
 
 
 def round_punch(radius: float, rim: float, centre: tuple[float, float] = (0.0, 0.0)) -> BeadedPunch:
-    """A round punch of the given radius over all, its bead included."""
+    """A round punch, its edge fillet included in its radius.
+
+    Parameters
+    ----------
+    radius : float
+        Outer radius, in the mesh's unit of length.
+    rim : float
+        Radius of the edge fillet.
+    centre : (float, float)
+        Where its centre is, x and y.
+    """
     return BeadedPunch((0.0, 0.0), radius - rim, rim, centre)
 
 
@@ -116,7 +136,17 @@ class FaceContact(NoTies):
         return np.einsum("qi,eic->eqc", self._shape, self._place + u[self.dofs].reshape(self._place.shape))
 
     def settle(self, u: Array, punch: SpatialPunch, depth: float) -> None:
-        """Let points that touch at the end of a load step stick where they are; free those that do not."""
+        """Let points that touch at the end of a load step stick where they are; free those that do not.
+
+        Parameters
+        ----------
+        u : ndarray, shape (displacements,)
+            Displacements of the nodes, in the mesh's unit of length.
+        punch : SpatialPunch
+            Gives gap, normal and curvature at places.
+        depth : float
+            How far the punch has come, in the same unit.
+        """
         points = self._points(u)
         gap, normal, _ = punch.gap(points, depth)
         touching = gap <= TOUCHING
@@ -127,7 +157,18 @@ class FaceContact(NoTies):
         self._held = touching
 
     def forces(self, u: Array, punch: SpatialPunch, depth: float) -> tuple[Array, Array]:
-        """Gradient (full length) and second derivative (per face) of the contact and grip energy."""
+        """Gradient (full length) and second derivative (per face) of the contact and grip energy.
+
+        Parameters
+        ----------
+        u, punch, depth
+            As for :meth:`settle`.
+
+        Returns
+        -------
+        gradient : ndarray, shape (displacements,)
+        second : ndarray, shape (faces, dofs, dofs)
+        """
         points = self._points(u)
         gap, normal, bend = punch.gap(points, depth)
         push = self._stiffness * np.maximum(-gap, 0.0)

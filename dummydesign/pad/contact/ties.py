@@ -19,17 +19,48 @@ class Contact(Protocol):
     dofs: Array
 
     def settle(self, u: Array, punch: Any, depth: float) -> None:
-        """Take the state at the end of a step as that from which the next one starts."""
+        """Take the state at the end of a step as that from which the next one starts.
+
+        Parameters
+        ----------
+        u : ndarray, shape (displacements,)
+            Displacements of the nodes, in the mesh's unit of length.
+        punch : Punch
+            Gives gap, normal and curvature at places; a plate of its own does without.
+        depth : float
+            How far the punch has come, in the same unit.
+        """
 
     def forces(self, u: Array, punch: Any, depth: float) -> tuple[Array, Array]:
-        """Internal force (full length) and its derivative (per side)."""
+        """Internal force (full length) and its derivative (per side).
+
+        Parameters
+        ----------
+        u, punch, depth
+            As for :meth:`settle`.
+
+        Returns
+        -------
+        force : ndarray, shape (displacements,)
+        derivative : ndarray, shape (sides, dofs, dofs)
+        """
         ...
 
     def begin(self) -> None:
         """Go back to what was tied at the last accepted step."""
 
     def tie(self, u: Array, punch: Any, depth: float) -> bool:
-        """Tie what came to touch in this step; True when there is something new."""
+        """Tie what came to touch in this step; True when there is something new.
+
+        Parameters
+        ----------
+        u : ndarray, shape (displacements,)
+            Displacements of the nodes, in the mesh's unit of length.
+        punch : Punch
+            Gives gap, normal and curvature at places; a plate of its own does without.
+        depth : float
+            How far the punch has come, in the same unit.
+        """
         ...
 
     def memory(self) -> Any:
@@ -46,7 +77,17 @@ class NoTies:
         """Go back to what was tied at the last accepted step."""
 
     def tie(self, u: Array, punch: Any, depth: float) -> bool:
-        """Tie what came to touch in this step; True when there is something new."""
+        """Tie what came to touch in this step; True when there is something new.
+
+        Parameters
+        ----------
+        u : ndarray, shape (displacements,)
+            Displacements of the nodes, in the mesh's unit of length.
+        punch : Punch
+            Its gap says what touches.
+        depth : float
+            How far the punch has come, in the same unit.
+        """
         return False
 
     def memory(self) -> Any:
@@ -64,11 +105,11 @@ def closure(r: Array, held: Array, touching: Array, room: Array) -> Array:
 
     Parameters
     ----------
-    r : ndarray
+    r : ndarray, shape (n,)
         Places along the surface, increasing.
-    held, touching : ndarray of bool
+    held, touching : ndarray of bool, shape (n,)
         What touched before and after the step.
-    room : ndarray
+    room : ndarray, shape (n,)
         Gap before the step.
     """
     share = np.ones(len(r))

@@ -101,7 +101,7 @@ class Pressed:
 
         The mean is the force over the area that touches. A sharp edge has no finite peak: ``peak_kPa`` is the
         largest value inside 0.9 of the contact's radius, ``edge_kPa`` the largest outside it, which depends on
-        the bead or fillet of the edge.
+        the fillet or fillet of the edge.
         """
         face, reach = self.face, self.face.contact_radius_mm
         touched = face.state != FREE

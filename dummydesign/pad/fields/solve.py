@@ -1,7 +1,7 @@
 """Solve the fields of a round pad at static depths.
 
-The punch has the bead of the finest shaped solve (0.05 of the smaller of punch radius and thickness) at its edge; the
-force of these fields is the one with that bead, not the limit of a sharp edge.
+The punch has the fillet of the finest shaped solve (0.05 of the smaller of punch radius and thickness) at its edge; the
+force of these fields is the one with that fillet, not the limit of a sharp edge.
 """
 
 from __future__ import annotations
@@ -121,7 +121,7 @@ def contact_pressures(pad: Pad, depth_mm: Sequence[float]) -> tuple[list[dict[st
 
 
 def _setup(pad: Pad, law: Any, depths: Array, shear: float) -> Setup:
-    """The problem that the pad's own curve is solved by, with one bead."""
+    """The problem that the pad's own curve is solved by, with one fillet."""
     from dummydesign.pad.contact.resting_base import weight_over_shear
     from dummydesign.pad.contact.surface_axisymmetric import FlatPunch, ProfilePunch
     from dummydesign.pad.shaped.axisymmetric import LARGEST_STEP, first_depth

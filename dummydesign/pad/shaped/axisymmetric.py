@@ -2,10 +2,10 @@
 
 The pad stands from the base (or from a rigid bone) up to its tested face; both may be curved. A crowned pad
 is touched at its apex first: depth 0 is there, the contact opens over the crown and may reach the flat around
-it and the punch's edge later. The edge is a bead of small radius, without a wall behind it.
+it and the punch's edge later. The edge is a fillet of small radius, without a wall behind it.
 
 A pad with a flat top has the sharp edge of a slab under its punch. Its force is the ratio to a homogeneous
-slab on the same cells with the same bead, times the slab's own sharp-edge force (``axisymmetric``).
+slab on the same cells with the same fillet, times the slab's own sharp-edge force (``axisymmetric``).
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from dummydesign.pad.solve.continuation import NOTHING, Path, cost, follow
 
 Array = np.ndarray
 
-# From one bead (RIMS) to the next of half the size the missing force falls by 0.42 (the power 1.25 of
+# From one fillet (RIMS) to the next of half the size the missing force falls by 0.42 (the power 1.25 of
 # ``edge_extrapolation``), so this share of the last step is left.
 LEFT_TO_SHARP = 0.42 / (1.0 - 0.42)
 # Share of that extrapolation, and of the step to cells of half the size, that is stated as error.
@@ -42,7 +42,29 @@ FIRST_DEPTH = 0.02
 
 def climb(press: Press, law: Law, depths: Array, cells: int = CELLS, rim: float = RIMS[-1], twin: bool = False,
           progress: Callable[[float], None] | None = None) -> Path:  # fmt: skip
-    """Follow the pad with one bead through relative ``depths``."""
+    """Follow the pad under a punch with one edge fillet.
+
+    Parameters
+    ----------
+    press : Press
+        Pad, punch and support in thicknesses.
+    law : Law
+        Of the upper resin; its moduli set the unit of stress.
+    depths : ndarray, shape (n,)
+        Increasing depths in thicknesses.
+    cells : int
+        Cells between the axis and the punch's edge, at least.
+    rim : float
+        Fillet radius over the smaller of punch radius and thickness.
+    twin : bool
+        Whether the homogeneous reference slab is solved on the same grid instead.
+    progress : callable, optional
+        Called with each solved depth.
+
+    Returns
+    -------
+    Path
+    """
     problem = shaped_problem(press, law, cells, rim, twin)
     if press.condition == "frictionless":
         # Contact without memory: the force is the same whatever the steps were.
@@ -53,14 +75,14 @@ def climb(press: Press, law: Law, depths: Array, cells: int = CELLS, rim: float 
 
 
 def sharp(rough: Array, fine: Array) -> tuple[Array, Array]:
-    """Values with beads of 0.1 and 0.05 carried on to a sharp edge; NaN where a bead did not get to.
+    """Values with fillets of 0.1 and 0.05 carried on to a sharp edge; NaN where a fillet did not get to.
 
     Where only one is known, the step between them is taken from the last depth at which both are.
 
     Returns
     -------
     value, added : ndarray
-        The limit, and what it adds over the smaller bead, relative.
+        The limit, and what it adds over the smaller fillet, relative.
     """
     step = np.log(fine / rough)
     known = np.isfinite(step)
@@ -98,7 +120,7 @@ def solve_shaped_pad(
         Thickness of the pad at its highest point and radius of the punch. [mm]
     young_MPa : float
         Long-term Young's modulus of the resin, the upper one of a layered pad. [MPa]
-    depth_mm : sequence of float
+    depth_mm : sequence of float, or ndarray of shape (n,)
         Depths of the punch below the pad's highest point, above 0, at most 0.6 thicknesses. [mm]
     condition : str
         ``bonded`` (what touches sticks), ``frictionless`` or ``friction:MU``.
@@ -144,7 +166,7 @@ def first_depth(depths: Array) -> float:
 
 
 def _grids(cells: int) -> list[tuple[int, float]]:
-    """Cells and bead of the three solves: large bead, small bead, small bead on cells of twice the size."""
+    """Cells and fillet of the three solves: large fillet, small fillet, small fillet on cells of twice the size."""
     return [(cells, RIMS[0]), (cells, RIMS[1]), (max(4, cells // 2), RIMS[1])]
 
 

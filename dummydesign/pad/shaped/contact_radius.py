@@ -54,7 +54,7 @@ def contact_radius(
         Thickness at the highest point and radius of the punch. [mm]
     depth_mm : sequence of float
         Increasing depths above 0. [mm]
-    condition : str
+    condition, extent_mm, cells
         As for :func:`dummydesign.pad.shaped.axisymmetric.solve_shaped_pad`.
 
     Returns

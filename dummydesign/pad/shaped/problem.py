@@ -22,13 +22,13 @@ Array = np.ndarray
 
 # Contact stiffness in shear moduli over the cell, and what holds a sticking point, as a share of it.
 CONTACT_STIFFNESS, GRIP_SHARE = ROUND_SHAPED_PAD.contact, ROUND_SHAPED_PAD.grip_share
-# Beads at the punch's edge over the smaller of radius and thickness.
+# Fillets at the punch's edge over the smaller of radius and thickness.
 RIMS = (0.1, 0.05)
 CELLS = 16
 
 
 class Plate(FlatPunch):
-    """A flat punch with a bead whose face pushes back from any depth inside it, so that steps may be large."""
+    """A flat punch with a fillet whose face pushes back from any depth inside it, so that steps may be large."""
 
     @staticmethod
     def _flat(v: Array) -> Array:
@@ -112,15 +112,18 @@ class Press:
 
 
 def shaped_problem(press: Press, law: Law, cells: int = CELLS, rim: float = RIMS[-1], twin: bool = False) -> Problem:
-    """The pad under a punch with a bead of radius ``rim`` times the smaller of punch radius and thickness.
+    """The pad under a punch with an edge fillet.
 
     Parameters
     ----------
     press : Press
+        Pad, punch and support in thicknesses.
     law : Law
         Of the upper resin; its moduli set the unit of stress.
     cells : int
         Cells between the axis and the punch's edge, at least.
+    rim : float
+        Fillet radius over the smaller of punch radius and thickness.
     twin : bool
         Make the homogeneous slab without a bone on the same grid instead.
     """
@@ -156,7 +159,7 @@ def shaped_problem(press: Press, law: Law, cells: int = CELLS, rim: float = RIMS
     if press.shape.flat_top:
         carried = 2 * np.unique(top[place.max(axis=1) <= punch.flat_radius + 1e-9]) + 1
     if press.shape.flat_top and grip:
-        # The glued face moves with the punch node by node; near the bead it is held by contact and a film.
+        # The glued face moves with the punch node by node; near the fillet it is held by contact and a film.
         inner = max(punch.flat_radius - FILM_REACH * punch.rim, 0.3 * punch.flat_radius)
         inside = place.max(axis=1) <= inner
         glued = np.unique(top[inside])

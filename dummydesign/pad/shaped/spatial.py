@@ -1,7 +1,7 @@
 """Force of a pad of any shape under a flat punch in space, by finite elements at finite strain.
 
 The pad stands between its base (or a rigid bone) and its tested face, both height fields; the grid of a slab is
-mapped to it column by column. The punch is a rectangle or a disc with a bead at its edge, without a wall behind
+mapped to it column by column. The punch is a rectangle or a disc with a fillet at its edge, without a wall behind
 it, and may land beside the pad's highest point. Depth counts from the level of the highest point.
 
 The grid is uniform under the punch, finer at its edge and, on pads that are touched at one place, at the first
@@ -42,7 +42,21 @@ REACH = 0.8
 
 
 def shaped_problem(load: Load, law: Law, grid: Grid) -> Problem:
-    """The meshed part of the pad under the punch; the force of the whole is ``load.multiplicity`` times its."""
+    """The meshed part of the pad under the punch; the force of the whole is ``load.multiplicity`` times its.
+
+    Parameters
+    ----------
+    load : Load
+        Pad and punch in thicknesses.
+    law : Law
+        Its moduli set the unit of stress.
+    grid : Grid
+        Cells under the punch, their growth, and the edge fillet.
+
+    Returns
+    -------
+    Problem
+    """
     x, y = (axis_lines(load, grid, axis) for axis in (0, 1))
     rim = grid.rim * load.scale
     coarse = float(min(load.half_sides) / grid.cells)
@@ -107,7 +121,7 @@ def solve_shaped_block(
     grid: Grid | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> PadCurve:
-    """Static force of a shaped pad under a flat punch with a beaded edge.
+    """Static force of a shaped pad under a flat punch with a filleted edge.
 
     Parameters
     ----------
@@ -119,25 +133,28 @@ def solve_shaped_block(
         Half sides of a rectangular punch along length and width, or the radius of a round one. [mm]
     young_MPa : float
         Long-term modulus E; of the upper layer, of a layered pad. [MPa]
-    depth_mm : sequence of float
+    depth_mm : sequence of float, or ndarray of shape (n,)
         Depths below the highest point, at most 0.6 thicknesses. [mm]
     condition : str
         ``bonded`` (what touches sticks) or ``frictionless``.
     offset_mm : (float, float)
-        Where the punch's middle lands, along length and width. [mm]
-    base : str
-        ``bonded`` or ``sliding``.
+        Where the punch's middle is, along length and width. [mm]
+    base, poisson : str, float
+        ``bonded`` or ``sliding``; Poisson's ratio, 0.5 for incompressible.
     slab_mm : (float, float)
         Length and width of the pad. [mm]
     law : Law, optional
         Shape of the hyperelastic law, neo-Hookean without it.
     grid : Grid, optional
+        Cells; those of the stated error by default.
+    progress : callable, optional
+        Called with each solved depth over thickness.
 
     Returns
     -------
     PadCurve
         At the depths that were reached. ``error_N`` is the change against cells about 1.5 times as large with
-        the same bead; what the bead itself changes is not in it.
+        the same fillet; what the fillet itself changes is not in it.
 
     Raises
     ------

@@ -28,7 +28,7 @@ class Grid:
     cells : int
         Cells over half the punch's width, at least.
     rim : float
-        Bead at the punch's edge over the smaller of the punch's half side and the thickness.
+        Fillet at the punch's edge over the smaller of the punch's half side and the thickness.
     slope : float
         Growth of the cells per distance from where they are fine.
     height_growth : float
@@ -41,7 +41,7 @@ class Grid:
     height_growth: float = 1.6
 
     def coarser(self) -> Grid:
-        """Cells about 1.5 times as large, the same bead."""
+        """Cells about 1.5 times as large, the same fillet."""
         return replace(self, cells=max(3, round(self.cells / 1.5)), slope=1.2 * self.slope)
 
 
@@ -83,7 +83,21 @@ class Load:
 
 
 def graded_lines(start: float, stop: float, marks: Sequence[float], size: Callable[[Array], Array]) -> Array:
-    """Points from ``start`` to ``stop`` whose cells follow a wanted size and which meet every mark."""
+    """Points whose cells follow a wanted size and which meet every mark.
+
+    Parameters
+    ----------
+    start, stop : float
+        First and last point, in thicknesses.
+    marks : sequence of float
+        Points that must be met; those outside do not count.
+    size : callable
+        Maps places (n,) to the wanted size of a cell there.
+
+    Returns
+    -------
+    ndarray, shape (cells + 1,)
+    """
     ends = np.unique(np.concatenate([[start, stop], [mark for mark in marks if start < mark < stop]]))
     found = [start]
     for low, high in pairwise(ends):
@@ -104,7 +118,21 @@ def _tip(load: Load, axis: int) -> float:
 
 
 def axis_lines(load: Load, grid: Grid, axis: int) -> Array:
-    """Grid lines along one side of the pad."""
+    """Grid lines along one side of the pad.
+
+    Parameters
+    ----------
+    load : Load
+        Pad and punch in thicknesses.
+    grid : Grid
+        Cells under the punch and their growth.
+    axis : int
+        0 along the length, 1 across.
+
+    Returns
+    -------
+    ndarray, shape (cells + 1,)
+    """
     half, shift, extent = load.half_sides[axis], load.offset[axis], load.half_extents[axis]
     rim = grid.rim * load.scale
     coarse = half / grid.cells

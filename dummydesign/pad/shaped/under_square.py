@@ -24,8 +24,10 @@ def press_field(shape: PadShape, thickness_mm: float, depths: Array, cells: int)
     Parameters
     ----------
     shape : PadShape
+        A field of caps, or any other shape.
     thickness_mm : float
-    depths : ndarray
+        At the highest point. [mm]
+    depths : ndarray, shape (n,)
         Relative depths d / h, increasing from above 0.
     cells : int
         Cells over half the punch's side.

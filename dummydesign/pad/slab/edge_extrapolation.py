@@ -1,6 +1,6 @@
 """The sharp-edge limit of forces computed with small rims: one robust regression over many rims and depths.
 
-With a bead of radius rho at the punch edge, s = F / (E a d) is found to be below its sharp-edge value by
+With a fillet of radius rho at the punch edge, s = F / (E a d) is found to be below its sharp-edge value by
 
     ln s0 - ln s = psi (q0 + q1 w + q2 w^2) + r psi^2,   psi = rho^1.25 y^-0.6,   w = y / (1 + y)
 
@@ -139,7 +139,7 @@ def fit_limit(
     ----------
     samples : Samples
         Values with rims; those with psi above 0.16 are left out.
-    first_ratio, first : ndarray
+    first_ratio, first : ndarray, shape (k,)
         a / h and s at first touch, where a sharp edge is solved directly.
     depth_range, ratio_range : (float, float)
         Ranges of the series; ``ratio_range`` None for a single a / h.

@@ -1,9 +1,9 @@
 """How far a finite-strain viscoelastic pad departs from the quick (separable) prediction, on one and the same mesh.
 
 The ratio of both forces is smooth, while each force needs the sharp-edge limit. So the ratio is computed with a
-punch whose edge is a bead of 0.025 of the smaller of punch radius and thickness (where that fails, twice as
+punch whose edge is a fillet of 0.025 of the smaller of punch radius and thickness (where that fails, twice as
 large), and multiplies the prediction that rests on the sharp-edge limit. The departure itself depends on the
-bead: at 0.025 it is 2 to 14 % smaller than at 0.0125, at 0.05 another 4 to 20 %; see ``ratio_error``.
+fillet: at 0.025 it is 2 to 14 % smaller than at 0.0125, at 0.05 another 4 to 20 %; see ``ratio_error``.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from dummydesign.pad.solve.motion_path import follow_motion
 
 Array = np.ndarray
 
-# Beads that are tried in turn; a small one folds the corner too early on a pad that is thick and pressed deep.
+# Fillets that are tried in turn; a small one folds the corner too early on a pad that is thick and pressed deep.
 RIMS = (0.025, 0.05, 0.1, 0.2)
 LARGEST_STEP = 0.02
 TOLERANCE = 5e-4
@@ -34,9 +34,9 @@ HOLD_GROWTH = 0.3
 
 
 def ratio_error(rim: float) -> float:
-    """Share of the viscous part of the force by which the ratio may be off with a bead of this size.
+    """Share of the viscous part of the force by which the ratio may be off with a fillet of this size.
 
-    Half the bead of 0.05 moves it by 0.01 to 0.02, half that of 0.025 by less than 0.01 (four presses of 5 to
+    Half the fillet of 0.05 moves it by 0.01 to 0.02, half that of 0.025 by less than 0.01 (four presses of 5 to
     15 mm pads to d/h 0.2 to 0.4); half the time steps by 0.005.
     """
     return 0.02 * rim / RIMS[0]
@@ -81,17 +81,27 @@ def solve_ratio(
     Parameters
     ----------
     slab : Slab
+        Slab and punch in thicknesses.
     law : Law
         Long-term law; only its shape counts.
     prony : sequence of PronyTerm
         Relative to the long-term modulus.
     time_s, depth : ndarray, shape (n,)
-        Motion from the undeformed state (depth 0), depth in thicknesses.
+        Motion from the undeformed state (depth 0), depth in thicknesses. [s, -]
+    poisson : float
+        Poisson's ratio; 0.5 is incompressible.
+    rims : sequence of float
+        Fillet radii of the punch's edge over the smaller of punch radius and thickness; the first with which both
+        solves get to the end is used.
+    resolution : Resolution, optional
+        Cells around the edge.
+    progress : callable, optional
+        Called with each solved depth.
 
     Raises
     ------
     NoAnswerError
-        When a solve stops before the end with every bead, with the last reason.
+        When a solve stops before the end with every fillet, with the last reason.
     """
     shape, arms, cells = law.scaled(1.0 / law.shear_MPa), tuple(prony), resolution or Resolution()
     inputs = {"slab": slab, "law": shape, "prony": arms, "time": time_s, "depth": depth, "poisson": poisson}
@@ -144,6 +154,15 @@ def nodes_of_motion(
     A step spans at most 0.02 thicknesses or a 16th of the largest depth, follows the motion within 5e-4
     thicknesses, and in a hold grows to 0.3 of the time since the motion ended; ``fineness`` divides all of
     these. The undeformed state stands where the punch is still less than 5e-4 thicknesses deep.
+
+    Parameters
+    ----------
+    time_s, depth : ndarray, shape (n,)
+        The motion, depth in thicknesses. [s, -]
+    prony : sequence of PronyTerm
+        The fastest one sets the first step where the motion begins below the surface.
+    fineness : int
+        By how much all steps are finer.
 
     Returns
     -------

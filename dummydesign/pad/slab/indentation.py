@@ -100,10 +100,22 @@ def indentation_problem(
 
     Parameters
     ----------
+    punch : Punch
+        In thicknesses; touches the slab at (0, 0) first.
+    region : Region
+        Where cells are small, and how small.
+    extent : float
+        Outer radius of the slab, in thicknesses.
+    law : Law
+        Its moduli set the unit of stress.
+    poisson : float
+        Poisson's ratio; 0.5 is incompressible.
     base : str
         ``bonded``, ``sliding`` (no lift-off) or ``friction:MU`` (rests on a plate by its weight).
     condition : str
         ``frictionless``, ``friction:MU`` or ``bonded`` (what touches sticks).
+    growth : float
+        Largest ratio of neighbouring cells outside the region.
     stiffness : float
         Contact stiffness in shear moduli per cell.
     weight : float
@@ -144,7 +156,18 @@ def press(
     problem: Problem, depths: Sequence[float] | Array, first_step: float, largest_step: float,
     progress: Callable[[float], None] | None = None,
 ) -> Path:  # fmt: skip
-    """Follow the contact through ``depths`` (thicknesses); raise when not even the first is reached.
+    """Follow the contact through depths; raise when not even the first is reached.
+
+    Parameters
+    ----------
+    problem : Problem
+        As :func:`indentation_problem` makes it.
+    depths : sequence of float, or ndarray of shape (n,)
+        Increasing depths in thicknesses.
+    first_step, largest_step : float
+        Load steps in thicknesses; the smallest is a 64th of the first.
+    progress : callable, optional
+        Called with each solved depth.
 
     Raises
     ------
@@ -173,15 +196,19 @@ def solve_shaped(
 ) -> PadCurve:
     """Static force of a slab under a shaped punch (ball or profile), from first touch.
 
+    Returns and errors are as for :func:`dummydesign.pad.slab.sliding_faces.solve_flat`. The stated error, 0.2 %, is
+    what halving the cells changed at most on balls with a contact of 0.2 to 1.3 thicknesses.
+
     Parameters
     ----------
     punch : ProfilePunch
         In mm.
+    thickness_mm, young_MPa, depth_mm, condition, base, poisson, extent_mm, law
+        As for :func:`dummydesign.pad.slab.sliding_faces.solve_flat`.
     reach_mm : float
         Radius that the contact will not exceed; cells of ``reach_mm / cells`` lie inside it. [mm]
-
-    Other parameters, returns and errors as for :func:`dummydesign.pad.slab.sliding_faces.solve_flat`. The stated
-    error, 0.2 %, is what halving the cells changed at most on balls with a contact of 0.2 to 1.3 thicknesses.
+    cells : int
+        Cells from the axis to there.
     """
     shape, depths, reach, unit = normalise(thickness_mm, reach_mm, young_MPa, depth_mm, poisson, law)
     own = ProfilePunch(lambda r: _scaled(punch, r, thickness_mm))

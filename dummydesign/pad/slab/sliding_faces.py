@@ -1,8 +1,8 @@
 """Slab whose face or base slides: the ratio of its force to the glued slab's on one mesh, times the glued curve.
 
-A bead of 0.1 makes a force too low by per cents, in the glued and in the sliding slab alike: with friction their ratio
-changes by some tenths of a per cent when the bead is halved, without by 0.2 to 2 %. So the ratio is solved with two
-beads, what is left is extrapolated with the power of ``edge_extrapolation``, and the glued curve is the limit of
+An edge fillet of 0.1 lowers the force by a few per cent, in the glued and in the sliding slab alike: with friction
+their ratio changes by some tenths of a per cent when the fillet is halved, without by 0.2 to 2 %. So the ratio is solved with two
+fillets, what is left is extrapolated with the power of ``edge_extrapolation``, and the glued curve is the limit of
 ``sharp_edge``.
 """
 
@@ -29,9 +29,9 @@ from dummydesign.pad.solve.continuation import cost, follow
 Array = np.ndarray
 
 RIMS = (0.1, 0.05)
-# Cells per bead: a face that slides over the bead needs finer ones than a glued face.
+# Cells per fillet: a face that slides over the fillet needs finer ones than a glued face.
 GLUED_CELLS, SLIDING_CELLS = 1.5, 3.0
-# What is left of a correction by one halving of the bead.
+# What is left of a correction by one halving of the fillet.
 LEFT = 1.0 / (2.0**RIM_POWER - 1.0)
 # Error of the ratio from cells and contact: half the cells moved it by up to 0.3 % and 1 %.
 GLUED_ERROR, SLIDING_ERROR = 3e-3, 1e-2
@@ -54,7 +54,7 @@ def solve_flat(
 
     Parameters
     ----------
-    thickness_mm, radius_mm, young_MPa, depth_mm, poisson, extent_mm, law
+    thickness_mm, radius_mm, young_MPa, depth_mm, poisson, extent_mm, law, progress
         As for :func:`dummydesign.pad.slab.sharp_edge.solve_curve`.
     condition : str
         Of the face: ``bonded``, ``frictionless`` or ``friction:MU``.
@@ -66,12 +66,12 @@ def solve_flat(
     -------
     PadCurve
         ``error_N`` adds the errors of both factors: of the glued curve; of the ratio, cells and contact, and what
-        the limit of small beads added to it.
+        the limit of small fillets added to it.
 
     Raises
     ------
     InputError, NoAnswerError
-        For bad values; when no depth is reached with both beads.
+        For bad values; when no depth is reached with both fillets.
     """
     shape, depths, ratio, unit = normalise(thickness_mm, radius_mm, young_MPa, depth_mm, poisson, law)
     Interface.parse(condition, "condition", FACES)
@@ -119,7 +119,7 @@ def _solve_ratio(
     if not both:
         raise NoAnswerError("no_convergence", f"contact could not be solved: {stops[0]}")
     change = np.log(fine[:both] / coarse[:both])
-    # Where the small bead stops first, its correction is held, and doubted as a whole.
+    # Where the small fillet stops first, its correction is held, and doubted as a whole.
     held = np.concatenate([change, np.full(count - both, change[-1])])
     doubt = np.where(np.arange(count) < both, LEFT, 1.0 + LEFT) * np.abs(held)
     ratio = carried_on(coarse[:count], held, 1.0 + LEFT)

@@ -1,10 +1,10 @@
-"""The punch with a bead at its edge in space, and its axisymmetric twin: what carries a ratio to depth.
+"""The punch with a fillet at its edge in space, and its axisymmetric twin: what carries a ratio to depth.
 
-A sharp, glued corner cell folds (see ``square_sharp``). With a bead of radius ``rim`` at the edge and contact that
+A sharp, glued corner cell folds (see ``square_sharp``). With a fillet of radius ``rim`` at the edge and contact that
 sticks, as ``axisymmetric.rimmed_problem`` has it, the solve goes deeper. Rim and cells at the edge are alike in
 both, in shares of each punch, so that the rim's and the mesh's error nearly cancel in the ratio.
 
-The face far from the edge moves with the punch node by node; within ``FILM_CELLS`` cells of the bead, and
+The face far from the edge moves with the punch node by node; within ``FILM_CELLS`` cells of the fillet, and
 beyond, the surface is held by contact.
 """
 
@@ -41,7 +41,7 @@ FILM_CELLS = 1
 REACH = 0.8
 # Largest load step in units of the smaller of radius and thickness.
 LARGEST_STEP = 0.035
-# Below this volume ratio at a quadrature point values are not used. Unlike a sharp corner's, a beaded edge's cells
+# Below this volume ratio at a quadrature point values are not used. Unlike a sharp corner's, a filleted edge's cells
 # may be pressed flat without a change of the ratio: on thin pads it moves by less than 0.5 % from 0.5 to 0.03.
 SOUND_J = 0.03
 
@@ -58,9 +58,20 @@ def _lines(edge: float, extent: float, first: float, growth: float) -> tuple[Arr
 
 
 def rimmed_block(block: Block, law: Law, poisson: float, cells: Cells, rim: float) -> Problem:
-    """The quarter of a slab under a rectangular punch with a bead; its force is a quarter of the whole.
+    """The quarter of a slab under a rectangular punch with an edge fillet; its force is a quarter of the whole.
 
-    ``rim`` in units of the smaller of radius and thickness, times half side over radius as the corner cell.
+    Parameters
+    ----------
+    block : Block
+        Slab and punch in thicknesses.
+    law : Law
+        Its moduli set the unit of stress.
+    poisson : float
+        Poisson's ratio; 0.5 is incompressible.
+    cells : Cells
+        Corner cell and growth.
+    rim : float
+        Fillet radius over the smaller of radius and thickness, times half side over radius as the corner cell.
     """
     first, bead = (share * block.scale * SIDE_OVER_RADIUS for share in (cells.corner, rim))
     core = (block.half_sides[0] - bead, block.half_sides[1] - bead)
@@ -89,7 +100,13 @@ def rimmed_block(block: Block, law: Law, poisson: float, cells: Cells, rim: floa
 
 
 def rimmed_twin(block: Block, law: Law, poisson: float, cells: Cells, rim: float) -> Problem:
-    """The axisymmetric slab under the round punch of equal area, with the same bead on the same cells."""
+    """The axisymmetric slab under the round punch of equal area, with the same fillet on the same cells.
+
+    Parameters
+    ----------
+    block, law, poisson, cells, rim
+        As for :func:`rimmed_block`.
+    """
     bead = rim * block.scale
     core = block.radius - bead
     r, last = _lines(core, block.extent, cells.corner * block.scale, cells.growth)
@@ -134,7 +151,21 @@ def _problem(
 
 
 def useful_depths(block: Block, depths: Array, rim: float) -> Array:
-    """Depths that are large against the rim's own scale: 4 depth^2 > rim, both in units of ``block.scale``."""
+    """Depths that are large against the fillet's own scale: 4 depth^2 > rim, both in units of ``block.scale``.
+
+    Parameters
+    ----------
+    block : Block
+        Slab and punch.
+    depths : ndarray, shape (n,)
+        Depths in thicknesses.
+    rim : float
+        Fillet radius over ``block.scale``.
+
+    Returns
+    -------
+    ndarray, shape (m,)
+    """
     return depths[depths >= 0.5 * np.sqrt(rim) * block.scale]
 
 
@@ -147,10 +178,23 @@ def solve_rimmed_ratios(
     rim: float,
     progress: Callable[[float], None] | None = None,
 ) -> Ratios:
-    """Follow a beaded rectangular punch and its round twin on the same cells through ``depths`` (in thicknesses).
+    """Follow a filleted rectangular punch and its round twin on the same cells through ``depths`` (in thicknesses).
 
     Depths at which a cell is near folding (volume ratio at a quadrature point below ``SOUND_J``, in either) are
-    left out. ``first`` of the answer is not a number: a bead has no sharp edge at first touch.
+    left out. ``first`` of the answer is not a number: a fillet has no sharp edge at first touch.
+
+    Parameters
+    ----------
+    block, law, poisson, cells, rim
+        As for :func:`rimmed_block`.
+    depths : ndarray, shape (n,)
+        Increasing, in thicknesses.
+    progress : callable, optional
+        Called with each depth that the three-dimensional solve has reached.
+
+    Returns
+    -------
+    Ratios
     """
     problems = rimmed_block(block, law, poisson, cells, rim), rimmed_twin(block, law, poisson, cells, rim)
     scale = block.scale

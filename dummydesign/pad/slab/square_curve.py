@@ -1,7 +1,7 @@
 """Factor of one rectangular punch over its round twin, solved in space and taken to the limit of small cells.
 
-Sharp edges with three corner cells carry it to where the corner cell folds; edges with a bead of two radii carry
-it on. Both are fitted together: one parabola or cubic in depth, and what one unit of corner cell or bead changes.
+Sharp edges with three corner cells carry it to where the corner cell folds; edges with a fillet of two radii carry
+it on. Both are fitted together: one parabola or cubic in depth, and what one unit of corner cell or fillet changes.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ polyval = np.polynomial.polynomial.polyval
 
 CORNERS = (0.45, 0.3, 0.2)
 STEP = 0.06
-# Beads, as large as the cells beside them.
+# Fillets, as large as the cells beside them.
 RIMS = (0.28, 0.2)
-# Scatter that is expected of a value besides its correction, for its weight: sharp and beaded edge.
+# Scatter that is expected of a value besides its correction, for its weight: sharp and filleted edge.
 MESH_ERROR = 5e-4
 RIMMED_ERROR = 2e-3
 # Share of its own correction by which an extrapolated factor may be off.
@@ -34,7 +34,7 @@ CORRECTION_ERROR = 0.5
 
 @dataclass(frozen=True)
 class FactorCurve:
-    """ln factor as a polynomial in depth; corrections are what one unit of corner cell or bead changes it by.
+    """ln factor as a polynomial in depth; corrections are what one unit of corner cell or fillet changes it by.
 
     Depths over thickness. ``reach_of_corner`` and ``reach_of_rim`` say how deep each size was solved, ``scatter``
     and ``rim_scatter`` by how much single values lie off. Beyond ``reach`` the factor is held and its error grows
@@ -77,17 +77,25 @@ def solve_factor(
     deepest: float,
     progress: Callable[[float], None] | None = None,
 ) -> FactorCurve:
-    """Solve a rectangular punch and its twin with several corner cells and beads, and fit what is left at size 0.
+    """Solve a rectangular punch and its twin with several corner cells and fillets, and fit what is left at size 0.
 
     Parameters
     ----------
+    block : Block
+        Slab and punch in thicknesses.
+    law : Law
+        Its moduli set the unit of stress.
+    poisson : float
+        Poisson's ratio; 0.5 is incompressible.
     deepest : float
         Largest depth of interest over the thickness.
+    progress : callable, optional
+        Called with each depth that is solved.
 
     Raises
     ------
     NoAnswerError
-        When no corner cell allows even the first depths and no bead goes on.
+        When no corner cell allows even the first depths and no fillet goes on.
     """
     step = min(STEP * block.scale, deepest / 4.0)
     sharp: dict[float, Ratios] = {}
@@ -99,7 +107,7 @@ def solve_factor(
         sharp[corner] = solve_ratios(block, law, poisson, depths, cells, progress)
     beaded: dict[float, Ratios] = {}
     if max(_reach(sharp).values()) < deepest * 0.999:
-        # Values of beads scatter: some more than the curve's own depths.
+        # Values of fillets scatter: some more than the curve's own depths.
         depths = deepest * np.arange(1, 13) / 12.0
         for rim in RIMS:
             wanted = useful_depths(block, depths, rim)

@@ -113,7 +113,19 @@ def lattice_of(block: Block, cells: Cells) -> Array:
 
 
 def block_problem(block: Block, law: Law, poisson: float, cells: Cells) -> Problem:
-    """The quarter of a slab under a rectangular punch; its force is a quarter of the whole."""
+    """The quarter of a slab under a rectangular punch; its force is a quarter of the whole.
+
+    Parameters
+    ----------
+    block : Block
+        Slab and punch in thicknesses.
+    law : Law
+        Its moduli set the unit of stress.
+    poisson : float
+        Poisson's ratio; 0.5 is incompressible.
+    cells : Cells
+        Corner cell and growth.
+    """
     x, y, z = _grid(block, cells)
     mesh = space.discretise(space.extrude(*space.rectangle_plan(x, y), z))
     under = np.all(mesh.nodes[:2] <= np.array(block.half_sides)[:, None] + _TOLERANCE, axis=0)
@@ -122,7 +134,13 @@ def block_problem(block: Block, law: Law, poisson: float, cells: Cells) -> Probl
 
 
 def twin_problem(block: Block, law: Law, poisson: float, cells: Cells) -> Problem:
-    """The axisymmetric slab under the round punch of equal area, on the same cells in r and z."""
+    """The axisymmetric slab under the round punch of equal area, on the same cells in r and z.
+
+    Parameters
+    ----------
+    block, law, poisson, cells
+        As for :func:`block_problem`.
+    """
     r = space.lines_around(block.radius, block.extent, cells.corner * block.scale, cells.growth)
     points, quads = space.rectangle_plan(r, _levels(block.scale, cells))
     mesh = plane.discretise(points, quads)
@@ -180,7 +198,9 @@ def solve_ratios(
 
     Parameters
     ----------
-    depths : ndarray
+    block, law, poisson, cells
+        As for :func:`block_problem`.
+    depths : ndarray, shape (n,)
         Increasing, positive; none for the ratio at first touch alone.
     progress : callable, optional
         Called with each depth that the three-dimensional solve has reached.
@@ -194,7 +214,21 @@ def solve_ratios(
 
 
 def ratios_of(paths: list[Path], first: float, sound_J: float) -> Ratios:
-    """Four times the force of a quarter over that of its twin, at the depths both reached soundly."""
+    """Four times the force of a quarter over that of its round reference, at the depths both reached soundly.
+
+    Parameters
+    ----------
+    paths : list of Path
+        That in space and that in axisymmetry.
+    first : float
+        Ratio at first touch.
+    sound_J : float
+        Smallest volume ratio at a quadrature point that counts as sound.
+
+    Returns
+    -------
+    Ratios
+    """
     count = min(len(path.depth) for path in paths)
     smallest = np.minimum(*(path.smallest_J[:count] for path in paths))
     sound = np.logical_and.accumulate(smallest >= sound_J)

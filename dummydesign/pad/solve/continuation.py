@@ -76,6 +76,28 @@ def follow(
     remembers its path, so this makes an answer independent of the other depths that are asked for.
 
     ``visit`` is called with every wanted depth and the equilibrium found there.
+
+    Parameters
+    ----------
+    problem : Problem
+        Mesh, law, supports and contact.
+    depths : sequence of float, or ndarray of shape (n,)
+        Increasing, above 0, in the mesh's unit of length.
+    first_step, largest_step, smallest_step : float
+        Load steps: at the start, at most, and below which the path is given up.
+    progress : callable, optional
+        Called with each wanted depth that is solved.
+    sound_J : float
+        Smallest volume ratio at a quadrature point with which the path goes on.
+    lattice : bool
+        Whether the steps do not depend on the wanted depths.
+    visit : callable, optional
+        Called with each wanted depth and its solution.
+
+    Returns
+    -------
+    Path
+        With as many entries as were reached; ``stop`` says why some are missing.
     """
     began = time.perf_counter()
     targets = np.asarray(depths, dtype=float)

@@ -48,6 +48,8 @@ def follow_motion(
         Depths at those times, the first is 0, in the problem's unit of length.
     largest_step : float
         Steps that go deeper than this are divided evenly.
+    progress : callable, optional
+        Called with each depth that is solved.
 
     Returns
     -------

@@ -48,7 +48,24 @@ def halve(position: Array, cells: Array) -> tuple[Array, Array]:
 
 
 def elimination_order(dofs: Array, position: Array, free: Array, size: int) -> Array:
-    """Free unknowns, as places in ``free``, in the order of the dissection: for any sparse factorisation."""
+    """Free unknowns in the order of the dissection: for any sparse factorisation.
+
+    Parameters
+    ----------
+    dofs : ndarray of int, shape (cells, k)
+        Unknowns of each cell.
+    position : ndarray of int, shape (3, cells)
+        Places of the cells on a lattice.
+    free : ndarray of int, shape (m,)
+        Unknowns that are solved for.
+    size : int
+        Number of all unknowns.
+
+    Returns
+    -------
+    ndarray of int, shape (m,)
+        Places in ``free``.
+    """
     solver = Dissection([dofs], free, size, position)
     return np.concatenate([front.unknowns[: front.eliminated] for front in solver.fronts])
 

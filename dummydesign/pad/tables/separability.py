@@ -31,7 +31,7 @@ from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
 Array = np.ndarray
 
 # Of 108 presses with whole sets of arms one errs by 1.33 times the sum over its single arms (20 mm, d/h 0.45, where
-# the arms needed a larger bead), the others by at most 1.22 times.
+# the arms needed a larger fillet), the others by at most 1.22 times.
 MARGIN = 1.35
 NAME = "quick-error.json"
 COMMAND = "python -m dummydesign.studies.tables.separability"

@@ -141,7 +141,7 @@ def build_sets() -> list[dict[str, Any]]:
 
 
 def build_convergence() -> dict[str, Any]:
-    """How the numbers change with half the steps and half the bead."""
+    """How the numbers change with half the steps and half the fillet."""
     case = ("bonded", 10.0, 0.3, 50.0, SETS["library"])
     return {
         "case": "bonded, 10 mm, d/h 0.3, 50 mm/s, library",

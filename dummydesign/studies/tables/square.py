@@ -2,8 +2,8 @@
 
 A square, glued punch in space and its round twin are solved on the same cells for several a / h, in two ways:
 with a sharp edge and several corner cells (see ``pad.slab.square_sharp``), which ends where the corner cell folds,
-and with a bead at the edge of several radii (see ``square_beaded``), which goes on from there. One regression over all
-values removes what is linear in the corner cell and in the bead, and gives the factor as a Chebyshev series, with its
+and with a fillet at the edge of several radii (see ``square_beaded``), which goes on from there. One regression over
+all values removes what is linear in the corner cell and in the fillet, and gives the factor as a Chebyshev series, with its
 stated error (see ``square_fit``).
 """
 
@@ -35,7 +35,7 @@ CORNERS = (0.45, 0.3, 0.2)
 FIRST_CORNERS = (0.14, 0.1)
 FIRST_COUNT = 13
 SHARP_STEP, SHARP_END = 0.05, 0.85
-# Beads, as large as the cells beside them, and the relative depths to which they are followed.
+# Fillets, as large as the cells beside them, and the relative depths to which they are followed.
 RIMS = (0.28, 0.2, 0.14)
 RIMMED_STEP, RIMMED_END = 0.05, 0.5
 # Half length and half width of the 150 x 120 mm slab over the half side of the 14 mm punch.
@@ -88,7 +88,7 @@ def sharp_tasks(base: str, count: int) -> list[Task]:
 
 
 def _rimmed_tasks(base: str, count: int, rims: Sequence[float]) -> list[Task]:
-    """Edges with a bead."""
+    """Edges with a fillet."""
     return [Task(float(ratio), base, rim, rim) for ratio in nodes(count) for rim in rims]
 
 

@@ -1,4 +1,4 @@
-"""Fit the square-over-circle factor to solved values: a Chebyshev series at corner cell and bead 0, with its error."""
+"""Fit the square-over-circle factor to solved values: a Chebyshev series at corner cell and fillet 0, with error."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ TERMS = (5, 7)
 
 @dataclass(frozen=True)
 class Values:
-    """Solved factors: combined depth, a / h, corner cell, bead (0: sharp edge), factor; arrays of one length."""
+    """Solved factors: combined depth, a / h, corner cell, fillet (0: sharp edge), factor; arrays of one length."""
 
     depth: Array
     ratio: Array
@@ -47,7 +47,7 @@ class Values:
 
 
 def columns(values: Values) -> tuple[Array, Array]:
-    """Columns of the series and of the corrections for corner cell and bead."""
+    """Columns of the series and of the corrections for corner cell and fillet."""
     u = 2.0 * values.depth / DEPTH_END - 1.0
     low, high = np.log(RATIO_RANGE)
     v = 2.0 * (np.log(values.ratio) - low) / (high - low) - 1.0
@@ -124,7 +124,7 @@ def content(base: str, values: Values, extent_over_side: tuple[float, float]) ->
 def _error_row(at: float, depths: Array, values: Values, correction: Array, misfit: Array) -> list[float]:
     """Stated error at one a / h: mesh, twice the scatter near by, and half of what the finest value was corrected by.
 
-    Sharp edges count as far as they reach, beads from there on.
+    Sharp edges count as far as they reach, fillets from there on.
     """
     near = np.abs(np.log(values.ratio / at)) < 0.5
     sharp = values.rim == 0.0
@@ -133,7 +133,7 @@ def _error_row(at: float, depths: Array, values: Values, correction: Array, misf
     for depth in np.minimum(depths, values.depth[here].max()):
         deep = here & (values.depth >= depth - 1e-9)
         kind = sharp if (deep & sharp).any() else ~sharp
-        # A bead's cells are as large as itself.
+        # A fillet's cells are as large as itself.
         finest = float(values.corner[deep & kind].min())
         rim = 0.0 if (deep & sharp).any() else finest
         point = Values(*(np.array([x]) for x in (depth, at, finest, rim, 1.0)))

@@ -203,10 +203,10 @@ def relaxation() -> Iterator[Check]:
 
 
 def _force(slab: Slab, law: Law, depth: float, rim: float, resolution: Resolution | None = None) -> float:
-    """Force at one relative depth with one bead (over scale), by even steps on the way; nan if not reached."""
+    """Force at one relative depth with one fillet (over scale), by even steps on the way; nan if not reached."""
     way = np.linspace(0.0, depth, 9)[1:]
     problem = rimmed_problem(slab, law, 0.5, rim * slab.scale, resolution or Resolution())
-    # Small steps are wanted here; a curve gives a bead up sooner.
+    # Small steps are wanted here; a curve gives a fillet up sooner.
     path = follow(problem, way, rim * slab.scale, 0.05 * slab.scale, 0.005 * slab.scale)
     return float(path.force[-1]) if len(path.force) == len(way) else float("nan")
 

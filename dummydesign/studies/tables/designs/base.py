@@ -95,13 +95,13 @@ class Design:
         return np.array([point for point in points if self.castable(point)][:count])
 
     def solve(self, point: Array, finer: bool = False) -> dict[str, Any]:
-        """Solve one pad; ``finer`` halves the cells, and the bead of a flat-topped pad.
+        """Solve one pad; ``finer`` halves the cells, and the fillet of a flat-topped pad.
 
         Returns
         -------
         dict
             ``point``; ``force``: the factor over the slab at the depths that were reached, or F / (E a^2), one list a
-            bead; ``stop``: why they ended.
+            fillet; ``stop``: why they ended.
         """
         press, cells = self._press(point), self.cells * 2 if finer else self.cells
         rim = RIMS[1] if finer else RIMS[0]
@@ -122,7 +122,7 @@ class Design:
         }
 
     def joined(self, curves: list[Array]) -> tuple[Array, Array]:
-        """One curve of those with each bead, and what a sharp edge added, relative."""
+        """One curve of those with each fillet, and what a sharp edge added, relative."""
         return curves[0], 0.0 * curves[0]
 
     def tips(self, points: Array) -> Array:

@@ -53,7 +53,7 @@ class CrownedDesign(Design):
         return np.array(even + pointed)
 
     def solve(self, point: Array, finer: bool = False) -> dict[str, Any]:
-        """Solve one pad with both beads, F / (E a^2); ``finer`` halves the cells."""
+        """Solve one pad with both fillets, F / (E a^2); ``finer`` halves the cells."""
         press, cells = self._press(point), self.cells * 2 if finer else self.cells
         paths = [climb(press, Yeoh(1.0), self.depths, cells, rim) for rim in RIMS]
         values = [path.force / 3.0 * (press.thickness_mm / RADIUS_MM) ** 2 for path in paths]

@@ -3,8 +3,8 @@
 A square, glued punch in space and its round twin are solved on the same cells for several a / h, in two ways:
 with a sharp edge and several corner cells (see ``pad.slab.square_sharp``), which ends where the corner cell folds,
 and with a fillet at the edge of several radii (see ``square_beaded``), which goes on from there. One regression over
-all values removes what is linear in the corner cell and in the fillet, and gives the factor as a Chebyshev series, with its
-stated error (see ``square_fit``).
+all values removes what is linear in the corner cell and in the fillet, and gives the factor as a Chebyshev series, with
+its stated error (see ``square_fit``).
 """
 
 from __future__ import annotations

@@ -36,6 +36,8 @@ def asked_pad(inputs: dict[str, Any]) -> tuple[Pad | Puck, dict[str, float], lis
             raise InputError(f"shape {geometry} is pressed by a flat punch, not by a profile or plates")
         if inputs["base"] != "bonded":
             raise InputError(f"base = {inputs['base']}: both plates hold a puck alike; say how by --condition")
+        if inputs["edge_radius_mm"]:
+            raise InputError(f"edge_radius_mm = {inputs['edge_radius_mm']:g} is of a punch; plates have no edge")
         puck = Puck(
             inputs["thickness_mm"], young["value"] * 1e-3, sides[0], prony, inputs["condition"], inputs["poisson"], law
         )
@@ -56,6 +58,7 @@ def asked_pad(inputs: dict[str, Any]) -> tuple[Pad | Puck, dict[str, float], lis
         slab_mm=(sides[0], sides[-1]),
         profile_mm=profile,
         geometry=geometry,
+        edge_radius_mm=inputs["edge_radius_mm"],
     )
     return made, young, sources
 

@@ -38,6 +38,7 @@ def predict(
     shape: str = "slab",
     poisson: float = 0.5,
     law: str = "neo-hookean",
+    edge_radius_mm: float = 0.0,
     prony: str | None = None,
     fidelity: str = "table",
     out: str | PathLike[str] | None = None,
@@ -77,6 +78,9 @@ def predict(
         Poisson's ratio; other than 0.5 (incompressible) only by finite elements.
     law : str
         ``neo-hookean``, ``yeoh:C2_OVER_MU`` or ``ogden:MU,ALPHA;...``.
+    edge_radius_mm : float
+        Fillet of the punch's edge, 0 (sharp, sides never touch) to 0.3 of its smaller half-width; needs
+        ``fidelity="axisymmetric"``. [mm]
     prony : str, optional
         Relaxation ``TAU:BETA,...``, beta relative to the long-term modulus; the resin's by default.
     fidelity : str
@@ -194,8 +198,13 @@ def _punch_warnings(made: Pad | Puck, fidelity: str) -> list[dict[str, str]]:
     from dummydesign.pad.elastic import has_square_factor
     from dummydesign.pad.pad import Puck
 
-    if isinstance(made, Puck) or made.sides_mm is None or fidelity == "3d" or has_square_factor(made):
+    if isinstance(made, Puck) or made.sides_mm is None or fidelity == "3d":
         return []
+    if has_square_factor(made):
+        if not made.edge_radius_mm:
+            return []
+        message = "what a square adds to the circle of its area is that of sharp edges; half of it is stated as error"
+        return [{"code": "square_with_fillet", "message": message}]
     message = (
         "the punch is taken as the circle of equal area; a square is 0 to 3 % stiffer (5 to 20 mm pads), "
         "a rectangle more; --fidelity 3d solves it"

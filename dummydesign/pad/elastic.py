@@ -63,6 +63,10 @@ def elastic_curve(
         return _of_puck(pad, fidelity, deepest_mm, depths_mm, progress)
     if fidelity in ("3d", "viscoelastic") and pad.base.startswith("friction"):
         raise InputError(f"base = {pad.base} is not solved by fidelity {fidelity}; use --fidelity axisymmetric")
+    if fidelity in ("3d", "viscoelastic") and pad.edge_radius_mm:
+        raise InputError(
+            f"edge_radius_mm = {pad.edge_radius_mm:g} is not solved by fidelity {fidelity}; use --fidelity axisymmetric"
+        )
     if fidelity == "3d":
         return _in_space(pad, deepest_mm, depths_mm, progress)
     if fidelity == "table" or (fidelity == "viscoelastic" and _in_table(pad)):
@@ -73,7 +77,12 @@ def elastic_curve(
         return curve
     from dummydesign.pad.tables.square import square_factor
 
-    return _times(curve, lambda depth: square_factor(depth, pad.thickness_mm, pad.radius_mm, pad.base))
+    def factor(depth: Array) -> tuple[Array, Array]:
+        value, error = square_factor(depth, pad.thickness_mm, pad.radius_mm, pad.base)
+        # That of sharp edges: with a fillet half of what it changes is doubted.
+        return value, error + (0.5 * np.abs(value - 1.0) if pad.edge_radius_mm else 0.0)
+
+    return _times(curve, factor)
 
 
 def _of_puck(
@@ -97,7 +106,9 @@ def _of_puck(
 
 def has_square_factor(pad: Pad) -> bool:
     """Whether the punch is a square whose factor over the circle of its area is tabulated."""
-    return pad.sides_mm is not None and pad.sides_mm[0] == pad.sides_mm[1] and _tabulated(pad)
+    if pad.sides_mm is None or pad.sides_mm[0] != pad.sides_mm[1]:
+        return False
+    return _tabulated(replace(pad, edge_radius_mm=0.0))
 
 
 def _tabulated(pad: Pad) -> bool:
@@ -148,7 +159,7 @@ def _in_space(
 
 
 def _in_table(pad: Pad) -> bool:
-    plain = pad.profile_mm is None and pad.geometry == Slab()
+    plain = pad.profile_mm is None and pad.geometry == Slab() and not pad.edge_radius_mm
     return plain and pad.condition == "bonded" and pad.poisson == 0.5 and pad.shape == Yeoh(1.0)
 
 
@@ -158,6 +169,7 @@ def _by_table(pad: Pad) -> ElasticCurve:
     law = "neo-hookean" if pad.shape == Yeoh(1.0) else type(pad.shape).__name__.lower()
     for name, value, held in (
         ("punch", "profile" if pad.profile_mm else "flat", "flat"),
+        ("edge_radius_mm", pad.edge_radius_mm, 0.0),
         ("punch condition", pad.condition, "bonded"),
         ("poisson", pad.poisson, 0.5),
         ("law", law, "neo-hookean"),
@@ -217,6 +229,13 @@ def _solve(pad: Pad, grid: Array, progress: Callable[[float], None] | None) -> P
         made = cached("profile", inputs, lambda: vars(solve_shaped(*args, base=pad.base, extent_mm=extent, **common)))
         force, error = (made[name] * (pad.young_MPa / unit) for name in ("force_N", "error_N"))
         return PadCurve(**(made | {"force_N": force, "error_N": error}))
+    if pad.edge_radius_mm:
+        from dummydesign.pad.slab.filleted import solve_filleted
+
+        return solve_filleted(
+            pad.thickness_mm, pad.radius_mm, pad.edge_radius_mm, pad.young_MPa, grid, base=pad.base, extent_mm=extent,
+            progress=progress, **common,
+        )  # fmt: skip
     solve = solve_curve if pad.condition == "bonded" and pad.base in BASES else solve_flat
     return solve(
         pad.thickness_mm, pad.radius_mm, pad.young_MPa, grid, condition=pad.condition, base=pad.base,

@@ -5,13 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from dummydesign.core.checks import positive
-from dummydesign.core.errors import InputError
+from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.geometry.interface import BASES
 from dummydesign.geometry.shapes import PadShape, Slab
 from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.pad.material.hyperelastic import Law, Yeoh
 from dummydesign.pad.material.relaxation import PronyTerm
 
 SLAB = Slab()
+# Largest fillet of a punch's edge over its smaller half-width.
+LARGEST_EDGE_RADIUS = 0.3
 
 
 @dataclass(frozen=True)
@@ -24,6 +27,7 @@ class Pad:
     ``slab_mm`` are length and width of the slab. ``profile_mm`` holds the radii and heights of a shaped punch.
     ``geometry`` is the pad's own shape; depth is then counted from its highest point, and the modulus is that of
     the resin at the tested face.
+    ``edge_radius_mm`` is the fillet of the punch's edge; 0 is sharp, with sides that never touch.
     """
 
     thickness_mm: float
@@ -39,6 +43,7 @@ class Pad:
     slab_mm: tuple[float, float] = (PAD_LENGTH_MM, PAD_WIDTH_MM)
     profile_mm: tuple[tuple[float, ...], tuple[float, ...]] | None = None
     geometry: PadShape = SLAB
+    edge_radius_mm: float = 0.0
 
     @property
     def shape(self) -> Law:
@@ -48,9 +53,33 @@ class Pad:
     def __post_init__(self) -> None:
         for name in ("thickness_mm", "young_MPa", "radius_mm"):
             positive(name, getattr(self, name))
+        self._check_edge()
         self.geometry.check(self.thickness_mm, *self.slab_mm)
         if self.geometry != SLAB and self.profile_mm is not None:
             raise InputError(f"shape {self.geometry} is pressed by a flat punch, not by a profile or plates")
+
+    def _check_edge(self) -> None:
+        """Refuse a fillet that is too large, or that goes with something it is not solved for."""
+        if self.edge_radius_mm == 0.0:
+            return
+        half = min(self.sides_mm) / 2.0 if self.sides_mm else self.radius_mm
+        most = LARGEST_EDGE_RADIUS * half
+        if not 0.0 <= self.edge_radius_mm <= most * (1.0 + 1e-9):
+            raise out_of_range(
+                "edge_radius_mm", self.edge_radius_mm, 0, f"{most:.4g}", f"{LARGEST_EDGE_RADIUS:g} of the half-width"
+            )
+        other = {
+            "punch": "profile" if self.profile_mm else "",
+            "shape": "" if self.geometry == SLAB else str(self.geometry),
+            "condition": "" if self.condition == "bonded" else self.condition,
+            "base": "" if self.base in BASES else self.base,
+        }
+        for name, value in other.items():
+            if value:
+                raise InputError(
+                    f"edge_radius_mm = {self.edge_radius_mm:g} with {name} = {value} is not solved; a fillet goes with "
+                    "a flat punch that is glued, on a slab whose base is bonded or sliding"
+                )
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--deceleration", type=float, default=30000.0, metavar="MM_S2", help="braking (default 30000 mm/s2)")
     punches = "square:14 (default), round:D, rectangle:AxB, profile:FILE.csv, plate"
     add("--punch", default="square:14", metavar="KIND:SIZE", help=punches)
+    edge = "fillet of the punch's edge, 0 (default, sharp) to 0.3 of its half-width; with --fidelity axisymmetric"
+    add("--edge-radius", type=float, default=0.0, metavar="MM", help=edge)
     add("--condition", default="bonded", metavar="NAME", help="bonded (default), frictionless, friction:MU")
     add("--base", default="bonded", metavar="NAME", help="bonded (default), sliding or friction:MU")
     add("--pad", default="slab:150x120", metavar="slab:LxW", help="slab (default 150x120 mm) or cylinder:DIAMETER")
@@ -62,6 +64,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         shape=options.shape,
         poisson=options.poisson,
         law=options.law,
+        edge_radius_mm=options.edge_radius,
         prony=options.prony,
         fidelity=options.fidelity,
         out=options.out,

@@ -82,11 +82,15 @@ class Discretisation:
 
 @dataclass
 class State:
-    """Residual and, if asked for, the condensed tangent at one displacement and pressure."""
+    """Residual and, once asked for, the condensed tangent at one displacement and pressure.
+
+    ``force_of_pressure`` belongs to the tangent: what the eliminated pressure adds to the load.
+    """
 
     internal_force: Array
     pressure_residual: Array
     J: Array
+    at: tuple[Array, Array, Array]
     stiffness: Array | None = None
     coupling: Array | None = None
     force_of_pressure: Array | None = None
@@ -95,16 +99,25 @@ class State:
 class Solid:
     """A solid of one law on one discretisation; gives residual and tangent at any state."""
 
-    def __init__(self, mesh: Discretisation, law: Law, poisson: float = 0.5) -> None:
+    def __init__(
+        self, mesh: Discretisation, law: Law, poisson: float = 0.5, stabilisation: float = STABILISATION
+    ) -> None:
         self.mesh = mesh
         self.law = law
         ratio = lame_ratio(poisson)
-        self.stabilisation = STABILISATION * law.shear_MPa if ratio == INCOMPRESSIBLE_LAME_RATIO else 0.0
+        self.stabilisation = stabilisation * law.shear_MPa if ratio == INCOMPRESSIBLE_LAME_RATIO else 0.0
         mass = np.einsum("eq,qa,qb->eab", mesh.weight, mesh.pressure_basis, mesh.pressure_basis)
         self.compliance = mass / (ratio * law.shear_MPa)
         self.inverse = -np.linalg.inv(self.compliance)
         elements, points, components, width = mesh.gradient.shape
         self._flat = np.ascontiguousarray(mesh.gradient.reshape(elements, points * components, width))
+        # A component of F depends on one direction of the displacements only, and a row of ``gradient`` on every n-th.
+        directions = mesh.nodes.shape[0]
+        used = [np.abs(mesh.gradient[..., d::directions]).max(axis=(0, 1, 3)) > 0.0 for d in range(directions)]
+        self._components = [np.nonzero(row)[0] for row in used]
+        self._rows = [
+            np.ascontiguousarray(mesh.gradient[:, :, own, d::directions]) for d, own in enumerate(self._components)
+        ]
 
     def deformation(self, u: Array) -> Array:
         """Components of F at the quadrature points, shape (elements, points, components)."""
@@ -137,21 +150,42 @@ class Solid:
         force = ((stress * weight[..., None]).reshape(elements, 1, -1) @ self._flat)[:, 0]
         internal = np.bincount(mesh.dofs.ravel(), force.ravel(), minlength=mesh.size)
         pressure = (weight * (J - 1.0)) @ basis - np.einsum("eab,eb->ea", self.compliance, p)
-        if not tangent:
-            return State(internal, pressure, J)
-        curvature = self.law.reference_stress_MPa / J**2 + self.stabilisation
+        state = State(internal, pressure, J, (F, cofactor, slope))
+        return self.linearise(state) if tangent else state
+
+    def linearise(self, state: State) -> State:
+        """Add the condensed tangent to a state."""
+        F, cofactor, slope = state.at
+        weight = self.mesh.weight
+        curvature = self.law.reference_stress_MPa / state.J**2 + self.stabilisation
         A = self.law.tangent(F) + curvature[..., None, None] * cofactor[..., :, None] * cofactor[..., None, :]
-        kin.add_second(A, slope, F)
+        self.mesh.kinematics.add_second(A, slope, F)
         A *= weight[..., None, None]
-        AG = (A @ mesh.gradient).reshape(self._flat.shape)
-        stiffness = self._flat.transpose(0, 2, 1) @ AG
-        dilation = ((cofactor * weight[..., None])[:, :, None, :] @ mesh.gradient)[:, :, 0, :]
-        coupling = dilation.transpose(0, 2, 1) @ basis
+        elements, width = self.mesh.dofs.shape
+        directions = len(self._rows)
+        stiffness = np.empty((elements, width, width))
+        coupling = np.empty((elements, width, self.mesh.pressure_basis.shape[1]))
+        dilation = cofactor * weight[..., None]
+        for i, (rows, own) in enumerate(zip(self._rows, self._components)):
+            left = rows.reshape(elements, -1, rows.shape[-1]).transpose(0, 2, 1)
+            turned = sum(dilation[..., c, None] * rows[:, :, k] for k, c in enumerate(own))
+            coupling[:, i::directions] = turned.transpose(0, 2, 1) @ self.mesh.pressure_basis
+            for j in range(i, directions):
+                pull = np.empty((*rows.shape[:3], rows.shape[3]))
+                for k, c in enumerate(own):
+                    pull[:, :, k] = sum(
+                        A[..., c, d, None] * self._rows[j][:, :, m] for m, d in enumerate(self._components[j])
+                    )
+                block = left @ pull.reshape(elements, -1, rows.shape[3])
+                stiffness[:, i::directions, j::directions] = block
+                if j > i:
+                    stiffness[:, j::directions, i::directions] = block.transpose(0, 2, 1)
         half = coupling @ self.inverse
         stiffness -= half @ coupling.transpose(0, 2, 1)
-        correction = (half @ pressure[:, :, None])[:, :, 0]
-        extra = np.bincount(mesh.dofs.ravel(), correction.ravel(), minlength=mesh.size)
-        return State(internal, pressure, J, stiffness, coupling, extra)
+        state.stiffness, state.coupling = stiffness, coupling
+        extra = (half @ state.pressure_residual[:, :, None])[:, :, 0]
+        state.force_of_pressure = np.bincount(self.mesh.dofs.ravel(), extra.ravel(), minlength=self.mesh.size)
+        return state
 
     def pressure_step(self, state: State, du: Array) -> Array:
         """Pressure increment that belongs to a displacement increment of the linearised equations."""

@@ -99,7 +99,7 @@ class PadCurve:
         return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in asdict(self).items()}
 
 
-def _held(mesh: Any, slab: Slab) -> Array:
+def held_unknowns(mesh: Any, slab: Slab) -> Array:
     held = np.zeros(mesh.size, dtype=bool)
     held[2 * np.nonzero(meshes.on_axis(mesh))[0]] = True
     base = np.nonzero(meshes.on_base(mesh, 1.0))[0]
@@ -109,7 +109,7 @@ def _held(mesh: Any, slab: Slab) -> Array:
     return held
 
 
-def _base(mesh: Any) -> Array:
+def base_unknowns(mesh: Any) -> Array:
     return 2 * np.nonzero(meshes.on_base(mesh, 1.0))[0] + 1
 
 
@@ -126,10 +126,10 @@ def sharp_problem(slab: Slab, law: Law, poisson: float, resolution: Resolution, 
     points, quads, centre = meshes.web_mesh(slab.radius, 1.0, slab.extent, half_box, rings, resolution)
     mesh = meshes.discretise(points, quads, centre, quarter_points=True)
     under = np.nonzero(meshes.on_top(mesh) & (mesh.nodes[0] <= slab.radius + 1e-9))[0]
-    held = _held(mesh, slab)
+    held = held_unknowns(mesh, slab)
     if slab.condition == "bonded":
         held[2 * under] = True
-    return Problem(Solid(mesh, law, poisson), held, 2 * under + 1, _base(mesh))
+    return Problem(Solid(mesh, law, poisson), held, 2 * under + 1, base_unknowns(mesh))
 
 
 def rimmed_problem(slab: Slab, law: Law, poisson: float, rim: float, resolution: Resolution) -> Problem:
@@ -151,7 +151,7 @@ def rimmed_problem(slab: Slab, law: Law, poisson: float, rim: float, resolution:
     vertices = points[0][(np.abs(points[1]) < 1e-9) & (points[0] <= inner + 1e-9)]
     inner = vertices.max()
     under = np.nonzero(top & (r <= inner + 1e-9))[0]
-    held = _held(mesh, slab)
+    held = held_unknowns(mesh, slab)
     if glued:
         held[2 * under] = True
     reach = slab.radius + 0.8 * slab.scale
@@ -167,7 +167,7 @@ def rimmed_problem(slab: Slab, law: Law, poisson: float, rim: float, resolution:
     grip = law.shear_MPa * FILM_STIFFNESS / rim * glued
     surface = Surface(mesh.nodes, sides, stiffness, film, grip, punch.flat_radius)
     face = np.nonzero(top & (r <= punch.flat_radius + 1e-9))[0]
-    return Problem(solid, held, 2 * under + 1, _base(mesh), surface, punch, 2 * face + 1)
+    return Problem(solid, held, 2 * under + 1, base_unknowns(mesh), surface, punch, 2 * face + 1)
 
 
 def first_stiffness(slab: Slab, law: Law, poisson: float = 0.5, resolution: Resolution | None = None) -> float:

@@ -21,6 +21,7 @@ from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS, PAD_EXTENT_MM
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
 from dummydesign.pad.material.hyperelastic import Law, Yeoh
+from dummydesign.pad.slab.edge_doubt import sharp_edge_doubt
 from dummydesign.pad.slab.edge_extrapolation import Samples, fit_limit
 from dummydesign.pad.slab.problem import (
     PadCurve,
@@ -190,4 +191,7 @@ def _relative_curve(
         notes = (f"solved to d/h = {reached:.3f} of {depths[-1]:.3f}: {stops[0]}",)
     kept = depths[depths <= reached * (1.0 + 1e-9)]
     stiffness = np.exp(limit.log_stiffness(kept, np.array(slab.radius)))
-    return {"stiffness": stiffness, "error": limit.error(kept, slab.radius), "solver": cost(paths), "notes": notes}
+    error = limit.error(kept, slab.radius)
+    if slab.condition == "bonded":
+        error = np.maximum(error, sharp_edge_doubt(kept, np.array(slab.radius)))
+    return {"stiffness": stiffness, "error": error, "solver": cost(paths), "notes": notes}

@@ -127,31 +127,32 @@ def find_equilibrium(
     problem: Problem, u: Array, p: Array, depth: float, tolerance: float = RESIDUAL_TOLERANCE
 ) -> Solution | Failure:
     """Newton's method at one depth, from a predicted state."""
-    solid, free = problem.solid, problem.pattern.free
+    solid, free, surface = problem.solid, problem.pattern.free, problem.surface
     u = u.copy()
     u[problem.driven] = -depth
-    state = solid.state(u, p)
+    state = solid.state(u, p, tangent=False)
     if state is None:
         return Failure("the predicted state turns an element inside out", 0)
-    residuals: list[float] = []
-    surface, ties = problem.surface, 0
     if surface is not None:
         surface.begin()
+    contact, matrices = problem.contact(u, depth)
+    residuals: list[float] = []
+    ties = 0
     for _ in range(MAX_ITERATIONS):
-        contact, matrices = problem.contact(u, depth)
+        solid.linearise(state)
         load = state.force_of_pressure - state.internal_force - contact
         du = problem.pattern.solve([state.stiffness, *matrices], load)
         dp = solid.pressure_step(state, du)
         fraction = 1.0
         while True:
-            trial = solid.state(u + fraction * du, p + fraction * dp)
+            trial = solid.state(u + fraction * du, p + fraction * dp, tangent=False)
             if trial is not None and trial.J.min() > SMALLEST_J:
                 break
             fraction *= 0.5
             if fraction < 0.05:
                 return Failure("an element would turn inside out", len(residuals) + 1)
         u, p, state = u + fraction * du, p + fraction * dp, trial
-        contact, _ = problem.contact(u, depth)
+        contact, matrices = problem.contact(u, depth)
         scale = np.linalg.norm(state.internal_force) + 1e-300
         residuals.append(float(np.linalg.norm((state.internal_force + contact)[free]) / scale))
         if not np.isfinite(residuals[-1]):
@@ -159,6 +160,7 @@ def find_equilibrium(
         near = residuals[-1] < TIE_TOLERANCE and ties < LARGEST_TIES
         if near and surface is not None and surface.tie(u, problem.punch, depth):
             ties += 1
+            contact, matrices = problem.contact(u, depth)
             continue
         if residuals[-1] < tolerance and fraction == 1.0:
             return Solution(u, p, state, tuple(residuals), ties)

@@ -21,11 +21,19 @@ class Pattern:
     """
 
     def __init__(self, groups: list[Array], free: Array, size: int) -> None:
-        number = np.full(size, -1, dtype=np.int64)
-        number[free] = np.arange(len(free))
         self.free, self.size, self.n = free, size, len(free)
+        moves = np.zeros(size, dtype=bool)
+        moves[free] = True
+        uses = np.bincount(np.concatenate([dofs.ravel() for dofs in groups]), minlength=size)
+        # Unknowns that only one element has are eliminated before the sparse factorisation.
+        alone = ((uses == 1) & moves)[groups[0]].all(axis=0)
+        self._alone, self._shared = np.nonzero(alone)[0], np.nonzero(~alone)[0]
+        self._inner, self._outer = groups[0][:, self._alone], groups[0][:, self._shared]
+        self._kept = np.setdiff1d(free, self._inner)
+        number = np.full(size, -1, dtype=np.int64)
+        number[self._kept] = np.arange(len(self._kept))
         rows, columns = [], []
-        for dofs in groups:
+        for dofs in [self._outer, *groups[1:]]:
             width = dofs.shape[1]
             rows.append(np.repeat(number[dofs], width, axis=1).ravel())
             columns.append(np.tile(number[dofs], (1, width)).ravel())
@@ -33,34 +41,46 @@ class Pattern:
         self._keep = (row >= 0) & (column >= 0)
         self._row, self._column = row[self._keep], column[self._keep]
         self._order: Array | None = None
-        self._arrange(np.arange(self.n))
+        self._arrange(np.arange(len(self._kept)))
 
     def _arrange(self, place: Array) -> None:
-        """Number the free unknowns anew; ``place`` is where each one goes."""
-        key = place[self._column] * self.n + place[self._row]
+        """Number the unknowns anew; ``place`` is where each one goes."""
+        n = len(self._kept)
+        key = place[self._column] * n + place[self._row]
         unique, self._place = np.unique(key, return_inverse=True)
-        self._indices = (unique % self.n).astype(np.int32)
-        self._pointer = np.searchsorted(unique, np.arange(self.n + 1) * self.n).astype(np.int32)
+        self._indices = (unique % n).astype(np.int32)
+        self._pointer = np.searchsorted(unique, np.arange(n + 1) * n).astype(np.int32)
         self._to = place
 
     def solve(self, matrices: list[Array], load: Array) -> Array:
         """Solve for the free unknowns; the others are zero in the answer, which has full length.
 
-        The first call finds an ordering with little fill; later ones reuse it.
+        The first matrices, those of ``groups[0]``, are symmetric. The first call finds an ordering with little fill;
+        later ones reuse it.
         """
         from scipy.sparse import csc_matrix
         from scipy.sparse.linalg import splu
 
-        values = np.concatenate([matrix.ravel() for matrix in matrices])[self._keep]
+        whole, alone, shared = matrices[0], self._alone, self._shared
+        inverse = np.linalg.inv(whole[:, alone[:, None], alone])
+        coupling = whole[:, alone[:, None], shared]
+        onto = inverse @ coupling
+        condensed = whole[:, shared[:, None], shared] - coupling.transpose(0, 2, 1) @ onto
+        values = np.concatenate([matrix.ravel() for matrix in [condensed, *matrices[1:]]])[self._keep]
         data = np.bincount(self._place, values, minlength=len(self._indices))
-        matrix = csc_matrix((data, self._indices, self._pointer), shape=(self.n, self.n))
+        n = len(self._kept)
+        matrix = csc_matrix((data, self._indices, self._pointer), shape=(n, n))
         # The condensed tangent is symmetric with a strong diagonal: pivoting on it halves the fill.
         order = "MMD_AT_PLUS_A" if self._order is None else "NATURAL"
         factor = splu(matrix, permc_spec=order, diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-        permuted = np.empty(self.n)
-        permuted[self._to] = load[self.free]
+        moved = (onto.transpose(0, 2, 1) @ load[self._inner][:, :, None])[:, :, 0]
+        rest = load - np.bincount(self._outer.ravel(), moved.ravel(), minlength=self.size)
+        permuted = np.empty(n)
+        permuted[self._to] = rest[self._kept]
         answer = np.zeros(self.size)
-        answer[self.free] = factor.solve(permuted)[self._to]
+        answer[self._kept] = factor.solve(permuted)[self._to]
+        inside = inverse @ load[self._inner][:, :, None] - onto @ answer[self._outer][:, :, None]
+        answer[self._inner] = inside[:, :, 0]
         if self._order is None:
             self._order = factor.perm_c
             self._arrange(self._order.astype(np.int64))

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from dummydesign.core import json_table
 from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.geometry.interface import BASES
+from dummydesign.pad.slab.edge_doubt import sharp_edge_doubt
 from dummydesign.pad.tables.interpolation import between
 
 Array = np.ndarray
@@ -179,13 +180,14 @@ class ResponseTable:
         return self.depth_limit(self._ratio(thickness_mm, radius_mm)) * np.asarray(thickness_mm, dtype=float)
 
     def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
-        """Numerical error of the force over the force, finite elements plus interpolation; see
+        """Error of the force over the force: elements plus interpolation, or what independent solutions differ by; see
         :class:`dummydesign.pad.force_law.ForceLaw`.
         """
         ratio = np.log(self._ratio(thickness_mm, radius_mm))
         x = np.asarray(depth_mm, dtype=float) / np.asarray(thickness_mm, dtype=float)
         x, ratio = np.broadcast_arrays(x, ratio)
-        return between(x, ratio, self.error_depth, np.log(self.error_ratio), self.error)
+        own = between(x, ratio, self.error_depth, np.log(self.error_ratio), self.error)
+        return np.maximum(own, sharp_edge_doubt(x, np.exp(ratio)))
 
     def depth_at_force(
         self, force_N: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike

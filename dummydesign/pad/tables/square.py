@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from dummydesign.core import json_table
 from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.geometry.interface import BASES
+from dummydesign.pad.slab.edge_doubt import square_doubt
 from dummydesign.pad.tables.interpolation import between
 
 Array = np.ndarray
@@ -111,4 +112,5 @@ def square_factor(
     bad = ~((ratio >= low * (1.0 - 1e-9)) & (ratio <= high * (1.0 + 1e-9)))
     if np.any(bad):
         raise out_of_range("punch radius over pad thickness", f"{float(ratio[bad].flat[0]):.4g}", low, high)
-    return table.factor(depth / thickness, ratio)
+    value, error = table.factor(depth / thickness, ratio)
+    return value, np.maximum(error, square_doubt(depth / thickness, ratio))

@@ -173,7 +173,17 @@ def _name(source: Path, number: int, taken: set[str]) -> str:
 
 
 def trace_bytes(time_s: NDArray, displacement_mm: NDArray, force_N: NDArray) -> bytes:
-    """The canonical CSV, to a microsecond, a nanometre and a micronewton."""
+    """The canonical CSV, to a microsecond, a nanometre and a micronewton.
+
+    Parameters
+    ----------
+    time_s, displacement_mm, force_N : ndarray, shape (n,)
+        A press in the project's units. [s, mm, N]
+
+    Returns
+    -------
+    bytes
+    """
     rows = np.stack([time_s, displacement_mm, force_N], axis=1)
     parts = [_digits(rows[start : start + _ROWS]) for start in range(0, len(rows), _ROWS)]
     return b"".join([(",".join(COLUMNS) + "\n").encode("ascii"), *parts])

@@ -86,6 +86,20 @@ def learned(given: Settings, found: Iterable[Imported]) -> Settings:
 def save_profile(name: str, settings: Settings, overwrite: bool = False) -> Path:
     """Keep a profile in the user's folder.
 
+    Parameters
+    ----------
+    name : str
+        Of the profile; letters, digits, ``-``, ``_`` and ``.``.
+    settings : Settings
+        What is kept.
+    overwrite : bool
+        Whether another profile of the name may be replaced.
+
+    Returns
+    -------
+    Path
+        The file.
+
     Raises
     ------
     InputError

@@ -41,6 +41,19 @@ class Columns:
 def read_columns(path: Path, settings: Settings, notes: Notes) -> Columns:
     """Read time, displacement and force of a file as a test machine wrote it.
 
+    Parameters
+    ----------
+    path : Path
+        The file.
+    settings : Settings
+        What the user settled.
+    notes : Notes
+        Receives the decisions.
+
+    Returns
+    -------
+    Columns
+
     Raises
     ------
     InputError

@@ -59,6 +59,20 @@ def candidates(layout: Layout, columns: Sequence[Column], settings: Settings) ->
     A name and a unit that agree outweigh a name or a unit alone. A column whose name speaks for one thing and
     whose unit for another (a deformation in per cent) is neither.
 
+    Parameters
+    ----------
+    layout : Layout
+        The table.
+    columns : sequence of Column
+        Name, unit and place of each.
+    settings : Settings
+        Columns that the user named.
+
+    Returns
+    -------
+    dict
+        Candidates of each role: columns whose name and unit agree, else those where one of the two does.
+
     Raises
     ------
     InputError
@@ -142,7 +156,7 @@ def choose(
         The table and its columns.
     found : mapping
         From :func:`candidates`.
-    values : mapping
+    values : mapping of int to ndarray, shape (rows,)
         Numbers of each column that is looked at, by index.
     settings, notes
         What the user settled; receives the decisions.

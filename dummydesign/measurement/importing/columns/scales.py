@@ -28,10 +28,15 @@ def factors(
     Parameters
     ----------
     file : str
-    chosen : mapping
+        Name for messages.
+    chosen : mapping of str to Column
         Column of each role.
-    values : mapping
+    values : mapping of str to ndarray, shape (rows,)
         Its numbers as written.
+    settings : Settings
+        Units that the user named.
+    notes : Notes
+        Receives the decisions.
 
     Raises
     ------

@@ -20,14 +20,17 @@ def recordings(
     Parameters
     ----------
     file : str
+        Name for messages.
     time : ndarray, shape (n,)
-        [s]
+        As read, in file order. [s]
     rows : ndarray, shape (n, k)
         Numbers of each row.
     breaks : tuple of int
         Rows before which the table was interrupted by text.
     lines : ndarray of int, shape (n,)
         Line of the file of each row.
+    notes : Notes
+        Receives what was left out.
 
     Returns
     -------

@@ -84,7 +84,22 @@ class NoTableError(InputError):
 
 
 def question(file: str, doubt: str, option: str) -> QuestionError:
-    """Make the question: what is not sure, and what to type."""
+    """Make the question: what is not sure, and what to type.
+
+    Parameters
+    ----------
+    file : str
+        Name for messages.
+    doubt : str
+        What the file leaves open.
+    option : str
+        What to type.
+
+    Returns
+    -------
+    QuestionError
+        To be raised by the caller.
+    """
     return QuestionError(f"{file}: {doubt}; say {option}")
 
 
@@ -96,7 +111,17 @@ class Notes:
     warnings: list[dict[str, Any]] = field(default_factory=list)
 
     def decide(self, what: str, value: str, why: str) -> None:
-        """Keep a decision."""
+        """Keep a decision.
+
+        Parameters
+        ----------
+        what : str
+            What was decided: ``unit of force``, ``tare``, ...
+        value : str
+            The decision, as it is printed.
+        why : str
+            The reason, as it is printed.
+        """
         self.decisions.append(Decision(what, value, why))
 
     def warn(self, code: str, message: str) -> None:

@@ -79,7 +79,7 @@ def find_contact(time: NDArray, x: NDArray, load: NDArray, span: Span, tare_N: f
     span : Span
         The press.
     tare_N : float, optional
-        The tare (less the reading at rest) where it is known.
+        The tare (less the reading at rest) where it is known. [N]
     """
     onset, start = span.onset, span.start
     peak = float(load[span.start : span.stop].max())

@@ -36,7 +36,9 @@ def check_press(
     contact : Contact
         What was found of lead-in and contact.
     summary : Summary
+        Speed, hold and depth of the press.
     warn : callable of (code, message)
+        Called for each doubt.
     """
     noise = max(contact.noise_N, noise_of(force))
     _lead_in(name, contact, summary, warn)

@@ -48,10 +48,16 @@ def find_signs(file: str, x: NDArray, force: NDArray, settings: Settings, tare_N
 
     Parameters
     ----------
+    file : str
+        Name for messages.
     x, force : ndarray, shape (n,)
         As the file counts them. [mm, N]
+    settings : Settings
+        Signs that the user settled.
     tare_N : float, optional
-        Reading at no force, where the user gave it.
+        Reading at no force, where the user gave it. [N]
+    notes : Notes
+        Receives the decisions.
 
     Raises
     ------

@@ -47,6 +47,8 @@ def find_presses(file: str, x: NDArray, load: NDArray, several: bool) -> list[Sp
 
     Parameters
     ----------
+    file : str
+        Name for messages.
     x, load : ndarray, shape (n,)
         Compression positive; force less its reading at rest. [mm, N]
     several : bool

@@ -36,6 +36,17 @@ class Summary:
 def summarise(file: str, time: NDArray, x: NDArray, force: NDArray) -> Summary:
     """Summarise one press, zero at contact and compression positive.
 
+    Parameters
+    ----------
+    file : str
+        Name for messages.
+    time, x, force : ndarray, shape (n,)
+        The press, tared, x = 0 at contact. [s, mm, N]
+
+    Returns
+    -------
+    Summary
+
     Raises
     ------
     InputError

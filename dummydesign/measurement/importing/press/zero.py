@@ -35,14 +35,18 @@ def find_contacts(
 
     Parameters
     ----------
+    file : str
+        Name for messages.
     contacts : sequence of Contact
         One a press, in order.
     depths : sequence of float
         Deepest position of each press less its contact. [mm]
     first_mm : float
-        Position at the first sample.
+        Position at the first sample. [mm]
     sign : float
-        -1 where the file's own position falls while pressing; readings are told as the file counts them.
+        -1 where the file's own position falls while pressing; readings are printed as the file counts them.
+    notes : Notes
+        Receives the decisions.
 
     Returns
     -------
@@ -188,12 +192,16 @@ def find_tares(file: str, contacts: Sequence[Contact], rest_N: float, flipped: b
 
     Parameters
     ----------
+    file : str
+        Name for messages.
     contacts : sequence of Contact
         One a press; their tares count from ``rest_N``.
     rest_N : float
-        Reading at rest, compression positive.
+        Reading at rest, compression positive. [N]
     flipped : bool
         Whether the file's own force counts the other way.
+    notes : Notes
+        Receives the decisions.
 
     Raises
     ------

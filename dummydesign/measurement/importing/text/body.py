@@ -40,6 +40,19 @@ class Body:
 def read_body(layout: Layout, columns: Sequence[int], notes: Notes) -> Body:
     """Read the numbers of some columns.
 
+    Parameters
+    ----------
+    layout : Layout
+        Where the table stands.
+    columns : sequence of int
+        Indices of the columns to read.
+    notes : Notes
+        Receives what was left out.
+
+    Returns
+    -------
+    Body
+
     Raises
     ------
     InputError

@@ -40,6 +40,7 @@ def decode(file: str, data: bytes, encoding: str | None, notes: Notes) -> str:
     file : str
         Name for messages.
     data : bytes
+        The whole file.
     encoding : str, optional
         What the user says it is.
     notes : Notes

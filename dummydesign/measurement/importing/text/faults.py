@@ -28,6 +28,26 @@ def why_no_table(lines: Sequence[str], separator: str) -> str:
 def refuse_two_commas(
     file: str, separator: str, cells: Sequence[str], width: int, lines: Sequence[str], first: int
 ) -> None:
+    """Refuse a table in which the comma parts both columns and decimals.
+
+    Parameters
+    ----------
+    file, separator : str
+        Name for messages, and what parts the cells.
+    cells : sequence of str
+        A sample of the cells.
+    width : int
+        Cells a row.
+    lines : sequence of str
+        All lines of the text.
+    first : int
+        Index of the first line of numbers; the names stand above it.
+
+    Raises
+    ------
+    InputError
+        With the numbers of names and of cells.
+    """
     if separator != "," or width % 2 or any("." in cell or "," in cell for cell in cells):
         return
     for line in lines[max(first - HEADER_LINES, 0) : first]:
@@ -42,7 +62,26 @@ def refuse_two_commas(
 def refuse_unfinished(
     file: str, lines: Sequence[str], last: int, separator: str, kinds: Sequence[str], skipped: int
 ) -> None:
-    """A last line without its end that breaks off within a row: the file is still being written."""
+    """Refuse a file that is still being written: its last line has no end and breaks off within a row.
+
+    Parameters
+    ----------
+    file, separator : str
+        Name for messages, and what parts the cells.
+    lines : sequence of str
+        All lines of the text.
+    last : int
+        Index after the last line of numbers.
+    kinds : sequence of str
+        What each column holds: ``number``, ``stamp``, ``text``, ``empty``.
+    skipped : int
+        Lines left out at the start of the file, for the line number.
+
+    Raises
+    ------
+    InputError
+        With the line and its end.
+    """
     if not lines or not lines[-1].strip():
         return
     index = len(lines) - 1

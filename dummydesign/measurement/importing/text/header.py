@@ -17,7 +17,26 @@ _LONGEST = 80
 def find_header(
     lines: Sequence[str], first: int, separator: str, kinds: Sequence[str]
 ) -> tuple[tuple[str, ...], tuple[str, ...], list[int]]:
-    """Names and units above the table, and the indices of the lines they stand in."""
+    """Names and units above the table, and the indices of the lines they stand in.
+
+    Parameters
+    ----------
+    lines : sequence of str
+        All lines of the text.
+    first : int
+        Index of the first line of numbers.
+    separator : str
+        What parts the cells.
+    kinds : sequence of str
+        What each column holds: ``number``, ``stamp``, ``text``, ``empty``.
+
+    Returns
+    -------
+    names, units : tuple of str
+        A cell a column, empty where there is none.
+    lines : list of int
+        Indices of the lines they stand in.
+    """
     width = len(kinds)
     rows: list[tuple[int, list[str]]] = []
     for index in range(first - 1, max(first - 1 - 3 * HEADER_LINES, -1), -1):

@@ -74,6 +74,15 @@ def find_layout(file: str, text: str, settings: Settings, notes: Notes) -> Layou
     Separator and decimal sign are read off lines spread over the whole text; then the first and the last line of
     that form bound the table, and the header is looked for above it.
 
+    Parameters
+    ----------
+    file, text : str
+        Name for messages, and the file as text.
+    settings : Settings
+        What the user settled.
+    notes : Notes
+        Receives the decisions.
+
     Raises
     ------
     InputError

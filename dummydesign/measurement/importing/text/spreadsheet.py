@@ -27,6 +27,15 @@ def is_workbook(data: bytes) -> bool:
 def workbook_text(file: str, data: bytes, notes: Notes) -> str:
     """Write the sheets that hold a table as lines of cells parted by tabs, one sheet after the other.
 
+    Parameters
+    ----------
+    file : str
+        Name for messages.
+    data : bytes
+        The whole file.
+    notes : Notes
+        Receives which sheets are read.
+
     Raises
     ------
     InputError

@@ -2,7 +2,7 @@
 
 Sharp, glued, round punches on bonded pads of 5, 10, 15 and 20 mm were solved by another code with another element and
 another way to the sharp edge. Both agree within 0.3 % to d/h 0.2; deeper this model is the stiffer one. Part of that is
-the energy term that keeps elements from inverting (``mixed_solid``): it stiffens the meshes of the beads.
+the energy term that keeps elements from inverting (``mixed_solid``): it stiffens the meshes of the fillets.
 """
 
 from __future__ import annotations

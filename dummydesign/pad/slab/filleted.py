@@ -61,7 +61,25 @@ class FilletedPunch(FlatPunch):
 
 
 def lines(length: float, first: float, growth: float, largest: float, within: float = np.inf) -> Array:
-    """Places from 0 to ``length`` of cells that grow from ``first``; up to ``within`` none is above ``largest``."""
+    """Places of cells that grow away from the first one.
+
+    Parameters
+    ----------
+    length : float
+        Last place, in any unit of length; the first is 0.
+    first : float
+        Size of the first cell.
+    growth : float
+        Ratio of neighbouring cells.
+    largest : float
+        Largest cell up to ``within``.
+    within : float
+        Place up to which no cell is larger.
+
+    Returns
+    -------
+    ndarray, shape (cells + 1,)
+    """
     found, cell = [0.0], first
     while found[-1] < length:
         found.append(found[-1] + cell)
@@ -76,6 +94,12 @@ def filleted_problem(
 
     Parameters
     ----------
+    slab : Slab
+        Slab and punch in thicknesses.
+    law : Law
+        Its moduli set the unit of stress.
+    poisson : float
+        Poisson's ratio; 0.5 is incompressible.
     fillet : float
         Radius of the fillet.
     sides : bool

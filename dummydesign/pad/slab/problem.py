@@ -1,7 +1,7 @@
-"""A slab under a round flat punch as a finite-element problem: with a sharp edge, or with a bead at it.
+"""A slab under a round flat punch as a finite-element problem: with a sharp edge, or with a fillet at it.
 
-The sharp edge with quarter-point elements is exact at first touch; at depth its corner cells turn inside out.
-The bead makes the problem well-posed at any depth (see ``sharp_edge`` for the limit of small beads).
+The sharp edge with quarter-point elements is exact at first touch; at depth its corner cells invert.
+The fillet makes the problem well-posed at any depth (see ``sharp_edge`` for the limit of small fillets).
 """
 
 from __future__ import annotations
@@ -120,7 +120,22 @@ def _rings(box: float, smallest: float) -> int:
 def sharp_problem(slab: Slab, law: Law, poisson: float, resolution: Resolution, rings: int = 6) -> Problem:
     """The sharp-edged punch, for the small-strain limit: quarter-point elements at the edge.
 
-    Lengths in thicknesses; the law's moduli set the unit of stress.
+    Parameters
+    ----------
+    slab : Slab
+        Slab and punch in thicknesses.
+    law : Law
+        Its moduli set the unit of stress.
+    poisson : float
+        Poisson's ratio; 0.5 is incompressible.
+    resolution : Resolution
+        Cells around the edge.
+    rings : int
+        Rings of cells around the edge, each half the size of the one outside.
+
+    Returns
+    -------
+    Problem
     """
     half_box = resolution.box * slab.scale
     points, quads, centre = meshes.web_mesh(slab.radius, 1.0, slab.extent, half_box, rings, resolution)
@@ -133,11 +148,22 @@ def sharp_problem(slab: Slab, law: Law, poisson: float, resolution: Resolution, 
 
 
 def rimmed_problem(slab: Slab, law: Law, poisson: float, rim: float, resolution: Resolution) -> Problem:
-    """The punch with a bead of radius ``rim`` (in thicknesses), glued or frictionless under its flat face.
+    """The punch with a small fillet at its edge, glued or frictionless under its flat face.
 
-    The face far from the edge moves with the punch node by node. Within six rims of the bead, and
-    everywhere for a frictionless face, the surface is held by contact; a glued face is also held by the
-    film, whose stiffness falls off over one rim towards the bead, and the bead grips what touches it.
+    The face far from the edge moves with the punch node by node. Within six fillet radii of the fillet, and
+    everywhere for a frictionless face, the surface is held by contact; a glued face is also held by the film, whose
+    stiffness falls off over one radius towards the fillet, and what touches the fillet sticks to it.
+
+    Parameters
+    ----------
+    slab, law, poisson, resolution
+        As for :func:`sharp_problem`.
+    rim : float
+        Radius of the fillet, in thicknesses.
+
+    Returns
+    -------
+    Problem
     """
     punch = FlatPunch(slab.radius, rim)
     half_box = resolution.box * slab.scale
@@ -175,6 +201,15 @@ def first_stiffness(slab: Slab, law: Law, poisson: float = 0.5, resolution: Reso
 
     For a frictionless face on a bonded base this is 2 kappa / (1 - nu^2) * (E / E') of the layer solution
     of Hayes et al., J. Biomech. 5 (1972) 541, at the same shear modulus.
+
+    Parameters
+    ----------
+    slab, law, poisson, resolution
+        As for :func:`sharp_problem`.
+
+    Returns
+    -------
+    float
     """
     problem = sharp_problem(slab, law, poisson, resolution or Resolution(cells=4))
     return problem.stiffness() / (3.0 * law.shear_MPa * slab.radius)
@@ -184,7 +219,35 @@ def normalise(
     thickness_mm: float, length_mm: float, young_MPa: float, depth_mm: Sequence[float] | Array, poisson: float,
     law: Law | None,
 ) -> tuple[Law, Array, float, float]:
-    """Law with unit shear modulus, depths > 0 and a length in thicknesses, and the shear modulus [MPa]."""
+    """A pad's sizes, depths and law in thicknesses and shear moduli.
+
+    Parameters
+    ----------
+    thickness_mm, length_mm : float
+        Thickness, and a length that is to be expressed in it: radius or reach of the punch. [mm]
+    young_MPa : float
+        Long-term Young's modulus. [MPa]
+    depth_mm : sequence of float, or ndarray of shape (n,)
+        Depths, at most 0.6 thicknesses; 0 is left out. [mm]
+    poisson : float
+        Poisson's ratio; 0.5 is incompressible.
+    law : Law or None
+        Neo-Hookean by default.
+
+    Returns
+    -------
+    law : Law
+        With unit shear modulus.
+    depths : ndarray, shape (m,)
+        Increasing, in thicknesses.
+    length, shear : float
+        In thicknesses; shear modulus in MPa.
+
+    Raises
+    ------
+    InputError
+        For a size or depth outside its range.
+    """
     for name, value in (("thickness_mm", thickness_mm), ("radius_mm", length_mm), ("young_MPa", young_MPa)):
         positive(name, value)
     depths = np.unique(np.asarray(depth_mm, dtype=float))

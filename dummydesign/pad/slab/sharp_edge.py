@@ -1,7 +1,7 @@
 """Force of a slab under a round flat punch, by axisymmetric finite elements at finite strain.
 
 The edge of a sharp, glued punch shears the material without bound, so no mesh resolves it. The punch
-here has a small bead of radius ``rim`` at its edge, with unilateral contact, and the reported force is
+here has a small fillet of radius ``rim`` at its edge, with unilateral contact, and the reported force is
 the limit of rim to 0, found from a ladder of rims each half the one before (see ``edge_extrapolation``). A rim is
 of use for depths that are large against its own scale (depth^2 > rim, both in units of the smaller of
 punch radius and thickness); the small-depth limit comes from a sharp edge with quarter-point elements,
@@ -56,7 +56,23 @@ def climb(
     resolution: Resolution,
     progress: Callable[[float], None] | None = None,
 ) -> Path:
-    """Follow one rung of the ladder through ``depths`` (in thicknesses)."""
+    """Follow the slab under a punch with one fillet.
+
+    Parameters
+    ----------
+    slab, law, poisson, resolution
+        As for :func:`dummydesign.pad.slab.problem.sharp_problem`.
+    depths : ndarray, shape (n,)
+        Increasing, in thicknesses.
+    rim : float
+        Radius of the fillet, in thicknesses.
+    progress : callable, optional
+        Called with each solved depth.
+
+    Returns
+    -------
+    Path
+    """
     problem = rimmed_problem(slab, law, poisson, rim, resolution)
     return follow(problem, depths, rim, 0.05 * slab.scale, 0.005 * slab.scale, progress)
 
@@ -70,14 +86,23 @@ def climb_all(
     resolution: Resolution,
     progress: Callable[[float], None] | None = None,
 ) -> tuple[Samples, list[Path]]:
-    """Solve every rim (over scale) at the relative ``depths`` that are large against it.
+    """Solve every fillet at the depths that are large against it.
+
+    Parameters
+    ----------
+    slab, law, poisson, resolution, progress
+        As for :func:`climb`.
+    depths : ndarray, shape (n,)
+        Increasing, in thicknesses.
+    rims : sequence of float
+        Fillet radii over the smaller of punch radius and thickness.
 
     Returns
     -------
     Samples
         s = F / (E a d), E = 3 mu, at all depths that were reached.
     list of Path
-        What each rung cost and why it stopped.
+        What each fillet cost and why it stopped.
     """
     depth, rim_of, value, paths = [], [], [], []
     for rim in rims:
@@ -115,7 +140,7 @@ def solve_curve(
         Thickness of the slab and radius of the punch. [mm]
     young_MPa : float
         Long-term Young's modulus E; the shear modulus is E / (2 (1 + nu)). [MPa]
-    depth_mm : sequence of float
+    depth_mm : sequence of float, or ndarray of shape (n,)
         Depths of the punch, >= 0, at most 0.6 thicknesses. [mm]
     base, condition : str
         ``bonded`` or ``sliding`` base; ``bonded`` or ``frictionless`` punch face.
@@ -125,6 +150,8 @@ def solve_curve(
         Outer radius of the slab; by default that of the circle with the area of 150 x 120 mm. [mm]
     law : Law, optional
         Shape of the hyperelastic law; it is scaled to the modulus. Neo-Hookean by default.
+    resolution : Resolution, optional
+        Cells around the edge; those of the stated error by default.
     progress : callable, optional
         Called with each relative depth that is solved.
 

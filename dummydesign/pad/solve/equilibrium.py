@@ -126,13 +126,31 @@ class Failure:
 def find_equilibrium(
     problem: Problem, u: Array, p: Array, depth: float, tolerance: float = RESIDUAL_TOLERANCE
 ) -> Solution | Failure:
-    """Newton's method at one depth, from a predicted state."""
+    """Newton's method at one depth, from a predicted state.
+
+    Parameters
+    ----------
+    problem : Problem
+        Mesh, law, supports and contact.
+    u : ndarray, shape (displacements,)
+        Predicted displacements, in the mesh's unit of length.
+    p : ndarray, shape (elements, pressures)
+        Predicted pressures, in the law's unit of stress.
+    depth : float
+        Of the punch, in the mesh's unit of length.
+    tolerance : float
+        Largest residual over the size of the forces.
+
+    Returns
+    -------
+    Solution or Failure
+    """
     solid, free, surface = problem.solid, problem.pattern.free, problem.surface
     u = u.copy()
     u[problem.driven] = -depth
     state = solid.state(u, p, tangent=False)
     if state is None:
-        return Failure("the predicted state turns an element inside out", 0)
+        return Failure("the predicted state inverts an element", 0)
     if surface is not None:
         surface.begin()
     contact, matrices = problem.contact(u, depth)
@@ -150,7 +168,7 @@ def find_equilibrium(
                 break
             fraction *= 0.5
             if fraction < 0.05:
-                return Failure("an element would turn inside out", len(residuals) + 1)
+                return Failure("an element would invert", len(residuals) + 1)
         u, p, state = u + fraction * du, p + fraction * dp, trial
         contact, matrices = problem.contact(u, depth)
         scale = np.linalg.norm(state.internal_force) + 1e-300
@@ -169,12 +187,31 @@ def find_equilibrium(
 
 
 def explain(problem: Problem, u: Array, p: Array, depth: float, reason: str) -> str:
-    """Say where a path ended, with the worst element, for the user who has to act on it."""
+    """Say where a path ended, with the worst element, for the user who has to act on it.
+
+    Parameters
+    ----------
+    problem : Problem
+        Mesh, law, supports and contact.
+    u : ndarray, shape (displacements,)
+        Displacements of the last good state.
+    p : ndarray, shape (elements, pressures)
+        Its pressures.
+    depth : float
+        Depth of that state, in the mesh's unit of length.
+    reason : str
+        Why the next one was not found.
+
+    Returns
+    -------
+    str
+        For the user's eyes.
+    """
     state = problem.solid.state(u, p, tangent=False)
     element, _ = np.unravel_index(np.argmin(state.J), state.J.shape)
     nodes = problem.solid.mesh.dofs[element] // problem.solid.mesh.nodes.shape[0]
     place = ", ".join(f"{x:.3g}" for x in problem.solid.mesh.nodes[:, nodes].mean(axis=1))
     return (
-        f"stopped at relative depth {depth:.3f}: {reason}; worst element {element} at ({place}) thicknesses, "
+        f"solution stopped at relative depth {depth:.3f}: {reason}; worst element {element} at ({place}) thicknesses, "
         f"smallest volume ratio {state.J.min():.2g}"
     )

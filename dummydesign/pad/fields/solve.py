@@ -1,7 +1,7 @@
 """Solve the fields of a round pad at static depths.
 
-The punch has the fillet of the finest shaped solve (0.05 of the smaller of punch radius and thickness) at its edge; the
-force of these fields is the one with that fillet, not the limit of a sharp edge.
+A punch with a fillet of its own has that one. A sharp one has the fillet of the finest shaped solve (0.05 of the
+smaller of punch radius and thickness); the force of these fields is the one with it, not the limit of a sharp edge.
 """
 
 from __future__ import annotations
@@ -154,6 +154,11 @@ def _setup(pad: Pad, law: Any, depths: Array, shear: float) -> Setup:
     slab_scale = min(radius, 1.0)
     if pad.condition == "bonded" and pad.base in BASES:
         slab = Slab(radius, extent, pad.base, pad.condition)
+        if pad.edge_radius_mm:
+            from dummydesign.pad.slab.filleted import HALVINGS, LATTICE, filleted_problem
+
+            made = filleted_problem(slab, law, pad.poisson, pad.edge_radius_mm / h)
+            return Setup(made, LATTICE * 0.5**HALVINGS, LATTICE, LATTICE / 256.0, True)
         made = rimmed_problem(slab, law, pad.poisson, RIM * slab_scale, meshes.Resolution(cells=6))
         return Setup(made, RIM * slab_scale, 0.05 * slab_scale, 0.005 * slab_scale)
     flat = FlatPunch(radius, RIM * slab_scale)

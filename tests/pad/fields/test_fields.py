@@ -135,6 +135,17 @@ def test_the_volume_is_kept():
     assert crowned == pytest.approx(1.0, abs=0.005)
 
 
+def test_a_fillet_of_the_punch_is_that_of_the_fields():
+    from dummydesign.pad.slab.filleted import solve_filleted
+
+    pad = Pad(10.0, YOUNG_MPa, 7.9, edge_radius_mm=1.0)
+    found = solve_fields(pad, [1.0, 3.0])[0]
+    force = solve_filleted(10.0, 7.9, 1.0, YOUNG_MPa, [1.0, 3.0]).force_N
+    assert [one.force_N for one in found] == pytest.approx(force, rel=0.01)
+    # The edge carries the more, the smaller its fillet.
+    assert found[0].contact()["edge_kPa"] < pressed().contact()["edge_kPa"]
+
+
 def test_a_glued_face_sticks():
     assert set(pressed().contact()["profile"]["state"]) == {"sticks"}
 

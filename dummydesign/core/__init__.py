@@ -1,1 +1,1 @@
-"""What every room stands on: errors, files, data files, numbers, the cache of solves; nothing of the field."""
+"""What every room uses: errors, files, data files, numbers, the cache of solves; nothing of the field."""

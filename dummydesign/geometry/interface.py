@@ -1,4 +1,4 @@
-"""How two faces hold each other: glued, sliding without friction, or rubbing with a coefficient of friction."""
+"""The interface of two faces: bonded, sliding without friction, or Coulomb friction."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a printed master can show, a mould lets go and a gel survives: limits of pads, and checks against them.
+"""Limits of pads, and checks against them: what a master can show, a mould can release and a gel survives.
 
 Workshop judgement, see docs/mould.md.
 """

@@ -1,4 +1,4 @@
-"""What every pad shape answers: heights, volumes, limits, words, its mould, its design box. No solver, no CAD.
+"""The contract of pad shapes: heights, volumes, limits, words, its mould, its design box. No solver, no CAD.
 
 A pad stands on a rigid base plane and has its full thickness at its highest point, over the origin. Its
 tested face lies ``drop_mm(x, y)`` below that point; a rigid bone fills the pad from the base up to

@@ -1,4 +1,4 @@
-"""What each arm does to every bin, tabulated over the arm's rate, so that a fit costs next to nothing.
+"""What each arm does to every bin, tabulated over the arm's rate, so that a fit is cheap.
 
 For a given law the force is gamma1 X + sum gamma_i A(t; r_i) with r_i = gamma_i / c_i. X and A pass through
 the sensor filter and the bins, both linear, once; A is kept as a cubic spline in ln r.

@@ -1,4 +1,4 @@
-"""The subject of a tissue that a fit stands for."""
+"""From a fit to a subject of a tissue."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ class Drive(Protocol):
 
 
 class MaxwellLaw(ABC):
-    """A form of the law; what differs between forms is asked of it, nothing else names one.
+    """One form of the law: everything that differs between forms is a method here, and nothing else names a form.
 
     Attributes
     ----------

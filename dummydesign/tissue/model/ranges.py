@@ -53,7 +53,7 @@ class ForceRange:
     def inside(
         self, time_s: ArrayLike, force_N: ArrayLike, stop_s: ArrayLike, tolerance_N: float | None = None
     ) -> dict[str, NDArray]:
-        """Share of a press inside the range, in the rise, in the hold, and the mean of both.
+        """Fraction of a press in the range, in the rise, in the hold, and the mean of both.
 
         The rise counts evenly in time from contact to the dummy's own stop, the hold evenly in the
         logarithm of the time since the stop (from 5 ms on), so that neither the 10 s of hold nor the
@@ -200,7 +200,7 @@ def steady_depth_range(subjects: tuple[Parameters, ...], force_N: ArrayLike) -> 
 
 
 def steady_inside(subjects: tuple[Parameters, ...], force_N: ArrayLike, depth_mm: ArrayLike) -> dict[str, NDArray]:
-    """Share of a steady-state curve inside the range, below 5 N, above 5 N and over both.
+    """Fraction of a steady-state curve in the range, below 5 N, above 5 N and over both.
 
     Parameters
     ----------

@@ -138,7 +138,7 @@ class Tissue:
         return steady_depth_range(self.parameter_sets, force_N)
 
     def steady_inside(self, force_N: ArrayLike, depth_mm: ArrayLike) -> dict[str, NDArray]:
-        """Share of steady-state curves inside the range; see :func:`dummydesign.tissue.model.ranges.steady_inside`."""
+        """Fraction of steady-state curves in the range; see :func:`dummydesign.tissue.model.ranges.steady_inside`."""
         from dummydesign.tissue.model.ranges import steady_inside
 
         return steady_inside(self.parameter_sets, force_N, depth_mm)

@@ -1,4 +1,4 @@
-"""Tissue files: read with line-exact complaints, and written so that they can be read again."""
+"""Tissue files: read with errors that name file and line, and written so that they can be read again."""
 
 from __future__ import annotations
 

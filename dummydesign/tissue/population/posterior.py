@@ -1,4 +1,4 @@
-"""Posterior draws of an inferred tissue: what is kept of them, and the subjects they stand for."""
+"""Posterior draws of an inferred tissue: what is stored of them, and the subjects they represent."""
 
 from __future__ import annotations
 

@@ -26,7 +26,8 @@ def fit(
     *,
     elements: int | str = "auto",
     law: str = "ode",
-    mode: str = "joint",
+    mode: str = "auto",
+    contact: str = "none",
     lowpass: str | None = None,
     out: str | PathLike[str] | None = None,
     replace: bool = False,
@@ -42,7 +43,9 @@ def fit(
     law : str
         ``ode``, ``consistent`` or ``published``.
     mode : str
-        ``joint``, ``per-speed`` or ``per-condition``.
+        ``auto`` (per speed when speeds differ, else joint), ``joint``, ``per-speed`` or ``per-condition``.
+    contact : str
+        ``none``, or ``per-press``: an offset of the contact of each press is fitted too.
     lowpass : str, optional
         Filter the forces went through, ``HZ[:ORDER[:PASSES]]``.
     out : path, optional
@@ -91,6 +94,7 @@ def fit(
         "elements": str(elements),
         "law": law,
         "mode": mode,
+        "contact": contact,
         "lowpass": passed.to_dict() if passed else None,
         "out": None if out is None else fspath(out),
     }
@@ -100,13 +104,13 @@ def fit(
         return {"inputs": {**inputs, "out": place}, **fitted.to_dict(), "sources": [LAW_SOURCE], "files": {}}
 
     if out is None:
-        found = fit_traces(read, count, law, mode, passed)
+        found = fit_traces(read, count, law, mode, passed, contact=contact)
         return Fitted(found, answered(found, None))
     from dummydesign.core.outputs.write import new_files
     from dummydesign.report.files.fit import write_fit
 
     with new_files(out, _question("fit", inputs, names, read), replace=replace) as output:
-        found = fit_traces(read, count, law, mode, passed)
+        found = fit_traces(read, count, law, mode, passed, contact=contact)
         name = f"{output.place.stem}.toml"
         result = answered(found, output.folder / name)
         result["files"] = write_fit(found, fspath(output.work / name), [LAW_SOURCE])

@@ -12,6 +12,7 @@ MODULES = {
     "import": "measurement.import_",
     "fit": "measurement.fit",
     "mold": "design.mold",
+    "campaign": "measurement.campaign",
     "loop": "measurement.loop",
     "replay": "measurement.replay",
     "compare": "measurement.compare",

@@ -25,9 +25,10 @@ _TRIAL_NUMBERS = {
     "rest_s": (0.0, 1e9),
     "temperature_C": (-20.0, 80.0),
     "age_days": (0.0, 36500.0),
+    "target_depth_mm": (0.0, 200.0),
 }
 _TRIAL_REQUIRED = ("thickness_mm", "velocity_mm_s")
-_TRIAL_KEYS = {"file", "repeat", "sequence", *_TRIAL_NUMBERS}
+_TRIAL_KEYS = {"file", "repeat", "sequence", "unload", *_TRIAL_NUMBERS}
 
 
 def read_campaign(folder: str | Path) -> Campaign:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from dummydesign.cli.library.own import ACTIONS, add_own_actions, render_own, run_own
+from dummydesign.cli.own_files import ACTIONS, add_own_actions, render_own, run_own
 
 HELP = "List the known resins, show one with all its numbers and sources, and add, rename or remove your own."
 

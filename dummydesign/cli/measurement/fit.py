@@ -13,9 +13,19 @@ HELP = "Fit the nonlinear 3, 5 or 7 element law to traces of one tissue or dummy
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("traces", nargs="+", metavar="TRACE.csv", help="time_s,displacement_mm,force_N")
-    parser.add_argument("--elements", default="auto", metavar="3|5|7|auto", help="default auto: by AICc")
-    parser.add_argument("--law", default="ode", metavar="published|consistent|ode", help="default ode")
-    parser.add_argument("--mode", default="joint", metavar="joint|per-speed|per-condition", help="default joint")
+    add = parser.add_argument
+    add("--elements", default="auto", metavar="3|5|7|auto",
+        help="default auto: by AICc, never one that predicts left-out presses worse than another")  # fmt: skip
+    add("--law", default="ode", metavar="published|consistent|ode",
+        help="ode (default): the law along the measured motion; published, consistent: closed forms of an ideal "
+        "ramp and hold, as printed and as they follow from the law")  # fmt: skip
+    add("--mode", default="auto", metavar="joint|per-speed|per-condition",
+        help="joint: one set of parameters for all presses; per-speed: springs shared, dampers of their own for each "
+        "speed, as the paper reports them; per-condition: every speed and depth by itself, then the mean, without "
+        "intervals; default auto: per-speed when speeds differ, else joint")  # fmt: skip
+    add("--contact", default="none", metavar="none|per-press",
+        help="per-press: fit where each press touched, as an offset of its zero; for presses whose contact is "
+        "late or early (fit proposes it when that explains the residual)")  # fmt: skip
     parser.add_argument("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help="filter the force went through")
     parser.add_argument("--out", metavar="tissue.toml", help="write a tissue file; residuals and report beside it")
     add_replace_option(parser)
@@ -30,6 +40,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         elements=options.elements,
         law=options.law,
         mode=options.mode,
+        contact=options.contact,
         lowpass=options.lowpass,
         out=options.out or None,
         replace=options.replace,
@@ -62,6 +73,11 @@ def render(result: dict[str, Any]) -> str:
             f"{row['file'][:28]:<28} {row['velocity_mm_s']:>7.4g} {row['depth_mm']:>7.3f} "
             f"{row['steady_force_N']:>9.3f} {row['peak_force_N']:>8.3f} {row['rmse_N']:>8.4f} "
             f"{row['max_residual_N']:>8.4f}"
+        )
+    for row in result.get("contact_offsets") or []:
+        lines.append(
+            f"{row['file'][:28]:<28} touched {row['value_mm']:+.3f} mm before its zero "
+            f"({row['low_mm']:+.3f} to {row['high_mm']:+.3f})"
         )
     lines += [f"warning: {warning['message']}" for warning in result["warnings"]]
     lines += [f"{role}: {path}" for role, path in result["files"].items() if not role.startswith("report_")]

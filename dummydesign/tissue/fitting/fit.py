@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign.core.errors import InputError
+from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.threads import one_blas_thread
 from dummydesign.inference.model_selection import simplest
 from dummydesign.inference.noise_floor import noise_floor
@@ -16,14 +16,19 @@ from dummydesign.inference.profile import profile_interval
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
 from dummydesign.measurement.trace_checks import copies_among, doubts_of, subjects_among
-from dummydesign.tissue.fitting.groups import condition_groups, rounded_velocity, speed_groups
-from dummydesign.tissue.fitting.problem import Optimum, Problem
-from dummydesign.tissue.fitting.reduction import ReducedTrace, reduce_trace
+from dummydesign.tissue.fitting.contact_offsets import find_offsets, shifted, with_unknown_offsets
+from dummydesign.tissue.fitting.groups import rounded_velocity, speed_groups
+from dummydesign.tissue.fitting.offset_proposal import proposed_offsets
+from dummydesign.tissue.fitting.problem import Optimum, Problem, problems_of
+from dummydesign.tissue.fitting.reduction import reduce_trace
 from dummydesign.tissue.fitting.residuals import heldout_rmse, trace_residuals
 from dummydesign.tissue.model.laws import law_named
 from dummydesign.tissue.model.parameters import speed_key
 
-MODES = ("joint", "per-speed", "per-condition")
+MODES = ("auto", "joint", "per-speed", "per-condition")
+CONTACTS = ("none", "per-press")
+SAME_ERROR = 1.01
+"""Errors on left-out conditions that count as the same."""
 
 @dataclass(frozen=True)
 class Fit:
@@ -52,6 +57,7 @@ def fit_traces(
     mode: str = "joint",
     lowpass: Lowpass | None = None,
     intervals: bool = True,
+    contact: str = "none",
 ) -> Fit:
     """Fit the tissue law to traces of one tissue or dummy.
 
@@ -65,16 +71,20 @@ def fit_traces(
     traces : sequence of Trace
         Any forces, speeds and repeats of the same specimen.
     elements : 3, 5, 7 or "auto"
-        ``auto`` takes the fewest whose AICc is within 6 of the lowest.
+        ``auto`` takes the fewest whose AICc is within 6 of the lowest, among those that predict left-out
+        conditions best (within 1 %).
     law : str
         ``ode``, ``consistent`` or ``published``; the latter two use mean speed and stop time only.
     mode : str
-        ``joint`` (one set), ``per-speed`` (gamma shared, c per speed) or ``per-condition`` (as the
-        paper: every speed and depth by itself, then averaged).
+        ``joint`` (one set), ``per-speed`` (gamma shared, c per speed), ``per-condition`` (as the
+        paper: every speed and depth by itself, then averaged), or ``auto``: per speed when speeds differ, else joint.
     lowpass : Lowpass, optional
         Filter the recorded forces went through.
     intervals : bool
         Whether to compute intervals.
+    contact : str
+        ``none``, or ``per-press``: an offset of the contact of each press is fitted with the law, see
+        :mod:`~dummydesign.tissue.fitting.contact_offsets`.
 
     Returns
     -------
@@ -87,43 +97,58 @@ def fit_traces(
     """
     allowed = law_named(law).elements
     if mode not in MODES:
-        from dummydesign.core.errors import unknown_name
-
         raise unknown_name("mode", mode, MODES)
+    if contact not in CONTACTS:
+        raise unknown_name("contact", contact, CONTACTS)
     if elements != "auto" and elements not in allowed:
         raise InputError(f"elements = {elements} is not one of {', '.join(map(str, allowed))} or auto")
     if not traces:
         raise InputError("fit needs at least one trace")
+    whole = list(traces)
+    if mode == "auto":
+        mode = "per-speed" if len(speed_groups([reduce_trace(trace) for trace in traces])) > 1 else "joint"
+    offsets = None
+    if contact == "per-press":
+        arms = 2 if elements == "auto" else (int(elements) - 1) // 2
+        offsets = find_offsets(whole, law, mode, arms, lowpass)
+        traces = shifted(whole, offsets.value_mm)
     reduced = [reduce_trace(trace) for trace in traces]
-    problems = _problems(law, mode, reduced, lowpass)
+    problems = problems_of(law, mode, reduced, lowpass)
     optima = {n: [problem.optimum((n - 1) // 2) for problem in problems] for n in allowed}
     comparison = _comparison(mode, problems, optima)
-    chosen = simplest({int(n): row["aicc"] for n, row in comparison.items()}) if elements == "auto" else int(elements)
+    chosen = _chosen(comparison) if elements == "auto" else int(elements)
     pairs = tuple(zip(problems, optima[chosen]))
-    result: dict[str, Any] = {"elements": chosen, "law": law, "mode": mode}
+    if offsets is not None:
+        pairs = tuple((problem, with_unknown_offsets(problem, optimum)) for problem, optimum in pairs)
+    result: dict[str, Any] = {"elements": chosen, "law": law, "mode": mode, "contact": contact}
     result |= _parameters(mode, pairs, chosen, intervals)
     result |= trace_residuals(pairs)
-    place = {trace.name: index for index, trace in enumerate(traces)}
+    place = {trace.name: index for index, trace in enumerate(whole)}
     result["by_trace"].sort(key=lambda row: place[row["file"]])
     result["noise_floor_N"] = noise_floor(trace.hold for trace in reduced)
     result["noise"] = [optimum.noise.to_dict() for _, optimum in pairs]
     result["starts"] = {"tried": pairs[0][1].solution.starts, "same_optimum": pairs[0][1].solution.agreeing}
     result["comparison"] = comparison
+    result["contact_offsets"] = None if offsets is None else offsets.to_list(whole)
     result["warnings"] = [
         *_warnings(law, result, pairs),
         *(doubt for trace in traces for doubt in doubts_of(trace)),
-        *copies_among(traces),
+        *([] if offsets is None else offsets.warnings(whole)),
+        *copies_among(whole),
         *subjects_among(result["by_trace"]),
     ]
+    if offsets is None and intervals:
+        result |= proposed_offsets(whole, result, lowpass)
     return Fit(chosen, law, mode, lowpass, result, pairs)
 
 
-def _problems(law: str, mode: str, reduced: list[ReducedTrace], lowpass: Lowpass | None) -> list[Problem]:
-    if mode == "joint":
-        return [Problem(law, [reduced], lowpass)]
-    if mode == "per-speed":
-        return [Problem(law, [group for _, group in speed_groups(reduced)], lowpass)]
-    return [Problem(law, [group], lowpass) for _, _, group in condition_groups(reduced)]
+def _chosen(comparison: dict[str, dict[str, Any]]) -> int:
+    """The simplest near the lowest AICc, among those that predict left-out conditions best."""
+    known = {int(n): row["heldout_rmse_N"] for n, row in comparison.items() if row["heldout_rmse_N"] is not None}
+    best = min(known.values()) if len(known) == len(comparison) else None
+    return simplest(
+        {int(n): row["aicc"] for n, row in comparison.items() if best is None or known[int(n)] <= SAME_ERROR * best}
+    )
 
 
 def _comparison(mode: str, problems: list[Problem], optima: dict[int, list[Optimum]]) -> dict[str, dict[str, Any]]:

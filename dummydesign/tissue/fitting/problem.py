@@ -14,6 +14,7 @@ from dummydesign.inference.model_selection import aicc
 from dummydesign.inference.noise import Bins, Noise, minus_two_log_likelihood, whitener
 from dummydesign.inference.noise_floor import noise_floor
 from dummydesign.measurement.sensor import Lowpass
+from dummydesign.tissue.fitting.groups import condition_groups, speed_groups
 from dummydesign.tissue.fitting.noise import estimate_noise
 from dummydesign.tissue.fitting.reduction import ReducedTrace
 from dummydesign.tissue.fitting.responses import Responses
@@ -198,3 +199,12 @@ class Problem:
         order = np.argsort(gamma - damper.mean(axis=0), kind="stable")
         theta = np.r_[gamma1, gamma[order], damper[:, order].ravel()]
         return Solution(theta, solution.chi_square, solution.starts, solution.agreeing)
+
+
+def problems_of(law: str, mode: str, reduced: list[ReducedTrace], lowpass: Lowpass | None) -> list[Problem]:
+    """The fits that a mode consists of: one, or one per condition."""
+    if mode == "joint":
+        return [Problem(law, [reduced], lowpass)]
+    if mode == "per-speed":
+        return [Problem(law, [group for _, group in speed_groups(reduced)], lowpass)]
+    return [Problem(law, [group], lowpass) for _, _, group in condition_groups(reduced)]

@@ -1,0 +1,210 @@
+"""The calls about campaigns: plan one, check how far it is, make one of files."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from os import PathLike, fspath
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from dummydesign.api.answers import Result
+from dummydesign.api.questions import question
+from dummydesign.core.errors import InputError
+
+if TYPE_CHECKING:
+    from dummydesign.measurement.campaign import Campaign
+    from dummydesign.measurement.planning.campaign_text import SetUp
+    from dummydesign.measurement.planning.plan import Design, Planned
+
+
+def plan_campaign(
+    folder: str | PathLike[str],
+    set_up: SetUp,
+    design: Design,
+    *,
+    power: bool = True,
+    replace: bool = False,
+) -> Result:
+    """Make a randomised, balanced plan of presses, with its campaign file and a sheet to press from.
+
+    Parameters
+    ----------
+    folder : path
+        Where it goes; the next free number when there is another answer.
+    set_up : SetUp
+        Pad, punch and sensor.
+    design : Design
+        Pads, speeds, targets, repeats, days, seed.
+    power : bool
+        Work out which effects the plan cannot see or tell apart.
+    replace : bool
+        Take the place of the other answer instead.
+
+    Returns
+    -------
+    Result
+        The same as ``dummydesign campaign new --json`` prints.
+
+    Raises
+    ------
+    InputError
+        For values that cannot be pressed.
+    """
+    from dummydesign.core.outputs.write import new_folder
+    from dummydesign.measurement.campaign_file import FILE
+    from dummydesign.measurement.planning.campaign_text import campaign_toml
+    from dummydesign.measurement.planning.plan import make_plan
+    from dummydesign.report.campaign_sheet import sheet_html
+
+    plan = make_plan(design)
+    tables = set_up.tables()
+    inputs = {"set_up": {**set_up.__dict__, "lowpass": tables["sensor"].get("lowpass_hz")}, "design": design.__dict__}
+    comments = (
+        f"{len(plan)} presses, seed {design.seed}; fill in temperature_C as they are pressed.",
+        "'dummydesign campaign check' says what is missing, 'dummydesign loop' reads it when all is there.",
+    )
+    told = {key: ", ".join(f"{k} = {v}" for k, v in tables[key].items()) for key in ("pad", "punch", "sensor")}
+    with new_folder(folder, question("campaign new", inputs), replace=replace) as output:
+        seen, warnings = _power(plan, set_up, tables, design.seed) if power else (None, [])
+        output.path(FILE).write_text(campaign_toml(set_up, map(_trial, plan), comments), encoding="utf-8")
+        page = sheet_html(set_up.name, plan, told, design.seed)
+        output.path("sheet.html").write_text(page, encoding="utf-8")
+        result = output.answer(
+            {
+                "inputs": {**inputs, "folder": str(output.folder)},
+                "trials": [_trial(row) for row in plan],
+                "power": seen,
+                "files": {"campaign": str(output.path(FILE)), "sheet": str(output.path("sheet.html"))},
+                "warnings": warnings,
+            }
+        )
+    return Result(plan, result)
+
+
+def _trial(row: Planned) -> dict[str, Any]:
+    return {
+        "file": row.file, "thickness_mm": row.thickness_mm, "velocity_mm_s": row.velocity_mm_s, "hold_s": row.hold_s,
+        ("target_depth_mm" if row.by_depth else "target_force_N"): row.target, "repeat": row.repeat,
+        "sequence": row.sequence, "rest_s": row.rest_s, "age_days": row.age_days, "unload": row.unload,
+        "temperature_C": None,
+    }  # fmt: skip
+
+
+def _power(
+    plan: tuple[Planned, ...], set_up: SetUp, tables: Mapping[str, Mapping[str, Any]], seed: int
+) -> tuple[dict[str, Any] | None, list[dict[str, str]]]:
+    """What the plan can see; a set-up without a fast force law is told instead."""
+    from dummydesign.loop.plan_power import plan_power
+    from dummydesign.loop.run import start_young_kPa
+
+    campaign = _empty_campaign(set_up, tables)
+    try:
+        found = plan_power(plan, campaign, 1e-3 * start_young_kPa(campaign), seed)
+    except InputError as problem:
+        return None, [{"code": "no_power", "message": f"what this plan can see was not worked out: {problem}"}]
+    return found.to_dict(), []
+
+
+def _empty_campaign(set_up: SetUp, tables: Mapping[str, Mapping[str, Any]]) -> Campaign:
+    from dummydesign.measurement.campaign import Campaign, PadSpec, PunchSpec
+
+    pad, punch = tables["pad"], tables["punch"]
+    return Campaign(
+        set_up.name, Path(),
+        PadSpec(pad.get("young_kPa_nominal"), pad.get("resin"), pad.get("ratio"), pad.get("shape", "slab"),
+                pad.get("length_mm"), pad.get("width_mm"), pad.get("diameter_mm"), pad["base"]),
+        PunchSpec(punch["shape"], punch.get("side_mm"), punch.get("diameter_mm"), punch["contact"]),
+        set_up.lowpass, set_up.force_resolution_N, (),
+    )  # fmt: skip
+
+
+def check_campaign(folder: str | PathLike[str]) -> Result:
+    """Say what of a campaign is not yet pressed, and what looks wrong.
+
+    Parameters
+    ----------
+    folder : path
+
+    Returns
+    -------
+    Result
+        The same as ``dummydesign campaign check --json`` prints.
+
+    Raises
+    ------
+    InputError
+        When there is no campaign.
+    """
+    from dummydesign.measurement.planning.check import check_campaign as look
+
+    found = look(fspath(folder))
+    result = {
+        "inputs": {"folder": fspath(folder)}, "name": found.name, "ready": found.ready, "pressed": list(found.pressed),
+        "missing": list(found.missing), "wrong": list(found.wrong), "warnings": list(found.warnings),
+    }  # fmt: skip
+    return Result(found, result)
+
+
+def campaign_from_files(
+    folder: str | PathLike[str],
+    files: Iterable[str | PathLike[str]],
+    set_up: SetUp,
+    *,
+    table: str | PathLike[str] | None = None,
+    thickness_mm: float | None = None,
+    replace: bool = False,
+) -> Result:
+    """Make a campaign of traces that one has; they are copied, never changed.
+
+    Parameters
+    ----------
+    folder : path
+        Where it goes; the next free number when there is another answer.
+    files : iterable of path
+        Traces.
+    set_up : SetUp
+        Pad, punch and sensor.
+    table : path, optional
+        CSV with ``file`` and what is known of each press.
+    thickness_mm : float, optional
+        Of pads whose file name and row do not say. [mm]
+    replace : bool
+        Take the place of the other answer instead.
+
+    Returns
+    -------
+    Result
+        The same as ``dummydesign campaign from-files --json`` prints.
+
+    Raises
+    ------
+    InputError
+        For files that are no traces, and for what they leave open, with the option that settles it.
+    """
+    import shutil
+
+    from dummydesign.core.outputs.write import new_folder
+    from dummydesign.measurement.campaign_file import FILE, read_campaign
+    from dummydesign.measurement.planning.campaign_text import campaign_toml
+    from dummydesign.measurement.planning.from_files import trials_of
+
+    paths = [Path(file) for file in files]
+    tables = set_up.tables()
+    trials, decisions = trials_of(paths, table, thickness_mm)
+    inputs = {
+        "files": [str(path) for path in paths], "table": None if table is None else fspath(table),
+        "thickness_mm": thickness_mm, "set_up": {**set_up.__dict__, "lowpass": tables["sensor"].get("lowpass_hz")},
+    }  # fmt: skip
+    asked = question("campaign from-files", inputs, files=[*paths, table])
+    with new_folder(folder, asked, replace=replace) as output:
+        for path in paths:
+            shutil.copyfile(path, output.path(path.name))
+        output.path(FILE).write_text(campaign_toml(set_up, trials), encoding="utf-8")
+        read = read_campaign(output.work)
+        result = output.answer(
+            {
+                "inputs": {**inputs, "folder": str(output.folder)}, "trials": trials, "decisions": decisions,
+                "files": {"campaign": str(output.path(FILE))}, "warnings": list(read.warnings),
+            }
+        )  # fmt: skip
+    return Result(trials, result)

@@ -1,0 +1,166 @@
+"""``dummydesign campaign``: plan the presses of a cast pad, check how far they are, make a campaign of files."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from dummydesign.cli.output_option import add_replace_option
+from dummydesign.core.errors import NoAnswerError
+
+HELP = "Plan presses (randomised, with a sheet to press from), check them, or make a campaign of files."
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the actions."""
+    actions = parser.add_subparsers(dest="action", required=True, metavar="new|check|from-files")
+    new = actions.add_parser("new", help="a plan, campaign.toml and a sheet to press from", allow_abbrev=False)
+    new.add_argument("folder", metavar="DIR")
+    add = new.add_argument
+    add("--pads", metavar="MM,...", help="thicknesses of the pads (default 5,15,20)")
+    add("--velocity", metavar="MM_S,...", help="default 10,250")
+    add("--force", metavar="N,...", help="steady forces to press to (default 3,7,12)")
+    add("--depth", metavar="MM,...", help="depths to press to, instead of forces")
+    add("--repeats", type=int, metavar="N", help="of every condition, on different days (default 2)")
+    add("--ages", metavar="DAYS,...", help="age of the pads on each day of pressing (default 9,14,29)")
+    add("--rest", type=float, metavar="S", help="rest between presses of a pad (default 60)")
+    add("--hold", type=float, metavar="S", help="default 10")
+    add("--seed", type=int, default=1, metavar="N", help="of the order (default 1)")
+    add("--no-power", action="store_true", help="do not work out which effects the plan cannot see or tell apart")
+    check = actions.add_parser("check", help="what is not yet pressed, or looks wrong", allow_abbrev=False)
+    check.add_argument("folder", metavar="DIR")
+    files = actions.add_parser("from-files", help="campaign.toml from traces one has", allow_abbrev=False)
+    files.add_argument("folder", metavar="DIR", help="folder to make; the traces are copied into it")
+    files.add_argument("files", nargs="+", metavar="FILE", help="traces, named such as t05_v010_f03_1.csv")
+    files.add_argument("--table", metavar="trials.csv", help="file,thickness_mm,velocity_mm_s,... of each press")
+    files.add_argument("--thickness", type=float, metavar="MM", help="of pads whose file name and row do not say")
+    for action in (new, files):
+        _set_up_options(action)
+        add_replace_option(action)
+    for action in actions.choices.values():
+        action.add_argument("--json", action="store_true", default=argparse.SUPPRESS)
+
+
+def _set_up_options(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add("--name", help="of the campaign (default the folder's)")
+    add("--young", type=float, metavar="KPA", help="nominal modulus of the pads")
+    add("--resin", metavar="NAME", help="or the resin they are cast of, with --ratio")
+    add("--ratio", type=float, metavar="R", help="mixing ratio")
+    add("--pad", default="150x120", metavar="LxW|cylinder:D", help="outline in mm (default 150x120)")
+    add("--punch", default="square:14", metavar="SHAPE", help="square:14 (default), round:16 or plate")
+    add("--base", default="bonded", help="bonded (default), sliding or friction:MU")
+    add("--contact", default="bonded", help="of the punch: bonded (default), frictionless or friction:MU")
+    add("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help="filter the force went through before it was saved")
+
+
+def run(options: argparse.Namespace) -> dict[str, Any]:
+    """Do the action and return plain values."""
+    if options.action == "check":
+        from dummydesign.api.plan_calls import check_campaign
+
+        found = check_campaign(options.folder).to_dict()
+        if found["wrong"]:
+            raise NoAnswerError("campaign_wrong", f"{len(found['wrong'])} things look wrong in {options.folder}", found)
+        return found
+    set_up = _set_up(options)
+    if options.action == "from-files":
+        from dummydesign.api.plan_calls import campaign_from_files
+
+        return campaign_from_files(
+            options.folder, options.files, set_up, table=options.table, thickness_mm=options.thickness,
+            replace=options.replace,
+        ).to_dict()  # fmt: skip
+    from dummydesign.api.plan_calls import plan_campaign
+
+    return plan_campaign(
+        options.folder, set_up, _design(options), power=not options.no_power, replace=options.replace
+    ).to_dict()
+
+
+def _set_up(options: argparse.Namespace) -> Any:
+    from pathlib import Path
+
+    from dummydesign.measurement.planning.campaign_text import SetUp
+    from dummydesign.measurement.sensor import parse_lowpass
+
+    if options.resin is not None:
+        from dummydesign.resin import load_resin
+
+        material = load_resin(options.resin)
+        if options.ratio is not None:
+            material.check_ratio(options.ratio)
+    return SetUp(
+        options.name or Path(options.folder).resolve().name, options.young, options.resin, options.ratio, options.pad,
+        options.punch, options.base, options.contact, parse_lowpass(options.lowpass),
+    )  # fmt: skip
+
+
+def _design(options: argparse.Namespace) -> Any:
+    from dummydesign.core.errors import InputError
+    from dummydesign.measurement.planning.plan import Design
+
+    if options.force is not None and options.depth is not None:
+        raise InputError("--force and --depth: press to the one or to the other")
+    given: dict[str, Any] = {
+        "pads_mm": _numbers("pads", options.pads), "velocities_mm_s": _numbers("velocity", options.velocity),
+        "targets": _numbers("depth", options.depth) or _numbers("force", options.force), "repeats": options.repeats,
+        "ages_days": _numbers("ages", options.ages), "rest_s": options.rest, "hold_s": options.hold,
+    }  # fmt: skip
+    given = {key: value for key, value in given.items() if value is not None}
+    return Design(**given, by_depth=options.depth is not None, seed=options.seed)
+
+
+def _numbers(option: str, text: str | None) -> tuple[float, ...] | None:
+    from dummydesign.core.errors import InputError
+
+    if text is None:
+        return None
+    try:
+        return tuple(float(part) for part in text.split(","))
+    except ValueError:
+        raise InputError(f"--{option} {text} must be numbers parted by commas") from None
+
+
+def render(result: dict[str, Any]) -> str:
+    """Make the readable text."""
+    if "ready" in result:
+        return _status(result)
+    lines = []
+    if "decisions" in result:
+        lines += [f"{one['what']:<28} {one['value']} (by {one['why']})" for one in result["decisions"]]
+    else:
+        lines += _plan(result)
+    lines += [f"{role}: {path}" for role, path in result["files"].items()]
+    return "\n".join(lines + [f"warning: {one['message']}" for one in result["warnings"]])
+
+
+def _plan(result: dict[str, Any]) -> list[str]:
+    trials = result["trials"]
+    days = sorted({trial["age_days"] for trial in trials})
+    per_day = ", ".join(f"{sum(t['age_days'] == day for t in trials)} at {day:g} days" for day in days)
+    back = sum(trial["unload"] for trial in trials)
+    lines = [f"{len(trials)} presses in a drawn order: {per_day}; {back} record the way back"]
+    power = result["power"]
+    if power is None:
+        return lines
+    lines.append(f"seen at their usual size: {', '.join(power['seen']) or 'nothing'}")
+    if power["hidden"]:
+        hidden = ", ".join(f"{name} ({size:.1f} standard deviations)" for name, size in power["hidden"].items())
+        lines.append(f"hidden at their usual size: {hidden}")
+    for pair in power["alike"]:
+        lines.append(f"look alike: {' and '.join(pair['effects'])} (cosine {pair['cosine']:.2f})")
+    lines += [f"not testable: {name}: {reason}" for name, reason in power["untested"].items()]
+    return lines
+
+
+def _status(result: dict[str, Any]) -> str:
+    done, left = len(result["pressed"]), len(result["missing"])
+    lines = [f"{result['name']}: {done} of {done + left} presses are there"]
+    lines += [f"to press: {name}" for name in result["missing"][:5]]
+    if left > 5:
+        lines.append(f"  ... and {left - 5} more")
+    lines += [f"wrong: {one['file']}{': ' if one['file'] else ''}{one['message']}" for one in result["wrong"]]
+    if result["ready"]:
+        lines.append(f"ready: dummydesign loop {result['inputs']['folder']}")
+    return "\n".join(lines + [f"warning: {one['message']}" for one in result["warnings"]])

@@ -1,0 +1,1 @@
+"""Campaigns that are planned, pressed and checked, or made from files one has."""

@@ -1,0 +1,140 @@
+"""A randomised, balanced plan of presses: pads, speeds, forces or depths, repeats, days, rests, ways back."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from dummydesign.core.errors import InputError, out_of_range
+
+FRESH_REST_S = 3600.0
+"""Rest of a pad before its first press of a day. [s]"""
+MOST = 2000
+DEFAULT_PADS_MM, DEFAULT_VELOCITIES_MM_S, DEFAULT_FORCES_N = (5.0, 15.0, 20.0), (10.0, 250.0), (3.0, 7.0, 12.0)
+"""Pads, speeds and forces of the blind study (docs/loop-blind.md)."""
+DEFAULT_REPEATS, DEFAULT_AGES_DAYS, DEFAULT_REST_S, DEFAULT_HOLD_S = 2, (9.0, 14.0, 29.0), 60.0, 10.0
+UNLOADING_SHARE = 1.0 / 3.0
+
+
+@dataclass(frozen=True)
+class Planned:
+    """One press to be made; ``target`` is a force in N or, with ``by_depth``, a depth in mm."""
+
+    file: str
+    thickness_mm: float
+    velocity_mm_s: float
+    target: float
+    by_depth: bool
+    repeat: int
+    sequence: int
+    age_days: float
+    rest_s: float
+    hold_s: float
+    unload: bool
+
+
+@dataclass(frozen=True)
+class Design:
+    """What a plan is made of: every pad at every speed to every target, ``repeats`` times, over the days."""
+
+    pads_mm: tuple[float, ...] = DEFAULT_PADS_MM
+    velocities_mm_s: tuple[float, ...] = DEFAULT_VELOCITIES_MM_S
+    targets: tuple[float, ...] = DEFAULT_FORCES_N
+    by_depth: bool = False
+    repeats: int = DEFAULT_REPEATS
+    ages_days: tuple[float, ...] = DEFAULT_AGES_DAYS
+    rest_s: float = DEFAULT_REST_S
+    hold_s: float = DEFAULT_HOLD_S
+    seed: int = 1
+
+    def check(self) -> None:
+        """Refuse what cannot be pressed (InputError)."""
+        ranges = {
+            "pad thickness in mm": (self.pads_mm, 0.5, 200.0),
+            "velocity in mm/s": (self.velocities_mm_s, 0.001, 5000.0),
+            "age in days": (self.ages_days, 0.0, 36500.0), "rest in s": ((self.rest_s,), 0.0, 1e9),
+            "hold in s": ((self.hold_s,), 0.0, 1e5), "repeats": ((self.repeats,), 1, 100),
+            "depth in mm" if self.by_depth else "force in N": (self.targets, 0.01, 200.0 if self.by_depth else 2000.0),
+        }  # fmt: skip
+        for name, (values, low, high) in ranges.items():
+            if not values:
+                raise InputError(f"{name}: give at least one")
+            for value in values:
+                if not low <= value <= high:
+                    raise out_of_range(name, value, low, high)
+            if len(set(values)) != len(values):
+                raise InputError(f"{name}: {', '.join(f'{v:g}' for v in values)} holds a value twice")
+        count = len(self.pads_mm) * len(self.velocities_mm_s) * len(self.targets) * self.repeats
+        if count > MOST:
+            raise out_of_range("number of presses", count, 2, MOST)
+        if count < 2:
+            raise InputError("a campaign needs at least two presses; give two forces or speeds, or --repeats 2")
+        if self.by_depth and max(self.targets) > 0.6 * min(self.pads_mm):
+            raise InputError(
+                f"depth in mm = {max(self.targets):g} is more than 0.6 of the {min(self.pads_mm):g} mm pad; "
+                "press less deep, or plan forces"
+            )
+
+
+def make_plan(design: Design) -> tuple[Planned, ...]:
+    """Put the presses in order.
+
+    Repeats of a condition fall on different days and every day has as many presses of each pad, speed and target
+    as can be; the order within a day is drawn, pad by pad, so that a pad is not changed between presses. One press
+    in three records the way back, as even over pads, speeds and targets as can be. The first press of a pad on a day
+    finds it at rest for an hour.
+
+    Returns
+    -------
+    tuple of Planned
+        In the order in which they are pressed.
+    """
+    design.check()
+    draw = np.random.default_rng([design.seed, 16])
+    days = [[] for _ in design.ages_days]  # type: list[list[tuple[float, float, float]]]
+    for pad in design.pads_mm:
+        cells = [(pad, v, t) for v, t in product(design.velocities_mm_s, design.targets)]
+        first = int(draw.integers(len(days)))
+        for place, cell in enumerate(draw.permutation(len(cells))):
+            for repeat in range(design.repeats):
+                days[(first + place + repeat) % len(days)].append(cells[cell])
+    rows: list[Planned] = []
+    seen: dict[tuple[float, float, float], int] = {}
+    for age, cells in zip(design.ages_days, days):
+        for pad in draw.permutation(design.pads_mm):
+            own = [cell for cell in cells if cell[0] == pad]
+            for number, place in enumerate(draw.permutation(len(own))):
+                cell = own[place]
+                seen[cell] = seen.get(cell, 0) + 1
+                rest = FRESH_REST_S if number == 0 else design.rest_s
+                name = file_name(*cell, seen[cell], design.by_depth)
+                rows.append(
+                    Planned(name, *cell, design.by_depth, seen[cell], len(rows) + 1, age, rest, design.hold_s, False)
+                )
+    back = _unloading(rows, draw)
+    return tuple(
+        Planned(**{**row.__dict__, "unload": row.sequence in back}) if row.sequence in back else row for row in rows
+    )
+
+
+def file_name(thickness_mm: float, velocity_mm_s: float, target: float, repeat: int, by_depth: bool = False) -> str:
+    """Name to save a press under: ``t05_v010_f03_1.csv``; ``d`` stands for a depth."""
+    kind = "d" if by_depth else "f"
+    return f"t{_digits(thickness_mm, 2)}_v{_digits(velocity_mm_s, 3)}_{kind}{_digits(target, 2)}_{repeat}.csv"
+
+
+def _digits(value: float, width: int) -> str:
+    whole, dot, rest = f"{value:g}".partition(".")
+    return whole.zfill(width) + dot + rest
+
+
+def _unloading(rows: Sequence[Planned], draw: np.random.Generator) -> set[int]:
+    """Sequence numbers of a third of the presses, taken in turn from the presses sorted by pad, speed and target."""
+    drawn = {row.sequence: draw.random() for row in rows}
+    ordered = sorted(rows, key=lambda r: (r.thickness_mm, r.velocity_mm_s, r.target, drawn[r.sequence]))
+    count = max(round(UNLOADING_SHARE * len(rows)), 1)
+    places = np.floor((np.arange(count) + draw.random()) * len(rows) / count).astype(int)
+    return {ordered[place].sequence for place in places}

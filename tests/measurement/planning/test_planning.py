@@ -1,0 +1,190 @@
+"""Plans are balanced and repeatable, their files are checked, and campaigns come out of files one has."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections import Counter
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dummydesign.cli import run
+from dummydesign.core.errors import InputError
+from dummydesign.measurement.campaign_file import read_campaign
+from dummydesign.measurement.planning.check import check_campaign
+from dummydesign.measurement.planning.plan import FRESH_REST_S, Design, file_name, make_plan
+from tests.support.pressed_plan import press_campaign
+
+SMALL = ["--pads", "5,15", "--velocity", "10,250", "--force", "3,8", "--repeats", "2", "--ages", "7,9"]
+
+
+def asked(capsys, *words, status=0):
+    found = run(["campaign", *words, "--json"])
+    shown = capsys.readouterr()
+    assert found == status, shown.err
+    return json.loads(shown.out) if status != 2 else shown.err
+
+
+@pytest.fixture(scope="module")
+def pressed(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("plan") / "mine"
+    assert run(["campaign", "new", str(folder), *SMALL, "--young", "25", "--lowpass", "35", "--no-power"]) == 0
+    press_campaign(folder, 3, 27.0, coarse=True)
+    return folder
+
+
+@pytest.fixture
+def mine(pressed, tmp_path):
+    shutil.copytree(pressed, tmp_path / "mine")
+    return tmp_path / "mine"
+
+
+def test_every_condition_is_pressed_as_often_as_asked_and_every_day_is_balanced():
+    plan = make_plan(Design())
+    assert len(plan) == 36 and [row.sequence for row in plan] == list(range(1, 37))
+    cells = Counter((row.thickness_mm, row.velocity_mm_s, row.target) for row in plan)
+    assert set(cells.values()) == {2} and len(cells) == 18
+    assert len({row.file for row in plan}) == 36
+    for age in (9.0, 14.0, 29.0):
+        day = [row for row in plan if row.age_days == age]
+        assert len(day) == 12 and set(Counter(row.thickness_mm for row in day).values()) == {4}
+        # a pad is not changed in between, and rests before its first press
+        changes = sum(a.thickness_mm != b.thickness_mm for a, b in pairwise(day))
+        assert changes == 2 and sum(row.rest_s == FRESH_REST_S for row in day) == 3
+    for row in plan:
+        twin = [r for r in plan if r.target == row.target and r.velocity_mm_s == row.velocity_mm_s]
+        days = [r.age_days for r in twin if r.thickness_mm == row.thickness_mm]
+        assert len(set(days)) == 2
+    back = [row for row in plan if row.unload]
+    assert len(back) == 12
+    assert set(Counter(row.thickness_mm for row in back).values()) == {4}
+
+
+def test_the_order_is_drawn_and_its_seed_gives_it_again():
+    orders = {tuple(row.file for row in make_plan(Design(seed=seed))) for seed in range(20)}
+    assert len(orders) == 20
+    assert make_plan(Design(seed=4)) == make_plan(Design(seed=4))
+    first = Counter(make_plan(Design(seed=seed))[0].thickness_mm for seed in range(300))
+    assert all(60 < count < 140 for count in first.values())
+
+
+def test_names_say_what_was_pressed():
+    assert file_name(5.0, 10.0, 5.0, 1) == "t05_v010_f05_1.csv"
+    assert file_name(4.5, 0.25, 2.5, 12, by_depth=True) == "t04.5_v000.25_d02.5_12.csv"
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"pads_mm": (0.1,)}, "pad thickness"), ({"velocities_mm_s": ()}, "at least one"),
+        ({"targets": (3.0, 3.0)}, "a value twice"), ({"repeats": 0}, "repeats"),
+        ({"pads_mm": (5.0,), "velocities_mm_s": (10.0,), "targets": (3.0,), "repeats": 1}, "at least two presses"),
+        ({"targets": (4.0,), "by_depth": True}, "0.6 of the 5 mm pad"),
+    ],
+)
+def test_what_cannot_be_pressed_is_refused(change, said):
+    with pytest.raises(InputError, match=said):
+        make_plan(Design(**change))
+
+
+def test_a_new_campaign_is_written_with_its_sheet_and_nothing_is_pressed_yet(tmp_path, capsys):
+    folder = tmp_path / "c"
+    found = asked(capsys, "new", str(folder), *SMALL, "--young", "25", "--no-power")
+    assert {path.name for path in folder.iterdir()} == {"campaign.toml", "sheet.html", "manifest.json"}
+    page = (folder / "sheet.html").read_text()
+    assert all(trial["file"] in page for trial in found["trials"]) and "way back" in page
+    status = check_campaign(folder)
+    assert len(status.missing) == 16 and not status.pressed and not status.wrong and not status.ready
+    assert len(asked(capsys, "check", str(folder))["missing"]) == 16
+
+
+def test_what_is_pressed_as_planned_is_ready_and_the_loop_reads_it(mine, capsys):
+    status = check_campaign(mine)
+    assert status.ready and len(status.pressed) == 16 and not status.warnings
+    campaign = read_campaign(mine)
+    assert len(campaign.trials) == 16 and not campaign.warnings
+    assert {trial.temperature_C is None for trial in campaign.trials} == {False}
+    assert asked(capsys, "check", str(mine))["ready"] is True
+
+
+@pytest.mark.slow
+def test_the_loop_finds_the_modulus_of_a_planned_and_pressed_campaign_and_no_effect(mine, tmp_path, capsys):
+    assert run(["loop", str(mine), "--out", str(tmp_path / "out"), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    young = found["after"]["parameters"]["young_kPa"]
+    assert found["verdict"] == "none" and young["low"] < 27.0 < young["high"]
+
+
+def test_what_is_wrong_is_named_with_its_file(mine, capsys):
+    rows = np.loadtxt(mine / "t05_v010_f03_1.csv", delimiter=",", skiprows=1)
+
+    def put(name, changed, head="time_s,displacement_mm,force_N"):
+        np.savetxt(mine / name, changed, "%.5f", ",", header=head, comments="")
+
+    put("t05_v010_f03_1.csv", rows * [1, 1, 2.0])
+    put("t05_v010_f03_2.csv", rows * [1, 1, 1], "Zeit,Weg,Kraft")
+    put("t15_v010_f03_1.csv", np.loadtxt(mine / "t15_v010_f03_2.csv", delimiter=",", skiprows=1))
+    (mine / "t15_v250_f08_1.csv").unlink()
+    (mine / "left-over.csv").write_text("x")
+    found = asked(capsys, "check", str(mine), status=1)
+    wrong = {one["file"]: one["message"] for one in found["wrong"]}
+    assert "planned 3" in wrong["t05_v010_f03_1.csv"]
+    assert "import it first" in wrong["t05_v010_f03_2.csv"]
+    assert any("same recording" in one["message"] for one in found["wrong"])
+    assert found["missing"] == ["t15_v250_f08_1.csv"] and found["ready"] is False
+    assert any(one["code"] == "not_listed" for one in found["warnings"])
+
+
+def test_a_campaign_comes_from_the_names_of_its_files(mine, tmp_path, capsys):
+    files = sorted(map(str, mine.glob("t*.csv")))
+    before = {file: Path(file).read_bytes() for file in files}
+    found = asked(capsys, "from-files", str(tmp_path / "made"), *files, "--young", "25")
+    campaign = read_campaign(tmp_path / "made")
+    declared = {t.file: (t.thickness_mm, t.velocity_mm_s, t.target_force_N, t.repeat) for t in campaign.trials}
+    assert declared["t05_v010_f03_2.csv"] == (5.0, 10.0, 3.0, 2) and len(declared) == 16
+    assert any(one["code"] == "no_sequence" for one in found["warnings"])
+    assert {file: Path(file).read_bytes() for file in files} == before
+
+
+def test_a_table_wins_over_names_and_gives_what_they_do_not_say(mine, tmp_path, capsys):
+    paths = []
+    for number, name in enumerate(("t05_v010_f03_1.csv", "t15_v250_f08_1.csv"), start=1):
+        shutil.copy(mine / name, tmp_path / f"press{number}.csv")
+        paths.append(str(tmp_path / f"press{number}.csv"))
+    told = asked(capsys, "from-files", str(tmp_path / "made"), *paths, "--young", "25", status=2)
+    assert "--table" in told and "--thickness" in told and not (tmp_path / "made").exists()
+    table = tmp_path / "trials.csv"
+    table.write_text("file,thickness_mm,sequence,temperature_C\npress1.csv,5,2,23.5\npress2.csv,15,1,24\n")
+    asked(capsys, "from-files", str(tmp_path / "made"), *paths, "--young", "25", "--table", str(table))
+    first, second = read_campaign(tmp_path / "made").trials
+    assert (first.file, first.sequence, first.thickness_mm) == ("press2.csv", 1, 15.0)
+    assert second.temperature_C == 23.5 and second.velocity_mm_s == pytest.approx(10.0, rel=0.05)
+    for text, said in (
+        ("name\nx\n", "needs a column 'file'"), ("file,thicknes_mm\n", "did you mean 'thickness_mm'"),
+        ("file,thickness_mm\npress3.csv,5\n", "unknown file 'press3.csv'"),
+        ("file,thickness_mm\npress1.csv,five\n", "thickness_mm = 'five'"),
+        ("file,thickness_mm\npress1.csv,5,6\n", "3 cells"),
+    ):
+        table.write_text(text)
+        words = [*paths, "--young", "25", "--table", str(table)]
+        assert said in asked(capsys, "from-files", str(tmp_path / "b"), *words, status=2)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["new", "c"], "--young KPA, or --resin"), (["new", "c", "--young", "25", "--pads", "five"], "--pads five"),
+        (["new", "c", "--young", "25", "--punch", "star:3"], "punch 'star:3'"),
+        (["new", "c", "--young", "25", "--pad", "cylinder:50", "--punch", "round:9"], "a cylinder by plate"),
+        (["new", "c", "--young", "25", "--force", "3", "--depth", "1"], "the one or to the other"),
+        (["new", "c", "--resin", "nylon", "--ratio", "15"], "unknown resin 'nylon'"), (["check", "."], "campaign new"),
+    ],
+)
+def test_bad_requests_are_one_line_and_status_2(words, said, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert run(["campaign", *words]) == 2
+    error = capsys.readouterr().err
+    assert said in error and error.count("\n") == 1 and not list(tmp_path.iterdir())

@@ -29,11 +29,15 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
     ),
     "fit": (
         ("parameters of the tissue law from two presses", "fit slow.csv fast.csv"),
-        ("with a report", "fit slow.csv fast.csv --out fit"),
+        ("with a report", "fit slow.csv fast.csv --out fit.toml"),
     ),
     "compare": (
         ("a cast pad against a palm's ranges", "compare pad.csv --tissue palm"),
         ("with a report", "compare pad.csv --tissue palm --out compared"),
+    ),
+    "campaign": (
+        ("what to press, in which order, with a sheet to print", "campaign new my-dummy --young 25"),
+        ("what is not yet pressed, or looks wrong", "campaign check my-dummy"),
     ),
     "loop": (
         ("trace a campaign to what the model lacks", "loop campaign"),

@@ -219,17 +219,18 @@ QUICK = ["--no-cad", "--no-verify"]
 
 def test_two_designs_never_share_a_folder_and_the_command_says_so(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert run(["suggest", "--tissue", "palm", *QUICK, "--out", "mine"]) == 0
+    # 1: the best pad is not acceptable, which is written all the same
+    assert run(["suggest", "--tissue", "palm", *QUICK, "--out", "mine"]) in (0, 1)
     first = {path.name: path.read_bytes() for path in (tmp_path / "mine").iterdir()}
     capsys.readouterr()
-    assert run(["suggest", "--tissue", "thenar", *QUICK, "--out", "mine", "--json"]) == 0
+    assert run(["suggest", "--tissue", "thenar", *QUICK, "--out", "mine", "--json"]) in (0, 1)
     found = json.loads(capsys.readouterr().out)
     assert found["inputs"]["out"] == "mine-2"
     assert {Path(path).parent.name for path in found["files"].values()} == {"mine-2"}
     assert all(Path(path).is_file() for path in found["files"].values())
     assert any(one["code"] == "output_numbered" for one in found["warnings"])
     assert {path.name: path.read_bytes() for path in (tmp_path / "mine").iterdir()} == first
-    assert run(["suggest", "--tissue", "thenar", *QUICK, "--out", "mine", "--replace"]) == 0
+    assert run(["suggest", "--tissue", "thenar", *QUICK, "--out", "mine", "--replace"]) in (0, 1)
     assert json.loads((tmp_path / "mine/manifest.json").read_text())["inputs"]["tissue"] == "thenar"
     for path in tmp_path.rglob("*.html"):
         assert ".part-" not in path.read_text()

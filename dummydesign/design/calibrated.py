@@ -13,15 +13,19 @@ if TYPE_CHECKING:
     from dummydesign.resin.model.resin import Resin
 
 YOUNG_SPREAD, BETA_SPREAD = 0.03, 0.1
-"""Half widths of the 95 % intervals given to a calibration's modulus and strengths, which carry none: assumed."""
+"""Half widths of the 95 % intervals of modulus and strengths of calibrations of earlier versions, which carry none:
+assumed."""
+LARGEST_SHARE = 0.9
+"""A half width is not more than this share of the value, which is positive."""
 
 
 def with_calibration(resin: Resin, path: str) -> tuple[Resin, CorrectedLaw, Calibration]:
     """Read a calibration and put it into a resin and a force law.
 
     The resin's law is updated by the campaign's modulus at its ratio and takes the campaign's relaxation there.
-    The force law carries the effects that belong to the pad; what belongs to the rig or the sensor does not
-    change a design.
+    The intervals come from the calibration's posterior; that of the modulus is of a pad that was not pressed, which
+    has a factor of its own. The force law carries the effects that belong to the pad; what belongs to the rig or the
+    sensor does not change a design.
 
     Parameters
     ----------
@@ -37,6 +41,7 @@ def with_calibration(resin: Resin, path: str) -> tuple[Resin, CorrectedLaw, Cali
     """
     from dummydesign.loop.calibration_file import read_calibration
     from dummydesign.loop.corrected_law import CorrectedLaw
+    from dummydesign.loop.posterior import NORMAL_95
     from dummydesign.resin.model.resin import Arm
     from dummydesign.resin.update.modulus import Point, update_resin
 
@@ -44,12 +49,17 @@ def with_calibration(resin: Resin, path: str) -> tuple[Resin, CorrectedLaw, Cali
     ratio = calibration.pad.get("ratio") or resin.relaxation_ratio_ref
     source = f"calibration {path} of a measured campaign"
     young = 1e3 * float(calibration.after.base.young_MPa)
-    point = Point(ratio, _around(young, YOUNG_SPREAD, source))
+    known = calibration.posterior
+    spread = YOUNG_SPREAD if known is None else NORMAL_95 * known.new_pad_spread
+    point = Point(ratio, _around(young, spread, source))
     updated = update_resin(resin, [point], resin.name)
-    arms = tuple(
-        Arm(_around(term.tau_s, 0.0, source), _around(term.beta, BETA_SPREAD, source)) for term in calibration.prony()
-    )
-    resin = replace(updated, arms=arms, relaxation_ratio_ref=float(ratio), references=(*resin.references, source))
+    arms = []
+    for term in calibration.prony():
+        own = calibration.strength_spread(term)
+        share = BETA_SPREAD if own is None else min(NORMAL_95 * own, LARGEST_SHARE)
+        arms.append(Arm(_around(term.tau_s, 0.0, source), _around(term.beta, share, source)))
+    told = (*resin.references, source)
+    resin = replace(updated, arms=tuple(arms), relaxation_ratio_ref=float(ratio), references=told)
     return resin, CorrectedLaw(calibration), calibration
 
 

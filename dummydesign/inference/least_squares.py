@@ -120,7 +120,7 @@ class _Memory:
 
 def solve_marquardt(
     residual: Residual, jacobian: Callable[[NDArray], NDArray], start: NDArray, low: NDArray, high: NDArray,
-    fixed: Sequence[int] = (), iterations: int = 12, enough: float = 0.02,
+    fixed: Sequence[int] = (), iterations: int = 12, enough: float = 0.02, trusted: float = np.inf,
 ) -> NDArray:  # fmt: skip
     """Minimise the sum of squares in a box from one start, for models whose Jacobian costs many simulations.
 
@@ -141,6 +141,9 @@ def solve_marquardt(
         Most steps.
     enough : float
         Gain in the sum of squares below which the search ends.
+    trusted : float
+        Share of the gain a step promised from which on its Jacobian serves for the next step as well; by default
+        each step has its own. The search never ends on a Jacobian of an earlier step.
 
     Returns
     -------
@@ -152,15 +155,18 @@ def solve_marquardt(
     """
     at = np.clip(start, low, high)
     value = residual(at)
-    cost, damping = float(value @ value), 1e-4
+    cost, damping, columns = float(value @ value), 1e-4, None
     for _ in range(iterations):
-        columns = jacobian(at)
-        normal, downhill = columns.T @ columns, -columns.T @ value
+        fresh = columns is None
+        if columns is None:
+            columns = jacobian(at)
+            normal = columns.T @ columns
+        downhill = -columns.T @ value
         held = ((at <= low + 1e-9) & (downhill < 0)) | ((at >= high - 1e-9) & (downhill > 0))
         held[list(fixed)] = True
         free = np.nonzero(~held)[0]
-        before = cost
-        for _attempt in range(6):
+        before, promised = cost, 0.0
+        for _attempt in range(6 if fresh else 1):
             matrix = normal[np.ix_(free, free)]
             matrix = matrix + np.diag(damping * np.diag(matrix) + 1e-10)
             step = np.zeros_like(at)
@@ -169,11 +175,16 @@ def solve_marquardt(
             tried = residual(trial)
             new = float(tried @ tried)
             if np.isfinite(new) and new < cost:
+                change = trial - at
+                promised = float(2.0 * downhill @ change - change @ normal @ change)
                 at, value, cost, damping = trial, tried, new, max(damping * 0.1, 1e-7)
                 break
             damping *= 8.0
-        if before - cost < enough:
+        gained = before - cost
+        if gained < enough and fresh:
             break
+        if gained < enough or gained < trusted * promised or gained <= 0.0:
+            columns = None
     return at
 
 

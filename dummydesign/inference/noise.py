@@ -178,7 +178,7 @@ def restricted_likelihood(
 
 
 def likeliest(
-    cost: Callable[[NDArray], float], start: NDArray, low: NDArray, high: NDArray
+    cost: Callable[[NDArray], Any], start: NDArray, low: NDArray, high: NDArray, gradient: bool = False
 ) -> tuple[NDArray, float]:
     """Positive sizes of least cost within bounds, by L-BFGS-B in their logarithms.
 
@@ -192,6 +192,8 @@ def likeliest(
         Minus twice a log likelihood of sizes of shape (k,), smooth.
     start, low, high : ndarray, shape (k,)
         Above 0; a start outside is brought inside.
+    gradient : bool
+        Whether ``cost`` returns (value, derivatives in the logarithms of the sizes), which saves most of its calls.
 
     Returns
     -------
@@ -213,8 +215,9 @@ def likeliest(
     for _ in range(BOXES):
         least, most = np.maximum(bottom, at - np.log(REACH)), np.minimum(top, at + np.log(REACH))
         found = minimize(
-            lambda logs: cost(np.exp(logs)), at, method="L-BFGS-B", bounds=list(zip(least, most)), options=options
-        )
+            lambda logs: cost(np.exp(logs)), at, method="L-BFGS-B", jac=gradient or None,
+            bounds=list(zip(least, most)), options=options,
+        )  # fmt: skip
         at, value = found.x, float(found.fun)
         stopped = ((at <= least + 1e-9) & (least > bottom)) | ((at >= most - 1e-9) & (most < top))
         if not stopped.any():

@@ -15,6 +15,7 @@ from dummydesign.loop.fitting.noise import LAW_TERMS
 from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
 from dummydesign.loop.model.forward_model import Active, LawError, simulate
 from dummydesign.loop.model.parameters import BaseParameters
+from dummydesign.loop.posterior import Posterior, posterior_of
 from dummydesign.loop.result import LoopResult
 from dummydesign.loop.run import start_young_kPa
 from dummydesign.pad.material.relaxation import PronyTerm
@@ -76,6 +77,8 @@ class Calibration:
         Set-up of the campaign: young_kPa_expected, resin, ratio, base, shape.
     unexplained_because : tuple of str
         Why the verdict is ``unexplained``; empty otherwise, and in files of earlier versions.
+    posterior : Posterior or None
+        Of the corrected model; None in files of earlier versions.
     """
 
     base: Model
@@ -85,6 +88,7 @@ class Calibration:
     noise_floor_N: float
     pad: dict[str, Any]
     unexplained_because: tuple[str, ...] = ()
+    posterior: Posterior | None = None
 
     @property
     def caution(self) -> str:
@@ -100,6 +104,18 @@ class Calibration:
         for one in self.after.active:
             arms += [(term.tau_s, term.beta) for term in one.effect.adds_terms(one.values)]
         return tuple(PronyTerm(float(tau), float(beta)) for tau, beta in sorted(arms, key=lambda arm: arm[0]))
+
+    def strength_spread(self, term: PronyTerm) -> float | None:
+        """Standard deviation of a term of :meth:`prony` over its strength; None when no posterior is known."""
+        if self.posterior is None:
+            return None
+        for place, (tau, beta) in enumerate(zip(self.after.base.tau_s, self.after.base.beta), 1):
+            if (tau, beta) == (term.tau_s, term.beta):
+                return self.posterior.spread(f"log beta_{place}")
+        for one in self.after.active:
+            if term in one.effect.adds_terms(one.values):
+                return self.posterior.spread(f"{one.effect.name}.{one.effect.parameters[0].name}") / term.beta
+        return None
 
     def design_effects(self) -> tuple[Active, ...]:
         """Effects that belong to the pad, and so to every design; those of the rig and the sensor do not."""
@@ -133,5 +149,5 @@ def calibration_of(result: LoopResult) -> Calibration:
     }
     return Calibration(
         model_of(result.base.fit), model_of(fit), result.verdict, left, fit.sizes.floor_N, pad,
-        result.remainder.reasons,
+        result.remainder.reasons, posterior_of(fit, result.after.lack.ratio),
     )  # fmt: skip

@@ -19,10 +19,12 @@ from dummydesign.loop.effects import known_effects
 from dummydesign.loop.fitting.noise import LAW_TERMS
 from dummydesign.loop.model.forward_model import Active
 from dummydesign.loop.model.parameters import HIGH, LOW, NAMES, BaseParameters
+from dummydesign.loop.posterior import PADS, Posterior
 
 SCHEMA = "dummydesign.calibration/1"
 VERDICTS = ("effect", "none", "unexplained")
 SHAPES = ("slab", "cylinder")
+LARGEST = 1e12
 LARGEST_LAW_ERROR = 0.5
 """Bound of the fit on each term of the law error."""
 ROUNDING = 1e-6
@@ -42,6 +44,8 @@ def write_calibration(calibration: Calibration, path: str | Path) -> Path:
         "noise_floor_N": calibration.noise_floor_N,
         "pad": calibration.pad,
     }
+    if calibration.posterior is not None:
+        content["posterior"] = calibration.posterior.to_dict()
     return write_text(path, json.dumps(content, indent=1) + "\n")
 
 
@@ -80,15 +84,41 @@ class _Fault(Exception):
 
 def _calibration(data: dict[str, Any]) -> Calibration:
     left = _entry(data, "remainder_rmse_N", dict, "")
+    after = _model(_entry(data, "after", dict, ""), "after")
     return Calibration(
         _model(_entry(data, "base", dict, ""), "base"),
-        _model(_entry(data, "after", dict, ""), "after"),
+        after,
         _choice(data, "verdict", VERDICTS, ""),
         {phase: _number(left, phase, "remainder_rmse_N", 0.0) for phase in left},
         _number(data, "noise_floor_N", "", 0.0),
         _pad(_entry(data, "pad", dict, "")),
         _reasons(data),
+        _posterior(_entry(data, "posterior", dict, ""), after) if "posterior" in data else None,
     )
+
+
+def _posterior(table: dict[str, Any], after: Model) -> Posterior:
+    """Mean and covariance of the corrected model's parameters; the intervals in the file are for its reader."""
+    names = [f"log {name}" for name in NAMES]
+    for one in after.active:
+        names += [f"{'log ' if p.log else ''}{one.effect.name}.{p.name}" for p in one.effect.parameters]
+    if _entry(table, "names", list, "posterior") != names:
+        raise _Fault(f"posterior.names must be {', '.join(names)}")
+    mean = _row(_entry(table, "mean", list, "posterior"), "posterior.mean", -LARGEST, LARGEST)
+    rows = _entry(table, "covariance", list, "posterior")
+    matrix = [_row(row, f"posterior.covariance[{place}]", -LARGEST, LARGEST) for place, row in enumerate(rows)]
+    if len(mean) != len(names) or len(matrix) != len(names) or any(len(row) != len(names) for row in matrix):
+        raise _Fault(f"posterior must hold {len(names)} means and as many rows and columns of covariance")
+    covariance = np.array(matrix)
+    spread = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    if not np.allclose(covariance, covariance.T, rtol=1e-6, atol=1e-12 * (1.0 + spread.max()) ** 2):
+        raise _Fault("posterior.covariance is not symmetric")
+    scaled = covariance / np.outer(np.maximum(spread, 1e-150), np.maximum(spread, 1e-150))
+    if np.diag(covariance).min() < 0.0 or np.linalg.eigvalsh(scaled)[0] < -1e-6:
+        raise _Fault("posterior.covariance has a negative variance")
+    pads = _entry(table, "pad_to_pad", dict, "posterior")
+    level, slope, curve = (_number(pads, key, "posterior.pad_to_pad", 0.0, LARGEST_LAW_ERROR) for key in PADS)
+    return Posterior(tuple(names), np.array(mean), covariance, (level, slope, curve))
 
 
 def _reasons(data: dict[str, Any]) -> tuple[str, ...]:

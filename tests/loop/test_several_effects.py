@@ -15,9 +15,10 @@ from dummydesign.loop.data.trials import make_presses
 from dummydesign.loop.effects import effect_named
 from dummydesign.loop.fitting.base_fit import fit_base
 from dummydesign.loop.fitting.fit import Problem, settle
-from dummydesign.loop.judging import verdict
-from dummydesign.loop.judging.search import without
-from dummydesign.loop.judging.verdict import remainder
+from dummydesign.loop.judging import acceptance, search, verdict
+from dummydesign.loop.judging.backward import without
+from dummydesign.loop.judging.left_out import LARGEST_POSITION_MM, expected_heldout_N, repeat_scatter_mm
+from dummydesign.loop.judging.verdict import Needed, remainder
 from dummydesign.loop.model.base_law import law_of
 from dummydesign.loop.model.parameters import BaseParameters
 from dummydesign.loop.replay import replay
@@ -100,3 +101,84 @@ def test_two_effects_are_named_sized_and_leave_noise_on_other_pads(tmp_path):
 def test_without_an_effect_nothing_is_found_and_what_is_left_is_noise(campaigns):
     result = close_loop(read_campaign(campaigns("none", 401)))
     assert result.verdict == "none" and result.remainder.over_floor < 1.3 * result.remainder.expected
+
+
+def one(name, gain, bound=False):
+    """A candidate with one effect, as the beam sees it."""
+    effect = effect_named(name)
+    size = effect.parameters[0]
+    active = (SimpleNamespace(effect=effect, values={size.name: size.high if bound else size.typical}),)
+    fit = SimpleNamespace(problem=SimpleNamespace(effects=(effect,)), active=active)
+    return SimpleNamespace(effect=effect, fit=fit, gain=gain)
+
+
+def test_rivals_of_one_effect_are_carried_on_and_those_far_behind_or_at_their_bound_are_not():
+    ranking = [one("sensor_lag", 1e3), one("time_skew", 900.0, bound=True), one("inertia", 600.0), one("ageing", 90.0)]
+    assert [c.effect.name for c in search._beam(ranking, 0.0, 1)] == ["sensor_lag", "inertia"]
+    # beside what three effects gained together all of them are near
+    assert len(search._beam(ranking, 20000.0, 4)) == search.WIDTH
+
+
+def errors_of(square):
+    return SimpleNamespace(heldout_by_trial_N=np.sqrt(square) * np.ones(4))
+
+
+@pytest.mark.parametrize(
+    ("gain", "left", "stands"),
+    [(49.0, 0.1, False), (51.0, 0.5, True), (51.0, 0.9, False), (101.0, 0.9, True), (101.0, 1.0, True)],
+)
+def test_an_effect_in_doubt_must_lower_the_left_out_error_by_much(gain, left, stands, monkeypatch):
+    monkeypatch.setattr(acceptance, "errors", lambda fit: errors_of(fit))
+    assert acceptance.worth(gain, Needed(50.0, 100.0), before=1.0, after=left) is stands
+
+
+def doubtful(share, monkeypatch):
+    """What an effect must gain beside one of evidence 1e5 with which it shares so much of its bins."""
+    effects = (effect_named("adhesion"), effect_named("contact_offset"))
+    jacobian = np.zeros((1, 100, 7))
+    jacobian[0, :50, 5] = 1.0
+    jacobian[0, round(50 * (1.0 - share)) : round(50 * (2.0 - share)), 6] = 1.0
+    problem = SimpleNamespace(presses=None, effects=effects)
+    sizes = SimpleNamespace(noise=None)
+    fit = SimpleNamespace(problem=problem, sizes=sizes, slope=None, jacobian=jacobian)
+    monkeypatch.setattr(verdict, "make_whitener", lambda *args: lambda values: values)
+    monkeypatch.setattr(verdict, "lack_of_fit", lambda fit: SimpleNamespace(ratio=1.0))
+    return verdict.needed([], fit, "contact_offset", {"adhesion": 1e5}, 20)
+
+
+def test_an_effect_is_in_doubt_as_far_as_it_acts_where_a_larger_one_does(monkeypatch):
+    usual = verdict.NEXT_FLOOR + 2.0 * np.log(20)
+    assert doubtful(0.0, monkeypatch) == Needed(pytest.approx(usual), pytest.approx(usual))
+    half, whole = doubtful(0.5, monkeypatch), doubtful(1.0, monkeypatch)
+    assert half.least == whole.least == pytest.approx(usual)
+    assert whole.doubted == pytest.approx(verdict.IMITATED * 1e5) == 2.0 * half.doubted
+
+
+def test_what_must_be_gained_grows_with_the_models_tried(monkeypatch):
+    problem, sizes = SimpleNamespace(presses=None, effects=()), SimpleNamespace(noise=None)
+    fit = SimpleNamespace(problem=problem, sizes=sizes, slope=None)
+    monkeypatch.setattr(verdict, "make_whitener", lambda *args: None)
+    monkeypatch.setattr(verdict, "lack_of_fit", lambda fit: SimpleNamespace(ratio=1.0))
+    monkeypatch.setattr(verdict, "_where", lambda fit, names: {name: np.zeros(1) for name in names})
+    limits = [verdict.needed([], fit, "ageing", {"inertia": 1.0}, tried).least for tried in (1, 10, 100)]
+    assert np.diff(limits) == pytest.approx([2.0 * np.log(10)] * 2)
+    assert verdict.needed([], fit, "ageing", {}, 100).least == verdict.GAIN_FLOOR
+
+
+def test_scatter_that_a_missing_effect_makes_does_not_count_as_contact_scatter(campaigns):
+    """Single trials that are shifted far are passed over by the median; all of them shifted is more than a machine."""
+    presses = make_presses(read_campaign(campaigns("none", 401)))
+    found = fit_base(presses, law_of(read_campaign(campaigns("none", 401))), 0.03)
+    usual = repeat_scatter_mm(found)
+    assert 0.0039 < usual < 0.008
+    few, all_shifted = found.residual.copy(), found.residual.copy()
+    few[:6] += 0.1 * found.slope[:6]
+    assert repeat_scatter_mm(replace(found, residual=few)) < 2.5 * usual
+    shift = np.random.default_rng(1).normal(0.0, 0.08, len(few))
+    all_shifted += shift[:, None] * found.slope
+    scattered = replace(found.sizes, noise=replace(found.sizes.noise, position_mm=0.08))
+    far = replace(found, residual=all_shifted, sizes=scattered)
+    assert repeat_scatter_mm(far) > 0.04
+    stiff = np.sqrt(np.average(found.slope**2, weights=presses.samples * presses.used))
+    largest = np.hypot(expected_heldout_N(found), LARGEST_POSITION_MM * stiff)
+    assert expected_heldout_N(far) < largest + 0.1 * found.sizes.floor_N

@@ -7,19 +7,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dummydesign.loop.fitting.fit import BASE, Fit, fit, settle
+from dummydesign.loop.fitting.fit import BASE, Fit, fit, settle, with_sizes
 from dummydesign.loop.fitting.noise import Sizes
 from dummydesign.loop.fitting.screening import Screened, extended, screen
 from dummydesign.loop.model.effect import Effect
 
-LEAST_Z, ALWAYS = 2.0, 4
-"""Score below which an effect is not fitted, and how many are fitted all the same."""
-KEEP = 10
-"""Effects that are fitted after the screening."""
+KEEP, LEAST_Z = 7, 2.0
+"""Effects that are fitted after the screening, and the score from which on."""
+ROUGH = 0.5
+"""Gain in chi-square at which a first fit ends: what is compared are tens."""
 USUAL_POSITION_MM = 0.02
 """Contact scatter of a usual robot."""
-SETTLE = 7
-"""Effects for which contact scatter and law error are estimated anew."""
+SETTLED, NEAR, SHARE = 3, 40.0, 0.3
+"""Effects that are fitted again with contact scatter and law error of their own: how many at least, and all whose
+first fit is so near the best, if they have this share of its evidence."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,10 @@ class Candidate:
 
 
 def first_fit(found: Fit, one: Screened) -> Fit:
-    """Fit an effect beside what ``found`` holds, from where it scored best, sizes as they are."""
+    """Fit an effect beside what ``found`` holds, from where it scored best, sizes as they are.
+
+    The score is that with contact scatter and law error of its own, the fit moved there to first order.
+    """
     problem, null = extended(found, one.effect)
     at = found.problem.fixed
     # to first order a large effect is overestimated
@@ -53,8 +57,8 @@ def first_fit(found: Fit, one: Screened) -> Fit:
         vector[:BASE] = logs
         vector[at : at + len(one.start)] = one.start
         vector[at] = first if abs(first) > 0.05 else 0.3 * float(one.start[0])
-        tried.append(fit(problem, vector, found.sizes, 16))
-    return min(tried, key=lambda trial: trial.chi2)
+        tried.append(fit(problem, vector, found.sizes, 16, ROUGH))
+    return with_sizes(min(tried, key=lambda trial: trial.chi2))
 
 
 def modest(found: Fit) -> Fit:
@@ -70,18 +74,25 @@ def modest(found: Fit) -> Fit:
 
 
 def rank(
+    found: Fit, effects: tuple[Effect, ...], progress: Callable[[str], None] | None = None
+) -> tuple[list[Screened], list[Candidate]]:
+    """Screen all effects and refit the best beside what ``found`` holds; both lists best first.
+
+    Contact scatter and law error are estimated anew for every effect, because what an effect explains the law error
+    need not. ``progress`` is called with the name of each effect that is fitted.
+    """
+    screened, tried = first_fits(found, effects, KEEP, LEAST_Z, progress)
+    return screened, to_the_end(found, tried)
+
+
+def first_fits(
     found: Fit,
     effects: tuple[Effect, ...],
+    keep: int,
+    least_z: float,
     progress: Callable[[str], None] | None = None,
-    keep: int = KEEP,
-    least_z: float = LEAST_Z,
-    refitted: int = SETTLE,
-    always: bool = True,
 ) -> tuple[list[Screened], list[Candidate]]:
-    """Screen all effects and refit the best; both lists best first.
-
-    The refit re-estimates contact scatter and law error for every effect that its first fit leaves in the
-    race, because what an effect explains the law error need not.
+    """Screen all effects and fit the best once; scores best first, fits in that order.
 
     Parameters
     ----------
@@ -89,31 +100,36 @@ def rank(
         The model that each effect joins.
     effects : tuple of Effect
         Those that may join it.
-    progress : callable, optional
-        Called with the name of each effect that is fitted.
     keep, least_z : int, float
         Effects fitted, and the score from which on.
-    refitted : int
-        How many of them with contact scatter and law error estimated anew.
-    always : bool
-        Whether a few are fitted whatever their score.
+    progress : callable, optional
+        Called with the name of each effect that is fitted.
     """
     usual = modest(found)
     screened = screen(usual, effects)
+    chosen = [one for place, one in enumerate(screened) if place < keep or one.effect.always_fitted]
     tried = []
-    chosen = screened[:keep] + [one for one in screened[keep:] if always and one.effect.always_fitted]
-    for place, one in enumerate(chosen):
-        if abs(one.z) < least_z and not (always and (place < ALWAYS or one.effect.always_fitted)):
+    for one in chosen:
+        if abs(one.z) < least_z:
             continue
         if progress is not None:
             progress(one.effect.name)
-        tried.append((one, first_fit(usual, one)))
-    tried.sort(key=lambda pair: pair[1].chi2)
-    candidates = []
-    largest = usual.chi2 - tried[0][1].chi2 if tried else 0.0
-    for one, trial in tried[:refitted]:
-        if usual.chi2 - trial.chi2 < max(1.0, 0.01 * largest) and candidates:
-            continue
-        settled = settle(trial.problem, trial.vector, trial.sizes, 2, 8)
-        candidates.append(Candidate(one.effect, settled, found.score - settled.score, one))
-    return screened, sorted(candidates, key=lambda c: -c.gain)
+        first = first_fit(usual, one)
+        tried.append(Candidate(one.effect, first, found.score - first.score, one))
+    return screened, tried
+
+
+def to_the_end(found: Fit, tried: list[Candidate]) -> list[Candidate]:
+    """Fit the best of some first fits with sizes of their own; best first. The others keep their first fit."""
+    tried = sorted(tried, key=lambda c: -c.gain)
+    out = []
+    for place, one in enumerate(tried):
+        near = one.gain > tried[0].gain - NEAR or (place < SETTLED and one.gain > SHARE * tried[0].gain)
+        out.append(finished(found, one) if near else one)
+    return sorted(out, key=lambda c: -c.gain)
+
+
+def finished(found: Fit, one: Candidate) -> Candidate:
+    """A candidate refitted with contact scatter and law error of its own."""
+    trial = settle(one.fit.problem, one.fit.vector, one.fit.sizes, 2, 8)
+    return replace(one, fit=trial, gain=found.score - trial.score)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,13 +10,17 @@ from numpy.typing import NDArray
 from dummydesign.inference.least_squares import solve_marquardt
 from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.fitting.noise import LAW_TERMS, Sizes, estimate_sizes, make_whitener
+from dummydesign.loop.fitting.sensitivities import base_and_law_columns, shares_the_law
 from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
 from dummydesign.loop.model.effect import Effect
-from dummydesign.loop.model.forward_model import Active, LawError, simulate
+from dummydesign.loop.model.forward_model import Active, LawError, given_way, simulate
 from dummydesign.loop.model.parameters import HIGH, LOW, BaseParameters
 
 STEP = 4e-3
 BASE = 5
+ENOUGH = 0.02
+TRUSTED = 0.8
+"""Share of its promise that a step must keep for its Jacobian to serve again."""
 
 
 @dataclass(frozen=True)
@@ -77,14 +80,18 @@ class Problem:
         place = np.searchsorted(self.thicknesses, self.presses.thickness_mm)
         return LawError(*(term[place] for term in np.split(vector[self.fixed :], LAW_TERMS)))
 
-    def nodes(self, vector: NDArray, offset_mm: NDArray | float = 0.0) -> NDArray:
+    def nodes(
+        self, vector: NDArray, offset_mm: NDArray | float = 0.0, near_mm: NDArray | None = None
+    ) -> NDArray:
         """Force at the nodes before the sensor filter (T, N). [N]"""
         base, active, error = self.base_of(vector), self.active_of(vector), self.law_error_of(vector)
-        return simulate(self.presses, self.law, base, active, error, offset_mm)
+        return simulate(self.presses, self.law, base, active, error, offset_mm, near_mm)
 
-    def predict(self, vector: NDArray, offset_mm: NDArray | float = 0.0) -> NDArray:
+    def predict(
+        self, vector: NDArray, offset_mm: NDArray | float = 0.0, near_mm: NDArray | None = None
+    ) -> NDArray:
         """Bin means (T, B). [N]"""
-        return self.presses.measure(self.nodes(vector, offset_mm))
+        return self.presses.measure(self.nodes(vector, offset_mm, near_mm))
 
     def slope(self, vector: NDArray, forces: NDArray) -> NDArray:
         """Change of the bins with the contact position (T, B). [N/mm]"""
@@ -95,20 +102,29 @@ class Problem:
         """Sensitivities (T, B, len(vector)) by forward differences."""
         _low, high = self.bounds()
         out = np.zeros((*forces.shape, len(vector)))
-        for column in range(self.fixed):
+        shared, near = shares_the_law(self, vector), None
+        if not shared:
+            base, active, error = self.base_of(vector), self.active_of(vector), self.law_error_of(vector)
+            near = given_way(self.presses, self.law, base, active, error)
+        for column in range(BASE if shared else 0, self.fixed):
             step = STEP if vector[column] + STEP <= high[column] else -STEP
             moved = vector.copy()
             moved[column] += step
-            out[..., column] = (self.predict(moved) - forces) / step
+            out[..., column] = (self.predict(moved, near_mm=near) - forces) / step
         count = len(self.thicknesses)
-        out[..., self.frozen()] = 0.0
         place = np.searchsorted(self.thicknesses, self.presses.thickness_mm)
         rows = np.arange(len(place))
+        if shared:
+            out[..., :BASE], by_pad = base_and_law_columns(self, vector, STEP)
         for part in range(LAW_TERMS):
-            moved = vector.copy()
-            moved[self.fixed + part * count : self.fixed + (part + 1) * count] += STEP
-            change = (self.predict(moved) - forces) / STEP
+            if shared:
+                change = by_pad[..., part]
+            else:
+                moved = vector.copy()
+                moved[self.fixed + part * count : self.fixed + (part + 1) * count] += STEP
+                change = (self.predict(moved, near_mm=near) - forces) / STEP
             out[rows, :, self.fixed + part * count + place] = change
+        out[..., self.frozen()] = 0.0
         return out
 
 
@@ -185,7 +201,7 @@ def prior_precision(problem: Problem, sizes: Sizes) -> NDArray:
     return np.r_[np.zeros(problem.fixed), np.repeat(np.array(sizes.law) ** -2.0, len(problem.thicknesses))]
 
 
-def fit(problem: Problem, start: NDArray, sizes: Sizes, iterations: int = 12, fixed: Sequence[int] = ()) -> Fit:
+def fit(problem: Problem, start: NDArray, sizes: Sizes, iterations: int = 12, enough: float = ENOUGH) -> Fit:
     """Levenberg-Marquardt with a given noise.
 
     Parameters
@@ -198,8 +214,8 @@ def fit(problem: Problem, start: NDArray, sizes: Sizes, iterations: int = 12, fi
         Sizes of noise and law error.
     iterations : int
         Most steps.
-    fixed : sequence of int
-        Entries of the vector that stay as they are.
+    enough : float
+        Gain in chi-square below which the search ends.
 
     Returns
     -------
@@ -228,8 +244,7 @@ def fit(problem: Problem, start: NDArray, sizes: Sizes, iterations: int = 12, fi
         change[~used] = 0.0
         return np.concatenate([whiten(change).reshape(-1, len(vector)), np.diag(root)])
 
-    held = [*fixed, *problem.frozen()]
-    vector = solve_marquardt(residual, jacobian, begin, low, high, held, iterations)
+    vector = solve_marquardt(residual, jacobian, begin, low, high, problem.frozen(), iterations, enough, TRUSTED)
     forces = forces_at(vector)
     if vector[1] > vector[3] and low[3] <= vector[1] and vector[3] <= high[1]:
         vector = vector[[0, 3, 4, 1, 2, *range(5, len(vector))]]  # the fast arm first

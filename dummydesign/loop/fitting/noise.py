@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
@@ -145,10 +146,6 @@ def estimate_slow_noise(presses: Presses, residual: NDArray, slope: NDArray, for
     return Noise(start.white_N, slow, time, start.position_mm)
 
 
-def _penalty(log_size: float, prior: tuple[float, float]) -> float:
-    return ((log_size - np.log(prior[0])) / prior[1]) ** 2
-
-
 def estimate_sizes(
     gram: NDArray, counts: tuple[int, ...], sizes: Sizes, law_priors: Priors
 ) -> tuple[Sizes, float]:
@@ -174,35 +171,50 @@ def estimate_sizes(
         plus the penalties of the priors; without the constant of the white and slow noise.
     """
     p = counts[0]
-    inner, total = gram[1:, 0], gram[0, 0]
-    random = gram[1 + p :, 1 + p :]
-    full = gram[1:, 1:] + np.diag(np.r_[1e-9 * np.diag(gram)[1 : 1 + p] + 1e-12, np.zeros(len(random))])
+    fixed = gram[: 1 + p, : 1 + p][1:, 1:] + np.diag(1e-9 * np.diag(gram)[1 : 1 + p] + 1e-12)
+    others = np.r_[0, np.arange(1 + p, len(gram))]
+    cross = gram[1 : 1 + p][:, others]
+    rest = gram[np.ix_(others, others)] - cross.T @ np.linalg.solve(fixed, cross)  # the fixed at their best
+    total, inner, cleaned, random = rest[0, 0], rest[1:, 0], rest[1:, 1:], gram[1 + p :, 1 + p :]
+    groups = np.repeat(np.arange(len(counts) - 1), counts[1:])
+    medians, spreads = np.array((POSITION_PRIOR_MM, *law_priors)).T
+    eye = np.eye(len(random))
 
-    def score(logs: NDArray, restricted: bool) -> float:
-        scale = np.repeat(np.exp(logs), counts[1:])
-        matrix = full.copy()
-        matrix[np.diag_indices(len(matrix))] += np.r_[np.zeros(p), scale**-2]
-        chi2 = total - inner @ np.linalg.solve(matrix, inner)
-        if restricted:
-            volume = np.linalg.slogdet(matrix)[1] + 2.0 * np.log(scale).sum()
-        else:
-            volume = np.linalg.slogdet(np.eye(len(scale)) + scale[:, None] * random * scale)[1]
-        priors = sum(_penalty(v, q) for v, q in zip(logs, (POSITION_PRIOR_MM, *law_priors)))
-        return float(chi2 + volume + priors)
+    def score(sizes: NDArray, restricted: bool) -> tuple[float, NDArray]:
+        """Minus twice the log likelihood, and (restricted) its gradient in the logarithms of the sizes."""
+        scale, logs = sizes[groups], np.log(sizes)
+        # in units of the scale the matrix is 1 + S R S, which is never singular
+        inverse = np.linalg.inv(eye + scale[:, None] * cleaned * scale)
+        pull = inverse @ (scale * inner)
+        chi2 = total - (scale * inner) @ pull
+        spectrum = cleaned if restricted else random
+        volume = np.linalg.slogdet(eye + scale[:, None] * spectrum * scale)[1]
+        prior = (logs - np.log(medians)) / spreads
+        each = -2.0 * pull**2 + 2.0 * (1.0 - np.diag(inverse))
+        return float(chi2 + volume + prior @ prior), np.bincount(groups, each) + 2.0 * prior / spreads
 
     begin = np.array([max(sizes.noise.position_mm, 1e-3), *sizes.law])
-    found = likeliest(lambda z: score(np.log(z), True), begin, *SIZE_BOUNDS)[0]
+    found = likeliest(lambda z: score(z, True), begin, *SIZE_BOUNDS, gradient=True)[0]
     position, *law = found.tolist()
     noise = Noise(sizes.noise.white_N, sizes.noise.slow_N, sizes.noise.slow_time_s, position)
-    return Sizes(noise, *law), score(np.log(found), False)
+    return Sizes(noise, *law), score(found, False)[0]
 
 
 Whitener = Callable[[NDArray], NDArray]
 """Takes (T, B) or (T, B, p) to its whitened form."""
 
 
+@lru_cache(maxsize=6)
+def _factor(bins: Bins, white_N: float, slow_N: float, slow_time_s: float) -> NDArray:
+    """Inverse Cholesky factors of white and slow noise. A search fits many models with the same."""
+    return whitener(bins.covariance(Noise(white_N, slow_N, slow_time_s, 0.0), np.zeros(bins.used.shape)))
+
+
 def make_whitener(presses: Presses, noise: Noise, slope: NDArray, with_position: bool) -> Whitener:
     """Whitening by the noise, with or without the scatter of the contact position.
+
+    The scatter p is one direction u = L^-1 dF/dx of each trial's whitened bins:
+    (1 + p^2 u u')^(-1/2) = 1 - (1 - (1 + p^2 u'u)^(-1/2)) u u' / u'u.
 
     Parameters
     ----------
@@ -220,10 +232,15 @@ def make_whitener(presses: Presses, noise: Noise, slope: NDArray, with_position:
     callable
         Maps residuals (T, bins) or columns (T, bins, k) to whitened ones.
     """
-    used = noise if with_position else Noise(noise.white_N, noise.slow_N, noise.slow_time_s, 0.0)
-    factor = whitener(presses.bins.covariance(used, slope))
+    factor = _factor(presses.bins, noise.white_N, noise.slow_N, noise.slow_time_s)
+    shift = (factor @ np.where(presses.used, slope, 0.0)[..., None])[..., 0]
+    length = (shift**2).sum(axis=1)
+    shrink = -np.expm1(-0.5 * np.log1p(noise.position_mm**2 * length)) / np.maximum(length, 1e-300)
 
     def apply(values: NDArray) -> NDArray:
-        return (factor @ values[..., None])[..., 0] if values.ndim == 2 else factor @ values
+        white = factor @ (values[..., None] if values.ndim == 2 else values)
+        if with_position:
+            white -= shift[..., None] * (shrink[:, None, None] * (shift[:, None, :] @ white))
+        return white[..., 0] if values.ndim == 2 else white
 
     return apply

@@ -8,14 +8,13 @@ import numpy as np
 
 from dummydesign.loop.fitting.candidates import Candidate
 from dummydesign.loop.fitting.fit import Fit
-from dummydesign.loop.fitting.screening import Screened
 from dummydesign.loop.judging.assessed import Stage, pad_errors
-from dummydesign.loop.judging.lack_of_fit import lack_of_fit
 from dummydesign.loop.judging.left_out import Errors, errors
-from dummydesign.loop.judging.verdict import family_of, gain_threshold, rivals
+from dummydesign.loop.judging.verdict import Needed
 
-NOTHING, LITTLE = 0.002, 0.02
-"""Relative changes of a squared error that count as none on left-out conditions, and on left-out pads."""
+NOTHING, LITTLE, MUCH = 0.002, 0.02, 0.3
+"""Relative changes of a squared error that count as none on left-out conditions, as none on left-out pads, and as so
+much that no law of growth that is a little off could make it."""
 
 
 @dataclass(frozen=True)
@@ -28,48 +27,6 @@ class Found:
     threshold: float
     heldout_N: float | None
     ranking: tuple[Candidate, ...]
-
-
-def accept(
-    before: Stage, screened: list[Screened], ranking: list[Candidate], floor: float, least: float = 0.0
-) -> Found | None:
-    """The first candidate that beats the threshold inside its bounds and predicts left-out conditions better.
-
-    Rivals that cannot be told from it may stand in for it there: which of them predicts best is chance.
-
-    Parameters
-    ----------
-    before : Stage
-        The accepted model so far.
-    screened : list of Screened
-        Scores of all effects.
-    ranking : list of Candidate
-        Fitted effects, best first.
-    floor : float
-        Least gain that ever counts, in the score (minus two ln likelihood).
-    least : float
-        A further lower limit of the gain.
-
-    Returns
-    -------
-    Found or None
-        None when no candidate is accepted.
-    """
-    inside = [candidate for candidate in ranking if not at_bound(candidate)]
-    for candidate in inside[:4]:
-        ratio = lack_of_fit(candidate.fit).ratio
-        threshold = max(gain_threshold(screened, ratio, floor), least)
-        if candidate.gain < threshold:
-            return None
-        near = [c for c in rivals(inside, candidate, ratio) if c.gain <= candidate.gain]
-        if not any(predicts_better(before, c.fit) for c in (candidate, *near)):
-            continue
-        return Found(
-            candidate, tuple(c.effect.name for c in rivals(ranking, candidate, ratio)[:2]),
-            tuple(family_of(candidate.screened, screened)), threshold, errors(candidate.fit).heldout_N,
-            (candidate, *(c for c in inside if c is not candidate)),
-        )  # fmt: skip
-    return None
 
 
 def predicts_better(before: Stage, after: Fit) -> bool:
@@ -85,13 +42,25 @@ def predicts_better(before: Stage, after: Fit) -> bool:
     return (cells is None or cells < LITTLE) and pads is not None and pads < -LITTLE
 
 
-def at_bound(candidate: Candidate) -> bool:
-    """Whether the size ended at the end of what is plausible: something else is being imitated."""
-    size = candidate.effect.parameters[0]
-    place = candidate.fit.problem.fixed - len(candidate.effect.parameters)
-    value = size.to_value(candidate.fit.vector[place])
-    reach = 1e-3 * (size.high - size.low)
-    return value != size.null and (value <= size.low + reach or value >= size.high - reach)
+def much_better(before: Errors, after: Errors) -> bool:
+    """Whether left-out conditions are predicted better by much."""
+    change = _change(before, after)
+    return change is not None and change < -MUCH
+
+
+def worth(gain: float, limit: Needed, before: Fit, after: Fit) -> bool:
+    """Whether an effect has the evidence it needs, and where that is in doubt lowers the left-out error by much."""
+    return gain >= limit.least and (gain >= limit.doubted or much_better(errors(before), errors(after)))
+
+
+def at_bound(fit: Fit) -> bool:
+    """Whether the size of an effect ended at the end of what is plausible: something else is being imitated."""
+    for one in fit.active:
+        size = one.effect.parameters[0]
+        value, reach = one.values[size.name], 1e-3 * (size.high - size.low)
+        if value != size.null and (value <= size.low + reach or value >= size.high - reach):
+            return True
+    return False
 
 
 def _change(before: Errors, after: Errors) -> float | None:

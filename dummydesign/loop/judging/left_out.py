@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.loop.fitting.candidates import USUAL_POSITION_MM
+from dummydesign.inference.noise import Bins, whitener
 from dummydesign.loop.fitting.fit import BASE, Fit, prior_precision
-from dummydesign.loop.fitting.noise import make_whitener
+from dummydesign.loop.fitting.noise import contrasts, make_whitener
 
 ESTIMABLE = 0.2
 """A cell counts when the rest still holds this share of the information on an effect's size."""
+
+UNSEEN_POSITION_MM, LARGEST_POSITION_MM = 0.008, 0.01
+"""Contact scatter that is taken for usual when no repeats show it, and the largest that is."""
+CHI2_MEDIAN = 0.4549
+"""Median of the chi-square distribution of one degree of freedom."""
 
 
 @dataclass(frozen=True)
@@ -96,13 +101,37 @@ def errors(found: Fit, cells: NDArray | None = None) -> Errors:
 def expected_heldout_N(found: Fit) -> float:
     """Error on left-out conditions when nothing is missing: noise, contact scatter, uncertainty of all parameters. [N]
 
-    Contact scatter counts up to that of a usual robot: more of it is a sign that something is missing.
+    Contact scatter counts as far as repeats show it and a test machine has it: more is a sign of a missing effect.
     """
     presses, noise = found.problem.presses, found.sizes.noise
     weight = presses.samples * presses.used
-    position = min(noise.position_mm, USUAL_POSITION_MM)
+    position = min(noise.position_mm, repeat_scatter_mm(found), LARGEST_POSITION_MM)
     spread = np.einsum("tbi,ij,tbj->tb", found.jacobian, found.covariance, found.jacobian)
     return float(np.sqrt(found.sizes.floor_N**2 + np.average((position * found.slope) ** 2 + spread, weights=weight)))
+
+
+def repeat_scatter_mm(found: Fit) -> float:
+    """Scatter of the contact position as differences of repeats show it, by their median so that few cannot make it.
+
+    Each difference is fitted with a shift d, of variance v by noise alone, and a change of scale; the scatter p is such
+    that the median of d^2 / (p^2 + v) is that of the chi-square of one degree. Not below half of, and without three
+    pairs equal to, :data:`UNSEEN_POSITION_MM`. [mm]
+    """
+    presses, noise = found.problem.presses, found.sizes.noise
+    parts, places = contrasts(presses, found.residual)
+    if len(parts) < 3:
+        return UNSEEN_POSITION_MM
+    bins = Bins(parts)
+    difference = bins.stacked(np.concatenate([part.force_N for part in parts]))
+    sides = [np.stack([found.slope[i, a], found.forces[i, a]], axis=1) for i, _, a, _ in places]
+    factor = whitener(bins.covariance(replace(noise, position_mm=0.0), np.zeros(difference.shape)))
+    columns, values = factor @ bins.stacked(np.concatenate(sides)), factor @ difference[..., None]
+    turned = np.swapaxes(columns, 1, 2)
+    inverse = np.linalg.pinv(turned @ columns, hermitian=True)
+    shift, own = (inverse @ turned @ values)[:, 0, 0], inverse[:, 0, 0]
+    sizes = np.geomspace(0.5 * UNSEEN_POSITION_MM, 1.0, 200)
+    ratio = np.median(shift**2 / (sizes[:, None] ** 2 + own), axis=1)
+    return float(sizes[np.argmin(ratio > CHI2_MEDIAN)])
 
 
 def leave_out(found: Fit, cells: NDArray) -> dict[int, NDArray]:

@@ -6,18 +6,23 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dummydesign.loop.fitting.candidates import Candidate
+from dummydesign.loop.fitting.fit import BASE, Fit
+from dummydesign.loop.fitting.noise import make_whitener
 from dummydesign.loop.fitting.screening import Screened
 from dummydesign.loop.judging.assessed import Stage
+from dummydesign.loop.judging.lack_of_fit import lack_of_fit
 from dummydesign.loop.judging.left_out import expected_heldout_N
 from dummydesign.loop.judging.residual_checks import Check
 from dummydesign.loop.judging.residual_dependence import Dependence
 
 GAIN_FLOOR = 30.0
-NEXT_FLOOR, NEXT_SHARE = 50.0, 0.02
-"""A further effect must gain this much, and this share of what those before it gained together: their laws of growth
-are never quite the true ones, and what they leave must not be called an effect."""
+NEXT_FLOOR = 50.0
+IMITATED = 0.015
+"""Share of an effect's evidence up to which another that acts on the same bins is in doubt: laws of growth are never
+quite the true ones, and what they leave must not be called an effect."""
 RIVAL_GAP = 10.0
 FAMILY_COSINE = 0.9
 LACK_LIMIT = 1.5
@@ -58,6 +63,48 @@ def gain_threshold(screened: list[Screened], ratio: float | None, floor: float =
     draws = root @ np.random.default_rng(0).normal(size=(len(correlation), DRAWS))
     limit = float(np.quantile((draws**2).max(axis=0), 0.999))
     return max(limit, floor) * max(1.0, ratio or 1.0)
+
+
+@dataclass(frozen=True)
+class Needed:
+    """Evidence without which an effect is not accepted, and up to which it must lower the left-out error by much."""
+
+    least: float
+    doubted: float
+
+
+def needed(screened: list[Screened], fit: Fit, name: str, others: dict[str, float], tried: int) -> Needed:
+    """Evidence that an effect of a model must have beside others, when so many models were tried.
+
+    Parameters
+    ----------
+    screened : list of Screened
+        Scores of the effects from which this one was chosen.
+    fit : Fit
+        The model with all its effects.
+    name : str
+        The effect.
+    others : dict
+        Evidence of the other effects of the model by name.
+    tried : int
+    """
+    floor = NEXT_FLOOR + 2.0 * float(np.log(max(tried, 1))) if others else GAIN_FLOOR
+    where = _where(fit, {name, *others})
+    left = max((gain * float(np.minimum(where[name], where[one]).sum()) for one, gain in others.items()), default=0.0)
+    least = gain_threshold(screened, lack_of_fit(fit).ratio, floor)
+    return Needed(least, max(least, IMITATED * left))
+
+
+def _where(fit: Fit, names: set[str]) -> dict[str, NDArray]:
+    """How the whitened squares of each effect's size spread over the bins (T, B); each sums to one."""
+    whiten = make_whitener(fit.problem.presses, fit.sizes.noise, fit.slope, False)
+    out, place = {}, BASE
+    for effect in fit.problem.effects:
+        if effect.name in names:
+            squares = whiten(fit.jacobian[..., place]) ** 2
+            out[effect.name] = squares / max(float(squares.sum()), 1e-300)
+        place += len(effect.parameters)
+    return out
 
 
 def family_of(one: Screened, others: list[Screened]) -> list[str]:

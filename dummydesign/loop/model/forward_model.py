@@ -53,6 +53,7 @@ def simulate(
     active: Sequence[Active] = (),
     error: LawError | None = None,
     offset_mm: NDArray | float = 0.0,
+    near_mm: NDArray | None = None,
 ) -> NDArray:
     """Force before the declared sensor filter at the nodes.
 
@@ -70,19 +71,40 @@ def simulate(
     error : LawError, optional
     offset_mm : float or ndarray, shape (T,)
         Contact position of each trial. [mm]
+    near_mm : ndarray, shape (T, N), optional
+        Where to start looking for how much the set-up gives way, see :func:`given_way`. [mm]
 
     Returns
     -------
     ndarray, shape (T, N)
         [N]
     """
+    return _simulate(presses, law, base, active, error, offset_mm, near_mm)[0]
+
+
+def given_way(
+    presses: Presses,
+    law: UnitForce,
+    base: BaseParameters,
+    active: Sequence[Active] = (),
+    error: LawError | None = None,
+) -> NDArray:
+    """How much the set-up gives way (T, N) under the force of :func:`simulate`. [mm]"""
+    return _simulate(presses, law, base, active, error, 0.0, None)[1]
+
+
+def _simulate(
+    presses: Presses,
+    law: UnitForce,
+    base: BaseParameters,
+    active: Sequence[Active],
+    error: LawError | None,
+    offset_mm: NDArray | float,
+    near_mm: NDArray | None,
+) -> tuple[NDArray, NDArray]:
     acting = [one for one in active if not one.absent]
     thickness = presses.thickness_mm[:, None]
-    for one in acting:
-        law = one.effect.law(law, one.values)
-    start = presses.displacement_mm - np.broadcast_to(offset_mm, presses.thickness_mm.shape)[:, None]
-    for one in acting:
-        start = one.effect.depth(presses, start, one.values)
+    law, start = before_the_pad(presses, law, acting, offset_mm)
     loops = [one for one in acting if one.effect.feeds_back]
 
     def pressed(depth: NDArray) -> NDArray:
@@ -91,24 +113,46 @@ def simulate(
     def yielded(force: NDArray) -> NDArray:
         return start - sum(one.effect.yielding(presses, force, one.values) for one in loops)
 
-    force = _balance(pressed, yielded, start) if loops else pressed(start)
+    if loops:
+        depth, force = _balance(pressed, yielded, start if near_mm is None else start - near_mm)
+    else:
+        depth, force = start, pressed(start)
+    return sensed(presses, force, acting), start - depth
+
+
+def before_the_pad(
+    presses: Presses, law: UnitForce, acting: Sequence[Active], offset_mm: NDArray | float = 0.0
+) -> tuple[UnitForce, NDArray]:
+    """The law with all that effects change of it, and the depth (T, N) before the set-up gives way. [mm]"""
     for one in acting:
-        force = one.effect.sensor(presses, force, one.values)
-    return force
+        law = one.effect.law(law, one.values)
+    start = presses.displacement_mm - np.broadcast_to(offset_mm, presses.thickness_mm.shape)[:, None]
+    for one in acting:
+        start = one.effect.depth(presses, start, one.values)
+    return law, start
 
 
-def _balance(pressed: Callable, yielded: Callable, depth: NDArray) -> NDArray:
-    """Force at which depth and yielding agree: fixed point, with a secant jump per node after two steps."""
+def sensed(presses: Presses, force_N: NDArray, acting: Sequence[Active]) -> NDArray:
+    """The signal that a force on the punch (T, N) gives. [N]"""
+    for one in acting:
+        force_N = one.effect.sensor(presses, force_N, one.values)
+    return force_N
+
+
+def _balance(pressed: Callable, yielded: Callable, depth: NDArray) -> tuple[NDArray, NDArray]:
+    """Depth that agrees with the yielding under its force, and that force: fixed point, a secant jump per node after
+    two steps."""
     for _ in range(FEEDBACK_STEPS):
-        first = yielded(pressed(depth))
+        force = pressed(depth)
+        first = yielded(force)
         change = first - depth
         if float(np.max(np.abs(change))) < FEEDBACK_TOLERANCE_MM:
-            break
+            return depth, force
         second = yielded(pressed(first))
         again = second - first
         rate = np.clip(np.divide(again, change, out=np.zeros_like(change), where=np.abs(change) > 1e-9), -0.9, 0.5)
         depth = first + again / (1.0 - rate)
-    return pressed(depth)
+    return depth, pressed(depth)
 
 
 def _pad_force(
@@ -124,18 +168,29 @@ def _pad_force(
     elastic = base.young_MPa * law(depth, thickness)
     if error is not None:
         elastic = elastic * error.factor(np.maximum(depth, 0.0) / thickness)
-    arms = tuple(Arm(tau, beta) for tau, beta in zip(base.tau_s, base.beta))
     for one in acting:
         elastic = elastic * one.effect.scale(presses, depth, one.values)
-        arms = one.effect.arms(presses, arms, depth, one.values)
-    force = relax(presses.time_s, elastic, arms)
+    force = relax(presses.time_s, elastic, arms_of(presses, base, acting, depth))
+    return at_the_surface(presses, force, acting, depth)
+
+
+def arms_of(presses: Presses, base: BaseParameters, acting: Sequence[Active], depth_mm: NDArray) -> tuple[Arm, ...]:
+    """The relaxing arms of the base with all that effects change of them."""
+    arms = tuple(Arm(tau, beta) for tau, beta in zip(base.tau_s, base.beta))
+    for one in acting:
+        arms = one.effect.arms(presses, arms, depth_mm, one.values)
+    return arms
+
+
+def at_the_surface(presses: Presses, force_N: NDArray, acting: Sequence[Active], depth_mm: NDArray) -> NDArray:
+    """Force on the punch (T, N): the contact cannot pull, but for what effects change of it. [N]"""
     floor = np.zeros((1, 1))
     for one in acting:
         floor = one.effect.floor(presses, floor, one.values)
-    force = np.maximum(force, floor)
+    force_N = np.maximum(force_N, floor)
     for one in acting:
-        force = one.effect.surface(presses, depth, force, one.values)
-    return force
+        force_N = one.effect.surface(presses, depth_mm, force_N, one.values)
+    return force_N
 
 
 def relax(time_s: NDArray, elastic_N: NDArray, arms: Sequence[Arm]) -> NDArray:

@@ -1,0 +1,70 @@
+"""Sensitivities of the bins to base parameters and law error from one evaluation of the force law.
+
+The relaxation is linear in the elastic force, so modulus, level, slope and curvature of the law error share three
+relaxations of E law(depth) s^k, s = (d/h) / 0.4; the arms are moved one at a time with the same elastic force.
+Signal effects act on each moved force. Effects that feed back on the depth are left to plain differences.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.loop.model.base_law import REFERENCE_DEPTH
+from dummydesign.loop.model.forward_model import arms_of, at_the_surface, before_the_pad, relax, sensed
+from dummydesign.loop.model.parameters import BaseParameters
+
+if TYPE_CHECKING:
+    from dummydesign.loop.fitting.fit import Problem
+
+ARMS = (1, 2, 3, 4)
+"""Places of the arms' logarithms in the vector."""
+
+
+def shares_the_law(problem: Problem, vector: NDArray) -> bool:
+    """Whether the depth does not depend on the force, so that one evaluation of the law serves."""
+    return not any(one.effect.feeds_back for one in problem.active_of(vector) if not one.absent)
+
+
+def base_and_law_columns(problem: Problem, vector: NDArray, step: float) -> tuple[NDArray, NDArray]:
+    """Forward differences with respect to the base logarithms, and to the law error of each trial's pad.
+
+    Parameters
+    ----------
+    problem : Problem
+    vector : ndarray, shape (n,)
+    step : float
+
+    Returns
+    -------
+    base : ndarray, shape (T, B, 5)
+    law : ndarray, shape (T, B, 3)
+        Level, slope, curvature.
+    """
+    presses, logs = problem.presses, vector[:5]
+    acting = [one for one in problem.active_of(vector) if not one.absent]
+    law, depth = before_the_pad(presses, problem.law, acting)
+    thickness = presses.thickness_mm[:, None]
+    unit = law(depth, thickness)
+    for one in acting:
+        unit = unit * one.effect.scale(presses, depth, one.values)
+    share = np.maximum(depth, 0.0) / thickness / REFERENCE_DEPTH
+    base, error = problem.base_of(vector), problem.law_error_of(vector)
+    level, slope, curve = (term[:, None] for term in (error.level, error.slope, error.curve))
+    arms = arms_of(presses, base, acting, depth)
+    plain = base.young_MPa * unit
+    powers = [relax(presses.time_s, plain * share**k, arms) for k in range(3)]
+    force = (1.0 + level) * powers[0] + slope * powers[1] + curve * powers[2]
+    moved = [force, force * np.exp(step), *(force + step * power for power in powers)]
+    elastic = plain * (1.0 + level + share * (slope + share * curve))
+    for place in ARMS:
+        other = logs.copy()
+        other[place] += step
+        changed = arms_of(presses, BaseParameters.from_logs(other), acting, depth)
+        moved.append(relax(presses.time_s, elastic, changed))
+    shown = [sensed(presses, at_the_surface(presses, one, acting, depth), acting) for one in moved]
+    bins = presses.operator @ np.stack(shown, axis=-1)
+    change = (bins[..., 1:] - bins[..., :1]) / step
+    return change[..., [0, 4, 5, 6, 7]], change[..., 1:4]

@@ -1,0 +1,114 @@
+"""The posterior of a campaign: what its covariance holds, its file, and what a design makes of it."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from dummydesign.core.errors import InputError
+from dummydesign.design.calibrated import with_calibration
+from dummydesign.loop.calibration import Calibration, Model
+from dummydesign.loop.calibration_file import read_calibration, write_calibration
+from dummydesign.loop.data.trials import make_presses
+from dummydesign.loop.effects import effect_named
+from dummydesign.loop.fitting.base_fit import fit_base
+from dummydesign.loop.model.base_law import law_of
+from dummydesign.loop.model.forward_model import Active
+from dummydesign.loop.model.parameters import BaseParameters
+from dummydesign.loop.posterior import Posterior, posterior_of
+from dummydesign.measurement.campaign_file import read_campaign
+from dummydesign.resin import load_resin
+
+BASE_NAMES = ("log young_kPa", "log tau_1_s", "log beta_1", "log tau_2_s", "log beta_2")
+
+
+def made(level=0.004, young=0.01):
+    """A calibration with one effect of two parameters and a posterior."""
+    base = BaseParameters(0.03, (0.05, 1.2), (0.3, 0.2))
+    recovery = effect_named("incomplete_recovery")
+    after = Model(base, (Active(recovery, {"fraction": 0.02, "tau_s": 100.0}),), np.array([5.0]), np.zeros((3, 1)))
+    names = (*BASE_NAMES, "incomplete_recovery.fraction", "log incomplete_recovery.tau_s")
+    mean = np.r_[np.log([30.0, 0.05, 0.3, 1.2, 0.2]), 0.02, np.log(100.0)]
+    spread = np.array([young, 0.02, 0.03, 0.02, 0.04, 0.001, 0.2])
+    covariance = np.outer(spread, spread) * (0.7 * np.eye(7) + 0.3)
+    known = Posterior(names, mean, covariance, (level, 0.015, 0.008))
+    pad = {"young_kPa_expected": 30.0, "resin": None, "ratio": 15.0, "base": "bonded", "shape": "slab"}
+    return Calibration(after, after, "effect", {}, 0.03, pad, (), known)
+
+
+def test_a_posterior_survives_its_file(tmp_path):
+    again = read_calibration(write_calibration(made(), tmp_path / "c.json")).posterior
+    assert again.names == made().posterior.names and again.pads == made().posterior.pads
+    np.testing.assert_array_equal(again.mean, made().posterior.mean)
+    np.testing.assert_array_equal(again.covariance, made().posterior.covariance)
+    low, high = again.interval("log young_kPa")
+    assert np.log(high / low) == pytest.approx(2 * 1.96 * 0.01, rel=1e-4) and low < 30.0 < high
+
+
+def test_a_file_without_a_posterior_is_read_and_designed_with(tmp_path):
+    path = write_calibration(replace(made(), posterior=None), tmp_path / "c.json")
+    assert "posterior" not in json.loads(path.read_text()) and read_calibration(path).posterior is None
+    with_calibration(load_resin("polyurethane-nagoya"), str(path))
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda p: p.update(names=p["names"][:-1]), "posterior.names"),
+        (lambda p: p.update(mean=p["mean"][:-1]), "7 means"),
+        (lambda p: p["covariance"][0].__setitem__(1, 9.0), "not symmetric"),
+        (lambda p: p["covariance"][2].__setitem__(2, -1.0), "negative variance"),
+        (lambda p: p["covariance"][3].__setitem__(3, "much"), "covariance"),
+        (lambda p: p["pad_to_pad"].pop("slope"), "pad_to_pad.slope is missing"),
+    ],
+)
+def test_a_damaged_posterior_is_refused_with_its_place(change, said, tmp_path):
+    path = write_calibration(made(), tmp_path / "c.json")
+    data = json.loads(path.read_text())
+    change(data["posterior"])
+    path.write_text(json.dumps(data))
+    with pytest.raises(InputError, match=said):
+        read_calibration(path)
+
+
+def test_a_design_takes_its_intervals_from_the_posterior_and_the_scatter_of_pads(tmp_path):
+    resin = load_resin("polyurethane-nagoya")
+    widths = []
+    for number, (level, young) in enumerate([(0.0, 0.006), (0.03, 0.006), (0.0, 0.03)]):
+        path = write_calibration(made(level, young), tmp_path / f"c{number}.json")
+        updated, _, _ = with_calibration(resin, str(path))
+        modulus = updated.modulus_kPa(15.0)
+        widths.append(np.log(modulus.high / modulus.low))
+        strengths = [arm.beta for arm in updated.arms]
+        assert [np.round((b.high - b.value) / b.value, 3) for b in strengths] == [0.059, 0.078]
+    assert widths[0] < 0.7 * widths[1] and widths[0] < 0.7 * widths[2]
+
+
+def test_the_modulus_is_known_no_better_than_the_number_of_pads_lets_it(campaigns):
+    """With a level error of each pad of known size and little else the variance of the mean is that over the pads."""
+    campaign = read_campaign(campaigns("none", 401))
+    presses, law = make_presses(campaign), law_of(campaign)
+    found = fit_base(presses, law, 0.03)
+    known = posterior_of(found)
+    assert known.young_spread > 0.9 * found.sizes.level / np.sqrt(len(found.problem.thicknesses))
+    assert known.new_pad_spread == pytest.approx(np.hypot(known.young_spread, found.sizes.level))
+    assert known.mean[0] == pytest.approx(np.log(1e3 * found.base.young_MPa))
+    assert np.linalg.eigvalsh(known.covariance)[0] > 0.0
+    np.testing.assert_allclose(posterior_of(found, 4.0).covariance, 4.0 * known.covariance, rtol=1e-12)
+    np.testing.assert_allclose(posterior_of(found, 0.5).covariance, known.covariance, rtol=1e-12)
+
+
+def test_units_of_an_effect_are_those_of_its_parameters():
+    tilt = effect_named("contact_offset")
+    step = tilt.parameters[0].typical
+    covariance = np.diag([1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 4.0, 1e-4])
+    fit = SimpleNamespace(
+        vector=np.r_[np.zeros(5), 2.0, 0.0], covariance=covariance, sizes=SimpleNamespace(law=(0.1, 0.2, 0.3)),
+        active=(Active(tilt, {tilt.parameters[0].name: tilt.parameters[0].to_value(2.0)}),),
+    )  # fmt: skip
+    known = posterior_of(fit)
+    assert known.spread(known.names[-1]) == pytest.approx(2.0 * abs(step)) and len(known.names) == 6

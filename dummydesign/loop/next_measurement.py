@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from dummydesign.loop.data.history import History
 from dummydesign.loop.data.trials import Presses, stack
-from dummydesign.loop.fitting.fit import BASE, Fit, Problem
+from dummydesign.loop.fitting.fit import Fit
 from dummydesign.loop.fitting.noise import LAW_TERMS
+from dummydesign.loop.fitting.problem import BASE, Problem
 from dummydesign.measurement.campaign import Trial
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.measurement.sensor import Lowpass

@@ -18,7 +18,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.loop.fitting.fit import BASE, Fit
+from dummydesign.loop.fitting.fit import Fit
+from dummydesign.loop.fitting.problem import BASE
 from dummydesign.loop.model.parameters import NAMES
 
 NORMAL_95 = 1.959964

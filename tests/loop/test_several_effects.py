@@ -14,7 +14,8 @@ from dummydesign.loop.corrected_law import CorrectedLaw
 from dummydesign.loop.data.trials import make_presses
 from dummydesign.loop.effects import effect_named
 from dummydesign.loop.fitting.base_fit import fit_base
-from dummydesign.loop.fitting.fit import Problem, settle
+from dummydesign.loop.fitting.fit import settle
+from dummydesign.loop.fitting.problem import Problem
 from dummydesign.loop.judging import acceptance, search, verdict
 from dummydesign.loop.judging.backward import without
 from dummydesign.loop.judging.left_out import LARGEST_POSITION_MM, expected_heldout_N, repeat_scatter_mm

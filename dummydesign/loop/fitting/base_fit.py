@@ -6,8 +6,9 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.fitting.fit import Fit, Problem, settle, start_vector
+from dummydesign.loop.fitting.fit import Fit, settle, start_vector
 from dummydesign.loop.fitting.noise import estimate_slow_noise, first_sizes
+from dummydesign.loop.fitting.problem import Problem
 from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
 
 

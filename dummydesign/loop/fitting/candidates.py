@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dummydesign.loop.fitting.fit import BASE, Fit, fit, settle, with_sizes
+from dummydesign.loop.fitting.fit import Fit, fit, settle, with_sizes
 from dummydesign.loop.fitting.noise import Sizes
+from dummydesign.loop.fitting.problem import BASE
 from dummydesign.loop.fitting.screening import Screened, extended, screen
 from dummydesign.loop.model.effect import Effect
 
@@ -79,7 +80,16 @@ def rank(
     """Screen all effects and refit the best beside what ``found`` holds; both lists best first.
 
     Contact scatter and law error are estimated anew for every effect, because what an effect explains the law error
-    need not. ``progress`` is called with the name of each effect that is fitted.
+    need not.
+
+    Parameters
+    ----------
+    found : Fit
+        The model that each effect joins.
+    effects : tuple of Effect
+        Those that may join it.
+    progress : callable, optional
+        Called with the name of each effect that is fitted.
     """
     screened, tried = first_fits(found, effects, KEEP, LEAST_Z, progress)
     return screened, to_the_end(found, tried)

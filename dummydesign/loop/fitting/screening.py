@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.loop.fitting.fit import Fit, Problem, extend, prior_precision
+from dummydesign.loop.fitting.fit import Fit, extend, prior_precision
 from dummydesign.loop.fitting.noise import Whitener, make_whitener
+from dummydesign.loop.fitting.problem import Problem
 from dummydesign.loop.model.effect import Effect
 
 

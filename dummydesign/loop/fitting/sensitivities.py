@@ -17,7 +17,7 @@ from dummydesign.loop.model.forward_model import arms_of, at_the_surface, before
 from dummydesign.loop.model.parameters import BaseParameters
 
 if TYPE_CHECKING:
-    from dummydesign.loop.fitting.fit import Problem
+    from dummydesign.loop.fitting.problem import Problem
 
 ARMS = (1, 2, 3, 4)
 """Places of the arms' logarithms in the vector."""
@@ -34,8 +34,11 @@ def base_and_law_columns(problem: Problem, vector: NDArray, step: float) -> tupl
     Parameters
     ----------
     problem : Problem
+        The campaign with its effects.
     vector : ndarray, shape (n,)
+        Where the differences are taken.
     step : float
+        Size of the step in each entry.
 
     Returns
     -------

@@ -49,7 +49,17 @@ def much_better(before: Errors, after: Errors) -> bool:
 
 
 def worth(gain: float, limit: Needed, before: Fit, after: Fit) -> bool:
-    """Whether an effect has the evidence it needs, and where that is in doubt lowers the left-out error by much."""
+    """Whether an effect has the evidence it needs, and where that is in doubt lowers the left-out error by much.
+
+    Parameters
+    ----------
+    gain : float
+        Its evidence.
+    limit : Needed
+        What is needed.
+    before, after : Fit
+        The models without and with it.
+    """
     return gain >= limit.least and (gain >= limit.doubted or much_better(errors(before), errors(after)))
 
 

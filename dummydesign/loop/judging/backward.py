@@ -9,7 +9,8 @@ import numpy as np
 
 from dummydesign.loop.fitting.base_fit import same_noise
 from dummydesign.loop.fitting.candidates import Candidate, finished, first_fit, modest
-from dummydesign.loop.fitting.fit import BASE, Fit, Problem, settle
+from dummydesign.loop.fitting.fit import Fit, settle
+from dummydesign.loop.fitting.problem import BASE, Problem
 from dummydesign.loop.fitting.screening import Screened, screen
 from dummydesign.loop.judging.acceptance import Found, at_bound, predicts_better, worth
 from dummydesign.loop.judging.assessed import Stage, make_stage
@@ -52,7 +53,17 @@ def without(fit: Fit, effect: Effect) -> Fit:
 
 
 def look_at(full: Fit, effect: Effect, available: tuple[Effect, ...]) -> Place:
-    """Refit a model without an effect, and with others in its place."""
+    """Refit a model without an effect, and with others in its place.
+
+    Parameters
+    ----------
+    full : Fit
+        The model with all its effects.
+    effect : Effect
+        One of them.
+    available : tuple of Effect
+        Effects that the campaign can test.
+    """
     reduced = without(full, effect)
     taken = names_of(full) - {effect.name}
     usual = modest(reduced)
@@ -74,6 +85,17 @@ def look_again(
     current: Stage, available: tuple[Effect, ...], tried: int, progress: Callable[[str], None] | None
 ) -> tuple[Stage, list[Found], int]:
     """Look at all effects of a model until none is dropped or exchanged, one change at a time.
+
+    Parameters
+    ----------
+    current : Stage
+        The model, assessed.
+    available : tuple of Effect
+        Effects that the campaign can test.
+    tried : int
+        Models tried before.
+    progress : callable or None
+        Called with a word for each round.
 
     Returns
     -------

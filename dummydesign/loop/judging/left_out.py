@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.inference.noise import Bins, whitener
-from dummydesign.loop.fitting.fit import BASE, Fit, prior_precision
+from dummydesign.loop.fitting.fit import Fit, prior_precision
 from dummydesign.loop.fitting.noise import contrasts, make_whitener
+from dummydesign.loop.fitting.problem import BASE
 
 ESTIMABLE = 0.2
 """A cell counts when the rest still holds this share of the information on an effect's size."""

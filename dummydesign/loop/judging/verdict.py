@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.fitting.candidates import Candidate
-from dummydesign.loop.fitting.fit import BASE, Fit
+from dummydesign.loop.fitting.fit import Fit
 from dummydesign.loop.fitting.noise import make_whitener
+from dummydesign.loop.fitting.problem import BASE
 from dummydesign.loop.fitting.screening import Screened
 from dummydesign.loop.judging.assessed import Stage
 from dummydesign.loop.judging.lack_of_fit import lack_of_fit
@@ -87,6 +88,7 @@ def needed(screened: list[Screened], fit: Fit, name: str, others: dict[str, floa
     others : dict
         Evidence of the other effects of the model by name.
     tried : int
+        Models that were fitted.
     """
     floor = NEXT_FLOOR + 2.0 * float(np.log(max(tried, 1))) if others else GAIN_FLOOR
     where = _where(fit, {name, *others})

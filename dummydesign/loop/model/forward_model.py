@@ -89,7 +89,21 @@ def given_way(
     active: Sequence[Active] = (),
     error: LawError | None = None,
 ) -> NDArray:
-    """How much the set-up gives way (T, N) under the force of :func:`simulate`. [mm]"""
+    """How much the set-up gives way (T, N) under the force of :func:`simulate`. [mm]
+
+    Parameters
+    ----------
+    presses : Presses
+        T trials.
+    law : callable
+        F / E of the base. [mm2]
+    base : BaseParameters
+        Modulus and arms.
+    active : sequence of Active
+        Effects with values.
+    error : LawError, optional
+        Relative error of the law per trial.
+    """
     return _simulate(presses, law, base, active, error, 0.0, None)[1]
 
 
@@ -123,7 +137,19 @@ def _simulate(
 def before_the_pad(
     presses: Presses, law: UnitForce, acting: Sequence[Active], offset_mm: NDArray | float = 0.0
 ) -> tuple[UnitForce, NDArray]:
-    """The law with all that effects change of it, and the depth (T, N) before the set-up gives way. [mm]"""
+    """The law with all that effects change of it, and the depth (T, N) before the set-up gives way. [mm]
+
+    Parameters
+    ----------
+    presses : Presses
+        T trials.
+    law : callable
+        F / E of the base. [mm2]
+    acting : sequence of Active
+        Effects that are not at their null value.
+    offset_mm : ndarray, shape (T,), or float
+        Contact position of each trial. [mm]
+    """
     for one in acting:
         law = one.effect.law(law, one.values)
     start = presses.displacement_mm - np.broadcast_to(offset_mm, presses.thickness_mm.shape)[:, None]
@@ -133,7 +159,17 @@ def before_the_pad(
 
 
 def sensed(presses: Presses, force_N: NDArray, acting: Sequence[Active]) -> NDArray:
-    """The signal that a force on the punch (T, N) gives. [N]"""
+    """The signal that a force on the punch (T, N) gives. [N]
+
+    Parameters
+    ----------
+    presses : Presses
+        T trials.
+    force_N : ndarray, shape (T, N)
+        Force on the punch. [N]
+    acting : sequence of Active
+        Effects that are not at their null value.
+    """
     for one in acting:
         force_N = one.effect.sensor(presses, force_N, one.values)
     return force_N
@@ -175,7 +211,19 @@ def _pad_force(
 
 
 def arms_of(presses: Presses, base: BaseParameters, acting: Sequence[Active], depth_mm: NDArray) -> tuple[Arm, ...]:
-    """The relaxing arms of the base with all that effects change of them."""
+    """The relaxing arms of the base with all that effects change of them.
+
+    Parameters
+    ----------
+    presses : Presses
+        T trials.
+    base : BaseParameters
+        Modulus and arms.
+    acting : sequence of Active
+        Effects that are not at their null value.
+    depth_mm : ndarray, shape (T, N)
+        Depth of the punch in the pad. [mm]
+    """
     arms = tuple(Arm(tau, beta) for tau, beta in zip(base.tau_s, base.beta))
     for one in acting:
         arms = one.effect.arms(presses, arms, depth_mm, one.values)
@@ -183,7 +231,19 @@ def arms_of(presses: Presses, base: BaseParameters, acting: Sequence[Active], de
 
 
 def at_the_surface(presses: Presses, force_N: NDArray, acting: Sequence[Active], depth_mm: NDArray) -> NDArray:
-    """Force on the punch (T, N): the contact cannot pull, but for what effects change of it. [N]"""
+    """Force on the punch (T, N): the contact cannot pull, but for what effects change of it. [N]
+
+    Parameters
+    ----------
+    presses : Presses
+        T trials.
+    force_N : ndarray, shape (T, N)
+        Force of the pad. [N]
+    acting : sequence of Active
+        Effects that are not at their null value.
+    depth_mm : ndarray, shape (T, N)
+        Depth of the punch in the pad. [mm]
+    """
     floor = np.zeros((1, 1))
     for one in acting:
         floor = one.effect.floor(presses, floor, one.values)

@@ -9,8 +9,9 @@ import pytest
 
 from dummydesign.inference.noise import Noise
 from dummydesign.loop.fitting.base_fit import fit_base
-from dummydesign.loop.fitting.fit import Problem, fit, start_vector
+from dummydesign.loop.fitting.fit import fit, start_vector
 from dummydesign.loop.fitting.noise import estimate_slow_noise, first_sizes, repeat_pairs
+from dummydesign.loop.fitting.problem import Problem
 from dummydesign.loop.judging.lack_of_fit import lack_of_fit
 from dummydesign.loop.judging.left_out import errors
 from dummydesign.loop.judging.residual_checks import run_checks

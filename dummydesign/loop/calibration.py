@@ -12,6 +12,7 @@ from dummydesign.loop.data.reduction import HOLD, PRE, RISE, UNLOADING
 from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.fitting.fit import Fit
 from dummydesign.loop.fitting.noise import LAW_TERMS
+from dummydesign.loop.learned.effect import Learned
 from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
 from dummydesign.loop.model.forward_model import Active, LawError, simulate
 from dummydesign.loop.model.parameters import BaseParameters
@@ -56,6 +57,7 @@ class Model:
             "base": self.base.to_dict(),
             "effects": [
                 {"name": one.effect.name, "belongs_to": one.effect.belongs_to, "parameters": dict(one.values)}
+                | (one.effect.shape.to_dict() if isinstance(one.effect, Learned) else {})
                 for one in self.active
             ],
             "law_error": {"thickness_mm": self.thickness_mm.tolist(), "level_slope_curve": self.law.tolist()},

@@ -17,6 +17,7 @@ from dummydesign.geometry.interface import BASES
 from dummydesign.loop.calibration import Calibration, Model
 from dummydesign.loop.effects import known_effects
 from dummydesign.loop.fitting.noise import LAW_TERMS
+from dummydesign.loop.learned.effect import FOLLOWED, PREFIX, Learned, Shape
 from dummydesign.loop.model.forward_model import Active
 from dummydesign.loop.model.parameters import HIGH, LOW, NAMES, BaseParameters
 from dummydesign.loop.posterior import PADS, Posterior
@@ -24,7 +25,7 @@ from dummydesign.loop.posterior import PADS, Posterior
 SCHEMA = "dummydesign.calibration/1"
 VERDICTS = ("effect", "none", "unexplained")
 SHAPES = ("slab", "cylinder")
-LARGEST = 1e12
+LARGEST, LARGEST_CHANGE = 1e12, 10.0
 LARGEST_LAW_ERROR = 0.5
 """Bound of the fit on each term of the law error."""
 ROUNDING = 1e-6
@@ -175,6 +176,9 @@ def _effects(entries: list[Any], where: str) -> tuple[Active, ...]:
         if not isinstance(entry, dict):
             raise _Fault(f"{at} = {_shown(entry)} is not a table")
         name = _entry(entry, "name", str, at)
+        follows = next((one for one in FOLLOWED if name == PREFIX + one.lower()), None)
+        if follows is not None:
+            known[name] = _learned(entry, follows, at)
         if name not in known:
             own = "; an effect of your own is given with --effect FILE.py"
             raise _Fault(f"{at}.name = {_shown(name)} is not one of {', '.join(known)}{own}")
@@ -186,6 +190,15 @@ def _effects(entries: list[Any], where: str) -> tuple[Active, ...]:
         numbers = {p.name: _number(values, p.name, within, p.low, p.high) for p in effect.parameters}
         active.append(Active(effect, numbers))
     return tuple(active)
+
+
+def _learned(entry: dict[str, Any], follows: str, at: str) -> Learned:
+    """An effect that was learned, with its curve."""
+    knots = _row(_entry(entry, "knots", list, at), f"{at}.knots", -LARGEST, LARGEST)
+    values = _row(_entry(entry, "relative_change", list, at), f"{at}.relative_change", -LARGEST_CHANGE, LARGEST_CHANGE)
+    if len(knots) < 2 or len(values) != len(knots) or any(b <= a for a, b in pairwise(knots)):
+        raise _Fault(f"{at}.knots must hold two numbers or more that rise, and relative_change as many")
+    return Learned(Shape(follows, tuple(knots), tuple(values)))
 
 
 def _law_error(table: dict[str, Any], where: str) -> tuple[np.ndarray, np.ndarray]:

@@ -15,6 +15,7 @@ from dummydesign.loop.judging.assessed import Stage, effect_intervals
 from dummydesign.loop.judging.residual_checks import Check
 from dummydesign.loop.judging.residual_dependence import Dependence
 from dummydesign.loop.judging.verdict import Remainder
+from dummydesign.loop.learned.learn import Learnt
 from dummydesign.loop.next_measurement import NextMeasurement
 from dummydesign.measurement.campaign import Campaign
 
@@ -44,6 +45,8 @@ class LoopResult:
     untested : dict
         Effects that this campaign cannot test, with the reason.
     warnings : tuple of dict
+    learnt : Learnt or None
+        What the remainder of the named effects was learned to be; it is in ``after``.
     """
 
     campaign: Campaign
@@ -61,6 +64,7 @@ class LoopResult:
     next: NextMeasurement | None
     untested: dict[str, str]
     warnings: tuple[dict[str, str], ...]
+    learnt: Learnt | None = None
 
 
 def result_dict(result: LoopResult) -> dict[str, Any]:
@@ -92,6 +96,7 @@ def result_dict(result: LoopResult) -> dict[str, Any]:
         },
         "ranking": [{"name": c.effect.name, "evidence": c.gain} for c in result.ranking],
         "screening": [{"name": one.effect.name, "z": one.z} for one in result.screened],
+        "learned": None if result.learnt is None else result.learnt.to_dict(),
         "untested": result.untested,
         "next_measurement": None if result.next is None else result.next.to_dict(),
         "warnings": list(result.warnings),

@@ -16,7 +16,8 @@ from dummydesign.loop.judging.assessed import Stage, make_stage
 from dummydesign.loop.judging.residual_checks import run_checks
 from dummydesign.loop.judging.residual_dependence import dependences
 from dummydesign.loop.judging.search import search
-from dummydesign.loop.judging.verdict import remainder
+from dummydesign.loop.judging.verdict import Remainder, remainder
+from dummydesign.loop.learned.learn import can_be_learned, learn
 from dummydesign.loop.model.base_law import PuckLaw, SlabLaw, law_of
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.next_measurement import NextMeasurement, next_measurement
@@ -62,12 +63,21 @@ def close_loop(campaign: Campaign, progress: Progress | None = None, young_MPa: 
     checks = run_checks(after.fit)
     left = remainder(base, after, where_after, checks)
     verdict = "unexplained" if left.reasons else "effect" if effects else "none"
+    learnt = None
+    if left.reasons and can_be_learned(checks, where_after):
+        tell("learning what is left")
+        learnt = learn(after.fit)
+    if learnt is not None:
+        after = make_stage(learnt.fit)
+        where_after, checks = dependences(after.fit), run_checks(after.fit)
+        still = remainder(base, after, where_after, checks)
+        left = Remainder((learnt.text, *still.reasons), still.over_floor, still.expected)
     tell("next measurement")
     following = _next(campaign, base, effects, found.ranking)
     return LoopResult(
         campaign, presses, base, after, verdict, effects, tuple(found.screened), tuple(found.ranking), left,
         tuple(dependences(base.fit)), tuple(where_after), tuple(checks), following, untested,
-        _warnings(campaign, presses, law),
+        _warnings(campaign, presses, law), learnt,
     )  # fmt: skip
 
 

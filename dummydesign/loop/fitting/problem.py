@@ -42,8 +42,13 @@ class Problem:
         return BASE + sum(len(effect.parameters) for effect in self.effects)
 
     def frozen(self) -> list[int]:
-        """Entries of the vector that these trials cannot show: the arms, without holds and with one speed."""
-        return [1, 2, 3, 4] if self.presses.elastic_only else []
+        """Entries of the vector that are not fitted: the arms, without holds and with one speed, and held effects."""
+        out, place = [1, 2, 3, 4] if self.presses.elastic_only else [], BASE
+        for effect in self.effects:
+            count = len(effect.parameters)
+            out += range(place, place + count) if effect.held else ()
+            place += count
+        return out
 
     def bounds(self) -> tuple[NDArray, NDArray]:
         """Bounds of the vector."""

@@ -96,6 +96,8 @@ class Effect:
     signature: str = ""
     reference: str = ""
     feeds_back: bool = False
+    held: bool = False
+    """Its parameters stay at their start in a fit: they are known with the effect itself."""
     always_fitted: bool = False
     """Fitted whatever its score: for effects whose first-order change the base can imitate."""
 

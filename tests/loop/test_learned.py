@@ -1,0 +1,128 @@
+"""Learned effects: a remainder that follows one quantity is read off, said in closed form, kept in its range."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dummydesign.core.errors import InputError
+from dummydesign.loop import check_effect
+from dummydesign.loop.calibration import Calibration, model_of
+from dummydesign.loop.calibration_file import read_calibration, write_calibration
+from dummydesign.loop.data.trials import make_presses
+from dummydesign.loop.fitting.base_fit import fit_base
+from dummydesign.loop.judging.residual_checks import Check
+from dummydesign.loop.judging.residual_dependence import Dependence
+from dummydesign.loop.learned.closed_form import closed_form
+from dummydesign.loop.learned.effect import FADE, Learned, Shape
+from dummydesign.loop.learned.learn import can_be_learned, learn
+from dummydesign.loop.model.base_law import law_of
+from dummydesign.loop.posterior import posterior_of
+from dummydesign.loop.replay import replay
+from dummydesign.measurement.campaign_file import read_campaign
+
+
+def changed(campaign, factor):
+    """The campaign with the measured force of every trial times a factor of its depth [mm] and force [N]."""
+    trials = []
+    for trial in campaign.trials:
+        trace = trial.trace
+        force = trace.force_N * factor(np.maximum(trace.displacement_mm, 0.0), trace.force_N)
+        trials.append(replace(trial, trace=replace(trace, force_N=force)))
+    return replace(campaign, trials=tuple(trials))
+
+
+@pytest.fixture(scope="module")
+def learnt(campaigns):
+    """Fits of a clean campaign and of the same with a bump of 15 % at a depth of 1.5 mm, and what is learned."""
+    clean = read_campaign(campaigns("none", 401))
+    bumped = changed(clean, lambda depth, force: 1.0 + 0.15 * np.exp(-(((depth - 1.5) / 0.4) ** 2)))
+    out = {}
+    for name, campaign in (("clean", clean), ("bumped", bumped)):
+        base = fit_base(make_presses(campaign), law_of(campaign), 0.03)
+        out[name] = (campaign, base, learn(base))
+    return out
+
+
+def test_a_clean_campaign_teaches_nothing(learnt):
+    assert learnt["clean"][2] is None
+
+
+def test_a_bump_in_depth_is_found_where_it_is_and_as_high_as_it_is(learnt):
+    found = learnt["bumped"][2]
+    assert found.effect.name == "learned_depth_mm" and found.form.name == "bump"
+    shape = found.effect.shape
+    at = np.linspace(0.5, 3.0, 251)
+    curve = shape(at)
+    assert at[np.argmax(curve)] == pytest.approx(1.5, abs=0.15)
+    # a slope in depth is shared with the law error
+    assert curve.max() - shape(np.array([0.6, 2.4])).mean() == pytest.approx(0.15, abs=0.04)
+    assert found.left_out < 0.25 and "depth in mm" in found.text
+
+
+def test_what_was_learned_halves_the_error_of_other_presses_of_the_same_pads(learnt, campaigns, tmp_path):
+    _, base, found = learnt["bumped"]
+    pad = {"young_kPa_expected": 30.0, "resin": None, "ratio": 15.0, "base": "bonded", "shape": "slab"}
+    made = Calibration(
+        model_of(base), model_of(found.fit), "unexplained", {}, 0.03, pad, (found.text,), posterior_of(found.fit)
+    )
+    again = read_calibration(write_calibration(made, tmp_path / "c.json"))
+    assert again.after.active[-1].effect.shape == found.effect.shape
+    other = changed(
+        read_campaign(campaigns("none", 401, held_out=True)),
+        lambda depth, force: 1.0 + 0.15 * np.exp(-(((depth - 1.5) / 0.4) ** 2)),
+    )
+    one, two = replay(other, made), replay(other, again)
+    assert one.total_rmse_N == pytest.approx(two.total_rmse_N, rel=1e-9)
+    assert one.total_rmse_N < 0.6 * one.total_base_rmse_N
+    data = json.loads((tmp_path / "c.json").read_text())
+    data["after"]["effects"][-1]["knots"][1] = -5.0
+    (tmp_path / "c.json").write_text(json.dumps(data))
+    with pytest.raises(InputError, match="knots must hold two numbers or more that rise"):
+        read_calibration(tmp_path / "c.json")
+
+
+@pytest.mark.parametrize("follows", ["depth_mm", "depth_share", "force_N", "since_stop_s", "temperature_C", "age_days"])
+def test_a_learned_effect_keeps_the_contract_of_effects(follows):
+    learned = Learned(Shape(follows, (0.01, 1.0, 30.0), (0.1, -0.05, 0.02)))
+    assert check_effect(learned) == ()
+
+
+def test_a_curve_is_used_in_the_range_seen_and_fades_out_beyond():
+    shape = Shape("depth_mm", (1.0, 3.0), (0.2, 0.4))
+    far = FADE * 2.0
+    np.testing.assert_allclose(shape(np.array([1.0, 2.0, 3.0])), [0.2, 0.3, 0.4])
+    np.testing.assert_allclose(shape(np.array([3.0 + 0.5 * far, 3.0 + far, 9.0, 1.0 - far])), [0.2, 0.0, 0.0, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("name", "curve", "said"),
+    [
+        ("linear", lambda u: 0.02 * u, "0.02 u"),
+        ("power", lambda u: -0.003 * u**2, "-0.003 u^2"),
+        ("step", lambda u: 0.1 * (u > 5.0), "0.1 beyond"),
+        ("bump", lambda u: 0.2 * np.exp(-(((u - 4.0) / 1.0) ** 2)), "exp(-((u - 4"),
+    ],
+)
+def test_a_curve_is_said_in_the_form_it_was_made_of_whatever_its_constant(name, curve, said):
+    knots = np.linspace(0.0, 10.0, 30)
+    for level in (0.0, 0.07):
+        form = closed_form(knots, curve(knots) + level, 1e6 * np.eye(30), "depth_mm")
+        assert form.name == name and said in form.text and form.lost < 0.01
+
+
+def test_a_curve_of_no_simple_form_is_called_one():
+    knots = np.linspace(0.0, 10.0, 30)
+    assert closed_form(knots, 0.1 * np.sin(2.5 * knots), 1e6 * np.eye(30), "force_N").name == "curve"
+
+
+def test_lines_steps_noise_and_single_trials_are_not_learned():
+    quiet, loud = (Check("spectral line", 1.0, 2.0, exceeded, "") for exceeded in (False, True))
+    follows = {name: Dependence(name, 500.0, 3, 0.5, "") for name in ("depth", "single trials")}
+    assert can_be_learned([quiet], [follows["depth"], follows["single trials"]])
+    assert not can_be_learned([quiet], [follows["single trials"], follows["depth"]])
+    assert not can_be_learned([quiet, loud], [follows["depth"]])
+    assert not can_be_learned([quiet], [])

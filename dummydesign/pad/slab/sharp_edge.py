@@ -21,7 +21,6 @@ from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS, PAD_EXTENT_MM
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
 from dummydesign.pad.material.hyperelastic import Law, Yeoh
-from dummydesign.pad.slab.edge_doubt import sharp_edge_doubt
 from dummydesign.pad.slab.edge_extrapolation import Samples, fit_limit
 from dummydesign.pad.slab.problem import (
     PadCurve,
@@ -31,6 +30,7 @@ from dummydesign.pad.slab.problem import (
     sharp_problem,
 )
 from dummydesign.pad.solve.continuation import NOTHING, Path, cost, follow
+from dummydesign.pad.tables.edge_doubt import sharp_edge_doubt
 
 Array = np.ndarray
 __all__ = [

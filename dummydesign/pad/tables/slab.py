@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from dummydesign.core import json_table
 from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.geometry.interface import BASES
-from dummydesign.pad.slab.edge_doubt import sharp_edge_doubt
+from dummydesign.pad.tables.edge_doubt import sharp_edge_doubt
 from dummydesign.pad.tables.interpolation import between
 
 Array = np.ndarray

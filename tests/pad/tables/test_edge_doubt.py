@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.pad.slab.edge_doubt import sharp_edge_doubt
+from dummydesign.pad.tables.edge_doubt import sharp_edge_doubt
 from dummydesign.pad.tables.slab import load_table
 from dummydesign.pad.tables.square import square_factor
 

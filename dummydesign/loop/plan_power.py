@@ -63,6 +63,7 @@ def plan_power(plan: tuple[Planned, ...], campaign: Campaign, young_MPa: float, 
     Parameters
     ----------
     plan : tuple of Planned
+        The presses, in their order.
     campaign : Campaign
         Its pad, punch and sensor; without trials.
     young_MPa : float
@@ -123,7 +124,23 @@ def _change(effect: Effect, found: Fit, projection: Projection, whiten: Whitener
 def planned_trials(
     plan: tuple[Planned, ...], law: SlabLaw, young_MPa: float, draw: np.random.Generator
 ) -> tuple[Trial, ...]:
-    """Trials of a plan with the motion that is to be made and no force."""
+    """Trials of a plan with the motion that is to be made and no force.
+
+    Parameters
+    ----------
+    plan : tuple of Planned
+        The presses, in their order.
+    law : SlabLaw
+        Elastic force per unit modulus, by which a target force becomes a depth.
+    young_MPa : float
+        Nominal modulus. [MPa]
+    draw : numpy.random.Generator
+        Of the temperatures.
+
+    Returns
+    -------
+    tuple of Trial
+    """
     trials = []
     for row in plan:
         depth = row.target if row.by_depth else depth_for(law, row.thickness_mm, row.target / young_MPa)
@@ -147,7 +164,17 @@ def planned_trials(
 
 
 def depth_for(law: SlabLaw, thickness_mm: float, force_over_young_mm2: float) -> float:
-    """Depth at which a pad bears a force, at most what the force law knows. [mm]"""
+    """Depth at which a pad carries a force, at most what the force law knows. [mm]
+
+    Parameters
+    ----------
+    law : SlabLaw
+        Elastic force per unit modulus.
+    thickness_mm : float
+        Of the pad. [mm]
+    force_over_young_mm2 : float
+        The force over the modulus. [mm2]
+    """
     deepest = float(np.min(law.limit(np.array([thickness_mm]))))
     depths = np.linspace(0.0, 0.98 * deepest, 200)
     force = law(depths[None, :], np.array([[thickness_mm]]))[0]

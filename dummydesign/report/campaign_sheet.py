@@ -20,7 +20,24 @@ td.free { min-width: 16mm } .tight td, .tight th { padding: 0.3px 3px; font-size
 
 
 def sheet_html(name: str, plan: Sequence[Planned], set_up: dict[str, str], seed: int) -> str:
-    """Write the sheet as one HTML page, to be printed on one side for up to about fifty presses."""
+    """Write the sheet as one HTML page, to be printed on one side for up to about fifty presses.
+
+    Parameters
+    ----------
+    name : str
+        Of the campaign.
+    plan : sequence of Planned
+        The presses, in their order.
+    set_up : dict of str
+        What stands above the table, by its heading.
+    seed : int
+        By which the order was drawn, for the foot of the sheet.
+
+    Returns
+    -------
+    str
+        HTML.
+    """
     head = "".join(f"<p><b>{escape(key)}</b> {escape(value)}</p>" for key, value in set_up.items())
     rows = []
     for age, day in groupby(plan, key=lambda row: row.age_days):

@@ -75,7 +75,22 @@ class SetUp:
 
 
 def campaign_toml(set_up: SetUp, trials: Iterable[Mapping[str, Any]], comments: Iterable[str] = ()) -> str:
-    """Write a campaign file; a trial's value of None becomes a commented line to fill in."""
+    """Write a campaign file; a trial's value of None becomes a commented line to fill in.
+
+    Parameters
+    ----------
+    set_up : SetUp
+        Name, pad, punch and sensor.
+    trials : iterable of mapping
+        Keys and values of each trial.
+    comments : iterable of str
+        Lines at the top of the file.
+
+    Returns
+    -------
+    str
+        TOML.
+    """
     lines = [f"# {text}" for text in comments]
     lines += ["schema = 1", f"name = {json.dumps(set_up.name, ensure_ascii=False)}"]
     for table, entries in set_up.tables().items():

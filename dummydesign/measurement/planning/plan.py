@@ -121,7 +121,19 @@ def make_plan(design: Design) -> tuple[Planned, ...]:
 
 
 def file_name(thickness_mm: float, velocity_mm_s: float, target: float, repeat: int, by_depth: bool = False) -> str:
-    """Name to save a press under: ``t05_v010_f03_1.csv``; ``d`` stands for a depth."""
+    """Name to save a press under: ``t05_v010_f03_1.csv``; ``d`` stands for a depth.
+
+    Parameters
+    ----------
+    thickness_mm, velocity_mm_s : float
+        Of the pad, and of the punch. [mm, mm/s]
+    target : float
+        Force, or depth, that is pressed to. [N or mm]
+    repeat : int
+        Number of the repeat, from 1.
+    by_depth : bool
+        Whether the target is a depth.
+    """
     kind = "d" if by_depth else "f"
     return f"t{_digits(thickness_mm, 2)}_v{_digits(velocity_mm_s, 3)}_{kind}{_digits(target, 2)}_{repeat}.csv"
 

@@ -76,11 +76,13 @@ def find_offsets(traces: Sequence[Trace], law: str, mode: str, arms: int, lowpas
     Parameters
     ----------
     traces : sequence of Trace
+        The presses.
     law, mode : str
         As for :func:`~dummydesign.tissue.fitting.fit.fit_traces`.
     arms : int
         Number of arms of the law.
     lowpass : Lowpass, optional
+        Filter that the forces went through.
 
     Raises
     ------

@@ -28,9 +28,11 @@ def proposed_offsets(traces: list[Trace], result: dict[str, Any], lowpass: Lowpa
     Parameters
     ----------
     traces : list of Trace
+        The presses that were fitted.
     result : dict
         The result of the fit without offsets.
     lowpass : Lowpass or None
+        Filter that the forces went through.
 
     Returns
     -------

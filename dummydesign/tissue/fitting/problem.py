@@ -202,7 +202,21 @@ class Problem:
 
 
 def problems_of(law: str, mode: str, reduced: list[ReducedTrace], lowpass: Lowpass | None) -> list[Problem]:
-    """The fits that a mode consists of: one, or one per condition."""
+    """The fits that a mode consists of: one, or one per condition.
+
+    Parameters
+    ----------
+    law, mode : str
+        As for :func:`~dummydesign.tissue.fitting.fit.fit_traces`.
+    reduced : list of ReducedTrace
+        The presses in bins.
+    lowpass : Lowpass or None
+        Filter that the forces went through.
+
+    Returns
+    -------
+    list of Problem
+    """
     if mode == "joint":
         return [Problem(law, [reduced], lowpass)]
     if mode == "per-speed":

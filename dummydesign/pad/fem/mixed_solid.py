@@ -111,13 +111,6 @@ class Solid:
         self.inverse = -np.linalg.inv(self.compliance)
         elements, points, components, width = mesh.gradient.shape
         self._flat = np.ascontiguousarray(mesh.gradient.reshape(elements, points * components, width))
-        # A component of F depends on one direction of the displacements only, and a row of ``gradient`` on every n-th.
-        directions = mesh.nodes.shape[0]
-        used = [np.abs(mesh.gradient[..., d::directions]).max(axis=(0, 1, 3)) > 0.0 for d in range(directions)]
-        self._components = [np.nonzero(row)[0] for row in used]
-        self._rows = [
-            np.ascontiguousarray(mesh.gradient[:, :, own, d::directions]) for d, own in enumerate(self._components)
-        ]
 
     def deformation(self, u: Array) -> Array:
         """Components of F at the quadrature points, shape (elements, points, components)."""
@@ -161,25 +154,10 @@ class Solid:
         A = self.law.tangent(F) + curvature[..., None, None] * cofactor[..., :, None] * cofactor[..., None, :]
         self.mesh.kinematics.add_second(A, slope, F)
         A *= weight[..., None, None]
-        elements, width = self.mesh.dofs.shape
-        directions = len(self._rows)
-        stiffness = np.empty((elements, width, width))
-        coupling = np.empty((elements, width, self.mesh.pressure_basis.shape[1]))
-        dilation = cofactor * weight[..., None]
-        for i, (rows, own) in enumerate(zip(self._rows, self._components)):
-            left = rows.reshape(elements, -1, rows.shape[-1]).transpose(0, 2, 1)
-            turned = sum(dilation[..., c, None] * rows[:, :, k] for k, c in enumerate(own))
-            coupling[:, i::directions] = turned.transpose(0, 2, 1) @ self.mesh.pressure_basis
-            for j in range(i, directions):
-                pull = np.empty((*rows.shape[:3], rows.shape[3]))
-                for k, c in enumerate(own):
-                    pull[:, :, k] = sum(
-                        A[..., c, d, None] * self._rows[j][:, :, m] for m, d in enumerate(self._components[j])
-                    )
-                block = left @ pull.reshape(elements, -1, rows.shape[3])
-                stiffness[:, i::directions, j::directions] = block
-                if j > i:
-                    stiffness[:, j::directions, i::directions] = block.transpose(0, 2, 1)
+        AG = (A @ self.mesh.gradient).reshape(self._flat.shape)
+        stiffness = self._flat.transpose(0, 2, 1) @ AG
+        dilation = ((cofactor * weight[..., None])[:, :, None, :] @ self.mesh.gradient)[:, :, 0, :]
+        coupling = dilation.transpose(0, 2, 1) @ self.mesh.pressure_basis
         half = coupling @ self.inverse
         stiffness -= half @ coupling.transpose(0, 2, 1)
         state.stiffness, state.coupling = stiffness, coupling

@@ -25,10 +25,10 @@ class Pattern:
         moves = np.zeros(size, dtype=bool)
         moves[free] = True
         uses = np.bincount(np.concatenate([dofs.ravel() for dofs in groups]), minlength=size)
-        # Unknowns that only one element has are eliminated before the sparse factorisation.
+        # The last unknowns of the elements, if no other element has them, are eliminated before the factorisation.
         alone = ((uses == 1) & moves)[groups[0]].all(axis=0)
-        self._alone, self._shared = np.nonzero(alone)[0], np.nonzero(~alone)[0]
-        self._inner, self._outer = groups[0][:, self._alone], groups[0][:, self._shared]
+        self._shared = len(alone) if alone.all() else int(np.max(np.nonzero(~alone)[0])) + 1
+        self._inner, self._outer = groups[0][:, self._shared :], groups[0][:, : self._shared]
         self._kept = np.setdiff1d(free, self._inner)
         number = np.full(size, -1, dtype=np.int64)
         number[self._kept] = np.arange(len(self._kept))
@@ -61,15 +61,15 @@ class Pattern:
         from scipy.sparse import csc_matrix
         from scipy.sparse.linalg import splu
 
-        whole, alone, shared = matrices[0], self._alone, self._shared
-        inverse = np.linalg.inv(whole[:, alone[:, None], alone])
-        coupling = whole[:, alone[:, None], shared]
+        whole, shared = matrices[0], self._shared
+        inverse, coupling = np.linalg.inv(whole[:, shared:, shared:]), whole[:, shared:, :shared]
         onto = inverse @ coupling
-        condensed = whole[:, shared[:, None], shared] - coupling.transpose(0, 2, 1) @ onto
+        condensed = whole[:, :shared, :shared] - coupling.transpose(0, 2, 1) @ onto
         values = np.concatenate([matrix.ravel() for matrix in [condensed, *matrices[1:]]])[self._keep]
         data = np.bincount(self._place, values, minlength=len(self._indices))
         n = len(self._kept)
         matrix = csc_matrix((data, self._indices, self._pointer), shape=(n, n))
+        matrix.has_canonical_format = True
         # The condensed tangent is symmetric with a strong diagonal: pivoting on it halves the fill.
         order = "MMD_AT_PLUS_A" if self._order is None else "NATURAL"
         factor = splu(matrix, permc_spec=order, diag_pivot_thresh=0.0, options={"SymmetricMode": True})

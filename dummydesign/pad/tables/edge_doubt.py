@@ -1,8 +1,7 @@
 """What independent codes differ by at the sharp edge of a deep punch: stated as error where it is the larger.
 
 Sharp, glued, round punches on bonded pads of 5, 10, 15 and 20 mm were solved by another code with another element and
-another way to the sharp edge. Both agree within 0.3 % to d/h 0.2; deeper this model is the stiffer one. Part of that is
-the energy term that keeps elements from inverting (``mixed_solid``): it stiffens the meshes of the fillets.
+another way to the sharp edge. Both agree within 0.3 % to d/h 0.2; deeper this model is the stiffer one.
 """
 
 from __future__ import annotations

@@ -190,7 +190,7 @@ def campaign_from_files(
 
     paths = [Path(file) for file in files]
     tables = set_up.tables()
-    trials, decisions = trials_of(paths, table, thickness_mm)
+    trials, decisions = trials_of(paths, None if table is None else fspath(table), thickness_mm)
     inputs = {
         "files": [str(path) for path in paths], "table": None if table is None else fspath(table),
         "thickness_mm": thickness_mm, "set_up": {**set_up.__dict__, "lowpass": tables["sensor"].get("lowpass_hz")},

@@ -110,9 +110,13 @@ def make_plan(design: Design) -> tuple[Planned, ...]:
                 cell = own[place]
                 seen[cell] = seen.get(cell, 0) + 1
                 rest = FRESH_REST_S if number == 0 else design.rest_s
-                name = file_name(*cell, seen[cell], design.by_depth)
+                h, speed, target = cell
+                name = file_name(h, speed, target, seen[cell], design.by_depth)
                 rows.append(
-                    Planned(name, *cell, design.by_depth, seen[cell], len(rows) + 1, age, rest, design.hold_s, False)
+                    Planned(
+                        name, h, speed, target, design.by_depth, seen[cell], len(rows) + 1,
+                        age, rest, design.hold_s, False,
+                    )
                 )
     back = _unloading(rows, draw)
     return tuple(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from math import pi, sqrt
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.core.errors import InputError
@@ -16,6 +15,7 @@ if TYPE_CHECKING:
 
 def asked_pad(inputs: dict[str, Any]) -> tuple[Pad | Puck, dict[str, float], list[str]]:
     """Make the pad or puck that is asked for; also its modulus with interval, and sources."""
+    from dummydesign.geometry.punch_profile import read_profile
     from dummydesign.geometry.shapes import read_shape
     from dummydesign.pad.material.hyperelastic import read_law
     from dummydesign.pad.pad import SLAB, Pad, Puck
@@ -42,7 +42,7 @@ def asked_pad(inputs: dict[str, Any]) -> tuple[Pad | Puck, dict[str, float], lis
             inputs["thickness_mm"], young["value"] * 1e-3, sides[0], prony, inputs["condition"], inputs["poisson"], law
         )
         return puck, young, sources
-    profile = _profile(punch[len("profile:") :]) if punch.startswith("profile:") else None
+    profile = read_profile(punch[len("profile:") :]) if punch.startswith("profile:") else None
     radius = profile[0][-1] if profile else equal_area_radius_mm(punch)
     made = Pad(
         thickness_mm=inputs["thickness_mm"],
@@ -80,28 +80,6 @@ def _material(inputs: dict[str, Any]) -> tuple[dict[str, float], list[str], tupl
     prony = prony if inputs["prony"] is not None else resin.prony(inputs["ratio"])
     young = {"value": modulus.value, "low": modulus.low, "high": modulus.high}
     return young, [modulus.source, *resin.references], prony
-
-
-def _profile(path: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Read a punch profile: columns r_mm and z_mm, the height over its lowest point."""
-    import csv
-
-    name = Path(path).name
-    try:
-        rows = list(csv.DictReader(Path(path).read_text(encoding="utf-8-sig").splitlines()))
-    except (OSError, UnicodeDecodeError) as problem:
-        reason = getattr(problem, "strerror", "not UTF-8")
-        raise InputError(f"punch profile '{path}' cannot be read: {reason}") from None
-    values = []
-    for line, row in enumerate(rows, start=2):
-        try:
-            values.append((float(row["r_mm"]), float(row["z_mm"])))
-        except (KeyError, TypeError, ValueError):
-            raise InputError(f"{name}:{line}: needs numbers in the columns r_mm and z_mm") from None
-    if len(values) < 3:
-        raise InputError(f"{name}: {len(values)} rows; a punch profile needs at least 3 of r_mm, z_mm")
-    r, z = zip(*values)
-    return r, z
 
 
 def numbers(name: str, text: str | float | Iterable[float]) -> list[float]:

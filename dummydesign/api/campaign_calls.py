@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from contextlib import ExitStack
 from os import PathLike, fspath
 from pathlib import Path
 
@@ -16,6 +17,8 @@ def calibrate(
     campaign: str | PathLike[str],
     *,
     effects: Paths = (),
+    prior: str | PathLike[str] | None = None,
+    plan: str | PathLike[str] | None = None,
     out: str | PathLike[str] | None = None,
     replace: bool = False,
     progress: Callable[[str], None] | None = None,
@@ -28,6 +31,10 @@ def calibrate(
         Folder with campaign.toml and one CSV per trial.
     effects : iterable of path
         Files with effects of your own.
+    prior : path, optional
+        ``calibration.json`` of an earlier campaign of the same material; see :mod:`dummydesign.loop.prior`.
+    plan : path, optional
+        Folder for the next measurement, as a campaign to press; the next free number when it holds something else.
     out : path, optional
         Folder of calibration and report, which are not written without it; the next free number when it holds
         another answer.
@@ -46,9 +53,12 @@ def calibrate(
     InputError
         For files that cannot be used.
     """
+    from dummydesign.core.outputs.write import new_folder
+    from dummydesign.loop.answer import answer_dict
     from dummydesign.loop.calibration import calibration_of
-    from dummydesign.loop.calibration_file import write_calibration
+    from dummydesign.loop.calibration_file import read_calibration, write_calibration
     from dummydesign.loop.effects.own import own_effects
+    from dummydesign.loop.plan import plan_of, write_plan
     from dummydesign.loop.result import result_dict
     from dummydesign.loop.run import close_loop
     from dummydesign.measurement.campaign_file import FILE, read_campaign
@@ -56,19 +66,24 @@ def calibrate(
 
     read, own = read_campaign(fspath(campaign)), [fspath(path) for path in effects]
     inputs = {"campaign": fspath(campaign), "out": None if out is None else fspath(out), "trials": len(read.trials)}
-    if out is None:
-        with own_effects(own):
-            found = close_loop(read, progress or (lambda word: None))
-        result = {"inputs": inputs, **result_dict(found), "calibration_file": None, "files": {}}
-        return Result(found, result, "close_loop")
-    from dummydesign.core.outputs.write import new_folder
-
+    inputs |= {name: fspath(path) for name, path in (("prior", prior), ("plan", plan)) if path is not None}
     files: list[str | Path] = [read.folder / FILE, *(read.folder / trial.file for trial in read.trials), *own]
-    with own_effects(own), new_folder(out, question("loop", inputs, files=files), replace=replace) as output:
-        found = close_loop(read, progress or (lambda word: None))
-        calibration = str(write_calibration(calibration_of(found), output.path("calibration.json")))
-        result = {"inputs": {**inputs, "out": str(output.folder)}, **result_dict(found)}
-        written = {"calibration": calibration, **write_loop_report(output.work, found)}
+    files += [] if prior is None else [fspath(prior)]
+    asked = question("loop", inputs, files=files)
+    with own_effects(own), ExitStack() as places:
+        known = None if prior is None else read_calibration(fspath(prior))
+        planned = None if plan is None else places.enter_context(new_folder(plan, asked, replace=replace))
+        output = None if out is None else places.enter_context(new_folder(out, asked, replace=replace))
+        found = close_loop(read, progress or (lambda word: None), prior=known)
+        result = {"inputs": inputs, **answer_dict(found), **result_dict(found), "calibration_file": None}
+        written: dict[str, str] = {}
+        if planned is not None:
+            written |= planned.settled(write_plan(planned.work, read, plan_of(found)))
+        if output is None:
+            return Result(found, {**result, "files": written}, "close_loop")
+        calibration = str(write_calibration(calibration_of(found, known), output.path("calibration.json")))
+        written |= {"calibration": calibration, **write_loop_report(output.work, found)}
+        result["inputs"] = {**inputs, "out": str(output.folder)}
         result = output.answer({**result, "calibration_file": calibration, "files": written})
     return Result(found, result, "close_loop")
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,12 +14,13 @@ from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.fitting.fit import Fit
 from dummydesign.loop.fitting.noise import LAW_TERMS
 from dummydesign.loop.learned.effect import Learned
-from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
+from dummydesign.loop.model.base_law import SetupLaw
+from dummydesign.loop.model.expected import start_young_kPa
 from dummydesign.loop.model.forward_model import Active, LawError, simulate
 from dummydesign.loop.model.parameters import BaseParameters
 from dummydesign.loop.posterior import Posterior, posterior_of
+from dummydesign.loop.prior import carried_law
 from dummydesign.loop.result import LoopResult
-from dummydesign.loop.run import start_young_kPa
 from dummydesign.pad.material.relaxation import PronyTerm
 
 _PHASES = {PRE: "before_contact", RISE: "rise", HOLD: "hold", UNLOADING: "unloading"}
@@ -35,21 +37,39 @@ class Model:
     thickness_mm : ndarray, shape (h,)
     law : ndarray, shape (3, h)
         Level, slope and curvature of the law error.
+    shapes : tuple of str
+        Shape of each of these pads as typed, empty for slabs and pucks; empty altogether when all are.
     """
 
     base: BaseParameters
     active: tuple[Active, ...]
     thickness_mm: NDArray
     law: NDArray
+    shapes: tuple[str, ...] = ()
 
-    def law_error(self, thickness_mm: NDArray) -> LawError:
-        """Law error on any thicknesses (T,): linear in the logarithm between the known, constant outside."""
-        at = np.log(thickness_mm)
-        return LawError(*(np.interp(at, np.log(self.thickness_mm), term) for term in self.law))
+    def law_error(self, thickness_mm: NDArray, shapes: Sequence[str] = ()) -> LawError:
+        """Law error of pads (T,): of one's own shape, linear in the logarithm of thickness between the known and
+        constant outside; none for a shape that was not measured.
 
-    def nodes(self, presses: Presses, law: SlabLaw | PuckLaw) -> NDArray:
+        Parameters
+        ----------
+        thickness_mm : ndarray, shape (T,)
+        shapes : sequence of str
+            Shapes of the pads as typed; slabs when none are given.
+        """
+        at, wanted = np.log(thickness_mm), np.array(list(shapes) or [""] * len(thickness_mm))
+        own = np.array(self.shapes or ("",) * len(self.thickness_mm))
+        terms = np.zeros((len(self.law), len(at)))
+        for shape in set(wanted.tolist()) & set(own.tolist()):
+            rows, known = wanted == shape, own == shape
+            for term, values in zip(terms, self.law):
+                term[rows] = np.interp(at[rows], np.log(self.thickness_mm[known]), values[known])
+        return LawError(*terms)
+
+    def nodes(self, presses: Presses, law: SetupLaw) -> NDArray:
         """Force at the nodes of other presses (T, N). [N]"""
-        return simulate(presses, law, self.base, self.active, self.law_error(presses.thickness_mm))
+        error = self.law_error(presses.thickness_mm, [trial.pad[0] for trial in presses.trials])
+        return simulate(presses, law, self.base, self.active, error)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values."""
@@ -60,7 +80,10 @@ class Model:
                 | (one.effect.shape.to_dict() if isinstance(one.effect, Learned) else {})
                 for one in self.active
             ],
-            "law_error": {"thickness_mm": self.thickness_mm.tolist(), "level_slope_curve": self.law.tolist()},
+            "law_error": {
+                "thickness_mm": self.thickness_mm.tolist(), "level_slope_curve": self.law.tolist(),
+                **({"shape": list(self.shapes)} if any(self.shapes) else {}),
+            },
         }
 
 
@@ -131,11 +154,20 @@ class Calibration:
 def model_of(fit: Fit) -> Model:
     """Take the model out of a fit."""
     law = np.array(np.split(fit.vector[fit.problem.fixed :], LAW_TERMS))
-    return Model(fit.base, fit.active, fit.problem.thicknesses, law)
+    shapes = tuple(shape for shape, _ in fit.problem.presses.pads)
+    return Model(fit.base, fit.active, fit.problem.thicknesses, law, shapes if any(shapes) else ())
 
 
-def calibration_of(result: LoopResult) -> Calibration:
-    """Make the calibration of a loop's result, whatever its verdict."""
+def calibration_of(result: LoopResult, prior: Calibration | None = None) -> Calibration:
+    """Make the calibration of a loop's result, whatever its verdict; with a prior, it knows the pads of both.
+
+    Parameters
+    ----------
+    result : LoopResult
+    prior : Calibration, optional
+        That the loop was run with; passed over where it contradicted the campaign.
+    """
+    prior = prior if result.joined is not None and result.joined.used else None
     presses, fit = result.presses, result.after.fit
     left = {}
     for code, name in _PHASES.items():
@@ -149,7 +181,21 @@ def calibration_of(result: LoopResult) -> Calibration:
         "base": result.campaign.pad.base,
         "shape": result.campaign.pad.shape,
     }
+    # what a joined prior left was widened by the lack of fit before
+    lack = None if result.joined is not None and result.joined.used else result.after.lack.ratio
     return Calibration(
-        model_of(result.base.fit), model_of(fit), result.verdict, left, fit.sizes.floor_N, pad,
-        result.remainder.reasons, posterior_of(fit, result.after.lack.ratio),
+        model_of(result.base.fit), _with_earlier_pads(model_of(fit), prior), result.verdict, left, fit.sizes.floor_N,
+        pad, result.remainder.reasons, posterior_of(fit, lack),
     )  # fmt: skip
+
+
+def _with_earlier_pads(model: Model, prior: Calibration | None) -> Model:
+    """The model with the law errors of pads that only the prior's campaign pressed."""
+    if prior is None:
+        return model
+    own = dict.fromkeys(zip(model.shapes or ("",) * len(model.thickness_mm), model.thickness_mm.tolist()))
+    pads, law = carried_law(prior, tuple(own), model.law)
+    shapes = tuple(shape for shape, _ in pads)
+    return replace(
+        model, thickness_mm=np.array([h for _, h in pads]), law=law, shapes=shapes if any(shapes) else ()
+    )

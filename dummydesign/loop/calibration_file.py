@@ -13,7 +13,7 @@ import numpy as np
 from dummydesign._version import __version__
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_text
-from dummydesign.geometry.interface import BASES
+from dummydesign.geometry.interface import BASES, FRICTION, Interface
 from dummydesign.loop.calibration import Calibration, Model
 from dummydesign.loop.effects import known_effects
 from dummydesign.loop.fitting.noise import LAW_TERMS
@@ -139,7 +139,9 @@ def _pad(table: dict[str, Any]) -> dict[str, Any]:
 
     shape = _choice(table, "shape", SHAPES, "pad") if given("shape") else "slab"
     if shape == "slab":
-        base = _choice(table, "base", BASES, "pad")
+        base = _entry(table, "base", str, "pad")
+        if Interface.find(base, BASES) is None:
+            raise _Fault(f"pad.base = {_shown(base)} is not one of {', '.join(BASES)}, {FRICTION}")
     else:
         base = _entry(table, "base", str, "pad") if given("base") else None
     return {
@@ -201,19 +203,23 @@ def _learned(entry: dict[str, Any], follows: str, at: str) -> Learned:
     return Learned(Shape(follows, tuple(knots), tuple(values)))
 
 
-def _law_error(table: dict[str, Any], where: str) -> tuple[np.ndarray, np.ndarray]:
-    """Thicknesses (h,) that rise, and level, slope and curvature (3, h)."""
+def _law_error(table: dict[str, Any], where: str) -> tuple[np.ndarray, np.ndarray, tuple[str, ...]]:
+    """Thicknesses (h,), of each shape rising; level, slope and curvature (3, h); shapes, empty for slabs alone."""
     thickness = _row(_entry(table, "thickness_mm", list, where), f"{where}.thickness_mm", 0.0, math.inf)
     rows = _entry(table, "level_slope_curve", list, where)
     terms = [
         _row(row, f"{where}.level_slope_curve[{place}]", -LARGEST_LAW_ERROR, LARGEST_LAW_ERROR)
         for place, row in enumerate(rows)
     ]
-    if not thickness or thickness[0] <= 0.0 or any(b <= a for a, b in pairwise(thickness)):
+    shapes = tuple(_entry(table, "shape", list, where)) if "shape" in table else ()
+    if shapes and (len(shapes) != len(thickness) or not all(isinstance(one, str) for one in shapes)):
+        raise _Fault(f"{where}.shape must hold {len(thickness)} texts")
+    pads = list(zip(shapes or [""] * len(thickness), thickness))
+    if not thickness or min(thickness) <= 0.0 or any(b[0] == a[0] and b[1] <= a[1] for a, b in pairwise(pads)):
         raise _Fault(f"{where}.thickness_mm = {_shown(thickness)} must hold thicknesses above 0 that rise")
     if len(terms) != LAW_TERMS or any(len(term) != len(thickness) for term in terms):
         raise _Fault(f"{where}.level_slope_curve must hold {LAW_TERMS} rows of {len(thickness)} numbers")
-    return np.array(thickness), np.array(terms)
+    return np.array(thickness), np.array(terms), shapes
 
 
 def _row(values: Any, where: str, low: float, high: float) -> list[float]:

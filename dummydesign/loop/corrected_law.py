@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dummydesign.geometry.interface import BASES
 from dummydesign.loop.calibration import Calibration
 from dummydesign.loop.model.base_law import SlabLaw
 from dummydesign.pad.force_law import BaseForceLaw
@@ -27,8 +28,9 @@ class CorrectedLaw(BaseForceLaw):
 
     @property
     def base(self) -> str:
-        """Base of the slabs that are designed: as in the campaign, glued when it pressed pucks."""
-        return "bonded" if self.calibration.on_pucks() else self.calibration.pad["base"]
+        """Base of the slabs that are designed: as in the campaign, glued when it pressed pucks or its base rubs."""
+        base = self.calibration.pad["base"]
+        return "bonded" if self.calibration.on_pucks() or base not in BASES else base
 
     @property
     def notes(self) -> tuple[str, ...]:

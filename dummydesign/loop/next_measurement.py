@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.geometry.shapes import PadShape
 from dummydesign.loop.data.history import History
 from dummydesign.loop.data.trials import Presses, stack
 from dummydesign.loop.fitting.fit import Fit
 from dummydesign.loop.fitting.noise import LAW_TERMS
 from dummydesign.loop.fitting.problem import BASE, Problem
+from dummydesign.loop.model.base_law import SlabLaw
 from dummydesign.measurement.campaign import Trial
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.measurement.sensor import Lowpass
@@ -24,7 +26,10 @@ HOLD_S = 10.0
 
 @dataclass(frozen=True)
 class Option:
-    """A press that could be made: pad, speed, depth, whether it unloads, and its circumstances."""
+    """A press that could be made: pad, speed, depth, whether it unloads, and its circumstances.
+
+    ``known`` says whether the pad is one of the campaign.
+    """
 
     thickness_mm: float
     velocity_mm_s: float
@@ -34,64 +39,92 @@ class Option:
     rest_s: float
     temperature_C: float | None
     age_days: float | None
+    geometry: PadShape
+    known: bool
+
+    @property
+    def pad(self) -> tuple[str, float]:
+        """Shape as typed, empty for a slab, and thickness."""
+        return "" if self.geometry.plain else str(self.geometry), self.thickness_mm
 
     @property
     def text(self) -> str:
         """The press in words."""
         away = " and the way back" if self.unloading else ""
         when = f", {self.circumstance}" if self.circumstance else ""
+        shape = "" if self.geometry.plain else f"{self.geometry} "
+        what = f"{'the' if self.known else 'a new'} {self.thickness_mm:g} mm {shape}pad"
         return (
-            f"press the {self.thickness_mm:g} mm pad to {self.depth_share * self.thickness_mm:.2g} mm at "
+            f"press {what} to {self.depth_share * self.thickness_mm:.2g} mm at "
             f"{self.velocity_mm_s:g} mm/s with hold{away}{when}"
         )
 
 
 @dataclass(frozen=True)
 class NextMeasurement:
-    """The recommended press, what it separates, and the expected gap in chi2 between the two explanations."""
+    """The recommended press, what it separates, and the expected gap in chi2 between the two explanations.
+
+    ``options`` are the press and its alternatives, the best first.
+    """
 
     text: str
     separates: tuple[str, ...]
     expected_gain: float
     alternatives: tuple[tuple[str, float], ...]
+    options: tuple[Option, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
-        """Return all fields."""
-        return asdict(self)
+        """Return all in words and numbers."""
+        return {
+            "text": self.text, "separates": list(self.separates), "expected_gain": self.expected_gain,
+            "alternatives": [list(row) for row in self.alternatives],
+        }  # fmt: skip
 
 
 def options(presses: Presses, law: object) -> list[Option]:
     """A short list of feasible presses: known and new pads, speeds, depths, unloading, and circumstances."""
-    known = sorted(set(presses.thickness_mm))
-    extra = [0.7 * known[0], 0.5 * (known[0] + known[-1]), 1.3 * known[-1]]
-    if getattr(law, "shape", "") == "slab":
+    geometry = {trial.pad: trial.geometry for trial in presses.trials}
+    pads = [(geometry[pad], pad[1], True) for pad in presses.pads]
+    if isinstance(law, SlabLaw):
+        known = [thickness for _, thickness, _ in pads]
+        extra = [0.7 * known[0], 0.5 * (known[0] + known[-1]), 1.3 * known[-1]]
         low, high = (law.radius_mm / ratio for ratio in reversed(law.table.ratio_range))
-        extra = [round(h, 1) for h in extra if low <= h <= high]
-    else:
-        extra = []
+        pads += [(pads[0][0], round(h, 1), False) for h in extra if low <= h <= high and round(h, 1) not in known]
     speeds = sorted({2.0, *(t.velocity_mm_s for t in presses.trials)})
     history = presses.history
     warm = float(np.nanmean(history.temperature_C)) if np.any(np.isfinite(history.temperature_C)) else None
     age = float(np.nanmax(history.age_days)) if np.any(np.isfinite(history.age_days)) else None
     plain = ("", 3600.0, warm, age)
     out = [
-        Option(float(h), float(v), share, True, *plain)
-        for h in (*known, *extra)
+        Option(float(h), float(v), share, True, *plain, shape, known)
+        for shape, h, known in pads
         for v in speeds
         for share in (0.1, 0.3, 0.45)
     ]
-    middle = float(known[len(known) // 2])
-    for h in {float(known[0]), middle}:
-        out.append(Option(h, float(speeds[-1]), 0.3, True, "10 s after a press to the same depth", 10.0, warm, age))
+    pressed = len(presses.pads)
+    for place in dict.fromkeys((0, pressed // 2)):
+        shape, h, _ = pads[place]
+        press = (float(h), float(speeds[-1]), 0.3, True)
+        out.append(Option(*press, "10 s after a press to the same depth", 10.0, warm, age, shape, True))
         if warm is not None:
-            out.append(Option(h, float(speeds[-1]), 0.3, True, "at 10 K more", 3600.0, warm + 10.0, age))
+            out.append(Option(*press, "at 10 K more", 3600.0, warm + 10.0, age, shape, True))
         if age is not None:
-            out.append(Option(h, float(speeds[-1]), 0.3, True, f"at {3 * age:.0f} days", 3600.0, warm, 3 * age))
+            out.append(Option(*press, f"at {3 * age:.0f} days", 3600.0, warm, 3 * age, shape, True))
     return out
 
 
-def _planned(presses: Presses, lowpass: Lowpass | None, chosen: list[Option]) -> Presses:
-    """Presses of the options, each as if it were the next after the campaign."""
+def planned_presses(presses: Presses, lowpass: Lowpass | None, chosen: list[Option]) -> Presses:
+    """Presses of the options, each as if it were the next after the campaign.
+
+    Parameters
+    ----------
+    presses : Presses
+        Of the campaign, whose history the planned ones go on.
+    lowpass : Lowpass or None
+        The declared sensor filter.
+    chosen : list of Option
+        What is to be pressed.
+    """
     trials = []
     for number, option in enumerate(chosen):
         depth = option.depth_share * option.thickness_mm
@@ -108,14 +141,14 @@ def _planned(presses: Presses, lowpass: Lowpass | None, chosen: list[Option]) ->
         trace = Trace(f"planned-{number}", time, x, np.zeros_like(time))
         trials.append(
             Trial(trace.name, option.thickness_mm, option.velocity_mm_s, HOLD_S, None, 1, number + 1, option.rest_s,
-                  option.temperature_C, option.age_days, trace)
+                  option.temperature_C, option.age_days, trace, option.geometry)
         )  # fmt: skip
     made = stack(tuple(trials), lowpass)
     old = presses.history
     count = len(presses.trials)
     depth, elapsed = np.zeros((len(chosen), count)), np.full((len(chosen), count), np.inf)
     for row, option in enumerate(chosen):
-        same = presses.thickness_mm == option.thickness_mm
+        same = np.array([trial.pad == option.pad for trial in presses.trials])
         depth[row, same] = presses.depth_mm[same]
         elapsed[row, same] = option.rest_s
     own = made.history
@@ -130,16 +163,15 @@ def _planned(presses: Presses, lowpass: Lowpass | None, chosen: list[Option]) ->
 def _prediction(found: Fit, planned: Presses) -> tuple[NDArray, NDArray]:
     """Bins (T, B) of the planned presses and a square root (T, B, n) of their parameter covariance."""
     problem = Problem(planned, found.problem.law, found.problem.effects)
-    fixed, old, new = problem.fixed, found.problem.thicknesses, problem.thicknesses
+    fixed, old, new = problem.fixed, found.problem.presses.pads, planned.pads
     vector = np.r_[found.vector[:fixed], np.zeros(LAW_TERMS * len(new))]
     spread = np.zeros((len(vector),) * 2)
     source = np.r_[np.arange(fixed), np.full(LAW_TERMS * len(new), -1)]
     for term in range(LAW_TERMS):
-        for place, thickness in enumerate(new):
+        for place, pad in enumerate(new):
             at = fixed + term * len(new) + place
-            match = np.nonzero(np.isclose(old, thickness))[0]
-            if match.size:
-                source[at] = fixed + term * len(old) + match[0]
+            if pad in old:
+                source[at] = fixed + term * len(old) + old.index(pad)
                 vector[at] = found.vector[source[at]]
             else:
                 spread[at, at] = found.sizes.law[term] ** 2
@@ -168,13 +200,13 @@ def next_measurement(first: Fit, second: Fit, names: tuple[str, ...], lowpass: L
     """
     presses = first.problem.presses
     chosen = [o for o in options(presses, first.problem.law) if o.depth_share * o.thickness_mm > 0.2]
-    planned = _planned(presses, lowpass, chosen)
+    planned = planned_presses(presses, lowpass, chosen)
     forces, root = _prediction(first, planned)
     other, other_root = _prediction(second, planned)
     noise = first.sizes.noise
     gaps = np.zeros(len(chosen))
     slope = Problem(planned, first.problem.law).slope(
-        np.r_[first.vector[:BASE], np.zeros(LAW_TERMS * len(np.unique(planned.thickness_mm)))], forces
+        np.r_[first.vector[:BASE], np.zeros(LAW_TERMS * len(planned.pads))], forces
     )
     cover = planned.bins.covariance(noise, np.where(planned.used, slope, 0.0))
     for row in range(len(chosen)):
@@ -186,4 +218,5 @@ def next_measurement(first: Fit, second: Fit, names: tuple[str, ...], lowpass: L
         gaps[row] = float(difference @ np.linalg.solve(total, difference))
     best = np.argsort(-gaps)
     listed = tuple((chosen[i].text, float(gaps[i])) for i in best[1:4])
-    return NextMeasurement(chosen[best[0]].text, names, float(gaps[best[0]]), listed)
+    first = tuple(chosen[i] for i in best[:4])
+    return NextMeasurement(first[0].text, names, float(gaps[best[0]]), listed, first)

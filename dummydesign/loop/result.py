@@ -12,11 +12,13 @@ from dummydesign.loop.fitting.candidates import Candidate
 from dummydesign.loop.fitting.screening import Screened
 from dummydesign.loop.judging.acceptance import Found
 from dummydesign.loop.judging.assessed import Stage, effect_intervals
+from dummydesign.loop.judging.lack_of_fit import lack_of_fit
 from dummydesign.loop.judging.residual_checks import Check
 from dummydesign.loop.judging.residual_dependence import Dependence
-from dummydesign.loop.judging.verdict import Remainder
+from dummydesign.loop.judging.verdict import Remainder, gain_threshold
 from dummydesign.loop.learned.learn import Learnt
 from dummydesign.loop.next_measurement import NextMeasurement
+from dummydesign.loop.prior import Joined
 from dummydesign.measurement.campaign import Campaign
 
 
@@ -47,6 +49,8 @@ class LoopResult:
     warnings : tuple of dict
     learnt : Learnt or None
         What the remainder of the named effects was learned to be; it is in ``after``.
+    joined : Joined or None
+        How the prior met the data, if one was given.
     """
 
     campaign: Campaign
@@ -65,6 +69,7 @@ class LoopResult:
     untested: dict[str, str]
     warnings: tuple[dict[str, str], ...]
     learnt: Learnt | None = None
+    joined: Joined | None = None
 
 
 def result_dict(result: LoopResult) -> dict[str, Any]:
@@ -94,14 +99,22 @@ def result_dict(result: LoopResult) -> dict[str, Any]:
                 for trial, base, after, left in rows
             ],
         },
+        "threshold": _threshold(result),
         "ranking": [{"name": c.effect.name, "evidence": c.gain} for c in result.ranking],
         "screening": [{"name": one.effect.name, "z": one.z} for one in result.screened],
         "learned": None if result.learnt is None else result.learnt.to_dict(),
         "untested": result.untested,
+        "prior": None if result.joined is None else result.joined.to_dict(),
         "next_measurement": None if result.next is None else result.next.to_dict(),
         "warnings": list(result.warnings),
         "sources": sorted({found.candidate.effect.reference for found in result.effects}),
     }  # fmt: skip
+
+
+def _threshold(result: LoopResult) -> float:
+    """Evidence that a first effect needs in this campaign."""
+    ratio = lack_of_fit(result.ranking[0].fit).ratio if result.ranking else None
+    return gain_threshold(list(result.screened), ratio)
 
 
 def _effect(found: Found, result: LoopResult) -> dict[str, Any]:

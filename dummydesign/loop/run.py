@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
-from dummydesign.core.errors import InputError
 from dummydesign.core.threads import one_blas_thread
 from dummydesign.loop.data.trials import Presses, make_presses
 from dummydesign.loop.effects import known_effects
@@ -18,23 +18,35 @@ from dummydesign.loop.judging.residual_dependence import dependences
 from dummydesign.loop.judging.search import search
 from dummydesign.loop.judging.verdict import Remainder, remainder
 from dummydesign.loop.learned.learn import can_be_learned, learn
-from dummydesign.loop.model.base_law import PuckLaw, SlabLaw, law_of
+from dummydesign.loop.model.base_law import SetupLaw, depth_limits, law_of
 from dummydesign.loop.model.effect import Effect
+from dummydesign.loop.model.expected import start_young_kPa
 from dummydesign.loop.next_measurement import NextMeasurement, next_measurement
+from dummydesign.loop.prior import Joined, check_prior, join, with_prior_effects
 from dummydesign.loop.result import LoopResult
 from dummydesign.measurement.campaign import Campaign
+
+if TYPE_CHECKING:
+    from dummydesign.loop.calibration import Calibration
 
 Progress = Callable[[str], None]
 
 
 @one_blas_thread()
-def close_loop(campaign: Campaign, progress: Progress | None = None, young_MPa: float | None = None) -> LoopResult:
+def close_loop(
+    campaign: Campaign,
+    progress: Progress | None = None,
+    young_MPa: float | None = None,
+    prior: Calibration | None = None,
+) -> LoopResult:
     """Run the loop on a campaign.
 
     Parameters
     ----------
     campaign : Campaign
         What was measured.
+    prior : Calibration, optional
+        Of an earlier campaign of the same material; see :mod:`dummydesign.loop.prior`.
     progress : callable, optional
         Called with a word for each step.
     young_MPa : float, optional
@@ -50,7 +62,9 @@ def close_loop(campaign: Campaign, progress: Progress | None = None, young_MPa: 
         if progress is not None:
             progress(word)
 
-    law = law_of(campaign)
+    if prior is not None:
+        check_prior(prior, campaign)
+    law = law_of(campaign, progress)
     presses = make_presses(campaign)
     start = young_MPa or 1e-3 * start_young_kPa(campaign)
     base_fit = fit_base(presses, law, start, progress)
@@ -72,30 +86,28 @@ def close_loop(campaign: Campaign, progress: Progress | None = None, young_MPa: 
         where_after, checks = dependences(after.fit), run_checks(after.fit)
         still = remainder(base, after, where_after, checks)
         left = Remainder((learnt.text, *still.reasons), still.over_floor, still.expected)
+    joined = None
+    if prior is not None:
+        tell("prior")
+        fit, joined = join(with_prior_effects(after.fit, prior, presses, law), prior, after.lack.ratio)
+        after = make_stage(fit) if joined.used else after
     tell("next measurement")
     following = _next(campaign, base, effects, found.ranking)
     return LoopResult(
         campaign, presses, base, after, verdict, effects, tuple(found.screened), tuple(found.ranking), left,
         tuple(dependences(base.fit)), tuple(where_after), tuple(checks), following, untested,
-        _warnings(campaign, presses, law), learnt,
+        (*_warnings(campaign, presses, law), *_contradicted(joined)), learnt, joined,
     )  # fmt: skip
 
 
-def start_young_kPa(campaign: Campaign) -> float:
-    """Nominal modulus of a campaign, or that of its resin at its ratio. [kPa]"""
-    pad = campaign.pad
-    if pad.young_kPa_nominal is not None:
-        return pad.young_kPa_nominal
-    if pad.resin is None or pad.ratio is None:
-        raise InputError("campaign.toml: [pad] needs young_kPa_nominal, or resin and ratio")
-    from dummydesign.resin import load_resin
-
-    resin = load_resin(pad.resin)
-    resin.check_ratio(pad.ratio)
-    return float(resin.modulus_kPa(pad.ratio).value)
+def _contradicted(joined: Joined | None) -> tuple[dict[str, str], ...]:
+    if joined is None or joined.used:
+        return ()
+    text = f"the prior contradicts this campaign and was not used: {'; '.join(joined.conflicts)}"
+    return ({"code": "prior_conflict", "message": text},)
 
 
-def _available(presses: Presses, law: SlabLaw | PuckLaw) -> tuple[tuple[Effect, ...], dict[str, str]]:
+def _available(presses: Presses, law: SetupLaw) -> tuple[tuple[Effect, ...], dict[str, str]]:
     known = known_effects()
     reasons = {effect.name: effect.unavailable(presses, law) for effect in known}
     if presses.elastic_only:
@@ -121,7 +133,7 @@ def _next(
     return next_measurement(*pair, names, campaign.lowpass)
 
 
-def _warnings(campaign: Campaign, presses: Presses, law: object) -> tuple[dict[str, str], ...]:
+def _warnings(campaign: Campaign, presses: Presses, law: SetupLaw) -> tuple[dict[str, str], ...]:
     out = list(campaign.warnings)
     if not repeat_pairs(presses):
         out.append(
@@ -133,7 +145,7 @@ def _warnings(campaign: Campaign, presses: Presses, law: object) -> tuple[dict[s
             {"code": "elastic_only", "message": "no trial holds and all have one speed: relaxation is not fitted, the "
              "modulus is that of this speed"}
         )  # fmt: skip
-    deep = presses.depth_mm > law.limit(presses.thickness_mm)
+    deep = presses.depth_mm > depth_limits(law, presses.trials)
     if deep.any():
         files = ", ".join(t.file for t, d in zip(presses.trials, deep) if d)
         out.append({"code": "beyond_table", "message": f"deeper than the force law knows: {files}"})

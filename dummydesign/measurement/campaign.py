@@ -7,13 +7,19 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from dummydesign.core.errors import InputError
+from dummydesign.geometry.shapes import PadShape, Slab
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
+
+SLAB = Slab()
 
 
 @dataclass(frozen=True)
 class PadSpec:
-    """What was cast: nominal modulus or resin and ratio, outline, and how it lies on its base."""
+    """What was cast: nominal modulus or resin and ratio, outline, shape, and how it lies on its base.
+
+    ``shape`` is ``slab`` (a pad on a base, of any ``geometry``) or ``cylinder`` (a puck between plates).
+    """
 
     young_kPa_nominal: float | None
     resin: str | None
@@ -23,20 +29,27 @@ class PadSpec:
     width_mm: float | None
     diameter_mm: float | None
     base: str
+    geometry: PadShape = SLAB
 
 
 @dataclass(frozen=True)
 class PunchSpec:
-    """The impactor: ``square`` (side), ``round`` (diameter) or ``plate``, and its contact."""
+    """The impactor: ``square`` (side), ``round`` or ``ball`` (diameter), ``profile`` or ``plate``, and its contact.
+
+    ``profile_mm`` are radii and heights over the lowest point, of ball and profile.
+    """
 
     shape: str
     side_mm: float | None
     diameter_mm: float | None
     contact: str
+    profile_mm: tuple[tuple[float, ...], tuple[float, ...]] | None = None
 
     @property
     def radius_mm(self) -> float:
-        """Radius of the circle of equal area. [mm]"""
+        """Radius of the circle of equal area; the largest of a ball or profile. [mm]"""
+        if self.profile_mm is not None:
+            return self.profile_mm[0][-1]
         if self.shape == "square" and self.side_mm is not None:
             return float(self.side_mm) / math.sqrt(math.pi)
         if self.shape == "round" and self.diameter_mm is not None:
@@ -46,7 +59,10 @@ class PunchSpec:
 
 @dataclass(frozen=True)
 class Trial:
-    """One press with what was declared of it; None where nothing was declared."""
+    """One press with what was declared of it; None where nothing was declared.
+
+    ``thickness_sd_mm`` is the standard error of a thickness that was measured. ``geometry`` is the shape of the pad.
+    """
 
     file: str
     thickness_mm: float
@@ -59,6 +75,13 @@ class Trial:
     temperature_C: float | None
     age_days: float | None
     trace: Trace = field(repr=False)
+    geometry: PadShape = SLAB
+    thickness_sd_mm: float | None = None
+
+    @property
+    def pad(self) -> tuple[str, float]:
+        """What a pad is known by: its shape as typed (empty for a slab) and its thickness. [-, mm]"""
+        return "" if self.geometry.plain else str(self.geometry), self.thickness_mm
 
 
 @dataclass(frozen=True)

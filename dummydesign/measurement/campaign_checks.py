@@ -45,16 +45,17 @@ def check_against_declared(trial: Trial, index: int, place: CampaignLines) -> No
         held = float(np.median(trace.force_N[late & (trace.time_s <= ramp.hold_end_s)]))
         share = held / trial.target_force_N
         if share > 100 or share < 0.01:
-            unit = "millinewtons; divide by 1000" if share > 100 else "kilonewtons or not taken; multiply by 1000"
+            unit = "millinewtons: --units force=mN" if share > 100 else "kilonewtons: --units force=kN"
             raise InputError(
                 f"{trial.file}: force_N is {held:g} in the hold, the target at {place.trial(index, 'target_force_N')} "
-                f"is {trial.target_force_N:g} N; it looks like {unit}"
+                f"is {trial.target_force_N:g} N; it looks like {unit} of 'dummydesign import' reads them"
             )
     ratio = ramp.velocity_mm_s / trial.velocity_mm_s
     if not 0.02 < ratio < 20.0:
         raise InputError(
             f"{place.trial(index, 'velocity_mm_s')}: velocity_mm_s = {trial.velocity_mm_s:g}, but {trial.file} moves "
-            f"at {ramp.velocity_mm_s:.4g} mm/s; is the speed in m/s, or the time of the trace in another unit?"
+            f"at {ramp.velocity_mm_s:.4g} mm/s; is the speed in m/s, or the time of the trace in another unit "
+            "(--units time=ms of 'dummydesign import' reads milliseconds)?"
         )
 
 

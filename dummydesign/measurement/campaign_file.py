@@ -9,7 +9,9 @@ from typing import Any
 
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.geometry.interface import BASES, CONDITIONS, FRICTION, Interface
-from dummydesign.geometry.shapes import Slab, read_shape, shape_kinds
+from dummydesign.geometry.punch_profile import ball_profile, read_profile
+from dummydesign.geometry.shapes import PadShape, Slab, read_shape, shape_kinds
+from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.measurement.campaign import Campaign, PadSpec, PunchSpec, Trial
 from dummydesign.measurement.campaign_checks import check_against_declared, check_set
 from dummydesign.measurement.campaign_lines import CampaignLines
@@ -19,6 +21,7 @@ from dummydesign.measurement.trace import read_trace
 FILE = "campaign.toml"
 _TRIAL_NUMBERS = {
     "thickness_mm": (0.5, 200.0),
+    "thickness_sd_mm": (0.0, 10.0),
     "velocity_mm_s": (0.001, 5000.0),
     "hold_s": (0.0, 1e5),
     "target_force_N": (0.0, 2000.0),
@@ -28,7 +31,7 @@ _TRIAL_NUMBERS = {
     "target_depth_mm": (0.0, 200.0),
 }
 _TRIAL_REQUIRED = ("thickness_mm", "velocity_mm_s")
-_TRIAL_KEYS = {"file", "repeat", "sequence", "unload", *_TRIAL_NUMBERS}
+_TRIAL_KEYS = {"file", "repeat", "sequence", "shape", "unload", *_TRIAL_NUMBERS}
 
 
 def read_campaign(folder: str | Path) -> Campaign:
@@ -66,11 +69,11 @@ def read_campaign(folder: str | Path) -> Campaign:
     place = CampaignLines(FILE, text)
     if data.get("schema") != 1:
         raise InputError(f"{FILE}: schema = {data.get('schema')!r}; this version reads schema = 1")
-    pad, punch = _pad(data, place), _punch(data, place)
+    pad, punch = _pad(data, place), _punch(data, place, folder)
     if (pad.shape == "cylinder") != (punch.shape == "plate"):
         raise InputError(
             f"{place.section('punch', 'shape')}: punch '{punch.shape}' with pad shape '{pad.shape}'; "
-            "a cylinder is pressed by a plate, a slab by a square or round punch"
+            "a cylinder is pressed by a plate, any other pad by a square, round, ball or profile punch"
         )
     lowpass, resolution = _sensor(data, place)
     blocks = data.get("trial")
@@ -82,7 +85,10 @@ def read_campaign(folder: str | Path) -> Campaign:
             "(two depths or speeds), and repeats to know the noise"
         )
     warnings: list[dict[str, str]] = []
-    trials = tuple(_trial(block, i, place, folder, len(blocks)) for i, block in enumerate(blocks))
+    if data.get("punch", {}).get("edge_radius_mm"):
+        text = "edge_radius_mm is not in the force law of the loop: the punch is taken as sharp-edged"
+        warnings.append({"code": "edge_radius", "message": text})
+    trials = tuple(_trial(block, i, place, folder, pad, punch) for i, block in enumerate(blocks))
     check_set(trials, blocks, place, warnings)
     return Campaign(
         str(data.get("name", folder.name)), folder, pad, punch, lowpass, resolution, trials, tuple(warnings)
@@ -115,19 +121,19 @@ def _section(data: dict[str, Any], name: str) -> dict[str, Any]:
     return table
 
 
-def _refuse_shaped(text: str, where: str) -> None:
-    """Say of a pad with a shape of its own what can be done with it instead."""
+def _geometry(text: str, where: str) -> PadShape:
+    """The shape of a pad on a base; its lengths are checked where the thickness is known."""
     kinds = shape_kinds()
     name = text.partition(":")[0].lower()
-    if name not in kinds or name == Slab.name:
-        return
-    shape = read_shape(text) if ":" in text else None
-    command = f"predict --shape {shape} --fidelity {shape.fidelity}" if shape else f"predict --shape {name}:.."
-    title = shape.title if shape else f"{name} pad"
-    raise InputError(
-        f"{where}: shape = '{text}' is a {title}; the loop is for slabs and cylinders (pucks); compare its traces with "
-        f"'dummydesign {command}'"
-    )
+    if name not in kinds:
+        raise InputError(f"{where}: {unknown_name('shape', text, ('cylinder', *kinds))}")
+    if name != Slab.name and ":" not in text:
+        wanted = ",".join(f"{one}=.." for one in kinds[name].needed())
+        raise InputError(f"{where}: shape = '{text}' has no lengths; give shape = \"{name}:{wanted}\"")
+    try:
+        return read_shape(text)
+    except InputError as problem:
+        raise InputError(f"{where}: {problem}") from None
 
 
 def _pad(data: dict[str, Any], place: CampaignLines) -> PadSpec:
@@ -140,32 +146,38 @@ def _pad(data: dict[str, Any], place: CampaignLines) -> PadSpec:
     resin = table.get("resin")
     if young is None and resin is None:
         raise InputError(f"{place.section('pad')}: [pad] needs young_kPa_nominal, or resin and ratio")
-    _refuse_shaped(str(table.get("shape", "")), place.section("pad", "shape"))
-    shape = _choice(table, "shape", place.section("pad", "shape"), ("slab", "cylinder"), "slab")
+    where = place.section("pad", "shape")
+    text = str(table.get("shape", Slab.name))
+    shape = text if text == "cylinder" else "slab"
+    geometry = _geometry(text, where) if shape == "slab" else Slab()
     diameter = number("diameter_mm", 2.0, 500.0)
     if shape == "cylinder" and diameter is None:
         raise InputError(f"{place.section('pad')}: a cylinder needs diameter_mm")
     base = _choice(table, "base", place.section("pad", "base"), (*BASES, FRICTION), "bonded")
     return PadSpec(
         young, None if resin is None else str(resin), number("ratio", 0.0, 1000.0), shape,
-        number("length_mm", 5.0, 2000.0), number("width_mm", 5.0, 2000.0), diameter, base,
+        number("length_mm", 5.0, 2000.0), number("width_mm", 5.0, 2000.0), diameter, base, geometry,
     )  # fmt: skip
 
 
-def _punch(data: dict[str, Any], place: CampaignLines) -> PunchSpec:
+def _punch(data: dict[str, Any], place: CampaignLines, folder: Path) -> PunchSpec:
     table = _section(data, "punch")
     where = place.section("punch", "shape")
-    shape = _choice(table, "shape", where, ("square", "round", "plate"), "square")
+    shape = _choice(table, "shape", where, ("square", "round", "ball", "profile", "plate"), "square")
     side = _number(table, "side_mm", place.section("punch", "side_mm"), 1.0, 200.0)
     diameter = _number(table, "diameter_mm", place.section("punch", "diameter_mm"), 1.0, 200.0)
     if shape == "square" and side is None:
         raise InputError(f"{where}: a square punch needs side_mm")
-    if shape == "round" and diameter is None:
-        raise InputError(f"{where}: a round punch needs diameter_mm")
+    if shape in ("round", "ball") and diameter is None:
+        raise InputError(f"{where}: a {shape}{' punch' if shape == 'round' else ''} needs diameter_mm")
+    profile = ball_profile(diameter) if shape == "ball" and diameter else None
+    if shape == "profile":
+        place_of_file = place.section("punch", "file")
+        profile = read_profile(folder / _inside(table.get("file"), "a profile needs file", place_of_file, folder))
     contact = _choice(
         table, "contact", place.section("punch", "contact"), (*CONDITIONS, FRICTION), "bonded"
     )
-    return PunchSpec(shape, side, diameter, contact)
+    return PunchSpec(shape, side, diameter, contact, profile)
 
 
 def _sensor(data: dict[str, Any], place: CampaignLines) -> tuple[Lowpass | None, float]:
@@ -189,7 +201,9 @@ def _whole(block: dict[str, Any], key: str, where: str, default: int) -> int:
     return value
 
 
-def _trial(block: dict[str, Any], index: int, place: CampaignLines, folder: Path, count: int) -> Trial:
+def _trial(
+    block: dict[str, Any], index: int, place: CampaignLines, folder: Path, pad: PadSpec, punch: PunchSpec
+) -> Trial:
     unknown = sorted(set(block) - _TRIAL_KEYS)
     if unknown:
         raise InputError(f"{place.trial(index, unknown[0])}: {unknown_name('key', unknown[0], _TRIAL_KEYS)}")
@@ -200,26 +214,54 @@ def _trial(block: dict[str, Any], index: int, place: CampaignLines, folder: Path
     for key in _TRIAL_REQUIRED:
         if numbers[key] is None:
             raise InputError(f"{place.trial(index)}: trial {index + 1} lacks {key}")
+    geometry = _trial_geometry(block, index, place, pad, punch, float(numbers["thickness_mm"] or 0.0))
     name = _file_name(block, index, place, folder)
-    trace = read_trace(folder / name)
+    trace = read_trace(folder / name, numbers["velocity_mm_s"])
     trial = Trial(
         name, **{k: numbers[k] for k in ("thickness_mm", "velocity_mm_s", "hold_s", "target_force_N")},
         repeat=_whole(block, "repeat", place.trial(index, "repeat"), 1),
         sequence=_whole(block, "sequence", place.trial(index, "sequence"), index + 1),
         rest_s=numbers["rest_s"], temperature_C=numbers["temperature_C"], age_days=numbers["age_days"], trace=trace,
+        geometry=geometry, thickness_sd_mm=numbers["thickness_sd_mm"],
     )  # fmt: skip
     check_against_declared(trial, index, place)
     return trial
 
 
+def _trial_geometry(
+    block: dict[str, Any], index: int, place: CampaignLines, pad: PadSpec, punch: PunchSpec, thickness_mm: float
+) -> PadShape:
+    """The shape of a trial's pad, its own or that of [pad], fitting its thickness."""
+    where = place.trial(index, "shape")
+    geometry = pad.geometry
+    if "shape" in block:
+        if pad.shape == "cylinder":
+            raise InputError(f"{where}: shape = {block['shape']!r} in a campaign of pucks, which have diameter_mm only")
+        geometry = _geometry(str(block["shape"]), where)
+    if geometry.plain:
+        return geometry
+    if punch.profile_mm is not None:
+        raise InputError(f"{where}: shape {geometry} is pressed by a flat punch, not by a {punch.shape}")
+    try:
+        geometry.check(thickness_mm, pad.length_mm or PAD_LENGTH_MM, pad.width_mm or PAD_WIDTH_MM)
+    except InputError as problem:
+        raise InputError(f"{where}: {problem}") from None
+    return geometry
+
+
 def _file_name(block: dict[str, Any], index: int, place: CampaignLines, folder: Path) -> str:
     where = place.trial(index, "file")
-    name = block.get("file")
+    name = _inside(block.get("file"), f"trial {index + 1} lacks file", where, folder)
+    if not (folder / name).is_file():
+        raise InputError(f"{where}: trace file '{name}' does not exist in the campaign folder")
+    return name
+
+
+def _inside(name: Any, lacking: str, where: str, folder: Path) -> str:
+    """A plain file name inside the campaign folder."""
     if not isinstance(name, str) or not name.strip():
-        raise InputError(f"{where}: trial {index + 1} lacks file")
+        raise InputError(f"{where}: {lacking}")
     outside = "/" in name or "\\" in name or name in (".", "..") or Path(name).is_absolute() or "\0" in name
     if outside or not (folder / name).resolve().is_relative_to(folder.resolve()):
         raise InputError(f"{where}: file = '{name}' leaves the campaign folder; give a plain file name inside it")
-    if not (folder / name).is_file():
-        raise InputError(f"{where}: trace file '{name}' does not exist in the campaign folder")
     return name

@@ -17,6 +17,12 @@ COLUMNS = ("time_s", "displacement_mm", "force_N")
 MIN_SAMPLES = 10
 COARSE_S, SLOW_MM_S, LONG_S = 0.5, 0.05, 1000.0
 """Steps of time, speed and length of a press from which on it is doubted that its time is in seconds."""
+AGREES = 10.0
+"""A measured speed agrees with a declared one within this factor."""
+DEEP, COMPRESSED = 0.9, 0.02
+"""Share of the largest displacement that counts as deepest, and of the largest force that counts as compression."""
+LOADED, FEW = 0.3, 0.05
+"""Share of the largest force that counts as load, and of the samples under load that tell where it is deepest."""
 
 
 @dataclass(frozen=True)
@@ -29,13 +35,15 @@ class Trace:
     force_N: NDArray
 
 
-def read_trace(path: str | Path) -> Trace:
+def read_trace(path: str | Path, velocity_mm_s: float | None = None) -> Trace:
     """Read one trace CSV with the columns time_s, displacement_mm and force_N (others are ignored).
 
     Parameters
     ----------
     path : path
         UTF-8 text, dot decimals, comma separated, strictly increasing time, any sampling.
+    velocity_mm_s : float, optional
+        Speed that was declared; it settles whether a slow press is in seconds. [mm/s]
 
     Raises
     ------
@@ -62,7 +70,7 @@ def read_trace(path: str | Path) -> Trace:
         raise InputError(
             f"{path.name}:{lines[at + 1]}: time_s = {time[at + 1]:g} does not increase (line before: {time[at]:g})"
         )
-    fault = magnitude_fault(time, displacement, force)
+    fault = magnitude_fault(time, displacement, force, velocity_mm_s)
     if fault:
         raise InputError(f"{path.name}: {fault}{import_first(path)}")
     _check_one_press(path, displacement, force)
@@ -135,25 +143,30 @@ def _check_one_press(path: Path, displacement: NDArray, force: NDArray) -> None:
         raise InputError(f"{path.name}: holds {count} presses; a trace is one{import_first(path)}")
 
 
-def magnitude_fault(time: NDArray, displacement: NDArray, force: NDArray) -> str:
+def magnitude_fault(
+    time: NDArray, displacement: NDArray, force: NDArray, velocity_mm_s: float | None = None
+) -> str:
     """What can only be another unit or sign, and which one it looks like; empty where all is plausible.
 
     Parameters
     ----------
     time, displacement, force : ndarray, shape (n,)
         The trace, as if it were in the project's units. [s, mm, N]
+    velocity_mm_s : float, optional
+        Speed that was declared. [mm/s]
 
     Returns
     -------
     str
         A sentence for the message of an error.
     """
-    strongest_at = int(np.argmax(np.abs(force)))
+    strongest_at = int(np.argmax(force)) if pulls_more(displacement, force) else int(np.argmax(np.abs(force)))
     strongest, pressed = float(np.abs(force[strongest_at])), float(displacement[strongest_at])
     deepest = float(displacement.max()) if pressed > 0 else float(np.max(np.abs(displacement)))
     step = float(np.median(np.diff(time)))
     x, f = f"largest displacement_mm = {deepest:g}", f"largest force_N = {strongest:g}"
-    slow = _milliseconds(time, displacement)
+    slow = _milliseconds(time, displacement, velocity_mm_s)
+    way, there = _deepest_loaded(displacement, force)
     guesses = [
         (not np.any(displacement), "displacement_mm is zero throughout"),
         (strongest == 0, "force_N is zero throughout"),
@@ -161,21 +174,55 @@ def magnitude_fault(time: NDArray, displacement: NDArray, force: NDArray) -> str
         (deepest > 300, f"{x} looks like micrometres; divide by 1000"),
         (strongest > 2000, f"{f} looks like millinewtons; divide by 1000"),
         (strongest < 0.03, f"{f} looks like kilonewtons; multiply by 1000"),
-        (slow, f"time_s has steps of {step:g}; it looks like milliseconds, divide by 1000"),
+        (slow, f"time_s has steps of {step:g}; it looks like milliseconds, which --units time=ms reads"),
         (force[strongest_at] < 0, "force_N is negative at its largest; compression must be positive"),
+        (way > 0 > there, "force_N is negative where it is deepest; compression must be positive"),
+        (way < 0, "displacement_mm is negative under the largest load; compression must be positive"),
         (pressed <= 0, "displacement_mm is not positive at the largest force; compression must be positive"),
     ]
     return next((message for wrong, message in guesses if wrong), "")
 
 
-def _milliseconds(time: NDArray, displacement: NDArray) -> bool:
-    """Whether time counts milliseconds: coarse steps in the rise, and a rise or a hold that is too slow for seconds.
+def _deepest_loaded(displacement: NDArray, force: NDArray) -> tuple[float, float]:
+    """Displacement and force where the punch is furthest from zero under load; 0 when only single samples are there,
+    as of noise on the way to a weak press."""
+    loaded = np.abs(force) > LOADED * np.max(np.abs(force))
+    if not loaded.any():
+        return 0.0, 0.0
+    far = loaded & (np.abs(displacement) >= DEEP * np.max(np.abs(displacement[loaded])))
+    if far.sum() < FEW * loaded.sum():
+        return 0.0, 0.0
+    return float(np.median(displacement[far])), float(np.median(force[far]))
 
-    Either alone is usual: a quasi-static press has a sample every second or two, a long hold lasts for an hour.
+
+def pulls_more(displacement: NDArray, force: NDArray) -> bool:
+    """Whether a sticky pad pulls harder at the lift-off than it was pressed: compression where it is deepest, and a
+    larger tension elsewhere. That is data; a force of the wrong sign is tension where it is deepest.
+
+    Parameters
+    ----------
+    displacement, force : ndarray, shape (n,)
+        [mm, N]
+    """
+    largest = float(displacement.max())
+    if largest <= 0.0:
+        return False
+    pressed = float(np.median(force[displacement >= DEEP * largest]))
+    return -float(force.min()) > float(force.max()) and pressed > COMPRESSED * float(np.abs(force).max())
+
+
+def _milliseconds(time: NDArray, displacement: NDArray, velocity_mm_s: float | None) -> bool:
+    """Whether time counts milliseconds: coarse steps in the rise, and a second sign.
+
+    That is the declared speed, if there is one: it agrees when the time is divided by 1000. Else a rise or a hold that
+    is too slow for seconds. Coarse steps alone are usual: a quasi-static press has a sample every second or two, a
+    long hold lasts for an hour.
     """
     deepest = int(np.argmax(displacement >= 0.95 * displacement.max()))
     start = int(np.argmax(displacement >= 0.05 * displacement.max()))
     rise = slice(start, deepest + 1) if deepest > start + 1 else slice(None)
     step = float(np.median(np.diff(time[rise])))
     speed = abs(float(displacement[deepest] - displacement[start])) / max(float(time[deepest] - time[start]), 1e-12)
+    if velocity_mm_s is not None:
+        return step >= COARSE_S and 1.0 / AGREES < 1000.0 * speed / velocity_mm_s < AGREES
     return step >= COARSE_S and (speed < SLOW_MM_S or float(time[-1] - time[0]) > LONG_S)

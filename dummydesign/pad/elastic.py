@@ -90,18 +90,12 @@ def _of_puck(
     progress: Callable[[float], None] | None,
 ) -> ElasticCurve:  # fmt: skip
     """A puck between plates, solved by its own elements."""
-    from dummydesign.pad.puck import solve_puck
-
     if fidelity == "table":
         raise InputError("punch = plate is not in the table (only flat); add --fidelity axisymmetric")
     if fidelity != "axisymmetric":
         raise InputError(f"fidelity = {fidelity} is not for pucks between plates; use --fidelity axisymmetric")
     grid, _ = depth_grid(puck.thickness_mm, deepest_mm, depths_mm)
-    solved = solve_puck(
-        puck.diameter_mm, puck.thickness_mm, puck.young_MPa, grid,
-        plates=puck.plates, poisson=puck.poisson, law=puck.shape, progress=progress,
-    )  # fmt: skip
-    return through(1.0, solved)
+    return through(1.0, solve_points(puck, grid, progress))
 
 
 def has_square_factor(pad: Pad) -> bool:
@@ -206,11 +200,41 @@ def _by_elements(
     if pad.condition != "bonded":
         # A face that slides needs some depth to start from.
         grid = grid[grid >= min(0.025 * pad.thickness_mm, 0.25 * deepest)]
-    return through(pad.geometry.first_exponent, _solve(pad, grid, progress))
+    return through(pad.geometry.first_exponent, solve_points(pad, grid, progress))
 
 
-def _solve(pad: Pad, grid: Array, progress: Callable[[float], None] | None) -> PadCurve:
-    """Solve the static curve by the elements that fit the punch and its contact."""
+def solve_points(
+    pad: Pad | Puck, depth_mm: Array, progress: Callable[[float], None] | None = None, cells: int | None = None
+) -> PadCurve:
+    """Static force at given depths, solved by the elements that fit the pad, the punch and its contact.
+
+    Parameters
+    ----------
+    pad : Pad or Puck
+    depth_mm : ndarray, shape (n,)
+        Depths above 0, within the validity of the model. [mm]
+    progress : callable, optional
+        Called with the share that is done.
+    cells : int, optional
+        Of a pad with a shape, between its axis and the punch's edge; those of a design without it.
+
+    Returns
+    -------
+    PadCurve
+        At the depths that were reached; ``notes`` say why if some are missing.
+
+    Raises
+    ------
+    InputError, NoAnswerError
+        For a case that is not solved round; when no depth is reached.
+    """
+    if isinstance(pad, Puck):
+        from dummydesign.pad.puck import solve_puck
+
+        return solve_puck(
+            pad.diameter_mm, pad.thickness_mm, pad.young_MPa, depth_mm, plates=pad.plates, poisson=pad.poisson,
+            law=pad.shape, progress=progress,
+        )  # fmt: skip
     from dummydesign.pad.slab.indentation import profile, solve_shaped
     from dummydesign.pad.slab.problem import PadCurve
     from dummydesign.pad.slab.sharp_edge import solve_curve
@@ -219,13 +243,13 @@ def _solve(pad: Pad, grid: Array, progress: Callable[[float], None] | None) -> P
     common: dict[str, Any] = {"poisson": pad.poisson, "law": pad.shape}
     extent = pad.extent_mm or PAD_EXTENT_MM
     if pad.geometry != Slab():
-        return _solve_shape(pad, grid, extent, progress)
+        return _solve_shape(pad, depth_mm, extent, progress, cells)
     if pad.profile_mm is not None:
         punch = profile(*pad.profile_mm)
         # A pad that rests by its weight is not the same at another modulus.
         unit = 1.0 if pad.base in BASES else pad.young_MPa
-        inputs = {"pad": replace(pad, young_MPa=unit, prony=()), "extent": extent, "depth": grid}
-        args = (punch, pad.thickness_mm, unit, grid, pad.radius_mm, pad.condition)
+        inputs = {"pad": replace(pad, young_MPa=unit, prony=()), "extent": extent, "depth": depth_mm}
+        args = (punch, pad.thickness_mm, unit, depth_mm, pad.radius_mm, pad.condition)
         made = cached("profile", inputs, lambda: vars(solve_shaped(*args, base=pad.base, extent_mm=extent, **common)))
         force, error = (made[name] * (pad.young_MPa / unit) for name in ("force_N", "error_N"))
         return PadCurve(**(made | {"force_N": force, "error_N": error}))
@@ -233,17 +257,19 @@ def _solve(pad: Pad, grid: Array, progress: Callable[[float], None] | None) -> P
         from dummydesign.pad.slab.filleted import solve_filleted
 
         return solve_filleted(
-            pad.thickness_mm, pad.radius_mm, pad.edge_radius_mm, pad.young_MPa, grid, base=pad.base, extent_mm=extent,
-            progress=progress, **common,
+            pad.thickness_mm, pad.radius_mm, pad.edge_radius_mm, pad.young_MPa, depth_mm, base=pad.base,
+            extent_mm=extent, progress=progress, **common,
         )  # fmt: skip
     solve = solve_curve if pad.condition == "bonded" and pad.base in BASES else solve_flat
     return solve(
-        pad.thickness_mm, pad.radius_mm, pad.young_MPa, grid, condition=pad.condition, base=pad.base,
+        pad.thickness_mm, pad.radius_mm, pad.young_MPa, depth_mm, condition=pad.condition, base=pad.base,
         extent_mm=extent, progress=progress, **common,
     )  # fmt: skip
 
 
-def _solve_shape(pad: Pad, grid: Array, extent_mm: float, progress: Callable[[float], None] | None) -> PadCurve:
+def _solve_shape(
+    pad: Pad, grid: Array, extent_mm: float, progress: Callable[[float], None] | None, cells: int | None = None
+) -> PadCurve:
     """Solve a round shaped pad with unit modulus, once for all moduli."""
     from dummydesign.pad.shaped.axisymmetric import solve_shaped_pad
     from dummydesign.pad.slab.problem import PadCurve
@@ -253,6 +279,8 @@ def _solve_shape(pad: Pad, grid: Array, extent_mm: float, progress: Callable[[fl
     inputs = {"pad": replace(pad, young_MPa=1.0, prony=()), "extent": extent_mm, "depth": grid}
     args = (pad.geometry, pad.thickness_mm, pad.radius_mm, 1.0, grid, pad.condition)
     more: dict[str, Any] = {"poisson": pad.poisson, "law": pad.shape, "base": pad.base, "progress": progress}
+    if cells is not None:
+        inputs["cells"] = more["cells"] = cells
     made = cached("shaped", inputs, lambda: vars(solve_shaped_pad(*args, extent_mm=extent_mm, **more)))
     force, error = (made[name] * pad.young_MPa for name in ("force_N", "error_N"))
     return PadCurve(**(made | {"force_N": force, "error_N": error}))

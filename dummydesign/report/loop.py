@@ -2,35 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from dummydesign.loop.answer import answer_of, listed, named
 from dummydesign.loop.result import LoopResult, result_dict
-from dummydesign.report.figures.layers import Band, Bars, Dots, Line
-from dummydesign.report.figures.plot import Plot
 from dummydesign.report.html.page import Section, Table, write_report
-from dummydesign.report.press_figures import STYLES, digits, log_start, unique
-
-MOST_BARS = 12
-VERDICTS = {
-    "effect": "the base model lacks {names}; the corrected model has it",
-    "none": "the base model describes the campaign down to its noise",
-    "unexplained": "something is left that no known effect explains",
-}
+from dummydesign.report.loop_figures import press_plots, ranking_plots, residual_plots, trial_plot
+from dummydesign.report.press_figures import digits
 
 
 def write_loop_report(folder: Path, result: LoopResult) -> dict[str, str]:
     """Write the report of a loop; see :func:`dummydesign.report.html.page.write_report`."""
     data = result_dict(result)
-    names = " and ".join(effect["name"].replace("_", " ") for effect in data["effects"])
     base, after = (data[label]["error"] for label in ("base", "after"))
     facts = [
         (data["verdict"], "verdict"),
-        *((effect["name"].replace("_", " "), f"effect, evidence {effect['evidence']:.0f} where "
+        *((named(effect["name"]), f"effect, evidence {effect['evidence']:.0f} where "
            f"{effect['threshold']:.0f} are needed") for effect in data["effects"]),
         (f"{base['train_rmse_N']:.3g} N", "rms residual of the base model"),
         (f"{after['train_rmse_N']:.3g} N", "rms residual of the corrected model"),
@@ -41,19 +29,19 @@ def write_loop_report(folder: Path, result: LoopResult) -> dict[str, str]:
         expected = f"{left['expected_over_noise_floor']:.2f} when nothing is missing"
         words = f"noise floors of error on left-out conditions, {expected}"
         facts.insert(1, (f"{left['heldout_over_noise_floor']:.2f}", words))
-    lead = f"{result.campaign.name}: {len(result.presses.trials)} trials. " + (
-        VERDICTS[data["verdict"]].format(names=names).capitalize() + "."
-    )
+    answer = answer_of(result)
+    lead = f"{result.campaign.name}, {len(result.presses.trials)} trials. {answer[0]}"
     because = [f"Unexplained: {reason}." for reason in data["residual"]["unexplained_because"]]
     sections = [
-        Section("Effects", "\n\n".join([*because, *_effect_words(data)]), _ranking(data), _effects(data)),
+        Section("Answer", "\n\n".join(answer[1:])),
+        Section("Effects", "\n\n".join([*because, *_effect_words(data)]), ranking_plots(data), _effects(data)),
         Section("Error", "Left out: each thickness, speed and force predicted from the others.", table=_errors(data)),
         Section("Parameters of the pad", "", table=_parameters(data)),
-        Section("Residual by trial", "", [_by_trial(result, data)]),
-        Section("What the residual depends on", _where_words(data), _residuals(result), _where(data)),
+        Section("Residual by trial", "", [trial_plot(result, data)]),
+        Section("What the residual depends on", _where_words(data), residual_plots(result), _where(data)),
         *_next(data),
         Section("Force over time", "Dots are measured means over bins, broken lines the base model, full lines the "
-                "corrected one; repeats of a condition share a figure.", list(_presses(result))),
+                "corrected one; repeats of a condition share a figure.", list(press_plots(result))),
         *_untested(data),
     ]  # fmt: skip
     title = f"Loop: {result.campaign.name}"
@@ -63,63 +51,24 @@ def write_loop_report(folder: Path, result: LoopResult) -> dict[str, str]:
 def _effect_words(data: dict[str, Any]) -> list[str]:
     out = []
     for effect in data["effects"]:
-        name = effect["name"].replace("_", " ")
+        name = named(effect["name"])
         text = f"{name.capitalize()} acts at the {effect['stage']}."
         if effect["confounded_with"]:
-            text += f" Explains the data as well: {_listed(effect['confounded_with'])}."
+            text += f" Explains the data as well: {listed([named(name) for name in effect['confounded_with']])}."
         if effect["family"]:
-            text += f" Acts alike in this campaign: {_listed(effect['family'])}."
+            text += f" Acts alike in this campaign: {listed([named(name) for name in effect['family']])}."
         out.append(text)
     return out or ["No effect was accepted."]
 
 
-def _listed(names: list[str]) -> str:
-    return ", ".join(name.replace("_", " ") for name in names)
-
-
 def _effects(data: dict[str, Any]) -> Table | None:
     rows = [
-        [effect["name"].replace("_", " "), name, *(digits(p[key]) for key in ("value", "low", "high")),
+        [named(effect["name"]), name, *(digits(p[key]) for key in ("value", "low", "high")),
          "at bound" if p["at_bound"] else ""]
         for effect in data["effects"]
         for name, p in effect["parameters"].items()
     ]  # fmt: skip
     return Table(["effect", "parameter", "value", "95 % low", "95 % high", ""], rows) if rows else None
-
-
-def _ranking(data: dict[str, Any]) -> list[Plot]:
-    """Score of every effect that was tested, and evidence of those that were fitted."""
-    return [*_screening(data), *_evidence(data)]
-
-
-def _screening(data: dict[str, Any]) -> list[Plot]:
-    rows = sorted(data["screening"], key=lambda row: -abs(row["z"]))[:MOST_BARS]
-    if not rows:
-        return []
-    labels, z = [row["name"].replace("_", " ") for row in rows], np.array([row["z"] for row in rows])
-    words = "; ".join(f"{label} {value:.1f}" for label, value in zip(labels, z))
-    layers = (Bars("score", labels, np.minimum(z, 0.0), np.maximum(z, 0.0)),)
-    return [
-        Plot("screening", "Score of each effect at the base model", f"Score of each effect: {words}.",
-             "score [standard deviations]", "", "z", "none", layers, y_range=(0.0, float(len(rows))),
-             note=f"the {len(rows)} largest of {len(data['screening'])}; one fit step, each effect alone")
-    ]  # fmt: skip
-
-
-def _evidence(data: dict[str, Any]) -> list[Plot]:
-    """Evidence where several effects were fitted; the square root keeps the small ones in sight."""
-    rows = data["ranking"][:MOST_BARS]
-    if len(rows) < 2:
-        return []
-    labels = [row["name"].replace("_", " ") for row in rows]
-    gain = np.array([max(row["evidence"], 0.0) for row in rows])
-    words = "; ".join(f"{label} {value:.0f}" for label, value in zip(labels, gain))
-    layers = (Bars("evidence", labels, np.zeros(len(rows)), np.sqrt(gain)),)
-    return [
-        Plot("evidence", "Evidence of each effect alone", f"Evidence of each effect alone: {words}.",
-             "root of evidence [-]", "", "root_of_evidence", "none", layers, y_range=(0.0, float(len(rows))),
-             note="evidence: drop of minus twice the log likelihood against the base model")
-    ]  # fmt: skip
 
 
 def _errors(data: dict[str, Any]) -> Table:
@@ -139,29 +88,6 @@ def _parameters(data: dict[str, Any]) -> Table:
     return Table(["parameter", "base", "low", "high", "corrected", "low", "high"], rows)
 
 
-def _by_trial(result: LoopResult, data: dict[str, Any]) -> Plot:
-    rows = data["residual"]["by_trial"]
-    place = np.arange(1, len(rows) + 1, dtype=float)
-
-    def column(key: str) -> NDArray:
-        return np.array([np.nan if row[key] is None else row[key] for row in rows])
-
-    floor = data["after"]["error"]["noise_floor_N"]
-    layers = (
-        Dots("base", place, column("base_rmse_N"), "aim"),
-        Dots("corrected", place, column("rmse_N")),
-        Dots("corrected, its condition left out", place, column("heldout_rmse_N"), "other"),
-        Line("noise floor", place[[0, -1]], [floor, floor], "other"),
-    )
-    worst = max(rows, key=lambda row: row["rmse_N"])
-    alt = (
-        f"Rms residual of each of {len(rows)} trials before and after; the worst after is {worst['file']} with "
-        f"{worst['rmse_N']:.3g} N, it was {worst['base_rmse_N']:.3g} N; the noise floor is {floor:.3g} N."
-    )
-    return Plot("by-trial", "Rms residual of each trial", alt, "trial [number in the campaign]", "rms residual [N]",
-                "trial", "rmse_N", layers, note="in the order of campaign.toml")  # fmt: skip
-
-
 def _where_words(data: dict[str, Any]) -> str:
     checks = "\n\n".join(f"{check['name']}: {check['text']}" for check in data["residual"]["checks"])
     return "Excess is the drop of chi-square by a factor's columns beyond what noise gives." + (
@@ -179,56 +105,6 @@ def _where(data: dict[str, Any]) -> Table:
     return Table(["factor", "base: excess", "fraction of chi-square", "corrected: excess"], rows)
 
 
-def _groups(result: LoopResult) -> Iterator[tuple[str, NDArray]]:
-    """Name and rows of each condition, by thickness, speed and depth."""
-    presses = result.presses
-    groups = [np.nonzero(presses.cell == cell)[0] for cell in np.unique(presses.cell)]
-    groups.sort(key=lambda rows: (presses.thickness_mm[rows[0]], presses.trials[rows[0]].velocity_mm_s,
-                                  presses.depth_mm[rows[0]]))  # fmt: skip
-    for rows in groups:
-        trial = presses.trials[rows[0]]
-        force = trial.target_force_N
-        level = f"{force:g} N" if force is not None else f"{presses.depth_mm[rows[0]]:.2g} mm deep"
-        yield f"{trial.thickness_mm:g} mm, {trial.velocity_mm_s:g} mm/s, {level}", rows
-
-
-def _times(result: LoopResult, row: int) -> tuple[NDArray, NDArray]:
-    """Bins that are used and lie after contact, and their times since contact. [s]"""
-    presses = result.presses
-    middle = 0.5 * (presses.bins.start[row] + presses.bins.end[row]) - presses.contact_s[row]
-    shown = presses.used[row] & (middle > 0)
-    return shown, middle[shown]
-
-
-def _residuals(result: LoopResult) -> list[Plot]:
-    floor = 3.0 * result.after.fit.sizes.floor_N
-    stages = (("base", result.base), ("corrected", result.after))
-    measured = result.presses.force_N
-    curves: dict[str, list[Line]] = {}
-    reach, first, last = 1.5 * floor, np.inf, 0.0
-    for name, stage in stages:
-        curves[name] = []
-        for number, (label, rows) in enumerate(_groups(result)):
-            for row in rows:
-                shown, time = _times(result, row)
-                left = (measured - stage.fit.forces)[row][shown]
-                reach = max(reach, float(np.max(np.abs(left))))
-                first, last = min(first, float(time[0])), max(last, float(time[-1]))
-                curves[name].append(Line(label, time, left, STYLES[number % len(STYLES)]))
-    ends = (max(first, 1e-3), last)
-    plots = []
-    for name, _ in stages:
-        size = max(float(np.max(np.abs(line.y))) for line in curves[name])
-        band = Band("three noise floors", np.array(ends), np.full(2, -floor), np.full(2, floor))
-        alt = f"Residual of the {name} model over time since contact, one line a trial; largest {size:.3g} N."
-        plots.append(
-            Plot(f"residual-{name}", f"Residual of the {name} model", alt, "time since contact [s]",
-                 "measured - modelled [N]", "time_s", "residual_N", (band, *curves[name]), log_x=True, x_range=ends,
-                 y_range=(-1.05 * reach, 1.05 * reach))
-        )  # fmt: skip
-    return plots
-
-
 def _next(data: dict[str, Any]) -> list[Section]:
     plan = data["next_measurement"]
     if plan is None:
@@ -237,34 +113,6 @@ def _next(data: dict[str, Any]) -> list[Section]:
     text = f"{plan['text'].capitalize()}. It separates {separates} by {plan['expected_gain']:.3g} in chi-square."
     rows = [[words, f"{gain:.3g}"] for words, gain in plan["alternatives"]]
     return [Section("Next measurement", text, table=Table(["else", "expected chi-square"], rows) if rows else None)]
-
-
-def _presses(result: LoopResult) -> Iterator[Plot]:
-    presses, names = result.presses, set()
-    base, after = (stage.fit.forces for stage in (result.base, result.after))
-    for label, rows in _groups(result):
-        layers: list[Dots | Line] = []
-        ends, rises, rms = [], [], []
-        for number, row in enumerate(rows):
-            shown, time = _times(result, row)
-            own = "" if len(rows) == 1 else f", {presses.trials[row].file}"
-            layers.append(Dots(f"measured{own}", time, presses.force_N[row][shown],
-                               "other" if len(rows) == 1 else STYLES[number % len(STYLES)]))  # fmt: skip
-            layers.append(Line(f"base{own}", time, base[row][shown], "aim"))
-            layers.append(Line(f"corrected{own}", time, after[row][shown], STYLES[number % len(STYLES)]))
-            ends.append(float(time[-1]))
-            rises.append(float(presses.stop_s[row] - presses.contact_s[row]))
-            rms.append((result.base.errors.by_trial_N[row], result.after.errors.by_trial_N[row]))
-        before, left = (float(np.sqrt(np.mean(np.square(column)))) for column in zip(*rms))
-        peak = float(presses.force_N[rows].max())
-        alt = (
-            f"Force over time on a logarithmic axis, {label}: peak {peak:.3g} N, rms residual {before:.3g} N before "
-            f"and {left:.3g} N after."
-        )
-        name = unique("press-" + label.replace(" mm/s", "mm-s").replace(", ", "-").replace(" ", ""), names)
-        yield Plot(name, f"{label}: {1e3 * before:.0f} to {1e3 * left:.0f} mN", alt, "time since contact [s]",
-                   "force [N]", "time_s", "force_N", tuple(layers), log_x=True,
-                   x_range=(log_start(min(rises)), max(ends)))  # fmt: skip
 
 
 def _untested(data: dict[str, Any]) -> list[Section]:

@@ -80,7 +80,7 @@ def test_an_older_file_without_owners_and_set_up_is_read(tmp_path):
         (("after", "effects"), {}, "after.effects = dict is not a list"),
         (("after", "law_error", "thickness_mm"), [20, 5], "must hold thicknesses above 0 that rise"),
         (("base", "law_error", "level_slope_curve"), [[0.0]], "must hold 3 rows of 1 numbers"),
-        (("pad", "base"), "friction:0.3", "pad.base = 'friction:0.3' is not one of bonded, sliding"),
+        (("pad", "base"), "friction:x", "pad.base = 'friction:x' is not one of bonded, sliding"),
         (("pad", "ratio"), 0, "pad.ratio = 0 must be above 0"),
         (("verdict",), "maybe", "verdict = 'maybe' is not one of effect, none, unexplained"),
     ],

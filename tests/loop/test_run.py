@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError
+from dummydesign.loop.answer import answer_of, worth_of
 from dummydesign.loop.calibration import calibration_of
 from dummydesign.loop.calibration_file import read_calibration, write_calibration
 from dummydesign.loop.replay import replay
@@ -105,6 +106,30 @@ def test_the_report_draws_the_residual_of_every_trial_before_and_after(results, 
     for series, key in (("base", "base_rmse_N"), ("corrected", "rmse_N")):
         drawn = [float(row.split(",")[2]) for row in rows if row.startswith(f"{series},")]
         assert drawn == pytest.approx([row[key] for row in result_dict(result)["residual"]["by_trial"]], rel=1e-5)
+
+
+def test_the_answer_says_what_was_found_what_it_is_worth_and_what_to_do(results):
+    result = results("temperature", 402)
+    said = answer_of(result)
+    assert "temperature" in said[0] and "what is left is noise" in said[0]
+    assert "N at the largest force" in said[1] and "As a rule: " in said[1] and said[1].endswith(".")
+    assert any("error on left-out conditions falls from" in text for text in said) and said[-1].startswith("Next: ")
+    effect = next(found.candidate.effect for found in result.effects if found.candidate.effect.name == "temperature")
+    worth = worth_of(result, effect)
+    loss = next(one.values for one in result.after.fit.active if one.effect is effect)["modulus_loss_per_K"]
+    warm = next(trial.temperature_C for trial in result.presses.trials if trial.file == worth.file) - 23.0
+    # the force is linear in the modulus
+    assert worth.change_N == pytest.approx(worth.force_N * (1.0 - 1.0 / (1.0 - loss * warm)), rel=1e-3)
+
+
+def test_residuals_are_drawn_pad_by_pad_in_two_colours_named_at_the_curves(results, tmp_path):
+    result = results("temperature", 402)
+    files = write_loop_report(tmp_path, result)
+    pads = [name for name in files if name.startswith("report_residual")]
+    assert len(pads) == len(result.presses.pads) == 3
+    page = (tmp_path / "report.html").read_text()
+    assert page.count('class="direct aim"') == page.count('class="direct main"') == 3
+    assert "fitted from 2 on" in page
 
 
 def test_a_calibration_survives_its_file_and_damage_is_refused(results, campaigns, tmp_path):

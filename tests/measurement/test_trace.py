@@ -108,3 +108,42 @@ def test_several_presses_in_one_file_are_refused_and_not_read_as_one_long_hold(t
     depth = np.clip(8.0 * np.sin(2 * np.pi * time / 3.0), -1.0, 4.0)
     with pytest.raises(InputError, match="holds 3 presses; a trace is one; import it first"):
         read_trace(_write(tmp_path, time=time, depth=depth, force=2.0 * np.maximum(depth, 0.0)))
+
+
+def _slow_press(step_s, speed_mm_s=0.02, depth_mm=4.0):
+    """A quasi-static press without a hold and the way back, as saved every ``step_s``."""
+    time = np.arange(0.0, 2.0 * depth_mm / speed_mm_s, step_s)
+    depth = depth_mm - np.abs(speed_mm_s * time - depth_mm) - 0.1
+    return {"time": time, "depth": depth, "force": np.clip(depth, 0.0, None) * 1.5}
+
+
+def test_a_declared_speed_settles_whether_a_slow_press_is_in_seconds(tmp_path):
+    path = _write(tmp_path, **_slow_press(1.5))
+    with pytest.raises(InputError, match="milliseconds, which --units time=ms reads; import it first"):
+        read_trace(path)
+    assert read_trace(path, 0.02).time_s[1] == 1.5
+    with pytest.raises(InputError, match="milliseconds"):
+        read_trace(path, 20.0)
+
+
+def test_a_pad_that_pulls_harder_than_it_was_pressed_is_data(tmp_path):
+    time = np.arange(0.0, 4.0, 0.01)
+    depth = np.where(time < 2.0, -1.0 + 2.5 * time, np.where(time < 3.0, 4.0, 4.0 - 10.0 * (time - 3.0)))
+    force = np.where(depth > 0, 1.0 * np.clip(depth, 0, None), 0.0)
+    force = np.where((time > 3.0) & (depth < 0.3) & (depth > -0.4), -9.0, force)
+    trace = read_trace(_write(tmp_path, time, depth, force))
+    assert trace.force_N.min() == -9.0 and trace.force_N.max() == 4.0
+    for wrong in ({"force": -force, "depth": depth}, {"force": force, "depth": -depth}, {"force": -force,
+                                                                                         "depth": -depth}):
+        with pytest.raises(InputError, match="compression must be positive"):
+            read_trace(_write(tmp_path, time, wrong["depth"], wrong["force"]))
+
+
+def test_noise_on_the_way_to_a_weak_press_is_not_a_wrong_sign(tmp_path):
+    rng = np.random.default_rng(3)
+    time = np.arange(0.0, 1.0, 0.001)
+    depth = np.minimum(-25.0 + 250.0 * time, 0.4)
+    force = np.clip(depth, 0.0, None) + rng.normal(0.0, 0.05, len(time))
+    for sign in (1.0, -1.0):
+        force[3] = 0.3 * sign
+        assert read_trace(_write(tmp_path, time, depth, force)).force_N.max() > 0.3

@@ -1,7 +1,8 @@
 """Simulated campaigns with one undeclared effect, written as folders; shares no code with the effect classes.
 
 Motion, relaxation, filter and noise are integrated here; the elastic law comes from direct finite-element solves
-(``force_curves.json``), off by half a per cent from pad to pad. Most effects have another functional form than
+(``force_curves.json``), off by half a per cent from pad to pad; crowned pads likewise, on finer cells than the
+package's (``crowned_curves.json``). Most effects have another functional form than
 the class that must find them (noted beside each).
 """
 
@@ -50,6 +51,9 @@ UNKNOWN = {
     "load_drop": 0.35,
     "gain_scatter": 0.02,
 }
+CROWN = "crowned:radius=20,height=3,foot=11"
+SLABS, CROWNS = ((5.0, 15.0, 20.0), 10.0), ((7.0, 10.0, 14.0), 12.0)
+"""Thicknesses of a campaign, and the further one of the campaign that is held out."""
 SLOW_TAU_S, FAST_TAU_S, RECOVERY_TAU_S = 20.0, 0.010, 120.0
 
 
@@ -63,13 +67,15 @@ class Truth:
     young_kPa: float
 
 
-def conditions(rng: np.random.Generator, held_out: bool) -> list[dict]:
+def conditions(rng: np.random.Generator, held_out: bool, thicknesses: tuple = SLABS) -> list[dict]:
     """Trials with sequence, rest, age and temperature, in the order they are run."""
+    pads, further = thicknesses
     if held_out:
-        speeds, levels, pads, days = (10.0, 50.0, 250.0), (0.45, 0.8), (5.0, 10.0, 15.0, 20.0), (11.0, 37.0)
+        pads = sorted((*pads, further))
+        speeds, levels, days = (10.0, 50.0, 250.0), (0.45, 0.8), (11.0, 37.0)
         wanted = [(h, v, f) for h in pads for v in speeds for f in levels]
     else:
-        levels, pads, days = (0.27, 0.58, 1.0), (5.0, 15.0, 20.0), (9.0, 14.0, 29.0)
+        levels, days = (0.27, 0.58, 1.0), (9.0, 14.0, 29.0)
         wanted = [(h, v, f) for h in pads for v in (10.0, 250.0) for f in levels for _ in range(2)]
     rng.shuffle(wanted)
     rows, seen, sequence = [], {}, 0
@@ -128,11 +134,15 @@ def write_campaign(
     held_out: bool = False,
     level_error: float = 0.005,
     more: tuple[tuple[str, float], ...] = (),
+    crowned: bool = False,
 ) -> Truth:
     """Write a campaign with one effect of the given size; the same seed has the same material in both roles.
 
-    ``more`` are further effects with their sizes, acting together with the first.
+    ``more`` are further effects with their sizes, acting together with the first. ``crowned`` pads are pressed by a
+    round punch of the same area; they are solved glued and incompressible, and a tilt has no toe on them.
     """
+    if crowned and {effect, *(name for name, _ in more)} & {"base_slip", "compressibility", "punch_tilt"}:
+        raise ValueError("slip of the base, compressibility and tilt are not made for crowned pads")
     material = np.random.default_rng([seed, 1])
     rng = np.random.default_rng([seed, 2 + held_out])
     young = float(np.exp(material.uniform(np.log(18.0), np.log(60.0)))) * 1e-3
@@ -147,14 +157,15 @@ def write_campaign(
     for place, (name, amount) in enumerate(more):
         turned = np.random.default_rng([seed, 10 + place]).random() < 0.5 and name in TWO_SIGNED
         effects[name] = -amount if turned else amount
-    rows = conditions(rng, held_out)
+    kinds = CROWNS if crowned else SLABS
+    rows = conditions(rng, held_out, kinds)
     h = np.array([row["h"] for row in rows])
-    pads = {t: rng.normal(0, level_error, 2) for t in (5.0, 10.0, 15.0, 20.0)}
-    pad = Pad(h, np.array([pads[t][0] for t in h]), np.array([pads[t][1] for t in h]))
+    pads = {t: rng.normal(0, level_error, 2) for t in sorted((*kinds[0], kinds[1]))}
+    pad = Pad(h, np.array([pads[t][0] for t in h]), np.array([pads[t][1] for t in h]), crown=crowned)
     share = np.linspace(0.0, 0.42, 85)
     depths = []
     for i, row in enumerate(rows):
-        one = Pad(h[i : i + 1].repeat(85), np.zeros(85), np.zeros(85))
+        one = Pad(h[i : i + 1].repeat(85), np.zeros(85), np.zeros(85), crown=crowned)
         force = nominal * 1e-3 * one.force(share * row["h"])
         target = min(row["level"] * top_force, row["level"] * force[-1])
         depths.append(float(np.interp(target, force, share * row["h"])))
@@ -172,7 +183,7 @@ def write_campaign(
     force = at_the_pad(effects, force)
     before = np.stack([at_the_punch(effects, t, f, a) for t, f, a in zip(time, force, stacked(4))])
     signal = butterworth(time, before, 35.0, effects.get("sensor_lag", 0.0))
-    return _write(folder, effects, rows, moved, signal, nominal, young, slow_time, rng)
+    return _write(folder, effects, rows, moved, signal, nominal, young, slow_time, rng, crowned)
 
 
 def _physics(effects, young, tau, beta, pad, rows, depths, rng) -> Physics:
@@ -240,11 +251,13 @@ def _physics(effects, young, tau, beta, pad, rows, depths, rng) -> Physics:
     return Physics(young * scale, taus, betas, pad, offset, **extra)
 
 
-def _write(folder, effects, rows, moved, force, nominal, young, slow_time, rng) -> Truth:
+def _write(folder, effects, rows, moved, force, nominal, young, slow_time, rng, crowned) -> Truth:
     folder.mkdir(parents=True, exist_ok=True)
     lines = [
         "schema = 1", f'name = "{folder.name}"', "[pad]", f"young_kPa_nominal = {nominal:.2f}", "length_mm = 150.0",
-        "width_mm = 120.0", 'base = "bonded"', "[punch]", 'shape = "square"', "side_mm = 14.0", 'contact = "bonded"',
+        "width_mm = 120.0", 'base = "bonded"', *([f'shape = "{CROWN}"'] if crowned else []), "[punch]",
+        *(['shape = "round"', f"diameter_mm = {28.0 / np.sqrt(np.pi):.6f}"] if crowned else
+          ['shape = "square"', "side_mm = 14.0"]), 'contact = "bonded"',
         "[sensor]", "lowpass_hz = 35.0", "lowpass_order = 2", "lowpass_passes = 1", "force_resolution_N = 0.01",
     ]  # fmt: skip
     squares, samples = 0.0, 0

@@ -8,9 +8,12 @@ from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from scipy.linalg import expm
 
 CURVES = Path(__file__).parent / "force_curves.json"
+CROWNED_CURVES = Path(__file__).parent / "crowned_curves.json"
+CROWN_RADIUS_MM = 20.0
 THICKNESSES = (5.0, 10.0, 15.0, 20.0)
 
 
@@ -47,6 +50,37 @@ def _layer_force(depth: np.ndarray, thickness: np.ndarray, base: str, poisson: f
     return (np.exp(total) / thickness[:, None] * flat).reshape(depth.shape)
 
 
+@lru_cache(maxsize=4)
+def _crowns(base: str, poisson: float) -> list[tuple[float, CubicSpline]]:
+    """Solved thicknesses and splines of ln F / (E d^1.5) over the root of the depth, from first touch."""
+    rows = [
+        r for r in json.loads(CROWNED_CURVES.read_text()) if r["base"] == base and abs(r["poisson"] - poisson) < 1e-9
+    ]
+    out = []
+    for row in sorted(rows, key=lambda r: r["thickness_mm"]):
+        depth, area = np.array(row["depth_mm"]), np.array(row["force_over_young_mm2"])
+        # Hertz at first touch: E* = E / (1 - nu^2)
+        first = np.log(4.0 / 3.0 * np.sqrt(CROWN_RADIUS_MM) / (1.0 - poisson**2))
+        value = np.r_[first, np.log(area / depth**1.5)]
+        out.append((row["thickness_mm"], CubicSpline(np.sqrt(np.r_[0.0, depth]), value)))
+    return out
+
+
+def _crown_force(depth: np.ndarray, thickness: np.ndarray, base: str, poisson: float) -> np.ndarray:
+    """F / E of depths (T, ...) on crowned pads (T,): linear in ln h at equal depth from the nearest solved."""
+    solved = _crowns(base, poisson)
+    nodes = np.log([h for h, _ in solved])
+    flat = np.maximum(depth, 0.0).reshape(len(thickness), -1)
+    out = np.zeros_like(flat)
+    for row, h in enumerate(thickness):
+        near = int(np.argmin(np.abs(nodes - np.log(h))))
+        other = near + 1 if near + 1 < len(nodes) else near - 1
+        part = (np.log(h) - nodes[near]) / (nodes[other] - nodes[near])
+        own, next_to = (solved[i][1](np.sqrt(np.minimum(flat[row], 0.45 * solved[i][0]))) for i in (near, other))
+        out[row] = np.exp((1.0 - part) * own + part * next_to) * flat[row] ** 1.5
+    return out.reshape(depth.shape)
+
+
 @dataclass
 class Pad:
     """Elastic law of the generator per unit modulus, with its own error per pad and the effects that change it."""
@@ -61,6 +95,7 @@ class Pad:
     stiffening: float = 0.0
     tilt_deg: float = 0.0
     bump: float = 0.0
+    crown: bool = False
 
     def table(self, points: int = 6001) -> tuple[np.ndarray, np.ndarray]:
         """Depths (points,) over thickness from -0.3 to 0.5 and F / E (T, points) there. [mm2]"""
@@ -77,20 +112,22 @@ class Pad:
 
     def _flat(self, depth: np.ndarray) -> np.ndarray:
         h = self.thickness + self.thickness_error
-        bonded = _layer_force(depth, h, "bonded", 0.5)
+        solved = _crown_force if self.crown else _layer_force
+        bonded = solved(depth, h, "bonded", 0.5)
         if self.poisson < 0.5:
             # parabola through the compliances at 0.5, 0.48 and 0.46
             q = (0.5 - self.poisson) / 0.02
-            soft = [_layer_force(depth, h, "bonded", nu) for nu in (0.48, 0.46)]
+            soft = [solved(depth, h, "bonded", nu) for nu in (0.48, 0.46)]
             give = [np.ones_like(bonded), *(np.where(bonded > 0, bonded / np.maximum(s, 1e-12), 1.0) for s in soft)]
             ratio = give[0] + q * (-1.5 * give[0] + 2 * give[1] - 0.5 * give[2])
             bonded = bonded / (ratio + q**2 * (0.5 * give[0] - give[1] + 0.5 * give[2]))
         share = np.maximum(depth, 0.0) / self.thickness[:, None]
         if self.slip:
-            sliding = _layer_force(depth, h, "sliding", 0.5)
+            sliding = solved(depth, h, "sliding", 0.5)
             let_go = self.slip * (1.0 - np.exp(-share / 0.03))
             bonded = bonded + let_go * (sliding - bonded)
         square = np.interp(self.thickness, [5.0, 10.0, 15.0, 20.0], [0.002, 0.028, 0.030, 0.030])[:, None]
+        square = 0.0 * square if self.crown else square
         factor = (1.0 + square * (1.0 - self.square_fall * share)) * (1.0 + self.level[:, None])
         factor = factor * (1.0 + self.slope[:, None] * share / 0.4) * np.exp(self.stiffening * share**2)
         if self.bump:

@@ -1,6 +1,7 @@
 """Direct finite-element curves for the campaign generator: ``python tests/support/make_force_curves.py``.
 
 Round punch of the area of the 14 mm square, glued, neo-Hookean; unit modulus. The response table is not used.
+Crowned pads are solved on cells of half the size that a design takes, three quarters of those of the loop.
 """
 
 from __future__ import annotations
@@ -11,12 +12,17 @@ from pathlib import Path
 
 import numpy as np
 
+from dummydesign.geometry.shapes import read_shape
+from dummydesign.pad.shaped.axisymmetric import solve_shaped_pad
 from dummydesign.pad.slab.sharp_edge import solve_curve
 
 RADIUS_MM = 14.0 / np.sqrt(np.pi)
 SHARES = np.array([0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5])
 CASES = [("bonded", 0.5), ("sliding", 0.5), ("bonded", 0.48), ("bonded", 0.46)]
+CROWN, CROWN_THICKNESSES, CROWN_CELLS = "crowned:radius=20,height=3,foot=11", (7.0, 10.0, 12.0, 14.0), 32
+CROWN_SHARES = np.r_[0.01, 0.02, 0.035, np.arange(0.05, 0.46, 0.025)]
 OUT = Path(__file__).parent / "force_curves.json"
+CROWNED = Path(__file__).parent / "crowned_curves.json"
 
 
 def main() -> None:
@@ -43,5 +49,28 @@ def main() -> None:
             print(base, poisson, thickness, len(curve.depth_mm), curve.solver["seconds"], file=sys.stderr, flush=True)
 
 
+def crowned() -> None:
+    """The same for a crown on bases of four thicknesses."""
+    rows = json.loads(CROWNED.read_text()) if CROWNED.exists() else []
+    done = {row["thickness_mm"] for row in rows}
+    for thickness in CROWN_THICKNESSES:
+        if thickness in done:
+            continue
+        curve = solve_shaped_pad(
+            read_shape(CROWN), thickness, RADIUS_MM, 1.0, CROWN_SHARES * thickness, extent_mm=75.7, cells=CROWN_CELLS
+        )
+        rows.append(_crowned_row(thickness, curve.depth_mm, curve.force_N))
+        CROWNED.write_text(json.dumps(rows, indent=1) + "\n")
+        print("crowned", thickness, len(curve.depth_mm), curve.solver["seconds"], file=sys.stderr, flush=True)
+
+
+def _crowned_row(thickness, depth, force) -> dict:
+    return {
+        "base": "bonded", "poisson": 0.5, "thickness_mm": thickness, "depth_mm": [float(f"{d:.6g}") for d in depth],
+        "force_over_young_mm2": [float(f"{f:.6g}") for f in force],
+    }  # fmt: skip
+
+
 if __name__ == "__main__":
     main()
+    crowned()

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from textwrap import wrap
 from typing import Any
 
 from dummydesign.cli.effect_option import add_effect_option
 from dummydesign.cli.output_option import add_replace_option
+from dummydesign.cli.steps import Steps
 
 HELP = "Measured campaign: residual, the effect the model lacks, the corrected model, and what to measure next."
 
@@ -16,13 +17,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("campaign", metavar="CAMPAIGN_DIR", help="folder with campaign.toml and one CSV per trial")
     parser.add_argument("--out", metavar="DIR", help="where report and calibration go (default: loop-NAME)")
+    parser.add_argument(
+        "--prior", metavar="CALIBRATION", help="calibration.json of an earlier campaign of the same material"
+    )
+    parser.add_argument("--plan", metavar="DIR", help="where the next measurement goes, as a campaign to press")
     add_replace_option(parser)
     add_effect_option(parser)
 
 
-def _progress(word: str) -> None:
-    if sys.stderr.isatty():
-        print(f"\r\033[K{word} ...", end="", file=sys.stderr, flush=True)
+ABOUT_STEPS = 18
+"""Steps of a usual campaign: base, single effects, one more of them, what is left, the next measurement."""
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
@@ -32,19 +36,25 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     from dummydesign.api import calibrate
 
     out = options.out or f"loop-{Path(options.campaign).resolve().name}"
-    found = calibrate(options.campaign, effects=options.effect, out=out, replace=options.replace, progress=_progress)
-    if sys.stderr.isatty():
-        print("\r\033[K", end="", file=sys.stderr)
+    steps = Steps(ABOUT_STEPS)
+    try:
+        found = calibrate(
+            options.campaign, effects=options.effect, prior=options.prior, plan=options.plan, out=out,
+            replace=options.replace, progress=steps,
+        )  # fmt: skip
+    finally:
+        steps.clear()
     return found.to_dict()
 
 
 def render(result: dict[str, Any]) -> str:
-    """Make the readable tables."""
+    """The answer in words, then the readable tables."""
 
     def number(value: float | None, form: str = ".4f") -> str:
         return "-" if value is None else format(value, form)
 
-    lines = [f"verdict: {result['verdict']}"]
+    lines = [line for text in result["answer"] for line in wrap(text, 110, subsequent_indent="  ")]
+    lines += ["", f"verdict: {result['verdict']}"]
     over, expected = (result["residual"][f"{name}_over_noise_floor"] for name in ("heldout", "expected"))
     if over is not None:
         lines.append(f"left out: predicted to {over:.2f} noise floors; {expected:.2f} when nothing is missing")

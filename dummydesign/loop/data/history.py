@@ -14,7 +14,7 @@ DAY_S = 86400.0
 
 @dataclass(frozen=True)
 class History:
-    """Earlier presses on the same pad. A pad is known by its thickness.
+    """Earlier presses on the same pad. A pad is known by its shape and thickness.
 
     Attributes
     ----------
@@ -53,9 +53,9 @@ def make_history(trials: tuple[Trial, ...], depth_mm: NDArray) -> History:
     count = len(trials)
     sequence, rest, age = column("sequence"), column("rest_s"), column("age_days")
     depth, elapsed = np.zeros((count, count)), np.full((count, count), np.inf)
-    pads: dict[float, list[int]] = {}
+    pads: dict[tuple[str, float], list[int]] = {}
     for index in np.argsort(sequence, kind="stable"):
-        before = pads.setdefault(trials[index].thickness_mm, [])
+        before = pads.setdefault(trials[index].pad, [])
         since = 0.0
         later = index
         for earlier in reversed(before):

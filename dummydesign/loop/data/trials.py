@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,6 +53,17 @@ class Presses:
     bins: Bins
     cell: NDArray
     history: History
+
+    @cached_property
+    def pads(self) -> tuple[tuple[str, float], ...]:
+        """The different pads: shape as typed (empty for a slab) and thickness, slabs first, thin ones first."""
+        return tuple(sorted({trial.pad for trial in self.trials}))
+
+    @cached_property
+    def pad(self) -> NDArray:
+        """Which of :attr:`pads` each trial presses, shape (T,)."""
+        pads = self.pads
+        return np.array([pads.index(trial.pad) for trial in self.trials])
 
     @property
     def used(self) -> NDArray:
@@ -118,14 +130,14 @@ def stack(trials: tuple[Trial, ...], lowpass: Lowpass | None) -> Presses:
 
 
 def _cells(trials: tuple[Trial, ...], depth: NDArray) -> NDArray:
-    """Number the conditions: same thickness, declared speed and target force (or depth within 4 %)."""
-    keys: list[tuple[float, float, float]] = []
+    """Number the conditions: same pad, declared speed and target force (or depth within 4 %)."""
+    keys: list[tuple[tuple[str, float], float, float]] = []
     numbers = []
     for trial, reached in zip(trials, depth):
         declared = trial.target_force_N is not None
         level = trial.target_force_N if declared else float(reached)
         slack = 1e-9 if declared else 0.04 * level
-        place = (trial.thickness_mm, trial.velocity_mm_s)
+        place = (trial.pad, trial.velocity_mm_s)
         match = [i for i, key in enumerate(keys) if key[:2] == place and abs(key[2] - level) <= slack]
         if not match:
             keys.append((*place, level))

@@ -4,24 +4,25 @@ from __future__ import annotations
 
 import inspect
 import traceback
-from collections.abc import Callable, Iterator
-from dataclasses import fields
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, fields
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.history import History
 from dummydesign.loop.data.trials import Presses, stack
-from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
-from dummydesign.loop.model.effect import HOOKS, OWNERS, Effect, Parameter, Values
+from dummydesign.loop.model.base_law import PuckLaw, SetupLaw, SlabLaw, UnitForce
+from dummydesign.loop.model.effect import HOOKS, OWNERS, PADS, SETUP, Effect, Parameter, Values
 from dummydesign.loop.model.forward_model import Active, simulate
 from dummydesign.loop.model.parameters import BaseParameters
 from dummydesign.measurement.campaign import Trial
 from dummydesign.measurement.trace import Trace
 from dummydesign.pad.tables.slab import load_table
 
-SHAPES = ("slab", "cylinder")
+SHAPES = tuple(PADS)
 UNITS = ("mm", "N", "s", "deg", "kg", "K")
 """Units that, as the end of a parameter's name, must be its unit."""
 SMALL, VANISHED, LEAST_N = 1e-6, 1e-4, 0.05
@@ -81,7 +82,7 @@ def _declared(effect: Effect) -> Iterator[str]:
             yield f"{word} is empty"
     if not type(effect).__doc__:
         yield "the class has no docstring that says what it does"
-    columns = {field.name for field in fields(History)}
+    columns = {*(field.name for field in fields(History)), *SETUP}
     for name in effect.needs:
         if name not in columns:
             yield f"needs {name!r}, which no campaign can declare: known are {', '.join(sorted(columns))}"
@@ -132,7 +133,7 @@ def _done(effect: Effect) -> Iterator[str]:
         yield f"it cannot be tested on the reference presses ({'; '.join(reasons)})"
 
 
-def _on_presses(effect: Effect, presses: Presses, law: SlabLaw | PuckLaw) -> Iterator[str]:
+def _on_presses(effect: Effect, presses: Presses, law: SetupLaw) -> Iterator[str]:
     def force(values: Values | None) -> NDArray:
         return simulate(presses, law, BASE, () if values is None else (Active(effect, values),))
 
@@ -174,11 +175,43 @@ def _said(values: Values) -> str:
     return ", ".join(f"{name} = {value:g}" for name, value in values.items())
 
 
-@lru_cache(maxsize=2)
-def reference_presses(shape: str) -> tuple[Presses, SlabLaw | PuckLaw]:
+@dataclass(frozen=True)
+class ReferenceCap:
+    """A cap on a layer, after Hertz with a first correction for the layer: stands for all pads that are solved.
+
+    It offers whatever an effect may ask of a solved pad, in closed form.
+    """
+
+    cap_mm: float = 20.0
+    radius_mm: float = 7.9
+    shape: str = "shaped"
+    offers: frozenset[str] = frozenset({"flat_faces", "base_that_can_slip", "bulk_that_gives"})
+
+    def on(self, trials: Sequence[Trial]) -> ReferenceCap:
+        """Itself."""
+        return self
+
+    def __call__(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
+        """F / E [mm2]."""
+        depth = np.maximum(depth_mm, 0.0)
+        return 16.0 / 9.0 * np.sqrt(self.cap_mm) * depth**1.5 * (1.0 + np.sqrt(self.cap_mm * depth) / thickness_mm)
+
+    def sliding(self) -> UnitForce:
+        """A base that slides, half the layer's part."""
+        return lambda d, h: 0.5 * (self(d, h) + self(d, 1e9 + 0.0 * np.asarray(h)))
+
+    def give(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
+        """c of a compressible pad."""
+        return 1.0 + np.maximum(depth_mm, 0.0) / thickness_mm
+
+
+@lru_cache(maxsize=3)
+def reference_presses(shape: str) -> tuple[Presses, SetupLaw]:
     """Eight presses of two pads at two speeds with unloading, temperatures, ages and rests, and their base law."""
-    law: SlabLaw | PuckLaw
-    if shape == "slab":
+    law: Any
+    if shape == "shaped":
+        law, thicknesses, share = ReferenceCap(), (8.0, 15.0), 0.3
+    elif shape == "slab":
         law, thicknesses, share = SlabLaw(load_table("bonded"), 7.9, True), (5.0, 15.0), 0.3
     else:
         law, thicknesses, share = PuckLaw(50.0), (30.0, 40.0), 0.2

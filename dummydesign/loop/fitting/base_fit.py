@@ -9,11 +9,11 @@ from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.fitting.fit import Fit, settle, start_vector
 from dummydesign.loop.fitting.noise import estimate_slow_noise, first_sizes
 from dummydesign.loop.fitting.problem import Problem
-from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
+from dummydesign.loop.model.base_law import SetupLaw
 
 
 def fit_base(
-    presses: Presses, law: SlabLaw | PuckLaw, young_MPa: float, progress: Callable[[str], None] | None = None
+    presses: Presses, law: SetupLaw, young_MPa: float, progress: Callable[[str], None] | None = None
 ) -> Fit:
     """Fit modulus, two Prony arms and law error; the noise is estimated in between, twice.
 
@@ -21,7 +21,7 @@ def fit_base(
     ----------
     presses : Presses
         The reduced trials of the campaign.
-    law : SlabLaw or PuckLaw
+    law : SetupLaw
         Elastic force per unit modulus.
     young_MPa : float
         Where to start. [MPa]

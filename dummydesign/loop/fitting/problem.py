@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.fitting.noise import LAW_TERMS
 from dummydesign.loop.fitting.sensitivities import base_and_law_columns, shares_the_law
-from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
+from dummydesign.loop.model.base_law import SetupLaw
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.model.forward_model import Active, LawError, given_way, simulate
 from dummydesign.loop.model.parameters import HIGH, LOW, BaseParameters
@@ -28,13 +28,13 @@ class Problem:
     """
 
     presses: Presses
-    law: SlabLaw | PuckLaw
+    law: SetupLaw
     effects: tuple[Effect, ...] = ()
 
     @property
     def thicknesses(self) -> NDArray:
-        """The different thicknesses. [mm]"""
-        return np.unique(self.presses.thickness_mm)
+        """Thickness of each pad of the campaign, in the order of ``presses.pads``. [mm]"""
+        return np.array([thickness for _, thickness in self.presses.pads])
 
     @property
     def fixed(self) -> int:
@@ -78,7 +78,7 @@ class Problem:
 
     def law_error_of(self, vector: NDArray) -> LawError:
         """The law error per trial in a vector."""
-        place = np.searchsorted(self.thicknesses, self.presses.thickness_mm)
+        place = self.presses.pad
         return LawError(*(term[place] for term in np.split(vector[self.fixed :], LAW_TERMS)))
 
     def nodes(
@@ -133,7 +133,7 @@ class Problem:
             moved[column] += step
             out[..., column] = (self.predict(moved, near_mm=near) - forces) / step
         count = len(self.thicknesses)
-        place = np.searchsorted(self.thicknesses, self.presses.thickness_mm)
+        place = self.presses.pad
         rows = np.arange(len(place))
         if shared:
             out[..., :BASE], by_pad = base_and_law_columns(self, vector, STEP)

@@ -46,9 +46,8 @@ def make_stage(fit: Fit) -> Stage:
 
 
 def pad_errors(fit: Fit) -> Errors:
-    """Errors with all trials on one thickness left out at a time, and with them its law error."""
-    presses = fit.problem.presses
-    return errors(fit, np.searchsorted(fit.problem.thicknesses, presses.thickness_mm))
+    """Errors with all trials on one pad left out at a time, and with them its law error."""
+    return errors(fit, fit.problem.presses.pad)
 
 
 def interval(fit: Fit, place: int, to_value: Callable[[float], float]) -> dict[str, Any]:

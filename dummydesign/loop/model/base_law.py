@@ -1,23 +1,23 @@
 """Elastic force of the relaxed pad per unit modulus: slabs from the response table, pucks in closed form.
 
-This is the one seam between the loop and the pad model.
+Other set-ups are in :mod:`dummydesign.loop.model.solved_law`; :mod:`dummydesign.loop.model.campaign_law` chooses.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.geometry.interface import BASES
-from dummydesign.measurement.campaign import Campaign
+from dummydesign.measurement.campaign import Campaign, Trial
 from dummydesign.pad.force_law import BaseForceLaw
+from dummydesign.pad.tables.compressibility import load_compressibility
 from dummydesign.pad.tables.slab import ResponseTable, load_table
 from dummydesign.pad.tables.square import load_square, square_factor
 
@@ -29,6 +29,30 @@ the neo-Hookean law; the allowance is for the law."""
 
 UnitForce = Callable[[NDArray, NDArray], NDArray]
 """F / E [mm2] of depths (T, N) and thicknesses (T, 1) [mm]; zero at and above the surface."""
+
+
+class SetupLaw(Protocol):
+    """What the law of a set-up offers: the base law of all trials of a campaign."""
+
+    @property
+    def shape(self) -> str:
+        """``slab`` under a flat glued punch, ``cylinder`` (a puck) or ``shaped`` (any other pad, punch or contact)."""
+        ...
+
+    @property
+    def offers(self) -> frozenset[str]:
+        """What effects may ask of it, see :data:`dummydesign.loop.model.effect.SETUP`."""
+        ...
+
+    @property
+    def error_priors(self) -> tuple:
+        """Median size and spread of level, slope and curvature of its error."""
+        ...
+
+    def on(self, trials: Sequence[Trial]) -> UnitForce:
+        """The law of these trials, row by row."""
+        ...
+
 
 REFERENCE_DEPTH = 0.4
 """Depth over thickness at which the slope of a law error is counted."""
@@ -124,6 +148,24 @@ class SlabLaw(_OneFace):
     shape: str = "slab"
     error_priors: tuple = SLAB_ERROR
 
+    @property
+    def offers(self) -> frozenset[str]:
+        """A flat face, and on a glued base what slip and bubbles change."""
+        glued = self.table.base == "bonded"
+        return frozenset({"flat_faces", "base_that_can_slip", "bulk_that_gives"} if glued else {"flat_faces"})
+
+    def on(self, trials: Sequence[Trial]) -> SlabLaw:
+        """Itself: the thickness says all of a slab."""
+        return self
+
+    def sliding(self) -> SlabLaw:
+        """The same punch on a base that slides."""
+        return sliding_law(self)
+
+    def give(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
+        """c of a compressible slab, F / (1 + (1 - 2 nu) c), tabulated from finite elements."""
+        return load_compressibility().coefficient(depth_mm / thickness_mm, self.radius_mm / thickness_mm)
+
     def __call__(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
         """F / E [mm2]; beyond the table's depth its last stiffness F / d goes on (see :meth:`limit`)."""
         thickness = np.asarray(thickness_mm, float)
@@ -171,6 +213,11 @@ class PuckLaw(_OneFace):
     diameter_mm: float
     shape: str = "cylinder"
     error_priors: tuple = PUCK_ERROR
+    offers: frozenset[str] = frozenset({"frictionless_plates"})
+
+    def on(self, trials: Sequence[Trial]) -> PuckLaw:
+        """Itself: the thickness says all of a puck."""
+        return self
 
     def __call__(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
         """F / E [mm2]."""
@@ -191,41 +238,18 @@ class PuckLaw(_OneFace):
         return 0.5 * self.diameter_mm
 
 
-def law_of(campaign: Campaign) -> SlabLaw | PuckLaw:
-    """Choose the force law that a campaign declares.
+def law_of(campaign: Campaign, progress: Callable[[str], None] | None = None) -> Any:
+    """The force law of what a campaign declares; see :func:`dummydesign.loop.model.campaign_law.choose_law`."""
+    from dummydesign.loop.model.campaign_law import choose_law
 
-    Raises
-    ------
-    InputError
-        For a contact or base that has no fast law, or a thickness outside the table.
-    """
-    pad, punch = campaign.pad, campaign.punch
-    if pad.shape == "cylinder":
-        if punch.contact != "frictionless":
-            raise InputError(
-                f"punch contact = '{punch.contact}' with a cylinder: the base model is the frictionless plate; "
-                "declare contact = \"frictionless\" (friction is looked for as the effect plate_friction)"
-            )
-        return PuckLaw(float(pad.diameter_mm))
-    if punch.contact != "bonded":
-        raise InputError(
-            f"punch contact = '{punch.contact}': the response table is for contact = 'bonded' (no slip under the punch)"
-        )
-    if pad.base not in BASES:
-        raise InputError(
-            f"pad base = '{pad.base}': campaigns are fitted with base = 'bonded' or 'sliding'; name the nearer one, "
-            "and the effect base_slip says how much of the base slides"
-        )
-    table = load_table(pad.base)
-    law = SlabLaw(table, punch.radius_mm, punch.shape == "square")
-    low, high = (punch.radius_mm / ratio for ratio in reversed(table.ratio_range))
-    for trial in campaign.trials:
-        if not low <= trial.thickness_mm <= high:
-            raise InputError(
-                f"thickness_mm = {trial.thickness_mm:g} of {trial.file} is outside the allowed range "
-                f"{low:.3g} to {high:.3g} of the response table for this punch"
-            )
-    return law
+    return choose_law(campaign, progress)
+
+
+def depth_limits(law: Any, trials: Sequence[Trial]) -> NDArray:
+    """Depth to which the law of each trial's pad holds, shape (T,). [mm]"""
+    if hasattr(law, "limit_of"):
+        return law.limit_of(trials)
+    return law.limit(np.array([trial.thickness_mm for trial in trials]))
 
 
 def wrap(law: UnitForce, changed: UnitForce) -> UnitForce:
@@ -242,7 +266,7 @@ def wrap(law: UnitForce, changed: UnitForce) -> UnitForce:
     return changed
 
 
-def root_law(law: UnitForce) -> SlabLaw | PuckLaw:
+def root_law(law: UnitForce) -> Any:
     """The base law under all that effects have wrapped around it."""
     while hasattr(law, "__wrapped__"):
         law = law.__wrapped__

@@ -11,13 +11,20 @@ from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from dummydesign.loop.data.trials import Presses
-    from dummydesign.loop.model.base_law import PuckLaw, SlabLaw, UnitForce
+    from dummydesign.loop.model.base_law import SetupLaw, UnitForce
     from dummydesign.pad.material.relaxation import PronyTerm
 
 HOOKS = ("motion", "pad", "batch", "sensor")
 """Where an effect acts: on the depth of the punch, on the law and the relaxation of the pad, on single trials by what
 was done to their pad before, or on the signal."""
 OWNERS = ("pad", "rig", "sensor")
+SETUP = {
+    "flat_faces": "a flat face under a flat punch on every pad",
+    "base_that_can_slip": "pads glued to their base under a glued flat punch",
+    "bulk_that_gives": "pads glued to their base under a glued flat punch",
+    "frictionless_plates": "pucks whose plates are declared frictionless",
+}  # what an effect may need of a set-up (its force law's ``offers``), in words
+PADS = {"slab": "slabs", "cylinder": "pucks between plates", "shaped": "shaped pads, other punches and contacts"}
 Values = dict[str, float]
 
 
@@ -89,30 +96,39 @@ class Effect:
     designed_for: str = ""
     """State that a design takes when the effect depends on one and is absent there; empty when it acts at all times."""
     needs: tuple[str, ...] = ()
-    """Columns that a campaign must declare for every trial: ``temperature_C``, ``age_days``, ``rest_s``."""
-    shapes: tuple[str, ...] = ("slab", "cylinder")
-    """Pads on which the effect is defined."""
+    """What it needs: columns that a campaign must declare for every trial (``temperature_C``, ``age_days``,
+    ``rest_s``), or something of the set-up (a name of :data:`SETUP`)."""
+    shapes: tuple[str, ...] = ("slab", "cylinder", "shaped")
+    """Set-ups on which the effect is defined: ``slab`` (a flat glued punch on a slab, from the response table),
+    ``cylinder`` (a puck), ``shaped`` (any other pad, punch or contact, solved by finite elements)."""
     parameters: tuple[Parameter, ...] = ()
     signature: str = ""
     reference: str = ""
+    cause: str = ""  # as a rule
+    remedy: str = ""
+    """What a laboratory does about it, as an order."""
     feeds_back: bool = False
     held: bool = False
     """Its parameters stay at their start in a fit: they are known with the effect itself."""
     always_fitted: bool = False
     """Fitted whatever its score: for effects whose first-order change the base can imitate."""
 
-    def undefined(self, presses: Presses, law: SlabLaw | PuckLaw) -> str:
+    def undefined(self, presses: Presses, law: SetupLaw) -> str:
         """Say why the effect has no value on these trials (another shape, nothing declared); empty if it has."""
         if law.shape not in self.shapes:
-            return "for slabs only" if "slab" in self.shapes else "for pucks between plates only"
-        missing = [name for name in self.needs if np.any(np.isnan(getattr(presses.history, name)))]
+            return f"for {' and '.join(PADS[shape] for shape in self.shapes)} only"
+        lacking = [SETUP[name] for name in self.needs if name in SETUP and name not in law.offers]
+        if lacking:
+            return f"needs {' and '.join(lacking)}"
+        columns = [name for name in self.needs if name not in SETUP]
+        missing = [name for name in columns if np.any(np.isnan(getattr(presses.history, name)))]
         return f"needs {' and '.join(missing)} of every trial" if missing else ""
 
     def untestable(self, presses: Presses) -> str:
         """Say why trials on which the effect is defined cannot show it; empty when they can."""
         return ""
 
-    def unavailable(self, presses: Presses, law: SlabLaw | PuckLaw) -> str:
+    def unavailable(self, presses: Presses, law: SetupLaw) -> str:
         """Say why the effect cannot be fitted to these trials; empty when it can."""
         return self.undefined(presses, law) or self.untestable(presses)
 

@@ -150,6 +150,7 @@ def before_the_pad(
     offset_mm : ndarray, shape (T,), or float
         Contact position of each trial. [mm]
     """
+    law = law.on(presses.trials) if hasattr(law, "on") else law
     for one in acting:
         law = one.effect.law(law, one.values)
     start = presses.displacement_mm - np.broadcast_to(offset_mm, presses.thickness_mm.shape)[:, None]

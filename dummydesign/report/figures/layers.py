@@ -42,6 +42,24 @@ class Dots(Line):
 
 
 @dataclass(frozen=True)
+class Label:
+    """Words at a place, beside the curve that they name; ``style`` is that of the curve."""
+
+    name: str
+    x: float
+    y: float
+    style: str = "main"
+
+    def extent(self) -> tuple[NDArray, NDArray]:
+        """Values that the axes must hold."""
+        return np.array([self.x]), np.array([self.y])
+
+    def records(self) -> Iterator[Record]:
+        """Nothing: the curve's own values are in the CSV."""
+        return iter(())
+
+
+@dataclass(frozen=True)
 class Band:
     """Area between ``low`` and ``high`` over x; ``sideways`` gives x-ranges over y instead."""
 

@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 
 from dummydesign.report.figures.axis import Axis, span
-from dummydesign.report.figures.layers import Band, Bars, Cells, Dots, Ellipse, Line, edges, thin
+from dummydesign.report.figures.layers import Band, Bars, Cells, Dots, Ellipse, Label, Line, edges, thin
 from dummydesign.report.figures.raster import css, png_uri
 
 WIDTH, HEIGHT = 440.0, 310.0
 LEFT, RIGHT, TOP, BOTTOM = 58.0, 14.0, 14.0, 48.0
 MAP_RIGHT, BAR_LEFT = 62.0, 170.0
 LETTER = 6.6  # mean width of a letter of 13 px
-Layer = Line | Dots | Band | Bars | Cells | Ellipse
+Layer = Line | Dots | Band | Bars | Cells | Ellipse | Label
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ class Plot:
         """Names beside their colours, as HTML."""
         entries = {}
         for layer in self.layers:
-            if not isinstance(layer, Bars | Cells):
+            if not isinstance(layer, Bars | Cells | Label):
                 entries.setdefault(layer.name, (_shape(layer), getattr(layer, "style", "main")))
         return "".join(
             f'<span class="key"><svg viewBox="0 0 22 12" aria-hidden="true">{shape.format(style=style)}</svg>'
@@ -250,6 +250,13 @@ def _ellipse(layer: Ellipse, x: Axis, y: Axis) -> str:
     return f'<ellipse class="ellipse halo" {place}/><ellipse class="ellipse" {place}/>'
 
 
+def _label(layer: Label, x: Axis, y: Axis) -> str:
+    right = x.place(layer.x) > 0.6 * x.stop + 0.4 * x.start
+    side = ("end", -5) if right else ("start", 5)
+    place = f'x="{x.place(layer.x) + side[1]:.1f}" y="{y.place(layer.y) - 5:.1f}" text-anchor="{side[0]}"'
+    return f'<text class="direct {layer.style}" {place}>{escape(layer.name)}</text>'
+
+
 def _shape(layer: Layer) -> str:
     if isinstance(layer, Band):
         return '<rect class="area {style}" x="1" y="1" width="20" height="10"/>'
@@ -261,5 +268,5 @@ def _shape(layer: Layer) -> str:
 
 
 _DRAW: dict[type, Any] = {
-    Line: _line, Dots: _dots, Band: _band, Bars: _bars, Cells: _cells, Ellipse: _ellipse,
+    Line: _line, Dots: _dots, Band: _band, Bars: _bars, Cells: _cells, Ellipse: _ellipse, Label: _label,
 }  # fmt: skip

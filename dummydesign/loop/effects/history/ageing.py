@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
+from dummydesign.loop.model.base_law import SetupLaw
 from dummydesign.loop.model.effect import Effect, Parameter, Values
 
 
@@ -20,9 +20,11 @@ class Ageing(Effect):
     needs = ("age_days",)
     parameters = (Parameter("growth_per_doubling", "1", 0.0, -0.3, 0.5, 0.03),)
     signature = "scale that steps from day to day"
+    cause = "cure that goes on"
+    remedy = "press at the age at which the pad will be used, or wait until the modulus stands still"
     reference = "physical ageing, Struik (1978); after-cure of polyurethane"
 
-    def undefined(self, presses: Presses, law: SlabLaw | PuckLaw) -> str:
+    def undefined(self, presses: Presses, law: SetupLaw) -> str:
         reason = super().undefined(presses, law)
         return reason or ("" if presses.history.age_days.min() > 0 else "needs age_days above 0")
 

@@ -25,6 +25,8 @@ class IncompleteRecovery(Effect):
         Parameter("tau_s", "s", 120.0, 10.0, 3000.0, 120.0, log=True, starts=(40.0, 500.0)),
     )
     signature = "contact comes later after a deep press and a short rest"
+    cause = "rests that are too short after deep presses"
+    remedy = "rest the pad for some minutes between presses, or press deep last"
     reference = "viscoelastic recovery, e.g. Ferry, Viscoelastic Properties of Polymers (1980)"
 
     def untestable(self, presses: Presses) -> str:

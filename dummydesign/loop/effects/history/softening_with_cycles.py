@@ -22,6 +22,8 @@ class SofteningWithCycles(Effect):
     designed_for = "a pad that is pressed for the first time"
     parameters = (Parameter("softening", "1", 0.0, 0.0, 0.5, 0.03),)
     signature = "first press high, later ones lower; only below the depth reached before"
+    cause = "filled or weakly crosslinked gel on its first presses"
+    remedy = "press every pad a few times to its full depth before it is measured, and use it like that"
     reference = "Mullins, Rubber Chem. Technol. 42 (1969) 339; Liao et al. on Ecoflex"
 
     def untestable(self, presses: Presses) -> str:

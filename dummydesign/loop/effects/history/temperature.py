@@ -18,6 +18,8 @@ class Temperature(Effect):
     needs = ("temperature_C",)
     parameters = (Parameter("modulus_loss_per_K", "1/K", 0.0, -0.1, 0.1, 0.005),)
     signature = "scale that follows the temperature of the trial"
+    cause = "room that is not kept at one temperature"
+    remedy = "keep pads and room within 1 K, or give temperature_C of every trial"
     reference = "Treloar, The Physics of Rubber Elasticity (1975); Ferry (1980)"
 
     def untestable(self, presses: Presses) -> str:

@@ -19,6 +19,8 @@ class Adhesion(Effect):
     designed_for = "the way in and the hold, not the way back"
     parameters = (Parameter("pull_off_N", "N", 0.0, 0.0, 5.0, 0.1),)
     signature = "tension near zero depth, unloading only"
+    cause = "tacky gel on a clean punch"
+    remedy = "powder the surface with talc, or keep to the way in and the hold"
     reference = "Kendall, J. Phys. D 4 (1971) 1186 (flat punch)"
 
     def untestable(self, presses: Presses) -> str:

@@ -6,30 +6,30 @@ from numpy.typing import NDArray
 
 from dummydesign.loop.model.base_law import UnitForce, root_law, wrap
 from dummydesign.loop.model.effect import Effect, Parameter, Values
-from dummydesign.pad.tables.compressibility import load_compressibility
 
 
 class Compressibility(Effect):
     """Poisson's ratio below 1/2 at the same Young's modulus: F / (1 + (1 - 2 nu) c(a/h, d/h)).
 
-    The bulk gives way in series with the shear; c is tabulated from finite elements and grows from 1.2 on
-    20 mm to 7.7 on 5 mm, so the thin pad softens most.
+    The bulk gives way in series with the shear; c comes from finite elements (tabulated for slabs) and grows from 1.2
+    on 20 mm to 7.7 on 5 mm, so the thin pad softens most.
     """
 
     name = "compressibility"
     hook = "pad"
     belongs_to = "pad"
-    shapes = ("slab",)
+    needs = ("bulk_that_gives",)
     parameters = (Parameter("poisson_ratio", "1", 0.5, 0.3, 0.5, -0.005),)
     signature = "scale, mostly the thin pad"
+    cause = "air bubbles, or a foam"
+    remedy = "degas the resin and weigh a pad against its volume"
     reference = "finite elements of the pad model; Hayes et al., J. Biomech. 5 (1972) 541 at small depth"
 
     def law(self, law: UnitForce, values: Values) -> UnitForce:
         root = root_law(law)
-        table, excess = load_compressibility(), 1.0 - 2.0 * values["poisson_ratio"]
+        excess = 1.0 - 2.0 * values["poisson_ratio"]
 
         def softer(depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
-            give = table.coefficient(depth_mm / thickness_mm, root.radius_mm / thickness_mm)
-            return law(depth_mm, thickness_mm) / (1.0 + excess * give)
+            return law(depth_mm, thickness_mm) / (1.0 + excess * root.give(depth_mm, thickness_mm))
 
         return wrap(law, softer)

@@ -17,6 +17,8 @@ class RateDependentViscosity(Effect):
     designed_for = "relaxation as it is after a ramp of 50 mm/s"
     parameters = (Parameter("exponent", "1", 0.0, -0.8, 1.5, 0.1),)
     signature = "time constants differ between speeds; one spectrum cannot serve both"
+    cause = "gel whose flow thins with speed"
+    remedy = "press at a speed between the two and at one beyond, to fix the exponent"
     reference = "the paper: c2 and c3 fall with speed; Cross, J. Colloid Sci. 20 (1965) 417 (shear thinning)"
 
     def untestable(self, presses: Presses) -> str:

@@ -27,6 +27,8 @@ class RelaxationMode(Effect):
 
     hook = "pad"
     belongs_to = "pad"
+    cause = "relaxation over more time scales than two arms hold"
+    remedy = "hold longer for a slow mode, sample and press faster for a fast one"
     reference = "Pawluk and Howe, J. Biomech. Eng. 121 (1999) 178 (modes of 4 ms, 70 ms, 1.4 s)"
     always_fitted = True
 

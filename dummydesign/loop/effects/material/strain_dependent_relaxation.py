@@ -22,6 +22,8 @@ class StrainDependentRelaxation(Effect):
     designed_for = "relaxation as it is at a depth of 0.15 of the thickness"
     parameters = (Parameter("slope", "1", 0.0, -3.0, 15.0, 0.5),)
     signature = "peak over steady force depends on depth over thickness"
+    cause = "gel that relaxes more the further it is pressed"
+    remedy = "press at three depths on one pad at one speed"
     reference = "Pryse et al., Ann. Biomed. Eng. 31 (2003) 1287 (nonlinear relaxation)"
 
     def arms(self, presses: Presses, arms: tuple[Arm, ...], depth_mm: NDArray, values: Values) -> tuple[Arm, ...]:

@@ -20,6 +20,8 @@ class StrainStiffening(Effect):
     belongs_to = "pad"
     parameters = (Parameter("coefficient", "1", 0.0, -1.0, 20.0, 0.3),)
     signature = "factor that grows with depth over thickness, same at all speeds and times"
+    cause = "network that is stretched towards its limit"
+    remedy = "press a thin pad to 0.4 of its thickness, or compress a puck of this batch"
     reference = "Yeoh, Rubber Chem. Technol. 63 (1990) 792"
 
     def law(self, law: UnitForce, values: Values) -> UnitForce:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from numpy.typing import NDArray
 
-from dummydesign.loop.model.base_law import UnitForce, root_law, sliding_law, wrap
+from dummydesign.loop.model.base_law import UnitForce, root_law, wrap
 from dummydesign.loop.model.effect import Effect, Parameter, Values
 
 
@@ -17,17 +17,16 @@ class BaseSlip(Effect):
     name = "base_slip"
     hook = "pad"
     belongs_to = "rig"
-    shapes = ("slab",)
+    needs = ("base_that_can_slip",)
     parameters = (Parameter("slip_fraction", "1", 0.0, 0.0, 1.0, 0.1, starts=(0.5,)),)
     signature = "scale, mostly the thin pad, growing slowly with depth"
+    cause = "oil, powder or a dry film between pad and plate"
+    remedy = "glue the pad or pour it onto its plate; press again with the base declared as it lies"
     reference = "layer on a slipping base: Hayes et al., J. Biomech. 5 (1972) 541; response tables of the pad model"
 
     def law(self, law: UnitForce, values: Values) -> UnitForce:
         slip = values["slip_fraction"]
-        root = root_law(law)
-        if root.table.base != "bonded":
-            return law
-        sliding = sliding_law(root)
+        sliding = root_law(law).sliding()
 
         def mixed(depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
             return (1.0 - slip) * law(depth_mm, thickness_mm) + slip * sliding(depth_mm, thickness_mm)

@@ -20,6 +20,8 @@ class ContactOffset(Effect):
     belongs_to = "rig"
     parameters = (Parameter("offset_mm", "mm", 0.0, -1.0, 1.0, 0.05),)
     signature = "late or early onset by the same length on all pads and speeds"
+    cause = "zero of the displacement set by eye, or a skin, a film or dust on the pad"
+    remedy = "find the contact from the force of a slow press on each pad, and set zero there"
     reference = "Crick and Yin, Biomech. Model. Mechanobiol. 6 (2007) 199 (contact point and modulus)"
 
     def depth(self, presses: Presses, depth_mm: NDArray, values: Values) -> NDArray:

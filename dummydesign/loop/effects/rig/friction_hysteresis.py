@@ -18,6 +18,8 @@ class FrictionHysteresis(Effect):
     belongs_to = "rig"
     parameters = (Parameter("friction_fraction", "1", 0.0, 0.0, 0.6, 0.03),)
     signature = "unloading lower than relaxation alone explains, without rate dependence"
+    cause = "dry friction in the guide of the punch, or under the punch"
+    remedy = "move the punch without a pad and read the force of the guide; lubricate it"
     reference = "Coulomb friction; Johnson, Contact Mechanics (1985)"
 
     def untestable(self, presses: Presses) -> str:

@@ -20,6 +20,8 @@ class MachineCompliance(Effect):
     belongs_to = "rig"
     parameters = (Parameter("compliance_mm_per_N", "mm/N", 0.0, 0.0, 0.08, 0.003),)
     signature = "softening proportional to force, same at all speeds, most on the thin pad"
+    cause = "frame, robot arm, load cell or glue that gives way in series with the pad"
+    remedy = "press a steel block to find the compliance, and subtract compliance times force from the displacement"
     reference = "Oliver and Pharr, J. Mater. Res. 7 (1992) 1564 (load-frame compliance)"
     feeds_back = True
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.base_law import PuckLaw, SlabLaw, UnitForce, root_law, wrap
+from dummydesign.loop.model.base_law import SetupLaw, UnitForce, root_law, wrap
 from dummydesign.loop.model.effect import Effect, Parameter, Values
 from dummydesign.pad.tables.puck import PuckTable, grip
 from dummydesign.pad.tables.puck_proportions import shape_range, table_for
@@ -26,11 +26,14 @@ class PlateFriction(Effect):
     hook = "pad"
     belongs_to = "rig"
     shapes = ("cylinder",)
+    needs = ("frictionless_plates",)
     parameters = (Parameter("friction", "1", 0.0, 0.0, 2.0, 0.1),)
     signature = "extra stiffening that grows as the puck flattens; more on flat pucks"
+    cause = "plates that hold the faces of the puck"
+    remedy = 'lubricate the plates with silicone oil or water, or glue the faces and declare contact = "bonded"'
     reference = "finite elements of the pad model; Gent and Lindley, Proc. Inst. Mech. Eng. 173 (1959) 111"
 
-    def undefined(self, presses: Presses, law: SlabLaw | PuckLaw) -> str:
+    def undefined(self, presses: Presses, law: SetupLaw) -> str:
         reason = super().undefined(presses, law)
         if reason:
             return reason

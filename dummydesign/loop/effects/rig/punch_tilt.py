@@ -20,9 +20,15 @@ class PunchTilt(Effect):
     name = "punch_tilt"
     hook = "pad"
     belongs_to = "rig"
-    shapes = ("slab",)
+    shapes = ("slab", "shaped")
+    needs = ("flat_faces",)
     parameters = (Parameter("tilt_deg", "deg", 0.0, 0.0, 8.0, 1.0, starts=(2.0,)),)
     signature = "rounded toe of fixed width in mm, largest share at small depth"
+    cause = "punch or base plate that is not level"
+    remedy = (
+        "level the punch with a feeler gauge or marking paper, "
+        "and turn the pad by 90 degrees to see the force change"
+    )
     reference = "Kauzlarich, J. Mater. Sci. Lett. 11 (1992); strip (Winkler) estimate"
 
     def law(self, law: UnitForce, values: Values) -> UnitForce:

@@ -19,6 +19,8 @@ class ThicknessError(Effect):
     belongs_to = "rig"
     parameters = (Parameter("thickness_error_mm", "mm", 0.0, -2.0, 2.0, 0.1),)
     signature = "scale, mostly the thin pad; grows with depth as the strain does"
+    cause = "mould that is off, an overfilled pour, or a bottom film that was left on"
+    remedy = "measure every pad with a height gauge at three places and give thickness_mm as measured"
     reference = "finite-layer stiffness of the pad model"
 
     def law(self, law: UnitForce, values: Values) -> UnitForce:

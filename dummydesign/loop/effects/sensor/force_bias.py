@@ -16,6 +16,8 @@ class ForceBias(Effect):
     belongs_to = "sensor"
     parameters = (Parameter("bias_N", "N", 0.0, -5.0, 5.0, 0.03),)
     signature = "the same force everywhere, also before contact"
+    cause = "load cell that was not tared, or that carries the punch's weight"
+    remedy = "tare before every press with the punch hanging free"
     reference = "sensor zero"
 
     def sensor(self, presses: Presses, force_N: NDArray, values: Values) -> NDArray:

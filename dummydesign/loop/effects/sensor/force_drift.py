@@ -16,6 +16,8 @@ class ForceDrift(Effect):
     belongs_to = "sensor"
     parameters = (Parameter("drift_N_per_s", "N/s", 0.0, -0.5, 0.5, 0.005),)
     signature = "straight line in time, the same whatever the force, also in the unloaded tail"
+    cause = "load cell that warms up, or a tare that creeps"
+    remedy = "let the sensor warm up for half an hour, and read it before and after every press"
     reference = "charge amplifiers and warming strain gauges"
 
     def sensor(self, presses: Presses, force_N: NDArray, values: Values) -> NDArray:

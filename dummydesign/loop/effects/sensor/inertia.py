@@ -16,6 +16,8 @@ class Inertia(Effect):
     belongs_to = "sensor"
     parameters = (Parameter("mass_kg", "kg", 0.0, 0.0, 2.0, 0.02),)
     signature = "pulse at the stop, at the high speed only, the same on all pads"
+    cause = "mass of the punch below the load cell"
+    remedy = "use a lighter punch, a slower stop, or subtract mass times acceleration"
     reference = "Newton; tip mass in front of a force sensor"
 
     def untestable(self, presses: Presses) -> str:

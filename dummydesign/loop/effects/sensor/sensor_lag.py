@@ -21,6 +21,8 @@ class SensorLag(Effect):
     belongs_to = "sensor"
     parameters = (Parameter("time_constant_s", "s", 0.0, 0.0, 0.1, 0.002),)
     signature = "late and rounded at the fast stop, nothing in the slow parts"
+    cause = "filter in the amplifier that was not declared"
+    remedy = "read the amplifier's filter and declare it under [sensor]; or measure its step response"
     reference = "first-order low-pass"
 
     def sensor(self, presses: Presses, force_N: NDArray, values: Values) -> NDArray:

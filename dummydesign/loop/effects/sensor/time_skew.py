@@ -17,6 +17,8 @@ class TimeSkew(Effect):
     belongs_to = "sensor"
     parameters = (Parameter("skew_s", "s", 0.0, -0.05, 0.05, 0.002),)
     signature = "pure shift in time at the fast stop, shape unchanged"
+    cause = "force and position from two clocks"
+    remedy = "record both by one device, or tap the punch to line them up"
     reference = "unsynchronised acquisition"
 
     def sensor(self, presses: Presses, force_N: NDArray, values: Values) -> NDArray:

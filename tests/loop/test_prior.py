@@ -1,0 +1,157 @@
+"""The posterior of one campaign as the prior of the next: joined as data would be, or named as a contradiction."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from dummydesign.core.errors import InputError
+from dummydesign.loop.calibration import Calibration, calibration_of, model_of
+from dummydesign.loop.calibration_file import read_calibration, write_calibration
+from dummydesign.loop.data.trials import make_presses
+from dummydesign.loop.effects import effect_named
+from dummydesign.loop.fitting.base_fit import fit_base
+from dummydesign.loop.fitting.fit import settle
+from dummydesign.loop.fitting.problem import Problem
+from dummydesign.loop.model.base_law import law_of
+from dummydesign.loop.next_measurement import next_measurement
+from dummydesign.loop.plan import REPEATS, plan_of, write_plan
+from dummydesign.loop.posterior import posterior_of
+from dummydesign.loop.prior import carried_law, check_prior, join
+from dummydesign.loop.replay import replay
+from dummydesign.loop.run import close_loop
+from dummydesign.measurement.campaign_file import read_campaign
+from tests.support import campaign_generator as generator
+
+PAD = {"young_kPa_expected": 25.0, "resin": None, "ratio": None, "base": "bonded", "shape": "slab"}
+
+
+def only(campaign, *thicknesses):
+    return replace(campaign, trials=tuple(t for t in campaign.trials if t.thickness_mm in thicknesses))
+
+
+def known(fit):
+    model = model_of(fit)
+    return Calibration(model, model, "none", {}, 0.03, PAD, (), posterior_of(fit))
+
+
+@pytest.fixture(scope="module")
+def fits(campaigns):
+    """Base fits of one pad, of another, and of both together."""
+    campaign = read_campaign(campaigns("none", 401))
+    parts = [only(campaign, *h) for h in ((15.0,), (20.0,), (15.0, 20.0))]
+    return [fit_base(make_presses(part), law_of(part), 0.03) for part in parts]
+
+
+def modulus(fit):
+    known = posterior_of(fit)
+    return known.mean[0], known.young_spread
+
+
+def test_a_joined_prior_is_as_good_as_its_data(fits):
+    first, second, both = fits
+    joined, met = join(second, known(first))
+    assert met.used and met.p > 0.01 and met.conflicts == ()
+    value, spread = modulus(joined)
+    assert spread < min(modulus(first)[1], modulus(second)[1])
+    assert abs(value - modulus(both)[0]) < 2.0 * modulus(both)[1]
+    assert spread == pytest.approx(modulus(both)[1], rel=0.5)
+    for part in (first, second):
+        assert min(modulus(part)[0], value) <= value
+
+
+def test_a_prior_that_knows_nothing_changes_nothing(fits):
+    first, second, _ = fits
+    vague = known(first)
+    vague = replace(vague, posterior=replace(vague.posterior, covariance=1e8 * np.eye(5)))
+    joined, met = join(second, vague)
+    assert met.used and joined.vector == pytest.approx(second.vector, abs=1e-5)
+    assert modulus(joined)[1] == pytest.approx(modulus(second)[1], rel=1e-3)
+
+
+def test_a_prior_that_contradicts_is_named_and_not_averaged(fits):
+    first, second, _ = fits
+    wrong = known(first)
+    mean = wrong.posterior.mean.copy()
+    mean[0] += 0.5
+    joined, met = join(second, replace(wrong, posterior=replace(wrong.posterior, mean=mean)))
+    assert not met.used and joined is second and met.p < 1e-6
+    assert met.conflicts[0].startswith("young_kPa: ") and "standard deviations" in met.conflicts[0]
+    assert all("tau" not in text for text in met.conflicts)
+
+
+def test_a_prior_of_another_material_or_of_an_earlier_version_is_refused(fits, campaigns):
+    campaign, prior = read_campaign(campaigns("none", 401)), known(fits[0])
+    check_prior(prior, campaign)
+    with pytest.raises(InputError, match="earlier version"):
+        check_prior(replace(prior, posterior=None), campaign)
+    cast = replace(campaign, pad=replace(campaign.pad, resin="polyurethane", ratio=15.0))
+    for other, said in (({"resin": "ecoflex-0030"}, "resin = ecoflex-0030"), ({"ratio": 12.0}, "ratio = 12.0")):
+        with pytest.raises(InputError, match=said):
+            check_prior(replace(prior, pad={**PAD, "resin": "polyurethane", "ratio": 15.0, **other}), cast)
+
+
+def test_pads_of_earlier_campaigns_keep_their_law_error(fits):
+    prior = known(fits[0])
+    pads, law = carried_law(prior, (("", 20.0), ("crowned:radius=20", 10.0)), np.full((3, 2), 0.01))
+    assert pads == (("", 15.0), ("", 20.0), ("crowned:radius=20", 10.0))
+    assert law[:, 0] == pytest.approx(prior.after.law[:, 0]) and (law[:, 1:] == 0.01).all()
+    pads, law = carried_law(prior, (("", 15.0),), np.full((3, 1), 0.02))
+    assert pads == (("", 15.0),) and (law == 0.02).all()
+
+
+def test_the_plan_is_a_campaign_to_press(campaigns, tmp_path):
+    campaign = read_campaign(campaigns("none", 401))
+    few = only(campaign, 15.0)
+    presses, law = make_presses(few), law_of(few)
+    base = fit_base(presses, law, 0.03)
+    problem = Problem(presses, law, (effect_named("contact_offset"),))
+    other = settle(problem, np.insert(base.vector, 5, 0.1), base.sizes)
+    following = next_measurement(other, base, ("contact_offset", "none"), few.lowpass)
+    result = SimpleNamespace(next=following, after=SimpleNamespace(fit=base), presses=presses)
+    planned = plan_of(result)
+    assert len(planned) == REPEATS * len(following.options)
+    assert [press.sequence for press in planned] == list(range(1, len(planned) + 1))
+    files = write_plan(tmp_path, few, planned)
+    made = tomllib.loads((tmp_path / "campaign.toml").read_text())
+    assert made["punch"]["side_mm"] == few.punch.side_mm and made["sensor"]["lowpass_hz"] == 35.0
+    assert len({trial["file"] for trial in made["trial"]}) == len(planned) and set(files) == {
+        "plan_campaign", "plan_sheet"}  # fmt: skip
+    for trial, press in zip(made["trial"], planned):
+        assert trial["thickness_mm"] == press.option.thickness_mm and trial["repeat"] == press.repeat
+        assert 0.0 < trial["target_force_N"] == pytest.approx(press.target_force_N, abs=0.006)
+    # pressed, it is read: any trace at those speeds and depths will do
+    source = few.trials[0]
+    for trial, press in zip(made["trial"], planned):
+        speed, depth = press.option.velocity_mm_s, press.option.depth_share * press.option.thickness_mm
+        time = np.linspace(-0.2 * depth / speed, 10.0, 4000)
+        x = np.minimum(speed * time, depth)
+        force = np.clip(x / depth, 0.0, None) * press.target_force_N
+        rows = "\n".join(f"{a:.5f},{b:.4f},{c:.4f}" for a, b, c in zip(time, x, force))
+        (tmp_path / trial["file"]).write_text(f"time_s,displacement_mm,force_N\n{rows}\n")
+    again = read_campaign(tmp_path)
+    assert len(again.trials) == len(planned) and again.lowpass == few.lowpass
+    assert source.geometry == again.trials[0].geometry
+
+
+@pytest.mark.slow
+def test_three_turns_narrow_the_modulus_and_the_prediction_each_time(tmp_path):
+    """Turns press one pad each (15, 20, 5 mm) of one material; the error is that on a campaign with all of them."""
+    for name, held_out in (("a", False), ("b", True)):
+        generator.write_campaign(tmp_path / name, "temperature", 0.008, 94001, held_out)
+    campaign, other = read_campaign(tmp_path / "a"), read_campaign(tmp_path / "b")
+    prior, spreads, errors = None, [], []
+    for turn, thickness in enumerate((15.0, 20.0, 5.0)):
+        result = close_loop(only(campaign, thickness), prior=prior)
+        assert result.joined is None or result.joined.used, result.joined
+        made = calibration_of(result, prior)
+        prior = read_calibration(write_calibration(made, tmp_path / f"turn-{turn}.json"))
+        spreads.append(prior.posterior.young_spread)
+        errors.append(replay(other, prior).total_rmse_N)
+    assert spreads[0] > spreads[1] > spreads[2]
+    assert errors[0] > errors[1] > errors[2]
+    assert [float(h) for h in prior.after.thickness_mm] == [5.0, 15.0, 20.0]

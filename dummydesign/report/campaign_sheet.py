@@ -31,7 +31,7 @@ def sheet_html(name: str, plan: Sequence[Planned], set_up: dict[str, str], seed:
     set_up : dict of str
         What stands above the table, by its heading.
     seed : int
-        By which the order was drawn, for the foot of the sheet.
+        By which the order was drawn, for the heading.
 
     Returns
     -------

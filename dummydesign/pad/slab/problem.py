@@ -86,6 +86,8 @@ class PadCurve:
         unknowns, load_steps, newton_iterations, seconds.
     notes : tuple of str
         Why the curve stops early, if it does.
+    solved_error_N : ndarray, optional
+        Where ``error_N`` counts what independent solutions differ by: the error without it.
     """
 
     depth_mm: Array
@@ -93,6 +95,7 @@ class PadCurve:
     error_N: Array
     solver: dict[str, Any]
     notes: tuple[str, ...] = ()
+    solved_error_N: Array | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain lists and numbers."""

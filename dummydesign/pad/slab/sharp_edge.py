@@ -191,10 +191,10 @@ def solve_curve(
     unit = young_MPa * 1.5 / (1.0 + poisson)  # E' = 3 mu of the law with this shear modulus
     depth = depths[: len(found["stiffness"])] * thickness_mm
     force = unit * radius_mm * depth * found["stiffness"]
-    error = force * found["error"]
+    error, own = force * found["error"], force * found["own"]
     if wanted[0] == 0.0:
-        depth, force, error = (np.concatenate([[0.0], x]) for x in (depth, force, error))
-    return PadCurve(depth, force, error, found["solver"], found["notes"])
+        depth, force, error, own = (np.concatenate([[0.0], x]) for x in (depth, force, error, own))
+    return PadCurve(depth, force, error, found["solver"], found["notes"], own)
 
 
 def _relative_curve(
@@ -218,7 +218,8 @@ def _relative_curve(
         notes = (f"solved to d/h = {reached:.3f} of {depths[-1]:.3f}: {stops[0]}",)
     kept = depths[depths <= reached * (1.0 + 1e-9)]
     stiffness = np.exp(limit.log_stiffness(kept, np.array(slab.radius)))
-    error = limit.error(kept, slab.radius)
+    own = limit.error(kept, slab.radius)
+    error = own
     if slab.condition == "bonded":
-        error = np.maximum(error, sharp_edge_doubt(kept, np.array(slab.radius)))
-    return {"stiffness": stiffness, "error": error, "solver": cost(paths), "notes": notes}
+        error = np.maximum(own, sharp_edge_doubt(kept, np.array(slab.radius)))
+    return {"stiffness": stiffness, "error": error, "own": own, "solver": cost(paths), "notes": notes}

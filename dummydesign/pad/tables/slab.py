@@ -183,11 +183,22 @@ class ResponseTable:
         """Error of the force over the force: elements plus interpolation, or what independent solutions differ by; see
         :class:`dummydesign.pad.force_law.ForceLaw`.
         """
+        ratio = self._ratio(thickness_mm, radius_mm)
+        x = np.asarray(depth_mm, dtype=float) / np.asarray(thickness_mm, dtype=float)
+        return np.maximum(self.solved_error(depth_mm, thickness_mm, radius_mm), sharp_edge_doubt(x, ratio))
+
+    def solved_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
+        """Relative error of elements and interpolation alone: what a solve made now may differ by from the table.
+
+        Parameters
+        ----------
+        depth_mm, thickness_mm, radius_mm : array_like, broadcast
+            As of :meth:`relative_error`. [mm]
+        """
         ratio = np.log(self._ratio(thickness_mm, radius_mm))
         x = np.asarray(depth_mm, dtype=float) / np.asarray(thickness_mm, dtype=float)
         x, ratio = np.broadcast_arrays(x, ratio)
-        own = between(x, ratio, self.error_depth, np.log(self.error_ratio), self.error)
-        return np.maximum(own, sharp_edge_doubt(x, np.exp(ratio)))
+        return between(x, ratio, self.error_depth, np.log(self.error_ratio), self.error)
 
     def depth_at_force(
         self, force_N: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike

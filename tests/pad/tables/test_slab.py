@@ -28,7 +28,7 @@ def test_the_table_agrees_with_a_solve_made_now(thickness, share):
     off = np.abs(table / solved.force_N - 1.0)
     shallow = solved.depth_mm <= 0.3 * thickness * (1 + 1e-9)
     assert np.all(off[shallow] < 0.003)
-    stated = load_table().relative_error(solved.depth_mm, thickness, RADIUS) + solved.error_N / solved.force_N
+    stated = load_table().solved_error(solved.depth_mm, thickness, RADIUS) + solved.solved_error_N / solved.force_N
     assert np.all(off < np.maximum(0.003, stated))
 
 

@@ -76,9 +76,10 @@ def estimate_noise(
             kept = {name: 0.0 if value <= 1.02 * LOWEST else value for name, value in zip(names, sizes.tolist())}
             return Noise(**{**dict.fromkeys(asdict(high), 0.0), **kept})
 
+        first, least, most = (np.array([getattr(one, name) for name in names]) for one in (begin, low, high))
         sizes, cost = likeliest(
             lambda sizes: restricted_likelihood(bins.covariance(made(sizes), slope, level), residual, jacobian),
-            *(np.array([getattr(one, name) for name in names]) for one in (begin, low, high)),
+            first, least, most,
         )
         return made(sizes), cost
 

@@ -25,7 +25,7 @@ def suggest(
     resin: str = "polyurethane-nagoya",
     thickness_mm: tuple[float, float] | str | None = None,
     ratio: tuple[float, float] | str | None = None,
-    shape: str = "slab",
+    shape: str = "auto",
     calibration: str | PathLike[str] | None = None,
     effects: Iterable[str | PathLike[str]] = (),
     verify: bool = True,
@@ -47,7 +47,7 @@ def suggest(
     thickness_mm, ratio : (low, high) or "LOW:HIGH", optional
         Limits with both ends included. [mm, resin's ratio]
     shape : str
-        ``slab``, a kind such as ``crowned``, one with its lengths, or ``auto``.
+        ``auto`` (the best of all kinds), ``slab``, another kind such as ``crowned``, or one with its lengths.
     calibration : path, optional
         Written by ``dummydesign loop``; slabs only.
     effects : iterable of path

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from dummydesign.core.errors import InputError
 from dummydesign.design.request import PUNCH, RADIUS_MM, Request
 from dummydesign.design.scoring.presses import ForceLaw, Sampling
 from dummydesign.design.scoring.targets import make_targets
-from dummydesign.design.search.best_of_kinds import kinds_of
+from dummydesign.design.search.best_of_kinds import AUTO, kinds_of
 from dummydesign.design.search.slabs import THICKNESS_MM, thickness_steps
 from dummydesign.design.search.space import SearchSpace
 from dummydesign.geometry.shapes import Slab
@@ -59,6 +59,8 @@ def resolve(request: Request, law: ForceLaw | None = None) -> Inputs:
     from dummydesign.resin import load_resin
     from dummydesign.tissue.model.tissue_file import load_tissue
 
+    if request.shape.lower() == AUTO and request.calibration is not None:
+        request = replace(request, shape=Slab.name)
     if request.shape.lower() != Slab.name:
         kinds_of(request.shape)
         if request.calibration is not None:

@@ -21,7 +21,7 @@ class Request:
     resin: str = "polyurethane-nagoya"
     thickness_mm: tuple[float, float] | None = None
     ratio: tuple[float, float] | None = None
-    shape: str = "slab"
+    shape: str = "auto"
     verify: bool = True
     hold_s: float = 10.0
     deceleration_mm_s2: float = 30_000.0

@@ -14,10 +14,10 @@ from dummydesign.geometry.shapes import PadShape
 if TYPE_CHECKING:
     from dummydesign.design.assessment.centring import CentringTolerance
     from dummydesign.design.assessment.pour_yield import PourYield
-    from dummydesign.design.assessment.verdict import Verdict
     from dummydesign.design.assessment.verification import Verification
     from dummydesign.design.request import Request
     from dummydesign.design.scoring.presses import ForceLaw
+    from dummydesign.design.scoring.verdict import Verdict
     from dummydesign.design.search.best_of_kinds import Beside
     from dummydesign.design.search.slabs import Candidate, SearchResult
     from dummydesign.resin.model.resin import Resin

@@ -24,8 +24,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--ratio", metavar="MIN:MAX", help="limits of the mixing ratio, inside the resin's range")
     add("--calibration", metavar="FILE", help="calibration written by 'dummydesign loop'")
     add_effect_option(parser)
-    shapes = shape_help("auto (the best of all)") + "; lengths that are not given are searched"
-    add("--shape", default="slab", metavar="NAME[:P,..]", help=shapes)
+    shapes = shape_help("auto (default, the best of all)") + "; lengths that are not given are searched"
+    add("--shape", default="auto", metavar="NAME[:P,..]", help=shapes)
     add("--cad", action="store_true", help="make the mould also of a pad that is not acceptable")
     add("--no-cad", action="store_true", help="skip the mould; write recipe and report only")
     add("--no-verify", action="store_true", help="do not check the design by finite elements")

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from dummydesign.design.assessment.pour_yield import Pours, Tolerances, draw_pours
 from dummydesign.design.assessment.safety import tissue_press
-from dummydesign.design.assessment.verdict import Ranges, Readings, Verdict, verdict
 from dummydesign.design.scoring.presses import ForceLaw, Sampling, Slabs, make_curves
 from dummydesign.design.scoring.score import Evaluation, evaluate
 from dummydesign.design.scoring.targets import STEADY_GRID_N, Targets
+from dummydesign.design.scoring.verdict import Ranges, Readings, Verdict, verdict
 from dummydesign.resin.model.distribution import HALF_WIDTH
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.design.assessment.safety import tissue_press
-from dummydesign.design.assessment.verdict import Ranges, Readings, Verdict, verdict
 from dummydesign.design.scoring.presses import Sampling
+from dummydesign.design.scoring.verdict import Ranges, Readings, Verdict, verdict
 from dummydesign.tissue.fitting.compare import STEADY_GRID_N, Comparison, braking_of
 from dummydesign.tissue.fitting.groups import condition_groups
 

@@ -11,7 +11,7 @@ from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.design.scoring.presses import ForceLaw
 from dummydesign.design.search.low_force import LowForce, low_force
 from dummydesign.design.search.shapes import LOW_SHARE, Shaped, search_fixed, search_shape
-from dummydesign.design.search.slabs import Candidate, SearchResult, search
+from dummydesign.design.search.slabs import Candidate, SearchResult, search, with_parameters
 from dummydesign.design.search.space import SearchSpace
 from dummydesign.geometry.shapes import PadShape, Slab, read_shape
 
@@ -156,22 +156,28 @@ def choose(found: Found, space: SearchSpace) -> Chosen:
     if flat is not None:
         beside = [_beside(Slab.name, Slab(), flat.best, space, "table")]
     for kind in dict.fromkeys(shaped.shape.name for shaped in designs):
-        best = max((shaped for shaped in designs if shaped.shape.name == kind), key=_rank)
+        best = _fitted(max((shaped for shaped in designs if shaped.shape.name == kind), key=_rank), space)
         by = best.law.family.source if best.elements is None else "elements"
         beside.append(_beside(kind, best.shape, best.found.best, space, by))
     listed = (*beside, *found.missing)
     if found.asked.lower() == AUTO and flat is not None:
-        if not designs or flat.best.merit(LOW_SHARE) >= max(designs, key=_rank).merit:
+        if not designs or (flat.best.standing, flat.best.merit(LOW_SHARE)) >= max(designs, key=_rank).rank:
             return Chosen(Slab(), flat, law, law, listed)
     if not designs:
         raise NoAnswerError("no_feasible_design", "; ".join(item.reason for item in found.missing if item.reason))
-    best = max(designs, key=_rank)
+    best = _fitted(max(designs, key=_rank), space)
     return Chosen(best.shape, best.found, best.law, best.elements or replace(best.law, cast=True), listed)
 
 
-def _rank(shaped: Shaped) -> tuple[bool, float]:
-    """Solved designs before those that only a table knows, then by merit."""
-    return shaped.elements is not None, shaped.merit
+def _rank(shaped: Shaped) -> tuple[bool, int, float]:
+    """Solved designs before those that only a table knows, then none that reads low before others, then by merit."""
+    return shaped.elements is not None, *shaped.rank
+
+
+def _fitted(shaped: Shaped, space: SearchSpace) -> Shaped:
+    """With the tissue's law fitted to the presses of the design and of its alternatives, which a search leaves out."""
+    best, *others = with_parameters((shaped.found.best, *shaped.found.alternatives), space)
+    return replace(shaped, found=replace(shaped.found, best=best, alternatives=tuple(others)))
 
 
 def _designs(text: str, space: SearchSpace) -> tuple[list[Shaped], list[Beside]]:

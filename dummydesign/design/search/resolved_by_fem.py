@@ -116,8 +116,12 @@ def on_elements(shaped: Shaped, space: SearchSpace) -> Shaped:
     """
     law = solve_law(shaped, space.radius_mm)
     thickness = np.array([shaped.found.best.thickness_mm])
-    best = search(law, replace(space, thickness_mm=thickness), LOW_SHARE).best
+    best = search(law, replace(space, thickness_mm=thickness), LOW_SHARE, fitted=0).best
     return replace(shaped, found=replace(shaped.found, best=best), elements=law)
+
+
+def _rank(shaped: Shaped) -> tuple[int, float]:
+    return shaped.rank
 
 
 def solve_leading(designs: Sequence[Shaped], space: SearchSpace) -> tuple[Shaped, ...]:
@@ -126,9 +130,9 @@ def solve_leading(designs: Sequence[Shaped], space: SearchSpace) -> tuple[Shaped
     Of every kind the first is solved, of the best kind the first three. Fields of caps take minutes in space and
     are solved, the first of them, when nothing else was asked for.
     """
-    order = sorted((shaped for shaped in designs if shaped.shape.axisymmetric), key=lambda shaped: -shaped.merit)
+    order = sorted((shaped for shaped in designs if shaped.shape.axisymmetric), key=_rank, reverse=True)
     if not order:
-        order = sorted(designs, key=lambda shaped: -shaped.merit)[:1]
+        order = sorted(designs, key=_rank, reverse=True)[:1]
     if not order:
         return tuple(designs)
     leading = [shaped for shaped in order if shaped.shape.name == order[0].shape.name][:SOLVED]

@@ -25,7 +25,7 @@ from dummydesign.geometry.shapes import PadShape
 LOW_SHARE = 0.5
 """A shape is chosen half by the total of all designs and half by its closeness to the aim below 5 N, which
 is what it is made for; a choice, not a measurement."""
-TRIED, AROUND_STEPS = 6, 2
+TRIED, AROUND_STEPS, REFINED = 6, 2, 4
 _SIEVE_N = MISFIT_N[::3]
 
 
@@ -49,8 +49,13 @@ class Shaped:
 
     @property
     def merit(self) -> float:
-        """By what designs with a shape are ranked."""
+        """By what designs with a shape are ranked that may stand for the person alike."""
         return self.found.best.merit(LOW_SHARE)
+
+    @property
+    def rank(self) -> tuple[int, float]:
+        """By what designs with a shape are ranked: none that reads low before one that does not."""
+        return self.found.best.standing, self.merit
 
 
 def sieve(family: Family, targets: Targets, thickness_mm: NDArray, young_MPa: tuple[float, float], radius_mm: float,
@@ -124,7 +129,7 @@ def search_shape(family: Family, space: SearchSpace) -> list[Shaped]:
     able = [shaped for shaped in found if shaped is not None]
     if not able:
         raise NoAnswerError("no_feasible_design", f"no {family.kind} pad reaches 10 N within its depth limit")
-    return sorted(able, key=lambda shaped: -shaped.merit)
+    return sorted(able, key=lambda shaped: shaped.rank, reverse=True)
 
 
 def search_fixed(family: Family, shape: PadShape, space: SearchSpace) -> Shaped:
@@ -162,7 +167,7 @@ def search_fixed(family: Family, shape: PadShape, space: SearchSpace) -> Shaped:
             f"{shape} lies outside the response surface of {family.kind} pads at every thickness from {fitting[0]:g} "
             f"to {fitting[-1]:g} mm; press it with 'dummydesign predict --shape {shape} --fidelity {shape.fidelity}'",
         )
-    found = search(law, replace(space, thickness_mm=steps), LOW_SHARE)
+    found = search(law, replace(space, thickness_mm=steps), LOW_SHARE, fitted=0)
     return Shaped(shape, law, found)
 
 
@@ -183,12 +188,12 @@ def _around(family: Family, shape: PadShape, thickness: float, space: SearchSpac
     if not len(near):
         return None
     try:
-        found = search(law, replace(space, thickness_mm=near), LOW_SHARE)
+        found = search(law, replace(space, thickness_mm=near), LOW_SHARE, REFINED, 0)
         chosen = np.array([found.best.thickness_mm])
         own = family.at_thickness(shape, thickness, chosen).shape(0).rounded()
         own.check(float(chosen[0]))
         law = ShapeLaw(family, own, float(chosen[0]))
-        exact = search(law, replace(space, thickness_mm=chosen), LOW_SHARE)
+        exact = search(law, replace(space, thickness_mm=chosen), LOW_SHARE, REFINED, 0)
     except (NoAnswerError, InputError):
         return None
     return Shaped(own, law, replace(found, best=exact.best))

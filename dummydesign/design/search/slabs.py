@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from dummydesign.core.errors import NoAnswerError, out_of_range
 from dummydesign.design.scoring.law_parameters import fit_presses, gamma1_score, parametric_score
 from dummydesign.design.scoring.presses import Curves, ForceLaw, Sampling, Slabs, make_curves
 from dummydesign.design.scoring.score import Evaluation, evaluate, steady_gamma1
+from dummydesign.design.scoring.standing import standing
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.search.space import SearchSpace
 from dummydesign.resin.model.resin import Resin
@@ -52,6 +54,8 @@ class Candidate:
     parameters: Any
     parametric: float
     total: float
+    standing: int = 0
+    """Whether it may stand for the person at all, :mod:`dummydesign.design.scoring.standing`; before any merit."""
 
     def merit(self, low_share: float) -> float:
         """By what designs are ranked: the total, with a share of the closeness to the aim below 5 N."""
@@ -115,7 +119,9 @@ def make_slabs(curves: Curves, slab: NDArray, resin: Resin, ratio: NDArray) -> S
     return Slabs(curves, slab, young[back], tau, beta.reshape(len(known), len(tau))[back])
 
 
-def search(law: ForceLaw, space: SearchSpace, low_share: float = 0.0) -> SearchResult:
+def search(
+    law: ForceLaw, space: SearchSpace, low_share: float = 0.0, refined: int = REFINED, fitted: int = FITTED
+) -> SearchResult:
     """Find the slab and ratio that score best, in practical steps.
 
     Every combination is scored on a coarse time grid (the map); the best of it are worked out on a fine
@@ -130,6 +136,9 @@ def search(law: ForceLaw, space: SearchSpace, low_share: float = 0.0) -> SearchR
         Resin, targets and the steps to combine.
     low_share : float
         Weight, in the choice of the best, of the closeness to the aim below 5 N beside the total.
+    refined, fitted : int
+        How many of the map's best are worked out on the fine grid, and to how many of these the law is fitted; with
+        no fit the parametric part is that of gamma1 and ``parameters`` are None (:func:`with_parameters`).
 
     Returns
     -------
@@ -169,27 +178,35 @@ def search(law: ForceLaw, space: SearchSpace, low_share: float = 0.0) -> SearchR
     if not rough.feasible.any():
         raise NoAnswerError("no_feasible_design", _why_none(resin, thickness_mm, ratio))
     merit = (1.0 - low_share) * total + low_share * rough.low_aim
-    ranked = np.argsort(-np.where(rough.feasible, merit, -1.0), kind="stable")
-    ranked = ranked[: min(REFINED, int(rough.feasible.sum()))]
+    order = merit + 2.0 * standing(rough, targets)
+    ranked = np.argsort(-np.where(rough.feasible, order, -1.0), kind="stable")
+    ranked = ranked[: min(refined, int(rough.feasible.sum()))]
     others = np.setdiff1d(_pareto(score_map, ranked[0]), ranked)
     chosen = np.r_[ranked, others]
-    candidates = _work_out(slabs.take(chosen), ratio[column[chosen]], targets, sampling, len(ranked), low_share)
-    best = max(candidates, key=lambda candidate: candidate.merit(low_share))
+    counts = len(ranked), fitted
+    candidates = _work_out(slabs.take(chosen), ratio[column[chosen]], targets, sampling, counts, low_share)
+    best = max(candidates, key=lambda candidate: (candidate.standing, candidate.merit(low_share)))
     return SearchResult(best, _alternatives(candidates, best), score_map)
 
 
 def _work_out(
-    slabs: Slabs, ratio: NDArray, targets: Targets, sampling: Sampling, ranked: int, low_share: float
+    slabs: Slabs, ratio: NDArray, targets: Targets, sampling: Sampling, counts: tuple[int, int], low_share: float
 ) -> list[Candidate]:
-    """Evaluate designs on the fine grid; fit the best of the first ``ranked`` and all others."""
+    """Evaluate designs on the fine grid; fit the best of the first ones (how many, how many fitted) and all others."""
+    ranked, fitted = counts
     exact = evaluate(slabs, targets, sampling, exact=True)
-    before = exact.total(gamma1_score(steady_gamma1(slabs), targets))
-    before = (1.0 - low_share) * before + low_share * exact.low_aim
-    best = np.argsort(-before[:ranked], kind="stable")[:FITTED]
-    kept = np.sort(np.r_[best, np.arange(ranked, len(ratio))])
-    found = fit_presses(slabs.take(kept), targets, exact.depth_mm[kept], sampling)
-    parametric = parametric_score(found, targets)
-    total = exact.take(kept).total(parametric)
+    stands = standing(exact, targets)
+    parametric = gamma1_score(steady_gamma1(slabs), targets)
+    before = exact.total(parametric)
+    if fitted:
+        order = (1.0 - low_share) * before + low_share * exact.low_aim + 2.0 * stands
+        best = np.argsort(-order[:ranked], kind="stable")[:fitted]
+        kept = np.sort(np.r_[best, np.arange(ranked, len(ratio))])
+        found = fit_presses(slabs.take(kept), targets, exact.depth_mm[kept], sampling)
+        parametric = parametric_score(found, targets)
+        total = exact.take(kept).total(parametric)
+    else:
+        kept, found, total = np.arange(len(ratio)), [None] * len(ratio), before
     return [
         Candidate(
             float(slabs.thickness_mm[index]),
@@ -199,9 +216,31 @@ def _work_out(
             found[row],
             float(parametric[row]),
             float(total[row]),
+            int(stands[index]),
         )
         for row, index in enumerate(kept)
     ]
+
+
+def with_parameters(candidates: Sequence[Candidate], space: SearchSpace) -> tuple[Candidate, ...]:
+    """Designs with the tissue's law fitted to their presses, and the total that goes with it, where it was not yet.
+
+    Parameters
+    ----------
+    candidates : sequence of Candidate
+    space : SearchSpace
+    """
+    done = []
+    for candidate in candidates:
+        if candidate.parameters is None:
+            evaluation, row = candidate.evaluation, np.array([candidate.index])
+            slabs, depth = evaluation.slabs.take(row), evaluation.depth_mm[row]
+            found = fit_presses(slabs, space.targets, depth, space.sampling)
+            score = parametric_score(found, space.targets)
+            total = float(evaluation.take(row).total(score)[0])
+            candidate = replace(candidate, parameters=found[0], parametric=float(score[0]), total=total)
+        done.append(candidate)
+    return tuple(done)
 
 
 def _objectives(score_map: ScoreMap) -> NDArray:

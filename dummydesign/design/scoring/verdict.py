@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.assessment.verdict_words import Findings, sentence
+from dummydesign.design.scoring.verdict_words import Findings, sentence
 
 LEVELS = ("inside", "reads_low", "reads_high", "mixed", "poor")
 FORCE_TOLERANCE = 0.01

@@ -8,11 +8,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from dummydesign.design.assessment.readings import ranges_of, reading_of
-from dummydesign.design.assessment.verdict import LEVELS, Ranges, Readings, levels, verdict
 from dummydesign.design.request import RADIUS_MM
 from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.targets import make_targets
+from dummydesign.design.scoring.verdict import LEVELS, Ranges, Readings, levels, verdict
 from dummydesign.design.search.slabs import Candidate
 from tests.support.slab_by_formula import make_tissue
 

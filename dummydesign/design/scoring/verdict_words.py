@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from dummydesign.design.assessment.verdict import Flags, Ranges, Readings
+    from dummydesign.design.scoring.verdict import Flags, Ranges, Readings
 
 
 @dataclass(frozen=True)

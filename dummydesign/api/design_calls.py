@@ -83,11 +83,11 @@ def suggest(
     Examples
     --------
     >>> import dummydesign
-    >>> answer = dummydesign.suggest("forefinger", verify=False).to_dict()
+    >>> answer = dummydesign.suggest("forefinger", shape="slab", verify=False).to_dict()
     >>> answer["recommendation"]["thickness_mm"], answer["recommendation"]["ratio"]
-    (6.0, 15.4)
+    (5.0, 15.0)
     >>> [(part["name"], part["mass_g"]) for part in answer["recommendation"]["recipe"]["components"]]
-    [('polyol', 113.7), ('isocyanate', 17.5)]
+    [('polyol', 96.9), ('isocyanate', 14.5)]
     """
     from dummydesign.design.request import Request
     from dummydesign.loop.effects.own import own_effects

@@ -44,7 +44,7 @@ def thinned(tmp_path):
 
 
 def test_a_thinned_silicone_is_designed_with_its_own_components(thinned, layer_law):
-    answer = suggest(Request("forefinger", resin=thinned, verify=False), layer_law).to_dict()
+    answer = suggest(Request("forefinger", resin=thinned, verify=False, shape="slab"), layer_law).to_dict()
     best = answer["recommendation"]
     masses = {item["name"]: item["mass_g"] for item in best["recipe"]["components"]}
     assert best["ratio_meaning"] == "thinner parts per 100 A+B by weight" and best["prony"] == []
@@ -58,7 +58,7 @@ def test_a_thinned_silicone_is_designed_with_its_own_components(thinned, layer_l
 
 
 def test_a_measured_resin_makes_more_pours_stay_inside(layer_law):
-    answer = suggest(Request("forefinger", verify=False), layer_law)
+    answer = suggest(Request("forefinger", verify=False, shape="slab"), layer_law)
     resin, best = answer.resin, answer.best
     known = {
         name: dataclasses.replace(q, low=q.value - 0.1 * (q.value - q.low), high=q.value + 0.1 * (q.high - q.value))
@@ -82,7 +82,7 @@ def tissue_file(tmp_path, tissue):
 
 
 def test_a_single_subject_can_be_followed(tmp_path, layer_law):
-    answer = suggest(Request(tissue_file(tmp_path, make_tissue((1.2,))), verify=False), layer_law)
+    answer = suggest(Request(tissue_file(tmp_path, make_tissue((1.2,))), verify=False, shape="slab"), layer_law)
     best = answer.best
     depth = best.evaluation.depth_mm[best.index, 1]
     assert depth == pytest.approx(np.cbrt(10.0 / 1.2), rel=0.15)
@@ -90,7 +90,8 @@ def test_a_single_subject_can_be_followed(tmp_path, layer_law):
 
 
 def test_speeds_and_law_come_from_the_tissue(tmp_path, layer_law):
-    answer = suggest(Request(tissue_file(tmp_path, make_tissue(law="published")), verify=False), layer_law).to_dict()
+    asked = Request(tissue_file(tmp_path, make_tissue(law="published")), verify=False, shape="slab")
+    answer = suggest(asked, layer_law).to_dict()
     assert answer["recommendation"]["parameters_law"] == "published"
 
 
@@ -99,7 +100,7 @@ def test_contradictory_points_reach_the_answer(tmp_path, layer_law):
 
     resin = update_resin(load_resin(), [Point(15.0, number(50.0)), Point(16.0, number(35.0))], "mine")
     path = str(save_resin(resin, tmp_path / "mine.toml"))
-    warnings = suggest(Request("forefinger", resin=path, verify=False), layer_law).to_dict()["warnings"]
+    warnings = suggest(Request("forefinger", resin=path, verify=False, shape="slab"), layer_law).to_dict()["warnings"]
     assert any(item["code"] == "contradictory_points" for item in warnings)
 
 
@@ -110,7 +111,7 @@ def test_measured_points_narrow_the_ratio_that_is_recommended(tmp_path, layer_la
     path = str(save_resin(resin, tmp_path / "mine.toml"))
     widths = []
     for name in ("polyurethane-nagoya", path):
-        found = suggest(Request("forefinger", resin=name, verify=False), layer_law).to_dict()["rests_on"]
+        found = suggest(Request("forefinger", resin=name, verify=False, shape="slab"), layer_law).to_dict()["rests_on"]
         widths.append(found["ratio_high"] - found["ratio_low"])
     assert widths[1] < 0.4 * widths[0]
 

@@ -43,5 +43,5 @@ def test_the_reports_bars_are_those_of_the_cast_pad(crowned, tmp_path):
 
 
 def test_a_slab_is_cast_as_it_was_searched():
-    answer = suggest(Request("forefinger", verify=False, thickness_mm=(5.0, 5.0), ratio=(15.0, 16.0)))
+    answer = suggest(Request("forefinger", shape="slab", verify=False, thickness_mm=(5.0, 5.0), ratio=(15.0, 16.0)))
     assert answer.cast is answer.law

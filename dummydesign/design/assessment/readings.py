@@ -1,4 +1,4 @@
-"""What the verdict is worked out from: ranges of a tissue at a protocol, readings of a design and of its pours."""
+"""What the verdict on a design is worked out from: its readings, and those of its pours."""
 
 from __future__ import annotations
 
@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.design.assessment.pour_yield import Pours, Tolerances, draw_pours
-from dummydesign.design.assessment.safety import tissue_press
 from dummydesign.design.scoring.presses import ForceLaw, Sampling, Slabs, make_curves
-from dummydesign.design.scoring.score import Evaluation, evaluate
-from dummydesign.design.scoring.targets import STEADY_GRID_N, Targets
-from dummydesign.design.scoring.verdict import Ranges, Readings, Verdict, verdict
+from dummydesign.design.scoring.score import evaluate
+from dummydesign.design.scoring.standing import ranges_of, readings_of
+from dummydesign.design.scoring.verdict import Readings, Verdict, verdict
 from dummydesign.resin.model.distribution import HALF_WIDTH
 
 if TYPE_CHECKING:
@@ -22,34 +21,6 @@ if TYPE_CHECKING:
 
 POURS, NODES, SEED = 400, 41, 17
 AT_LIMIT = 0.99
-
-
-def ranges_of(targets: Targets, sampling: Sampling) -> Ranges:
-    """Peaks and energies of the outermost subjects in every press of a protocol, and their depths from 5 to 15 N."""
-    conditions = targets.conditions
-    energies = [tissue_press(condition.range, targets.tissue.law, sampling).energy_mJ for condition in conditions]
-    stiff, soft = targets.depth_range_mm(STEADY_GRID_N)
-    return Ranges(
-        np.array([condition.steady_force_N for condition in conditions]),
-        np.array([condition.velocity_mm_s for condition in conditions]),
-        np.array([condition.range.peak_low_N for condition in conditions]),
-        np.array([condition.range.peak_high_N for condition in conditions]),
-        np.array([energy.min() for energy in energies]),
-        np.array([energy.max() for energy in energies]),
-        STEADY_GRID_N,
-        stiff,
-        soft,
-        len(targets.tissue.subjects),
-    )
-
-
-def readings_of(evaluation: Evaluation) -> Readings:
-    """Readings of all designs of an evaluation, shapes (D, c) and (D, g)."""
-    return Readings(
-        np.stack([press.peak_N for press in evaluation.presses], axis=-1),
-        np.stack([press.energy_mJ for press in evaluation.presses], axis=-1),
-        evaluation.steady_depth_mm,
-    )
 
 
 def reading_of(candidate: Candidate) -> Readings:
@@ -145,7 +116,7 @@ def verdict_of_design(law: ForceLaw, candidate: Candidate, space: SearchSpace, t
         Of weighing and thickness.
     """
     return verdict(
-        ranges_of(space.targets, space.sampling),
+        ranges_of(space.targets),
         reading_of(candidate),
         spread_of(law, candidate, space, tolerances),
         limits_that_bind(candidate, space.thickness_mm, space.ratio),

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import out_of_range
 from dummydesign.design.scoring.presses import Sampling, Slabs, press_to_depth
+from dummydesign.design.scoring.targets import subjects_press
 
 if TYPE_CHECKING:
     from dummydesign.tissue.model.parameters import Parameters
@@ -95,19 +96,7 @@ def tissue_press(band: ForceRange, law: str = "ode", sampling: Sampling | None =
     sampling : Sampling, optional
         Hold and braking; those of the measurements by default.
     """
-    from dummydesign.tissue.model.laws import law_named
-    from dummydesign.tissue.model.laws.ideal_ramp import ramps_of
-    from dummydesign.tissue.model.ranges import interpolate_rows
-
-    sampling = sampling or Sampling()
-    motion = sampling.motion(band.velocity_mm_s, band.depth_mm)
-    grid = np.broadcast_to(band.time_s, band.curves_N.shape)
-    forces = interpolate_rows(motion.time_s, grid, band.curves_N)
-    displacement = motion.displacement_mm
-    if law_named(law).ideal_ramp:
-        contact, stop, depth = (values[:, None] for values in ramps_of(motion))
-        displacement = depth * np.clip((motion.time_s - contact) / (stop - contact), 0.0, 1.0)
-    found = _of_press(motion.time_s, displacement, forces, band.stop_s)
+    found = _of_press(*subjects_press(band, law, sampling or Sampling()), band.stop_s)
     followed = band.stop_s <= band.time_s[-1]
     return Contact(*(np.where(followed, value, np.nan) for value in found.__dict__.values()))
 

@@ -34,6 +34,8 @@ class Condition:
     velocity_mm_s: float
     range: ForceRange
     aim: ForceRange
+    energy_mJ: tuple[float, float] = (np.nan, np.nan)
+    """Energy of the rise, lowest and highest subject; NaN where a subject still moves when the range ends."""
 
     @property
     def aim_peak_N(self) -> float:
@@ -106,8 +108,43 @@ def make_targets(tissue: Tissue, aim: str, sampling: Sampling) -> Targets:
         for force in FORCES_N:
             motion = (sampling.hold_s, sampling.deceleration_mm_s2)
             band = force_range((*tissue.parameter_sets, parameters), force, velocity, *motion)
-            conditions.append(Condition(force, velocity, _part(band, slice(-1)), _part(band, slice(-1, None))))
+            subjects = _part(band, slice(-1))
+            energy = _energies(subjects, tissue.law, sampling)
+            ends = float(energy.min()), float(energy.max())
+            conditions.append(Condition(force, velocity, subjects, _part(band, slice(-1, None)), ends))
     return Targets(tissue, aim, parameters, tuple(conditions))
+
+
+def subjects_press(band: ForceRange, law: str, sampling: Sampling) -> tuple[NDArray, NDArray, NDArray]:
+    """Times, displacements and forces (subjects, n) of the subjects of a force range in their ramp and hold.
+
+    Parameters
+    ----------
+    band : ForceRange
+        Made with the hold and braking of ``sampling``.
+    law : str
+        Of the subjects; for one that knows ideal ramps only the displacement is that of the ideal ramp.
+    sampling : Sampling
+    """
+    from dummydesign.tissue.model.laws import law_named
+    from dummydesign.tissue.model.laws.ideal_ramp import ramps_of
+    from dummydesign.tissue.model.ranges import interpolate_rows
+
+    motion = sampling.motion(band.velocity_mm_s, band.depth_mm)
+    grid = np.broadcast_to(band.time_s, band.curves_N.shape)
+    forces = interpolate_rows(motion.time_s, grid, band.curves_N)
+    displacement = motion.displacement_mm
+    if law_named(law).ideal_ramp:
+        contact, stop, depth = (values[:, None] for values in ramps_of(motion))
+        displacement = depth * np.clip((motion.time_s - contact) / (stop - contact), 0.0, 1.0)
+    return motion.time_s, displacement, forces
+
+
+def _energies(band: ForceRange, law: str, sampling: Sampling) -> NDArray:
+    """Energy of the rise of each subject. [mJ]"""
+    _, displacement, force = subjects_press(band, law, sampling)
+    energy = (0.5 * (force[:, 1:] + force[:, :-1]) * np.diff(displacement, axis=-1)).sum(axis=-1)
+    return np.where(band.stop_s <= band.time_s[-1], energy, np.nan)
 
 
 def _part(band: ForceRange, chosen: slice) -> ForceRange:

@@ -161,7 +161,7 @@ def choose(found: Found, space: SearchSpace) -> Chosen:
         beside.append(_beside(kind, best.shape, best.found.best, space, by))
     listed = (*beside, *found.missing)
     if found.asked.lower() == AUTO and flat is not None:
-        if not designs or (flat.best.standing, flat.best.merit(LOW_SHARE)) >= max(designs, key=_rank).rank:
+        if not designs or flat.best.worth(LOW_SHARE) >= max(designs, key=_rank).worth:
             return Chosen(Slab(), flat, law, law, listed)
     if not designs:
         raise NoAnswerError("no_feasible_design", "; ".join(item.reason for item in found.missing if item.reason))
@@ -169,9 +169,9 @@ def choose(found: Found, space: SearchSpace) -> Chosen:
     return Chosen(best.shape, best.found, best.law, best.elements or replace(best.law, cast=True), listed)
 
 
-def _rank(shaped: Shaped) -> tuple[bool, int, float]:
-    """Solved designs before those that only a table knows, then none that reads low before others, then by merit."""
-    return shaped.elements is not None, *shaped.rank
+def _rank(shaped: Shaped) -> tuple[bool, float]:
+    """Solved designs before those that only a table knows, then by what they are worth."""
+    return shaped.elements is not None, shaped.worth
 
 
 def _fitted(shaped: Shaped, space: SearchSpace) -> Shaped:

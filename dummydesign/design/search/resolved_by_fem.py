@@ -120,8 +120,8 @@ def on_elements(shaped: Shaped, space: SearchSpace) -> Shaped:
     return replace(shaped, found=replace(shaped.found, best=best), elements=law)
 
 
-def _rank(shaped: Shaped) -> tuple[int, float]:
-    return shaped.rank
+def _rank(shaped: Shaped) -> float:
+    return shaped.worth
 
 
 def solve_leading(designs: Sequence[Shaped], space: SearchSpace) -> tuple[Shaped, ...]:

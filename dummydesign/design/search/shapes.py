@@ -49,13 +49,13 @@ class Shaped:
 
     @property
     def merit(self) -> float:
-        """By what designs with a shape are ranked that may stand for the person alike."""
+        """How good a design with a shape is, whether it reads low or not."""
         return self.found.best.merit(LOW_SHARE)
 
     @property
-    def rank(self) -> tuple[int, float]:
-        """By what designs with a shape are ranked: none that reads low before one that does not."""
-        return self.found.best.standing, self.merit
+    def worth(self) -> float:
+        """By what designs with a shape are chosen; see :meth:`Candidate.worth`."""
+        return self.found.best.worth(LOW_SHARE)
 
 
 def sieve(family: Family, targets: Targets, thickness_mm: NDArray, young_MPa: tuple[float, float], radius_mm: float,
@@ -129,7 +129,7 @@ def search_shape(family: Family, space: SearchSpace) -> list[Shaped]:
     able = [shaped for shaped in found if shaped is not None]
     if not able:
         raise NoAnswerError("no_feasible_design", f"no {family.kind} pad reaches 10 N within its depth limit")
-    return sorted(able, key=lambda shaped: shaped.rank, reverse=True)
+    return sorted(able, key=lambda shaped: shaped.worth, reverse=True)
 
 
 def search_fixed(family: Family, shape: PadShape, space: SearchSpace) -> Shaped:

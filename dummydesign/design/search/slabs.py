@@ -14,7 +14,7 @@ from dummydesign.core.errors import NoAnswerError, out_of_range
 from dummydesign.design.scoring.law_parameters import fit_presses, gamma1_score, parametric_score
 from dummydesign.design.scoring.presses import Curves, ForceLaw, Sampling, Slabs, make_curves
 from dummydesign.design.scoring.score import Evaluation, evaluate, steady_gamma1
-from dummydesign.design.scoring.standing import standing
+from dummydesign.design.scoring.standing import WORTH, standing
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.search.space import SearchSpace
 from dummydesign.resin.model.resin import Resin
@@ -55,11 +55,15 @@ class Candidate:
     parametric: float
     total: float
     standing: int = 0
-    """Whether it may stand for the person at all, :mod:`dummydesign.design.scoring.standing`; before any merit."""
+    """Whether it may stand for the person, :mod:`dummydesign.design.scoring.standing`."""
 
     def merit(self, low_share: float) -> float:
         """By what designs are ranked: the total, with a share of the closeness to the aim below 5 N."""
         return (1.0 - low_share) * self.total + low_share * float(self.evaluation.low_aim[self.index])
+
+    def worth(self, low_share: float) -> float:
+        """By what designs are chosen: the merit, less where it reads low or leaves the steady range."""
+        return WORTH[self.standing] * self.merit(low_share)
 
 
 @dataclass(frozen=True)
@@ -178,14 +182,14 @@ def search(
     if not rough.feasible.any():
         raise NoAnswerError("no_feasible_design", _why_none(resin, thickness_mm, ratio))
     merit = (1.0 - low_share) * total + low_share * rough.low_aim
-    order = merit + 2.0 * standing(rough, targets)
+    order = merit * np.array(WORTH)[standing(rough, targets)]
     ranked = np.argsort(-np.where(rough.feasible, order, -1.0), kind="stable")
     ranked = ranked[: min(refined, int(rough.feasible.sum()))]
     others = np.setdiff1d(_pareto(score_map, ranked[0]), ranked)
     chosen = np.r_[ranked, others]
     counts = len(ranked), fitted
     candidates = _work_out(slabs.take(chosen), ratio[column[chosen]], targets, sampling, counts, low_share)
-    best = max(candidates, key=lambda candidate: (candidate.standing, candidate.merit(low_share)))
+    best = max(candidates, key=lambda candidate: candidate.worth(low_share))
     return SearchResult(best, _alternatives(candidates, best), score_map)
 
 
@@ -199,7 +203,7 @@ def _work_out(
     parametric = gamma1_score(steady_gamma1(slabs), targets)
     before = exact.total(parametric)
     if fitted:
-        order = (1.0 - low_share) * before + low_share * exact.low_aim + 2.0 * stands
+        order = ((1.0 - low_share) * before + low_share * exact.low_aim) * np.array(WORTH)[stands]
         best = np.argsort(-order[:ranked], kind="stable")[:fitted]
         kept = np.sort(np.r_[best, np.arange(ranked, len(ratio))])
         found = fit_presses(slabs.take(kept), targets, exact.depth_mm[kept], sampling)

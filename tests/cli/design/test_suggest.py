@@ -8,12 +8,17 @@ from dummydesign.cli import run
 from dummydesign.resin import load_resin
 
 QUICK = ["--shape", "slab", "--no-cad", "--no-verify"]
-RED = 1  # every slab of this resin reads low in some peaks
 
 
 @pytest.fixture(autouse=True)
 def _in_an_empty_folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+
+
+def fits(status, found):
+    """Status 1 goes with a red light and its error, and with nothing else."""
+    red = found["verdict"]["light"] == "red"
+    return status == int(red) and ("error" in found) == red
 
 
 def answer(capsys, *arguments):
@@ -24,8 +29,7 @@ def answer(capsys, *arguments):
 @pytest.mark.parametrize("tissue", ["forefinger", "palm", "thenar"])
 def test_every_tissue_gets_a_design_with_all_that_the_contract_names(tissue, capsys):
     status, found = answer(capsys, "suggest", "--tissue", tissue, *QUICK)
-    assert status == RED and found["schema"] == "dummydesign.suggest/1"
-    assert found["verdict"]["level"] == "reads_low" and found["error"]["code"] == "no_acceptable_pad"
+    assert fits(status, found) and found["schema"] == "dummydesign.suggest/1"
     best = found["recommendation"]
     assert 3 <= best["thickness_mm"] <= 30 and 14 <= best["ratio"] <= 20
     assert best["ratio_meaning"] == "isocyanate parts per 100 polyol by weight"
@@ -109,14 +113,16 @@ def test_without_cad_the_recipe_stands_and_the_missing_step_is_named(capsys, mon
 
 
 def test_text_shows_recipe_scores_and_what_it_rests_on(capsys):
-    assert run(["suggest", "--tissue", "forefinger", *QUICK]) == RED
+    assert run(["suggest", "--tissue", "forefinger", "--resin", "ecoflex-00-30", *QUICK]) == 1
     shown = capsys.readouterr()
-    text = shown.out
-    assert text.startswith("RED  READS LOW") and "not acceptable: reads low" in shown.err
+    assert shown.out.startswith("RED  READS LOW") and "not acceptable: reads low" in shown.err
+    assert run(["suggest", "--tissue", "forefinger", *QUICK]) == 0
+    text = capsys.readouterr().out
+    assert text.startswith("AMBER  MIXED")
     parts = ("polyol", "isocyanate", "total", "fraction in range", "inferred or assumed", "alternatives")
     for part in (*parts, "% of castings"):
         assert part in text
-    assert max(len(line) for line in text.splitlines() if not line.startswith(("warning", "next", "RED"))) < 260
+    assert max(len(line) for line in text.splitlines() if not line.startswith(("warning", "next", "AMBER"))) < 260
 
 
 @pytest.mark.parametrize(
@@ -142,7 +148,7 @@ def test_bad_input_is_one_line_and_status_2(arguments, message, capsys):
 
 def test_one_ratio_is_a_range_of_one(capsys):
     status, found = answer(capsys, "suggest", "--tissue", "palm", "--ratio", "15", *QUICK)
-    assert status == RED and found["recommendation"]["ratio"] == 15.0
+    assert fits(status, found) and found["recommendation"]["ratio"] == 15.0
     assert {other["ratio"] for other in found["alternatives"]} <= {15.0}
 
 
@@ -266,7 +272,7 @@ def test_whatif_refuses_in_one_line_and_leaves_nothing(arguments, message, capsy
 
 @pytest.mark.slow
 def test_the_recommended_design_is_verified_by_finite_elements(capsys):
-    _, found = answer(capsys, "suggest", "--tissue", "forefinger", "--no-cad")
+    _, found = answer(capsys, "suggest", "--tissue", "forefinger", "--shape", "slab", "--no-cad")
     checked = found["verification"]
     assert checked["fidelity"] == "axisymmetric" and len(checked["depth_mm"]) == 3
     assert 0 <= checked["max_difference_percent"] < 10

@@ -7,10 +7,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from dummydesign.design.assessment.readings import ranges_of, reading_of
+from dummydesign.design.assessment.readings import reading_of
 from dummydesign.design.request import RADIUS_MM
 from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves
 from dummydesign.design.scoring.score import evaluate
+from dummydesign.design.scoring.standing import ranges_of
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.scoring.verdict import LEVELS, Ranges, Readings, levels, verdict
 from dummydesign.design.search.slabs import Candidate
@@ -174,7 +175,7 @@ def slabs_of(law, young_MPa, thickness_mm, beta=(0.6, 0.5)):
 def judged(slabs, tissue, sampling):
     targets = make_targets(tissue, "average", sampling)
     evaluation = evaluate(slabs, targets, sampling)
-    band = ranges_of(targets, sampling)
+    band = ranges_of(targets)
     return [
         verdict(band, reading_of(Candidate(5.0, 15.0, index, evaluation, None, 0.0, 0.0)))
         for index in range(len(slabs.slab))

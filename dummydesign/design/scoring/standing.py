@@ -19,8 +19,10 @@ def standing(evaluation: Evaluation, targets: Targets) -> NDArray:
     """Standing of designs by their verdict as they are, shape (D,).
 
     2: nothing is below every subject's, every press is reached and the depths at the steady forces of the protocol lie
-    between the subjects'; 1: the same without the last; 0: reads low, or poor.
+    between the subjects'; 1: the same without the last; 0: reads low, or poor. One subject makes no range: all are 2.
     """
+    if len(targets.tissue.subjects) < 2:
+        return np.full(len(evaluation.depth_mm), ACCEPTABLE_AND_STEADY)
     ranges, readings = ranges_of(targets), readings_of(evaluation)
     acceptable = np.array([level in ("inside", "reads_high") for level in levels(ranges, readings)])
     wanted = np.searchsorted(ranges.steady_N, np.unique(ranges.force_N) - 1e-9)

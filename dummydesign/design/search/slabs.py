@@ -16,13 +16,14 @@ from dummydesign.design.scoring.presses import Curves, ForceLaw, Sampling, Slabs
 from dummydesign.design.scoring.score import Evaluation, evaluate, steady_gamma1
 from dummydesign.design.scoring.standing import WORTH, standing
 from dummydesign.design.scoring.targets import Targets
+from dummydesign.design.search.alternatives import ALTERNATIVES, alternatives_to
 from dummydesign.design.search.space import SearchSpace
 from dummydesign.resin.model.resin import Resin
 
 THICKNESS_MM = (3.0, 30.0)
 """Slabs that can be cast. [mm]"""
 THICKNESS_STEP_MM = 0.5
-REFINED, FITTED, ALTERNATIVES = 24, 6, 4
+REFINED, FITTED = 24, 6
 
 
 @dataclass(frozen=True)
@@ -190,7 +191,7 @@ def search(
     counts = len(ranked), fitted
     candidates = _work_out(slabs.take(chosen), ratio[column[chosen]], targets, sampling, counts, low_share)
     best = max(candidates, key=lambda candidate: candidate.worth(low_share))
-    return SearchResult(best, _alternatives(candidates, best), score_map)
+    return SearchResult(best, alternatives_to(candidates, best), score_map)
 
 
 def _work_out(
@@ -284,24 +285,6 @@ def _pareto(score_map: ScoreMap, best: int) -> NDArray:
         if len(kept) == ALTERNATIVES:
             break
     return np.array(kept, dtype=int)
-
-
-def _alternatives(candidates: list[Candidate], best: Candidate) -> tuple[Candidate, ...]:
-    """From all that were worked out exactly, those that no other beats, by falling total."""
-    parts = ("steady_state_range", "force_variation_range", "aim", "low_force_range")
-    values = np.array([[getattr(c.evaluation, name)[c.index] for name in parts] for c in candidates])
-    left = []
-    for index in sorted(range(len(candidates)), key=lambda i: -candidates[i].total):
-        candidate = candidates[index]
-        others = np.delete(values, index, axis=0)
-        beaten = np.all(others >= values[index], axis=1) & np.any(others > values[index], axis=1)
-        near = any(
-            abs(candidate.thickness_mm - other.thickness_mm) <= 1.0 and abs(candidate.ratio - other.ratio) <= 0.3
-            for other in (best, *left)
-        )
-        if candidate is not best and not beaten.any() and not near:
-            left.append(candidate)
-    return tuple(left[:ALTERNATIVES])
 
 
 def _why_none(resin: Resin, thickness_mm: NDArray, ratio: NDArray) -> str:

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from dummydesign.design.assessment.pour_yield import Pours, Tolerances, draw_pours
 from dummydesign.design.scoring.presses import ForceLaw, Sampling, Slabs, make_curves
 from dummydesign.design.scoring.score import evaluate
-from dummydesign.design.scoring.standing import ranges_of, readings_of
-from dummydesign.design.scoring.verdict import Readings, Verdict, verdict
+from dummydesign.design.scoring.standing import SAFE_SIDE, ranges_of, readings_of, safe_side_shortfall
+from dummydesign.design.scoring.verdict import FORCE_TOLERANCE, Readings, Verdict, verdict
 from dummydesign.resin.model.distribution import HALF_WIDTH
 
 if TYPE_CHECKING:
@@ -115,9 +115,17 @@ def verdict_of_design(law: ForceLaw, candidate: Candidate, space: SearchSpace, t
     tolerances : Tolerances
         Of weighing and thickness.
     """
-    return verdict(
-        ranges_of(space.targets),
-        reading_of(candidate),
-        spread_of(law, candidate, space, tolerances),
-        limits_that_bind(candidate, space.thickness_mm, space.ratio),
-    )
+    ranges, reading = ranges_of(space.targets), reading_of(candidate)
+    bound = limits_that_bind(candidate, space.thickness_mm, space.ratio)
+    found = verdict(ranges, reading, spread_of(law, candidate, space, tolerances), bound)
+    if space.targets.aim != SAFE_SIDE:
+        return found
+    short = 100.0 * float(safe_side_shortfall(ranges, reading)[0])
+    if short <= 100.0 * FORCE_TOLERANCE:
+        words = "the safe side is kept: no peak and no steady force is below any subject's"
+    elif np.isfinite(short):
+        words = f"the safe side is missed: a peak or steady force is up to {short:.0f} % below the highest subject's"
+    else:
+        words = "the safe side is missed: a press is out of reach"
+    value = short if np.isfinite(short) else None
+    return replace(found, text=f"{found.text}; {words}", safe_side_shortfall_percent=value)

@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 
 from dummydesign.design.scoring.score import Evaluation
 from dummydesign.design.scoring.targets import STEADY_GRID_N, Targets
-from dummydesign.design.scoring.verdict import Ranges, Readings, levels
+from dummydesign.design.scoring.verdict import FORCE_TOLERANCE, Ranges, Readings, levels
 
+SAFE_SIDE = "safe-side"
 NOT_ACCEPTABLE, ACCEPTABLE, ACCEPTABLE_AND_STEADY = 0, 1, 2
 WORTH = (0.5, 0.8, 1.0)
 """What the merit of a design of each standing counts. A choice: a pad that reads low is recommended only where one that
@@ -19,11 +20,16 @@ def standing(evaluation: Evaluation, targets: Targets) -> NDArray:
     """Standing of designs by their verdict as they are, shape (D,).
 
     2: nothing is below every subject's, every press is reached and the depths at the steady forces of the protocol lie
-    between the subjects'; 1: the same without the last; 0: reads low, or poor. One subject makes no range: all are 2.
+    between the subjects'; 1: the same without the last; 0: reads low, or poor. One subject makes no range, and one who
+    is named is followed wherever among the others: all are 2. For the safe side those are 2 of whom no peak and no
+    steady force is below any subject's, the others 0.
     """
-    if len(targets.tissue.subjects) < 2:
+    if len(targets.tissue.subjects) < 2 or targets.aim.startswith("subject:"):
         return np.full(len(evaluation.depth_mm), ACCEPTABLE_AND_STEADY)
     ranges, readings = ranges_of(targets), readings_of(evaluation)
+    if targets.aim == SAFE_SIDE:
+        met = safe_side_shortfall(ranges, readings) <= FORCE_TOLERANCE
+        return np.where(met, ACCEPTABLE_AND_STEADY, NOT_ACCEPTABLE)
     acceptable = np.array([level in ("inside", "reads_high") for level in levels(ranges, readings)])
     wanted = np.searchsorted(ranges.steady_N, np.unique(ranges.force_N) - 1e-9)
     wanted = wanted[wanted < len(ranges.steady_N)]
@@ -31,6 +37,19 @@ def standing(evaluation: Evaluation, targets: Targets) -> NDArray:
     with np.errstate(invalid="ignore"):
         steady = ((depth >= ranges.stiff_mm[wanted]) & (depth <= ranges.soft_mm[wanted])).all(axis=-1)
     return np.where(acceptable, np.where(steady, ACCEPTABLE_AND_STEADY, ACCEPTABLE), NOT_ACCEPTABLE)
+
+
+def safe_side_shortfall(ranges: Ranges, readings: Readings) -> NDArray:
+    """How far the lowest peak or steady force of each pad is below that of the highest subject there, shape (n,).
+
+    0 where none is below any subject's; a steady force is compared at the pad's depth, where a subject's goes with its
+    cube; infinite where a press is out of reach.
+    """
+    peak, depth = np.atleast_2d(readings.peak_N), np.atleast_2d(readings.depth_mm)
+    by_peak = 1.0 - peak / ranges.peak_high_N
+    by_steady = 1.0 - (ranges.stiff_mm / depth) ** 3
+    worst = np.maximum(by_peak.max(axis=-1), by_steady.max(axis=-1))
+    return np.where(np.isfinite(worst), np.maximum(worst, 0.0), np.inf)
 
 
 def ranges_of(targets: Targets) -> Ranges:

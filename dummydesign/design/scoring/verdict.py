@@ -89,6 +89,8 @@ class Verdict:
     low_share, inside_share : float or None
         Shares of what may come out of the same design or measurement that read low, and that lie inside.
     limits_that_bind : tuple of str
+    safe_side_shortfall_percent : float or None
+        For the aim safe-side: how far the lowest peak or steady force is below the highest subject's.
     """
 
     level: str
@@ -108,6 +110,7 @@ class Verdict:
     low_share: float | None
     inside_share: float | None
     limits_that_bind: tuple[str, ...]
+    safe_side_shortfall_percent: float | None = None
 
     @property
     def light(self) -> str:

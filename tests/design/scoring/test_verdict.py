@@ -11,7 +11,7 @@ from dummydesign.design.assessment.readings import reading_of
 from dummydesign.design.request import RADIUS_MM
 from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves
 from dummydesign.design.scoring.score import evaluate
-from dummydesign.design.scoring.standing import ranges_of
+from dummydesign.design.scoring.standing import ranges_of, safe_side_shortfall
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.scoring.verdict import LEVELS, Ranges, Readings, levels, verdict
 from dummydesign.design.search.slabs import Candidate
@@ -201,3 +201,15 @@ def test_a_pad_that_hardly_relaxes_reads_low_at_any_modulus_that_follows_the_ste
 def test_one_person_is_followed_and_never_called_a_range(layer_law, sampling):
     found = judged(slabs_of(layer_law, np.geomspace(0.01, 0.1, 15), 6.0), make_tissue((1.2,)), sampling)
     assert all(item.level != "inside" and item.subjects == 1 for item in found)
+
+
+def test_the_safe_side_is_kept_when_nothing_is_below_the_highest_subject():
+    band = ranges()
+    high = Readings(band.peak_high_N * 1.001, band.energy_high_mJ, band.stiff_mm)
+    assert safe_side_shortfall(band, high)[0] == pytest.approx(0.0, abs=1e-12)
+    low = Readings(band.peak_high_N * np.array([1, 1, 0.9, 1, 1, 1]), band.energy_high_mJ, band.stiff_mm)
+    assert safe_side_shortfall(band, low)[0] == pytest.approx(0.1)
+    soft = Readings(high.peak_N, band.energy_high_mJ, band.stiff_mm * 1.25 ** (1 / 3))
+    assert safe_side_shortfall(band, soft)[0] == pytest.approx(0.2)
+    far = Readings(np.where(np.arange(6) == 2, np.nan, high.peak_N), high.energy_mJ, high.depth_mm)
+    assert np.isinf(safe_side_shortfall(band, far)[0])

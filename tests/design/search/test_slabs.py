@@ -84,7 +84,7 @@ def test_each_aim_is_answered_by_its_own_pad(layer_law, resin):
     depth = {
         aim: depth_at_10_N(layer_law, resin, people, aim) for aim in ("average", "safe-side", "subject:a", "subject:c")
     }
-    assert depth["safe-side"] < depth["average"]
+    assert depth["safe-side"] < 0.9 * depth["average"]
     assert depth["subject:c"] < 0.8 * depth["subject:a"]
 
 

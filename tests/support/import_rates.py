@@ -26,8 +26,10 @@ class Outcome:
     text: str
 
 
-def judge(made: MachineFile, folder: Path) -> Outcome:
-    """Import one file and hold what comes out against the truth."""
+def judge(
+    made: MachineFile, folder: Path, contact_mm: float = CONTACT_MM, contact_share: float = CONTACT_SHARE
+) -> Outcome:
+    """Import one file and hold what comes out against the truth; a contact may be off by the larger of the two."""
     path = folder / made.name
     path.write_bytes(made.data)
     try:
@@ -36,14 +38,14 @@ def judge(made: MachineFile, folder: Path) -> Outcome:
         return Outcome("refused", True, str(refusal))
     finally:
         path.unlink()
-    fault = _fault(made, found)
+    fault = _fault(made, found, contact_mm, contact_share)
     told = {warning["code"] for warning in found.warnings}
     warned = bool(told & ABOUT_CONTACT) if fault.startswith("contact") else bool(told)
     codes = ", ".join(sorted({warning["code"] for warning in found.warnings}))
     return Outcome("wrong" if fault else "right", warned, fault or codes)
 
 
-def _fault(made: MachineFile, found: Imported) -> str:
+def _fault(made: MachineFile, found: Imported, contact_mm: float, contact_share: float) -> str:
     """What is wrong with the presses; empty where all is right."""
     truth = made.recording
     if len(found.presses) != len(truth.depth_mm):
@@ -62,7 +64,7 @@ def _fault(made: MachineFile, found: Imported) -> str:
         off = float(np.median(press.displacement_mm - x))
         if np.max(np.abs(press.displacement_mm - x - off)) > 0.01:
             return "position is another quantity, sign or unit"
-        if abs(off) > max(CONTACT_MM, CONTACT_SHARE * depth):
+        if abs(off) > max(contact_mm, contact_share * depth):
             return f"contact is off by {off:.3f} mm of {depth:.2f} mm"
         apart = press.force_N - force
         if np.max(np.abs(apart - np.median(apart))) > 0.02 * force.max() + 8.0 * truth.noise_N:

@@ -15,7 +15,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("traces", nargs="+", metavar="TRACE.csv", help="time_s,displacement_mm,force_N")
     add = parser.add_argument
     add("--elements", default="auto", metavar="3|5|7|auto",
-        help="default auto: by AICc, never one that predicts left-out presses worse than another")  # fmt: skip
+        help="default auto: by AICc, and fewer where these predict left-out presses better")  # fmt: skip
     add("--law", default="ode", metavar="published|consistent|ode",
         help="ode (default): the law along the measured motion; published, consistent: closed forms of an ideal "
         "ramp and hold, as printed and as they follow from the law")  # fmt: skip

@@ -71,8 +71,8 @@ def fit_traces(
     traces : sequence of Trace
         Any forces, speeds and repeats of the same specimen.
     elements : 3, 5, 7 or "auto"
-        ``auto`` takes the fewest whose AICc is within 6 of the lowest, among those that predict left-out
-        conditions best (within 1 %).
+        ``auto`` takes the fewest whose AICc is within 6 of the lowest, or fewer that predict left-out conditions
+        better (by more than 1 %).
     law : str
         ``ode``, ``consistent`` or ``published``; the latter two use mean speed and stop time only.
     mode : str
@@ -143,12 +143,14 @@ def fit_traces(
 
 
 def _chosen(comparison: dict[str, dict[str, Any]]) -> int:
-    """The simplest near the lowest AICc, among those that predict left-out conditions best."""
-    known = {int(n): row["heldout_rmse_N"] for n, row in comparison.items() if row["heldout_rmse_N"] is not None}
-    best = min(known.values()) if len(known) == len(comparison) else None
-    return simplest(
-        {int(n): row["aicc"] for n, row in comparison.items() if best is None or known[int(n)] <= SAME_ERROR * best}
-    )
+    """The simplest near the lowest AICc, or a simpler one that predicts left-out conditions better."""
+    criterion = {int(n): row["aicc"] for n, row in comparison.items()}
+    most = simplest(criterion)
+    left_out = {int(n): row["heldout_rmse_N"] for n, row in comparison.items() if int(n) <= most}
+    if any(error is None for error in left_out.values()):
+        return most
+    best = min(left_out.values())
+    return simplest({n: criterion[n] for n, error in left_out.items() if error <= SAME_ERROR * best})
 
 
 def _comparison(mode: str, problems: list[Problem], optima: dict[int, list[Optimum]]) -> dict[str, dict[str, Any]]:

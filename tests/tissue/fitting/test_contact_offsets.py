@@ -96,6 +96,7 @@ def test_elements_auto_never_takes_what_predicts_left_out_presses_worse():
     assert _chosen(table((500, 0.5), (100, 0.10), (50, 0.1004))) == 7
     assert _chosen(table((100, 0.1), (99, 0.1), (98, 0.1))) == 3
     assert _chosen(table((100, 0.10), (50, 0.20), (40, 0.30))) == 3
+    assert _chosen(table((100, 0.10), (98, 0.09), (97, 0.08))) == 3
     assert _chosen(table((500, None), (100, None), (50, None))) == 7
 
 

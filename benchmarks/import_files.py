@@ -99,7 +99,8 @@ def main() -> None:
         for fast, text in ((False, options.sets), (True, options.fast)):
             for part in filter(None, text.split(",")):
                 seeds = range(*map(int, part.split(":")))
-                print(f"{'fast, zero not at contact' if fast else 'files'} {part}: {dict(rates(seeds, fast, folder, contact))}")
+                kind = "fast, zero not at contact" if fast else "files"
+                print(f"{kind} {part}: {dict(rates(seeds, fast, folder, contact))}")
         for law in ("tissue", "pad", "hertz"):
             error, held = contact_errors(law, range(40000, 40300))
             print(f"contact, {law}: rms {error:.3f} mm, intervals hold the truth {held:.2f}")

@@ -20,7 +20,7 @@ def share(count: int, total: int) -> str:
         return "-"
     p, z2 = count / total, 1.96**2
     middle, half = p + z2 / (2 * total), 1.96 * np.sqrt(p * (1 - p) / total + z2 / (4 * total**2))
-    low, high = ((middle + sign * half) / (1 + z2 / total) for sign in (-1, 1))
+    low, high = (abs(middle + sign * half) / (1 + z2 / total) for sign in (-1, 1))
     return f"{count} / {total} ({100 * p:.0f} %, {100 * low:.0f} to {100 * high:.0f})"
 
 
@@ -51,7 +51,7 @@ def table(rows: list[Row]) -> str:
         "# Blind study of the loop", "",
         "Simulated campaigns only (tests/support/campaign_generator.py, which shares no code with the effects).",
         "Made by `python benchmarks/loop_blind.py`; one row per campaign is kept in benchmarks/loop_blind.jsonl.",
-        f"Seeds {rows[0]['seed']} to {rows[-1]['seed']}, run once. In brackets the rate and its 95 % interval.", "",
+        f"{len(rows)} campaigns, seeds {_ranges(rows)}, run once. In brackets the rate and its 95 % interval.", "",
         "One effect: each of the vocabulary in turn, at its usual size, doubled, halved. Two and three: drawn from the "
         f"{len(FLOORS)} that can be made large, each of a size that alone would leave 3 to 8 noise floors on left-out "
         "conditions.", "",
@@ -93,10 +93,18 @@ def table(rows: list[Row]) -> str:
     return "\n".join(lines) + "\n"
 
 
+def _ranges(rows: list[Row]) -> str:
+    """The seeds that were run, as ranges without gaps."""
+    seeds = sorted(row["seed"] for row in rows)
+    starts = [seed for seed in seeds if seed - 1 not in seeds]
+    ends = [seed for seed in seeds if seed + 1 not in seeds]
+    return ", ".join(f"{a} to {b}" for a, b in zip(starts, ends))
+
+
 def _errors(kinds: dict[str, list[Row]]) -> list[str]:
     """Errors over the noise floor, base and corrected model, and time."""
     lines = [
-        "", "Median over the noise floor (90 % of campaigns below):", "",
+        "", "Median over the noise floor (90 % of campaigns below); processor seconds are of a crowded machine:", "",
         "| | left out, base | left out, corrected | new pads, base | new pads, corrected | without the pads' own part "
         "| processor seconds |", "|---" * 7 + "|",
     ]  # fmt: skip

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -83,4 +83,13 @@ def through(power: float, solved: PadCurve) -> ElasticCurve:
 
     return ElasticCurve(
         value, lambda at: np.interp(at, depth, error), float(depth[-1]), solved.solver, solved.notes
+    )
+
+
+def times(curve: ElasticCurve, factor: Callable[[Array], tuple[Array, Array]]) -> ElasticCurve:
+    """Multiply a curve by a factor that gives its own relative error; the errors add up."""
+    return replace(
+        curve,
+        force=lambda depth: curve.force(depth) * factor(depth)[0],
+        relative_error=lambda depth: curve.relative_error(depth) + factor(depth)[1],
     )

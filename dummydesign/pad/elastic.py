@@ -13,7 +13,7 @@ from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.geometry.interface import BASES
 from dummydesign.geometry.shapes import Slab
 from dummydesign.geometry.standard import PAD_EXTENT_MM
-from dummydesign.pad.curve import ElasticCurve, depth_grid, through
+from dummydesign.pad.curve import ElasticCurve, depth_grid, through, times
 from dummydesign.pad.force_law import AtThickness, ForceLaw
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.pad import Pad, Puck
@@ -82,7 +82,7 @@ def elastic_curve(
         # That of sharp edges: with a fillet half of what it changes is doubted.
         return value, error + (0.5 * np.abs(value - 1.0) if pad.edge_radius_mm else 0.0)
 
-    return _times(curve, factor)
+    return times(curve, factor)
 
 
 def _of_puck(
@@ -115,15 +115,6 @@ def _tabulated(pad: Pad) -> bool:
     return low <= pad.radius_mm / pad.thickness_mm <= high
 
 
-def _times(curve: ElasticCurve, factor: Callable[[Array], tuple[Array, Array]]) -> ElasticCurve:
-    """Multiply a curve by a factor that gives its own relative error; the errors add up."""
-    return replace(
-        curve,
-        force=lambda depth: curve.force(depth) * factor(depth)[0],
-        relative_error=lambda depth: curve.relative_error(depth) + factor(depth)[1],
-    )
-
-
 def _in_space(
     pad: Pad, deepest_mm: float | None, depths_mm: Array | None, progress: Callable[[float], None] | None
 ) -> ElasticCurve:
@@ -149,7 +140,7 @@ def _in_space(
     solved = FactorCurve(**made)
     solver = {name: curve.solver[name] + solved.solver[name] for name in solved.solver}
     solver["unknowns"] = solved.solver["unknowns"]
-    return replace(_times(curve, lambda depth: solved.factor(depth / h)), solver=solver)
+    return replace(times(curve, lambda depth: solved.factor(depth / h)), solver=solver)
 
 
 def _in_table(pad: Pad) -> bool:

@@ -15,8 +15,7 @@ if TYPE_CHECKING:
     from dummydesign.pad.material.relaxation import PronyTerm
 
 HOOKS = ("motion", "pad", "batch", "sensor")
-"""Where an effect acts: on the depth of the punch, on the law and the relaxation of the pad, on single trials by what
-was done to their pad before, or on the signal."""
+"""Where an effect acts: depth of the punch, law and relaxation of the pad, trials by their pad's history, signal."""
 OWNERS = ("pad", "rig", "sensor")
 SETUP = {
     "flat_faces": "a flat face under a flat punch on every pad",
@@ -91,8 +90,7 @@ class Effect:
     hook: str = ""
     """One of :data:`HOOKS`."""
     belongs_to: str = ""
-    """``pad`` (material, batch, history: goes with every pad of this material, so into a design), ``rig`` (robot,
-    punch, plates, how these pads were glued and measured) or ``sensor``."""
+    """``pad`` (material, batch, history: goes into a design), ``rig`` (robot, punch, plates, glue) or ``sensor``."""
     designed_for: str = ""
     """State that a design takes when the effect depends on one and is absent there; empty when it acts at all times."""
     needs: tuple[str, ...] = ()

@@ -4,7 +4,7 @@ from dummydesign.pad import puck
 from dummydesign.pad.contact import resting_base, stiffness
 from dummydesign.pad.shaped import problem as round_pad
 from dummydesign.pad.shaped import spatial
-from dummydesign.pad.slab import indentation, problem, square_beaded
+from dummydesign.pad.slab import filleted, indentation, problem, square_beaded
 
 
 def test_each_solve_has_the_penalty_of_its_line_and_each_line_its_reason():
@@ -18,6 +18,7 @@ def test_each_solve_has_the_penalty_of_its_line_and_each_line_its_reason():
         "ROUND_SHAPED_PAD": round_pad.CONTACT_STIFFNESS,
         "SHAPED_PAD_IN_SPACE": spatial.CONTACT_STIFFNESS,
         "RESTING_BASE": resting_base.CONTACT_STIFFNESS,
+        "FILLETED_PUNCH": filleted.FILLETED_PUNCH.contact,
         "PUCK_PLATES": puck.CONTACT_STIFFNESS,
     }
     assert taken == {name: line.contact for name, line in lines.items()}

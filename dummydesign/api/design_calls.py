@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from dummydesign.design.request import Request
 
 
+ROBOT_VELOCITY_MM_S, SLOWEST_MM_S = 250.0, 1.0
+
+
 def suggest(
     tissue: str,
     *,
@@ -31,7 +34,7 @@ def suggest(
     verify: bool = True,
     cad: bool | None = None,
     robot_mass_kg: float | None = None,
-    robot_velocity_mm_s: float = 250.0,
+    robot_velocity_mm_s: float | None = None,
     limits: str | PathLike[str] | None = None,
     out: str | PathLike[str] | None = None,
     replace: bool = False,
@@ -58,7 +61,7 @@ def suggest(
         Make the mould into ``out``; the recipe is then that of the solids' volumes. By default wherever there is
         an ``out`` and the verdict is not red (``answer.found.verdict.acceptable``).
     robot_mass_kg, robot_velocity_mm_s : float
-        Mass and speed of a free body that hits tissue and pad, for the safety view. [kg, mm/s]
+        Mass and speed (250 mm/s by default) of a free body that hits tissue and pad, for the safety view. [kg, mm/s]
     limits : path, optional
         Limits of force and pressure with their source (TOML), for the safety view.
     out : path, optional
@@ -126,6 +129,14 @@ def _answer(
     for name, value in (("robot mass in kg", mass_kg), ("robot velocity in mm/s", velocity_mm_s)):
         if value is not None and not (isfinite(value) and value > 0):
             raise out_of_range(name, value, "above 0", "any finite value")
+    if mass_kg is None and velocity_mm_s is not None:
+        raise InputError(f"robot velocity in mm/s = {velocity_mm_s:g} needs the robot's mass: give --robot-mass KG")
+    if velocity_mm_s is not None and velocity_mm_s < SLOWEST_MM_S:
+        likely = f"{1e3 * velocity_mm_s:g}"
+        raise out_of_range("robot velocity in mm/s", velocity_mm_s, f"{SLOWEST_MM_S:g}", "any finite value",
+                           f"it looks like m/s: then give {likely}")  # fmt: skip
+    velocity_mm_s = ROBOT_VELOCITY_MM_S if velocity_mm_s is None else velocity_mm_s
+    inputs = {**inputs, "robot_velocity_mm_s": None if mass_kg is None else velocity_mm_s}
     limits = None if inputs["limits"] is None else read_limits(inputs["limits"])
 
     def answered() -> tuple[Any, Any, dict[str, Any]]:

@@ -47,7 +47,7 @@ def write_suggestion(
         (f"{young['value']:.3g} kPa", f"long-term modulus (95 %: {young['low']:.3g} to {young['high']:.3g})"),
         *((f"{item['mass_g']:.1f} g", f"{item['name']} to weigh") for item in recipe["components"]),
         (f"{best['scores']['total']:.2f}", "score, 0 to 1"),
-        (f"{100 * result['sensitivity']['yield_fraction']:.0f} %", "of castings are in the steady-state range"),
+        *_castings_fact(result),
     ]
     lead = (
         f"Recommended for {answer.tissue.title} ({answer.tissue.name}), aim {answer.request.aim}, of "
@@ -70,6 +70,14 @@ def write_suggestion(
         folder, title, lead, sections, facts, result["warnings"], result["sources"], [viewer_script()],
         verdict=result["verdict"],
     )
+
+
+def _castings_fact(result: dict[str, Any]) -> list[tuple[str, str]]:
+    """The share of castings in the steady range, which one subject does not make."""
+    if result["verdict"]["subjects"] < 2:
+        return []
+    share = result["sensitivity"]["yield_fraction"]
+    return [(f"{100 * share:.0f} %", "of castings are in the steady-state range")]
 
 
 def _steady_words(answer: Suggestion) -> str:

@@ -89,6 +89,14 @@ def test_a_single_subject_can_be_followed(tmp_path, layer_law):
     assert answer.to_dict()["recommendation"]["scores"]["aim"] >= 0.0
 
 
+def test_one_subject_is_said_to_make_no_range_and_has_no_share_of_castings(tmp_path, layer_law):
+    asked = Request(tissue_file(tmp_path, make_tissue((1.2,))), verify=False, shape="slab")
+    answer = suggest(asked, layer_law).to_dict()
+    codes = {item["code"] for item in answer["warnings"]}
+    assert "one_subject" in codes and not codes & {"low_yield", "outside_steady_range"}
+    assert answer["verdict"]["subjects"] == 1 and answer["verdict"]["level"] != "inside"
+
+
 def test_speeds_and_law_come_from_the_tissue(tmp_path, layer_law):
     asked = Request(tissue_file(tmp_path, make_tissue(law="published")), verify=False, shape="slab")
     answer = suggest(asked, layer_law).to_dict()

@@ -30,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--no-cad", action="store_true", help="skip the mould; write recipe and report only")
     add("--no-verify", action="store_true", help="do not check the design by finite elements")
     add("--robot-mass", type=float, metavar="KG", help="safety view: mass of the free body that hits tissue and pad")
-    add("--robot-velocity", type=float, default=250.0, metavar="MM_S", help="its speed (default 250 mm/s)")
+    add("--robot-velocity", type=float, metavar="MM_S", help="its speed, with --robot-mass (default 250 mm/s)")
     add("--limits", metavar="FILE", help="safety view: your limits of force and pressure, with their source (TOML)")
     add("--out", metavar="DIR", help="folder of the files (default suggest-TISSUE)")
     add_replace_option(parser)
@@ -171,14 +171,11 @@ def _more(result: dict[str, Any]) -> list[str]:
         )
     tolerance = result["sensitivity"]
     limits, slope = tolerance["tolerances"], 100 * tolerance["d_ln_young_per_percent_ratio"]
-    judged = ", ".join(f"{force:g}" for force in tolerance["judged_at_N"]) or "no force, of 5, 10 and 15"
     lines += [
         "",
         f"tolerance: modulus changes {slope:.0f} % per 1 % of ratio; "
         f"with {limits['weighing_g']:g} g and {limits['thickness_mm']:g} mm",
-        f"  {100 * tolerance['yield_fraction']:.0f} % of castings are in the steady range at {judged} N "
-        f"({100 * tolerance['making_only_fraction']:.0f} % if the resin properties were known exactly); by force: "
-        + ", ".join(f"{force} N {100 * share:.0f} %" for force, share in tolerance["by_force"].items()),
+        *_castings(result),
     ]
     checked = result["verification"]
     if checked["max_difference_percent"] is not None:
@@ -189,3 +186,16 @@ def _more(result: dict[str, Any]) -> list[str]:
     lines += ["", result["rests_on"]["text"], f"next: {result['rests_on']['next_step']}"]
     lines += [f"{role}: {path}" for role, path in result["files"].items() if not role.startswith("report_")]
     return lines + [f"warning: {item['message']}" for item in result["warnings"]]
+
+
+def _castings(result: dict[str, Any]) -> list[str]:
+    """The share of castings in the steady range, which one subject does not make."""
+    if result["verdict"]["subjects"] < 2:
+        return ["  one subject makes no range: no share of castings is given"]
+    tolerance = result["sensitivity"]
+    judged = ", ".join(f"{force:g}" for force in tolerance["judged_at_N"]) or "no force, of 5, 10 and 15"
+    return [
+        f"  {100 * tolerance['yield_fraction']:.0f} % of castings are in the steady range at {judged} N "
+        f"({100 * tolerance['making_only_fraction']:.0f} % if the resin properties were known exactly); by force: "
+        + ", ".join(f"{force} N {100 * share:.0f} %" for force, share in tolerance["by_force"].items()),
+    ]

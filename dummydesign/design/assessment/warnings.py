@@ -124,13 +124,18 @@ def design_warnings(
     said += [("off_centre", centring.text)] if centring else []
     said += [("no_shape", item.reason) for item in chosen.beside if item.reason]
     said += _edges(chosen)
-    if pour.yield_fraction < 0.5:
+    alone = len(tissue.subjects) < 2
+    if alone:
+        text = f"{tissue.name} has one subject, who makes no range: shares in range and of castings mean nothing"
+        said.append(("one_subject", f"{text}; scores and verdict hold the pad against this one person"))
+    said += _of_speeds(space, tissue)
+    if pour.yield_fraction < 0.5 and not alone:
         share, exact = 100 * pour.yield_fraction, 100 * pour.making_only_fraction
         text = f"{share:.0f} % of castings are in the steady-state range"
         said.append(("low_yield", f"{text} ({exact:.0f} % if the resin properties were known exactly)"))
     said += [("calibration", note) for note in chosen.law.notes]
     missed = [force for force in FORCES_N if force not in pour.judged_at_N]
-    if missed:
+    if missed and not alone:
         where = " and ".join(f"{force:g}" for force in missed)
         said.append(("outside_steady_range", f"the steady curve is outside the tissue's range at {where} N"))
     said += _of_data(resin, tissue)
@@ -154,6 +159,17 @@ def _of_forces(chosen: Chosen, space: SearchSpace) -> list[tuple[str, str]]:
         share = f"below 5 N only {100 * low:.0f} % of the steady curve lies in the (extrapolated) range: "
         said.append(("stiff_at_first_touch", share + _why_stiff(chosen.shape)))
     return said
+
+
+def _of_speeds(space: SearchSpace, tissue: Tissue) -> list[tuple[str, str]]:
+    """Speeds that are designed for and at which no subject was measured."""
+    asked = sorted({condition.velocity_mm_s for condition in space.targets.conditions})
+    far = [v for v in asked if all(max(v / known, known / v) > 1.5 for known in tissue.velocities_mm_s)]
+    if not far:
+        return []
+    there, known = (" and ".join(f"{v:g}" for v in speeds) for speeds in (far, tissue.velocities_mm_s))
+    text = f"{tissue.name} is known at {known} mm/s only: what it does at {there} mm/s is its dampers carried on"
+    return [("speed_not_in_band", f"{text}, not a measurement")]
 
 
 def _of_data(resin: Resin, tissue: Tissue) -> list[tuple[str, str]]:

@@ -136,6 +136,8 @@ def test_text_shows_recipe_scores_and_what_it_rests_on(capsys):
         (["--tissue", "palm", "--thickness", "20:10"], "MIN at most MAX"),
         (["--tissue", "palm", "--shape", "sphere"], "unknown shape 'sphere'"),
         (["--tissue", "palm", "--resin", "rubber"], "unknown resin 'rubber'"),
+        (["--tissue", "palm", "--robot-velocity", "250"], "needs the robot's mass"),
+        (["--tissue", "palm", "--robot-mass", "4", "--robot-velocity", "0.25"], "it looks like m/s: then give 250"),
         (["--tissue", "palm", "--out", "/dev/null/x"], "cannot be written"),
         ([], "--tissue"),
     ],

@@ -116,6 +116,7 @@ OPTION_OF = {
     "thickness_mm": "thickness", "length_mm": "length", "width_mm": "width", "depth_mm": "depth", "young_kPa": "young",
     "force_N": "force", "velocity_mm_s": "velocity", "hold_s": "hold", "deceleration_mm_s2": "deceleration",
     "robot_mass_kg": "robot_mass", "robot_velocity_mm_s": "robot_velocity", "effects": "effect",
+    "balance_g": "balance", "thickness_tolerance_mm": "thickness_tolerance",
     "edge_radius_mm": "edge_radius",
 }  # fmt: skip
 COMMAND_OF = {

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from dummydesign.design.request import Request
 
 
-ROBOT_VELOCITY_MM_S, SLOWEST_MM_S = 250.0, 1.0
+ROBOT_VELOCITY_MM_S, SLOWEST_MM_S, LARGEST_ERROR = 250.0, 1.0, 2.0
 
 
 def suggest(
@@ -33,6 +33,8 @@ def suggest(
     effects: Iterable[str | PathLike[str]] = (),
     verify: bool = True,
     cad: bool | None = None,
+    balance_g: float = 0.1,
+    thickness_tolerance_mm: float = 0.2,
     robot_mass_kg: float | None = None,
     robot_velocity_mm_s: float | None = None,
     limits: str | PathLike[str] | None = None,
@@ -60,6 +62,8 @@ def suggest(
     cad : bool, optional
         Make the mould into ``out``; the recipe is then that of the solids' volumes. By default wherever there is
         an ``out`` and the verdict is not red (``answer.found.verdict.acceptable``).
+    balance_g, thickness_tolerance_mm : float
+        Errors of weighing and of the cast thickness, even within plus and minus these. [g, mm]
     robot_mass_kg, robot_velocity_mm_s : float
         Mass and speed (250 mm/s by default) of a free body that hits tissue and pad, for the safety view. [kg, mm/s]
     limits : path, optional
@@ -96,8 +100,12 @@ def suggest(
     from dummydesign.loop.effects.own import own_effects
 
     limits_mm, limits_ratio = _pair(thickness_mm, "thickness in mm"), _pair(ratio, "ratio")
+    for name, value in (("balance in g", balance_g), ("thickness tolerance in mm", thickness_tolerance_mm)):
+        if not 0.0 <= value <= LARGEST_ERROR:
+            raise out_of_range(name, value, 0, LARGEST_ERROR)
     path = None if calibration is None else str(calibration)
-    request = Request(tissue, aim, resin, limits_mm, limits_ratio, shape=shape, verify=verify, calibration=path)
+    request = Request(tissue, aim, resin, limits_mm, limits_ratio, shape=shape, verify=verify, calibration=path,
+                      weighing_g=balance_g, thickness_tolerance_mm=thickness_tolerance_mm)  # fmt: skip
     if cad and out is None:
         raise InputError("cad = True needs out, the folder for the files of the mould")
     folder = None if out is None else Path(out)

@@ -29,6 +29,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--cad", action="store_true", help="make the mould also of a pad that is not acceptable")
     add("--no-cad", action="store_true", help="skip the mould; write recipe and report only")
     add("--no-verify", action="store_true", help="do not check the design by finite elements")
+    add("--balance", type=float, default=0.1, metavar="G", help="error of weighing, plus and minus (default 0.1 g)")
+    tolerance = "error of the cast thickness, plus and minus (default 0.2 mm)"
+    add("--thickness-tolerance", type=float, default=0.2, metavar="MM", help=tolerance)
     add("--robot-mass", type=float, metavar="KG", help="safety view: mass of the free body that hits tissue and pad")
     add("--robot-velocity", type=float, metavar="MM_S", help="its speed, with --robot-mass (default 250 mm/s)")
     add("--limits", metavar="FILE", help="safety view: your limits of force and pressure, with their source (TOML)")
@@ -54,6 +57,8 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         effects=options.effect,
         verify=not options.no_verify,
         cad=False if options.no_cad else (True if options.cad else None),
+        balance_g=options.balance,
+        thickness_tolerance_mm=options.thickness_tolerance,
         robot_mass_kg=options.robot_mass,
         robot_velocity_mm_s=options.robot_velocity,
         limits=options.limits,

@@ -136,6 +136,8 @@ def test_text_shows_recipe_scores_and_what_it_rests_on(capsys):
         (["--tissue", "palm", "--thickness", "20:10"], "MIN at most MAX"),
         (["--tissue", "palm", "--shape", "sphere"], "unknown shape 'sphere'"),
         (["--tissue", "palm", "--resin", "rubber"], "unknown resin 'rubber'"),
+        (["--tissue", "palm", "--balance", "-1"], "balance in g = -1.0"),
+        (["--tissue", "palm", "--thickness-tolerance", "nan"], "thickness tolerance in mm = nan"),
         (["--tissue", "palm", "--robot-velocity", "250"], "needs the robot's mass"),
         (["--tissue", "palm", "--robot-mass", "4", "--robot-velocity", "0.25"], "it looks like m/s: then give 250"),
         (["--tissue", "palm", "--out", "/dev/null/x"], "cannot be written"),
@@ -286,3 +288,13 @@ def test_a_palm_of_a_silicone_that_hardly_relaxes_is_called_unsafe(capsys):
     assert status == 1 and judged["level"] == "reads_low" and judged["light"] == "red"
     assert judged["peaks_below"] == judged["peaks"] == 6 and judged["furthest_below_percent"] > 30
     assert found["files"] and not any("step" in path for path in found["files"].values())
+
+
+def test_a_finer_balance_and_a_truer_thickness_leave_more_castings_inside(capsys):
+    shares = []
+    for balance, thickness in (("0.01", "0.02"), ("0.5", "0.5")):
+        more = ["--balance", balance, "--thickness-tolerance", thickness]
+        _, found = answer(capsys, "suggest", "--tissue", "palm", *more, *QUICK)
+        assert found["sensitivity"]["tolerances"]["weighing_g"] == float(balance)
+        shares.append(found["sensitivity"]["making_only_fraction"])
+    assert shares[0] > shares[1]

@@ -30,6 +30,9 @@ CONFLICT_P = 0.01
 NAMED_Z = 2.5
 """Parameters that differ by more standard deviations than this are named."""
 SAME_RATIO = 1e-3
+ARM_TOLERANCE = 0.03
+"""Standard deviation of the logarithm of an arm's time and strength from campaign to campaign beside what the data say:
+two arms stand for a spectrum, and which they find shifts with the depths and speeds that were pressed. A choice."""
 
 
 @dataclass(frozen=True)
@@ -114,7 +117,8 @@ def join(fit: Fit, prior: Calibration, lack_ratio: float | None = None) -> tuple
     """Join a prior to a fit, or leave the fit as it is where the two contradict each other.
 
     With H taking the vector to the shared parameters: gain K = C H' (H C H' + P)^-1, vector + K (m - H vector),
-    covariance (1 - K H) C; C is widened by a lack of fit as the posterior's is, and P is the prior's covariance.
+    covariance (1 - K H) C; C is widened by a lack of fit as the posterior's is, and P is the prior's covariance
+    with :data:`ARM_TOLERANCE` for the arms.
 
     Parameters
     ----------
@@ -140,7 +144,8 @@ def join(fit: Fit, prior: Calibration, lack_ratio: float | None = None) -> tuple
     turn[np.arange(len(own)), rows] = [unit for _, unit, _ in own]
     null = np.array([zero for _, _, zero in own])
     covariance = fit.covariance * max(1.0, lack_ratio or 1.0)
-    there = known.covariance[np.ix_(take, take)]
+    arms = np.array([name.startswith(("log tau_", "log beta_")) for name, _, _ in own])
+    there = known.covariance[np.ix_(take, take)] + np.diag(np.where(arms, ARM_TOLERANCE, 0.0) ** 2)
     together = turn @ covariance @ turn.T + there
     here = turn @ fit.vector + null
     away = known.mean[take] - here

@@ -16,6 +16,9 @@ for velocity in (10.0, 250.0):
     exact = np.interp(time, motion.time_s, law_named("ode").force(motion, 0.8, [0.5], [0.3]))
     traces.append(Trace(f"{velocity:g} mm/s", time, depth, exact + 0.02 * rng.standard_normal(len(time))))
 
+# springs are shared; dampers belong to a speed, unless mode="joint" is asked for
 found = dummydesign.fit(traces, elements=3)
 for name, entry in found.to_dict()["parameters"].items():
-    print(f"{name} = {entry['value']:.3f} (95 %: {entry['low']:.3f} to {entry['high']:.3f})")
+    for speed, one in {"": entry}.items() if "value" in entry else entry.items():
+        label = f"{name} at {speed} mm/s" if speed else name
+        print(f"{label} = {one['value']:.3f} (95 %: {one['low']:.3f} to {one['high']:.3f})")

@@ -17,7 +17,7 @@ from dummydesign.loop.data.trials import make_presses  # noqa: E402
 from dummydesign.loop.fitting.fit import Problem  # noqa: E402
 from dummydesign.loop.fitting.noise import make_whitener  # noqa: E402
 from dummydesign.loop.judging.assessed import effect_intervals  # noqa: E402
-from dummydesign.loop.model.base_law import law_of  # noqa: E402
+from dummydesign.loop.model.campaign_law import law_of  # noqa: E402
 from dummydesign.loop.replay import replay  # noqa: E402
 from dummydesign.loop.result import LoopResult  # noqa: E402
 from dummydesign.loop.run import close_loop  # noqa: E402

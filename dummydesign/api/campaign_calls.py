@@ -58,7 +58,7 @@ def calibrate(
     from dummydesign.loop.calibration import calibration_of
     from dummydesign.loop.calibration_file import read_calibration, write_calibration
     from dummydesign.loop.effects.own import own_effects
-    from dummydesign.loop.plan import plan_of, write_plan
+    from dummydesign.loop.planning.plan import plan_of, write_plan
     from dummydesign.loop.result import result_dict
     from dummydesign.loop.run import close_loop
     from dummydesign.measurement.campaign_file import FILE, read_campaign

@@ -94,7 +94,7 @@ def _power(
     plan: tuple[Planned, ...], set_up: SetUp, tables: Mapping[str, Mapping[str, Any]], seed: int
 ) -> tuple[dict[str, Any] | None, list[dict[str, str]]]:
     """What the plan can see; a set-up without a fast force law is told instead."""
-    from dummydesign.loop.plan_power import plan_power
+    from dummydesign.loop.planning.plan_power import plan_power
     from dummydesign.loop.run import start_young_kPa
 
     campaign = _empty_campaign(set_up, tables)

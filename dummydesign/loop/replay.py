@@ -12,7 +12,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.threads import one_blas_thread
 from dummydesign.loop.calibration import Calibration
 from dummydesign.loop.data.trials import make_presses
-from dummydesign.loop.model.base_law import law_of
+from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.measurement.campaign import Campaign
 
 

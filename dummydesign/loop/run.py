@@ -18,7 +18,8 @@ from dummydesign.loop.judging.residual_dependence import dependences
 from dummydesign.loop.judging.search import search
 from dummydesign.loop.judging.verdict import Remainder, remainder
 from dummydesign.loop.learned.learn import can_be_learned, learn
-from dummydesign.loop.model.base_law import SetupLaw, depth_limits, law_of
+from dummydesign.loop.model.base_law import SetupLaw, depth_limits
+from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.model.expected import start_young_kPa
 from dummydesign.loop.next_measurement import NextMeasurement, next_measurement

@@ -30,7 +30,7 @@ def campaigns(tmp_path_factory):
 def plain(campaigns):
     """Presses and law of a campaign without an effect."""
     from dummydesign.loop.data.trials import make_presses
-    from dummydesign.loop.model.base_law import law_of
+    from dummydesign.loop.model.campaign_law import law_of
     from dummydesign.measurement.campaign_file import read_campaign
 
     campaign = read_campaign(campaigns("none", 401))

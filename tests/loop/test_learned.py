@@ -19,7 +19,7 @@ from dummydesign.loop.judging.residual_dependence import Dependence
 from dummydesign.loop.learned.closed_form import closed_form
 from dummydesign.loop.learned.effect import FADE, Learned, Shape
 from dummydesign.loop.learned.learn import can_be_learned, learn
-from dummydesign.loop.model.base_law import law_of
+from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.posterior import posterior_of
 from dummydesign.loop.replay import replay
 from dummydesign.measurement.campaign_file import read_campaign

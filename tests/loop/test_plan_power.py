@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from dummydesign.api.plan_calls import _empty_campaign
-from dummydesign.loop.plan_power import plan_power
+from dummydesign.loop.planning.plan_power import plan_power
 from dummydesign.measurement.planning.campaign_text import SetUp
 from dummydesign.measurement.planning.plan import Design, make_plan
 from dummydesign.measurement.sensor import Lowpass

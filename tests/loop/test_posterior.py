@@ -16,7 +16,7 @@ from dummydesign.loop.calibration_file import read_calibration, write_calibratio
 from dummydesign.loop.data.trials import make_presses
 from dummydesign.loop.effects import effect_named
 from dummydesign.loop.fitting.base_fit import fit_base
-from dummydesign.loop.model.base_law import law_of
+from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.model.forward_model import Active
 from dummydesign.loop.model.parameters import BaseParameters
 from dummydesign.loop.posterior import Posterior, posterior_of

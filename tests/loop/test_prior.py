@@ -17,9 +17,9 @@ from dummydesign.loop.effects import effect_named
 from dummydesign.loop.fitting.base_fit import fit_base
 from dummydesign.loop.fitting.fit import settle
 from dummydesign.loop.fitting.problem import Problem
-from dummydesign.loop.model.base_law import law_of
+from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.next_measurement import next_measurement
-from dummydesign.loop.plan import REPEATS, plan_of, write_plan
+from dummydesign.loop.planning.plan import REPEATS, plan_of, write_plan
 from dummydesign.loop.posterior import posterior_of
 from dummydesign.loop.prior import carried_law, check_prior, join
 from dummydesign.loop.replay import replay

@@ -20,7 +20,7 @@ from dummydesign.loop.judging import acceptance, search, verdict
 from dummydesign.loop.judging.backward import without
 from dummydesign.loop.judging.left_out import LARGEST_POSITION_MM, expected_heldout_N, repeat_scatter_mm
 from dummydesign.loop.judging.verdict import Needed, remainder
-from dummydesign.loop.model.base_law import law_of
+from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.model.parameters import BaseParameters
 from dummydesign.loop.replay import replay
 from dummydesign.loop.run import close_loop

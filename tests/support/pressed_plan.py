@@ -16,8 +16,8 @@ import numpy as np
 from dummydesign.api.plan_calls import _empty_campaign
 from dummydesign.loop.data.trials import make_presses
 from dummydesign.loop.fitting.fit import Problem, start_vector
-from dummydesign.loop.model.base_law import law_of
-from dummydesign.loop.plan_power import planned_trials
+from dummydesign.loop.model.campaign_law import law_of
+from dummydesign.loop.planning.plan_power import planned_trials
 from dummydesign.measurement.planning.campaign_text import SetUp
 from dummydesign.measurement.planning.plan import Planned
 from dummydesign.measurement.sensor import parse_lowpass

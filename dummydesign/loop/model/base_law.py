@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.measurement.campaign import Campaign, Trial
+from dummydesign.measurement.campaign import Trial
 from dummydesign.pad.force_law import BaseForceLaw
 from dummydesign.pad.tables.compressibility import load_compressibility
 from dummydesign.pad.tables.slab import ResponseTable, load_table
@@ -236,13 +236,6 @@ class PuckLaw(_OneFace):
     def face_radius_mm(self) -> float:
         """Radius of the puck. [mm]"""
         return 0.5 * self.diameter_mm
-
-
-def law_of(campaign: Campaign, progress: Callable[[str], None] | None = None) -> Any:
-    """The force law of what a campaign declares; see :func:`dummydesign.loop.model.campaign_law.choose_law`."""
-    from dummydesign.loop.model.campaign_law import choose_law
-
-    return choose_law(campaign, progress)
 
 
 def depth_limits(law: Any, trials: Sequence[Trial]) -> NDArray:

@@ -29,7 +29,7 @@ MARGIN = 1.1
 Progress = Callable[[str], None]
 
 
-def choose_law(campaign: Campaign, progress: Progress | None = None) -> SlabLaw | PuckLaw | SolvedLaw | MixedLaw:
+def law_of(campaign: Campaign, progress: Progress | None = None) -> SlabLaw | PuckLaw | SolvedLaw | MixedLaw:
     """Choose the force law that a campaign declares.
 
     Parameters

@@ -14,7 +14,8 @@ from dummydesign.loop.data.trials import make_presses
 from dummydesign.loop.effects import EFFECTS, effect_named
 from dummydesign.loop.fitting.base_fit import fit_base
 from dummydesign.loop.model import solved_curve
-from dummydesign.loop.model.base_law import SlabLaw, depth_limits, law_of
+from dummydesign.loop.model.base_law import SlabLaw, depth_limits
+from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.model.solved_law import MixedLaw, error_priors
 from dummydesign.measurement.campaign_file import read_campaign
 from dummydesign.pad import elastic

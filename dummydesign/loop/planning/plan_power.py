@@ -20,7 +20,8 @@ from dummydesign.loop.effects import known_effects
 from dummydesign.loop.fitting.fit import Fit, Problem, start_vector
 from dummydesign.loop.fitting.noise import Sizes, Whitener
 from dummydesign.loop.fitting.screening import Projection, project, starts_of
-from dummydesign.loop.model.base_law import SlabLaw, law_of
+from dummydesign.loop.model.base_law import SlabLaw
+from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.model.effect import Effect
 from dummydesign.measurement.campaign import Campaign, Trial
 from dummydesign.measurement.motion import ramp_and_hold

@@ -1,0 +1,1 @@
+"""What is measured next: a plan from an answer of the loop, and what a plan can show."""

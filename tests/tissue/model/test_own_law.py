@@ -73,7 +73,7 @@ def traces(law, tmp_path, monkeypatch):
 
 
 def test_fit_finds_its_parameters_and_the_number_of_elements_it_may_have(traces, capsys):
-    assert run(["fit", *traces, "--law", "one-time", "--out", "own.toml", "--json"]) == 0
+    assert run(["fit", *traces, "--law", "one-time", "--mode", "joint", "--out", "own.toml", "--json"]) == 0
     result = json.loads(capsys.readouterr().out)
     assert set(result["comparison"]) == {"3", "5"} and result["elements"] == 5
     found = [entry["value"] for entry in result["parameters"].values()]

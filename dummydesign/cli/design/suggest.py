@@ -127,7 +127,19 @@ def _shapes(result: dict[str, Any]) -> list[str]:
             f"  {misfit:<7} {row['share_below_5N']:<11.2f} {row['share_above_5N']:<11.2f} {powers:<18} {depth:<6} "
             f"{row['total']:<6.2f} {row['thickness_mm']:g} mm {row['shape']}, ratio {row['ratio']:g}"
         )
-    return lines
+    return [*lines, *_passed_over(result)]
+
+
+def _passed_over(result: dict[str, Any]) -> list[str]:
+    """The pad with the best score where it was passed over because it reads low."""
+    known = [row for row in result["shapes"] if row["shape"] is not None]
+    nearest = max(known, key=lambda row: row["total"], default=None)
+    if nearest is None or nearest["acceptable"] or nearest["shape"] == result["recommendation"]["shape"]:
+        return []
+    return [
+        f"  nearest to the tissue is the {nearest['kind']} pad (total {nearest['total']:.2f}), not recommended: it "
+        f"reads low, and a robot that passes on it may not pass on the person; --shape {nearest['kind']} gives it",
+    ]
 
 
 _MISFIT = ("misfit_rms_ln_force", "depth_over_thickness")

@@ -1,4 +1,4 @@
-"""Which designs may stand for the person: what reads low counts half, whatever its score."""
+"""Which designs may stand for the person: what reads low comes after all that does not, whatever its score."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from dummydesign.design.scoring.verdict import FORCE_TOLERANCE, Ranges, Readings
 
 SAFE_SIDE = "safe-side"
 NOT_ACCEPTABLE, ACCEPTABLE, ACCEPTABLE_AND_STEADY = 0, 1, 2
-WORTH = (0.5, 0.8, 1.0)
-"""What the merit of a design of each standing counts. A choice: a pad that reads low is recommended only where one that
-does not has less than about half of its merit, and it is then not called acceptable."""
+WORTH = (0.01, 0.8, 1.0)
+"""What the merit of a design of each standing counts: a pad that reads low is taken only where no other is found, and
+is then not called acceptable. That what leaves the steady range counts four fifths is a choice."""
 
 
 def standing(evaluation: Evaluation, targets: Targets) -> NDArray:

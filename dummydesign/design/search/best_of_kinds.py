@@ -9,6 +9,7 @@ import numpy as np
 
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.design.scoring.presses import ForceLaw
+from dummydesign.design.scoring.standing import NOT_ACCEPTABLE
 from dummydesign.design.search.low_force import LowForce, low_force
 from dummydesign.design.search.shapes import LOW_SHARE, Shaped, search_fixed, search_shape
 from dummydesign.design.search.slabs import Candidate, SearchResult, search, with_parameters
@@ -49,6 +50,7 @@ class Beside:
             "merit": self.candidate.merit(LOW_SHARE),
             "total": self.candidate.total,
             "by": self.by,
+            "acceptable": self.candidate.standing > NOT_ACCEPTABLE,
             **self.low_force.to_dict(),
             "reason": None,
         }

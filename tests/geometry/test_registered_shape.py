@@ -135,7 +135,7 @@ TEXT = "coned:4,9,3"
 def _answer(capsys, *arguments):
     status = cli.run([*arguments, "--json"])
     caught = capsys.readouterr()
-    return status, json.loads(caught.out) if status == 0 else caught.err
+    return status, json.loads(caught.out) if caught.out else caught.err
 
 
 def _spec(thickness_mm: float = 12.0):
@@ -225,7 +225,7 @@ def test_its_whole_mould_passes_all_checks(tmp_path):
 def test_suggest_finds_its_best_pad_by_the_law_it_brings(capsys):
     asked = ["suggest", "--tissue", "forefinger", "--thickness", "8:13", "--no-cad", "--no-verify", "--shape"]
     status, found = _answer(capsys, *asked, "coned")
-    assert status == 0
+    assert status == int(found["verdict"]["light"] == "red")
     best = found["recommendation"]
     shape = read_shape(best["shape"])
     assert isinstance(shape, Coned)
@@ -233,23 +233,26 @@ def test_suggest_finds_its_best_pad_by_the_law_it_brings(capsys):
     rows = {row["kind"]: row for row in found["shapes"]}
     assert set(rows) == {"slab", "coned"} and rows["coned"]["by"] == "law"
     status, same = _answer(capsys, *asked, best["shape"])
-    assert status == 0 and read_shape(same["recommendation"]["shape"]) == shape
+    assert status == int(same["verdict"]["light"] == "red") and read_shape(same["recommendation"]["shape"]) == shape
 
 
 @pytest.mark.slow
 def test_suggest_works_its_best_pad_out_on_finite_elements(capsys):
     asked = ["suggest", "--tissue", "forefinger", "--thickness", "8:12", "--no-cad", "--shape"]
     status, found = _answer(capsys, *asked, TEXT)
-    assert status == 0
+    assert status == int(found["verdict"]["light"] == "red")
     assert {row["kind"]: row["by"] for row in found["shapes"]}["coned"] == "elements"
 
 
 # loop
 
 
-def test_loop_refuses_a_shaped_pad_in_the_words_of_its_shape(capsys, tmp_path):
+def test_loop_takes_a_campaign_with_the_shape_and_asks_for_what_else_is_missing(capsys, tmp_path):
     text = f'schema = 1\nname = "one"\n[pad]\nyoung_kPa_nominal = 25.0\nshape = "{TEXT}"\n'
     (tmp_path / "campaign.toml").write_text(text, encoding="utf-8")
     status, error = _answer(capsys, "loop", ".")
     assert status == 2 and error.count("\n") == 1
-    assert "campaign.toml:5" in error and "coned pad" in error and f"predict --shape {read_shape(TEXT)}" in error
+    assert "side_mm" in error and "coned" not in error
+    (tmp_path / "campaign.toml").write_text(text.replace(TEXT, "conned:1,2"), encoding="utf-8")
+    status, error = _answer(capsys, "loop", ".")
+    assert status == 2 and "campaign.toml:5" in error and "conned" in error

@@ -148,6 +148,7 @@ def mutated(content: str, rng: np.random.Generator) -> bytes:
 MUTATIONS, DESIGNED = 500, 3
 
 
+@pytest.mark.slow
 def test_every_damaged_file_is_refused_or_read_whole_and_nothing_else_happens(tmp_path):
     rng = np.random.default_rng(20)
     path = write_calibration(made(), tmp_path / "c.json")

@@ -97,6 +97,7 @@ def refused(capsys, *words):
     return shown.err
 
 
+@pytest.mark.slow
 def test_an_effect_in_one_file_is_found_replayed_and_designed_with(crusted, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     own = ["--effect", crusted / "crust.py"]

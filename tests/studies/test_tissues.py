@@ -120,6 +120,7 @@ def test_subjects_span_the_band_and_keep_the_order_of_the_gammas():
     assert np.all(np.diff(draws[..., :3], axis=1) >= 0)
 
 
+@pytest.mark.slow
 def test_the_same_seed_writes_the_same_files_and_another_seed_much_the_same_band(tmp_path, capsys):
     for folder, seed in (("a", 1), ("b", 1), ("c", 2)):
         main(["--seed", str(seed), "--samples", "8000", "--proposals", "20", "--out", str(tmp_path / folder)])

@@ -217,6 +217,7 @@ def test_what_a_killed_command_left_is_cleared_by_the_next(tmp_path):
 QUICK = ["--no-cad", "--no-verify"]
 
 
+@pytest.mark.slow
 def test_two_designs_never_share_a_folder_and_the_command_says_so(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     # 1: the best pad is not acceptable, which is written all the same

@@ -65,6 +65,7 @@ def damaged(seeds, folder):
             assert press.summary.depth_mm > 0 and press.summary.velocity_mm_s > 0, seed
 
 
+@pytest.mark.slow
 def test_damaged_files_never_end_in_an_internal_error(tmp_path):
     damaged(range(200), tmp_path)
 

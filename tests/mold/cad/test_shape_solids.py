@@ -55,6 +55,7 @@ SOLIDS = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text, thickness", SOLIDS)
 def test_solid_of_a_shape_has_its_closed_form_and_its_height(text, thickness):
     spec = shape_spec(text, thickness)

@@ -29,6 +29,7 @@ def test_all_checks_of_an_open_mould_pass(open_parts):
     }
 
 
+@pytest.mark.slow
 def test_all_checks_of_a_lidded_mould_pass(lidded_parts):
     checks = check.check_solids(lidded_parts)
     assert failed(checks) == []
@@ -39,6 +40,7 @@ def _mesh_checks(made, mould):
     return check_mesh.check_mould_mesh(made, mesh.tessellate(mould), mesh.tessellate(mould, *check_mesh.FINE))
 
 
+@pytest.mark.slow
 def test_mesh_checks_pass_on_good_moulds(open_parts, lidded_parts):
     for made in (open_parts, lidded_parts):
         assert failed(_mesh_checks(made, made.solid("mould"))) == []
@@ -83,6 +85,7 @@ def test_zero_draft_passes_rays_and_sweep_but_not_the_draft_gate(open_parts):
     assert found["draft"] < open_parts.spec.pad.draft_deg - check.DRAFT_SLACK_DEG
 
 
+@pytest.mark.slow
 def test_inward_lip_fails_rays_and_sweep(open_parts):
     plan = open_parts.plan
     outer = drafted_prism(plan.fill_outline.grown(1.0), 1.0, 0.0, plan.depth_mm - 1.0)

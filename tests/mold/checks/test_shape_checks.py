@@ -17,6 +17,7 @@ from dummydesign.mold.files import meshes as mesh
 from tests.support.mould_checks import failed, named, shape_spec
 
 
+@pytest.mark.slow
 def test_all_checks_of_a_crowned_mould_pass(crowned):
     checks = check.check_solids(crowned) + check_shape.check_shape(crowned)
     fine = mesh.tessellate(crowned.solid("mould"), *check_mesh.FINE)
@@ -26,6 +27,7 @@ def test_all_checks_of_a_crowned_mould_pass(crowned):
     assert named(checks)["floor_thickness"].value == pytest.approx(crowned.spec.body.floor_mm, abs=0.06)
 
 
+@pytest.mark.slow
 def test_all_checks_of_a_boned_mould_pass(boned):
     checks = check.check_solids(boned) + check_shape.check_shape(boned)
     assert failed(checks) == []

@@ -96,6 +96,7 @@ def test_time_stamp_follows_source_date_epoch(monkeypatch):
     assert step.time_stamp() == "1970-01-02T00:00:00"
 
 
+@pytest.mark.slow
 def test_step_of_the_child_process_is_the_same_to_the_byte(lidded_package, lidded_parts):
     from dummydesign.mold.produce import description
 
@@ -108,6 +109,7 @@ def test_step_of_the_child_process_is_the_same_to_the_byte(lidded_package, lidde
     assert hashlib.sha256(on_disk).hexdigest() == result.step_sha256
 
 
+@pytest.mark.slow
 def test_every_step_file_reads_back_with_name_colour_material_and_volume(lidded_package, lidded_parts):
     _, result = lidded_package
     whole = {part.name: part for part in step.read_step(Path(result.files["assembly"]))}
@@ -150,6 +152,7 @@ def test_mesh_files_are_equal_for_equal_meshes(open_parts, tmp_path):
         assert (tmp_path / f"a.{kind}").read_bytes() == first
 
 
+@pytest.mark.slow
 def test_glb_is_in_metres_and_html_needs_no_network(lidded_package):
     import trimesh
 
@@ -192,6 +195,7 @@ def test_hatching_fills_the_inside_only():
         assert 0 <= x <= 40 and 0 <= y <= 40 and not (10 < x < 30 and 10 < y < 30)
 
 
+@pytest.mark.slow
 def test_drawings_are_wellformed_reproducible_and_readable(lidded_package, open_parts):
     import ezdxf
 
@@ -254,6 +258,7 @@ def test_witness_puck_has_the_mass_of_its_cylinder(open_spec):
     assert sheet.witness_mass_g(open_spec.pour) == pytest.approx(volume_cm3 * open_spec.pour.density_g_per_cm3)
 
 
+@pytest.mark.slow
 def test_manifest_names_every_file_with_its_hash(lidded_package):
     folder, result = lidded_package
     sums = json.loads(Path(result.files["manifest"]).read_text())["sha256"]

@@ -76,6 +76,7 @@ def test_a_heavy_pad_with_friction_sticks(glued):
     assert press_slab("friction:1", HEAVY)[0].force == pytest.approx(glued, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_the_force_grows_with_friction_between_sliding_and_sticking(glued):
     forces = np.array([press_slab(f"friction:{mu:g}", LIGHT)[0].force for mu in (0.0, 0.1, 0.3, 1.0)])
     assert np.all(np.diff(forces, axis=0) > 0.0)

@@ -135,6 +135,7 @@ def test_friction_lies_between_sliding_and_sticking_on_a_crown():
     assert forces[0] < forces[1] < forces[2]
 
 
+@pytest.mark.slow
 def test_a_steep_cone_ends_where_its_flank_folds_and_says_so():
     curve = solve_shaped_pad(Crowned(3.0, 8.0, 5.0), 15.0, 7.9, 0.03, [5.0, 9.0], cells=6)
     assert len(curve.depth_mm) == 1

@@ -56,6 +56,7 @@ def test_small_depths_agree_with_the_closed_form_of_a_rounded_punch_on_a_thick_p
     assert found.force_N == pytest.approx(force, rel=8e-3)
 
 
+@pytest.mark.slow
 def test_small_fillets_without_sides_tend_to_the_sharp_edge_within_the_errors_stated():
     depth = np.array([0.5, 1.0])
     table = load_table()

@@ -27,6 +27,7 @@ EDGE = Region(0.65, 1.2, 0.1 / 1.5)
 CAP = {0.185: 1.270, 0.554: 2.381, 0.748: 3.371, 1.054: 5.563, 1.349: 8.468}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("c", "factor"), CAP.items())
 def test_a_shallow_ball_agrees_with_the_law_of_a_cap_on_a_layer(c, factor):
     radius = 5.0 if c < 0.3 else 120.0
@@ -81,6 +82,7 @@ def test_a_flat_face_sticks_from_first_touch_however_large_the_first_step_is():
     assert forces[1] == pytest.approx(forces[0], rel=5e-3)
 
 
+@pytest.mark.slow
 def test_a_frictionless_flat_punch_starts_at_the_layer_solution():
     curve = solve_flat(10.0, 10.0, 0.03, [0.3, 0.6], "frictionless")
     stiffness = curve.force_N / (0.03 * 10.0 * curve.depth_mm)

@@ -137,11 +137,13 @@ def curve():
     return solve_curve(10.0, 7.9, 0.025, [0.5, 1.0, 2.0, 3.0])
 
 
+@pytest.mark.slow
 def test_the_force_is_the_same_in_metres_and_pascals(curve):
     si = solve_curve(0.01, 0.0079, 0.025e6, [0.0005, 0.001, 0.002, 0.003], extent_mm=0.0756940)
     assert si.force_N == pytest.approx(curve.force_N, rel=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("depths", [[0.1, 0.3], [0.02], [0.6]])
 def test_a_curve_to_a_small_depth_agrees_with_the_table_and_lies_above_first_touch(depths):
     """Few beads are of use there: the curve is solved further than it was asked."""

@@ -60,6 +60,7 @@ def test_the_interval_of_the_solved_force_is_narrower(quick, solved):
     assert width[1][peak] < 0.75 * width[0][peak]
 
 
+@pytest.mark.slow
 def test_without_relaxation_quick_and_finite_strain_are_the_same_to_the_last_bit():
     motion = ramp_and_hold(50.0, 1.2, 0.5)
     for prony in ((), (PronyTerm(0.1, 0.0),)):

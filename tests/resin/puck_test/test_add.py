@@ -90,6 +90,7 @@ def test_a_puck_added_twice_counts_once_also_under_another_name_of_its_file(curv
     assert file.read_bytes() == before
 
 
+@pytest.mark.slow
 def test_a_mistyped_ratio_is_put_right_as_if_it_had_not_been_typed(curve, held, tmp_path, monkeypatch, capsys):
     second = other_recording(curve, tmp_path)
 
@@ -158,6 +159,7 @@ def held(tmp_path_factory):
     return file
 
 
+@pytest.mark.slow
 def test_holds_give_the_long_term_modulus_and_arms_that_go_into_the_resin(held, tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
     assert run(command(held, "--json", diameter=42, height=28)) == 0

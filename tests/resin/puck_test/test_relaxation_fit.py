@@ -68,6 +68,7 @@ def test_the_model_of_the_bins_is_the_hereditary_integral():
     assert own == pytest.approx(relaxed_force(press.time_s, elastic, [PronyTerm(*arm) for arm in arms]), abs=1e-12)
 
 
+@pytest.mark.slow
 def test_modulus_and_arms_of_a_history_summed_elsewhere_come_back_within_their_intervals():
     arms = ((1.2, 0.3), (10.0, 0.15))
     found = fitted(pressed(arms))
@@ -82,12 +83,14 @@ def test_modulus_and_arms_of_a_history_summed_elsewhere_come_back_within_their_i
     assert scores[2] < scores[1] < scores[0] and scores[2] < scores[3] + 6.0
 
 
+@pytest.mark.slow
 def test_a_puck_that_does_not_relax_has_no_arm():
     found = fitted(pressed((), levels=(0.25,)))
     assert found.arms == ()
     assert found.young_kPa.low <= YOUNG_KPA <= found.young_kPa.high
 
 
+@pytest.mark.slow
 def test_an_arm_slower_than_half_of_the_hold_has_no_value_and_the_modulus_reaches_down_to_its_end():
     found = fitted(pressed(((1.5, 0.2), (60.0, 0.2)), levels=(0.25,), hold_s=80.0))
     slow = [arm for arm in found.arms if arm.reason]

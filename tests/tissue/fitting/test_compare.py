@@ -45,6 +45,7 @@ def test_a_dummy_that_equals_the_middle_subject_is_inside_everything(palm):
     assert row["value"] == pytest.approx(palm.parameter_sets[2].dampers_at(250.0)[1], rel=0.05)
 
 
+@pytest.mark.slow
 def test_a_dummy_twice_as_stiff_as_the_stiffest_subject_is_outside(palm):
     found = compare_traces(presses(palm.parameter_sets[-1], 2.0), palm).result
     assert not found["parametric"]["gamma1_N_per_mm3"]["inside"]
@@ -95,6 +96,7 @@ def test_the_braking_is_read_from_the_motion(palm, deceleration):
     assert braking_of(reduce_trace(trace), 250.0) == pytest.approx(deceleration, rel=0.03)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("subject", [1, 2, 3])
 def test_a_dummy_between_the_outermost_subjects_is_called_inside(palm, subject):
     from dummydesign.design.assessment.verdict_of_traces import verdict_of_traces

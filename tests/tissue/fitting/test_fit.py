@@ -44,6 +44,7 @@ def test_parameters_come_back_from_another_integrators_traces(clean):
     assert fit.result["starts"]["same_optimum"] >= 2
 
 
+@pytest.mark.slow
 def test_intervals_hold_the_truth_and_shrink_with_the_noise(clean):
     widths = []
     for white in (0.02, 0.2):
@@ -57,6 +58,7 @@ def test_intervals_hold_the_truth_and_shrink_with_the_noise(clean):
     assert 5 < widths[1] / widths[0] < 20
 
 
+@pytest.mark.slow
 def test_ninety_five_percent_intervals_hold_the_truth_in_white_and_in_slow_noise():
     for slow, draws in ((0.0, 24), (0.05, 40)):
         held = coverage(draws, 20261121, slow, life_s=0.3)
@@ -92,6 +94,7 @@ def test_coverage_over_many_draws_is_near_ninety_five_percent():
         assert np.all(held > 0.90) and held.mean() > 0.92
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arms", [1, 2, 3])
 def test_aicc_finds_the_number_of_elements(arms):
     gamma = np.array([0.03, 0.11, 0.3])[-arms:]
@@ -106,6 +109,7 @@ def test_aicc_finds_the_number_of_elements(arms):
         assert table["3"]["heldout_rmse_N"] > 3 * table[str(fit.elements)]["heldout_rmse_N"]
 
 
+@pytest.mark.slow
 def test_dampers_that_differ_by_speed_are_found_by_the_fit_per_speed():
     slow, fast = np.r_[GAMMA1, GAMMA, 3 * DAMPER], TRUTH
     traces = [press(v, np.cbrt(f / GAMMA1), truth=slow if v < 50 else fast) for v, f in SIX]
@@ -120,6 +124,7 @@ def test_dampers_that_differ_by_speed_are_found_by_the_fit_per_speed():
     assert any(w["code"] == "lack_of_fit" for w in joint.result["warnings"])
 
 
+@pytest.mark.slow
 def test_the_fit_per_condition_lists_conditions_and_their_mean(clean):
     fit = fit_traces(clean, 5, mode="per-condition", intervals=False)
     rows = fit.result["by_condition"]
@@ -131,6 +136,7 @@ def test_the_fit_per_condition_lists_conditions_and_their_mean(clean):
     assert mean["low"] is None and "mean over conditions" in mean["reason"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["consistent", "published"])
 def test_the_printed_laws_are_fitted_back_from_their_own_curves(law):
     traces = []
@@ -146,6 +152,7 @@ def test_the_printed_laws_are_fitted_back_from_their_own_curves(law):
     assert any(w["code"] == "ideal_ramp" for w in fit.result["warnings"])
 
 
+@pytest.mark.slow
 def test_the_declared_sensor_filter_is_part_of_the_model(clean):
     filtered = [
         Trace(t.name, t.time_s, t.displacement_mm, Lowpass(35.0).apply(t.time_s, t.force_N)) for t in clean[1::2]
@@ -157,6 +164,7 @@ def test_the_declared_sensor_filter_is_part_of_the_model(clean):
     assert blind.result["max_residual_N"] > 10 * fit.result["max_residual_N"]
 
 
+@pytest.mark.slow
 def test_the_motion_is_followed_as_measured_with_wander_steps_and_uneven_sampling():
     traces = []
     for k, (v, f) in enumerate(SIX):
@@ -186,6 +194,7 @@ def test_what_comes_after_the_hold_does_not_matter(clean):
     )
 
 
+@pytest.mark.slow
 def test_a_linear_slab_shows_falling_gamma1_and_falling_c_without_any_rate_dependence():
     """So the fall of c with speed in fits per condition is no proof of a rate-dependent viscosity."""
     from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
@@ -216,6 +225,7 @@ def test_an_arm_too_fast_for_the_data_is_called_not_identifiable_not_given_a_num
     assert any(w["code"] == "not_identifiable" for w in fit.result["warnings"])
 
 
+@pytest.mark.slow
 def test_more_arms_than_the_data_have_are_not_given_certain_numbers():
     truth = np.r_[GAMMA1, 0.11, 0.08]
     traces = [noisy(press(v, np.cbrt(f / GAMMA1), truth=truth), k) for k, (v, f) in enumerate(SIX[::2])]

@@ -72,6 +72,7 @@ def traces(law, tmp_path, monkeypatch):
     return names
 
 
+@pytest.mark.slow
 def test_fit_finds_its_parameters_and_the_number_of_elements_it_may_have(traces, capsys):
     assert run(["fit", *traces, "--law", "one-time", "--mode", "joint", "--out", "own.toml", "--json"]) == 0
     result = json.loads(capsys.readouterr().out)

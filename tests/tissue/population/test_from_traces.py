@@ -53,6 +53,7 @@ def cubic(name, gamma1):
     return [(name, float(np.cbrt(f / gamma1)), f) for f in (5.0, 10.0, 15.0)]
 
 
+@pytest.mark.slow
 def test_two_peoples_traces_make_a_tissue_with_dampers_per_speed(home, capsys):
     write_presses(home / "berta", "run", 0.12)
     anna = write_presses(home / "loose", "anna", 0.06)
@@ -69,6 +70,7 @@ def test_two_peoples_traces_make_a_tissue_with_dampers_per_speed(home, capsys):
     assert run(["tissues", "list"]) == 0 and "clinic" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_fit_written_by_fit_is_taken_as_a_subject_under_its_file_name(home, capsys):
     files = write_presses(home / "traces", "x", 0.08)
     assert run(["fit", *files, "--elements", "5", "--mode", "per-speed", "--out", "carla.toml"]) == 0

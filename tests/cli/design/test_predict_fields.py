@@ -11,6 +11,7 @@ from dummydesign.core.errors import InputError
 PAD = ["predict", "--young", "40", "--thickness", "8", "--shape", "crowned:20,2,9", "--punch", "round:15.8"]
 
 
+@pytest.mark.slow
 def test_fields_and_picture_are_written_and_the_pressures_are_in_the_answer(tmp_path, capsys):
     files = ["--fields", str(tmp_path / "pad.vtu"), "--picture", str(tmp_path / "pad.png")]
     assert run([*PAD, "--depth", "0.5,1", "--fidelity", "axisymmetric", "--json", *files]) == 0

@@ -19,6 +19,7 @@ RADIUS = equal_area_radius_mm(14.0 * 14.0)
 SLOW = pytest.param(12.3, 0.45, marks=pytest.mark.slow)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("thickness", "share"), [(5.0, 0.3), (20.0, 0.3), SLOW])
 def test_the_table_agrees_with_a_solve_made_now(thickness, share):
     """0.3 % to d/h = 0.3; deeper within the error that table and solve state themselves."""

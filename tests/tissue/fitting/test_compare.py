@@ -109,6 +109,7 @@ def test_a_dummy_between_the_outermost_subjects_is_called_inside(palm, subject):
     assert found.peaks == 6 and found.peaks_below == 0 and not found.low and found.steady_fraction == 1.0
 
 
+@pytest.mark.slow
 def test_a_dummy_that_hardly_relaxes_or_is_too_soft_reads_low(palm):
     import dataclasses
 

@@ -21,6 +21,7 @@ def _files(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.rglob("*")) if folder.exists() else []
 
 
+@pytest.mark.slow
 def test_command_gives_one_json_object_with_the_contract(lidded_package, lidded_spec):
     _, result = lidded_package
     answer = result.answer
@@ -37,6 +38,7 @@ def test_command_gives_one_json_object_with_the_contract(lidded_package, lidded_
     assert answer["sources"] and answer["warnings"]
 
 
+@pytest.mark.slow
 def test_text_answer_shows_weights_checks_and_files(lidded_package):
     from dummydesign.cli.design.mold import render
 
@@ -152,6 +154,7 @@ def test_missing_cad_gives_the_weights_and_the_line_to_type(fault, fix, tmp_path
     assert _files(out) == []
 
 
+@pytest.mark.slow
 def test_weights_without_cad_match_those_with_it(lidded_package, lidded_spec):
     _, result = lidded_package
     known = runner.without_cad(lidded_spec)["masses_g"]

@@ -36,10 +36,12 @@ def learnt(campaigns):
     return out
 
 
+@pytest.mark.slow
 def test_a_clean_campaign_teaches_nothing(learnt):
     assert learnt["clean"][2] is None
 
 
+@pytest.mark.slow
 def test_a_bump_in_depth_is_found_where_it_is_and_as_high_as_it_is(learnt):
     found = learnt["bumped"][2]
     assert found.effect.name == "learned_depth_mm"
@@ -55,6 +57,7 @@ def test_a_bump_in_depth_is_found_where_it_is_and_as_high_as_it_is(learnt):
     assert found.left_out < 0.5 and "depth in mm" in found.text
 
 
+@pytest.mark.slow
 def test_what_was_learned_survives_its_file_and_lowers_the_error_on_new_pads(learnt, campaigns, tmp_path):
     _, base, found = learnt["bumped"]
     pad = {"young_kPa_expected": 30.0, "resin": None, "ratio": 15.0, "base": "bonded", "shape": "slab"}

@@ -77,6 +77,7 @@ def test_the_side_that_comes_to_lie_on_the_plates_carries_load():
     assert apparent[0] < 1.4
 
 
+@pytest.mark.slow
 def test_half_the_cell_and_half_the_slip_scale_change_little():
     compression = np.array([0.1, 0.3])
     puck = UnitPuck(RADIUS, "friction:0.3")

@@ -55,6 +55,7 @@ def test_the_recommended_shape_can_be_cast_and_read_back(crowned):
     assert near["misfit_rms_ln_force"] == crowned[1]["shapes"][-1]["misfit_rms_ln_force"]
 
 
+@pytest.mark.slow
 def test_alternatives_have_shapes_of_their_own_thickness(capsys):
     _, found = answer(capsys, "suggest", "--tissue", "palm", "--shape", "crowned", *QUICK)
     assert found["alternatives"]

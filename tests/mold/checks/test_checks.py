@@ -228,6 +228,7 @@ def test_collar_is_built_for_degassing_in_the_mould(open_spec):
     assert ring.BoundingBox().zmax == pytest.approx(layout(spec).land_mm + 3 * layout(spec).depth_mm)
 
 
+@pytest.mark.slow
 def test_puck_is_a_plain_cylinder_whose_mould_passes():
     import math
 

@@ -32,6 +32,7 @@ def test_the_factor_at_small_depth_is_that_of_another_code(thickness, expected):
     assert 0.0 < error < 0.004
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("base", ["bonded", "sliding"])
 @pytest.mark.parametrize("thickness", [6.3, 13.0])
 def test_the_factor_agrees_with_a_solve_between_its_ratios(base, thickness):

@@ -15,9 +15,9 @@ from dummydesign.mold.pour.acceptance import TROUBLE, acceptance_rows
 from dummydesign.mold.pour.materials_list import bill_of_materials
 from dummydesign.mold.pour.plan import PourPlan, split_batch
 from dummydesign.mold.pour.pour_steps import pour_steps
+from dummydesign.mold.pour.steps import BLANK
 
 WITNESS_DIAMETER_MM, WITNESS_HEIGHT_MM = 50.0, 30.0
-BLANK = "________"
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ import numpy as np
 from dummydesign.geometry.standard import PUNCH_RADIUS_MM
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.plan import PourPlan
+from dummydesign.mold.pour.steps import BLANK
 
-BLANK = "________"
 # Depth over thickness at which the force's sensitivity to the thickness is told.
 TOLD_DEPTH = 0.25
 

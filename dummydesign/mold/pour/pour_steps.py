@@ -6,9 +6,8 @@ from dummydesign.mold.model.layout import layout
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour import shape_notes
 from dummydesign.mold.pour.plan import PourPlan
-from dummydesign.mold.pour.steps import CLOSE, CURE, DEGAS, LEVEL, MIX, MOVE, POUR, PREPARE, WAIT, Step
+from dummydesign.mold.pour.steps import BLANK, CLOSE, CURE, DEGAS, LEVEL, MIX, MOVE, POUR, PREPARE, WAIT, Step
 
-BLANK = "________"
 # Drying of a mould for a resin that water foams; silicone gives off what it took up within the hour.
 DRYING_H = 1.0
 
@@ -42,19 +41,15 @@ def pour_steps(spec: MouldSpec, plan: PourPlan) -> list[Step]:
     return [*steps, Step(limit, (WAIT,)), _cure(spec, plan)]
 
 
-def _hot(spec: MouldSpec) -> bool:
-    return spec.pour.cure_temperature_C > spec.pour.room_temperature_C
-
-
 def _place(spec: MouldSpec) -> str:
-    return "on the shelf of the oven, switched off and open" if _hot(spec) else "on a firm bench"
+    return "on the shelf of the oven, switched off and open" if shape_notes.cures_hot(spec) else "on a firm bench"
 
 
 def _drying(spec: MouldSpec) -> list[Step]:
     if not any("isocyanate" in name.lower() for name, _ in spec.pour.components):
         return []
     pour = spec.pour
-    at = f"at {pour.cure_temperature_C:g} C" if _hot(spec) else "at 60 C"
+    at = f"at {pour.cure_temperature_C:g} C" if shape_notes.cures_hot(spec) else "at 60 C"
     return [
         Step(
             f"Dry the mould {DRYING_H:g} h {at}: water in the silicone foams the polyurethane. Let it cool below 40 C "
@@ -168,11 +163,11 @@ def _filling_lidded(spec: MouldSpec, plan: PourPlan) -> list[Step]:
 
 def _cure(spec: MouldSpec, plan: PourPlan) -> Step:
     pour = spec.pour
-    where = f"Close the oven and cure {pour.cure_time_h:g} h at {pour.cure_temperature_C:g} C" if _hot(spec) else (
-        f"Cure {pour.cure_time_h:g} h at room temperature"
-    )  # fmt: skip
+    place = f"Cure {pour.cure_time_h:g} h at room temperature"
+    if shape_notes.cures_hot(spec):
+        place = f"Close the oven and cure {pour.cure_time_h:g} h at {pour.cure_temperature_C:g} C"
     return Step(
-        f"{where}, where it stands, in the tray. The hot mould grows by {plan.thermal_growth_mm:.1f} "
+        f"{place}, where it stands, in the tray. The hot mould grows by {plan.thermal_growth_mm:.1f} "
         f"mm; the cavity is cut {100 * (layout(spec).scale - 1):+.2f} % to end at size.",
         (CURE,),
     )

@@ -6,9 +6,7 @@ from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.layout import layout
 from dummydesign.mold.model.spec import MouldSpec, PadGeometry
 from dummydesign.mold.pour.plan import PourPlan
-from dummydesign.mold.pour.steps import CLOSE, DEGAS, GEL, MIX, POUR, WAIT, Step
-
-BLANK = "________"
+from dummydesign.mold.pour.steps import BLANK, CLOSE, DEGAS, GEL, MIX, POUR, WAIT, Step
 
 
 def plug_finish(pad: PadGeometry) -> str:
@@ -94,8 +92,13 @@ def demould_first(spec: MouldSpec) -> str:
     return "Slide the pad on release film onto a flat board. No silicone spray on the face that is tested."
 
 
+def cures_hot(spec: MouldSpec) -> bool:
+    """Whether the resin cures above room temperature."""
+    return spec.pour.cure_temperature_C > spec.pour.room_temperature_C
+
+
 def _where(spec: MouldSpec) -> str:
     pour = spec.pour
-    if pour.cure_temperature_C > pour.room_temperature_C:
+    if cures_hot(spec):
         return f"at {pour.cure_temperature_C:g} C"
     return "at room temperature"

@@ -11,6 +11,10 @@ PREPARE, LEVEL, MIX, DEGAS, POUR, WAIT, CLOSE, GEL, MOVE, CURE = (
 )  # fmt: skip
 
 
+# What is filled in by hand.
+BLANK = "________"
+
+
 @dataclass(frozen=True)
 class Step:
     """One line of the sheet and what is done in it, in order."""

@@ -167,7 +167,7 @@ def discretise(
     )
 
 
-_SIDES = ((4, 0, 1), (5, 1, 2), (6, 2, 3), (7, 3, 0))
+SIDES = ((4, 0, 1), (5, 1, 2), (6, 2, 3), (7, 3, 0))
 
 
 def _to_quarter(mesh: Any, quads: Array, centre: Array | None) -> Array:
@@ -181,7 +181,7 @@ def _to_quarter(mesh: Any, quads: Array, centre: Array | None) -> Array:
     for element in np.nonzero(at_centre[quads].sum(axis=0) == 2)[0]:
         vertices = quads[:, element]
         far = vertices[~at_centre[vertices]]
-        for side, i, j in _SIDES:
+        for side, i, j in SIDES:
             ends = vertices[[i, j]]
             if at_centre[ends].sum() == 1:
                 end = ends[~at_centre[ends]][0]
@@ -190,11 +190,16 @@ def _to_quarter(mesh: Any, quads: Array, centre: Array | None) -> Array:
     return places
 
 
+def cell_nodes(mesh: Discretisation) -> Array:
+    """Nodes of each element, shape (elements, 9): corners, mid-sides, middle."""
+    return mesh.dofs.reshape(len(mesh.dofs), 9, 2)[:, :, 0] // 2
+
+
 def edges_on(mesh: Discretisation, on: Array) -> Array:
     """Sides whose three nodes all satisfy ``on`` (bool per node); node numbers, shape (sides, 3), by r or z."""
-    nodes = mesh.dofs.reshape(len(mesh.dofs), 9, 2)[:, :, 0] // 2
+    nodes = cell_nodes(mesh)
     found = []
-    for side, i, j in _SIDES:
+    for side, i, j in SIDES:
         three = nodes[:, [i, side, j]]
         length = np.linalg.norm(mesh.nodes[:, three[:, 0]] - mesh.nodes[:, three[:, 2]], axis=0)
         found.append(three[on[three].all(axis=1) & (length > 1e-12)])

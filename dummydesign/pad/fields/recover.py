@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from dummydesign.pad.fem.mesh_axisymmetric import cell_nodes
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.solve.equilibrium import Solution
 
@@ -78,17 +79,11 @@ def to_nodes(solid: Solid, places: Array, values: Array) -> Array:
 
     carry = bilinear(NODES[:, 0], NODES[:, 1]) @ np.linalg.pinv(bilinear(*places))
     at_nodes = np.einsum("nq,eqk->enk", carry, values)
-    node = cells(solid).ravel()
+    node = cell_nodes(solid.mesh).ravel()
     size = solid.mesh.nodes.shape[1]
     count = np.bincount(node, minlength=size)
     sums = [np.bincount(node, at_nodes[..., k].ravel(), minlength=size) for k in range(values.shape[-1])]
     return np.stack(sums, axis=1) / np.maximum(count, 1)[:, None]
-
-
-def cells(solid: Solid) -> Array:
-    """Nodes of each cell, shape (elements, 9)."""
-    dofs = solid.mesh.dofs
-    return dofs.reshape(len(dofs), 9, 2)[:, :, 0] // 2
 
 
 def face_tractions(nodes: Array, u: Array, force: Array, sides: Array) -> dict[str, Array]:

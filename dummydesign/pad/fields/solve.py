@@ -17,7 +17,7 @@ from dummydesign.geometry.interface import BASES, FACES, Interface
 from dummydesign.geometry.standard import PAD_EXTENT_MM
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fields.pressed import FREE, SLIPS, STICKS, Face, Pressed
-from dummydesign.pad.fields.recover import cells, face_tractions, recovered
+from dummydesign.pad.fields.recover import face_tractions, recovered
 from dummydesign.pad.pad import SLAB, Pad, Puck
 from dummydesign.pad.solve.continuation import follow
 from dummydesign.pad.solve.equilibrium import Problem, Solution
@@ -176,7 +176,7 @@ def _pressed(problem: Problem, solution: Solution, depth: float, pad: Pad, shear
     bottom = float(mesh.nodes[1].min())
     lift = np.array([0.0, bottom])
     moved = solution.u.reshape(-1, 2)
-    used = np.unique(cells(solid))
+    used = np.unique(meshes.cell_nodes(mesh))
     number = np.full(mesh.nodes.shape[1], -1)
     number[used] = np.arange(len(used))
     face = _face(problem, solution, pad)
@@ -187,7 +187,7 @@ def _pressed(problem: Problem, solution: Solution, depth: float, pad: Pad, shear
     )  # fmt: skip
     return Pressed(
         depth * h, problem.force(solution.state) * shear * h * h, (mesh.nodes.T - lift)[used] * h, moved[used] * h,
-        number[cells(solid)], stress[used] * shear, stretch[used], face, (outline - lift) * h,
+        number[meshes.cell_nodes(mesh)], stress[used] * shear, stretch[used], face, (outline - lift) * h,
     )  # fmt: skip
 
 
@@ -213,8 +213,8 @@ def _face(problem: Problem, solution: Solution, pad: Pad) -> Face:
 def face_sides(problem: Problem) -> Array:
     """Sides of the tested face: those of one cell only that lie neither on the axis, the base nor the rim."""
     mesh = problem.solid.mesh
-    node = cells(problem.solid)
-    three = np.concatenate([node[:, [i, side, j]] for side, i, j in ((4, 0, 1), (5, 1, 2), (6, 2, 3), (7, 3, 0))])
+    node = meshes.cell_nodes(mesh)
+    three = np.concatenate([node[:, [i, side, j]] for side, i, j in meshes.SIDES])
     middle, counts = np.unique(three[:, 1], return_counts=True)
     once = np.isin(three[:, 1], middle[counts == 1])
     r = mesh.nodes[0]

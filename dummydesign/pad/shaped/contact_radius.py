@@ -15,10 +15,10 @@ import numpy as np
 from dummydesign.core.cache import cached
 from dummydesign.geometry.shapes import PadShape
 from dummydesign.geometry.standard import PAD_EXTENT_MM
-from dummydesign.pad.contact.surface_axisymmetric import Punch
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.shaped.problem import CELLS, Press, shaped_problem
 from dummydesign.pad.solve.continuation import follow
+from dummydesign.pad.solve.equilibrium import Solution
 
 Array = np.ndarray
 
@@ -73,18 +73,15 @@ def contact_radius(
 
 def _press(press: Press, depths: Array, cells: int) -> dict[str, Any]:
     problem = shaped_problem(press, Yeoh(1.0), cells)
-    surface, settle = problem.surface, problem.surface.settle
-    seen: dict[float, float] = {}
+    found: list[float] = []
 
-    def watch(u: Array, punch: Punch, depth: float) -> None:
-        settle(u, punch, depth)
-        points = surface._points(u)
-        touching = punch.gap(points, depth)[0] <= 0.0
-        seen[depth] = float(np.max(points[..., 0], where=touching, initial=0.0))
+    def measure(depth: float, solution: Solution) -> None:
+        points = problem.surface._points(solution.u)
+        touching = problem.punch.gap(points, depth)[0] <= 0.0
+        found.append(float(np.max(points[..., 0], where=touching, initial=0.0)))
 
-    surface.settle = watch
-    path = follow(problem, depths, 0.25 * float(depths[0]), 0.03, 3e-4)
-    radius = np.array([seen[depth] for depth in path.depth])
+    path = follow(problem, depths, 0.25 * float(depths[0]), 0.03, 3e-4, visit=measure)
+    radius = np.array(found)
     edge = problem.punch.flat_radius
     return {
         "depth_mm": path.depth * press.thickness_mm,

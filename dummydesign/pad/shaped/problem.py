@@ -143,7 +143,7 @@ def shaped_problem(press: Press, law: Law, cells: int = CELLS, rim: float = RIMS
         # Energy and pressure terms scale alike: the pressure is that of the upper layer, times the ratio.
         factor = np.where(share[row] >= interface - 1e-9, layers[1], 1.0)
         mesh = replace(mesh, weight=mesh.weight * factor[:, None], modulus_factor=factor)
-    node = mesh.dofs.reshape(len(mesh.dofs), 9, 2)[:, :, 0] // 2
+    node = meshes.cell_nodes(mesh)
     top, below = node[row == 0][:, [2, 6, 3]], np.unique(node[row == row.max()][:, [0, 4, 1]])
     held = np.zeros(mesh.size, dtype=bool)
     held[2 * np.nonzero(meshes.on_axis(mesh))[0]] = True

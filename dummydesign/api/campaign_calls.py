@@ -84,6 +84,10 @@ def calibrate(
         calibration = str(write_calibration(calibration_of(found, known), output.path("calibration.json")))
         written |= {"calibration": calibration, **write_loop_report(output.work, found)}
         result["inputs"] = {**inputs, "out": str(output.folder)}
+        output.extra["summary"] = {
+            "campaign": read.folder.resolve().name, "verdict": result["verdict"],
+            "effects": [one["name"] for one in result["effects"]], "text": result["answer"][0],
+        }  # fmt: skip
         result = output.answer({**result, "calibration_file": calibration, "files": written})
     return Result(found, result, "close_loop")
 

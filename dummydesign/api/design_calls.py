@@ -162,6 +162,11 @@ def _answer(
         wanted_cad = found.verdict.acceptable if inputs["cad"] is None else inputs["cad"]
         result["inputs"] = {**inputs, "cad": wanted_cad, "out": str(output.folder)}
         result, missing = _written(found, safety, result, output)
+        best = result["recommendation"]
+        output.extra["summary"] = {name: best[name] for name in ("shape", "thickness_mm", "ratio", "resin")} | {
+            "young_kPa": best["young_kPa"]["value"], "verdict": result["verdict"]["level"],
+            "text": result["verdict"]["text"], **({"mould": True} if wanted_cad and missing is None else {}),
+        }  # fmt: skip
     if missing is not None:
         raise NoAnswerError(missing.code, output.settled(str(missing)), result)
     return Answer(found, result)

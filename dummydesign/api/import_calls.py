@@ -115,6 +115,7 @@ def import_traces(
         # first: a name that is taken must not leave traces behind
         profiles = kept()
         write_traces(planned, output.work)
+        output.extra["summary"] = {"traces": sum(len(one["traces"]) for one in found)}
         result["preview"] = output.settled(write_preview(output.work, imported, found, warnings))
     result["inputs"] = {**inputs, "out": str(output.folder)}
     result["manifest"] = str(output.folder / output.place.manifest)

@@ -87,6 +87,7 @@ def make_mould(
             result = output.settled({**head, **reason.result})
             raise NoAnswerError(reason.code, output.settled(str(reason)), result) from None
         output.extra["hash"] = spec.hash
+        output.extra["summary"] = {name: inputs[name] for name in ("shape", "thickness_mm", "ratio", "resin", "preset")}
         result = output.answer({**head, **found.to_dict(), "spec": spec.to_dict()})
     # Memory differs from run to run; the same question shall get the same answer but for seconds.
     del result["memory_MB"]

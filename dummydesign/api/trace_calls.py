@@ -177,6 +177,7 @@ def compare(
         judged = verdict_of_traces(found, site).to_dict()
         head = {"inputs": {**inputs, "out": str(output.folder)}, "verdict": judged, **found.result}
         files = write_comparison(found, site, output.work, judged)
+        output.extra["summary"] = {"verdict": judged["level"], "text": judged["text"]}
         result = output.answer({**head, "sources": list(site.sources), "files": files})
     return Result(found, result, "compare")
 

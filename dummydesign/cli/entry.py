@@ -12,6 +12,7 @@ from typing import Any, NoReturn
 
 from dummydesign._version import __version__
 from dummydesign.cli.examples import examples_of
+from dummydesign.cli.in_project import project_here, settle_out, with_defaults
 from dummydesign.cli.registry import COMMANDS, module_of
 from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError, unknown_name
 from dummydesign.core.outputs.manifest import COMMAND_LINE
@@ -86,7 +87,11 @@ def run(arguments: list[str]) -> int:
         if name not in COMMANDS:
             raise unknown_name("command", name, COMMANDS)
         module = module_of(name)
-        options = parser_of(name).parse_args(arguments[1:])
+        project = project_here(arguments)
+        words = with_defaults(project, arguments)
+        options = parser_of(name).parse_args(words[1:])
+        settle_out(project, name, module, options)
+        COMMAND_LINE.set(tuple(words))
         try:
             result = module.run(options)
         except NoAnswerError as reason:

@@ -55,6 +55,14 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("the resins there are", "resins list"),
         ("one of them with its sources", "resins show ecoflex-00-30"),
     ),
+    "init": (
+        ("a folder for everything about one dummy", "init thumb"),
+        ("with the defaults of its commands", "init thumb --tissue thenar --resin ecoflex-00-30 --aim safe-side"),
+    ),
+    "status": (
+        ("where the project one stands in is, and what to do next", "status"),
+        ("of another folder, as JSON", "status thumb --json"),
+    ),
 }  # fmt: skip
 
 

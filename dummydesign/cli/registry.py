@@ -18,6 +18,8 @@ MODULES = {
     "compare": "measurement.compare",
     "tissues": "library.tissues",
     "resins": "library.resins",
+    "init": "project.init",
+    "status": "project.status",
 }
 COMMANDS = tuple(MODULES)
 

@@ -20,6 +20,7 @@ ROOMS = (
     ("studies", "builds shipped tables, data files and documents"),
     ("cli", "arguments in, printed answer out"),
     ("api", "the calls for scripts"),
+    ("project", "project folder: defaults, where it stands"),
     ("report", "one-page HTML, plots, CSV; computes nothing"),
     ("design", "targets, search, assessment, sweeps"),
     ("loop", "campaign, residual, missing effect, calibration"),

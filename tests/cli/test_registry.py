@@ -4,12 +4,12 @@ import pkgutil
 
 import pytest
 
-from dummydesign.cli import design, library, measurement
+from dummydesign.cli import design, library, measurement, project
 from dummydesign.cli.registry import COMMANDS, MODULES, module_of
 
 
 def test_every_module_of_a_room_is_a_command():
-    rooms = (design, measurement, library)
+    rooms = (design, measurement, library, project)
     found = []
     for room in rooms:
         name = room.__name__.removeprefix("dummydesign.cli.")

@@ -54,6 +54,12 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     ).to_dict()
 
 
+def default_out(options: argparse.Namespace) -> str:
+    """Name of the folder in a project when none is typed; elsewhere the call names it."""
+    shape = options.shape.partition(":")[0].lower()
+    return f"mould_{'' if shape == 'slab' else f'{shape}_'}t{options.thickness:g}"
+
+
 def render(result: dict[str, Any]) -> str:
     """Write the answer as short tables."""
     inputs, pour = result["inputs"], result["pour"]

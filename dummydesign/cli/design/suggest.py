@@ -41,8 +41,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Find the design, make its mould, write the report and return the answer."""
-    from pathlib import Path
-
     from dummydesign.api import suggest
     from dummydesign.core.errors import NoAnswerError
 
@@ -62,7 +60,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         robot_mass_kg=options.robot_mass,
         robot_velocity_mm_s=options.robot_velocity,
         limits=options.limits,
-        out=f"suggest-{Path(options.tissue).stem}" if options.out is None else options.out,
+        out=default_out(options) if options.out is None else options.out,
         replace=options.replace,
     )
     result = answer.to_dict()
@@ -71,6 +69,13 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         text += "" if options.cad or options.no_cad else "; no mould was made of it (--cad makes it all the same)"
         raise NoAnswerError("no_acceptable_pad", text, result)
     return result
+
+
+def default_out(options: argparse.Namespace) -> str:
+    """Name of the folder when none is typed."""
+    from pathlib import Path
+
+    return f"suggest-{Path(options.tissue).stem}"
 
 
 def render(result: dict[str, Any]) -> str:

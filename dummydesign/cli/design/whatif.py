@@ -40,7 +40,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Work out the study, write rows and report, and return the rows."""
     from dummydesign.api import whatif
-    from dummydesign.resin import load_resin
 
     return whatif(
         options.thickness,
@@ -56,10 +55,17 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         fidelity=options.fidelity,
         workers=options.workers,
         scheduler=options.scheduler,
-        out=f"whatif-{load_resin(options.resin).name}" if options.out is None else options.out,
+        out=default_out(options) if options.out is None else options.out,
         replace=options.replace,
         resume=options.resume,
     ).to_dict()
+
+
+def default_out(options: argparse.Namespace) -> str:
+    """Name of the folder when none is typed."""
+    from dummydesign.resin import load_resin
+
+    return f"whatif-{load_resin(options.resin).name}"
 
 
 def render(result: dict[str, Any]) -> str:

@@ -22,12 +22,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Read, compare, write tables and report."""
-    from pathlib import Path
-
     from dummydesign.api import compare
 
-    out = options.out or f"compare-{Path(options.tissue).stem}"
+    out = options.out or default_out(options)
     return compare(options.traces, options.tissue, lowpass=options.lowpass, out=out, replace=options.replace).to_dict()
+
+
+def default_out(options: argparse.Namespace) -> str:
+    """Name of the folder when none is typed."""
+    from pathlib import Path
+
+    return f"compare-{Path(options.tissue).stem}"
 
 
 def render(result: dict[str, Any]) -> str:

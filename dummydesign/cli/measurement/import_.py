@@ -60,7 +60,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         tare=options.tare,
         contact=options.contact,
         split=options.split,
-        out=options.out or _default_folder(options.files),
+        out=options.out or default_out(options),
         replace=options.replace,
     ).to_dict()
 
@@ -84,9 +84,13 @@ def pairs(option: str, text: str) -> dict[str, str]:
     return found
 
 
-def _default_folder(names: list[str]) -> str:
+def default_out(options: argparse.Namespace) -> str | None:
+    """Name of the folder when none is typed; None without files."""
     from pathlib import Path
 
+    names = options.files
+    if not names:
+        return None
     if len(names) > 1:
         return "import"
     path = Path(names[0]).resolve()

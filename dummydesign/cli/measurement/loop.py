@@ -31,11 +31,9 @@ ABOUT_STEPS = 18
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Run the loop and write report and calibration."""
-    from pathlib import Path
-
     from dummydesign.api import calibrate
 
-    out = options.out or f"loop-{Path(options.campaign).resolve().name}"
+    out = options.out or default_out(options)
     steps = Steps(ABOUT_STEPS)
     try:
         found = calibrate(
@@ -45,6 +43,13 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     finally:
         steps.clear()
     return found.to_dict()
+
+
+def default_out(options: argparse.Namespace) -> str:
+    """Name of the folder when none is typed."""
+    from pathlib import Path
+
+    return f"loop-{Path(options.campaign).resolve().name}"
 
 
 def render(result: dict[str, Any]) -> str:

@@ -1,0 +1,187 @@
+"""Where a project stands: what lies in each folder, what was found, and the one thing to do next."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from dummydesign.core.errors import InputError
+from dummydesign.core.outputs.manifest import NAME as MANIFEST
+from dummydesign.measurement.campaign_file import FILE as CAMPAIGN
+from dummydesign.measurement.planning.check import check_campaign
+from dummydesign.project.folder import FOLDERS, Project
+
+STANDARD_RESIN = "polyurethane-nagoya"
+TEXTS = (".csv", ".txt", ".dat", ".tsv", ".asc", ".xlsx")
+"""Endings of files of test machines, for what counts as measured."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """Something that lies in a project: an import, a design, a mould, a campaign, a calibration.
+
+    Attributes
+    ----------
+    folder : str
+        From the project folder on, with ``/``.
+    command : str
+        That wrote it; empty for files of one's own.
+    date : str
+        ISO, empty where unknown.
+    summary : dict
+        What the answer said, in a few values.
+    """
+
+    folder: str
+    command: str
+    date: str = ""
+    summary: dict[str, Any] | None = None
+
+
+@dataclass(frozen=True)
+class Status:
+    """How far a project is.
+
+    Attributes
+    ----------
+    found : dict of tuple of Found
+        By folder of the project.
+    next_text, next_command : str
+        What to do next, in words and as a command to run in the project folder.
+    problems : tuple of str
+        What could not be read.
+    """
+
+    project: Project
+    found: dict[str, tuple[Found, ...]]
+    next_text: str
+    next_command: str
+    problems: tuple[str, ...] = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values."""
+        return {
+            "name": self.project.name, "folder": str(self.project.root), "given": self.project.given(),
+            "found": {room: [asdict(one) for one in items] for room, items in self.found.items()},
+            "next": {"text": self.next_text, "command": self.next_command}, "problems": list(self.problems),
+        }  # fmt: skip
+
+
+def status_of(project: Project) -> Status:
+    """Look at every folder of a project, and say what comes next."""
+    problems: list[str] = []
+    found = {room: tuple(_look(project.root, room, problems)) for room in FOLDERS}
+    text, command = _next(project, found)
+    return Status(project, found, text, command, tuple(problems))
+
+
+def _look(root: Path, room: str, problems: list[str]) -> list[Found]:
+    folder = root / room
+    if not folder.is_dir():
+        return []
+    rows = []
+    for path in sorted(folder.iterdir()):
+        name = f"{room}/{path.name}"
+        if path.name.startswith("."):
+            continue
+        if room == "campaigns":
+            if (path / CAMPAIGN).is_file():
+                rows.append(_campaign(path, name, problems))
+        elif path.is_dir():
+            told = _manifest(path / MANIFEST)
+            if told is not None:
+                rows.append(Found(name, str(told["command"]), str(told.get("date", "")), _summary(told)))
+        elif room == "tissue" and path.suffix == ".toml" and not path.stem.endswith("-manifest"):
+            told = _manifest(path.with_name(f"{path.stem}-{MANIFEST}")) or {}
+            rows.append(Found(name, str(told.get("command", "")), str(told.get("date", ""))))
+        elif room == "measured" and path.suffix.lower() in TEXTS:
+            rows.append(Found(name, ""))
+    return sorted(rows, key=lambda one: one.date)
+
+
+def _summary(told: dict[str, Any]) -> dict[str, Any] | None:
+    found = told.get("summary")
+    return found if isinstance(found, dict) else None
+
+
+def _manifest(path: Path) -> dict[str, Any] | None:
+    """A finished manifest's content; None where there is none that can be read."""
+    try:
+        told = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    return told if isinstance(told, dict) and told.get("command") and told.get("finished") else None
+
+
+def _campaign(path: Path, name: str, problems: list[str]) -> Found:
+    try:
+        state = check_campaign(path)
+    except InputError as problem:
+        problems.append(f"{name}: {problem}")
+        return Found(name, "", "", {"pressed": 0, "missing": 0, "wrong": 1})
+    told = _manifest(path / MANIFEST) or {}
+    counts = {"pressed": len(state.pressed), "missing": len(state.missing), "wrong": len(state.wrong)}
+    return Found(name, str(told.get("command", "")), str(told.get("date", "")), counts)
+
+
+def _next(project: Project, found: dict[str, tuple[Found, ...]]) -> tuple[str, str]:
+    """The first thing that is not done, in the order of the work."""
+    raw = [one for one in found["measured"] if not one.command]
+    imported = [one for one in found["measured"] if one.command == "import"]
+    designs = [one for one in found["designs"] if one.command == "suggest"]
+    if project.tissue is None and not found["tissue"]:
+        if imported:
+            traces = f"{_word(imported[-1].folder)}/*.csv"
+            return "fit the tissue law to the imported presses", f"dummydesign fit {traces} --out tissue/mine.toml"
+        if raw:
+            return "read the measured files", "dummydesign import " + " ".join(_word(one.folder) for one in raw)
+        return (
+            "choose a tissue (tissue = \"...\" in project.toml), or put files of your test machine into measured/",
+            "dummydesign tissues list",
+        )
+    tissue = "" if project.tissue else f" --tissue {_word(found['tissue'][-1].folder)}"
+    if not designs:
+        return "design a pad", f"dummydesign suggest{tissue} --no-cad"
+    best = designs[-1].summary or {}
+    if not found["moulds"] and "mould" not in best:
+        return "make the mould", _mould(project, best)
+    open_plans = [one for one in found["campaigns"] if one.summary and (one.summary["missing"] or one.summary["wrong"])]
+    if not found["campaigns"]:
+        return "cast the pads, then plan what to press", _plan(best)
+    ready = [one for one in found["campaigns"] if one not in open_plans]
+    done = {str((one.summary or {}).get("campaign", "")) for one in found["calibrations"]}
+    for one in ready:
+        if Path(one.folder).name not in done:
+            return "learn from the campaign", f"dummydesign loop {_word(one.folder)}"
+    if open_plans:
+        left = open_plans[-1].summary or {}
+        text = f"press what is left ({left['missing']} of {left['missing'] + left['pressed']} presses)"
+        text = text if not left["wrong"] else "mend what looks wrong in the campaign"
+        return text, f"dummydesign campaign check {_word(open_plans[-1].folder)}"
+    latest = found["calibrations"][-1]
+    if all(one.date < latest.date for one in designs):
+        calibration = _word(f"{latest.folder}/calibration.json")
+        again = f"dummydesign suggest{tissue} --shape slab --calibration {calibration}"
+        return "design again with what was learned", again
+    return "all steps are done: read the last report", f"dummydesign status  # {designs[-1].folder}/report.html"
+
+
+def _word(text: str) -> str:
+    return shlex.quote(text)
+
+
+def _mould(project: Project, best: dict[str, Any]) -> str:
+    if not {"thickness_mm", "ratio", "shape"} <= set(best):
+        return "dummydesign mold --thickness MM"
+    shape = "" if best["shape"] == "slab" else f" --shape {_word(str(best['shape']))}"
+    resin = "" if best.get("resin") == (project.resin or STANDARD_RESIN) else f" --resin {_word(str(best['resin']))}"
+    return f"dummydesign mold --thickness {best['thickness_mm']:g}{shape}{resin} --ratio {best['ratio']:g}"
+
+
+def _plan(best: dict[str, Any]) -> str:
+    if not {"ratio", "resin"} <= set(best):
+        return "dummydesign campaign new campaigns/first --young KPA"
+    return f"dummydesign campaign new campaigns/first --resin {_word(str(best['resin']))} --ratio {best['ratio']:g}"

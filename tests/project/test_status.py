@@ -1,0 +1,70 @@
+"""What comes next in a project, at every stage of the work."""
+
+import json
+
+from dummydesign.project.folder import make_project
+from dummydesign.project.status import status_of
+
+
+def wrote(folder, command, date, **summary):
+    folder.mkdir(parents=True)
+    told = {"command": command, "date": date, "finished": True, "summary": summary}
+    (folder / "manifest.json").write_text(json.dumps(told), encoding="utf-8")
+
+
+def plan(root, name, files):
+    folder = root / "campaigns" / name
+    folder.mkdir()
+    rows = [f'[[trial]]\nfile = "{file}"\nthickness_mm = 5.0\nvelocity_mm_s = 10.0\ntarget_force_N = 5.0\n'
+            for file in files]  # fmt: skip
+    head = 'schema = 1\nname = "x"\n[pad]\nyoung_kPa_nominal = 25.0\nlength_mm = 150.0\nwidth_mm = 120.0\n'
+    head += 'base = "bonded"\n[punch]\nshape = "square"\nside_mm = 14.0\ncontact = "bonded"\n[sensor]\n'
+    (folder / "campaign.toml").write_text(head + "".join(rows), encoding="utf-8")
+
+
+def test_each_stage_of_the_work_asks_for_the_next_one(tmp_path):
+    project = make_project(tmp_path)
+
+    def then():
+        return status_of(project).next_command
+
+    assert then() == "dummydesign tissues list"
+    (tmp_path / "measured" / "my hand.csv").write_text("1,2\n", encoding="utf-8")
+    assert then() == "dummydesign import 'measured/my hand.csv'"
+    wrote(tmp_path / "measured" / "import-a", "import", "2026-01-01", traces=3)
+    assert then() == "dummydesign fit measured/import-a/*.csv --out tissue/mine.toml"
+    (tmp_path / "tissue" / "mine.toml").write_text("", encoding="utf-8")
+    assert then() == "dummydesign suggest --tissue tissue/mine.toml --no-cad"
+    best = {"shape": "crowned:radius=20,height=2", "thickness_mm": 8.0, "ratio": 15.4, "resin": "polyurethane-nagoya"}
+    wrote(tmp_path / "designs" / "suggest-mine", "suggest", "2026-01-02", **best)
+    assert then() == "dummydesign mold --thickness 8 --shape crowned:radius=20,height=2 --ratio 15.4"
+    wrote(tmp_path / "moulds" / "mould_t8", "mold", "2026-01-03")
+    assert then().startswith("dummydesign campaign new campaigns/first --resin polyurethane-nagoya --ratio 15.4")
+    plan(tmp_path, "first", ["a.csv", "b.csv"])
+    told = status_of(project)
+    assert told.next_command == "dummydesign campaign check campaigns/first" and "2 of 2" in told.next_text
+    for name in ("a.csv", "b.csv"):
+        (tmp_path / "campaigns" / "first" / name).write_text("", encoding="utf-8")
+    assert "looks wrong" in status_of(project).next_text
+
+
+def test_a_learned_calibration_asks_for_the_design_again(tmp_path):
+    project = make_project(tmp_path, tissue="palm")
+    wrote(tmp_path / "designs" / "suggest-palm", "suggest", "2026-01-01", mould=True)
+    wrote(tmp_path / "campaigns" / "first", "campaign new", "2026-01-02")
+    (tmp_path / "campaigns" / "first" / "manifest.json").unlink()
+    (tmp_path / "campaigns" / "first").rmdir()
+    plan(tmp_path, "first", ["a.csv"])
+    wrote(tmp_path / "calibrations" / "loop-first", "loop", "2026-01-03", campaign="first", verdict="none", effects=[])
+    assert "press what is left" in status_of(project).next_text
+
+
+def test_an_unfinished_answer_and_a_damaged_campaign_are_not_taken_for_done(tmp_path):
+    project = make_project(tmp_path, tissue="palm")
+    (tmp_path / "designs" / "half").mkdir()
+    (tmp_path / "designs" / "half" / "manifest.json").write_text('{"command": "suggest", "finished": false}')
+    (tmp_path / "campaigns" / "bad").mkdir()
+    (tmp_path / "campaigns" / "bad" / "campaign.toml").write_text("x = ", encoding="utf-8")
+    told = status_of(project)
+    assert told.found["designs"] == () and told.next_command == "dummydesign suggest --no-cad"
+    assert len(told.problems) == 1 and "campaigns/bad" in told.problems[0]

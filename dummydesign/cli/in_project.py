@@ -36,7 +36,18 @@ def with_defaults(project: Project | None, arguments: Sequence[str]) -> list[str
 
 
 def settle_out(project: Project | None, command: str, module: ModuleType, options: argparse.Namespace) -> None:
-    """Put the answer of a command without ``--out`` into its folder of the project."""
+    """Put the answer of a command without ``--out`` into its folder of the project.
+
+    Parameters
+    ----------
+    project : Project or None
+        Nothing changes without one.
+    command : str
+    module : module
+        The command's, whose ``default_out`` names the folder.
+    options : argparse.Namespace
+        Its ``out`` is set.
+    """
     from dummydesign.project.defaults import OUT, place_for
 
     if project is None or command not in OUT or options.out is not None:

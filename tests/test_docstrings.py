@@ -25,8 +25,8 @@ import pytest
 import dummydesign
 
 ROOMS = (
-    "api", "cli", "core", "design", "geometry", "inference", "loop", "measurement", "mold", "pad", "report", "resin",
-    "studies", "tissue",
+    "api", "cli", "core", "design", "geometry", "inference", "loop", "measurement", "mold", "pad", "project", "report",
+    "resin", "studies", "tissue",
 )  # fmt: skip
 FEWEST = 3
 UNITS = {

@@ -43,7 +43,8 @@ def settle_out(project: Project | None, command: str, module: ModuleType, option
     project : Project or None
         Nothing changes without one.
     command : str
-    module : module
+        Its name.
+    module : ModuleType
         The command's, whose ``default_out`` names the folder.
     options : argparse.Namespace
         Its ``out`` is set.

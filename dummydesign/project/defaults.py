@@ -76,6 +76,7 @@ def place_for(project: Project, command: str, name: str, start: str | Path = "."
     ----------
     project : Project
     command : str
+        Its name, one of :data:`OUT`.
     name : str
         The folder's name that the command takes by itself.
     start : path

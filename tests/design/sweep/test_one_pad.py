@@ -1,0 +1,45 @@
+"""One pad looked at by itself: the same verdict and depths as the search gives, at any thickness and ratio."""
+
+import numpy as np
+import pytest
+
+from dummydesign.core.errors import InputError
+from dummydesign.design.assessment.pour_yield import Tolerances
+from dummydesign.design.curves import FORCE_GRID_N, steady_curve
+from dummydesign.design.inputs import resolve
+from dummydesign.design.request import Request
+from dummydesign.design.suggest import design
+from dummydesign.design.sweep.one_pad import law_of_shape, one_pad, with_castings
+from dummydesign.geometry.shapes import Slab, read_shape
+
+
+@pytest.fixture(scope="module")
+def inputs():
+    return resolve(Request("forefinger", shape="slab", verify=False))
+
+
+def test_the_recommended_pad_gets_the_verdict_and_the_curve_of_the_suggestion(inputs):
+    found = design(inputs)
+    best = found.best
+    poured = sum(mass for _, mass in found.recommended.recipe)
+    pad = one_pad(law_of_shape(inputs.slab_law, Slab(), best.thickness_mm), inputs.space, best.thickness_mm, best.ratio)
+    assert with_castings(pad, inputs.space, Tolerances(poured, 0.1, 0.2)) == found.verdict
+    assert np.array_equal(pad.steady_depth_mm(FORCE_GRID_N), steady_curve(best), equal_nan=True)
+
+
+def test_a_softer_pad_is_deeper_at_every_force(inputs):
+    law = law_of_shape(inputs.slab_law, Slab(), 5.0)
+    soft, stiff = (one_pad(law, inputs.space, 5.0, ratio) for ratio in (15.0, 15.4))
+    assert inputs.space.resin.young_MPa(15.0) < inputs.space.resin.young_MPa(15.4)
+    force = np.array([1.0, 5.0, 10.0])
+    assert (soft.steady_depth_mm(force) > stiff.steady_depth_mm(force)).all()
+
+
+def test_a_pad_out_of_reach_is_judged_poor_and_not_refused(inputs):
+    pad = one_pad(law_of_shape(inputs.slab_law, Slab(), 10.0), inputs.space, 10.0, 14.0)
+    assert pad.verdict.level == "poor" and pad.verdict.not_reached == 6
+
+
+def test_a_shape_that_does_not_fit_its_pad_is_refused(inputs):
+    with pytest.raises(InputError):
+        law_of_shape(inputs.slab_law, read_shape("crowned:20,2,9"), 3.0)

@@ -129,7 +129,7 @@ def read_project(folder: str | Path) -> Project:
             if key not in ("schema", "asked") and not (isinstance(value, str) and value.strip()):
                 raise InputError(f"{path}: {place}{key} = {value!r} must be text that is not empty")
     return Project(
-        root, data.get("name", root.name), *(data.get(name) for name in NAMES), tuple(sorted(asked.items()))
+        root, data.get("name", root.name), asked=tuple(sorted(asked.items())), **{name: data.get(name) for name in NAMES}
     )
 
 
@@ -156,7 +156,8 @@ def make_project(folder: str | Path, name: str | None = None, **given: str | Non
     kept = {key: value for key, value in given.items() if value is not None}
     asked = tuple(sorted((key, kept[key]) for key in ASKED if key in kept))
     title = name or root.resolve().name or "project"
-    project = Project(root.resolve(), title, *(kept.get(key) for key in NAMES), asked)
+    named = {key: kept.get(key) for key in NAMES}
+    project = Project(root.resolve(), title, named["tissue"], named["resin"], named["punch"], asked)
     try:
         for part in FOLDERS:
             (root / part).mkdir(parents=True, exist_ok=True)

@@ -128,9 +128,8 @@ def read_project(folder: str | Path) -> Project:
                 raise InputError(f"{path}: {unknown_name('entry', key, known)}")
             if key not in ("schema", "asked") and not (isinstance(value, str) and value.strip()):
                 raise InputError(f"{path}: {place}{key} = {value!r} must be text that is not empty")
-    return Project(
-        root, data.get("name", root.name), asked=tuple(sorted(asked.items())), **{name: data.get(name) for name in NAMES}
-    )
+    named = {name: data.get(name) for name in NAMES}
+    return Project(root, data.get("name", root.name), **named, asked=tuple(sorted(asked.items())))
 
 
 def make_project(folder: str | Path, name: str | None = None, **given: str | None) -> Project:

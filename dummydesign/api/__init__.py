@@ -12,7 +12,7 @@ from dummydesign.api.answers import Answer, Fitted, Result, Rows
 from dummydesign.api.campaign_calls import calibrate, replay
 from dummydesign.api.design_calls import suggest
 from dummydesign.api.import_calls import import_traces
-from dummydesign.api.mould_calls import make_mould
+from dummydesign.api.mould_calls import make_mould, record_pad
 from dummydesign.api.predict_calls import predict
 from dummydesign.api.sweep_calls import whatif
 from dummydesign.api.trace_calls import compare, fit
@@ -23,5 +23,5 @@ close_loop = calibrate
 
 __all__ = [
     "Answer", "Fitted", "Result", "Rows", "calibrate", "close_loop", "compare", "fit", "import_traces", "load_resin",
-    "load_tissue", "make_mould", "predict", "replay", "suggest", "whatif",
+    "load_tissue", "make_mould", "predict", "record_pad", "replay", "suggest", "whatif",
 ]  # fmt: skip

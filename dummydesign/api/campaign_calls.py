@@ -68,6 +68,7 @@ def calibrate(
     inputs = {"campaign": fspath(campaign), "out": None if out is None else fspath(out), "trials": len(read.trials)}
     inputs |= {name: fspath(path) for name, path in (("prior", prior), ("plan", plan)) if path is not None}
     files: list[str | Path] = [read.folder / FILE, *(read.folder / trial.file for trial in read.trials), *own]
+    files += read.records
     files += [] if prior is None else [fspath(prior)]
     asked = question("loop", inputs, files=files)
     with own_effects(own), ExitStack() as places:

@@ -1,9 +1,11 @@
-"""The call that makes a mould."""
+"""The calls that make a mould and keep what was cast in it."""
 
 from __future__ import annotations
 
-from os import PathLike
+from collections.abc import Iterable
+from os import PathLike, fspath
 from pathlib import Path
+from typing import Any
 
 from dummydesign.api.answers import Result
 from dummydesign.api.questions import question
@@ -92,3 +94,71 @@ def make_mould(
     # Memory differs from run to run; the same question shall get the same answer but for seconds.
     del result["memory_MB"]
     return Result(found, result, "make_mould")
+
+
+def record_pad(
+    folder: str | PathLike[str],
+    thicknesses_mm: Iterable[float],
+    mass_g: float,
+    *,
+    modulus_kPa: float | None = None,
+    level_deg: float | None = None,
+    bubbles: int | None = None,
+    gauge_mm: float | None = None,
+    note: str = "",
+    replace: bool = False,
+) -> Result:
+    """Keep what was really poured in the folder of its mould, and say which limits the pad misses.
+
+    Parameters
+    ----------
+    folder : path
+        What ``mold`` or ``suggest`` wrote.
+    thicknesses_mm : iterable of float
+        At five places or more. [mm]
+    mass_g : float
+        Of the trimmed pad. [g]
+    modulus_kPa : float, optional
+        Modulus of the witness puck, from ``resins add-compression``. [kPa]
+    level_deg : float, optional
+        As read when the mould was filled. [deg]
+    bubbles : int, optional
+        Over 1 mm, under the punch.
+    gauge_mm : float, optional
+        Standard error of the thickness gauge on a gel, 0.05 by default. [mm]
+    note : str
+        Anything else, kept with the record.
+    replace : bool
+        Take the place of the first record instead of the next free number.
+
+    Returns
+    -------
+    Result
+        The same as ``dummydesign mold record --json`` prints.
+
+    Raises
+    ------
+    InputError
+        For a folder that is not a mould's, or values that this pad cannot have.
+    """
+    from datetime import date
+
+    from dummydesign._version import __version__
+    from dummydesign.core.outputs.records import add_record
+    from dummydesign.measurement.pad_record import STEM
+    from dummydesign.mold.pour.record import GAUGE_MM, Measured, read_spec
+    from dummydesign.mold.pour.record import record_pad as judged
+
+    places = tuple(float(one) for one in thicknesses_mm)
+    gauge = GAUGE_MM if gauge_mm is None else gauge_mm
+    found = judged(Measured(places, mass_g, modulus_kPa, level_deg, bubbles, gauge, note), read_spec(fspath(folder)))
+    content = {**found.to_dict(), "gauge_mm": gauge, "version": __version__, "date": date.today().isoformat()}
+    path = add_record(Path(folder), STEM, content, apart=("date", "version"), replace=replace)
+    inputs: dict[str, Any] = {
+        "folder": str(folder), "thicknesses_mm": list(places), "mass_g": mass_g, "modulus_kPa": modulus_kPa,
+        "level_deg": level_deg, "bubbles": bubbles, "gauge_mm": gauge, "note": note,
+    }  # fmt: skip
+    warnings = [{"code": "limit_missed", "message": text} for text in found.missed]
+    plain = {key: value for key, value in found.to_dict().items() if key not in ("schema", *inputs)}
+    result = {"inputs": inputs, **plain, "files": {"record": str(path)}, "warnings": warnings, "sources": []}
+    return Result(found, result, "record_pad")

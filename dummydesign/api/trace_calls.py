@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace as replace_fields
 from os import PathLike, fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +15,9 @@ from dummydesign.core.references import PAPER
 
 if TYPE_CHECKING:
     from dummydesign.core.outputs.manifest import Question
+    from dummydesign.measurement.pad_record import PadRecord
     from dummydesign.measurement.trace import Trace
+    from dummydesign.tissue.fitting.compare import Comparison
     from dummydesign.tissue.fitting.fit import Fit
 
 LAW_SOURCE = f"{PAPER}, equations (4) to (6)"
@@ -123,6 +126,7 @@ def compare(
     tissue: str,
     *,
     lowpass: str | None = None,
+    record: str | PathLike[str] | None = None,
     out: str | PathLike[str] | None = None,
     replace: bool = False,
 ) -> Result:
@@ -136,6 +140,8 @@ def compare(
         Name of the library, or path of a TOML file.
     lowpass : str, optional
         Filter the forces went through, ``HZ[:ORDER[:PASSES]]``.
+    record : path, optional
+        Record of the pad as it was cast, by ``mold record``: told beside the verdict.
     out : path, optional
         Folder of tables and report, which are not written without it; the next free number when it holds another
         answer.
@@ -153,11 +159,13 @@ def compare(
         For names or files that cannot be used.
     """
     from dummydesign.design.assessment.verdict_of_traces import verdict_of_traces
+    from dummydesign.measurement.pad_record import read_record
     from dummydesign.measurement.sensor import parse_lowpass
     from dummydesign.tissue.fitting.compare import compare_traces
     from dummydesign.tissue.model.tissue_file import load_tissue
 
     site, passed = load_tissue(tissue), parse_lowpass(lowpass)
+    pad = None if record is None else read_record(fspath(record))
     names, read = _read(traces)
     inputs = {
         "traces": names,
@@ -165,21 +173,34 @@ def compare(
         "lowpass": passed.to_dict() if passed else None,
         "out": None if out is None else fspath(out),
     }
+    if record is not None:
+        inputs["record"] = fspath(record)
     if out is None:
-        found = compare_traces(read, site, passed)
+        found = _of_pad(compare_traces(read, site, passed), pad)
         known = {"inputs": inputs, "verdict": verdict_of_traces(found, site).to_dict(), **found.result}
         return Result(found, {**known, "sources": list(site.sources), "files": {}}, "compare")
     from dummydesign.core.outputs.write import new_folder
     from dummydesign.report.files.compare import write_comparison
 
-    with new_folder(out, _question("compare", inputs, names, read, tissue), replace=replace) as output:
-        found = compare_traces(read, site, passed)
+    more = [] if record is None else [fspath(record)]
+    with new_folder(out, _question("compare", inputs, [*names, *more], read, tissue), replace=replace) as output:
+        found = _of_pad(compare_traces(read, site, passed), pad)
         judged = verdict_of_traces(found, site).to_dict()
         head = {"inputs": {**inputs, "out": str(output.folder)}, "verdict": judged, **found.result}
         files = write_comparison(found, site, output.work, judged)
         output.extra["summary"] = {"verdict": judged["level"], "text": judged["text"]}
         result = output.answer({**head, "sources": list(site.sources), "files": files})
     return Result(found, result, "compare")
+
+
+def _of_pad(found: Comparison, pad: PadRecord | None) -> Comparison:
+    """The comparison with the pad as it was cast, and a warning of each limit that it missed."""
+    if pad is None:
+        return found
+    told = {key: value for key, value in pad.to_dict().items() if key not in ("schema", "limits")}
+    return replace_fields(
+        found, result={**found.result, "pad": told, "warnings": [*found.result["warnings"], *pad.warnings()]}
+    )
 
 
 def _question(

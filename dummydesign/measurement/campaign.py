@@ -86,7 +86,7 @@ class Trial:
 
 @dataclass(frozen=True)
 class Campaign:
-    """A checked campaign, trials in the order of ``campaign.toml``."""
+    """A checked campaign, trials in the order of ``campaign.toml``; ``records`` are files of pads that it names."""
 
     name: str
     folder: Path
@@ -96,3 +96,4 @@ class Campaign:
     force_resolution_N: float
     trials: tuple[Trial, ...]
     warnings: tuple[dict[str, str], ...] = ()
+    records: tuple[Path, ...] = ()

@@ -15,6 +15,7 @@ from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.measurement.campaign import Campaign, PadSpec, PunchSpec, Trial
 from dummydesign.measurement.campaign_checks import check_against_declared, check_set
 from dummydesign.measurement.campaign_lines import CampaignLines
+from dummydesign.measurement.pad_record import PadRecord, Records, pad_with_record
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import read_trace
 
@@ -31,7 +32,7 @@ _TRIAL_NUMBERS = {
     "target_depth_mm": (0.0, 200.0),
 }
 _TRIAL_REQUIRED = ("thickness_mm", "velocity_mm_s")
-_TRIAL_KEYS = {"file", "repeat", "sequence", "shape", "unload", *_TRIAL_NUMBERS}
+_TRIAL_KEYS = {"file", "repeat", "sequence", "shape", "unload", "record", *_TRIAL_NUMBERS}
 
 
 def read_campaign(folder: str | Path) -> Campaign:
@@ -69,7 +70,9 @@ def read_campaign(folder: str | Path) -> Campaign:
     place = CampaignLines(FILE, text)
     if data.get("schema") != 1:
         raise InputError(f"{FILE}: schema = {data.get('schema')!r}; this version reads schema = 1")
-    pad, punch = _pad(data, place), _punch(data, place, folder)
+    records = Records(folder)
+    own = records.of(_section(data, "pad"), place.section("pad", "record"))
+    pad, punch = _pad(data, place, own), _punch(data, place, folder)
     if (pad.shape == "cylinder") != (punch.shape == "plate"):
         raise InputError(
             f"{place.section('punch', 'shape')}: punch '{punch.shape}' with pad shape '{pad.shape}'; "
@@ -88,11 +91,14 @@ def read_campaign(folder: str | Path) -> Campaign:
     if data.get("punch", {}).get("edge_radius_mm"):
         text = "edge_radius_mm is not in the force law of the loop: the punch is taken as sharp-edged"
         warnings.append({"code": "edge_radius", "message": text})
+    blocks = [records.trial(block, own, place, i) for i, block in enumerate(blocks)]
     trials = tuple(_trial(block, i, place, folder, pad, punch) for i, block in enumerate(blocks))
     check_set(trials, blocks, place, warnings)
+    warnings += records.warnings()
     return Campaign(
-        str(data.get("name", folder.name)), folder, pad, punch, lowpass, resolution, trials, tuple(warnings)
-    )
+        str(data.get("name", folder.name)), folder, pad, punch, lowpass, resolution, trials, tuple(warnings),
+        tuple(records.read),
+    )  # fmt: skip
 
 
 def _number(table: dict[str, Any], key: str, where: str, low: float, high: float, hint: str = "") -> float | None:
@@ -136,8 +142,10 @@ def _geometry(text: str, where: str) -> PadShape:
         raise InputError(f"{where}: {problem}") from None
 
 
-def _pad(data: dict[str, Any], place: CampaignLines) -> PadSpec:
+def _pad(data: dict[str, Any], place: CampaignLines, record: PadRecord | None) -> PadSpec:
     table = _section(data, "pad")
+    if record is not None:
+        table = pad_with_record(table, record, place.section("pad", "record"))
 
     def number(key: str, low: float, high: float, hint: str = "") -> float | None:
         return _number(table, key, place.section("pad", key), low, high, hint)

@@ -12,10 +12,14 @@ HELP = "Make the silicone mould of a pad: STEP files, printable master and frame
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options of contracts: thickness, size, shape, preset, resin, ratio, output folder."""
+    """Declare the options of contracts: thickness, size, shape, preset, resin, ratio, output folder; and ``record``."""
+    from dummydesign.cli.design import mold_record
     from dummydesign.geometry.shape_names import shape_help
 
-    parser.add_argument("--thickness", type=float, required=True, metavar="MM", help="thickness of the pad, 3 to 30 mm")
+    actions = parser.add_subparsers(dest="action", metavar="[record]")
+    record = actions.add_parser("record", help=mold_record.HELP, allow_abbrev=False)
+    mold_record.add_arguments(record)
+    parser.add_argument("--thickness", type=float, metavar="MM", help="thickness of the pad, 3 to 30 mm; required")
     parser.add_argument("--length", type=float, default=150.0, metavar="MM", help="length of the pad (default 150)")
     parser.add_argument("--width", type=float, default=120.0, metavar="MM", help="width of the pad (default 120)")
     parser.add_argument(
@@ -37,8 +41,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
-    """Build the mould and return the answer."""
+    """Build the mould, or keep the record of a pad, and return the answer."""
     from dummydesign.api import make_mould
+    from dummydesign.core.errors import InputError
+
+    if options.action == "record":
+        from dummydesign.cli.design import mold_record
+
+        return mold_record.run(options)
+    if options.thickness is None:
+        raise InputError("--thickness is missing: the thickness of the pad in mm, 3 to 30")
 
     return make_mould(
         options.thickness,
@@ -62,6 +74,10 @@ def default_out(options: argparse.Namespace) -> str:
 
 def render(result: dict[str, Any]) -> str:
     """Write the answer as short tables."""
+    if "specification" in result:
+        from dummydesign.cli.design import mold_record
+
+        return mold_record.render(result)
     inputs, pour = result["inputs"], result["pour"]
     size = f"{inputs['length_mm']:g} x {inputs['width_mm']:g} x {inputs['thickness_mm']:g} mm"
     lines = [

@@ -16,6 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("traces", nargs="+", metavar="TRACE.csv", help="time_s,displacement_mm,force_N")
     parser.add_argument("--tissue", required=True, metavar="NAME|FILE", help="see 'dummydesign tissues list'")
     parser.add_argument("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help="filter the force went through")
+    parser.add_argument("--record", metavar="FILE", help="the pad as it was cast, by 'mold record'")
     parser.add_argument("--out", metavar="DIR", help="folder of the files (default compare-TISSUE)")
     add_replace_option(parser)
 
@@ -25,7 +26,9 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     from dummydesign.api import compare
 
     out = options.out or default_out(options)
-    return compare(options.traces, options.tissue, lowpass=options.lowpass, out=out, replace=options.replace).to_dict()
+    return compare(
+        options.traces, options.tissue, lowpass=options.lowpass, record=options.record, out=out, replace=options.replace
+    ).to_dict()
 
 
 def default_out(options: argparse.Namespace) -> str:
@@ -42,6 +45,11 @@ def render(result: dict[str, Any]) -> str:
         return "-" if value is None else f"{value:.4g}"
 
     lines = [*verdict_lines(result["verdict"]), f"against {result['tissue']}, law {result['law']}"]
+    if "pad" in result:
+        pad = result["pad"]
+        force = "" if pad["force_percent"] is None else f", force {pad['force_percent']:+.1f} % off the designed pad's"
+        state = "accepted" if pad["accepted"] else "not accepted"
+        lines.append(f"pad of {pad['thickness_mm']:.2f} +- {pad['thickness_sd_mm']:.2f} mm as cast, {state}{force}")
     lines.append(
         f"{'parameter':<22} {'dummy':>10} {'95 % low':>10} {'95 % high':>10} {'band low':>10} {'band high':>10}"
     )

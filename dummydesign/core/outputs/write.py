@@ -16,6 +16,7 @@ from typing import Any
 from dummydesign.core.errors import InputError
 from dummydesign.core.outputs.manifest import Question, manifest_text
 from dummydesign.core.outputs.place import MARKS, Place, choose_files, choose_folder
+from dummydesign.core.outputs.records import KEY, records_of
 
 
 @dataclass(frozen=True)
@@ -171,7 +172,9 @@ def _written(place: Place, question: Question) -> Iterator[Output]:
             yield output
         except InputError as problem:
             raise InputError(output.settled(str(problem))) from None
-        _write(work / place.manifest, manifest_text(question, work, _names(work), output.extra))
+        kept = records_of(place.folder / place.manifest, question)
+        extra = {**output.extra, KEY: kept} if kept else output.extra
+        _write(work / place.manifest, manifest_text(question, work, _names(work), extra))
         _settle(work, place)
         made = []
     finally:

@@ -70,6 +70,8 @@ def pour_sheet(
         *_demould_blocks(spec),
         Block("head", "5. Accept or reject"),
         Block("table", rows=tuple(acceptance_rows(spec, plan))),
+        Block("text", "Keep it: dummydesign mold record DIR --thickness a,b,c,d,e --mass G [--modulus KPA --level DEG "
+              "--bubbles N]; a campaign then names the record and knows this pad."),
         Block("head", "What is needed"),
         Block("table", rows=tuple(bill_of_materials(spec, plan, printed_mm3))),
         Block("head", "Cautions"),

@@ -237,6 +237,7 @@ def _resin_numbers(resin: Resin, ratio: float, room_temperature_C: float) -> dic
         "components": tuple((part.name, float(part.mass_g)) for part in parts),
         "density_g_per_cm3": float(resin.property("density_g_per_cm3", ratio).value),
         "viscosity_Pa_s": float(resin.property("viscosity_Pa_s", ratio).value),
+        "young_kPa": 1e3 * float(resin.young_MPa(ratio)),
         **numbers,
     }
 

@@ -149,7 +149,10 @@ class Silicone:
 
 @dataclass(frozen=True)
 class Pour:
-    """The resin as a liquid to be weighed and poured; ``components`` are (name, mass fraction)."""
+    """The resin as a liquid to be weighed and poured; ``components`` are (name, mass fraction).
+
+    ``young_kPa`` is the modulus that the design counts on, None in specifications of earlier editions.
+    """
 
     resin: str
     ratio: float
@@ -173,6 +176,7 @@ class Pour:
     degas: str
     foam_factor: float
     pour_and_degas_min: float
+    young_kPa: float | None = None
 
 
 @dataclass(frozen=True)
@@ -240,9 +244,9 @@ class MouldSpec:
     def to_dict(self) -> dict[str, Any]:
         """Return nested plain dictionaries, tuples as lists; a base layer or plastic that is not there is left out."""
         plain = plain_data(asdict(self))
-        for name in ("base", "plastic"):
-            if plain[name] is None:
-                del plain[name]
+        for table, name in ((plain, "base"), (plain, "plastic"), (plain["pour"], "young_kPa")):
+            if table[name] is None:
+                del table[name]
         return plain
 
     def canonical(self) -> str:

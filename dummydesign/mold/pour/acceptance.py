@@ -13,11 +13,22 @@ from dummydesign.mold.pour.steps import BLANK
 TOLD_DEPTH = 0.25
 
 
-def force_per_thickness(spec: MouldSpec) -> float | None:
-    """Relative change of the force at a given depth for a relative change of the thickness, d ln F / d ln h.
+def force_at_thickness(spec: MouldSpec, shares: tuple[float, ...]) -> tuple[float, ...] | None:
+    """Force at a given depth of pads whose thickness is a share of the designed one, over that of the designed one.
 
-    At a quarter of the thickness, glued, under a square punch of 14 mm, by the response table; None for a pad
-    that no table holds or that is pressed between plates.
+    At a quarter of the designed thickness, glued, under a square punch of 14 mm, by the response table.
+
+    Parameters
+    ----------
+    spec : MouldSpec
+        Of the designed pad.
+    shares : tuple of float
+        Thickness over the designed thickness.
+
+    Returns
+    -------
+    tuple of float, or None
+        None for a pad that no table holds, that is pressed between plates, or that is thinner than a table goes.
     """
     from dummydesign.core.errors import InputError
     from dummydesign.pad.tables.shape import ShapeLaw
@@ -26,14 +37,26 @@ def force_per_thickness(spec: MouldSpec) -> float | None:
     pad = spec.pad
     if pad.is_puck or not (pad.shape.plain or pad.shape.tabulated):
         return None
-    h, step = pad.thickness_mm, 0.01
+    h = pad.thickness_mm
     try:
         law = load_table("bonded") if pad.shape.plain else ShapeLaw(pad.shape)
-        force = law.force(TOLD_DEPTH * h, np.array([1.0 - step, 1.0 + step]) * h, 1.0, PUNCH_RADIUS_MM)
+        force = law.force(TOLD_DEPTH * h, np.array([1.0, *shares]) * h, 1.0, PUNCH_RADIUS_MM)
     except InputError:
         return None
-    change = float(np.log(force[1] / force[0]) / np.log((1.0 + step) / (1.0 - step)))
-    return change if np.isfinite(change) else None
+    over = force[1:] / force[0]
+    return tuple(float(one) for one in over) if np.all(np.isfinite(over)) else None
+
+
+def force_per_thickness(spec: MouldSpec) -> float | None:
+    """Relative change of the force at a given depth for a relative change of the thickness, d ln F / d ln h.
+
+    Central difference over one per cent of :func:`force_at_thickness`; None where that is not known.
+    """
+    step = 0.01
+    force = force_at_thickness(spec, (1.0 - step, 1.0 + step))
+    if force is None:
+        return None
+    return float(np.log(force[1] / force[0]) / np.log((1.0 + step) / (1.0 - step)))
 
 
 def acceptance_rows(spec: MouldSpec, plan: PourPlan) -> list[tuple[str, ...]]:
@@ -63,7 +86,7 @@ def acceptance_rows(spec: MouldSpec, plan: PourPlan) -> list[tuple[str, ...]]:
             "too light: air inside or a leak; too heavy: overfilled",
         ),
         (
-            "modulus of the witness", "that of the design", f"within {limits.modulus_percent:g} %",
+            "modulus of the witness", _modulus(spec), f"within {limits.modulus_percent:g} %",
             f"{limits.modulus_percent:.0f} % of force", BLANK,
             "wrong ratio, moist or old resin: cast again, or design again with resins add-compression",
         ),
@@ -72,6 +95,11 @@ def acceptance_rows(spec: MouldSpec, plan: PourPlan) -> list[tuple[str, ...]]:
             "reject; degas longer or at a lower pressure",
         ),
     ]  # fmt: skip
+
+
+def _modulus(spec: MouldSpec) -> str:
+    young = spec.pour.young_kPa
+    return "that of the design" if young is None else f"{young:.1f} kPa"
 
 
 TROUBLE = (

@@ -1,0 +1,221 @@
+"""A pad as it was really cast, judged by the limits of its design: what is missed and what it costs. No CAD."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.measurement.pad_record import PadRecord, thickness_error
+from dummydesign.mold.model import formulas as formula
+from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.mold.pour.acceptance import force_at_thickness
+from dummydesign.mold.pour.plan import pour_plan
+
+PLACES = 5
+GAUGE_MM = 0.05
+"""Standard error of a thickness gauge on a gel, when none is given: judgement, its foot sinks in by some 0.05 mm."""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What was measured of a cast pad; None where it was not."""
+
+    thicknesses_mm: tuple[float, ...]
+    mass_g: float
+    young_kPa: float | None = None
+    level_deg: float | None = None
+    bubbles: int | None = None
+    gauge_mm: float = GAUGE_MM
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """One limit: what was found, what is allowed, what it costs in force at a given depth, what to do when missed."""
+
+    what: str
+    value: float
+    unit: str
+    low: float | None
+    high: float | None
+    missed: bool
+    force_percent: float | None
+    advice: str
+
+
+def read_spec(folder: str | Path) -> MouldSpec:
+    """Read the specification in the folder of a mould.
+
+    Raises
+    ------
+    InputError
+        When there is none, or it does not have the hash that stands in it.
+    """
+    path = Path(folder) / "spec.json"
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+        spec, said = MouldSpec.from_dict(data["spec"]), data["hash"]
+    except FileNotFoundError:
+        raise InputError(f"'{folder}' has no spec.json; give the folder that 'dummydesign mold' wrote") from None
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as problem:
+        raise InputError(f"'{path}' is damaged ({problem}); make the mould again") from None
+    if spec.hash != said:
+        raise InputError(f"'{path}' was changed: its hash is {spec.hash}, not {said}; make the mould again")
+    return spec
+
+
+def check_measured(measured: Measured, spec: MouldSpec) -> None:
+    """Refuse what cannot have been measured on this pad, so that a slip of the pen does not become a pad.
+
+    Raises
+    ------
+    InputError
+        With the value and what is allowed.
+    """
+    h, count = spec.pad.thickness_mm, len(measured.thicknesses_mm)
+    if count < PLACES:
+        raise InputError(f"--thickness has {count} values; measure at {PLACES} places or more")
+    for one in measured.thicknesses_mm:
+        if not 0.5 * h <= one <= 2.0 * h:
+            raise out_of_range("--thickness", f"{one:g} mm", f"{0.5 * h:g}", f"{2 * h:g} mm", f"the pad is of {h:g} mm")
+    wanted = _mass_g(spec)
+    if not 0.3 * wanted <= measured.mass_g <= 3.0 * wanted:
+        advice = f"the pad is of {wanted:.1f} g"
+        raise out_of_range("--mass", f"{measured.mass_g:g} g", f"{0.3 * wanted:.0f}", f"{3 * wanted:.0f} g", advice)
+    for name, value, low, high in (
+        ("--modulus", measured.young_kPa, 0.5, 5000.0),
+        ("--level", measured.level_deg, 0.0, 10.0),
+        ("--bubbles", measured.bubbles, 0, 10000),
+        ("--gauge", measured.gauge_mm, 0.0, 0.2 * h),
+    ):
+        if value is not None and not low <= value <= high:
+            raise out_of_range(name, f"{value:g}", f"{low:g}", f"{high:g}")
+
+
+def record_pad(measured: Measured, spec: MouldSpec) -> PadRecord:
+    """Judge a cast pad.
+
+    The force is that at a quarter of the designed thickness by the response table, over that of the designed pad:
+    by the mean thickness and in proportion to the witness's modulus.
+
+    Parameters
+    ----------
+    measured : Measured
+    spec : MouldSpec
+        Of its mould.
+
+    Returns
+    -------
+    PadRecord
+
+    Raises
+    ------
+    InputError
+        See :func:`check_measured`.
+    """
+    check_measured(measured, spec)
+    pad = spec.pad
+    mean = sum(measured.thicknesses_mm) / len(measured.thicknesses_mm)
+    by_thickness = _cost(spec, mean / pad.thickness_mm)
+    limits = judge(measured, spec)
+    young, wanted = measured.young_kPa, spec.pour.young_kPa if spec.base is None else None
+    stiffer = 1.0 if young is None or wanted is None else young / wanted
+    return PadRecord(
+        specification=spec.hash, shape=pad.name, length_mm=pad.length_mm, width_mm=pad.width_mm, resin=spec.pour.resin,
+        ratio=spec.pour.ratio, design_thickness_mm=pad.thickness_mm, thicknesses_mm=measured.thicknesses_mm,
+        thickness_mm=mean, thickness_sd_mm=thickness_error(measured.thicknesses_mm, measured.gauge_mm),
+        mass_g=measured.mass_g, design_young_kPa=spec.pour.young_kPa, young_kPa=young, level_deg=measured.level_deg,
+        bubbles=measured.bubbles, accepted=not any(one.missed for one in limits),
+        force_percent=None if by_thickness is None else 100 * ((1 + by_thickness / 100) * stiffer - 1),
+        missed=tuple(_words(one) for one in limits if one.missed), note=measured.note,
+        limits=tuple(asdict(one) for one in limits),
+    )  # fmt: skip
+
+
+def judge(measured: Measured, spec: MouldSpec) -> tuple[Judged, ...]:
+    """Each limit of acceptance with what was measured; those that were not measured are left out.
+
+    Parameters
+    ----------
+    measured : Measured
+    spec : MouldSpec
+        Its ``acceptance`` are the limits; level as on the pour sheet.
+
+    Returns
+    -------
+    tuple of Judged
+    """
+    limits, pad = spec.acceptance, spec.pad
+    h, values = pad.thickness_mm, measured.thicknesses_mm
+    mean, spread = sum(values) / len(values), max(values) - min(values)
+    wide = _cost(spec, 1 + spread / 2 / h)
+    found = [
+        _around("thickness, mean", mean, "mm", h, limits.thickness_percent, _cost(spec, mean / h), _thickness(mean, h,
+                limits.thickness_percent)),
+        Judged("thickness, largest less smallest", spread, "mm", None, h * limits.spread_percent / 100,
+               spread > h * limits.spread_percent / 100, None if wide is None else abs(wide),
+               "level again with the load in the mould, cast again; until then press in one place and gauge it there"),
+        _mass(measured, spec, mean),
+    ]  # fmt: skip
+    wanted = spec.pour.young_kPa
+    if measured.young_kPa is not None and wanted is not None:
+        change = 100 * (measured.young_kPa / wanted - 1)
+        advice = "wrong ratio, moist or old resin: cast again, or design again with resins add-compression"
+        found.append(_around("modulus of the witness", measured.young_kPa, "kPa", wanted, limits.modulus_percent,
+                             change if spec.base is None else None, advice))  # fmt: skip
+    if measured.level_deg is not None:
+        plan = pour_plan(spec)
+        half_mm = formula.tilt_error_mm(max(pad.length_mm, pad.width_mm), measured.level_deg) / 2
+        wedge = _cost(spec, 1 + half_mm / h)
+        found.append(Judged("level", measured.level_deg, "deg", None, plan.level_deg,
+                            measured.level_deg > plan.level_deg, None if wedge is None else abs(wedge),
+                            "level again with the load in the mould, cast again"))  # fmt: skip
+    if measured.bubbles is not None:
+        found.append(Judged("bubbles over 1 mm under the punch", measured.bubbles, "", None, 0.0, measured.bubbles > 0,
+                            None, "reject; degas longer or at a lower pressure"))  # fmt: skip
+    return tuple(found)
+
+
+def _around(
+    what: str, value: float, unit: str, wanted: float, percent: float, cost: float | None, advice: str
+) -> Judged:
+    low, high = wanted * (1 - percent / 100), wanted * (1 + percent / 100)
+    return Judged(what, value, unit, low, high, not low <= value <= high, cost, advice)
+
+
+def _thickness(mean: float, h: float, percent: float) -> str:
+    if abs(mean / h - 1) > 2 * percent / 100:
+        return "beyond twice the limit: cast again"
+    return "usable with its real thickness: give this record to the campaign"
+
+
+def _mass(measured: Measured, spec: MouldSpec, mean: float) -> Judged:
+    """The mass; its cost is the thickness's, and what thickness does not explain is air or resin outside."""
+    wanted = _mass_g(spec)
+    left = 100 * (measured.mass_g / wanted / (mean / spec.pad.thickness_mm) - 1)
+    why = f"{abs(left):.1f} % {'lighter' if left < 0 else 'heavier'} than its thickness explains: "
+    if abs(left) <= spec.acceptance.mass_percent:
+        why = "as its thickness explains"
+    elif spec.pad.shape.relief_mm:
+        why += "beside a curved face the mass does not follow the thickness; gauge again, then look for air"
+    else:
+        why += "air inside, hardly to be used" if left < 0 else "resin outside the outline, or the gauge sank in"
+    return _around("mass", measured.mass_g, "g", wanted, spec.acceptance.mass_percent, None, why)
+
+
+def _mass_g(spec: MouldSpec) -> float:
+    plan = pour_plan(spec)
+    return plan.pad_mass_g + (plan.base.pad_mass_g if plan.base else 0.0)
+
+
+def _cost(spec: MouldSpec, share: float) -> float | None:
+    """Change of the force at a given depth for a thickness that is a share of the designed one. [%]"""
+    force = force_at_thickness(spec, (share,))
+    return None if force is None else 100 * (force[0] - 1)
+
+
+def _words(one: Judged) -> str:
+    allowed = f"{one.low:.4g} to {one.high:.4g}" if one.low is not None else f"at most {one.high:.4g}"
+    return f"{one.what} {one.value:.4g} {one.unit}".rstrip() + f" (allowed {allowed})"

@@ -1,0 +1,122 @@
+"""A cast pad judged by its design: what a deviation costs follows the force law, and slips of the pen are refused."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from dummydesign import cli
+from dummydesign.core.errors import InputError
+from dummydesign.core.outputs.manifest import Question
+from dummydesign.core.outputs.write import new_folder
+from dummydesign.measurement.pad_record import read_record
+from dummydesign.mold.model.preset import mould_spec
+from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.mold.pour.plan import pour_plan
+from dummydesign.mold.pour.record import Measured, judge, record_pad
+
+SPEC = mould_spec(10.0, 60.0, 50.0)
+MASS = pour_plan(SPEC).pad_mass_g
+EVEN = (10.0,) * 5
+
+
+def limit(name, measured, spec=SPEC):
+    return next(one for one in judge(measured, spec) if one.what.startswith(name))
+
+
+def test_the_designed_pad_is_accepted_and_costs_no_force():
+    record = record_pad(Measured(EVEN, MASS, SPEC.pour.young_kPa, 0.0, 0), SPEC)
+    assert record.accepted and record.missed == () and record.force_percent == pytest.approx(0.0, abs=1e-9)
+    assert record.thickness_mm == 10.0 and record.thickness_sd_mm == pytest.approx(0.05)
+
+
+def test_force_follows_the_response_table_with_thickness_and_goes_in_proportion_with_the_modulus():
+    from dummydesign.geometry.standard import PUNCH_RADIUS_MM
+    from dummydesign.pad.tables.slab import load_table
+
+    record = record_pad(Measured((10.4,) * 5, 1.04 * MASS, 1.1 * SPEC.pour.young_kPa), SPEC)
+    law = load_table("bonded")
+    force = [float(law.force(2.5, np.array([h]), 1.0, PUNCH_RADIUS_MM)[0]) for h in (10.0, 10.4)]
+    assert record.force_percent == pytest.approx(100 * (1.1 * force[1] / force[0] - 1), rel=1e-6)
+    assert force[1] < force[0] and not record.accepted
+
+
+def test_error_of_the_thickness_is_that_of_a_place_not_gauged():
+    record = record_pad(Measured((9.9, 10.0, 10.1, 10.0, 10.0), MASS, gauge_mm=0.0), SPEC)
+    assert record.thickness_sd_mm == pytest.approx(np.std(record.thicknesses_mm, ddof=1) * np.sqrt(1 + 1 / 5))
+
+
+def test_a_limit_is_missed_just_beyond_it_and_twice_beyond_means_casting_again():
+    edge = SPEC.acceptance.thickness_percent / 100
+    assert not limit("thickness, mean", Measured((10 * (1 + 0.99 * edge),) * 5, MASS)).missed
+    past = limit("thickness, mean", Measured((10 * (1 + 1.01 * edge),) * 5, MASS))
+    far = limit("thickness, mean", Measured((10 * (1 + 2.1 * edge),) * 5, MASS))
+    assert past.missed and "record" in past.advice and far.missed and "cast again" in far.advice
+
+
+def test_mass_that_the_thickness_explains_is_not_taken_for_air():
+    assert "explains" in limit("mass", Measured((10.3,) * 5, 1.03 * MASS)).advice
+    assert "air" in limit("mass", Measured(EVEN, 0.9 * MASS)).advice
+    assert "outside" in limit("mass", Measured(EVEN, 1.1 * MASS)).advice
+
+
+def test_level_costs_half_its_wedge_and_a_puck_or_an_untabulated_pad_no_known_force():
+    tilt = np.degrees(np.arctan(0.6 / 60.0))
+    cost = limit("level", Measured(EVEN, MASS, level_deg=float(tilt))).force_percent
+    assert cost == pytest.approx(abs(limit("thickness, mean", Measured((10.3,) * 5, MASS)).force_percent), rel=0.01)
+    puck = mould_spec(30.0, 50.0, 50.0, kind="puck")
+    record = record_pad(Measured((30.0,) * 5, pour_plan(puck).pad_mass_g), puck)
+    assert record.force_percent is None and record.accepted
+
+
+@pytest.mark.parametrize("given, named", [
+    (Measured((10.0,) * 4, MASS), "5 places"),
+    (Measured((10.0, 10.0, 10.0, 10.0, 100.0), MASS), "100 mm"),
+    (Measured((10.0, 10.0, 10.0, 10.0, float("nan")), MASS), "nan"),
+    (Measured(EVEN, 1000.0 * MASS), "--mass"),
+    (Measured(EVEN, MASS, 0.025), "--modulus"),
+    (Measured(EVEN, MASS, level_deg=-1.0), "--level"),
+    (Measured(EVEN, MASS, bubbles=-1), "--bubbles"),
+])  # fmt: skip
+def test_what_this_pad_cannot_have_is_refused_with_what_is_allowed(given, named):
+    with pytest.raises(InputError, match=named):
+        record_pad(given, SPEC)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    with new_folder(tmp_path / "m", Question("mold", {"specification": SPEC.hash})) as output:
+        output.path("spec.json").write_text(json.dumps({"hash": SPEC.hash, "spec": SPEC.to_dict()}))
+    return output.folder
+
+
+def test_the_command_keeps_a_record_that_reads_back_and_names_what_is_missed(folder, capsys):
+    words = ["mold", "record", str(folder), "--thickness", "10.5,10.4,10.5,10.4,10.5", "--mass", f"{MASS:.2f}"]
+    assert cli.run([*words, "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    record = read_record(answer["files"]["record"])
+    assert record.thicknesses_mm == (10.5, 10.4, 10.5, 10.4, 10.5) and not record.accepted
+    assert answer["missed"] == list(record.missed) and answer["force_percent"] == record.force_percent
+    assert cli.run(words) == 0
+    text = capsys.readouterr().out
+    assert "MISSED" in text and "not accepted" in text and "None" not in text
+
+
+def test_a_changed_specification_a_folder_without_one_and_text_for_numbers_are_one_line(folder, tmp_path, capsys):
+    words = ["--thickness", "10,10,10,10,10", "--mass", f"{MASS:.2f}"]
+    path = folder / "spec.json"
+    path.write_text(path.read_text().replace('"draft_deg": 2.0', '"draft_deg": 3.0'))
+    for arguments in ([str(folder), *words], [str(tmp_path), *words], [str(folder), "--thickness", "a", "--mass", "1"]):
+        assert cli.run(["mold", "record", *arguments]) == 2
+        assert capsys.readouterr().err.count("\n") == 1
+    assert not (folder / "record.json").exists()
+
+
+def test_specifications_of_earlier_editions_keep_their_hash():
+    data = SPEC.to_dict()
+    del data["pour"]["young_kPa"]
+    old = MouldSpec.from_dict(data)
+    assert old.to_dict() == data and old.hash != SPEC.hash
+    assert record_pad(Measured(EVEN, MASS, 30.0), old).accepted

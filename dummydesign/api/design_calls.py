@@ -54,7 +54,7 @@ def suggest(
     shape : str
         ``auto`` (the best of all kinds), ``slab``, another kind such as ``crowned``, or one with its lengths.
     calibration : path, optional
-        Written by ``dummydesign loop``; slabs only.
+        Written by ``dummydesign loop``.
     effects : iterable of path
         Files with effects of your own that the calibration names.
     verify : bool

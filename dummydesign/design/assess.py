@@ -5,6 +5,7 @@ from __future__ import annotations
 from dummydesign.design.assessment.pour_yield import Tolerances, pour_yield
 from dummydesign.design.assessment.readings import verdict_of_design
 from dummydesign.design.assessment.warnings import design_warnings, rests_on
+from dummydesign.design.calibrated import calibration_dict
 from dummydesign.design.inputs import Inputs
 from dummydesign.design.mould import pour_recipe
 from dummydesign.design.search.best_of_kinds import Chosen
@@ -36,6 +37,8 @@ def assess(inputs: Inputs, solved: Solved) -> Suggestion:
     warnings = design_warnings(
         chosen, space, inputs.tissue, pour, solved.verification, solved.centring, request.verify
     )
+    calibrated = inputs.calibrated
+    warnings += [] if calibrated is None else list(calibrated.warnings)
     return Suggestion(
         request=request,
         tissue=inputs.tissue,
@@ -55,6 +58,7 @@ def assess(inputs: Inputs, solved: Solved) -> Suggestion:
         centring=solved.centring,
         rests_on=rests_on(space.resin, inputs.tissue, best),
         warnings=tuple(warnings),
+        calibration=None if calibrated is None else calibration_dict(calibrated.calibration, str(request.calibration)),
     )
 
 

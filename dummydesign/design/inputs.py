@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 from dummydesign.core.errors import InputError
 from dummydesign.design.request import PUNCH, RADIUS_MM, Request
 from dummydesign.design.scoring.presses import ForceLaw, Sampling
 from dummydesign.design.scoring.targets import make_targets
-from dummydesign.design.search.best_of_kinds import AUTO, kinds_of
+from dummydesign.design.search.best_of_kinds import kinds_of
+from dummydesign.design.search.calibrated_family import CalibratedFamily
 from dummydesign.design.search.slabs import THICKNESS_MM, thickness_steps
 from dummydesign.design.search.space import SearchSpace
 from dummydesign.geometry.shapes import Slab
@@ -18,6 +20,7 @@ from dummydesign.pad.tables.punch import punch_law
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from dummydesign.design.calibrated import Calibrated
     from dummydesign.resin.model.resin import Resin
     from dummydesign.tissue.model.tissue import Tissue
 
@@ -34,12 +37,15 @@ class Inputs:
         Resin (with what a calibration taught), targets, thicknesses and ratios to search.
     slab_law : ForceLaw
         Elastic force of flat slabs under the punch.
+    calibrated : Calibrated or None
+        What a calibration taught, where one was given.
     """
 
     request: Request
     tissue: Tissue
     space: SearchSpace
     slab_law: ForceLaw
+    calibrated: Calibrated | None = None
 
 
 def resolve(request: Request, law: ForceLaw | None = None) -> Inputs:
@@ -59,27 +65,27 @@ def resolve(request: Request, law: ForceLaw | None = None) -> Inputs:
     from dummydesign.resin import load_resin
     from dummydesign.tissue.model.tissue_file import load_tissue
 
-    if request.shape.lower() == AUTO and request.calibration is not None:
-        request = replace(request, shape=Slab.name)
     if request.shape.lower() != Slab.name:
         kinds_of(request.shape)
-        if request.calibration is not None:
-            raise InputError(f"shape = {request.shape} cannot be designed with a calibration, which is of a flat slab")
     tissue, resin = load_tissue(request.tissue), load_resin(request.resin)
     sampling = Sampling(hold_s=request.hold_s, deceleration_mm_s2=request.deceleration_mm_s2)
     tissue.target(request.aim)
     thickness = thickness_steps(*(request.thickness_mm or THICKNESS_MM))
     ratios = _ratios(resin, request.ratio)
     targets = make_targets(tissue, request.aim, sampling)
+    calibrated = None
     if request.calibration is not None:
         from dummydesign.design.calibrated import with_calibration
 
-        resin, law, _ = with_calibration(resin, request.calibration)
+        calibrated = with_calibration(resin, request.calibration)
+        resin, law = calibrated.resin, calibrated.law
     if law is None:
         from dummydesign.pad.tables.slab import load_table
 
         law = punch_law(load_table(base="bonded"), PUNCH)
-    return Inputs(request, tissue, SearchSpace(resin, targets, thickness, ratios, RADIUS_MM, sampling), law)
+    correct = None if calibrated is None else partial(CalibratedFamily, correction=calibrated.law.correction)
+    space = SearchSpace(resin, targets, thickness, ratios, RADIUS_MM, sampling, correct)
+    return Inputs(request, tissue, space, law, calibrated)
 
 
 def _ratios(resin: Resin, wanted: tuple[float, float] | None) -> NDArray:

@@ -33,7 +33,7 @@ class Solved:
 def solve(inputs: Inputs, found: Found) -> Solved:
     """Solve the leading shaped designs, choose the best, and compare a recommended slab with its table.
 
-    Nothing is solved when the request has ``verify = False``; a design with a calibration is not compared.
+    Nothing is solved when the request has ``verify = False``; a slab with a calibration is not compared.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def solve(inputs: Inputs, found: Found) -> Solved:
     if request.verify:
         found = replace(found, designs=solve_leading(found.designs, space))
     chosen = choose(found, space)
-    if request.calibration is not None:
+    if request.calibration is not None and chosen.shape.plain:
         return Solved(chosen, not_verified(CALIBRATED))
     if not request.verify:
         return Solved(chosen, not_verified("not asked for"))

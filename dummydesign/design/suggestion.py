@@ -41,7 +41,8 @@ class Suggestion:
 
     ``law`` is the force law in proportion with thickness, ``cast`` that of the shape as it is cast, from elements
     when it was verified; ``beside`` the best design of each kind of shape; ``centring`` how far off the centre of
-    a crown the punch may press (with verification); ``warnings`` are {code, message}.
+    a crown the punch may press (with verification); ``warnings`` are {code, message}; ``calibration`` says what was used
+    of one and what it left.
     """
 
     request: Request
@@ -60,6 +61,7 @@ class Suggestion:
     centring: CentringTolerance | None
     rests_on: dict[str, Any]
     warnings: tuple[dict[str, str], ...]
+    calibration: dict[str, Any] | None = None
 
     @property
     def best(self) -> Candidate:
@@ -87,6 +89,7 @@ class Suggestion:
         slope = self.resin.log_slope(self.best.ratio)
         return {
             "verdict": self.verdict.to_dict(),
+            "calibration": self.calibration,
             "recommendation": design_dict(self.recommended, self.resin, self.targets),
             "alternatives": [design_dict(other, self.resin, self.targets) for other in self.alternatives],
             "sensitivity": {"d_ln_young_per_percent_ratio": 0.01 * slope, **self.pour.to_dict()},

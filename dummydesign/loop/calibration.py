@@ -99,7 +99,7 @@ class Calibration:
         Root mean square of what the corrected model leaves, by phase of the press: a warning band.
     noise_floor_N : float
     pad : dict
-        Set-up of the campaign: young_kPa_expected, resin, ratio, base, shape.
+        Set-up of the campaign: young_kPa_expected, resin, ratio, base, shape, contact of the punch or plates.
     unexplained_because : tuple of str
         Why the verdict is ``unexplained``; empty otherwise, and in files of earlier versions.
     posterior : Posterior or None
@@ -130,17 +130,20 @@ class Calibration:
             arms += [(term.tau_s, term.beta) for term in one.effect.adds_terms(one.values)]
         return tuple(PronyTerm(float(tau), float(beta)) for tau, beta in sorted(arms, key=lambda arm: arm[0]))
 
+    def strength_parameter(self, term: PronyTerm) -> tuple[str, float]:
+        """The posterior's name for the strength of a term of :meth:`prony`, and d ln strength over d of it."""
+        for place, (tau, beta) in enumerate(zip(self.after.base.tau_s, self.after.base.beta), 1):
+            if (tau, beta) == (term.tau_s, term.beta):
+                return f"log beta_{place}", 1.0
+        one = next(one for one in self.after.active if term in one.effect.adds_terms(one.values))
+        return f"{one.effect.name}.{one.effect.parameters[0].name}", 1.0 / term.beta
+
     def strength_spread(self, term: PronyTerm) -> float | None:
         """Standard deviation of a term of :meth:`prony` over its strength; None when no posterior is known."""
         if self.posterior is None:
             return None
-        for place, (tau, beta) in enumerate(zip(self.after.base.tau_s, self.after.base.beta), 1):
-            if (tau, beta) == (term.tau_s, term.beta):
-                return self.posterior.spread(f"log beta_{place}")
-        for one in self.after.active:
-            if term in one.effect.adds_terms(one.values):
-                return self.posterior.spread(f"{one.effect.name}.{one.effect.parameters[0].name}") / term.beta
-        return None
+        name, scale = self.strength_parameter(term)
+        return scale * self.posterior.spread(name)
 
     def design_effects(self) -> tuple[Active, ...]:
         """Effects that belong to the pad, and so to every design; those of the rig and the sensor do not."""
@@ -180,6 +183,7 @@ def calibration_of(result: LoopResult, prior: Calibration | None = None) -> Cali
         "ratio": result.campaign.pad.ratio,
         "base": result.campaign.pad.base,
         "shape": result.campaign.pad.shape,
+        "contact": result.campaign.punch.contact,
     }
     # what a joined prior left was widened by the lack of fit before
     lack = None if result.joined is not None and result.joined.used else result.after.lack.ratio

@@ -13,7 +13,7 @@ import numpy as np
 from dummydesign._version import __version__
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_text
-from dummydesign.geometry.interface import BASES, FRICTION, Interface
+from dummydesign.geometry.interface import BASES, CONDITIONS, FRICTION, Interface
 from dummydesign.loop.calibration import Calibration, Model
 from dummydesign.loop.effects import known_effects
 from dummydesign.loop.fitting.noise import LAW_TERMS
@@ -150,7 +150,15 @@ def _pad(table: dict[str, Any]) -> dict[str, Any]:
         "ratio": _positive(table, "ratio", "pad") if given("ratio") else None,
         "base": base,
         "shape": shape,
+        "contact": _contact(table) if given("contact") else None,
     }
+
+
+def _contact(table: dict[str, Any]) -> str:
+    contact = _entry(table, "contact", str, "pad")
+    if Interface.find(contact, CONDITIONS) is None:
+        raise _Fault(f"pad.contact = {_shown(contact)} is not one of {', '.join(CONDITIONS)}, {FRICTION}")
+    return contact
 
 
 def _model(data: dict[str, Any], where: str) -> Model:

@@ -2,49 +2,129 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dummydesign.geometry.interface import BASES
 from dummydesign.loop.calibration import Calibration
-from dummydesign.loop.model.base_law import SlabLaw
+from dummydesign.loop.learned.effect import Learned
+from dummydesign.loop.model.base_law import SlabLaw, UnitForce
+from dummydesign.loop.model.effect import SETUP
+from dummydesign.loop.model.forward_model import Active
 from dummydesign.pad.force_law import BaseForceLaw
 from dummydesign.pad.tables.slab import load_table
 
+BULK = "bulk_that_gives"
+
 
 @dataclass(frozen=True)
-class CorrectedLaw(BaseForceLaw):
-    """Static force of slabs with a calibration's effects of the pad and its law error; offers what a table offers.
+class Correction:
+    """What a calibration changes of the force of pads that are designed: effects of the pad, and the law error.
 
-    Effects of the rig and the sensor are left out: they are of the laboratory. Effects that depend on a state of
-    the pad are taken where they are absent, see ``Effect.designed_for`` and :attr:`notes`. What a campaign of
-    pucks found wrong with the law of pucks says nothing of slabs and is left out too.
+    Effects of the rig and the sensor are left out: they are of the laboratory. Effects that depend on a state of the
+    pad are taken where they are absent, see ``Effect.designed_for`` and :meth:`notes`. The law error is that of pads
+    of the same shape, base and contact; what a campaign of pucks found wrong with the law of pucks stays out.
+
+    Attributes
+    ----------
+    calibration : Calibration
+    base : str
+        Base of the pads that are designed, whose faces are glued.
     """
 
     calibration: Calibration
-    square: bool = True
+    base: str = "bonded"
 
-    @property
-    def base(self) -> str:
-        """Base of the slabs that are designed: as in the campaign, glued when it pressed pucks or its base rubs."""
-        base = self.calibration.pad["base"]
-        return "bonded" if self.calibration.on_pucks() or base not in BASES else base
+    def effects(self, shaped: bool) -> tuple[Active, ...]:
+        """Effects of the pad that have a value on slabs, or on pads with a shape."""
+        return tuple(one for one in self.calibration.design_effects() if not self._unfit(one, shaped))
 
-    @property
-    def notes(self) -> tuple[str, ...]:
+    def _unfit(self, one: Active, shaped: bool) -> str:
+        """Why an effect has no value on pads that are designed; empty when it has."""
+        effect = one.effect
+        kind = "shaped" if shaped else "slab"
+        if kind not in effect.shapes:
+            return f"it is for {' and '.join(effect.shapes)} only"
+        needs = [SETUP[name] for name in effect.needs if name in SETUP and name != BULK]
+        return f"it needs {' and '.join(needs)}" if shaped and needs else ""
+
+    def apply(
+        self, law: UnitForce, depth_mm: NDArray, thickness_mm: NDArray, limit_mm: NDArray,
+        shapes: Sequence[str] | None = None,
+    ) -> NDArray:  # fmt: skip
+        """F / E with all that was found of the pad.
+
+        Parameters
+        ----------
+        law : callable
+            F / E of the plain pads, which also knows how a bulk that gives changes it (``give``). [mm2]
+        depth_mm, thickness_mm, limit_mm : ndarray, shapes (M, n), (M, 1) and (M, 1)
+            Depths on M pads, and how deep the law holds. [mm]
+        shapes : sequence of str, optional
+            Shape of each pad as typed; slabs without it.
+
+        Returns
+        -------
+        ndarray, shape (M, n)
+            [mm2]
+        """
+        acting = law
+        for one in self.effects(shaped=shapes is not None):
+            acting = one.effect.law(acting, one.values)
+        unit = acting(depth_mm, thickness_mm)
+        if not self.knows_the_law():
+            return unit
+        error = self.calibration.after.law_error(thickness_mm[:, 0], shapes or ())
+        return unit * error.factor(np.clip(depth_mm, 0.0, limit_mm) / thickness_mm)
+
+    def knows_the_law(self) -> bool:
+        """Whether the campaign pressed pads that lay and were pressed as those that are designed."""
+        pad = self.calibration.pad
+        held = pad.get("base") == self.base and (pad.get("contact") or "bonded") == "bonded"
+        return held and not self.calibration.on_pucks()
+
+    def notes(self, shaped: bool) -> tuple[str, ...]:
         """What a reader of the design must know of the effects in it."""
         said = [self.calibration.caution] if self.calibration.caution else []
         for one in self.calibration.design_effects():
-            if one.effect.designed_for:
+            unfit = self._unfit(one, shaped)
+            if unfit:
+                said.append(f"the calibration holds {one.effect.name}, which is not in this design: {unfit}")
+            elif one.effect.designed_for:
                 said.append(f"the calibration holds {one.effect.name}: the design is for {one.effect.designed_for}")
             elif self.calibration.on_pucks() and not one.effect.adds_terms(one.values):
                 said.append(
                     f"{one.effect.name} was found on pucks between plates and acts here at the same depth over "
-                    "thickness, where the strain under a punch is another: press a slab to be sure"
+                    "thickness, where the strain under a punch is another: press a pad to be sure"
                 )
+            elif shaped and BULK in one.effect.needs:
+                said.append(f"{one.effect.name} acts on the shaped pad as on a slab as thick, at the same depth")
+        for one in self.calibration.after.active:
+            if isinstance(one.effect, Learned) and one.effect.belongs_to != "pad":
+                said.append(f"the calibration holds {one.effect.name}, which is taken for the load cell's: not in this "
+                            "design")  # fmt: skip
         return tuple(said)
+
+
+@dataclass(frozen=True)
+class CorrectedLaw(BaseForceLaw):
+    """Static force of slabs as a calibration corrects it (:class:`Correction`); offers what a table offers."""
+
+    calibration: Calibration
+    square: bool = True
+    base: str = "bonded"
+
+    @property
+    def correction(self) -> Correction:
+        """What the calibration changes."""
+        return Correction(self.calibration, self.base)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader of the design must know of the effects in it."""
+        return self.correction.notes(shaped=False)
 
     def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: float) -> NDArray:
         """Static force, NaN beyond the table; see :class:`dummydesign.pad.force_law.ForceLaw`. [N]"""
@@ -54,12 +134,7 @@ class CorrectedLaw(BaseForceLaw):
         law = SlabLaw(load_table(self.base), float(radius_mm), self.square)
         x, h = depth.reshape(-1, 1), thickness.reshape(-1, 1)
         limit = law.limit(h)
-        acting = law
-        for one in self.calibration.design_effects():
-            acting = one.effect.law(acting, one.values)
-        unit = acting(x, h)
-        if not self.calibration.on_pucks():
-            unit = unit * self.calibration.after.law_error(h[:, 0]).factor(np.clip(x, 0.0, limit) / h)
+        unit = self.correction.apply(law, x, h, limit)
         unit = np.where(x > limit * (1.0 + 1e-9), np.nan, unit)
         return young * unit.reshape(depth.shape)
 

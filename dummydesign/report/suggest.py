@@ -53,6 +53,8 @@ def write_suggestion(
         f"Recommended for {answer.tissue.title} ({answer.tissue.name}), aim {answer.request.aim}, of "
         f"{answer.resin.title}. {result['rests_on']['text']} Next: {result['rests_on']['next_step']}."
     )
+    if result["calibration"] is not None:
+        lead = f"{result['calibration']['text']}. {lead}"
     sections = [
         Section("Steady force", _steady_words(answer), [steady_plot(answer, curves)], _low_table(best)),
         *_shapes(answer, result, curves),

@@ -80,12 +80,34 @@ def test_a_design_takes_its_intervals_from_the_posterior_and_the_scatter_of_pads
     widths = []
     for number, (level, young) in enumerate([(0.0, 0.006), (0.03, 0.006), (0.0, 0.03)]):
         path = write_calibration(made(level, young), tmp_path / f"c{number}.json")
-        updated, _, _ = with_calibration(resin, str(path))
+        updated = with_calibration(resin, str(path)).resin
         modulus = updated.modulus_kPa(15.0)
         widths.append(np.log(modulus.high / modulus.low))
         strengths = [arm.beta for arm in updated.arms]
         assert [np.round((b.high - b.value) / b.value, 3) for b in strengths] == [0.059, 0.078]
     assert widths[0] < 0.7 * widths[1] and widths[0] < 0.7 * widths[2]
+
+
+def test_strengths_are_drawn_with_the_modulus_that_they_are_known_with(tmp_path):
+    """Draws at the campaign's ratio have the posterior's correlations; pad to pad scatter is of the modulus alone."""
+    path = write_calibration(made(level=0.02, young=0.02), tmp_path / "c.json")
+    calibrated = with_calibration(load_resin("polyurethane-nagoya"), str(path))
+    drawn = calibrated.resin.draw(40000)
+    young = np.log(drawn.young_MPa(15.0))
+    logs = np.column_stack([young, np.log(drawn.beta(15.0))])
+    known = calibrated.calibration.posterior
+    rows = [known.names.index(name) for name in ("log young_kPa", "log beta_1", "log beta_2")]
+    wanted = known.covariance[np.ix_(rows, rows)].copy()
+    # the modulus as drawn: that of a new pad, a little narrower by what the resin's law knew before
+    wanted[0, 0] = known.new_pad_spread**2
+    found = np.cov(logs.T)
+    assert 0.85 < found[0, 0] / wanted[0, 0] < 1.05
+    # slopes on the modulus, and what is left when it is known
+    slope, left = wanted[1:, 0] / wanted[0, 0], wanted[1:, 1:] - np.outer(wanted[1:, 0], wanted[0, 1:]) / wanted[0, 0]
+    np.testing.assert_allclose(found[1:, 0] / found[0, 0], slope, atol=0.03)
+    own = logs[:, 1:] - np.outer(young, slope)
+    np.testing.assert_allclose(np.cov(own.T), left, atol=0.03 * left.max())
+    np.testing.assert_allclose(np.median(drawn.beta(15.0), axis=0), [0.3, 0.2], rtol=0.01)
 
 
 def test_the_modulus_is_known_no_better_than_the_number_of_pads_lets_it(campaigns):

@@ -185,7 +185,8 @@ def test_a_calibration_changes_the_resin_that_is_designed_with(results, tmp_path
     result = results("temperature", 402)
     path = write_calibration(calibration_of(result), tmp_path / "calibration.json")
     before = load_resin("polyurethane-nagoya")
-    resin, law, calibration = with_calibration(before, str(path))
+    made = with_calibration(before, str(path))
+    resin, law, calibration = made.resin, made.law, made.calibration
     young = calibration.after.base.young_MPa
     assert resin.young_MPa(15.0) == pytest.approx(young, rel=0.03)
     spread = [one.modulus_kPa(15.0) for one in (before, resin)]

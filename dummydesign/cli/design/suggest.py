@@ -85,6 +85,7 @@ def render(result: dict[str, Any]) -> str:
     weigh = ", ".join(f"{item['name']} {item['mass_g']:.1f} g" for item in recipe["components"])
     lines = [
         *verdict_lines(result["verdict"]),
+        *_calibration(result),
         f"{result['inputs']['tissue']}, aim {result['inputs']['aim']}",
         "",
         f"  pad        {best['thickness_mm']:g} mm thick, 150 x 120 mm {best['shape']}, glued to a rigid base",
@@ -109,6 +110,14 @@ def render(result: dict[str, Any]) -> str:
         lines.append(f"  {row['force_N']:<6g} {depth:<10} {span}")
     lines += _shapes(result) + _parameters(best) + _more(result)
     return "\n".join(lines)
+
+
+def _calibration(result: dict[str, Any]) -> list[str]:
+    """What the calibration found and left, where one is used."""
+    used = result["calibration"]
+    if used is None:
+        return []
+    return [used["text"], *(f"  unexplained: {reason}" for reason in used["unexplained_because"][:2])]
 
 
 def _shapes(result: dict[str, Any]) -> list[str]:

@@ -189,11 +189,13 @@ def _designs(text: str, space: SearchSpace) -> tuple[list[Shaped], list[Beside]]
     found: list[Shaped] = []
     failed = []
     for kind in kinds_of(text):
+        family = load_family(kind)
+        family = family if space.correct is None else space.correct(family)
         try:
             if ":" in text:
-                found.append(search_fixed(load_family(kind), read_shape(text), space))
+                found.append(search_fixed(family, read_shape(text), space))
             else:
-                found += search_shape(load_family(kind), space)
+                found += search_shape(family, space)
         except NoAnswerError as problem:
             failed.append(Beside(kind, None, None, None, None, str(problem)))
     able = [pourable for shaped in found if (pourable := _pourable(shaped, space.resin)) is not None]

@@ -82,7 +82,7 @@ def solve_law(shaped: Shaped, radius_mm: float) -> ElementsLaw:
     reached, force = (np.asarray(made[name], float) for name in ("depth_mm", "force_N"))
     if len(reached) < 2:
         raise NoAnswerError("no_convergence", f"{shape} on {thickness:g} mm could not be solved by finite elements")
-    factor = np.log(force / law.force(reached, thickness, 1.0, radius_mm))
+    factor = np.log(force / law.plain.force(reached, thickness, 1.0, radius_mm))
     return ElementsLaw(law, thickness, reached, factor, np.asarray(made["error_N"], float) / force)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -130,6 +130,16 @@ class ShapeLaw(BaseForceLaw):
     shape: PadShape
     made_for_mm: float
     cast: bool = False
+
+    @property
+    def notes(self) -> tuple[str, ...]:  # type: ignore[override]
+        """What a calibration says of the pads; empty without one."""
+        return getattr(self.family, "notes", ())
+
+    @property
+    def plain(self) -> ShapeLaw:
+        """The same without what a calibration changed."""
+        return replace(self, family=getattr(self.family, "plain", self.family))
 
     def _designs(self, thickness_mm: NDArray) -> Designs:
         if not self.cast:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -11,6 +12,7 @@ from dummydesign.design.scoring.presses import Sampling
 from dummydesign.design.scoring.targets import Targets
 
 if TYPE_CHECKING:
+    from dummydesign.design.search.shape_family import Family
     from dummydesign.resin.model.resin import Resin
 
 
@@ -28,6 +30,8 @@ class SearchSpace:
         Radius of the circle of the punch's area. [mm]
     sampling : Sampling
         Of the fine presses.
+    correct : callable, optional
+        Makes a family of shapes one that a calibration has corrected.
     """
 
     resin: Resin
@@ -36,3 +40,4 @@ class SearchSpace:
     ratio: NDArray
     radius_mm: float
     sampling: Sampling = field(default_factory=Sampling)
+    correct: Callable[[Family], Family] | None = None

@@ -16,6 +16,7 @@ from dummydesign.core.quantity import Quantity
 from dummydesign.resin.model.distribution import value_at
 from dummydesign.resin.model.liquid import MIXED, Component, Liquid, mixed
 from dummydesign.resin.model.modulus_laws import Law, check_young
+from dummydesign.resin.model.relaxation_given_modulus import RelaxationGivenModulus
 from dummydesign.resin.model.resin_writer import resin_dict
 
 if TYPE_CHECKING:
@@ -64,7 +65,8 @@ class Resin:
     Ratios are in the unit named by ``ratio_meaning``; ``law`` with its ``numbers`` gives
     the long-term Young's modulus, ``arms`` the relaxation at ``relaxation_ratio_ref``. ``posterior``
     holds joint draws of the law's parameters when points have updated it. ``prior_numbers`` and
-    ``prior_relaxation`` (arms and the ratio they refer to) are those before any point.
+    ``prior_relaxation`` (arms and the ratio they refer to) are those before any point. ``joint_relaxation`` ties the
+    strengths to the modulus where both are known together, from a calibration.
     """
 
     name: str
@@ -88,6 +90,7 @@ class Resin:
     posterior: Mapping[str, NDArray] | None = field(default=None, repr=False)
     prior_numbers: Mapping[str, Quantity] | None = field(default=None, repr=False)
     prior_relaxation: tuple[tuple[Arm, ...], float] | None = field(default=None, repr=False)
+    joint_relaxation: RelaxationGivenModulus | None = field(default=None, repr=False)
 
     def check_ratio(self, ratio: ArrayLike) -> None:
         """Refuse ratios outside the range the law is meant for (InputError)."""
@@ -193,8 +196,13 @@ class Resin:
             numbers = {name: np.asarray(column)[rows] for name, column in self.posterior.items()}
         else:
             numbers = self._draw_prior(count, rng)
-        beta = [value_at(arm.beta, rng.standard_normal(count)) for arm in self.arms]
-        beta_ref = np.stack(beta, axis=1) if beta else np.zeros((count, 0))
+        if self.joint_relaxation is not None:
+            log_young = np.log(np.maximum(self.law.young_kPa(self.relaxation_ratio_ref, numbers), 1e-9))
+            stated = np.array([arm.beta.value for arm in self.arms])
+            beta_ref = self.joint_relaxation.draw(stated, log_young, rng)
+        else:
+            beta = [value_at(arm.beta, rng.standard_normal(count)) for arm in self.arms]
+            beta_ref = np.stack(beta, axis=1) if beta else np.zeros((count, 0))
         return Draws(self, numbers, beta_ref, value_at(self.softness_exponent, rng.standard_normal(count)))
 
     def _draw_prior(self, count: int, rng: np.random.Generator) -> dict[str, NDArray]:

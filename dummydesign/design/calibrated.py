@@ -112,16 +112,16 @@ def _differences(calibration: Calibration, resin: Resin, ratio: float) -> tuple[
     said = []
     if pad.get("resin") not in (None, resin.name):
         said.append(("calibration_resin", f"the calibration's campaign pressed pads of {pad['resin']}; this design is "
-                     f"of {resin.name}, and takes its modulus and relaxation all the same"))  # fmt: skip
+                     f"of {resin.name}, and takes its modulus and relaxation all the same"))
     if pad.get("ratio") is None:
         said.append(("calibration_ratio", f"the calibration's campaign says no ratio: its modulus is taken for that at "
-                     f"{ratio:g}, the ratio of {resin.name}'s relaxation; give resin and ratio in campaign.toml"))  # fmt: skip
+                     f"{ratio:g}, the ratio of {resin.name}'s relaxation; name resin and ratio in campaign.toml"))
     if not calibration.on_pucks():
         for name, own, designed in (("base", pad.get("base"), BASE), ("contact", pad.get("contact"), CONTACT)):
             if own not in (None, designed):
                 said.append((f"calibration_{name}", f"the calibration's campaign had {name} = {own}, the pad that is "
-                             f"designed has {designed}: modulus, relaxation and effects are carried over, what was found "
-                             "of the force law is not"))  # fmt: skip
+                             f"designed has {designed}: modulus, relaxation and effects are carried over, what "
+                             "was found of the force law is not"))
     return tuple({"code": code, "message": message} for code, message in said)
 
 

@@ -14,9 +14,12 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 
 COLUMNS = ("time_s", "displacement_mm", "force_N")
+SECONDS = "time_is_in_seconds"
+"""A further column whose presence says that time was looked at: a slow press is then no longer doubted."""
 MIN_SAMPLES = 10
 COARSE_S, SLOW_MM_S, LONG_S = 0.5, 0.05, 1000.0
 """Steps of time, speed and length of a press from which on it is doubted that its time is in seconds."""
+MILLISECONDS = "'dummydesign import' reads it with --units time=ms, or with --units time=s if it is in seconds"
 AGREES = 10.0
 """A measured speed agrees with a declared one within this factor."""
 DEEP, COMPRESSED = 0.9, 0.02
@@ -60,7 +63,7 @@ def read_trace(path: str | Path, velocity_mm_s: float | None = None) -> Trace:
         raise InputError(f"{path.name}: is not UTF-8 text{import_first(path)}") from None
     except OSError as problem:
         raise InputError(f"{path.name}: cannot be read: {problem.strerror}") from None
-    values, lines = _read_columns(path, text)
+    values, lines, seconds = _read_columns(path, text)
     time, displacement, force = values.T
     if len(time) < MIN_SAMPLES:
         raise InputError(f"{path.name}: {len(time)} samples; at least {MIN_SAMPLES} are needed")
@@ -70,7 +73,7 @@ def read_trace(path: str | Path, velocity_mm_s: float | None = None) -> Trace:
         raise InputError(
             f"{path.name}:{lines[at + 1]}: time_s = {time[at + 1]:g} does not increase (line before: {time[at]:g})"
         )
-    fault = magnitude_fault(time, displacement, force, velocity_mm_s)
+    fault = magnitude_fault(time, displacement, force, velocity_mm_s, seconds)
     if fault:
         raise InputError(f"{path.name}: {fault}{import_first(path)}")
     _check_one_press(path, displacement, force)
@@ -82,8 +85,8 @@ def import_first(path: str | Path) -> str:
     return f"; import it first: dummydesign import {shlex.quote(str(path))}"
 
 
-def _read_columns(path: Path, text: str) -> tuple[NDArray, list[int]]:
-    """Return the three columns as an array (n, 3) and the file line of each row."""
+def _read_columns(path: Path, text: str) -> tuple[NDArray, list[int], bool]:
+    """Return the three columns as an array (n, 3), the file line of each row, and whether time is said to be in s."""
     name = path.name
     rows = csv.reader(io.StringIO(text))
     header = [cell.strip() for cell in next(rows, [])]
@@ -109,7 +112,7 @@ def _read_columns(path: Path, text: str) -> tuple[NDArray, list[int]]:
             raise InputError(f"{name}:{line}: {COLUMNS[at]} = {numbers[at]} is not finite")
         values.append(numbers)
         lines.append(line)
-    return np.array(values, dtype=float).reshape(-1, 3), lines
+    return np.array(values, dtype=float).reshape(-1, 3), lines, SECONDS in header
 
 
 def _is_number(cell: str) -> bool:
@@ -144,7 +147,7 @@ def _check_one_press(path: Path, displacement: NDArray, force: NDArray) -> None:
 
 
 def magnitude_fault(
-    time: NDArray, displacement: NDArray, force: NDArray, velocity_mm_s: float | None = None
+    time: NDArray, displacement: NDArray, force: NDArray, velocity_mm_s: float | None = None, seconds: bool = False
 ) -> str:
     """What can only be another unit or sign, and which one it looks like; empty where all is plausible.
 
@@ -154,19 +157,22 @@ def magnitude_fault(
         The trace, as if it were in the project's units. [s, mm, N]
     velocity_mm_s : float, optional
         Speed that was declared. [mm/s]
+    seconds : bool
+        Whether it was said that time is in seconds.
 
     Returns
     -------
     str
         A sentence for the message of an error.
     """
-    strongest_at = int(np.argmax(force)) if pulls_more(displacement, force) else int(np.argmax(np.abs(force)))
+    sticks = pulls_more(displacement, force)
+    strongest_at = int(np.argmax(force)) if sticks else int(np.argmax(np.abs(force)))
     strongest, pressed = float(np.abs(force[strongest_at])), float(displacement[strongest_at])
     deepest = float(displacement.max()) if pressed > 0 else float(np.max(np.abs(displacement)))
     step = float(np.median(np.diff(time)))
     x, f = f"largest displacement_mm = {deepest:g}", f"largest force_N = {strongest:g}"
-    slow = _milliseconds(time, displacement, velocity_mm_s)
-    way, there = _deepest_loaded(displacement, force)
+    slow = not seconds and _milliseconds(time, displacement, velocity_mm_s)
+    way, there = _deepest_loaded(displacement, np.maximum(force, 0.0) if sticks else force)
     guesses = [
         (not np.any(displacement), "displacement_mm is zero throughout"),
         (strongest == 0, "force_N is zero throughout"),
@@ -174,7 +180,7 @@ def magnitude_fault(
         (deepest > 300, f"{x} looks like micrometres; divide by 1000"),
         (strongest > 2000, f"{f} looks like millinewtons; divide by 1000"),
         (strongest < 0.03, f"{f} looks like kilonewtons; multiply by 1000"),
-        (slow, f"time_s has steps of {step:g}; it looks like milliseconds, which --units time=ms reads"),
+        (slow, f"time_s has steps of {step:g}; it looks like milliseconds ({MILLISECONDS})"),
         (force[strongest_at] < 0, "force_N is negative at its largest; compression must be positive"),
         (way > 0 > there, "force_N is negative where it is deepest; compression must be positive"),
         (way < 0, "displacement_mm is negative under the largest load; compression must be positive"),

@@ -135,7 +135,7 @@ def suggest(tmp_path, monkeypatch, capsys):
 
 
 def test_suggest_takes_a_calibration_for_every_shape_and_says_first_what_it_left(suggest):
-    known = calibration(effect("strain_stiffening", coefficient=0.3), verdict="unexplained", because=("a line at 50 Hz",))
+    known = calibration(effect("strain_stiffening", coefficient=0.3), verdict="unexplained", because=("line at 50 Hz",))
     answer = json.loads(suggest(known, "--json"))
     kinds = {row["kind"] for row in answer["shapes"] if row["shape"] is not None}
     assert {"slab", "crowned"} <= kinds
@@ -143,7 +143,7 @@ def test_suggest_takes_a_calibration_for_every_shape_and_says_first_what_it_left
     assert used["verdict"] == "unexplained" and used["left_N"]["rise"] == 0.041 and used["noise_floor_N"] == 0.036
     shown = suggest(known).splitlines()[:6]
     assert any("verdict unexplained (strain_stiffening)" in line and "0.041 N rise" in line for line in shown)
-    assert any("a line at 50 Hz" in line for line in shown)
+    assert any("line at 50 Hz" in line for line in shown)
 
 
 @pytest.mark.parametrize(

@@ -119,7 +119,7 @@ def _slow_press(step_s, speed_mm_s=0.02, depth_mm=4.0):
 
 def test_a_declared_speed_settles_whether_a_slow_press_is_in_seconds(tmp_path):
     path = _write(tmp_path, **_slow_press(1.5))
-    with pytest.raises(InputError, match="milliseconds, which --units time=ms reads; import it first"):
+    with pytest.raises(InputError, match=r"milliseconds .*--units time=s.*import it first"):
         read_trace(path)
     assert read_trace(path, 0.02).time_s[1] == 1.5
     with pytest.raises(InputError, match="milliseconds"):
@@ -147,3 +147,30 @@ def test_noise_on_the_way_to_a_weak_press_is_not_a_wrong_sign(tmp_path):
     for sign in (1.0, -1.0):
         force[3] = 0.3 * sign
         assert read_trace(_write(tmp_path, time, depth, force)).force_N.max() > 0.3
+
+
+def test_a_pad_that_pulls_many_times_harder_than_it_was_pressed_is_data(tmp_path):
+    time = np.linspace(0.0, 4.0, 2001)
+    x = np.where(time < 2.0, time, 4.0 - 2.0 * (time - 2.0)) - 0.5
+    force = np.where(x > 0, 2.0 * x, np.where((time > 2.0) & (x > -1.0), -60.0, 0.0))
+    rows = "\n".join(f"{a:.4f},{b:.4f},{c:.4f}" for a, b, c in zip(time, x, force))
+    (tmp_path / "t.csv").write_text(f"time_s,displacement_mm,force_N\n{rows}\n")
+    assert read_trace(tmp_path / "t.csv").force_N.min() == -60.0
+
+
+def test_a_slow_press_is_doubted_until_it_is_said_that_its_time_is_in_seconds(tmp_path, capsys):
+    """A press of ten minutes sampled every five seconds: the doubt names the option, and the option settles it."""
+    from dummydesign import cli
+
+    time = np.arange(0.0, 900.0, 5.0)
+    x = np.minimum(0.002 * time - 0.05, 0.6)
+    rows = "\n".join(f"{a:.2f},{b:.4f},{max(6.0 * b, 0.0):.4f}" for a, b in zip(time, x))
+    (tmp_path / "t05.csv").write_text(f"time_s,displacement_mm,force_N\n{rows}\n")
+    with pytest.raises(InputError, match="--units time=s"):
+        read_trace(tmp_path / "t05.csv")
+    assert read_trace(tmp_path / "t05.csv", 0.002).time_s[-1] == 895.0
+    assert cli.run(["import", str(tmp_path / "t05.csv"), "--out", str(tmp_path / "out")]) == 2
+    assert "--units time=s" in capsys.readouterr().err
+    assert cli.run(["import", str(tmp_path / "t05.csv"), "--units", "time=s", "--out", str(tmp_path / "out")]) == 0
+    (made,) = (tmp_path / "out").glob("*.csv")
+    assert read_trace(made).time_s[-1] == pytest.approx(895.0)

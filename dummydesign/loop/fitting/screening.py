@@ -11,6 +11,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.loop.fitting.fit import Fit, extend, prior_precision
 from dummydesign.loop.fitting.noise import Whitener, make_whitener
 from dummydesign.loop.fitting.problem import Problem
+from dummydesign.loop.fitting.roughness import rough_columns
 from dummydesign.loop.model.effect import Effect
 
 
@@ -40,7 +41,10 @@ class Screened:
 
 @dataclass(frozen=True)
 class Projection:
-    """Whitened residual and the space that base parameters, law error and accepted effects span."""
+    """Whitened residual and the space that base parameters, law error and accepted effects span.
+
+    ``rows`` are those of priors, below the bins.
+    """
 
     basis: NDArray
     residual: NDArray
@@ -54,20 +58,26 @@ class Projection:
 def project(found: Fit, law_free: bool = False) -> tuple[Projection, Whitener]:
     """Whiten a fit's residual with its prior rows and orthonormalise its sensitivities.
 
-    ``law_free`` drops the prior rows: then whatever a law error of any size could do is taken out.
+    ``law_free`` drops the prior rows of level, slope and curvature: then whatever such a law error of any size could
+    do is taken out. The roughness of a solved law keeps its prior.
     """
     problem = found.problem
     whiten = make_whitener(problem.presses, found.sizes.noise, found.slope, True)
     scale = np.sqrt(prior_precision(problem, found.sizes)[problem.fixed :]) * (0.0 if law_free else 1.0)
     turned = whiten(found.jacobian).reshape(-1, len(found.vector))
-    prior = np.zeros((len(scale), len(found.vector)))
-    prior[:, problem.fixed :] = np.diag(scale)
+    rough = rough_columns(found)
+    count = rough.shape[-1]
+    prior = np.zeros((len(scale) + count, len(found.vector) + count))
+    prior[: len(scale), problem.fixed : len(found.vector)] = np.diag(scale)
+    prior[len(scale) :, len(found.vector) :] = np.eye(count)
+    if count:
+        turned = np.concatenate([turned, whiten(rough).reshape(len(turned), count)], axis=1)
     stacked = np.concatenate([turned, prior])
     norm = np.linalg.norm(stacked, axis=0)
     basis, singular, _ = np.linalg.svd(stacked / np.where(norm > 0, norm, 1.0), full_matrices=False)
     basis = basis[:, singular > 1e-9 * singular[0]]
-    residual = np.r_[whiten(found.residual).ravel(), -scale * found.vector[problem.fixed :]]
-    return Projection(basis, residual, len(scale)), whiten
+    residual = np.r_[whiten(found.residual).ravel(), -scale * found.vector[problem.fixed :], np.zeros(count)]
+    return Projection(basis, residual, len(prior)), whiten
 
 
 def screen(found: Fit, candidates: tuple[Effect, ...]) -> list[Screened]:

@@ -15,7 +15,7 @@ from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
 from dummydesign.loop.model.expected import start_young_kPa
 from dummydesign.loop.model.solved_curve import SolvedCurve
-from dummydesign.loop.model.solved_law import MixedLaw, SolvedLaw, error_priors
+from dummydesign.loop.model.solved_law import ROUGHNESS, MixedLaw, SolvedLaw, error_priors
 from dummydesign.measurement.campaign import Campaign, Trial
 from dummydesign.pad.pad import Pad, Puck
 from dummydesign.pad.tables.slab import load_table
@@ -123,7 +123,9 @@ def _solved(
         offers.add("flat_faces")
     error = max(curve.relative_error for curve in curves.values())
     priors = error_priors(SlabLaw.error_priors, error, punch.shape == "square", thickness_error)
-    return SolvedLaw(curves, shape, frozenset(offers), priors)
+    grows = not geometry.flat_top or punch.profile_mm is not None or pad.base not in BASES
+    grows = shape == "shaped" and (grows or punch.contact != "bonded")
+    return SolvedLaw(curves, shape, frozenset(offers), priors, ROUGHNESS if grows else 0.0)
 
 
 def _groups(thickness_mm: list[float]) -> list[list[float]]:

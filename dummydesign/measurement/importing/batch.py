@@ -15,7 +15,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_bytes
 from dummydesign.measurement.importing.core.decisions import NoTableError, Settings
 from dummydesign.measurement.importing.read import Imported, Press, import_file
-from dummydesign.measurement.trace import COLUMNS
+from dummydesign.measurement.trace import COLUMNS, SECONDS, magnitude_fault
 
 ENDINGS = (".csv", ".txt", ".dat", ".tsv", ".asc", ".tra", ".log", ".lst", ".prn", ".lvm", ".xlsx", ".xls")
 _ROWS = 50_000
@@ -140,7 +140,9 @@ def plan_traces(imported: Sequence[Imported], folder: Path | None) -> list[Plann
 def write_traces(planned: Sequence[Planned], folder: Path) -> None:
     """Write one canonical CSV a press into a folder."""
     for _, press, name in planned:
-        write_bytes(folder / name, trace_bytes(press.time_s, press.displacement_mm, press.force_N))
+        columns = press.time_s, press.displacement_mm, press.force_N
+        # a doubt that is left was settled by the user
+        write_bytes(folder / name, trace_bytes(*columns, settled=bool(magnitude_fault(*columns))))
 
 
 def describe(imported: Sequence[Imported], planned: Sequence[Planned]) -> list[dict[str, Any]]:
@@ -172,21 +174,24 @@ def _name(source: Path, number: int, taken: set[str]) -> str:
     return name
 
 
-def trace_bytes(time_s: NDArray, displacement_mm: NDArray, force_N: NDArray) -> bytes:
+def trace_bytes(time_s: NDArray, displacement_mm: NDArray, force_N: NDArray, settled: bool = False) -> bytes:
     """The canonical CSV, to a microsecond, a nanometre and a micronewton.
 
     Parameters
     ----------
     time_s, displacement_mm, force_N : ndarray, shape (n,)
         A press in the project's units. [s, mm, N]
+    settled : bool
+        Whether a column is added that says that time is in seconds, however slow the press.
 
     Returns
     -------
     bytes
     """
-    rows = np.stack([time_s, displacement_mm, force_N], axis=1)
+    rows = np.stack([time_s, displacement_mm, force_N, *([np.ones_like(time_s)] if settled else [])], axis=1)
     parts = [_digits(rows[start : start + _ROWS]) for start in range(0, len(rows), _ROWS)]
-    return b"".join([(",".join(COLUMNS) + "\n").encode("ascii"), *parts])
+    head = (*COLUMNS, SECONDS) if settled else COLUMNS
+    return b"".join([(",".join(head) + "\n").encode("ascii"), *parts])
 
 
 def _digits(rows: NDArray) -> bytes:

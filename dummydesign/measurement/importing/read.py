@@ -101,7 +101,7 @@ def import_file(path: str | Path, settings: Settings | None = None) -> Imported:
         t, way = time[part] - time[span.start], x[part] - zero + 0.0
         force = load[part] + rest - level + 0.0
         summary = summarise(name, t, way, force)
-        fault = magnitude_fault(t, way, force)
+        fault = magnitude_fault(t, way, force, seconds="time" in settings.units)
         if fault:
             raise question(name, fault, "--units time=.., displacement=.. or force=.. with the unit that it is in")
         check_press(name, t, way, force, contact, summary, notes.warn)

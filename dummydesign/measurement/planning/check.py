@@ -61,11 +61,11 @@ def check_campaign(folder: str | Path) -> Status:
             continue
         pressed.append(name)
         try:
-            trace = read_trace(folder / name)
+            trace = read_trace(folder / name, _speed(trial))
             wrong += [{"file": name, "message": message} for message in _against_plan(trace, trial)]
             traces.append(trace)
         except InputError as problem:
-            wrong.append({"file": name, "message": str(problem)})
+            wrong.append({"file": name, "message": str(problem).removeprefix(f"{name}: ")})
     warnings: list[dict[str, str]] = []
     for trace in traces:
         for doubt in doubts_of(trace):
@@ -105,6 +105,12 @@ def _content(folder: Path) -> dict[str, Any]:
     if not isinstance(trials, list) or not trials or not all(isinstance(trial, dict) for trial in trials):
         raise InputError(f"{FILE}: has no [[trial]]")
     return data
+
+
+def _speed(trial: dict[str, Any]) -> float | None:
+    """The declared speed, where it is one; whoever reads the campaign says what is wrong with another. [mm/s]"""
+    value = trial.get("velocity_mm_s")
+    return float(value) if isinstance(value, int | float) and not isinstance(value, bool) and value > 0 else None
 
 
 def _against_plan(trace: Trace, trial: dict[str, Any]) -> Iterator[str]:

@@ -60,8 +60,9 @@ def trials_of(
     rows = {} if table is None else _read_table(Path(table), names)
     trials, decisions = [], []
     for path in paths:
-        trace = read_trace(path)
-        trial, why = _trial(path, trace, rows.get(path.name, {}), thickness_mm)
+        row = rows.get(path.name, {})
+        trace = read_trace(path, row.get("velocity_mm_s", _named(path).get("velocity_mm_s")))
+        trial, why = _trial(path, trace, row, thickness_mm)
         trials.append(trial)
         decisions.append({"what": path.name, "value": _words(trial), "why": why})
     _number_repeats(trials)
@@ -73,11 +74,7 @@ def trials_of(
 def _trial(
     path: Path, trace: Trace, row: Mapping[str, Any], thickness_mm: float | None
 ) -> tuple[dict[str, Any], str]:
-    named = {}
-    for key, pattern in _IN_NAME.items():
-        found = pattern.search(path.stem)
-        if found:
-            named[key] = int(found[1]) if key in _WHOLE else float(found[1])
+    named = _named(path)
     if thickness_mm is not None:
         named.setdefault("thickness_mm", thickness_mm)
     known = {**named, **row}
@@ -98,6 +95,16 @@ def _trial(
         sources.append("speed as the trace moves")
     trial = {"file": path.name, **{key: known[key] for key in COLUMNS[1:] if key in known}}
     return trial, ", ".join(sources)
+
+
+def _named(path: Path) -> dict[str, Any]:
+    """What the name of a file says of its press."""
+    named: dict[str, Any] = {}
+    for key, pattern in _IN_NAME.items():
+        found = pattern.search(path.stem)
+        if found:
+            named[key] = int(found[1]) if key in _WHOLE else float(found[1])
+    return named
 
 
 def _number_repeats(trials: list[dict[str, Any]]) -> None:

@@ -13,10 +13,12 @@ from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.loop.data.trials import make_presses
 from dummydesign.loop.effects import EFFECTS, effect_named
 from dummydesign.loop.fitting.base_fit import fit_base
+from dummydesign.loop.fitting.problem import Problem
+from dummydesign.loop.judging.residual_dependence import dependences
 from dummydesign.loop.model import solved_curve
 from dummydesign.loop.model.base_law import SlabLaw, depth_limits
 from dummydesign.loop.model.campaign_law import law_of
-from dummydesign.loop.model.solved_law import MixedLaw, error_priors
+from dummydesign.loop.model.solved_law import ROUGHNESS, MixedLaw, error_priors
 from dummydesign.measurement.campaign_file import read_campaign
 from dummydesign.pad import elastic
 from dummydesign.pad.slab.problem import PadCurve
@@ -155,6 +157,25 @@ class Faint(Crowned):
 
     def check(self, thickness_mm, length_mm=150.0, width_mm=120.0):
         pass
+
+
+def test_a_remainder_as_large_as_a_solve_is_rough_follows_nothing_and_a_larger_one_follows_depth(shaped, closed_form):
+    """The residual is the force times a wave in depth, on the crowned pads alone."""
+    crowned = replace(shaped, trials=tuple(t for t in shaped.trials if not t.geometry.plain))
+    law, presses = law_of(crowned), make_presses(crowned)
+    assert law.rough == ROUGHNESS
+    fit = fit_base(presses, law, 0.03)
+    depth = presses.measure(np.maximum(presses.displacement_mm, 0.0))
+
+    def follows(size, rough):
+        wave = np.where(presses.used, size * fit.forces * np.sin(2.0 * np.pi * depth / 1.2), 0.0)
+        problem = Problem(presses, replace(law, rough=rough))
+        found = dependences(replace(fit, problem=problem, residual=wave))
+        return next(one.excess for one in found if one.factor == "depth")
+
+    assert follows(ROUGHNESS, ROUGHNESS) < 0.5 * follows(ROUGHNESS, 0.0)
+    assert follows(10.0 * ROUGHNESS, ROUGHNESS) > 60.0
+    assert law_of(replace(shaped, trials=tuple(t for t in shaped.trials if t.geometry.plain))).shape == "slab"
 
 
 @pytest.mark.slow

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 
 @dataclass(frozen=True)
@@ -33,16 +33,18 @@ class RelaxationGivenModulus:
         values, turn = np.linalg.eigh(0.5 * (left + left.T))
         return cls(log_young_kPa, slope, turn * np.sqrt(np.maximum(values, 0.0)))
 
-    def draw(self, beta: NDArray, log_young_kPa: NDArray, rng: np.random.Generator) -> NDArray:
+    def draw(self, beta: ArrayLike, young_kPa: NDArray, rng: np.random.Generator) -> NDArray:
         """Strengths (n, arms) of draws of the modulus.
 
         Parameters
         ----------
-        beta : ndarray, shape (arms,)
+        beta : array_like, shape (arms,)
             The stated strengths.
-        log_young_kPa : ndarray, shape (n,)
-            ln of the modulus at the reference ratio in each draw.
+        young_kPa : ndarray, shape (n,)
+            The modulus at the reference ratio in each draw. [kPa]
         rng : numpy Generator
+            Of the draws.
         """
-        own = rng.standard_normal((len(log_young_kPa), len(beta))) @ self.spread.T
-        return beta * np.exp(np.outer(log_young_kPa - self.log_young_kPa, self.slope) + own)
+        away = np.log(np.maximum(young_kPa, 1e-9)) - self.log_young_kPa
+        own = rng.standard_normal((len(away), len(self.slope))) @ self.spread.T
+        return np.asarray(beta, float) * np.exp(np.outer(away, self.slope) + own)

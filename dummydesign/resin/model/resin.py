@@ -64,9 +64,8 @@ class Resin:
 
     Ratios are in the unit named by ``ratio_meaning``; ``law`` with its ``numbers`` gives
     the long-term Young's modulus, ``arms`` the relaxation at ``relaxation_ratio_ref``. ``posterior``
-    holds joint draws of the law's parameters when points have updated it. ``prior_numbers`` and
-    ``prior_relaxation`` (arms and the ratio they refer to) are those before any point. ``joint_relaxation`` ties the
-    strengths to the modulus where both are known together, from a calibration.
+    holds joint draws of the law's parameters when points have updated it; ``prior_numbers`` and ``prior_relaxation``
+    (arms and their ratio) are those before. ``joint_relaxation`` ties strengths to the modulus (a calibration's).
     """
 
     name: str
@@ -96,9 +95,8 @@ class Resin:
         """Refuse ratios outside the range the law is meant for (InputError)."""
         values = np.atleast_1d(np.asarray(ratio, float))
         inside = (values >= self.ratio_min - 1e-9) & (values <= self.ratio_max + 1e-9)
-        if not np.all(inside):
-            wrong = float(values[~inside][0])
-            raise out_of_range(f"ratio of {self.name}", wrong, self.ratio_min, self.ratio_max, self.ratio_meaning)
+        for wrong in values[~inside][:1]:
+            raise out_of_range(f"ratio of {self.name}", float(wrong), self.ratio_min, self.ratio_max, self.ratio_meaning)
 
     @property
     def central(self) -> dict[str, float]:
@@ -132,8 +130,7 @@ class Resin:
         value = self.young_MPa(ratio) * 1e3
         drawn = self._draws.young_MPa(ratio) * 1e3
         low, high = (float(end) for end in np.percentile(drawn, [2.5, 97.5]))
-        kind = "fitted" if self.points else "inferred"
-        at = ", updated by points" if self.points else ""
+        kind, at = ("fitted", ", updated by points") if self.points else ("inferred", "")
         source = f"law {self.law.name} of resin {self.name}{at}; 95 % interval of {DRAWS} draws"
         return Quantity(value, min(low, value), max(high, value), kind, source)
 
@@ -159,9 +156,8 @@ class Resin:
 
     def log_slope(self, ratio: float) -> float:
         """Relative change of the modulus per relative change of the ratio, d ln E / d ln r, central."""
-        step = 1e-5
-        up, down = (self.law.young_kPa(ratio * (1 + sign * step), self.central) for sign in (1, -1))
-        return float((np.log(up) - np.log(down)) / (math.log1p(step) - math.log1p(-step)))
+        up, down = (self.law.young_kPa(ratio * (1 + step), self.central) for step in (1e-5, -1e-5))
+        return float((np.log(up) - np.log(down)) / (math.log1p(1e-5) - math.log1p(-1e-5)))
 
     def prony(self, ratio: float) -> tuple[PronyTerm, ...]:
         """Relaxing arms at a ratio, strengths relative to the LONG-TERM modulus.
@@ -197,12 +193,11 @@ class Resin:
         else:
             numbers = self._draw_prior(count, rng)
         if self.joint_relaxation is not None:
-            log_young = np.log(np.maximum(self.law.young_kPa(self.relaxation_ratio_ref, numbers), 1e-9))
-            stated = np.array([arm.beta.value for arm in self.arms])
-            beta_ref = self.joint_relaxation.draw(stated, log_young, rng)
+            young_kPa = self.law.young_kPa(self.relaxation_ratio_ref, numbers)
+            beta = list(self.joint_relaxation.draw([arm.beta.value for arm in self.arms], young_kPa, rng).T)
         else:
             beta = [value_at(arm.beta, rng.standard_normal(count)) for arm in self.arms]
-            beta_ref = np.stack(beta, axis=1) if beta else np.zeros((count, 0))
+        beta_ref = np.stack(beta, axis=1) if beta else np.zeros((count, 0))
         return Draws(self, numbers, beta_ref, value_at(self.softness_exponent, rng.standard_normal(count)))
 
     def _draw_prior(self, count: int, rng: np.random.Generator) -> dict[str, NDArray]:
@@ -251,8 +246,7 @@ class Resin:
         if not (math.isfinite(total_g) and total_g > 0):
             raise out_of_range("total_g", total_g, "above 0", "any finite mass")
         parts = self.parts(ratio)
-        whole = sum(parts.values())
-        return [Component(name, total_g * part / whole) for name, part in parts.items() if part > 0]
+        return [Component(name, total_g * part / sum(parts.values())) for name, part in parts.items() if part > 0]
 
     def property(self, name: str, ratio: float) -> Quantity:
         """Property of the mixed liquid or of its cure at a ratio.

@@ -95,8 +95,8 @@ class Resin:
         """Refuse ratios outside the range the law is meant for (InputError)."""
         values = np.atleast_1d(np.asarray(ratio, float))
         inside = (values >= self.ratio_min - 1e-9) & (values <= self.ratio_max + 1e-9)
-        for wrong in values[~inside][:1]:
-            raise out_of_range(f"ratio of {self.name}", float(wrong), self.ratio_min, self.ratio_max, self.ratio_meaning)
+        for wrong in map(float, values[~inside][:1]):
+            raise out_of_range(f"ratio of {self.name}", wrong, self.ratio_min, self.ratio_max, self.ratio_meaning)
 
     @property
     def central(self) -> dict[str, float]:

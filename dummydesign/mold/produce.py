@@ -16,11 +16,14 @@ from dummydesign.mold.checks import mesh as check_mesh
 from dummydesign.mold.checks import process as check_process
 from dummydesign.mold.checks import shape as check_shape
 from dummydesign.mold.checks import solids as check
-from dummydesign.mold.files import drawing
-from dummydesign.mold.files import drawing_views as section
 from dummydesign.mold.files import meshes as mesh
 from dummydesign.mold.files import picture as view
 from dummydesign.mold.files import pour_sheet as sheet
+from dummydesign.mold.files.drawings.dxf import to_dxf
+from dummydesign.mold.files.drawings.parts import NO_PAPERS, Papers, part_views, sheets
+from dummydesign.mold.files.drawings.pdf import to_pdf
+from dummydesign.mold.files.drawings.svg import to_svg
+from dummydesign.mold.files.sheet_pdf import Foot, sheet_pdf
 from dummydesign.mold.files.step import COLOURS, Material, StepPart, step_text
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.plan import PourPlan, pour_plan
@@ -31,7 +34,7 @@ PICTURE_S = 90
 MESHED_APART = ("pad", "strike_off")
 
 
-def produce(spec: MouldSpec, folder: Path) -> dict[str, Any]:
+def produce(spec: MouldSpec, folder: Path, papers: Papers = NO_PAPERS) -> dict[str, Any]:
     """Build, write, read again and check; return what the parent turns into a result.
 
     Parameters
@@ -39,6 +42,8 @@ def produce(spec: MouldSpec, folder: Path) -> dict[str, Any]:
     spec : MouldSpec
     folder : Path
         An empty folder; nothing in it counts until the parent has renamed it.
+    papers : Papers
+        What drawings and sheet carry besides: project, date, command line.
 
     Returns
     -------
@@ -67,7 +72,7 @@ def produce(spec: MouldSpec, folder: Path) -> dict[str, Any]:
     for name, paths in mesh_files.items():
         files |= {f"{name}_{kind}": path.name for kind, path in paths.items()}
     files |= _write_views(made, meshes, folder)
-    files |= _write_papers(made, plan, warnings, folder)
+    files |= _write_papers(made, plan, warnings, folder, papers)
     files |= finish_picture(picture, folder, spec, warnings)
     files |= _write_records(spec, [item.to_dict() for item in checks], folder)
     return {
@@ -227,19 +232,30 @@ def _write_views(made: Parts, meshes: dict[str, Any], folder: Path) -> dict[str,
     return files
 
 
-def _write_papers(made: Parts, plan: PourPlan, warnings: list[dict[str, str]], folder: Path) -> dict[str, str]:
-    """Drawings as DXF and SVG, the pour sheet as Markdown and HTML."""
+def _write_papers(
+    made: Parts, plan: PourPlan, warnings: list[dict[str, str]], folder: Path, papers: Papers
+) -> dict[str, str]:
+    """Drawings as DXF, SVG and, all in one, as PDF; the pour sheet as Markdown, HTML and PDF."""
     tag, files = made.spec.tag, {}
-    sheets = section.drawings(made)
-    for name, paper in sheets.items():
-        for kind, text in (("svg", drawing.to_svg(paper)), ("dxf", drawing.to_dxf(paper))):
+    views = part_views(made)
+    drawn = {paper: sheets(made, views, papers, paper) for paper in ("A3", "A4")}
+    for name, paper in drawn["A3"].items():
+        for kind, text in (("svg", to_svg(paper)), ("dxf", to_dxf(paper))):
             files[f"drawing_{name}_{kind}"] = f"drawing_{name}_{tag}.{kind}"
             (folder / files[f"drawing_{name}_{kind}"]).write_text(text, encoding="utf-8")
     printed = {name: part.solid.Volume() for name, part in made.parts.items() if part.material == "rigid"}
     blocks = sheet.pour_sheet(made.spec, plan, warnings, printed)
+    foot = Foot(made.spec.hash, papers.command, papers.date)
+    for paper, end in (("A3", "_a3"), ("A4", "")):
+        small, pages = paper.lower(), drawn[paper]
+        files[f"drawings_{small}"], files[f"pour_sheet_{small}"] = f"drawings_{tag}_{small}.pdf", f"pour_{tag}{end}.pdf"
+        bound = to_pdf(list(pages.values()), f"Drawings, specification {made.spec.hash}")
+        (folder / files[f"drawings_{small}"]).write_bytes(bound)
+        shown = [pages[name] for name in ("pad", "mould")]
+        (folder / files[f"pour_sheet_{small}"]).write_bytes(sheet_pdf(blocks, foot, shown, paper))
     files["pour_sheet"], files["pour_sheet_html"] = f"pour_{tag}.md", f"pour_{tag}.html"
     (folder / files["pour_sheet"]).write_text(sheet.to_markdown(blocks), encoding="utf-8")
-    page = sheet.to_html(blocks, drawing.to_svg(sheets["mould"]))
+    page = sheet.to_html(blocks, to_svg(drawn["A3"]["mould"]))
     (folder / files["pour_sheet_html"]).write_text(page, encoding="utf-8")
     return files
 

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 import shutil
 import subprocess
 import sys
 import tempfile
 from dataclasses import asdict, dataclass, field
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.files import output_folder
+from dummydesign.core.outputs.manifest import COMMAND_LINE
 from dummydesign.core.threads import ONE_THREAD
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.model.validate import validate
@@ -111,7 +114,8 @@ def masses_g(pour: dict[str, Any]) -> dict[str, float]:
 def _run_child(spec: MouldSpec, work: Path, timeout_s: float) -> dict[str, Any]:
     """Start the child, wait, and turn every way it can end into a result or a named error."""
     spec_file = work / ".spec.json"
-    spec_file.write_text(spec.canonical(), encoding="utf-8")
+    asked = {"spec": spec.to_dict(), "papers": _papers()}
+    spec_file.write_text(json.dumps(asked), encoding="utf-8")
     package = str(Path(__file__).resolve().parents[2])
     path = os.pathsep.join(filter(None, (package, os.environ.get("PYTHONPATH"))))
     environment = {**os.environ, **ONE_THREAD, "PYTHONPATH": path}
@@ -134,6 +138,15 @@ def _run_child(spec: MouldSpec, work: Path, timeout_s: float) -> dict[str, Any]:
         message = text if code == "cad_unavailable" else f"the CAD kernel failed: {text} ({what}); nothing was written"
         raise NoAnswerError(code, message, without_cad(spec))
     return found
+
+
+def _papers() -> dict[str, str]:
+    """What drawings and sheet carry besides: the command line as typed, the date (``SOURCE_DATE_EPOCH`` if given)."""
+    words = COMMAND_LINE.get()
+    command = "" if words is None else shlex.join(["dummydesign", *words])
+    fixed = os.environ.get("SOURCE_DATE_EPOCH", "")
+    day = datetime.fromtimestamp(int(fixed), UTC) if fixed.isdigit() else datetime.now()
+    return {"command": command, "date": day.date().isoformat()}
 
 
 def _result(spec: MouldSpec, found: dict[str, Any], target: Path) -> MouldResult:

@@ -32,13 +32,15 @@ def run(spec_file: Path, folder: Path) -> dict[str, Any]:
     problem = cad_problem()
     if problem:
         return {"error": {"code": "cad_unavailable", "message": problem}}
+    from dummydesign.mold.files.drawings.parts import Papers
     from dummydesign.mold.model.spec import MouldSpec
     from dummydesign.mold.produce import produce
 
-    spec = MouldSpec.from_dict(json.loads(spec_file.read_text(encoding="utf-8")))
+    asked = json.loads(spec_file.read_text(encoding="utf-8"))
+    spec, papers = MouldSpec.from_dict(asked["spec"]), Papers(**asked["papers"])
     start = time.perf_counter()
     try:
-        result = produce(spec, folder)
+        result = produce(spec, folder, papers)
     except Exception as problem:
         text = " ".join(str(problem).split()) or "no message"
         return {"error": {"code": "cad_failed", "message": f"{type(problem).__name__}: {text}"}}

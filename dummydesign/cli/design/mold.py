@@ -66,8 +66,10 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     ).to_dict()
 
 
-def default_out(options: argparse.Namespace) -> str:
-    """Name of the folder in a project when none is typed; elsewhere the call names it."""
+def default_out(options: argparse.Namespace) -> str | None:
+    """Name of the folder in a project when none is typed; elsewhere the call names it. A record has its folder."""
+    if options.action == "record" or options.thickness is None:
+        return None
     shape = options.shape.partition(":")[0].lower()
     return f"mould_{'' if shape == 'slab' else f'{shape}_'}t{options.thickness:g}"
 

@@ -7,17 +7,14 @@ import json
 import math
 import random
 import re
-import xml.etree.ElementTree as ElementTree
 from html.parser import HTMLParser
-from itertools import pairwise
 from pathlib import Path
 
 import pytest
 
-from dummydesign.mold.files import drawing, step
-from dummydesign.mold.files import drawing_views as section
 from dummydesign.mold.files import meshes as mesh
 from dummydesign.mold.files import pour_sheet as sheet
+from dummydesign.mold.files import step
 from dummydesign.mold.files.step_canonical import Header, canonical_step
 from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
@@ -162,52 +159,6 @@ def test_glb_is_in_metres_and_html_needs_no_network(lidded_package):
     page = Path(result.files["view"]).read_text(encoding="utf-8")
     assert not re.findall(r"<(?:script|link|img)[^>]+(?:src|href)=.https?:", page)
     assert "THREE" in page
-
-
-def test_dimensions_on_paper_measure_what_they_say(open_parts, lidded_parts):
-    for made in (open_parts, lidded_parts):
-        for paper in section.drawings(made).values():
-            assert paper.dimensions
-            for d in paper.dimensions:
-                axis = 1 if d.vertical else 0
-                assert abs(d.end[axis] - d.start[axis]) / paper.scale == pytest.approx(d.value, abs=1e-9)
-            for line in paper.lines:
-                for x, y in line.points:
-                    assert 0 <= x <= drawing.SHEET_MM[0] and 0 <= y <= drawing.SHEET_MM[1]
-
-
-def test_section_outline_encloses_the_area_of_the_cut(open_parts):
-    import cadquery as cq
-
-    solid = open_parts.solid("mould")
-    face = cq.Face.makePlane(1000, 1000, cq.Vector(), cq.Vector(0, 1, 0)).intersect(solid)
-    loops = section.cut_at_y(solid)
-    area = abs(sum(x0 * y1 - x1 * y0 for loop in loops for (x0, y0), (x1, y1) in pairwise(loop))) / 2
-    assert area == pytest.approx(face.Area(), rel=1e-4)
-
-
-def test_hatching_fills_the_inside_only():
-    square, hole = [(0, 0), (40, 0), (40, 40), (0, 40), (0, 0)], [(10, 10), (30, 10), (30, 30), (10, 30), (10, 10)]
-    pieces = drawing.hatch([square, hole], 0.5)
-    assert sum(math.dist(a, b) for a, b in pieces) * 0.5 == pytest.approx(40**2 - 20**2, rel=0.01)
-    for a, b in pieces:
-        x, y = (a[0] + b[0]) / 2, (a[1] + b[1]) / 2
-        assert 0 <= x <= 40 and 0 <= y <= 40 and not (10 < x < 30 and 10 < y < 30)
-
-
-@pytest.mark.slow
-def test_drawings_are_wellformed_reproducible_and_readable(lidded_package, open_parts):
-    import ezdxf
-
-    _, result = lidded_package
-    for name in ("mould", "master"):
-        root = ElementTree.parse(result.files[f"drawing_{name}_svg"]).getroot()
-        assert root.get("width") == "420mm"
-        document = ezdxf.readfile(result.files[f"drawing_{name}_dxf"])
-        assert not document.audit().errors
-        assert len(document.modelspace().query("DIMENSION")) >= 5
-    paper = section.drawings(open_parts)["mould"]
-    assert drawing.to_dxf(paper) == drawing.to_dxf(paper)
 
 
 class _Tags(HTMLParser):

@@ -29,28 +29,27 @@ def test_curved_faces_survive_step(crowned, boned, tmp_path):
 
 
 def test_drawings_dimension_the_curve_and_stay_on_paper(crowned, layered, boned):
-    from dummydesign.mold.files import drawing
-    from dummydesign.mold.files import drawing_views as section
+    from dummydesign.mold.files.drawings.parts import drawings
 
     heights = {
         "crowned": crowned.plan.face_mm, "layered": layered.plan.interface_mm, "boned": 9.0 * boned.plan.scale,
     }  # fmt: skip
     for made in (crowned, layered, boned):
-        paper = section.drawings(made)["mould"]
+        paper = drawings(made)["mould"]
         assert any(d.vertical and d.value == pytest.approx(heights[made.spec.pad.kind]) for d in paper.dimensions)
         assert any(str(made.spec.pad.kind) in text.words for text in paper.texts)
         for d in paper.dimensions:
             axis = 1 if d.vertical else 0
             assert abs(d.end[axis] - d.start[axis]) / paper.scale == pytest.approx(d.value, abs=1e-9)
         for x, y in (point for line in paper.lines for point in line.points):
-            assert 0 <= x <= drawing.SHEET_MM[0] and 0 <= y <= drawing.SHEET_MM[1]
+            assert 0 <= x <= paper.size[0] and 0 <= y <= paper.size[1]
 
 
 def test_section_across_a_ridge_shows_its_profile():
-    from dummydesign.mold.files import drawing_views as section
+    from dummydesign.mold.files.drawings import projection
 
     spec = shape_spec("crowned:10,2,0,1", 8.0)
-    loops = section.cut_at_x(cavity_solid(spec.pad))
+    loops = projection.cut_at_x(cavity_solid(spec.pad)).loops
     low = [(y, z) for y, z in loops[0] if z < spec.pad.face_height_mm - 1e-6]
     assert len(low) > 20
     for y, z in low:

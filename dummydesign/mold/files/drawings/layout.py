@@ -1,0 +1,204 @@
+"""Where views and dimensions stand on the paper: dimensions in lanes beside a view, so that no text meets another."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from dummydesign.mold.files.drawings.hatch import hatch
+from dummydesign.mold.files.drawings.sheet import PAPERS, TEXT_MM, Dimension, Drawing, Line, Point, Text, text_width
+from dummydesign.mold.files.drawings.title_block import HIGH_MM, MARGIN_MM, Title, frame_and_title, notes_height
+
+SCALES = (10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05)
+"""Preferred scales of ISO 5455, paper over part."""
+FIRST_MM, LANE_MM, NAME_MM, HATCH_MM, GAP_MM = 7.0, 6.0, 3.5, 3.0, 6.0
+LEADER_MM = 5.0
+
+
+@dataclass(frozen=True)
+class Measure:
+    """A length to be dimensioned, between two points of a view, on one of its sides.
+
+    ``side`` is ``above``, ``below``, ``left`` or ``right``; the first two measure along x, the others along y.
+    """
+
+    start: Point
+    end: Point
+    side: str
+
+    @property
+    def vertical(self) -> bool:
+        """Whether it is measured along y."""
+        return self.side in ("left", "right")
+
+    @property
+    def value(self) -> float:
+        """True length. [mm]"""
+        axis = int(self.vertical)
+        return abs(self.end[axis] - self.start[axis])
+
+
+@dataclass(frozen=True)
+class View:
+    """One view in the part's own coordinates, with what is measured in it and notes that point at places."""
+
+    name: str
+    runs: tuple[tuple[tuple[Point, ...], str], ...]
+    measures: tuple[Measure, ...] = ()
+    leaders: tuple[tuple[Point, str], ...] = ()
+    filled: bool = False
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """x low, y low, x high, y high. [mm]"""
+        xs = [x for run, _ in self.runs for x, _ in run]
+        ys = [y for run, _ in self.runs for _, y in run]
+        return min(xs), min(ys), max(xs), max(ys)
+
+
+@dataclass
+class Placed:
+    """A view on paper, its own lower left at the origin of the part's coordinates times the scale."""
+
+    lines: list[Line]
+    texts: list[Text]
+    dimensions: list[Dimension]
+    box: tuple[float, float, float, float]
+
+
+def arrange(views: Sequence[View], title: Title, notes: Sequence[str], paper: str = "A3") -> Drawing:
+    """Stack views on a sheet at the largest preferred scale that fits, with frame, title block and notes.
+
+    Parameters
+    ----------
+    views : sequence of View
+        From top to bottom of the sheet.
+    title : Title
+    notes : sequence of str
+        What holds for the whole part.
+    paper : str
+        ``A3`` or ``A4``, landscape.
+
+    Returns
+    -------
+    Drawing
+    """
+    w, h = PAPERS[paper]
+    low = MARGIN_MM + max(HIGH_MM, notes_height(notes, w)) + 3.0
+    room = w - 2 * MARGIN_MM - 4.0, h - MARGIN_MM - 3.0 - low
+    for scale in SCALES:
+        placed = [place(view, scale) for view in views]
+        rows = _rows(placed, room[0])
+        deep = sum(max(_height(one) for one in row) for row in rows) + GAP_MM * (len(rows) - 1)
+        # Views one below the other share the middle line of the part.
+        left = max(-row[0].box[0] for row in rows)
+        right = max(row[0].box[2] + sum(_width(one) + GAP_MM for one in row[1:]) for row in rows)
+        if deep <= room[1] and left + right <= room[0]:
+            break
+    sheet = Drawing(title.part, scale, paper)
+    level = h - MARGIN_MM - 3.0 - (room[1] - deep) / 2
+    for row in rows:
+        x = w / 2 + (left - right) / 2
+        tall = max(_height(one) for one in row)
+        for one in row:
+            _put(sheet, one, (x, level - tall - one.box[1] + (tall - _height(one)) / 2))
+            x += one.box[2] + GAP_MM
+            following = row[row.index(one) + 1 :]
+            x -= following[0].box[0] if following else 0.0
+        level -= tall + GAP_MM
+    frame_and_title(sheet, title, notes)
+    return sheet
+
+
+def _rows(placed: list[Placed], room_mm: float) -> list[list[Placed]]:
+    """One view below the other; a third stands beside the first where there is room."""
+    if len(placed) < 3 or _width(placed[0]) + _width(placed[2]) + GAP_MM > room_mm:
+        return [[one] for one in placed]
+    return [[placed[0], placed[2]], [placed[1]], *([one] for one in placed[3:])]
+
+
+def _width(one: Placed) -> float:
+    return one.box[2] - one.box[0]
+
+
+def _height(one: Placed) -> float:
+    return one.box[3] - one.box[1]
+
+
+def _put(sheet: Drawing, one: Placed, shift: Point) -> None:
+    def moved(point: Point) -> Point:
+        return point[0] + shift[0], point[1] + shift[1]
+
+    sheet.lines += [Line(tuple(moved(p) for p in line.points), line.layer) for line in one.lines]
+    sheet.texts += [Text(moved(t.at), t.words, t.height, t.middle, t.upright) for t in one.texts]
+    for d in one.dimensions:
+        at = d.at + shift[0 if d.vertical else 1]
+        sheet.dimensions.append(Dimension(moved(d.start), moved(d.end), at, d.vertical, d.value))
+
+
+def place(view: View, scale: float) -> Placed:
+    """A view at a scale with its dimensions in lanes, its leaders on the left and its name above.
+
+    Parameters
+    ----------
+    view : View
+    scale : float
+        Paper over part.
+
+    Returns
+    -------
+    Placed
+    """
+
+    def on_paper(point: Point) -> Point:
+        return point[0] * scale, point[1] * scale
+
+    lines = [Line(tuple(on_paper(point) for point in run), layer) for run, layer in view.runs]
+    if view.filled:
+        closed = [line.points for line in lines if line.layer == "cut"]
+        lines += [Line(piece, "hatch") for piece in hatch(closed, HATCH_MM)]
+    x0, y0, x1, y1 = (scale * value for value in view.bounds)
+    edges = {"above": y1, "below": y0, "left": x0, "right": x1}
+    dimensions: list[Dimension] = []
+    for side, edge in edges.items():
+        measures = [one for one in view.measures if one.side == side]
+        dimensions += _lanes([(on_paper(m.start), on_paper(m.end), m.value) for m in measures], side, edge)
+    texts: list[Text] = []
+    left = min([x0, *(d.text.box[0] for d in dimensions)])
+    taken = y1 + 1e9
+    for (x, y), words in sorted(view.leaders, key=lambda one: -one[0][1]):
+        # Texts of leaders stand one below the other.
+        high = min(scale * y, taken - 2.0 * TEXT_MM)
+        taken = high
+        wide = text_width(words, TEXT_MM)
+        texts.append(Text((left - LEADER_MM - wide - 1.0, high - TEXT_MM / 2), words))
+        lines.append(Line(((scale * x, scale * y), (left - 2.0, high), (left - LEADER_MM, high)), "thin"))
+    boxes = [text.box for text in texts] + [d.text.box for d in dimensions]
+    boxes += [(*map(min, d.start, d.line[0]), *map(max, d.end, d.line[1])) for d in dimensions]  # type: ignore[misc]
+    boxes += [(*map(min, *d.line), *map(max, *d.line)) for d in dimensions]  # type: ignore[misc]
+    low = min([y0, *(box[1] for box in boxes)])
+    high = max([y1, *(box[3] for box in boxes)])
+    name = Text(((x0 + x1) / 2, high + 3.0), view.name, NAME_MM, True)
+    boxes.append(name.box)
+    box = (
+        min([x0, *(b[0] for b in boxes)]), low, max([x1, *(b[2] for b in boxes)]), name.box[3],
+    )  # fmt: skip
+    return Placed(lines, [*texts, name], dimensions, box)
+
+
+def _lanes(measures: list[tuple[Point, Point, float]], side: str, edge: float) -> list[Dimension]:
+    """Dimensions of one side, the shortest nearest; two share a lane where they and their numbers do not meet."""
+    vertical, outwards = side in ("left", "right"), 1.0 if side in ("above", "right") else -1.0
+    lanes: list[list[Dimension]] = []
+    for start, end, value in sorted(measures, key=lambda one: one[2]):
+        for number in range(len(lanes) + 1):
+            at = edge + outwards * (FIRST_MM + LANE_MM * number)
+            made = Dimension(start, end, at, vertical, value)
+            if number == len(lanes):
+                lanes.append([made])
+                break
+            if all(made.reach[0] > other.reach[1] + 2.0 or made.reach[1] < other.reach[0] - 2.0
+                   for other in lanes[number]):  # fmt: skip
+                lanes[number].append(made)
+                break
+    return [one for lane in lanes for one in lane]

@@ -1,0 +1,175 @@
+"""Drawings: true to scale on their paper, no text on another, what is measured is what is drawn."""
+
+from __future__ import annotations
+
+import math
+from itertools import combinations, pairwise
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from dummydesign.mold.files.drawings import projection
+from dummydesign.mold.files.drawings.dxf import to_dxf
+from dummydesign.mold.files.drawings.hatch import hatch
+from dummydesign.mold.files.drawings.layout import Measure, View, arrange
+from dummydesign.mold.files.drawings.parts import Papers, drawings, part_views, sheets
+from dummydesign.mold.files.drawings.pdf import to_pdf
+from dummydesign.mold.files.drawings.sheet import PAPERS, TEXT_MM, Drawing, Line
+from dummydesign.mold.files.drawings.svg import to_svg
+from dummydesign.mold.files.drawings.title_block import Title
+from tests.support.mould_checks import shape_spec
+from tests.support.pdf_paths import contents, pages_mm, paths_mm
+
+TITLE = Title("project", "part", "plastic", "ISO 2768-m", "ABCD1234", "2026-01-01", "1 of 1")
+
+
+def meeting(drawing):
+    """Pairs of texts whose boxes meet, and texts outside the frame."""
+    (w, h), boxes = drawing.size, drawing.boxes()
+    pairs = [(a, b) for (a, p), (b, q) in combinations(boxes, 2)
+             if p[0] < q[2] and q[0] < p[2] and p[1] < q[3] and q[1] < p[3]]  # fmt: skip
+    outside = [a for a, box in boxes if min(box[0], box[1]) < 10 or box[2] > w - 10 or box[3] > h - 10]
+    return pairs + outside
+
+
+def sound(made, paper):
+    for name, drawing in sheets(made, part_views(made), Papers("project", "2026-01-01"), paper).items():
+        assert meeting(drawing) == [], (name, meeting(drawing))
+        assert drawing.dimensions and min(text.height for text in drawing.texts) >= TEXT_MM
+        words = " ".join(text.words for text in drawing.texts)
+        drafted = name in ("pad", "mould", "master", "frame", "lid")
+        for wanted in (made.spec.hash, "ISO 2768-m", "project", "2026-01-01", paper, *(["raft 2 deg"] * drafted)):
+            assert wanted in words, (name, wanted)
+        for d in drawing.dimensions:
+            axis = int(d.vertical)
+            assert abs(d.end[axis] - d.start[axis]) / drawing.scale == pytest.approx(d.value, abs=1e-9)
+        for x, y in (point for line in drawing.lines for point in line.points):
+            assert 0 <= x <= drawing.size[0] and 0 <= y <= drawing.size[1]
+
+
+@pytest.mark.parametrize("paper", ["A3", "A4"])
+def test_every_part_has_a_drawing_without_texts_on_each_other(open_parts, crowned, paper):
+    for made in (open_parts, crowned):
+        sound(made, paper)
+    assert set(drawings(open_parts)) == set(open_parts.parts)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("shape, thickness, preset", [
+    *(("slab", t, preset) for t in (3.0, 5.0, 12.5, 20.0, 30.0) for preset in ("open", "lidded")),
+    ("crowned:10,2", 5.0, "lidded"), ("crowned:10,2,0,1", 12.5, "open"), ("bumped:12,5,1,0,2", 12.5, "open"),
+    ("bumped:12,5,1,0,2", 30.0, "lidded"), ("layered:8,0.4", 20.0, "open"), ("boned:20,6", 12.5, "open"),
+    ("boned:20,6,0,1", 30.0, "open"), ("crowned:10,2", 3.5, "open"),
+])  # fmt: skip
+def test_drawings_are_sound_for_every_shape_preset_and_thickness(shape, thickness, preset):
+    from dummydesign.mold.cad.build import build
+
+    made = build(shape_spec(shape, thickness, preset=preset))
+    for paper in ("A3", "A4"):
+        sound(made, paper)
+
+
+def test_a_hundred_millimetres_are_a_hundred_millimetres_on_the_page():
+    sheet = Drawing("line", 1.0, "A3", [Line(((50.0, 60.0), (150.0, 60.0)), "outline"),
+                                        Line(((50.0, 60.0), (50.0, 160.0)), "outline")])  # fmt: skip
+    data = to_pdf([sheet], "test")
+    assert pages_mm(data)[0] == pytest.approx((420.0, 297.0), abs=0.01)
+    (content,) = contents(data)
+    lengths = [math.dist(*run) for run in paths_mm(content)]
+    assert lengths == pytest.approx([100.0, 100.0], abs=0.001)
+
+
+@pytest.mark.parametrize("paper", ["A3", "A4"])
+def test_a_part_is_on_its_page_in_the_scale_that_the_title_says(open_parts, paper):
+    drawing = drawings(open_parts, paper=paper)["tray"]
+    (content,) = contents(to_pdf([drawing], "test"))
+    box = open_parts.solid("tray").BoundingBox()
+    sides = {round(float(np.ptp(run[:, 0])), 2) for run in paths_mm(content)}
+    assert any(abs(side - drawing.scale * box.xlen) < 0.02 for side in sides)
+    said = f"{drawing.scale:g}:1" if drawing.scale >= 1 else f"1:{1 / drawing.scale:g}"
+    assert any(text.words.startswith(said) for text in drawing.texts)
+
+
+def test_a_crowned_pad_shows_foot_and_tip_with_their_dimensions(crowned):
+    pad, shape = crowned.spec.pad, dict(crowned.spec.pad.shape.parameters)
+    drawing = drawings(crowned)["pad"]
+    found = [(d.vertical, d.value) for d in drawing.dimensions]
+    assert (True, pytest.approx(pad.thickness_mm, abs=1e-3)) in found
+    assert (True, pytest.approx(pad.thickness_mm - pad.face_height_mm, abs=1e-3)) in found
+    assert (False, pytest.approx(2 * shape["foot"], abs=0.01)) in found
+
+
+def test_hole_patterns_have_number_diameter_and_distances(open_parts):
+    box = open_parts.spec.box
+    (rims,) = projection.holes(open_parts.solid("master"))
+    assert len(rims.places) == 8 and rims.diameters_mm == (box.bolt_hole_mm,)
+    drawing = drawings(open_parts)["master"]
+    assert f"8 x Ø{box.bolt_hole_mm:g}" in [text.words for text in drawing.texts]
+    values = [d.value for d in drawing.dimensions]
+    for axis in (0, 1):
+        for reach in {round(abs(place[axis]), 3) for place in rims.places} - {0.0}:
+            assert any(value == pytest.approx(2 * reach, abs=2e-3) for value in values)
+
+
+def test_a_boss_is_no_hole_and_seams_are_not_drawn():
+    import cadquery as cq
+
+    plate = cq.Workplane().box(40, 40, 5)
+    holed = plate.faces(">Z").workplane().hole(6.0).val()
+    bossed = plate.faces(">Z").workplane().circle(3.0).extrude(4.0).val()
+    assert [hole.words for hole in projection.holes(holed)] == ["1 x Ø6"] and projection.holes(bossed) == []
+    cone = cq.Workplane().circle(5.0).workplane(offset=6.0).circle(3.0).loft().val()
+    for run, _ in projection.edges_from_above(cone):
+        radii = [math.hypot(x, y) for x, y in run]
+        assert max(radii) - min(radii) < 1e-6
+
+
+def test_section_outline_encloses_the_area_of_the_cut(open_parts, lidded_parts):
+    import cadquery as cq
+
+    for made, name in ((open_parts, "mould"), (lidded_parts, "lid"), (lidded_parts, "lid_master")):
+        solid = made.solid(name)
+        face = cq.Face.makePlane(1000, 1000, cq.Vector(), cq.Vector(0, 1, 0)).intersect(solid)
+        loops = projection.cut_at_y(solid).loops
+        area = sum(abs(sum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in pairwise(loop))) / 2 for loop in loops)
+        assert area == pytest.approx(face.Area(), rel=1e-3), name
+
+
+def test_hatching_fills_the_inside_only():
+    square, hole = [(0, 0), (40, 0), (40, 40), (0, 40), (0, 0)], [(10, 10), (30, 10), (30, 30), (10, 30), (10, 10)]
+    pieces = hatch([square, hole], 0.5)
+    assert sum(math.dist(a, b) for a, b in pieces) * 0.5 == pytest.approx(40**2 - 20**2, rel=0.01)
+    for a, b in pieces:
+        x, y = (a[0] + b[0]) / 2, (a[1] + b[1]) / 2
+        assert 0 <= x <= 40 and 0 <= y <= 40 and not (10 < x < 30 and 10 < y < 30)
+
+
+def test_dimensions_of_one_side_never_share_a_place():
+    square = (((0.0, 0.0), (50.0, 0.0), (50.0, 20.0), (0.0, 20.0), (0.0, 0.0)), "cut")
+    measures = [Measure((25.0 - x, 20.0), (25.0 + x, 20.0), "above") for x in (1.0, 1.5, 2.0, 10.0, 20.0, 25.0)]
+    measures += [Measure((50.0, 0.0), (50.0, y), "right") for y in (0.5, 1.0, 1.5, 19.0, 20.0)]
+    for paper in PAPERS:
+        drawing = arrange([View("view", (square,), tuple(measures))], TITLE, ["a note"], paper)
+        assert meeting(drawing) == [] and len(drawing.dimensions) == len(measures)
+
+
+def test_long_names_are_cut_and_notes_wrapped_so_that_they_stay_in_their_cells():
+    square = (((0.0, 0.0), (50.0, 0.0), (50.0, 20.0), (0.0, 20.0), (0.0, 0.0)), "cut")
+    title = Title("a long project " * 20, "part " * 30, "plastic " * 30, "ISO 2768-m", "ABCD", "2026-01-01", "1 of 1")
+    for paper in PAPERS:
+        assert meeting(arrange([View("view", (square,))], title, ["note " * 60], paper)) == []
+
+
+def test_drawings_are_wellformed_and_equal_for_equal_parts(open_parts):
+    import io
+
+    import ezdxf
+
+    drawing = drawings(open_parts)["mould"]
+    root = ElementTree.fromstring(to_svg(drawing))
+    assert root.get("width") == "420mm"
+    text = to_dxf(drawing)
+    document = ezdxf.read(io.StringIO(text))
+    assert not document.audit().errors and len(document.modelspace().query("DIMENSION")) >= 5
+    assert text == to_dxf(drawing) and to_pdf([drawing], "a") == to_pdf([drawing], "a")

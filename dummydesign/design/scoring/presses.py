@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.measurement.motion import DECELERATION_MM_S2, Motion, ramp_and_hold
 from dummydesign.pad.force_law import ForceLaw
-from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
+from dummydesign.pad.material.relaxation import arm_forces
 
 DEPTH_SHARE = MAX_DEPTH_OVER_THICKNESS
 """Largest depth over thickness that is designed for, as in the contract of the commands."""
@@ -35,6 +36,10 @@ class Curves:
     limit_mm: NDArray
     area_mm2: NDArray
 
+    def take(self, chosen: NDArray) -> Curves:
+        """Keep the slabs chosen by index, one row for each."""
+        return Curves(self.thickness_mm[chosen], self.limit_mm[chosen], self.area_mm2[chosen])
+
     @property
     def step_mm(self) -> NDArray:
         """Depth step of each slab's grid, shape (T,). [mm]"""
@@ -48,16 +53,18 @@ class Curves:
         """Depth at which slabs (D,) reach F / E of shape (D,) or (D, n); NaN beyond their limit. [mm]"""
         wanted = np.asarray(area_mm2, float)
         depth = np.full(wanted.shape, np.nan)
-        for index in np.unique(slab):
-            chosen = slab == index
+        order = np.argsort(slab, kind="stable")
+        known, first = np.unique(slab[order], return_index=True)
+        for index, rows in zip(known, np.split(order, first[1:])):
             grid = self.step_mm[index] * np.arange(self.area_mm2.shape[-1])
-            depth[chosen] = np.interp(wanted[chosen], self.area_mm2[index], grid, right=np.nan)
+            depth[rows] = np.interp(wanted[rows], self.area_mm2[index], grid, right=np.nan)
         return depth
 
     def slope_at(self, slab: NDArray, depth_mm: NDArray) -> NDArray:
         """Tangent d(F / E) / d depth at depths (D, n) of slabs (D,), by central differences. [mm]"""
-        slopes = np.gradient(self.area_mm2, axis=-1, edge_order=2) / self.step_mm[:, None]
-        return _lookup(slopes, slab, depth_mm / self.step_mm[slab][:, None])
+        known, row = np.unique(slab, return_inverse=True)
+        slopes = np.gradient(self.area_mm2[known], axis=-1, edge_order=2) / self.step_mm[known, None]
+        return _lookup(slopes, row, depth_mm / self.step_mm[slab][:, None])
 
 
 def _lookup(table: NDArray, slab: NDArray, position: NDArray) -> NDArray:
@@ -88,6 +95,12 @@ def make_curves(law: ForceLaw, thickness_mm: ArrayLike, radius_mm: float, depth_
     share = np.linspace(0.0, 1.0, SAMPLES)
     area = np.asarray(law.force(limit[:, None] * share, thickness[:, None], 1.0, radius_mm), float)
     return Curves(thickness, limit, area)
+
+
+def join_curves(curves: Sequence[Curves]) -> Curves:
+    """Curves of several force laws as one set, in their order."""
+    names = ("thickness_mm", "limit_mm", "area_mm2")
+    return Curves(*(np.concatenate([getattr(one, name) for one in curves]) for name in names))
 
 
 @dataclass(frozen=True)
@@ -139,6 +152,13 @@ class Slabs:
         return self.curves.thickness_mm[self.slab]
 
 
+def join_slabs(slabs: Sequence[Slabs]) -> Slabs:
+    """Designs of one resin on several sets of curves as one set, in their order; each keeps its own curve only."""
+    curves = [one.curves.take(one.slab) for one in slabs]
+    young, beta = (np.concatenate([getattr(one, name) for one in slabs]) for name in ("young_MPa", "beta"))
+    return Slabs(join_curves(curves), np.arange(len(young)), young, slabs[0].tau_s, beta)
+
+
 @dataclass(frozen=True)
 class Press:
     """Presses of D designs at one condition: arrays (D, n) over time, NaN where out of reach."""
@@ -185,9 +205,8 @@ def press_to_depth(slabs: Slabs, depth_mm: NDArray, velocity_mm_s: float, sampli
     motion = sampling.motion(velocity_mm_s, depth)
     area = slabs.curves.area_at(slabs.slab, motion.displacement_mm)
     relative = area.copy()
-    for arm, tau in enumerate(slabs.tau_s):
-        # one arm of strength 1 alone, then scaled: strengths differ from design to design
-        relative += slabs.beta[:, arm, None] * (relaxed_force(motion.time_s, area, [PronyTerm(tau, 1.0)]) - area)
+    for arm, alone in enumerate(arm_forces(motion.time_s, area, slabs.tau_s)):
+        relative += slabs.beta[:, arm, None] * alone
     force = np.where(reachable[:, None], slabs.young_MPa[:, None] * relative, np.nan)
     stop = motion.time_s[:, sampling.ramp_points + sampling.brake_points]
     return Press(motion.time_s, force, stop, np.where(reachable, depth_mm, np.nan), motion.displacement_mm)

@@ -149,11 +149,11 @@ def _inside_exact(press: Press, band) -> NDArray:
 
 def _inside_at_samples(press: Press, band) -> NDArray:
     """The same share taken at the samples: rise even in time, hold even in the logarithm from 5 ms on."""
-    low = np.interp(press.time_s, band.time_s, band.low_N)
-    high = np.interp(press.time_s, band.time_s, band.high_N)
+    # both ends at once, as the parts of one complex number
+    ends = np.interp(press.time_s, band.time_s, band.low_N + 1j * band.high_N)
     near = STEADY_TOLERANCE * band.steady_force_N
     with np.errstate(invalid="ignore"):
-        within = (press.force_N >= low - near) & (press.force_N <= high + near)
+        within = (press.force_N >= ends.real - near) & (press.force_N <= ends.imag + near)
     since = press.time_s - press.stop_s[:, None]
     clock = np.minimum(press.time_s, press.stop_s[:, None])
     held = np.log(np.maximum(since, FIRST_HOLD_S))

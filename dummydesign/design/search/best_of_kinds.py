@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +12,7 @@ from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.design.scoring.presses import ForceLaw
 from dummydesign.design.scoring.standing import NOT_ACCEPTABLE
 from dummydesign.design.search.low_force import LowForce, low_force
-from dummydesign.design.search.shapes import LOW_SHARE, Shaped, search_fixed, search_shape
+from dummydesign.design.search.shapes import LOW_SHARE, Shaped, search_fixed, search_shapes
 from dummydesign.design.search.slabs import Candidate, SearchResult, search, with_parameters
 from dummydesign.design.search.space import SearchSpace
 from dummydesign.geometry.shapes import PadShape, Slab, read_shape
@@ -157,17 +158,22 @@ def choose(found: Found, space: SearchSpace) -> Chosen:
     beside = [Beside(Slab.name, None, None, None, None, found.slab_reason)]
     if flat is not None:
         beside = [_beside(Slab.name, Slab(), flat.best, space, "table")]
-    for kind in dict.fromkeys(shaped.shape.name for shaped in designs):
-        best = _fitted(max((shaped for shaped in designs if shaped.shape.name == kind), key=_rank), space)
+    leaders = [
+        max((shaped for shaped in designs if shaped.shape.name == kind), key=_rank)
+        for kind in dict.fromkeys(shaped.shape.name for shaped in designs)
+    ]
+    leaders = _fitted(leaders, space)
+    for best in leaders:
         by = best.law.family.source if best.elements is None else "elements"
-        beside.append(_beside(kind, best.shape, best.found.best, space, by))
+        beside.append(_beside(best.shape.name, best.shape, best.found.best, space, by))
     listed = (*beside, *found.missing)
     if found.asked.lower() == AUTO and flat is not None:
         if not designs or flat.best.worth(LOW_SHARE) >= max(designs, key=_rank).worth:
             return Chosen(Slab(), flat, law, law, listed)
     if not designs:
         raise NoAnswerError("no_feasible_design", "; ".join(item.reason for item in found.missing if item.reason))
-    best = _fitted(max(designs, key=_rank), space)
+    winner = max(designs, key=_rank)
+    best = next(shaped for shaped in leaders if shaped.shape.name == winner.shape.name)
     return Chosen(best.shape, best.found, best.law, best.elements or replace(best.law, cast=True), listed)
 
 
@@ -176,10 +182,15 @@ def _rank(shaped: Shaped) -> tuple[bool, float]:
     return shaped.elements is not None, shaped.worth
 
 
-def _fitted(shaped: Shaped, space: SearchSpace) -> Shaped:
-    """With the tissue's law fitted to the presses of the design and of its alternatives, which a search leaves out."""
-    best, *others = with_parameters((shaped.found.best, *shaped.found.alternatives), space)
-    return replace(shaped, found=replace(shaped.found, best=best, alternatives=tuple(others)))
+def _fitted(designs: Sequence[Shaped], space: SearchSpace) -> list[Shaped]:
+    """With the tissue's law fitted to the presses of designs and of their alternatives, which a search leaves out."""
+    groups = [(shaped.found.best, *shaped.found.alternatives) for shaped in designs]
+    fits = iter(with_parameters([candidate for group in groups for candidate in group], space))
+    fitted = [[next(fits) for _ in group] for group in groups]
+    return [
+        replace(shaped, found=replace(shaped.found, best=best, alternatives=tuple(others)))
+        for shaped, (best, *others) in zip(designs, fitted)
+    ]
 
 
 def _designs(text: str, space: SearchSpace) -> tuple[list[Shaped], list[Beside]]:
@@ -188,16 +199,23 @@ def _designs(text: str, space: SearchSpace) -> tuple[list[Shaped], list[Beside]]
 
     found: list[Shaped] = []
     failed = []
-    for kind in kinds_of(text):
-        family = load_family(kind)
-        family = family if space.correct is None else space.correct(family)
+    kinds = kinds_of(text)
+    families = [load_family(kind) for kind in kinds]
+    if space.correct is not None:
+        families = [space.correct(family) for family in families]
+    results: list[list[Shaped] | NoAnswerError]
+    if ":" in text:
         try:
-            if ":" in text:
-                found.append(search_fixed(family, read_shape(text), space))
-            else:
-                found += search_shape(family, space)
+            results = [[search_fixed(families[0], read_shape(text), space)]]
         except NoAnswerError as problem:
-            failed.append(Beside(kind, None, None, None, None, str(problem)))
+            results = [problem]
+    else:
+        results = search_shapes(families, space)
+    for kind, result in zip(kinds, results):
+        if isinstance(result, NoAnswerError):
+            failed.append(Beside(kind, None, None, None, None, str(result)))
+        else:
+            found += result
     able = [pourable for shaped in found if (pourable := _pourable(shaped, space.resin)) is not None]
     for kind in {shaped.shape.name for shaped in found} - {shaped.shape.name for shaped in able}:
         reason = f"no {kind} pad has a base that {space.resin.name} can be mixed for"

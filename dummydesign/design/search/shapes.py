@@ -8,6 +8,7 @@ ratio and thickness as slabs do.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,7 +19,7 @@ from dummydesign.design.scoring.presses import DEPTH_SHARE, ForceLaw
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.search.low_force import MISFIT_N
 from dummydesign.design.search.shape_family import Designs, Family, ShapeLaw
-from dummydesign.design.search.slabs import THICKNESS_STEP_MM, SearchResult, search
+from dummydesign.design.search.slabs import THICKNESS_STEP_MM, SearchResult, search, search_each
 from dummydesign.design.search.space import SearchSpace
 from dummydesign.geometry.shapes import PadShape
 
@@ -119,17 +120,36 @@ def search_shape(family: Family, space: SearchSpace) -> list[Shaped]:
     NoAnswerError
         ``no_feasible_design`` as :func:`sieve`.
     """
+    found = search_shapes([family], space)[0]
+    if isinstance(found, NoAnswerError):
+        raise found
+    return found
+
+
+def search_shapes(families: Sequence[Family], space: SearchSpace) -> list[list[Shaped] | NoAnswerError]:
+    """Make the search of :func:`search_shape` for several families at once; what each gives, or why it has none."""
     young = space.resin.young_MPa(space.ratio)
     moduli = (float(np.min(young)), float(np.max(young)))
-    sieved = sieve(family, space.targets, space.thickness_mm, moduli, space.radius_mm)
-    found = []
-    for index in _one_a_thickness(sieved)[:TRIED]:
-        shape, thickness = sieved.designs.shape(index), float(sieved.designs.thickness_mm[index])
-        found.append(_around(family, shape, thickness, space))
-    able = [shaped for shaped in found if shaped is not None]
-    if not able:
-        raise NoAnswerError("no_feasible_design", f"no {family.kind} pad reaches 10 N within its depth limit")
-    return sorted(able, key=lambda shaped: shaped.worth, reverse=True)
+    starts: list[list[tuple[Family, PadShape, float]] | NoAnswerError] = []
+    for family in families:
+        try:
+            sieved = sieve(family, space.targets, space.thickness_mm, moduli, space.radius_mm)
+        except NoAnswerError as problem:
+            starts.append(problem)
+            continue
+        chosen = _one_a_thickness(sieved)[:TRIED]
+        starts.append([(family, sieved.designs.shape(i), float(sieved.designs.thickness_mm[i])) for i in chosen])
+    around = iter(_around([one for each in starts if not isinstance(each, NoAnswerError) for one in each], space))
+    found: list[list[Shaped] | NoAnswerError] = []
+    for family, each in zip(families, starts):
+        if isinstance(each, NoAnswerError):
+            found.append(each)
+            continue
+        able = [shaped for shaped in (next(around) for _ in each) if shaped is not None]
+        why = f"no {family.kind} pad reaches 10 N within its depth limit"
+        best_first = sorted(able, key=lambda shaped: shaped.worth, reverse=True)
+        found.append(best_first if able else NoAnswerError("no_feasible_design", why))
+    return found
 
 
 def search_fixed(family: Family, shape: PadShape, space: SearchSpace) -> Shaped:
@@ -179,24 +199,35 @@ def _accepts(shape: PadShape, thickness_mm: float) -> bool:
     return True
 
 
-def _around(family: Family, shape: PadShape, thickness: float, space: SearchSpace) -> Shaped | None:
-    """Search ratio and the thicknesses near by, the shape in proportion; then its own, rounded shape exactly."""
+def _around(starts: Sequence[tuple[Family, PadShape, float]], space: SearchSpace) -> list[Shaped | None]:
+    """Search ratio and the thicknesses near each start, in proportion; then its own, rounded shape exactly."""
+    near = [_near(*start, space) for start in starts]
+    laws = [(ShapeLaw(*start), steps) for start, steps in zip(starts, near) if len(steps)]
+    results = iter(search_each(laws, space, LOW_SHARE, REFINED, 0))
+    rough = [next(results) if len(steps) else None for steps in near]
+    own: list[ShapeLaw | None] = []
+    for (family, shape, thickness), found in zip(starts, rough):
+        own.append(None)
+        if isinstance(found, SearchResult):
+            chosen = found.best.thickness_mm
+            rounded = family.at_thickness(shape, thickness, np.array([chosen])).shape(0).rounded()
+            if _accepts(rounded, chosen):
+                own[-1] = ShapeLaw(family, rounded, chosen)
+    laws = [(law, np.array([law.made_for_mm])) for law in own if law is not None]
+    results = iter(search_each(laws, space, LOW_SHARE, REFINED, 0))
+    made: list[Shaped | None] = []
+    for law, found in zip(own, rough):
+        exact = None if law is None else next(results)
+        done = isinstance(exact, SearchResult)
+        made.append(Shaped(law.shape, law, replace(found, best=exact.best)) if done else None)
+    return made
+
+
+def _near(family: Family, shape: PadShape, thickness: float, space: SearchSpace) -> NDArray:
+    """Thicknesses of the space near that of a start at which the shape in proportion is known and can be cast."""
     near = space.thickness_mm[np.abs(space.thickness_mm - thickness) <= AROUND_STEPS * THICKNESS_STEP_MM + 1e-9]
-    law = ShapeLaw(family, shape, thickness)
-    castable = family.at_thickness(shape, thickness, near).castable()
-    near = near[(law.depth_limit_mm(near, space.radius_mm) > 0.0) & castable]
-    if not len(near):
-        return None
-    try:
-        found = search(law, replace(space, thickness_mm=near), LOW_SHARE, REFINED, 0)
-        chosen = np.array([found.best.thickness_mm])
-        own = family.at_thickness(shape, thickness, chosen).shape(0).rounded()
-        own.check(float(chosen[0]))
-        law = ShapeLaw(family, own, float(chosen[0]))
-        exact = search(law, replace(space, thickness_mm=chosen), LOW_SHARE, REFINED, 0)
-    except (NoAnswerError, InputError):
-        return None
-    return Shaped(own, law, replace(found, best=exact.best))
+    known = ShapeLaw(family, shape, thickness).depth_limit_mm(near, space.radius_mm) > 0.0
+    return near[known & family.at_thickness(shape, thickness, near).castable()]
 
 
 def _one_a_thickness(sieved: Sieved) -> list[int]:

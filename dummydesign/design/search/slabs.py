@@ -12,11 +12,10 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import NoAnswerError, out_of_range
 from dummydesign.design.scoring.law_parameters import fit_presses, gamma1_score, parametric_score
-from dummydesign.design.scoring.presses import Curves, ForceLaw, Sampling, Slabs, make_curves
+from dummydesign.design.scoring.presses import Curves, ForceLaw, Sampling, Slabs, join_curves, join_slabs, make_curves
 from dummydesign.design.scoring.score import Evaluation, evaluate, steady_gamma1
 from dummydesign.design.scoring.standing import WORTH, standing
-from dummydesign.design.scoring.targets import Targets
-from dummydesign.design.search.alternatives import ALTERNATIVES, alternatives_to
+from dummydesign.design.search.alternatives import alternatives_to, pareto
 from dummydesign.design.search.space import SearchSpace
 from dummydesign.resin.model.resin import Resin
 
@@ -154,77 +153,114 @@ def search(
     NoAnswerError
         ``no_feasible_design`` when none reaches 10 N steady within its depth limit.
     """
-    resin, targets, sampling = space.resin, space.targets, space.sampling
-    thickness_mm, ratio = space.thickness_mm, space.ratio
-    curves = make_curves(law, thickness_mm, space.radius_mm)
-    slab, column = (
-        index.ravel() for index in np.meshgrid(np.arange(len(thickness_mm)), np.arange(len(ratio)), indexing="ij")
-    )
+    found = search_each([(law, space.thickness_mm)], space, low_share, refined, fitted)[0]
+    if isinstance(found, NoAnswerError):
+        raise found
+    return found
+
+
+def search_each(
+    laws: Sequence[tuple[ForceLaw, NDArray]],
+    space: SearchSpace,
+    low_share: float = 0.0,
+    refined: int = REFINED,
+    fitted: int = FITTED,
+) -> list[SearchResult | NoAnswerError]:
+    """Make the search of :func:`search` for several force laws, each on thicknesses of its own, all designs at once.
+
+    Parameters
+    ----------
+    laws : sequence of (ForceLaw, ndarray of shape (T,))
+        Force laws with the thicknesses to combine with every ratio of the space. [mm]
+    space, low_share, refined, fitted
+        As for :func:`search`; the thicknesses of the space are not used.
+
+    Returns
+    -------
+    list of SearchResult or NoAnswerError
+        One a law; ``no_feasible_design`` where none reaches 10 N steady within its depth limit.
+    """
+    if not laws:
+        return []
+    resin, targets, ratio = space.resin, space.targets, space.ratio
+    curves = join_curves([make_curves(law, thickness, space.radius_mm) for law, thickness in laws])
+    slab, column = (i.ravel() for i in np.indices((len(curves.thickness_mm), len(ratio))))
     slabs = make_slabs(curves, slab, resin, ratio[column])
-    coarse = Sampling(16, 8, 20, sampling.hold_s, sampling.deceleration_mm_s2)
+    coarse = Sampling(16, 8, 20, space.sampling.hold_s, space.sampling.deceleration_mm_s2)
     rough = evaluate(slabs, targets, coarse)
     total = rough.total(gamma1_score(steady_gamma1(slabs), targets))
-    shape = (len(thickness_mm), len(ratio))
-    score_map = ScoreMap(
-        thickness_mm,
-        ratio,
-        *(
-            np.asarray(values).reshape(shape)
-            for values in (
-                total,
-                rough.steady_state_range,
-                rough.force_variation_range,
-                rough.aim,
-                rough.low_force_range,
-                rough.feasible,
-            )
-        ),
+    order = ((1.0 - low_share) * total + low_share * rough.low_aim) * np.array(WORTH)[standing(rough, targets)]
+    order = np.where(rough.feasible, order, -1.0)
+    found: list[SearchResult | NoAnswerError] = []
+    maps, groups, end = [], [], 0
+    for _, thickness in laws:
+        start, end = end, end + len(thickness) * len(ratio)
+        score_map = _score_map(rough, total, thickness, ratio, slice(start, end))
+        maps.append(score_map)
+        able = int(score_map.feasible.sum())
+        ranked = np.argsort(-order[start:end], kind="stable")[: min(refined, able)]
+        others = np.setdiff1d(pareto(score_map, ranked[0]), ranked) if able else ranked
+        groups.append((start + ranked, start + others))
+    chosen = np.concatenate([index for group in groups for index in group])
+    if len(chosen):
+        counts = [(len(ranked), len(others)) for ranked, others in groups]
+        worked = _work_out(slabs.take(chosen), ratio[column[chosen]], space, counts, fitted, low_share)
+    for place, score_map in enumerate(maps):
+        if not score_map.feasible.any():
+            why = _why_none(resin, score_map.thickness_mm, ratio)
+            found.append(NoAnswerError("no_feasible_design", why))
+            continue
+        best = max(worked[place], key=lambda candidate: candidate.worth(low_share))
+        found.append(SearchResult(best, alternatives_to(worked[place], best), score_map))
+    return found
+
+
+def _score_map(rough: Evaluation, total: NDArray, thickness: NDArray, ratio: NDArray, rows: slice) -> ScoreMap:
+    parts = (total, rough.steady_state_range, rough.force_variation_range, rough.aim, rough.low_force_range)
+    shape = (len(thickness), len(ratio))
+    return ScoreMap(
+        thickness, ratio, *(np.asarray(values[rows]).reshape(shape) for values in (*parts, rough.feasible))
     )
-    if not rough.feasible.any():
-        raise NoAnswerError("no_feasible_design", _why_none(resin, thickness_mm, ratio))
-    merit = (1.0 - low_share) * total + low_share * rough.low_aim
-    order = merit * np.array(WORTH)[standing(rough, targets)]
-    ranked = np.argsort(-np.where(rough.feasible, order, -1.0), kind="stable")
-    ranked = ranked[: min(refined, int(rough.feasible.sum()))]
-    others = np.setdiff1d(_pareto(score_map, ranked[0]), ranked)
-    chosen = np.r_[ranked, others]
-    counts = len(ranked), fitted
-    candidates = _work_out(slabs.take(chosen), ratio[column[chosen]], targets, sampling, counts, low_share)
-    best = max(candidates, key=lambda candidate: candidate.worth(low_share))
-    return SearchResult(best, alternatives_to(candidates, best), score_map)
 
 
 def _work_out(
-    slabs: Slabs, ratio: NDArray, targets: Targets, sampling: Sampling, counts: tuple[int, int], low_share: float
-) -> list[Candidate]:
-    """Evaluate designs on the fine grid; fit the best of the first ones (how many, how many fitted) and all others."""
-    ranked, fitted = counts
-    exact = evaluate(slabs, targets, sampling, exact=True)
+    slabs: Slabs,
+    ratio: NDArray,
+    space: SearchSpace,
+    counts: Sequence[tuple[int, int]],
+    fitted: int,
+    low_share: float,
+) -> list[list[Candidate]]:
+    """Evaluate groups of designs on the fine grid; fit the best of each group's ranked ones and all its others."""
+    targets = space.targets
+    exact = evaluate(slabs, targets, space.sampling, exact=True)
     stands = standing(exact, targets)
     parametric = gamma1_score(steady_gamma1(slabs), targets)
-    before = exact.total(parametric)
+    total = exact.total(parametric)
+    found: list[Any] = [None] * len(ratio)
+    groups, end = [], 0
+    order = ((1.0 - low_share) * total + low_share * exact.low_aim) * np.array(WORTH)[stands]
+    for ranked, others in counts:
+        start, end = end, end + ranked + others
+        kept = np.arange(start, end)
+        if fitted:
+            best = np.argsort(-order[start : start + ranked], kind="stable")[:fitted]
+            kept = np.sort(np.r_[start + best, np.arange(start + ranked, end)])
+        groups.append(kept)
     if fitted:
-        order = ((1.0 - low_share) * before + low_share * exact.low_aim) * np.array(WORTH)[stands]
-        best = np.argsort(-order[:ranked], kind="stable")[:fitted]
-        kept = np.sort(np.r_[best, np.arange(ranked, len(ratio))])
-        found = fit_presses(slabs.take(kept), targets, exact.depth_mm[kept], sampling)
-        parametric = parametric_score(found, targets)
-        total = exact.take(kept).total(parametric)
-    else:
-        kept, found, total = np.arange(len(ratio)), [None] * len(ratio), before
-    return [
-        Candidate(
-            float(slabs.thickness_mm[index]),
-            float(ratio[index]),
-            int(index),
-            exact,
-            found[row],
-            float(parametric[row]),
-            float(total[row]),
-            int(stands[index]),
-        )
-        for row, index in enumerate(kept)
+        every = np.concatenate(groups)
+        fits = fit_presses(slabs.take(every), targets, exact.depth_mm[every], space.sampling)
+        parametric = parametric.copy()
+        parametric[every] = parametric_score(fits, targets)
+        total = exact.total(parametric)
+        for index, fit in zip(every, fits):
+            found[index] = fit
+    numbers = zip(slabs.thickness_mm.tolist(), ratio.tolist(), parametric.tolist(), total.tolist(), stands.tolist())
+    candidates = [
+        Candidate(thickness, at, index, exact, found[index], score, sum_, stand)
+        for index, (thickness, at, score, sum_, stand) in enumerate(numbers)
     ]
+    return [[candidates[index] for index in kept] for kept in groups]
 
 
 def with_parameters(candidates: Sequence[Candidate], space: SearchSpace) -> tuple[Candidate, ...]:
@@ -235,56 +271,21 @@ def with_parameters(candidates: Sequence[Candidate], space: SearchSpace) -> tupl
     candidates : sequence of Candidate
     space : SearchSpace
     """
+    lacking = [candidate for candidate in candidates if candidate.parameters is None]
+    if not lacking:
+        return tuple(candidates)
+    own = [(c.evaluation.slabs.take(np.array([c.index])), c.evaluation.depth_mm[[c.index]]) for c in lacking]
+    fits = fit_presses(join_slabs([one for one, _ in own]), space.targets, np.concatenate([d for _, d in own]),
+                       space.sampling)  # fmt: skip
+    scores = iter(zip(fits, parametric_score(fits, space.targets)))
     done = []
     for candidate in candidates:
         if candidate.parameters is None:
-            evaluation, row = candidate.evaluation, np.array([candidate.index])
-            slabs, depth = evaluation.slabs.take(row), evaluation.depth_mm[row]
-            found = fit_presses(slabs, space.targets, depth, space.sampling)
-            score = parametric_score(found, space.targets)
-            total = float(evaluation.take(row).total(score)[0])
-            candidate = replace(candidate, parameters=found[0], parametric=float(score[0]), total=total)
+            fit, score = next(scores)
+            total = candidate.evaluation.take(np.array([candidate.index])).total(np.array([score]))
+            candidate = replace(candidate, parameters=fit, parametric=float(score), total=float(total[0]))
         done.append(candidate)
     return tuple(done)
-
-
-def _objectives(score_map: ScoreMap) -> NDArray:
-    """What a user may weigh differently: measured steady range, force range, aim, low forces. (D, 4)"""
-    parts = ("steady_state_range", "force_variation_range", "aim", "low_force_range")
-    return np.stack([getattr(score_map, name).ravel() for name in parts], axis=-1)
-
-
-def _pareto(score_map: ScoreMap, best: int) -> NDArray:
-    """Feasible designs of the map that no other beats in every objective, the far ones from each other.
-
-    From those with at least half of the best total, the highest is taken again and again, leaving out what
-    lies within 1 mm and 0.3 parts of one already taken.
-    """
-    values, total = _objectives(score_map), score_map.total.ravel()
-    able = np.nonzero(score_map.feasible.ravel() & (total >= 0.5 * total[best]))[0]
-    order = able[np.argsort(-values[able].sum(axis=-1), kind="stable")]
-    front: list[int] = []
-    for index in order:
-        if not front:
-            front.append(index)
-            continue
-        others = values[front]
-        beaten = np.all(others >= values[index] - 1e-12, axis=-1)
-        if not beaten.any():
-            front.append(index)
-    place = np.stack(np.unravel_index(np.array(front), score_map.total.shape), axis=-1)
-    thickness, ratio = score_map.thickness_mm[place[:, 0]], score_map.ratio[place[:, 1]]
-    at = np.unravel_index(best, score_map.total.shape)
-    taken = [(score_map.thickness_mm[at[0]], score_map.ratio[at[1]])]
-    kept = []
-    for index in np.argsort(-total[front], kind="stable"):
-        here = (thickness[index], ratio[index])
-        if all(abs(here[0] - t) > 1.0 or abs(here[1] - r) > 0.3 for t, r in taken):
-            taken.append(here)
-            kept.append(front[index])
-        if len(kept) == ALTERNATIVES:
-            break
-    return np.array(kept, dtype=int)
 
 
 def _why_none(resin: Resin, thickness_mm: NDArray, ratio: NDArray) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -84,3 +84,34 @@ def relaxed_force(time_s: ArrayLike, elastic_force_N: ArrayLike, prony: Iterable
         force[..., 1:] += term.beta * arm
         force[..., 0] += term.beta * elastic[..., 0]
     return force
+
+
+def arm_forces(time_s: NDArray, elastic_force_N: NDArray, tau_s: Sequence[float]) -> Iterator[NDArray]:
+    """Forces of arms of strength 1 alone, what :func:`relaxed_force` adds to the elastic force, many curves at once.
+
+    Parameters
+    ----------
+    time_s, elastic_force_N : ndarray, shape (D, n)
+        Increasing times of every curve and the relaxed force there. [s, N]
+    tau_s : sequence of float
+        Times of the arms. [s]
+
+    Yields
+    ------
+    ndarray, shape (D, n)
+        One an arm. [N]
+    """
+    # time runs along the first axis, so that every step of the recursion works on neighbouring numbers
+    step, elastic = np.diff(time_s.T, axis=0), np.ascontiguousarray(elastic_force_N.T)
+    rise = np.diff(elastic, axis=0)
+    for tau in tau_s:
+        ratio = step / tau
+        lost = -np.expm1(-ratio)
+        arm = np.empty_like(elastic)
+        arm[0] = elastic[0]
+        np.divide(lost, ratio, out=ratio)
+        np.multiply(ratio, rise, out=arm[1:])
+        np.subtract(1.0, lost, out=lost)
+        for row in range(len(lost)):
+            arm[row + 1] += lost[row] * arm[row]
+        yield arm.T

@@ -17,6 +17,7 @@ from functools import cached_property
 import numpy as np
 
 Array = np.ndarray
+PORTION = 512
 
 
 def quadratic(q: Array) -> Array:
@@ -41,10 +42,30 @@ def matern(first: Array, second: Array, lengths: Array) -> Array:
     ndarray, shape (n, m)
         1 where two points agree.
     """
-    a, b = first / lengths, second / lengths
-    square = (a**2).sum(1)[:, None] + (b**2).sum(1) - 2.0 * a @ b.T
-    distance = np.sqrt(5.0 * np.maximum(square, 0.0))
-    return (1.0 + distance + distance**2 / 3.0) * np.exp(-distance)
+    distance = _squares(first / lengths, second / lengths)
+    np.maximum(distance, 0.0, out=distance)
+    distance *= 5.0
+    np.sqrt(distance, out=distance)
+    value = distance / 3.0
+    value += 1.0
+    value *= distance
+    value += 1.0
+    np.negative(distance, out=distance)
+    value *= np.exp(distance, out=distance)
+    return value
+
+
+def _squares(a: Array, b: Array) -> Array:
+    """Squared distances between points (n, k) and (m, k); a little below 0 by rounding where they agree."""
+    square = a @ (-2.0 * b.T)
+    square += (a**2).sum(1)[:, None]
+    square += (b**2).sum(1)
+    return square
+
+
+def _parts(count: int) -> list[slice]:
+    """Rows in portions whose kernels stay in the processor's cache."""
+    return [slice(start, start + PORTION) for start in range(0, count, PORTION)]
 
 
 @dataclass(frozen=True)
@@ -87,15 +108,24 @@ class Response:
 
     def at_levels(self, inputs: Array) -> Array:
         """y of inputs (n, k) at all levels, shape (n, m)."""
-        q = self.scaled(inputs)
-        return quadratic(q) @ self.trend.T + matern(q, self.scaled(self.centres), self.lengths) @ self.weights.T
+        q, centres = self.scaled(inputs), self.scaled(self.centres)
+        y = quadratic(q) @ self.trend.T
+        for part in _parts(len(q)):
+            y[part] += matern(q[part], centres, self.lengths) @ self.weights.T
+        return y
 
     def limit(self, inputs: Array) -> Array:
         """d / h to which inputs (n, k) may be trusted: mean of the reach near by, weights inverse distance^4."""
         q, centres = self.scaled(inputs) / self.lengths, self.scaled(self.centres) / self.lengths
-        square = (q**2).sum(1)[:, None] + (centres**2).sum(1) - 2.0 * q @ centres.T
-        weight = 1.0 / (np.maximum(square, 0.0) + 1e-6) ** 2
-        return weight @ self.reach / weight.sum(1)
+        found = np.empty(len(q))
+        for part in _parts(len(q)):
+            weight = _squares(q[part], centres)
+            np.maximum(weight, 0.0, out=weight)
+            weight += 1e-6
+            weight *= weight
+            np.reciprocal(weight, out=weight)
+            found[part] = weight @ self.reach / weight.sum(1)
+        return found
 
     @cached_property
     def _knots(self) -> Array:

@@ -54,7 +54,8 @@ def solve(inputs: Inputs, found: Found) -> Solved:
         return Solved(chosen, not_verified(CALIBRATED))
     if not request.verify:
         return Solved(chosen, not_verified("not asked for"))
-    lands = centring_tolerance(chosen.found.best, chosen.shape, space.radius_mm, 0.5 * PUNCH_SIDE_MM)
+    touch = chosen.cast.touch if isinstance(chosen.cast, ElementsLaw) else None
+    lands = centring_tolerance(chosen.found.best, chosen.shape, space.radius_mm, 0.5 * PUNCH_SIDE_MM, touch=touch)
     return Solved(chosen, _verify(chosen, space), lands)
 
 

@@ -13,6 +13,7 @@ from dummydesign.design.scoring.targets import FORCES_N
 if TYPE_CHECKING:
     from dummydesign.design.search.slabs import Candidate
     from dummydesign.geometry.shapes import PadShape
+    from dummydesign.pad.shaped.contact_radius import Touch
 
 LOSS_PERCENT = 1.0
 """The largest loss of force of the crowns solved in space is 2 % at 1 mm off centre (docs/shapes.md)."""
@@ -59,6 +60,7 @@ def centring_tolerance(
     radius_mm: float,
     half_side_mm: float,
     forces_N: tuple[float, ...] = (1.0, *FORCES_N),
+    touch: Touch | None = None,
 ) -> CentringTolerance | None:
     """Solve the contact of a round crowned pad; None for flat tops, shapes that are not round, or a failed solve.
 
@@ -72,6 +74,8 @@ def centring_tolerance(
         Radius of the circle of the punch's area, and half of the punch's shorter side. [mm]
     forces_N : tuple of float
         Forces at which a tolerance is wanted. [N]
+    touch : Touch, optional
+        The contact, where it was solved already.
 
     Returns
     -------
@@ -86,7 +90,8 @@ def centring_tolerance(
     if not np.isfinite(depth).any():
         return None
     try:
-        touch = contact_radius(shape, best.thickness_mm, radius_mm, np.nanmax(depth) * DEPTH_SHARES)
+        if touch is None:
+            touch = contact_radius(shape, best.thickness_mm, radius_mm, np.nanmax(depth) * DEPTH_SHARES)
     except NoAnswerError:
         return None
     radius = touch.radius_at(depth)

@@ -19,12 +19,14 @@ from dummydesign.core.errors import NoAnswerError
 from dummydesign.geometry.shapes import PadShape
 from dummydesign.geometry.standard import PAD_EXTENT_MM
 from dummydesign.pad.material.hyperelastic import Law, Yeoh
-from dummydesign.pad.shaped.problem import CELLS, RIMS, Press, shaped_problem
+from dummydesign.pad.shaped.paths import Solved, climb, first_depth, grids
+from dummydesign.pad.shaped.problem import CELLS, Press
 from dummydesign.pad.slab.edge_extrapolation import carried_on
 from dummydesign.pad.slab.problem import PadCurve, normalise
-from dummydesign.pad.solve.continuation import NOTHING, Path, cost, follow
+from dummydesign.pad.solve.continuation import NOTHING, Path, cost
 
 Array = np.ndarray
+__all__ = ["climb", "rough_shaped_pad", "sharp", "solve_shaped_pad"]
 
 # From one fillet (RIMS) to the next of half the size the missing force falls by 0.42 (the power 1.25 of
 # ``edge_extrapolation``), so this share of the last step is left.
@@ -33,45 +35,44 @@ LEFT_TO_SHARP = 0.42 / (1.0 - 0.42)
 EDGE_ERROR = 0.3
 MESH_ERROR = 1.0
 LEAST_ERROR = 2e-3
-# Load steps in thicknesses, at 16 cells, while a contact grows that sticks: a quarter of them moves a force by at most
-# 0.2 %. Wanted depths are solved beside the path, which is the same whatever they are. Other contact takes larger ones.
-LARGEST_STEP = 0.01
-FREE_STEP = 0.03
-FIRST_DEPTH = 0.02
 
 
-def climb(press: Press, law: Law, depths: Array, cells: int = CELLS, rim: float = RIMS[-1], twin: bool = False,
-          progress: Callable[[float], None] | None = None) -> Path:  # fmt: skip
-    """Follow the pad under a punch with one edge fillet.
+def rough_shaped_pad(
+    shape: PadShape, thickness_mm: float, radius_mm: float, depth_mm: Sequence[float] | Array, *, solved: Solved,
+    base: str = "bonded", extent_mm: float = PAD_EXTENT_MM,
+) -> PadCurve:  # fmt: skip
+    """Force of a round shaped neo-Hookean pad of unit modulus on the coarsest of the grids of :func:`solve_shaped_pad`.
+
+    A third to a sixth of the work, to see which of several pads is worth the whole of it; the error is not stated.
 
     Parameters
     ----------
-    press : Press
-        Pad, punch and support in thicknesses.
-    law : Law
-        Of the upper resin; its moduli set the unit of stress.
-    depths : ndarray, shape (n,)
-        Increasing depths in thicknesses.
-    cells : int
-        Cells between the axis and the punch's edge, at least.
-    rim : float
-        Fillet radius over the smaller of punch radius and thickness.
-    twin : bool
-        Whether the homogeneous reference slab is solved on the same grid instead.
-    progress : callable, optional
-        Called with each solved depth.
+    shape, thickness_mm, radius_mm, depth_mm, base, extent_mm
+        As for :func:`solve_shaped_pad`.
+    solved : Solved
+        Keeps what is solved.
 
-    Returns
-    -------
-    Path
+    Raises
+    ------
+    NoAnswerError
+        When no depth could be solved.
     """
-    problem = shaped_problem(press, law, cells, rim, twin)
-    if press.condition == "frictionless":
-        # Contact without memory: the force is the same whatever the steps were.
-        return follow(problem, depths, 0.25 * press.first, FREE_STEP, 3e-4, progress)
-    if press.shape.flat_top:
-        return follow(problem, depths, 0.3 * rim, FREE_STEP, 3e-4, progress, lattice=True)
-    return follow(problem, depths, 0.25 * press.first, LARGEST_STEP * CELLS / cells, 3e-4, progress, lattice=True)
+    own, depths, ratio, unit = normalise(thickness_mm, radius_mm, 1.0, depth_mm, 0.5, None)
+    first = first_depth(depths)
+    press = Press(shape, float(thickness_mm), ratio, extent_mm / thickness_mm, base, first=first)
+    press.check()
+    grid = grids(CELLS)[2]
+    paths = [solved.path(press, own, depths, grid, False)]
+    force = _padded(paths[0], len(depths)) * unit * thickness_mm**2
+    if shape.flat_top:
+        slab = _slab_curve(press, 1.0, depths, None, None)
+        paths.append(solved.path(press, own, depths, grid, True))
+        count = len(slab.force_N)
+        force = slab.force_N * _padded(paths[0], len(depths))[:count] / _padded(paths[1], len(depths))[:count]
+    count = int(np.isfinite(force).sum())
+    if not count:
+        raise NoAnswerError("no_convergence", f"the pad could not be solved: {paths[0].stop}")
+    return _curve(press, depths, force, np.full(len(depths), np.nan), count, paths, [path.stop or "" for path in paths])
 
 
 def sharp(rough: Array, fine: Array) -> tuple[Array, Array]:
@@ -109,6 +110,7 @@ def solve_shaped_pad(
     law: Law | None = None,
     cells: int = CELLS,
     progress: Callable[[float], None] | None = None,
+    solved: Solved | None = None,
 ) -> PadCurve:
     """Static force of a round shaped pad under a round, flat, sharp-edged punch, from first touch.
 
@@ -128,6 +130,8 @@ def solve_shaped_pad(
         As for :func:`dummydesign.pad.slab.sharp_edge.solve_curve`.
     cells : int
         Cells between the axis and the punch's edge, at least; half as many are solved for the error.
+    solved : Solved, optional
+        Keeps what is solved on the way; what it holds of the same pad and depths already is not solved again.
 
     Returns
     -------
@@ -147,9 +151,10 @@ def solve_shaped_pad(
         shape, float(thickness_mm), ratio, extent_mm / thickness_mm, base, condition, poisson, first_depth(depths)
     )
     press.check()
+    solved = Solved() if solved is None else solved
     if shape.flat_top:
-        return _over_slab(press, own, young_MPa, depths, cells, law, progress)
-    paths = [climb(press, own, depths, *grid, progress=progress) for grid in _grids(cells)]
+        return _over_slab(press, own, young_MPa, depths, cells, law, progress, solved)
+    paths = [solved.path(press, own, depths, grid, False, progress) for grid in grids(cells)]
     rough, fine, half = (_padded(path, len(depths)) for path in paths)
     value, added = sharp(rough, fine)
     count = int(np.isfinite(value).sum())
@@ -160,19 +165,9 @@ def solve_shaped_pad(
     return _curve(press, depths, value * unit * thickness_mm**2, error, count, paths, stops)
 
 
-def first_depth(depths: Array) -> float:
-    """Depth that the apex is meshed for: 0.02, halved until no wanted depth is smaller."""
-    return FIRST_DEPTH * 0.5 ** max(0, int(np.ceil(np.log2(FIRST_DEPTH / float(depths[0])) - 1e-9)))
-
-
-def _grids(cells: int) -> list[tuple[int, float]]:
-    """Cells and fillet of the three solves: large fillet, small fillet, small fillet on cells of twice the size."""
-    return [(cells, RIMS[0]), (cells, RIMS[1]), (max(4, cells // 2), RIMS[1])]
-
-
 def _over_slab(
     press: Press, own: Law, young_MPa: float, depths: Array, cells: int, law: Law | None,
-    progress: Callable[[float], None] | None,
+    progress: Callable[[float], None] | None, solved: Solved,
 ) -> PadCurve:  # fmt: skip
     """Force of a flat-topped pad: its ratio to the slab of the upper resin on twin grids, times the slab's force."""
     slab = _slab_curve(press, young_MPa, depths, law, progress)
@@ -180,8 +175,8 @@ def _over_slab(
     if press.shape.plain:
         factors = [np.ones(len(depths))] * 3
     else:
-        for grid in _grids(cells):
-            pair = [climb(press, own, depths, *grid, twin=twin, progress=progress) for twin in (False, True)]
+        for grid in grids(cells):
+            pair = [solved.path(press, own, depths, grid, twin, progress) for twin in (False, True)]
             factors.append(_padded(pair[0], len(depths)) / _padded(pair[1], len(depths)))
             paths += pair
     rough, fine, half = factors

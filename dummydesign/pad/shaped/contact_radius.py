@@ -16,6 +16,7 @@ from dummydesign.core.cache import cached
 from dummydesign.geometry.shapes import PadShape
 from dummydesign.geometry.standard import PAD_EXTENT_MM
 from dummydesign.pad.material.hyperelastic import Yeoh
+from dummydesign.pad.shaped.paths import radius_touched
 from dummydesign.pad.shaped.problem import CELLS, Press, shaped_problem
 from dummydesign.pad.solve.continuation import follow
 from dummydesign.pad.solve.equilibrium import Solution
@@ -76,9 +77,7 @@ def _press(press: Press, depths: Array, cells: int) -> dict[str, Any]:
     found: list[float] = []
 
     def measure(depth: float, solution: Solution) -> None:
-        points = problem.surface._points(solution.u)
-        touching = problem.punch.gap(points, depth)[0] <= 0.0
-        found.append(float(np.max(points[..., 0], where=touching, initial=0.0)))
+        found.append(radius_touched(problem, depth, solution))
 
     path = follow(problem, depths, 0.25 * float(depths[0]), 0.03, 3e-4, visit=measure)
     radius = np.array(found)

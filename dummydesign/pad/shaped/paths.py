@@ -1,0 +1,102 @@
+"""Paths of a shaped pad under a round punch: load steps on a grid, and which grids make an answer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+
+from dummydesign.pad.material.hyperelastic import Law
+from dummydesign.pad.shaped.problem import CELLS, RIMS, Press, shaped_problem
+from dummydesign.pad.solve.continuation import Path, follow
+from dummydesign.pad.solve.equilibrium import Problem, Solution
+
+Array = np.ndarray
+
+# Load steps in thicknesses, at 16 cells, while a contact grows that sticks: a quarter of them moves a force by at most
+# 0.2 %. Wanted depths are solved beside the path, which is the same whatever they are. Other contact takes larger ones.
+LARGEST_STEP = 0.01
+FREE_STEP = 0.03
+FIRST_DEPTH = 0.02
+
+
+def climb(press: Press, law: Law, depths: Array, cells: int = CELLS, rim: float = RIMS[-1], twin: bool = False,
+          progress: Callable[[float], None] | None = None,
+          visit: Callable[[Problem, float, Solution], None] | None = None) -> Path:  # fmt: skip
+    """Follow the pad under a punch with one edge fillet.
+
+    Parameters
+    ----------
+    press : Press
+        Pad, punch and support in thicknesses.
+    law : Law
+        Of the upper resin; its moduli set the unit of stress.
+    depths : ndarray, shape (n,)
+        Increasing depths in thicknesses.
+    cells : int
+        Cells between the axis and the punch's edge, at least.
+    rim : float
+        Fillet radius over the smaller of punch radius and thickness.
+    twin : bool
+        Whether the homogeneous reference slab is solved on the same grid instead.
+    progress : callable, optional
+        Called with each solved depth.
+    visit : callable, optional
+        Called with the problem, each wanted depth and its equilibrium.
+
+    Returns
+    -------
+    Path
+    """
+    problem = shaped_problem(press, law, cells, rim, twin)
+    seen = None if visit is None else partial(visit, problem)
+    if press.condition == "frictionless":
+        # Contact without memory: the force is the same whatever the steps were.
+        return follow(problem, depths, 0.25 * press.first, FREE_STEP, 3e-4, progress, visit=seen)
+    if press.shape.flat_top:
+        return follow(problem, depths, 0.3 * rim, FREE_STEP, 3e-4, progress, lattice=True, visit=seen)
+    step = LARGEST_STEP * CELLS / cells
+    return follow(problem, depths, 0.25 * press.first, step, 3e-4, progress, lattice=True, visit=seen)
+
+
+class Solved:
+    """Paths of one pad and its depths that were followed already, by grid.
+
+    ``touched`` has, of a pad that is touched gradually, every depth, the radius of its contact, and whether that
+    is the punch's edge, from the finest grid. [thicknesses]
+    """
+
+    def __init__(self) -> None:
+        self._paths: dict[tuple[int, float, bool], Path] = {}
+        self.touched: list[tuple[float, float, bool]] = []
+
+    def path(self, press: Press, law: Law, depths: Array, grid: tuple[int, float], twin: bool,
+             progress: Callable[[float], None] | None = None) -> Path:  # fmt: skip
+        """The path on a grid of (cells, fillet), followed now if it was not yet."""
+        key = (*grid, twin)
+        if key not in self._paths:
+            seen = self._touch if grid == grids(CELLS)[1] and not press.shape.flat_top else None
+            self._paths[key] = climb(press, law, depths, *grid, twin=twin, progress=progress, visit=seen)
+        return self._paths[key]
+
+    def _touch(self, problem: Problem, depth: float, solution: Solution) -> None:
+        radius = radius_touched(problem, depth, solution)
+        self.touched.append((depth, radius, radius >= problem.punch.flat_radius))
+
+
+def radius_touched(problem: Problem, depth: float, solution: Solution) -> float:
+    """Radius of the contact at an equilibrium, in the unit of the mesh."""
+    points = problem.surface._points(solution.u)
+    touching = problem.punch.gap(points, depth)[0] <= 0.0
+    return float(np.max(points[..., 0], where=touching, initial=0.0))
+
+
+def first_depth(depths: Array) -> float:
+    """Depth that the apex is meshed for: 0.02, halved until no wanted depth is smaller."""
+    return FIRST_DEPTH * 0.5 ** max(0, int(np.ceil(np.log2(FIRST_DEPTH / float(depths[0])) - 1e-9)))
+
+
+def grids(cells: int) -> list[tuple[int, float]]:
+    """Cells and fillet of the three solves: large fillet, small fillet, small fillet on cells of twice the size."""
+    return [(cells, RIMS[0]), (cells, RIMS[1]), (max(4, cells // 2), RIMS[1])]

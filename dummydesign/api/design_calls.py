@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from math import isfinite
 from os import PathLike, fspath
 from pathlib import Path
@@ -40,6 +40,7 @@ def suggest(
     limits: str | PathLike[str] | None = None,
     out: str | PathLike[str] | None = None,
     replace: bool = False,
+    progress: Callable[[str], None] | None = None,
 ) -> Answer:
     """Recommend ratio, thickness and, if asked for, shape of a pad for a tissue; with ``out`` its mould and report.
 
@@ -73,6 +74,8 @@ def suggest(
         answer to another question.
     replace : bool
         Take the place of the other answer instead.
+    progress : callable, optional
+        Called with the name of each step as it begins.
 
     Returns
     -------
@@ -119,12 +122,13 @@ def suggest(
     }
     own = [fspath(path) for path in effects]
     with own_effects(own):
-        return _answer(request, inputs, own, folder, replace)
+        return _answer(request, inputs, own, folder, replace, progress or (lambda step: None))
 
 
 def _answer(
-    request: Request, inputs: dict[str, Any], effects: list[str], folder: Path | None, replace: bool
-) -> Answer:
+    request: Request, inputs: dict[str, Any], effects: list[str], folder: Path | None, replace: bool,
+    progress: Callable[[str], None],
+) -> Answer:  # fmt: skip
     """Resolve, design, and write what there is a folder for."""
     from dummydesign.core.outputs.write import new_folder
     from dummydesign.design.assessment.limits import read_limits
@@ -148,7 +152,7 @@ def _answer(
     limits = None if inputs["limits"] is None else read_limits(inputs["limits"])
 
     def answered() -> tuple[Any, Any, dict[str, Any]]:
-        found = design(wanted)
+        found = design(wanted, progress)
         safety = safety_view(found, mass_kg, velocity_mm_s, limits)
         return found, safety, {"inputs": inputs, **found.to_dict(), "safety": safety.to_dict(), "files": {}}
 
@@ -161,6 +165,7 @@ def _answer(
         found, safety, result = answered()
         wanted_cad = found.verdict.acceptable if inputs["cad"] is None else inputs["cad"]
         result["inputs"] = {**inputs, "cad": wanted_cad, "out": str(output.folder)}
+        progress("mould and report" if wanted_cad else "report")
         result, missing = _written(found, safety, result, output)
         best = result["recommendation"]
         output.extra["summary"] = {name: best[name] for name in ("shape", "thickness_mm", "ratio", "resin")} | {

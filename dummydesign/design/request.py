@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any
 
 from dummydesign.geometry.standard import PUNCH_RADIUS_MM, PUNCH_SIDE_MM
+
+Progress = Callable[[str], None]
+"""Is told each step of the work as it begins, in words."""
+
+
+def quiet(step: str) -> None:
+    """Tell nobody."""
+
 
 PUNCH = f"square:{PUNCH_SIDE_MM:g}"
 RADIUS_MM = PUNCH_RADIUS_MM

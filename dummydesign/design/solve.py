@@ -9,6 +9,7 @@ import numpy as np
 from dummydesign.design.assessment.centring import CentringTolerance, centring_tolerance
 from dummydesign.design.assessment.verification import Verification, not_verified, of_shape, verify_design
 from dummydesign.design.inputs import Inputs
+from dummydesign.design.request import Progress, quiet
 from dummydesign.design.scoring.presses import make_curves
 from dummydesign.design.scoring.targets import FORCES_N
 from dummydesign.design.search.best_of_kinds import Chosen, Found, choose
@@ -30,7 +31,7 @@ class Solved:
     centring: CentringTolerance | None = None
 
 
-def solve(inputs: Inputs, found: Found) -> Solved:
+def solve(inputs: Inputs, found: Found, progress: Progress = quiet) -> Solved:
     """Solve the leading shaped designs, choose the best, and compare a recommended slab with its table.
 
     Nothing is solved when the request has ``verify = False``; a slab with a calibration is not compared.
@@ -40,6 +41,8 @@ def solve(inputs: Inputs, found: Found) -> Solved:
     inputs : Inputs
     found : Found
         From :func:`dummydesign.design.search.best_of_kinds.best_of_kinds`.
+    progress : callable, optional
+        Is told each solve as it begins.
 
     Raises
     ------
@@ -48,7 +51,7 @@ def solve(inputs: Inputs, found: Found) -> Solved:
     """
     request, space = inputs.request, inputs.space
     if request.verify:
-        found = replace(found, designs=solve_leading(found.designs, space))
+        found = replace(found, designs=solve_leading(found.designs, space, progress))
     chosen = choose(found, space)
     if request.calibration is not None and chosen.shape.plain:
         return Solved(chosen, not_verified(CALIBRATED))

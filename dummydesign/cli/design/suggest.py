@@ -7,8 +7,10 @@ from typing import Any
 
 from dummydesign.cli.effect_option import add_effect_option
 from dummydesign.cli.output_option import add_replace_option
+from dummydesign.cli.steps import Steps
 from dummydesign.cli.verdict import verdict_lines
 
+ABOUT_STEPS = 7
 HELP = "Recommend resin ratio, pad thickness, weights to pour and a mould for a tissue."
 
 
@@ -41,10 +43,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Find the design, make its mould, write the report and return the answer."""
-    from dummydesign.api import suggest
     from dummydesign.core.errors import NoAnswerError
 
-    answer = suggest(
+    steps = Steps(ABOUT_STEPS)
+    try:
+        answer = _asked(options, steps)
+    finally:
+        steps.clear()
+    result = answer.to_dict()
+    if not answer.found.verdict.acceptable:
+        text = f"the best pad found is not acceptable: {result['verdict']['level'].replace('_', ' ')}"
+        text += "" if options.cad or options.no_cad else "; no mould was made of it (--cad makes it all the same)"
+        raise NoAnswerError("no_acceptable_pad", text, result)
+    return result
+
+
+def _asked(options: argparse.Namespace, steps: Steps) -> Any:
+    from dummydesign.api import suggest
+
+    return suggest(
         options.tissue,
         aim=options.aim,
         resin=options.resin,
@@ -62,13 +79,8 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         limits=options.limits,
         out=default_out(options) if options.out is None else options.out,
         replace=options.replace,
+        progress=steps,
     )
-    result = answer.to_dict()
-    if not answer.found.verdict.acceptable:
-        text = f"the best pad found is not acceptable: {result['verdict']['level'].replace('_', ' ')}"
-        text += "" if options.cad or options.no_cad else "; no mould was made of it (--cad makes it all the same)"
-        raise NoAnswerError("no_acceptable_pad", text, result)
-    return result
 
 
 def default_out(options: argparse.Namespace) -> str:

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.cache import cached
 from dummydesign.core.errors import NoAnswerError
+from dummydesign.design.request import Progress, quiet
 from dummydesign.design.scoring.standing import NOT_ACCEPTABLE
 from dummydesign.design.search.shape_family import ShapeLaw
 from dummydesign.design.search.shapes import LOW_SHARE, Shaped
@@ -98,7 +99,15 @@ def solve_law(shaped: Shaped, radius_mm: float, solved: Solved | None = None) ->
 
 
 def rough_law(shaped: Shaped, radius_mm: float, solved: Solved) -> ElementsLaw:
-    """The same on the coarsest grid alone, to compare pads; ``solved`` keeps what was solved.
+    """The same on the coarsest grid alone, to compare pads.
+
+    Parameters
+    ----------
+    shaped : Shaped
+    radius_mm : float
+        Radius of the circle of the punch's area. [mm]
+    solved : Solved
+        Keeps what is solved.
 
     Raises
     ------
@@ -157,6 +166,13 @@ def _field(shaped: Shaped, thickness_mm: float, radius_mm: float, depth_mm: NDAr
 def with_law(shaped: Shaped, law: ElementsLaw, space: SearchSpace) -> Shaped:
     """The same pad with ratio, scores and curves from its own finite elements.
 
+    Parameters
+    ----------
+    shaped : Shaped
+    law : ElementsLaw
+        Of its shape and thickness.
+    space : SearchSpace
+
     Raises
     ------
     NoAnswerError
@@ -170,6 +186,13 @@ def with_law(shaped: Shaped, law: ElementsLaw, space: SearchSpace) -> Shaped:
 def on_elements(shaped: Shaped, space: SearchSpace, solved: Solved | None = None) -> Shaped:
     """The same pad solved, with ratio, scores and curves from its own finite elements.
 
+    Parameters
+    ----------
+    shaped : Shaped
+    space : SearchSpace
+    solved : Solved, optional
+        What was solved of it already.
+
     Raises
     ------
     NoAnswerError
@@ -182,13 +205,21 @@ def _rank(shaped: Shaped) -> float:
     return shaped.worth
 
 
-def solve_leading(designs: Sequence[Shaped], space: SearchSpace) -> tuple[Shaped, ...]:
+def solve_leading(designs: Sequence[Shaped], space: SearchSpace, progress: Progress = quiet) -> tuple[Shaped, ...]:
     """Designs with those that can be the best worked out on elements; those that cannot be solved fall away.
 
     In question are, of the round ones, the first of every kind and the first three of the best kind. They are pressed
     on a coarse grid one after the other, by what they are worth by their table, until no other can be worth more, the
     table's doubt of :data:`DOUBT` included; the best of these is solved to the end, and the next where it turns out
     worse. Fields of caps take minutes in space and are solved, the first of them, when nothing else was asked for.
+
+    Parameters
+    ----------
+    designs : sequence of Shaped
+        By their tables.
+    space : SearchSpace
+    progress : callable, optional
+        Is told each solve as it begins.
     """
     order = sorted((shaped for shaped in designs if shaped.shape.axisymmetric), key=_rank, reverse=True)
     if not order:
@@ -196,16 +227,21 @@ def solve_leading(designs: Sequence[Shaped], space: SearchSpace) -> tuple[Shaped
         return tuple(_solvable(first, space) or designs)
     leading = [shaped for shaped in order if shaped.shape.name == order[0].shape.name][:SOLVED]
     firsts = [next(s for s in order if s.shape.name == kind) for kind in dict.fromkeys(s.shape.name for s in order)]
-    judged, failed = _judged([*leading, *firsts[1:]], space)
+    contenders = [*leading, *firsts[1:]]
+    judged, failed = _judged(contenders, space, progress)
     fields = [shaped for shaped in designs if not shaped.shape.axisymmetric]
     found: list[Shaped] = []
     for at_most, shaped, solved in judged:
         if found and at_most <= max(map(_rank, found)):
             continue
+        progress(f"finite elements, {shaped.shape.name} pad")
         try:
             found.append(on_elements(shaped, space, solved))
         except NoAnswerError:
             failed.append(shaped)
+    if not found:
+        tried = [shaped.shape for shaped in failed]
+        found = _solvable([shaped for shaped in contenders if shaped.shape not in tried], space)
     if not found:
         return tuple(designs)
     done = [shaped.shape for shaped in (*found, *failed)]
@@ -213,7 +249,7 @@ def solve_leading(designs: Sequence[Shaped], space: SearchSpace) -> tuple[Shaped
 
 
 def _judged(
-    contenders: Sequence[Shaped], space: SearchSpace
+    contenders: Sequence[Shaped], space: SearchSpace, progress: Progress
 ) -> tuple[list[tuple[float, Shaped, Solved]], list[Shaped]]:
     """Contenders pressed on the coarse grid, by the most they can be worth, and those that could not be pressed.
 
@@ -226,6 +262,7 @@ def _judged(
         # what reads low by its table may not by its elements, and then counts by its merit
         if shaped.merit + DOUBT < best:
             continue
+        progress(f"coarse finite elements, {shaped.shape.name} pad")
         solved = Solved()
         try:
             law = rough_law(shaped, space.radius_mm, solved)

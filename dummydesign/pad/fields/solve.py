@@ -124,7 +124,7 @@ def _setup(pad: Pad, law: Any, depths: Array, shear: float) -> Setup:
     """The problem that the pad's own curve is solved by, with one fillet."""
     from dummydesign.pad.contact.resting_base import weight_over_shear
     from dummydesign.pad.contact.surface_axisymmetric import FlatPunch, ProfilePunch
-    from dummydesign.pad.shaped.axisymmetric import LARGEST_STEP, first_depth
+    from dummydesign.pad.shaped.paths import LARGEST_STEP, first_depth
     from dummydesign.pad.shaped.problem import CELLS, Press, shaped_problem
     from dummydesign.pad.slab.indentation import (
         SHAPED_STIFFNESS,

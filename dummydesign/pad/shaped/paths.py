@@ -73,7 +73,21 @@ class Solved:
 
     def path(self, press: Press, law: Law, depths: Array, grid: tuple[int, float], twin: bool,
              progress: Callable[[float], None] | None = None) -> Path:  # fmt: skip
-        """The path on a grid of (cells, fillet), followed now if it was not yet."""
+        """The path on one grid, followed now if it was not yet.
+
+        Parameters
+        ----------
+        press : Press
+        law : Law
+        depths : ndarray, shape (n,)
+            Increasing depths in thicknesses.
+        grid : (int, float)
+            Cells, and fillet over the smaller of punch radius and thickness.
+        twin : bool
+            Whether the homogeneous slab is meant.
+        progress : callable, optional
+            Called with each solved depth.
+        """
         key = (*grid, twin)
         if key not in self._paths:
             seen = self._touch if grid == grids(CELLS)[1] and not press.shape.flat_top else None
@@ -86,7 +100,20 @@ class Solved:
 
 
 def radius_touched(problem: Problem, depth: float, solution: Solution) -> float:
-    """Radius of the contact at an equilibrium, in the unit of the mesh."""
+    """Radius of the contact at an equilibrium.
+
+    Parameters
+    ----------
+    problem : Problem
+    depth : float
+        Of the punch, in the mesh's unit of length.
+    solution : Solution
+
+    Returns
+    -------
+    float
+        In the mesh's unit of length.
+    """
     points = problem.surface._points(solution.u)
     touching = problem.punch.gap(points, depth)[0] <= 0.0
     return float(np.max(points[..., 0], where=touching, initial=0.0))

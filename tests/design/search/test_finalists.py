@@ -1,0 +1,89 @@
+"""Finalists on elements: who cannot win is not solved, and who turns out worse does not win."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from types import SimpleNamespace
+
+import pytest
+
+from dummydesign.core.errors import NoAnswerError
+from dummydesign.design.search import resolved_by_fem
+from dummydesign.design.search.resolved_by_fem import DEPTH_SHARES, solve_leading
+
+
+@dataclass(frozen=True)
+class Pad:
+    """Stands for a design: what it is worth by its table, on the coarse grid and solved to the end."""
+
+    kind: str
+    by_table: float
+    rough: float
+    full: float
+    acceptable: bool = True
+    elements: object | None = None
+    depths: int = len(DEPTH_SHARES)
+
+    @property
+    def shape(self):
+        return SimpleNamespace(name=self.kind, axisymmetric=True, of=(self.kind, self.full))
+
+    @property
+    def worth(self):
+        return self.by_table if self.acceptable else 0.01 * self.by_table
+
+    merit = property(lambda self: self.by_table)
+    found = property(lambda self: SimpleNamespace(best=SimpleNamespace(standing=2 * self.acceptable)))
+
+
+@pytest.fixture
+def solved(monkeypatch):
+    """Names of what was solved to the end, with the solves replaced by what each pad says of itself."""
+    done = []
+
+    def on_elements(pad, space, kept=None):
+        done.append((pad.kind, pad.by_table))
+        if pad.full < 0.0:
+            raise NoAnswerError("no_convergence", "stop")
+        return replace(pad, by_table=pad.full, elements=object())
+
+    monkeypatch.setattr(resolved_by_fem, "rough_law", lambda pad, *_: SimpleNamespace(depth_mm=[0] * pad.depths))
+    monkeypatch.setattr(resolved_by_fem, "with_law", lambda pad, law, space: replace(pad, by_table=pad.rough))
+    monkeypatch.setattr(resolved_by_fem, "on_elements", on_elements)
+    return done
+
+
+SPACE = SimpleNamespace(radius_mm=7.9)
+
+
+def best(designs):
+    return max((pad for pad in designs if pad.elements), key=lambda pad: pad.worth)
+
+
+def test_only_the_winner_is_solved_when_it_stays_ahead(solved):
+    pads = [Pad("crowned", 0.9, 0.91, 0.9), Pad("crowned", 0.88, 0.86, 0.85), Pad("layered", 0.4, 0.5, 0.99)]
+    found = solve_leading(pads, SPACE)
+    assert solved == [("crowned", 0.9)] and best(found).full == 0.9
+    assert {pad.kind for pad in found} == {"crowned", "layered"}, "what was not solved stays with its table"
+
+
+def test_the_next_is_solved_where_the_first_turns_out_worse(solved):
+    pads = [Pad("crowned", 0.9, 0.91, 0.7), Pad("crowned", 0.88, 0.86, 0.85)]
+    assert best(solve_leading(pads, SPACE)).full == 0.85 and len(solved) == 2
+
+
+def test_a_pad_that_the_coarse_grid_cannot_carry_counts_by_its_table(solved):
+    pads = [Pad("boned", 0.8, 0.8, 0.5), Pad("boned", 0.78, 0.0, 0.76, depths=9)]
+    assert best(solve_leading(pads, SPACE)).full == 0.76
+
+
+def test_a_pad_that_cannot_be_solved_falls_away_and_the_next_wins(solved):
+    pads = [Pad("crowned", 0.9, 0.9, -1.0), Pad("crowned", 0.7, 0.88, 0.6)]
+    found = solve_leading(pads, SPACE)
+    assert [pad.full for pad in found] == [0.6]
+
+
+def test_what_reads_low_by_its_table_is_tried_where_its_merit_could_win(solved):
+    pads = [Pad("boned", 0.4, 0.4, 0.4), Pad("crowned", 0.9, 0.9, 0.9, acceptable=False)]
+    solve_leading(pads, SPACE)
+    assert ("crowned", 0.9) not in solved, "on the coarse grid it reads low too"

@@ -10,7 +10,8 @@ from dummydesign.geometry.standard import PAD_EXTENT_MM
 from dummydesign.pad.contact.surface_axisymmetric import FlatPunch, Surface
 from dummydesign.pad.contact.ties import closure
 from dummydesign.pad.material.hyperelastic import Yeoh
-from dummydesign.pad.shaped.axisymmetric import FREE_STEP, climb, solve_shaped_pad
+from dummydesign.pad.shaped.axisymmetric import climb, solve_shaped_pad
+from dummydesign.pad.shaped.paths import FREE_STEP
 from dummydesign.pad.shaped.problem import Press, shaped_problem
 from dummydesign.pad.slab.problem import Slab
 from dummydesign.pad.slab.sliding_faces import _solve_ratio

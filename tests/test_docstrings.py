@@ -26,7 +26,7 @@ import dummydesign
 
 ROOMS = (
     "api", "cli", "core", "design", "geometry", "inference", "loop", "measurement", "mold", "pad", "project", "report",
-    "resin", "studies", "tissue",
+    "resin", "studies", "studio", "tissue",
 )  # fmt: skip
 FEWEST = 3
 UNITS = {

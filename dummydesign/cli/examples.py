@@ -63,6 +63,10 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("where the project one stands in is, and what to do next", "status"),
         ("of another folder, as JSON", "status thumb --json"),
     ),
+    "studio": (
+        ("the folder one stands in, in the browser", "studio"),
+        ("another folder, at an address of one's own", "studio thumb --port 9000 --no-browser"),
+    ),
 }  # fmt: skip
 
 

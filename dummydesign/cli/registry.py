@@ -20,6 +20,7 @@ MODULES = {
     "resins": "library.resins",
     "init": "project.init",
     "status": "project.status",
+    "studio": "project.studio",
 }
 COMMANDS = tuple(MODULES)
 

@@ -7,6 +7,8 @@ import time
 from collections.abc import Callable
 from typing import TextIO
 
+from dummydesign.core.outputs.progress import tell
+
 
 class Steps:
     """Shows one line on a terminal, which each step overwrites; nothing anywhere else.
@@ -35,17 +37,15 @@ class Steps:
         self._done += 1
         if self._done >= self._about:
             self._about = self._done + 2
-        if not self._stream.isatty():
-            return
         finished, left = self._done - 1, self._about - self._done + 1
         rest = ""
         if finished:
             seconds = (self._clock() - self._start) / finished * left
             rest = f", about {seconds:.0f} s left" if seconds < 90 else f", about {seconds / 60:.0f} min left"
-        print(
-            f"\r\033[Kstep {self._done} of about {self._about}: {word.replace('_', ' ')}{rest}", end="",
-            file=self._stream, flush=True,
-        )  # fmt: skip
+        text = f"step {self._done} of about {self._about}: {word.replace('_', ' ')}{rest}"
+        tell(text)
+        if self._stream.isatty():
+            print(f"\r\033[K{text}", end="", file=self._stream, flush=True)
 
     def clear(self) -> None:
         """Leave the terminal's line empty."""

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from dummydesign.core.outputs.progress import tell
 from dummydesign.mold.cad.build import build
 from dummydesign.mold.cad.parts import Parts
 from dummydesign.mold.checks import files as check_files
@@ -51,7 +52,9 @@ def produce(spec: MouldSpec, folder: Path, papers: Papers = NO_PAPERS) -> dict[s
         ``files`` {role: file name}, ``volumes_mm3``, ``checks``, ``warnings``, ``sha256`` {role: ...},
         ``step_sha256`` of the assembly, ``pour``.
     """
+    tell("step 1 of 5: building the solids")
     made = build(spec)
+    tell("step 2 of 5: meshes and STEP files")
     meshes = {name: mesh.tessellate(part.solid) for name, part in made.parts.items()}
     picture = _start_picture(made, meshes, folder)
     steps = {name: step_part(made, name) for name in made.parts}
@@ -59,14 +62,17 @@ def produce(spec: MouldSpec, folder: Path, papers: Papers = NO_PAPERS) -> dict[s
     mesh_files = _write_meshes(made, meshes, folder)
     volumes = _volumes(made)
     plan = pour_plan(spec, volumes["pad_compensated"], volumes["mould"] + volumes.get("lid", 0.0))
+    tell("step 3 of 5: checking the solids")
     checks = check.check_solids(made) + check_shape.check_shape(made)
     fine = mesh.tessellate(made.solid("mould"), *check_mesh.FINE)
     checks += check_mesh.check_mould_mesh(made, meshes["mould"], fine)
+    tell("step 4 of 5: reading the files again")
     checks += check_files.check_step(steps, {name: folder / files[name] for name in steps}, folder / files["assembly"])
     checks += check_files.check_step_text(folder / files["assembly"], folder / files["pad"], spec.hash)
     total = sum(part.solid.Volume() for part in made.parts.values())
     checks.append(check_files.check_second_reader(folder / files["assembly"], total, len(made.parts)))
     checks += check_files.check_meshes(steps, genera(spec), {k: list(v.values()) for k, v in mesh_files.items()})
+    tell("step 5 of 5: drawings, picture and pour sheet")
     warnings = pour_warnings(spec, plan)
     checks += check_process.check_process(spec, plan, warnings)
     for name, paths in mesh_files.items():

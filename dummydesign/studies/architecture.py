@@ -19,6 +19,7 @@ PICTURE = Path("docs") / "images" / "architecture.svg"
 ROOMS = (
     ("studies", "builds shipped tables, data files and documents"),
     ("cli", "arguments in, printed answer out"),
+    ("studio", "pages in the browser over a project folder"),
     ("api", "the calls for scripts"),
     ("project", "project folder: defaults, where it stands"),
     ("report", "one-page HTML, plots, CSV; computes nothing"),

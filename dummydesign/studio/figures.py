@@ -1,0 +1,157 @@
+"""What the pages draw: steady curve, presses and cross-section of one pad; solids to turn."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dummydesign.design.curves import AIM_N, EXTRAPOLATED_N, FORCE_GRID_N, MEASURED_N
+from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
+from dummydesign.report.figures.layers import Band, Line
+from dummydesign.report.figures.plot import Plot
+
+if TYPE_CHECKING:
+    from dummydesign.design.scoring.targets import Targets
+    from dummydesign.design.sweep.one_pad import OnePad
+    from dummydesign.geometry.shapes import PadShape
+    from dummydesign.tissue.model.tissue import Tissue
+
+PUNCH_HALF_MM = 7.0
+
+
+def steady(tissue: Tissue, targets: Targets, pad: OnePad | None = None) -> Plot:
+    """Steady force over depth: the subjects, the aim, and a pad where one is given.
+
+    Parameters
+    ----------
+    tissue : Tissue
+    targets : Targets
+        Of that tissue.
+    pad : OnePad, optional
+    """
+    layers: list[Band | Line] = [
+        Band("subjects, extrapolated", EXTRAPOLATED_N, *targets.depth_range_mm(EXTRAPOLATED_N), sideways=True,
+             style="extra"),
+        Band(f"subjects of {tissue.name}", MEASURED_N, *targets.depth_range_mm(MEASURED_N), sideways=True),
+        Line(f"aim: {targets.aim}", targets.aim_depth_mm(AIM_N), AIM_N, "aim"),
+    ]  # fmt: skip
+    alt = f"Steady force over depth of the subjects of {tissue.name}"
+    if pad is not None:
+        depth = pad.steady_depth_mm(FORCE_GRID_N)
+        layers.append(Line("this pad", depth, FORCE_GRID_N))
+        at = float(np.interp(10.0, FORCE_GRID_N, depth)) if np.isfinite(depth).all() else float("nan")
+        alt += f"; the pad is {at:.2f} mm deep at 10 N" if np.isfinite(at) else "; the pad does not reach 10 N"
+    deepest = float(max(targets.depth_range_mm(MEASURED_N)[1].max(), targets.aim_depth_mm(AIM_N).max()))
+    return Plot("steady", "Steady force over depth", f"{alt}.", "depth [mm]", "steady force [N]", "depth_mm",
+                "force_N", tuple(layers), x_range=(0.0, 1.25 * deepest), y_range=(0.0, 16.0))  # fmt: skip
+
+
+def press(targets: Targets, pad: OnePad, column: int) -> Plot:
+    """Force over time of one press of the protocol: subjects, aim, pad.
+
+    Parameters
+    ----------
+    targets : Targets
+    pad : OnePad
+    column : int
+        Which of the targets' conditions.
+    """
+    condition = targets.conditions[column]
+    band, found = condition.range, pad.candidate.evaluation.presses[column]
+    layers: list[Band | Line] = [Band("subjects", band.time_s, band.low_N, band.high_N)]
+    layers.append(Line("aim", condition.aim.time_s, condition.aim.curves_N[0], "aim"))
+    said = "out of the pad's reach"
+    if np.isfinite(found.depth_mm[0]):
+        layers.append(Line("this pad", found.time_s[0], found.force_N[0]))
+        said = f"peak {found.force_N[0].max():.1f} N"
+    start = 1e-2 if condition.velocity_mm_s < 50 else 1e-3
+    title = f"{condition.steady_force_N:g} N at {condition.velocity_mm_s:g} mm/s: {said}"
+    return Plot(f"press-{column}", title, f"Force over time, {title}.", "time [s]", "force [N]", "time_s", "force_N",
+                tuple(layers), log_x=True, x_range=(start, float(band.time_s[-1])))  # fmt: skip
+
+
+def section(shape: PadShape, thickness_mm: float, name: str = "section") -> Plot:
+    """Cross-section through the middle of a pad, with the punch over it.
+
+    Parameters
+    ----------
+    shape : PadShape
+    thickness_mm : float
+        At the highest point. [mm]
+    name : str
+        Of the figure.
+    """
+    half = 32.0
+    y = np.linspace(-half, half, 257)
+    top = thickness_mm - np.asarray(shape.drop_mm(np.zeros_like(y), y), float)
+    bone = np.broadcast_to(np.asarray(shape.bone_mm(np.zeros_like(y), y), float), y.shape)
+    layers: list[Band | Line] = [Band("pad", y, bone, top)]
+    if float(bone.max()) > 0.0:
+        layers.append(Band("rigid bone", y, np.zeros_like(y), bone, style="extra"))
+    parts = shape.layers()
+    if parts is not None:
+        layers.append(Line("between the layers", y, np.full_like(y, thickness_mm - parts[0]), "other"))
+    layers.append(Line("tested face", y, top))
+    foot, above = thickness_mm + 0.4, thickness_mm + 4.0
+    sides = PUNCH_HALF_MM * np.array([-1.0, -1.0, 1.0, 1.0])
+    layers.append(Line("punch, 14 mm", sides, np.array([above, foot, foot, above]), "aim"))
+    alt = f"Cross-section of a {shape.title}, {thickness_mm:g} mm thick; 64 mm of {PAD_WIDTH_MM:g} mm are shown."
+    return Plot(name, "Cross-section, heights stretched", alt, "across [mm]", "height [mm]", "across_mm", "height_mm",
+                tuple(layers), x_range=(-half, half), y_range=(0.0, thickness_mm + 5.0))  # fmt: skip
+
+
+def pad_page(shape: PadShape, thickness_mm: float) -> str:
+    """A page of its own with a pad as a solid to turn.
+
+    Parameters
+    ----------
+    shape : PadShape
+    thickness_mm : float
+        At the highest point. [mm]
+    """
+    half = 0.5 * np.array([PAD_LENGTH_MM, PAD_WIDTH_MM])
+    fine = np.linspace(-32.0, 32.0, 65)
+    x, y = (np.unique(np.r_[-h, fine[np.abs(fine) < h], h]) for h in half)
+    across, along = np.meshgrid(x, y, indexing="ij")
+    top = thickness_mm - np.broadcast_to(np.asarray(shape.drop_mm(across, along), float), across.shape)
+    nodes = np.stack([across, along, top], axis=-1)
+    floor = nodes * np.array([1.0, 1.0, 0.0])
+    walls = []
+    for side in (nodes[::-1, 0], nodes[:, -1], nodes[0], nodes[-1, ::-1]):
+        under = side * np.array([1.0, 1.0, 0.0])
+        walls += [np.stack([side[:-1], under[:-1], under[1:]], 1), np.stack([side[:-1], under[1:], side[1:]], 1)]
+    bottom = _faces(floor)[:, ::-1]
+    return solids_page({"pad": np.concatenate([_faces(nodes), bottom, *walls])})
+
+
+def _faces(nodes: np.ndarray) -> np.ndarray:
+    """Triangles over a grid of points, seen from above; shape (n, 3, 3)."""
+    a, b, c, d = nodes[:-1, :-1], nodes[1:, :-1], nodes[1:, 1:], nodes[:-1, 1:]
+    return np.concatenate([np.stack([a, b, c], -2).reshape(-1, 3, 3), np.stack([a, c, d], -2).reshape(-1, 3, 3)])
+
+
+def mould_page(folder: Path) -> str | None:
+    """A page of its own with pad and mould of a folder as solids; None where there are no STL files."""
+    from dummydesign.report.html.viewer import read_stl
+
+    parts = {}
+    for name in ("mould", "pad"):
+        for path in sorted(folder.glob(f"{name}_*.stl"))[:1]:
+            parts[name] = read_stl(path)
+    return solids_page(parts) if parts else None
+
+
+def solids_page(parts: dict[str, np.ndarray]) -> str:
+    """A page with solids and the script that turns them."""
+    from dummydesign.report.html.page import page
+    from dummydesign.report.html.viewer import solid_section, viewer_script
+
+    told = solid_section(parts, "Drag or use the arrow keys to turn, scroll to zoom.")
+    apart = "" if len(parts) > 1 else ".viewer .controls{display:none}"
+    small = (
+        "<style>h1,.lead,footer,h2{display:none}main{padding:0 .5rem}section p{margin:.2rem 0;font-size:.9rem}"
+        f".viewer canvas{{height:calc(100vh - 5.5rem)}}{apart}</style>"
+    )
+    return page("Solids", "", [told], scripts=[viewer_script()], tables="").replace("</head>", f"{small}</head>")

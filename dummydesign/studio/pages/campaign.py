@@ -1,0 +1,140 @@
+"""A campaign: plan what to press, print the sheet, drop the files of the presses, see what is missing or wrong."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import Any
+
+from nicegui import ui
+
+from dummydesign.core.errors import InputError
+from dummydesign.measurement.planning.check import check_campaign
+from dummydesign.project.folder import Project
+from dummydesign.project.status import status_of
+from dummydesign.studio import choices
+from dummydesign.studio.frame import (
+    Studio,
+    Work,
+    command_line,
+    file_links,
+    html,
+    lay_out,
+    table,
+    tell_problem,
+    warnings,
+    zip_link,
+)  # fmt: skip
+from dummydesign.studio.pages.measured import uploader
+from dummydesign.studio.server import files
+from dummydesign.studio.work.commands import options
+from dummydesign.studio.work.jobs import Job
+
+
+def build(studio: Studio, which: str) -> None:
+    """Build the page."""
+    lay_out(studio, "/campaign", "Campaign", lambda project: _body(studio, project, which))
+
+
+def _body(studio: Studio, project: Project, which: str) -> None:
+    html("<p>What to press of the pads that were cast, in a drawn order, so that the model can be held against it.</p>")
+    _plan(studio, project)
+    html("<h2>The presses</h2>")
+    known = choices.folders(studio.root, "campaigns", "campaign.toml")
+    if not known:
+        html("<p>no campaign yet</p>")
+        return
+    start = f"campaigns/{which}" if f"campaigns/{which}" in known else known[-1]
+    chosen = ui.select(known, value=start, label="Campaign").props('data-test="campaign"').style("width:100%")
+    chosen.on_value_change(lambda: ui.navigate.to(f"/campaign?which={chosen.value.partition('/')[2]}"))
+    _presses(studio, start)
+
+
+def _plan(studio: Studio, project: Project) -> None:
+    designs = [one.summary for one in status_of(project).found["designs"] if one.summary and "ratio" in one.summary]
+    best: dict[str, Any] = designs[-1] or {} if designs else {}
+    resin, ratio = best.get("resin") or project.resin or "polyurethane-nagoya", best.get("ratio", 15.0)
+    none_yet = not choices.folders(studio.root, "campaigns", "campaign.toml")
+    with ui.expansion("Plan a new campaign", value=none_yet).style("width:100%"):
+        with ui.element("div").classes("fields"):
+            name = ui.input("Name", value=choices.free_name(studio.root, "campaigns", "first"))
+            pads = ui.input("Pads [mm]", value="5,15,20")
+            speeds = ui.input("Speeds [mm/s]", value="10,250")
+            forces = ui.input("Steady forces [N]", value="3,7,12")
+            repeats = ui.number("Repeats", value=2, min=1, max=9, step=1)
+            ages = ui.input("Age of the pads on each day [days]", value="9,14,29")
+            hold = ui.number("Hold [s]", value=10, min=1, max=600)
+            known = choices.resins()
+            material = ui.select(known if resin in known else {resin: resin, **known}, value=resin, label="Resin")
+            mixed = ui.number("Ratio", value=ratio, step=0.1)
+        for field, test in ((name, "name"), (pads, "pads"), (speeds, "speeds"), (forces, "forces"), (ages, "ages"),
+                            (repeats, "repeats")):  # fmt: skip
+            field.props(f'data-test="plan-{test}"')
+
+        def words() -> list[str]:
+            folder = files.plain_name((name.value or "").strip())
+            if repeats.value is None or mixed.value is None:
+                raise InputError("repeats and ratio must be numbers")
+            given = {
+                "pads": pads.value, "velocity": speeds.value, "force": forces.value, "repeats": int(repeats.value),
+                "ages": ages.value, "hold": None if hold.value is None else float(hold.value), "resin": material.value,
+                "ratio": float(mixed.value), "punch": project.punch,
+            }  # fmt: skip
+            return ["campaign", "new", f"campaigns/{folder}", *options(given)]
+
+        def show(job: Job) -> None:
+            answer = job.answer
+            if "trials" not in answer:
+                return
+            folder = answer["inputs"]["folder"]
+            html(f'<p data-test="planned">{len(answer["trials"])} presses planned in {escape(folder)}</p>')
+            power = answer.get("power")
+            if power:
+                html(f"<p>Seen at their usual size: {escape(', '.join(power['seen']) or 'nothing')}.</p>")
+            warnings(answer)
+            on = f"/campaign?which={escape(folder.partition('/')[2])}"
+            html(f'<p class="note"><a data-test="presses" href="{on}">Go on to the presses</a></p>')
+
+        work = Work(studio, "campaign", "Plan it", words, show)
+        for field in (name, pads, speeds, forces, repeats, ages, hold, material, mixed):
+            field.on_value_change(work.renew_line)
+
+
+def _presses(studio: Studio, folder: str) -> None:
+    path = studio.root / folder
+    links = [("the sheet to press from", f"{folder}/sheet.html")] if (path / "sheet.html").is_file() else []
+    file_links([*links, ("campaign.toml", f"{folder}/campaign.toml")])
+    zip_link(folder)
+    state = ui.element("div").props('data-test="state"')
+    said = ui.element("div")
+
+    def planned() -> set[str]:
+        found = check_campaign(path)
+        return {*found.pressed, *found.missing, *(str(one["file"]) for one in found.wrong)}
+
+    def check(name: str) -> None:
+        if name not in planned():
+            raise InputError(f"'{name}' is not in the plan: name each file as the sheet says")
+
+    def renew(new: str | None = None) -> None:
+        state.clear()
+        with state:
+            command_line(["campaign", "check", folder])
+            try:
+                found = check_campaign(path)
+            except InputError as problem:
+                tell_problem(str(problem))
+                return
+            done, left = len(found.pressed), len(found.missing)
+            html(f'<p role="status"><b>{done} of {done + left} presses are there</b></p>')
+            if found.missing:
+                html(f"<p>To press: {escape(', '.join(found.missing[:6]))}{' …' if left > 6 else ''}</p>")
+            if found.wrong:
+                table(["file", "looks wrong"], [[one["file"], one["message"]] for one in found.wrong])
+            for one in found.warnings:
+                html(f'<p class="note">{escape(one["message"])}</p>')
+            if found.ready:
+                on = f"/learn?which={escape(path.name)}"
+                html(f'<p class="note">All is there: <a data-test="learn" href="{on}">learn from it</a>.</p>')
+
+    uploader(path, said, renew, check)
+    renew()

@@ -1,0 +1,1 @@
+"""The server of the studio: start, door, addresses, files that come in and go out."""

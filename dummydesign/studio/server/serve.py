@@ -1,0 +1,101 @@
+"""Start the studio: one folder, one address on this machine, one key."""
+
+from __future__ import annotations
+
+import os
+import socket
+from collections.abc import Callable
+from pathlib import Path
+from secrets import token_urlsafe
+from typing import Any
+
+from dummydesign.core.errors import InputError
+from dummydesign.studio.server.guard import Guard
+from dummydesign.studio.work.lock import take
+
+HOST, FIRST_PORT, TRIED_PORTS = "127.0.0.1", 8420, 20
+
+
+def run_studio(folder: str | Path, port: int | None, browser: bool, say: Callable[[str], None]) -> dict[str, Any]:
+    """Serve a folder until the process is stopped.
+
+    Parameters
+    ----------
+    folder : path
+        Made when needed; a project, or one that the page makes it.
+    port : int, optional
+        By default the first free one from 8420.
+    browser : bool
+        Open it there.
+    say : callable
+        Takes the line with the address.
+
+    Raises
+    ------
+    InputError
+        When NiceGUI is missing, the folder is open in another studio or cannot be written, or the port is in use.
+    """
+    try:
+        import nicegui  # noqa: F401
+        import uvicorn
+    except ImportError as problem:
+        raise InputError(f"the studio needs {problem.name}: pip install 'dummydesign[studio]'") from None
+    root = Path(folder).resolve()
+    try:
+        root.mkdir(parents=True, exist_ok=True)
+        lock = take(root / ".studio" / "lock")
+        if lock is None:
+            raise InputError(f"'{root}' is open in another studio{_where(root)}: use that one, or stop it first")
+        (root / ".studio" / ".gitignore").write_text("*\n", encoding="utf-8")
+    except OSError as problem:
+        raise InputError(f"'{root}' cannot be written: {problem.strerror or problem}") from None
+    listening = _listen(port)
+    found = int(listening.getsockname()[1])
+    key = token_urlsafe(24)
+    address = f"http://{HOST}:{found}/"
+    (root / ".studio" / "address").write_text(address, encoding="utf-8")
+    os.environ["NICEGUI_STORAGE_PATH"] = str(root / ".studio" / "page")
+    from dummydesign.studio.server.app import make_app
+
+    say(f"studio of '{root.name}': {address}?key={key}")
+    if browser:
+        import webbrowser
+
+        webbrowser.open(f"{address}?key={key}")
+    config = uvicorn.Config(Guard(make_app(root), key, found), log_level="warning", server_header=False)
+    try:
+        uvicorn.Server(config).run(sockets=[listening])
+    finally:
+        (root / ".studio" / "address").unlink(missing_ok=True)
+        listening.close()
+        lock.close()
+    return {"folder": str(root), "address": address}
+
+
+def _where(root: Path) -> str:
+    try:
+        return f" at {(root / '.studio' / 'address').read_text(encoding='utf-8')}"
+    except OSError:
+        return ""
+
+
+def _listen(port: int | None) -> socket.socket:
+    """A socket of this machine alone, on the port asked for or the first free one."""
+    if port is not None and not 1 <= port <= 65535:
+        raise InputError(f"--port {port} is outside the allowed range 1 to 65535")
+    tried = [port] if port is not None else list(range(FIRST_PORT, FIRST_PORT + TRIED_PORTS))
+    for one in tried:
+        found = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+        if os.name != "nt":
+            found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            found.bind((HOST, one))
+            found.listen(128)
+            return found
+        except PermissionError:
+            found.close()
+            raise InputError(f"port {one} may not be used by you: choose one above 1023") from None
+        except OSError:
+            found.close()
+    said = f"port {port} is" if port is not None else f"ports {tried[0]} to {tried[-1]} are"
+    raise InputError(f"{said} in use: choose another with --port")

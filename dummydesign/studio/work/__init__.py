@@ -1,0 +1,1 @@
+"""Commands that the pages start, each in a process and a folder of its own."""

@@ -1,0 +1,201 @@
+"""Commands that the studio started: each in a folder of its own under ``.studio/jobs``, so that a restart knows all."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from dummydesign.core.errors import InputError
+from dummydesign.core.files import write_text
+from dummydesign.studio.work import job as runner
+from dummydesign.studio.work.lock import held
+
+HOME = ".studio"
+MOST_AT_ONCE = 2
+"""Commands that may run at once: each may fill a processor."""
+STARTING_S = 20.0
+"""A command that did not begin within this time never will. [s]"""
+_CHILDREN: list[subprocess.Popen[bytes]] = []
+"""Processes that this one started; looked at now and then, so that those that ended are let go."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """A command that was started, as it is now.
+
+    Attributes
+    ----------
+    folder : Path
+    name : str
+        Which step it belongs to.
+    words : tuple of str
+        The command line after ``dummydesign``.
+    state : str
+        running, done, failed, stopped, or lost (the machine went down, or the process was killed).
+    started, seconds : float
+        When it began [s since 1970], and how long it has taken. [s]
+    progress : str
+        What it is doing.
+    """
+
+    folder: Path
+    name: str
+    words: tuple[str, ...]
+    state: str
+    started: float
+    seconds: float
+    progress: str = ""
+
+    @property
+    def answer(self) -> dict[str, Any]:
+        """What the command printed; empty where it printed no answer."""
+        try:
+            found = json.loads((self.folder / runner.ANSWER).read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return {}
+        return found if isinstance(found, dict) else {}
+
+    @property
+    def error(self) -> str:
+        """What the command said went wrong, without ``error:``; empty when nothing did."""
+        if self.state == "stopped":
+            return "stopped before it was done; nothing half-written is left"
+        if self.state == "lost":
+            return "the process ended without a word (was the machine switched off?): run it again"
+        try:
+            lines = (self.folder / runner.ERRORS).read_text(encoding="utf-8", errors="replace").strip().splitlines()
+        except OSError:
+            return ""
+        said = [line.removeprefix("error: ") for line in lines if line.startswith("error: ")]
+        return said[-1] if said else (lines[-1] if lines and self.state == "failed" else "")
+
+
+def start(root: Path, name: str, words: Sequence[str]) -> Job:
+    """Start a command in a project folder.
+
+    Parameters
+    ----------
+    root : Path
+        The project folder, in which it runs.
+    name : str
+        Which step it belongs to; only one of a step runs at a time.
+    words : sequence of str
+        The command line after ``dummydesign``.
+
+    Raises
+    ------
+    InputError
+        When one of this step is running, or too many are, or the folder cannot be written.
+    """
+    running = [one for one in all_jobs(root) if one.state == "running"]
+    if any(one.name == name for one in running):
+        raise InputError("this step is still at work: wait for it, or stop it")
+    if len(running) >= MOST_AT_ONCE:
+        raise InputError(f"{len(running)} commands are at work: wait for one, or stop one")
+    home = root / HOME / "jobs"
+    try:
+        home.mkdir(parents=True, exist_ok=True)
+        folder = _new_folder(home, name)
+        asked = {"name": name, "words": list(words), "cwd": str(root), "start": time.time()}
+        write_text(folder / runner.COMMAND, json.dumps(asked))
+        _spawn(root, folder)
+    except OSError as problem:
+        raise InputError(f"'{home}' cannot be written: {problem.strerror or problem}") from None
+    return read_job(folder)
+
+
+def _spawn(root: Path, folder: Path) -> None:
+    apart: dict[str, Any] = {"start_new_session": True}
+    if os.name == "nt":
+        apart = {"creationflags": getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)}
+    package = str(Path(__file__).resolve().parents[3])
+    path = os.pathsep.join(filter(None, (package, os.environ.get("PYTHONPATH"))))
+    _CHILDREN[:] = [child for child in _CHILDREN if child.poll() is None]
+    with open(folder / "runner.txt", "wb") as said:
+        child = subprocess.Popen(
+            [sys.executable, "-m", "dummydesign.studio.work.job", str(folder)], cwd=root, stdin=subprocess.DEVNULL,
+            stdout=said, stderr=said, env={**os.environ, "PYTHONPATH": path}, **apart,
+        )  # fmt: skip
+    _CHILDREN.append(child)
+
+
+def _new_folder(home: Path, name: str) -> Path:
+    numbers = [int(found[1]) for path in home.iterdir() if (found := re.match(r"(\d+)-", path.name))]
+    number = max(numbers, default=0)
+    while True:
+        number += 1
+        folder = home / f"{number:04d}-{name}"
+        try:
+            folder.mkdir()
+            return folder
+        except FileExistsError:
+            continue
+
+
+def read_job(folder: Path) -> Job:
+    """How a command stands."""
+    asked = json.loads((folder / runner.COMMAND).read_text(encoding="utf-8"))
+    started = float(asked["start"])
+    state, seconds = _state(folder, started)
+    progress = ""
+    if state == "running":
+        try:
+            progress = (folder / runner.PROGRESS).read_text(encoding="utf-8")
+        except OSError:
+            progress = ""
+    return Job(folder, asked["name"], tuple(asked["words"]), state, started, seconds, progress)
+
+
+def _state(folder: Path, started: float) -> tuple[str, float]:
+    if not (folder / runner.STATUS).exists():
+        if held(folder / runner.LOCK):
+            return "running", time.time() - started
+        # it may have ended between the two looks
+        if not (folder / runner.STATUS).exists():
+            young = not (folder / runner.PID).exists() and time.time() - started < STARTING_S
+            return ("running" if young else "lost"), time.time() - started
+    told = json.loads((folder / runner.STATUS).read_text(encoding="utf-8"))
+    seconds = float(told["end"]) - started
+    if told["stopped"]:
+        return "stopped", seconds
+    return ("done" if told["status"] == 0 else "failed"), seconds
+
+
+def all_jobs(root: Path) -> list[Job]:
+    """All commands of a project, the oldest first."""
+    found = []
+    for folder in sorted((root / HOME / "jobs").glob("*-*")):
+        try:
+            found.append(read_job(folder))
+        except (OSError, ValueError, KeyError):
+            continue
+    return found
+
+
+def latest(root: Path, name: str) -> Job | None:
+    """The newest command of a step."""
+    for folder in sorted((root / HOME / "jobs").glob(f"[0-9]*-{name}"), reverse=True):
+        try:
+            return read_job(folder)
+        except (OSError, ValueError, KeyError):
+            continue
+    return None
+
+
+def stop(job: Job) -> None:
+    """Ask a running command to end and to clear up."""
+    try:
+        number = int((job.folder / runner.PID).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return
+    if held(job.folder / runner.LOCK):
+        os.kill(number, signal.SIGTERM)

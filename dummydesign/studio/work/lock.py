@@ -1,0 +1,42 @@
+"""One holder at a time: a lock on a file that ends with the process that holds it, however it ends."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import IO
+
+
+def take(path: Path) -> IO[str] | None:
+    """Lock a file, made when needed; None when another process holds it. Keep what is returned as long as it counts."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    stream = open(path, "a+", encoding="utf-8")
+    try:
+        _lock(stream)
+    except OSError:
+        stream.close()
+        return None
+    return stream
+
+
+def held(path: Path) -> bool:
+    """Whether another process holds the lock of a file."""
+    if not path.exists():
+        return False
+    stream = take(path)
+    if stream is None:
+        return True
+    stream.close()
+    return False
+
+
+def _lock(stream: IO[str]) -> None:
+    if os.name == "nt":
+        import msvcrt
+
+        stream.seek(0)
+        msvcrt.locking(stream.fileno(), msvcrt.LK_NBLCK, 1)  # type: ignore[attr-defined,unused-ignore]
+        return
+    import fcntl
+
+    fcntl.flock(stream.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)

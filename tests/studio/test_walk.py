@@ -1,0 +1,198 @@
+"""From an empty folder through all steps with real clicks, in Chromium; what is written is what the commands write."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from dummydesign.measurement.planning.check import check_campaign
+from tests.support.pressed_plan import press_campaign
+from tests.support.studio import browser, running, surroundings
+from tests.support.studio import test_id as by
+from tests.support.walkthrough_files import write as write_exports
+
+pytestmark = pytest.mark.slow
+LONG_MS = 900_000
+
+
+@pytest.fixture(scope="module")
+def walked(tmp_path_factory):
+    """The whole way in one visit; the tests look at what it left."""
+    base = tmp_path_factory.mktemp("studio")
+    folder, home = base / "thumb", base / "home"
+    write_exports(base)
+    told = {"folder": folder, "home": home, "seconds": {}}
+    with running(folder, home) as studio, browser(viewport={"width": 1280, "height": 900}) as page:
+        start = time.monotonic()
+        page.goto(studio.address)
+        page.wait_for_selector("h1")
+        told["seconds"]["open"] = time.monotonic() - start
+        told["clicks"] = Clicks(page)
+        try:
+            _walk(page, studio, base, told)
+        except Exception:
+            page.screenshot(path=str(base / "where-it-stopped.png"), full_page=True)
+            print(base / "where-it-stopped.png", page.outside, page.broken)
+            raise
+        told["outside"], told["broken"] = page.outside, page.broken
+    return told
+
+
+class Clicks:
+    """Clicks that count themselves."""
+
+    def __init__(self, page):
+        self.page, self.count = page, 0
+
+    def __call__(self, selector):
+        self.count += 1
+        self.page.locator(selector).first.click()
+
+
+def _walk(page, studio, base, told):
+    _to_mould(page, studio, base, told)
+    _to_calibration(page, studio, base, told)
+
+
+def _to_mould(page, studio, base, told):
+    click, start = told["clicks"], time.monotonic()
+    click(by("make"))
+    page.wait_for_selector(by("next"))
+    page.goto(f"{studio.home}measured")
+    files = [path for force in ("08", "14") for path in sorted((base / "exports").glob(f"finger_v*_f{force}.txt"))]
+    page.locator('input[type="file"]').set_input_files([str(path) for path in files])
+    page.wait_for_function("document.querySelectorAll('.q-chip').length === 4")
+    click(by("run-import"))
+    page.wait_for_selector(f"{by('found-import')} iframe", timeout=LONG_MS)
+    click(f'{by("found-import")} a[href="/tissue"]')
+    page.wait_for_selector(by("run-fit"))
+    click(by("run-fit"))
+    page.wait_for_selector(f"{by('found-fit')} table", timeout=LONG_MS)
+    page.goto(f"{studio.home}tissue")
+    click(by("use"))
+    page.wait_for_selector('[data-test="verdict"] .verdict')
+    told["seconds"]["slider"] = _slide(page)
+    page.locator(by("searched")).click()
+    page.get_by_role("option", name="slab", exact=True).click()
+    click.count += 2
+    click(by("run-suggest"))
+    page.wait_for_selector(f"{by('found-suggest')} {by('mould')}", timeout=LONG_MS)
+    click(by("mould"))
+    page.wait_for_selector(by("run-mould"))
+    click(by("run-mould"))
+    page.wait_for_selector(f"{by('found-mould')} {by('zip')}", timeout=LONG_MS)
+    with page.expect_download() as download:
+        click(by("zip"))
+    download.value.save_as(base / "mould.zip")
+    told["zip"] = base / "mould.zip"
+    told["clicks_to_mould"], told["minutes_to_mould"] = click.count, (time.monotonic() - start) / 60
+
+
+def _to_calibration(page, studio, base, told):
+    click, folder = told["clicks"], told["folder"]
+    page.goto(f"{studio.home}campaign")
+    for name, text in (("pads", "5,15"), ("forces", "3,9"), ("ages", "9,14")):
+        page.locator(f"input{by(f'plan-{name}')}").fill(text)
+    page.wait_for_function("document.querySelector('.command code').textContent.includes('--ages 9,14')")
+    click(by("run-campaign"))
+    page.wait_for_selector(by("presses"), timeout=LONG_MS)
+    click(by("presses"))
+    page.wait_for_selector(by("state"))
+    plan = base / "pressed"
+    plan.mkdir()
+    (plan / "campaign.toml").write_bytes((folder / "campaigns" / "first" / "campaign.toml").read_bytes())
+    press_campaign(plan, 3, 25.0, coarse=True)
+    page.locator('input[type="file"]').set_input_files([str(path) for path in sorted(plan.glob("*.csv"))])
+    page.wait_for_selector(by("learn"), timeout=120_000)
+    told["pressed"] = check_campaign(folder / "campaigns" / "first")
+    click(by("learn"))
+    page.wait_for_selector(by("run-loop"))
+    click(by("run-loop"))
+    page.wait_for_selector(by("again"), timeout=LONG_MS)
+    click(by("again"))
+    page.wait_for_selector('[data-test="verdict"] .verdict[data-state="settled"]')
+    click(by("run-suggest"))
+    deadline = time.monotonic() + LONG_MS / 1e3
+    while not list((folder / "designs").glob("*calibrated*/manifest.json")) and time.monotonic() < deadline:
+        page.wait_for_timeout(500)
+    page.wait_for_selector(f"{by('run-suggest')}:not([disabled])", timeout=LONG_MS)
+    page.goto(f"{studio.home}")
+    told["overview"] = page.locator("body").inner_text()
+
+
+def _slide(page):
+    """Seconds from a move of the slider to the new curve, the middle of nine."""
+    page.wait_for_selector('[data-test="plots"] svg')
+    page.wait_for_selector('[data-test="verdict"] .verdict[data-state="settled"]')
+    taken = []
+    for number in range(9):
+        taken.append(page.evaluate(
+            """(value) => new Promise((done) => {
+                const plots = document.querySelector('[data-test="plots"]'), start = performance.now();
+                const end = () => { watch.disconnect(); done((performance.now() - start) / 1e3); };
+                const watch = new MutationObserver(end);
+                watch.observe(plots, {childList: true, subtree: true, characterData: true});
+                const slider = document.querySelector('[data-test="slide-thickness"]');
+                slider.value = value; slider.dispatchEvent(new Event('input', {bubbles: true}));
+            })""",
+            5.0 + 0.5 * number,
+        ))  # fmt: skip
+        page.wait_for_timeout(300)
+    return sorted(taken)[4]
+
+
+def test_every_step_left_its_files_in_the_folder(walked):
+    folder = walked["folder"]
+    for pattern in ("measured/finger*.txt", "measured/import-*/*.csv", "tissue/*.toml", "designs/*/report.html",
+                    "moulds/*/*.step", "campaigns/first/campaign.toml", "calibrations/*/calibration.json",
+                    "designs/*calibrated*/manifest.json"):  # fmt: skip
+        assert list(folder.glob(pattern)), pattern
+    assert walked["pressed"].ready
+
+
+def test_nothing_was_asked_of_the_outside_and_no_script_failed(walked):
+    assert walked["outside"] == [] and walked["broken"] == []
+
+
+def test_the_download_holds_every_file_of_the_mould(walked):
+    mould = next((walked["folder"] / "moulds").glob("*/manifest.json")).parent
+    with zipfile.ZipFile(walked["zip"]) as archive:
+        assert {Path(name).name for name in archive.namelist()} == {path.name for path in mould.iterdir()}
+
+
+def test_the_command_that_is_shown_writes_the_same_files(walked, tmp_path):
+    """The first design again by its command line in a fresh folder: the same values in every table."""
+    folder = walked["folder"]
+    asked = next((folder / ".studio" / "jobs").glob("*-suggest/command.json"))
+    words = json.loads(asked.read_text(encoding="utf-8"))["words"]
+    (tmp_path / "tissue").mkdir()
+    for path in (folder / "tissue").iterdir():
+        (tmp_path / "tissue" / path.name).write_bytes(path.read_bytes())
+    done = subprocess.run(
+        [sys.executable, "-m", "dummydesign", *words], cwd=tmp_path, capture_output=True, text=True,
+        env=surroundings(walked["home"]),
+    )  # fmt: skip
+    assert done.returncode in (0, 1), done.stderr
+    place = f"{words[words.index('--out') + 1]}/manifest.json"
+    first, second = (json.loads((root / place).read_text(encoding="utf-8")) for root in (folder, tmp_path))
+    tables = [name for name in first["sha256"] if name.endswith(".csv")]
+    assert tables and all(first["sha256"][name] == second["sha256"][name] for name in tables)
+    assert first["question"] == second["question"]
+
+
+def test_the_page_opens_and_the_sliders_answer_fast(walked):
+    """At most twice what is wanted of an idle machine, 2 s and 0.1 s."""
+    print(walked["seconds"], walked["clicks_to_mould"], walked["minutes_to_mould"])
+    assert walked["seconds"]["open"] < 4.0
+    assert walked["seconds"]["slider"] < 0.2
+
+
+def test_the_overview_tells_what_was_done(walked):
+    assert "of 16 presses are there" in walked["overview"] or "of 8 presses are there" in walked["overview"]
+    assert "all steps are done" in walked["overview"] or "make the mould" in walked["overview"]

@@ -1,0 +1,109 @@
+"""A studio that runs as a user starts it, and a browser that looks at it."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from tests.support.browser import chromium
+
+PACKAGE = Path(__file__).parents[2]
+
+
+@dataclass(frozen=True)
+class Running:
+    """A studio at work."""
+
+    process: subprocess.Popen[str]
+    address: str
+    home: str
+
+    @property
+    def key(self) -> str:
+        return self.address.partition("key=")[2]
+
+
+def command(*words: str) -> list[str]:
+    return [sys.executable, "-m", "dummydesign", "studio", *words, "--no-browser"]
+
+
+def surroundings(home: Path) -> dict[str, str]:
+    """The environment: this checkout, an empty folder of the user's own data."""
+    path = os.pathsep.join(filter(None, (str(PACKAGE), os.environ.get("PYTHONPATH"))))
+    return {**os.environ, "PYTHONPATH": path, "DUMMYDESIGN_HOME": str(home)}
+
+
+@contextmanager
+def running(folder: Path, home: Path, *words: str) -> Iterator[Running]:
+    """Start a studio on a folder and end it by its own process id."""
+    process = subprocess.Popen(
+        command(str(folder), *words), stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=surroundings(home)
+    )
+    try:
+        line = process.stderr.readline()
+        found = re.search(r"http://127\.0\.0\.1:\d+/\?key=\S+", line)
+        assert found, line + process.stderr.read()
+        _answers(found[0])
+        yield Running(process, found[0], found[0].partition("?")[0])
+    finally:
+        process.send_signal(signal.SIGTERM)
+        try:
+            process.communicate(timeout=30)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.communicate()
+
+
+def _answers(address: str) -> None:
+    import urllib.error
+    import urllib.request
+
+    for _ in range(240):
+        try:
+            urllib.request.urlopen(address.partition("?")[0], timeout=5)
+        except urllib.error.HTTPError as said:
+            assert said.code == 403
+            return
+        except OSError:
+            time.sleep(0.25)
+    raise AssertionError("the studio does not answer")
+
+
+@contextmanager
+def browser(**options: object) -> Iterator[object]:
+    """A page of a fresh Chromium; requests to anywhere but this machine are kept in ``page.outside``."""
+    playwright = pytest.importorskip("playwright.sync_api", reason="no Playwright here: pip install playwright")
+    with playwright.sync_playwright() as started:
+        opened = started.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])
+        context = opened.new_context(accept_downloads=True, **options)
+        page = context.new_page()
+        page.outside, page.broken = [], []
+        page.on("request", lambda asked: _note(page, asked.url))
+        page.on("pageerror", lambda error: page.broken.append(str(error)))
+        page.set_default_timeout(60_000)
+        try:
+            yield page
+        finally:
+            opened.close()
+
+
+def _note(page: object, url: str) -> None:
+    if not re.match(r"(http://127\.0\.0\.1:\d+/|data:|blob:|about:)", url):
+        page.outside.append(url)
+
+
+def test_id(name: str) -> str:
+    return f'[data-test="{name}"]'
+
+
+test_id.__test__ = False

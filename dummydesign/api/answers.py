@@ -115,3 +115,9 @@ class Rows(Values):
     def records(self) -> list[dict[str, Any]]:
         """One row a design."""
         return [dict(row) for row in self.rows]
+
+    def to_xarray(self) -> Any:
+        """Return an xarray Dataset over what was varied, see :func:`dummydesign.api.display.datasets.dataset_of`."""
+        from dummydesign.api.display.datasets import dataset_of
+
+        return dataset_of(self.rows)

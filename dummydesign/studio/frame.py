@@ -21,6 +21,12 @@ STEPS = (
     ("/mould", "4 Mould"), ("/campaign", "5 Campaign"), ("/learn", "6 Learn"),
 )  # fmt: skip
 
+# on a phone the steps do not fit beside each other: the one that is open is moved into sight
+SHOW_STEP = (
+    "addEventListener('load', () => setTimeout(() => document.querySelector('nav [aria-current]')"
+    "?.scrollIntoView({inline: 'center', block: 'nearest'}), 300))"
+)
+
 
 @dataclass(frozen=True)
 class Studio:
@@ -81,6 +87,7 @@ def lay_out(
         '<a class="skip" href="#body">to the content</a><div class="top"><div class="bar">'
         f'<span class="name">{escape(name)}</span><nav aria-label="steps">{links}</nav></div></div>'
     )
+    ui.add_body_html(f"<script>{SHOW_STEP}</script>")
     with ui.element("div").classes("body").props('id="body" tabindex="-1"'):
         html(f"<h1>{escape(title)}</h1>")
         if problem:
@@ -112,7 +119,8 @@ def command_line(words: Sequence[str]) -> None:
     text = shown(words)
     with ui.element("div").classes("command"):
         html(f"<code>{escape(text)}</code>")
-        ui.button("Copy", on_click=lambda: ui.clipboard.write(text)).props('flat dense aria-label="copy the command"')
+        copy = ui.button("Copy", on_click=lambda: ui.clipboard.write(text), color=None)
+        copy.props('flat dense aria-label="copy the command"')
 
 
 class Work:
@@ -130,7 +138,7 @@ class Work:
             self._line = ui.element("div")
             with ui.element("div").classes("state"):
                 self._button = ui.button(label, on_click=self.begin).props(f'data-test="run-{name}"')
-                self._stop = ui.button("Stop", on_click=self._end).props(f'outline data-test="stop-{name}"')
+                self._stop = ui.button("Stop", on_click=self._end, color=None).props(f'outline data-test="stop-{name}"')
                 self._spinner = ui.spinner(size="1.4em")
                 self._said = ui.label("").props('role="status" aria-live="polite"')
             self._problem = ui.element("div")
@@ -189,6 +197,8 @@ class Work:
         if job.error and job.state != "done":
             with self._problem:
                 tell_problem(job.error)
+            if job.state == "failed" and job.answer:
+                self._said.set_text(f"an answer in {job.seconds:.0f} s, but not an acceptable one")
         self._found.clear()
         with self._found:
             if job.answer:
@@ -211,9 +221,23 @@ def warnings(answer: dict) -> None:
         html(f'<ul class="warnings">{said}</ul>')
 
 
-def table(head: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
-    """A table that scrolls by itself."""
-    html(report_page.Table(head, rows).html())
+def table(head: Sequence[str], rows: Sequence[Sequence[object]], words: bool = False, under: str = "") -> None:
+    """A table that scrolls by itself.
+
+    Parameters
+    ----------
+    head : sequence of str
+        Names of the columns.
+    rows : sequence of sequence
+        Values.
+    words : bool
+        Words rather than numbers: from the left, in lines.
+    under : str
+        What it is folded away under; shown at once without it.
+    """
+    text = f'<div class="words">{report_page.Table(head, rows).html()}</div>' if words else ""
+    text = text or report_page.Table(head, rows).html()
+    html(f"<details><summary>{escape(under)}</summary>{text}</details>" if under else text)
 
 
 def file_links(rows: Sequence[tuple[str, str]]) -> None:

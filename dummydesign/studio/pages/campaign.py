@@ -5,10 +5,10 @@ from __future__ import annotations
 from html import escape
 from typing import Any
 
-from nicegui import ui
+from nicegui import run, ui
 
 from dummydesign.core.errors import InputError
-from dummydesign.measurement.planning.check import check_campaign
+from dummydesign.measurement.planning.check import Status, check_campaign
 from dummydesign.project.folder import Project
 from dummydesign.project.status import status_of
 from dummydesign.studio import choices
@@ -105,36 +105,56 @@ def _presses(studio: Studio, folder: str) -> None:
     file_links([*links, ("campaign.toml", f"{folder}/campaign.toml")])
     zip_link(folder)
     state = ui.element("div").props('data-test="state"')
-    said = ui.element("div")
+    said, holder = ui.element("div"), ui.element("div")
+    names: set[str] = set()
+    # one look for all files that came in the meantime
+    looks = {"wanted": 0, "at_work": False}
 
-    def planned() -> set[str]:
-        found = check_campaign(path)
-        return {*found.pressed, *found.missing, *(str(one["file"]) for one in found.wrong)}
-
-    def check(name: str) -> None:
-        if name not in planned():
-            raise InputError(f"'{name}' is not in the plan: name each file as the sheet says")
-
-    def renew(new: str | None = None) -> None:
+    def show(found: Status) -> None:
+        names.update((*found.pressed, *found.missing, *(str(one["file"]) for one in found.wrong)))
         state.clear()
         with state:
             command_line(["campaign", "check", folder])
-            try:
-                found = check_campaign(path)
-            except InputError as problem:
+            _state(found, path.name)
+
+    def check(name: str) -> None:
+        if name not in names:
+            raise InputError(f"'{name}' is not in the plan: name each file as the sheet says")
+
+    async def look() -> None:
+        if looks["at_work"]:
+            return
+        looks["at_work"], seen = True, -1
+        try:
+            while seen != looks["wanted"]:
+                seen = looks["wanted"]
+                show(await run.io_bound(check_campaign, path))
+        except InputError as problem:
+            with said:
                 tell_problem(str(problem))
-                return
-            done, left = len(found.pressed), len(found.missing)
-            html(f'<p role="status"><b>{done} of {done + left} presses are there</b></p>')
-            if found.missing:
-                html(f"<p>To press: {escape(', '.join(found.missing[:6]))}{' …' if left > 6 else ''}</p>")
-            if found.wrong:
-                table(["file", "looks wrong"], [[one["file"], one["message"]] for one in found.wrong])
-            for one in found.warnings:
-                html(f'<p class="note">{escape(one["message"])}</p>')
-            if found.ready:
-                on = f"/learn?which={escape(path.name)}"
-                html(f'<p class="note">All is there: <a data-test="learn" href="{on}">learn from it</a>.</p>')
+        finally:
+            looks["at_work"] = False
+
+    def renew(new: str) -> None:
+        looks["wanted"] += 1
+        if not looks["at_work"]:
+            with holder:
+                ui.timer(0.2, look, once=True)
 
     uploader(path, said, renew, check)
-    renew()
+    show(check_campaign(path))
+
+
+def _state(found: Status, name: str) -> None:
+    """How far a campaign is, in words."""
+    done, left = len(found.pressed), len(found.missing)
+    html(f'<p role="status"><b>{done} of {done + left} presses are there</b></p>')
+    if found.missing:
+        html(f"<p>To press: {escape(', '.join(found.missing[:6]))}{' …' if left > 6 else ''}</p>")
+    if found.wrong:
+        table(["file", "looks wrong"], [[one["file"], one["message"]] for one in found.wrong], words=True)
+    for one in found.warnings:
+        html(f'<p class="note">{escape(one["message"])}</p>')
+    if found.ready:
+        on = f"/learn?which={escape(name)}"
+        html(f'<p class="note">All is there: <a data-test="learn" href="{on}">learn from it</a>.</p>')

@@ -55,8 +55,6 @@ def _show(studio: Studio, job: Job) -> None:
     ]  # fmt: skip
     if rows:
         table(["effect", "parameter", "value", "95 % low", "95 % high"], rows)
-    if answer.get("next_measurement"):
-        html(f'<p class="note">What to measure next: {escape(answer["next_measurement"]["text"])}</p>')
     warnings(answer)
     folder = Path(answer["calibration_file"]).parent.as_posix()
     zip_link(folder)

@@ -116,6 +116,9 @@ def _show(studio: Studio, job: Job) -> None:
     answer = job.answer
     if "files" not in answer or not isinstance(answer["files"], list):
         return
+    warnings(answer)
+    if answer.get("preview") and (studio.root / answer["preview"]).is_file():
+        shown_file(f"/files/{answer['preview']}", "preview of the presses")
     for one in answer["files"]:
         html(f"<h2>{escape(one['source'].rpartition('/')[2])}</h2>")
         rows = [
@@ -123,8 +126,6 @@ def _show(studio: Studio, job: Job) -> None:
              t["steady_force_N"]] for t in one["traces"]
         ]  # fmt: skip
         table(["press", "samples", "mm/s", "hold s", "depth mm", "peak N", "steady N"], rows)
-        table(["decided", "value", "because"], [[d["what"], str(d["value"]), d["why"]] for d in one["decisions"]])
-    warnings(answer)
-    if answer.get("preview") and (studio.root / answer["preview"]).is_file():
-        shown_file(f"/files/{answer['preview']}", "preview of the presses")
+        rows = [[d["what"], str(d["value"]), d["why"]] for d in one["decisions"]]
+        table(["decided", "value", "because"], rows, words=True, under=f"how {len(rows)} things were decided, and why")
     html('<p class="note">Next: <a href="/tissue">fit a tissue to these presses</a></p>')

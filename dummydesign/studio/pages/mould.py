@@ -91,7 +91,7 @@ def _show(studio: Studio, answer: dict[str, Any]) -> None:
         html(f"<p><b>{count} of {len(checks)} checks passed</b></p>")
         rest = [[one["id"], one["status"], str(one.get("note", ""))] for one in checks if one["status"] != "pass"]
         if rest:
-            table(["check", "", "because"], rest)
+            table(["check", "", "because"], rest, words=True)
     warnings(answer)
     if not answer.get("files"):
         return

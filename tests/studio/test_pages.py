@@ -1,0 +1,137 @@
+"""The pages in Chromium: keyboard, names for screen readers, phone, dark, bad files, several tabs."""
+
+from __future__ import annotations
+
+import pytest
+
+from dummydesign.project.folder import make_project
+from dummydesign.studio.work import jobs
+from tests.support.studio import browser, running
+from tests.support.studio import test_id as by
+
+pytestmark = pytest.mark.slow
+PAGES = ("", "measured", "tissue", "design", "mould", "campaign", "learn")
+
+NAMELESS = """() => [...document.querySelectorAll('input, button, select, textarea, a, iframe, [role=button]')]
+    .filter((e) => e.offsetParent !== null && e.type !== 'file' && !e.closest('[aria-hidden=true]'))
+    .filter((e) => !(e.getAttribute('aria-label') || e.title || e.textContent.trim()
+        || (e.labels && [...e.labels].some((l) => l.textContent.trim())) || e.getAttribute('aria-labelledby')
+        || e.closest('label')?.textContent.trim()))
+    .map((e) => e.outerHTML.slice(0, 160))"""
+
+CONTRAST = """() => {
+    const rgb = (text) => text.match(/[\\d.]+/g).map(Number), light = (c) => c.slice(0, 3)
+        .map((v) => (v /= 255) <= 0.03928 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)
+        .reduce((sum, v, k) => sum + v * [0.2126, 0.7152, 0.0722][k], 0);
+    const back = (e) => { for (; e; e = e.parentElement) { const c = rgb(getComputedStyle(e).backgroundColor);
+        if (c.length < 4 || c[3] > 0.9) return c; } return [255, 255, 255]; };
+    const found = [];
+    const parts = 'h1, h2, p, a, label, code, td, th, button, output, small, .q-field__native';
+    for (const e of document.querySelectorAll(parts)) {
+        if (e.offsetParent === null || !e.textContent.trim() || e.disabled || e.className.includes?.('hide')
+            || e.classList.contains('skip')) continue;
+        const a = light(rgb(getComputedStyle(e).color)), b = light(back(e));
+        const ratio = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+        if (ratio < 4.5) found.push(ratio.toFixed(2) + ' ' + e.outerHTML.slice(0, 120));
+    }
+    return found; }"""
+
+
+@pytest.fixture(scope="module")
+def studio(tmp_path_factory):
+    base = tmp_path_factory.mktemp("pages")
+    make_project(base / "thumb", tissue="forefinger")
+    with running(base / "thumb", base / "home") as found:
+        yield found, base / "thumb"
+
+
+def visit(page, studio, path):
+    page.goto(f"{studio.home}{path}")
+    page.wait_for_selector("h1")
+    page.wait_for_timeout(1500)
+
+
+@pytest.mark.parametrize(("scheme", "width"), [("light", 390), ("dark", 390), ("light", 1280), ("dark", 1280)])
+def test_every_page_fits_its_screen_can_be_read_and_names_its_controls(studio, scheme, width):
+    found, _ = studio
+    with browser(viewport={"width": width, "height": 844}, color_scheme=scheme) as page:
+        page.goto(found.address)
+        page.wait_for_selector("h1")
+        for path in PAGES:
+            visit(page, found, path)
+            wide = page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth")
+            assert wide <= 0, (path, wide)
+            assert page.evaluate(NAMELESS) == [], path
+            assert page.evaluate(CONTRAST) == [], path
+        assert page.outside == [] and page.broken == []
+
+
+def test_the_keyboard_moves_a_slider_and_the_verdict_stays_in_sight(studio):
+    found, _ = studio
+    with browser(viewport={"width": 1280, "height": 700}) as page:
+        page.goto(found.address)
+        page.wait_for_selector("h1")
+        visit(page, found, "design")
+        page.wait_for_selector('[data-test="verdict"] .verdict[data-state="settled"]')
+        before = page.locator(by("plots")).inner_html()
+        page.locator(by("slide-thickness")).focus()
+        for _ in range(4):
+            page.keyboard.press("ArrowRight")
+        page.wait_for_function("(old) => document.querySelector('[data-test=plots]').innerHTML !== old", arg=before)
+        assert page.locator("label:has([data-test=slide-thickness]) output").inner_text() == "6.4"
+        page.mouse.wheel(0, 500)
+        page.wait_for_timeout(300)
+        box = page.locator(f"{by('verdict')} .verdict").bounding_box()
+        assert 0 <= box["y"] < 60
+        page.goto(f"{found.home}tissue")
+        page.wait_for_selector("h1")
+        page.keyboard.press("Tab")
+        assert page.evaluate("document.activeElement.textContent") == "to the content"
+
+
+def test_files_that_are_too_large_or_badly_named_or_unreadable_are_said_and_nothing_is_lost(studio, tmp_path):
+    found, folder = studio
+    with open(tmp_path / "large.csv", "wb") as stream:
+        stream.truncate(200 * 2**20)
+    with browser() as page:
+        page.goto(found.address)
+        page.wait_for_selector("h1")
+        visit(page, found, "measured")
+        drop = page.locator('input[type="file"]')
+        drop.set_input_files(str(tmp_path / "large.csv"))
+        page.wait_for_selector(".problem >> text=larger than 64 MB")
+        assert not list(folder.parent.rglob("large.csv"))
+        posts = []
+        page.on("request", lambda asked: posts.append(asked.url) if asked.method == "POST" else None)
+        drop.set_input_files([{"name": "words.csv", "mimeType": "text/csv", "buffer": b"no numbers here\n"}])
+        page.wait_for_selector('.q-chip >> text=words.csv')
+        address = next(url for url in posts if "upload" in url)
+        for name in ("../evil.csv", "../../evil.csv", "/evil.csv", ".evil.csv"):
+            sent = {"name": name, "mimeType": "text/csv", "buffer": b"1,2\n"}
+            page.request.post(address, multipart={"file": sent})
+        page.wait_for_timeout(1500)
+        assert [path for path in folder.parent.rglob("*evil.csv") if path.parent != folder / "measured"] == []
+        page.locator(by("run-import")).click()
+        page.wait_for_selector(".problem >> text=words.csv", timeout=120_000)
+    assert not (folder / "measured" / ".evil.csv").exists()
+    assert (folder / "measured" / "words.csv").read_bytes() == b"no numbers here\n"
+    assert not list((folder / "measured").glob("import-*"))
+
+
+def test_two_tabs_see_the_same_work_which_can_be_stopped_and_survives_a_closed_one(studio):
+    found, folder = studio
+    with browser() as page:
+        page.goto(found.address)
+        page.wait_for_selector("h1")
+        visit(page, found, "design")
+        page.locator(by("run-suggest")).click()
+        page.wait_for_selector(f"{by('stop-suggest')}:visible")
+        other = page.context.new_page()
+        visit(other, found, "design")
+        other.wait_for_selector(f"{by('stop-suggest')}:visible")
+        page.close()
+        assert jobs.latest(folder, "suggest").state == "running"
+        other.locator(by("stop-suggest")).click()
+        other.wait_for_selector(".problem >> text=stopped before it was done")
+        assert jobs.latest(folder, "suggest").state == "stopped"
+        assert not list((folder / "designs").iterdir())

@@ -5,15 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterable
 from os import PathLike, fspath
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Result
 from dummydesign.api.questions import question
 from dummydesign.core.errors import NoAnswerError
 
+if TYPE_CHECKING:
+    from dummydesign.mold.model.spec import MouldSpec
+
 
 def make_mould(
-    thickness_mm: float,
+    thickness_mm: float | str | Iterable[float],
     *,
     length_mm: float = 150.0,
     width_mm: float = 120.0,
@@ -21,6 +24,7 @@ def make_mould(
     preset: str = "open",
     resin: str | None = None,
     ratio: float = 15.0,
+    count: int = 1,
     base_ratio: float | None = None,
     out: str | PathLike[str] | None = None,
     replace: bool = False,
@@ -29,7 +33,9 @@ def make_mould(
 
     Parameters
     ----------
-    thickness_mm, length_mm, width_mm : float
+    thickness_mm : float, str or iterable of float
+        Thickness of the pad; several, also as text such as ``"5,15"``, make one job with a folder each. [mm]
+    length_mm, width_mm : float
         Size of the pad. [mm]
     shape : str
         ``slab``, ``crowned``, ``puck``, ..., with its lengths.
@@ -39,6 +45,8 @@ def make_mould(
         Name or file of the resin to weigh; the paper's polyurethane by default.
     ratio, base_ratio : float
         Mixing ratio, and that of a layered pad's base (by default from its modulus ratio).
+    count : int
+        Castings of each mould, for the list of what is needed; more than one make a job too.
     out : path, optional
         Folder of the files, ``mould_tMM`` by default; the next free number when it holds another answer.
     replace : bool
@@ -66,12 +74,19 @@ def make_mould(
     {'pass'}
     """
     from dummydesign.core.outputs.write import new_folder
+    from dummydesign.mold.job import read_thicknesses
     from dummydesign.mold.model.pad_kind import read_kind
     from dummydesign.mold.model.preset import mould_spec
     from dummydesign.mold.runner import make_mold
 
     kind, parameters = read_kind(shape)
-    spec = mould_spec(thickness_mm, length_mm, width_mm, preset, resin, ratio, kind, parameters, base_ratio)
+    wanted = read_thicknesses(thickness_mm)
+    if len(wanted) != 1 or count != 1:
+        specs = [
+            mould_spec(one, length_mm, width_mm, preset, resin, ratio, kind, parameters, base_ratio) for one in wanted
+        ]
+        return _make_job(specs, count, resin, preset, out, replace)
+    spec = mould_spec(wanted[0], length_mm, width_mm, preset, resin, ratio, kind, parameters, base_ratio)
     folder = Path(out) if out else Path(f"mould_{spec.tag}")
     inputs = {
         "thickness_mm": spec.pad.thickness_mm, "length_mm": spec.pad.length_mm, "width_mm": spec.pad.width_mm,
@@ -94,6 +109,18 @@ def make_mould(
     # Memory differs from run to run; the same question shall get the same answer but for seconds.
     del result["memory_MB"]
     return Result(found, result, "make_mould")
+
+
+def _make_job(
+    specs: list[MouldSpec], count: int, resin: str | None, preset: str, out: str | PathLike[str] | None, replace: bool
+) -> Result:
+    from dummydesign.mold.job import folder_name, job_inputs, make_job
+
+    inputs = job_inputs(specs, count)
+    folder = Path(out) if out else Path(folder_name(inputs["thickness_mm"], count, specs[0].pad.prefix))
+    asked = question("mold", {**inputs, "specifications": [spec.hash for spec in specs]}, resin=resin, preset=preset)
+    result = make_job(specs, count, folder, asked, replace)
+    return Result(result["moulds"], result, "make_mould")
 
 
 def record_pad(

@@ -22,6 +22,7 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
     "mold": (
         ("an open mould for a 5 mm pad", "mold --thickness 5"),
         ("a lidded mould for a 20 mm pad", "mold --thickness 20 --preset lidded --ratio 15.4 --out thenar"),
+        ("the moulds of a campaign's pads, twice cast", "mold --thickness 5,15,20 --count 2 --out pads"),
     ),
     "import": (
         ("read what a test machine wrote", "import export.csv --out traces"),

@@ -114,7 +114,7 @@ def masses_g(pour: dict[str, Any]) -> dict[str, float]:
 def _run_child(spec: MouldSpec, work: Path, timeout_s: float) -> dict[str, Any]:
     """Start the child, wait, and turn every way it can end into a result or a named error."""
     spec_file = work / ".spec.json"
-    asked = {"spec": spec.to_dict(), "papers": _papers()}
+    asked = {"spec": spec.to_dict(), "papers": papers()}
     spec_file.write_text(json.dumps(asked), encoding="utf-8")
     package = str(Path(__file__).resolve().parents[2])
     path = os.pathsep.join(filter(None, (package, os.environ.get("PYTHONPATH"))))
@@ -140,7 +140,7 @@ def _run_child(spec: MouldSpec, work: Path, timeout_s: float) -> dict[str, Any]:
     return found
 
 
-def _papers() -> dict[str, str]:
+def papers() -> dict[str, str]:
     """What drawings and sheet carry besides: the command line as typed, the date (``SOURCE_DATE_EPOCH`` if given)."""
     words = COMMAND_LINE.get()
     command = "" if words is None else shlex.join(["dummydesign", *words])

@@ -13,13 +13,16 @@ HELP = "Make the silicone mould of a pad: STEP files, printable master and frame
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of contracts: thickness, size, shape, preset, resin, ratio, output folder; and ``record``."""
-    from dummydesign.cli.design import mold_record
+    from dummydesign.cli import mold_record
     from dummydesign.geometry.shape_names import shape_help
 
     actions = parser.add_subparsers(dest="action", metavar="[record]")
     record = actions.add_parser("record", help=mold_record.HELP, allow_abbrev=False)
     mold_record.add_arguments(record)
-    parser.add_argument("--thickness", type=float, metavar="MM", help="thickness of the pad, 3 to 30 mm; required")
+    parser.add_argument(
+        "--thickness", metavar="MM[,MM..]", help="thickness of the pad, 3 to 30 mm; required; several make one job"
+    )
+    parser.add_argument("--count", type=int, default=1, metavar="N", help="castings of each mould (default 1)")
     parser.add_argument("--length", type=float, default=150.0, metavar="MM", help="length of the pad (default 150)")
     parser.add_argument("--width", type=float, default=120.0, metavar="MM", help="width of the pad (default 120)")
     parser.add_argument(
@@ -46,7 +49,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     from dummydesign.core.errors import InputError
 
     if options.action == "record":
-        from dummydesign.cli.design import mold_record
+        from dummydesign.cli import mold_record
 
         return mold_record.run(options)
     if options.thickness is None:
@@ -60,6 +63,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         preset=options.preset,
         resin=options.resin,
         ratio=options.ratio,
+        count=options.count,
         base_ratio=options.base_ratio,
         out=options.out,
         replace=options.replace,
@@ -70,16 +74,20 @@ def default_out(options: argparse.Namespace) -> str | None:
     """Name of the folder in a project when none is typed; elsewhere the call names it. A record has its folder."""
     if options.action == "record" or options.thickness is None:
         return None
+    from dummydesign.mold.job import folder_name, read_thicknesses
+
     shape = options.shape.partition(":")[0].lower()
-    return f"mould_{'' if shape == 'slab' else f'{shape}_'}t{options.thickness:g}"
+    return folder_name(read_thicknesses(options.thickness), options.count, "" if shape == "slab" else shape)
 
 
 def render(result: dict[str, Any]) -> str:
     """Write the answer as short tables."""
     if "specification" in result:
-        from dummydesign.cli.design import mold_record
+        from dummydesign.cli import mold_record
 
         return mold_record.render(result)
+    if "moulds" in result:
+        return _job(result)
     inputs, pour = result["inputs"], result["pour"]
     size = f"{inputs['length_mm']:g} x {inputs['width_mm']:g} x {inputs['thickness_mm']:g} mm"
     lines = [
@@ -112,6 +120,23 @@ def render(result: dict[str, Any]) -> str:
         lines += ["", "Cautions"]
         lines += [f"  - {item['message']}" for item in result["warnings"]]
     return "\n".join(lines)
+
+
+def _job(result: dict[str, Any]) -> str:
+    """One line a mould, then what all need."""
+    lines = []
+    for one in result["moulds"]:
+        counts = {status: sum(c["status"] == status for c in one["checks"]) for status in ("pass", "fail", "skipped")}
+        said = f"{counts['pass']} checks passed, {counts['fail']} failed, {counts['skipped']} skipped"
+        lines.append(f"{one['thickness_mm']:>6g} mm  {one['spec_hash']}  {said}  {one['folder']}")
+    if "bill_of_materials" not in result:
+        # One of them failed, and what was made is not kept.
+        failed = [item for item in result.get("checks", []) if item["status"] == "fail"]
+        return "\n".join([*lines, *(f"  fail    {item['id']}: {item.get('note', '')}" for item in failed)])
+    lines += ["", f"Needed for all, {result['inputs']['count']} castings of each"]
+    lines += [f"  {what:<46}{much:<16}{purpose}" for what, much, purpose in result["bill_of_materials"][1:]]
+    lines += ["", *(f"{role}: {result['files'][role]}" for role in ("job", "job_pdf", "manifest"))]
+    return "\n".join(lines + [f"warning: {item['message']}" for item in result["warnings"]])
 
 
 def _weights(pour: dict[str, Any]) -> list[str]:

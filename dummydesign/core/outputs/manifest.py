@@ -116,12 +116,13 @@ def read_manifest(path: Path) -> Earlier | None:
     """
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
-        sums = {name: sha for name, sha in content["sha256"].items() if _inside(name) and isinstance(sha, str)}
+        sums = {name: sha for name, sha in content["sha256"].items() if inside(name) and isinstance(sha, str)}
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return Earlier(None, None, {}) if path.is_file() else None
     return Earlier(content.get("question"), content.get("command"), sums)
 
 
-def _inside(name: str) -> bool:
+def inside(name: str) -> bool:
+    """Whether a name stays in its folder."""
     path = Path(name)
     return bool(name) and not path.is_absolute() and ".." not in path.parts

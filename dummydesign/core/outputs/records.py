@@ -9,7 +9,7 @@ from typing import Any
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_text
-from dummydesign.core.outputs.manifest import NAME, Question, sha256_of
+from dummydesign.core.outputs.manifest import NAME, Question, inside, read_manifest, sha256_of
 
 KEY = "records"
 """Field of a manifest: SHA-256 of each record by its name. Asking the same question again leaves them in place."""
@@ -23,7 +23,7 @@ def records_of(manifest: Path, question: Question) -> dict[str, str]:
         found = content.get(KEY, {}) if content["question"] == question.key else {}
     except (OSError, ValueError, AttributeError, KeyError, TypeError):
         return {}
-    return {name: sha for name, sha in found.items() if Path(name).name == name} if isinstance(found, dict) else {}
+    return {name: sha for name, sha in found.items() if inside(name)} if isinstance(found, dict) else {}
 
 
 def add_record(
@@ -34,7 +34,7 @@ def add_record(
     Parameters
     ----------
     folder : Path
-        Holds a manifest.
+        Holds a manifest, or lies in a folder whose manifest covers it.
     stem : str
         The file is ``STEM.json``, or ``STEM-2.json``, ... when another record has that name.
     content : mapping
@@ -54,7 +54,7 @@ def add_record(
     InputError
         When the folder has no manifest, or cannot be written.
     """
-    manifest = folder / NAME
+    manifest = _manifest_of(folder)
     try:
         whole = json.loads(manifest.read_text(encoding="utf-8"))
         known = dict(whole.get(KEY, {}))
@@ -63,9 +63,17 @@ def add_record(
     path = _free(folder, stem, content, apart, replace)
     if not path.exists() or _said(path, apart) != _plain(content, apart):
         write_text(path, json.dumps(content, indent=1, allow_nan=False) + "\n")
-    known[path.name] = sha256_of(path)
+    known[path.relative_to(manifest.parent).as_posix()] = sha256_of(path)
     write_text(manifest, json.dumps({**whole, KEY: dict(sorted(known.items()))}, indent=1) + "\n")
     return path
+
+
+def _manifest_of(folder: Path) -> Path:
+    """The manifest beside the answer, or that of the folder above, when it lists files of this one."""
+    above = folder.resolve().parent / NAME
+    earlier = None if (folder / NAME).exists() else read_manifest(above)
+    listed = earlier is not None and any(name.startswith(f"{folder.resolve().name}/") for name in earlier.sha256)
+    return folder.parent / NAME if listed and folder.name not in ("", "..") else folder / NAME
 
 
 def _free(folder: Path, stem: str, content: Mapping[str, Any], apart: tuple[str, ...], replace: bool) -> Path:

@@ -10,7 +10,6 @@ from dummydesign.mold.checks.result import Check, above, below, equal, skipped
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.layout import Layout, layout
 from dummydesign.mold.model.spec import MouldSpec, Pour
-from dummydesign.mold.model.validate import WARM_K
 from dummydesign.mold.pour.plan import CUP_FACTOR, PourPlan
 from dummydesign.mold.pour.pour_steps import pour_steps
 from dummydesign.mold.pour.steps import order_faults
@@ -50,7 +49,7 @@ def _machines(spec: MouldSpec, place: Layout) -> list[Check]:
     size = sorted((place.flange.length_mm, place.flange.width_mm))
     spare = min(bed[0] - size[0], bed[1] - size[1])
     found = [above("fits_printer", spare, 0.0, "mm to spare beside the master on the bed, margin kept")]
-    if spec.pour.cure_temperature_C > spec.pour.room_temperature_C + WARM_K:
+    if spec.pour.cures_warm:
         rim = 2 * (spec.aids.tray_rim_mm + spec.aids.tray_clearance_mm)
         shelf = sorted((m.shelf_x_mm, m.shelf_y_mm))
         low, high = sorted((place.bottom.length_mm + rim, place.bottom.width_mm + rim))

@@ -101,10 +101,12 @@ def _mould_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
         "silicone, overnight. Tacky borders mean inhibition: seal the print or change the product.",
         f"Bolt frame to master (8 x M{math.floor(box.bolt_hole_mm):g}) and stand the box level: the silicone's free "
         "face becomes the mould's underside.",
-        f"Mix {plan.silicone_mass_g:.0f} g {silicone.name} (two cups, pour over and mix again), degas at most 5 min, "
+        f"Mix {plan.silicone_mass_g:.0f} g {silicone.name} in the ratio of its data sheet, which is "
+        f"not known here (ratio {BLANK}; two cups, pour over and mix again), degas at most 5 min, "
         f"pour within {silicone.pot_life_min:g} min from one corner up to the step in the frame; cure it at "
         "room temperature: the print may not bear more.",
-        f"Leave {silicone.cure_time_h:g} h, lift the frame off, peel the silicone off the plug.",
+        f"Leave {silicone.cure_time_h:g} h, lift the frame off, peel the silicone off the plug. "
+        f"Post-cure, off the print, as the data sheet says: {BLANK}",
     ]
     if lidded:
         steps.insert(

@@ -13,6 +13,9 @@ from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.mold.model.pad_kind import PUCK
 from dummydesign.mold.model.spec_json import plain_data, rebuild
 
+WARM_K = 5.0
+"""A cure that is warmer than the room by no more than this needs no oven."""
+
 
 @dataclass(frozen=True)
 class PadGeometry:
@@ -177,6 +180,11 @@ class Pour:
     foam_factor: float
     pour_and_degas_min: float
     young_kPa: float | None = None
+
+    @property
+    def cures_warm(self) -> bool:
+        """Whether the cure needs an oven: more than :data:`WARM_K` above the room."""
+        return self.cure_temperature_C > self.room_temperature_C + WARM_K
 
 
 @dataclass(frozen=True)

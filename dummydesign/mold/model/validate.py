@@ -16,7 +16,6 @@ STYLES = ("open", "lidded")
 THICKNESS_MM = (3.0, 30.0)
 CORNER_MM = 0.5
 SMALLEST_MM = {"open": 20.0, "lidded": 50.0}
-WARM_K = 5.0
 
 
 def validate(spec: MouldSpec) -> Layout:
@@ -191,7 +190,7 @@ def _check_machines(spec: MouldSpec, plan: Layout) -> None:
     tall = spec.box.rim_mm + plan.height_mm * plan.silicone_scale
     if tall > m.printer_height_mm:
         raise InputError(f"the frame is {tall:.0f} mm high, the printer of machines '{m.name}' {m.printer_height_mm:g}")
-    if spec.pour.cure_temperature_C > spec.pour.room_temperature_C + WARM_K:
+    if spec.pour.cures_warm:
         rim = 2 * (spec.aids.tray_rim_mm + spec.aids.tray_clearance_mm)
         shelf = sorted((m.shelf_x_mm, m.shelf_y_mm))
         _fits("oven shelf", "the tray", plan.bottom.length_mm + rim, plan.bottom.width_mm + rim, shelf, pad, m.name)

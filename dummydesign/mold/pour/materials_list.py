@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.plan import PourPlan
@@ -29,6 +30,86 @@ def cup_litre(volume_mm3: float) -> float:
     return next((size for size in CUPS_LITRE if size >= volume_mm3 * 1e-6), CUPS_LITRE[-1])
 
 
+HEAD = ("what", "how much", "what for")
+ONCE, POUR, SHARED = "once", "pour", "shared"
+"""Needed for the mould, for every casting, or once for all moulds of a job."""
+
+
+@dataclass(frozen=True)
+class Need:
+    """One thing to buy or to have; ``form`` writes its amount. Of what is shared the larger amount is taken."""
+
+    what: str
+    amount: float
+    form: str
+    purpose: str
+    kind: str = ONCE
+
+    @property
+    def row(self) -> tuple[str, str, str]:
+        """As it stands in a list."""
+        hours = f"about {max(0.1, self.amount / GRAM_PER_HOUR):.1f} h of printing"
+        return self.what, self.form.format(abs(self.amount)), self.purpose or hours
+
+    def times(self, count: int) -> Need:
+        """For so many castings."""
+        return replace(self, amount=self.amount * count) if self.kind == POUR else self
+
+    def with_(self, other: Need) -> Need:
+        """Together with the same thing of another mould."""
+        both = max(self.amount, other.amount) if self.kind == SHARED else self.amount + other.amount
+        return replace(self, amount=both)
+
+
+def materials(
+    spec: MouldSpec, plan: PourPlan, printed_mm3: Mapping[str, float] | None = None
+) -> list[Need]:
+    """Everything to buy or to have for a mould and one casting.
+
+    Parameters
+    ----------
+    spec : MouldSpec
+        The mould.
+    plan : PourPlan
+        Weights of its pours.
+    printed_mm3 : mapping, optional
+        Volume of each printed part, as measured on its solid. [mm3]
+
+    Returns
+    -------
+    list of Need
+    """
+    box, aids = spec.box, spec.aids
+    bolt, level = math.floor(box.bolt_hole_mm), math.floor(aids.level_screw_hole_mm)
+    boxes = 2 if spec.closure is not None else 1
+    screw = f"M{bolt} x {screw_length_mm(box.base_mm + box.flange_thickness_mm)}"
+    long = screw_length_mm(aids.tray_floor_mm + LEVEL_TRAVEL_MM)
+    needs = [
+        Need(f"screws {screw} with nuts and washers", 8 * boxes, "{:.0f}", "frame on master"),
+        Need(f"screws M{level} x {long} with nuts", 3, "{:.0f}", "levelling the tray"),
+        Need(f"mould silicone {spec.silicone.name}", plan.silicone_mass_g, "{:.0f} g", "mould"),
+    ]
+    for part, name in ((plan, ""), (plan.base, " (base layer)")):
+        if part is not None:
+            needs += [Need(f"{what}{name}", mass, "{:.1f} g", "pad", POUR) for what, mass in part.components]
+    foam = max(part.cup_mm3 for part in (plan, plan.base) if part is not None)
+    cups = 2 if plan.base is None else 4
+    needs.append(Need(f"cups of {cup_litre(foam):g} l", cups, "{:.0f}", "mixing and pouring over", POUR))
+    if spec.body.style == "open" and not spec.pad.shape.bone_height_mm:
+        film = f"release film, {spec.pad.length_mm + 40:.0f} x {spec.pad.width_mm + 40:.0f} mm"
+        needs.append(Need(film, 1 if plan.base is None else 2, "{:.0f}", "plate", POUR))
+    else:
+        needs.append(Need("release agent", 1, "a little", "parting faces; never the tested face", SHARED))
+    # The finest level of a job counts.
+    needs.append(Need("spirit level or inclinometer", -plan.level_deg, "to {:.2f} deg", "level", SHARED))
+    needs.append(Need("gloves, goggles, extraction", 1, "{:.0f} set", "resin and silicone", SHARED))
+    filament = spec.plastic.name.upper() if spec.plastic else "filament"
+    density = spec.plastic.density_g_per_cm3 if spec.plastic else 1.24
+    for name, volume in (printed_mm3 or {}).items():
+        needs.append(Need(f"{filament}: {name}", volume * 1e-3 * FILLED_SHARE * density, "about {:.0f} g", ""))
+    return needs
+
+
 def bill_of_materials(
     spec: MouldSpec, plan: PourPlan, printed_mm3: Mapping[str, float] | None = None
 ) -> list[tuple[str, str, str]]:
@@ -47,33 +128,4 @@ def bill_of_materials(
     -------
     list of (str, str, str)
     """
-    box, aids = spec.box, spec.aids
-    bolt, level = math.floor(box.bolt_hole_mm), math.floor(aids.level_screw_hole_mm)
-    boxes = 2 if spec.closure is not None else 1
-    screw = f"M{bolt} x {screw_length_mm(box.base_mm + box.flange_thickness_mm)}"
-    rows = [("what", "how much", "what for")]
-    rows.append((f"screws {screw} with nuts and washers", f"{8 * boxes}", "frame on master"))
-    long = screw_length_mm(aids.tray_floor_mm + LEVEL_TRAVEL_MM)
-    rows.append((f"screws M{level} x {long} with nuts", "3", "levelling the tray"))
-    rows.append((f"mould silicone {spec.silicone.name}", f"{plan.silicone_mass_g:.0f} g", "mould"))
-    for part, name in ((plan, ""), (plan.base, " (base layer)")):
-        if part is not None:
-            rows += [(f"{what}{name}", f"{mass:.1f} g", "pad") for what, mass in part.components]
-    foam = max(part.cup_mm3 for part in (plan, plan.base) if part is not None)
-    rows.append((f"cups of {cup_litre(foam):g} l", f"{2 if plan.base is None else 4}", "mixing and pouring over"))
-    if spec.body.style == "open" and not spec.pad.shape.bone_height_mm:
-        films = 1 if plan.base is None else 2
-        rows.append(
-            (f"release film, {spec.pad.length_mm + 40:.0f} x {spec.pad.width_mm + 40:.0f} mm", f"{films}", "plate")
-        )
-    else:
-        rows.append(("release agent", "a little", "parting faces; never the tested face"))
-    rows.append(("spirit level or inclinometer", f"to {plan.level_deg:.2f} deg", "level"))
-    rows.append(("gloves, goggles, extraction", "1 set", "resin and silicone"))
-    for name, volume in (printed_mm3 or {}).items():
-        grams = volume * 1e-3 * FILLED_SHARE * (spec.plastic.density_g_per_cm3 if spec.plastic else 1.24)
-        what = spec.plastic.name.upper() if spec.plastic else "filament"
-        rows.append(
-            (f"{what}: {name}", f"about {grams:.0f} g", f"about {max(0.1, grams / GRAM_PER_HOUR):.1f} h of printing")
-        )
-    return rows
+    return [HEAD, *(need.row for need in materials(spec, plan, printed_mm3))]

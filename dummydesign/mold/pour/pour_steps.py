@@ -42,14 +42,14 @@ def pour_steps(spec: MouldSpec, plan: PourPlan) -> list[Step]:
 
 
 def _place(spec: MouldSpec) -> str:
-    return "on the shelf of the oven, switched off and open" if shape_notes.cures_hot(spec) else "on a firm bench"
+    return "on the shelf of the oven, switched off and open" if spec.pour.cures_warm else "on a firm bench"
 
 
 def _drying(spec: MouldSpec) -> list[Step]:
     if not any("isocyanate" in name.lower() for name, _ in spec.pour.components):
         return []
     pour = spec.pour
-    at = f"at {pour.cure_temperature_C:g} C" if shape_notes.cures_hot(spec) else "at 60 C"
+    at = f"at {pour.cure_temperature_C:g} C" if spec.pour.cures_warm else "at 60 C"
     return [
         Step(
             f"Dry the mould {DRYING_H:g} h {at}: water in the silicone foams the polyurethane. Let it cool below 40 C "
@@ -164,7 +164,7 @@ def _filling_lidded(spec: MouldSpec, plan: PourPlan) -> list[Step]:
 def _cure(spec: MouldSpec, plan: PourPlan) -> Step:
     pour = spec.pour
     place = f"Cure {pour.cure_time_h:g} h at room temperature"
-    if shape_notes.cures_hot(spec):
+    if spec.pour.cures_warm:
         place = f"Close the oven and cure {pour.cure_time_h:g} h at {pour.cure_temperature_C:g} C"
     return Step(
         f"{place}, where it stands, in the tray. The hot mould grows by {plan.thermal_growth_mm:.1f} "

@@ -92,13 +92,8 @@ def demould_first(spec: MouldSpec) -> str:
     return "Slide the pad on release film onto a flat board. No silicone spray on the face that is tested."
 
 
-def cures_hot(spec: MouldSpec) -> bool:
-    """Whether the resin cures above room temperature."""
-    return spec.pour.cure_temperature_C > spec.pour.room_temperature_C
-
-
 def _where(spec: MouldSpec) -> str:
     pour = spec.pour
-    if cures_hot(spec):
+    if pour.cures_warm:
         return f"at {pour.cure_temperature_C:g} C"
     return "at room temperature"

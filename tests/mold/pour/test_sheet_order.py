@@ -102,3 +102,21 @@ def test_screws_go_through_what_they_hold():
     assert any(row[0] == "ASA: master" and "g" in row[1] for row in rows)
     needed = {row[0] for row in rows}
     assert {name for name, _ in pour_plan(spec).components} <= needed
+
+
+def test_sheet_and_check_agree_on_which_cure_needs_an_oven():
+    from dataclasses import replace
+
+    from dummydesign.mold.checks.process import check_process
+    from dummydesign.mold.pour.plan import pour_plan
+    from dummydesign.mold.pour.pour_steps import pour_steps
+    from dummydesign.mold.pour.warnings import pour_warnings
+
+    spec = mould_spec(8.0, 60.0, 50.0)
+    for warmer, oven in ((2.0, False), (5.0, False), (6.0, True)):
+        pour = replace(spec.pour, cure_temperature_C=spec.pour.room_temperature_C + warmer)
+        warm = replace(spec, pour=pour)
+        plan = pour_plan(warm)
+        said = any("oven" in step.text for step in pour_steps(warm, plan))
+        checks = {one.id: one.status for one in check_process(warm, plan, pour_warnings(warm, plan))}
+        assert said == oven and (checks["fits_oven"] != "skipped") == oven

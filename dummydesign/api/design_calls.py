@@ -10,6 +10,20 @@ from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Answer
 from dummydesign.api.questions import question
+from dummydesign.core.checks import (
+    BALANCE,
+    DECELERATION,
+    EDGE,
+    FORCE,
+    HOLD,
+    MASS,
+    ROBOT_VELOCITY,
+    TOLERANCE,
+    VELOCITY,
+    read_number,
+    read_numbers,
+    read_size,
+)
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
 
 if TYPE_CHECKING:
@@ -18,7 +32,8 @@ if TYPE_CHECKING:
     from dummydesign.design.request import Request
 
 
-ROBOT_VELOCITY_MM_S, SLOWEST_MM_S, LARGEST_ERROR = 250.0, 1.0, 2.0
+ROBOT_VELOCITY_MM_S, LARGEST_ERROR = 250.0, 2.0
+Numbers = float | str | Iterable[float | str]
 
 
 def suggest(
@@ -33,10 +48,21 @@ def suggest(
     effects: Iterable[str | PathLike[str]] = (),
     verify: bool = True,
     cad: bool | None = None,
-    balance_g: float = 0.1,
-    thickness_tolerance_mm: float = 0.2,
-    robot_mass_kg: float | None = None,
-    robot_velocity_mm_s: float | None = None,
+    punch: str = "square:14",
+    force_N: Numbers = (5.0, 10.0, 15.0),
+    velocity_mm_s: Numbers = (10.0, 250.0),
+    hold_s: float | str = 10.0,
+    deceleration_mm_s2: float | str = 30_000.0,
+    pad: tuple[float, float] | str = "150x120",
+    base: str = "bonded",
+    edge_radius_mm: float | str = 0.0,
+    preset: str = "open",
+    machine: str | None = None,
+    silicone: str | None = None,
+    balance_g: float | str = 0.1,
+    thickness_tolerance_mm: float | str = 0.2,
+    robot_mass_kg: float | str | None = None,
+    robot_velocity_mm_s: float | str | None = None,
     limits: str | PathLike[str] | None = None,
     out: str | PathLike[str] | None = None,
     replace: bool = False,
@@ -63,6 +89,20 @@ def suggest(
     cad : bool, optional
         Make the mould into ``out``; the recipe is then that of the solids' volumes. By default wherever there is
         an ``out`` and the verdict is not red (``answer.found.verdict.acceptable``).
+    punch : str
+        ``square:14``, ``rectangle:20x10``, ``round:16``, ``ball:20`` or ``profile:FILE.csv``, sizes in mm.
+    force_N, velocity_mm_s : numbers or text
+        Steady forces and speeds of the test, such as ``"5,10,15"`` or ``"0.01m/s,0.25m/s"``. [N, mm/s]
+    hold_s, deceleration_mm_s2 : float
+        Hold after the stop, and braking of the robot. [s, mm/s2]
+    pad : (length, width) or "LxW"
+        [mm]
+    base : str
+        ``bonded``, ``sliding`` or ``friction:MU``.
+    edge_radius_mm : float
+        Fillet of the punch's edge, 0 (sharp) to 0.3 of its half-width; solved for slabs. [mm]
+    preset, machine, silicone : str
+        Mould preset, machines and silicone, names or files; without the last two those of the preset.
     balance_g, thickness_tolerance_mm : float
         Errors of weighing and of the cast thickness, even within plus and minus these. [g, mm]
     robot_mass_kg, robot_velocity_mm_s : float
@@ -103,12 +143,20 @@ def suggest(
     from dummydesign.loop.effects.own import own_effects
 
     limits_mm, limits_ratio = _pair(thickness_mm, "thickness in mm"), _pair(ratio, "ratio")
+    balance_g, thickness_tolerance_mm = read_number(balance_g, BALANCE), read_number(thickness_tolerance_mm, TOLERANCE)
+    robot_mass_kg = None if robot_mass_kg is None else read_number(robot_mass_kg, MASS)
+    if robot_velocity_mm_s is not None:
+        robot_velocity_mm_s = read_number(robot_velocity_mm_s, ROBOT_VELOCITY)
     for name, value in (("balance in g", balance_g), ("thickness tolerance in mm", thickness_tolerance_mm)):
         if not 0.0 <= value <= LARGEST_ERROR:
             raise out_of_range(name, value, 0, LARGEST_ERROR)
     path = None if calibration is None else str(calibration)
     request = Request(tissue, aim, resin, limits_mm, limits_ratio, shape=shape, verify=verify, calibration=path,
-                      weighing_g=balance_g, thickness_tolerance_mm=thickness_tolerance_mm)  # fmt: skip
+                      weighing_g=balance_g, thickness_tolerance_mm=thickness_tolerance_mm, punch=punch,
+                      force_N=read_numbers(force_N, FORCE), velocity_mm_s=read_numbers(velocity_mm_s, VELOCITY),
+                      hold_s=read_number(hold_s, HOLD), base=base, preset=preset, machine=machine, silicone=silicone,
+                      deceleration_mm_s2=read_number(deceleration_mm_s2, DECELERATION), pad_mm=read_size(pad, "pad"),
+                      edge_radius_mm=read_number(edge_radius_mm, EDGE))  # fmt: skip
     if cad and out is None:
         raise InputError("cad = True needs out, the folder for the files of the mould")
     folder = None if out is None else Path(out)
@@ -143,10 +191,6 @@ def _answer(
             raise out_of_range(name, value, "above 0", "any finite value")
     if mass_kg is None and velocity_mm_s is not None:
         raise InputError(f"robot velocity in mm/s = {velocity_mm_s:g} needs the robot's mass: give --robot-mass KG")
-    if velocity_mm_s is not None and velocity_mm_s < SLOWEST_MM_S:
-        likely = f"{1e3 * velocity_mm_s:g}"
-        raise out_of_range("robot velocity in mm/s", velocity_mm_s, f"{SLOWEST_MM_S:g}", "any finite value",
-                           f"it looks like m/s: then give {likely}")  # fmt: skip
     velocity_mm_s = ROBOT_VELOCITY_MM_S if velocity_mm_s is None else velocity_mm_s
     inputs = {**inputs, "robot_velocity_mm_s": None if mass_kg is None else velocity_mm_s}
     limits = None if inputs["limits"] is None else read_limits(inputs["limits"])
@@ -159,8 +203,8 @@ def _answer(
     if folder is None:
         found, _, result = answered()
         return Answer(found, result)
-    read = (inputs["calibration"], inputs["limits"], *effects)
-    asked = question("suggest", inputs, tissue=request.tissue, resin=request.resin, files=read)
+    read = (inputs["calibration"], inputs["limits"], *effects, *_named_files(request))
+    asked = question("suggest", inputs, tissue=request.tissue, resin=request.resin, preset=request.preset, files=read)
     with new_folder(folder, asked, replace=replace) as output:
         found, safety, result = answered()
         wanted_cad = found.verdict.acceptable if inputs["cad"] is None else inputs["cad"]
@@ -175,6 +219,13 @@ def _answer(
     if missing is not None:
         raise NoAnswerError(missing.code, output.settled(str(missing)), result)
     return Answer(found, result)
+
+
+def _named_files(request: Request) -> list[str]:
+    """Files that the test names: a punch's profile, a machine, a silicone."""
+    profile = request.punch.partition("profile:")[2]
+    named = [name for name in (request.machine, request.silicone) if name is not None and name.endswith(".toml")]
+    return [*([profile] if profile else []), *named]
 
 
 def _written(

@@ -8,13 +8,13 @@ from dummydesign.design.assessment.warnings import design_warnings, rests_on
 from dummydesign.design.calibrated import calibration_dict
 from dummydesign.design.inputs import Inputs
 from dummydesign.design.mould import pour_recipe
+from dummydesign.design.own_test.checks import own_warnings
 from dummydesign.design.search.best_of_kinds import Chosen
 from dummydesign.design.search.shape_family import ShapeLaw
 from dummydesign.design.search.slabs import Candidate
 from dummydesign.design.solve import Solved
 from dummydesign.design.suggestion import Design, Suggestion
 from dummydesign.geometry.shapes import PadShape
-from dummydesign.resin.model.resin import Resin
 
 
 def assess(inputs: Inputs, solved: Solved) -> Suggestion:
@@ -28,14 +28,15 @@ def assess(inputs: Inputs, solved: Solved) -> Suggestion:
     """
     request, space, chosen = inputs.request, inputs.space, solved.chosen
     best = chosen.found.best
-    recommended = _design(space.resin, best, chosen.shape)
+    recommended = _design(inputs, best, chosen.shape)
     poured = sum(mass for name, mass in recommended.recipe if not name.endswith("(base)"))
     tolerances = Tolerances(poured, request.weighing_g, request.thickness_tolerance_mm)
     pour = pour_yield(
         chosen.cast, space.resin, space.targets, best.thickness_mm, best.ratio, space.radius_mm, tolerances
     )
+    own = own_warnings(request, inputs.punch, inputs.tissue, chosen.shape.plain)
     warnings = design_warnings(
-        chosen, space, inputs.tissue, pour, solved.verification, solved.centring, request.verify
+        chosen, space, inputs.tissue, pour, solved.verification, solved.centring, request.verify, own
     )
     calibrated = inputs.calibrated
     warnings += [] if calibrated is None else list(calibrated.warnings)
@@ -48,7 +49,7 @@ def assess(inputs: Inputs, solved: Solved) -> Suggestion:
         verdict=verdict_of_design(chosen.cast, best, space, tolerances),
         recommended=recommended,
         alternatives=tuple(
-            _design(space.resin, other, _shape_at(chosen, other)) for other in chosen.found.alternatives
+            _design(inputs, other, _shape_at(chosen, other)) for other in chosen.found.alternatives
         ),
         law=chosen.law,
         cast=chosen.cast,
@@ -58,6 +59,7 @@ def assess(inputs: Inputs, solved: Solved) -> Suggestion:
         centring=solved.centring,
         rests_on=rests_on(space.resin, inputs.tissue, best),
         warnings=tuple(warnings),
+        punch=inputs.punch,
         calibration=None if calibrated is None else calibration_dict(calibrated.calibration, str(request.calibration)),
     )
 
@@ -69,5 +71,5 @@ def _shape_at(chosen: Chosen, other: Candidate) -> PadShape:
     return chosen.law.shape_at(other.thickness_mm)
 
 
-def _design(resin: Resin, candidate: Candidate, shape: PadShape) -> Design:
-    return Design(candidate, shape, pour_recipe(resin, candidate, shape))
+def _design(inputs: Inputs, candidate: Candidate, shape: PadShape) -> Design:
+    return Design(candidate, shape, pour_recipe(inputs.space.resin, candidate, inputs.request, shape))

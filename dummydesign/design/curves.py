@@ -8,21 +8,47 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.request import RADIUS_MM
+from dummydesign.design.request import Protocol
 from dummydesign.design.scoring.presses import ForceLaw, make_curves, steady_depth
 from dummydesign.design.search.slabs import THICKNESS_MM
-from dummydesign.design.sensitivity import SLOW_MM_S, Reaction, ratio_error, reactions
+from dummydesign.design.sensitivity import Reaction, ratio_error, reactions
 
 if TYPE_CHECKING:
     from dummydesign.design.scoring.targets import Targets
     from dummydesign.design.search.slabs import Candidate
     from dummydesign.design.suggestion import Suggestion
 
-FORCE_GRID_N = np.r_[np.linspace(0.1, 5.0, 25), np.linspace(5.25, 15.0, 40)]
-EXTRAPOLATED_N, MEASURED_N, AIM_N = np.linspace(0.0, 5.0, 21), np.linspace(5.0, 15.0, 41), np.linspace(0.0, 15.0, 61)
-RELATIVE_N = np.geomspace(0.3, 15.0, 60)
 THICKNESS_GRID_MM = np.linspace(*THICKNESS_MM, 55)
-EXPONENT_AT_N = (5.0, 10.0, 15.0)
+
+
+@dataclass(frozen=True)
+class ForceGrids:
+    """Steady forces at which curves are drawn. [N]
+
+    ``pad`` for pads; ``extrapolated``, ``measured`` and ``aim`` for subjects and aim; ``relative`` for the ratio of
+    both; ``exponent_at`` for exponents over thickness.
+    """
+
+    pad: NDArray
+    extrapolated: NDArray
+    measured: NDArray
+    aim: NDArray
+    relative: NDArray
+    exponent_at: tuple[float, ...]
+
+
+def force_grids(protocol: Protocol) -> ForceGrids:
+    """Lay out the forces of a test."""
+    low, high = protocol.forces_N[0], protocol.forces_N[-1]
+    above = np.linspace(low + 0.025 * (high - low), high, 40) if high > low else np.zeros(0)
+    return ForceGrids(
+        np.r_[np.linspace(0.02 * low, low, 25), above],
+        np.linspace(0.0, low, 21),
+        np.linspace(low, high, 41 if high > low else 1),
+        np.linspace(0.0, high, 61),
+        np.geomspace(0.06 * low, high, 60),
+        protocol.forces_N,
+    )
 
 
 @dataclass(frozen=True)
@@ -31,19 +57,22 @@ class SuggestionCurves:
 
     Attributes
     ----------
+    forces_N : ForceGrids
+        Forces at which the curves are taken.
     pad_depth_mm : ndarray, shape (n,)
-        Depth of the recommended pad at :data:`FORCE_GRID_N`.
-    pad_depth_at_10N_mm : float
+        Depth of the recommended pad at ``forces_N.pad``.
+    pad_depth_at_needed_mm : float
+        At the middle force of the test.
     other_depths_mm : tuple of ndarray, shape (n,)
         The same of each alternative.
     subjects_extrapolated_mm, subjects_measured_mm : (stiffest, softest)
-        Depths of the subjects at :data:`EXTRAPOLATED_N` and :data:`MEASURED_N`.
+        Depths of the subjects at ``forces_N.extrapolated`` and ``forces_N.measured``.
     aim_depth_mm : ndarray
-        Depth of the aim at :data:`AIM_N`.
+        Depth of the aim at ``forces_N.aim``.
     relative_forces : tuple of ndarray or None
-        Of each kind of shape: force over the aim's at the aim's depth at :data:`RELATIVE_N`; None without a design.
+        Of each kind of shape: force over the aim's at the aim's depth at ``forces_N.relative``; None without a design.
     exponent : ndarray, shape (thickness, force)
-        d ln F / d ln x at :data:`THICKNESS_GRID_MM` and :data:`EXPONENT_AT_N`, ratio as recommended.
+        d ln F / d ln x at :data:`THICKNESS_GRID_MM` and ``forces_N.exponent_at``, ratio as recommended.
     exponent_here : tuple of float
         The same at the recommended thickness.
     ratio_error : float
@@ -52,8 +81,9 @@ class SuggestionCurves:
         What each uncertainty does to depth and peak.
     """
 
+    forces_N: ForceGrids
     pad_depth_mm: NDArray
-    pad_depth_at_10N_mm: float
+    pad_depth_at_needed_mm: float
     other_depths_mm: tuple[NDArray, ...]
     subjects_extrapolated_mm: tuple[NDArray, NDArray]
     subjects_measured_mm: tuple[NDArray, NDArray]
@@ -68,17 +98,19 @@ class SuggestionCurves:
 def suggestion_curves(answer: Suggestion) -> SuggestionCurves:
     """Work out what a report draws of a suggestion."""
     targets, here = answer.targets, answer.best.thickness_mm
-    depth = steady_curve(answer.best)
-    exponent = exponent_over_thickness(answer, answer.law)
+    grids = force_grids(targets.protocol)
+    depth = steady_curve(answer.best, grids)
+    exponent = exponent_over_thickness(answer, answer.law, grids)
     return SuggestionCurves(
+        forces_N=grids,
         pad_depth_mm=depth,
-        pad_depth_at_10N_mm=float(np.interp(10.0, FORCE_GRID_N, depth)),
-        other_depths_mm=tuple(steady_curve(other.candidate) for other in answer.alternatives),
-        subjects_extrapolated_mm=targets.depth_range_mm(EXTRAPOLATED_N),
-        subjects_measured_mm=targets.depth_range_mm(MEASURED_N),
-        aim_depth_mm=targets.aim_depth_mm(AIM_N),
+        pad_depth_at_needed_mm=float(np.interp(targets.protocol.needed_N, grids.pad, depth)),
+        other_depths_mm=tuple(steady_curve(other.candidate, grids) for other in answer.alternatives),
+        subjects_extrapolated_mm=targets.depth_range_mm(grids.extrapolated),
+        subjects_measured_mm=targets.depth_range_mm(grids.measured),
+        aim_depth_mm=targets.aim_depth_mm(grids.aim),
         relative_forces=tuple(
-            None if item.candidate is None else relative_force(item.candidate, targets) for item in answer.beside
+            None if item.candidate is None else relative_force(item.candidate, targets, grids) for item in answer.beside
         ),
         exponent=exponent,
         exponent_here=tuple(float(np.interp(here, THICKNESS_GRID_MM, column)) for column in exponent.T),
@@ -87,31 +119,50 @@ def suggestion_curves(answer: Suggestion) -> SuggestionCurves:
     )
 
 
-def steady_curve(candidate: Candidate) -> NDArray:
-    """Depth of a design at :data:`FORCE_GRID_N` of steady force; NaN out of reach. [mm]"""
-    slabs = candidate.evaluation.slabs.take(np.array([candidate.index]))
-    return steady_depth(slabs, FORCE_GRID_N, SLOW_MM_S)[0]
+def steady_curve(candidate: Candidate, grids: ForceGrids) -> NDArray:
+    """Depth of a design at ``grids.pad`` of steady force; NaN out of reach. [mm]"""
+    evaluation = candidate.evaluation
+    slabs = evaluation.slabs.take(np.array([candidate.index]))
+    return steady_depth(slabs, grids.pad, evaluation.protocol.slow_mm_s, evaluation.sampling.coarse)[0]
 
 
-def relative_force(candidate: Candidate, targets: Targets) -> NDArray:
-    """Steady force of a design over the aim's, at the depths where the aim carries :data:`RELATIVE_N`."""
-    aim, depth = targets.aim_depth_mm(RELATIVE_N), steady_curve(candidate)
+def relative_force(candidate: Candidate, targets: Targets, grids: ForceGrids) -> NDArray:
+    """Steady force of a design over the aim's, at the depths where the aim carries ``grids.relative``.
+
+    Parameters
+    ----------
+    candidate : Candidate
+    targets : Targets
+        With the aim.
+    grids : ForceGrids
+        Of its test.
+    """
+    aim, depth = targets.aim_depth_mm(grids.relative), steady_curve(candidate, grids)
     known = np.isfinite(depth)
     ln_force = np.interp(
-        np.log(aim), np.log(depth[known]), np.log(FORCE_GRID_N[known]), left=np.nan, right=np.nan
+        np.log(aim), np.log(depth[known]), np.log(grids.pad[known]), left=np.nan, right=np.nan
     )
-    return np.exp(ln_force) / RELATIVE_N
+    return np.exp(ln_force) / grids.relative
 
 
-def exponent_over_thickness(answer: Suggestion, law: ForceLaw) -> NDArray:
-    """Local exponent d ln F / d ln x at :data:`EXPONENT_AT_N`, ratio as recommended; (thickness, force).
+def exponent_over_thickness(answer: Suggestion, law: ForceLaw, grids: ForceGrids) -> NDArray:
+    """Local exponent d ln F / d ln x at ``grids.exponent_at``, ratio as recommended; (thickness, force).
 
     NaN at thicknesses that the law does not hold.
+
+    Parameters
+    ----------
+    answer : Suggestion
+        Resin, ratio and punch.
+    law : ForceLaw
+        In proportion with the thickness.
+    grids : ForceGrids
+        Of its test.
     """
-    held = np.asarray(law.depth_limit_mm(THICKNESS_GRID_MM, RADIUS_MM)) > 0.0
-    curves = make_curves(law, THICKNESS_GRID_MM[held], RADIUS_MM)
+    held = np.asarray(law.depth_limit_mm(THICKNESS_GRID_MM, answer.radius_mm)) > 0.0
+    curves = make_curves(law, THICKNESS_GRID_MM[held], answer.radius_mm)
     slab = np.arange(int(held.sum()))
-    area = np.array(EXPONENT_AT_N) / answer.resin.young_MPa(answer.best.ratio)
+    area = np.array(grids.exponent_at) / answer.resin.young_MPa(answer.best.ratio)
     depth = curves.depth_at(slab, np.broadcast_to(area, (len(slab), len(area))))
     exponent = np.full((len(held), len(area)), np.nan)
     exponent[held] = curves.slope_at(slab, depth) * depth / area

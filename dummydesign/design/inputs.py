@@ -7,7 +7,10 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from dummydesign.core.errors import InputError
-from dummydesign.design.request import PUNCH, RADIUS_MM, Request
+from dummydesign.design.own_test.checks import check_test
+from dummydesign.design.own_test.punch import AskedPunch, read_punch
+from dummydesign.design.own_test.slab_law import check_mould, own_slab_law, tabulated
+from dummydesign.design.request import Request
 from dummydesign.design.scoring.presses import ForceLaw, Sampling
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.search.best_of_kinds import kinds_of
@@ -15,7 +18,6 @@ from dummydesign.design.search.calibrated_family import CalibratedFamily
 from dummydesign.design.search.slabs import THICKNESS_MM, thickness_steps
 from dummydesign.design.search.space import SearchSpace
 from dummydesign.geometry.shapes import Slab
-from dummydesign.pad.tables.punch import punch_law
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -37,6 +39,7 @@ class Inputs:
         Resin (with what a calibration taught), targets, thicknesses and ratios to search.
     slab_law : ForceLaw
         Elastic force of flat slabs under the punch.
+    punch : AskedPunch
     calibrated : Calibrated or None
         What a calibration taught, where one was given.
     """
@@ -45,6 +48,7 @@ class Inputs:
     tissue: Tissue
     space: SearchSpace
     slab_law: ForceLaw
+    punch: AskedPunch
     calibrated: Calibrated | None = None
 
 
@@ -67,12 +71,14 @@ def resolve(request: Request, law: ForceLaw | None = None) -> Inputs:
 
     if request.shape.lower() != Slab.name:
         kinds_of(request.shape)
+    punch = read_punch(request.punch)
+    check_test(request, punch)
     tissue, resin = load_tissue(request.tissue), load_resin(request.resin)
     sampling = Sampling(hold_s=request.hold_s, deceleration_mm_s2=request.deceleration_mm_s2)
     tissue.target(request.aim)
-    thickness = thickness_steps(*(request.thickness_mm or THICKNESS_MM))
+    thickness = tabulated(thickness_steps(*(request.thickness_mm or THICKNESS_MM)), request, punch)
     ratios = _ratios(resin, request.ratio)
-    targets = make_targets(tissue, request.aim, sampling)
+    targets = make_targets(tissue, request.aim, sampling, request.protocol)
     calibrated = None
     if request.calibration is not None:
         from dummydesign.design.calibrated import with_calibration
@@ -80,12 +86,13 @@ def resolve(request: Request, law: ForceLaw | None = None) -> Inputs:
         calibrated = with_calibration(resin, request.calibration)
         resin, law = calibrated.resin, calibrated.law
     if law is None:
-        from dummydesign.pad.tables.slab import load_table
-
-        law = punch_law(load_table(base="bonded"), PUNCH)
+        law = own_slab_law(request, punch, thickness)
     correct = None if calibrated is None else partial(CalibratedFamily, correction=calibrated.law.correction)
-    space = SearchSpace(resin, targets, thickness, ratios, RADIUS_MM, sampling, correct)
-    return Inputs(request, tissue, space, law, calibrated)
+    check_mould(request, resin, float(thickness[0]), float(ratios[0]))
+    space = SearchSpace(
+        resin, targets, thickness, ratios, punch.radius_mm, sampling, request.pad_mm, request.base, correct
+    )
+    return Inputs(request, tissue, space, law, punch, calibrated)
 
 
 def _ratios(resin: Resin, wanted: tuple[float, float] | None) -> NDArray:
@@ -100,3 +107,4 @@ def _ratios(resin: Resin, wanted: tuple[float, float] | None) -> NDArray:
             f"{resin.name} allows {resin.ratio_min:g} to {resin.ratio_max:g}"
         )
     return ratios
+

@@ -10,6 +10,7 @@ from dummydesign.geometry.shapes import PadShape, Slab
 from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 
 if TYPE_CHECKING:
+    from dummydesign.design.request import Request
     from dummydesign.design.search.slabs import Candidate
     from dummydesign.design.suggestion import Suggestion
     from dummydesign.mold.model.spec import MouldSpec
@@ -17,8 +18,10 @@ if TYPE_CHECKING:
 
 
 
-def pour_recipe(resin: Resin, candidate: Candidate, shape: PadShape | None = None) -> tuple[tuple[str, float], ...]:
-    """Masses to weigh for the open mould of a design, with what stays in cup and meniscus; both pours of layers.
+def pour_recipe(
+    resin: Resin, candidate: Candidate, request: Request, shape: PadShape | None = None
+) -> tuple[tuple[str, float], ...]:
+    """Masses to weigh for the mould of a design, with what stays in cup and meniscus; both pours of layers.
 
     Parameters
     ----------
@@ -26,6 +29,8 @@ def pour_recipe(resin: Resin, candidate: Candidate, shape: PadShape | None = Non
         What is poured.
     candidate : Candidate
         Thickness and ratio.
+    request : Request
+        Size of the pad, mould preset, machine and silicone.
     shape : PadShape, optional
         A flat slab by default.
 
@@ -36,14 +41,14 @@ def pour_recipe(resin: Resin, candidate: Candidate, shape: PadShape | None = Non
     """
     from dummydesign.mold.pour.plan import pour_plan
 
-    plan = pour_plan(mould_of(resin, candidate, shape))
+    plan = pour_plan(mould_of(resin, candidate, request, shape))
     if plan.base is None:
         return plan.components
     return (*plan.components, *((f"{name} (base)", mass) for name, mass in plan.base.components))
 
 
-def mould_of(resin: Resin, candidate: Candidate, shape: PadShape | None = None) -> MouldSpec:
-    """Specification of the open mould of a design.
+def mould_of(resin: Resin, candidate: Candidate, request: Request, shape: PadShape | None = None) -> MouldSpec:
+    """Specification of the mould of a design.
 
     Parameters
     ----------
@@ -51,6 +56,8 @@ def mould_of(resin: Resin, candidate: Candidate, shape: PadShape | None = None) 
         What is poured.
     candidate : Candidate
         Thickness and ratio.
+    request : Request
+        Size of the pad, mould preset, machine and silicone.
     shape : PadShape, optional
         A flat slab by default.
 
@@ -62,8 +69,8 @@ def mould_of(resin: Resin, candidate: Candidate, shape: PadShape | None = None) 
 
     shape = shape or Slab()
     return mould_spec(
-        candidate.thickness_mm, PAD_LENGTH_MM, PAD_WIDTH_MM, "open", resin, candidate.ratio,
-        shape.name, shape.parameters,
+        candidate.thickness_mm, *request.pad_mm, request.preset, resin, candidate.ratio,
+        shape.name, shape.parameters, machines=request.machine, silicone=request.silicone,
     )  # fmt: skip
 
 
@@ -94,11 +101,15 @@ def with_mould(result: dict[str, Any], answer: Suggestion, folder: Path) -> dict
 
     best = answer.best
     try:
-        spec = mould_of(answer.resin, best, answer.shape)
+        spec = mould_of(answer.resin, best, answer.request, answer.shape)
         mould = runner.make_mold(spec, folder).to_dict()
     except NoAnswerError as problem:
         step = f"dummydesign mold --thickness {best.thickness_mm:g} --resin {answer.request.resin}"
         step += f" --ratio {best.ratio:g} --shape {answer.shape}"
+        if answer.request.pad_mm != (PAD_LENGTH_MM, PAD_WIDTH_MM):
+            step += " --length {:g} --width {:g}".format(*answer.request.pad_mm)
+        if answer.request.preset != "open":
+            step += f" --preset {answer.request.preset}"
         message = f"{problem}; the recipe stands, the mould is missing: then run '{step}'"
         raise NoAnswerError(problem.code, message, result) from None
     files, warnings = mould.pop("files"), mould.pop("warnings")

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from typing import Any
 
-from dummydesign.geometry.standard import PUNCH_RADIUS_MM, PUNCH_SIDE_MM
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM, PUNCH_RADIUS_MM, PUNCH_SIDE_MM
 
 Progress = Callable[[str], None]
 """Is told each step of the work as it begins, in words."""
@@ -20,10 +24,85 @@ PUNCH = f"square:{PUNCH_SIDE_MM:g}"
 RADIUS_MM = PUNCH_RADIUS_MM
 """Circle of the area of the paper's 14 x 14 mm impactor. [mm]"""
 
+LOW_SHARES = (0.1, 0.2)
+"""Forces below the lowest of the test at which exponents are given, over that force."""
+FINE, COARSE = 41, 10
+
+
+@dataclass(frozen=True)
+class Protocol:
+    """Presses of a test: every steady force at every speed.
+
+    Attributes
+    ----------
+    forces_N : tuple of float
+        Force at the end of the hold, rising. [N]
+    velocities_mm_s : tuple of float
+        Speeds of the ramp, rising. [mm/s]
+    """
+
+    forces_N: tuple[float, ...] = (5.0, 10.0, 15.0)
+    velocities_mm_s: tuple[float, ...] = (10.0, 250.0)
+
+    @property
+    def slow_mm_s(self) -> float:
+        """The slowest ramp, at which steady curves are taken. [mm/s]"""
+        return self.velocities_mm_s[0]
+
+    @property
+    def fast_mm_s(self) -> float:
+        """The fastest ramp. [mm/s]"""
+        return self.velocities_mm_s[-1]
+
+    @property
+    def needed_N(self) -> float:
+        """The force that a design has to reach at every speed: the middle one, 10 of 5, 10 and 15 N."""
+        return self.forces_N[len(self.forces_N) // 2]
+
+    @cached_property
+    def steady_grid_N(self) -> NDArray:
+        """Steady forces at which the steady curve is scored, from the lowest to the highest. [N]"""
+        return np.linspace(self.forces_N[0], self.forces_N[-1], FINE if len(self.forces_N) > 1 else 1)
+
+    @cached_property
+    def low_grid_N(self) -> NDArray:
+        """Steady forces below those of the test, from a tenth of the lowest: reported, not scored. [N]"""
+        return np.linspace(0.1 * self.forces_N[0], self.forces_N[0], COARSE)
+
+    @cached_property
+    def misfit_N(self) -> NDArray:
+        """Forces over which the misfit is taken, even in the logarithm. [N]"""
+        return np.geomspace(0.1 * self.forces_N[0], self.forces_N[-1], 40)
+
+    @cached_property
+    def wide_N(self) -> NDArray:
+        """Forces far beyond those of the test: a flat pad's own, at the depths of a soft tissue. [N]"""
+        return np.geomspace(2e-4 * self.forces_N[0], 10.0 * self.forces_N[-1], 400)
+
+    @cached_property
+    def exponent_at_N(self) -> tuple[float, ...]:
+        """Forces at which exponents are given. [N]"""
+        return (*(float(f"{share * self.forces_N[0]:.6g}") for share in LOW_SHARES), *self.forces_N)
+
+    @property
+    def words(self) -> str:
+        """The forces as the span of the scored curve: ``5 to 15 N``."""
+        low, high = self.forces_N[0], self.forces_N[-1]
+        return f"{low:g} to {high:g} N" if high > low else f"{low:g} N"
+
+
+PAPER = Protocol()
+"""5, 10 and 15 N at 10 and 250 mm/s."""
+
 
 @dataclass(frozen=True)
 class Request:
-    """What is asked for. Ranges are (low, high) with both ends included, None for all that is allowed."""
+    """What is asked for. Ranges are (low, high) with both ends included, None for all that is allowed.
+
+    ``punch``, ``force_N``, ``velocity_mm_s``, ``hold_s``, ``pad_mm``, ``base`` and ``edge_radius_mm`` are the test
+    that the pad and the people behind the tissue are pressed by; ``preset``, ``machine`` and ``silicone`` are of
+    its mould, None for what the preset names.
+    """
 
     tissue: str
     aim: str = "average"
@@ -37,6 +116,28 @@ class Request:
     weighing_g: float = 0.1
     thickness_tolerance_mm: float = 0.2
     calibration: str | None = None
+    punch: str = PUNCH
+    force_N: tuple[float, ...] = PAPER.forces_N
+    velocity_mm_s: tuple[float, ...] = PAPER.velocities_mm_s
+    pad_mm: tuple[float, float] = (PAD_LENGTH_MM, PAD_WIDTH_MM)
+    base: str = "bonded"
+    edge_radius_mm: float = 0.0
+    preset: str = "open"
+    machine: str | None = None
+    silicone: str | None = None
+
+    @property
+    def protocol(self) -> Protocol:
+        """Steady forces and speeds, rising."""
+        return Protocol(tuple(sorted(set(self.force_N))), tuple(sorted(set(self.velocity_mm_s))))
+
+    @property
+    def punch_text(self) -> str:
+        """The punch in words, such as ``14 x 14 mm``."""
+        kind, _, size = self.punch.partition(":")
+        if kind == "square":
+            return f"{size} x {size} mm"
+        return f"{size.replace('x', ' x ')} mm" if kind == "rectangle" else f"{kind} {size}"
 
     def to_dict(self) -> dict[str, Any]:
         """Return what was asked, defaults included."""

@@ -11,16 +11,14 @@ from dummydesign.core.errors import InputError
 from dummydesign.design.assessment.limits import N_PER_CM2, Limits, against_limits
 from dummydesign.design.assessment.safety import Contact, impact, pad_body, pad_press, tissue_body, tissue_press
 from dummydesign.design.scoring.presses import Sampling
-from dummydesign.geometry.standard import PUNCH_SIDE_MM
 
 if TYPE_CHECKING:
     from dummydesign.design.suggestion import Suggestion
 
-AREA_MM2 = PUNCH_SIDE_MM**2
 TEXT = (
     "Load on the tissue and on the pad under the same press: the energy of the rise (integral of F dx "
     "from touch to stop, the criterion the paper names for dummy II) and the largest mean pressure, force over the "
-    "14 x 14 mm face. A pad serves a criterion where its number lies among the subjects'. Peak pressure is not "
+    "{punch} face. A pad serves a criterion where its number lies among the subjects'. Peak pressure is not "
     "given: under a sharp edge it grows without bound, it needs the edge radius of the real part."
 )
 
@@ -46,7 +44,7 @@ class SafetyView:
     impact_text: str = ""
     limits: tuple[dict[str, Any], ...] = ()
     limits_source: str = ""
-    text: str = TEXT
+    text: str = ""
 
     def to_dict(self) -> dict[str, Any]:
         """Return all rows as plain values."""
@@ -75,16 +73,17 @@ def safety_view(
     sampling = Sampling(hold_s=answer.request.hold_s, deceleration_mm_s2=answer.request.deceleration_mm_s2)
     slabs = answer.best.evaluation.slabs.take(np.array([answer.best.index]))
     presses, checked = [], []
+    area = answer.punch.area_mm2
     depths = answer.best.evaluation.depth_mm[answer.best.index]
     for column, condition in enumerate(answer.targets.conditions):
         force, speed = condition.steady_force_N, condition.velocity_mm_s
         tissue = tissue_press(condition.range, answer.tissue.law, sampling)
         pad = pad_press(slabs, depths[[column]], speed, sampling)
-        pressure = tissue.peak_force_N * N_PER_CM2 / AREA_MM2
+        pressure = tissue.peak_force_N * N_PER_CM2 / area
         presses.append(
             PressRow(
                 force, speed, _ends(tissue.energy_mJ), _one(pad.energy_mJ), _ends(pressure),
-                _one(pad.peak_force_N * N_PER_CM2 / AREA_MM2),
+                _one(pad.peak_force_N * N_PER_CM2 / area),
             )
         )  # fmt: skip
         checked += [("tissue", f"{force:g} N, {speed:g} mm/s", tissue), ("pad", f"{force:g} N, {speed:g} mm/s", pad)]
@@ -102,20 +101,21 @@ def safety_view(
             words += f" Tissue: {problem}."
         for name, body in bodies.items():
             contact = impact(body, robot_mass_kg, robot_velocity_mm_s)
-            rows += _impact_rows(name, contact)
+            rows += _impact_rows(name, contact, area)
             checked.append((name, f"{robot_mass_kg:g} kg at {robot_velocity_mm_s:g} mm/s", contact))
     held, source = (), ""
     if limits is not None:
         held = tuple(
             {"body": name, "case": case, **row}
             for name, case, contact in checked
-            for row in against_limits(contact, AREA_MM2, limits)
+            for row in against_limits(contact, area, limits)
         )
         source = f"Limits '{limits.name}': {limits.force_N.source}; {limits.pressure_N_per_cm2.source}"
-    return SafetyView(tuple(presses), tuple(rows), words, held, source)
+    text = TEXT.format(punch=answer.request.punch_text)
+    return SafetyView(tuple(presses), tuple(rows), words, held, source, text)
 
 
-def _impact_rows(name: str, contact: Contact) -> list[dict[str, Any]]:
+def _impact_rows(name: str, contact: Contact, area: float) -> list[dict[str, Any]]:
     rows = []
     for index in range(len(contact.depth_mm)):
         peak = _one(contact.peak_force_N[index : index + 1])
@@ -125,7 +125,7 @@ def _impact_rows(name: str, contact: Contact) -> list[dict[str, Any]]:
                 "depth_mm": _one(contact.depth_mm[index : index + 1]),
                 "peak_force_N": peak,
                 "energy_mJ": _one(contact.energy_mJ[index : index + 1]),
-                "mean_pressure_N_per_cm2": None if peak is None else peak * N_PER_CM2 / AREA_MM2,
+                "mean_pressure_N_per_cm2": None if peak is None else peak * N_PER_CM2 / area,
                 "note": "" if peak is not None else "not stopped within what the model covers",
             }
         )

@@ -8,21 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.request import RADIUS_MM
-from dummydesign.design.scoring.presses import (
-    COARSE,
-    Curves,
-    ForceLaw,
-    Slabs,
-    make_curves,
-    press_to_depth,
-    steady_depth,
-)
+from dummydesign.design.scoring.presses import Curves, ForceLaw, Slabs, make_curves, press_to_depth, steady_depth
 
 if TYPE_CHECKING:
     from dummydesign.design.suggestion import Suggestion
-
-JUDGED_N, FAST_MM_S, SLOW_MM_S = 10.0, 250.0, 10.0
 
 
 def ratio_error(answer: Suggestion) -> float:
@@ -39,7 +28,7 @@ def ratio_error(answer: Suggestion) -> float:
 
 @dataclass(frozen=True)
 class Reaction:
-    """Change in per cent of depth (10 N, slow) and peak (10 N, fast) between both ends of one uncertainty."""
+    """Change in per cent of depth (middle force, slow) and peak (middle force, fast) between both ends."""
 
     name: str
     depth_percent: tuple[float, float]
@@ -50,15 +39,15 @@ def reactions(answer: Suggestion, law: ForceLaw) -> list[Reaction]:
     """How depth and peak of the recommended pad react to each thing that is not exact, one at a time."""
     resin, best, tolerance = answer.resin, answer.best, answer.request.thickness_tolerance_mm
     ratio, thickness, young = best.ratio, best.thickness_mm, resin.young_MPa(best.ratio)
-    beta = np.array([term.beta for term in resin.prony(ratio)])
+    beta, radius = np.array([term.beta for term in resin.prony(ratio)]), answer.radius_mm
     ends = [np.array([getattr(arm.beta, end) / arm.beta.value for arm in resin.arms]) for end in ("low", "high")]
     smallest, largest = law.ratio_range
-    thin = np.clip([thickness - tolerance, thickness + tolerance], RADIUS_MM / largest, RADIUS_MM / smallest)
-    curves = make_curves(law, [thickness, *thin], RADIUS_MM)
+    thin = np.clip([thickness - tolerance, thickness + tolerance], radius / largest, radius / smallest)
+    curves = make_curves(law, [thickness, *thin], radius)
     off = ratio_error(answer)
     lean, rich = (min(max(ratio + sign * off, resin.ratio_min), resin.ratio_max) for sign in (-1, 1))
     modulus = resin.modulus_kPa(ratio)
-    nominal = _measure(curves, 0, young, beta, resin)
+    nominal = _measure(curves, 0, young, beta, answer)
     cases = {
         f"thickness ± {tolerance:g} mm": [(1, young, beta), (2, young, beta)],
         f"weighing ± {answer.request.weighing_g:g} g": [
@@ -69,17 +58,19 @@ def reactions(answer: Suggestion, law: ForceLaw) -> list[Reaction]:
     }
     found = []
     for name, pair in cases.items():
-        change = np.array([100.0 * (_measure(curves, *case, resin) / nominal - 1.0) for case in pair])
-        # an end at which 10 N cannot be reached has no number: the bar then ends at no change, and says so
+        change = np.array([100.0 * (_measure(curves, *case, answer) / nominal - 1.0) for case in pair])
+        # an end at which the force cannot be reached has no number: the bar then ends at no change, and says so
         name += "" if np.isfinite(change).all() else " *"
         low, high = np.fmin.reduce([*change, 0 * nominal]), np.fmax.reduce([*change, 0 * nominal])
         found.append(Reaction(name, (float(low[0]), float(high[0])), (float(low[1]), float(high[1]))))
     return found
 
 
-def _measure(curves: Curves, slab: int, young_MPa: float, beta: NDArray, resin) -> NDArray:
-    """Depth at 10 N steady when slow, and peak at 10 N steady when fast."""
-    tau = tuple(arm.tau_s.value for arm in resin.arms)
+def _measure(curves: Curves, slab: int, young_MPa: float, beta: NDArray, answer: Suggestion) -> NDArray:
+    """Depth at the middle steady force when slow, and peak at it when fast."""
+    tau = tuple(arm.tau_s.value for arm in answer.resin.arms)
+    protocol, sampling = answer.targets.protocol, answer.targets.sampling
     slabs = Slabs(curves, np.array([slab]), np.array([young_MPa]), tau, beta[None, :])
-    slow, fast = (steady_depth(slabs, JUDGED_N, velocity) for velocity in (SLOW_MM_S, FAST_MM_S))
-    return np.array([slow[0], press_to_depth(slabs, fast, FAST_MM_S, COARSE).peak_N[0]])
+    speeds = protocol.slow_mm_s, protocol.fast_mm_s
+    slow, fast = (steady_depth(slabs, protocol.needed_N, velocity, sampling.coarse) for velocity in speeds)
+    return np.array([slow[0], press_to_depth(slabs, fast, speeds[1], sampling.coarse).peak_N[0]])

@@ -9,14 +9,13 @@ import numpy as np
 from dummydesign.design.assessment.centring import CentringTolerance, centring_tolerance
 from dummydesign.design.assessment.verification import Verification, not_verified, of_shape, verify_design
 from dummydesign.design.inputs import Inputs
+from dummydesign.design.own_test.checks import standard_press
+from dummydesign.design.own_test.slab_law import asked_pad
 from dummydesign.design.request import Progress, quiet
 from dummydesign.design.scoring.presses import make_curves
-from dummydesign.design.scoring.targets import FORCES_N
 from dummydesign.design.search.best_of_kinds import Chosen, Found, choose
 from dummydesign.design.search.resolved_by_fem import ElementsLaw, solve_leading
-from dummydesign.design.search.space import SearchSpace
 from dummydesign.geometry.shapes import Slab
-from dummydesign.geometry.standard import PUNCH_SIDE_MM
 from dummydesign.pad.tables.punch import circle_of
 
 CALIBRATED = "designed with a calibration: the correction is based on the campaign, the table on finite elements"
@@ -57,18 +56,21 @@ def solve(inputs: Inputs, found: Found, progress: Progress = quiet) -> Solved:
         return Solved(chosen, not_verified(CALIBRATED))
     if not request.verify:
         return Solved(chosen, not_verified("not asked for"))
+    forces = (space.targets.protocol.low_grid_N[1], *space.targets.protocol.forces_N)
     touch = chosen.cast.touch if isinstance(chosen.cast, ElementsLaw) else None
-    lands = centring_tolerance(chosen.found.best, chosen.shape, space.radius_mm, 0.5 * PUNCH_SIDE_MM, touch=touch)
-    return Solved(chosen, _verify(chosen, space), lands)
+    lands = centring_tolerance(
+        chosen.found.best, chosen.shape, space.radius_mm, inputs.punch.half_width_mm, forces, space.extent_mm, touch
+    )
+    return Solved(chosen, _verify(chosen, inputs), lands)
 
 
-def _verify(chosen: Chosen, space: SearchSpace) -> Verification:
+def _verify(chosen: Chosen, inputs: Inputs) -> Verification:
     """Solve the depths of the slow conditions by finite elements; the fast ones differ by micrometres.
 
     Compared are the forces of the circle of the punch's area, which is what is solved. A design with a shape has
     been worked out on its elements already; what the table was off is reported.
     """
-    best, law = chosen.found.best, chosen.cast
+    best, law, space = chosen.found.best, chosen.cast, inputs.space
     young = space.resin.young_MPa(best.ratio)
     if isinstance(law, ElementsLaw):
         return of_shape(law, young, space.radius_mm)
@@ -76,9 +78,10 @@ def _verify(chosen: Chosen, space: SearchSpace) -> Verification:
         text = f"{chosen.shape} was designed with its response table; predict --fidelity 3d solves it in minutes"
         return not_verified(text)
     law = circle_of(law)
-    depth = best.evaluation.depth_mm[best.index, : len(FORCES_N)]
+    depth = best.evaluation.depth_mm[best.index, : len(space.targets.protocol.forces_N)]
     depth = depth[np.isfinite(depth)]
     table = make_curves(law, [best.thickness_mm], space.radius_mm)
     depth = depth[depth <= table.limit_mm[0]]
     forces = young * np.asarray(law.force(depth, best.thickness_mm, 1.0, space.radius_mm))
-    return verify_design(best.thickness_mm, young, space.radius_mm, depth, forces)
+    own = None if standard_press(inputs.request) else asked_pad(inputs.request, inputs.punch, best.thickness_mm, young)
+    return verify_design(best.thickness_mm, young, space.radius_mm, depth, forces, own)

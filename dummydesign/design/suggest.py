@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dummydesign.design.assess import assess
 from dummydesign.design.inputs import Inputs, resolve
+from dummydesign.design.own_test.checks import refused_kinds
 from dummydesign.design.request import Progress, Request, quiet
 from dummydesign.design.scoring.presses import ForceLaw
 from dummydesign.design.search.best_of_kinds import best_of_kinds
@@ -43,7 +44,8 @@ def suggest(request: Request, law: ForceLaw | None = None) -> Suggestion:
 def design(inputs: Inputs, progress: Progress = quiet) -> Suggestion:
     """The same from inputs that are already read, with word of each step as it begins; see :func:`suggest`."""
     progress("search")
-    found = best_of_kinds(inputs.request.shape, inputs.slab_law, inputs.space)
+    refused = refused_kinds(inputs.request, inputs.punch)
+    found = best_of_kinds(inputs.request.shape, inputs.slab_law, inputs.space, refused)
     solved = solve(inputs, found, progress)
     progress("tolerance and verdict")
     return assess(inputs, solved)

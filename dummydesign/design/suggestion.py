@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dummydesign.design.scoring.targets import LOW_GRID_N, Targets
+from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.search.low_force import low_force
 from dummydesign.geometry.shapes import PadShape
 
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from dummydesign.design.assessment.centring import CentringTolerance
     from dummydesign.design.assessment.pour_yield import PourYield
     from dummydesign.design.assessment.verification import Verification
+    from dummydesign.design.own_test.punch import AskedPunch
     from dummydesign.design.request import Request
     from dummydesign.design.scoring.presses import ForceLaw
     from dummydesign.design.scoring.verdict import Verdict
@@ -23,7 +24,8 @@ if TYPE_CHECKING:
     from dummydesign.resin.model.resin import Resin
     from dummydesign.tissue.model.tissue import Tissue
 
-LOW_FORCES_N = (0.5, 1.0, 2.0, 3.0, 4.0, 5.0)
+LOW_SHARES = (0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
+"""Forces below the lowest of the test at which depths are listed, over that force."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +63,13 @@ class Suggestion:
     centring: CentringTolerance | None
     rests_on: dict[str, Any]
     warnings: tuple[dict[str, str], ...]
+    punch: AskedPunch
     calibration: dict[str, Any] | None = None
+
+    @property
+    def radius_mm(self) -> float:
+        """Radius of the circle of the punch's area. [mm]"""
+        return self.punch.radius_mm
 
     @property
     def best(self) -> Candidate:
@@ -176,10 +184,12 @@ def _why(candidate: Candidate, force_N: float) -> str:
 
 def _low_force(candidate: Candidate, targets: Targets) -> list[dict[str, Any]]:
     """Depths at small steady forces beside the tissue's extrapolated range."""
-    stiff, soft = targets.depth_range_mm(np.array(LOW_FORCES_N))
+    grid = targets.protocol.low_grid_N
+    forces = [float(f"{share * targets.protocol.forces_N[0]:.6g}") for share in LOW_SHARES]
+    stiff, soft = targets.depth_range_mm(np.array(forces))
     rows = []
-    for force, low, high in zip(LOW_FORCES_N, stiff, soft):
-        column = int(np.argmin(np.abs(LOW_GRID_N - force)))
+    for force, low, high in zip(forces, stiff, soft):
+        column = int(np.argmin(np.abs(grid - force)))
         depth = float(candidate.evaluation.low_depth_mm[candidate.index, column])
         rows.append(
             {

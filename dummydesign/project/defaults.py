@@ -9,7 +9,7 @@ from pathlib import Path
 from dummydesign.project.folder import Project
 
 GIVEN: dict[tuple[str, ...], tuple[str, ...]] = {
-    ("suggest",): ("tissue", "resin", "aim", "shape", "thickness", "ratio", "calibration"),
+    ("suggest",): ("tissue", "resin", "aim", "shape", "thickness", "ratio", "calibration", "punch"),
     ("predict",): ("punch",),
     ("whatif",): ("tissue", "resin", "aim", "punch"),
     ("compare",): ("tissue",),

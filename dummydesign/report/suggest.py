@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 from dummydesign.design.curves import SuggestionCurves
 from dummydesign.design.safety_view import SafetyView
-from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.report.html.page import Section, Table, write_report
 from dummydesign.report.html.viewer import box, read_stl, solid_section, viewer_script
 from dummydesign.report.suggest_figures import (
@@ -41,7 +40,7 @@ def write_suggestion(
     best = result["recommendation"]
     young, recipe = best["young_kPa"], best["recipe"]
     facts = [
-        (f"{best['thickness_mm']:g} mm", f"thickness of the 150 x 120 mm {_pad_words(answer)}, glued to a rigid base"),
+        (f"{best['thickness_mm']:g} mm", f"thickness of the {_pad_words(answer)}, {_base_words(answer)}"),
         *_shape_fact(answer),
         (f"{best['ratio']:g}", f"ratio: {best['ratio_meaning']}"),
         (f"{young['value']:.3g} kPa", f"long-term modulus (95 %: {young['low']:.3g} to {young['high']:.3g})"),
@@ -58,13 +57,13 @@ def write_suggestion(
     sections = [
         Section("Steady force", _steady_words(answer), [steady_plot(answer, curves)], _low_table(best)),
         *_shapes(answer, result, curves),
-        Section("Force over time", "Each press is held for 10 s at the depth that gives the steady force at its end.",
+        Section("Force over time", _press_words(answer),
                 press_plots(answer), _conditions(best)),
         Section("Why this design", _why(result),
-                [*score_maps(answer, curves), exponent_plot(answer, curves), *sensitivity_bars(curves)],
+                [*score_maps(answer, curves), exponent_plot(answer, curves), *sensitivity_bars(answer, curves)],
                 _alternatives(result)),
         Section("Recipe", "", table=_recipe(best)),
-        _solids(best, result.get("files", {})),
+        _solids(best, result.get("files", {}), answer.request.pad_mm),
         safety_section(safety),
     ]  # fmt: skip
     title = f"Dummy for the {answer.tissue.name}"
@@ -94,7 +93,21 @@ _FLAT = "A flat pad starts nearly linear, so it crosses the tissue's curve and c
 
 
 def _pad_words(answer: Suggestion) -> str:
-    return answer.shape.title
+    return "{:g} x {:g} mm ".format(*answer.request.pad_mm) + answer.shape.title
+
+
+def _base_words(answer: Suggestion) -> str:
+    base = answer.request.base
+    return {"bonded": "glued to a rigid base", "sliding": "sliding on a rigid base"}.get(base, f"resting, {base}")
+
+
+def _press_words(answer: Suggestion) -> str:
+    request = answer.request
+    edge = f", edge radius {request.edge_radius_mm:g} mm" if request.edge_radius_mm else ""
+    return (
+        f"Each press of the punch ({request.punch}{edge}) is held for {request.hold_s:g} s at the depth that gives the "
+        "steady force at its end."
+    )
 
 
 def _shape_fact(answer: Suggestion) -> list[tuple[str, str]]:
@@ -108,14 +121,18 @@ def _shapes(answer: Suggestion, result: dict[str, Any], curves: SuggestionCurves
     """The best pad of each kind side by side, when shapes were searched."""
     if not answer.beside:
         return []
+    low, high = answer.targets.protocol.forces_N[0], answer.targets.protocol.forces_N[-1]
     text = (
-        "The best pad of each kind by one rule: half the total score, half the closeness to the aim below 5 N. "
-        "The misfit is the rms of ln F over 0.5 to 15 N; below 5 N the tissue's curve is an extrapolation."
+        f"The best pad of each kind by one rule: half the total score, half the closeness to the aim below {low:g} N. "
+        f"The misfit is the rms of ln F over {0.1 * low:g} to {high:g} N; below 5 N the tissue's curve is an "
+        "extrapolation."
     )
     if answer.centring:
         text += f" Of the recommended pad {answer.centring.text}."
-    head = ["pad", "thickness mm", "ratio", "misfit", "in range 0.5 to 5 N", "in range 5 to 15 N",
-            *(f"exponent at {force} N" for force in ("1", "5", "15")), "depth / thickness, 15 N", "total"]  # fmt: skip
+    shown = [f"{force:g}" for force in (0.2 * low, low, high)]
+    head = ["pad", "thickness mm", "ratio", "misfit", f"in range {0.1 * low:g} to {low:g} N",
+            f"in range {low:g} to {high:g} N", *(f"exponent at {force} N" for force in shown),
+            f"depth / thickness, {high:g} N", "total"]  # fmt: skip
     rows = []
     for row in result["shapes"]:
         if row["shape"] is None:
@@ -124,7 +141,7 @@ def _shapes(answer: Suggestion, result: dict[str, Any], curves: SuggestionCurves
         rows.append(
             [
                 row["shape"], f"{row['thickness_mm']:g}", f"{row['ratio']:g}", row["misfit_rms_ln_force"],
-                row["share_below_5N"], row["share_above_5N"], *(row["exponent_at_N"][f] for f in ("1", "5", "15")),
+                row["share_below_5N"], row["share_above_5N"], *(row["exponent_at_N"][f] for f in shown),
                 row["depth_over_thickness"], row["total"],
             ]
         )  # fmt: skip
@@ -180,12 +197,12 @@ def _recipe(best: dict[str, Any]) -> Table:
     return Table(["component", "weigh g"], [*rows, ["total", f"{recipe['total_g']:.1f}"]])
 
 
-def _solids(best: dict[str, Any], files: dict[str, str]) -> Section:
+def _solids(best: dict[str, Any], files: dict[str, str], pad_mm: tuple[float, float]) -> Section:
     """The made parts when their STL files are there, else a plain block."""
     found = {name: Path(files[f"{name}_stl"]) for name in ("mould", "pad") if f"{name}_stl" in files}
     parts = {name: read_stl(path) for name, path in found.items() if path.is_file()}
     text = "Drag or use the arrow keys to turn, scroll to zoom."
     if "pad" not in parts:
-        parts = {"pad": box(PAD_LENGTH_MM, PAD_WIDTH_MM, best["thickness_mm"])}
+        parts = {"pad": box(*pad_mm, best["thickness_mm"])}
         text += " No mould was made; this is a block of the pad's size, without its shape."
     return solid_section(parts, text)

@@ -7,12 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dummydesign.design.curves import (
-    AIM_N,
-    EXPONENT_AT_N,
-    EXTRAPOLATED_N,
-    FORCE_GRID_N,
-    MEASURED_N,
-    RELATIVE_N,
     THICKNESS_GRID_MM,
     SuggestionCurves,
 )
@@ -27,7 +21,7 @@ STYLES = ("alt1", "alt2", "alt3", "alt4")
 
 def relative_force_plot(answer: Suggestion, curves: SuggestionCurves) -> Plot:
     """Force of each kind's best pad over the aim's, at the aim's depth."""
-    force = RELATIVE_N
+    force = curves.forces_N.relative
     layers = [Line(f"aim: {answer.request.aim}", force, np.ones_like(force), "aim")]
     words = []
     for item, relative, style in zip(answer.beside, curves.relative_forces, ("main", *STYLES)):
@@ -39,23 +33,26 @@ def relative_force_plot(answer: Suggestion, curves: SuggestionCurves) -> Plot:
     alt = f"Steady force of each pad over the tissue's at the same depth; 1 is the tissue. {'; '.join(words)}."
     return Plot("shapes", "Force of each pad over the tissue's, at equal depth", alt, "steady force of the tissue [N]",
                 "force / tissue's force", "tissue_force_N", "force_ratio", tuple(layers), log_x=True,
-                x_range=(0.3, 15.0), y_range=(0.0, 4.0), note="1 is the tissue; above 4 is cut off")  # fmt: skip
+                x_range=(float(force[0]), float(force[-1])), y_range=(0.0, 4.0),
+                note="1 is the tissue; above 4 is cut off")  # fmt: skip
 
 
 def steady_plot(answer: Suggestion, curves: SuggestionCurves) -> Plot:
     """Steady force over depth: subjects, aim, the recommended pad and the alternatives."""
+    grids, protocol = curves.forces_N, answer.targets.protocol
+    below = curves.subjects_extrapolated_mm
     layers = [
-        Band("subjects, extrapolated", EXTRAPOLATED_N, *curves.subjects_extrapolated_mm, sideways=True, style="extra"),
-        Band(f"subjects of {answer.tissue.name}", MEASURED_N, *curves.subjects_measured_mm, sideways=True),
-        Line(f"aim: {answer.request.aim}", curves.aim_depth_mm, AIM_N, "aim"),
+        Band("subjects, extrapolated", grids.extrapolated, *below, sideways=True, style="extra"),
+        Band(f"subjects of {answer.tissue.name}", grids.measured, *curves.subjects_measured_mm, sideways=True),
+        Line(f"aim: {answer.request.aim}", curves.aim_depth_mm, grids.aim, "aim"),
     ]
     for other, depth, style in zip(answer.found.alternatives, curves.other_depths_mm, STYLES):
-        layers.append(Line(f"{other.thickness_mm:g} mm, ratio {other.ratio:g}", depth, FORCE_GRID_N, style))
-    layers.append(Line("recommended pad", curves.pad_depth_mm, FORCE_GRID_N))
+        layers.append(Line(f"{other.thickness_mm:g} mm, ratio {other.ratio:g}", depth, grids.pad, style))
+    layers.append(Line("recommended pad", curves.pad_depth_mm, grids.pad))
     inside = float(answer.best.evaluation.steady_state_range[answer.best.index])
     alt = (
         f"Steady force over depth. The recommended pad lies inside the subjects' range for {100 * inside:.0f} % of "
-        f"5 to 15 N; at 10 N it is {curves.pad_depth_at_10N_mm:.2f} mm deep."
+        f"{protocol.words}; at {protocol.needed_N:g} N it is {curves.pad_depth_at_needed_mm:.2f} mm deep."
     )
     return Plot("steady", "Steady force over depth", alt, "depth [mm]", "steady force [N]", "depth_mm", "force_N",
                 tuple(layers))  # fmt: skip
@@ -90,7 +87,7 @@ def press_plots(answer: Suggestion) -> list[Plot]:
 
 def score_maps(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]:
     """The whole map, and its surroundings of the recommended design, where the ellipse can be seen."""
-    found, best = answer.found.score_map, answer.best
+    found, best, needed = answer.found.score_map, answer.best, answer.targets.protocol.needed_N
     value = np.where(found.feasible, found.total, np.nan)
     rests = answer.rests_on
     layers = [Cells("total score", found.ratio, found.thickness_mm, value)]
@@ -104,13 +101,13 @@ def score_maps(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]:
     layers.append(Dots("recommended", [best.ratio], [best.thickness_mm], "aim"))
     alt = (
         f"Map of the score over ratio and thickness; the recommended {best.thickness_mm:g} mm and ratio "
-        f"{best.ratio:g} score {best.total:.2f}. Designs that do not reach 10 N are left out."
+        f"{best.ratio:g} score {best.total:.2f}. Designs that do not reach {needed:g} N are left out."
     )
     ends = [float(found.ratio[0]), float(found.ratio[-1])]
     wide = None if len(found.ratio) < 2 else (ends[0], ends[1])
     label = f"ratio ({answer.resin.ratio_meaning})"
     whole = Plot("score-map", "Score over ratio and thickness", alt, label, "thickness [mm]", "ratio", "thickness_mm",
-                 tuple(layers), x_range=wide, note="1 is best; empty: 10 N out of reach")  # fmt: skip
+                 tuple(layers), x_range=wide, note=f"1 is best; empty: {needed:g} N out of reach")  # fmt: skip
     if wide is None or off == 0.0:
         return [whole]
     columns = np.abs(found.ratio - best.ratio) <= 8 * off + 0.1
@@ -127,7 +124,7 @@ def exponent_plot(answer: Suggestion, curves: SuggestionCurves) -> Plot:
     """Local exponent over thickness at several forces."""
     layers = [
         Line(f"{force:g} N", THICKNESS_GRID_MM, curves.exponent[:, column], style)
-        for column, (force, style) in enumerate(zip(EXPONENT_AT_N, ("main", *STYLES)))
+        for column, (force, style) in enumerate(zip(curves.forces_N.exponent_at, ("main", *STYLES)))
     ]
     here = list(curves.exponent_here)
     layers.append(Dots("recommended", [answer.best.thickness_mm] * len(here), here, "aim"))
@@ -137,15 +134,17 @@ def exponent_plot(answer: Suggestion, curves: SuggestionCurves) -> Plot:
                 note="1 is linear; the tissue's law has 3")  # fmt: skip
 
 
-def sensitivity_bars(curves: SuggestionCurves) -> list[Plot]:
+def sensitivity_bars(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]:
     """Change of depth and of peak between both ends of each uncertainty."""
     found = curves.reactions
     names = [item.name for item in found]
     plots = []
-    note = "* at one end 10 N is out of reach" if any(name.endswith("*") for name in names) else ""
+    force, protocol = answer.targets.protocol.needed_N, answer.targets.protocol
+    note = f"* at one end {force:g} N is out of reach" if any(name.endswith("*") for name in names) else ""
+    depths, peaks = [item.depth_percent for item in found], [item.peak_percent for item in found]
     for name, title, pairs in (
-        ("sensitivity-depth", "Change of depth at 10 N, 10 mm/s", [item.depth_percent for item in found]),
-        ("sensitivity-peak", "Change of peak at 10 N, 250 mm/s", [item.peak_percent for item in found]),
+        ("sensitivity-depth", f"Change of depth at {force:g} N, {protocol.slow_mm_s:g} mm/s", depths),
+        ("sensitivity-peak", f"Change of peak at {force:g} N, {protocol.fast_mm_s:g} mm/s", peaks),
     ):
         low, high = np.array(pairs).T
         words = "; ".join(f"{label} {a:.1f} to {b:.1f} %" for label, (a, b) in zip(names, pairs))

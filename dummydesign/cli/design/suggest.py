@@ -31,14 +31,33 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--cad", action="store_true", help="make the mould also of a pad that is not acceptable")
     add("--no-cad", action="store_true", help="skip the mould; write recipe and report only")
     add("--no-verify", action="store_true", help="do not check the design by finite elements")
-    add("--balance", type=float, default=0.1, metavar="G", help="error of weighing, plus and minus (default 0.1 g)")
+    _add_test(parser)
+    add("--balance", default=0.1, metavar="G", help="error of weighing, plus and minus (default 0.1 g)")
     tolerance = "error of the cast thickness, plus and minus (default 0.2 mm)"
-    add("--thickness-tolerance", type=float, default=0.2, metavar="MM", help=tolerance)
-    add("--robot-mass", type=float, metavar="KG", help="safety view: mass of the free body that hits tissue and pad")
-    add("--robot-velocity", type=float, metavar="MM_S", help="its speed, with --robot-mass (default 250 mm/s)")
+    add("--thickness-tolerance", default=0.2, metavar="MM", help=tolerance)
+    add("--robot-mass", metavar="KG", help="safety view: mass of the free body that hits tissue and pad")
+    add("--robot-velocity", metavar="MM_S", help="its speed, with --robot-mass (default 250 mm/s)")
     add("--limits", metavar="FILE", help="safety view: your limits of force and pressure, with their source (TOML)")
     add("--out", metavar="DIR", help="folder of the files (default suggest-TISSUE)")
     add_replace_option(parser)
+
+
+def _add_test(parser: argparse.ArgumentParser) -> None:
+    """One's own test: how people and pad are pressed, and what the mould must fit."""
+    test = parser.add_argument_group("your own test", "numbers may carry their unit: 0.25m/s, 10mm/s")
+    add = test.add_argument
+    punches = "square:14 (default), rectangle:AxB, round:D, ball:D, profile:FILE.csv"
+    add("--punch", default="square:14", metavar="KIND:SIZE", help=punches)
+    add("--edge-radius", default=0.0, metavar="MM", help="fillet of the punch's edge (default 0, sharp)")
+    add("--force", default="5,10,15", metavar="F1,F2,...", help="steady forces (default 5,10,15 N)")
+    add("--velocity", default="10,250", metavar="V1,V2,...", help="speeds (default 10,250 mm/s)")
+    add("--hold", default=10.0, metavar="S", help="hold after the stop (default 10 s)")
+    add("--deceleration", default=30000.0, metavar="MM_S2", help="braking (default 30000 mm/s2)")
+    add("--pad", default="150x120", metavar="LxW", help="length and width of the pad (default 150x120 mm)")
+    add("--base", default="bonded", metavar="NAME", help="bonded (default), sliding or friction:MU")
+    add("--preset", default="open", metavar="NAME|FILE", help="mould preset: open (default), lidded or a TOML file")
+    add("--machine", metavar="NAME|FILE", help="printer, vacuum chamber and oven the mould must fit")
+    add("--silicone", metavar="NAME|FILE", help="silicone of the mould")
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
@@ -72,6 +91,17 @@ def _asked(options: argparse.Namespace, steps: Steps) -> Any:
         effects=options.effect,
         verify=not options.no_verify,
         cad=False if options.no_cad else (True if options.cad else None),
+        punch=options.punch,
+        force_N=options.force,
+        velocity_mm_s=options.velocity,
+        hold_s=options.hold,
+        deceleration_mm_s2=options.deceleration,
+        pad=options.pad,
+        base=options.base,
+        edge_radius_mm=options.edge_radius,
+        preset=options.preset,
+        machine=options.machine,
+        silicone=options.silicone,
         balance_g=options.balance,
         thickness_tolerance_mm=options.thickness_tolerance,
         robot_mass_kg=options.robot_mass,
@@ -100,7 +130,8 @@ def render(result: dict[str, Any]) -> str:
         *_calibration(result),
         f"{result['inputs']['tissue']}, aim {result['inputs']['aim']}",
         "",
-        f"  pad        {best['thickness_mm']:g} mm thick, 150 x 120 mm {best['shape']}, glued to a rigid base",
+        f"  pad        {best['thickness_mm']:g} mm thick, {_size(result)} {best['shape']}, {_base_words(result)}",
+        *_test_line(result),
         f"  resin      {best['resin']}, ratio {best['ratio']:g} ({best['ratio_meaning']})",
         f"  weigh      {weigh} (total {recipe['total_g']:.1f} g)",
         f"  modulus    {young['value']:.3g} kPa long-term (95 %: {young['low']:.3g} to {young['high']:.3g})",
@@ -136,18 +167,21 @@ def _shapes(result: dict[str, Any]) -> list[str]:
     """The best pad of each kind of shape, one a line."""
     if not result["shapes"]:
         return []
+    low, high, shown = _forces(result)
+    head = f"  misfit  range <{low:g} N  range >{low:g} N  exponent {'/'.join(shown)} N"
     lines = [
         "",
-        "  shapes side by side (misfit: rms of ln F from 0.5 to 15 N; range: fraction of the steady curve in range;",
+        f"  shapes side by side (misfit: rms of ln F from {0.1 * low:g} to {high:g} N; range: fraction of the steady "
+        "curve in range;",
         "  exponent d ln F / d ln x, tissue 3):",
-        "  misfit  range <5 N  range >5 N  exponent 1/5/15 N  d/h    total  pad",
+        f"{head}  d/h    total  pad",
     ]
     for row in result["shapes"]:
         if row["shape"] is None:
             lines.append(f"  {row['kind']}: {row['reason']}")
             continue
         misfit, depth = ("-" if row[name] is None else f"{row[name]:.2f}" for name in _MISFIT)
-        exponents = (row["exponent_at_N"][force] for force in ("1", "5", "15"))
+        exponents = (row["exponent_at_N"][force] for force in shown)
         powers = " / ".join("-" if value is None else f"{value:.1f}" for value in exponents)
         lines.append(
             f"  {misfit:<7} {row['share_below_5N']:<11.2f} {row['share_above_5N']:<11.2f} {powers:<18} {depth:<6} "
@@ -166,6 +200,32 @@ def _passed_over(result: dict[str, Any]) -> list[str]:
         f"  nearest to the tissue is the {nearest['kind']} pad (total {nearest['total']:.2f}), not recommended: it "
         f"reads low, and a robot that passes on it may not pass on the person; --shape {nearest['kind']} gives it",
     ]
+
+
+def _forces(result: dict[str, Any]) -> tuple[float, float, tuple[str, str, str]]:
+    """Lowest and highest force of the test, and the keys of three exponents: below, lowest and highest."""
+    forces = sorted(result["inputs"]["force_N"])
+    return forces[0], forces[-1], (f"{0.2 * forces[0]:g}", f"{forces[0]:g}", f"{forces[-1]:g}")
+
+
+def _size(result: dict[str, Any]) -> str:
+    return "{:g} x {:g} mm".format(*result["inputs"]["pad_mm"])
+
+
+def _base_words(result: dict[str, Any]) -> str:
+    base = result["inputs"]["base"]
+    return {"bonded": "glued to a rigid base", "sliding": "sliding on a rigid base"}.get(base, f"resting, {base}")
+
+
+def _test_line(result: dict[str, Any]) -> list[str]:
+    """The test, where it is not the paper's."""
+    given = result["inputs"]
+    if (given["punch"], given["edge_radius_mm"], given["hold_s"], sorted(given["force_N"]),
+        sorted(given["velocity_mm_s"])) == ("square:14", 0.0, 10.0, [5.0, 10.0, 15.0], [10.0, 250.0]):  # fmt: skip
+        return []
+    forces, speeds = (", ".join(f"{v:g}" for v in sorted(given[name])) for name in ("force_N", "velocity_mm_s"))
+    edge = f", edge radius {given['edge_radius_mm']:g} mm" if given["edge_radius_mm"] else ""
+    return [f"  test       {given['punch']}{edge}; {forces} N at {speeds} mm/s, held {given['hold_s']:g} s"]
 
 
 _MISFIT = ("misfit_rms_ln_force", "depth_over_thickness")

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dummydesign.core.errors import NoAnswerError
-from dummydesign.design.scoring.targets import FORCES_N
+from dummydesign.design.request import PAPER
+from dummydesign.geometry.standard import PAD_EXTENT_MM
 
 if TYPE_CHECKING:
     from dummydesign.design.search.slabs import Candidate
@@ -59,7 +60,8 @@ def centring_tolerance(
     shape: PadShape,
     radius_mm: float,
     half_side_mm: float,
-    forces_N: tuple[float, ...] = (1.0, *FORCES_N),
+    forces_N: tuple[float, ...] = (1.0, *PAPER.forces_N),
+    extent_mm: float = PAD_EXTENT_MM,
     touch: Touch | None = None,
 ) -> CentringTolerance | None:
     """Solve the contact of a round crowned pad; None for flat tops, shapes that are not round, or a failed solve.
@@ -74,6 +76,8 @@ def centring_tolerance(
         Radius of the circle of the punch's area, and half of the punch's shorter side. [mm]
     forces_N : tuple of float
         Forces at which a tolerance is wanted. [N]
+    extent_mm : float
+        Radius of the circle of the pad's area. [mm]
     touch : Touch, optional
         The contact, where it was solved already.
 
@@ -91,7 +95,8 @@ def centring_tolerance(
         return None
     try:
         if touch is None:
-            touch = contact_radius(shape, best.thickness_mm, radius_mm, np.nanmax(depth) * DEPTH_SHARES)
+            wanted = np.nanmax(depth) * DEPTH_SHARES
+            touch = contact_radius(shape, best.thickness_mm, radius_mm, wanted, extent_mm=extent_mm)
     except NoAnswerError:
         return None
     radius = touch.radius_at(depth)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.design.scoring.presses import ForceLaw, Slabs, make_curves, steady_depth
-from dummydesign.design.scoring.targets import FORCES_N, VELOCITIES_MM_S, Targets
+from dummydesign.design.scoring.targets import Targets
 from dummydesign.resin.model.resin import Resin
 
 POURS, SEED, NODES = 2000, 11, 9
@@ -41,9 +41,9 @@ class PourYield:
         Share that stays inside at every force where the nominal pad is inside, with every uncertainty;
         0 when the nominal pad is inside nowhere.
     judged_at_N : tuple of float
-        These forces, out of 5, 10 and 15 N.
+        These forces, out of those of the test.
     making_only_fraction : float
-        The same if the resin properties were known exactlyly as stated: weighing and thickness alone.
+        The same if the resin properties were known exactly: weighing and thickness alone.
     by_force : dict
         {force: fraction in range at this force}, every uncertainty.
     by_force_making_only : dict
@@ -149,10 +149,10 @@ def pour_yield(
     nominal = _nominal(law, resin, targets, thickness_mm, ratio, radius_mm)
     return PourYield(
         _stays(shares["all"], nominal),
-        tuple(float(force) for force in np.array(FORCES_N)[nominal]),
+        tuple(float(force) for force in np.array(targets.protocol.forces_N)[nominal]),
         _stays(shares["making"], nominal),
-        _by_force(shares["all"]),
-        _by_force(shares["making"]),
+        _by_force(shares["all"], targets.protocol.forces_N),
+        _by_force(shares["making"], targets.protocol.forces_N),
         100.0 * spread,
         pours,
         tolerances,
@@ -207,10 +207,11 @@ def _inside(
     left = np.minimum(place.astype(int), max(len(nodes) - 2, 0))
     share = (place - left)[:, None]
     tau = tuple(arm.tau_s.value for arm in resin.arms)
-    forces = np.array(FORCES_N)
-    at_left = steady_depth(Slabs(curves, left, young, tau, beta), forces, VELOCITIES_MM_S[0])
+    forces, slow = np.array(targets.protocol.forces_N), targets.protocol.slow_mm_s
+    sampling = targets.sampling.coarse
+    at_left = steady_depth(Slabs(curves, left, young, tau, beta), forces, slow, sampling)
     at_right = steady_depth(
-        Slabs(curves, np.minimum(left + 1, len(nodes) - 1), young, tau, beta), forces, VELOCITIES_MM_S[0]
+        Slabs(curves, np.minimum(left + 1, len(nodes) - 1), young, tau, beta), forces, slow, sampling
     )
     depth = at_left + share * (at_right - at_left)
     stiff, soft = targets.depth_range_mm(forces)
@@ -218,5 +219,5 @@ def _inside(
         return (depth >= stiff) & (depth <= soft)
 
 
-def _by_force(inside: NDArray) -> dict[str, float]:
-    return {f"{force:g}": float(share) for force, share in zip(FORCES_N, inside.mean(axis=0))}
+def _by_force(inside: NDArray, forces_N: tuple[float, ...]) -> dict[str, float]:
+    return {f"{force:g}": float(share) for force, share in zip(forces_N, inside.mean(axis=0))}

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.design.assessment.pour_yield import Pours, Tolerances, draw_pours
-from dummydesign.design.scoring.presses import ForceLaw, Sampling, Slabs, make_curves
+from dummydesign.design.scoring.presses import ForceLaw, Slabs, make_curves
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.standing import SAFE_SIDE, ranges_of, readings_of, safe_side_shortfall
 from dummydesign.design.scoring.verdict import FORCE_TOLERANCE, Readings, Verdict, verdict
@@ -52,9 +52,7 @@ def spread_of(
         error = float(np.max(law.relative_error(known, candidate.thickness_mm, space.radius_mm)))
         off = error / HALF_WIDTH * np.random.default_rng(SEED).standard_normal(pours)
     slabs = poured_slabs(law, replace(every, young_MPa=every.young_MPa * np.exp(off)), space)
-    sampling = space.sampling
-    coarse = Sampling(16, 8, 20, sampling.hold_s, sampling.deceleration_mm_s2)
-    return readings_of(evaluate(slabs, space.targets, coarse))
+    return readings_of(evaluate(slabs, space.targets, space.sampling.coarse))
 
 
 def poured_slabs(law: ForceLaw, pours: Pours, space: SearchSpace) -> Slabs:

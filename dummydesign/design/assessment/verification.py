@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 if TYPE_CHECKING:
     from dummydesign.design.search.resolved_by_fem import ElementsLaw
+    from dummydesign.pad.pad import Pad
 
 
 @dataclass(frozen=True)
@@ -65,6 +66,7 @@ def verify_design(
     radius_mm: float,
     depth_mm: ArrayLike,
     table_force_N: ArrayLike,
+    own: Pad | None = None,
 ) -> Verification:
     """Solve the elastic curve of one slab and compare it with the table.
 
@@ -74,6 +76,8 @@ def verify_design(
         Slab and round punch, both glued. [mm, MPa, mm]
     depth_mm, table_force_N : array_like, shape (n,)
         Depths, and what the table gives there. [mm, N]
+    own : Pad, optional
+        A slab that is pressed in another way: its punch, edge, base and size.
 
     Returns
     -------
@@ -87,7 +91,12 @@ def verify_design(
     order = np.argsort(np.asarray(depth_mm, float))
     depth, table = (np.asarray(values, float)[order] for values in (depth_mm, table_force_N))
     try:
-        solved = solve_curve(thickness_mm, radius_mm, young_MPa, depth.tolist())
+        if own is None:
+            solved = solve_curve(thickness_mm, radius_mm, young_MPa, depth.tolist())
+        else:
+            from dummydesign.pad.elastic import solve_points
+
+            solved = solve_points(own, depth)
     except NoAnswerError as problem:
         return not_verified(str(problem))
     same = np.interp(solved.depth_mm, depth, table)

@@ -6,8 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dummydesign.design.scoring.targets import FORCES_N
-
 if TYPE_CHECKING:
     from dummydesign.design.assessment.centring import CentringTolerance
     from dummydesign.design.assessment.pour_yield import PourYield
@@ -104,6 +102,7 @@ def design_warnings(
     verification: Verification,
     centring: CentringTolerance | None,
     verify: bool,
+    own: list[tuple[str, str]] | None = None,
 ) -> list[dict[str, str]]:
     """List what is out of reach, at an edge, doubtful or contradictory, as {code, message}.
 
@@ -118,9 +117,11 @@ def design_warnings(
     centring : CentringTolerance or None
     verify : bool
         Whether a verification was asked for: then its notes are warnings.
+    own : list of (code, message), optional
+        What is said of one's own test.
     """
     resin = space.resin
-    said = _of_forces(chosen, space)
+    said = [*(own or []), *_of_forces(chosen, space)]
     said += [("off_centre", centring.text)] if centring else []
     said += [("no_shape", item.reason) for item in chosen.beside if item.reason]
     said += _edges(chosen)
@@ -134,7 +135,7 @@ def design_warnings(
         text = f"{share:.0f} % of castings are in the steady-state range"
         said.append(("low_yield", f"{text} ({exact:.0f} % if the resin properties were known exactly)"))
     said += [("calibration", note) for note in chosen.law.notes]
-    missed = [force for force in FORCES_N if force not in pour.judged_at_N]
+    missed = [force for force in space.targets.protocol.forces_N if force not in pour.judged_at_N]
     if missed and not alone:
         where = " and ".join(f"{force:g}" for force in missed)
         said.append(("outside_steady_range", f"the steady curve is outside the tissue's range at {where} N"))
@@ -156,7 +157,8 @@ def _of_forces(chosen: Chosen, space: SearchSpace) -> list[tuple[str, str]]:
             said.append(("out_of_reach", f"{force:g} N at {speed:g} mm/s is out of reach and counts as out of range"))
     low = float(best.evaluation.low_force_range[best.index])
     if low < 0.5:
-        share = f"below 5 N only {100 * low:.0f} % of the steady curve lies in the (extrapolated) range: "
+        lowest = space.targets.protocol.forces_N[0]
+        share = f"below {lowest:g} N only {100 * low:.0f} % of the steady curve lies in the (extrapolated) range: "
         said.append(("stiff_at_first_touch", share + _why_stiff(chosen.shape)))
     return said
 

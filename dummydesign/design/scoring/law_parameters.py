@@ -223,7 +223,7 @@ def gamma1_score(gamma1_N_per_mm3: NDArray, targets: Targets) -> NDArray:
     spread = [subject.parameters.gamma1_N_per_mm3 for subject in targets.tissue.subjects]
     half = max(0.5 * np.log(max(spread) / min(spread)), NARROWEST)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return halving(np.log(gamma1_N_per_mm3 / targets.parameters.gamma1_N_per_mm3) / half)
+        return halving(np.log(gamma1_N_per_mm3 / targets.steady_gamma1_N_per_mm3) / half)
 
 
 def _flat(values: dict[str, Any]) -> dict[str, float]:

@@ -113,6 +113,11 @@ class Sampling:
     hold_s: float = 10.0
     deceleration_mm_s2: float = DECELERATION_MM_S2
 
+    @property
+    def coarse(self) -> Sampling:
+        """The same hold and braking on the grid that serves for maps and for many pours."""
+        return Sampling(16, 8, 20, self.hold_s, self.deceleration_mm_s2)
+
     def motion(self, velocity_mm_s: float, depth_mm: NDArray) -> Motion:
         """Ramp and hold to depths (D,)."""
         return ramp_and_hold(

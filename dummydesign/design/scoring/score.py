@@ -11,8 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.design.request import PAPER, Protocol
 from dummydesign.design.scoring.presses import COARSE, Press, Sampling, Slabs, press_to_depth, steady_depth
-from dummydesign.design.scoring.targets import FORCES_N, LOW_GRID_N, STEADY_GRID_N, VELOCITIES_MM_S, Targets
+from dummydesign.design.scoring.targets import Targets
 from dummydesign.tissue.model.ranges import STEADY_TOLERANCE
 
 FIRST_HOLD_S = 0.005
@@ -28,10 +29,11 @@ weighs most because a fraction in range does not distinguish the middle of a ran
 class Evaluation:
     """Scores and presses of D designs.
 
-    ``steady_state_range`` (5 to 15 N), ``low_force_range`` (0.5 to 5 N), ``force_variation_range``, ``aim``
-    and ``low_aim`` (closeness to the aim below 5 N, no part of the total) have shape (D,), ``inside`` and
-    ``depth_mm`` (D, conditions), ``low_depth_mm`` (D, low forces), ``steady_depth_mm`` (D, steady forces); ``presses``
-    one a condition, in the order of the targets' conditions.
+    ``steady_state_range`` (over the forces of the test, 5 to 15 N), ``low_force_range`` (below its lowest),
+    ``force_variation_range``, ``aim`` and ``low_aim`` (closeness to the aim below the lowest force, no part of the
+    total) have shape (D,), ``inside`` and ``depth_mm`` (D, conditions), ``low_depth_mm`` (D, low forces),
+    ``steady_depth_mm`` (D, steady forces); ``presses`` one a condition, in the order of the targets' conditions.
+    ``protocol`` and ``sampling`` are the test.
     """
 
     slabs: Slabs
@@ -45,6 +47,8 @@ class Evaluation:
     low_depth_mm: NDArray
     steady_depth_mm: NDArray
     presses: tuple[Press, ...]
+    protocol: Protocol
+    sampling: Sampling
 
     def total(self, parametric: NDArray) -> NDArray:
         """Weighted mean of the parts, shape (D,)."""
@@ -60,13 +64,13 @@ class Evaluation:
         """Keep the designs chosen by index or mask (without their presses)."""
         own = ("steady_state_range", "low_force_range", "force_variation_range", "aim", "low_aim", "inside")
         parts = [getattr(self, name)[chosen] for name in (*own, "depth_mm", "low_depth_mm", "steady_depth_mm")]
-        return Evaluation(self.slabs.take(chosen), *parts, ())
+        return Evaluation(self.slabs.take(chosen), *parts, (), self.protocol, self.sampling)
 
     @property
     def feasible(self) -> NDArray:
-        """Designs that reach at least 10 N steady at both speeds inside their depth limit, shape (D,)."""
-        column = FORCES_N.index(10.0)
-        return np.isfinite(self.depth_mm[:, column :: len(FORCES_N)]).all(axis=-1)
+        """Designs that reach the middle force (10 N) at every speed inside their depth limit, shape (D,)."""
+        forces = self.protocol.forces_N
+        return np.isfinite(self.depth_mm[:, forces.index(self.protocol.needed_N) :: len(forces)]).all(axis=-1)
 
 
 def halving(distance: NDArray) -> NDArray:
@@ -86,7 +90,7 @@ def closeness(distance: NDArray) -> NDArray:
     return halving(np.sqrt(square / np.maximum(count, 1))) * count / distance.shape[-1]
 
 
-def evaluate(slabs: Slabs, targets: Targets, sampling: Sampling = COARSE, exact: bool = False) -> Evaluation:
+def evaluate(slabs: Slabs, targets: Targets, sampling: Sampling | None = None, exact: bool = False) -> Evaluation:
     """Score designs against a tissue by the ranges and the aim.
 
     Parameters
@@ -95,8 +99,8 @@ def evaluate(slabs: Slabs, targets: Targets, sampling: Sampling = COARSE, exact:
         D designs.
     targets : Targets
         Ranges and aim.
-    sampling : Sampling
-        Sampling of the presses; the coarse default serves the map.
+    sampling : Sampling, optional
+        Sampling of the presses; the coarse default, with the hold and braking of the targets, serves the map.
     exact : bool
         Use the tissue's own definition of the fraction in range a force range (slower) instead of the same
         share taken at the samples.
@@ -105,16 +109,19 @@ def evaluate(slabs: Slabs, targets: Targets, sampling: Sampling = COARSE, exact:
     -------
     Evaluation
     """
-    forces = np.concatenate([LOW_GRID_N, STEADY_GRID_N])
-    reached = steady_depth(slabs, forces, VELOCITIES_MM_S[0], sampling)
-    shares = targets.tissue.steady_inside(STEADY_GRID_N, reached[:, len(LOW_GRID_N) :])
-    low = targets.tissue.steady_inside(LOW_GRID_N, reached[:, : len(LOW_GRID_N)])
+    protocol = targets.protocol
+    sampling = sampling or targets.sampling.coarse
+    low_N, lows = protocol.low_grid_N, len(protocol.low_grid_N)
+    forces = np.concatenate([low_N, protocol.steady_grid_N])
+    reached = steady_depth(slabs, forces, protocol.slow_mm_s, sampling)
     away = np.log(reached / targets.aim_depth_mm(forces)) / targets.depth_half_width
-    close = [closeness(away[:, len(LOW_GRID_N) :])]
+    close = [closeness(away[:, lows:])]
     presses, inside, depths, peaks = [], [], [], []
-    at_force = {v: steady_depth(slabs, np.array(FORCES_N), v, sampling, exact) for v in VELOCITIES_MM_S}
+    at_force = {
+        v: steady_depth(slabs, np.array(protocol.forces_N), v, sampling, exact) for v in protocol.velocities_mm_s
+    }
     for condition in targets.conditions:
-        depth = at_force[condition.velocity_mm_s][:, FORCES_N.index(condition.steady_force_N)]
+        depth = at_force[condition.velocity_mm_s][:, protocol.forces_N.index(condition.steady_force_N)]
         press = press_to_depth(slabs, depth, condition.velocity_mm_s, sampling)
         share = _inside_exact if exact else _inside_at_samples
         inside.append(share(press, condition.range))
@@ -124,16 +131,18 @@ def evaluate(slabs: Slabs, targets: Targets, sampling: Sampling = COARSE, exact:
     close.append(closeness(np.stack(peaks, axis=-1)))
     return Evaluation(
         slabs,
-        shares["above_5N_fraction"],
-        low["below_5N_fraction"],
+        targets.steady_inside(protocol.steady_grid_N, reached[:, lows:]),
+        targets.steady_inside(low_N, reached[:, :lows]),
         np.mean(inside, axis=0),
         0.5 * (close[0] + close[1]),
-        closeness(away[:, : len(LOW_GRID_N)]),
+        closeness(away[:, :lows]),
         np.stack(inside, axis=-1),
         np.stack(depths, axis=-1),
-        reached[:, : len(LOW_GRID_N)],
-        reached[:, len(LOW_GRID_N) :],
+        reached[:, :lows],
+        reached[:, lows:],
         tuple(presses),
+        protocol,
+        sampling,
     )
 
 
@@ -167,12 +176,22 @@ def _mean_over(within: NDArray, clock: NDArray) -> NDArray:
     return (0.5 * (within[:, 1:] + within[:, :-1].astype(float)) * step).sum(-1) / step.sum(-1)
 
 
-def steady_gamma1(slabs: Slabs) -> NDArray:
+def steady_gamma1(slabs: Slabs, protocol: Protocol = PAPER, sampling: Sampling = COARSE) -> NDArray:
     """Least-squares gamma1 of F = gamma1 x^3 over the steady forces of the protocol, shape (D,). [N/mm3]
 
     It is what a fit of the five-element law settles for in the hold of all presses; NaN when none is reached.
+
+    Parameters
+    ----------
+    slabs : Slabs
+        D designs.
+    protocol : Protocol
+        Forces and speeds.
+    sampling : Sampling
+        Hold and braking.
     """
-    depth = steady_depth(slabs, np.array(FORCES_N), VELOCITIES_MM_S[0])
+    forces = np.array(protocol.forces_N)
+    depth = steady_depth(slabs, forces, protocol.slow_mm_s, sampling)
     cube = np.nan_to_num(depth) ** 3
     with np.errstate(invalid="ignore", divide="ignore"):
-        return (cube * np.array(FORCES_N)).sum(axis=-1) / (cube**2).sum(axis=-1)
+        return (cube * forces).sum(axis=-1) / (cube**2).sum(axis=-1)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.design.scoring.score import Evaluation
-from dummydesign.design.scoring.targets import STEADY_GRID_N, Targets
+from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.scoring.verdict import FORCE_TOLERANCE, Ranges, Readings, levels
 
 SAFE_SIDE = "safe-side"
@@ -55,7 +55,8 @@ def safe_side_shortfall(ranges: Ranges, readings: Readings) -> NDArray:
 def ranges_of(targets: Targets) -> Ranges:
     """Peaks and energies of the outermost subjects in every press of a protocol, and their depths from 5 to 15 N."""
     conditions = targets.conditions
-    stiff, soft = targets.depth_range_mm(STEADY_GRID_N)
+    grid_N = targets.protocol.steady_grid_N
+    stiff, soft = targets.depth_range_mm(grid_N)
     return Ranges(
         np.array([condition.steady_force_N for condition in conditions]),
         np.array([condition.velocity_mm_s for condition in conditions]),
@@ -63,7 +64,7 @@ def ranges_of(targets: Targets) -> Ranges:
         np.array([condition.range.peak_high_N for condition in conditions]),
         np.array([condition.energy_mJ[0] for condition in conditions]),
         np.array([condition.energy_mJ[1] for condition in conditions]),
-        STEADY_GRID_N,
+        grid_N,
         stiff,
         soft,
         len(targets.tissue.subjects),

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.design.request import PAPER, Protocol
 from dummydesign.design.scoring.presses import Sampling
 
 if TYPE_CHECKING:
@@ -15,15 +17,12 @@ if TYPE_CHECKING:
     from dummydesign.tissue.model.ranges import ForceRange
     from dummydesign.tissue.model.tissue import Tissue
 
-FORCES_N = (5.0, 10.0, 15.0)
-VELOCITIES_MM_S = (10.0, 250.0)
-STEADY_GRID_N = np.linspace(5.0, 15.0, 41)
-"""Steady forces at which the measured part of the range is scored. [N]"""
-LOW_GRID_N = np.array([0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5, 5.0])
-"""Steady forces of the part that was never measured; reported, not scored. [N]"""
+SETTLED_S = 10.0
+"""From this hold on a subject counts as relaxed: what its arms then hold is below 0.6 % of its depth from 5 N on."""
 NARROWEST = 0.15
 """Half-widths of bands are never taken below 15 %: a single subject has no band, but distances from it need
 a scale on which a slab's unavoidable misfit still distinguishes better from worse."""
+HELD_FORCES = 60
 
 
 @dataclass(frozen=True)
@@ -61,29 +60,88 @@ class Targets:
         Of the aim.
     conditions : tuple of Condition
         Forces times speeds.
+    protocol : Protocol
+        These forces and speeds.
+    sampling : Sampling
+        Hold and braking of the presses.
     """
 
     tissue: Tissue
     aim: str
     parameters: Parameters
     conditions: tuple[Condition, ...]
+    protocol: Protocol = PAPER
+    sampling: Sampling = field(default_factory=Sampling)
 
     def depth_range_mm(self, force_N: NDArray) -> tuple[NDArray, NDArray]:
         """Depth of the stiffest and the softest subject at steady forces. [mm]"""
-        return self.tissue.steady_depth_range(force_N)
+        if self.settled:
+            return self.tissue.steady_depth_range(force_N)
+        depth = self._held_mm(force_N)[:-1]
+        return depth.min(axis=0), depth.max(axis=0)
 
     def aim_depth_mm(self, force_N: NDArray) -> NDArray:
         """Depth of the aim at steady forces. [mm]"""
-        return np.cbrt(np.asarray(force_N, float) / self.parameters.gamma1_N_per_mm3)
+        if self.settled:
+            return np.cbrt(np.asarray(force_N, float) / self.parameters.gamma1_N_per_mm3)
+        return self._held_mm(force_N)[-1]
+
+    @property
+    def settled(self) -> bool:
+        """Whether the hold is so long that a steady force is the relaxed one."""
+        return self.sampling.hold_s >= SETTLED_S
 
     @property
     def depth_half_width(self) -> float:
-        """Half-width of the steady-state range in ln depth (the same at every force: all are cubic)."""
-        stiff, soft = self.depth_range_mm(np.array([10.0]))
+        """Half-width of the steady-state range in ln depth, at the force a design has to reach."""
+        stiff, soft = self.depth_range_mm(np.array([self.protocol.needed_N]))
         return max(0.5 * float(np.log(soft[0] / stiff[0])), NARROWEST)
 
+    @cached_property
+    def steady_gamma1_N_per_mm3(self) -> float:
+        """What :func:`~dummydesign.design.scoring.score.steady_gamma1` gives for the aim itself."""
+        if self.settled:
+            return self.parameters.gamma1_N_per_mm3
+        forces = np.array(self.protocol.forces_N)
+        cube = self.aim_depth_mm(forces) ** 3
+        return float((cube * forces).sum() / (cube**2).sum())
 
-def make_targets(tissue: Tissue, aim: str, sampling: Sampling) -> Targets:
+    def steady_inside(self, force_N: NDArray, depth_mm: NDArray) -> NDArray:
+        """Fraction of steady curves (..., n) that lies between the subjects, even over the forces (n,).
+
+        Parameters
+        ----------
+        force_N : ndarray, shape (n,)
+            Steady forces. [N]
+        depth_mm : ndarray, shape (..., n)
+            Depths there; NaN where out of reach, which counts as outside. [mm]
+        """
+        stiff, soft = self.depth_range_mm(force_N)
+        with np.errstate(invalid="ignore"):
+            return ((depth_mm >= stiff - 1e-9) & (depth_mm <= soft + 1e-9)).mean(axis=-1)
+
+    def _held_mm(self, force_N: NDArray) -> NDArray:
+        """Depths (subjects and aim, ...) at which each still carries a force at the end of the hold. [mm]"""
+        known, depth = self._held_curves
+        wanted = np.log(np.maximum(np.asarray(force_N, float), 1e-12))
+        slope = np.diff(depth[:, :2], axis=-1)[:, 0] / (known[1] - known[0])
+        found = [np.exp(np.interp(wanted, known, row) + s * np.minimum(wanted - known[0], 0.0))
+                 for row, s in zip(depth, slope)]  # fmt: skip
+        return np.array(found)
+
+    @cached_property
+    def _held_curves(self) -> tuple[NDArray, NDArray]:
+        """ln force (k,) and ln depth (subjects and aim, k) at the end of the hold of the slowest ramp."""
+        from dummydesign.tissue.model.ranges import held_depth
+
+        forces = np.geomspace(0.02 * self.protocol.forces_N[0], 12.0 * self.protocol.forces_N[-1], HELD_FORCES)
+        everyone = (*self.tissue.parameter_sets, self.parameters)
+        motion = self.sampling.hold_s, self.sampling.deceleration_mm_s2
+        depth = held_depth(everyone, forces, self.protocol.slow_mm_s, *motion)
+        return np.log(forces), np.log(depth)
+
+
+def make_targets(tissue: Tissue, aim: str, sampling: Sampling, protocol: Protocol = PAPER) -> Targets:
     """Compute the ranges of a tissue at every condition of the protocol.
 
     Parameters
@@ -94,6 +152,8 @@ def make_targets(tissue: Tissue, aim: str, sampling: Sampling) -> Targets:
         ``average``, ``safe-side`` or ``subject:NAME``.
     sampling : Sampling
         Hold and braking of the robot.
+    protocol : Protocol
+        Steady forces and speeds; the paper's by default.
 
     Raises
     ------
@@ -104,15 +164,15 @@ def make_targets(tissue: Tissue, aim: str, sampling: Sampling) -> Targets:
 
     parameters = tissue.target(aim)
     conditions = []
-    for velocity in VELOCITIES_MM_S:
-        for force in FORCES_N:
+    for velocity in protocol.velocities_mm_s:
+        for force in protocol.forces_N:
             motion = (sampling.hold_s, sampling.deceleration_mm_s2)
             band = force_range((*tissue.parameter_sets, parameters), force, velocity, *motion)
             subjects = _part(band, slice(-1))
             energy = _energies(subjects, tissue.law, sampling)
             ends = float(energy.min()), float(energy.max())
             conditions.append(Condition(force, velocity, subjects, _part(band, slice(-1, None)), ends))
-    return Targets(tissue, aim, parameters, tuple(conditions))
+    return Targets(tissue, aim, parameters, tuple(conditions), protocol, sampling)
 
 
 def subjects_press(band: ForceRange, law: str, sampling: Sampling) -> tuple[NDArray, NDArray, NDArray]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -116,7 +117,9 @@ def kinds_of(text: str) -> tuple[str, ...]:
     return (name,)
 
 
-def best_of_kinds(text: str, slab_law: ForceLaw, space: SearchSpace) -> Found:
+def best_of_kinds(
+    text: str, slab_law: ForceLaw, space: SearchSpace, refused: Mapping[str, str] = MappingProxyType({})
+) -> Found:
     """Search every kind of shape that a request names, and the slab by the same rule.
 
     Parameters
@@ -126,12 +129,18 @@ def best_of_kinds(text: str, slab_law: ForceLaw, space: SearchSpace) -> Found:
     slab_law : ForceLaw
         Elastic force of slabs.
     space : SearchSpace
+    refused : mapping
+        Kinds that cannot be designed for the test, with the reason.
 
     Raises
     ------
+    InputError
+        When the one kind that is asked for is refused.
     NoAnswerError
         ``no_feasible_design`` when a slab alone was asked for and there is none.
     """
+    if text.lower() != AUTO and (reason := refused.get(text.partition(":")[0].lower())):
+        raise InputError(f"shape = {text}: {reason}")
     if text.lower() == Slab.name:
         return Found(text, slab_law, search(slab_law, space))
     slab: SearchResult | None = None
@@ -140,7 +149,7 @@ def best_of_kinds(text: str, slab_law: ForceLaw, space: SearchSpace) -> Found:
         slab = search(slab_law, space, LOW_SHARE)
     except NoAnswerError as problem:
         reason = str(problem)
-    designs, missing = _designs(text, space)
+    designs, missing = _designs(text, space, refused)
     return Found(text, slab_law, slab, reason, tuple(designs), tuple(missing))
 
 
@@ -193,13 +202,14 @@ def _fitted(designs: Sequence[Shaped], space: SearchSpace) -> list[Shaped]:
     ]
 
 
-def _designs(text: str, space: SearchSpace) -> tuple[list[Shaped], list[Beside]]:
+def _designs(text: str, space: SearchSpace, refused: Mapping[str, str]) -> tuple[list[Shaped], list[Beside]]:
     """Designs of the kinds asked for by their tables, and the kinds that have none with the reason."""
     from dummydesign.design.search.tabulated_shapes import load_family
 
     found: list[Shaped] = []
     failed = []
-    kinds = kinds_of(text)
+    kinds = [kind for kind in kinds_of(text) if kind not in refused]
+    failed += [Beside(kind, None, None, None, None, refused[kind]) for kind in kinds_of(text) if kind in refused]
     families = [load_family(kind) for kind in kinds]
     if space.correct is not None:
         families = [space.correct(family) for family in families]

@@ -8,32 +8,31 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.design.request import PAPER
 from dummydesign.design.scoring.presses import steady_depth
-from dummydesign.design.scoring.targets import VELOCITIES_MM_S, Targets
+from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.search.slabs import Candidate
 
-MISFIT_N = np.geomspace(0.5, 15.0, 40)
-"""Forces of the tissue over which the misfit is taken, even in the logarithm. [N]"""
-EXPONENT_AT_N = (0.5, 1.0, 5.0, 10.0, 15.0)
-# The pad's own force at the tissue's depths lies far outside 0.5 to 15 N for a slab.
-WIDE_N = np.geomspace(1e-3, 150.0, 400)
+MISFIT_N = PAPER.misfit_N
+"""Forces of the tissue over which the misfit is taken in the paper's test, even in the logarithm. [N]"""
 
 
 @dataclass(frozen=True)
 class LowForce:
-    """One design against the tissue over 0.5 to 15 N.
+    """One design against the tissue from a tenth of the lowest force of the test to its highest: 0.5 to 15 N.
 
     Attributes
     ----------
     misfit_rms_ln_force : float or None
-        Root mean square of ln F(pad) - ln F(aim) at the depths where the aim carries 0.5 to 15 N steady,
+        Root mean square of ln F(pad) - ln F(aim) at the depths where the aim carries these forces steady,
         even in ln F; None when the pad's depth limit comes first.
     share_below_5N, share_above_5N : float
-        Share of the steady curve inside the subjects' range from 0.5 to 5 and from 5 to 15 N.
+        Share of the steady curve inside the subjects' range below and over the forces of the test, 0.5 to 5 and 5 to
+        15 N.
     exponent_at_N : dict
         Local exponent d ln F / d ln x of the relaxed pad; None out of reach.
     depth_over_thickness : float or None
-        At 15 N steady, 10 mm/s.
+        At the highest steady force, slowest ramp.
     """
 
     misfit_rms_ln_force: float | None
@@ -51,28 +50,32 @@ def low_force(candidate: Candidate, targets: Targets) -> LowForce:
     """Compare a design with the aim and the subjects' range over 0.5 to 15 N."""
     index, evaluation = candidate.index, candidate.evaluation
     slabs = evaluation.slabs.take(np.array([index]))
-    area = np.array(EXPONENT_AT_N) / slabs.young_MPa[0]
+    protocol, sampling = targets.protocol, targets.sampling.coarse
+    area = np.array(protocol.exponent_at_N) / slabs.young_MPa[0]
     depth = slabs.curves.depth_at(slabs.slab, area[None])
     exponent = (slabs.curves.slope_at(slabs.slab, depth) * depth / area)[0]
-    deepest = float(steady_depth(slabs, 15.0, VELOCITIES_MM_S[0])[0])
+    deepest = float(steady_depth(slabs, protocol.forces_N[-1], protocol.slow_mm_s, sampling)[0])
+    wide = steady_depth(slabs, protocol.wide_N, protocol.slow_mm_s, sampling)[0]
     return LowForce(
-        misfit(steady_depth(slabs, WIDE_N, VELOCITIES_MM_S[0])[0], WIDE_N, targets.aim_depth_mm(MISFIT_N)),
+        misfit(wide, protocol.wide_N, targets.aim_depth_mm(protocol.misfit_N), protocol.misfit_N),
         float(evaluation.low_force_range[index]),
         float(evaluation.steady_state_range[index]),
-        {f"{force:g}": _known(value) for force, value in zip(EXPONENT_AT_N, exponent)},
+        {f"{force:g}": _known(value) for force, value in zip(protocol.exponent_at_N, exponent)},
         _known(deepest / candidate.thickness_mm),
     )
 
 
-def misfit(depth_mm: NDArray, force_N: NDArray, aim_depth_mm: NDArray) -> float | None:
-    """Root mean square of ln F(pad) - ln F(aim) over :data:`MISFIT_N`.
+def misfit(
+    depth_mm: NDArray, force_N: NDArray, aim_depth_mm: NDArray, aim_N: NDArray = MISFIT_N
+) -> float | None:
+    """Root mean square of ln F(pad) - ln F(aim) over the aim's forces.
 
     Parameters
     ----------
     depth_mm, force_N : ndarray, shape (n,)
         Steady curve of the pad; NaN depths are out of its reach. [mm, N]
-    aim_depth_mm : ndarray, shape (m,)
-        Depths at which the aim carries :data:`MISFIT_N`. [mm]
+    aim_depth_mm, aim_N : ndarray, shape (m,)
+        Depths and steady forces of the aim, by default those of the paper's test. [mm, N]
 
     Returns
     -------
@@ -82,14 +85,16 @@ def misfit(depth_mm: NDArray, force_N: NDArray, aim_depth_mm: NDArray) -> float 
     known = np.isfinite(depth_mm)
     if known.sum() < 2 or depth_mm[known].max() < aim_depth_mm.max() * (1.0 - 1e-9):
         return None
-    away = np.log(force_at(aim_depth_mm, depth_mm, force_N) / MISFIT_N)
+    away = np.log(force_at(aim_depth_mm, depth_mm, force_N) / aim_N)
     return float(np.sqrt(np.mean(away**2)))
 
 
 def steady_force(candidate: Candidate, depth_mm: NDArray) -> NDArray:
     """Steady force of a design at depths, through its steady curve; NaN beyond it. [N]"""
     slabs = candidate.evaluation.slabs.take(np.array([candidate.index]))
-    return force_at(depth_mm, steady_depth(slabs, WIDE_N, VELOCITIES_MM_S[0])[0], WIDE_N)
+    protocol, sampling = candidate.evaluation.protocol, candidate.evaluation.sampling.coarse
+    wide = steady_depth(slabs, protocol.wide_N, protocol.slow_mm_s, sampling)[0]
+    return force_at(depth_mm, wide, protocol.wide_N)
 
 
 def force_at(at_mm: NDArray, depth_mm: NDArray, force_N: NDArray) -> NDArray:

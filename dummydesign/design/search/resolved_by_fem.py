@@ -21,6 +21,7 @@ from dummydesign.design.search.shape_family import ShapeLaw
 from dummydesign.design.search.shapes import LOW_SHARE, Shaped
 from dummydesign.design.search.slabs import search
 from dummydesign.design.search.space import SearchSpace
+from dummydesign.geometry.standard import PAD_EXTENT_MM
 from dummydesign.pad.force_law import BaseForceLaw
 from dummydesign.pad.shaped.contact_radius import Touch
 from dummydesign.pad.shaped.paths import Solved
@@ -74,14 +75,14 @@ class ElementsLaw(BaseForceLaw):
         return float(np.max(np.abs(np.expm1(self.log_factor))))
 
 
-def solve_law(shaped: Shaped, radius_mm: float, solved: Solved | None = None) -> ElementsLaw:
-    """Solve the best pad of a search, once for all moduli.
+def solve_law(shaped: Shaped, space: SearchSpace, solved: Solved | None = None) -> ElementsLaw:
+    """Solve the best pad of a search, once for all moduli, on the base and of the size that are asked for.
 
     Parameters
     ----------
     shaped : Shaped
-    radius_mm : float
-        Radius of the circle of the punch's area. [mm]
+    space : SearchSpace
+        Punch, base and size of the pad.
     solved : Solved, optional
         What was solved of this pad already.
 
@@ -90,22 +91,23 @@ def solve_law(shaped: Shaped, radius_mm: float, solved: Solved | None = None) ->
     NoAnswerError
         When the elements reach fewer than two depths.
     """
-    inputs = _inputs(shaped, radius_mm)
+    inputs, own = _inputs(shaped, space.radius_mm), _own(space)
     if shaped.shape.axisymmetric:
-        made = cached("design", inputs, lambda: _round(shaped, radius_mm, inputs["depth"], solved))
+        args = (shaped, space.radius_mm, inputs["depth"], solved, own)
+        made = cached("design", {**inputs, **own}, lambda: _round(*args))
     else:
-        made = cached("design", inputs, lambda: _field(shaped, inputs["thickness"], radius_mm, inputs["depth"]))
-    return _law(shaped, made, radius_mm)
+        made = cached("design", inputs, lambda: _field(shaped, inputs["thickness"], inputs["depth"]))
+    return _law(shaped, made, space.radius_mm)
 
 
-def rough_law(shaped: Shaped, radius_mm: float, solved: Solved) -> ElementsLaw:
+def rough_law(shaped: Shaped, space: SearchSpace, solved: Solved) -> ElementsLaw:
     """The same on the coarsest grid alone, to compare pads.
 
     Parameters
     ----------
     shaped : Shaped
-    radius_mm : float
-        Radius of the circle of the punch's area. [mm]
+    space : SearchSpace
+        Punch, base and size of the pad.
     solved : Solved
         Keeps what is solved.
 
@@ -116,10 +118,16 @@ def rough_law(shaped: Shaped, radius_mm: float, solved: Solved) -> ElementsLaw:
     """
     from dummydesign.pad.shaped.axisymmetric import rough_shaped_pad
 
-    inputs = _inputs(shaped, radius_mm)
-    args = (shaped.shape, inputs["thickness"], radius_mm, inputs["depth"])
-    made = cached("rough-design", inputs, lambda: vars(rough_shaped_pad(*args, solved=solved)))
-    return _law(shaped, made, radius_mm)
+    inputs, own = _inputs(shaped, space.radius_mm), _own(space)
+    args = (shaped.shape, inputs["thickness"], space.radius_mm, inputs["depth"])
+    made = cached("rough-design", {**inputs, **own}, lambda: vars(rough_shaped_pad(*args, solved=solved, **own)))
+    return _law(shaped, made, space.radius_mm)
+
+
+def _own(space: SearchSpace) -> dict[str, Any]:
+    """Base and size of the pads where they are not those of the tables."""
+    own: dict[str, Any] = {} if space.base == "bonded" else {"base": space.base}
+    return own if space.extent_mm == PAD_EXTENT_MM else {**own, "extent_mm": space.extent_mm}
 
 
 def _inputs(shaped: Shaped, radius_mm: float) -> dict[str, Any]:
@@ -139,17 +147,19 @@ def _law(shaped: Shaped, made: Mapping[str, Any], radius_mm: float) -> ElementsL
     return ElementsLaw(law, thickness, reached, factor, np.asarray(made["error_N"], float) / force, touch)
 
 
-def _round(shaped: Shaped, radius_mm: float, depth_mm: NDArray, solved: Solved | None) -> dict[str, Any]:
+def _round(
+    shaped: Shaped, radius_mm: float, depth_mm: NDArray, solved: Solved | None, own: dict[str, Any]
+) -> dict[str, Any]:
     from dummydesign.pad.shaped.axisymmetric import solve_shaped_pad
 
     thickness = shaped.found.best.thickness_mm
     solved = Solved() if solved is None else solved
-    curve = solve_shaped_pad(shaped.shape, thickness, radius_mm, 1.0, depth_mm, solved=solved)
+    curve = solve_shaped_pad(shaped.shape, thickness, radius_mm, 1.0, depth_mm, solved=solved, **own)
     rows = [(depth * thickness, min(touched * thickness, radius_mm), edge) for depth, touched, edge in solved.touched]
     return {**vars(curve), "touch": [list(column) for column in zip(*rows)]}
 
 
-def _field(shaped: Shaped, thickness_mm: float, radius_mm: float, depth_mm: NDArray) -> dict[str, Any]:
+def _field(shaped: Shaped, thickness_mm: float, depth_mm: NDArray) -> dict[str, Any]:
     """In space under the 14 x 14 mm punch; with a table, on its grid, whose stated error of the solves it has."""
     from dummydesign.pad.shaped.spatial import solve_shaped_block
     from dummydesign.pad.shaped.under_square import COARSE, HALF_SIDE_MM, press_field
@@ -198,7 +208,7 @@ def on_elements(shaped: Shaped, space: SearchSpace, solved: Solved | None = None
     NoAnswerError
         When it cannot be solved, or does not reach 10 N where it was.
     """
-    return with_law(shaped, solve_law(shaped, space.radius_mm, solved), space)
+    return with_law(shaped, solve_law(shaped, space, solved), space)
 
 
 def _rank(shaped: Shaped) -> float:
@@ -265,7 +275,7 @@ def _judged(
         progress(f"coarse finite elements, {shaped.shape.name} pad")
         solved = Solved()
         try:
-            law = rough_law(shaped, space.radius_mm, solved)
+            law = rough_law(shaped, space, solved)
             rough = with_law(shaped, law, space)
         except NoAnswerError:
             failed.append(shaped)

@@ -30,12 +30,12 @@ class Designs:
         """Shape of one pad."""
         return make_shape(self.kind, [(name, float(values[index])) for name, values in self.parameters.items()])
 
-    def castable(self) -> NDArray:
-        """Which pads their own shape accepts, shape (M,)."""
+    def castable(self, pad_mm: tuple[float, float]) -> NDArray:
+        """Which pads of a length and width their own shape accepts, shape (M,)."""
         accepted = np.zeros(len(self.thickness_mm), dtype=bool)
         for index, thickness in enumerate(self.thickness_mm):
             try:
-                self.shape(index).check(float(thickness))
+                self.shape(index).check(float(thickness), *pad_mm)
             except InputError:
                 continue
             accepted[index] = True

@@ -17,17 +17,17 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.design.scoring.presses import DEPTH_SHARE, ForceLaw
 from dummydesign.design.scoring.targets import Targets
-from dummydesign.design.search.low_force import MISFIT_N
 from dummydesign.design.search.shape_family import Designs, Family, ShapeLaw
 from dummydesign.design.search.slabs import THICKNESS_STEP_MM, SearchResult, search, search_each
 from dummydesign.design.search.space import SearchSpace
 from dummydesign.geometry.shapes import PadShape
+from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 
 LOW_SHARE = 0.5
 """A shape is chosen half by the total of all designs and half by its closeness to the aim below 5 N, which
 is what it is made for; a choice, not a measurement."""
 TRIED, AROUND_STEPS, REFINED = 6, 2, 4
-_SIEVE_N = MISFIT_N[::3]
+SIEVE_STEP = 3
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Shaped:
 
 
 def sieve(family: Family, targets: Targets, thickness_mm: NDArray, young_MPa: tuple[float, float], radius_mm: float,
-          count: int = 400) -> Sieved:  # fmt: skip
+          count: int = 400, pad_mm: tuple[float, float] = (PAD_LENGTH_MM, PAD_WIDTH_MM)) -> Sieved:  # fmt: skip
     """Misfit of every candidate of a family with its best modulus inside a range.
 
     Parameters
@@ -75,17 +75,20 @@ def sieve(family: Family, targets: Targets, thickness_mm: NDArray, young_MPa: tu
         Radius of the circle of the punch's area. [mm]
     count : int
         How many of the best are judged by castability and kept.
+    pad_mm : (float, float)
+        Length and width of the pads. [mm]
 
     Raises
     ------
     NoAnswerError
         ``no_feasible_design`` when no candidate reaches the depth of 15 N within its limit.
     """
-    depth = targets.aim_depth_mm(_SIEVE_N)
+    forces = targets.protocol.misfit_N[::SIEVE_STEP]
+    depth = targets.aim_depth_mm(forces)
     designs = family.candidates(thickness_mm, radius_mm)
     deep = np.minimum(family.limit_mm(designs, radius_mm), DEPTH_SHARE * designs.thickness_mm) >= depth[-1]
     designs = designs.take(deep)
-    wanted = np.log(_SIEVE_N)
+    wanted = np.log(forces)
     misfit, best = np.full(len(designs.thickness_mm), np.nan), np.empty(len(designs.thickness_mm))
     for start in range(0, len(misfit), 4000):
         rows = np.arange(start, min(start + 4000, len(misfit)))
@@ -96,12 +99,12 @@ def sieve(family: Family, targets: Targets, thickness_mm: NDArray, young_MPa: tu
         best[rows] = np.exp(level)
     order = np.argsort(np.where(np.isfinite(misfit), misfit, np.inf), kind="stable")
     order = order[np.isfinite(misfit[order])][:count]
-    kept = order[designs.take(order).castable()] if len(order) else order
+    kept = order[designs.take(order).castable(pad_mm)] if len(order) else order
     if not len(kept):
         raise NoAnswerError(
             "no_feasible_design",
             f"no {family.kind} pad of {thickness_mm[0]:g} to {thickness_mm[-1]:g} mm reaches {depth[-1]:.2f} mm, the "
-            f"tissue's depth at 15 N, within {DEPTH_SHARE:g} of its thickness; allow thicker pads",
+            f"tissue's depth at {forces[-1]:g} N, within {DEPTH_SHARE:g} of its thickness; allow thicker pads",
         )
     return Sieved(designs.take(kept), misfit[kept], best[kept])
 
@@ -133,7 +136,7 @@ def search_shapes(families: Sequence[Family], space: SearchSpace) -> list[list[S
     starts: list[list[tuple[Family, PadShape, float]] | NoAnswerError] = []
     for family in families:
         try:
-            sieved = sieve(family, space.targets, space.thickness_mm, moduli, space.radius_mm)
+            sieved = sieve(family, space.targets, space.thickness_mm, moduli, space.radius_mm, pad_mm=space.pad_mm)
         except NoAnswerError as problem:
             starts.append(problem)
             continue
@@ -146,7 +149,7 @@ def search_shapes(families: Sequence[Family], space: SearchSpace) -> list[list[S
             found.append(each)
             continue
         able = [shaped for shaped in (next(around) for _ in each) if shaped is not None]
-        why = f"no {family.kind} pad reaches 10 N within its depth limit"
+        why = f"no {family.kind} pad reaches {space.targets.protocol.needed_N:g} N within its depth limit"
         best_first = sorted(able, key=lambda shaped: shaped.worth, reverse=True)
         found.append(best_first if able else NoAnswerError("no_feasible_design", why))
     return found
@@ -176,9 +179,9 @@ def search_fixed(family: Family, shape: PadShape, space: SearchSpace) -> Shaped:
         ``no_feasible_design`` when none reaches 10 N within its depth limit.
     """
     family.check(shape)
-    fitting = [float(thickness) for thickness in space.thickness_mm if _accepts(shape, float(thickness))]
+    fitting = [float(thickness) for thickness in space.thickness_mm if _accepts(shape, float(thickness), space.pad_mm)]
     if not fitting:
-        shape.check(float(space.thickness_mm[-1]))
+        shape.check(float(space.thickness_mm[-1]), *space.pad_mm)
     law = ShapeLaw(family, shape, fitting[0], cast=True)
     steps = np.array(fitting)[law.depth_limit_mm(np.array(fitting), space.radius_mm) > 0.0]
     if not len(steps):
@@ -191,9 +194,9 @@ def search_fixed(family: Family, shape: PadShape, space: SearchSpace) -> Shaped:
     return Shaped(shape, law, found)
 
 
-def _accepts(shape: PadShape, thickness_mm: float) -> bool:
+def _accepts(shape: PadShape, thickness_mm: float, pad_mm: tuple[float, float]) -> bool:
     try:
-        shape.check(thickness_mm)
+        shape.check(thickness_mm, *pad_mm)
     except InputError:
         return False
     return True
@@ -211,7 +214,7 @@ def _around(starts: Sequence[tuple[Family, PadShape, float]], space: SearchSpace
         if isinstance(found, SearchResult):
             chosen = found.best.thickness_mm
             rounded = family.at_thickness(shape, thickness, np.array([chosen])).shape(0).rounded()
-            if _accepts(rounded, chosen):
+            if _accepts(rounded, chosen, space.pad_mm):
                 own[-1] = ShapeLaw(family, rounded, chosen)
     laws = [(law, np.array([law.made_for_mm])) for law in own if law is not None]
     results = iter(search_each(laws, space, LOW_SHARE, REFINED, 0))
@@ -227,7 +230,7 @@ def _near(family: Family, shape: PadShape, thickness: float, space: SearchSpace)
     """Thicknesses of the space near that of a start at which the shape in proportion is known and can be cast."""
     near = space.thickness_mm[np.abs(space.thickness_mm - thickness) <= AROUND_STEPS * THICKNESS_STEP_MM + 1e-9]
     known = ShapeLaw(family, shape, thickness).depth_limit_mm(near, space.radius_mm) > 0.0
-    return near[known & family.at_thickness(shape, thickness, near).castable()]
+    return near[known & family.at_thickness(shape, thickness, near).castable(space.pad_mm)]
 
 
 def _one_a_thickness(sieved: Sieved) -> list[int]:

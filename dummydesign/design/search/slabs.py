@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import NoAnswerError, out_of_range
 from dummydesign.design.scoring.law_parameters import fit_presses, gamma1_score, parametric_score
-from dummydesign.design.scoring.presses import Curves, ForceLaw, Sampling, Slabs, join_curves, join_slabs, make_curves
+from dummydesign.design.scoring.presses import Curves, ForceLaw, Slabs, join_curves, join_slabs, make_curves
 from dummydesign.design.scoring.score import Evaluation, evaluate, steady_gamma1
 from dummydesign.design.scoring.standing import WORTH, standing
 from dummydesign.design.search.alternatives import alternatives_to, pareto
@@ -186,9 +186,9 @@ def search_each(
     curves = join_curves([make_curves(law, thickness, space.radius_mm) for law, thickness in laws])
     slab, column = (i.ravel() for i in np.indices((len(curves.thickness_mm), len(ratio))))
     slabs = make_slabs(curves, slab, resin, ratio[column])
-    coarse = Sampling(16, 8, 20, space.sampling.hold_s, space.sampling.deceleration_mm_s2)
+    coarse = space.sampling.coarse
     rough = evaluate(slabs, targets, coarse)
-    total = rough.total(gamma1_score(steady_gamma1(slabs), targets))
+    total = rough.total(gamma1_score(steady_gamma1(slabs, targets.protocol, coarse), targets))
     order = ((1.0 - low_share) * total + low_share * rough.low_aim) * np.array(WORTH)[standing(rough, targets)]
     order = np.where(rough.feasible, order, -1.0)
     found: list[SearchResult | NoAnswerError] = []
@@ -207,7 +207,7 @@ def search_each(
         worked = _work_out(slabs.take(chosen), ratio[column[chosen]], space, counts, fitted, low_share)
     for place, score_map in enumerate(maps):
         if not score_map.feasible.any():
-            why = _why_none(resin, score_map.thickness_mm, ratio)
+            why = _why_none(resin, score_map.thickness_mm, ratio, targets.protocol.needed_N)
             found.append(NoAnswerError("no_feasible_design", why))
             continue
         best = max(worked[place], key=lambda candidate: candidate.worth(low_share))
@@ -235,7 +235,8 @@ def _work_out(
     targets = space.targets
     exact = evaluate(slabs, targets, space.sampling, exact=True)
     stands = standing(exact, targets)
-    parametric = gamma1_score(steady_gamma1(slabs), targets)
+    gamma1 = steady_gamma1(slabs, targets.protocol, space.sampling.coarse)
+    parametric = gamma1_score(gamma1, targets)
     total = exact.total(parametric)
     found: list[Any] = [None] * len(ratio)
     groups, end = [], 0
@@ -288,9 +289,9 @@ def with_parameters(candidates: Sequence[Candidate], space: SearchSpace) -> tupl
     return tuple(done)
 
 
-def _why_none(resin: Resin, thickness_mm: NDArray, ratio: NDArray) -> str:
+def _why_none(resin: Resin, thickness_mm: NDArray, ratio: NDArray, force_N: float) -> str:
     slabs = f"slab of {thickness_mm[0]:g} to {thickness_mm[-1]:g} mm"
     return (
-        f"no {slabs} and ratio {ratio[0]:g} to {ratio[-1]:g} of {resin.name} reaches 10 N "
+        f"no {slabs} and ratio {ratio[0]:g} to {ratio[-1]:g} of {resin.name} reaches {force_N:g} N "
         "within its depth limit; allow stiffer ratios or thinner pads"
     )

@@ -17,8 +17,7 @@ from dummydesign.design.search.shape_family import ShapeLaw
 from dummydesign.design.search.slabs import Candidate, make_slabs
 from dummydesign.design.search.space import SearchSpace
 from dummydesign.geometry.shapes import PadShape
-
-SLOW_MM_S = 10.0
+from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 
 
 @dataclass(frozen=True)
@@ -47,10 +46,14 @@ class OnePad:
         force_N : ndarray, shape (n,)
             Steady forces. [N]
         """
-        return np.asarray(steady_depth(self.candidate.evaluation.slabs, force_N, SLOW_MM_S)[0])
+        found = self.candidate.evaluation
+        return np.asarray(steady_depth(found.slabs, force_N, found.protocol.slow_mm_s, found.sampling.coarse)[0])
 
 
-def law_of_shape(slab_law: ForceLaw, shape: PadShape, thickness_mm: float) -> ForceLaw:
+def law_of_shape(
+    slab_law: ForceLaw, shape: PadShape, thickness_mm: float,
+    pad_mm: tuple[float, float] = (PAD_LENGTH_MM, PAD_WIDTH_MM),
+) -> ForceLaw:  # fmt: skip
     """Elastic force of a pad of a shape: the slabs' law, or the response surface of the kind.
 
     Parameters
@@ -60,6 +63,8 @@ def law_of_shape(slab_law: ForceLaw, shape: PadShape, thickness_mm: float) -> Fo
     shape : PadShape
     thickness_mm : float
         Of the pad. [mm]
+    pad_mm : (float, float)
+        Its length and width. [mm]
 
     Raises
     ------
@@ -70,7 +75,7 @@ def law_of_shape(slab_law: ForceLaw, shape: PadShape, thickness_mm: float) -> Fo
         return slab_law
     from dummydesign.design.search.tabulated_shapes import load_family
 
-    shape.check(thickness_mm)
+    shape.check(thickness_mm, *pad_mm)
     family = load_family(shape.name)
     family.check(shape)
     return ShapeLaw(family, shape, thickness_mm, cast=True)

@@ -64,6 +64,8 @@ def mould_spec(
     kind: str = "slab",
     parameters: tuple[tuple[str, float], ...] = (),
     base_ratio: float | None = None,
+    machines: str | None = None,
+    silicone: str | None = None,
 ) -> MouldSpec:
     """Put together and check the specification of a mould.
 
@@ -82,6 +84,8 @@ def mould_spec(
     base_ratio : float, optional
         Mixing ratio of a layered pad's base; by default the one whose modulus is that of the upper layer times
         the shape's ``modulus_ratio``.
+    machines, silicone : str, optional
+        Names or files that take the place of those the preset names.
 
     Returns
     -------
@@ -110,7 +114,7 @@ def mould_spec(
         pad = replace(pad, edge_radius_mm=0.0)
     resin = _resin(resin)
     pour, sources = _read_pour(data, entry.path, text, resin, ratio)
-    silicone, more = read_silicone(str(data["silicone"]), entry.path)
+    product, more = read_silicone(silicone or str(data["silicone"]), entry.path)
     plastic, its_sources = read_plastic(str(data["plastic"]), entry.path) if "plastic" in data else (None, [])
     closure = data.get("closure")
     limits = _table(Acceptance, data.get("acceptance", {}), entry.path, text, "acceptance", optional=True)
@@ -120,9 +124,9 @@ def mould_spec(
         body=Body(**_table(Body, data["body"], entry.path, text, "body", style=str(data["style"]))),
         box=Box(**_table(Box, data["box"], entry.path, text, "box")),
         aids=Aids(**_table(Aids, data["aids"], entry.path, text, "aids")),
-        silicone=silicone,
+        silicone=product,
         pour=pour,
-        machines=read_machines(str(data["machines"]), entry.path),
+        machines=read_machines(machines or str(data["machines"]), entry.path),
         closure=Closure(**_table(Closure, closure, entry.path, text, "closure")) if closure is not None else None,
         sources=tuple(dict.fromkeys(sources + more + its_sources)),
         base=_base_layer(pad.shape, pour, resin, base_ratio),

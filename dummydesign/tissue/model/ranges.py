@@ -185,6 +185,33 @@ def force_range(
     return ForceRange(float(steady_force_N), float(velocity_mm_s), grid, low, high, on_grid, depth, stop)
 
 
+def held_depth(
+    subjects: tuple[Parameters, ...],
+    force_N: NDArray,
+    velocity_mm_s: float,
+    hold_s: float,
+    deceleration_mm_s2: float = DECELERATION_MM_S2,
+) -> NDArray:
+    """Depths at which subjects still carry steady forces at the end of a hold, shape (subjects, n). [mm]
+
+    Parameters
+    ----------
+    subjects : tuple of Parameters
+        At least one; all of the same law.
+    force_N : ndarray, shape (n,)
+        Forces at the end of the hold. [N]
+    velocity_mm_s, hold_s, deceleration_mm_s2 : float
+        Ramp, hold and braking. [mm/s, s, mm/s2]
+    """
+    law, gamma1, gamma, dampers = stack(subjects, velocity_mm_s)
+
+    def coarse(depth: NDArray) -> Motion:
+        return ramp_and_hold(velocity_mm_s, depth, hold_s, deceleration_mm_s2, 24, 12, 3)
+
+    depths = [law_named(law).steady_depth(coarse, float(force), gamma1, gamma, dampers) for force in force_N]
+    return np.stack(depths, axis=-1)
+
+
 def steady_force_range(subjects: tuple[Parameters, ...], depth_mm: ArrayLike) -> tuple[NDArray, NDArray]:
     """Steady-state range gamma1 x^3 over depth: lowest and highest subject, shapes of ``depth_mm``. [N]"""
     cube = np.maximum(np.asarray(depth_mm, float), 0.0) ** 3

@@ -139,7 +139,7 @@ def test_text_shows_recipe_scores_and_what_it_rests_on(capsys):
         (["--tissue", "palm", "--balance", "-1"], "balance in g = -1.0"),
         (["--tissue", "palm", "--thickness-tolerance", "nan"], "thickness tolerance in mm = nan"),
         (["--tissue", "palm", "--robot-velocity", "250"], "needs the robot's mass"),
-        (["--tissue", "palm", "--robot-mass", "4", "--robot-velocity", "0.25"], "it looks like m/s: then give 250"),
+        (["--tissue", "palm", "--robot-mass", "4", "--robot-velocity", "0.25"], "looks like m/s: give 250"),
         (["--tissue", "palm", "--out", "/dev/null/x"], "cannot be written"),
         ([], "--tissue"),
     ],

@@ -5,7 +5,7 @@ import pytest
 
 from dummydesign.core.errors import InputError
 from dummydesign.design.assessment.pour_yield import Tolerances
-from dummydesign.design.curves import FORCE_GRID_N, steady_curve
+from dummydesign.design.curves import force_grids, steady_curve
 from dummydesign.design.inputs import resolve
 from dummydesign.design.request import Request
 from dummydesign.design.suggest import design
@@ -24,7 +24,8 @@ def test_the_recommended_pad_gets_the_verdict_and_the_curve_of_the_suggestion(in
     poured = sum(mass for _, mass in found.recommended.recipe)
     pad = one_pad(law_of_shape(inputs.slab_law, Slab(), best.thickness_mm), inputs.space, best.thickness_mm, best.ratio)
     assert with_castings(pad, inputs.space, Tolerances(poured, 0.1, 0.2)) == found.verdict
-    assert np.array_equal(pad.steady_depth_mm(FORCE_GRID_N), steady_curve(best), equal_nan=True)
+    grids = force_grids(found.targets.protocol)
+    assert np.array_equal(pad.steady_depth_mm(grids.pad), steady_curve(best, grids), equal_nan=True)
 
 
 def test_a_softer_pad_is_deeper_at_every_force(inputs):

@@ -1,0 +1,135 @@
+"""One's own test: which punches, forces, speeds, pads and bases can be designed for, and what must be said of them."""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import TYPE_CHECKING
+
+from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.design.request import PUNCH, Request
+from dummydesign.design.search.tabulated_shapes import designable_kinds
+from dummydesign.geometry.interface import BASES, Interface
+from dummydesign.geometry.shapes import Slab
+from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
+
+if TYPE_CHECKING:
+    from dummydesign.design.own_test.punch import AskedPunch
+    from dummydesign.tissue.model.tissue import Tissue
+
+FORCE_N, VELOCITY_MM_S, HOLD_S = (0.05, 300.0), (0.1, 5000.0), (0.05, 3600.0)
+MOST = 8
+LEAST_SIDE = 1.5
+"""Shortest side of a pad over the longer side of the punch: nearer to the rim nothing was compared with."""
+KNOWN_FORCE_N = (5.0, 15.0)
+"""Steady forces between which the built-in tissues are known."""
+
+
+def check_test(request: Request, punch: AskedPunch) -> None:
+    """Refuse what no pad can be pressed with, before any work.
+
+    Raises
+    ------
+    InputError
+        Naming the quantity, its value, and the nearest that works.
+    """
+    for name, values, (low, high) in (
+        ("force in N", request.force_N, FORCE_N),
+        ("velocity in mm/s", request.velocity_mm_s, VELOCITY_MM_S),
+        ("hold in s", (request.hold_s,), HOLD_S),
+    ):
+        if not 1 <= len(values) <= MOST:
+            raise InputError(f"{name}: {len(values)} values; give 1 to {MOST}")
+        for value in values:
+            if not (isfinite(value) and low <= value <= high):
+                raise out_of_range(name, f"{value:g}", low, high)
+    least = LEAST_SIDE * punch.length_mm
+    length, width = request.pad_mm
+    if not (isfinite(length) and isfinite(width) and min(length, width) >= least):
+        raise InputError(
+            f"pad = {length:g}x{width:g} mm is too small for the punch {request.punch}: the smallest that is designed "
+            f"is {least:g}x{least:g}, {LEAST_SIDE:g} times the punch"
+        )
+    Interface.parse(request.base, "base", BASES)
+    if request.edge_radius_mm:
+        from dummydesign.pad.slab.filleted import check_fillet
+
+        if punch.profile_mm:
+            raise InputError(f"edge_radius_mm = {request.edge_radius_mm:g} is of a flat punch, not of {punch.text}")
+        if Interface.names_friction(request.base):
+            raise InputError(f"edge_radius_mm = {request.edge_radius_mm:g} with base = {request.base} is not solved")
+        check_fillet(request.edge_radius_mm, punch.half_width_mm)
+    if request.calibration is not None and not standard_press(request):
+        raise InputError("a calibration is of its campaign's punch, pad and base: leave --punch, --edge-radius, "
+                         "--pad and --base out")  # fmt: skip
+
+
+def standard_press(request: Request) -> bool:
+    """Whether punch, edge, pad and base are those that the tables and the tissues are made for."""
+    return (request.punch, request.edge_radius_mm, request.base) == (PUNCH, 0.0, "bonded") and standard_pad(request)
+
+
+def standard_pad(request: Request) -> bool:
+    """Whether the pad is 150 x 120 mm."""
+    return tuple(request.pad_mm) == (PAD_LENGTH_MM, PAD_WIDTH_MM)
+
+
+def refused_kinds(request: Request, punch: AskedPunch) -> dict[str, str]:
+    """Kinds of shapes that cannot be designed for a test, with the reason in one line.
+
+    Parameters
+    ----------
+    request : Request
+    punch : AskedPunch
+    """
+    found: dict[str, str] = {}
+    for kind in designable_kinds():
+        if kind == Slab.name:
+            continue
+        if punch.profile_mm:
+            found[kind] = f"{kind} pads are designed under flat punches, not under {punch.text}"
+        elif kind == "bumped" and not (request.punch == PUNCH and request.base == "bonded" and standard_pad(request)):
+            found[kind] = f"bumped pads are tabulated under the {PUNCH} mm punch on a glued 150x120 mm pad only"
+        elif request.base != "bonded" and kind != "crowned":
+            found[kind] = f"{kind} pads are designed on a glued base only"
+        elif request.base != "bonded" and not request.verify:
+            found[kind] = f"base = {request.base} is not in the tables of shapes; without --no-verify it is solved"
+    return found
+
+
+def own_warnings(request: Request, punch: AskedPunch, tissue: Tissue, flat: bool) -> list[tuple[str, str]]:
+    """What must be said of a test that is not the paper's.
+
+    Parameters
+    ----------
+    request : Request
+    punch : AskedPunch
+    tissue : Tissue
+    flat : bool
+        Whether the recommended pad is a slab, whose fillet is solved.
+    """
+    said = []
+    built_in = tissue.origin == "built-in"
+    if built_in and (request.punch != PUNCH or request.edge_radius_mm):
+        edge = f" with an edge radius of {request.edge_radius_mm:g} mm" if request.edge_radius_mm else ""
+        said.append(("tissue_punch", f"{tissue.name} is known under the 14 x 14 mm punch: under {request.punch}{edge} "
+                     "its ranges are those of another test; add your own tissue measured with it"))  # fmt: skip
+    far = [force for force in request.protocol.forces_N if not KNOWN_FORCE_N[0] <= force <= KNOWN_FORCE_N[1]]
+    if built_in and far:
+        where = " and ".join(f"{force:g}" for force in far)
+        said.append(("force_not_in_band", f"{tissue.name} is known from 5 to 15 N: at {where} N its law is carried on"))
+    if punch.sides_mm and not punch.square:
+        said.append(("equal_area_punch", f"the punch {request.punch} is taken as the circle of its area; 'predict "
+                     "--fidelity 3d' gives what its sides add"))  # fmt: skip
+    if request.edge_radius_mm and not flat:
+        said.append(("fillet", _fillet_words(request, punch)))
+    return said
+
+
+def _fillet_words(request: Request, punch: AskedPunch) -> str:
+    """What a fillet changes on a shaped pad: nothing while the contact lies inside the flat face."""
+    inner = punch.half_width_mm - request.edge_radius_mm
+    return (
+        f"the pad is designed with a sharp edge: a fillet of {request.edge_radius_mm:g} mm changes nothing while the "
+        f"contact is inside {inner:.3g} mm from the centre, and beyond makes the pad softer by up to what a punch "
+        f"{2 * request.edge_radius_mm:g} mm narrower would"
+    )

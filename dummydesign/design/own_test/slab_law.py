@@ -1,0 +1,112 @@
+"""What slabs do under one's own punch, on one's own base and pad: the table, or what is solved over it."""
+
+from __future__ import annotations
+
+from math import pi, sqrt
+from typing import TYPE_CHECKING
+
+from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.design.own_test.over_table import own_slab_law as solved_over
+from dummydesign.design.own_test.punch import AskedPunch
+from dummydesign.design.request import Request
+from dummydesign.design.scoring.presses import ForceLaw
+from dummydesign.design.search.slabs import THICKNESS_MM
+from dummydesign.geometry.interface import BASES
+from dummydesign.pad.pad import Pad
+from dummydesign.pad.tables.punch import punch_law
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from dummydesign.resin.model.resin import Resin
+
+
+def tabulated(thickness_mm: NDArray, request: Request, punch: AskedPunch) -> NDArray:
+    """Those thicknesses (T,) that the table holds for the punch's size.
+
+    Parameters
+    ----------
+    thickness_mm : ndarray, shape (T,)
+        [mm]
+    request : Request
+    punch : AskedPunch
+
+    Raises
+    ------
+    InputError
+        When there is none, with the range that is tabulated.
+    """
+    from dummydesign.pad.tables.slab import load_table
+
+    base = request.base if request.base in BASES else "bonded"
+    smallest, largest = load_table(base=base).ratio_range
+    kept = thickness_mm[(punch.radius_mm / thickness_mm >= smallest) & (punch.radius_mm / thickness_mm <= largest)]
+    if not len(kept):
+        low, high = (max(punch.radius_mm / largest, THICKNESS_MM[0]), min(punch.radius_mm / smallest, THICKNESS_MM[1]))
+        if low > high:
+            raise InputError(
+                f"punch {request.punch} is outside what is tabulated: the circle of its area has a radius of "
+                f"{punch.radius_mm:.3g} mm, allowed is {smallest * THICKNESS_MM[0]:.3g} to "
+                f"{largest * THICKNESS_MM[1]:.3g}"
+            )
+        raise out_of_range("thickness in mm", f"{thickness_mm[0]:g}:{thickness_mm[-1]:g}", f"{low:.3g}", f"{high:.3g}",
+                           f"under the punch {request.punch}")  # fmt: skip
+    return kept
+
+
+def own_slab_law(request: Request, punch: AskedPunch, thickness_mm: NDArray) -> ForceLaw:
+    """Force law of the slabs of a request: the table of its base under its punch, or what is solved over it.
+
+    Parameters
+    ----------
+    request : Request
+        Punch, edge, base and size of the pad.
+    punch : AskedPunch
+    thickness_mm : ndarray, shape (T,)
+        Thicknesses that are searched. [mm]
+    """
+    from dummydesign.pad.tables.slab import load_table
+
+    base = request.base if request.base in BASES else "bonded"
+    law: ForceLaw = solved_over(load_table(base=base), asked_pad(request, punch), thickness_mm)
+    return punch_law(law, request.punch, base) if request.base in BASES and not punch.profile_mm else law
+
+
+def asked_pad(request: Request, punch: AskedPunch, thickness_mm: float = 10.0, young_MPa: float = 1.0) -> Pad:
+    """The slab of a request as the pad model takes it.
+
+    Parameters
+    ----------
+    request : Request
+    punch : AskedPunch
+    thickness_mm, young_MPa : float
+        Of the slab. [mm, MPa]
+    """
+    return Pad(
+        thickness_mm, young_MPa, punch.radius_mm, base=request.base, sides_mm=punch.sides_mm,
+        extent_mm=sqrt(request.pad_mm[0] * request.pad_mm[1] / pi), slab_mm=request.pad_mm,
+        profile_mm=punch.profile_mm, edge_radius_mm=request.edge_radius_mm,
+        condition="bonded" if punch.profile_mm is None else "frictionless",
+    )  # fmt: skip
+
+
+def check_mould(request: Request, resin: Resin, thickness_mm: float, ratio: float) -> None:
+    """Refuse presets, machines and silicones that are not known, and pads that they cannot make.
+
+    Parameters
+    ----------
+    request : Request
+    resin : Resin
+    thickness_mm, ratio : float
+        The thinnest pad that is searched. [mm, resin's ratio]
+
+    Raises
+    ------
+    InputError
+        Naming what does not fit.
+    """
+    from dummydesign.mold.model.preset import mould_spec
+
+    mould_spec(
+        thickness_mm, *request.pad_mm, request.preset, resin, ratio, machines=request.machine, silicone=request.silicone
+    )

@@ -1,0 +1,68 @@
+"""Slabs pressed in one's own way agree with what is solved directly."""
+
+import numpy as np
+import pytest
+
+from dummydesign.design.own_test.over_table import OwnSlabLaw, Solved, near_rim, own_slab_law, solve_over_table
+from dummydesign.pad.pad import Pad
+from dummydesign.pad.tables.slab import load_table
+
+RADIUS = 7.9
+
+
+def pad(**more):
+    return Pad(**({"thickness_mm": 10.0, "young_MPa": 1.0, "radius_mm": RADIUS, "extent_mm": 75.7} | more))
+
+
+def test_between_solved_thicknesses_a_factor_that_is_a_power_law_is_exact():
+    share = np.geomspace(0.03, 0.6, 6)
+    solved = tuple(
+        Solved(h, share, 0.3 * np.log(h) + 0.1 * np.log(share), np.full(6, 0.01)) for h in (4.0, 8.0, 20.0)
+    )
+    table = load_table("bonded")
+    law = OwnSlabLaw(table, solved, 0.0, True)
+    depth, h = np.array([0.05, 1.0, 3.0]), np.array([5.0, 11.0, 17.0])
+    wanted = table.force(depth, h, 1.0, RADIUS) * h**0.3 * (depth / h) ** 0.1
+    np.testing.assert_allclose(law.force(depth, h, 1.0, RADIUS), wanted, rtol=1e-9)
+    np.testing.assert_allclose(law.relative_error(depth, h, RADIUS), 0.01)
+
+
+def test_only_a_rim_that_is_felt_is_solved():
+    assert not near_rim(pad(), 10.0) and not near_rim(pad(extent_mm=60.0), 5.0)
+    assert near_rim(pad(extent_mm=20.0), 10.0) and not near_rim(pad(extent_mm=20.0), 2.0)
+
+
+@pytest.mark.slow
+def test_a_small_pad_is_softer_by_what_the_whole_solve_says():
+    from dummydesign.pad.slab.sharp_edge import solve_curve
+
+    table, small = load_table("bonded"), pad(extent_mm=2.2 * RADIUS)
+    found = solve_over_table(table, small, 8.0)
+    depth = np.array([0.15, 0.3]) * 8.0
+    own, large = (solve_curve(8.0, RADIUS, 1.0, depth, extent_mm=e).force_N for e in (2.2 * RADIUS, 75.7))
+    factor = np.exp(np.interp(np.log([0.15, 0.3]), np.log(found.share), found.log_factor))
+    np.testing.assert_allclose(factor, own / large, rtol=0.004)
+    assert factor[0] < 0.97
+
+
+@pytest.mark.slow
+def test_a_fillet_between_solved_thicknesses_is_that_of_a_direct_solve():
+    from dummydesign.pad.slab.filleted import solve_filleted
+
+    law = own_slab_law(load_table("bonded"), pad(edge_radius_mm=0.5), np.array([4.0, 12.0]))
+    depth = np.array([1.0, 2.0])
+    direct = solve_filleted(6.4, RADIUS, 0.5, 1.0, depth).force_N
+    np.testing.assert_allclose(law.force(depth, 6.4, 1.0, RADIUS), direct, rtol=0.01)
+
+
+@pytest.mark.slow
+def test_a_ball_starts_softer_than_a_flat_punch_of_its_width():
+    from dummydesign.design.own_test.punch import read_punch
+
+    ball = read_punch("ball:20")
+    table = load_table("bonded")
+    made = pad(radius_mm=ball.radius_mm, profile_mm=ball.profile_mm, condition="frictionless")
+    law = own_slab_law(table, made, np.array([8.0]))
+    depth = np.array([0.1, 0.5, 2.0])
+    ratio = law.force(depth, 8.0, 1.0, ball.radius_mm) / table.force(depth, 8.0, 1.0, ball.radius_mm)
+    assert (np.diff(ratio) > 0).all() and ratio[0] < 0.3

@@ -130,7 +130,7 @@ def render(result: dict[str, Any]) -> str:
         *_calibration(result),
         f"{result['inputs']['tissue']}, aim {result['inputs']['aim']}",
         "",
-        f"  pad        {best['thickness_mm']:g} mm thick, {_size(result)} {best['shape']}, {_base_words(result)}",
+        f"  pad        {_pad(result)}",
         *_test_line(result),
         f"  resin      {best['resin']}, ratio {best['ratio']:g} ({best['ratio_meaning']})",
         f"  weigh      {weigh} (total {recipe['total_g']:.1f} g)",
@@ -208,13 +208,10 @@ def _forces(result: dict[str, Any]) -> tuple[float, float, tuple[str, str, str]]
     return forces[0], forces[-1], (f"{0.2 * forces[0]:g}", f"{forces[0]:g}", f"{forces[-1]:g}")
 
 
-def _size(result: dict[str, Any]) -> str:
-    return "{:g} x {:g} mm".format(*result["inputs"]["pad_mm"])
-
-
-def _base_words(result: dict[str, Any]) -> str:
-    base = result["inputs"]["base"]
-    return {"bonded": "glued to a rigid base", "sliding": "sliding on a rigid base"}.get(base, f"resting, {base}")
+def _pad(result: dict[str, Any]) -> str:
+    best, base, (length, width) = (result["recommendation"], *(result["inputs"][name] for name in ("base", "pad_mm")))
+    held = {"bonded": "glued to a rigid base", "sliding": "sliding on a rigid base"}.get(base, f"resting, {base}")
+    return f"{best['thickness_mm']:g} mm thick, {length:g} x {width:g} mm {best['shape']}, {held}"
 
 
 def _test_line(result: dict[str, Any]) -> list[str]:

@@ -168,13 +168,11 @@ def _shapes(result: dict[str, Any]) -> list[str]:
     if not result["shapes"]:
         return []
     low, high, shown = _forces(result)
-    head = f"  misfit  range <{low:g} N  range >{low:g} N  exponent {'/'.join(shown)} N"
     lines = [
         "",
         f"  shapes side by side (misfit: rms of ln F from {0.1 * low:g} to {high:g} N; range: fraction of the steady "
-        "curve in range;",
-        "  exponent d ln F / d ln x, tissue 3):",
-        f"{head}  d/h    total  pad",
+        "curve in range;\n  exponent d ln F / d ln x, tissue 3):",
+        f"  misfit  range <{low:g} N  range >{low:g} N  exponent {'/'.join(shown)} N  d/h    total  pad",
     ]
     for row in result["shapes"]:
         if row["shape"] is None:

@@ -43,7 +43,7 @@ HOLD_S, BRAKING_MM_S2 = 10.0, 30_000.0
 NOISE_N, REPEATS_MM, ZERO_MM, LEVEL = 0.02, 0.01, 0.005, 0.005
 """Standard deviations: noise of a sample, where the robot stops, where depth begins, and the pad's own level."""
 BORDER = 0.01
-DRAWN = 4000
+DRAWN, ATTEMPTS = 4000, 12
 
 
 def motion(velocity: float, depth: float, zero: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
@@ -114,9 +114,9 @@ def traces_of(casting: dict, depth: np.ndarray, rng: np.random.Generator) -> lis
     return traces
 
 
-def castings(count: int, seed: int) -> list[dict]:
-    """Castings of slabs and of one crown, designed for each tissue, each drawn once."""
-    designs = []
+def designs() -> list[tuple]:
+    """Slabs and pads of one crown, designed for each tissue: tissue, shape, thickness, ratio, resin."""
+    found = []
     for tissue in TISSUES:
         for shape in ("slab", CROWN):
             if shape == CROWN and tissue == "forefinger":
@@ -125,46 +125,55 @@ def castings(count: int, seed: int) -> list[dict]:
             for design in (answer.recommended, *answer.alternatives):
                 thickness = design.candidate.thickness_mm
                 if 5.0 <= thickness <= 20.0 and (shape == "slab" or 6.8 <= thickness <= 14.2):
-                    designs.append((tissue, shape, thickness, design.candidate.ratio, answer.resin))
-    found = []
-    for number in range(count):
-        tissue, shape, thickness, ratio, resin = designs[number % len(designs)]
-        pours, _ = draw_pours(resin, thickness, ratio, Tolerances(110.0), DRAWN, seed)
-        rng = np.random.default_rng((seed, number))
-        at = int(rng.integers(DRAWN))
-        found.append({
-            "number": number, "tissue": tissue, "shape": shape, "crown": shape == CROWN, "ratio": ratio,
-            "thickness_mm": float(pours.thickness_mm[at]), "young_MPa": float(pours.young_MPa[at]),
-            "tau_s": [arm.tau_s.value for arm in resin.arms], "beta": pours.beta[at].tolist(),
-            "pad_level": LEVEL * float(rng.standard_normal()),
-        })  # fmt: skip
+                    found.append((tissue, shape, thickness, design.candidate.ratio, answer.resin))
     return found
 
 
-def run_one(casting: dict, targets, seed: int) -> dict:
+def cast(number: int, attempt: int, design: tuple, seed: int) -> dict:
+    """One casting of a design."""
+    tissue, shape, thickness, ratio, resin = design
+    pours, _ = draw_pours(resin, thickness, ratio, Tolerances(110.0), DRAWN, seed)
+    rng = np.random.default_rng((seed, number, attempt))
+    at = int(rng.integers(DRAWN))
+    return {
+        "number": number, "attempt": attempt, "tissue": tissue, "shape": shape, "crown": shape == CROWN, "ratio": ratio,
+        "thickness_mm": float(pours.thickness_mm[at]), "young_MPa": float(pours.young_MPa[at]),
+        "tau_s": [arm.tau_s.value for arm in resin.arms], "beta": pours.beta[at].tolist(),
+        "pad_level": LEVEL * float(rng.standard_normal()),
+    }  # fmt: skip
+
+
+def pressable(number: int, known: list[tuple], targets: dict, seed: int) -> tuple[dict, Readings, np.ndarray]:
+    """The first casting of a design, or of the next design, that reaches all forces within the generator's curves."""
+    for attempt in range(ATTEMPTS * len(known)):
+        casting = cast(number, attempt, known[(number + attempt // ATTEMPTS) % len(known)], seed)
+        readings, depth = truth_of(casting, targets[casting["tissue"]])
+        if np.isfinite(depth).all():
+            return casting, readings, depth
+    raise SystemExit("no casting of any design can be pressed")
+
+
+def run_one(casting: dict, readings: Readings, depth: np.ndarray, targets, seed: int) -> dict:
     """Truth and answer of one casting."""
     started = time.process_time()
     ranges = ranges_of(targets)
-    readings, depth = truth_of(casting, targets)
     true = levels(ranges, readings)[0]
     near = {
         levels(ranges, Readings(readings.peak_N * (1 + s), readings.energy_mJ * (1 + s),
                                 readings.depth_mm * (1 + s) ** (-1 / 3)))[0] for s in (-BORDER, BORDER)
     }  # fmt: skip
-    row = {**casting, "true": true, "near_border": near != {true}, "reached": bool(np.isfinite(depth).all())}
-    if row["reached"]:
-        rng = np.random.default_rng((seed, 7, casting["number"]))
-        found = verdict_of_traces(compare_traces(traces_of(casting, depth, rng), targets.tissue), targets.tissue)
-        unsettled = found.level == "mixed" and not found.low
-        agrees = found.level == true or (unsettled and row["near_border"])
-        row |= {"level": found.level, "light": found.light, "unsettled": unsettled, "agrees": agrees,
-                "text": found.text}  # fmt: skip
+    rng = np.random.default_rng((seed, 7, casting["number"]))
+    found = verdict_of_traces(compare_traces(traces_of(casting, depth, rng), targets.tissue), targets.tissue)
+    unsettled = found.level == "mixed" and not found.low
+    agrees = found.level == true or (unsettled and near != {true})
+    row = {**casting, "true": true, "near_border": near != {true}, "level": found.level, "light": found.light,
+           "unsettled": unsettled, "agrees": agrees, "text": found.text}  # fmt: skip
     return {**row, "cpu_seconds": round(time.process_time() - started, 2)}
 
 
 def table(rows: list[dict]) -> str:
     """The study in Markdown."""
-    pressed = [row for row in rows if row["reached"]]
+    pressed = rows
     same = sum(row["level"] == row["true"] for row in pressed)
     agree = sum(row["agrees"] for row in pressed)
     low = [row for row in pressed if row["true"] == "reads_low" or (row["true"] == "mixed")]
@@ -175,8 +184,8 @@ def table(rows: list[dict]) -> str:
         "",
         "Written by `python benchmarks/verdict_blind.py`: " + (__doc__ or "").split("\n\n", 1)[1].replace("\n", " "),
         "",
-        f"{len(rows)} castings, {len(pressed)} of them reach 15 N within 0.45 of their thickness, to where the "
-        "generator's curves go, and were pressed.",
+        f"{len(rows)} castings; those that do not reach 15 N within 0.45 of their thickness, to where the generator's "
+        "curves go, were drawn again.",
         "",
         f"- `compare` agrees with the truth in {agree} of {len(pressed)}; the level is the same in {same}.",
         f"- Of {len(low)} castings that read low or are mixed, {wrong} are called inside.",
@@ -213,10 +222,12 @@ def main() -> None:
     rows = [json.loads(line) for line in options.rows.read_text().splitlines()] if options.rows.exists() else []
     known = {row["number"] for row in rows}
     targets = {name: resolve(Request(name, shape="slab", verify=False)).space.targets for name in TISSUES}
-    for casting in castings(options.castings, options.seed):
-        if casting["number"] in known:
+    known_designs = designs()
+    for number in range(options.castings):
+        if number in known:
             continue
-        row = run_one(casting, targets[casting["tissue"]], options.seed)
+        casting, readings, depth = pressable(number, known_designs, targets, options.seed)
+        row = run_one(casting, readings, depth, targets[casting["tissue"]], options.seed)
         rows.append(row)
         with options.rows.open("a") as stream:
             stream.write(json.dumps(row) + "\n")

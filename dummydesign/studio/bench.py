@@ -87,7 +87,7 @@ def look(inputs: Inputs, shape: PadShape, thickness_mm: float, ratio: float) -> 
     if inputs.request.calibration and not shape.plain:
         raise InputError("a calibration is of flat slabs: choose the shape slab, or no calibration")
     inputs.space.resin.check_ratio(ratio)
-    return one_pad(law_of_shape(inputs.slab_law, shape, thickness_mm), inputs.space, thickness_mm, ratio)
+    return one_pad(law_of_shape(inputs.slab_law, shape, thickness_mm, inputs.request.pad_mm), inputs.space, thickness_mm, ratio)
 
 
 def settled(inputs: Inputs, shape: PadShape, pad: OnePad) -> Verdict:
@@ -102,7 +102,7 @@ def settled(inputs: Inputs, shape: PadShape, pad: OnePad) -> Verdict:
     from dummydesign.design.assessment.pour_yield import Tolerances
     from dummydesign.design.mould import pour_recipe
 
-    recipe = pour_recipe(inputs.space.resin, pad.candidate, shape)
+    recipe = pour_recipe(inputs.space.resin, pad.candidate, inputs.request, shape)
     poured = sum(mass for name, mass in recipe if not name.endswith("(base)"))
     request = inputs.request
     return with_castings(pad, inputs.space, Tolerances(poured, request.weighing_g, request.thickness_tolerance_mm))

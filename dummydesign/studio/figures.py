@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dummydesign.design.curves import AIM_N, EXTRAPOLATED_N, FORCE_GRID_N, MEASURED_N
+from dummydesign.design.curves import force_grids
 from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.report.figures.layers import Band, Line
 from dummydesign.report.figures.plot import Plot
@@ -31,19 +31,20 @@ def steady(tissue: Tissue, targets: Targets, pad: OnePad | None = None) -> Plot:
         Of that tissue.
     pad : OnePad, optional
     """
+    grids = force_grids(targets.protocol)
     layers: list[Band | Line] = [
-        Band("subjects, extrapolated", EXTRAPOLATED_N, *targets.depth_range_mm(EXTRAPOLATED_N), sideways=True,
+        Band("subjects, extrapolated", grids.extrapolated, *targets.depth_range_mm(grids.extrapolated), sideways=True,
              style="extra"),
-        Band(f"subjects of {tissue.name}", MEASURED_N, *targets.depth_range_mm(MEASURED_N), sideways=True),
-        Line(f"aim: {targets.aim}", targets.aim_depth_mm(AIM_N), AIM_N, "aim"),
+        Band(f"subjects of {tissue.name}", grids.measured, *targets.depth_range_mm(grids.measured), sideways=True),
+        Line(f"aim: {targets.aim}", targets.aim_depth_mm(grids.aim), grids.aim, "aim"),
     ]  # fmt: skip
     alt = f"Steady force over depth of the subjects of {tissue.name}"
     if pad is not None:
-        depth = pad.steady_depth_mm(FORCE_GRID_N)
-        layers.append(Line("this pad", depth, FORCE_GRID_N))
-        at = float(np.interp(10.0, FORCE_GRID_N, depth)) if np.isfinite(depth).all() else float("nan")
+        depth = pad.steady_depth_mm(grids.pad)
+        layers.append(Line("this pad", depth, grids.pad))
+        at = float(np.interp(10.0, grids.pad, depth)) if np.isfinite(depth).all() else float("nan")
         alt += f"; the pad is {at:.2f} mm deep at 10 N" if np.isfinite(at) else "; the pad does not reach 10 N"
-    deepest = float(max(targets.depth_range_mm(MEASURED_N)[1].max(), targets.aim_depth_mm(AIM_N).max()))
+    deepest = float(max(targets.depth_range_mm(grids.measured)[1].max(), targets.aim_depth_mm(grids.aim).max()))
     return Plot("steady", "Steady force over depth", f"{alt}.", "depth [mm]", "steady force [N]", "depth_mm",
                 "force_N", tuple(layers), x_range=(0.0, 1.25 * deepest), y_range=(0.0, 16.0))  # fmt: skip
 

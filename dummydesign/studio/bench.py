@@ -87,7 +87,8 @@ def look(inputs: Inputs, shape: PadShape, thickness_mm: float, ratio: float) -> 
     if inputs.request.calibration and not shape.plain:
         raise InputError("a calibration is of flat slabs: choose the shape slab, or no calibration")
     inputs.space.resin.check_ratio(ratio)
-    return one_pad(law_of_shape(inputs.slab_law, shape, thickness_mm, inputs.request.pad_mm), inputs.space, thickness_mm, ratio)
+    law = law_of_shape(inputs.slab_law, shape, thickness_mm, inputs.request.pad_mm)
+    return one_pad(law, inputs.space, thickness_mm, ratio)
 
 
 def settled(inputs: Inputs, shape: PadShape, pad: OnePad) -> Verdict:

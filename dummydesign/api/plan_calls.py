@@ -63,10 +63,12 @@ def plan_campaign(
         f"{len(plan)} presses, seed {design.seed}; fill in temperature_C as they are pressed.",
         "'dummydesign campaign check' says what is missing, 'dummydesign loop' reads it when all is there.",
     )
+    _check_set_up(_empty_campaign(set_up, tables), design.pads_mm)
     told = {key: ", ".join(f"{k} = {v}" for k, v in tables[key].items()) for key in ("pad", "punch", "sensor")}
     with new_folder(folder, question("campaign new", inputs), replace=replace) as output:
         seen, warnings = _power(plan, set_up, tables, design.seed) if power else (None, [])
         output.path(FILE).write_text(campaign_toml(set_up, map(_trial, plan), comments), encoding="utf-8")
+        _copy_profile(set_up, output.work)
         page = sheet_html(set_up.name, plan, told, design.seed)
         output.path("sheet.html").write_text(page, encoding="utf-8")
         result = output.answer(
@@ -79,6 +81,34 @@ def plan_campaign(
             }
         )
     return Result(plan, result)
+
+
+def _check_set_up(campaign: Campaign, pads_mm: Iterable[float]) -> None:
+    """Refuse what could not be read or solved once it is pressed."""
+    from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
+    from dummydesign.loop.model.campaign_law import check_round
+    from dummydesign.measurement.campaign_checks import check_edge
+
+    pad, geometry = campaign.pad, campaign.pad.geometry
+    check_edge(pad, campaign.punch, [geometry])
+    if geometry.plain:
+        return
+    if campaign.punch.profile_mm is not None:
+        raise InputError(f"shape {geometry} is pressed by a flat punch, not by a {campaign.punch.shape}")
+    check_round(geometry)
+    for thickness in pads_mm:
+        geometry.check(thickness, pad.length_mm or PAD_LENGTH_MM, pad.width_mm or PAD_WIDTH_MM)
+
+
+def _copy_profile(set_up: SetUp, folder: Path) -> None:
+    """Put the profile of the punch beside the campaign file."""
+    import shutil
+
+    from dummydesign.geometry.punch_profile import read_profile
+
+    if set_up.profile is not None:
+        read_profile(set_up.profile)
+        shutil.copyfile(set_up.profile, folder / set_up.profile.name)
 
 
 def _trial(row: Planned) -> dict[str, Any]:
@@ -106,14 +136,21 @@ def _power(
 
 
 def _empty_campaign(set_up: SetUp, tables: Mapping[str, Mapping[str, Any]]) -> Campaign:
+    from dummydesign.geometry.punch_profile import ball_profile, read_profile
+    from dummydesign.geometry.shapes import Slab, read_shape
     from dummydesign.measurement.campaign import Campaign, PadSpec, PunchSpec
 
     pad, punch = tables["pad"], tables["punch"]
+    profile = ball_profile(punch["diameter_mm"]) if punch["shape"] == "ball" else None
+    profile = read_profile(set_up.profile) if set_up.profile is not None else profile
     return Campaign(
         set_up.name, Path(),
-        PadSpec(pad.get("young_kPa_nominal"), pad.get("resin"), pad.get("ratio"), pad.get("shape", "slab"),
-                pad.get("length_mm"), pad.get("width_mm"), pad.get("diameter_mm"), pad["base"]),
-        PunchSpec(punch["shape"], punch.get("side_mm"), punch.get("diameter_mm"), punch["contact"]),
+        PadSpec(pad.get("young_kPa_nominal"), pad.get("resin"), pad.get("ratio"),
+                "cylinder" if pad.get("shape") == "cylinder" else "slab",
+                pad.get("length_mm"), pad.get("width_mm"), pad.get("diameter_mm"), pad["base"],
+                Slab() if pad.get("shape") in (None, "cylinder") else read_shape(pad["shape"])),
+        PunchSpec(punch["shape"], punch.get("side_mm"), punch.get("diameter_mm"), punch["contact"], profile,
+                  punch.get("edge_radius_mm", 0.0)),
         set_up.lowpass, set_up.force_resolution_N, (),
     )  # fmt: skip
 
@@ -199,6 +236,7 @@ def campaign_from_files(
     with new_folder(folder, asked, replace=replace) as output:
         for path in paths:
             shutil.copyfile(path, output.path(path.name))
+        _copy_profile(set_up, output.work)
         output.path(FILE).write_text(campaign_toml(set_up, trials), encoding="utf-8")
         read = read_campaign(output.work)
         result = output.answer(

@@ -14,3 +14,5 @@ PAD_EXTENT_MM = math.sqrt(PAD_LENGTH_MM * PAD_WIDTH_MM / math.pi)
 EXTENT_OVER_RADIUS = math.sqrt(PAD_LENGTH_MM * PAD_WIDTH_MM) / PUNCH_SIDE_MM
 MAX_DEPTH_OVER_THICKNESS = 0.6
 """To which depth pads are modelled and designed."""
+LARGEST_EDGE_RADIUS = 0.3
+"""Largest fillet of a punch's edge over its smaller half-width."""

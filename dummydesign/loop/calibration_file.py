@@ -71,7 +71,11 @@ def read_calibration(path: str | Path) -> Calibration:
         raise InputError(f"{name} cannot be read: nested too deeply") from None
     except (OSError, ValueError) as problem:
         raise InputError(f"{name} cannot be read: {problem}") from None
-    if not isinstance(data, dict) or data.get("schema") != SCHEMA:
+    version = str(data.get("schema")) if isinstance(data, dict) else ""
+    if version != SCHEMA and version.startswith(SCHEMA.rpartition("/")[0]):
+        raise InputError(f"{name} is of another version: schema = {_shown(version)}, this one reads {SCHEMA}; run loop "
+                         "again, or update dummydesign")  # fmt: skip
+    if not isinstance(data, dict) or version != SCHEMA:
         raise InputError(f"{name} is not one: schema must be {SCHEMA}")
     try:
         return _calibration(data)

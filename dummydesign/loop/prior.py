@@ -21,6 +21,7 @@ from dummydesign.loop.fitting.problem import BASE, Problem
 from dummydesign.loop.model.base_law import SetupLaw
 from dummydesign.loop.model.parameters import NAMES
 from dummydesign.measurement.campaign import Campaign
+from dummydesign.resin.update.relaxation import POUR
 
 if TYPE_CHECKING:
     from dummydesign.loop.calibration import Calibration
@@ -30,9 +31,9 @@ CONFLICT_P = 0.01
 NAMED_Z = 2.5
 """Parameters that differ by more standard deviations than this are named."""
 SAME_RATIO = 1e-3
-ARM_TOLERANCE = 0.03
+ARM_TOLERANCE = POUR
 """Standard deviation of the logarithm of an arm's time and strength from campaign to campaign beside what the data say:
-two arms stand for a spectrum, and which they find shifts with the depths and speeds that were pressed. A choice."""
+the next campaign presses newly cast pads, whose strengths scatter from pour to pour as pucks do."""
 
 
 @dataclass(frozen=True)

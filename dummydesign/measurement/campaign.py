@@ -36,7 +36,8 @@ class PadSpec:
 class PunchSpec:
     """The impactor: ``square`` (side), ``round`` or ``ball`` (diameter), ``profile`` or ``plate``, and its contact.
 
-    ``profile_mm`` are radii and heights over the lowest point, of ball and profile.
+    ``profile_mm`` are radii and heights over the lowest point, of ball and profile. ``edge_radius_mm`` is the fillet of
+    a flat punch's edge, 0 for a sharp one.
     """
 
     shape: str
@@ -44,6 +45,7 @@ class PunchSpec:
     diameter_mm: float | None
     contact: str
     profile_mm: tuple[tuple[float, ...], tuple[float, ...]] | None = None
+    edge_radius_mm: float = 0.0
 
     @property
     def radius_mm(self) -> float:

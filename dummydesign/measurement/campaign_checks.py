@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from dummydesign.core.errors import InputError
-from dummydesign.measurement.campaign import Trial
+from dummydesign.geometry.interface import BASES
+from dummydesign.geometry.shapes import PadShape
+from dummydesign.geometry.standard import LARGEST_EDGE_RADIUS
+from dummydesign.measurement.campaign import PadSpec, PunchSpec, Trial
 from dummydesign.measurement.campaign_lines import CampaignLines
 from dummydesign.measurement.landmarks import find_ramp
 
@@ -56,6 +60,46 @@ def check_against_declared(trial: Trial, index: int, place: CampaignLines) -> No
             f"{place.trial(index, 'velocity_mm_s')}: velocity_mm_s = {trial.velocity_mm_s:g}, but {trial.file} moves "
             f"at {ramp.velocity_mm_s:.4g} mm/s; is the speed in m/s, or the time of the trace in another unit "
             "(--units time=ms of 'dummydesign import' reads milliseconds)?"
+        )
+
+
+def check_edge(pad: PadSpec, punch: PunchSpec, shapes: Sequence[PadShape], where: str = "") -> None:
+    """Refuse a fillet of the punch's edge that is too large, or where the force law with it is not solved.
+
+    Parameters
+    ----------
+    pad : PadSpec
+    punch : PunchSpec
+    shapes : sequence of PadShape
+        Of the pads that are pressed.
+    where : str
+        Begins the message.
+
+    Raises
+    ------
+    InputError
+    """
+    edge = punch.edge_radius_mm
+    if not edge:
+        return
+    width = {"square": punch.side_mm, "round": punch.diameter_mm}.get(punch.shape)
+    if width is None:
+        raise InputError(f"{where}edge_radius_mm = {edge:g}: a {punch.shape} has no edge")
+    most = LARGEST_EDGE_RADIUS * 0.5 * width
+    if not 0.0 < edge <= most * (1.0 + 1e-9):
+        raise InputError(
+            f"{where}edge_radius_mm = {edge:g} is outside the allowed range 0 to {most:.4g}, {LARGEST_EDGE_RADIUS:g} "
+            "of the punch's half-width"
+        )
+    own = next((str(shape) for shape in shapes if not shape.plain), "")
+    other = {
+        "shape": own, "contact": "" if punch.contact == "bonded" else punch.contact,
+        "base": "" if pad.base in BASES else pad.base,
+    }  # fmt: skip
+    for name in filter(other.get, other):
+        raise InputError(
+            f"{where}edge_radius_mm = {edge:g} with {name} = {other[name]} is not solved; a fillet goes with a glued "
+            "punch on slabs whose base is bonded or sliding: give 0 for the sharp edge"
         )
 
 

@@ -13,7 +13,7 @@ from dummydesign.geometry.punch_profile import ball_profile, read_profile
 from dummydesign.geometry.shapes import PadShape, Slab, read_shape, shape_kinds
 from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.measurement.campaign import Campaign, PadSpec, PunchSpec, Trial
-from dummydesign.measurement.campaign_checks import check_against_declared, check_set
+from dummydesign.measurement.campaign_checks import check_against_declared, check_edge, check_set
 from dummydesign.measurement.campaign_lines import CampaignLines
 from dummydesign.measurement.pad_record import PadRecord, Records, pad_with_record
 from dummydesign.measurement.sensor import Lowpass
@@ -32,6 +32,7 @@ _TRIAL_NUMBERS = {
     "target_depth_mm": (0.0, 200.0),
 }
 _TRIAL_REQUIRED = ("thickness_mm", "velocity_mm_s")
+PUNCH_KEYS = {"punch", "side_mm", "diameter_mm", "contact", "edge_radius_mm"}
 _TRIAL_KEYS = {"file", "repeat", "sequence", "shape", "unload", "record", *_TRIAL_NUMBERS}
 
 
@@ -88,11 +89,9 @@ def read_campaign(folder: str | Path) -> Campaign:
             "(two depths or speeds), and repeats to know the noise"
         )
     warnings: list[dict[str, str]] = []
-    if data.get("punch", {}).get("edge_radius_mm"):
-        text = "edge_radius_mm is not in the force law of the loop: the punch is taken as sharp-edged"
-        warnings.append({"code": "edge_radius", "message": text})
     blocks = [records.trial(block, own, place, i) for i, block in enumerate(blocks)]
     trials = tuple(_trial(block, i, place, folder, pad, punch) for i, block in enumerate(blocks))
+    check_edge(pad, punch, [trial.geometry for trial in trials], f"{place.section('punch', 'edge_radius_mm')}: ")
     check_set(trials, blocks, place, warnings)
     warnings += records.warnings()
     return Campaign(
@@ -123,12 +122,16 @@ def _choice(table: dict[str, Any], key: str, where: str, known: tuple[str, ...],
 def _section(data: dict[str, Any], name: str) -> dict[str, Any]:
     table = data.get(name, {})
     if not isinstance(table, dict):
-        raise InputError(f"{FILE}: [{name}] must be a table")
+        several = "; a campaign has one, make a campaign of each" if isinstance(table, list) else ""
+        raise InputError(f"{FILE}: [{name}] must be a table{several}")
     return table
 
 
-def _geometry(text: str, where: str) -> PadShape:
-    """The shape of a pad on a base; its lengths are checked where the thickness is known."""
+def geometry_of(text: str, where: str) -> PadShape:
+    """The shape of a pad on a base as typed; its lengths are checked where the thickness is known.
+
+    ``where`` begins the message of an InputError.
+    """
     kinds = shape_kinds()
     name = text.partition(":")[0].lower()
     if name not in kinds:
@@ -157,7 +160,7 @@ def _pad(data: dict[str, Any], place: CampaignLines, record: PadRecord | None) -
     where = place.section("pad", "shape")
     text = str(table.get("shape", Slab.name))
     shape = text if text == "cylinder" else "slab"
-    geometry = _geometry(text, where) if shape == "slab" else Slab()
+    geometry = geometry_of(text, where) if shape == "slab" else Slab()
     diameter = number("diameter_mm", 2.0, 500.0)
     if shape == "cylinder" and diameter is None:
         raise InputError(f"{place.section('pad')}: a cylinder needs diameter_mm")
@@ -185,7 +188,8 @@ def _punch(data: dict[str, Any], place: CampaignLines, folder: Path) -> PunchSpe
     contact = _choice(
         table, "contact", place.section("punch", "contact"), (*CONDITIONS, FRICTION), "bonded"
     )
-    return PunchSpec(shape, side, diameter, contact, profile)
+    edge = _number(table, "edge_radius_mm", place.section("punch", "edge_radius_mm"), 0.0, 100.0)
+    return PunchSpec(shape, side, diameter, contact, profile, edge or 0.0)
 
 
 def _sensor(data: dict[str, Any], place: CampaignLines) -> tuple[Lowpass | None, float]:
@@ -213,6 +217,12 @@ def _trial(
     block: dict[str, Any], index: int, place: CampaignLines, folder: Path, pad: PadSpec, punch: PunchSpec
 ) -> Trial:
     unknown = sorted(set(block) - _TRIAL_KEYS)
+    if PUNCH_KEYS & set(unknown):
+        key = next(key for key in unknown if key in PUNCH_KEYS)
+        raise InputError(
+            f"{place.trial(index, key)}: {key} in a trial: a campaign has one punch, that of [punch]; make a campaign "
+            "of each, and join them with 'dummydesign loop --prior'"
+        )
     if unknown:
         raise InputError(f"{place.trial(index, unknown[0])}: {unknown_name('key', unknown[0], _TRIAL_KEYS)}")
     numbers: dict[str, Any] = {}
@@ -245,7 +255,7 @@ def _trial_geometry(
     if "shape" in block:
         if pad.shape == "cylinder":
             raise InputError(f"{where}: shape = {block['shape']!r} in a campaign of pucks, which have diameter_mm only")
-        geometry = _geometry(str(block["shape"]), where)
+        geometry = geometry_of(str(block["shape"]), where)
     if geometry.plain:
         return geometry
     if punch.profile_mm is not None:

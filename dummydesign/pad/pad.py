@@ -8,13 +8,11 @@ from dummydesign.core.checks import positive
 from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.geometry.interface import BASES
 from dummydesign.geometry.shapes import PadShape, Slab
-from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
+from dummydesign.geometry.standard import LARGEST_EDGE_RADIUS, PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.pad.material.hyperelastic import Law, Yeoh
 from dummydesign.pad.material.relaxation import PronyTerm
 
 SLAB = Slab()
-# Largest fillet of a punch's edge over its smaller half-width.
-LARGEST_EDGE_RADIUS = 0.3
 
 
 @dataclass(frozen=True)

@@ -135,11 +135,16 @@ def write_campaign(
     level_error: float = 0.005,
     more: tuple[tuple[str, float], ...] = (),
     crowned: bool = False,
+    rows: list[dict] | None = None,
+    cast: str | None = None,
 ) -> Truth:
     """Write a campaign with one effect of the given size; the same seed has the same material in both roles.
 
     ``more`` are further effects with their sizes, acting together with the first. ``crowned`` pads are pressed by a
     round punch of the same area; they are solved glued and incompressible, and a tilt has no toe on them.
+    ``rows`` are planned presses (h, v, target in N, repeat, sequence, rest, age, temperature, unload) in place of the
+    usual ones; a pad pressed in several such campaigns of one seed is the same pad. ``cast`` is what [pad] says it was
+    cast of (lines of TOML).
     """
     if crowned and {effect, *(name for name, _ in more)} & {"base_slip", "compressibility", "punch_tilt"}:
         raise ValueError("slip of the base, compressibility and tilt are not made for crowned pads")
@@ -158,16 +163,22 @@ def write_campaign(
         turned = np.random.default_rng([seed, 10 + place]).random() < 0.5 and name in TWO_SIGNED
         effects[name] = -amount if turned else amount
     kinds = CROWNS if crowned else SLABS
-    rows = conditions(rng, held_out, kinds)
+    planned = rows is not None
+    if rows is None:
+        rows = conditions(rng, held_out, kinds)
+        pads = {t: rng.normal(0, level_error, 2) for t in sorted((*kinds[0], kinds[1]))}
+    else:
+        rng = np.random.default_rng([seed, 4, len(rows), round(100 * sum(row["h"] for row in rows))])
+        pads = {row["h"]: np.random.default_rng([seed, 5, round(100 * row["h"])]).normal(0, level_error, 2)
+                for row in rows}  # fmt: skip
     h = np.array([row["h"] for row in rows])
-    pads = {t: rng.normal(0, level_error, 2) for t in sorted((*kinds[0], kinds[1]))}
     pad = Pad(h, np.array([pads[t][0] for t in h]), np.array([pads[t][1] for t in h]), crown=crowned)
     share = np.linspace(0.0, 0.42, 85)
     depths = []
     for i, row in enumerate(rows):
         one = Pad(h[i : i + 1].repeat(85), np.zeros(85), np.zeros(85), crown=crowned)
         force = nominal * 1e-3 * one.force(share * row["h"])
-        target = min(row["level"] * top_force, row["level"] * force[-1])
+        target = min(row["target"] if planned else row["level"] * top_force, row.get("level", 0.95) * force[-1])
         depths.append(float(np.interp(target, force, share * row["h"])))
         row["target"] = round(target, 2)
     moved = [motion(row, depth, deceleration, rng) for row, depth in zip(rows, depths)]
@@ -183,7 +194,7 @@ def write_campaign(
     force = at_the_pad(effects, force)
     before = np.stack([at_the_punch(effects, t, f, a) for t, f, a in zip(time, force, stacked(4))])
     signal = butterworth(time, before, 35.0, effects.get("sensor_lag", 0.0))
-    return _write(folder, effects, rows, moved, signal, nominal, young, slow_time, rng, crowned)
+    return _write(folder, effects, rows, moved, signal, nominal, young, slow_time, rng, crowned, cast)
 
 
 def _physics(effects, young, tau, beta, pad, rows, depths, rng) -> Physics:
@@ -251,10 +262,11 @@ def _physics(effects, young, tau, beta, pad, rows, depths, rng) -> Physics:
     return Physics(young * scale, taus, betas, pad, offset, **extra)
 
 
-def _write(folder, effects, rows, moved, force, nominal, young, slow_time, rng, crowned) -> Truth:
+def _write(folder, effects, rows, moved, force, nominal, young, slow_time, rng, crowned, cast) -> Truth:
     folder.mkdir(parents=True, exist_ok=True)
     lines = [
-        "schema = 1", f'name = "{folder.name}"', "[pad]", f"young_kPa_nominal = {nominal:.2f}", "length_mm = 150.0",
+        "schema = 1", f'name = "{folder.name}"', "[pad]", f"young_kPa_nominal = {nominal:.2f}",
+        *([cast] if cast else []), "length_mm = 150.0",
         "width_mm = 120.0", 'base = "bonded"', *([f'shape = "{CROWN}"'] if crowned else []), "[punch]",
         *(['shape = "round"', f"diameter_mm = {28.0 / np.sqrt(np.pi):.6f}"] if crowned else
           ['shape = "square"', "side_mm = 14.0"]), 'contact = "bonded"',

@@ -48,7 +48,11 @@ def _set_up_options(parser: argparse.ArgumentParser) -> None:
     add("--resin", metavar="NAME", help="or the resin they are cast of, with --ratio")
     add("--ratio", type=float, metavar="R", help="mixing ratio")
     add("--pad", default="150x120", metavar="LxW|cylinder:D", help="outline in mm (default 150x120)")
-    add("--punch", default="square:14", metavar="SHAPE", help="square:14 (default), round:16 or plate")
+    shape = "of the pads on their base, with its lengths: crowned:radius=20,height=3,foot=11 (default slab)"
+    add("--shape", default="slab", metavar="NAME:P,..", help=shape)
+    punches = "square:14 (default), round:16, ball:12, profile:FILE or plate"
+    add("--punch", default="square:14", metavar="SHAPE", help=punches)
+    add("--edge-radius", type=float, default=0.0, metavar="MM", help="fillet of the punch's edge (default 0, sharp)")
     add("--base", default="bonded", help="bonded (default), sliding or friction:MU")
     add("--contact", default="bonded", help="of the punch: bonded (default), frictionless or friction:MU")
     add("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help="filter the force went through before it was saved")
@@ -92,7 +96,8 @@ def _set_up(options: argparse.Namespace) -> Any:
             material.check_ratio(options.ratio)
     return SetUp(
         options.name or Path(options.folder).resolve().name, options.young, options.resin, options.ratio, options.pad,
-        options.punch, options.base, options.contact, parse_lowpass(options.lowpass),
+        options.punch, options.base, options.contact, parse_lowpass(options.lowpass), shape=options.shape,
+        edge_radius_mm=options.edge_radius,
     )  # fmt: skip
 
 

@@ -11,12 +11,14 @@ import numpy as np
 
 from dummydesign.core.errors import InputError
 from dummydesign.geometry.interface import BASES
+from dummydesign.geometry.shapes import PadShape
 from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
 from dummydesign.loop.model.expected import start_young_kPa
 from dummydesign.loop.model.solved_curve import SolvedCurve
 from dummydesign.loop.model.solved_law import ROUGHNESS, MixedLaw, SolvedLaw, error_priors
-from dummydesign.measurement.campaign import Campaign, Trial
+from dummydesign.measurement.campaign import Campaign, PunchSpec, Trial
+from dummydesign.pad.elastic import has_square_factor
 from dummydesign.pad.pad import Pad, Puck
 from dummydesign.pad.tables.slab import load_table
 
@@ -60,9 +62,13 @@ def _before_any_trial(campaign: Campaign) -> SlabLaw | PuckLaw:
     if pad.shape == "slab" and pad.geometry.plain and _tabulated(campaign, ()):
         return SlabLaw(load_table(pad.base), punch.radius_mm, punch.shape == "square")
     raise InputError(
-        f"pad shape = '{pad.shape}', base = '{pad.base}' and punch contact = '{punch.contact}' have no fast force law: "
-        "what a plan of them can show is not known before they are pressed"
+        f"pad shape = '{pad.shape}', base = '{pad.base}' and punch contact = '{punch.contact}' {_edge(punch)}have no "
+        "fast force law: what a plan of them can show is not known before they are pressed"
     )
+
+
+def _edge(punch: PunchSpec) -> str:
+    return f"with edge_radius_mm = {punch.edge_radius_mm:g} " if punch.edge_radius_mm else ""
 
 
 def _law(campaign: Campaign, trials: Sequence[Trial], progress: Progress | None) -> SlabLaw | PuckLaw | SolvedLaw:
@@ -75,12 +81,23 @@ def _law(campaign: Campaign, trials: Sequence[Trial], progress: Progress | None)
         return _solved(campaign, trials, "cylinder", thickness_error, progress)
     if geometry.plain and _tabulated(campaign, trials):
         return _widened(SlabLaw(load_table(pad.base), punch.radius_mm, punch.shape == "square"), thickness_error)
+    check_round(geometry)
+    return _solved(campaign, trials, "shaped", thickness_error, progress)
+
+
+def check_round(geometry: PadShape) -> None:
+    """Refuse a shape whose force is not solved round.
+
+    Raises
+    ------
+    InputError
+    """
     if not geometry.axisymmetric:
         raise InputError(
-            f"shape = {geometry} is not round: its force under a punch is solved in space, pad by pad, which the loop "
-            f"does not do; compare its traces with 'dummydesign predict --shape {geometry} --fidelity 3d'"
+            f"shape = {geometry} is not round: its force under a punch is solved in space, minutes for each pad and "
+            "for each change of it that an effect asks for, which the loop does not do; press a crowned, layered or "
+            f"boned pad, or compare its traces with 'dummydesign predict --shape {geometry} --fidelity 3d'"
         )
-    return _solved(campaign, trials, "shaped", thickness_error, progress)
 
 
 def _widened(law: Any, thickness_error: float) -> Any:
@@ -92,7 +109,7 @@ def _widened(law: Any, thickness_error: float) -> Any:
 def _tabulated(campaign: Campaign, trials: Sequence[Trial]) -> bool:
     """Whether the response table of slabs holds the set-up and all its thicknesses."""
     pad, punch = campaign.pad, campaign.punch
-    if pad.base not in BASES or punch.contact != "bonded" or punch.profile_mm is not None:
+    if pad.base not in BASES or punch.contact != "bonded" or punch.profile_mm is not None or punch.edge_radius_mm:
         return False
     low, high = (punch.radius_mm / ratio for ratio in reversed(load_table(pad.base).ratio_range))
     return all(low <= trial.thickness_mm <= high for trial in trials)
@@ -122,10 +139,16 @@ def _solved(
     if geometry.flat_top and punch.profile_mm is None and shape == "shaped":
         offers.add("flat_faces")
     error = max(curve.relative_error for curve in curves.values())
-    priors = error_priors(SlabLaw.error_priors, error, punch.shape == "square", thickness_error)
+    as_circle = punch.shape == "square" and not all(_has_corners(curve.pad) for curve in curves.values())
+    priors = error_priors(SlabLaw.error_priors, error, as_circle, thickness_error)
     grows = not geometry.flat_top or punch.profile_mm is not None or pad.base not in BASES
     grows = shape == "shaped" and (grows or punch.contact != "bonded")
     return SolvedLaw(curves, shape, frozenset(offers), priors, ROUGHNESS if grows else 0.0)
+
+
+def _has_corners(pad: Pad | Puck) -> bool:
+    """Whether the factor of the square is in the curve of a pad."""
+    return isinstance(pad, Pad) and has_square_factor(pad)
 
 
 def _groups(thickness_mm: list[float]) -> list[list[float]]:
@@ -148,5 +171,6 @@ def _pad(campaign: Campaign, trials: Sequence[Trial], thickness_mm: float) -> Pa
     extent = math.sqrt(pad.length_mm * pad.width_mm / math.pi) if pad.length_mm and pad.width_mm else None
     return Pad(
         thickness_mm, young, punch.radius_mm, base=pad.base, condition=punch.contact, extent_mm=extent,
-        profile_mm=punch.profile_mm, geometry=trials[0].geometry,
+        profile_mm=punch.profile_mm, geometry=trials[0].geometry, edge_radius_mm=punch.edge_radius_mm,
+        sides_mm=(punch.side_mm, punch.side_mm) if punch.edge_radius_mm and punch.side_mm else None,
     )  # fmt: skip

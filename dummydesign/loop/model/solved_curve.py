@@ -52,13 +52,19 @@ class SolvedCurve:
     @cached_property
     def _points(self) -> tuple[NDArray, NDArray, NDArray]:
         """Depths that were reached [mm], F / E [mm2], and the relative error stated."""
-        from dummydesign.pad.elastic import solve_points
+        from dummydesign.pad.elastic import has_square_factor, solve_points
+        from dummydesign.pad.tables.square import square_factor
 
         curve = solve_points(self.pad, self.depths_mm, cells=FINE_CELLS)
         if len(curve.depth_mm) < LEAST_DEPTHS:
             why = f": {curve.notes[0]}" if curve.notes else ""
             raise NoAnswerError("no_convergence", f"the force law of the {self.said} could not be solved{why}")
-        return curve.depth_mm, curve.force_N / self.pad.young_MPa, curve.error_N / curve.force_N
+        area, error = curve.force_N / self.pad.young_MPa, curve.error_N / curve.force_N
+        if isinstance(self.pad, Pad) and has_square_factor(self.pad):
+            factor, doubt = square_factor(curve.depth_mm, self.pad.thickness_mm, self.pad.radius_mm, self.pad.base)
+            # of sharp edges: with a fillet half of what it changes is doubted
+            area, error = area * factor, error + doubt + 0.5 * np.abs(factor - 1.0)
+        return curve.depth_mm, area, error
 
     @property
     def said(self) -> str:

@@ -104,7 +104,8 @@ def _toml(campaign: Campaign, presses: tuple[PlannedPress, ...]) -> str:
         length_mm=pad.length_mm, width_mm=pad.width_mm, diameter_mm=pad.diameter_mm, base=pad.base,
     )  # fmt: skip
     lines += ["", "[punch]"]
-    lines += _given(shape=punch.shape, side_mm=punch.side_mm, diameter_mm=punch.diameter_mm, contact=punch.contact)
+    lines += _given(shape=punch.shape, side_mm=punch.side_mm, diameter_mm=punch.diameter_mm, contact=punch.contact,
+                    edge_radius_mm=punch.edge_radius_mm or None)  # fmt: skip
     if punch.shape == "profile":
         lines.append("# file = the profile of the punch: copy it into this folder and name it here")
     lines += ["", "[sensor]"]

@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError
 from dummydesign.geometry.interface import BASES, CONDITIONS, FRICTION, Interface
+from dummydesign.measurement.campaign_file import geometry_of
 from dummydesign.measurement.sensor import Lowpass
 
 
@@ -16,8 +18,9 @@ from dummydesign.measurement.sensor import Lowpass
 class SetUp:
     """Pad, punch and sensor of a campaign.
 
-    ``young_kPa``, or ``resin`` and ``ratio``; ``pad`` is ``150x120`` or ``cylinder:50``; ``punch`` is ``square:14``,
-    ``round:16`` or ``plate``; ``base`` and ``contact`` as in the campaign format.
+    ``young_kPa``, or ``resin`` and ``ratio``; ``pad`` is ``150x120`` or ``cylinder:50``; ``shape`` that of a pad on a
+    base, as typed; ``punch`` is ``square:14``, ``round:16``, ``ball:12``, ``profile:FILE`` or ``plate``;
+    ``edge_radius_mm`` is the fillet of its edge; ``base`` and ``contact`` as in the campaign format.
     """
 
     name: str
@@ -30,6 +33,14 @@ class SetUp:
     contact: str = "bonded"
     lowpass: Lowpass | None = None
     force_resolution_N: float = 0.01
+    shape: str = "slab"
+    edge_radius_mm: float = 0.0
+
+    @property
+    def profile(self) -> Path | None:
+        """File of the punch's profile, to be copied into the campaign; None for other punches."""
+        kind, _, name = self.punch.partition(":")
+        return Path(name) if kind == "profile" else None
 
     def tables(self) -> dict[str, dict[str, Any]]:
         """``pad``, ``punch`` and ``sensor`` as the file holds them.
@@ -58,20 +69,33 @@ class SetUp:
         _interface("base", self.base, BASES)
         _interface("contact", self.contact, CONDITIONS)
         pad["base"] = self.base
-        shape, _, size = ("plate" if cylinder and self.punch == "square:14" else self.punch).partition(":")
-        if shape not in ("square", "round", "plate") or (shape == "plate") != cylinder:
-            message = "a slab is pressed by square:SIDE or round:DIAMETER, a cylinder by plate"
-            raise InputError(f"punch '{self.punch}': {message}")
-        punch: dict[str, Any] = {"shape": shape}
-        if shape != "plate":
-            form = f"{shape}:14"
-            punch["side_mm" if shape == "square" else "diameter_mm"] = _sizes(size, 1, "punch", self.punch, form)[0]
-        punch["contact"] = self.contact
+        if not cylinder and self.shape != "slab":
+            pad["shape"] = str(geometry_of(self.shape, "shape"))
         sensor: dict[str, Any] = {"force_resolution_N": self.force_resolution_N}
         if self.lowpass is not None:
             low = self.lowpass.to_dict()
             sensor |= {"lowpass_hz": low["cutoff_hz"], "lowpass_order": low["order"], "lowpass_passes": low["passes"]}
-        return {"pad": pad, "punch": punch, "sensor": sensor}
+        return {"pad": pad, "punch": self._punch(cylinder), "sensor": sensor}
+
+    def _punch(self, cylinder: bool) -> dict[str, Any]:
+        shape, _, size = ("plate" if cylinder and self.punch == "square:14" else self.punch).partition(":")
+        if shape not in ("square", "round", "ball", "profile", "plate") or (shape == "plate") != cylinder:
+            message = "a pad is pressed by square:SIDE, round:DIAMETER, ball:DIAMETER or profile:FILE, a puck by plate"
+            raise InputError(f"punch '{self.punch}': {message}")
+        if cylinder and self.shape != "slab":
+            raise InputError(f"shape {self.shape} with a cylinder: a puck has a diameter only")
+        punch: dict[str, Any] = {"shape": shape}
+        if shape == "profile":
+            if not size:
+                raise InputError(f"punch '{self.punch}': give the file, profile:FILE with columns r_mm,z_mm")
+            punch["file"] = Path(size).name
+        elif shape != "plate":
+            form = f"{shape}:14"
+            punch["side_mm" if shape == "square" else "diameter_mm"] = _sizes(size, 1, "punch", self.punch, form)[0]
+        punch["contact"] = self.contact
+        if self.edge_radius_mm:
+            punch["edge_radius_mm"] = self.edge_radius_mm
+        return punch
 
 
 def campaign_toml(set_up: SetUp, trials: Iterable[Mapping[str, Any]], comments: Iterable[str] = ()) -> str:

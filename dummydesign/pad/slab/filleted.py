@@ -15,13 +15,12 @@ import numpy as np
 
 from dummydesign.core.cache import cached
 from dummydesign.core.errors import NoAnswerError, out_of_range
-from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS, PAD_EXTENT_MM
+from dummydesign.geometry.standard import LARGEST_EDGE_RADIUS, MAX_DEPTH_OVER_THICKNESS, PAD_EXTENT_MM
 from dummydesign.pad.contact.stiffness import FILLETED_PUNCH
 from dummydesign.pad.contact.surface_axisymmetric import FlatPunch, Surface
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import Law
-from dummydesign.pad.pad import LARGEST_EDGE_RADIUS
 from dummydesign.pad.slab.problem import PadCurve, Slab, base_unknowns, first_stiffness, held_unknowns, normalise
 from dummydesign.pad.solve.continuation import Path, cost, follow
 from dummydesign.pad.solve.equilibrium import Problem

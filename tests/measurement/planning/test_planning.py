@@ -178,7 +178,7 @@ def test_a_table_wins_over_names_and_gives_what_they_do_not_say(mine, tmp_path, 
     [
         (["new", "c"], "--young KPA, or --resin"), (["new", "c", "--young", "25", "--pads", "five"], "--pads five"),
         (["new", "c", "--young", "25", "--punch", "star:3"], "punch 'star:3'"),
-        (["new", "c", "--young", "25", "--pad", "cylinder:50", "--punch", "round:9"], "a cylinder by plate"),
+        (["new", "c", "--young", "25", "--pad", "cylinder:50", "--punch", "round:9"], "a puck by plate"),
         (["new", "c", "--young", "25", "--force", "3", "--depth", "1"], "the one or to the other"),
         (["new", "c", "--resin", "nylon", "--ratio", "15"], "unknown resin 'nylon'"), (["check", "."], "campaign new"),
     ],

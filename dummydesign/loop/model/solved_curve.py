@@ -1,7 +1,7 @@
 """Force of one pad solved by finite elements, over depth, and how it changes with thickness, base and bulk.
 
 The curve itself is that of :func:`dummydesign.pad.elastic.solve_points`, as a design's, on finer cells. How it changes
-is a ratio of solves on coarser cells, the same for both, whose errors cancel.
+is a ratio of solves on coarser cells, the same for both, whose errors cancel; for flat slabs that of their tables.
 """
 
 from __future__ import annotations
@@ -149,7 +149,13 @@ class SolvedCurve:
         return np.expm1(-self._ratio("poisson", replace(self.pad, poisson=POISSON))) / (1.0 - 2.0 * POISSON)
 
     def _ratio(self, what: str, other: Pad | Puck) -> NDArray:
-        """ln of F / E of another pad over this one's at equal depth, both on the same coarser cells."""
+        """ln of F / E of another pad over this one's at equal depth, both on the same coarser cells; of glued slabs by
+        their tables."""
+        pads = (self.pad, other)
+        if all(isinstance(pad, Pad) and _glued_slab(pad) for pad in pads):
+            depth = np.maximum(self.dense_mm, 1e-6 * self.limit_mm)
+            own, changed = (_log_by_table(pad, depth) for pad in pads)
+            return changed - own
         for cells in RATIO_CELLS:
             own, changed = (_coarse(pad, self.depths_mm, cells) for pad in (self.pad, other))
             count = min(len(own), len(changed))
@@ -161,6 +167,21 @@ class SolvedCurve:
         depth, log = self.depths_mm[:count], np.log(changed[:count] / own[:count])
         smooth = np.polynomial.Polynomial.fit(depth, log, min(5, count - 1))
         return smooth(np.clip(self.dense_mm, depth[0], depth[-1]))
+
+
+def _glued_slab(pad: Pad) -> bool:
+    """Whether a pad is a flat slab under a glued flat punch, sharp or with a fillet."""
+    return pad.geometry.plain and pad.profile_mm is None and pad.condition == "bonded" and pad.base in BASES
+
+
+def _log_by_table(pad: Pad, depth_mm: NDArray) -> NDArray:
+    """ln of F / E of a slab by the response table, its ends held, and what a bulk that gives takes off."""
+    from dummydesign.loop.model.base_law import SlabLaw
+    from dummydesign.pad.tables.slab import load_table
+
+    law, thickness = SlabLaw(load_table(pad.base), pad.radius_mm, False), np.array([[pad.thickness_mm]])
+    give = law.give(depth_mm[None], thickness)[0] if pad.poisson < 0.5 else 0.0
+    return np.log(law(depth_mm[None], thickness)[0] / (1.0 + (1.0 - 2.0 * pad.poisson) * give))
 
 
 def _coarse(pad: Pad | Puck, depth_mm: NDArray, cells: int) -> NDArray:

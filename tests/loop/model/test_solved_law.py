@@ -18,10 +18,12 @@ from dummydesign.loop.judging.residual_dependence import dependences
 from dummydesign.loop.model import solved_curve
 from dummydesign.loop.model.base_law import SlabLaw, depth_limits
 from dummydesign.loop.model.campaign_law import law_of
-from dummydesign.loop.model.solved_law import ROUGHNESS, MixedLaw, error_priors
+from dummydesign.loop.model.solved_law import ROUGHNESS, BoundLaw, MixedLaw, SolvedLaw, error_priors
 from dummydesign.measurement.campaign_file import read_campaign
 from dummydesign.pad import elastic
+from dummydesign.pad.pad import Pad
 from dummydesign.pad.slab.problem import PadCurve
+from dummydesign.pad.tables.slab import load_table
 
 CROWN = read_shape("crowned:radius=20,height=3,foot=11")
 
@@ -197,3 +199,26 @@ def test_a_crown_that_vanishes_has_the_slabs_law_and_the_loop_finds_its_modulus(
     own, other = fit_base(presses, slab, 0.03), fit_base(make_presses(crowned), law, 0.03)
     assert other.base.young_MPa == pytest.approx(own.base.young_MPa, rel=0.02)
     assert other.base.beta == pytest.approx(own.base.beta, rel=0.02)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("base", ["bonded", "sliding"])
+def test_a_small_fillet_on_a_slab_is_near_the_table_and_changes_as_the_table_does(base):
+    """Round punch of 15.8 mm on 10 mm: a fillet of 0.2 mm takes off a few per cent, and the change with thickness, base
+    and bulk is that of the sharp edge."""
+    pad = Pad(10.0, 1.0, 7.9, base=base, edge_radius_mm=0.2)
+    curve = solved_curve.SolvedCurve(pad, 3.0)
+    law = SlabLaw(load_table(base), 7.9, False)
+    depth = np.array([[0.3, 1.0, 2.0]])
+    bound = SolvedLaw({10.0: curve}, "shaped", frozenset(), law.error_priors)
+    near = bound(depth, np.array([[10.0]])) / law(depth, np.array([[10.0]]))
+    assert np.all((near > 0.95) & (near < 1.02))
+    thicker = law(depth, np.array([[10.5]])) / law(depth, np.array([[10.0]]))
+    row = BoundLaw(bound, np.array([10.0]))
+    np.testing.assert_allclose(row(depth, np.array([[10.5]])) / row(depth, np.array([[10.0]])), thicker, rtol=2e-3)
+    if base == "bonded":
+        np.testing.assert_allclose(row.give(depth, None), law.give(depth, np.array([[10.0]])), rtol=0.01)
+        np.testing.assert_allclose(
+            row.sliding()(depth, np.array([[10.0]])) / row(depth, np.array([[10.0]])),
+            law.sliding()(depth, np.array([[10.0]])) / law(depth, np.array([[10.0]])), rtol=2e-3,
+        )  # fmt: skip

@@ -138,6 +138,17 @@ def test_the_plan_is_a_campaign_to_press(campaigns, tmp_path):
     assert source.geometry == again.trials[0].geometry
 
 
+def test_where_nothing_is_left_to_tell_apart_new_pads_are_planned(campaigns, tmp_path):
+    campaign = read_campaign(campaigns("none", 401))
+    few = only(campaign, 15.0)
+    base = fit_base(make_presses(few), law_of(few), 0.03)
+    planned = plan_of(SimpleNamespace(next=None, after=SimpleNamespace(fit=base), presses=base.problem.presses))
+    assert planned and all(not press.option.known and press.option.thickness_mm != 15.0 for press in planned)
+    assert {press.option.velocity_mm_s for press in planned} == {2.0, 250.0}
+    write_plan(tmp_path, few, planned)
+    assert len(tomllib.loads((tmp_path / "campaign.toml").read_text())["trial"]) == len(planned)
+
+
 @pytest.mark.slow
 def test_three_turns_narrow_the_modulus_and_the_prediction_each_time(tmp_path):
     """Turns press one pad each (15, 20, 5 mm) of one material; the error is that on a campaign with all of them."""

@@ -8,12 +8,16 @@ from pathlib import Path
 import numpy as np
 
 from dummydesign.core.files import write_text
+from dummydesign.loop.data.trials import Presses
+from dummydesign.loop.model.base_law import SetupLaw
 from dummydesign.loop.model.forward_model import simulate
-from dummydesign.loop.next_measurement import HOLD_S, Option, planned_presses
+from dummydesign.loop.next_measurement import HOLD_S, Option, options, planned_presses
 from dummydesign.loop.result import LoopResult
 from dummydesign.measurement.campaign import Campaign
 
 REPEATS, ORDER_SEED = 3, 0
+DEEP, MOST = 0.3, 4
+"""Depth over thickness of presses of new pads, and how many of them are planned."""
 CAMPAIGN, SHEET = "campaign.toml", "sheet.csv"
 
 
@@ -51,12 +55,11 @@ def plan_of(result: LoopResult, repeats: int = REPEATS) -> tuple[PlannedPress, .
     Returns
     -------
     tuple of PlannedPress
-        Empty when nothing is proposed.
+        Where no two explanations are left to be told apart, presses of new pads: the modulus is known no better than
+        the number of pads lets it.
     """
-    if result.next is None:
-        return ()
-    chosen = list(result.next.options)
     fit = result.after.fit
+    chosen = list(result.next.options) if result.next is not None else _of_new_pads(result.presses, fit.problem.law)
     planned = planned_presses(result.presses, None, chosen)
     forces = simulate(planned, fit.problem.law, fit.base, fit.active)
     held = [float(np.interp(end, time, force))
@@ -70,6 +73,14 @@ def plan_of(result: LoopResult, repeats: int = REPEATS) -> tuple[PlannedPress, .
         name = f"press_{sequence:02d}_t{option.thickness_mm:g}_v{option.velocity_mm_s:g}_r{repeat}.csv"
         out.append(PlannedPress(name, option, repeat, sequence, held[place]))
     return tuple(out)
+
+
+def _of_new_pads(presses: Presses, law: SetupLaw) -> list[Option]:
+    """Deep presses of pads that were not pressed yet, slow and fast; of the known ones where no others are in reach."""
+    plain = [one for one in options(presses, law) if not one.circumstance and one.depth_share == DEEP]
+    speeds = {min(one.velocity_mm_s for one in plain), max(one.velocity_mm_s for one in plain)}
+    fit = [one for one in plain if one.velocity_mm_s in speeds]
+    return ([one for one in fit if not one.known] or fit)[:MOST]
 
 
 def write_plan(folder: str | Path, campaign: Campaign, presses: tuple[PlannedPress, ...]) -> dict[str, str]:

@@ -18,6 +18,7 @@ import numpy as np
 
 from dummydesign.design.sweep.executors import open_executor
 from dummydesign.design.sweep.live_data import live_data
+from dummydesign.design.sweep.pads import parse_shapes
 from dummydesign.design.sweep.rows_file import RowsFile, settings_of
 from dummydesign.design.sweep.run import Study, tasks_of, whatif
 from dummydesign.report.whatif import write_whatif
@@ -25,6 +26,12 @@ from dummydesign.resin import load_resin
 
 SQUARE = (("square:14", 14.0 / np.sqrt(np.pi)),)
 THOUSAND = Study(tuple(np.linspace(3.0, 30.0, 40)), tuple(np.linspace(14.0, 20.0, 25)), SQUARE)
+SHAPED = Study(
+    tuple(np.linspace(4.0, 8.0, 5)), tuple(np.linspace(15.0, 16.0, 10)), SQUARE, tissue="forefinger",
+    shapes=parse_shapes("crowned:radius=12:22:2.5,height=1.5:3:0.5,foot=9.4"),
+)  # fmt: skip
+SOLVED = Study((6.0, 8.0), (15.0, 15.5, 16.0), SQUARE, fidelity="axisymmetric",
+               shapes=parse_shapes("crowned:radius=12:18:6,height=1.5,foot=9.4"))  # fmt: skip
 MANY = Study(tuple(np.linspace(3.0, 30.0, 200)), tuple(np.linspace(14.0, 20.0, 200)), SQUARE, tissue="palm")
 
 
@@ -54,6 +61,7 @@ def main() -> None:
         print(f"the same with its file: {fastest(repeats, filed):.3f} s")
         report = fastest(repeats, lambda: write_whatif(place, THOUSAND, rows, resin, None, live_data(resin, None), []))
         print(f"its report: {report:.3f} s")
+    print(f"{SHAPED.size} shaped designs, table, scored: {fastest(repeats, lambda: whatif(SHAPED)):.3f} s")
     tasks = len(list(tasks_of(MANY, resin)))
     one = fastest(1, lambda: whatif(MANY))
     print(f"{MANY.size} scored designs in {tasks} tasks, this process: {one:.1f} s")
@@ -61,7 +69,12 @@ def main() -> None:
         # started and warm before the clock runs
         whatif(THOUSAND, executor=pool)
         two = fastest(1, lambda: whatif(MANY, executor=pool))
-    print(f"the same in 2 processes: {two:.1f} s, {one / two:.2f} times as fast")
+        print(f"the same in 2 processes: {two:.1f} s, {one / two:.2f} times as fast")
+        os.environ["DUMMYDESIGN_CACHE"] = "off"
+        one = fastest(1, lambda: whatif(SOLVED))
+        two = fastest(1, lambda: whatif(SOLVED, executor=pool))
+        print(f"{SOLVED.size} solved designs of {len(list(tasks_of(SOLVED, resin)))} pads: {one:.1f} s here, "
+              f"{two:.1f} s in 2 processes, {one / two:.2f} times as fast")  # fmt: skip
 
 
 if __name__ == "__main__":

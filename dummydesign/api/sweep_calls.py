@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from contextlib import nullcontext
 from os import PathLike
 from pathlib import Path
@@ -31,6 +31,8 @@ def whatif(
     punch: str | Iterable[str] = "square:14",
     condition: str | Iterable[str] = "bonded",
     base: str | Iterable[str] = "bonded",
+    shape: str | Iterable[str] = "slab",
+    edge_radius_mm: Values = 0.0,
     velocity_mm_s: Values = (10.0, 250.0),
     force_N: Values = (1.0, 5.0, 10.0, 15.0),
     fidelity: str = "table",
@@ -40,6 +42,7 @@ def whatif(
     out: str | PathLike[str] | None = None,
     resume: bool = False,
     replace: bool = False,
+    progress: Callable[[int, int], None] | None = None,
 ) -> Rows:
     """Work out every combination of slabs, ratios, punches and supports.
 
@@ -53,6 +56,11 @@ def whatif(
         Whom of the tissue a score is for: ``average``, ``safe-side`` or ``subject:NAME``.
     punch, condition, base : str or several
         Such as ``square:14``, ``bonded``, ``sliding``.
+    shape : str or several
+        ``NAME[:KEY=RANGE,...],...``: every combination of a shape's lengths, such as
+        ``slab,crowned:radius=10:20:2,height=2``.
+    edge_radius_mm : number, numbers or text
+        Fillets of the punch's edge (0 to 0.3 of its half-width), of slabs by ``axisymmetric``. [mm]
     fidelity : str
         ``table``, ``axisymmetric`` or ``3d``.
     workers : int
@@ -67,6 +75,8 @@ def whatif(
         Keep the rows that are in ``out``.
     replace : bool
         Take the place of the other answer instead.
+    progress : callable, optional
+        Called with the number of designs that are done and that of all.
 
     Returns
     -------
@@ -88,6 +98,7 @@ def whatif(
     [(8.0, 14.0), (8.0, 16.0), (12.0, 14.0), (12.0, 16.0)]
     """
     from dummydesign.design.sweep.executors import open_executor
+    from dummydesign.design.sweep.pads import parse_shapes
     from dummydesign.design.sweep.ranges import read_names, read_values
     from dummydesign.design.sweep.spec import Study
     from dummydesign.pad.tables.punch import equal_area_radius_mm
@@ -106,6 +117,8 @@ def whatif(
         fidelity,
         read_names(condition),
         read_names(base),
+        tuple(text for item in ([shape] if isinstance(shape, str) else shape) for text in parse_shapes(item)),
+        read_values(edge_radius_mm, "edge radius in mm"),
     )
     study.check(material)
     folder = None if out is None else Path(out)
@@ -117,12 +130,13 @@ def whatif(
         "out": None if folder is None else str(folder),
     }
     opened = open_executor(workers, scheduler) if executor is None else nullcontext(executor)
-    return _work_out(study, material, opened, folder, inputs, replace)
+    return _work_out(study, material, opened, folder, inputs, replace, progress)
 
 
 def _work_out(
-    study: Study, resin: Resin, opened: Any, folder: Path | None, inputs: dict[str, Any], replace: bool
-) -> Rows:
+    study: Study, resin: Resin, opened: Any, folder: Path | None, inputs: dict[str, Any], replace: bool,
+    progress: Callable[[int, int], None] | None,
+) -> Rows:  # fmt: skip
     """Run a study that was checked, and write rows and report when there is a folder."""
     from dummydesign.design.sweep.run import whatif as work_out
 
@@ -135,7 +149,7 @@ def _work_out(
     sources = (*resin.references, *(() if sites is None else sites.sources))
     if folder is None:
         with opened as executor:
-            found = work_out(study, executor=executor)
+            found = work_out(study, executor=executor, progress=progress)
         return Rows(study, tuple(found["rows"]), found["seconds"], inputs, tuple(found["warnings"]), sources)
     from dummydesign.core.outputs.write import growing_folder
     from dummydesign.design.sweep.live_data import live_data
@@ -147,7 +161,7 @@ def _work_out(
     with opened as executor, growing_folder(folder, asked, replace=replace, go_on=inputs["resume"]) as output:
         file = RowsFile(output.work, study, settings, inputs["resume"])
         kept = len(file.rows)
-        found = work_out(study, executor=executor, file=file)
+        found = work_out(study, executor=executor, file=file, progress=progress)
         rows = found["rows"]
         page = write_whatif(output.work, study, rows, resin, sites, live_data(resin, sites), found["warnings"])
     told = output.answer({"warnings": found["warnings"], "files": {"rows": str(file.path), **page}})

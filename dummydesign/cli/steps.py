@@ -51,3 +51,39 @@ class Steps:
         """Leave the terminal's line empty."""
         if self._stream.isatty():
             print("\r\033[K", end="", file=self._stream, flush=True)
+
+
+class Count:
+    """Shows on a terminal how many of a known number are done and how long the rest will take; nothing elsewhere.
+
+    Parameters
+    ----------
+    of : str
+        What is counted.
+    stream : file, optional
+        Standard error by default.
+    clock : callable, optional
+        Seconds.
+    """
+
+    def __init__(self, of: str, stream: TextIO | None = None, clock: Callable[[], float] = time.monotonic) -> None:
+        self._of, self._stream, self._clock = of, stream or sys.stderr, clock
+        self._start, self._first = clock(), -1
+
+    def __call__(self, done: int, total: int) -> None:
+        """Say that so many are done."""
+        if self._first < 0:
+            self._first, self._start = done, self._clock()
+        if not self._stream.isatty():
+            return
+        rest = ""
+        if done > self._first:
+            # what an earlier run left does not make this one faster
+            seconds = (self._clock() - self._start) / (done - self._first) * (total - done)
+            rest = f", about {seconds:.0f} s left" if seconds < 90 else f", about {seconds / 60:.0f} min left"
+        print(f"\r\033[K{done} of {total} {self._of}{rest}", end="", file=self._stream, flush=True)
+
+    def clear(self) -> None:
+        """Leave the terminal's line empty."""
+        if self._stream.isatty():
+            print("\r\033[K", end="", file=self._stream, flush=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -73,7 +74,7 @@ def write_whatif(
         _table(study, rows),
     ]
     lead = (
-        f"{study.size} slabs of {resin.title}: {_span(study.thickness_mm)} mm thick, ratio {_span(study.ratio)}, "
+        f"{study.size} pads of {resin.title}: {_span(study.thickness_mm)} mm thick, ratio {_span(study.ratio)}, "
         f"{', '.join(name for name, _ in study.punches)}, by {study.fidelity}."
     )
     sources = [*resin.references, *([] if tissue is None else tissue.sources)]
@@ -87,6 +88,8 @@ def _span(values: tuple[float, ...]) -> str:
 
 def _start(study: Study, rows: Rows) -> dict[str, Any]:
     """Where the sliders stand first: the best score, else the middle of the lists."""
+    # the page computes slabs
+    rows = [row for row in rows if row["shape"] == "slab"] or rows
     scored = [row for row in rows if row.get("score")]
     best = max(scored, key=lambda row: row["score"]["total"]) if scored else rows[len(rows) // 2]
     name, size = best["punch"].split(":")[0], dict(study.punches)[best["punch"]]
@@ -108,25 +111,28 @@ def _groups(study: Study, rows: Rows) -> list[tuple[str, Rows]]:
     """Rows by punch, support and a few ratios, each with a name that says what differs."""
     ratios = [study.ratio[index] for index in np.unique(np.linspace(0, len(study.ratio) - 1, SERIES).astype(int))]
     groups = []
-    for (punch, _), condition, base in study.setups:
-        for ratio in ratios:
-            words = [
-                text
-                for text, many in (
-                    (f"ratio {ratio:g}", len(study.ratio) > 1),
-                    (punch, len(study.punches) > 1),
-                    (f"{condition} face", len(study.conditions) > 1),
-                    (f"{base} base", len(study.bases) > 1),
-                )
-                if many
-            ]
-            chosen = [
-                row
-                for row in rows
-                if row["ratio"] == ratio and (row["punch"], row["condition"], row["base"]) == (punch, condition, base)
-            ]
-            groups.append((", ".join(words) or f"ratio {ratio:g}", chosen))
+    each = itertools.product(study.setups, study.pads, ratios)
+    for ((punch, _), condition, base), (shape, edge), ratio in itertools.islice(each, SERIES):
+        words = [
+            text
+            for text, many in (
+                (f"ratio {ratio:g}", len(study.ratio) > 1),
+                (punch, len(study.punches) > 1),
+                (f"{condition} face", len(study.conditions) > 1),
+                (f"{base} base", len(study.bases) > 1),
+                (shape, len(study.shapes) > 1),
+                (f"edge {edge:g} mm", len(study.edge_radii_mm) > 1),
+            )
+            if many
+        ]
+        wanted = (punch, condition, base, shape, edge)
+        chosen = [row for row in rows if row["ratio"] == ratio and _setup(row) == wanted]
+        groups.append((", ".join(words) or f"ratio {ratio:g}", chosen))
     return groups[:SERIES]
+
+
+def _setup(row: dict[str, Any]) -> tuple[Any, ...]:
+    return tuple(row[name] for name in ("punch", "condition", "base", "shape", "edge_radius_mm"))
 
 
 def _thickness(study: Study, rows: Rows) -> Section:
@@ -171,12 +177,13 @@ def _map(study: Study, rows: Rows) -> list[Section]:
     if study.tissue is None or len(study.thickness_mm) < 2 or len(study.ratio) < 2:
         return []
     (punch, _), condition, base = study.setups[0]
+    shape, edge = study.pads[0]
     thickness, ratio = sorted(study.thickness_mm), sorted(study.ratio)
     value = np.full((len(thickness), len(ratio)), np.nan)
     at = [{design: place for place, design in enumerate(steps)} for steps in (thickness, ratio)]
     best = None
     for row in rows:
-        if (row["punch"], row["condition"], row["base"]) == (punch, condition, base):
+        if _setup(row) == (punch, condition, base, shape, edge):
             value[at[0][row["thickness_mm"]], at[1][row["ratio"]]] = row["score"]["total"]
             if best is None or row["score"]["total"] > best["score"]["total"]:
                 best = row
@@ -189,21 +196,26 @@ def _map(study: Study, rows: Rows) -> list[Section]:
         f"{best['thickness_mm']:g} mm and ratio {best['ratio']:g}."
     )
     plot = Plot("score", f"Score for {study.tissue}, aim {study.aim}", alt, "ratio", "thickness [mm]", "ratio",
-                "thickness_mm", layers, note=f"{punch}, {condition} face, {base} base; 1 is best")  # fmt: skip
+                "thickness_mm", layers, note=f"{shape}, {punch}, {condition} face, {base} base; 1 is best")  # fmt: skip
     return [Section("Score", "", [plot])]
 
 
 def _table(study: Study, rows: Rows) -> Section:
     forces, speeds = [f"{v:g}" for v in study.forces_N], [f"{v:g}" for v in study.velocities_mm_s]
-    head = ["thickness mm", "ratio", "punch", "face, base", "E kPa"]
+    scored = study.tissue is not None
+    head = ["thickness mm", "ratio", "shape", "punch", "face, base", "E kPa", *(["score"] if scored else [])]
     head += [f"{name} at {force} N" for force in forces for name in ("depth mm,", "exponent")]
     head += [f"peak / steady at {speed} mm/s" for speed in speeds] + ["stops early"]
     lines = []
-    for row in rows[:SHOWN]:
-        values = [row["thickness_mm"], row["ratio"], row["punch"], f"{row['condition']}, {row['base']}"]
-        values.append(row["young_kPa"])
+    ordered = sorted(rows, key=lambda row: -row["score"]["total"]) if scored else rows
+    for row in ordered[:SHOWN]:
+        edge = f", edge {row['edge_radius_mm']:g} mm" if row["edge_radius_mm"] else ""
+        values = [row["thickness_mm"], row["ratio"], row["shape"], row["punch"] + edge]
+        values += [f"{row['condition']}, {row['base']}", row["young_kPa"]]
+        values += [row["score"]["total"]] if scored else []
         for force in forces:
             values += [row["depth_mm_at_N"][force], row["exponent_at_N"][force]]
         lines.append([*values, *(row["peak_over_steady"][speed] for speed in speeds), row["limit"] or ""])
-    more = f"The first {SHOWN} of {len(rows)} designs; all are in rows.csv." if len(rows) > SHOWN else ""
+    first = "best" if scored else "first"
+    more = f"The {first} {SHOWN} of {len(rows)} designs; all are in rows.csv." if len(rows) > SHOWN else ""
     return Section("Rows", more, table=Table(head, lines))

@@ -6,8 +6,9 @@ import argparse
 from typing import Any
 
 from dummydesign.cli.output_option import add_replace_option
+from dummydesign.cli.steps import Count
 
-HELP = "Compute many slabs at once: depth, stiffness, local exponent, peak over steady, score for a tissue."
+HELP = "Compute many pads at once: depth, stiffness, local exponent, peak over steady, score for a tissue."
 SHOWN = 40
 
 
@@ -27,6 +28,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--punch", default="square:14", metavar="LIST", help="such as square:14,round:16 (default square:14)")
     add("--condition", default="bonded", metavar="LIST", help="face: bonded (default), frictionless or friction:MU")
     add("--base", default="bonded", metavar="LIST", help="pad on its base: bonded (default), sliding")
+    add("--shape", default="slab", metavar="NAME[:KEY=RANGE,..],..",
+        help="such as slab,crowned:radius=10:20:2,height=1.5/2; every combination of its lengths (default slab)")
+    edges = "fillets of the punch's edge in mm, of slabs by --fidelity axisymmetric (default 0, sharp)"
+    add("--edge-radius", default="0", metavar="RANGE|LIST", help=edges)
     add("--velocity", default="10,250", metavar="RANGE|LIST", help="in mm/s (default 10,250)")
     add("--force", default="1,5,10,15", metavar="RANGE|LIST", help="in N (default 1,5,10,15)")
     add("--fidelity", default="table", metavar="NAME", help="table (default), axisymmetric or 3d")
@@ -39,6 +44,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Work out the study, write rows and report, and return the rows."""
+    count = Count("designs")
+    try:
+        return _asked(options, count)
+    finally:
+        count.clear()
+
+
+def _asked(options: argparse.Namespace, count: Count) -> dict[str, Any]:
     from dummydesign.api import whatif
 
     return whatif(
@@ -50,6 +63,8 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         punch=options.punch,
         condition=options.condition,
         base=options.base,
+        shape=options.shape,
+        edge_radius_mm=options.edge_radius,
         velocity_mm_s=options.velocity,
         force_N=options.force,
         fidelity=options.fidelity,
@@ -58,6 +73,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         out=default_out(options) if options.out is None else options.out,
         replace=options.replace,
         resume=options.resume,
+        progress=count,
     ).to_dict()
 
 
@@ -68,14 +84,24 @@ def default_out(options: argparse.Namespace) -> str:
     return f"whatif-{load_resin(options.resin).name}"
 
 
+def best_first(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Rows by falling score, those of equal score as they were; as they are without scores."""
+    if not rows or "score" not in rows[0]:
+        return rows
+    return sorted(rows, key=lambda row: -row["score"]["total"])
+
+
 def render(result: dict[str, Any]) -> str:
     """Lay the first rows out as a table; the rest stands in the CSV."""
-    rows = result["rows"]
+    rows = best_first(result["rows"])
     forces = list(rows[0]["depth_mm_at_N"])
     speeds = list(rows[0]["peak_over_steady"])
     scored = "score" in rows[0]
+    shaped = len({row["shape"] for row in rows} | {"slab"}) > 1
+    filleted = any(row["edge_radius_mm"] for row in rows)
     supports = {(row["condition"], row["base"]) for row in rows}
     head = f"{'mm':<6} {'ratio':<6} {'kPa':<7} {'punch':<12} " + ("face, base".ljust(22) if len(supports) > 1 else "")
+    head += "edge ".ljust(6) if filleted else ""
     head += " ".join(f"x,n at {force} N".ljust(14) for force in forces)
     head += " " + " ".join(f"peak {speed} mm/s".ljust(14) for speed in speeds)
     lines = ["x depth in mm, n local exponent d ln F / d ln x, peak over steady at 10 N steady", "", head]
@@ -89,8 +115,9 @@ def render(result: dict[str, Any]) -> str:
         line = f"{row['thickness_mm']:<6g} {row['ratio']:<6g} {row['young_kPa']:<7.3g} {row['punch']:<12} "
         if len(supports) > 1:
             line += f"{row['condition']}, {row['base']}".ljust(22)
-        line += " ".join(cells)
-        lines.append(line + (f" score {row['score']['total']:.2f}" if scored else ""))
+        line += f"{row['edge_radius_mm']:<6g}" if filleted else ""
+        line += " ".join(cells) + (f" score {row['score']['total']:.2f}" if scored else "")
+        lines.append(line + (f" {row['shape']}" if shaped else ""))
     if len(rows) > SHOWN:
         lines.append(f"... {len(rows) - SHOWN} more rows in {result['files']['rows']}")
     lines += ["", f"{len(rows)} designs in {result['seconds']:.2f} s; rows: {result['files']['rows']}"]

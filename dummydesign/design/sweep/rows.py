@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.design.scoring.presses import ForceLaw, Sampling, Slabs, make_curves, press_to_depth, steady_depth
+from dummydesign.geometry.shapes import Slab
 from dummydesign.pad.tables.punch import punch_law, punch_sides_mm
 
 if TYPE_CHECKING:
@@ -37,6 +38,11 @@ class Task:
     forces_N, velocities_mm_s : tuple of float
     targets : Targets or None
         What to score against.
+    shapes : tuple of str
+    shape : ndarray of int, shape (D,), optional
+        Which of the shapes each design has; the first by default.
+    edge_radius_mm : float
+        Fillet of the punch's edge. [mm]
     """
 
     fidelity: str
@@ -52,6 +58,18 @@ class Task:
     forces_N: tuple[float, ...]
     velocities_mm_s: tuple[float, ...]
     targets: Targets | None = None
+    shapes: tuple[str, ...] = (Slab.name,)
+    shape: NDArray | None = None
+    edge_radius_mm: float = 0.0
+
+    def take(self, chosen: NDArray) -> Task:
+        """Keep the designs chosen by index or mask."""
+        arrays = {name: getattr(self, name)[chosen] for name in ("thickness_mm", "ratio", "young_MPa", "beta")}
+        return replace(self, **arrays, shape=None if self.shape is None else self.shape[chosen])
+
+    def shape_of(self, index: int) -> str:
+        """Shape of one design, as its text."""
+        return self.shapes[0 if self.shape is None else int(self.shape[index])]
 
 
 def work(task: Task, law: ForceLaw | None = None) -> list[dict[str, Any]]:
@@ -66,21 +84,30 @@ def work(task: Task, law: ForceLaw | None = None) -> list[dict[str, Any]]:
     Returns
     -------
     list of dict
-        One a design, in the task's order: ``thickness_mm``, ``ratio``, ``punch``, ``condition``, ``base``,
-        ``young_kPa``; by force ``depth_mm_at_N``, ``depth_over_thickness_at_N``, ``stiffness_N_per_mm_at_N``,
-        ``exponent_at_N`` (d ln F / d ln x), all of the relaxed pad; ``peak_over_steady`` by speed at 10 N
-        steady; ``force_error_percent``, the model's own numerical error, largest of the forces reached;
+        One a design, in the task's order: ``thickness_mm``, ``ratio``, ``punch``, ``condition``, ``base``, ``shape``,
+        ``edge_radius_mm``, ``young_kPa``; by force ``depth_mm_at_N``, ``depth_over_thickness_at_N``,
+        ``stiffness_N_per_mm_at_N``, ``exponent_at_N`` (d ln F / d ln x), all of the relaxed pad; ``peak_over_steady``
+        by speed at 10 N steady; ``force_error_percent``, the model's own numerical error, largest of the forces
+        reached;
         ``limit`` (None, or why values are missing); ``score`` when there are targets. What is out of
         reach is None. A slab that cannot be solved gives rows without values whose ``limit`` says why.
     """
+    if task.shapes != (Slab.name,) or task.edge_radius_mm:
+        from dummydesign.design.sweep.shaped_rows import work_shaped
+
+        return work_shaped(task)
     thickness, place = np.unique(task.thickness_mm, return_inverse=True)
     try:
         law = law or force_law(task, thickness)
         curves = make_curves(law, thickness, task.radius_mm)
     except NoAnswerError as problem:
-        return [_empty(task, index, str(problem)) for index in range(len(task.ratio))]
+        return [empty_row(task, index, str(problem)) for index in range(len(task.ratio))]
     slabs = Slabs(curves, place, task.young_MPa, task.tau_s, task.beta)
-    return _rows(task, slabs, law)
+
+    def error(depth_mm: NDArray) -> NDArray:
+        return law.relative_error(depth_mm, slabs.thickness_mm[:, None], task.radius_mm)
+
+    return rows_of(task, slabs, error)
 
 
 def force_law(task: Task, thickness_mm: NDArray) -> ForceLaw:
@@ -95,8 +122,17 @@ def force_law(task: Task, thickness_mm: NDArray) -> ForceLaw:
     return solve_law(thickness_mm.tolist(), task.radius_mm, None, task.base, task.condition, sides, task.fidelity)
 
 
-def _rows(task: Task, slabs: Slabs, law: ForceLaw) -> list[dict[str, Any]]:
-    """Work out all designs at once and lay them out as rows."""
+def rows_of(task: Task, slabs: Slabs, error: Callable[[NDArray], NDArray]) -> list[dict[str, Any]]:
+    """Work out all designs at once and lay them out as rows.
+
+    Parameters
+    ----------
+    task : Task
+    slabs : Slabs
+        Its designs, in its order.
+    error : callable
+        Relative error of the force at depths (D, n).
+    """
     forces = np.array(task.forces_N)
     depth = slabs.curves.depth_at(slabs.slab, forces / slabs.young_MPa[:, None])
     slope = slabs.curves.slope_at(slabs.slab, depth) * slabs.young_MPa[:, None]
@@ -111,7 +147,7 @@ def _rows(task: Task, slabs: Slabs, law: ForceLaw) -> list[dict[str, Any]]:
     force_keys, speed_keys = _keys(task.forces_N), _keys(task.velocities_mm_s)
     plain = {name: _plain(values) for name, values in columns.items()}
     peaks, limits = _plain(_peaks(slabs, task.velocities_mm_s)), _limits(slabs, depth, task.forces_N)
-    errors = _plain(_errors(task, slabs, depth, law)[:, None])
+    errors = _plain(_errors(depth, error)[:, None])
     rows = []
     for index in range(len(task.ratio)):
         row = {
@@ -134,12 +170,23 @@ def _head(task: Task, index: int) -> dict[str, Any]:
         "punch": task.punch,
         "condition": task.condition,
         "base": task.base,
+        "shape": task.shape_of(index),
+        "edge_radius_mm": task.edge_radius_mm,
         "young_kPa": float(1e3 * task.young_MPa[index]),
     }
 
 
-def _empty(task: Task, index: int, why: str) -> dict[str, Any]:
-    """A row without values for a slab that could not be solved."""
+def empty_row(task: Task, index: int, why: str) -> dict[str, Any]:
+    """A row without values for a pad that could not be solved or cast.
+
+    Parameters
+    ----------
+    task : Task
+    index : int
+        Of the design.
+    why : str
+        Said in ``limit``.
+    """
     nothing = dict.fromkeys(_keys(task.forces_N))
     names = ("exponent_at_N", "depth_mm_at_N", "depth_over_thickness_at_N", "stiffness_N_per_mm_at_N")
     row = {**_head(task, index), **{name: dict(nothing) for name in names}}
@@ -198,10 +245,10 @@ def _limits(slabs: Slabs, depth: NDArray, forces: Sequence[float]) -> list[str |
     return limits
 
 
-def _errors(task: Task, slabs: Slabs, depth: NDArray, law: ForceLaw) -> NDArray:
+def _errors(depth: NDArray, error_of: Callable[[NDArray], NDArray]) -> NDArray:
     """Largest numerical error of the forces that are reached, shape (D,); NaN when the law states none. [%]"""
     known = np.isfinite(depth)
-    error = law.relative_error(np.where(known, depth, 0.0), slabs.thickness_mm[:, None], task.radius_mm)
+    error = error_of(np.where(known, depth, 0.0))
     largest = np.where(known, error, -np.inf).max(axis=-1)
     return 100.0 * np.where(np.isfinite(largest), largest, np.nan)
 

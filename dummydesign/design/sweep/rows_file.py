@@ -16,7 +16,9 @@ from dummydesign.design.sweep.rows import SCORES
 from dummydesign.design.sweep.spec import Key, Study
 
 ROWS, SETTINGS = "rows.csv", "study.json"
-_TEXT = ("punch", "condition", "base", "limit")
+_TEXT = ("punch", "condition", "base", "shape", "limit")
+_ADDED = {"shape": "slab", "edge_radius_mm": "0.0"}
+"""Columns that files of earlier versions lack, and what their rows have."""
 _BY_FORCE = ("exponent", "depth_mm", "depth_over_thickness", "stiffness_N_per_mm")
 
 
@@ -24,7 +26,7 @@ class RowFormat:
     """Columns of a study's rows; nested values become one column a key, such as ``depth_mm_at_5_N``."""
 
     def __init__(self, study: Study) -> None:
-        head = ("thickness_mm", "ratio", "punch", "condition", "base", "young_kPa")
+        head = ("thickness_mm", "ratio", "punch", "condition", "base", *_ADDED, "young_kPa")
         self.places: list[tuple[str, ...]] = [(name,) for name in head]
         self.columns = list(head)
         for name in _BY_FORCE:
@@ -68,7 +70,8 @@ class RowFormat:
                     row.setdefault(place[0], {})[place[1]] = value
         except ValueError:
             return None
-        known = all(row[name] is not None for name in ("thickness_mm", "ratio", "punch", "condition", "base"))
+        named = ("thickness_mm", "ratio", "punch", "condition", "base", *_ADDED)
+        known = all(row[name] is not None for name in named)
         return row if known else None
 
 
@@ -80,7 +83,8 @@ def _line(*rows: list[Any]) -> str:
 
 def key_of(row: dict[str, Any]) -> Key:
     """Name of a row's design."""
-    return row["punch"], row["condition"], row["base"], row["thickness_mm"], row["ratio"]
+    names = ("punch", "condition", "base", "shape", "edge_radius_mm", "thickness_mm", "ratio")
+    return tuple(row[name] for name in names)  # type: ignore[return-value]
 
 
 class RowsFile:
@@ -118,6 +122,10 @@ class RowsFile:
         text = self.path.read_text(encoding="utf-8", errors="replace")
         whole = text[: text.rfind("\n") + 1]
         lines = list(csv.reader(io.StringIO(whole)))
+        if lines and lines[0] == [name for name in self.format.columns if name not in _ADDED]:
+            at = self.format.columns.index("shape")
+            added = [list(_ADDED), *([list(_ADDED.values())] * (len(lines) - 1))]
+            lines = [[*fields[:at], *more, *fields[at:]] for fields, more in zip(lines, added)]
         if lines and lines[0] != self.format.columns:
             odd = next((a for a, b in zip(lines[0], self.format.columns) if a != b), lines[0][-1])
             raise InputError(

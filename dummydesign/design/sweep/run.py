@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from dummydesign.design.scoring.presses import ForceLaw
 from dummydesign.design.sweep.executors import completed
 from dummydesign.design.sweep.rows import Task, work
 from dummydesign.design.sweep.spec import Key, Study
+from dummydesign.geometry.shapes import Slab
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -31,6 +32,7 @@ def whatif(
     law: ForceLaw | None = None,
     executor: Executor | None = None,
     file: RowsFile | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> dict[str, Any]:
     """Work out every design of a study.
 
@@ -44,6 +46,8 @@ def whatif(
         Runs tasks side by side; the rows do not depend on it.
     file : RowsFile, optional
         Takes the rows as they are done; the designs it already holds are not worked out again.
+    progress : callable, optional
+        Called with the number of designs that are done and the number of all, whenever some are done.
 
     Returns
     -------
@@ -67,6 +71,8 @@ def whatif(
     tasks = tasks_of(study, resin, done)
     found: dict[Key, dict[str, Any]] = {}
     results = completed(work, tasks, executor) if law is None else (work(task, law) for task in tasks)
+    if progress is not None:
+        results = _counted(results, study.size, len(set(done) & set(study.keys())), progress)
     if file is None:
         from dummydesign.design.sweep.rows_file import key_of
 
@@ -82,6 +88,17 @@ def whatif(
             raise
         ordered = file.finish()
     return {"rows": ordered, "seconds": time.perf_counter() - start, "warnings": study_warnings(study, ordered)}
+
+
+def _counted(
+    results: Iterable[list[dict[str, Any]]], size: int, done: int, progress: Callable[[int, int], None]
+) -> Iterator[list[dict[str, Any]]]:
+    """The same results, told of as they come."""
+    progress(done, size)
+    for rows in results:
+        done += len(rows)
+        progress(done, size)
+        yield rows
 
 
 def study_warnings(study: Study, rows: list[dict[str, Any]]) -> list[dict[str, str]]:
@@ -127,28 +144,45 @@ def tasks_of(study: Study, resin: Resin, done: Iterable[Key] = ()) -> Iterator[T
     tau = tuple(arm.tau_s.value for arm in resin.arms)
     beta = np.array([[term.beta for term in resin.prony(float(value))] for value in ratios]).reshape(len(ratios), -1)
     for (punch, radius), condition, base in study.setups:
-        designs = [
-            (thickness, column)
-            for thickness in study.thickness_mm
-            for column, ratio in enumerate(study.ratio)
-            if (punch, condition, base, thickness, ratio) not in done
-        ]
-        for part in _parts(designs, study.fidelity):
-            thickness = np.array([value for value, _ in part])
-            columns = np.array([column for _, column in part])
-            yield Task(
-                study.fidelity, punch, condition, base, radius, thickness, ratios[columns], young[columns], tau,
-                beta[columns], study.forces_N, study.velocities_mm_s, targets,
-            )  # fmt: skip
+        for shapes, edge in _groups(study):
+            designs = [
+                (which, thickness, column)
+                for which, shape in enumerate(shapes)
+                for thickness in study.thickness_mm
+                for column, ratio in enumerate(study.ratio)
+                if (punch, condition, base, shape, edge, thickness, ratio) not in done
+            ]
+            for part in _parts(designs, study.fidelity):
+                which, thickness, columns = (np.array(values) for values in zip(*part))
+                yield Task(
+                    study.fidelity, punch, condition, base, radius, thickness, ratios[columns], young[columns], tau,
+                    beta[columns], study.forces_N, study.velocities_mm_s, targets, shapes, which, edge,
+                )  # fmt: skip
 
 
-def _parts(designs: list[tuple[float, int]], fidelity: str) -> Iterator[list[tuple[float, int]]]:
+def _groups(study: Study) -> Iterator[tuple[tuple[str, ...], float]]:
+    """Shapes that go together, and an edge radius: slabs by themselves; by tables all other shapes, else each one."""
+    for edge in study.edge_radii_mm:
+        if Slab.name in study.shapes:
+            yield (Slab.name,), edge
+        others = tuple(shape for shape in study.shapes if shape != Slab.name)
+        if study.fidelity == "table" and others:
+            yield others, edge
+        elif study.fidelity != "table":
+            for shape in others:
+                yield (shape,), edge
+
+
+Part = list[tuple[int, float, int]]
+
+
+def _parts(designs: Part, fidelity: str) -> Iterator[Part]:
     if fidelity == "table":
         for first in range(0, len(designs), CHUNK):
             yield designs[first : first + CHUNK]
         return
-    for thickness in dict.fromkeys(value for value, _ in designs):
-        yield [design for design in designs if design[0] == thickness]
+    for thickness in dict.fromkeys(value for _, value, _ in designs):
+        yield [design for design in designs if design[1] == thickness]
 
 
 def _targets(study: Study) -> Targets | None:

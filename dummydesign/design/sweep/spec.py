@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from dummydesign.core.errors import InputError, out_of_range, unknown_name
 from dummydesign.design.search.slabs import THICKNESS_MM
+from dummydesign.design.sweep.pads import check_pads
 from dummydesign.geometry.interface import BASES, CONDITIONS, FRICTION, Interface
+from dummydesign.geometry.shapes import Slab
 from dummydesign.pad.tables.punch import punch_sides_mm
 
 if TYPE_CHECKING:
@@ -17,8 +19,8 @@ if TYPE_CHECKING:
 MOST_DESIGNS = 1_000_000
 FIDELITIES = ("table", "axisymmetric", "3d")
 
-Key = tuple[str, str, str, float, float]
-"""Names one design: punch, condition, base, thickness [mm], ratio."""
+Key = tuple[str, str, str, str, float, float, float]
+"""Names one design: punch, condition, base, shape, edge radius of the punch [mm], thickness [mm], ratio."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,10 @@ class Study:
         ``table``, ``axisymmetric`` or ``3d`` (one finite-element solve a thickness, punch, condition and base).
     conditions, bases : tuple of str
         Face under the punch and base of the pad; the table knows a glued face on a glued or sliding base.
+    shapes : tuple of str
+        Shapes of the pads with all their lengths, as their text.
+    edge_radii_mm : tuple of float
+        Fillets of the punch's edge; 0 is sharp. [mm]
     """
 
     thickness_mm: tuple[float, ...]
@@ -53,22 +59,30 @@ class Study:
     fidelity: str = "table"
     conditions: tuple[str, ...] = ("bonded",)
     bases: tuple[str, ...] = ("bonded",)
+    shapes: tuple[str, ...] = (Slab.name,)
+    edge_radii_mm: tuple[float, ...] = (0.0,)
 
     @property
     def size(self) -> int:
         """Number of designs."""
-        return len(self.thickness_mm) * len(self.ratio) * len(self.setups)
+        return len(self.thickness_mm) * len(self.ratio) * len(self.setups) * len(self.pads)
 
     @property
     def setups(self) -> list[tuple[tuple[str, float], str, str]]:
         """Combinations of punch (name, radius), condition and base."""
         return list(itertools.product(self.punches, self.conditions, self.bases))
 
+    @property
+    def pads(self) -> list[tuple[str, float]]:
+        """Combinations of shape and edge radius of the punch [mm]."""
+        return list(itertools.product(self.shapes, self.edge_radii_mm))
+
     def keys(self) -> list[Key]:
         """Name every design, in the order of the rows."""
         return [
-            (punch[0], condition, base, thickness, ratio)
+            (punch[0], condition, base, shape, edge, thickness, ratio)
             for punch, condition, base in self.setups
+            for shape, edge in self.pads
             for thickness in self.thickness_mm
             for ratio in self.ratio
         ]
@@ -88,12 +102,15 @@ class Study:
                 if not value > 0:
                     raise out_of_range(name, value, "above 0", "any finite value")
         self._check_setups()
+        check_pads(self)
         for name, values in (
             ("thickness in mm", self.thickness_mm),
             ("ratio", self.ratio),
             ("punch", [punch for punch, _ in self.punches]),
             ("condition", self.conditions),
             ("base", self.bases),
+            ("shape", self.shapes),
+            ("edge radius in mm", self.edge_radii_mm),
         ):
             twice = [value for value in values if list(values).count(value) > 1] if len(values) < 1000 else []
             if twice or len(set(values)) < len(values):
@@ -145,7 +162,8 @@ class Study:
     def _corners_known(self, punch: str, radius_mm: float) -> bool:
         """Whether the corners of a punch are in every row of this study."""
         if self.fidelity == "table":
-            return punch.startswith("round") or _is_square(punch)
+            shaped = any(shape != Slab.name for shape in self.shapes)
+            return punch.startswith("round") or (_is_square(punch) and not shaped)
         from dummydesign.design.search.solved_slabs import SlabCase
 
         # The slabs between the thinnest and the thickest lie in the same table when both do.
@@ -153,7 +171,7 @@ class Study:
         each = itertools.product(ends, self.bases, self.conditions)
         sides = punch_sides_mm(punch)
         cases = [SlabCase(mm, radius_mm, base, condition, sides_mm=sides) for mm, base, condition in each]
-        return all(case.corners_known for case in cases)
+        return all(shape == Slab.name for shape in self.shapes) and all(case.corners_known for case in cases)
 
     def to_dict(self) -> dict[str, Any]:
         """Return what is varied as plain values."""

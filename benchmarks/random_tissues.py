@@ -1,0 +1,95 @@
+"""For how many tissues a pad is found, by kind of shape: ``python benchmarks/random_tissues.py``; about 5 s each.
+
+Tissues are drawn from the posterior of the built-in ones, one after the other: a draw is five persons. The shapes are
+searched by their tables, without finite elements, with the default resin. Every tissue is kept in ``--rows`` (one JSON
+object a line), so that a study can be stopped and resumed; the table is printed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+
+from dummydesign.core.errors import NoAnswerError  # noqa: E402
+from dummydesign.design.inputs import resolve  # noqa: E402
+from dummydesign.design.request import Request  # noqa: E402
+from dummydesign.design.scoring.standing import ACCEPTABLE, ACCEPTABLE_AND_STEADY  # noqa: E402
+from dummydesign.design.scoring.targets import make_targets  # noqa: E402
+from dummydesign.design.search.best_of_kinds import best_of_kinds  # noqa: E402
+from dummydesign.tissue.population.posterior import COLUMNS, read_draws, subject_of  # noqa: E402
+
+SITES = ("forefinger", "palm", "thenar")
+
+
+def drawn_tissue(tissue, site: str, rng: np.random.Generator):
+    """A tissue of the five persons of one draw of a site's posterior, drawn by its weight, and the draw's number."""
+    draws, weight = read_draws(ROOT / "materials" / "tissues" / f"{site}_draws.csv")
+    number = int(rng.choice(len(draws), p=weight / weight.sum()))
+    kinds = [("inferred", f"draw {number} of the posterior of {site}")] * len(COLUMNS)
+    subjects = tuple(subject_of(f"person-{k + 1}", row, row, row, kinds) for k, row in enumerate(draws[number]))
+    return replace(tissue, name=f"{site}-{number}", subjects=subjects), number
+
+
+def study_one(number: int, seed: int) -> dict[str, object]:
+    """Search one random tissue: the best standing of each kind of shape, and the best total."""
+    site = SITES[number % len(SITES)]
+    inputs = resolve(Request(site, verify=False))
+    tissue, draw = drawn_tissue(inputs.tissue, site, np.random.default_rng([seed, number]))
+    space = replace(inputs.space, targets=make_targets(tissue, "average", inputs.space.sampling))
+    found: dict[str, list[float]] = {}
+    try:
+        result = best_of_kinds("auto", inputs.slab_law, space)
+        designs = [(shaped.shape.name, shaped.found.best) for shaped in result.designs]
+        designs += [] if result.slab is None else [("slab", result.slab.best)]
+    except NoAnswerError:
+        designs = []
+    for kind, best in designs:
+        entry = found.setdefault(kind, [0, 0.0])
+        entry[:] = [max(entry[0], best.standing), max(entry[1], round(best.total, 4))]
+    return {"number": number, "seed": seed, "site": site, "draw": draw, "kinds": found}
+
+
+def table(rows: list[dict]) -> str:
+    """Shares by site and kind: acceptable, and acceptable inside the steady range at 5, 10 and 15 N."""
+    kinds = sorted({kind for row in rows for kind in row["kinds"]})
+    lines = ["| site | tissues | share of | " + " | ".join([*kinds, "any"]) + " |", "|---" * (4 + len(kinds)) + "|"]
+    for site in (*SITES, "all"):
+        own = [row["kinds"] for row in rows if site in (row["site"], "all")]
+        for words, least in (("acceptable", ACCEPTABLE), ("and in the steady range", ACCEPTABLE_AND_STEADY)):
+            shares = [np.mean([row.get(kind, (0,))[0] >= least for row in own]) for kind in kinds]
+            shares.append(np.mean([any(entry[0] >= least for entry in row.values()) for row in own]))
+            lines.append(f"| {site} | {len(own)} | {words} | " + " | ".join(f"{s:.2f}" for s in shares) + " |")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Run what is missing of the study and print the table."""
+    parser = argparse.ArgumentParser(description="Share of random tissues for which a pad is found.")
+    parser.add_argument("--tissues", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=20262)
+    parser.add_argument("--rows", type=Path, default=ROOT / "benchmarks" / "random_tissues.jsonl")
+    parser.add_argument("--table-only", action="store_true")
+    options = parser.parse_args()
+
+    def read() -> list[dict]:
+        return [json.loads(line) for line in options.rows.read_text().splitlines()] if options.rows.is_file() else []
+
+    known = {row["number"] for row in read() if row["seed"] == options.seed}
+    for number in range(0 if options.table_only else options.tissues):
+        if number not in known:
+            row = study_one(number, options.seed)
+            with open(options.rows, "a", encoding="utf-8") as stream:
+                stream.write(json.dumps(row) + "\n")
+    print(table(read()))
+
+
+if __name__ == "__main__":
+    main()

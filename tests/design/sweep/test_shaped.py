@@ -1,0 +1,142 @@
+"""Shapes and edge radii in what-if studies: the same forces as one pad asked for alone, refusals, order, files."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dummydesign.api import predict
+from dummydesign.cli.design.whatif import best_first
+from dummydesign.cli.entry import main
+from dummydesign.core.errors import InputError
+from dummydesign.design.sweep.pads import parse_shapes
+from dummydesign.design.sweep.rows_file import RowsFile, settings_of
+from dummydesign.design.sweep.run import whatif
+from dummydesign.design.sweep.spec import Study
+from dummydesign.pad.tables.punch import equal_area_radius_mm
+from dummydesign.resin import load_resin
+
+CROWN = "crowned:radius=20,height=2,foot=9.4"
+STUDY = Study((4.5, 6.0), (15.5,), (("square:14", equal_area_radius_mm("square:14")),), tissue="forefinger",
+              shapes=("slab", CROWN, "layered:top=3,modulus_ratio=5"))  # fmt: skip
+
+
+def test_every_combination_of_ranges_lists_and_places_is_a_shape():
+    assert parse_shapes("slab,crowned:radius=10:14:2,height=1/2") == (
+        "slab",
+        *(f"crowned:radius={r},height={h}" for r in (10, 12, 14) for h in (1, 2)),
+    )
+    assert parse_shapes("layered:3,5") == parse_shapes("layered:top=3,modulus_ratio=5")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [("crownd:radius=1", "crowned"), ("crowned:radius=1", "height"), ("crowned:radius=a,height=2", "not a number"),
+     ("crowned:radius=5:1:1,height=2", "START"), ("crowned:size=1,height=2", "size"), ("", "at least one")],
+)  # fmt: skip
+def test_what_is_no_shape_is_refused_in_words(text, said):
+    with pytest.raises(InputError, match=said):
+        parse_shapes(text)
+
+
+def test_a_shaped_row_has_the_force_of_the_pad_asked_for_alone():
+    rows = whatif(STUDY)["rows"]
+    assert [(row["shape"], row["thickness_mm"]) for row in rows] == [
+        (shape, thickness) for shape in STUDY.shapes for thickness in STUDY.thickness_mm
+    ]
+    for row in rows[2:4]:
+        depth = row["depth_mm_at_N"]["10"]
+        alone = predict(young_kPa=row["young_kPa"], thickness_mm=row["thickness_mm"], shape=row["shape"],
+                        punch="round:15.7979", depth_mm=[depth]).to_dict()  # fmt: skip
+        assert alone["force_N"][0] == pytest.approx(10.0, rel=2e-3)
+        assert alone["local_exponent"][0] == pytest.approx(row["exponent_at_N"]["10"], rel=0.02)
+    slabs = whatif(replace(STUDY, shapes=("slab",)))["rows"]
+    assert rows[:2] == slabs
+
+
+def test_a_pad_that_cannot_be_cast_or_is_off_the_table_says_why_and_the_others_stand():
+    study = replace(STUDY, thickness_mm=(3.0, 4.5), shapes=("crowned:radius=20,height=2.9,foot=9.4", CROWN))
+    rows = whatif(study)["rows"]
+    assert rows[0]["limit"] and rows[0]["depth_mm_at_N"]["5"] is None and rows[0]["score"]["total"] == 0.0
+    assert rows[3]["depth_mm_at_N"]["5"] > 0.0
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"edge_radii_mm": (1.0,)}, "axisymmetric"),
+        ({"edge_radii_mm": (5.0,), "fidelity": "axisymmetric"}, "2.1"),
+        ({"edge_radii_mm": (1.0,), "fidelity": "axisymmetric"}, "flat slabs"),
+        ({"bases": ("sliding",)}, "sliding"),
+        ({"fidelity": "3d", "thickness_mm": (4.5,)}, "in space"),
+        ({"shapes": ("crowned:radius=20,height=40",)}, "no thickness"),
+        ({"shapes": (CROWN, CROWN)}, "twice"),
+    ],
+)
+def test_what_no_model_knows_is_refused_before_any_work(changes, said):
+    with pytest.raises(InputError, match=said):
+        replace(STUDY, **changes).check(load_resin())
+
+
+def test_rows_of_an_earlier_version_are_kept_as_slabs_under_a_sharp_edge(tmp_path):
+    study, resin = replace(STUDY, shapes=("slab",), tissue=None), load_resin()
+    settings = settings_of(study, resin, None)
+    whatif(study, file=RowsFile(tmp_path, study, settings, False))
+    path = tmp_path / "rows.csv"
+    lines = [line.split(",") for line in path.read_text().splitlines()]
+    at = lines[0].index("shape")
+    path.write_text("\n".join(",".join([*line[:at], *line[at + 2 :]]) for line in lines) + "\n")
+    again = RowsFile(tmp_path, study, settings, True)
+    assert list(again.rows) == study.keys()
+    again.close()
+
+
+def test_progress_counts_the_designs_and_not_those_that_were_there(tmp_path):
+    told, resin = [], load_resin()
+    settings = settings_of(STUDY, resin, None)
+    small = replace(STUDY, shapes=("slab",))
+    whatif(small, file=RowsFile(tmp_path, small, settings, False))
+    whatif(STUDY, file=RowsFile(tmp_path, STUDY, settings, True), progress=lambda *at: told.append(at))
+    assert told[0] == (2, 6) and told[-1] == (6, 6)
+
+
+def test_the_terminal_shows_the_best_first_with_its_shape(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    asked = ["whatif", "--thickness", "4.5,8", "--ratio", "15.5", "--tissue", "forefinger", "--shape", f"slab,{CROWN}"]
+    assert main_status(asked) == 0
+    lines = capsys.readouterr().out.splitlines()
+    first = next(line for line in lines if line.startswith(("4.5", "8")))
+    assert first.startswith("4.5") and first.endswith(CROWN)
+    scores = [float(line.split(" score ")[1].split()[0]) for line in lines if " score " in line]
+    assert scores == sorted(scores, reverse=True)
+    assert main_status([*asked, "--json", "--resume"]) == 0
+    rows = json.loads(capsys.readouterr().out)["rows"]
+    assert [row["shape"] for row in rows] == ["slab", "slab", CROWN, CROWN]
+    assert best_first(rows)[0]["shape"] == CROWN
+
+
+def main_status(words):
+    import sys
+
+    before, sys.argv = sys.argv, ["dummydesign", *words]
+    try:
+        main()
+    except SystemExit as end:
+        return int(end.code or 0)
+    finally:
+        sys.argv = before
+    return 0
+
+
+@pytest.mark.slow
+def test_solved_rows_have_the_force_of_the_solved_pad_and_a_fillet_makes_it_softer():
+    sharp = Study((6.0,), (15.5,), STUDY.punches, fidelity="axisymmetric", edge_radii_mm=(0.0, 2.0), forces_N=(5.0,))
+    rows = whatif(sharp)["rows"]
+    assert rows[1]["depth_mm_at_N"]["5"] > rows[0]["depth_mm_at_N"]["5"]
+    crowned = replace(sharp, shapes=(CROWN,), edge_radii_mm=(0.0,), thickness_mm=(4.5,))
+    by_table = whatif(replace(crowned, fidelity="table"))["rows"][0]
+    assert whatif(crowned)["rows"][0]["depth_mm_at_N"]["5"] == pytest.approx(by_table["depth_mm_at_N"]["5"], rel=0.03)
+    assert np.isfinite(rows[1]["force_error_percent"])

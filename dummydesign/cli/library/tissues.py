@@ -13,7 +13,7 @@ HELP = "List the known tissues, show one with all its numbers and sources, and a
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    actions = parser.add_subparsers(dest="action", metavar="list|show|add|add-points|remove|rename|path")
+    actions = parser.add_subparsers(dest="action", metavar="list|show|add|add-curves|add-points|remove|rename|path")
     actions.add_parser("list", help="names, origin and kind of the known tissues")
     show = actions.add_parser("show", help="every number of one tissue with its interval and source")
     show.add_argument("name", metavar="NAME", help="a known tissue or a TOML file")
@@ -24,6 +24,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add.add_argument("--elements", default="5", help="3, 5 or 7 (default 5)")
     add.add_argument("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help="filter of the recorded force")
     add.add_argument("--replace", action="store_true", help="take the place of a tissue of your own with this name")
+    curves = actions.add_parser("add-curves", help="make a tissue from one table of several people's curves")
+    curves.add_argument("name", metavar="NAME", help="name of the new tissue")
+    columns = "columns subject,velocity_mm_s,time_s,depth_mm,force_N; a hold with its times is needed"
+    curves.add_argument("curves", metavar="FILE.csv", help=columns)
+    curves.add_argument("--law", default="ode", help="published, consistent or ode (default ode)")
+    curves.add_argument("--elements", default="5", help="3, 5 or 7 (default 5)")
+    curves.add_argument("--replace", action="store_true", help="take the place of a tissue of your own with this name")
     points = actions.add_parser("add-points", help="update a tissue by points read off figures")
     points.add_argument("name", metavar="NAME", help="the tissue to update")
     points.add_argument("points", metavar="POINTS.csv", help="columns subject,depth_mm,force_N")
@@ -44,11 +51,15 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         from dummydesign.tissue.population.from_traces import add_tissue
 
         return add_tissue(options.name, options.files, options.law, options.elements, options.lowpass, options.replace)
+    if options.action == "add-curves":
+        from dummydesign.tissue.population.from_curves import add_curves
+
+        return add_curves(options.name, options.curves, options.law, options.elements, options.replace)
     if options.action == "add-points":
         from dummydesign.tissue.population.from_points import add_points
 
         return add_points(options.name, options.points)
-    actions = "list, show NAME, add NAME FILE..., add-points NAME POINTS.csv, remove NAME, rename OLD NEW or path NAME"
+    actions = "list, show NAME, add NAME FILE..., add-curves NAME FILE.csv, add-points NAME POINTS.csv, remove NAME, rename OLD NEW or path NAME"
     raise InputError(f"tissues needs an action: {actions}")
 
 

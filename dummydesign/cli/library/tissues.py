@@ -59,7 +59,8 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         from dummydesign.tissue.population.from_points import add_points
 
         return add_points(options.name, options.points)
-    actions = "list, show NAME, add NAME FILE..., add-curves NAME FILE.csv, add-points NAME POINTS.csv, remove NAME, rename OLD NEW or path NAME"
+    actions = "list, show NAME, add NAME FILE..., add-curves NAME FILE.csv, add-points NAME POINTS.csv, "
+    actions += "remove NAME, rename OLD NEW or path NAME"
     raise InputError(f"tissues needs an action: {actions}")
 
 

@@ -55,8 +55,8 @@ def add_curves(name: str, table: str, law: str, elements: str, replace_own: bool
     name : str
         Name of the tissue.
     table : str
-        CSV with ``subject``, ``velocity_mm_s``, ``time_s``, ``depth_mm``, ``force_N``; a curve ends where subject, speed
-        or an optional ``press`` changes, or where time goes back. Without times the depth rises at the speed.
+        CSV with ``subject``, ``velocity_mm_s``, ``time_s``, ``depth_mm``, ``force_N``; a curve ends where subject,
+        speed or an optional ``press`` changes, or where time goes back. Without times the depth rises at the speed.
     law, elements : str
         Law and number of elements that are fitted, per speed.
     replace_own : bool

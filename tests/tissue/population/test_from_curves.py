@@ -60,7 +60,8 @@ def test_a_person_without_a_hold_has_no_steady_force(tmp_path):
 
 @pytest.mark.parametrize(
     ("text", "said"),
-    [("subject,depth_mm,force_N\na,1,1\n", "velocity_mm_s"), ("subject,velocity_mm_s,time_s,depth_mm,force_N\n", "no curve"),
+    [("subject,depth_mm,force_N\na,1,1\n", "velocity_mm_s"),
+     ("subject,velocity_mm_s,time_s,depth_mm,force_N\n", "no curve"),
      ("subject,velocity_mm_s,time_s,depth_mm,force_N\na,0,0,1,1\n", "c.csv:2: velocity_mm_s"),
      ("subject,velocity_mm_s,time_s,depth_mm,force_N\na,10,0,x,1\n", "c.csv:2: depth_mm"),
      ("subject,velocity_mm_s,time_s,depth_mm,force_N\na,10,0,1,1\n", "at least 10")],

@@ -21,6 +21,7 @@ from dummydesign.core.threads import ONE_THREAD
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.model.validate import validate
 from dummydesign.mold.pour.plan import pour_plan
+from dummydesign.mold.pour.print_layers import check_layers
 from dummydesign.mold.pour.warnings import pour_warnings
 
 TIMEOUT_S = 300.0
@@ -75,6 +76,7 @@ def make_mold(spec: MouldSpec, folder: Path, timeout_s: float = TIMEOUT_S) -> Mo
         (weights, warnings) or was found (checks) is in its ``result``; no file is left under a final name.
     """
     validate(spec)
+    check_layers(spec)
     target = output_folder(folder)
     work = Path(tempfile.mkdtemp(prefix=".mould-", dir=target))
     try:

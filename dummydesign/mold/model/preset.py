@@ -286,10 +286,14 @@ def read_machines(name: str, preset: Path) -> Machines:
     numbers = []
     for table, keys in tables.items():
         part = data.get(table)
-        if not isinstance(part, dict) or set(part) != set(keys):
+        more = {"layer_mm"} if table == "printer" else set()
+        if not isinstance(part, dict) or set(part) - more != set(keys):
             raise InputError(f"{entry.path.name}: table [{table}] needs exactly {', '.join(keys)}")
         numbers += [_number(part[key], key, entry.path, text, f"[{table}]") for key in keys]
     if "balance_resolution_g" not in data:
         raise InputError(f"{entry.path.name}: 'balance_resolution_g' is missing")
     resolution = _number(data["balance_resolution_g"], "balance_resolution_g", entry.path, text)
-    return Machines(entry.name, resolution, *numbers)
+    layer = _number(data["printer"].get("layer_mm", 0.0), "layer_mm", entry.path, text, "[printer]")
+    if not 0 <= layer <= 1:
+        raise out_of_range(f"{entry.path.name}: layer_mm", f"{layer:g}", 0, 1)
+    return Machines(entry.name, resolution, *numbers, layer_mm=layer)

@@ -197,7 +197,7 @@ class BaseLayer:
 
 @dataclass(frozen=True)
 class Machines:
-    """What the parts must fit and how finely can be weighed."""
+    """What the parts must fit, how finely can be weighed, and the printer's layer (0 where it is not said)."""
 
     name: str
     balance_resolution_g: float
@@ -210,6 +210,7 @@ class Machines:
     shelf_x_mm: float
     shelf_y_mm: float
     oven_height_mm: float
+    layer_mm: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -255,6 +256,8 @@ class MouldSpec:
         for table, name in ((plain, "base"), (plain, "plastic"), (plain["pour"], "young_kPa")):
             if table[name] is None:
                 del table[name]
+        if not plain["machines"]["layer_mm"]:
+            del plain["machines"]["layer_mm"]
         return plain
 
     def canonical(self) -> str:

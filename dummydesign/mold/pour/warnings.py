@@ -5,6 +5,7 @@ from __future__ import annotations
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.spec import MouldSpec, PadGeometry
 from dummydesign.mold.pour.plan import CARRIER_VENTS, RATIO_ERROR_LIMIT_PERCENT, PourPlan
+from dummydesign.mold.pour.print_layers import tip_words
 
 # A base further than this from the shape's modulus ratio is worth a word.
 RATIO_APART = 0.02
@@ -63,13 +64,13 @@ def pour_warnings(spec: MouldSpec, plan: PourPlan) -> list[dict[str, str]]:
                 "scrap first",
             )
         )
-    found += [*_relief(spec.pad), *_bone(spec.pad), *_layers(spec), *spec.pad.shape.casting_notes(spec.pad)]
+    found += [*_relief(spec), *_bone(spec.pad), *_layers(spec), *spec.pad.shape.casting_notes(spec.pad)]
     return [{"code": code, "message": message} for code, message in found]
 
 
-def _relief(pad: PadGeometry) -> list[tuple[str, str]]:
+def _relief(spec: MouldSpec) -> list[tuple[str, str]]:
     """What a tested face that is not flat asks for."""
-    shape = pad.shape
+    pad, shape = spec.pad, spec.pad.shape
     if not shape.relief_mm:
         return []
     layer = formula.print_layer_mm(shape.relief_mm)
@@ -81,7 +82,7 @@ def _relief(pad: PadGeometry) -> list[tuple[str, str]]:
         (
             "curved_master",
             f"the plug's top is curved: print it in layers of at most {layer:.2g} mm{tip}, sand or coat the steps, or "
-            "machine it",
+            "machine it" + (f"; {words}" if (words := tip_words(spec)) else ""),
         ),
         (
             "thickness_varies",

@@ -34,6 +34,8 @@ RESIN, RATIO = "polyurethane-nagoya", 15.0
 CAST = f'resin = "{RESIN}"\nratio = {RATIO}'
 PUT_IN = (("none", 0.0), ("temperature", 0.008), ("contact_offset", 0.05), ("strain_stiffening", 0.8))
 FIRST_MM, TURNS = (8.0, 14.0), 3
+REACH_MM = (5.0, 20.0)
+"""Pads that the generator has solved; a planned one outside is pressed at the nearer end."""
 
 
 def first_rows() -> list[dict]:
@@ -57,8 +59,8 @@ def planned_rows(plan: Path, designed_mm: float, turn: int) -> list[dict]:
     trials = tomllib.loads((plan / "campaign.toml").read_text())["trial"]
     age = 14.0 + 10.0 * turn
     rows = [
-        _row(t["thickness_mm"], t["velocity_mm_s"], t["target_force_N"], t["repeat"], t["sequence"],
-             t.get("rest_s", 60.0), t.get("age_days", age))
+        _row(round(float(np.clip(t["thickness_mm"], *REACH_MM)), 1), t["velocity_mm_s"], t["target_force_N"],
+             t["repeat"], t["sequence"], t.get("rest_s", 60.0), t.get("age_days", age))
         for t in trials
     ]  # fmt: skip
     for repeat in (1, 2):
@@ -67,9 +69,9 @@ def planned_rows(plan: Path, designed_mm: float, turn: int) -> list[dict]:
     return rows
 
 
-def run_seed(seed: int, place: int, folder: Path) -> dict:
+def run_seed(seed: int, folder: Path) -> dict:
     """Three turns of one material."""
-    effect, size = PUT_IN[place % len(PUT_IN)]
+    effect, size = PUT_IN[seed % len(PUT_IN)]
     truth = generator.write_campaign(folder / "other", effect, size, seed, held_out=True, cast=CAST)
     other = read_campaign(folder / "other")
     rows, prior, turns = first_rows(), None, []
@@ -98,7 +100,7 @@ def run_seed(seed: int, place: int, folder: Path) -> dict:
                 best["young_kPa"]["high"]], "replay": seen.total_rmse_N, "cpu_seconds": time.process_time() - started,
             }
         )  # fmt: skip
-        designed = round(float(np.clip(best["thickness_mm"], 5.0, 20.0)), 1)
+        designed = round(float(np.clip(best["thickness_mm"], *REACH_MM)), 1)
         rows = planned_rows(folder / f"plan-{turn}", designed, turn + 1)
     return {"seed": seed, "effect": effect, "young": truth.young_kPa, "floor": truth.floor_N, "turns": turns}
 
@@ -181,7 +183,7 @@ def main() -> None:
             continue
         folder = Path(tempfile.mkdtemp(prefix="turns-"))
         try:
-            row = run_seed(seed, place, folder) if place < options.seeds else contradicted(seed, folder)
+            row = run_seed(seed, folder) if place < options.seeds else contradicted(seed, folder)
         finally:
             shutil.rmtree(folder, ignore_errors=True)
         with options.rows.open("a") as stream:

@@ -98,7 +98,7 @@ def row_of(put_in: Put, truth: generator.Truth, result: LoopResult, seconds: flo
     names = [found.candidate.effect.name for found in result.effects]
     intervals = {}
     for found in result.effects:
-        size = next(iter(effect_intervals(result.after.fit, found.candidate.effect).values()))
+        size = next(iter(effect_intervals(result.after, found.candidate.effect).values()))
         intervals[found.candidate.effect.name] = [size["low"], size["value"], size["high"]]
     return {
         "effects": [name for name, _ in put_in], "sizes": [size for _, size in put_in], "floor": truth.floor_N,

@@ -91,7 +91,7 @@ def answer_of(result: LoopResult) -> list[str]:
 
 def _effect_said(result: LoopResult, effect: Effect, rivals: tuple[str, ...]) -> str:
     size = effect.parameters[0]
-    value = effect_intervals(result.after.fit, effect)[size.name]
+    value = effect_intervals(result.after, effect)[size.name]
     worth = worth_of(result, effect)
     unit = "" if size.unit == "1" else f" {size.unit}"
     text = (

@@ -3,6 +3,8 @@
 Laplace's approximation around the joint optimum. The law error of each pad is a random effect: level, slope and
 curvature are normal with sizes that were estimated, integrated out here, so that the covariance of the modulus holds
 that only a few pads were pressed. A pad that was not pressed has a law error of its own (:attr:`Posterior.pads`).
+Covariance and pads are scaled so that 1.96 standard deviations are 95 % intervals of Student's t, as the sizes are
+estimates themselves (:mod:`dummydesign.loop.judging.uncertainty`).
 
 References
 ----------
@@ -20,9 +22,10 @@ from numpy.typing import NDArray
 
 from dummydesign.loop.fitting.fit import Fit
 from dummydesign.loop.fitting.problem import BASE
+from dummydesign.loop.fitting.size_likelihood import NORMAL_95
+from dummydesign.loop.judging.uncertainty import pad_spreads, widened
 from dummydesign.loop.model.parameters import NAMES
 
-NORMAL_95 = 1.959964
 PADS = ("level", "slope", "curve")
 
 
@@ -82,7 +85,7 @@ def posterior_of(fit: Fit, lack_ratio: float | None = None) -> Posterior:
     ----------
     fit : Fit
     lack_ratio : float, optional
-        Lack of fit; above one it widens the covariance (Birge).
+        Lack of fit; above one it widens the covariance.
     """
     names, mean, unit = [f"log {name}" for name in NAMES], list(fit.vector[:BASE]), [1.0] * BASE
     mean[0] += float(np.log(1e3))  # MPa to kPa
@@ -93,5 +96,5 @@ def posterior_of(fit: Fit, lack_ratio: float | None = None) -> Posterior:
             mean.append(float(np.log(value)) if parameter.log else value)
             unit.append(1.0 if parameter.log else parameter.typical)
     scale = np.array(unit)
-    own = fit.covariance[: len(names), : len(names)] * np.outer(scale, scale) * max(1.0, lack_ratio or 1.0)
-    return Posterior(tuple(names), np.array(mean), 0.5 * (own + own.T), fit.sizes.law)
+    own = widened(fit, lack_ratio)[: len(names), : len(names)] * np.outer(scale, scale)
+    return Posterior(tuple(names), np.array(mean), own, pad_spreads(fit))

@@ -18,6 +18,7 @@ from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.fitting.fit import Fit, settle
 from dummydesign.loop.fitting.noise import LAW_TERMS
 from dummydesign.loop.fitting.problem import BASE, Problem
+from dummydesign.loop.judging.uncertainty import widened
 from dummydesign.loop.model.base_law import SetupLaw
 from dummydesign.loop.model.parameters import NAMES
 from dummydesign.measurement.campaign import Campaign
@@ -144,7 +145,7 @@ def join(fit: Fit, prior: Calibration, lack_ratio: float | None = None) -> tuple
     turn = np.zeros((len(own), len(fit.vector)))
     turn[np.arange(len(own)), rows] = [unit for _, unit, _ in own]
     null = np.array([zero for _, _, zero in own])
-    covariance = fit.covariance * max(1.0, lack_ratio or 1.0)
+    covariance = widened(fit, lack_ratio)
     arms = np.array([name.startswith(("log tau_", "log beta_")) for name, _, _ in own])
     there = known.covariance[np.ix_(take, take)] + np.diag(np.where(arms, ARM_TOLERANCE, 0.0) ** 2)
     together = turn @ covariance @ turn.T + there
@@ -165,7 +166,8 @@ def join(fit: Fit, prior: Calibration, lack_ratio: float | None = None) -> tuple
     left = covariance - gain @ turn @ covariance
     forces = fit.problem.predict(vector)
     residual = np.where(fit.problem.presses.used, fit.problem.presses.force_N - forces, 0.0)
-    joined = replace(fit, vector=vector, covariance=0.5 * (left + left.T), forces=forces, residual=residual)
+    both = 0.5 * (left + left.T)
+    joined = replace(fit, vector=vector, covariance=both, forces=forces, residual=residual, joined=True)
     return joined, Joined(True, distance, p, (), names)
 
 

@@ -123,7 +123,7 @@ def _effect(found: Found, result: LoopResult) -> dict[str, Any]:
         "name": effect.name,
         "class": type(effect).__name__,
         "stage": effect.hook,
-        "parameters": effect_intervals(result.after.fit, effect),
+        "parameters": effect_intervals(result.after, effect),
         "heldout_rmse_N": found.heldout_N,
         "evidence": found.candidate.gain,
         "evidence_meaning": "drop of minus twice the log likelihood against the model without it",

@@ -16,6 +16,7 @@ from dummydesign.loop.calibration_file import read_calibration, write_calibratio
 from dummydesign.loop.data.trials import make_presses
 from dummydesign.loop.effects import effect_named
 from dummydesign.loop.fitting.base_fit import fit_base
+from dummydesign.loop.judging.uncertainty import jackknife
 from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.model.forward_model import Active
 from dummydesign.loop.model.parameters import BaseParameters
@@ -116,21 +117,37 @@ def test_the_modulus_is_known_no_better_than_the_number_of_pads_lets_it(campaign
     presses, law = make_presses(campaign), law_of(campaign)
     found = fit_base(presses, law, 0.03)
     known = posterior_of(found)
-    assert known.young_spread > 0.9 * found.sizes.level / np.sqrt(len(found.problem.thicknesses))
-    assert known.new_pad_spread == pytest.approx(np.hypot(known.young_spread, found.sizes.level))
+    # three pads with what is known of pads beforehand: Student's t of some seven degrees
+    assert known.young_spread > 1.1 * found.sizes.level / np.sqrt(len(found.problem.thicknesses))
+    assert known.pads[0] > 1.1 * found.sizes.level
+    assert known.new_pad_spread == pytest.approx(np.hypot(known.young_spread, known.pads[0]))
     assert known.mean[0] == pytest.approx(np.log(1e3 * found.base.young_MPa))
     assert np.linalg.eigvalsh(known.covariance)[0] > 0.0
-    np.testing.assert_allclose(posterior_of(found, 4.0).covariance, 4.0 * known.covariance, rtol=1e-12)
+    np.testing.assert_allclose(posterior_of(found, 1.4).covariance, 1.4 * known.covariance, rtol=1e-12)
     np.testing.assert_allclose(posterior_of(found, 0.5).covariance, known.covariance, rtol=1e-12)
 
 
-def test_units_of_an_effect_are_those_of_its_parameters():
+def test_what_a_model_misses_widens_the_intervals_by_what_leaving_conditions_out_changes(campaigns):
+    """A law that grows stiffer with depth, fitted without: the bins of a press share the misfit, conditions show it."""
+    campaign = read_campaign(campaigns("none", 401))
+    presses, law = make_presses(campaign), law_of(campaign)
+    stiffer = 1.0 + 0.3 * (presses.depth_mm / presses.thickness_mm)[:, None] ** 4 / 0.4**4
+    found = fit_base(replace(presses, force_N=presses.force_N * stiffer), law, 0.03)
+    added = posterior_of(found, 2.0).covariance - 2.0 * posterior_of(found, 1.0).covariance
+    count = len(added)
+    np.testing.assert_allclose(added, jackknife(found)[:count, :count], rtol=1e-6, atol=1e-12)
+    plain = jackknife(fit_base(presses, law, 0.03))
+    assert added[0, 0] > 3.0 * plain[0, 0] > 0.0
+
+
+def test_units_of_an_effect_are_those_of_its_parameters(monkeypatch):
     tilt = effect_named("contact_offset")
     step = tilt.parameters[0].typical
     covariance = np.diag([1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 4.0, 1e-4])
     fit = SimpleNamespace(
         vector=np.r_[np.zeros(5), 2.0, 0.0], covariance=covariance, sizes=SimpleNamespace(law=(0.1, 0.2, 0.3)),
-        active=(Active(tilt, {tilt.parameters[0].name: tilt.parameters[0].to_value(2.0)}),),
+        active=(Active(tilt, {tilt.parameters[0].name: tilt.parameters[0].to_value(2.0)}),), joined=True,
     )  # fmt: skip
+    monkeypatch.setattr("dummydesign.loop.posterior.pad_spreads", lambda found: found.sizes.law)
     known = posterior_of(fit)
     assert known.spread(known.names[-1]) == pytest.approx(2.0 * abs(step)) and len(known.names) == 6

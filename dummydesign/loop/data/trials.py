@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from dummydesign.inference.noise import Bins
 from dummydesign.loop.data.history import History, make_history
 from dummydesign.loop.data.reduction import UNLOADING, ReducedPress, has_hold, reduce_press
+from dummydesign.loop.data.remembering import remembering
 from dummydesign.measurement.campaign import Campaign, Trial
 from dummydesign.measurement.sensor import Lowpass
 
@@ -65,6 +67,25 @@ class Presses:
         pads = self.pads
         return np.array([pads.index(trial.pad) for trial in self.trials])
 
+    @cached_property
+    def _laws(self) -> dict[int, tuple[Any, Any]]:
+        return {}
+
+    def remembered(self, law: Any) -> Any:
+        """The law of these trials, with its values at the depths that were asked last.
+
+        A fit asks for the same depths again and again: only effects of the motion change them.
+
+        Parameters
+        ----------
+        law : callable
+            F / E [mm2] of depths (T, N) and thicknesses (T, 1), or what gives it by ``on(trials)``.
+        """
+        if id(law) not in self._laws:
+            own = law.on(self.trials) if hasattr(law, "on") else law
+            self._laws[id(law)] = law, remembering(own)
+        return self._laws[id(law)][1]
+
     @property
     def used(self) -> NDArray:
         """Mask of the bins, shape (T, B)."""
@@ -83,7 +104,11 @@ class Presses:
 
     def measure(self, node_force_N: NDArray) -> NDArray:
         """Bin means (T, B) of the sensor's output for a force at the nodes (T, N). [N]"""
-        return (self.operator @ node_force_N[..., None])[..., 0]
+        return self.measured(node_force_N[..., None])[..., 0]
+
+    def measured(self, node_force_N: NDArray) -> NDArray:
+        """Bin means (T, B, K) of the sensor's output for K forces at the nodes (T, N, K). [N]"""
+        return self.operator @ node_force_N
 
     def at_samples(self, node_force_N: NDArray) -> list[NDArray]:
         """The sensor's output at the raw samples of each trial. [N]"""

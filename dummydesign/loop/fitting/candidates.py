@@ -23,6 +23,10 @@ SETTLED, NEAR, SHARE = 3, 40.0, 0.3
 """Effects that are fitted again with contact scatter and law error of their own: how many at least, and all whose
 first fit is so near the best, if they have this share of its evidence."""
 
+HOPE, HOPELESS, FEWEST = (2.0, 20.0), 0.1, 3
+"""How many times its squared score an effect of one parameter, or of several, gains at most; one that would still have
+less than this share of the best gain so far cannot win and is not fitted, when so many were."""
+
 
 @dataclass(frozen=True)
 class Candidate:
@@ -118,9 +122,11 @@ def first_fits(
     usual = modest(found)
     screened = screen(usual, effects)
     chosen = [one for place, one in enumerate(screened) if place < keep or one.effect.always_fitted]
-    tried = []
+    tried: list[Candidate] = []
     for one in chosen:
-        if abs(one.z) < least_z:
+        most = HOPE[len(one.effect.parameters) > 1] * one.z**2
+        won = max((other.gain for other in tried), default=0.0)
+        if abs(one.z) < least_z or (len(tried) >= FEWEST and most < HOPELESS * won and not one.effect.always_fitted):
             continue
         if progress is not None:
             progress(one.effect.name)

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.inference.least_squares import solve_marquardt
-from dummydesign.loop.fitting.noise import LAW_TERMS, Sizes, estimate_sizes, make_whitener
+from dummydesign.loop.fitting.noise import LAW_TERMS, Sizes, make_whitener
 from dummydesign.loop.fitting.problem import Problem
+from dummydesign.loop.fitting.size_likelihood import SizeLikelihood
 from dummydesign.loop.model.forward_model import Active
 from dummydesign.loop.model.parameters import BaseParameters
 
@@ -34,7 +35,10 @@ class Fit:
     chi2 : float
         Whitened squares including the prior rows of the law error.
     score : float
-        Minus twice the log likelihood, law error and contact scatter integrated out (see ``estimate_sizes``).
+        Minus twice the log likelihood, law error and contact scatter integrated out (see
+        :class:`dummydesign.loop.fitting.size_likelihood.SizeLikelihood`).
+    joined : bool
+        Whether it was joined with a prior; its covariance then holds all that is known of both.
     """
 
     problem: Problem
@@ -47,6 +51,7 @@ class Fit:
     covariance: NDArray
     chi2: float
     score: float
+    joined: bool = False
 
     @property
     def base(self) -> BaseParameters:
@@ -158,6 +163,12 @@ def _finish(problem: Problem, vector: NDArray, forces: NDArray, sizes: Sizes) ->
 
 def with_sizes(found: Fit) -> Fit:
     """Re-estimate contact scatter and law error at an optimum and set its score."""
+    sizes, score = size_likelihood(found).estimate(found.sizes)
+    return replace(found, sizes=sizes, score=score)
+
+
+def size_likelihood(found: Fit) -> SizeLikelihood:
+    """Likelihood of contact scatter and law error at an optimum."""
     problem = found.problem
     presses = problem.presses
     count, half = len(presses.trials), len(problem.thicknesses)
@@ -178,8 +189,7 @@ def with_sizes(found: Fit) -> Fit:
     gram[np.ix_(trials, order)] = wide
     gram[np.ix_(order, trials)] = wide.T
     gram[trials, trials] = (shift**2).sum(axis=1)
-    sizes, score = estimate_sizes(gram, (p, count, *[half] * LAW_TERMS), found.sizes, problem.law.error_priors)
-    return replace(found, sizes=sizes, score=score)
+    return SizeLikelihood(gram, (p, count, *[half] * LAW_TERMS), problem.law.error_priors)
 
 
 def settle(problem: Problem, start: NDArray, sizes: Sizes, rounds: int = 2, iterations: int = 12) -> Fit:

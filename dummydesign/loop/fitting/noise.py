@@ -146,60 +146,6 @@ def estimate_slow_noise(presses: Presses, residual: NDArray, slope: NDArray, for
     return Noise(start.white_N, slow, time, start.position_mm)
 
 
-def estimate_sizes(
-    gram: NDArray, counts: tuple[int, ...], sizes: Sizes, law_priors: Priors
-) -> tuple[Sizes, float]:
-    """Contact scatter and law error that make the residuals likeliest, and minus twice that log likelihood.
-
-    Parameters
-    ----------
-    gram : ndarray, shape (1 + p + t + 3 h, ...)
-        Inner products of [residual | sensitivities | contact shift of each trial | law level | slope | curvature
-        per thickness], whitened with white and slow noise only; the residual is that without law error and shifts.
-    counts : (p, t, h, h, h)
-        Numbers of columns.
-    sizes : Sizes
-        Former sizes, the start.
-    law_priors : tuple of (median, spread of the logarithm)
-        Of the law error's three terms.
-
-    Returns
-    -------
-    Sizes
-    float
-        Minus twice the log likelihood with the random columns integrated out, the fixed ones at their best,
-        plus the penalties of the priors; without the constant of the white and slow noise.
-    """
-    p = counts[0]
-    fixed = gram[: 1 + p, : 1 + p][1:, 1:] + np.diag(1e-9 * np.diag(gram)[1 : 1 + p] + 1e-12)
-    others = np.r_[0, np.arange(1 + p, len(gram))]
-    cross = gram[1 : 1 + p][:, others]
-    rest = gram[np.ix_(others, others)] - cross.T @ np.linalg.solve(fixed, cross)  # the fixed at their best
-    total, inner, cleaned, random = rest[0, 0], rest[1:, 0], rest[1:, 1:], gram[1 + p :, 1 + p :]
-    groups = np.repeat(np.arange(len(counts) - 1), counts[1:])
-    medians, spreads = np.array((POSITION_PRIOR_MM, *law_priors)).T
-    eye = np.eye(len(random))
-
-    def score(sizes: NDArray, restricted: bool) -> tuple[float, NDArray]:
-        """Minus twice the log likelihood, and (restricted) its gradient in the logarithms of the sizes."""
-        scale, logs = sizes[groups], np.log(sizes)
-        # in units of the scale the matrix is 1 + S R S, which is never singular
-        inverse = np.linalg.inv(eye + scale[:, None] * cleaned * scale)
-        pull = inverse @ (scale * inner)
-        chi2 = total - (scale * inner) @ pull
-        spectrum = cleaned if restricted else random
-        volume = np.linalg.slogdet(eye + scale[:, None] * spectrum * scale)[1]
-        prior = (logs - np.log(medians)) / spreads
-        each = -2.0 * pull**2 + 2.0 * (1.0 - np.diag(inverse))
-        return float(chi2 + volume + prior @ prior), np.bincount(groups, each) + 2.0 * prior / spreads
-
-    begin = np.array([max(sizes.noise.position_mm, 1e-3), *sizes.law])
-    found = likeliest(lambda z: score(z, True), begin, *SIZE_BOUNDS, gradient=True)[0]
-    position, *law = found.tolist()
-    noise = Noise(sizes.noise.white_N, sizes.noise.slow_N, sizes.noise.slow_time_s, position)
-    return Sizes(noise, *law), score(found, False)[0]
-
-
 Whitener = Callable[[NDArray], NDArray]
 """Takes (T, B) or (T, B, p) to its whitened form."""
 

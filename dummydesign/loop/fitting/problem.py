@@ -127,23 +127,30 @@ class Problem:
         if not shared:
             base, active, error = self.base_of(vector), self.active_of(vector), self.law_error_of(vector)
             near = given_way(self.presses, self.law, base, active, error)
+        frozen, steps, moved = set(self.frozen()), [], []
         for column in range(BASE if shared else 0, self.fixed):
-            step = STEP if vector[column] + STEP <= high[column] else -STEP
-            moved = vector.copy()
-            moved[column] += step
-            out[..., column] = (self.predict(moved, near_mm=near) - forces) / step
+            if column in frozen:
+                continue
+            steps.append((column, STEP if vector[column] + STEP <= high[column] else -STEP))
+            moved.append(vector.copy())
+            moved[-1][column] += steps[-1][1]
         count = len(self.thicknesses)
         place = self.presses.pad
         rows = np.arange(len(place))
+        if not shared:
+            for part in range(LAW_TERMS):
+                moved.append(vector.copy())
+                moved[-1][self.fixed + part * count : self.fixed + (part + 1) * count] += STEP
+        if moved:
+            shown = np.stack([self.nodes(one, near_mm=near) for one in moved], axis=-1)
+            change = self.presses.measured(shown) - forces[..., None]
+        for number, (column, step) in enumerate(steps):
+            out[..., column] = change[..., number] / step
         if shared:
             out[..., :BASE], by_pad = base_and_law_columns(self, vector, STEP)
+        else:
+            by_pad = change[..., len(steps) :] / STEP
         for part in range(LAW_TERMS):
-            if shared:
-                change = by_pad[..., part]
-            else:
-                moved = vector.copy()
-                moved[self.fixed + part * count : self.fixed + (part + 1) * count] += STEP
-                change = (self.predict(moved, near_mm=near) - forces) / STEP
-            out[rows, :, self.fixed + part * count + place] = change
+            out[rows, :, self.fixed + part * count + place] = by_pad[..., part]
         out[..., self.frozen()] = 0.0
         return out

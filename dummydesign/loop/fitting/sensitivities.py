@@ -13,10 +13,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.model.base_law import REFERENCE_DEPTH
-from dummydesign.loop.model.forward_model import arms_of, at_the_surface, before_the_pad, relax, sensed
+from dummydesign.loop.model.effect import Arm
+from dummydesign.loop.model.forward_model import (
+    arm_forces,
+    arms_of,
+    at_the_surface,
+    before_the_pad,
+    loaded,
+    sensed,
+)
 from dummydesign.loop.model.parameters import BaseParameters
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from dummydesign.loop.data.trials import Presses
     from dummydesign.loop.fitting.problem import Problem
 
 ARMS = (1, 2, 3, 4)
@@ -58,16 +69,38 @@ def base_and_law_columns(problem: Problem, vector: NDArray, step: float) -> tupl
     level, slope, curve = (term[:, None] for term in (error.level, error.slope, error.curve))
     arms = arms_of(presses, base, acting, depth)
     plain = base.young_MPa * unit
-    powers = [relax(presses.time_s, plain * share**k, arms) for k in range(3)]
-    force = (1.0 + level) * powers[0] + slope * powers[1] + curve * powers[2]
-    moved = [force, force * np.exp(step), *(force + step * power for power in powers)]
-    elastic = plain * (1.0 + level + share * (slope + share * curve))
+    powers = np.stack([plain, plain * share, plain * share**2])
+    weights = np.stack([1.0 + level, slope, curve])
+    elastic = (weights * powers).sum(axis=0)
+    held = arm_forces(presses.time_s, powers, arms)
+    shapes = [loaded(power, arms, held[:, k]) for k, power in enumerate(powers)]
+    force = (weights * np.stack(shapes)).sum(axis=0)
+    moved = [force, force * np.exp(step), *(force + step * one for one in shapes)]
+    total = (weights * held).sum(axis=1)
     for place in ARMS:
         other = logs.copy()
         other[place] += step
         changed = arms_of(presses, BaseParameters.from_logs(other), acting, depth)
-        moved.append(relax(presses.time_s, elastic, changed))
+        moved.append(_with_arms(presses, elastic, arms, total, changed))
     shown = [sensed(presses, at_the_surface(presses, one, acting, depth), acting) for one in moved]
-    bins = presses.operator @ np.stack(shown, axis=-1)
+    bins = presses.measured(np.stack(shown, axis=-1))
     change = (bins[..., 1:] - bins[..., :1]) / step
     return change[..., [0, 4, 5, 6, 7]], change[..., 1:4]
+
+
+def _with_arms(
+    presses: Presses, elastic_N: NDArray, arms: Sequence[Arm], held_N: NDArray, changed: Sequence[Arm]
+) -> NDArray:
+    """Force (T, N) with other arms; what those with an old time and weight hold (arms, T, N) is known. [N]"""
+    known = []
+    for place, arm in enumerate(changed):
+        old = arms[place] if place < len(arms) else None
+        if old is not None and np.array_equal(old.tau_s, arm.tau_s) and _same(old.weight, arm.weight):
+            known.append(held_N[place])
+        else:
+            known.append(arm_forces(presses.time_s, elastic_N[None], [arm])[0, 0])
+    return loaded(elastic_N, changed, np.stack(known))
+
+
+def _same(one: NDArray | None, other: NDArray | None) -> bool:
+    return one is other if one is None or other is None else np.array_equal(one, other)

@@ -13,7 +13,9 @@ from dummydesign.loop.judging.acceptance import Found, at_bound, much_better, wo
 from dummydesign.loop.judging.assessed import Stage, make_stage
 from dummydesign.loop.judging.backward import look_again, names_of
 from dummydesign.loop.judging.left_out import errors
-from dummydesign.loop.judging.verdict import needed
+from dummydesign.loop.judging.residual_checks import run_checks
+from dummydesign.loop.judging.residual_dependence import dependences
+from dummydesign.loop.judging.verdict import needed, remainder
 from dummydesign.loop.model.effect import Effect
 
 Progress = Callable[[str], None]
@@ -26,7 +28,7 @@ MOST = 6
 """Effects in a model at most."""
 USUAL = 3
 """Effects that are usual at once; a further one must lower the left-out error by much."""
-KEEP, LEAST_Z = 4, 3.5
+KEEP, LEAST_Z = 4, 5.0
 """Effects that are fitted beside others already found: how many, and from which score on."""
 PROMISING = (12.0, 25.0)
 """Evidence of the best model with one effect, and with one effect more than the last that was worth it, below which
@@ -60,8 +62,8 @@ def search(base: Stage, available: tuple[Effect, ...], progress: Progress | None
     """Grow models by one effect at a time, take the largest that is worth its effects, then look at each of them.
 
     The best models of each size are kept, so that a rival that fits less well alone may win with a partner,
-    and one size beyond the last that was worth it, because two effects may only be worth it together. What must
-    be gained grows with the number of models tried.
+    and one size beyond the last that was worth it, because two effects may only be worth it together: unless the last
+    that was worth it left nothing but noise. What must be gained grows with the number of models tried.
 
     Parameters
     ----------
@@ -74,7 +76,8 @@ def search(base: Stage, available: tuple[Effect, ...], progress: Progress | None
     """
     screened, ranking = rank(base.fit, available, progress)
     tried = len(ranking)
-    chosen, before, beam, waiting, won = base.fit, base.fit, _beam(ranking, 0.0, 1), False, 0.0
+    chosen, before, beam, won = base.fit, base.fit, _beam(ranking, 0.0, 1), 0.0
+    waiting = done = False
     gained = ranking[0].gain if ranking else 0.0
     for size in range(1, MOST + 1):
         if not beam or gained < PROMISING[min(size, 2) - 1]:
@@ -83,15 +86,16 @@ def search(base: Stage, available: tuple[Effect, ...], progress: Progress | None
         *others, last = (effect.name for effect in best.problem.effects)
         limit = needed(screened, best, last, dict.fromkeys(others, won), tried)
         if worth(gained, limit, before, best) and (size <= USUAL or much_better(errors(before), errors(best))):
-            chosen, waiting = best, False
-        elif waiting:
+            chosen, waiting, done = best, False, explained(base, best)
+        elif waiting or done:
             break
         else:
             waiting = True
         before, won = best, won + gained
         if progress is not None:
             progress(f"effect {size + 1}")
-        parents = [best, *(with_noise_of(best, one.fit) for one in beam[1:])]
+        # rivals are carried on where something is missing
+        parents = [best, *(with_noise_of(best, one.fit) for one in beam[1:] if not done)]
         children = _children(parents, available)
         tried += len(children)
         beam = _beam(children, won, size + 1)
@@ -100,6 +104,11 @@ def search(base: Stage, available: tuple[Effect, ...], progress: Progress | None
         return Selection(base, (), screened, ranking, tried)
     after, effects, tried = look_again(make_stage(chosen), available, tried, progress)
     return Selection(after if effects else base, tuple(effects), screened, ranking, tried)
+
+
+def explained(base: Stage, fit: Fit) -> bool:
+    """Whether a model leaves nothing but noise."""
+    return not remainder(base, make_stage(fit), dependences(fit), run_checks(fit)).reasons
 
 
 def _beam(candidates: list[Candidate], won: float, size: int) -> list[Candidate]:
@@ -126,10 +135,9 @@ def _children(parents: list[Fit], available: tuple[Effect, ...]) -> list[Candida
     """Models with one effect more than a parent, best first; their gain is counted from the first parent."""
     best: dict[frozenset[str], Candidate] = {}
     for parent in parents:
-        rest = tuple(effect for effect in available if effect.name not in names_of(parent))
+        known = names_of(parent)
+        rest = tuple(one for one in available if one.name not in known and known | {one.name} not in best)
         for one in first_fits(parent, rest, KEEP, LEAST_Z)[1]:
             child = replace(one, gain=parents[0].score - one.fit.score)
-            same = best.get(names_of(one.fit))
-            if same is None or child.gain > same.gain:
-                best[names_of(one.fit)] = child
+            best[names_of(one.fit)] = child
     return to_the_end(parents[0], list(best.values()))

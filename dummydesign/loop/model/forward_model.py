@@ -150,7 +150,7 @@ def before_the_pad(
     offset_mm : ndarray, shape (T,), or float
         Contact position of each trial. [mm]
     """
-    law = law.on(presses.trials) if hasattr(law, "on") else law
+    law = presses.remembered(law)
     for one in acting:
         law = one.effect.law(law, one.values)
     start = presses.displacement_mm - np.broadcast_to(offset_mm, presses.thickness_mm.shape)[:, None]
@@ -274,18 +274,44 @@ def relax(time_s: NDArray, elastic_N: NDArray, arms: Sequence[Arm]) -> NDArray:
     ndarray, shape (T, N)
         [N]
     """
-    step = np.diff(time_s, axis=1)
-    rise = np.diff(elastic_N, axis=1)
-    count = len(elastic_N)
-    ratio = np.stack([np.broadcast_to(step / arm.tau_s, step.shape) for arm in arms])
+    return loaded(elastic_N, arms, arm_forces(time_s, elastic_N[None], arms)[:, 0])
+
+
+def arm_forces(time_s: NDArray, elastic_N: NDArray, arms: Sequence[Arm]) -> NDArray:
+    """Force that each arm holds of several elastic forces, per unit strength, shape (arms, K, T, N). [N]
+
+    Parameters
+    ----------
+    time_s : ndarray, shape (T, N)
+        Increasing times of each trial. [s]
+    elastic_N : ndarray, shape (K, T, N)
+        K long-term elastic forces. [N]
+    arms : sequence of Arm
+        Their strengths do not matter here.
+    """
+    step, rise = np.diff(time_s, axis=1), np.diff(elastic_N, axis=-1)
+    ratio = np.stack([np.broadcast_to(step / arm.tau_s, step.shape) for arm in arms])[:, None]
+    lost = -np.expm1(-ratio)
     fed = np.stack([rise if arm.weight is None else rise * _middle(arm.weight) for arm in arms])
-    first = np.stack([elastic_N[:, 0] if arm.weight is None else elastic_N[:, 0] * arm.weight[:, 0] for arm in arms])
-    strength = np.stack([np.broadcast_to(np.asarray(arm.beta, float), (count, 1)) for arm in arms])
-    kept = np.exp(-ratio)
-    state = linear_recurrence(kept, fed * (-np.expm1(-ratio) / ratio), first)
+    first = np.stack([elastic_N[..., 0] * (1.0 if arm.weight is None else arm.weight[:, 0]) for arm in arms])
+    state = linear_recurrence(1.0 - lost, fed * (lost / ratio), first)
+    return np.concatenate([first[..., None], state], axis=-1)
+
+
+def loaded(elastic_N: NDArray, arms: Sequence[Arm], held_N: NDArray) -> NDArray:
+    """Elastic force (T, N) and what the arms add to it. [N]
+
+    Parameters
+    ----------
+    elastic_N : ndarray, shape (T, N)
+        Long-term elastic force. [N]
+    arms : sequence of Arm
+    held_N : ndarray, shape (arms, T, N)
+        See :func:`arm_forces`. [N]
+    """
     force = elastic_N.copy()
-    force[:, 1:] += (strength * state).sum(axis=0)
-    force[:, 0] += (strength[..., 0] * first).sum(axis=0)
+    for arm, held in zip(arms, held_N):
+        force += arm.beta * held
     return force
 
 

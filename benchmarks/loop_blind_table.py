@@ -9,7 +9,8 @@ import numpy as np
 from benchmarks.loop_campaigns import COUNTS, FLOORS
 
 SHARED_LAW = ("contact_offset", "inertia", "force_bias", "time_skew", "thickness_error")
-"""Effects whose law is the same in generator and vocabulary: their intervals can be tested."""
+"""Effects whose law is the same in generator and vocabulary: their intervals can be tested. That of inertia is shared
+only roughly, as the generator's pulse is on a grid of 0.5 ms, up to 4 % off its area; it is counted apart."""
 Row = dict
 Test = Callable[[Row], bool]
 
@@ -84,11 +85,12 @@ def table(rows: list[Row]) -> str:
     covered = sum(row["young"][1] <= row["young"][0] <= row["young"][2] for row in inside)
     name = "modulus within its 95 % interval, without unnamed effects"
     lines.append(f"| {name} | {share(covered, len(inside))} | 90 to 98 % |")
-    sized = [(size, row["intervals"][name]) for row in inside for name, size in zip(row["effects"], row["sizes"])
-             if name in row["intervals"] and name in SHARED_LAW]  # fmt: skip
-    covered = sum(min(abs(low), abs(high)) <= abs(size) <= max(abs(low), abs(high)) for size, (low, _, high) in sized)
-    name = f"size within its 95 % interval ({', '.join(SHARED_LAW)})"
-    lines.append(f"| {name} | {share(covered, len(sized))} | 90 to 98 % |")
+    told = [row for row in inside if row["verdict"] != "unexplained"]
+    covered = sum(row["young"][1] <= row["young"][0] <= row["young"][2] for row in told)
+    lines.append(f"| of these not called unexplained | {share(covered, len(told))} | 90 to 98 % |")
+    for names in (tuple(name for name in SHARED_LAW if name != "inertia"), ("inertia",)):
+        name, covered = f"size within its 95 % interval ({', '.join(names)})", _covered(inside, names)
+        lines.append(f"| {name} | {share(sum(covered), len(covered))} | 90 to 98 % |")
     lines += _errors(kinds) + _by_effect(kinds["one"]) + _missed(kinds) + _unnamed(kinds["unnamed"])
     return "\n".join(lines) + "\n"
 
@@ -99,6 +101,17 @@ def _ranges(rows: list[Row]) -> str:
     starts = [seed for seed in seeds if seed - 1 not in seeds]
     ends = [seed for seed in seeds if seed + 1 not in seeds]
     return ", ".join(f"{a} to {b}" for a, b in zip(starts, ends))
+
+
+def _covered(rows: list[Row], names: tuple[str, ...]) -> list[bool]:
+    """For each of these effects that was put in and named, whether its size was inside its interval."""
+    out = []
+    for row in rows:
+        for name, size in zip(row["effects"], row["sizes"]):
+            if name in names and name in row["intervals"]:
+                low, _, high = row["intervals"][name]
+                out.append(bool(min(abs(low), abs(high)) <= abs(size) <= max(abs(low), abs(high))))
+    return out
 
 
 def _errors(kinds: dict[str, list[Row]]) -> list[str]:

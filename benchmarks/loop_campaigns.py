@@ -41,8 +41,12 @@ STRENGTHS = (1.0, 2.0, 0.5)
 """Sizes of single effects over the usual one."""
 COUNTS = {"none": 0, "one": 1, "two": 2, "three": 3}
 KINDS = (*COUNTS, "unnamed")
-ROUND = ("two", "one", "none", "two", "one", "unnamed", "two", "one", "none", "three")
-"""Ten campaigns of the study: wherever it is stopped, what was run is a fair sample."""
+ROUND = (
+    "two", "one", "none", "unnamed", "three", "two", "one", "none", "two", "unnamed", "one", "none", "two", "three",
+    "one", "none", "unnamed", "two", "one", "none", "two", "three", "one", "none", "unnamed",
+)  # fmt: skip
+"""Kinds of campaign in the order they are run, as 6 none : 6 one : 6 two : 3 three : 4 unnamed: wherever the study is
+stopped, what was run is a fair sample."""
 PADS, POSITION_MM, USUAL = (0.007, 0.01, 0.005), 0.004, 2.5
 """Level, slope and curvature by which newly cast pads of the generator differ, its contact scatter (standard
 deviations), and how many of them count as usual."""

@@ -105,6 +105,7 @@ def first_fits(
     keep: int,
     least_z: float,
     progress: Callable[[str], None] | None = None,
+    least_gain: float = 0.0,
 ) -> tuple[list[Screened], list[Candidate]]:
     """Screen all effects and fit the best once; scores best first, fits in that order.
 
@@ -118,6 +119,8 @@ def first_fits(
         Effects fitted, and the score from which on.
     progress : callable, optional
         Called with the name of each effect that is fitted.
+    least_gain : float
+        What an effect must be able to gain.
     """
     usual = modest(found)
     screened = screen(usual, effects)
@@ -126,7 +129,8 @@ def first_fits(
     for one in chosen:
         most = HOPE[len(one.effect.parameters) > 1] * one.z**2
         won = max((other.gain for other in tried), default=0.0)
-        if abs(one.z) < least_z or (len(tried) >= FEWEST and most < HOPELESS * won and not one.effect.always_fitted):
+        hopeless = most < least_gain or (len(tried) >= FEWEST and most < HOPELESS * won)
+        if abs(one.z) < least_z or (hopeless and not one.effect.always_fitted):
             continue
         if progress is not None:
             progress(one.effect.name)

@@ -96,7 +96,7 @@ def search(base: Stage, available: tuple[Effect, ...], progress: Progress | None
             progress(f"effect {size + 1}")
         # rivals are carried on where something is missing
         parents = [best, *(with_noise_of(best, one.fit) for one in beam[1:] if not done)]
-        children = _children(parents, available)
+        children = _children(parents, available, won)
         tried += len(children)
         beam = _beam(children, won, size + 1)
         gained = beam[0].gain if beam else 0.0
@@ -114,7 +114,7 @@ def explained(base: Stage, fit: Fit) -> bool:
 def _beam(candidates: list[Candidate], won: float, size: int) -> list[Candidate]:
     """The best models with different effects, none of them at its bound, when ``won`` is what their parent gained."""
     seen, kept = set(), []
-    share = WITHIN[min(size, len(WITHIN)) - 1]
+    share = _share(size)
     for one in candidates:
         if at_bound(one.fit) or names_of(one.fit) in seen or len(kept) == WIDTH:
             continue
@@ -131,13 +131,23 @@ def with_noise_of(other: Fit, fit: Fit) -> Fit:
     return settle(fit.problem, fit.vector, replace(fit.sizes, noise=noise), 1, 6)
 
 
-def _children(parents: list[Fit], available: tuple[Effect, ...]) -> list[Candidate]:
-    """Models with one effect more than a parent, best first; their gain is counted from the first parent."""
+def _children(parents: list[Fit], available: tuple[Effect, ...], won: float) -> list[Candidate]:
+    """Models with one effect more than a parent, best first; their gain is counted from the first parent.
+
+    A child of another parent that could not come near the best even with all it may gain is not fitted; ``won`` is the
+    evidence of the first parent.
+    """
     best: dict[frozenset[str], Candidate] = {}
+    size = len(parents[0].problem.effects) + 1
     for parent in parents:
-        known = names_of(parent)
+        known, behind = names_of(parent), parent.score - parents[0].score
         rest = tuple(one for one in available if one.name not in known and known | {one.name} not in best)
-        for one in first_fits(parent, rest, KEEP, LEAST_Z)[1]:
-            child = replace(one, gain=parents[0].score - one.fit.score)
-            best[names_of(one.fit)] = child
+        top = max((child.gain for child in best.values()), default=0.0)
+        near = _share(size) * (won + top) - won + behind
+        for one in first_fits(parent, rest, KEEP, LEAST_Z, None, near if best else 0.0)[1]:
+            best[names_of(one.fit)] = replace(one, gain=parents[0].score - one.fit.score)
     return to_the_end(parents[0], list(best.values()))
+
+
+def _share(size: int) -> float:
+    return WITHIN[min(size, len(WITHIN)) - 1]

@@ -17,7 +17,8 @@ from dummydesign.geometry.interface import BASES, CONDITIONS, FRICTION, Interfac
 from dummydesign.loop.calibration import Calibration, Model
 from dummydesign.loop.effects import known_effects
 from dummydesign.loop.fitting.noise import LAW_TERMS
-from dummydesign.loop.learned.effect import FOLLOWED, PREFIX, Learned, Shape
+from dummydesign.loop.learned.effect import Learned, Shape
+from dummydesign.loop.learned.pair import LearnedPair, Surface, followed_by
 from dummydesign.loop.model.forward_model import Active
 from dummydesign.loop.model.parameters import HIGH, LOW, NAMES, BaseParameters
 from dummydesign.loop.posterior import PADS, Posterior
@@ -190,7 +191,7 @@ def _effects(entries: list[Any], where: str) -> tuple[Active, ...]:
         if not isinstance(entry, dict):
             raise _Fault(f"{at} = {_shown(entry)} is not a table")
         name = _entry(entry, "name", str, at)
-        follows = next((one for one in FOLLOWED if name == PREFIX + one.lower()), None)
+        follows = followed_by(name)
         if follows is not None:
             known[name] = _learned(entry, follows, at)
         if name not in known:
@@ -206,13 +207,25 @@ def _effects(entries: list[Any], where: str) -> tuple[Active, ...]:
     return tuple(active)
 
 
-def _learned(entry: dict[str, Any], follows: str, at: str) -> Learned:
-    """An effect that was learned, with its curve."""
-    knots = _row(_entry(entry, "knots", list, at), f"{at}.knots", -LARGEST, LARGEST)
-    values = _row(_entry(entry, "relative_change", list, at), f"{at}.relative_change", -LARGEST_CHANGE, LARGEST_CHANGE)
-    if len(knots) < 2 or len(values) != len(knots) or any(b <= a for a, b in pairwise(knots)):
+def _learned(entry: dict[str, Any], follows: tuple[str, ...], at: str) -> Learned:
+    """An effect that was learned, with its curve or surface."""
+    rows = [_entry(entry, key, list, at) for key in ("knots", "relative_change")]
+    if len(follows) == 1:
+        knots = _row(rows[0], f"{at}.knots", -LARGEST, LARGEST)
+        values = _row(rows[1], f"{at}.relative_change", -LARGEST_CHANGE, LARGEST_CHANGE)
+        _check_knots(knots, len(values), at)
+        return Learned(Shape(follows[0], tuple(knots), tuple(values)))
+    first, second = (_row(row, f"{at}.knots", -LARGEST, LARGEST) for row in (*rows[0], [], [])[:2])
+    table = [_row(row, f"{at}.relative_change", -LARGEST_CHANGE, LARGEST_CHANGE) for row in rows[1]]
+    _check_knots(first, len(table), at)
+    for row in table:
+        _check_knots(second, len(row), at)
+    return LearnedPair(Surface((follows[0], follows[1]), (tuple(first), tuple(second)), tuple(map(tuple, table))))
+
+
+def _check_knots(knots: list[float], count: int, at: str) -> None:
+    if len(knots) < 2 or count != len(knots) or any(b <= a for a, b in pairwise(knots)):
         raise _Fault(f"{at}.knots must hold two numbers or more that rise, and relative_change as many")
-    return Learned(Shape(follows, tuple(knots), tuple(values)))
 
 
 def _law_error(table: dict[str, Any], where: str) -> tuple[np.ndarray, np.ndarray, tuple[str, ...]]:

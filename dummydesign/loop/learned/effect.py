@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -43,15 +43,43 @@ class Shape:
     knots: tuple[float, ...]
     values: tuple[float, ...]
 
+    @property
+    def name(self) -> str:
+        """Name of the quantity."""
+        return self.follows
+
+    @property
+    def flat(self) -> NDArray:
+        """All values, (k,)."""
+        return np.array(self.values)
+
+    def with_flat(self, values: NDArray) -> Shape:
+        """The shape with other values (k,)."""
+        return replace(self, values=tuple(np.asarray(values).tolist()))
+
+    def roughness(self) -> NDArray:
+        """Second differences of the values, a row each."""
+        count = len(self.knots)
+        return np.diff(np.eye(count), 2, axis=0) if count > 2 else np.zeros((0, count))
+
+    def effect(self) -> Learned:
+        """The effect of this shape."""
+        return Learned(self)
+
     def to_dict(self) -> dict[str, Any]:
         """Return the entries that a calibration file holds beside name and size."""
         return {"knots": list(self.knots), "relative_change": list(self.values)}
 
     def __call__(self, at: NDArray) -> NDArray:
         """Relative change of the force at values of the quantity; fades to zero beyond the range seen."""
-        low, high = self.knots[0], self.knots[-1]
-        beyond = np.maximum(np.maximum(low - at, at - high), 0.0) / (FADE * (high - low))
-        return np.interp(at, self.knots, self.values) * np.clip(1.0 - beyond, 0.0, 1.0)
+        return np.interp(at, self.knots, self.values) * fading(at, self.knots)
+
+
+def fading(at: NDArray, knots: tuple[float, ...]) -> NDArray:
+    """One in the range of the knots, zero from :data:`FADE` of it beyond."""
+    low, high = knots[0], knots[-1]
+    beyond = np.maximum(np.maximum(low - at, at - high), 0.0) / (FADE * (high - low))
+    return np.clip(1.0 - beyond, 0.0, 1.0)
 
 
 class Learned(Effect):

@@ -1,6 +1,7 @@
 """Learn a smooth effect from the remainder of a model: penalised, its penalty by marginal likelihood, left-out tested.
 
-The values c of a piecewise-linear factor on knots are normal with second differences of variance 1/l; base, named
+It follows one quantity, or two together where that has more evidence by as much as one needs. The values c of a
+piecewise-linear factor on knots are normal with second differences of variance 1/l; base, named
 effects and law error are projected out of its columns A, so that with r the whitened remainder
 
     2 ln L(l) = b' (G + Q)^-1 b - ln det(1 + Q^-1 G),  b = A' r,  G = A' A,  Q = l D' D + 1 / LARGEST^2
@@ -26,9 +27,12 @@ from dummydesign.loop.judging.residual_checks import Check
 from dummydesign.loop.judging.residual_dependence import Dependence
 from dummydesign.loop.learned.closed_form import ClosedForm, closed_form
 from dummydesign.loop.learned.effect import FOLLOWED, Learned, Shape, followed
+from dummydesign.loop.learned.pair import Surface, said
 
-KNOTS, MOST_BY_TRIAL = 30, 4
-"""Knots of a quantity that varies in a press, and of one that belongs to a trial."""
+KNOTS, MOST_BY_TRIAL, PAIR_KNOTS = 30, 4, 8
+"""Knots of a quantity that varies in a press, of one that belongs to a trial, and of one of a pair in a press."""
+PROMISING = 2
+"""Quantities that pairs are made of, with all others: those that alone have most evidence."""
 LARGEST = 0.3
 """Prior standard deviation of the relative change."""
 EVIDENCE = 60.0
@@ -62,10 +66,16 @@ class Learnt:
     form: ClosedForm
 
     @property
+    def _followed(self) -> str:
+        shape = self.effect.shape
+        names = shape.follows if isinstance(shape, Surface) else (shape.follows,)
+        return " and ".join(FOLLOWED[name] for name in names)
+
+    @property
     def text(self) -> str:
         """The finding in a sentence."""
         return (
-            f"what is left follows {FOLLOWED[self.effect.shape.follows]} and was learned: {self.form.text}. The error "
+            f"what is left follows {self._followed} and was learned: {self.form.text}. The error "
             f"on left-out conditions falls to {100 * np.sqrt(self.left_out):.0f} % of what it was"
         )
 
@@ -73,8 +83,8 @@ class Learnt:
         """Return name, range, curve, closed form, evidence and the left-out error over that before."""
         shape = self.effect.shape
         return {
-            "name": self.effect.name, "follows": shape.follows, "knots": list(shape.knots),
-            "relative_change": list(shape.values), "closed_form": self.form.name, "text": self.text,
+            "name": self.effect.name, "follows": shape.follows, **shape.to_dict(), "closed_form": self.form.name,
+            "text": self.text,
             "evidence": self.evidence, "heldout_rmse_over_without": float(np.sqrt(self.left_out)),
         }  # fmt: skip
 
@@ -96,25 +106,38 @@ def learn(found: Fit) -> Learnt | None:
         A model whose remainder is more than noise.
     """
     usual = modest(found)
-    tried = [_first(usual, name, values) for name, values in followed(found.problem.presses, found.forces).items()]
-    if not tried:
+    quantities = followed(found.problem.presses, found.forces)
+    alone = [_first(usual, name, values) for name, values in quantities.items()]
+    if not alone:
         return None
-    shape, step = max(tried, key=lambda pair: pair[1].evidence)
-    if step.evidence < EVIDENCE:
-        return None
+    alone.sort(key=lambda one: -one[1].evidence)
+    together = _pairs(usual, quantities, [shape.name for shape, _ in alone])
+    for tried, least in ((together, max(alone[0][1].evidence, 0.0) + EVIDENCE), (alone, EVIDENCE)):
+        best = max(tried, key=lambda one: one[1].evidence, default=None)
+        learnt = _learnt(found, usual, *best) if best is not None and best[1].evidence >= least else None
+        if learnt is not None:
+            return learnt
+    return None
+
+
+def _learnt(found: Fit, usual: Fit, shape: Shape | Surface, step: _Step) -> Learnt | None:
+    """The fit with an effect of this shape, when it predicts left-out conditions much better."""
     fit, evidence = usual, step.evidence
     for turn in range(ROUNDS):
         if turn:
             step = _step(fit, shape)
         # a constant change is the modulus, which does not fade out beyond the range seen
         level = np.average(step.values, weights=np.diag(step.information))
-        shape = replace(shape, values=tuple((step.values - level).tolist()))
-        fit = _refit(found, fit, Learned(shape))
+        shape = shape.with_flat(step.values - level)
+        fit = _refit(found, fit, shape.effect())
     effect = fit.problem.effects[-1]
     ratio = _left_out(found, fit, shape, step.precision)
     if ratio > HALVED:
         return None
-    form = closed_form(np.array(shape.knots), np.array(shape.values), step.information, shape.follows)
+    if isinstance(shape, Surface):
+        form = ClosedForm("surface", said(shape, step.information), 0.0)
+    else:
+        form = closed_form(np.array(shape.knots), np.array(shape.values), step.information, shape.follows)
     return Learnt(effect, fit, evidence, ratio, form)
 
 
@@ -133,51 +156,66 @@ def can_be_learned(checks: list[Check], where: list[Dependence]) -> bool:
 
 
 def _first(fit: Fit, name: str, values: NDArray) -> tuple[Shape, _Step]:
-    by_trial = len(values) == len(fit.problem.presses.trials)
-    count = min(MOST_BY_TRIAL, len(np.unique(values))) if by_trial else KNOTS
-    ends = values.min(), values.max()
-    knots = np.geomspace(*ends, count) if name == "since_stop_s" else np.linspace(*ends, count)
-    shape = Shape(name, tuple(knots.tolist()), (0.0,) * count)
+    knots = _knots(fit, name, values, KNOTS)
+    shape = Shape(name, knots, (0.0,) * len(knots))
     return shape, _step(fit, shape)
 
 
-def _with(fit: Fit, shape: Shape) -> tuple[Problem, NDArray]:
+def _pairs(fit: Fit, quantities: dict[str, NDArray], best_first: list[str]) -> list[tuple[Surface, _Step]]:
+    """Surfaces of two quantities, of which one is promising alone, with their first step."""
+    out: list[tuple[Surface, _Step]] = []
+    for place, first in enumerate(best_first[:PROMISING]):
+        for second in best_first[place + 1 :]:
+            if {first, second} <= {"depth_mm", "depth_share", "force_N"}:
+                continue  # in a press these go together: their plane is hardly seen
+            one, two = (_knots(fit, name, quantities[name], PAIR_KNOTS) for name in (first, second))
+            shape = Surface((first, second), (one, two), ((0.0,) * len(two),) * len(one))
+            out.append((shape, _step(fit, shape)))
+    return out
+
+
+def _knots(fit: Fit, name: str, values: NDArray, most: int) -> tuple[float, ...]:
+    """Knots over the range of a quantity; of the time since the stop they are even in the logarithm."""
+    by_trial = len(values) == len(fit.problem.presses.trials)
+    count = min(MOST_BY_TRIAL, len(np.unique(values))) if by_trial else most
+    ends = values.min(), values.max()
+    return tuple((np.geomspace(*ends, count) if name == "since_stop_s" else np.linspace(*ends, count)).tolist())
+
+
+def _with(fit: Fit, shape: Shape | Surface) -> tuple[Problem, NDArray]:
     """The model with this shape in place of any it has learned, at size one."""
     problem, vector = fit.problem, fit.vector
     if problem.effects and isinstance(problem.effects[-1], Learned):
         problem = Problem(problem.presses, problem.law, problem.effects[:-1])
         vector = np.delete(vector, problem.fixed)
-    extended = Problem(problem.presses, problem.law, (*problem.effects, Learned(shape)))
+    extended = Problem(problem.presses, problem.law, (*problem.effects, shape.effect()))
     return extended, np.insert(vector, problem.fixed, 1.0)
 
 
-def _columns(fit: Fit, shape: Shape) -> NDArray:
+def _columns(fit: Fit, shape: Shape | Surface) -> NDArray:
     """Change of the bins with each value of a shape (T, B, knots). [N]"""
     out = []
-    for place in range(len(shape.knots)):
-        values = list(shape.values)
-        values[place] += STEP
-        problem, vector = _with(fit, replace(shape, values=tuple(values)))
+    for more in STEP * np.eye(len(shape.flat)):
+        problem, vector = _with(fit, shape.with_flat(shape.flat + more))
         out.append((problem.predict(vector) - fit.forces) / STEP)
     return np.where(fit.problem.presses.used[..., None], np.stack(out, axis=-1), 0.0)
 
 
-def _step(fit: Fit, shape: Shape) -> _Step:
+def _step(fit: Fit, shape: Shape | Surface) -> _Step:
     """New values of a shape by one step of Gauss and Newton at a fit, with the likeliest penalty."""
     projection, whiten = project(fit)
-    columns = whiten(_columns(fit, shape)).reshape(-1, len(shape.knots))
-    columns = np.concatenate([columns, np.zeros((projection.rows, len(shape.knots)))])
+    old = shape.flat
+    columns = whiten(_columns(fit, shape)).reshape(-1, len(old))
+    columns = np.concatenate([columns, np.zeros((projection.rows, len(old)))])
     columns = columns - projection.basis @ (projection.basis.T @ columns)
-    old = np.array(shape.values)
     target = projection.remove(projection.residual) + columns @ old
     information, pull = columns.T @ columns, columns.T @ target
-    knots = np.array(shape.knots)
-    rough = np.diff(np.eye(len(knots)), 2, axis=0) if len(knots) > 2 else np.zeros((0, len(knots)))
+    rough, eye = shape.roughness(), np.eye(len(old))
     best = None
     for penalty in np.geomspace(1.0, 1e8, 33):
-        precision = penalty * rough.T @ rough + np.eye(len(knots)) / LARGEST**2
+        precision = penalty * rough.T @ rough + eye / LARGEST**2
         values = np.linalg.solve(information + precision, pull)
-        volume = np.linalg.slogdet(np.eye(len(knots)) + np.linalg.solve(precision, information))[1]
+        volume = np.linalg.slogdet(eye + np.linalg.solve(precision, information))[1]
         evidence = float(pull @ values - volume)
         if best is None or evidence > best.evidence:
             best = _Step(values, evidence, information, precision)
@@ -189,7 +227,7 @@ def _refit(found: Fit, fit: Fit, effect: Learned) -> Fit:
     return settle(problem, vector, replace(found.sizes, noise=fit.sizes.noise), 2, 8)
 
 
-def _left_out(before: Fit, after: Fit, shape: Shape, precision: NDArray) -> float:
+def _left_out(before: Fit, after: Fit, shape: Shape | Surface, precision: NDArray) -> float:
     """Mean square error of left-out conditions with a learned effect over that without, all values estimated anew."""
     presses = before.problem.presses
     cells = presses.cell

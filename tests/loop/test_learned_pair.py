@@ -29,7 +29,8 @@ SEEN = Surface(("depth_mm", "since_stop_s"), ((1.0, 3.0), (0.1, 1.1, 2.1)), ((0.
 def test_a_surface_is_bilinear_where_it_was_seen_and_fades_out_beyond():
     assert SEEN(np.array([1.0, 3.0, 2.0, 2.0]), np.array([1.1, 0.1, 0.1, 1.6])) == pytest.approx([0.1, 0.4, 0.2, 0.2])
     far = FADE * 2.0
-    assert SEEN(np.array([3.0 + 0.5 * far, 3.0 + far, 3.0]), np.array([0.1, 0.1, 9.0])) == pytest.approx([0.2, 0.0, 0.0])
+    beyond = SEEN(np.array([3.0 + 0.5 * far, 3.0 + far, 3.0]), np.array([0.1, 0.1, 9.0]))
+    assert beyond == pytest.approx([0.2, 0.0, 0.0])
 
 
 def test_its_roughness_is_zero_for_planes_and_not_for_bends():

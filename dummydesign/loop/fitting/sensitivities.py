@@ -14,15 +14,9 @@ from numpy.typing import NDArray
 
 from dummydesign.loop.model.base_law import REFERENCE_DEPTH
 from dummydesign.loop.model.effect import Arm
-from dummydesign.loop.model.forward_model import (
-    arm_forces,
-    arms_of,
-    at_the_surface,
-    before_the_pad,
-    loaded,
-    sensed,
-)
+from dummydesign.loop.model.forward_model import arms_of, at_the_surface, before_the_pad, sensed
 from dummydesign.loop.model.parameters import BaseParameters
+from dummydesign.loop.model.relaxing import arm_forces, loaded
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -121,7 +121,19 @@ class LearnedPair(Learned):
 
 
 def at_nodes(name: str, presses: Presses, depth_mm: NDArray, force_N: NDArray) -> NDArray:
-    """A quantity of :data:`FOLLOWED` at the nodes, broadcast to (T, N); NaN where it is not defined."""
+    """A quantity at the nodes, shape (T, N); NaN where it is not defined.
+
+    Parameters
+    ----------
+    name : str
+        One of :data:`FOLLOWED`.
+    presses : Presses
+        T trials of N nodes.
+    depth_mm : ndarray, shape (T, N)
+        Depth of the punch in the pad. [mm]
+    force_N : ndarray, shape (T, N)
+        Force of the pad. [N]
+    """
     since = presses.time_s - presses.stop_s[:, None]
     match name:
         case "depth_mm":

@@ -209,23 +209,17 @@ def _effects(entries: list[Any], where: str) -> tuple[Active, ...]:
 
 def _learned(entry: dict[str, Any], follows: tuple[str, ...], at: str) -> Learned:
     """An effect that was learned, with its curve or surface."""
-    rows = [_entry(entry, key, list, at) for key in ("knots", "relative_change")]
-    if len(follows) == 1:
-        knots = _row(rows[0], f"{at}.knots", -LARGEST, LARGEST)
-        values = _row(rows[1], f"{at}.relative_change", -LARGEST_CHANGE, LARGEST_CHANGE)
-        _check_knots(knots, len(values), at)
-        return Learned(Shape(follows[0], tuple(knots), tuple(values)))
-    first, second = (_row(row, f"{at}.knots", -LARGEST, LARGEST) for row in (*rows[0], [], [])[:2])
-    table = [_row(row, f"{at}.relative_change", -LARGEST_CHANGE, LARGEST_CHANGE) for row in rows[1]]
-    _check_knots(first, len(table), at)
-    for row in table:
-        _check_knots(second, len(row), at)
-    return LearnedPair(Surface((follows[0], follows[1]), (tuple(first), tuple(second)), tuple(map(tuple, table))))
-
-
-def _check_knots(knots: list[float], count: int, at: str) -> None:
-    if len(knots) < 2 or count != len(knots) or any(b <= a for a, b in pairwise(knots)):
-        raise _Fault(f"{at}.knots must hold two numbers or more that rise, and relative_change as many")
+    knots, values = (_entry(entry, key, list, at) for key in ("knots", "relative_change"))
+    pair = len(follows) == 2
+    axes = [_row(row, f"{at}.knots", -LARGEST, LARGEST) for row in ((*knots, [], [])[:2] if pair else [knots])]
+    rows = values if pair else [values]
+    table = [_row(row, f"{at}.relative_change", -LARGEST_CHANGE, LARGEST_CHANGE) for row in rows]
+    for one, count in ((axes[0], len(table if pair else table[0])), *((axes[-1], len(row)) for row in table)):
+        if len(one) < 2 or count != len(one) or any(b <= a for a, b in pairwise(one)):
+            raise _Fault(f"{at}.knots must hold two numbers or more that rise, and relative_change as many")
+    if not pair:
+        return Learned(Shape(follows[0], tuple(axes[0]), tuple(table[0])))
+    return LearnedPair(Surface((follows[0], follows[1]), (tuple(axes[0]), tuple(axes[1])), tuple(map(tuple, table))))
 
 
 def _law_error(table: dict[str, Any], where: str) -> tuple[np.ndarray, np.ndarray, tuple[str, ...]]:

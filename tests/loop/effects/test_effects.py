@@ -14,9 +14,8 @@ from dummydesign.loop import check_effect, effects
 from dummydesign.loop.effects import EFFECTS, effect_named
 from dummydesign.loop.model.base_law import PuckLaw
 from dummydesign.loop.model.effect import Arm
-from dummydesign.loop.model.forward_model import Active, simulate
+from dummydesign.loop.model.forward_model import Active, relax, simulate
 from dummydesign.loop.model.parameters import BaseParameters
-from dummydesign.loop.model.relaxing import relax
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
 from dummydesign.pad.tables import puck as puck_table
 from dummydesign.pad.tables import puck_proportions as puck_shapes

@@ -144,25 +144,29 @@ def _in_space(
 
 
 def _in_table(pad: Pad) -> bool:
-    plain = pad.profile_mm is None and pad.geometry == Slab() and not pad.edge_radius_mm
+    plain = pad.profile_mm is None and pad.geometry == Slab()
     return plain and pad.condition == "bonded" and pad.poisson == 0.5 and pad.shape == Yeoh(1.0)
 
 
 def _by_table(pad: Pad) -> ElasticCurve:
-    from dummydesign.pad.tables.slab import load_table
+    from dummydesign.pad.tables.filleted import slab_table
 
     law = "neo-hookean" if pad.shape == Yeoh(1.0) else type(pad.shape).__name__.lower()
     for name, value, held in (
         ("punch", "profile" if pad.profile_mm else "flat", "flat"),
-        ("edge_radius_mm", pad.edge_radius_mm, 0.0),
         ("punch condition", pad.condition, "bonded"),
         ("poisson", pad.poisson, 0.5),
         ("law", law, "neo-hookean"),
     ):
         if value != held:
             raise InputError(f"{name} = {value} is not in the table (only {held}); add --fidelity axisymmetric")
-    table: ForceLaw = load_table(pad.base) if pad.geometry == Slab() else _shape_law(pad)
-    return _by_law(pad, table)
+    if pad.geometry != Slab():
+        if pad.edge_radius_mm:
+            raise InputError(
+                f"edge_radius_mm = {pad.edge_radius_mm:g} is not in the tables of shapes; add --fidelity axisymmetric"
+            )
+        return _by_law(pad, _shape_law(pad))
+    return _by_law(pad, slab_table(pad.base, pad.edge_radius_mm, pad.radius_mm))
 
 
 def _by_law(pad: Pad | Puck, law: ForceLaw) -> ElasticCurve:
@@ -269,7 +273,10 @@ def _solve_shape(
         raise InputError(f"shape {pad.geometry} is not round; add --fidelity 3d")
     inputs = {"pad": replace(pad, young_MPa=1.0, prony=()), "extent": extent_mm, "depth": grid}
     args = (pad.geometry, pad.thickness_mm, pad.radius_mm, 1.0, grid, pad.condition)
-    more: dict[str, Any] = {"poisson": pad.poisson, "law": pad.shape, "base": pad.base, "progress": progress}
+    more: dict[str, Any] = {
+        "poisson": pad.poisson, "law": pad.shape, "base": pad.base, "progress": progress,
+        "edge_mm": pad.edge_radius_mm,
+    }  # fmt: skip
     if cells is not None:
         inputs["cells"] = more["cells"] = cells
     made = cached("shaped", inputs, lambda: vars(solve_shaped_pad(*args, extent_mm=extent_mm, **more)))

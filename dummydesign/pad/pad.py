@@ -68,7 +68,7 @@ class Pad:
             )
         other = {
             "punch": "profile" if self.profile_mm else "",
-            "shape": "" if self.geometry == SLAB else str(self.geometry),
+            "shape": "" if self.geometry.axisymmetric else str(self.geometry),
             "condition": "" if self.condition == "bonded" else self.condition,
             "base": "" if self.base in BASES else self.base,
         }
@@ -76,7 +76,7 @@ class Pad:
             if value:
                 raise InputError(
                     f"edge_radius_mm = {self.edge_radius_mm:g} with {name} = {value} is not solved; a fillet goes with "
-                    "a flat punch that is glued, on a slab whose base is bonded or sliding"
+                    "a flat punch that is glued, on a slab or a round shaped pad whose base is bonded or sliding"
                 )
 
 

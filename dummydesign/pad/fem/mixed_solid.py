@@ -29,6 +29,7 @@ Array = np.ndarray
 
 # Relative compressibility of an "incompressible" pad: changes no reported force by more than 0.001 %.
 INCOMPRESSIBLE_LAME_RATIO = 1e6
+# Keeps pucks and crowns on coarse cells from folding early; a glued sharp edge, which it stiffens, takes less of it.
 STABILISATION = 10.0
 
 
@@ -84,7 +85,8 @@ class Discretisation:
 class State:
     """Residual and, once asked for, the condensed tangent at one displacement and pressure.
 
-    ``force_of_pressure`` belongs to the tangent: what the eliminated pressure adds to the load.
+    ``coupling``, ``half`` and ``force_of_pressure`` belong to the tangent: displacements to pressures, the same
+    times the pressures' inverse, and what the eliminated pressure adds to the load.
     """
 
     internal_force: Array
@@ -93,6 +95,7 @@ class State:
     at: tuple[Array, Array, Array]
     stiffness: Array | None = None
     coupling: Array | None = None
+    half: Array | None = None
     force_of_pressure: Array | None = None
 
 
@@ -161,11 +164,25 @@ class Solid:
         half = coupling @ self.inverse
         stiffness -= half @ coupling.transpose(0, 2, 1)
         state.stiffness, state.coupling = stiffness, coupling
-        extra = (half @ state.pressure_residual[:, :, None])[:, :, 0]
-        state.force_of_pressure = np.bincount(self.mesh.dofs.ravel(), extra.ravel(), minlength=self.mesh.size)
+        state.half = half
+        state.force_of_pressure = self.force_of_pressure(state, state)
         return state
 
-    def pressure_step(self, state: State, du: Array) -> Array:
-        """Pressure increment that belongs to a displacement increment of the linearised equations."""
-        load = -state.pressure_residual - np.einsum("eda,ed->ea", state.coupling, du[self.mesh.dofs])
-        return np.einsum("eab,eb->ea", self.inverse, load)
+    def force_of_pressure(self, tangent: State, state: State) -> Array:
+        """What the eliminated pressure of a state adds to the load, by the tangent of that state or of one near it."""
+        extra = (tangent.half @ state.pressure_residual[:, :, None])[:, :, 0]
+        return np.bincount(self.mesh.dofs.ravel(), extra.ravel(), minlength=self.mesh.size)
+
+    def pressure_step(self, tangent: State, state: State, du: Array) -> Array:
+        """Pressure increment that belongs to a displacement increment of the linearised equations.
+
+        Parameters
+        ----------
+        tangent : State
+            Linearised; that of ``state`` or of one near it.
+        state : State
+            Its pressure residual is made to vanish.
+        du : ndarray, shape (displacements,)
+        """
+        load = -state.pressure_residual - (du[self.mesh.dofs][:, None, :] @ tangent.coupling)[:, 0]
+        return (load[:, None, :] @ self.inverse)[:, 0]

@@ -138,7 +138,8 @@ def _setup(pad: Pad, law: Any, depths: Array, shear: float) -> Setup:
     radius = pad.radius_mm / h
     if pad.geometry != SLAB:
         first = first_depth(depths)
-        press = Press(pad.geometry, h, radius, extent, pad.base, pad.condition, pad.poisson, first)
+        edge = pad.edge_radius_mm / h
+        press = Press(pad.geometry, h, radius, extent, pad.base, pad.condition, pad.poisson, first, edge)
         press.check()
         step = 0.3 * RIM if pad.geometry.flat_top else 0.25 * first
         return Setup(shaped_problem(press, law, CELLS, RIM), step, LARGEST_STEP, 3e-4, True)

@@ -22,6 +22,7 @@ from dummydesign.pad.material.hyperelastic import Law, Yeoh
 from dummydesign.pad.shaped.paths import Solved, climb, first_depth, grids
 from dummydesign.pad.shaped.problem import CELLS, Press
 from dummydesign.pad.slab.edge_extrapolation import carried_on
+from dummydesign.pad.slab.filleted import check_fillet
 from dummydesign.pad.slab.problem import PadCurve, normalise
 from dummydesign.pad.solve.continuation import NOTHING, Path, cost
 
@@ -61,7 +62,7 @@ def rough_shaped_pad(
     first = first_depth(depths)
     press = Press(shape, float(thickness_mm), ratio, extent_mm / thickness_mm, base, first=first)
     press.check()
-    grid = grids(CELLS)[2]
+    grid = grids(CELLS, press)[-1]
     paths = [solved.path(press, own, depths, grid, False)]
     force = _padded(paths[0], len(depths)) * unit * thickness_mm**2
     if shape.flat_top:
@@ -109,10 +110,11 @@ def solve_shaped_pad(
     extent_mm: float = PAD_EXTENT_MM,
     law: Law | None = None,
     cells: int = CELLS,
+    edge_mm: float = 0.0,
     progress: Callable[[float], None] | None = None,
     solved: Solved | None = None,
 ) -> PadCurve:
-    """Static force of a round shaped pad under a round, flat, sharp-edged punch, from first touch.
+    """Static force of a round shaped pad under a round, flat punch with a sharp or filleted edge, from first touch.
 
     Parameters
     ----------
@@ -130,6 +132,8 @@ def solve_shaped_pad(
         As for :func:`dummydesign.pad.slab.sharp_edge.solve_curve`.
     cells : int
         Cells between the axis and the punch's edge, at least; half as many are solved for the error.
+    edge_mm : float
+        Radius of the fillet of the punch's edge, above which it has an upright side; 0 for a sharp edge. [mm]
     solved : Solved, optional
         Keeps what is solved on the way; what it holds of the same pad and depths already is not solved again.
 
@@ -137,7 +141,7 @@ def solve_shaped_pad(
     -------
     PadCurve
         At the depths that were reached; ``notes`` says why if some are missing. The stated error is what
-        cells of twice the size changed, 0.3 of what the sharp edge added, and 0.2 %.
+        cells of twice the size changed, 0.3 of what the sharp edge added, and 0.2 %. With a fillet nothing is added.
 
     Raises
     ------
@@ -148,17 +152,20 @@ def solve_shaped_pad(
     """
     own, depths, ratio, unit = normalise(thickness_mm, radius_mm, young_MPa, depth_mm, poisson, law)
     press = Press(
-        shape, float(thickness_mm), ratio, extent_mm / thickness_mm, base, condition, poisson, first_depth(depths)
+        shape, float(thickness_mm), ratio, extent_mm / thickness_mm, base, condition, poisson, first_depth(depths),
+        edge_mm / thickness_mm,
     )
     press.check()
+    if edge_mm:
+        check_fillet(edge_mm, radius_mm)
     solved = Solved() if solved is None else solved
     if shape.flat_top:
         return _over_slab(press, own, young_MPa, depths, cells, law, progress, solved)
-    paths = [solved.path(press, own, depths, grid, False, progress) for grid in grids(cells)]
-    rough, fine, half = (_padded(path, len(depths)) for path in paths)
+    paths = [solved.path(press, own, depths, grid, False, progress) for grid in grids(cells, press)]
+    rough, fine, half = (_padded(path, len(depths)) for path in (paths if len(paths) == 3 else [paths[0], *paths]))
     value, added = sharp(rough, fine)
     count = int(np.isfinite(value).sum())
-    stops = [path.stop for path in paths[:2] if path.stop]
+    stops = [path.stop for path in paths[:-1] if path.stop]
     if not count:
         raise NoAnswerError("no_convergence", f"the pad could not be solved: {stops[0]}")
     error = LEAST_ERROR + EDGE_ERROR * np.abs(added) + MESH_ERROR * _held_on(np.abs(np.log(half / fine)))
@@ -175,11 +182,11 @@ def _over_slab(
     if press.shape.plain:
         factors = [np.ones(len(depths))] * 3
     else:
-        for grid in grids(cells):
+        for grid in grids(cells, press):
             pair = [solved.path(press, own, depths, grid, twin, progress) for twin in (False, True)]
             factors.append(_padded(pair[0], len(depths)) / _padded(pair[1], len(depths)))
             paths += pair
-    rough, fine, half = factors
+    rough, fine, half = factors if len(factors) == 3 else [factors[0], *factors]
     best = np.where(np.isfinite(fine), fine, rough)
     spread = np.abs(np.log(rough / fine)) + MESH_ERROR * np.abs(np.log(half / fine))
     error = slab.error_N / slab.force_N + 1e-3 + _held_on(spread)[: len(slab.depth_mm)]
@@ -196,15 +203,16 @@ def _over_slab(
 def _slab_curve(
     press: Press, young_MPa: float, depths: Array, law: Law | None, progress: Callable[[float], None] | None
 ) -> PadCurve:
-    """Sharp-edge force of the slab of the upper resin: from its table where it holds, else solved."""
+    """Force of the slab of the upper resin under the same edge: from its table where it holds, else solved."""
+    from dummydesign.pad.slab.filleted import solve_filleted
     from dummydesign.pad.slab.sharp_edge import solve_curve
     from dummydesign.pad.slab.sliding_faces import solve_flat
-    from dummydesign.pad.tables.slab import load_table
+    from dummydesign.pad.tables.filleted import slab_table
 
     h, a = press.thickness_mm, press.radius * press.thickness_mm
     plain = press.condition == "bonded" and press.poisson == 0.5 and (law is None or law == Yeoh(law.shear_MPa))
     if plain and abs(press.extent * h / PAD_EXTENT_MM - 1.0) < 0.01:
-        table = load_table(press.base)
+        table = slab_table(press.base, press.edge * h, a)
         low, high = table.ratio_range
         if low <= press.radius <= high:
             depth = depths[depths <= table.depth_limit(press.radius) * (1.0 + 1e-9)] * h
@@ -214,6 +222,8 @@ def _slab_curve(
     common = {
         "base": press.base, "poisson": press.poisson, "extent_mm": press.extent * h, "law": law, "progress": progress
     }  # fmt: skip
+    if press.edge:
+        return solve_filleted(h, a, press.edge * h, young_MPa, depths * h, **common)
     if press.condition == "bonded":
         return solve_curve(h, a, young_MPa, depths * h, **common)
     return solve_flat(h, a, young_MPa, depths * h, press.condition, **common)

@@ -90,7 +90,7 @@ class Solved:
         """
         key = (*grid, twin)
         if key not in self._paths:
-            seen = self._touch if grid == grids(CELLS)[1] and not press.shape.flat_top else None
+            seen = self._touch if grid == grids(CELLS, press)[-2] and not press.shape.flat_top else None
             self._paths[key] = climb(press, law, depths, *grid, twin=twin, progress=progress, visit=seen)
         return self._paths[key]
 
@@ -124,6 +124,12 @@ def first_depth(depths: Array) -> float:
     return FIRST_DEPTH * 0.5 ** max(0, int(np.ceil(np.log2(FIRST_DEPTH / float(depths[0])) - 1e-9)))
 
 
-def grids(cells: int) -> list[tuple[int, float]]:
-    """Cells and fillet of the three solves: large fillet, small fillet, small fillet on cells of twice the size."""
+def grids(cells: int, press: Press) -> list[tuple[int, float]]:
+    """Cells and fillet of the solves: large fillet, small fillet, small fillet on cells of twice the size.
+
+    A real fillet is solved as it is, without the first.
+    """
+    if press.edge:
+        rim = press.edge / press.scale
+        return [(cells, rim), (max(4, cells // 2), rim)]
     return [(cells, RIMS[0]), (cells, RIMS[1]), (max(4, cells // 2), RIMS[1])]

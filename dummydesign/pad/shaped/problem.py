@@ -15,6 +15,7 @@ from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mesh_columns import Sizes, columns, height_lines, radial_lines, stretch
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import Law
+from dummydesign.pad.slab.filleted import FilletedPunch
 from dummydesign.pad.slab.problem import FILM_REACH, FILM_STIFFNESS
 from dummydesign.pad.solve.equilibrium import Problem
 
@@ -50,6 +51,8 @@ class Press:
     poisson : float
     first : float
         Smallest depth of interest; the apex is meshed for the contact it makes.
+    edge : float
+        Radius of the fillet of a real punch, whose upright side can touch; 0 for a sharp edge.
     """
 
     shape: PadShape
@@ -60,6 +63,7 @@ class Press:
     condition: str = "bonded"
     poisson: float = 0.5
     first: float = 0.02
+    edge: float = 0.0
 
     @property
     def lines(self) -> tuple[float, ...]:
@@ -123,7 +127,7 @@ def shaped_problem(press: Press, law: Law, cells: int = CELLS, rim: float = RIMS
     cells : int
         Cells between the axis and the punch's edge, at least.
     rim : float
-        Fillet radius over the smaller of punch radius and thickness.
+        Fillet radius that stands for a sharp edge, over the smaller of punch radius and thickness.
     twin : bool
         Make the homogeneous slab without a bone on the same grid instead.
     """
@@ -131,7 +135,8 @@ def shaped_problem(press: Press, law: Law, cells: int = CELLS, rim: float = RIMS
     grip = float(face.bonded)
     if press.base not in BASES:
         raise InputError(f"base = '{press.base}' is not one of {', '.join(BASES)}")
-    punch = Plate(press.radius, rim * press.scale)
+    sharp = Plate(press.radius, rim * press.scale)
+    punch: FlatPunch = FilletedPunch(press.radius, press.edge) if press.edge else sharp
     coarse = press.radius / cells
     r, share, interface = _grid(press, cells, punch.rim)
     points, quads, row = columns(r, share)

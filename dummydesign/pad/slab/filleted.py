@@ -21,7 +21,15 @@ from dummydesign.pad.contact.surface_axisymmetric import FlatPunch, Surface
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import Law
-from dummydesign.pad.slab.problem import PadCurve, Slab, base_unknowns, first_stiffness, held_unknowns, normalise
+from dummydesign.pad.slab.problem import (
+    EDGE_STABILISATION,
+    PadCurve,
+    Slab,
+    base_unknowns,
+    first_stiffness,
+    held_unknowns,
+    normalise,
+)
 from dummydesign.pad.solve.continuation import Path, cost, follow
 from dummydesign.pad.solve.equilibrium import Problem
 
@@ -31,8 +39,8 @@ Array = np.ndarray
 LATTICE, HALVINGS = 0.02, 5
 # Fine mesh: cells over the fillet, growth away from it, largest cell (thicknesses); the coarse one has half the cells.
 CELLS, GROWTH, LARGEST = 3.0, 1.5, 0.2
-# The energy term that keeps elements from inverting, in shear moduli: ten times it stiffens such a mesh by up to 1 %.
-STABILISATION = 1.0
+# Cells over a large fillet are no larger than this (thicknesses).
+AT_FILLET = 0.06
 # What is left of the step between the meshes, added and stated as error; and the error of contact and steps.
 MESH_LEFT = 0.5
 LEAST_ERROR = 1.5e-3
@@ -107,7 +115,7 @@ def filleted_problem(
         Size of the cells over those of the fine mesh.
     """
     punch = FilletedPunch(slab.radius, fillet, sides)
-    flat, cell, growth = punch.flat_radius, fillet / CELLS * coarser, GROWTH**coarser
+    flat, cell, growth = punch.flat_radius, min(fillet / CELLS, AT_FILLET) * coarser, GROWTH**coarser
     largest = LARGEST * coarser
     start = flat + 0.5 * fillet
     near = np.linspace(flat, start, max(1, round(0.5 * fillet / cell)) + 1)
@@ -129,7 +137,7 @@ def filleted_problem(
     surface = Surface(
         mesh.nodes, free, lambda at: np.full_like(at, stiffness), np.zeros_like, stiffness, 0.0, ties_within_step=True
     )
-    solid = Solid(mesh, law, poisson, STABILISATION)
+    solid = Solid(mesh, law, poisson, EDGE_STABILISATION)
     return Problem(solid, held, 2 * under + 1, base_unknowns(mesh), surface, punch)
 
 

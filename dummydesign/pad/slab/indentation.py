@@ -20,7 +20,7 @@ from dummydesign.pad.contact.surface_axisymmetric import ProfilePunch, Punch, Su
 from dummydesign.pad.contact.ties import Contact
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mesh_axisymmetric import graded
-from dummydesign.pad.fem.mixed_solid import Solid
+from dummydesign.pad.fem.mixed_solid import STABILISATION, Solid
 from dummydesign.pad.material.hyperelastic import Law
 from dummydesign.pad.slab.problem import PadCurve, normalise
 from dummydesign.pad.solve.continuation import Path, cost, follow
@@ -95,6 +95,7 @@ def indentation_problem(
     growth: float = 1.3,
     stiffness: float = EDGE_STIFFNESS,
     weight: float = 0.0,
+    stabilisation: float = STABILISATION,
 ) -> Problem:
     """A slab of unit thickness under a rigid punch, contact over the whole top.
 
@@ -120,6 +121,8 @@ def indentation_problem(
         Contact stiffness in shear moduli per cell.
     weight : float
         Pressure of the pad's weight on the base in shear moduli; counts for ``base`` friction:MU only.
+    stabilisation : float
+        The energy term that keeps elements from inverting, in shear moduli.
     """
     face = Interface.parse(condition, "condition", FACES)
     support = Interface.parse(base, "base", BASES)
@@ -149,7 +152,8 @@ def indentation_problem(
     if support.coulomb is not None:
         bottom = meshes.edges_on(mesh, meshes.on_base(mesh, 1.0))
         surface = Both(surface, RestingBase(mesh, bottom, law.shear_MPa, support.coulomb, weight))
-    return Problem(Solid(mesh, law, poisson), held, np.array([], dtype=int), 2 * below + 1, surface, punch)
+    solid = Solid(mesh, law, poisson, stabilisation)
+    return Problem(solid, held, np.array([], dtype=int), 2 * below + 1, surface, punch)
 
 
 def press(

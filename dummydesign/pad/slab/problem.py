@@ -30,6 +30,9 @@ Array = np.ndarray
 CONTACT_STIFFNESS = GLUED_SLAB.contact
 FILM_STIFFNESS = GLUED_SLAB.contact * GLUED_SLAB.grip_share
 FILM_REACH = 6.0
+# The energy term that keeps elements from inverting, in shear moduli, where a glued face ends in an edge: ten times as
+# much stiffens the cells there and the pad by up to 1 % at d/h 0.45; a tenth of it changes no more than 0.2 %.
+EDGE_STABILISATION = 1.0
 
 
 @dataclass(frozen=True)
@@ -147,7 +150,7 @@ def sharp_problem(slab: Slab, law: Law, poisson: float, resolution: Resolution, 
     held = held_unknowns(mesh, slab)
     if slab.condition == "bonded":
         held[2 * under] = True
-    return Problem(Solid(mesh, law, poisson), held, 2 * under + 1, base_unknowns(mesh))
+    return Problem(Solid(mesh, law, poisson, EDGE_STABILISATION), held, 2 * under + 1, base_unknowns(mesh))
 
 
 def rimmed_problem(slab: Slab, law: Law, poisson: float, rim: float, resolution: Resolution) -> Problem:
@@ -173,7 +176,7 @@ def rimmed_problem(slab: Slab, law: Law, poisson: float, rim: float, resolution:
     rings = _rings(half_box, rim) + 2
     points, quads, centre = meshes.web_mesh(punch.flat_radius, 1.0, slab.extent, half_box, rings, resolution)
     mesh = meshes.discretise(points, quads, centre)
-    solid = Solid(mesh, law, poisson)
+    solid = Solid(mesh, law, poisson, EDGE_STABILISATION)
     top, r = meshes.on_top(mesh), mesh.nodes[0]
     glued = slab.condition == "bonded"
     inner = max(punch.flat_radius - FILM_REACH * rim, 0.3 * punch.flat_radius)

@@ -74,7 +74,8 @@ def climb(
     Path
     """
     problem = rimmed_problem(slab, law, poisson, rim, resolution)
-    return follow(problem, depths, rim, 0.05 * slab.scale, 0.005 * slab.scale, progress)
+    # Under a small rim the first touch is steep: steps down to a tenth of it.
+    return follow(problem, depths, rim, 0.05 * slab.scale, min(0.005 * slab.scale, 0.1 * rim), progress)
 
 
 def climb_all(

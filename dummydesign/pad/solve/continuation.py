@@ -129,7 +129,7 @@ def follow(
                 stop = explain(problem, u, p, depth, answer.reason)
             continue
         if lattice and answer.ties and trial_depth - depth > largest_step * (1.0 + 1e-9):
-            iterations += len(answer.residuals)
+            iterations += answer.iterations
             step = largest_step
             continue
         passed = [goal for goal in targets[len(found) :] if goal <= trial_depth * (1.0 + 1e-12)]
@@ -143,7 +143,7 @@ def follow(
                     iterations += beside.iterations
                     stop = explain(problem, u, p, depth, beside.reason)
                     break
-                iterations += len(beside.residuals)
+                iterations += beside.iterations
                 solved = beside
             found.append((goal, problem.force(solved.state), float(solved.state.J.min())))
             if visit:
@@ -156,12 +156,12 @@ def follow(
         if tied is not None:
             problem.surface.restore(tied)
         earlier, u, p, depth = (u, p, depth), answer.u, answer.p, trial_depth
-        iterations += len(answer.residuals)
+        iterations += answer.iterations
         if problem.surface is not None:
             problem.surface.settle(u, problem.punch, depth)
         steps += 1
         history.append(answer.residuals)
-        if len(answer.residuals) <= EASY + EASY_PER_TIE * answer.ties:
+        if answer.iterations <= EASY + EASY_PER_TIE * answer.ties:
             step = min(1.4 * step, largest_step if answer.ties or not lattice else WITHOUT_TIES * largest_step)
     table = np.array(found).reshape(-1, 3)
     return Path(

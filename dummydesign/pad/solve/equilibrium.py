@@ -23,6 +23,12 @@ SMALLEST_J = 0.02
 # not change by more than 0.05 % when it is 1e-3.
 TIE_TOLERANCE = 5e-2
 LARGEST_TIES = 4
+# Once the relative residual is below this, a factorised tangent is used again for as long as every use brings the
+# residual below this share of the one before.
+REUSE_BELOW = 2e-2
+CONTRACTION = 0.3
+# After so many tangents contact is taken to flicker, and every step gets its own.
+REUSE_UP_TO = 7
 
 
 class Problem:
@@ -91,7 +97,7 @@ class Problem:
         pull = (state.stiffness @ lift[self.solid.mesh.dofs][:, :, None])[:, :, 0]
         load = -np.bincount(self.solid.mesh.dofs.ravel(), pull.ravel(), minlength=len(u))
         du = lift + self.pattern.solve([state.stiffness, *matrices], load)
-        return du, self.solid.pressure_step(state, du)
+        return du, self.solid.pressure_step(state, state, du)
 
     @one_blas_thread()
     def stiffness(self) -> float:
@@ -106,13 +112,14 @@ class Problem:
 
 @dataclass
 class Solution:
-    """A state in equilibrium, the relative residuals on the way to it, and how often contact was tied anew."""
+    """A state in equilibrium, the relative residuals on the way to it, ties of contact, and factorised tangents."""
 
     u: Array
     p: Array
     state: State
     residuals: tuple[float, ...]
     ties: int
+    iterations: int
 
 
 @dataclass
@@ -155,12 +162,19 @@ def find_equilibrium(
         surface.begin()
     contact, matrices = problem.contact(u, depth)
     residuals: list[float] = []
-    ties = 0
-    for _ in range(MAX_ITERATIONS):
-        solid.linearise(state)
-        load = state.force_of_pressure - state.internal_force - contact
-        du = problem.pattern.solve([state.stiffness, *matrices], load)
-        dp = solid.pressure_step(state, du)
+    ties = factorised = 0
+    tangent: State | None = None
+    while factorised < MAX_ITERATIONS or tangent is not None:
+        again = tangent is not None
+        if tangent is None:
+            tangent = solid.linearise(state)
+            factorised += 1
+            load = tangent.force_of_pressure - state.internal_force - contact
+            du = problem.pattern.solve([tangent.stiffness, *matrices], load)
+        else:
+            load = solid.force_of_pressure(tangent, state) - state.internal_force - contact
+            du = problem.pattern.again(load)
+        dp = solid.pressure_step(tangent, state, du)
         fraction = 1.0
         while True:
             trial = solid.state(u + fraction * du, p + fraction * dp, tangent=False)
@@ -168,22 +182,39 @@ def find_equilibrium(
                 break
             fraction *= 0.5
             if fraction < 0.05:
-                return Failure("an element would invert", len(residuals) + 1)
+                break
+        if fraction < 0.05:
+            if again:
+                tangent = None
+                continue
+            return Failure("an element would invert", factorised)
+        before = u, p, state, contact, matrices
         u, p, state = u + fraction * du, p + fraction * dp, trial
         contact, matrices = problem.contact(u, depth)
         scale = np.linalg.norm(state.internal_force) + 1e-300
-        residuals.append(float(np.linalg.norm((state.internal_force + contact)[free]) / scale))
-        if not np.isfinite(residuals[-1]):
-            return Failure("the residual is no longer a number", len(residuals))
-        near = residuals[-1] < TIE_TOLERANCE and ties < LARGEST_TIES
-        if near and surface is not None and surface.tie(u, problem.punch, depth):
-            ties += 1
-            contact, matrices = problem.contact(u, depth)
+        residual = float(np.linalg.norm((state.internal_force + contact)[free]) / scale)
+        last = residuals[-1] if residuals else np.inf
+        if again and not residual < last:
+            # A used tangent that leads away is given up together with its step.
+            u, p, state, contact, matrices = before
+            tangent = None
             continue
-        if residuals[-1] < tolerance and fraction == 1.0:
-            return Solution(u, p, state, tuple(residuals), ties)
+        residuals.append(residual)
+        if not np.isfinite(residual):
+            return Failure("the residual is no longer a number", factorised)
+        if residual < TIE_TOLERANCE and ties < LARGEST_TIES and surface is not None:
+            if surface.tie(u, problem.punch, depth):
+                ties += 1
+                contact, matrices = problem.contact(u, depth)
+                tangent = None
+                continue
+        if residual < tolerance and fraction == 1.0:
+            return Solution(u, p, state, tuple(residuals), ties, factorised)
+        good = residual < (CONTRACTION * last if again else REUSE_BELOW)
+        if fraction < 1.0 or not good or factorised > REUSE_UP_TO:
+            tangent = None
     reason = f"no equilibrium after {MAX_ITERATIONS} iterations (relative residual {residuals[-1]:.1e})"
-    return Failure(reason, MAX_ITERATIONS)
+    return Failure(reason, factorised)
 
 
 def explain(problem: Problem, u: Array, p: Array, depth: float, reason: str) -> str:

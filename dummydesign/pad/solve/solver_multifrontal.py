@@ -161,23 +161,32 @@ class Dissection:
             Symmetric matrices of the cells, then of the faces.
         load : ndarray, shape (size,)
         """
-        right = load[self.free].copy()
+        self._factors: list[_Factor] = []
         matrix = matrices[0]
         if self._faces:
             matrix = matrix.copy()
             for (cell, place), face in zip(self._faces, matrices[1:]):
                 np.add.at(matrix, (cell[:, None, None], place[:, :, None], place[:, None, :]), face)
-        factors = self._eliminate(matrix, right)
+        self._factors = self._eliminate(matrix)
+        return self.again(load)
+
+    def again(self, load: Array) -> Array:
+        """Solve for another load with the matrices of the last :meth:`solve`."""
+        right = load[self.free].copy()
+        for front, factor in zip(self.fronts, self._factors):
+            own, rim = front.unknowns[: front.eliminated], front.unknowns[front.eliminated :]
+            right[own], change = factor.forward(right[own])
+            right[rim] -= change
         answer = np.zeros(self.n)
-        for front, factor in zip(reversed(self.fronts), reversed(factors)):
+        for front, factor in zip(reversed(self.fronts), reversed(self._factors)):
             own, rim = front.unknowns[: front.eliminated], front.unknowns[front.eliminated :]
             answer[own] = factor.back(right[own], answer[rim])
         full = np.zeros(self.size)
         full[self.free] = answer
         return full
 
-    def _eliminate(self, matrix: Array, right: Array) -> list[_Factor]:
-        """Factorise all fronts from the leaves up, and carry the load along (in place)."""
+    def _eliminate(self, matrix: Array) -> list[_Factor]:
+        """Factorise all fronts from the leaves up."""
         factors, waiting = [], {}
         for i, front in enumerate(self.fronts):
             full = np.zeros((len(front.unknowns),) * 2)
@@ -189,9 +198,6 @@ class Dissection:
             factor = _factorise(full[:n, :n], full[:n, n:])
             waiting[i] = full[n:, n:] - factor.schur
             factor.schur = None
-            own, rim = front.unknowns[:n], front.unknowns[n:]
-            right[own], change = factor.forward(right[own])
-            right[rim] -= change
             factors.append(factor)
         return factors
 

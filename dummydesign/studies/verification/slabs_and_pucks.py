@@ -134,7 +134,7 @@ def smooth_errors(cells: int) -> tuple[float, float, float]:
     pull = (state.stiffness @ lift[mesh.dofs][:, :, None])[:, :, 0]
     load = -np.bincount(mesh.dofs.ravel(), pull.ravel(), minlength=mesh.size)
     u = lift + Pattern([mesh.dofs], np.nonzero(~fixed)[0], mesh.size).solve([state.stiffness], load)
-    p = solid.pressure_step(state, u) @ mesh.pressure_basis.T
+    p = solid.pressure_step(state, state, u) @ mesh.pressure_basis.T
     work = 0.5 * float(u @ np.bincount(
         mesh.dofs.ravel(), (state.stiffness @ u[mesh.dofs][:, :, None]).ravel(), minlength=mesh.size
     ))  # fmt: skip

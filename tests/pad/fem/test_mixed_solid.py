@@ -11,6 +11,7 @@ from dummydesign.pad.fem.mesh_axisymmetric import Resolution
 from dummydesign.pad.fem.mixed_solid import Solid, lame_ratio
 from dummydesign.pad.material.hyperelastic import Yeoh, neo_hookean
 from dummydesign.pad.material.kinematics import Axisymmetric, Spatial
+from dummydesign.pad.solve import equilibrium
 from dummydesign.pad.solve.continuation import follow
 from dummydesign.pad.solve.equilibrium import Problem
 
@@ -131,7 +132,8 @@ def test_bonded_pucks_have_the_published_apparent_modulus(shape_factor, apparent
     assert problem.stiffness() / (3.0 * np.pi * radius**2) == pytest.approx(apparent, rel=2e-3)
 
 
-def test_newtons_method_converges_quadratically():
+def test_newtons_method_with_a_new_tangent_each_time_converges_quadratically(monkeypatch):
+    monkeypatch.setattr(equilibrium, "REUSE_BELOW", 0.0)
     path = follow(cylinder(Yeoh(1.0, 0.2), held_ends=True, slabs=2), [0.2], 0.2, 0.2, 0.05)
     last = [r for r in path.residuals[-1] if r > 1e-13]
     orders = [np.log(c) / np.log(b) for b, c in zip(last[-2:-1], last[-1:])]

@@ -17,6 +17,7 @@ from dummydesign.pad.slab.indentation import (
     solve_shaped,
     sphere,
 )
+from dummydesign.pad.slab.problem import EDGE_STABILISATION
 from dummydesign.pad.slab.sharp_edge import Slab, climb, first_stiffness
 from dummydesign.pad.slab.sliding_faces import solve_flat
 
@@ -95,7 +96,8 @@ def test_a_frictionless_flat_punch_starts_at_the_layer_solution():
 def test_a_sticking_flat_punch_agrees_with_the_glued_one_solved_the_other_way():
     """Another mesh, no film, no nodes driven by hand: nearer to each other than a rim is to one of half its size."""
     punch, depths = FlatPunch(1.0, 0.05), np.array([0.1, 0.2, 0.3])
-    problem = indentation_problem(punch, Region(0.85, 1.1, 0.05 / 1.5), 8.0, LAW, condition="bonded")
+    region = Region(0.85, 1.1, 0.05 / 1.5)
+    problem = indentation_problem(punch, region, 8.0, LAW, condition="bonded", stabilisation=EDGE_STABILISATION)
     stick = press(problem, depths, 0.015, 0.03).force
     glued, half = (climb(Slab(1.0, 8.0), LAW, 0.5, depths, rim, Resolution()).force for rim in (0.05, 0.025))
     assert np.all(np.abs(stick - glued) < 0.6 * (half - glued))

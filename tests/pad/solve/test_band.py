@@ -1,0 +1,53 @@
+import numpy as np
+import pytest
+
+from dummydesign.pad.fem.mesh_axisymmetric import Resolution
+from dummydesign.pad.material.hyperelastic import Yeoh
+from dummydesign.pad.slab.problem import Slab, rimmed_problem
+from dummydesign.pad.solve import equilibrium
+from dummydesign.pad.solve.band import Band, symmetric
+from dummydesign.pad.solve.continuation import follow
+
+
+def test_a_band_solves_what_a_dense_matrix_solves_whatever_its_numbering():
+    rng = np.random.default_rng(4)
+    n = 60
+    near = np.where(np.abs(np.subtract.outer(np.arange(n), np.arange(n))) < 4, rng.normal(size=(n, n)), 0.0)
+    matrix = near @ near.T + np.eye(n)
+    mixed = rng.permutation(n)
+    matrix, load = matrix[mixed][:, mixed], rng.normal(size=n)
+    row, column = np.nonzero(matrix)
+    band = Band(row, column, n)
+    assert band.width < 14
+    assert band.factorise(matrix[row, column])(load) == pytest.approx(np.linalg.solve(matrix, load), rel=1e-9)
+
+
+def test_a_band_says_when_a_matrix_is_not_positive_definite():
+    row = np.arange(3)
+    assert Band(row, row, 3).factorise(np.array([1.0, -1.0, 2.0])) is None
+
+
+def test_matrices_of_friction_are_seen_not_to_be_symmetric():
+    even = np.array([[[1.0, 2.0], [2.0, 1.0]]])
+    assert symmetric([even]) and not symmetric([even, even + np.array([[0.0, 1e-6], [0.0, 0.0]])])
+
+
+def _follow(depths):
+    problem = rimmed_problem(Slab(0.79, 7.5), Yeoh(1.0), 0.5, 0.1, Resolution(cells=2))
+    return follow(problem, depths, 0.05, 0.05, 0.005)
+
+
+def test_a_tangent_used_again_changes_no_force_and_saves_factorisations(monkeypatch):
+    depths = np.linspace(0.0, 0.3, 7)[1:]
+    again = _follow(depths)
+    monkeypatch.setattr(equilibrium, "REUSE_BELOW", 0.0)
+    always = _follow(depths)
+    assert again.force == pytest.approx(always.force, rel=2e-5)
+    assert again.newton_iterations < 0.9 * always.newton_iterations
+
+
+def test_the_band_and_the_sparse_factorisation_give_one_force(monkeypatch):
+    depths = np.array([0.05, 0.1])
+    band = _follow(depths)
+    monkeypatch.setattr(Band, "narrow", property(lambda self: False))
+    assert _follow(depths).force == pytest.approx(band.force, rel=1e-6)

@@ -71,7 +71,8 @@ def content(base: str, count: int, fresh: int, pool: ProcessPoolExecutor) -> dic
     }  # fmt: skip
     rng = np.random.default_rng(SEED)
     low, high = np.log(RATIO_RANGE)
-    drawn = [(float(np.exp(rng.uniform(low, high))), float(rng.uniform(FILLETS[0], FILLETS[-1])), base) for _ in range(fresh)]
+    places = np.exp(rng.uniform(low, high, fresh)), rng.uniform(FILLETS[0], FILLETS[-1], fresh)
+    drawn = [(float(ratio), float(fillet), base) for ratio, fillet in zip(*places)]
     miss = []
     for task, (solved, _) in zip(drawn, pool.map(solve, drawn)):
         answer = between_fillets(table, task[1])

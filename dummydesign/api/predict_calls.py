@@ -79,7 +79,7 @@ def predict(
     law : str
         ``neo-hookean``, ``yeoh:C2_OVER_MU`` or ``ogden:MU,ALPHA;...``.
     edge_radius_mm : float
-        Fillet of the punch's edge, 0 (sharp, sides never touch) to 0.3 of its smaller half-width; needs
+        Fillet of the punch's edge, 0 (sharp, sides never touch) to 0.3 of its smaller half-width; on a shaped pad with
         ``fidelity="axisymmetric"``. [mm]
     prony : str, optional
         Relaxation ``TAU:BETA,...``, beta relative to the long-term modulus; the resin's by default.

@@ -1,7 +1,9 @@
 """What independent codes differ by at the sharp edge of a deep punch: stated as error where it is the larger.
 
 Sharp, glued, round punches on bonded pads of 5, 10, 15 and 20 mm were solved by another code with another element and
-another way to the sharp edge. Both agree within 0.3 % to d/h 0.2; deeper this model is the stiffer one.
+another way to the sharp edge. Both agree within 0.3 % to d/h 0.2; deeper this model is the stiffer one. More than half
+of what they differed by at d/h 0.425 on 5 and 10 mm was this model's own: a term against folding elements that stiffened
+the cells at the edge; what is left is stated here, rounded up.
 """
 
 from __future__ import annotations
@@ -12,7 +14,7 @@ Array = np.ndarray
 
 _RATIO = np.array([0.395, 0.527, 0.79, 1.58])
 _DEPTH = np.array([0.1, 0.2, 0.3, 0.425])
-_DIFFERENCE = 0.01 * np.array([[0.0, 0.3, 1.4, 1.7], [0.0, 0.3, 0.9, 2.0], [0.0, 0.3, 0.5, 1.6], [0.0, 0.3, 0.3, 2.1]])
+_DIFFERENCE = 0.01 * np.array([[0.0, 0.3, 1.1, 1.5], [0.0, 0.3, 0.5, 1.3], [0.0, 0.3, 0.3, 0.7], [0.0, 0.3, 0.4, 0.8]])
 
 
 def sharp_edge_doubt(depth: Array, ratio: Array) -> Array:

@@ -9,8 +9,9 @@ from dummydesign.pad.tables.edge_doubt import sharp_edge_doubt
 from dummydesign.pad.tables.slab import load_table
 from dummydesign.pad.tables.square import square_factor
 
-# Per cent, at d/h 0.3 and 0.425.
-MEASURED = {5.0: (0.2, 2.1), 10.0: (0.5, 1.6), 15.0: (0.9, 2.0), 20.0: (1.4, 1.7)}
+# Per cent, at d/h 0.3 and 0.425: 0.2, 0.5, 0.9, 1.4 and 2.1, 1.6, 2.0, 1.7 to the table as it was then, less what the
+# table fell by when the term against folding was taken off the edge.
+MEASURED = {5.0: (0.35, 0.7), 10.0: (0.05, 0.65), 15.0: (0.45, 1.25), 20.0: (1.1, 1.45)}
 
 
 @pytest.mark.parametrize("thickness", MEASURED)
@@ -37,4 +38,5 @@ def test_the_doubt_grows_with_depth_and_is_continuous_in_depth_and_ratio():
 def test_a_square_on_a_thin_pad_states_what_independent_codes_differ_by():
     depth = 0.45 * 5.0
     stated = float(load_table().relative_error(depth, 5.0, 7.9)) + float(square_factor(depth, 5.0, 7.9)[1])
-    assert stated >= 0.035
+    # 3.5 % to the earlier table, 1.6 % above this one.
+    assert stated >= 0.019

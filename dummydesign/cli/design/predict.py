@@ -26,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--deceleration", type=float, default=30000.0, metavar="MM_S2", help="braking (default 30000 mm/s2)")
     punches = "square:14 (default), round:D, rectangle:AxB, profile:FILE.csv, plate"
     add("--punch", default="square:14", metavar="KIND:SIZE", help=punches)
-    edge = "fillet of the punch's edge, 0 (default, sharp) to 0.3 of its half-width; on shapes with --fidelity axisymmetric"
+    edge = "fillet of the punch's edge, 0 (default, sharp) to 0.3 of its half-width; of shapes: --fidelity axisymmetric"
     add("--edge-radius", type=float, default=0.0, metavar="MM", help=edge)
     add("--condition", default="bonded", metavar="NAME", help="bonded (default), frictionless, friction:MU")
     add("--base", default="bonded", metavar="NAME", help="bonded (default), sliding or friction:MU")

@@ -2,8 +2,8 @@
 
 Sharp, glued, round punches on bonded pads of 5, 10, 15 and 20 mm were solved by another code with another element and
 another way to the sharp edge. Both agree within 0.3 % to d/h 0.2; deeper this model is the stiffer one. More than half
-of what they differed by at d/h 0.425 on 5 and 10 mm was this model's own: a term against folding elements that stiffened
-the cells at the edge; what is left is stated here, rounded up.
+of what they differed by at d/h 0.425 on 5 and 10 mm was this model's own: a term against folding elements stiffened the
+cells at the edge. What is left is stated here, rounded up.
 """
 
 from __future__ import annotations

@@ -61,7 +61,7 @@ def test_sticking_changes_little_while_the_contact_is_small_and_stiffens_a_wide_
 
 def test_a_crown_without_height_to_speak_of_is_a_glued_slab():
     depths = np.array([1.0, 2.0])
-    crowned = solve_shaped_pad(Crowned(1e5, 3e-3), 10.0, 7.9, 0.03, depths, cells=12)
+    crowned = solve_shaped_pad(Crowned(1e5, 3e-3), 10.0, 7.9, 0.03, depths)
     slab = load_table("bonded").force(depths, 10.0, 0.03, 7.9)
     assert np.all(np.abs(crowned.force_N - slab) < crowned.error_N)
     assert crowned.force_N == pytest.approx(slab, rel=0.03)

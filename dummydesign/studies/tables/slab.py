@@ -19,7 +19,7 @@ from dummydesign.core.datafiles import data_folder
 from dummydesign.geometry.standard import EXTENT_OVER_RADIUS
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
 from dummydesign.pad.material.hyperelastic import Yeoh
-from dummydesign.pad.slab.edge_extrapolation import Samples, fit_limit
+from dummydesign.pad.slab.edge_extrapolation import Limit, Samples, fit_limit
 from dummydesign.pad.slab.sharp_edge import Slab, climb_all, first_stiffness
 from dummydesign.studies.tables.common import Build, write_table
 
@@ -28,6 +28,10 @@ RATIO_RANGE = (0.25, 2.7)
 DEPTHS = np.concatenate([[0.01, 0.02, 0.03, 0.04], np.arange(0.05, 0.6001, 0.025)])
 # Outer over punch radius: the 150 x 120 mm slab and the 14 mm square punch, each as the circle of equal area.
 TERMS = (10, 9)
+# a / h above which a depth counts as reached when two fillets got there.
+THIN = 2.2
+# Growth of the exponent d ln F / d ln d over d / h beyond which a series is taken to run away; pads reach 3.
+STEEPEST = 6.0
 RIMS = tuple(0.2 * 0.5**k for k in range(8))
 
 
@@ -54,7 +58,8 @@ def content(answers: list[tuple[float, float, Samples]], base: str) -> dict[str,
         samples, ratios, np.array([first[r] for r in ratios]), (0.0, float(DEPTHS[-1])), RATIO_RANGE, TERMS
     )
     depths = np.concatenate([[0.0], np.arange(0.05, 0.6001, 0.05)])
-    reach = [float(samples.depth[samples.ratio == ratio].max()) for ratio in ratios]
+    reach = [_reach(samples.depth[samples.ratio == ratio], float(ratio)) for ratio in ratios]
+    reach = [min(deep, _smooth_to(limit, float(ratio))) for deep, ratio in zip(reach, ratios)]
     residual = limit.residual
     return {
         "base": base,
@@ -79,6 +84,24 @@ def content(answers: list[tuple[float, float, Samples]], base: str) -> dict[str,
         "first_touch": [_short(first[r], 9) for r in ratios],
         "values": {name: [_short(v, 7) for v in getattr(samples, name)] for name in FIELDS},
     }
+
+
+def _reach(depth: np.ndarray, ratio: float) -> float:
+    """Largest depth in a table: the deepest of all fillets; on thin pads the deepest that two of them reached.
+
+    Above a / h of 2.2 a single fillet leaves a series at its end free: at d/h 0.57 its exponent was 9.6 once.
+    """
+    found, count = np.unique(np.round(depth, 9), return_counts=True)
+    return float(found[count >= (2 if ratio > THIN else 1)].max())
+
+
+def _smooth_to(limit: Limit, ratio: float) -> float:
+    """Depth to which the exponent d ln F / d ln d of the series grows no faster than a pad's does."""
+    depth = np.linspace(*limit.depth_range, 241)[1:]
+    value = limit.log_stiffness(depth, np.array(ratio))
+    exponent = 1.0 + depth * np.gradient(value, depth)
+    wild = np.nonzero(np.abs(np.gradient(exponent, depth)) > STEEPEST)[0]
+    return float(depth[wild[0] - 1]) if len(wild) else float(depth[-1])
 
 
 def stored(path: Path) -> list[tuple[float, float, Samples]]:

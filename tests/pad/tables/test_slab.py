@@ -113,3 +113,13 @@ def test_the_shipped_values_are_those_the_series_was_fitted_to(base):
     fine = values["rim"] < 0.01
     series, _ = load_table(base).log_stiffness(values["depth"][fine], values["ratio"][fine])
     assert np.abs(np.log(values["stiffness"][fine]) - series).max() < 0.03
+
+
+@pytest.mark.parametrize("base", ["bonded", "sliding"])
+def test_the_exponent_grows_smoothly_to_the_end_of_the_table_on_every_slab(base):
+    table = load_table(base)
+    for ratio in np.geomspace(*table.ratio_range, 60):
+        depth = np.linspace(0.02, 1.0, 120) * float(table.depth_limit(ratio))
+        exponent = table.local_exponent(depth, 1.0, ratio)
+        assert np.all((exponent > 0.97) & (exponent < 2.3))
+        assert np.abs(np.diff(exponent)).max() < 7.0 * (depth[1] - depth[0])

@@ -121,5 +121,5 @@ def test_the_exponent_grows_smoothly_to_the_end_of_the_table_on_every_slab(base)
     for ratio in np.geomspace(*table.ratio_range, 60):
         depth = np.linspace(0.02, 1.0, 120) * float(table.depth_limit(ratio))
         exponent = table.local_exponent(depth, 1.0, ratio)
-        assert np.all((exponent > 0.97) & (exponent < 2.3))
+        assert np.all((exponent > 0.93) & (exponent < 2.3))
         assert np.abs(np.diff(exponent)).max() < 7.0 * (depth[1] - depth[0])

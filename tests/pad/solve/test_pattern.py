@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.pad.solve import solver_superlu
+from dummydesign.pad.solve.band import Band
 from dummydesign.pad.solve.solver_superlu import Pattern
 
 ELEMENTS, WIDTH = 40, 4
@@ -44,9 +44,19 @@ def test_band_and_sparse_solve_what_a_dense_solve_gives(kind):
 
 
 def test_a_narrow_symmetric_matrix_needs_no_sparse_factorisation(monkeypatch):
-    monkeypatch.setattr(Pattern, "_by_superlu", None)
-    pattern = Pattern([DOFS], np.arange(SIZE), SIZE)
-    pattern.solve([stiffness(1)], np.ones(SIZE))
-    monkeypatch.setattr(solver_superlu, "MOST_BAND_WORK", 0.0)
+    monkeypatch.setattr(Pattern, "_sparse", None)
+    Pattern([DOFS], np.arange(SIZE), SIZE).solve([stiffness(1)], np.ones(SIZE))
+    monkeypatch.setattr(Band, "narrow", property(lambda self: False))
     with pytest.raises(TypeError):
         Pattern([DOFS], np.arange(SIZE), SIZE).solve([stiffness(1)], np.ones(SIZE))
+
+
+@pytest.mark.parametrize("kind", ["positive", "indefinite"])
+def test_another_load_is_solved_with_the_matrices_of_before(kind):
+    free = np.setdiff1d(np.arange(SIZE), [0, 5])
+    solid = stiffness(1) - (3.0 * np.eye(WIDTH) if kind == "indefinite" else 0.0)
+    pattern = Pattern([DOFS], free, SIZE)
+    first, second = np.random.default_rng(4).standard_normal((2, SIZE))
+    pattern.solve([solid], first)
+    expected = np.linalg.solve(dense([solid], free), second[free])
+    assert pattern.again(second)[free] == pytest.approx(expected, rel=1e-8, abs=1e-8 * np.abs(expected).max())

@@ -162,9 +162,8 @@ def _by_table(pad: Pad) -> ElasticCurve:
             raise InputError(f"{name} = {value} is not in the table (only {held}); add --fidelity axisymmetric")
     if pad.geometry != Slab():
         if pad.edge_radius_mm:
-            raise InputError(
-                f"edge_radius_mm = {pad.edge_radius_mm:g} is not in the tables of shapes; add --fidelity axisymmetric"
-            )
+            edge = f"edge_radius_mm = {pad.edge_radius_mm:g}"
+            raise InputError(f"{edge} is not in the tables of shapes; add --fidelity axisymmetric")
         return _by_law(pad, _shape_law(pad))
     return _by_law(pad, slab_table(pad.base, pad.edge_radius_mm, pad.radius_mm))
 
@@ -273,10 +272,8 @@ def _solve_shape(
         raise InputError(f"shape {pad.geometry} is not round; add --fidelity 3d")
     inputs = {"pad": replace(pad, young_MPa=1.0, prony=()), "extent": extent_mm, "depth": grid}
     args = (pad.geometry, pad.thickness_mm, pad.radius_mm, 1.0, grid, pad.condition)
-    more: dict[str, Any] = {
-        "poisson": pad.poisson, "law": pad.shape, "base": pad.base, "progress": progress,
-        "edge_mm": pad.edge_radius_mm,
-    }  # fmt: skip
+    more: dict[str, Any] = {"poisson": pad.poisson, "law": pad.shape, "base": pad.base, "progress": progress}
+    more["edge_mm"] = pad.edge_radius_mm
     if cells is not None:
         inputs["cells"] = more["cells"] = cells
     made = cached("shaped", inputs, lambda: vars(solve_shaped_pad(*args, extent_mm=extent_mm, **more)))

@@ -183,6 +183,7 @@ class Solid:
         state : State
             Its pressure residual is made to vanish.
         du : ndarray, shape (displacements,)
+            Increments of the nodes, in the mesh's unit of length.
         """
         load = -state.pressure_residual - (du[self.mesh.dofs][:, None, :] @ tangent.coupling)[:, 0]
         return (load[:, None, :] @ self.inverse)[:, 0]

@@ -54,7 +54,17 @@ def solve(task: tuple[float, float, str]) -> tuple[Array, Array]:
 
 
 def content(base: str, count: int, fresh: int, pool: ProcessPoolExecutor) -> dict[str, Any]:
-    """Solve grid and random pads; return what goes into the file."""
+    """Solve grid and random pads; return what goes into the file.
+
+    Parameters
+    ----------
+    base : str
+        ``bonded`` or ``sliding``.
+    count, fresh : int
+        Values of a / h, and random pads.
+    pool : ProcessPoolExecutor
+        Solves them.
+    """
     ratios = nodes(count)
     tasks = [(float(ratio), float(fillet), base) for ratio in ratios for fillet in FILLETS]
     found = []

@@ -17,7 +17,7 @@ import numpy as np
 from dummydesign.measurement.landmarks import find_holds
 from dummydesign.pad.material.ogden import Ogden
 from dummydesign.pad.puck import solve_puck
-from dummydesign.pad.tables.puck_proportions import table_for
+from dummydesign.pad.tables.pucks.proportions import table_for
 from dummydesign.resin.puck_test.reduction import reduce_press
 from dummydesign.resin.puck_test.relaxation_fit import fit_relaxation
 

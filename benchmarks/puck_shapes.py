@@ -10,8 +10,8 @@ import numpy as np
 
 from dummydesign.pad.material.ogden import Ogden
 from dummydesign.pad.puck import solve_puck
-from dummydesign.pad.tables.puck import SHAPE_STEP, grip, load_shapes, uniaxial
-from dummydesign.pad.tables.puck_proportions import table_for
+from dummydesign.pad.tables.pucks.proportions import table_for
+from dummydesign.pad.tables.pucks.response import SHAPE_STEP, grip, load_shapes, uniaxial
 
 COMPRESSION = np.array([0.02, 0.1, 0.2, 0.3, 0.4, 0.5])
 

@@ -42,7 +42,7 @@ SHAPES = tuple(
     Study(
         "tables.shapes", f"{kind} --count {count}", (f"{TABLES}{kind}-bonded.json",), f"response table of {kind} pads"
     )
-    for kind, count in (("crowned", 203), ("layered", 50), ("boned", 56), ("bumped", 30))
+    for kind, count in (("crowned", 400), ("layered", 70), ("boned", 70), ("bumped", 30))
 )
 STUDIES = (
     Study(
@@ -54,6 +54,10 @@ STUDIES = (
         "square over circle of equal area, in space",
     ),
     *SHAPES,
+    Study(
+        "tables.filleted", "", (f"{TABLES}filleted-bonded.json", f"{TABLES}filleted-sliding.json"),
+        "slabs under punches with a filleted edge",
+    ),
     Study("tables.puck", "", (f"{TABLES}puck-50x30.json",), "plate friction of a puck of 50 x 30 mm"),
     Study("tables.puck", "--shapes", (f"{TABLES}puck-shapes.json",), "plate friction of pucks of other proportions"),
     Study("tables.separability", "", (f"{TABLES}quick-error.json",), "error of the quick prediction of motions"),

@@ -65,7 +65,7 @@ def test_a_table_says_how_it_was_made(tmp_path):
 
 @pytest.mark.slow
 def test_one_row_of_the_tables_of_pucks_is_found_again():
-    from dummydesign.pad.tables.puck import load_shapes
+    from dummydesign.pad.tables.pucks.response import load_shapes
     from dummydesign.studies.tables.puck import build
 
     table = load_shapes()[0]

@@ -22,7 +22,7 @@ from dummydesign.resin.update.pucks import known_puck, with_point, without_puck
 if TYPE_CHECKING:
     from dummydesign.measurement.landmarks import Hold
     from dummydesign.measurement.trace import Trace
-    from dummydesign.pad.tables.puck import PuckTable
+    from dummydesign.pad.tables.pucks.response import PuckTable
     from dummydesign.resin.model.resin import Resin
     from dummydesign.resin.puck_test.relaxation_fit import Found, PuckRelaxation
 
@@ -128,7 +128,7 @@ def add_compression(
     """
     from dummydesign.measurement.landmarks import find_holds
     from dummydesign.measurement.trace import read_trace
-    from dummydesign.pad.tables.puck_proportions import table_for
+    from dummydesign.pad.tables.pucks.proportions import table_for
 
     for what, value in (("diameter_mm", diameter_mm), ("height_mm", height_mm)):
         if not (np.isfinite(value) and value > 0.0):

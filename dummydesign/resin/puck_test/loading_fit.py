@@ -1,7 +1,7 @@
 """Modulus, stiffening and plate friction of one batch from compression curves of pucks.
 
 Model of a curve k: load(x) = A E u(c; alpha) B(c; alpha, friction), c = (x - x_k) / height, with u the closed
-form between frictionless plates and B the table of ``pad.tables.puck``; x_k is where that curve's contact
+form between frictionless plates and B the table of ``pad.tables.pucks.response``; x_k is where that curve's contact
 begins. The machine's load is zeroed at x = 0, in the data and in the model alike. Modulus, stiffening and
 friction are common to all curves of the batch.
 
@@ -22,7 +22,7 @@ import numpy as np
 from dummydesign.core.errors import InputError
 from dummydesign.inference.least_squares import solve_by_differences
 from dummydesign.inference.profile import within
-from dummydesign.pad.tables.puck import PuckTable, friction_of, uniaxial
+from dummydesign.pad.tables.pucks.response import PuckTable, friction_of, uniaxial
 
 Array = np.ndarray
 

@@ -14,7 +14,7 @@ import numpy as np
 from dummydesign.core.recurrence import linear_recurrence
 from dummydesign.inference.least_squares import solve_by_differences
 from dummydesign.inference.model_selection import aicc
-from dummydesign.pad.tables.puck import PuckTable, uniaxial
+from dummydesign.pad.tables.pucks.response import PuckTable, uniaxial
 from dummydesign.resin.puck_test.noise import PuckNoise, whitener
 from dummydesign.resin.puck_test.reduction import PuckPress
 

@@ -31,7 +31,7 @@ import numpy as np
 
 from dummydesign.inference.model_selection import simplest
 from dummydesign.inference.profile import CHI_SQUARE_95, within
-from dummydesign.pad.tables.puck import PuckTable, friction_of
+from dummydesign.pad.tables.pucks.response import PuckTable, friction_of
 from dummydesign.resin.puck_test.model import PuckProblem, Trial
 from dummydesign.resin.puck_test.noise import PuckNoise, estimate, whitener
 from dummydesign.resin.puck_test.reduction import PuckPress
@@ -102,7 +102,7 @@ def fit_relaxation(press: PuckPress, diameter_mm: float, height_mm: float, table
     diameter_mm, height_mm : float
         Undeformed puck. [mm]
     table : PuckTable
-        Of this shape, see :func:`dummydesign.pad.tables.puck_proportions.table_for`.
+        Of this shape, see :func:`dummydesign.pad.tables.pucks.proportions.table_for`.
 
     Returns
     -------

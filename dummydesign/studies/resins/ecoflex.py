@@ -24,7 +24,7 @@ from dummydesign.core.datafiles import data_folder
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_text
 from dummydesign.inference.profile import CHI_SQUARE_95
-from dummydesign.pad.tables.puck import DIAMETER_MM, HEIGHT_MM, load_puck_table
+from dummydesign.pad.tables.pucks.response import DIAMETER_MM, HEIGHT_MM, load_puck_table
 from dummydesign.resin.puck_test.loading_fit import Curve, PuckFit, fit_pucks
 
 Array = np.ndarray

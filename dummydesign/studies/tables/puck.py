@@ -12,7 +12,7 @@ from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.json_table import table_path
 from dummydesign.pad.material.ogden import Ogden
 from dummydesign.pad.puck import solve_puck
-from dummydesign.pad.tables.puck import (
+from dummydesign.pad.tables.pucks.response import (
     COMMAND,
     DIAMETER_MM,
     HEIGHT_MM,

@@ -27,6 +27,8 @@ from dummydesign.studies.tables.designs.base import EXTENT_OVER_RADIUS
 Array = np.ndarray
 # What a curve that reached the last depth counts in the mean that limits the table's depth.
 COMPLETE = 0.7
+# A curve that ends before this d / h is not used.
+LEAST_DEPTH = 0.2
 
 
 def _gather(design: Design, points: Array, store: Path, workers: int, finer: bool = False) -> list[dict[str, Any]]:
@@ -206,7 +208,12 @@ def main(arguments: list[str] | None = None) -> None:
     store = options.store or Path(f"{options.kind}-solves.jsonl")
     checks = _gather(design, design.fresh(fresh), store, workers)
     fine = _gather(design, design.fresh(finer), store.with_suffix(".finer.jsonl"), workers, True)
-    answers = _gather(design, design.points(count), store, workers)
+    solved = _gather(design, design.points(count), store, workers)
+    shallow = int((design.depths < LEAST_DEPTH).sum())
+    answers = [answer for answer in solved if min(len(row) for row in answer["force"]) > shallow]
+    if len(answers) < len(solved):
+        # Contact that flickers near the edge ends a path early; that says nothing of how deep such pads go.
+        print(f"{len(solved) - len(answers)} pads ended before d/h {LEAST_DEPTH} and are left out", file=sys.stderr)
     table = content(design, answers, checks, fine)
     write_table(options.out / f"{options.kind}-bonded.json", table, build)
     print(json.dumps(table["provenance"], indent=1))

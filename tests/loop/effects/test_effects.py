@@ -17,10 +17,10 @@ from dummydesign.loop.model.effect import Arm
 from dummydesign.loop.model.forward_model import Active, relax, simulate
 from dummydesign.loop.model.parameters import BaseParameters
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
-from dummydesign.pad.tables import puck as puck_table
-from dummydesign.pad.tables import puck_proportions as puck_shapes
-from dummydesign.pad.tables.puck import grip
-from dummydesign.pad.tables.puck_proportions import table_for
+from dummydesign.pad.tables.pucks import proportions as puck_shapes
+from dummydesign.pad.tables.pucks import response as puck_table
+from dummydesign.pad.tables.pucks.proportions import table_for
+from dummydesign.pad.tables.pucks.response import grip
 
 BASE = BaseParameters(0.025, (0.06, 1.4), (0.3, 0.25))
 ON_SLABS = [effect for effect in EFFECTS if effect.name != "plate_friction"]

@@ -8,7 +8,7 @@ import pytest
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.pad.material.ogden import Ogden
 from dummydesign.pad.puck import solve_puck
-from dummydesign.pad.tables.puck import friction_of, grip, load_puck_table, uniaxial
+from dummydesign.pad.tables.pucks.response import friction_of, grip, load_puck_table, uniaxial
 from dummydesign.resin.puck_test.loading_fit import Curve, fit_pucks
 
 WINDOW = (1.0, 15.0)

@@ -10,7 +10,7 @@ import pytest
 
 from dummydesign.measurement.landmarks import find_holds
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
-from dummydesign.pad.tables.puck_proportions import table_for
+from dummydesign.pad.tables.pucks.proportions import table_for
 from dummydesign.resin.puck_test.model import PuckProblem
 from dummydesign.resin.puck_test.noise import PuckNoise, covariance
 from dummydesign.resin.puck_test.reduction import reduce_press

@@ -11,8 +11,8 @@ from dummydesign.core.errors import InputError
 from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.model.base_law import SetupLaw, UnitForce, root_law, wrap
 from dummydesign.loop.model.effect import Effect, Parameter, Values
-from dummydesign.pad.tables.puck import PuckTable, grip
-from dummydesign.pad.tables.puck_proportions import shape_range, table_for
+from dummydesign.pad.tables.pucks.proportions import shape_range, table_for
+from dummydesign.pad.tables.pucks.response import PuckTable, grip
 
 
 class PlateFriction(Effect):

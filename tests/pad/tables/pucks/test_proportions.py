@@ -8,8 +8,8 @@ import pytest
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.pad.material.ogden import Ogden
 from dummydesign.pad.puck import solve_puck
-from dummydesign.pad.tables.puck import grip, load_puck_table, load_shapes, uniaxial
-from dummydesign.pad.tables.puck_proportions import interpolate, shape_range, table_for
+from dummydesign.pad.tables.pucks.proportions import interpolate, shape_range, table_for
+from dummydesign.pad.tables.pucks.response import grip, load_puck_table, load_shapes, uniaxial
 
 
 def test_a_solved_proportion_gives_its_own_table():

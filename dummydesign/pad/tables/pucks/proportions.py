@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from dummydesign.core.errors import InputError
-from dummydesign.pad.tables.puck import PuckTable, load_shapes
+from dummydesign.pad.tables.pucks.response import PuckTable, load_shapes
 
 NEAREST = 4
 

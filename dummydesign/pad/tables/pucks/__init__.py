@@ -1,0 +1,1 @@
+"""Tables of pucks between plates: of one size, and of any proportions."""

@@ -8,7 +8,8 @@ import pytest
 
 from dummydesign.core import json_table
 from dummydesign.core.errors import NoAnswerError
-from dummydesign.pad.tables import compressibility, puck, separability, shape, slab, square
+from dummydesign.pad.tables import compressibility, separability, shape, slab, square
+from dummydesign.pad.tables.pucks import response as puck
 
 READERS = {
     "slab-bonded.json": (slab.load_table, "dummydesign.studies.tables.slab"),

@@ -198,7 +198,9 @@ def _answer(
     def answered() -> tuple[Any, Any, dict[str, Any]]:
         found = design(wanted, progress)
         safety = safety_view(found, mass_kg, velocity_mm_s, limits)
-        return found, safety, {"inputs": inputs, **found.to_dict(), "safety": safety.to_dict(), "files": {}}
+        told = found.to_dict()
+        told["warnings"] = [*(dict(item) for item in safety.warnings), *told["warnings"]]
+        return found, safety, {"inputs": inputs, **told, "safety": safety.to_dict(), "files": {}}
 
     if folder is None:
         found, _, result = answered()

@@ -28,6 +28,28 @@ def verdict_lines(verdict: dict[str, Any] | None, coloured: bool | None = None) 
     return [f"{head}:{rest}", ""]
 
 
+def first_lines(result: dict[str, Any]) -> list[str]:
+    """What must be read next: a pad that bottoms out, the impact, a puck to be measured first, and why this pad.
+
+    Parameters
+    ----------
+    result : dict
+        The answer of ``suggest``.
+    """
+    lines = [f"BOTTOMS OUT: {item['message']}" for item in result["warnings"] if item["code"] == "bottoms_out"]
+    rows = result.get("safety", {}).get("impact", [])
+    pad = next((row for row in rows if row["body"] == "pad"), None)
+    known = [row["peak_force_N"] for row in rows if row["body"] != "pad" and row["peak_force_N"] is not None]
+    if pad and pad["peak_force_N"] is not None and known:
+        lines.append(
+            f"impact: the pad stops it with {pad['peak_force_N']:.3g} N at {pad['depth_mm']:.3g} mm, the subjects with "
+            f"{min(known):.3g} to {max(known):.3g} N"
+        )
+    lines += [result["measure_first"]["text"]] if result.get("measure_first") else []
+    lines += [f"why this pad: {result['choice']['text']}"] if result.get("choice") else []
+    return [*lines, ""] if lines else []
+
+
 def _wants_colour() -> bool:
     import os
     import sys

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dummydesign.design.assessment.choice import explain, measure_first
 from dummydesign.design.assessment.pour_yield import Tolerances, pour_yield
 from dummydesign.design.assessment.readings import verdict_of_design
 from dummydesign.design.assessment.warnings import design_warnings, rests_on
@@ -34,6 +35,7 @@ def assess(inputs: Inputs, solved: Solved) -> Suggestion:
     pour = pour_yield(
         chosen.cast, space.resin, space.targets, best.thickness_mm, best.ratio, space.radius_mm, tolerances
     )
+    alone = len(inputs.tissue.subjects) < 2
     own = own_warnings(request, inputs.punch, inputs.tissue, chosen.shape.plain)
     warnings = design_warnings(
         chosen, space, inputs.tissue, pour, solved.verification, solved.centring, request.verify, own
@@ -60,6 +62,8 @@ def assess(inputs: Inputs, solved: Solved) -> Suggestion:
         rests_on=rests_on(space.resin, inputs.tissue, best),
         warnings=tuple(warnings),
         punch=inputs.punch,
+        choice=explain(best, chosen.shape.name, chosen.beside, chosen.cast, space, tolerances),
+        measure_first=None if alone else measure_first(best, chosen.cast, space, tolerances),
         calibration=None if calibrated is None else calibration_dict(calibrated.calibration, str(request.calibration)),
     )
 

@@ -13,6 +13,7 @@ from dummydesign.design.assessment.safety import Contact, impact, pad_body, pad_
 from dummydesign.design.scoring.presses import Sampling
 
 if TYPE_CHECKING:
+    from dummydesign.design.scoring.presses import Slabs
     from dummydesign.design.suggestion import Suggestion
 
 TEXT = (
@@ -45,11 +46,13 @@ class SafetyView:
     limits: tuple[dict[str, Any], ...] = ()
     limits_source: str = ""
     text: str = ""
+    warnings: tuple[dict[str, str], ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """Return all rows as plain values."""
         plain = asdict(self)
-        return {**plain, "presses": list(plain["presses"]), "impact": list(self.impact), "limits": list(self.limits)}
+        rows = {name: list(getattr(self, name)) for name in ("impact", "limits", "warnings")}
+        return {**plain, "presses": list(plain["presses"]), **rows}
 
 
 def safety_view(
@@ -88,6 +91,7 @@ def safety_view(
         )  # fmt: skip
         checked += [("tissue", f"{force:g} N, {speed:g} mm/s", tissue), ("pad", f"{force:g} N, {speed:g} mm/s", pad)]
     rows: list[dict[str, Any]] = []
+    warned: list[dict[str, str]] = []
     words = ""
     if robot_mass_kg is not None:
         bodies = {"pad": pad_body(slabs)}
@@ -102,6 +106,8 @@ def safety_view(
         for name, body in bodies.items():
             contact = impact(body, robot_mass_kg, robot_velocity_mm_s)
             rows += _impact_rows(name, contact, area)
+            if name == "pad" and not np.isfinite(contact.peak_force_N).all():
+                warned.append(_bottoming(slabs, robot_mass_kg, robot_velocity_mm_s))
             checked.append((name, f"{robot_mass_kg:g} kg at {robot_velocity_mm_s:g} mm/s", contact))
     held, source = (), ""
     if limits is not None:
@@ -112,7 +118,22 @@ def safety_view(
         )
         source = f"Limits '{limits.name}': {limits.force_N.source}; {limits.pressure_N_per_cm2.source}"
     text = TEXT.format(punch=answer.request.punch_text)
-    return SafetyView(tuple(presses), tuple(rows), words, held, source, text)
+    return SafetyView(tuple(presses), tuple(rows), words, held, source, text, tuple(warned))
+
+
+def _bottoming(slabs: Slabs, mass_kg: float, velocity_mm_s: float) -> dict[str, str]:
+    """What is said of a pad that does not stop a mass within its depth."""
+    limit, thickness = float(slabs.curves.limit_mm[slabs.slab[0]]), float(slabs.thickness_mm[0])
+    depth = np.linspace(0.0, limit, 200)
+    force = slabs.young_MPa[0] * slabs.curves.area_at(slabs.slab, depth[None])[0]
+    taken = float((0.5 * (force[1:] + force[:-1]) * np.diff(depth)).sum())
+    energy = 0.5e-3 * mass_kg * velocity_mm_s**2
+    message = (
+        f"the pad bottoms out: {mass_kg:g} kg at {velocity_mm_s:g} mm/s bring {energy:.3g} mJ, the pad at rest takes "
+        f"{taken:.3g} mJ to {limit:.1f} mm, {limit / thickness:.2f} of its thickness; beyond it is as hard as its "
+        "base, and its force says nothing of the person"
+    )
+    return {"code": "bottoms_out", "message": message}
 
 
 def _impact_rows(name: str, contact: Contact, area: float) -> list[dict[str, Any]]:

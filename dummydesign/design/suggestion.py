@@ -13,6 +13,7 @@ from dummydesign.geometry.shapes import PadShape
 
 if TYPE_CHECKING:
     from dummydesign.design.assessment.centring import CentringTolerance
+    from dummydesign.design.assessment.choice import Choice, MeasureFirst
     from dummydesign.design.assessment.pour_yield import PourYield
     from dummydesign.design.assessment.verification import Verification
     from dummydesign.design.own_test.punch import AskedPunch
@@ -64,6 +65,8 @@ class Suggestion:
     rests_on: dict[str, Any]
     warnings: tuple[dict[str, str], ...]
     punch: AskedPunch
+    choice: Choice
+    measure_first: MeasureFirst | None
     calibration: dict[str, Any] | None = None
 
     @property
@@ -97,6 +100,8 @@ class Suggestion:
         slope = self.resin.log_slope(self.best.ratio)
         return {
             "verdict": self.verdict.to_dict(),
+            "measure_first": self.measure_first.to_dict() if self.measure_first else None,
+            "choice": self.choice.to_dict(),
             "calibration": self.calibration,
             "recommendation": design_dict(self.recommended, self.resin, self.targets),
             "alternatives": [design_dict(other, self.resin, self.targets) for other in self.alternatives],

@@ -48,7 +48,8 @@ def write_suggestion(
         (f"{best['scores']['total']:.2f}", "score, 0 to 1"),
         *_castings_fact(result),
     ]
-    lead = (
+    first = result["measure_first"]
+    lead = (f"{first['text'][0].upper()}{first['text'][1:]}. " if first else "") + (
         f"Recommended for {answer.tissue.title} ({answer.tissue.name}), aim {answer.request.aim}, of "
         f"{answer.resin.title}. {result['rests_on']['text']} Next: {result['rests_on']['next_step']}."
     )
@@ -153,6 +154,8 @@ def _why(result: dict[str, Any]) -> str:
     scores = ", ".join(f"{name.replace('_', ' ')} {value:.2f}" for name, value in parts)
     slope = 100 * result["sensitivity"]["d_ln_young_per_percent_ratio"]
     return (
+        f"{result['choice']['text'][0].upper()}{result['choice']['text'][1:]}."
+        "\n\n"
         f"Scores from 0 to 1: {scores}. The modulus changes {slope:.0f} % per 1 % of the ratio."
         "\n\n"
         "In the map the ellipse bounds the effect of weighing and thickness errors; the dotted line is the 95 % "

@@ -8,7 +8,7 @@ from typing import Any
 from dummydesign.cli.effect_option import add_effect_option
 from dummydesign.cli.output_option import add_replace_option
 from dummydesign.cli.steps import Steps
-from dummydesign.cli.verdict import verdict_lines
+from dummydesign.cli.verdict import first_lines, verdict_lines
 
 ABOUT_STEPS = 7
 HELP = "Recommend resin ratio, pad thickness, weights to pour and a mould for a tissue."
@@ -127,6 +127,7 @@ def render(result: dict[str, Any]) -> str:
     weigh = ", ".join(f"{item['name']} {item['mass_g']:.1f} g" for item in recipe["components"])
     lines = [
         *verdict_lines(result["verdict"]),
+        *first_lines(result),
         *_calibration(result),
         f"{result['inputs']['tissue']}, aim {result['inputs']['aim']}",
         "",

@@ -8,8 +8,9 @@ import pytest
 
 from dummydesign.core.errors import InputError
 from dummydesign.design.assessment.safety import Body, impact, pad_body, pad_press, tissue_body, tissue_press
-from dummydesign.design.scoring.presses import Sampling, make_curves, press_to_depth, steady_depth
+from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves, press_to_depth, steady_depth
 from dummydesign.design.search.slabs import make_slabs
+from dummydesign.pad.tables.slab import load_table
 from dummydesign.resin import load_resin
 from dummydesign.tissue.model.ranges import force_range
 
@@ -135,3 +136,25 @@ def test_what_cannot_be_is_refused(pads, finger):
             impact(pad_body(pads), mass, speed)
     with pytest.raises(InputError, match="law = 'consistent'"):
         tissue_body(finger.parameter_sets, 10.0)
+
+
+
+@pytest.mark.parametrize("mass_kg", [0.05, 4.0, 80.0])
+@pytest.mark.parametrize("velocity_mm_s", [1.0, 30.0, 1000.0])
+def test_a_mass_on_a_spring_stops_where_its_energy_is_taken_at_any_speed(mass_kg, velocity_mm_s):
+    stiffness = 60.0
+    found = impact(spring([stiffness]), mass_kg, velocity_mm_s, longest_mm=400.0)
+    wanted = velocity_mm_s * np.sqrt(1e-3 * mass_kg / stiffness)
+    assert found.depth_mm[0] == pytest.approx(wanted, rel=1e-4)
+    assert found.peak_force_N[0] == pytest.approx(stiffness * wanted, rel=1e-4)
+    assert found.stop_s[0] == pytest.approx(0.5 * np.pi * np.sqrt(1e-3 * mass_kg / stiffness), rel=1e-3)
+
+
+@pytest.mark.parametrize("velocity_mm_s", [1.0, 10.0, 100.0, 400.0])
+def test_what_an_elastic_pad_stores_is_the_energy_of_the_mass(velocity_mm_s):
+    curves = make_curves(load_table("bonded"), [12.0], 7.9)
+    slabs = Slabs(curves, np.array([0]), np.array([0.03]), (), np.zeros((1, 0)))
+    found = impact(pad_body(slabs), 0.5, velocity_mm_s)
+    depth = np.linspace(0.0, found.depth_mm[0], 20001)
+    stored = np.trapezoid(slabs.young_MPa[0] * curves.area_at(np.array([0]), depth[None])[0], depth)
+    assert stored == pytest.approx(0.5e-3 * 0.5 * velocity_mm_s**2, rel=2e-3)

@@ -9,6 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Result
 from dummydesign.api.asked_pad import asked_pad, numbers
+from dummydesign.core.checks import (
+    DECELERATION,
+    EDGE,
+    FORCE,
+    HOLD,
+    THICKNESS,
+    VELOCITY,
+    YOUNG,
+    read_number,
+)
 from dummydesign.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -20,17 +30,19 @@ MOVED = ("time_s", "displacement_mm", "force_N", "force_low_N", "force_high_N")
 
 
 def predict(
-    thickness_mm: float,
+    thickness_mm: float | str,
     *,
-    young_kPa: float | None = None,
+    young_kPa: float | str | None = None,
     resin: str | None = None,
     ratio: float | None = None,
     depth_mm: str | float | Iterable[float] | None = None,
     motion: str | PathLike[str] | None = None,
-    force_N: float | None = None,
-    velocity_mm_s: float | None = None,
-    hold_s: float = 10.0,
-    deceleration_mm_s2: float = 30000.0,
+    force_N: float | str | None = None,
+    velocity_mm_s: float | str | None = None,
+    hold_s: float | str = 10.0,
+    deceleration_mm_s2: float | str = 30000.0,
+    tissue: str | None = None,
+    aim: str = "average",
     punch: str = "square:14",
     condition: str = "bonded",
     base: str = "bonded",
@@ -66,6 +78,9 @@ def predict(
         Force at the end of a ramp and hold, and speed of the ramp. [N, mm/s]
     hold_s, deceleration_mm_s2 : float
         Hold after the stop, and braking. [s, mm/s2]
+    tissue, aim : str
+        Hold the pad against a tissue as ``suggest`` does, under presses to 5, 10 and 15 N at 10 and 250 mm/s: the
+        answer then has ``verdict`` and ``conditions``. Depths, a motion or a force may be left out.
     punch : str
         ``square:14``, ``round:D``, ``rectangle:AxB``, ``profile:FILE.csv`` or ``plate``.
     condition, base : str
@@ -113,9 +128,9 @@ def predict(
     >>> [round(force, 2) for force in pad.to_dict()["force_N"]]
     [4.95, 10.76]
     """
-    inputs = {name: value for name, value in locals().items() if name != "progress"}
+    inputs = {name: _in_units(name, value) for name, value in locals().items() if name != "progress"}
     asked = [name for name in ("depth_mm", "motion", "force_N") if inputs[name] is not None]
-    if len(asked) != 1:
+    if len(asked) > 1 or (not asked and tissue is None):
         raise InputError(f"give exactly one of --depth, --motion and --force, not {len(asked)}")
     from dummydesign.pad.predict import predict_motion, predict_static
 
@@ -126,6 +141,13 @@ def predict(
     common: dict[str, Any] = {"inputs": inputs, "sources": sources, "warnings": warnings, "young_kPa": young}
     common["prony"] = [term.to_dict() for term in made.prony]
     found: StaticPrediction | MotionPrediction
+    if tissue is not None:
+        common |= _against(made, inputs, young)
+        common["sources"] = [*sources, *common.pop("tissue_sources")]
+        if not asked:
+            depths = sorted({row["depth_mm"] for row in common["conditions"] if row["depth_mm"] is not None})
+            depth_mm = depths or [0.25 * made.thickness_mm]
+            asked = ["depth_mm"]
     if depth_mm is not None:
         found = predict_static(made, numbers("depth", depth_mm), fidelity, progress)
     else:
@@ -140,6 +162,35 @@ def predict(
     if out:
         files = {"curve": str(_write(out, STATIC if asked == ["depth_mm"] else MOVED, result))} | files
     return Result(found, result | ({"files": files} if files else {}), "predict")
+
+
+PURPOSES = {
+    "thickness_mm": THICKNESS, "young_kPa": YOUNG, "force_N": FORCE, "velocity_mm_s": VELOCITY, "hold_s": HOLD,
+    "deceleration_mm_s2": DECELERATION, "edge_radius_mm": EDGE,
+}  # fmt: skip
+
+
+def _in_units(name: str, value: Any) -> Any:
+    """A number with the unit it came with, or as it is."""
+    return value if value is None or name not in PURPOSES else read_number(value, PURPOSES[name])
+
+
+def _against(made: Pad | Puck, inputs: dict[str, Any], young: dict[str, float]) -> dict[str, Any]:
+    """Verdict and presses of the pad against a tissue."""
+    from dummydesign.design.assessment.verdict_of_pad import verdict_of_pad
+    from dummydesign.design.scoring.presses import Sampling
+    from dummydesign.pad.elastic import elastic_curve
+    from dummydesign.pad.pad import Puck
+    from dummydesign.tissue.model.tissue_file import load_tissue
+
+    if isinstance(made, Puck):
+        raise InputError(f"tissue = {inputs['tissue']}: a puck between plates stands for nobody; give pad and punch")
+    site, sampling = load_tissue(inputs["tissue"]), Sampling(
+        hold_s=inputs["hold_s"], deceleration_mm_s2=inputs["deceleration_mm_s2"]
+    )
+    curve = elastic_curve(made, inputs["fidelity"], None, None, None)
+    judged, rows = verdict_of_pad(made, curve, young, site, inputs["aim"], sampling)
+    return {"verdict": judged.to_dict(), "conditions": rows, "tissue_sources": list(site.sources)}
 
 
 def _add_fields(

@@ -151,13 +151,13 @@ def design_dict(design: Design, resin: Resin, targets: Targets) -> dict[str, Any
             "parametric": candidate.parametric,
             "low_force_range": float(evaluation.low_force_range[index]),
         },
-        "conditions": _conditions(candidate, targets),
+        "conditions": condition_rows(candidate, targets),
         "low_force": _low_force(candidate, targets),
         "from_first_touch": low_force(candidate, targets).to_dict(),
     }
 
 
-def _conditions(candidate: Candidate, targets: Targets) -> list[dict[str, Any]]:
+def condition_rows(candidate: Candidate, targets: Targets) -> list[dict[str, Any]]:
     """One row a condition; a condition out of reach has no depth and says why."""
     rows = []
     for column, condition in enumerate(targets.conditions):

@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from dummydesign.cli.verdict import verdict_lines
+
 HELP = "Force of one pad at static depths, under a measured motion, or in a ramp and hold."
 SHOWN = 25
 
@@ -14,16 +16,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     from dummydesign.geometry.shape_names import shape_help
 
     add = parser.add_argument
-    add("--young", type=float, metavar="KPA", help="long-term Young's modulus in kPa")
+    add("--young", metavar="KPA", help="long-term Young's modulus in kPa")
     add("--resin", metavar="NAME|FILE", help="resin, with --ratio")
     add("--ratio", type=float, metavar="R", help="mixing ratio of the resin")
-    add("--thickness", type=float, required=True, metavar="MM")
+    add("--thickness", required=True, metavar="MM")
     add("--depth", metavar="D1,D2,...", help="static depths in mm")
     add("--motion", metavar="FILE.csv", help="measured motion: columns time_s, displacement_mm")
-    add("--force", type=float, metavar="N", help="force at the end of a ramp and hold, with --velocity")
-    add("--velocity", type=float, metavar="MM_S", help="speed of the ramp")
-    add("--hold", type=float, default=10.0, metavar="S", help="hold after the stop (default 10 s)")
-    add("--deceleration", type=float, default=30000.0, metavar="MM_S2", help="braking (default 30000 mm/s2)")
+    add("--force", metavar="N", help="force at the end of a ramp and hold, with --velocity")
+    add("--velocity", metavar="MM_S", help="speed of the ramp")
+    add("--hold", default=10.0, metavar="S", help="hold after the stop (default 10 s)")
+    add("--deceleration", default=30000.0, metavar="MM_S2", help="braking (default 30000 mm/s2)")
+    add("--tissue", metavar="NAME|FILE", help="hold the pad against a tissue: the verdict and its numbers")
+    add("--aim", default="average", metavar="AIM", help="with --tissue: average (default), safe-side or subject:NAME")
     punches = "square:14 (default), round:D, rectangle:AxB, profile:FILE.csv, plate"
     add("--punch", default="square:14", metavar="KIND:SIZE", help=punches)
     edge = "fillet of the punch's edge, 0 (default, sharp) to 0.3 of its half-width; of shapes: --fidelity axisymmetric"
@@ -56,6 +60,8 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         force_N=options.force,
         velocity_mm_s=options.velocity,
         hold_s=options.hold,
+        tissue=options.tissue,
+        aim=options.aim,
         deceleration_mm_s2=options.deceleration,
         punch=options.punch,
         condition=options.condition,
@@ -86,9 +92,17 @@ def render(result: dict[str, Any]) -> str:
     """Write the answer as a short table."""
     young = result["young_kPa"]
     lines = [
+        *verdict_lines(result.get("verdict")),
         f"pad {result['inputs']['thickness_mm']:g} mm, E = {young['value']:.4g} kPa "
         f"({young['low']:.4g} to {young['high']:.4g}), punch {result['inputs']['punch']}, fidelity {result['fidelity']}"
     ]
+    for row in result.get("conditions", []):
+        head = f"  {row['steady_force_N']:g} N at {row['velocity_mm_s']:g} mm/s: "
+        if row["depth_mm"] is None:
+            lines.append(head + row["out_of_reach"])
+            continue
+        span = f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f} N"
+        lines.append(f"{head}{row['depth_mm']:.2f} mm deep, peak {row['peak_force_N']:.1f} N, the subjects' {span}")
     names: tuple[str, ...]
     formats: tuple[str, ...]
     if "peak_force_N" in result:

@@ -28,7 +28,7 @@ WORDS = {
     "parametric": "the fitted parameters",
     "low_aim": "closeness to the aim below {low:g} N",
 }
-POURS, TELLS, SEED, MOST = 150, 0.005, 29, 12
+POURS, TELLS, SEED, NEAR = 150, 0.005, 29, 10
 LEAST_SPREAD = 0.1
 """Spread of ln E below which no puck is asked for."""
 
@@ -188,8 +188,10 @@ def measure_first(
         return None
     every, making = (float(_fit(law, pours, space).mean()) for pours in poured)
     drawn = resin.draw(POURS, np.random.default_rng(SEED))
-    step = max(1, len(space.ratio) // MOST)
-    ratios = space.ratio[np.abs(np.arange(len(space.ratio)) - np.argmin(np.abs(space.ratio - best.ratio))) % step == 0]
+    here = int(np.argmin(np.abs(space.ratio - best.ratio)))
+    ratios = space.ratio[max(here - NEAR, 0) : here + NEAR + 1]
+    if len(ratios) < 2:
+        return None
     at = np.repeat(ratios, POURS)
     beta = np.concatenate([drawn.beta(np.full(POURS, ratio)) for ratio in ratios])
     young = np.concatenate([drawn.young_MPa(np.full(POURS, ratio)) for ratio in ratios])
@@ -197,6 +199,7 @@ def measure_first(
     fit = _fit(law, pours, space).reshape(len(ratios), POURS)
     each = fit.mean(axis=1)
     either = (fit[:, None] | fit[None]).mean(axis=-1)
+    np.fill_diagonal(either, -1.0)
     first, second = sorted(np.unravel_index(int(np.argmax(either)), either.shape))
     pair = float(ratios[first]), float(ratios[second])
     text = (

@@ -1,0 +1,34 @@
+"""A predicted pad is judged as the same pad of a suggestion is."""
+
+import pytest
+
+import dummydesign
+from dummydesign.core.errors import InputError
+
+
+def test_the_recommended_pad_has_the_presses_and_the_numbers_of_its_suggestion():
+    told = dummydesign.suggest("forefinger", shape="slab", verify=False).to_dict()
+    best = told["recommendation"]
+    found = dummydesign.predict(
+        best["thickness_mm"], resin=best["resin"], ratio=best["ratio"], tissue="forefinger"
+    ).to_dict()
+    for own, wanted in zip(found["conditions"], best["conditions"]):
+        assert own["depth_mm"] == pytest.approx(wanted["depth_mm"], rel=2e-3)
+        assert own["peak_force_N"] == pytest.approx(wanted["peak_force_N"], rel=3e-3)
+    same = ("peaks_below", "peaks_above", "peaks", "subjects")
+    assert [found["verdict"][name] for name in same] == [told["verdict"][name] for name in same]
+
+
+def test_a_pad_far_too_soft_is_poor_and_an_elastic_one_reads_low():
+    soft = dummydesign.predict(12, young_kPa=3.0, tissue="palm").to_dict()["verdict"]
+    elastic = dummydesign.predict(12, young_kPa=28.0, tissue="palm").to_dict()["verdict"]
+    assert soft["level"] == "poor" and elastic["level"] == "reads_low" and elastic["light"] == "red"
+
+
+def test_what_goes_with_a_tissue_is_said():
+    with pytest.raises(InputError, match="puck"):
+        dummydesign.predict(10, young_kPa=30, pad="cylinder:30", punch="plate", tissue="palm", fidelity="axisymmetric")
+    with pytest.raises(InputError, match="looks like MPa: give 25"):
+        dummydesign.predict(10, young_kPa=0.025, depth_mm=[1])
+    with pytest.raises(InputError, match="exactly one"):
+        dummydesign.predict(10, young_kPa=25)

@@ -179,6 +179,7 @@ def _against(made: Pad | Puck, inputs: dict[str, Any], young: dict[str, float]) 
     """Verdict and presses of the pad against a tissue."""
     from dummydesign.design.assessment.verdict_of_pad import verdict_of_pad
     from dummydesign.design.scoring.presses import Sampling
+    from dummydesign.design.suggestion import condition_rows
     from dummydesign.pad.elastic import elastic_curve
     from dummydesign.pad.pad import Puck
     from dummydesign.tissue.model.tissue_file import load_tissue
@@ -189,8 +190,8 @@ def _against(made: Pad | Puck, inputs: dict[str, Any], young: dict[str, float]) 
         hold_s=inputs["hold_s"], deceleration_mm_s2=inputs["deceleration_mm_s2"]
     )
     curve = elastic_curve(made, inputs["fidelity"], None, None, None)
-    judged, rows = verdict_of_pad(made, curve, young, site, inputs["aim"], sampling)
-    return {"verdict": judged.to_dict(), "conditions": rows, "tissue_sources": list(site.sources)}
+    judged, candidate, targets = verdict_of_pad(made, curve, young, site, inputs["aim"], sampling)
+    return {"verdict": judged.to_dict(), "conditions": condition_rows(candidate, targets), "tissue_sources": list(site.sources)}
 
 
 def _add_fields(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,10 +11,9 @@ from dummydesign.design.request import PAPER, Protocol
 from dummydesign.design.scoring.presses import DEPTH_SHARE, SAMPLES, Curves, Sampling, Slabs
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.standing import ranges_of, readings_of
-from dummydesign.design.scoring.targets import make_targets
+from dummydesign.design.scoring.targets import Targets, make_targets
 from dummydesign.design.scoring.verdict import Verdict, verdict
 from dummydesign.design.search.slabs import Candidate
-from dummydesign.design.suggestion import condition_rows
 from dummydesign.resin.model.distribution import HALF_WIDTH
 
 if TYPE_CHECKING:
@@ -33,7 +32,7 @@ def verdict_of_pad(
     aim: str = "average",
     sampling: Sampling | None = None,
     protocol: Protocol = PAPER,
-) -> tuple[Verdict, list[dict[str, Any]]]:
+) -> tuple[Verdict, Candidate, Targets]:
     """Press a pad by a test and judge it, with what is not known of its modulus and of the force.
 
     Parameters
@@ -55,8 +54,10 @@ def verdict_of_pad(
     Returns
     -------
     Verdict
-    list of dict
-        One row a press, as in ``suggest``.
+    Candidate
+        The pad as it was pressed.
+    Targets
+        What it was held against.
     """
     sampling = sampling or Sampling()
     thickness, limit = pad.thickness_mm, min(DEPTH_SHARE * pad.thickness_mm, float(curve.limit_mm))
@@ -78,4 +79,4 @@ def verdict_of_pad(
     missing = len(reached) < found.depth_mm.shape[1]
     bound = [f"depth over thickness (at most {limit / thickness:.2f})"] if missing else []
     judged = verdict(ranges_of(targets), reading_of(candidate), spread, bound, of="pads that this may be")
-    return judged, condition_rows(candidate, targets)
+    return judged, candidate, targets

@@ -191,7 +191,8 @@ def _against(made: Pad | Puck, inputs: dict[str, Any], young: dict[str, float]) 
     )
     curve = elastic_curve(made, inputs["fidelity"], None, None, None)
     judged, candidate, targets = verdict_of_pad(made, curve, young, site, inputs["aim"], sampling)
-    return {"verdict": judged.to_dict(), "conditions": condition_rows(candidate, targets), "tissue_sources": list(site.sources)}
+    rows = condition_rows(candidate, targets)
+    return {"verdict": judged.to_dict(), "conditions": rows, "tissue_sources": list(site.sources)}
 
 
 def _add_fields(

@@ -166,7 +166,7 @@ def _next(project: Project, found: dict[str, tuple[Found, ...]]) -> tuple[str, s
         calibration = _word(f"{latest.folder}/calibration.json")
         again = f"dummydesign suggest{tissue} --shape slab --calibration {calibration}"
         return "design again with what was learned", again
-    return "all steps are done: read the last report", f"dummydesign status  # {designs[-1].folder}/report.html"
+    return f"all steps are done: read {designs[-1].folder}/report.html", "dummydesign status"
 
 
 def _word(text: str) -> str:

@@ -99,10 +99,14 @@ def _stand(studio: Studio, project: Project) -> None:
     _running(studio)
 
 
+def _ended(job: jobs.Job) -> str:
+    return "answer not acceptable" if job.state == "failed" and job.answer else job.state
+
+
 def _running(studio: Studio) -> None:
     html("<h2>What was run</h2>")
     rows = [
-        f"<li>{escape(job.state)}, {job.seconds:.0f} s: <code>{escape(shown(job.words))}</code></li>"
+        f"<li>{_ended(job)}, {job.seconds:.0f} s: <code>{escape(shown(job.words))}</code></li>"
         for job in reversed(jobs.all_jobs(studio.root)[-12:])
     ]
     html(f"<ul>{''.join(rows)}</ul>" if rows else "<p>nothing yet</p>")

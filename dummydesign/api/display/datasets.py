@@ -9,7 +9,7 @@ import numpy as np
 
 from dummydesign.core.errors import InputError
 
-VARIED = ("thickness_mm", "ratio", "punch", "condition", "base")
+VARIED = ("thickness_mm", "ratio", "shape", "punch", "edge_radius_mm", "condition", "base")
 INNER = {"_at_N": "force_N", "peak_over_steady": "velocity_mm_s"}
 """Values that hold one number a force or a speed, by how their names end, and the dimension of that number."""
 
@@ -25,7 +25,7 @@ def dataset_of(rows: Sequence[Mapping[str, Any]]) -> Any:
     Returns
     -------
     xarray.Dataset
-        Dimensions thickness_mm, ratio, punch, condition, base, and force_N or velocity_mm_s where a value depends on
+        Dimensions thickness_mm, ratio, shape, punch, edge_radius_mm, condition, base, and force_N or velocity_mm_s where a value depends on
         it; parts of the score are ``score_total`` and so on, ``limit`` is text.
 
     Raises

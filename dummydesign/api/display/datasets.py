@@ -25,8 +25,8 @@ def dataset_of(rows: Sequence[Mapping[str, Any]]) -> Any:
     Returns
     -------
     xarray.Dataset
-        Dimensions thickness_mm, ratio, shape, punch, edge_radius_mm, condition, base, and force_N or velocity_mm_s where a value depends on
-        it; parts of the score are ``score_total`` and so on, ``limit`` is text.
+        Dimensions thickness_mm, ratio, shape, punch, edge_radius_mm, condition, base, and force_N or velocity_mm_s
+        where a value depends on it; parts of the score are ``score_total`` and so on, ``limit`` is text.
 
     Raises
     ------

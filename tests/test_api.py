@@ -166,6 +166,8 @@ def same(typed, default):
     """Whether an option's text means the default: numbers and lists may be typed."""
     if isinstance(typed, str) and isinstance(default, tuple):
         return tuple(float(value) for value in typed.split(",")) == default
+    if isinstance(typed, str) and isinstance(default, float):
+        return float(typed) == default
     return (list(typed), []) == (list(default), []) if isinstance(default, tuple) else typed == default
 
 

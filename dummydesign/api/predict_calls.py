@@ -126,7 +126,7 @@ def predict(
     >>> import dummydesign
     >>> pad = dummydesign.predict(12, young_kPa=25, depth_mm=[1, 2], punch="round:28")
     >>> [round(force, 2) for force in pad.to_dict()["force_N"]]
-    [4.95, 10.76]
+    [4.95, 10.74]
     """
     inputs = {name: _in_units(name, value) for name, value in locals().items() if name != "progress"}
     asked = [name for name in ("depth_mm", "motion", "force_N") if inputs[name] is not None]

@@ -8,20 +8,22 @@ import pytest
 
 from dummydesign.core import json_table
 from dummydesign.core.errors import NoAnswerError
-from dummydesign.pad.tables import compressibility, separability, shape, slab, square
+from dummydesign.pad.tables import compressibility, filleted, separability, shape, slab, square
 from dummydesign.pad.tables.pucks import response as puck
 
 READERS = {
     "slab-bonded.json": (slab.load_table, "dummydesign.studies.tables.slab"),
     "square-bonded.json": (square.load_square, "dummydesign.studies.tables.square"),
     "crowned-bonded.json": (lambda: shape.load_shape_table("crowned"), "dummydesign.studies.tables.shapes crowned"),
+    "filleted-bonded.json": (lambda: filleted.load_filleted("bonded", 0.1), "dummydesign.studies.tables.filleted"),
     "puck-50x30.json": (puck.load_puck_table, puck.COMMAND),
     "puck-shapes.json": (puck.load_shapes, f"{puck.COMMAND} --shapes"),
     "quick-error.json": (separability.load_quick_error, separability.COMMAND),
     "slab-compressibility.json": (compressibility.load_compressibility, compressibility.COMMAND),
 }
 CACHED = (
-    slab.load_table, square.load_square, shape.load_shape_table, puck.load_puck_table, puck.load_shapes,
+    slab.load_table, square.load_square, filleted.load_filleted, shape.load_shape_table, puck.load_puck_table,
+    puck.load_shapes,
     separability.load_quick_error, compressibility.load_compressibility,
 )  # fmt: skip
 DAMAGED = (
@@ -58,7 +60,7 @@ def test_a_damaged_or_missing_table_is_one_error_that_names_its_command(folder, 
 def test_every_shipped_table_has_a_reader_and_is_read():
     shipped = {path.name for path in json_table.table_path("x").parent.glob("*.json")}
     kinds = {f"{kind}-bonded.json" for kind in shape.tabulated_kinds()}
-    known = {*READERS, *kinds, "slab-sliding.json", "square-sliding.json"}
+    known = {*READERS, *kinds, "slab-sliding.json", "square-sliding.json", "filleted-sliding.json"}
     assert shipped == known
     for reader, _ in READERS.values():
         assert reader() is not None

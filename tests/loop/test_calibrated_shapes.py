@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from dummydesign.design.search.calibrated_family import CalibratedFamily
 from dummydesign.design.search.shape_family import ShapeLaw
 from dummydesign.design.search.tabulated_shapes import load_family
 from dummydesign.geometry.shapes import read_shape
+from dummydesign.geometry.standard import PAD_EXTENT_MM
 from dummydesign.loop.calibration import Calibration, Model
 from dummydesign.loop.calibration_file import write_calibration
 from dummydesign.loop.corrected_law import Correction
@@ -25,6 +27,7 @@ from dummydesign.loop.model.parameters import BaseParameters
 from dummydesign.loop.posterior import Posterior
 
 RADIUS, CROWN = 14.0 / np.sqrt(np.pi), "crowned:radius=20,height=3,foot=11"
+SPACE = SimpleNamespace(radius_mm=RADIUS, base="bonded", extent_mm=PAD_EXTENT_MM)
 PAD = {"young_kPa_expected": 30.0, "resin": "polyurethane-nagoya", "ratio": 15.0, "base": "bonded", "shape": "slab",
        "contact": "bonded"}  # fmt: skip
 NAMES = ("log young_kPa", "log tau_1_s", "log beta_1", "log tau_2_s", "log beta_2")
@@ -117,7 +120,7 @@ def test_a_solved_shape_carries_the_correction_once(monkeypatch):
         found, shape = Found(), read_shape(CROWN)
 
     Shaped.law = law
-    solved = resolved_by_fem.solve_law(Shaped(), RADIUS)
+    solved = resolved_by_fem.solve_law(Shaped(), SPACE)
     np.testing.assert_allclose(solved.force(depth, 10.0, 1.0, RADIUS), 1.05 * plain * (1.0 + 2.0 * (depth / 10.0) ** 2))
 
 

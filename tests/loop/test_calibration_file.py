@@ -33,7 +33,8 @@ def made(active=None):
         active = tuple(Active(one, {**one.null_values(), **size(one)}) for one in EFFECTS)
     after = Model(base, active, np.array([5.0, 20.0]), np.array([[0.01, -0.02], [0.0, 0.1], [-0.03, 0.5]]))
     plain = Model(base, (), np.array([12.0]), np.zeros((3, 1)))
-    pad = {"young_kPa_expected": 25.0, "resin": None, "ratio": 15.0, "base": "bonded", "shape": "slab"}
+    pad = {"young_kPa_expected": 25.0, "resin": None, "ratio": 15.0, "base": "bonded", "shape": "slab",
+           "contact": None}  # fmt: skip
     return Calibration(plain, after, "effect", {"rise": 0.05, "hold": 0.02}, 0.03, pad)
 
 

@@ -127,8 +127,8 @@ def render(result: dict[str, Any]) -> str:
     weigh = ", ".join(f"{item['name']} {item['mass_g']:.1f} g" for item in recipe["components"])
     lines = [
         *verdict_lines(result["verdict"]),
-        *first_lines(result),
         *_calibration(result),
+        *first_lines(result),
         f"{result['inputs']['tissue']}, aim {result['inputs']['aim']}",
         "",
         f"  pad        {_pad(result)}",

@@ -58,6 +58,9 @@ def check_test(request: Request, punch: AskedPunch) -> None:
         if Interface.names_friction(request.base):
             raise InputError(f"edge_radius_mm = {request.edge_radius_mm:g} with base = {request.base} is not solved")
         check_fillet(request.edge_radius_mm, punch.half_width_mm)
+    refused = refused_kinds(request, punch).get(request.shape.partition(":")[0].lower())
+    if refused:
+        raise InputError(refused)
     if request.calibration is not None and not standard_press(request):
         raise InputError("a calibration is of its campaign's punch, pad and base: leave --punch, --edge-radius, "
                          "--pad and --base out")  # fmt: skip

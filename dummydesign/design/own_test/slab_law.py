@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import pi, sqrt
 from typing import TYPE_CHECKING
 
@@ -65,10 +66,11 @@ def own_slab_law(request: Request, punch: AskedPunch, thickness_mm: NDArray) -> 
     thickness_mm : ndarray, shape (T,)
         Thicknesses that are searched. [mm]
     """
-    from dummydesign.pad.tables.slab import load_table
+    from dummydesign.pad.tables.filleted import slab_table
 
     base = request.base if request.base in BASES else "bonded"
-    law: ForceLaw = solved_over(load_table(base=base), asked_pad(request, punch), thickness_mm)
+    pad, edge = asked_pad(request, punch), request.edge_radius_mm
+    law: ForceLaw = solved_over(slab_table(base, edge, punch.radius_mm), replace(pad, edge_radius_mm=0.0), thickness_mm)
     return punch_law(law, request.punch, base) if request.base in BASES and not punch.profile_mm else law
 
 

@@ -8,7 +8,7 @@ sqrt(d / h) and ln(a / h): the contact rolls on to the fillet by about the root 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -154,8 +154,8 @@ def load_filleted(base: str, fillet: float) -> FilletedTable:
     if not 0.0 < fillet <= LARGEST_EDGE_RADIUS * (1.0 + 1e-9):
         raise out_of_range("edge radius over punch radius", f"{fillet:.4g}", 0.0, LARGEST_EDGE_RADIUS)
     command = "python -m dummydesign.studies.tables.filleted"
-    data = json_table.read(f"filleted-{base}.json", "table of filleted punches", command, dict)
-    return between_fillets(data, fillet)
+    name, parse = f"filleted-{base}.json", partial(between_fillets, fillet=fillet)
+    return json_table.read(name, "table of filleted punches", command, parse)
 
 
 def slab_table(base: str, edge_radius_mm: float, radius_mm: float) -> ResponseTable:
@@ -168,4 +168,4 @@ def slab_table(base: str, edge_radius_mm: float, radius_mm: float) -> ResponseTa
     edge_radius_mm, radius_mm : float
         Of the punch's edge, 0 when sharp, and of the punch. [mm]
     """
-    return load_filleted(base, edge_radius_mm / radius_mm) if edge_radius_mm else load_table(base)
+    return load_filleted(base, edge_radius_mm / radius_mm) if edge_radius_mm else load_table(base=base)

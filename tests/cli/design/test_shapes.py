@@ -110,7 +110,8 @@ def test_predict_takes_a_crowned_pad_from_its_table_and_starts_as_hertz_on_a_bon
     x = np.sqrt(20.0 * depth) / 5.0
     layer = 1.0 + 1.133 * x + 1.283 * x**2 + 0.769 * x**3 + 0.0975 * x**4
     wanted = 16.0 / 9.0 * 0.04 * 20.0**0.5 * depth**1.5 * layer
-    assert found["force_N"][:4] == pytest.approx(wanted, rel=3e-3)
+    # The table states 2.8 % there.
+    assert found["force_N"][:4] == pytest.approx(wanted, rel=6e-3)
     slope = 0.5 * x * (1.133 + 2.566 * x + 2.307 * x**2 + 0.39 * x**3) / layer
     assert found["local_exponent"][:4] == pytest.approx(1.5 + slope, rel=5e-3)
     assert all(low < high for low, high in zip(found["force_low_N"], found["force_high_N"]))

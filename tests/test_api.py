@@ -164,10 +164,8 @@ def test_every_call_has_the_defaults_and_all_options_of_its_command(call):
 
 def same(typed, default):
     """Whether an option's text means the default: numbers and lists may be typed."""
-    if isinstance(typed, str) and isinstance(default, tuple):
-        return tuple(float(value) for value in typed.split(",")) == default
-    if isinstance(typed, str) and isinstance(default, float):
-        return float(typed) == default
+    if isinstance(typed, str) and isinstance(default, (tuple, float)):
+        return tuple(map(float, typed.split(","))) == (default if isinstance(default, tuple) else (default,))
     return (list(typed), []) == (list(default), []) if isinstance(default, tuple) else typed == default
 
 

@@ -78,8 +78,10 @@ def test_the_keyboard_moves_a_slider_and_the_verdict_stays_in_sight(studio):
         for _ in range(4):
             page.keyboard.press("ArrowRight")
         page.wait_for_function("(old) => document.querySelector('[data-test=plots]').innerHTML !== old", arg=before)
-        assert page.locator("label:has([data-test=slide-thickness]) output").inner_text() == "6.4"
+        shown = "document.querySelector('label:has([data-test=slide-thickness]) output').textContent.trim() === '6.4'"
+        page.wait_for_function(f"() => {shown}")
         page.mouse.wheel(0, 500)
+        page.wait_for_selector('[data-test="verdict"] .verdict[data-state="settled"]')
         page.wait_for_timeout(300)
         box = page.locator(f"{by('verdict')} .verdict").bounding_box()
         assert 0 <= box["y"] < 60

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -115,7 +116,9 @@ def test_an_interrupt_leaves_nothing_new_and_the_old_answer_as_it_was(where, exa
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of another kind")
 def test_control_c_in_the_middle_of_a_run_leaves_no_folder(example, tmp_path):
     words = [sys.executable, "-m", "dummydesign", "loop", str(example), "--out", str(tmp_path / "out")]
-    process = subprocess.Popen(words, stderr=subprocess.PIPE, text=True, env=dict(os.environ))
+    # A test run in the background of a shell ignores SIGINT, and so would the command.
+    heard = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
+    process = subprocess.Popen(words, stderr=subprocess.PIPE, text=True, env=dict(os.environ), preexec_fn=heard)
     started = time.monotonic()
     while not list(tmp_path.glob(".out.part-*")) and time.monotonic() - started < 60.0:
         time.sleep(0.02)

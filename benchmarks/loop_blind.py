@@ -8,10 +8,7 @@ JSON object a line), so that a study can be stopped and resumed; the table goes 
 from __future__ import annotations
 
 import argparse
-import json
-import shutil
 import sys
-import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -19,6 +16,7 @@ sys.path.insert(0, str(ROOT))
 
 from benchmarks.loop_blind_table import table  # noqa: E402
 from benchmarks.loop_campaigns import KINDS, kind_of, run_one  # noqa: E402
+from benchmarks.rows import keep_row, read_rows, scratch  # noqa: E402
 
 
 def main() -> None:
@@ -38,23 +36,13 @@ def main() -> None:
         (kind, before), seed = kind_of(number), options.seed + number
         if seed in known or (options.only and kind not in options.only):
             continue
-        folder = Path(tempfile.mkdtemp(prefix="blind-"))
-        try:
+        with scratch("blind-") as folder:
             row = run_one(kind, before, seed, folder)
-        finally:
-            shutil.rmtree(folder, ignore_errors=True)
-        with options.rows.open("a") as stream:
-            stream.write(json.dumps(row) + "\n")
+        keep_row(options.rows, row)
         print(seed, row["effects"], row["verdict"], row["found"], row["cpu_seconds"], file=sys.stderr, flush=True)
-    rows = read_rows(options.rows)
+    rows = sorted(read_rows(options.rows), key=lambda row: row["seed"])
     options.out.write_text(table(rows))
     print(f"{len(rows)} campaigns, table in {options.out}", file=sys.stderr)
-
-
-def read_rows(path: Path) -> list[dict]:
-    """Rows of the campaigns that were run, by seed."""
-    rows = [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
-    return sorted(rows, key=lambda row: row["seed"])
 
 
 if __name__ == "__main__":

@@ -80,10 +80,17 @@ def draw(kind: str, before: int, seed: int) -> Put:
 
 def run_one(kind: str, before: int, seed: int, folder: Path) -> dict:
     """Make a campaign and one on new pads, run the loop, predict the second."""
-    put_in = draw(kind, before, seed)
+    return {"seed": seed, "kind": kind, **learned(draw(kind, before, seed), seed, folder)}
+
+
+def learned(put_in: Put, seed: int, folder: Path, **how: bool) -> dict:
+    """Write a campaign with these effects and one on new pads, run the loop, predict the second.
+
+    Further arguments go to the generator.
+    """
     first, more = (put_in[0], tuple(put_in[1:])) if put_in else (("none", 0.0), ())
-    truth = generator.write_campaign(folder / "a", *first, seed, more=more)
-    generator.write_campaign(folder / "b", *first, seed, held_out=True, more=more)
+    truth = generator.write_campaign(folder / "a", *first, seed, more=more, **how)
+    generator.write_campaign(folder / "b", *first, seed, held_out=True, more=more, **how)
     campaign, started = read_campaign(folder / "a"), time.process_time()
     result = close_loop(campaign)
     row = row_of(put_in, truth, result, time.process_time() - started)
@@ -91,7 +98,7 @@ def run_one(kind: str, before: int, seed: int, folder: Path) -> dict:
     predicted = replay(other, calibration)
     beyond = beyond_pads_N(other, calibration, predicted.total_rmse_N, result.after.fit.sizes.noise)
     return {
-        "seed": seed, "kind": kind, **row,
+        **row,
         "replay": [predicted.total_base_rmse_N, predicted.total_rmse_N, beyond],
         "young": [truth.young_kPa, *calibration.posterior.interval("log young_kPa")],
     }  # fmt: skip

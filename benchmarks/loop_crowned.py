@@ -9,11 +9,7 @@ Every run is kept in ``--rows`` (one JSON object a line), so that it can be stop
 from __future__ import annotations
 
 import argparse
-import json
-import shutil
 import sys
-import tempfile
-import time
 from pathlib import Path
 
 import numpy as np
@@ -21,11 +17,8 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from benchmarks.loop_campaigns import FLOORS, LEAST, MOST, Put, beyond_pads_N, row_of  # noqa: E402
-from dummydesign.loop.calibration import calibration_of  # noqa: E402
-from dummydesign.loop.replay import replay  # noqa: E402
-from dummydesign.loop.run import close_loop  # noqa: E402
-from dummydesign.measurement.campaign_file import read_campaign  # noqa: E402
+from benchmarks.loop_campaigns import FLOORS, LEAST, MOST, Put, learned  # noqa: E402
+from benchmarks.rows import keep_row, read_rows, scratch  # noqa: E402
 from tests.support import campaign_generator as generator  # noqa: E402
 
 LEFT_OUT = ("base_slip", "compressibility", "punch_tilt")
@@ -48,21 +41,8 @@ def draw(number: int, seed: int) -> Put:
 
 def run_one(number: int, seed: int, crowned: bool, folder: Path) -> dict:
     """Make a campaign and one on new pads, run the loop, predict the second."""
-    put_in = draw(number, seed)
-    first, more = (put_in[0], tuple(put_in[1:])) if put_in else (("none", 0.0), ())
-    truth = generator.write_campaign(folder / "a", *first, seed, more=more, crowned=crowned)
-    generator.write_campaign(folder / "b", *first, seed, held_out=True, more=more, crowned=crowned)
-    campaign, started = read_campaign(folder / "a"), time.process_time()
-    result = close_loop(campaign)
-    row = row_of(put_in, truth, result, time.process_time() - started)
-    other, calibration = read_campaign(folder / "b"), calibration_of(result)
-    predicted = replay(other, calibration)
-    beyond = beyond_pads_N(other, calibration, predicted.total_rmse_N, result.after.fit.sizes.noise)
-    return {
-        "seed": seed, "number": number, "pads": "crowned" if crowned else "slabs", **row,
-        "replay": [predicted.total_base_rmse_N, predicted.total_rmse_N, beyond],
-        "young": [truth.young_kPa, *calibration.posterior.interval("log young_kPa")],
-    }  # fmt: skip
+    row = learned(draw(number, seed), seed, folder, crowned=crowned)
+    return {"seed": seed, "number": number, "pads": "crowned" if crowned else "slabs", **row}
 
 
 def counts(rows: list[dict]) -> str:
@@ -91,24 +71,17 @@ def main() -> None:
     options = parser.parse_args()
     kinds = {"crowned": (True,), "slabs": (False,), "both": (True, False)}[options.pads]
 
-    def read() -> list[dict]:
-        return [json.loads(line) for line in options.rows.read_text().splitlines()] if options.rows.exists() else []
-
-    known = {(row["seed"], row["pads"]) for row in read()}
+    known = {(row["seed"], row["pads"]) for row in read_rows(options.rows)}
     for number in range(options.campaigns):
         for crowned in kinds:
             seed = options.seed + number
             if (seed, "crowned" if crowned else "slabs") in known:
                 continue
-            folder = Path(tempfile.mkdtemp(prefix="crowned-"))
-            try:
+            with scratch("crowned-") as folder:
                 row = run_one(number, seed, crowned, folder)
-            finally:
-                shutil.rmtree(folder, ignore_errors=True)
-            with options.rows.open("a") as stream:
-                stream.write(json.dumps(row) + "\n")
+            keep_row(options.rows, row)
             print(seed, row["pads"], row["effects"], row["verdict"], row["found"], row["cpu_seconds"], file=sys.stderr)
-    print(counts(read()))
+    print(counts(read_rows(options.rows)))
 
 
 if __name__ == "__main__":

@@ -11,9 +11,7 @@ from __future__ import annotations
 
 import argparse
 import json
-import shutil
 import sys
-import tempfile
 import time
 import tomllib
 from pathlib import Path
@@ -24,6 +22,7 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 import dummydesign  # noqa: E402
+from benchmarks.rows import keep_row, read_rows, scratch  # noqa: E402
 from dummydesign.core.errors import NoAnswerError  # noqa: E402
 from dummydesign.loop.calibration_file import read_calibration  # noqa: E402
 from dummydesign.loop.replay import replay  # noqa: E402
@@ -173,23 +172,16 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=ROOT / "docs" / "loop-turns.md")
     options = parser.parse_args()
 
-    def read() -> list[dict]:
-        return [json.loads(line) for line in options.rows.read_text().splitlines()] if options.rows.exists() else []
-
-    known = {row["seed"] for row in read()}
+    known = {row["seed"] for row in read_rows(options.rows)}
     for place in range(options.seeds + options.seeds // 4):
         seed = options.seed + place
         if seed in known:
             continue
-        folder = Path(tempfile.mkdtemp(prefix="turns-"))
-        try:
+        with scratch("turns-") as folder:
             row = run_seed(seed, folder) if place < options.seeds else contradicted(seed, folder)
-        finally:
-            shutil.rmtree(folder, ignore_errors=True)
-        with options.rows.open("a") as stream:
-            stream.write(json.dumps(row) + "\n")
+        keep_row(options.rows, row)
         print(json.dumps(row), file=sys.stderr, flush=True)
-    options.out.write_text(table(read()))
+    options.out.write_text(table(read_rows(options.rows)))
 
 
 if __name__ == "__main__":

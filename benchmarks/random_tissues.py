@@ -8,7 +8,6 @@ object a line), so that a study can be stopped and resumed; the table is printed
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -18,6 +17,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
+from benchmarks.rows import keep_row, read_rows  # noqa: E402
 from dummydesign.core.errors import NoAnswerError  # noqa: E402
 from dummydesign.design.inputs import resolve  # noqa: E402
 from dummydesign.design.request import Request  # noqa: E402
@@ -79,16 +79,11 @@ def main() -> None:
     parser.add_argument("--table-only", action="store_true")
     options = parser.parse_args()
 
-    def read() -> list[dict]:
-        return [json.loads(line) for line in options.rows.read_text().splitlines()] if options.rows.is_file() else []
-
-    known = {row["number"] for row in read() if row["seed"] == options.seed}
+    known = {row["number"] for row in read_rows(options.rows) if row["seed"] == options.seed}
     for number in range(0 if options.table_only else options.tissues):
         if number not in known:
-            row = study_one(number, options.seed)
-            with open(options.rows, "a", encoding="utf-8") as stream:
-                stream.write(json.dumps(row) + "\n")
-    print(table(read()))
+            keep_row(options.rows, study_one(number, options.seed))
+    print(table(read_rows(options.rows)))
 
 
 if __name__ == "__main__":

@@ -14,7 +14,6 @@ unsettled and the casting is near a border.
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import time
 from collections import Counter
@@ -25,6 +24,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
+from benchmarks.rows import keep_row, read_rows  # noqa: E402
 from dummydesign.design.assessment.pour_yield import Tolerances, draw_pours  # noqa: E402
 from dummydesign.design.assessment.verdict_of_traces import verdict_of_traces  # noqa: E402
 from dummydesign.design.inputs import resolve  # noqa: E402
@@ -219,7 +219,7 @@ def main() -> None:
     parser.add_argument("--rows", type=Path, default=ROOT / "benchmarks" / "verdict_blind.jsonl")
     parser.add_argument("--out", type=Path, default=ROOT / "docs" / "verdict-blind.md")
     options = parser.parse_args()
-    rows = [json.loads(line) for line in options.rows.read_text().splitlines()] if options.rows.exists() else []
+    rows = read_rows(options.rows)
     known = {row["number"] for row in rows}
     targets = {name: resolve(Request(name, shape="slab", verify=False)).space.targets for name in TISSUES}
     known_designs = designs()
@@ -229,8 +229,7 @@ def main() -> None:
         casting, readings, depth = pressable(number, known_designs, targets, options.seed)
         row = run_one(casting, readings, depth, targets[casting["tissue"]], options.seed)
         rows.append(row)
-        with options.rows.open("a") as stream:
-            stream.write(json.dumps(row) + "\n")
+        keep_row(options.rows, row)
         print(row["number"], row["tissue"], row["true"], row.get("level"), row["near_border"], row["cpu_seconds"],
               file=sys.stderr, flush=True)  # fmt: skip
     options.out.write_text(table(sorted(rows, key=lambda row: row["number"])))

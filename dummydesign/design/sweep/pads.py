@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING
 from dummydesign.core.errors import InputError, out_of_range, unknown_name
 from dummydesign.design.sweep.ranges import read_values
 from dummydesign.geometry.shapes import Slab, make_shape, read_shape, shape_kinds
+from dummydesign.geometry.standard import LARGEST_EDGE_RADIUS
 from dummydesign.pad.tables.punch import equal_area_radius_mm, punch_sides_mm
 
 if TYPE_CHECKING:
     from dummydesign.design.sweep.spec import Study
 
 MOST_SHAPES = 100_000
-LARGEST_EDGE = 0.3
-"""Largest edge radius over the smaller half-width of the punch."""
 
 
 def parse_shapes(text: str) -> tuple[str, ...]:
@@ -89,9 +88,9 @@ def check_pads(study: Study) -> None:
         for punch, _ in study.punches:
             sides = punch_sides_mm(punch)
             half = min(sides) / 2.0 if sides else equal_area_radius_mm(punch)
-            if not 0.0 < edge <= LARGEST_EDGE * half:
-                words = f"{LARGEST_EDGE:g} of the half-width of {punch}"
-                raise out_of_range("edge radius in mm", edge, 0, f"{LARGEST_EDGE * half:g}", words)
+            if not 0.0 < edge <= LARGEST_EDGE_RADIUS * half:
+                words = f"{LARGEST_EDGE_RADIUS:g} of the half-width of {punch}"
+                raise out_of_range("edge radius in mm", edge, 0, f"{LARGEST_EDGE_RADIUS * half:g}", words)
     if edges and study.fidelity != "axisymmetric":
         raise InputError(f"edge radius in mm = {edges[0]:g} is solved by finite elements; add --fidelity axisymmetric")
     if edges and (shaped or any(condition != "bonded" for condition in study.conditions)):

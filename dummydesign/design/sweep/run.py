@@ -10,8 +10,9 @@ import numpy as np
 
 from dummydesign.design.scoring.presses import ForceLaw
 from dummydesign.design.sweep.executors import completed
-from dummydesign.design.sweep.rows import Task, work
+from dummydesign.design.sweep.rows import Task
 from dummydesign.design.sweep.spec import Key, Study
+from dummydesign.design.sweep.work import work
 from dummydesign.geometry.shapes import Slab
 
 if TYPE_CHECKING:
@@ -52,7 +53,7 @@ def whatif(
     Returns
     -------
     dict
-        ``rows`` (see :func:`dummydesign.design.sweep.rows.work`) in the study's order, ``seconds`` of work, and
+        ``rows`` (see :func:`dummydesign.design.sweep.work.work`) in the study's order, ``seconds`` of work, and
         ``warnings``, {code, message} each.
 
     Raises

@@ -19,7 +19,7 @@ SOLVED_SHARES = DEPTH_SHARE * np.linspace(0.04, 1.0, 16)
 
 
 def work_shaped(task: Task) -> list[dict[str, Any]]:
-    """Work out the rows of a task with shapes or an edge radius; see :func:`dummydesign.design.sweep.rows.work`."""
+    """Work out the rows of a task with shapes or an edge radius; see :func:`dummydesign.design.sweep.work.work`."""
     return _by_tables(task) if task.fidelity == "table" else _solved(task)
 
 

@@ -85,8 +85,8 @@ class Discretisation:
 class State:
     """Residual and, once asked for, the condensed tangent at one displacement and pressure.
 
-    ``coupling``, ``half`` and ``force_of_pressure`` belong to the tangent: displacements to pressures, the same
-    times the pressures' inverse, and what the eliminated pressure adds to the load.
+    ``coupling`` and ``half`` belong to the tangent: displacements to pressures, and the same times the pressures'
+    inverse.
     """
 
     internal_force: Array
@@ -96,7 +96,6 @@ class State:
     stiffness: Array | None = None
     coupling: Array | None = None
     half: Array | None = None
-    force_of_pressure: Array | None = None
 
 
 class Solid:
@@ -165,7 +164,6 @@ class Solid:
         stiffness -= half @ coupling.transpose(0, 2, 1)
         state.stiffness, state.coupling = stiffness, coupling
         state.half = half
-        state.force_of_pressure = self.force_of_pressure(state, state)
         return state
 
     def force_of_pressure(self, tangent: State, state: State) -> Array:

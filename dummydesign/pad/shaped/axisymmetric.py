@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -162,7 +163,7 @@ def solve_shaped_pad(
     if shape.flat_top:
         return _over_slab(press, own, young_MPa, depths, cells, law, progress, solved)
     paths = [solved.path(press, own, depths, grid, False, progress) for grid in grids(cells, press)]
-    rough, fine, half = (_padded(path, len(depths)) for path in (paths if len(paths) == 3 else [paths[0], *paths]))
+    rough, fine, half = (_padded(path, len(depths)) for path in _three(paths))
     value, added = sharp(rough, fine)
     count = int(np.isfinite(value).sum())
     stops = [path.stop for path in paths[:-1] if path.stop]
@@ -186,7 +187,7 @@ def _over_slab(
             pair = [solved.path(press, own, depths, grid, twin, progress) for twin in (False, True)]
             factors.append(_padded(pair[0], len(depths)) / _padded(pair[1], len(depths)))
             paths += pair
-    rough, fine, half = factors if len(factors) == 3 else [factors[0], *factors]
+    rough, fine, half = _three(factors)
     best = np.where(np.isfinite(fine), fine, rough)
     spread = np.abs(np.log(rough / fine)) + MESH_ERROR * np.abs(np.log(half / fine))
     error = slab.error_N / slab.force_N + 1e-3 + _held_on(spread)[: len(slab.depth_mm)]
@@ -227,6 +228,11 @@ def _slab_curve(
     if press.condition == "bonded":
         return solve_curve(h, a, young_MPa, depths * h, **common)
     return solve_flat(h, a, young_MPa, depths * h, press.condition, **common)
+
+
+def _three(found: list[Any]) -> list[Any]:
+    """What was found with the large fillet, the small one, and large cells; a real fillet stands for the first two."""
+    return found if len(found) == 3 else [found[0], *found]
 
 
 def _padded(path: Path, count: int) -> Array:

@@ -169,36 +169,26 @@ def find_equilibrium(
         if tangent is None:
             tangent = solid.linearise(state)
             factorised += 1
-            load = tangent.force_of_pressure - state.internal_force - contact
-            du = problem.pattern.solve([tangent.stiffness, *matrices], load)
-        else:
-            load = solid.force_of_pressure(tangent, state) - state.internal_force - contact
-            du = problem.pattern.again(load)
+        load = solid.force_of_pressure(tangent, state) - state.internal_force - contact
+        du = problem.pattern.again(load) if again else problem.pattern.solve([tangent.stiffness, *matrices], load)
         dp = solid.pressure_step(tangent, state, du)
-        fraction = 1.0
-        while True:
-            trial = solid.state(u + fraction * du, p + fraction * dp, tangent=False)
-            if trial is not None and trial.J.min() > SMALLEST_J:
-                break
-            fraction *= 0.5
-            if fraction < 0.05:
-                break
-        if fraction < 0.05:
+        sound = _sound_step(solid, u, p, du, dp)
+        if sound is None:
             if again:
                 tangent = None
                 continue
             return Failure("an element would invert", factorised)
-        before = u, p, state, contact, matrices
-        u, p, state = u + fraction * du, p + fraction * dp, trial
-        contact, matrices = problem.contact(u, depth)
-        scale = np.linalg.norm(state.internal_force) + 1e-300
-        residual = float(np.linalg.norm((state.internal_force + contact)[free]) / scale)
+        fraction, trial = sound
+        moved = u + fraction * du
+        touching = problem.contact(moved, depth)
+        scale = np.linalg.norm(trial.internal_force) + 1e-300
+        residual = float(np.linalg.norm((trial.internal_force + touching[0])[free]) / scale)
         last = residuals[-1] if residuals else np.inf
         if again and not residual < last:
             # A used tangent that leads away is given up together with its step.
-            u, p, state, contact, matrices = before
             tangent = None
             continue
+        u, p, state, (contact, matrices) = moved, p + fraction * dp, trial, touching
         residuals.append(residual)
         if not np.isfinite(residual):
             return Failure("the residual is no longer a number", factorised)
@@ -215,6 +205,17 @@ def find_equilibrium(
             tangent = None
     reason = f"no equilibrium after {MAX_ITERATIONS} iterations (relative residual {residuals[-1]:.1e})"
     return Failure(reason, factorised)
+
+
+def _sound_step(solid: Solid, u: Array, p: Array, du: Array, dp: Array) -> tuple[float, State] | None:
+    """The largest of 1, 1/2, ... of a step that inverts no element, and the state there; None below a twentieth."""
+    fraction = 1.0
+    while fraction >= 0.05:
+        trial = solid.state(u + fraction * du, p + fraction * dp, tangent=False)
+        if trial is not None and trial.J.min() > SMALLEST_J:
+            return fraction, trial
+        fraction *= 0.5
+    return None
 
 
 def explain(problem: Problem, u: Array, p: Array, depth: float, reason: str) -> str:

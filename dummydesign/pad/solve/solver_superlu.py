@@ -50,7 +50,7 @@ class Pattern:
         self._row, self._column = row[self._keep], column[self._keep]
         self._band = Band(self._row, self._column, len(self._kept))
         self._order: Array | None = None
-        self._arranged = False
+        self._to: Array | None = None
 
     def _arrange(self, place: Array) -> None:
         """Number the unknowns anew; ``place`` is where each one goes."""
@@ -59,7 +59,7 @@ class Pattern:
         unique, self._place = np.unique(key, return_inverse=True)
         self._indices = (unique % n).astype(np.int32)
         self._pointer = np.searchsorted(unique, np.arange(n + 1) * n).astype(np.int32)
-        self._to, self._arranged = place, True
+        self._to = place
 
     def solve(self, matrices: list[Array], load: Array) -> Array:
         """Solve for the free unknowns; the others are zero in the answer, which has full length.
@@ -92,7 +92,7 @@ class Pattern:
         from scipy.sparse.linalg import splu
 
         n = len(self._kept)
-        if not self._arranged:
+        if self._to is None:
             self._arrange(np.arange(n))
         data = np.bincount(self._place, values, minlength=len(self._indices))
         matrix = csc_matrix((data, self._indices, self._pointer), shape=(n, n))

@@ -30,8 +30,12 @@ class Build:
 
     @staticmethod
     def begin(module: str, arguments: Sequence[str] | None = None) -> Build:
-        """Note the command and the time; ``arguments`` are those of the process when None."""
-        words = sys.argv[1:] if arguments is None else arguments
+        """Note the command and the time; ``arguments`` are those of the process when None.
+
+        Of an absolute path only the name is kept: where it lies on one machine says nothing on another.
+        """
+        given = sys.argv[1:] if arguments is None else arguments
+        words = [Path(word).name if Path(word).is_absolute() else word for word in given]
         return Build(shlex.join(["python", "-m", module, *words]), time.time())
 
     def provenance(self, seed: int | None = None) -> dict[str, Any]:

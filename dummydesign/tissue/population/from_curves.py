@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import re
 import tempfile
@@ -14,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
+from dummydesign.tissue.population.cells import read_cells
 from dummydesign.tissue.population.from_traces import add_tissue
 
 COLUMNS = ("subject", "velocity_mm_s", "time_s", "depth_mm", "force_N")
@@ -97,16 +97,7 @@ def read_curves(path: Path) -> list[Curve]:
     InputError
         With file and line.
     """
-    try:
-        with open(path, encoding="utf-8-sig", newline="") as stream:
-            reader = csv.DictReader(stream, skipinitialspace=True)
-            header = [cell.strip() for cell in reader.fieldnames or []]
-            reader.fieldnames = header
-            rows = [(reader.line_num, row) for row in reader if any((v or "").strip() for v in row.values() if v)]
-    except OSError as problem:
-        raise InputError(f"curves file '{path}' cannot be read: {problem.strerror}") from None
-    except UnicodeDecodeError:
-        raise InputError(f"{path.name}: is not UTF-8 text") from None
+    header, rows = read_cells(path, "curves", skip_space=True)
     for column in COLUMNS:
         if column not in header and column != "time_s":
             raise InputError(f"{path.name}:1: column '{column}' is missing; the header must be {','.join(COLUMNS)}")

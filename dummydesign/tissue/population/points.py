@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
+from dummydesign.tissue.population.cells import read_cells
 
 READING_ERROR = 0.02
 """Error of a point over the largest value on its axis, when the file gives none."""
@@ -35,16 +35,7 @@ def read_points(path: Path) -> list[Steady]:
     InputError
         With file and line.
     """
-    try:
-        with open(path, encoding="utf-8-sig", newline="") as stream:
-            reader = csv.DictReader(stream)
-            header = [cell.strip() for cell in reader.fieldnames or []]
-            reader.fieldnames = header
-            rows = [(reader.line_num, row) for row in reader if any((v or "").strip() for v in row.values())]
-    except OSError as problem:
-        raise InputError(f"points file '{path}' cannot be read: {problem.strerror}") from None
-    except UnicodeDecodeError:
-        raise InputError(f"{path.name}: is not UTF-8 text") from None
+    header, rows = read_cells(path, "points")
     for column in ("subject", "depth_mm", "force_N"):
         if column not in header:
             raise InputError(

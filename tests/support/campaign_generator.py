@@ -122,7 +122,9 @@ def motion(row: dict, depth: float, deceleration: float, rng: np.random.Generato
     save[: len(fine) : 2] = True
     save[len(fine) + 3 : len(fine) + len(coarse) : 4] = True
     save[len(fine) + len(coarse) + 3 :: 4] = True
-    acceleration = np.where((time >= t1) & (time < stop), -slow_down, 0.0)
+    # mean about each grid point, so that the pulse takes off the whole speed wherever it begins
+    middle = np.r_[time[0], 0.5 * (time[1:] + time[:-1]), time[-1]]
+    acceleration = -slow_down * np.diff(np.clip(middle, t1, stop)) / np.diff(middle)
     return time, x, away, save, acceleration
 
 

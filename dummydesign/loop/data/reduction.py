@@ -29,6 +29,13 @@ RISE_NODES = 80
 AWAY_NODES = 45
 NODE_GROWTH, NODE_CAP_S = 1.2, 0.4
 NEAR_S = 0.01
+EARLY_S = (0.06, 0.005)
+EARLY_NODES = 16
+"""Nodes before contact, closer towards it: a tilted punch and an early force clock are seen there."""
+QUARTIC = np.array([-13.0, 67.0, -19.0, -70.0, -19.0, 67.0, -13.0]) / 132.0
+"""Weights of seven even samples, over their step squared, for the second derivative in the middle."""
+UNEVEN = 0.05
+"""Relative difference of steps up to which samples count as even."""
 PRE, RISE, HOLD, UNLOADING = 0, 1, 2, 3
 """Phases of a press; a bin's label is 100 times its phase plus its place."""
 
@@ -147,7 +154,7 @@ def _nodes(trace: Trace, ramp: Ramp) -> tuple[NDArray, NDArray]:
 
     time, x = trace.time_s, trace.displacement_mm
     contact, stop, end = ramp.contact_time_s, ramp.stop_time_s, ramp.hold_end_s
-    early, late = contact - 0.005, stop + 0.03
+    early, late = contact - EARLY_S[1], stop + 0.03
     rise = time[(time >= early) & (time <= late)]
     if len(rise) > RISE_NODES:
         stride = int(np.ceil(len(rise) / RISE_NODES))
@@ -155,8 +162,7 @@ def _nodes(trace: Trace, ramp: Ramp) -> tuple[NDArray, NDArray]:
         rise = rise[near | (np.arange(len(rise)) % stride == 0)]
     else:
         rise = np.union1d(rise, 0.5 * (rise[1:] + rise[:-1]))
-    # a tilted punch touches before its centre does
-    start = np.r_[time[0], np.linspace(max(contact - 0.06, time[0]), max(early, time[0]), 10)]
+    start = np.r_[time[0], np.maximum(contact - np.geomspace(*EARLY_S, EARLY_NODES), time[0])]
     hold = [max(late, rise[-1] if len(rise) else late)]
     while hold[-1] < end:
         hold.append(hold[-1] + min(max((hold[-1] - stop) * (NODE_GROWTH - 1.0), 2e-3), NODE_CAP_S))
@@ -176,9 +182,23 @@ def _nodes(trace: Trace, ramp: Ramp) -> tuple[NDArray, NDArray]:
 
 
 def _acceleration(time: NDArray, x: NDArray) -> NDArray:
-    """Acceleration of the punch where sampled at 400 Hz or faster, else 0. [mm/s2]"""
+    """Acceleration of the punch where sampled at 400 Hz or faster, else 0. [mm/s2]
+
+    Second derivative of the quartic through seven even samples by least squares: differences of differences spread
+    the pulse of a stop over four samples, so that its height is too low and a mass is found too large.
+
+    References
+    ----------
+    Savitzky and Golay, Anal. Chem. 36 (1964) 1627.
+    """
     value = np.gradient(np.gradient(x, time), time)
-    step = np.r_[np.diff(time)[0], np.maximum(np.diff(time)[1:], np.diff(time)[:-1]), np.diff(time)[-1]]
+    gaps = np.diff(time)
+    step = np.r_[gaps[0], np.maximum(gaps[1:], gaps[:-1]), gaps[-1]]
+    if len(time) >= len(QUARTIC):
+        windows, own = (np.lib.stride_tricks.sliding_window_view(v, n) for v, n in ((x, 7), (gaps, 6)))
+        even = own.max(axis=1) < (1.0 + UNEVEN) * own.min(axis=1)
+        inside = value[3:-3]
+        inside[even] = (windows[even] @ QUARTIC) / own[even].mean(axis=1) ** 2
     value[step > 2.5e-3] = 0.0
     return value
 

@@ -26,6 +26,7 @@ def make_mould(
     ratio: float = 15.0,
     count: int = 1,
     base_ratio: float | None = None,
+    face_sheet_mm: float | None = None,
     out: str | PathLike[str] | None = None,
     replace: bool = False,
 ) -> Result:
@@ -47,6 +48,8 @@ def make_mould(
         Mixing ratio, and that of a layered pad's base (by default from its modulus ratio).
     count : int
         Castings of each mould, for the list of what is needed; more than one make a job too.
+    face_sheet_mm : float, optional
+        Thickness of a sheet of glass let into the master as the tested face; the preset's by default, 0 for none. [mm]
     out : path, optional
         Folder of the files, ``mould_tMM`` by default; the next free number when it holds another answer.
     replace : bool
@@ -81,12 +84,16 @@ def make_mould(
 
     kind, parameters = read_kind(shape)
     wanted = read_thicknesses(thickness_mm)
+
+    def made(one: float) -> MouldSpec:
+        return mould_spec(
+            one, length_mm, width_mm, preset, resin, ratio, kind, parameters, base_ratio, face_sheet_mm=face_sheet_mm
+        )
+
     if len(wanted) != 1 or count != 1:
-        specs = [
-            mould_spec(one, length_mm, width_mm, preset, resin, ratio, kind, parameters, base_ratio) for one in wanted
-        ]
+        specs = [made(one) for one in wanted]
         return _make_job(specs, count, resin, preset, out, replace)
-    spec = mould_spec(wanted[0], length_mm, width_mm, preset, resin, ratio, kind, parameters, base_ratio)
+    spec = made(wanted[0])
     folder = Path(out) if out else Path(f"mould_{spec.tag}")
     inputs = {
         "thickness_mm": spec.pad.thickness_mm, "length_mm": spec.pad.length_mm, "width_mm": spec.pad.width_mm,
@@ -95,6 +102,8 @@ def make_mould(
     }  # fmt: skip
     if spec.base is not None:
         inputs |= {"base_ratio": spec.base.pour.ratio, "modulus_ratio_of_base": spec.base.modulus_ratio}
+    if spec.box.face_sheet_mm:
+        inputs["face_sheet_mm"] = spec.box.face_sheet_mm
     asked = question("mold", {**inputs, "specification": spec.hash}, resin=resin, preset=preset)
     with new_folder(folder, asked, replace=replace) as output:
         head = {"inputs": {**inputs, "out": str(output.folder)}, "sources": list(spec.sources)}

@@ -16,7 +16,7 @@ from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.runner import make_mold, papers
 
-NOT_PRINTED = ("cavity", "pad_nominal", "pad_compensated", "mould", "lid", "layer_top", "layer_base")
+NOT_PRINTED = ("cavity", "pad_nominal", "pad_compensated", "mould", "lid", "layer_top", "layer_base", "face_sheet")
 """Volumes of a mould that are not of printed parts."""
 
 

@@ -30,6 +30,7 @@ from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.plan import PourPlan, pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
 
+GLASS = Material("glass or acrylic sheet", "cut to size, density of float glass", 2.5)
 RIGID = Material("printed rigid polymer", "PETG or ASA, density as printed solid", 1.27)
 PICTURE_S = 90
 MESHED_APART = ("pad", "strike_off")
@@ -71,7 +72,9 @@ def produce(spec: MouldSpec, folder: Path, papers: Papers = NO_PAPERS) -> dict[s
     checks += check_files.check_step_text(folder / files["assembly"], folder / files["pad"], spec.hash)
     total = sum(part.solid.Volume() for part in made.parts.values())
     checks.append(check_files.check_second_reader(folder / files["assembly"], total, len(made.parts)))
-    checks += check_files.check_meshes(steps, genera(spec), {k: list(v.values()) for k, v in mesh_files.items()})
+    scales = {name: print_scale(made, name) for name in mesh_files}
+    paths = {name: list(found.values()) for name, found in mesh_files.items()}
+    checks += check_files.check_meshes(steps, genera(spec), paths, scales)
     tell("step 5 of 5: drawings, picture and pour sheet")
     warnings = pour_warnings(spec, plan)
     checks += check_process.check_process(spec, plan, warnings)
@@ -97,7 +100,7 @@ def genera(spec: MouldSpec) -> dict[str, int]:
     return {
         "pad": 0, "mould": 0, "master": 8, "frame": 9, "strike_off": 0, "tray": 3, "collar": 1, "lid": open_holes,
         "backer": open_holes, "lid_master": 8, "lid_frame": 9, "sprue_pin": 0, "vent_pin": 0, "layer_top": 0,
-        "layer_base": 0, "spacer": 0, "carrier": 8,
+        "layer_base": 0, "spacer": 0, "carrier": 8, "face_sheet": 0,
     }  # fmt: skip
 
 
@@ -109,6 +112,7 @@ def step_part(made: Parts, name: str) -> StepPart:
         "resin_base": _base_material(spec),
         "silicone": Material(spec.silicone.name, "mould silicone", spec.silicone.density_g_per_cm3),
         "rigid": RIGID,
+        "glass": GLASS,
     }[part.material]
     return StepPart(name, part.solid, material, COLOURS[part.material], part.offset_mm)
 
@@ -139,10 +143,18 @@ def description(spec: MouldSpec, name: str) -> str:
     return f"{name} of the {spec.preset} mould for a {spec.pad.title}, specification {spec.hash}, lengths in mm"
 
 
+def print_scale(made: Parts, name: str) -> float:
+    """Size of a part's print files over the part: what is printed is enlarged by the shrinkage of the print."""
+    return made.spec.machines.print_scale if made.parts[name].material == "rigid" else 1.0
+
+
 def _write_meshes(made: Parts, meshes: dict[str, Any], folder: Path) -> dict[str, dict[str, Path]]:
     """STL and 3MF of what is printed or looked at in a slicer."""
     found: dict[str, dict[str, Path]] = {}
     for name, part in meshes.items():
+        if (scale := print_scale(made, name)) != 1.0:
+            part = part.copy()
+            part.apply_scale(scale)
         stem = folder / f"{name}_{made.spec.tag}"
         found[name] = {"stl": stem.with_name(stem.name + ".stl")}
         mesh.write_stl(part, found[name]["stl"])

@@ -39,6 +39,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--base-ratio", type=float, metavar="R", help="ratio of a layered pad's base (default: from its modulus ratio)"
     )
+    parser.add_argument(
+        "--face-sheet", type=float, metavar="MM", help="thickness of a sheet of glass let in as the tested face"
+    )
     parser.add_argument("--out", metavar="DIR", help="folder for the files (default mould_tMM)")
     add_replace_option(parser)
 
@@ -64,6 +67,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         resin=options.resin,
         ratio=options.ratio,
         count=options.count,
+        face_sheet_mm=options.face_sheet,
         base_ratio=options.base_ratio,
         out=options.out,
         replace=options.replace,
@@ -115,7 +119,7 @@ def render(result: dict[str, Any]) -> str:
     if result["files"]:
         folder = Path(next(iter(result["files"].values()))).parent
         lines += ["", f"Files in {folder}"]
-        lines += [f"  {role:<20}{Path(path).name}" for role, path in result["files"].items()]
+        lines += [f"  {role:<24}{Path(path).name}" for role, path in result["files"].items()]
     if result["warnings"]:
         lines += ["", "Cautions"]
         lines += [f"  - {item['message']}" for item in result["warnings"]]

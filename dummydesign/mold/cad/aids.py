@@ -10,6 +10,8 @@ from dummydesign.mold.model.layout import Layout
 from dummydesign.mold.model.spec import MouldSpec
 
 EAR_RADIUS_MM = 8.0
+# Room around silicone that a printed ring is put over; its lower edge is the first layer.
+COLLAR_GAP_MM = 0.3
 
 
 def strike_off(spec: MouldSpec, plan: Layout) -> Any:
@@ -52,7 +54,7 @@ def collar(spec: MouldSpec, plan: Layout) -> Any:
     """Ring on the land that holds foaming resin while it is degassed in the mould; a lip centres it outside."""
     aids = spec.aids
     high = formula.collar_height_mm(plan.depth_mm, spec.pour.foam_factor)
-    gap, lip = 0.3, 4.0
+    gap, lip = COLLAR_GAP_MM + spec.machines.elephant_foot_mm, 4.0
     inner = plan.opening.grown(1.0)
     outside = plan.top.grown(gap + aids.collar_wall_mm)
     ring = drafted_prism(outside, high + lip, 0.0, plan.land_mm - lip)

@@ -14,6 +14,7 @@ from dummydesign.mold.cad.label import label_bars
 from dummydesign.mold.cad.pad_solids import bone_solid, cavity_solid
 from dummydesign.mold.cad.parts import Parts
 from dummydesign.mold.cad.prisms import drafted_prism, single_solid
+from dummydesign.mold.model.face_sheet import plug_top_mm, recess_outline, sheet_outline
 from dummydesign.mold.model.layout import Layout, layout
 from dummydesign.mold.model.spec import MouldSpec
 
@@ -44,6 +45,8 @@ def build(spec: MouldSpec) -> Parts:
     made.add("mould", single_solid(mould), "silicone")
     beside = plan.flange.length_mm / 2 + plan.top.length_mm / 2 + 40.0
     master, frame = casting_box(spec, made.solid("mould"), made.hull, plan.land_mm, True)
+    if spec.box.face_sheet_mm:
+        master = _let_in_sheet(made, master, (beside, 0, 0))
     made.add("master", master, "rigid", (beside, 0, 0))
     made.add("frame", frame, "rigid", (beside, 0, 0))
     if spec.body.style != "open":
@@ -58,6 +61,17 @@ def build(spec: MouldSpec) -> Parts:
     if spec.pour.degas == "mould":
         made.add("collar", aids.collar(spec, plan), "rigid", (0, plan.flange.width_mm + 40.0, 0))
     return made
+
+
+def _let_in_sheet(made: Parts, master: Any, offset_mm: tuple[float, float, float]) -> Any:
+    """The sheet that is the tested face, flush with the plug's top, and the master with a pocket for it."""
+    spec, plan = made.spec, made.plan
+    thick, top = spec.box.face_sheet_mm, plug_top_mm(plan)
+    deep = thick + spec.box.sheet_bond_mm
+    pocket = drafted_prism(recess_outline(spec, plan), deep, 0.0, top - deep)
+    made.tools["face_recess"] = [pocket]
+    made.add("face_sheet", drafted_prism(sheet_outline(spec, plan), thick, 0.0, top - thick), "glass", offset_mm)
+    return single_solid(master.cut(pocket))
 
 
 def _add_layers(made: Parts, beside_mm: float) -> None:

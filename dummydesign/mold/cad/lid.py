@@ -11,8 +11,6 @@ from dummydesign.mold.model.layout import Layout, Point
 from dummydesign.mold.model.outline import Outline
 from dummydesign.mold.model.spec import MouldSpec
 
-PIN_FIT_MM = 0.1
-
 
 def mould_tools(spec: MouldSpec, plan: Layout, tools: dict[str, list[Any]]) -> list[Any]:
     """Sockets for the keys and the gutter, as cut into the mould's land.
@@ -130,9 +128,9 @@ def _backer(spec: MouldSpec, plan: Layout) -> Any:
     return single_solid(plate.cut(*tools))
 
 
-def _spigot_radius(small_mm: float) -> float:
-    """Radius of a pin's spigot: a little less than the pin's foot, so that the foot seats on the base."""
-    return max(0.8, small_mm / 2 - 0.4)
+def _spigot_radius(spec: MouldSpec, small_mm: float) -> float:
+    """Radius of a pin's spigot: with its gap less than the pin's foot, so that the foot seats on the base."""
+    return max(0.8, small_mm / 2 - 0.3 - spec.machines.gap_mm)
 
 
 def _pin(spec: MouldSpec, small_mm: float, large_mm: float) -> Any:
@@ -143,7 +141,7 @@ def _pin(spec: MouldSpec, small_mm: float, large_mm: float) -> Any:
     high = c.lid_mm * grow
     cone = cq.Solid.makeCone(small_mm * grow / 2, large_mm * grow / 2, high)
     spigot = cq.Solid.makeCylinder(
-        _spigot_radius(small_mm) - PIN_FIT_MM, c.pin_spigot_mm - 0.5 + 0.01, cq.Vector(0, 0, -c.pin_spigot_mm + 0.5)
+        _spigot_radius(spec, small_mm), c.pin_spigot_mm - 0.5 + 0.01, cq.Vector(0, 0, -c.pin_spigot_mm + 0.5)
     )
     handle = cq.Solid.makeCylinder(large_mm * grow / 2, c.pin_handle_mm, cq.Vector(0, 0, high))
     return single_solid(cone.fuse(spigot, handle))
@@ -157,7 +155,7 @@ def _pin_sockets(spec: MouldSpec, plan: Layout) -> list[Any]:
     places = [(plan.sprue, c.sprue_small_mm)] + [(place, c.vent_small_mm) for place in plan.vents]
     return [
         cq.Solid.makeCylinder(
-            _spigot_radius(small),
+            _spigot_radius(spec, small) + spec.machines.gap_mm,
             c.pin_spigot_mm,
             cq.Vector(place.x_mm * grow, place.y_mm * grow, -c.pin_spigot_mm),
         )

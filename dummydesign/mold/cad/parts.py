@@ -49,7 +49,7 @@ class Parts:
         solid : cadquery.Solid
             The part in its own frame. [mm]
         material : str
-            ``resin``, ``resin_base``, ``silicone`` or ``rigid``.
+            ``resin``, ``resin_base``, ``silicone``, ``rigid`` or ``glass``.
         offset_mm : (float, float, float)
             Where it goes in the assembly. [mm]
         """

@@ -132,7 +132,8 @@ def check_second_reader(assembly: Path, volume_mm3: float, count: int) -> Check:
 
 
 def check_meshes(
-    parts: Mapping[str, StepPart], genus: Mapping[str, int], files: Mapping[str, list[Path]]
+    parts: Mapping[str, StepPart], genus: Mapping[str, int], files: Mapping[str, list[Path]],
+    scales: Mapping[str, float] | None = None,
 ) -> list[Check]:
     """Load every mesh file again: watertight, wound outwards, the solid's volume, the expected Euler number.
 
@@ -144,6 +145,8 @@ def check_meshes(
         Number of through holes of each part.
     files : mapping of str to list of Path
         Mesh files of each part (STL, 3MF).
+    scales : mapping of str to float, optional
+        Size of a part's print files over the part, where they are enlarged for the shrinkage of the print.
 
     Returns
     -------
@@ -161,7 +164,8 @@ def check_meshes(
                 loose.append(path.name)
             if mesh.euler_number != 2 - 2 * genus[name]:
                 torn.append(f"{path.name}: {mesh.euler_number} instead of {2 - 2 * genus[name]}")
-            worst = max(worst, abs(mesh.volume / parts[name].solid.Volume() - 1))
+            scale = (scales or {}).get(name, 1.0)
+            worst = max(worst, abs(mesh.volume / (scale**3 * parts[name].solid.Volume()) - 1))
     return [
         equal("mesh_watertight", len(loose), 0, ", ".join(loose)),
         equal("mesh_euler", len(torn), 0, "; ".join(torn)),

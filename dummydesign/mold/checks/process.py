@@ -49,6 +49,9 @@ def _machines(spec: MouldSpec, place: Layout) -> list[Check]:
     size = sorted((place.flange.length_mm, place.flange.width_mm))
     spare = min(bed[0] - size[0], bed[1] - size[1])
     found = [above("fits_printer", spare, 0.0, "mm to spare beside the master on the bed, margin kept")]
+    bolt = math.floor(spec.box.bolt_hole_mm)
+    hole = spec.box.bolt_hole_mm - 2 * m.elephant_foot_mm
+    found.append(above("bolts_pass", hole - bolt, 0.0, f"mm of play for M{bolt} where the print's first layer spreads"))
     if spec.pour.cures_warm:
         rim = 2 * (spec.aids.tray_rim_mm + spec.aids.tray_clearance_mm)
         shelf = sorted((m.shelf_x_mm, m.shelf_y_mm))

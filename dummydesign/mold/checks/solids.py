@@ -22,7 +22,7 @@ APART_MM = 0.8
 def check_solids(made: Parts) -> list[Check]:
     """Check all solids: validity, volumes, interference, silicone in the box, draft, sweep, features, label."""
     found = [*check_validity(made), *check_volumes(made), *check_interference(made), *check_boxes(made)]
-    found += [*check_drafts(made), _sweep(made), *check_distances(made), *check_label(made)]
+    found += [*check_drafts(made), _sweep(made), *check_distances(made), *check_label(made), *check_sheet(made)]
     if made.spec.body.style == "lidded":
         found.append(lid_one_way(made.solid("lid"), made.solid("mould")))
     return found
@@ -65,6 +65,7 @@ def check_interference(made: Parts) -> list[Check]:
     pairs = [("mould", "pad"), ("master", "frame"), ("tray", "mould"), ("lid", "mould"), ("lid", "pad")]
     pairs += [("backer", "lid"), ("lid_master", "lid_frame"), ("strike_off", "mould"), ("strike_off", "pad")]
     pairs += [("collar", "mould"), ("spacer", "mould"), ("carrier", "mould"), ("carrier", "pad")]
+    pairs += [("face_sheet", "master")]
     found = []
     for one, other in pairs:
         if one in made.parts and other in made.parts:
@@ -89,7 +90,7 @@ def check_boxes(made: Parts) -> list[Check]:
             plan.top.scaled(plan.silicone_scale).grown(spec.box.frame_wall_mm / 2), box.zmax + spec.box.base_mm, 0.0,
             -spec.box.base_mm,
         )  # fmt: skip
-        held = room.cut(made.solid(master), made.solid(frame))
+        held = room.cut(_without_pocket(made) if name == "mould" else made.solid(master), made.solid(frame))
         # Bolt holes and pin sockets are no room for silicone: keep what the poured block is connected to.
         volume = max(solid.Volume() for solid in held.Solids())
         if name == "lid":
@@ -98,6 +99,13 @@ def check_boxes(made: Parts) -> list[Check]:
         overlap = demould.common_volume_mm3(made.solid(master), cast)
         found.append(below(f"interference_{master}_{name}", overlap, INTERFERENCE_MM3, "mm3"))
     return found
+
+
+def _without_pocket(made: Parts) -> Any:
+    """The master with its sheet bonded in, as silicone and pad see it."""
+    return made.solid("master").fuse(*made.tools["face_recess"]).clean() if "face_sheet" in made.parts else made.solid(
+        "master"
+    )
 
 
 def _funnels(made: Parts) -> list[Any]:
@@ -116,7 +124,7 @@ def check_drafts(made: Parts) -> list[Check]:
     outer = spec.body.outer_draft_deg
     found = [above("draft_cavity", cavity_draft_deg(made.solid("mould"), made), spec.pad.draft_deg - DRAFT_SLACK_DEG)]
     high = plan.height_mm * grow
-    plug = demould.faces_within(made.solid("master"), plan.opening.scaled(grow), 0.0, high)
+    plug = demould.faces_within(_without_pocket(made), plan.opening.scaled(grow), 0.0, high)
     found.append(above("draft_plug", demould.minimum_draft_deg(plug), spec.pad.draft_deg - DRAFT_SLACK_DEG))
     frames = [("frame", high)]
     if "lid_frame" in made.parts:
@@ -125,6 +133,18 @@ def check_drafts(made: Parts) -> list[Check]:
         inner = demould.faces_within(made.solid(name), plan.top.scaled(grow), 0.0, top)
         found.append(above(f"draft_{name}", demould.minimum_draft_deg(inner, -1.0), outer - DRAFT_SLACK_DEG))
     return found
+
+
+def check_sheet(made: Parts) -> list[Check]:
+    """The sheet that is the tested face ends flush with the plug's top, and lies over its bond in the pocket."""
+    if "face_sheet" not in made.parts:
+        return []
+    sheet, box = made.solid("face_sheet"), made.spec.box
+    top = rough_bounds(_without_pocket(made))[5]
+    apart = abs(rough_bounds(sheet)[5] - top)
+    bed = made.solid("master").distance(sheet.translate((0, 0, -box.sheet_bond_mm)))
+    return [below("face_sheet_flush", apart, 1e-5, "mm off the plug's top"),
+            below("face_sheet_seated", bed, 1e-5, "mm from the pocket's floor, its bond taken away")]  # fmt: skip
 
 
 def sweep_offsets_mm(depth_mm: float) -> list[float]:

@@ -86,7 +86,7 @@ def draw(source: Path, picture: Path) -> None:
     meshes = {name: _surface(pyvista, np, data, name) for name in names}
     stacks = [
         stacked(names),
-        [name for name in ("master", "frame") if name in names],
+        [name for name in ("master", "face_sheet", "frame") if name in names],
         [name for name in ("lid_master", "lid_frame") if name in names],
     ]
     # Stacks stand side by side along the picture's own horizontal, so that their feet are level.

@@ -15,6 +15,7 @@ from dummydesign.mold.pour.acceptance import TROUBLE, acceptance_rows
 from dummydesign.mold.pour.materials_list import bill_of_materials
 from dummydesign.mold.pour.plan import PourPlan, split_batch
 from dummydesign.mold.pour.pour_steps import pour_steps
+from dummydesign.mold.pour.print_fit import print_words
 from dummydesign.mold.pour.print_layers import tip_words
 from dummydesign.mold.pour.steps import BLANK
 
@@ -97,7 +98,7 @@ def _mould_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
     aids = " of mould and lid, pins and backer" if lidded else _aids(spec)
     steps = [
         f"Print master and frame{aids} and tray ({_plastic(spec)}; 4 perimeters, 15 % infill; plug upwards). "
-        f"{shape_notes.plug_finish(spec.pad)}{_gauged(spec)}",
+        f"{shape_notes.plug_finish(spec)}{_gauged(spec)}{print_words(spec)}",
         f"Test cure inhibition: a dab of this silicone on this print, and a dab of resin {spec.pour.resin} on cured "
         "silicone, overnight. Tacky borders mean inhibition: seal the print or change the product.",
         f"Bolt frame to master (8 x M{math.floor(box.bolt_hole_mm):g}) and stand the box level: the silicone's free "

@@ -20,7 +20,7 @@ from dummydesign.mold.files.step_canonical import Header, canonical_step
 ORGANISATION = "dummydesign"
 COLOURS = {
     "resin": (0.93, 0.62, 0.50), "resin_base": (0.62, 0.36, 0.45), "silicone": (0.36, 0.62, 0.74),
-    "rigid": (0.72, 0.73, 0.75),
+    "rigid": (0.72, 0.73, 0.75), "glass": (0.62, 0.80, 0.72),
 }  # fmt: skip
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.core.datafiles import find, read_toml
 from dummydesign.core.errors import InputError, out_of_range
-from dummydesign.core.quantity import Quantity, line_of, read_quantity
+from dummydesign.core.quantity import read_quantity
 from dummydesign.geometry.shapes import PadShape
 from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.mold.model.pad_kind import PUCK, canonical_kind
@@ -20,19 +20,17 @@ from dummydesign.mold.model.spec import (
     Body,
     Box,
     Closure,
-    Machines,
     MouldSpec,
     PadGeometry,
-    Plastic,
     Pour,
-    Silicone,
 )
 from dummydesign.mold.model.validate import validate
+from dummydesign.mold.shop.products import read_machines, read_plastic, read_silicone
+from dummydesign.mold.shop.tables import known_keys, named_source, number, read_table
 
 if TYPE_CHECKING:
     from dummydesign.resin import Resin
 
-_SILICONE = ("density_g_per_cm3", "young_MPa", "shrinkage_percent", "expansion_per_K", "pot_life_min", "cure_time_h")
 _POUR = (
     "film_loss_g",
     "extra_percent",
@@ -66,6 +64,7 @@ def mould_spec(
     base_ratio: float | None = None,
     machines: str | None = None,
     silicone: str | None = None,
+    face_sheet_mm: float | None = None,
 ) -> MouldSpec:
     """Put together and check the specification of a mould.
 
@@ -86,6 +85,8 @@ def mould_spec(
         the shape's ``modulus_ratio``.
     machines, silicone : str, optional
         Names or files that take the place of those the preset names.
+    face_sheet_mm : float, optional
+        Thickness of the sheet of glass let in as the tested face, in place of the preset's; 0 for none. [mm]
 
     Returns
     -------
@@ -100,11 +101,11 @@ def mould_spec(
     kind, parameters = canonical_kind(kind, parameters)
     entry = find("molds", "mould preset", preset)
     data, text = read_toml(entry.path)
-    _known_keys(data, _TOP, entry.path, text)
+    known_keys(data, _TOP, entry.path, text)
     for key in ("style", "silicone", "machines", *sorted(_TABLES - {"closure"})):
         if key not in data:
             raise InputError(f"{entry.path.name}: '{key}' is missing")
-    pad = _table(PadGeometry, data["pad"], entry.path, text, "pad", optional=True, thickness_mm=float(thickness_mm))
+    pad = read_table(PadGeometry, data["pad"], entry.path, text, "pad", thickness_mm=float(thickness_mm))
     pad |= {"length_mm": float(length_mm), "width_mm": float(width_mm), "kind": kind, "parameters": parameters}
     if kind == PUCK:
         # A specimen between plates is a plain cylinder; a soft mould gives it up without draft.
@@ -116,19 +117,23 @@ def mould_spec(
     pour, sources = _read_pour(data, entry.path, text, resin, ratio)
     product, more = read_silicone(silicone or str(data["silicone"]), entry.path)
     plastic, its_sources = read_plastic(str(data["plastic"]), entry.path) if "plastic" in data else (None, [])
+    box = Box(**read_table(Box, data["box"], entry.path, text, "box"))
+    if face_sheet_mm is not None:
+        box = replace(box, face_sheet_mm=float(face_sheet_mm))
+    its_machines, of_machines = read_machines(machines or str(data["machines"]), entry.path)
     closure = data.get("closure")
-    limits = _table(Acceptance, data.get("acceptance", {}), entry.path, text, "acceptance", optional=True)
+    limits = read_table(Acceptance, data.get("acceptance", {}), entry.path, text, "acceptance")
     spec = MouldSpec(
         preset=entry.name,
         pad=pad,
-        body=Body(**_table(Body, data["body"], entry.path, text, "body", style=str(data["style"]))),
-        box=Box(**_table(Box, data["box"], entry.path, text, "box")),
-        aids=Aids(**_table(Aids, data["aids"], entry.path, text, "aids")),
+        body=Body(**read_table(Body, data["body"], entry.path, text, "body", style=str(data["style"]))),
+        box=box,
+        aids=Aids(**read_table(Aids, data["aids"], entry.path, text, "aids")),
         silicone=product,
         pour=pour,
-        machines=read_machines(machines or str(data["machines"]), entry.path),
-        closure=Closure(**_table(Closure, closure, entry.path, text, "closure")) if closure is not None else None,
-        sources=tuple(dict.fromkeys(sources + more + its_sources)),
+        machines=its_machines,
+        closure=Closure(**read_table(Closure, closure, entry.path, text, "closure")) if closure is not None else None,
+        sources=tuple(dict.fromkeys(sources + more + its_sources + of_machines)),
         base=_base_layer(pad.shape, pour, resin, base_ratio),
         plastic=plastic,
         acceptance=Acceptance(**limits),
@@ -172,57 +177,24 @@ def _ratio_of_base(resin: Resin, pour: Pour, upper_MPa: float, modulus_ratio: fl
     return resin.ratio_for(modulus_ratio * upper_MPa)
 
 
-def _known_keys(table: dict[str, Any], known: set[str], path: Path, text: str) -> None:
-    for key in table:
-        if key not in known:
-            raise InputError(
-                f"{path.name}:{line_of(text, key)}: unknown key '{key}'; known are {', '.join(sorted(known))}"
-            )
-
-
-def _number(value: Any, key: str, path: Path, text: str, *where: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise InputError(f"{path.name}:{line_of(text, *where, key)}: '{key}' = {value!r} is not a finite number")
-    return float(value)
-
-
-def _table(
-    kind: type, table: Any, path: Path, text: str, name: str, optional: bool = False, **given: Any
-) -> dict[str, Any]:
-    """Read the numbers of one table into the arguments of ``kind``; unknown and missing keys are refused."""
-    if not isinstance(table, dict):
-        raise InputError(f"{path.name}:{line_of(text, name)}: '{name}' must be a table")
-    names = [item.name for item in fields(kind) if item.name not in given]
-    _known_keys(table, set(names), path, text)
-    missing = [key for key in names if key not in table]
-    if missing and not optional:
-        raise InputError(f"{path.name}: table [{name}] lacks {', '.join(missing)}")
-    read = {key: _number(table[key], key, path, text, f"[{name}]") for key in names if key in table}
-    return {**given, **read}
-
-
-def _named_source(name: str, quantity: Quantity) -> str:
-    return f"{name} = {quantity.value:g} ({quantity.low:g} to {quantity.high:g}, {quantity.kind}): {quantity.source}"
-
-
 def _read_pour(
     data: dict[str, Any], path: Path, text: str, resin: Resin, ratio: float
 ) -> tuple[Pour, list[str]]:
     """Join the preset's pouring numbers with the resin's."""
     process = data["process"]
-    _known_keys(process, set(_PROCESS), path, text)
-    _known_keys(data["pour"], set(_POUR), path, text)
+    known_keys(process, set(_PROCESS), path, text)
+    known_keys(data["pour"], set(_POUR), path, text)
     for key in _PROCESS:
         if key not in process:
             raise InputError(f"{path.name}: table [process] lacks {key}")
     loose = {key: read_quantity(data["pour"], key, path, text) for key in _POUR}
-    room = _number(process["room_temperature_C"], "room_temperature_C", path, text)
+    room = number(process["room_temperature_C"], "room_temperature_C", path, text)
     liquid = _resin_numbers(resin, ratio, room)
-    sources = [_named_source(key, quantity) for key, quantity in loose.items()]
+    sources = [named_source(key, quantity) for key, quantity in loose.items()]
     sources += [f"resin {resin.name}: {reference}" for reference in resin.references[:1]]
     values = {key: quantity.value for key, quantity in loose.items()}
     for key in ("foam_factor", "pour_and_degas_min"):
-        values[key] = _number(process[key], key, path, text)
+        values[key] = number(process[key], key, path, text)
     return Pour(**liquid, **values, room_temperature_C=room, degas=str(process["degas"])), sources
 
 
@@ -244,56 +216,3 @@ def _resin_numbers(resin: Resin, ratio: float, room_temperature_C: float) -> dic
         "young_kPa": 1e3 * float(resin.young_MPa(ratio)),
         **numbers,
     }
-
-
-def _beside(name: str, path: Path, kind: str, what: str) -> Any:
-    """Find a data file named in a preset: beside the preset, else in the library."""
-    near = path.parent / name
-    return find(kind, what, str(near) if name.endswith(".toml") and near.is_file() else name)
-
-
-def read_silicone(name: str, preset: Path) -> tuple[Silicone, list[str]]:
-    """Read a silicone product by name or file; return it and where its numbers come from."""
-    entry = _beside(name, preset, "molds/silicones", "silicone")
-    data, text = read_toml(entry.path)
-    _known_keys(data, {"schema", "name", "title", *_SILICONE}, entry.path, text)
-    numbers = {key: read_quantity(data, key, entry.path, text) for key in _SILICONE}
-    sources = [_named_source(f"silicone {key}", quantity) for key, quantity in numbers.items()]
-    return Silicone(entry.name, **{key: quantity.value for key, quantity in numbers.items()}), sources
-
-
-def read_plastic(name: str, preset: Path) -> tuple[Plastic, list[str]]:
-    """Read the plastic of the printed parts by name or file; return it and where its numbers come from."""
-    entry = _beside(name, preset, "molds/plastics", "plastic")
-    data, text = read_toml(entry.path)
-    keys = ("service_temperature_C", "density_g_per_cm3")
-    _known_keys(data, {"schema", "name", "title", *keys}, entry.path, text)
-    numbers = {key: read_quantity(data, key, entry.path, text) for key in keys}
-    sources = [_named_source(f"plastic {key}", quantity) for key, quantity in numbers.items()]
-    return Plastic(entry.name, **{key: quantity.value for key, quantity in numbers.items()}), sources
-
-
-def read_machines(name: str, preset: Path) -> Machines:
-    """Read what the parts must fit, by name or file."""
-    entry = _beside(name, preset, "molds/machines", "machines")
-    data, text = read_toml(entry.path)
-    tables = {
-        "printer": ("bed_x_mm", "bed_y_mm", "height_mm", "margin_mm"),
-        "vacuum_chamber": ("diameter_mm", "height_mm"),
-        "oven": ("shelf_x_mm", "shelf_y_mm", "height_mm"),
-    }
-    _known_keys(data, {"schema", "name", "title", "balance_resolution_g", *tables}, entry.path, text)
-    numbers = []
-    for table, keys in tables.items():
-        part = data.get(table)
-        more = {"layer_mm"} if table == "printer" else set()
-        if not isinstance(part, dict) or set(part) - more != set(keys):
-            raise InputError(f"{entry.path.name}: table [{table}] needs exactly {', '.join(keys)}")
-        numbers += [_number(part[key], key, entry.path, text, f"[{table}]") for key in keys]
-    if "balance_resolution_g" not in data:
-        raise InputError(f"{entry.path.name}: 'balance_resolution_g' is missing")
-    resolution = _number(data["balance_resolution_g"], "balance_resolution_g", entry.path, text)
-    layer = _number(data["printer"].get("layer_mm", 0.0), "layer_mm", entry.path, text, "[printer]")
-    if not 0 <= layer <= 1:
-        raise out_of_range(f"{entry.path.name}: layer_mm", f"{layer:g}", 0, 1)
-    return Machines(entry.name, resolution, *numbers, layer_mm=layer)

@@ -10,8 +10,10 @@ from typing import Any
 
 from dummydesign.geometry.shapes import PadShape, make_shape
 from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
+from dummydesign.mold.model.hardware import Aids, Body, Box, Closure
 from dummydesign.mold.model.pad_kind import PUCK
 from dummydesign.mold.model.spec_json import plain_data, rebuild
+from dummydesign.mold.shop.items import Machines, Plastic, Silicone
 
 WARM_K = 5.0
 """A cure that is warmer than the room by no more than this needs no oven."""
@@ -74,83 +76,6 @@ class PadGeometry:
 
 
 @dataclass(frozen=True)
-class Body:
-    """The silicone block around the cavity and the label cut into its land."""
-
-    style: str
-    wall_mm: float
-    floor_mm: float
-    outer_corner_radius_mm: float
-    outer_draft_deg: float
-    brim_step_mm: float
-    freeboard_mm: float
-    label_height_mm: float
-    label_stroke_mm: float
-    label_depth_mm: float
-
-
-@dataclass(frozen=True)
-class Closure:
-    """Lid, keys, gutter, sprue and vents of a lidded mould."""
-
-    lid_mm: float
-    backer_mm: float
-    key_radius_mm: float
-    key_clearance_mm: float
-    key_shift_mm: float
-    gutter_radius_mm: float
-    gutter_distance_mm: float
-    sprue_small_mm: float
-    sprue_large_mm: float
-    vent_small_mm: float
-    vent_large_mm: float
-    sprue_inset_mm: float
-    vent_inset_mm: float
-    pin_handle_mm: float
-    pin_spigot_mm: float
-
-
-@dataclass(frozen=True)
-class Box:
-    """The rigid master's base plate and the lift-off frame."""
-
-    base_mm: float
-    frame_wall_mm: float
-    flange_mm: float
-    flange_thickness_mm: float
-    bolt_hole_mm: float
-    rim_mm: float
-    rim_step_mm: float
-
-
-@dataclass(frozen=True)
-class Aids:
-    """Strike-off plate, carrier tray and degassing collar."""
-
-    plate_mm: float
-    plate_clearance_mm: float
-    tray_floor_mm: float
-    tray_rim_mm: float
-    tray_rim_height_mm: float
-    tray_clearance_mm: float
-    level_screw_hole_mm: float
-    collar_wall_mm: float
-
-
-@dataclass(frozen=True)
-class Silicone:
-    """The product the mould is cast from."""
-
-    name: str
-    density_g_per_cm3: float
-    young_MPa: float
-    shrinkage_percent: float
-    expansion_per_K: float
-    pot_life_min: float
-    cure_time_h: float
-
-
-@dataclass(frozen=True)
 class Pour:
     """The resin as a liquid to be weighed and poured; ``components`` are (name, mass fraction).
 
@@ -196,33 +121,6 @@ class BaseLayer:
 
 
 @dataclass(frozen=True)
-class Machines:
-    """What the parts must fit, how finely can be weighed, and the printer's layer (0 where it is not said)."""
-
-    name: str
-    balance_resolution_g: float
-    bed_x_mm: float
-    bed_y_mm: float
-    printer_height_mm: float
-    bed_margin_mm: float
-    chamber_diameter_mm: float
-    chamber_height_mm: float
-    shelf_x_mm: float
-    shelf_y_mm: float
-    oven_height_mm: float
-    layer_mm: float = 0.0
-
-
-@dataclass(frozen=True)
-class Plastic:
-    """What the printed parts are made of."""
-
-    name: str
-    service_temperature_C: float
-    density_g_per_cm3: float
-
-
-@dataclass(frozen=True)
 class Acceptance:
     """How far a cast pad may be off: mean thickness, its spread over five places, mass, modulus of the witness."""
 
@@ -258,6 +156,11 @@ class MouldSpec:
                 del table[name]
         if not plain["machines"]["layer_mm"]:
             del plain["machines"]["layer_mm"]
+        if plain["machines"]["fit"] is None:
+            del plain["machines"]["fit"]
+        if not plain["box"]["face_sheet_mm"]:
+            for name in ("face_sheet_mm", "sheet_bond_mm", "sheet_rim_mm"):
+                del plain["box"][name]
         return plain
 
     def canonical(self) -> str:

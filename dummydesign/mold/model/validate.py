@@ -9,6 +9,7 @@ from typing import Any
 from dummydesign.core.errors import InputError, out_of_range, unknown_name
 from dummydesign.geometry.limits import RIM_FREE_MM
 from dummydesign.mold.model import formulas as formula
+from dummydesign.mold.model.face_sheet import check_face_sheet
 from dummydesign.mold.model.layout import Layout, layout
 from dummydesign.mold.model.spec import MouldSpec, PadGeometry
 
@@ -35,6 +36,7 @@ def validate(spec: MouldSpec) -> Layout:
     if spec.base is not None:
         _check_process(replace(spec, pour=spec.base.pour))
     plan = layout(spec)
+    check_face_sheet(spec, plan)
     _check_machines(spec, plan)
     return plan
 

@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+from dummydesign.mold.model.face_sheet import sheet_outline
+from dummydesign.mold.model.layout import layout
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.plan import PourPlan
 
@@ -89,6 +91,10 @@ def materials(
         Need(f"screws M{level} x {long} with nuts", 3, "{:.0f}", "levelling the tray"),
         Need(f"mould silicone {spec.silicone.name}", plan.silicone_mass_g, "{:.0f} g", "mould"),
     ]
+    if box.face_sheet_mm:
+        cut = sheet_outline(spec, layout(spec))
+        size = f"{cut.length_mm:g} mm across" if cut.is_circle else f"{cut.length_mm:g} x {cut.width_mm:g} mm"
+        needs.append(Need(f"sheet of glass, {box.face_sheet_mm:g} mm, {size}", 1, "{:.0f}", "tested face"))
     for part, name in ((plan, ""), (plan.base, " (base layer)")):
         if part is not None:
             needs += [Need(f"{what}{name}", mass, "{:.1f} g", "pad", POUR) for what, mass in part.components]

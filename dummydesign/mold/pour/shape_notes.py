@@ -4,17 +4,24 @@ from __future__ import annotations
 
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.layout import layout
-from dummydesign.mold.model.spec import MouldSpec, PadGeometry
+from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.plan import PourPlan
 from dummydesign.mold.pour.steps import BLANK, CLOSE, DEGAS, GEL, MIX, POUR, WAIT, Step
 
 
-def plug_finish(pad: PadGeometry) -> str:
+def plug_finish(spec: MouldSpec) -> str:
     """How the face that forms the tested face is made smooth."""
+    pad, sheet = spec.pad, spec.box.face_sheet_mm
+    if sheet:
+        return (
+            f"The tested face is the sheet of {sheet:g} mm (drawing face_sheet): gauge it first, another thickness is "
+            f"another face_sheet_mm (really: {BLANK} mm). Bond it into the pocket with a film of "
+            f"{spec.box.sheet_bond_mm:g} mm, weighed down on a flat plate so that it ends flush with the plug's top "
+            f"(step really: {BLANK} mm), and fill the gap around it."
+        )
     if not pad.shape.relief_mm:
         return (
-            "The top of the plug becomes the tested face: sand it, or bond a sheet of glass or acrylic of known "
-            "thickness in its place."
+            "The top of the plug becomes the tested face: sand it, or have a sheet of glass let in (face_sheet_mm)."
         )
     layer = formula.print_layer_mm(pad.shape.relief_mm)
     return (

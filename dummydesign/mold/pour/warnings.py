@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dummydesign.mold.model import formulas as formula
-from dummydesign.mold.model.spec import MouldSpec, PadGeometry
+from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.plan import CARRIER_VENTS, RATIO_ERROR_LIMIT_PERCENT, PourPlan
-from dummydesign.mold.pour.print_layers import tip_words
+from dummydesign.mold.pour.print_layers import layer_words, tip_words
 
 # A base further than this from the shape's modulus ratio is worth a word.
 RATIO_APART = 0.02
@@ -64,7 +64,9 @@ def pour_warnings(spec: MouldSpec, plan: PourPlan) -> list[dict[str, str]]:
                 "scrap first",
             )
         )
-    found += [*_relief(spec), *_bone(spec.pad), *_layers(spec), *spec.pad.shape.casting_notes(spec.pad)]
+    if words := layer_words(spec):
+        found.append(("print_layers", words))
+    found += [*_relief(spec), *_bone(spec), *_layers(spec), *spec.pad.shape.casting_notes(spec.pad)]
     return [{"code": code, "message": message} for code, message in found]
 
 
@@ -101,12 +103,13 @@ def _relief(spec: MouldSpec) -> list[tuple[str, str]]:
     return found
 
 
-def _bone(pad: PadGeometry) -> list[tuple[str, str]]:
-    """How the carrier of a bone is lowered."""
-    if not pad.shape.bone_height_mm:
+def _bone(spec: MouldSpec) -> list[tuple[str, str]]:
+    """How the carrier of a bone is lowered, and how true its height must be."""
+    if not spec.pad.shape.bone_height_mm:
         return []
     text = f"the plate shuts the mould: lower it tilted, one edge first, until all {CARRIER_VENTS} vents show resin"
-    return [("bone_air", text)]
+    words = tip_words(spec)
+    return [("bone_air", text), *([("bone_height", f"measure the bone over its plate: {words}")] if words else [])]
 
 
 def _layers(spec: MouldSpec) -> list[tuple[str, str]]:

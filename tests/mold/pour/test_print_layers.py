@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -9,11 +10,18 @@ import pytest
 
 from dummydesign.core.errors import InputError
 from dummydesign.mold import runner
-from dummydesign.mold.model.preset import mould_spec, read_machines
+from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.plan import pour_plan
-from dummydesign.mold.pour.print_layers import allowed_layer_mm, check_layers, height_cost
+from dummydesign.mold.pour.print_layers import (
+    allowed_layer_mm,
+    check_layers,
+    height_cost,
+    printed_thickness_mm,
+    rounding_cost,
+)
 from dummydesign.mold.pour.warnings import pour_warnings
+from dummydesign.mold.shop.products import read_machines
 from tests.support.mould_checks import shape_spec
 
 CROWN = shape_spec("crowned:10,2", 5.0)
@@ -42,7 +50,7 @@ def test_a_printer_too_coarse_is_refused_before_anything_is_written_and_a_fine_o
     with pytest.raises(InputError, match=r"layer_mm = 0\.2 .*allowed is up to 0\.0"):
         runner.make_mold(coarse(CROWN, 0.2), tmp_path / "m")
     assert list(tmp_path.iterdir()) == []
-    for spec in (coarse(CROWN, 0.01), CROWN, coarse(mould_spec(5.0), 0.3)):
+    for spec in (coarse(CROWN, 0.01), CROWN, coarse(mould_spec(5.0), 0.1)):
         check_layers(spec)
 
 
@@ -57,10 +65,43 @@ def test_the_printers_layer_is_read_and_machines_without_one_keep_their_hash(tmp
 [vacuum_chamber]\ndiameter_mm = 250.0\nheight_mm = 230.0
 [oven]\nshelf_x_mm = 400.0\nshelf_y_mm = 350.0\nheight_mm = 300.0\n"""
     (tmp_path / "mine.toml").write_text(text)
-    found = read_machines("mine.toml", tmp_path / "preset.toml")
+    found, _ = read_machines("mine.toml", tmp_path / "preset.toml")
     assert found.layer_mm == 0.2 and "layer_mm" not in CROWN.to_dict()["machines"]
     spec = replace(CROWN, machines=found)
     assert MouldSpec.from_dict(spec.to_dict()) == spec and spec.hash != CROWN.hash
     (tmp_path / "mine.toml").write_text(text.replace("layer_mm = 0.2", "layer_mm = 20.0"))
     with pytest.raises(InputError, match="layer_mm = 20"):
         read_machines("mine.toml", tmp_path / "preset.toml")
+
+
+@pytest.mark.parametrize("given", [{"preset": "open"}, {"preset": "lidded"}, {"face_sheet_mm": 3.0}])
+def test_whole_layers_make_the_thickness_within_a_layer_and_exact_in_the_limit(given):
+    spec = mould_spec(8.0, 80.0, 70.0, **given)
+    for layer in (0.3, 0.2, 0.12):
+        # Four heights are rounded, each by half a layer at most.
+        assert abs(printed_thickness_mm(spec, layer) - 8.0) <= 2 * layer
+    assert printed_thickness_mm(spec, 1e-6) == pytest.approx(8.0, abs=4e-6)
+
+
+def test_a_pad_as_thick_as_its_print_is_printed_exactly():
+    first = mould_spec(5.0)
+    again = mould_spec(printed_thickness_mm(first, 0.2))
+    assert printed_thickness_mm(again, 0.2) == pytest.approx(again.pad.thickness_mm, abs=1e-9)
+    assert rounding_cost(again, 0.2) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_thinner_print_is_stiffer_and_one_that_costs_more_than_a_per_cent_is_refused_with_a_layer_that_does():
+    spec = coarse(mould_spec(5.0), 0.3)
+    assert printed_thickness_mm(spec, 0.3) < 5.0 and rounding_cost(spec, 0.3) > 1.0
+    with pytest.raises(InputError, match=r"% of force.*layers of (\S+) mm do") as refused:
+        check_layers(spec)
+    check_layers(coarse(spec, float(re.search(r"layers of (\S+) mm do", str(refused.value))[1])))
+    codes = {item["code"]: item["message"] for item in pour_warnings(coarse(spec, 0.1), pour_plan(spec))}
+    assert "% of force" in codes["print_layers"]
+
+
+def test_a_low_bone_leaves_more_gel_and_less_force():
+    spec = shape_spec("boned:26.7,3.6,13.4", 6.0)
+    costs = np.array([height_cost(spec, low) for low in (0.02, 0.04)])
+    assert np.all(costs < 0) and costs[1] / costs[0] == pytest.approx(2.0, rel=0.1)
+    assert allowed_layer_mm(spec) is not None

@@ -20,7 +20,7 @@ LEFT_OUT = ("layer_top", "layer_base")
 """Parts that another drawing shows."""
 MOST_WIDTHS, NEAR_MM = 6, 0.3
 NAMES = {"strike_off": "strike-off plate", "lid_master": "master of the lid", "lid_frame": "frame of the lid",
-         "sprue_pin": "sprue pin", "vent_pin": "vent pin"}  # fmt: skip
+         "face_sheet": "face sheet", "sprue_pin": "sprue pin", "vent_pin": "vent pin"}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -94,6 +94,8 @@ def _material(made: Parts, name: str) -> str:
     kind = made.parts[name].material
     if kind == "rigid":
         return spec.plastic.name.upper() if spec.plastic else "rigid plastic"
+    if kind == "glass":
+        return "float glass or acrylic"
     return f"silicone {spec.silicone.name}" if kind == "silicone" else f"{spec.pour.resin}, ratio {spec.pour.ratio:g}"
 
 
@@ -123,6 +125,8 @@ def _notes(made: Parts, name: str) -> list[str]:
     elif name in ("master", "frame", "lid_master", "lid_frame"):
         notes.append(f"x {plan.silicone_scale:.5f} of the silicone part; draft {pad.draft_deg:g} deg inside, "
                      f"{spec.body.outer_draft_deg:g} deg outside; flange R{plan.flange.radius_mm:.3g}.")  # fmt: skip
+    if name == "face_sheet":
+        return [*notes, "Cut to size, edges broken; bonded into the master, flush with the plug's top."]
     if made.parts[name].material == "rigid":
         notes.append("Print solid skins; faces against silicone sanded or sealed.")
     return notes

@@ -1,0 +1,1 @@
+"""What a workshop has, read from data files."""

@@ -15,13 +15,16 @@ from dummydesign.core.references import PAPER
 
 if TYPE_CHECKING:
     from dummydesign.core.outputs.manifest import Question
+    from dummydesign.design.own_test.of_traces import TracesTest
     from dummydesign.measurement.pad_record import PadRecord
     from dummydesign.measurement.trace import Trace
     from dummydesign.tissue.fitting.compare import Comparison
     from dummydesign.tissue.fitting.fit import Fit
+    from dummydesign.tissue.model.tissue import Tissue
 
 LAW_SOURCE = f"{PAPER}, equations (4) to (6)"
 Traces = Iterable["str | PathLike[str] | Trace"]
+Numbers = float | str | Iterable[float | str]
 
 
 def fit(
@@ -127,6 +130,12 @@ def compare(
     *,
     lowpass: str | None = None,
     record: str | PathLike[str] | None = None,
+    punch: str = "square:14",
+    edge_radius_mm: float | str = 0.0,
+    force_N: Numbers | None = None,
+    velocity_mm_s: Numbers | None = None,
+    hold_s: float | str | None = None,
+    deceleration_mm_s2: float | str | None = None,
     out: str | PathLike[str] | None = None,
     replace: bool = False,
 ) -> Result:
@@ -142,6 +151,18 @@ def compare(
         Filter the forces went through, ``HZ[:ORDER[:PASSES]]``.
     record : path, optional
         Record of the pad as it was cast, by ``mold record``: told beside the verdict.
+    punch : str
+        Of the test, as in :func:`dummydesign.suggest`.
+    edge_radius_mm : float
+        Fillet of its edge. [mm]
+    force_N, velocity_mm_s : numbers or text, optional
+        Steady forces and speeds of the test: presses to others are left out, and one that was not made leaves the
+        verdict open. The steady curve is judged from the lowest to the highest force. Without them every press
+        counts as it was made, and the curve from 5 to 15 N. [N, mm/s]
+    hold_s : float, optional
+        Hold of the test: traces that were held longer are cut there; else the hold of each press. [s]
+    deceleration_mm_s2 : float, optional
+        Braking of the robot; else read from each motion. [mm/s2]
     out : path, optional
         Folder of tables and report, which are not written without it; the next free number when it holds another
         answer.
@@ -159,11 +180,13 @@ def compare(
         For names or files that cannot be used.
     """
     from dummydesign.design.assessment.verdict_of_traces import verdict_of_traces
+    from dummydesign.design.own_test.of_traces import read_test
     from dummydesign.measurement.pad_record import read_record
     from dummydesign.measurement.sensor import parse_lowpass
     from dummydesign.tissue.fitting.compare import compare_traces
     from dummydesign.tissue.model.tissue_file import load_tissue
 
+    test = read_test(punch, edge_radius_mm, force_N, velocity_mm_s, hold_s, deceleration_mm_s2)
     site, passed = load_tissue(tissue), parse_lowpass(lowpass)
     pad = None if record is None else read_record(fspath(record))
     names, read = _read(traces)
@@ -171,26 +194,38 @@ def compare(
         "traces": names,
         "tissue": tissue,
         "lowpass": passed.to_dict() if passed else None,
+        **test.to_dict(),
         "out": None if out is None else fspath(out),
     }
     if record is not None:
         inputs["record"] = fspath(record)
+
+    def answered() -> tuple[Comparison, dict[str, Any]]:
+        compared = _in_test(_of_pad(compare_traces(read, site, passed, test.presses), pad), test, site)
+        return compared, verdict_of_traces(compared, site).to_dict()
+
     if out is None:
-        found = _of_pad(compare_traces(read, site, passed), pad)
-        known = {"inputs": inputs, "verdict": verdict_of_traces(found, site).to_dict(), **found.result}
+        found, judged = answered()
+        known = {"inputs": inputs, "verdict": judged, **found.result}
         return Result(found, {**known, "sources": list(site.sources), "files": {}}, "compare")
     from dummydesign.core.outputs.write import new_folder
     from dummydesign.report.files.compare import write_comparison
 
-    more = [] if record is None else [fspath(record)]
+    more = [fspath(name) for name in (record, punch.partition("profile:")[2] or None) if name is not None]
     with new_folder(out, _question("compare", inputs, [*names, *more], read, tissue), replace=replace) as output:
-        found = _of_pad(compare_traces(read, site, passed), pad)
-        judged = verdict_of_traces(found, site).to_dict()
+        found, judged = answered()
         head = {"inputs": {**inputs, "out": str(output.folder)}, "verdict": judged, **found.result}
         files = write_comparison(found, site, output.work, judged)
         output.extra["summary"] = {"verdict": judged["level"], "text": judged["text"]}
         result = output.answer({**head, "sources": list(site.sources), "files": files})
     return Result(found, result, "compare")
+
+
+def _in_test(found: Comparison, test: TracesTest, tissue: Tissue) -> Comparison:
+    """The comparison with the test that was given, and what must be said of the tissue in it."""
+    said = [*test.warnings(tissue), *found.result["warnings"]]
+    given = {"test": test.given} if test.given else {}
+    return replace_fields(found, result={**found.result, **given, "warnings": said})
 
 
 def _of_pad(found: Comparison, pad: PadRecord | None) -> Comparison:

@@ -35,6 +35,7 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
     "compare": (
         ("a cast pad against a palm's ranges", "compare pad.csv --tissue palm"),
         ("with a report", "compare pad.csv --tissue palm --out compared"),
+        ("in your own test", "compare pad.csv --tissue palm --force 2,4 --velocity 100 --hold 3 --punch round:12"),
     ),
     "campaign": (
         ("what to press, in which order, with a sheet to print", "campaign new my-dummy --young 25"),

@@ -12,7 +12,7 @@ GIVEN: dict[tuple[str, ...], tuple[str, ...]] = {
     ("suggest",): ("tissue", "resin", "aim", "shape", "thickness", "ratio", "calibration", "punch"),
     ("predict",): ("punch",),
     ("whatif",): ("tissue", "resin", "aim", "punch"),
-    ("compare",): ("tissue",),
+    ("compare",): ("tissue", "punch"),
     ("mold",): ("resin",),
     ("campaign", "new"): ("punch",),
     ("campaign", "from-files"): ("punch",),

@@ -47,18 +47,19 @@ def write_compare_report(
     """
     data = found.result
     steady, rows = data["steady_state_range"], data["force_variation_range"]
+    low, high = steady["span_N"]
     known = [row["inside"] for row in data["parametric"].values() if row["inside"] is not None]
     mean = float(np.mean([row["inside_fraction"] for row in rows]))
     facts = [
-        (_percent(steady["above_5N_fraction"]), "of the steady-state curve inside, 5 to 15 N"),
-        (_percent(steady["below_5N_fraction"]), "of it in range below 5 N, where there are no data on people"),
+        (_percent(steady["above_5N_fraction"]), f"of the steady-state curve inside, {low:g} to {high:g} N"),
+        (_percent(steady["below_5N_fraction"]), _below_words(tissue, low)),
         (_percent(mean), "of force over time inside, mean of the conditions"),
         (f"{sum(known)} of {len(known)}", "parameters inside their bands"),
     ]
     lead = (
         f"Measured dummy against {tissue.title} ({tissue.name}), {len(tissue.subjects)} subjects, law {data['law']}. "
         "Each press is compared with the subjects at its own steady force, speed, hold and braking."
-    )
+    ) + _test_words(data)
     sections = [
         Section("Steady force", _steady_words(data), [_steady(found, tissue)]),
         Section("Force over time", "Repeats of a condition share a figure; the range is that of the first.",
@@ -70,30 +71,52 @@ def write_compare_report(
     return write_report(folder, title, lead, sections, facts, data["warnings"], sources, verdict=verdict)
 
 
+def _test_words(data: dict[str, Any]) -> str:
+    """The test, where it was given."""
+    test = data.get("test")
+    if not test:
+        return ""
+    words = [f"punch {test['punch']}"] if "punch" in test else []
+    if test.get("edge_radius_mm"):
+        words.append(f"edge radius {test['edge_radius_mm']:g} mm")
+    for name, unit in (("force_N", "N"), ("velocity_mm_s", "mm/s")):
+        words += [f"{', '.join(f'{v:g}' for v in test[name])} {unit}"] if test.get(name) else []
+    for name, text in (("hold_s", "hold {:g} s"), ("deceleration_mm_s2", "braking {:g} mm/s2")):
+        words += [text.format(test[name])] if test.get(name) else []
+    return f" The test: {'; '.join(words)}."
+
+
 def _percent(share: float | None) -> str:
     return "not reached" if share is None else f"{100 * share:.0f} %"
 
 
+def _below_words(tissue: Tissue, low: float) -> str:
+    known = ", where there are no data on people" if tissue.origin == "built-in" and low <= 5.0 else ""
+    return f"of it in range below {low:g} N{known}"
+
+
 def _steady_words(data: dict[str, Any]) -> str:
-    reached = data["steady_state_range"]["reached_N"]
-    text = "Below 5 N the subjects' range is their cubic law extrapolated and drawn paler."
+    reached, low = data["steady_state_range"]["reached_N"], data["steady_state_range"]["span_N"][0]
+    text = f"Below {low:g} N the subjects' range is their law carried on, and drawn paler."
     return text if reached is None else f"The dummy was pressed from {reached[0]:.3g} to {reached[1]:.3g} N. {text}"
 
 
 def _steady(found: Comparison, tissue: Tissue) -> Plot:
-    from dummydesign.tissue.fitting.compare import STEADY_GRID_N
-
-    low, measured = np.linspace(0.0, 5.0, 21), np.linspace(5.0, 15.0, 41)
+    low, high = found.test.span_N
+    parts = [np.r_[0.0, found.grid_N[found.grid_N <= low * (1 + 1e-9)]],
+             found.grid_N[found.grid_N >= low * (1 - 1e-9)]]  # fmt: skip
+    below, among = ([np.interp(part, np.r_[0.0, found.grid_N], np.r_[0.0, edge]) for edge in found.range_mm]
+                    for part in parts)  # fmt: skip
     layers = (
-        Band("subjects, extrapolated", low, *tissue.steady_depth_range(low), sideways=True, style="extra"),
-        Band(f"subjects of {tissue.name}", measured, *tissue.steady_depth_range(measured), sideways=True),
-        Line("dummy", found.steady, STEADY_GRID_N),
+        Band("subjects, extrapolated", parts[0], *below, sideways=True, style="extra"),
+        Band(f"subjects of {tissue.name}", parts[1], *among, sideways=True),
+        Line("dummy", found.steady, found.grid_N),
         Dots("measured at the end of the hold", found.points[:, 0], found.points[:, 1], "aim"),
     )
     share = found.result["steady_state_range"]["above_5N_fraction"]
     alt = (
-        f"Steady force over depth: the dummy against the subjects' range; {_percent(share)} inside from 5 to 15 N. "
-        f"Measured points at {', '.join(f'{x:.2f} mm {f:.1f} N' for x, f in found.points)}."
+        f"Steady force over depth: the dummy against the subjects' range; {_percent(share)} inside from {low:g} to "
+        f"{high:g} N. Measured points at {', '.join(f'{x:.2f} mm {f:.1f} N' for x, f in found.points)}."
     )
     return Plot("steady", "Steady force over depth", alt, "depth [mm]", "steady force [N]", "depth_mm", "force_N",
                 layers)  # fmt: skip
@@ -106,7 +129,8 @@ def _presses(found: Comparison, data: dict[str, Any]) -> list[Plot]:
     bands = {id(trace): band for trace, band in found.presses}
     groups = condition_groups([trace for trace, _ in found.presses])
     plots, names = [], set()
-    for (speed, _, traces), row in zip(groups, data["force_variation_range"]):
+    for (_, _, traces), row in zip(groups, data["force_variation_range"]):
+        speed = row["velocity_mm_s"]
         band, force = bands[id(traces[0])], row["steady_force_N"]
         layers: list[Band | Line] = [Band(f"subjects of {data['tissue']}", band.time_s, band.low_N, band.high_N)]
         for number, trace in enumerate(traces):

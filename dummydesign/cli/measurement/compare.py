@@ -19,6 +19,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--record", metavar="FILE", help="the pad as it was cast, by 'mold record'")
     parser.add_argument("--out", metavar="DIR", help="folder of the files (default compare-TISSUE)")
     add_replace_option(parser)
+    test = parser.add_argument_group(
+        "your own test", "as 'suggest' has it; without these each press counts as it was made. Numbers may carry a unit"
+    )
+    punches = "square:14 (default), rectangle:AxB, round:D, ball:D, profile:FILE.csv"
+    test.add_argument("--punch", default="square:14", metavar="KIND:SIZE", help=punches)
+    test.add_argument("--edge-radius", default=0.0, metavar="MM", help="fillet of the punch's edge (default 0, sharp)")
+    test.add_argument("--force", metavar="F1,F2,...", help="steady forces in N: presses to others are left out")
+    test.add_argument("--velocity", metavar="V1,V2,...", help="speeds in mm/s: presses at others are left out")
+    test.add_argument("--hold", metavar="S", help="hold after the stop: longer traces are cut there")
+    test.add_argument("--deceleration", metavar="MM_S2", help="braking (default: read from the motion)")
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
@@ -27,7 +37,18 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
 
     out = options.out or default_out(options)
     return compare(
-        options.traces, options.tissue, lowpass=options.lowpass, record=options.record, out=out, replace=options.replace
+        options.traces,
+        options.tissue,
+        lowpass=options.lowpass,
+        record=options.record,
+        punch=options.punch,
+        edge_radius_mm=options.edge_radius,
+        force_N=options.force,
+        velocity_mm_s=options.velocity,
+        hold_s=options.hold,
+        deceleration_mm_s2=options.deceleration,
+        out=out,
+        replace=options.replace,
     ).to_dict()
 
 
@@ -59,7 +80,9 @@ def render(result: dict[str, Any]) -> str:
         lines.append(f"{name:<22} {cells}  {place}")
     steady = result["steady_state_range"]
     lines.append("steady-state curve, fraction in range of the force reached:")
-    for label, key in (("0.5 to 5 N", "below_5N_fraction"), ("5 to 15 N", "above_5N_fraction")):
+    low, high = steady["span_N"]
+    spans = (f"{0.1 * low:g} to {low:g} N", "below_5N_fraction"), (f"{low:g} to {high:g} N", "above_5N_fraction")
+    for label, key in spans:
         share = steady[key]
         lines.append(f"  {label:<11} {'not reached' if share is None else f'{100 * share:.0f} %'}")
     lines.append(f"{'mm/s':>6} {'steady N':>9} {'depth mm':>9} {'peak N':>8} {'range of peak N':>17} {'inside':>7}")

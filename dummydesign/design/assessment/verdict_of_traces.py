@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from dummydesign.design.assessment.safety import tissue_press
 from dummydesign.design.scoring.presses import Sampling
 from dummydesign.design.scoring.verdict import Ranges, Readings, Verdict, verdict
-from dummydesign.tissue.fitting.compare import STEADY_GRID_N, Comparison, braking_of
+from dummydesign.tissue.fitting.compare import Comparison, braking_of
 from dummydesign.tissue.fitting.groups import condition_groups
+from dummydesign.tissue.fitting.press_test import PressTest, missing_of
 
 if TYPE_CHECKING:
     from dummydesign.tissue.fitting.reduction import ReducedTrace
@@ -26,7 +27,6 @@ SMOOTHED = 5
 PARABOLA = np.array([-3.0, 12.0, 17.0, 12.0, -3.0]) / 35.0
 RAW_BIAS = 1.5
 """Standard deviations by which the largest of the few samples about a peak is too large."""
-LOWEST_N = 5.0
 
 
 def verdict_of_traces(found: Comparison, tissue: Tissue) -> Verdict:
@@ -34,7 +34,8 @@ def verdict_of_traces(found: Comparison, tissue: Tissue) -> Verdict:
 
     Each press is held against the subjects at its own steady force, speed, hold and braking; repeats are averaged.
     True pads that may be behind the measurement are drawn from the noise, the scatter of repeats and the zero of
-    depth. A speed of the tissue at which the pad was not pressed leaves open whether it is inside.
+    depth. A press of the test that was not made, or without a test a speed of the tissue at which the pad was not
+    pressed, leaves open whether it is inside.
 
     Parameters
     ----------
@@ -44,39 +45,41 @@ def verdict_of_traces(found: Comparison, tissue: Tissue) -> Verdict:
     bands = {id(trace): band for trace, band in found.presses}
     noise = float(found.fit.result["noise_floor_N"] or 0.0)
     rows = [
-        _press([(trace, bands[id(trace)]) for trace in group], tissue, speed, noise)
+        _press([(trace, bands[id(trace)]) for trace in group], tissue, found.test, speed, noise)
         for speed, _, group in condition_groups([trace for trace, _ in found.presses])
     ]
+    lowest = found.test.span_N[0]
     force, speeds, low, high, least, most, peak, error, energy = (np.array(column) for column in zip(*rows))
-    grid = (STEADY_GRID_N >= max(LOWEST_N, 0.97 * found.points[0, 1])) & np.isfinite(found.steady)
-    steady, depth = STEADY_GRID_N[grid], found.steady[grid]
-    ranges = Ranges(
-        force, speeds, low, high, least, most, steady, *tissue.steady_depth_range(steady), len(tissue.subjects)
-    )
+    grid = (found.grid_N >= max(lowest * (1 - 1e-9), 0.97 * found.points[0, 1])) & np.isfinite(found.steady)
+    steady, depth = found.grid_N[grid], found.steady[grid]
+    stiff, soft = (edge[grid] for edge in found.range_mm)
+    ranges = Ranges(force, speeds, low, high, least, most, steady, stiff, soft, len(tissue.subjects))
     rng = np.random.default_rng(SEED)
     spread = Readings(
         peak + error * rng.standard_normal((DRAWS, len(peak))),
         energy * (1.0 + error / peak * rng.standard_normal((DRAWS, len(peak)))),
         depth + DEPTH_ERROR_MM * rng.standard_normal((DRAWS, 1)),
     )
-    missing = [known for known in tissue.velocities_mm_s if not np.any(np.abs(np.log(speeds / known)) < np.log(1.5))]
-    unsettled = f"it was not pressed at {' and '.join(f'{v:g}' for v in missing)} mm/s" if missing else ""
+    unsettled = missing_of([trace for trace, _ in found.presses], found.test, tissue.velocities_mm_s)
     if not len(steady):
-        unsettled = " and ".join(filter(None, [unsettled, f"it was not pressed above {LOWEST_N:g} N"]))
+        unsettled = " and ".join(filter(None, [unsettled, f"it was not pressed above {lowest:g} N"]))
     readings = Readings(peak, energy, depth)
     return verdict(ranges, readings, spread, of="pads that may be behind these traces", unsettled=unsettled)
 
 
 def _press(
-    pairs: list[tuple[ReducedTrace, ForceRange]], tissue: Tissue, speed_mm_s: float, noise_N: float
+    pairs: list[tuple[ReducedTrace, ForceRange]], tissue: Tissue, test: PressTest, measured_mm_s: float,
+    noise_N: float,
 ) -> tuple[float, ...]:
     """One condition: force, speed, outermost peaks and energies of the subjects, the pad's, and its peak's error."""
     peaks = np.array([peak_of(trace, noise_N) for trace, _ in pairs])
     energies = np.array([energy_of(trace) for trace, _ in pairs])
     outer = []
+    speed_mm_s = test.speed_of(measured_mm_s)
     for trace, band in pairs:
         hold = trace.ramp.hold_end_s - trace.ramp.stop_time_s
-        sampling = Sampling(hold_s=hold, deceleration_mm_s2=braking_of(trace, speed_mm_s))
+        braking = test.deceleration_mm_s2 or braking_of(trace, speed_mm_s)
+        sampling = Sampling(hold_s=hold, deceleration_mm_s2=braking)
         energy = tissue_press(band, tissue.law, sampling).energy_mJ
         outer.append((trace.steady_force_N, band.peak_low_N, band.peak_high_N, energy.min(), energy.max()))
     force, low, high, least, most = np.mean(outer, axis=0)

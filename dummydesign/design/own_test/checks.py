@@ -32,16 +32,7 @@ def check_test(request: Request, punch: AskedPunch) -> None:
     InputError
         Naming the quantity, its value, and the nearest that works.
     """
-    for name, values, (low, high) in (
-        ("force in N", request.force_N, FORCE_N),
-        ("velocity in mm/s", request.velocity_mm_s, VELOCITY_MM_S),
-        ("hold in s", (request.hold_s,), HOLD_S),
-    ):
-        if not 1 <= len(values) <= MOST:
-            raise InputError(f"{name}: {len(values)} values; give 1 to {MOST}")
-        for value in values:
-            if not (isfinite(value) and low <= value <= high):
-                raise out_of_range(name, f"{value:g}", low, high)
+    check_numbers(request.force_N, request.velocity_mm_s, request.hold_s)
     least = LEAST_SIDE * punch.length_mm
     length, width = request.pad_mm
     if not (isfinite(length) and isfinite(width) and min(length, width) >= least):
@@ -51,19 +42,54 @@ def check_test(request: Request, punch: AskedPunch) -> None:
         )
     Interface.parse(request.base, "base", BASES)
     if request.edge_radius_mm:
-        from dummydesign.pad.slab.filleted import check_fillet
-
-        if punch.profile_mm:
-            raise InputError(f"edge_radius_mm = {request.edge_radius_mm:g} is of a flat punch, not of {punch.text}")
+        check_edge(request.edge_radius_mm, punch)
         if Interface.names_friction(request.base):
             raise InputError(f"edge_radius_mm = {request.edge_radius_mm:g} with base = {request.base} is not solved")
-        check_fillet(request.edge_radius_mm, punch.half_width_mm)
     refused = refused_kinds(request, punch).get(request.shape.partition(":")[0].lower())
     if refused:
         raise InputError(refused)
     if request.calibration is not None and not standard_press(request):
         raise InputError("a calibration is of its campaign's punch, pad and base: leave --punch, --edge-radius, "
                          "--pad and --base out")  # fmt: skip
+
+
+def check_numbers(
+    force_N: tuple[float, ...] | None, velocity_mm_s: tuple[float, ...] | None, hold_s: float | None
+) -> None:
+    """Refuse forces, speeds and holds that no test has; None is not looked at.
+
+    Raises
+    ------
+    InputError
+        Naming the quantity, its value, and the allowed range.
+    """
+    for name, values, (low, high) in (
+        ("force in N", force_N, FORCE_N),
+        ("velocity in mm/s", velocity_mm_s, VELOCITY_MM_S),
+        ("hold in s", None if hold_s is None else (hold_s,), HOLD_S),
+    ):
+        if values is None:
+            continue
+        if not 1 <= len(values) <= MOST:
+            raise InputError(f"{name}: {len(values)} values; give 1 to {MOST}")
+        for value in values:
+            if not (isfinite(value) and low <= value <= high):
+                raise out_of_range(name, f"{value:g}", low, high)
+
+
+def check_edge(edge_radius_mm: float, punch: AskedPunch) -> None:
+    """Refuse a fillet that the punch cannot have.
+
+    Raises
+    ------
+    InputError
+        For a punch with a shape of its own, or a fillet beyond what is solved.
+    """
+    from dummydesign.pad.slab.filleted import check_fillet
+
+    if punch.profile_mm:
+        raise InputError(f"edge_radius_mm = {edge_radius_mm:g} is of a flat punch, not of {punch.text}")
+    check_fillet(edge_radius_mm, punch.half_width_mm)
 
 
 def standard_press(request: Request) -> bool:
@@ -110,21 +136,39 @@ def own_warnings(request: Request, punch: AskedPunch, tissue: Tissue, flat: bool
     flat : bool
         Whether the recommended pad is a slab, whose fillet is solved.
     """
-    said = []
-    built_in = tissue.origin == "built-in"
-    if built_in and (request.punch != PUNCH or request.edge_radius_mm):
-        edge = f" with an edge radius of {request.edge_radius_mm:g} mm" if request.edge_radius_mm else ""
-        said.append(("tissue_punch", f"{tissue.name} is known under the 14 x 14 mm punch: under {request.punch}{edge} "
-                     "its ranges are those of another test; add your own tissue measured with it"))  # fmt: skip
-    far = [force for force in request.protocol.forces_N if not KNOWN_FORCE_N[0] <= force <= KNOWN_FORCE_N[1]]
-    if built_in and far:
-        where = " and ".join(f"{force:g}" for force in far)
-        said.append(("force_not_in_band", f"{tissue.name} is known from 5 to 15 N: at {where} N its law is carried on"))
+    said = tissue_warnings(tissue, request.punch, request.edge_radius_mm, request.protocol.forces_N)
     if punch.sides_mm and not punch.square:
         said.append(("equal_area_punch", f"the punch {request.punch} is taken as the circle of its area; 'predict "
                      "--fidelity 3d' gives what its sides add"))  # fmt: skip
     if request.edge_radius_mm and not flat:
         said.append(("fillet", _fillet_words(request, punch)))
+    return said
+
+
+def tissue_warnings(
+    tissue: Tissue, punch: str, edge_radius_mm: float, forces_N: tuple[float, ...]
+) -> list[tuple[str, str]]:
+    """What must be said of a tissue in a test: a built-in one is known under one punch, from 5 to 15 N.
+
+    Parameters
+    ----------
+    tissue : Tissue
+    punch : str
+        As typed.
+    edge_radius_mm : float
+    forces_N : tuple of float
+        Rising.
+    """
+    said = []
+    built_in = tissue.origin == "built-in"
+    if built_in and (punch != PUNCH or edge_radius_mm):
+        edge = f" with an edge radius of {edge_radius_mm:g} mm" if edge_radius_mm else ""
+        said.append(("tissue_punch", f"{tissue.name} is known under the 14 x 14 mm punch: under {punch}{edge} "
+                     "its ranges are those of another test; add your own tissue measured with it"))  # fmt: skip
+    far = [force for force in forces_N if not KNOWN_FORCE_N[0] <= force <= KNOWN_FORCE_N[1]]
+    if built_in and far:
+        where = " and ".join(f"{force:g}" for force in far)
+        said.append(("force_not_in_band", f"{tissue.name} is known from 5 to 15 N: at {where} N its law is carried on"))
     return said
 
 

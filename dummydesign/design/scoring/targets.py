@@ -11,14 +11,13 @@ from numpy.typing import NDArray
 
 from dummydesign.design.request import PAPER, Protocol
 from dummydesign.design.scoring.presses import Sampling
+from dummydesign.tissue.model.ranges import SETTLED_S
 
 if TYPE_CHECKING:
     from dummydesign.tissue.model.parameters import Parameters
     from dummydesign.tissue.model.ranges import ForceRange
     from dummydesign.tissue.model.tissue import Tissue
 
-SETTLED_S = 10.0
-"""From this hold on a subject counts as relaxed: what its arms then hold is below 0.6 % of its depth from 5 N on."""
 NARROWEST = 0.15
 """Half-widths of bands are never taken below 15 %: a single subject has no band, but distances from it need
 a scale on which a slab's unavoidable misfit still distinguishes better from worse."""

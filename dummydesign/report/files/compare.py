@@ -11,7 +11,7 @@ import numpy as np
 
 from dummydesign.core.files import write_bytes, write_text
 from dummydesign.report.compare import write_compare_report
-from dummydesign.tissue.fitting.compare import STEADY_GRID_N, Comparison
+from dummydesign.tissue.fitting.compare import Comparison
 from dummydesign.tissue.model.ranges import interpolate_rows
 from dummydesign.tissue.model.tissue import Tissue
 
@@ -39,7 +39,7 @@ def write_comparison(
     """
     files = {
         "parametric": write_text(folder / "parametric.csv", _parametric(found)),
-        "steady_state": write_text(folder / "steady_state.csv", _steady(found, tissue)),
+        "steady_state": write_text(folder / "steady_state.csv", _steady(found)),
         "force_variation": write_text(folder / "force_variation.csv", _force_variation(found)),
         "picture": write_bytes(folder / "ranges.png", _picture(found, tissue)),
         "json": write_text(folder / "compare.json", json.dumps({"verdict": verdict, **found.result}, indent=1) + "\n"),
@@ -56,10 +56,10 @@ def _parametric(found: Comparison) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _steady(found: Comparison, tissue: Tissue) -> str:
-    low, high = tissue.steady_depth_range(STEADY_GRID_N)
+def _steady(found: Comparison) -> str:
+    low, high = found.range_mm
     lines = ["force_N,depth_mm,range_low_mm,range_high_mm"]
-    for force, depth, least, most in zip(STEADY_GRID_N, found.steady, low, high):
+    for force, depth, least, most in zip(found.grid_N, found.steady, low, high):
         lines.append(f"{force:.4g},{'' if np.isnan(depth) else f'{depth:.5g}'},{least:.5g},{most:.5g}")
     return "\n".join(lines) + "\n"
 
@@ -91,9 +91,9 @@ def _picture(found: Comparison, tissue: Tissue) -> bytes:
     columns = min(count, 4)
     figure = Figure(figsize=(3.6 * columns, 3.2 * -(-count // columns)), layout="constrained")
     axes = np.ravel(figure.subplots(-(-count // columns), columns, squeeze=False))
-    low, high = tissue.steady_depth_range(STEADY_GRID_N)
-    axes[0].fill_betweenx(STEADY_GRID_N, low, high, color="0.85", label=tissue.name)
-    axes[0].plot(found.steady, STEADY_GRID_N, lw=1.2, label="dummy")
+    low, high = found.range_mm
+    axes[0].fill_betweenx(found.grid_N, low, high, color="0.85", label=tissue.name)
+    axes[0].plot(found.steady, found.grid_N, lw=1.2, label="dummy")
     axes[0].plot(found.points[:, 0], found.points[:, 1], "o", ms=4, label="measured")
     axes[0].set(xlabel="depth [mm]", ylabel="steady force [N]", title="steady state")
     axes[0].legend(fontsize=7)

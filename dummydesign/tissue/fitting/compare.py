@@ -14,24 +14,26 @@ from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
 from dummydesign.measurement.trace_checks import CODES
 from dummydesign.tissue.fitting.fit import Fit, fit_traces
-from dummydesign.tissue.fitting.groups import condition_groups
-from dummydesign.tissue.fitting.reduction import ReducedTrace, reduce_trace
-from dummydesign.tissue.model.ranges import STEADY_TOLERANCE, ForceRange
+from dummydesign.tissue.fitting.groups import condition_groups, rounded_velocity
+from dummydesign.tissue.fitting.press_test import PressTest, hold_of, presses_of
+from dummydesign.tissue.fitting.reduction import ReducedTrace
+from dummydesign.tissue.model.ranges import STEADY_TOLERANCE, ForceRange, end_of_hold_range
 from dummydesign.tissue.model.tissue import Tissue
 
 SHOWN = ("lack_of_fit", "at_bound", "not_identifiable", *CODES)
 """Codes of the fit's warnings that a comparison repeats."""
 BRAKING_MM_S2 = (3_000.0, 200_000.0)
-STEADY_GRID_N = np.linspace(0.5, 15.0, 146)
-"""Forces at which the steady-state curve is judged. [N]"""
+AS_PRESSED = PressTest()
+"""Every press in its own test, the steady curve from 5 to 15 N."""
 
 
 @dataclass(frozen=True)
 class Comparison:
     """What was found; ``result`` is the JSON of ``compare``, the rest is for tables and pictures.
 
-    ``steady`` are depths (n,) [mm] of the dummy at :data:`STEADY_GRID_N`, NaN where it was not pressed;
-    ``presses`` pair each trace with the tissue's range at its condition.
+    ``steady`` are depths (n,) [mm] of the dummy at the forces ``grid_N``, NaN where it was not pressed, ``range_mm``
+    those of the stiffest and the softest subject; ``presses`` pair each trace with the tissue's range at its
+    condition; ``test`` is what they were compared in.
     """
 
     result: dict[str, Any]
@@ -39,16 +41,23 @@ class Comparison:
     steady: NDArray
     points: NDArray
     presses: tuple[tuple[ReducedTrace, ForceRange], ...]
+    grid_N: NDArray
+    range_mm: tuple[NDArray, NDArray]
+    test: PressTest
 
 
-def compare_traces(traces: Sequence[Trace], tissue: Tissue, lowpass: Lowpass | None = None) -> Comparison:
+def compare_traces(
+    traces: Sequence[Trace], tissue: Tissue, lowpass: Lowpass | None = None, test: PressTest = AS_PRESSED
+) -> Comparison:
     """Compare a dummy's traces with a tissue: by parameters, by steady-state range, by force variation range.
 
     The dummy is fitted per speed with the law and the number of elements of the tissue. Its steady-state
     curve goes through its measured (depth, force at the end of the hold); below the smallest of them it
     is the rise of the slowest, deepest press scaled by that press's steady over peak force. The force
     variation range is made for the steady force, speed, hold and braking of each press, and goes through
-    the declared sensor filter as the dummy's force did.
+    the declared sensor filter as the dummy's force did. A test that is given chooses the presses that belong
+    to it, ends their hold, and says between which forces the steady curve is judged; after a hold of less than
+    10 s that curve is compared with the subjects' at the end of the same hold.
 
     Parameters
     ----------
@@ -57,18 +66,25 @@ def compare_traces(traces: Sequence[Trace], tissue: Tissue, lowpass: Lowpass | N
     tissue : Tissue
     lowpass : Lowpass, optional
         Filter the recorded forces went through.
+    test : PressTest
+        Forces, speeds, hold and braking; by default those of each press.
 
     Returns
     -------
     Comparison
     """
-    fit = fit_traces(traces, tissue.elements, tissue.law, "per-speed", lowpass)
-    reduced = [reduce_trace(trace) for trace in traces]
-    points, depth = steady_curve(reduced)
+    own, reduced, said = presses_of(traces, test)
+    fit = fit_traces(own, tissue.elements, tissue.law, "per-speed", lowpass)
+    grid = test.grid_N
+    points, depth = steady_curve(reduced, grid)
+    slowest = min(trace.velocity_mm_s for trace in reduced)
+    span = end_of_hold_range(tissue.parameter_sets, grid, test.speed_of(rounded_velocity(slowest)),
+                             hold_of(reduced, test), test.deceleration_mm_s2 or DECELERATION_MM_S2)  # fmt: skip
     presses, rows = [], []
-    for speed, _, group in condition_groups(reduced):
+    for measured, _, group in condition_groups(reduced):
+        speed = test.speed_of(measured)
         for trace in group:
-            band = _range_for(trace, speed, tissue, lowpass)
+            band = _range_for(trace, speed, tissue, lowpass, test.deceleration_mm_s2)
             shares = _shares(trace, band, fit.result["noise_floor_N"])
             presses.append((trace, band))
             rows.append({"file": trace.trace.name, "velocity_mm_s": speed, **shares})
@@ -76,17 +92,17 @@ def compare_traces(traces: Sequence[Trace], tissue: Tissue, lowpass: Lowpass | N
         "tissue": tissue.name,
         "law": tissue.law,
         "parametric": _parametric(fit, tissue),
-        "steady_state_range": _steady_shares(tissue, depth),
-        "force_variation_range": _by_condition(reduced, rows),
+        "steady_state_range": _steady_shares(grid, depth, span, test.span_N),
+        "force_variation_range": _by_condition(reduced, rows, test),
         "by_trace": rows,
         "fit": {key: fit.result[key] for key in ("rmse_N", "noise_floor_N", "max_residual_N", "comparison")},
-        "warnings": _warnings(fit, tissue, points, rows),
+        "warnings": [{"code": code, "message": text} for code, text in said] + _warnings(fit, tissue, points, rows),
     }
-    return Comparison(result, fit, depth, points, tuple(presses))
+    return Comparison(result, fit, depth, points, tuple(presses), grid, span, test)
 
 
-def steady_curve(reduced: Sequence[ReducedTrace]) -> tuple[NDArray, NDArray]:
-    """Steady points (k, 2) of depth and force at the end of the hold, and depths at :data:`STEADY_GRID_N`."""
+def steady_curve(reduced: Sequence[ReducedTrace], grid_N: NDArray) -> tuple[NDArray, NDArray]:
+    """Steady points (k, 2) of depth and force at the end of the hold, and depths at the forces ``grid_N`` (n,)."""
     points = np.array(sorted((trace.ramp.depth_mm, trace.steady_force_N) for trace in reduced))
     merged: list[tuple[list[float], list[float]]] = []
     for depth, force in points:
@@ -107,17 +123,19 @@ def steady_curve(reduced: Sequence[ReducedTrace]) -> tuple[NDArray, NDArray]:
     log_depth = np.log(np.r_[x[below], knots[:, 0]])
     log_force = np.log(np.maximum.accumulate(np.r_[scaled[below] * level, knots[:, 1]]))
     keep = np.r_[True, np.diff(log_force) > 0]
-    wanted = np.log(STEADY_GRID_N)
+    wanted = np.log(grid_N)
     depth = np.exp(np.interp(wanted, log_force[keep], log_depth[keep], left=np.nan, right=np.nan))
     # a force a little above the deepest press still belongs to it
-    last = (np.isnan(depth)) & (STEADY_GRID_N > knots[-1, 1]) & (STEADY_GRID_N <= 1.05 * knots[-1, 1])
+    last = (np.isnan(depth)) & (grid_N > knots[-1, 1]) & (grid_N <= 1.05 * knots[-1, 1])
     depth[last] = knots[-1, 0]
     return knots, depth
 
 
-def _range_for(trace: ReducedTrace, speed: float, tissue: Tissue, lowpass: Lowpass | None) -> ForceRange:
+def _range_for(
+    trace: ReducedTrace, speed: float, tissue: Tissue, lowpass: Lowpass | None, braking_mm_s2: float | None
+) -> ForceRange:
     hold = trace.ramp.hold_end_s - trace.ramp.stop_time_s
-    return tissue.force_range(trace.steady_force_N, speed, hold, braking_of(trace, speed), lowpass)
+    return tissue.force_range(trace.steady_force_N, speed, hold, braking_mm_s2 or braking_of(trace, speed), lowpass)
 
 
 def braking_of(trace: ReducedTrace, velocity_mm_s: float) -> float:
@@ -160,7 +178,9 @@ def _shares(trace: ReducedTrace, band: ForceRange, noise_N: float) -> dict[str, 
     }
 
 
-def _by_condition(reduced: Sequence[ReducedTrace], rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+def _by_condition(
+    reduced: Sequence[ReducedTrace], rows: list[dict[str, Any]], test: PressTest
+) -> list[dict[str, Any]]:
     """Mean over the repeats of each condition."""
     by_file = {row["file"]: row for row in rows}
     found = []
@@ -169,7 +189,7 @@ def _by_condition(reduced: Sequence[ReducedTrace], rows: list[dict[str, Any]]) -
         mean = {
             key: float(np.mean([row[key] for row in own])) for key in own[0] if key not in ("file", "velocity_mm_s")
         }
-        found.append({"velocity_mm_s": speed, **mean, "repeats": len(own)})
+        found.append({"velocity_mm_s": test.speed_of(speed), **mean, "repeats": len(own)})
     return found
 
 
@@ -191,15 +211,20 @@ def _parametric(fit: Fit, tissue: Tissue) -> dict[str, Any]:
     return table
 
 
-def _steady_shares(tissue: Tissue, depth: NDArray) -> dict[str, Any]:
-    """Shares over the forces the dummy reached; a part it did not reach is null."""
+def _steady_shares(
+    grid_N: NDArray, depth: NDArray, range_mm: tuple[NDArray, NDArray], span_N: tuple[float, float]
+) -> dict[str, Any]:
+    """Shares over the forces the dummy reached; a part it did not reach is null. Below means below the lowest force."""
     reached = ~np.isnan(depth)
-    if not reached.any():
-        return {"inside_fraction": None, "below_5N_fraction": None, "above_5N_fraction": None, "reached_N": None}
-    shares = tissue.steady_inside(STEADY_GRID_N[reached], depth[reached])
-    span = STEADY_GRID_N[reached]
-    result: dict[str, Any] = {name: None if np.isnan(share) else float(share) for name, share in shares.items()}
-    return {**result, "reached_N": [float(span[0]), float(span[-1])]}
+    inside = (depth >= range_mm[0] - 1e-9) & (depth <= range_mm[1] + 1e-9)
+    parts = {
+        "inside_fraction": reached, "below_5N_fraction": reached & (grid_N <= span_N[0] * (1 + 1e-9)),
+        "above_5N_fraction": reached & (grid_N >= span_N[0] * (1 - 1e-9)),
+    }  # fmt: skip
+    found: dict[str, Any] = {name: float(inside[part].mean()) if part.any() else None for name, part in parts.items()}
+    span = grid_N[reached]
+    reach = [float(span[0]), float(span[-1])] if len(span) else None
+    return {**found, "reached_N": reach, "span_N": list(span_N)}
 
 
 def _warnings(fit: Fit, tissue: Tissue, points: NDArray, rows: list[dict[str, Any]]) -> list[dict[str, str]]:

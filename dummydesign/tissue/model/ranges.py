@@ -18,6 +18,9 @@ STEADY_PARTS_N = {"below_5N": (0.5, 5.0), "above_5N": (5.0, 15.0)}
 """Parts of the steady-state range that are reported separately; below 5 N there are no measurements. [N]"""
 
 FIRST_HOLD_S = 0.005
+SETTLED_S = 10.0
+"""From this hold on a subject counts as relaxed: what its arms then hold is below 0.6 % of its depth from 5 N on."""
+HELD_FORCES = 40
 
 STEADY_TOLERANCE = 0.01
 """Share of the steady force to which it can be set: the robot's 0.02 mm are 1 % of it at a depth of 6 mm."""
@@ -210,6 +213,33 @@ def held_depth(
 
     depths = [law_named(law).steady_depth(coarse, float(force), gamma1, gamma, dampers) for force in force_N]
     return np.stack(depths, axis=-1)
+
+
+def end_of_hold_range(
+    subjects: tuple[Parameters, ...],
+    force_N: NDArray,
+    velocity_mm_s: float,
+    hold_s: float,
+    deceleration_mm_s2: float = DECELERATION_MM_S2,
+) -> tuple[NDArray, NDArray]:
+    """Depth of the stiffest and of the softest subject at forces at the end of a hold, shapes (n,). [mm]
+
+    After a short hold a subject still carries part of its peak and is less deep at a force than at rest.
+
+    Parameters
+    ----------
+    subjects : tuple of Parameters
+    force_N : ndarray, shape (n,)
+        Rising, above 0. [N]
+    velocity_mm_s, hold_s, deceleration_mm_s2 : float
+        Ramp, hold and braking. [mm/s, s, mm/s2]
+    """
+    if hold_s >= 0.98 * SETTLED_S:
+        return steady_depth_range(subjects, force_N)
+    known = np.geomspace(force_N[0], force_N[-1], HELD_FORCES if force_N[-1] > force_N[0] else 1)
+    depth = np.log(held_depth(subjects, known, velocity_mm_s, hold_s, deceleration_mm_s2))
+    found = np.exp([np.interp(np.log(force_N), np.log(known), row) for row in depth])
+    return found.min(axis=0), found.max(axis=0)
 
 
 def steady_force_range(subjects: tuple[Parameters, ...], depth_mm: ArrayLike) -> tuple[NDArray, NDArray]:

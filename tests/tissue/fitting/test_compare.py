@@ -9,9 +9,10 @@ from dummydesign.cli import run
 from dummydesign.measurement.motion import Motion, ramp_and_hold
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue import load_tissue
-from dummydesign.tissue.fitting.compare import STEADY_GRID_N, compare_traces, steady_curve
+from dummydesign.tissue.fitting.compare import AS_PRESSED, compare_traces, steady_curve
 from dummydesign.tissue.fitting.reduction import reduce_trace
 
+STEADY_GRID_N = AS_PRESSED.grid_N
 CONDITIONS = [(v, f) for v in (10.0, 250.0) for f in (5.0, 10.0, 15.0)]
 
 
@@ -55,7 +56,7 @@ def test_a_dummy_twice_as_stiff_as_the_stiffest_subject_is_outside(palm):
 
 def test_the_steady_curve_goes_through_the_measured_points_and_below_them_by_the_rise(palm):
     reduced = [reduce_trace(trace) for trace in presses(palm.parameter_sets[2])]
-    knots, depth = steady_curve(reduced)
+    knots, depth = steady_curve(reduced, STEADY_GRID_N)
     assert np.interp(10.0, STEADY_GRID_N, depth) == pytest.approx(np.interp(10.0, knots[:, 1], knots[:, 0]), rel=0.01)
     low = STEADY_GRID_N < 4.5
     exact = np.cbrt(STEADY_GRID_N[low] / palm.parameter_sets[2].gamma1_N_per_mm3)

@@ -1,0 +1,143 @@
+"""compare in a test of one's own: which presses count, where holds end, what is left open, and what is refused."""
+
+import json
+
+import numpy as np
+import pytest
+
+from dummydesign.cli import run
+from dummydesign.core.errors import InputError
+from dummydesign.design.assessment.verdict_of_traces import verdict_of_traces
+from dummydesign.measurement.motion import Motion, ramp_and_hold
+from dummydesign.measurement.trace import Trace
+from dummydesign.tissue import load_tissue
+from dummydesign.tissue.fitting.compare import compare_traces
+from dummydesign.tissue.fitting.press_test import PressTest, presses_of
+from dummydesign.tissue.model.ranges import end_of_hold_range, held_depth, steady_depth_range
+
+
+@pytest.fixture(scope="module")
+def palm():
+    return load_tissue("palm")
+
+
+def subject_presses(palm, forces_N, velocities_mm_s, hold_s=10.0, subject=2, scale=1.0):
+    """Traces of a subject whose force at the end of the hold is each of the forces."""
+    own, traces = (palm.parameter_sets[subject],), []
+    for v in velocities_mm_s:
+        for f in forces_N:
+            depth = float(held_depth(own, np.array([f]), v, hold_s)[0, 0])
+            motion = ramp_and_hold(v, depth, hold_s)
+            time = np.union1d(np.arange(0.0, motion.time_s[-1], 2e-3), motion.time_s[:90])
+            x = np.interp(time, motion.time_s, motion.displacement_mm)
+            traces.append(Trace(f"v{v:g}_f{f:g}.csv", time, x, scale * own[0].force(Motion(time, x), v)))
+    return traces
+
+
+def test_after_a_short_hold_a_subject_is_less_deep_than_at_rest_and_the_range_says_so(palm):
+    forces = np.array([2.0, 5.0, 10.0])
+    rest = steady_depth_range(palm.parameter_sets, forces)
+    stiff, soft = end_of_hold_range(palm.parameter_sets, forces, 10.0, 0.5)
+    assert (stiff < 0.99 * rest[0]).all() and (soft < 0.99 * rest[1]).all()
+    every = held_depth(palm.parameter_sets, forces, 10.0, 0.5)
+    np.testing.assert_allclose([stiff, soft], [every.min(axis=0), every.max(axis=0)], rtol=1e-3)
+    np.testing.assert_array_equal(end_of_hold_range(palm.parameter_sets, forces, 10.0, 10.0), rest)
+
+
+def test_a_subject_pressed_with_a_short_hold_lies_inside_the_steady_range_of_that_hold(palm):
+    found = compare_traces(subject_presses(palm, (5.0, 10.0, 15.0), (10.0,), hold_s=0.5), palm)
+    assert found.result["steady_state_range"]["above_5N_fraction"] == 1.0
+    at_rest = steady_depth_range(palm.parameter_sets, found.grid_N)
+    kept = np.isfinite(found.steady) & (found.grid_N >= 5.0)
+    assert (found.steady[kept] < at_rest[1][kept]).all() and (found.range_mm[0] < at_rest[0]).all()
+
+
+def test_a_test_of_one_force_and_speed_judges_that_press_alone(palm):
+    traces = subject_presses(palm, (2.0, 4.0, 10.0), (10.0, 100.0))
+    test = PressTest((2.0, 4.0), (100.0,))
+    kept, reduced, said = presses_of(traces, test)
+    assert [trace.name for trace in kept] == ["v100_f2.csv", "v100_f4.csv"] and len(reduced) == 2
+    assert said[0][0] == "press_outside_test" and "4 of 6" in said[0][1]
+    found = compare_traces(traces, palm, test=test)
+    judged = verdict_of_traces(found, palm)
+    assert judged.peaks == 2 and "not pressed" not in judged.text
+    assert found.result["steady_state_range"]["span_N"] == [2.0, 4.0] and found.grid_N[-1] == 4.0
+    assert found.result["steady_state_range"]["above_5N_fraction"] == 1.0
+
+
+def test_a_pad_half_as_strong_reads_low_in_a_test_at_small_forces(palm):
+    traces = subject_presses(palm, (1.0, 2.0), (10.0, 100.0), subject=0, scale=0.5)
+    found = compare_traces(traces, palm, test=PressTest((0.5, 1.0), (10.0, 100.0)))
+    judged = verdict_of_traces(found, palm)
+    # half of the softest subject at every depth: all of 0.5 to 1 N is below, while the peaks go with the force
+    assert judged.level == "reads_low" and judged.steady_below_fraction == 1.0
+
+
+def test_presses_of_the_test_that_were_not_made_leave_the_verdict_open(palm):
+    traces = subject_presses(palm, (5.0, 10.0), (10.0,))
+    found = compare_traces(traces, palm, test=PressTest((5.0, 10.0), (10.0, 100.0)))
+    judged = verdict_of_traces(found, palm)
+    assert judged.level == "mixed" and not judged.low
+    assert "not pressed to 5 N at 100 mm/s, to 10 N at 100 mm/s" in judged.text
+    one_speed = verdict_of_traces(compare_traces(traces, palm, test=PressTest((5.0, 10.0), (10.0,))), palm)
+    assert "not pressed" not in one_speed.text
+
+
+def test_a_longer_hold_is_cut_at_the_tests_and_a_shorter_one_is_said(palm):
+    traces = subject_presses(palm, (5.0, 10.0), (10.0,))
+    found = compare_traces(traces, palm, test=PressTest(hold_s=1.0))
+    for trace, band in found.presses:
+        assert trace.ramp.hold_end_s - trace.ramp.stop_time_s == pytest.approx(1.0, abs=0.01)
+        assert band.time_s[-1] - band.stop_s.min() == pytest.approx(1.0, abs=0.02)
+    # the force at 1 s is above that at 10 s, and the range is made for it
+    assert found.points[0, 1] > 1.02 * 5.0
+    assert found.result["steady_state_range"]["inside_fraction"] == 1.0
+    longer = compare_traces(traces, palm, test=PressTest(hold_s=60.0))
+    assert "it was held 10 s of 60 s" in verdict_of_traces(longer, palm).text
+
+
+def test_braking_that_is_said_is_used_in_place_of_what_the_motion_shows(palm):
+    traces = subject_presses(palm, (10.0,), (250.0,))
+    found, gentle = (compare_traces(traces, palm, test=PressTest(deceleration_mm_s2=a)) for a in (30_000.0, 5_000.0))
+    assert gentle.presses[0][1].stop_s.min() > 1.2 * found.presses[0][1].stop_s.min()
+
+
+def test_a_speed_with_three_digits_keeps_its_name_and_its_range(palm):
+    traces = subject_presses(palm, (10.0,), (125.0,))
+    row = compare_traces(traces, palm, test=PressTest(None, (125.0,))).result["force_variation_range"][0]
+    assert row["velocity_mm_s"] == 125.0
+
+
+def test_a_test_that_no_press_belongs_to_is_refused_with_what_was_pressed(palm):
+    with pytest.raises(InputError, match=r"no press belongs to the test \(50 N\): the traces are of 5 N at 10 mm/s"):
+        compare_traces(subject_presses(palm, (5.0,), (10.0,)), palm, test=PressTest((50.0,)))
+
+
+@pytest.mark.slow
+def test_the_command_takes_the_test_and_says_it(palm, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    names = []
+    for trace in subject_presses(palm, (2.0, 4.0), (100.0,), hold_s=1.0):
+        rows = np.column_stack([trace.time_s, trace.displacement_mm, trace.force_N])
+        np.savetxt(trace.name, rows, delimiter=",", header="time_s,displacement_mm,force_N", comments="")
+        names.append(trace.name)
+    words = ["compare", *names, "--tissue", "palm", "--out", "answer"]
+    own = ["--force", "2,4", "--velocity", "0.1m/s", "--hold", "1", "--deceleration", "20000", "--punch", "round:12"]
+    assert run([*words, *own, "--json"]) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert result["inputs"]["velocity_mm_s"] == [100.0] and result["inputs"]["punch"] == "round:12"
+    assert result["test"]["hold_s"] == 1.0
+    codes = [warning["code"] for warning in result["warnings"]]
+    assert {"tissue_punch", "force_not_in_band", "speed_not_in_band"} <= set(codes)
+    page = (tmp_path / "answer" / "report.html").read_text()
+    assert "punch round:12" in page and "2 to 4 N" in page
+    assert run([*words, *own]) == 0
+    assert "2 to 4 N" in capsys.readouterr().out
+    for wrong, said in (
+        (["--force", "0"], "force in N = 0"), (["--hold", "0.001"], "hold in s = 0.001"),
+        (["--punch", "plate"], "puck"), (["--edge-radius", "9"], "edge"),
+        (["--deceleration", "-1"], "deceleration in mm/s2 = -1"), (["--force", "40"], "no press belongs to the test"),
+    ):  # fmt: skip
+        assert run([*words, *wrong]) == 2, wrong
+        lines = capsys.readouterr().err.strip().splitlines()
+        assert len(lines) == 1 and said in lines[0], (wrong, lines)

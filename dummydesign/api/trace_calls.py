@@ -256,6 +256,12 @@ def _read(traces: Traces) -> tuple[list[str], list[Trace]]:
     """Names and traces; files are read."""
     from dummydesign.measurement.trace import Trace, read_trace
 
-    read = [trace if isinstance(trace, Trace) else read_trace(fspath(trace)) for trace in traces]
-    names = [one.name if isinstance(one, Trace) else fspath(one) for one in traces]
+    given = list(traces)
+    read = [trace if isinstance(trace, Trace) else read_trace(fspath(trace)) for trace in given]
+    names = [one.name if isinstance(one, Trace) else fspath(one) for one in given]
+    for one in read:
+        back = (one.time_s[1:] <= one.time_s[:-1]).nonzero()[0]
+        if len(back):
+            at = int(back[0]) + 1
+            raise InputError(f"{one.name}: time_s does not increase at sample {at} ({one.time_s[at]:g} s)")
     return names, read

@@ -58,6 +58,13 @@ def check_numbers(
 ) -> None:
     """Refuse forces, speeds and holds that no test has; None is not looked at.
 
+    Parameters
+    ----------
+    force_N, velocity_mm_s : tuple of float or None
+        [N, mm/s]
+    hold_s : float or None
+        [s]
+
     Raises
     ------
     InputError
@@ -156,8 +163,9 @@ def tissue_warnings(
     punch : str
         As typed.
     edge_radius_mm : float
+        Fillet of its edge. [mm]
     forces_N : tuple of float
-        Rising.
+        Rising. [N]
     """
     said = []
     built_in = tissue.origin == "built-in"

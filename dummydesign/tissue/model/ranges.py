@@ -229,6 +229,7 @@ def end_of_hold_range(
     Parameters
     ----------
     subjects : tuple of Parameters
+        At least one; all of the same law.
     force_N : ndarray, shape (n,)
         Rising, above 0. [N]
     velocity_mm_s, hold_s, deceleration_mm_s2 : float

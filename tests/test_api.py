@@ -190,17 +190,6 @@ def test_fit_and_compare_are_the_answers_of_their_commands(capsys, tmp_path, mon
     assert plain(dummydesign.compare(names, "forefinger"))["files"] == {}
 
 
-def test_traces_in_memory_whose_time_stands_still_are_refused_and_a_generator_of_them_is_read():
-    from dummydesign.measurement.trace import Trace
-
-    motion = ramp_and_hold(10.0, 1.5, hold_s=1.0)
-    force = 2.0 * motion.displacement_mm**3
-    time = motion.time_s.copy()
-    time[5] = time[4]
-    with pytest.raises(InputError, match="still: time_s does not increase at sample 5"):
-        dummydesign.compare((Trace("still", time, motion.displacement_mm, force) for _ in range(1)), "palm")
-
-
 def test_predict_is_the_answer_of_the_command_and_takes_numbers(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     mine = plain(dummydesign.predict(5, young_kPa=25, depth_mm="0.5,1", prony="0.1:0.3", out="c.csv"))

@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from dummydesign.api import compare
 from dummydesign.cli import run
 from dummydesign.core.errors import InputError
 from dummydesign.design.assessment.verdict_of_traces import verdict_of_traces
@@ -111,6 +112,15 @@ def test_a_speed_with_three_digits_keeps_its_name_and_its_range(palm):
 def test_a_test_that_no_press_belongs_to_is_refused_with_what_was_pressed(palm):
     with pytest.raises(InputError, match=r"no press belongs to the test \(50 N\): the traces are of 5 N at 10 mm/s"):
         compare_traces(subject_presses(palm, (5.0,), (10.0,)), palm, test=PressTest((50.0,)))
+
+
+def test_traces_in_memory_whose_time_stands_still_are_refused_and_a_generator_of_them_is_read():
+    motion = ramp_and_hold(10.0, 1.5, hold_s=1.0)
+    force = 2.0 * motion.displacement_mm**3
+    time = motion.time_s.copy()
+    time[5] = time[4]
+    with pytest.raises(InputError, match="still: time_s does not increase at sample 5"):
+        compare((Trace("still", time, motion.displacement_mm, force) for _ in range(1)), "palm")
 
 
 @pytest.mark.slow

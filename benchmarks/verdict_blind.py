@@ -33,7 +33,7 @@ from dummydesign.design.scoring.standing import ranges_of  # noqa: E402
 from dummydesign.design.scoring.verdict import Readings, levels  # noqa: E402
 from dummydesign.design.suggest import suggest  # noqa: E402
 from dummydesign.measurement.trace import Trace  # noqa: E402
-from dummydesign.tissue.fitting.compare import compare_traces  # noqa: E402
+from dummydesign.tissue.comparison.compare import compare_traces  # noqa: E402
 from tests.support.campaign_press import Pad, Physics, pad_force  # noqa: E402
 
 TISSUES = ("forefinger", "palm", "thenar")

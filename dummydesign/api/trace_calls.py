@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from dummydesign.design.own_test.of_traces import TracesTest
     from dummydesign.measurement.pad_record import PadRecord
     from dummydesign.measurement.trace import Trace
-    from dummydesign.tissue.fitting.compare import Comparison
+    from dummydesign.tissue.comparison.compare import Comparison
     from dummydesign.tissue.fitting.fit import Fit
     from dummydesign.tissue.model.tissue import Tissue
 
@@ -139,7 +139,7 @@ def compare(
     out: str | PathLike[str] | None = None,
     replace: bool = False,
 ) -> Result:
-    """Compare the traces of a cast dummy with a tissue; see :mod:`dummydesign.tissue.fitting.compare`.
+    """Compare the traces of a cast dummy with a tissue; see :mod:`dummydesign.tissue.comparison.compare`.
 
     Parameters
     ----------
@@ -183,7 +183,7 @@ def compare(
     from dummydesign.design.own_test.of_traces import read_test
     from dummydesign.measurement.pad_record import read_record
     from dummydesign.measurement.sensor import parse_lowpass
-    from dummydesign.tissue.fitting.compare import compare_traces
+    from dummydesign.tissue.comparison.compare import compare_traces
     from dummydesign.tissue.model.tissue_file import load_tissue
 
     test = read_test(punch, edge_radius_mm, force_N, velocity_mm_s, hold_s, deceleration_mm_s2)

@@ -15,7 +15,7 @@ from dummydesign.report.html.page import Section, Table, write_report
 from dummydesign.report.press_figures import STYLES, digits, log_start, unique
 
 if TYPE_CHECKING:
-    from dummydesign.tissue.fitting.compare import Comparison
+    from dummydesign.tissue.comparison.compare import Comparison
     from dummydesign.tissue.model.tissue import Tissue
 
 FARTHEST = 3.0

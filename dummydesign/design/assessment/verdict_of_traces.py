@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from dummydesign.design.assessment.safety import tissue_press
 from dummydesign.design.scoring.presses import Sampling
 from dummydesign.design.scoring.verdict import Ranges, Readings, Verdict, verdict
-from dummydesign.tissue.fitting.compare import Comparison, braking_of
+from dummydesign.tissue.comparison.compare import Comparison, braking_of
+from dummydesign.tissue.comparison.press_test import PressTest, missing_of
 from dummydesign.tissue.fitting.groups import condition_groups
-from dummydesign.tissue.fitting.press_test import PressTest, missing_of
 
 if TYPE_CHECKING:
     from dummydesign.tissue.fitting.reduction import ReducedTrace

@@ -10,7 +10,7 @@ from dummydesign.core.checks import DECELERATION, EDGE, FORCE, HOLD, VELOCITY, p
 from dummydesign.design.own_test.checks import check_edge, check_numbers, tissue_warnings
 from dummydesign.design.own_test.punch import read_punch
 from dummydesign.design.request import PUNCH
-from dummydesign.tissue.fitting.press_test import PressTest
+from dummydesign.tissue.comparison.press_test import PressTest
 
 if TYPE_CHECKING:
     from dummydesign.tissue.model.tissue import Tissue

@@ -11,7 +11,7 @@ import numpy as np
 
 from dummydesign.core.files import write_bytes, write_text
 from dummydesign.report.compare import write_compare_report
-from dummydesign.tissue.fitting.compare import Comparison
+from dummydesign.tissue.comparison.compare import Comparison
 from dummydesign.tissue.model.ranges import interpolate_rows
 from dummydesign.tissue.model.tissue import Tissue
 

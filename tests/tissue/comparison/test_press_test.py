@@ -12,8 +12,8 @@ from dummydesign.design.assessment.verdict_of_traces import verdict_of_traces
 from dummydesign.measurement.motion import Motion, ramp_and_hold
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue import load_tissue
-from dummydesign.tissue.fitting.compare import compare_traces
-from dummydesign.tissue.fitting.press_test import PressTest, presses_of
+from dummydesign.tissue.comparison.compare import compare_traces
+from dummydesign.tissue.comparison.press_test import PressTest, presses_of
 from dummydesign.tissue.model.ranges import end_of_hold_range, held_depth, steady_depth_range
 
 

@@ -13,9 +13,9 @@ from dummydesign.measurement.motion import DECELERATION_MM_S2
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
 from dummydesign.measurement.trace_checks import CODES
+from dummydesign.tissue.comparison.press_test import PressTest, hold_of, presses_of
 from dummydesign.tissue.fitting.fit import Fit, fit_traces
 from dummydesign.tissue.fitting.groups import condition_groups, rounded_velocity
-from dummydesign.tissue.fitting.press_test import PressTest, hold_of, presses_of
 from dummydesign.tissue.fitting.reduction import ReducedTrace
 from dummydesign.tissue.model.ranges import STEADY_TOLERANCE, ForceRange, end_of_hold_range
 from dummydesign.tissue.model.tissue import Tissue

@@ -9,7 +9,7 @@ from dummydesign.cli import run
 from dummydesign.measurement.motion import Motion, ramp_and_hold
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue import load_tissue
-from dummydesign.tissue.fitting.compare import AS_PRESSED, compare_traces, steady_curve
+from dummydesign.tissue.comparison.compare import AS_PRESSED, compare_traces, steady_curve
 from dummydesign.tissue.fitting.reduction import reduce_trace
 
 STEADY_GRID_N = AS_PRESSED.grid_N
@@ -88,7 +88,7 @@ def test_the_command_writes_tables_report_and_one_json_object(palm, tmp_path, ca
 
 @pytest.mark.parametrize("deceleration", [15_000.0, 30_000.0, 60_000.0])
 def test_the_braking_is_read_from_the_motion(palm, deceleration):
-    from dummydesign.tissue.fitting.compare import braking_of
+    from dummydesign.tissue.comparison.compare import braking_of
 
     motion = ramp_and_hold(250.0, 6.0, deceleration_mm_s2=deceleration)
     time = np.arange(0.0, motion.time_s[-1], 5e-4)

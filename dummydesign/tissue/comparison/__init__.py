@@ -1,0 +1,1 @@
+"""A measured dummy held against a tissue, in a test of its own."""

@@ -32,7 +32,8 @@ from dummydesign.mold.pour.warnings import pour_warnings
 
 GLASS = Material("glass or acrylic sheet", "cut to size, density of float glass", 2.5)
 RIGID = Material("printed rigid polymer", "PETG or ASA, density as printed solid", 1.27)
-PICTURE_S = 90
+PICTURE_S = 600
+"""A renderer that hangs (a driver without a screen) is given up after this time; drawing takes a few seconds. [s]"""
 MESHED_APART = ("pad", "strike_off")
 
 

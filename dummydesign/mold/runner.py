@@ -17,6 +17,7 @@ from typing import Any
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.files import output_folder
 from dummydesign.core.outputs.manifest import COMMAND_LINE
+from dummydesign.core.processor_time import HUNG_S, ran_out
 from dummydesign.core.threads import ONE_THREAD
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.model.validate import validate
@@ -24,7 +25,8 @@ from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.pour.print_layers import check_layers
 from dummydesign.mold.pour.warnings import pour_warnings
 
-TIMEOUT_S = 300.0
+PROCESSOR_S = 900.0
+"""Processor time after which the CAD kernel is given up; the largest moulds take a tenth of it. [s]"""
 RESULT = ".result.json"
 WORKER = ("-m", "dummydesign.mold.worker")
 
@@ -50,7 +52,7 @@ class MouldResult:
         return {**plain, "checks": list(plain["checks"]), "warnings": list(plain["warnings"])}
 
 
-def make_mold(spec: MouldSpec, folder: Path, timeout_s: float = TIMEOUT_S) -> MouldResult:
+def make_mold(spec: MouldSpec, folder: Path, processor_s: float = PROCESSOR_S) -> MouldResult:
     """Build the mould of a specification with all its files into a folder.
 
     Parameters
@@ -59,8 +61,8 @@ def make_mold(spec: MouldSpec, folder: Path, timeout_s: float = TIMEOUT_S) -> Mo
         From :func:`dummydesign.mold.model.preset.mould_spec`.
     folder : Path
         Made when needed; files of the same name are replaced, and only when everything has been checked.
-    timeout_s : float
-        After this time the child process is ended. [s]
+    processor_s : float
+        Processor time after which the child process is ended, whatever the clock says. [s]
 
     Returns
     -------
@@ -80,7 +82,7 @@ def make_mold(spec: MouldSpec, folder: Path, timeout_s: float = TIMEOUT_S) -> Mo
     target = output_folder(folder)
     work = Path(tempfile.mkdtemp(prefix=".mould-", dir=target))
     try:
-        found = _run_child(spec, work, timeout_s)
+        found = _run_child(spec, work, processor_s)
         result = _result(spec, found, target)
         failed = [item for item in result.checks if item["status"] == "fail"]
         if failed:
@@ -113,7 +115,7 @@ def masses_g(pour: dict[str, Any]) -> dict[str, float]:
     return {**masses, "silicone": pour["silicone_mass_g"]}
 
 
-def _run_child(spec: MouldSpec, work: Path, timeout_s: float) -> dict[str, Any]:
+def _run_child(spec: MouldSpec, work: Path, processor_s: float) -> dict[str, Any]:
     """Start the child, wait, and turn every way it can end into a result or a named error."""
     spec_file = work / ".spec.json"
     asked = {"spec": spec.to_dict(), "papers": papers()}
@@ -121,13 +123,16 @@ def _run_child(spec: MouldSpec, work: Path, timeout_s: float) -> dict[str, Any]:
     package = str(Path(__file__).resolve().parents[2])
     path = os.pathsep.join(filter(None, (package, os.environ.get("PYTHONPATH"))))
     environment = {**os.environ, **ONE_THREAD, "PYTHONPATH": path}
-    command = [sys.executable, *WORKER, str(spec_file), str(work)]
+    command = [sys.executable, *WORKER, str(spec_file), str(work), f"{processor_s:g}"]
     what = f"preset {spec.preset}, {spec.pad.title}, specification {spec.hash}"
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=timeout_s, env=environment)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=HUNG_S, env=environment)
     except subprocess.TimeoutExpired:
-        message = f"the CAD kernel did not finish within {timeout_s:g} s ({what}); nothing was written"
+        message = f"the CAD kernel did not end within {HUNG_S:g} s ({what}); nothing was written"
         raise NoAnswerError("cad_failed", message, without_cad(spec)) from None
+    if ran_out(done.returncode):
+        message = f"the CAD kernel did not finish within {processor_s:g} s of processor time ({what}); nothing was written"
+        raise NoAnswerError("cad_failed", message, without_cad(spec))
     answer = work / RESULT
     if not answer.is_file():
         last = (done.stderr.strip().splitlines() or ["no message"])[-1]

@@ -1,4 +1,4 @@
-"""The child process that loads the CAD kernel: ``python -m dummydesign.mold.worker spec.json folder``.
+"""The child process that loads the CAD kernel: ``python -m dummydesign.mold.worker spec.json folder SECONDS``.
 
 It writes ``.result.json`` into the folder: what was made, or an ``error`` {code, message}.
 """
@@ -60,7 +60,10 @@ def peak_memory_MB() -> float:
 
 
 def main() -> None:
-    """Entry point of the child."""
+    """Entry point of the child; the last word is the processor time that it may use. [s]"""
+    from dummydesign.core.processor_time import limit_processor_time
+
+    limit_processor_time(float(sys.argv[3]))
     spec_file, folder = Path(sys.argv[1]), Path(sys.argv[2])
     result = run(spec_file, folder)
     (folder / RESULT).write_text(json.dumps(result, allow_nan=False), encoding="utf-8")

@@ -8,6 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dummydesign.core.errors import InputError
+from dummydesign.design.own_test.checks import refused_kinds
+from dummydesign.design.own_test.punch import PROFILE, read_punch
+from dummydesign.design.own_test.slab_law import table_alone, why_solved
+from dummydesign.design.request import PUNCH, Request
+from dummydesign.design.search.slabs import THICKNESS_MM
 from dummydesign.design.sweep.one_pad import OnePad, law_of_shape, one_pad, with_castings
 from dummydesign.geometry.shapes import PadShape, Slab, read_shape
 
@@ -17,6 +22,7 @@ if TYPE_CHECKING:
 
 LENGTHS = {"crowned": "20,2,9", "bumped": "5,2.91,1.24,0.34", "layered": "3,3", "boned": "10,2,9"}
 """Lengths that a kind of shape begins with on the page, until a search found better ones."""
+NO_SLIDER = "it is solved by finite elements, which a slider cannot wait for; the search below does"
 
 
 @dataclass(frozen=True)
@@ -27,6 +33,7 @@ class Asked:
     aim: str
     resin: str
     calibration: str = ""
+    punch: str = PUNCH
 
 
 @lru_cache(maxsize=8)
@@ -42,19 +49,20 @@ def inputs_of(root: Path, asked: Asked, stamp: tuple[float, ...]) -> Inputs:
         From :func:`stamp_of`.
     """
     from dummydesign.design.inputs import resolve
-    from dummydesign.design.request import Request
 
     calibration = str(root / asked.calibration) if asked.calibration else None
-    return resolve(
-        Request(_path(root, asked.tissue), asked.aim, _path(root, asked.resin), shape="slab", verify=False,
-                calibration=calibration)
-    )  # fmt: skip
+    request = Request(_path(root, asked.tissue), asked.aim, _path(root, asked.resin), shape="slab", verify=False,
+                      calibration=calibration, punch=_punch(root, asked.punch))  # fmt: skip
+    punch = read_punch(request.punch)
+    if punch.profile_mm is not None:
+        raise InputError(f"{why_solved(request, punch, THICKNESS_MM[0])}: {NO_SLIDER}")
+    return resolve(request, None if calibration else table_alone(request, punch))
 
 
 def stamp_of(root: Path, asked: Asked) -> tuple[float, ...]:
     """Times of the files that stand behind what is chosen; 0 for names of the library."""
     found = []
-    for name in (asked.tissue, asked.resin, asked.calibration):
+    for name in (asked.tissue, asked.resin, asked.calibration, asked.punch.removeprefix(PROFILE)):
         path = root / name
         found.append(path.stat().st_mtime if name and path.is_file() else 0.0)
     return tuple(found)
@@ -62,6 +70,10 @@ def stamp_of(root: Path, asked: Asked) -> tuple[float, ...]:
 
 def _path(root: Path, name: str) -> str:
     return str(root / name) if name.endswith(".toml") else name
+
+
+def _punch(root: Path, text: str) -> str:
+    return f"{PROFILE}{root / text.removeprefix(PROFILE)}" if text.startswith(PROFILE) else text
 
 
 def shape_of(text: str) -> PadShape:
@@ -82,13 +94,17 @@ def look(inputs: Inputs, shape: PadShape, thickness_mm: float, ratio: float) -> 
     Raises
     ------
     InputError
-        When the pad cannot be made, or a calibration is of slabs only.
+        When the pad cannot be made, or pads of its shape are not designed under this punch.
     """
-    if inputs.request.calibration and not shape.plain:
-        raise InputError("a calibration is of flat slabs: choose the shape slab, or no calibration")
-    inputs.space.resin.check_ratio(ratio)
-    law = law_of_shape(inputs.slab_law, shape, thickness_mm, inputs.request.pad_mm)
-    return one_pad(law, inputs.space, thickness_mm, ratio)
+    request, space = inputs.request, inputs.space
+    refused = refused_kinds(request, inputs.punch).get(shape.name)
+    if refused:
+        raise InputError(refused)
+    if not request.calibration and (why := why_solved(request, inputs.punch, thickness_mm)):
+        raise InputError(f"{why}: {NO_SLIDER}")
+    space.resin.check_ratio(ratio)
+    law = law_of_shape(inputs.slab_law, shape, thickness_mm, request.pad_mm, space.correct)
+    return one_pad(law, space, thickness_mm, ratio)
 
 
 def settled(inputs: Inputs, shape: PadShape, pad: OnePad) -> Verdict:

@@ -13,12 +13,14 @@ from dummydesign.report.figures.layers import Band, Line
 from dummydesign.report.figures.plot import Plot
 
 if TYPE_CHECKING:
+    from dummydesign.design.own_test.punch import AskedPunch
     from dummydesign.design.scoring.targets import Targets
     from dummydesign.design.sweep.one_pad import OnePad
     from dummydesign.geometry.shapes import PadShape
     from dummydesign.tissue.model.tissue import Tissue
 
-PUNCH_HALF_MM = 7.0
+ABOVE_MM, TALL_MM = 0.4, 3.6
+"""How far over the pad the punch is drawn, and how much of it. [mm]"""
 
 
 def steady(tissue: Tissue, targets: Targets, pad: OnePad | None = None) -> Plot:
@@ -73,7 +75,7 @@ def press(targets: Targets, pad: OnePad, column: int) -> Plot:
                 tuple(layers), log_x=True, x_range=(start, float(band.time_s[-1])))  # fmt: skip
 
 
-def section(shape: PadShape, thickness_mm: float, name: str = "section") -> Plot:
+def section(shape: PadShape, thickness_mm: float, punch: AskedPunch, name: str = "section") -> Plot:
     """Cross-section through the middle of a pad, with the punch over it.
 
     Parameters
@@ -81,6 +83,8 @@ def section(shape: PadShape, thickness_mm: float, name: str = "section") -> Plot
     shape : PadShape
     thickness_mm : float
         At the highest point. [mm]
+    punch : AskedPunch
+        Drawn at its shorter side; the foot of one with a profile as it is, cut off where it leaves the picture.
     name : str
         Of the figure.
     """
@@ -95,12 +99,22 @@ def section(shape: PadShape, thickness_mm: float, name: str = "section") -> Plot
     if parts is not None:
         layers.append(Line("between the layers", y, np.full_like(y, thickness_mm - parts[0]), "other"))
     layers.append(Line("tested face", y, top))
-    foot, above = thickness_mm + 0.4, thickness_mm + 4.0
-    sides = PUNCH_HALF_MM * np.array([-1.0, -1.0, 1.0, 1.0])
-    layers.append(Line("punch, 14 mm", sides, np.array([above, foot, foot, above]), "aim"))
+    layers.append(Line(f"punch, {punch.text}", *_outline(punch, thickness_mm + ABOVE_MM), "aim"))
     alt = f"Cross-section of a {shape.title}, {thickness_mm:g} mm thick; 64 mm of {PAD_WIDTH_MM:g} mm are shown."
     return Plot(name, "Cross-section, heights stretched", alt, "across [mm]", "height [mm]", "across_mm", "height_mm",
                 tuple(layers), x_range=(-half, half), y_range=(0.0, thickness_mm + 5.0))  # fmt: skip
+
+
+def _outline(punch: AskedPunch, foot_mm: float) -> tuple[np.ndarray, np.ndarray]:
+    """Half of a punch and its mirror image over a height, from the left; closed at no end."""
+    half = punch.half_width_mm
+    across, height = np.array([0.0, half]), np.zeros(2)
+    if punch.profile_mm is not None:
+        across, height = (np.asarray(part, float) for part in punch.profile_mm)
+        across, height = across[height < TALL_MM], height[height < TALL_MM]
+    if height[-1] < TALL_MM:
+        across, height = np.r_[across, across[-1]], np.r_[height, TALL_MM]
+    return np.r_[-across[::-1], across], foot_mm + np.r_[height[::-1], height]
 
 
 def pad_page(shape: PadShape, thickness_mm: float) -> str:

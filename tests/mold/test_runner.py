@@ -89,11 +89,34 @@ def test_crash_of_the_kernel_is_told_with_the_parameters_and_harms_nothing(monke
     assert _files(tmp_path) == ["mould_t5.step"] and (tmp_path / "mould_t5.step").read_text() == "earlier"
 
 
-def test_timeout_of_the_kernel_is_told(monkeypatch, tmp_path):
-    _worker(monkeypatch, "import time; time.sleep(60)")
-    with pytest.raises(NoAnswerError, match=r"within 0\.5 s") as caught:
-        runner.make_mold(mould_spec(5), tmp_path, timeout_s=0.5)
+LIMITED = "import sys; from dummydesign.core.processor_time import limit_processor_time as limit; limit(float(sys.argv[3]));"
+
+
+def test_a_kernel_that_never_ends_is_stopped_by_its_processor_time_and_that_is_told(monkeypatch, tmp_path):
+    _worker(monkeypatch, f"{LIMITED}\nwhile True: pass")
+    with pytest.raises(NoAnswerError, match=r"within 1 s of processor time \(preset open") as caught:
+        runner.make_mold(mould_spec(5), tmp_path, processor_s=1.0)
     assert caught.value.code == "cad_failed" and _files(tmp_path) == []
+
+
+def test_a_kernel_that_waits_for_a_busy_machine_is_not_stopped(monkeypatch, tmp_path):
+    """Three times the limit by the clock, hardly any of the processor."""
+    answer = json.dumps({"error": {"code": "cad_failed", "message": "came to its end"}})
+    code = f"{LIMITED} import time, pathlib; time.sleep(3)\n"
+    code += f"(pathlib.Path(sys.argv[2]) / '.result.json').write_text({answer!r})"
+    _worker(monkeypatch, code)
+    with pytest.raises(NoAnswerError, match="came to its end"):
+        runner.make_mold(mould_spec(5), tmp_path, processor_s=1.0)
+
+
+def test_the_worker_takes_its_limit_from_the_command_line(tmp_path):
+    code = (
+        "import sys, resource; from dummydesign.mold import worker; worker.run = lambda *_: {}; worker.main();"
+        "print(resource.getrlimit(resource.RLIMIT_CPU)[0])"
+    )
+    pytest.importorskip("resource")
+    words = [sys.executable, "-c", code, str(tmp_path / "spec.json"), str(tmp_path), "77"]
+    assert subprocess.run(words, capture_output=True, text=True, check=True).stdout.strip() == "77"
 
 
 def test_failed_check_keeps_no_file_but_reports_all_checks(monkeypatch, tmp_path):

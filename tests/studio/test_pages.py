@@ -114,7 +114,7 @@ def test_files_that_are_too_large_or_badly_named_or_unreadable_are_said_and_noth
         page.wait_for_timeout(1500)
         assert [path for path in folder.parent.rglob("*evil.csv") if path.parent != folder / "measured"] == []
         page.locator(by("run-import")).click()
-        page.wait_for_selector(".problem >> text=words.csv", timeout=120_000)
+        page.wait_for_selector(".problem >> text=words.csv", timeout=600_000)
     assert not (folder / "measured" / ".evil.csv").exists()
     assert (folder / "measured" / "words.csv").read_bytes() == b"no numbers here\n"
     assert not list((folder / "measured").glob("import-*"))

@@ -20,7 +20,7 @@ pytestmark = pytest.mark.slow
 def refused(home, *words):
     """Standard error of a studio that does not start."""
     told = surroundings(home)
-    done = subprocess.run(command(*map(str, words)), capture_output=True, text=True, timeout=120, env=told)
+    done = subprocess.run(command(*map(str, words)), capture_output=True, text=True, timeout=600, env=told)
     assert done.returncode == 2 and done.stdout == "" and done.stderr.count("\n") == 1, done.stderr
     return done.stderr
 
@@ -29,7 +29,7 @@ def get(studio, path, key=True, **head):
     cookie = {"Cookie": f"dummydesign-studio-{studio.home.rsplit(':', 1)[1].strip('/')}={studio.key}"} if key else {}
     asked = urllib.request.Request(f"{studio.home}{path}", headers={**cookie, **head})
     try:
-        with urllib.request.urlopen(asked, timeout=60) as answer:
+        with urllib.request.urlopen(asked, timeout=600) as answer:
             return answer.status, answer.read()
     except urllib.error.HTTPError as said:
         return said.code, said.read()
@@ -86,7 +86,7 @@ def test_a_command_goes_on_when_the_studio_ends_and_the_next_one_knows_it(tmp_pa
         job = jobs.start(tmp_path / "thumb", "suggest", words)
     assert jobs.read_job(job.folder).state in ("running", "done")
     with running(tmp_path / "thumb", tmp_path / "home") as studio:
-        for _ in range(240):
+        for _ in range(2400):
             if jobs.read_job(job.folder).state != "running":
                 break
             time.sleep(0.5)

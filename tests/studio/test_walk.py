@@ -19,7 +19,8 @@ from tests.support.studio import test_id as by
 from tests.support.walkthrough_files import write as write_exports
 
 pytestmark = pytest.mark.slow
-LONG_MS = 900_000
+LONG_MS = 3_600_000
+"""A hang ends the test, a busy machine does not. [ms]"""
 
 
 @pytest.fixture(scope="module")
@@ -79,10 +80,7 @@ def _to_mould(page, studio, base, told):
     click(by("use"))
     page.wait_for_selector('[data-test="verdict"] .verdict')
     told["seconds"]["slider"], told["seconds"]["slider_processor"] = _slide(page, studio.process.pid)
-    page.locator(by("searched")).click()
-    page.get_by_role("option", name="slab", exact=True).click()
-    click.count += 2
-    click(by("run-suggest"))
+    _search_slabs(page, click)
     page.wait_for_selector(f"{by('found-suggest')} {by('mould')}", timeout=LONG_MS)
     click(by("mould"))
     page.wait_for_selector(by("run-mould"))
@@ -93,6 +91,13 @@ def _to_mould(page, studio, base, told):
     download.value.save_as(base / "mould.zip")
     told["zip"] = base / "mould.zip"
     told["clicks_to_mould"], told["minutes_to_mould"] = click.count, (time.monotonic() - start) / 60
+
+
+def _search_slabs(page, click):
+    page.locator(by("searched")).click()
+    page.get_by_role("option", name="slab", exact=True).click()
+    click.count += 2
+    click(by("run-suggest"))
 
 
 def _to_calibration(page, studio, base, told):
@@ -110,7 +115,7 @@ def _to_calibration(page, studio, base, told):
     (plan / "campaign.toml").write_bytes((folder / "campaigns" / "first" / "campaign.toml").read_bytes())
     press_campaign(plan, 3, 25.0, coarse=True)
     page.locator('input[type="file"]').set_input_files([str(path) for path in sorted(plan.glob("*.csv"))])
-    page.wait_for_selector(by("learn"), timeout=120_000)
+    page.wait_for_selector(by("learn"), timeout=LONG_MS)
     told["pressed"] = check_campaign(folder / "campaigns" / "first")
     click(by("learn"))
     page.wait_for_selector(by("run-loop"))
@@ -118,7 +123,7 @@ def _to_calibration(page, studio, base, told):
     page.wait_for_selector(by("again"), timeout=LONG_MS)
     click(by("again"))
     page.wait_for_selector('[data-test="verdict"] .verdict[data-state="settled"]')
-    click(by("run-suggest"))
+    _search_slabs(page, click)
     deadline = time.monotonic() + LONG_MS / 1e3
     while not list((folder / "designs").glob("*calibrated*/manifest.json")) and time.monotonic() < deadline:
         page.wait_for_timeout(500)
@@ -180,7 +185,7 @@ def test_the_download_holds_every_file_of_the_mould(walked):
 def test_the_command_that_is_shown_writes_the_same_files(walked, tmp_path):
     """The first design again by its command line in a fresh folder: the same values in every table."""
     folder = walked["folder"]
-    asked = next((folder / ".studio" / "jobs").glob("*-suggest/command.json"))
+    asked = min((folder / ".studio" / "jobs").glob("*-suggest/command.json"))
     words = json.loads(asked.read_text(encoding="utf-8"))["words"]
     (tmp_path / "tissue").mkdir()
     for path in (folder / "tissue").iterdir():

@@ -58,7 +58,7 @@ def running(folder: Path, home: Path, *words: str) -> Iterator[Running]:
     finally:
         process.send_signal(signal.SIGTERM)
         try:
-            process.communicate(timeout=30)
+            process.communicate(timeout=120)
         except subprocess.TimeoutExpired:
             process.kill()
             process.communicate()
@@ -68,7 +68,7 @@ def _answers(address: str) -> None:
     import urllib.error
     import urllib.request
 
-    for _ in range(240):
+    for _ in range(2400):
         try:
             urllib.request.urlopen(address.partition("?")[0], timeout=5)
         except urllib.error.HTTPError as said:
@@ -90,7 +90,7 @@ def browser(**options: object) -> Iterator[object]:
         page.outside, page.broken = [], []
         page.on("request", lambda asked: _note(page, asked.url))
         page.on("pageerror", lambda error: page.broken.append(str(error)))
-        page.set_default_timeout(60_000)
+        page.set_default_timeout(600_000)
         try:
             yield page
         finally:

@@ -7,6 +7,7 @@ from math import pi, sqrt
 from typing import TYPE_CHECKING
 
 from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.design.own_test.over_table import in_table, near_rim
 from dummydesign.design.own_test.over_table import own_slab_law as solved_over
 from dummydesign.design.own_test.punch import AskedPunch
 from dummydesign.design.request import Request
@@ -72,6 +73,39 @@ def own_slab_law(request: Request, punch: AskedPunch, thickness_mm: NDArray) -> 
     pad, edge = asked_pad(request, punch), request.edge_radius_mm
     law: ForceLaw = solved_over(slab_table(base, edge, punch.radius_mm), replace(pad, edge_radius_mm=0.0), thickness_mm)
     return punch_law(law, request.punch, base) if request.base in BASES and not punch.profile_mm else law
+
+
+def table_alone(request: Request, punch: AskedPunch) -> ForceLaw:
+    """The table of a request's base under a flat punch with sharp edges, without anything solved.
+
+    Parameters
+    ----------
+    request : Request
+        Base of the pad.
+    punch : AskedPunch
+        Without a profile.
+    """
+    from dummydesign.pad.tables.slab import load_table
+
+    return punch_law(load_table(base=request.base), request.punch, request.base)
+
+
+def why_solved(request: Request, punch: AskedPunch, thickness_mm: float) -> str:
+    """Why a slab of a request is not pressed by the table alone; empty when it is.
+
+    Parameters
+    ----------
+    request : Request
+    punch : AskedPunch
+    thickness_mm : float
+        [mm]
+    """
+    pad = asked_pad(request, punch)
+    if not in_table(pad):
+        return f"pads under the punch {punch.text} are not in the tables"
+    if near_rim(pad, thickness_mm):
+        return f"the rim of a pad {thickness_mm:g} mm thick is felt under the punch {punch.text}"
+    return ""
 
 
 def asked_pad(request: Request, punch: AskedPunch, thickness_mm: float = 10.0, young_MPa: float = 1.0) -> Pad:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +14,7 @@ from dummydesign.design.scoring.presses import ForceLaw, make_curves, steady_dep
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.standing import ranges_of
 from dummydesign.design.scoring.verdict import Verdict, verdict
-from dummydesign.design.search.shape_family import ShapeLaw
+from dummydesign.design.search.shape_family import Family, ShapeLaw
 from dummydesign.design.search.slabs import Candidate, make_slabs
 from dummydesign.design.search.space import SearchSpace
 from dummydesign.geometry.shapes import PadShape
@@ -52,7 +53,7 @@ class OnePad:
 
 def law_of_shape(
     slab_law: ForceLaw, shape: PadShape, thickness_mm: float,
-    pad_mm: tuple[float, float] = (PAD_LENGTH_MM, PAD_WIDTH_MM),
+    pad_mm: tuple[float, float] = (PAD_LENGTH_MM, PAD_WIDTH_MM), correct: Callable[[Family], Family] | None = None,
 ) -> ForceLaw:  # fmt: skip
     """Elastic force of a pad of a shape: the slabs' law, or the response surface of the kind.
 
@@ -65,6 +66,8 @@ def law_of_shape(
         Of the pad. [mm]
     pad_mm : (float, float)
         Its length and width. [mm]
+    correct : callable, optional
+        Puts what a calibration taught into the response surface, as ``SearchSpace.correct`` does; ``slab_law`` has it.
 
     Raises
     ------
@@ -78,6 +81,8 @@ def law_of_shape(
     shape.check(thickness_mm, *pad_mm)
     family = load_family(shape.name)
     family.check(shape)
+    if correct is not None:
+        family = correct(family)
     return ShapeLaw(family, shape, thickness_mm, cast=True)
 
 

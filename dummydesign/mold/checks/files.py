@@ -15,7 +15,7 @@ from dummydesign.mold.files.step_canonical import Header, canonical_step
 
 STEP_VOLUME_REL, STEP_BOUNDS_MM, COLOUR_ABS, DENSITY_REL = 1e-9, 1e-5, 1e-6, 1e-6
 MESH_VOLUME_REL = 1e-3
-SECOND_READER_S = 120
+SECOND_READER_S = 600
 
 
 def check_step(parts: Mapping[str, StepPart], files: Mapping[str, Path], assembly: Path) -> list[Check]:

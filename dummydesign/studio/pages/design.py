@@ -9,6 +9,7 @@ from typing import Any
 from nicegui import run, ui
 
 from dummydesign.core.errors import InputError
+from dummydesign.design.request import PUNCH
 from dummydesign.project.folder import Project
 from dummydesign.project.status import status_of
 from dummydesign.studio import bench, choices, figures
@@ -64,7 +65,8 @@ class Page:
                 calibrations = {"": "none"} | {f"{one}/calibration.json": one for one in reversed(found)}
                 self.calibration = ui.select(calibrations, value=which if which in calibrations else "",
                                              label="Calibration")  # fmt: skip
-                shape = str(best.get("shape", "slab")) if not self.calibration.value else "slab"
+                self.punch = ui.input("Punch", value=project.punch or PUNCH).props('data-test="punch"')
+                shape = str(best.get("shape", "slab"))
                 kinds = {**choices.shapes()}
                 kinds.pop("auto")
                 self.kind = ui.select(kinds, value=shape.partition(":")[0], label="Shape").props('data-test="kind"')
@@ -76,12 +78,13 @@ class Page:
                 self.numbers = ui.element("div")
                 self.plots = ui.html("", sanitize=False).props('data-test="plots"').style("width:100%")
                 self.solid = ui.element("div").style("width:100%")
-        for field in (self.tissue, self.aim, self.resin, self.calibration, self.kind, self.shape):
+        for field in (self.tissue, self.aim, self.resin, self.calibration, self.punch, self.kind, self.shape):
             field.style("width:100%")
         self.tissue.on_value_change(self.new_tissue)
         self.kind.on_value_change(self.new_kind)
         for one in (self.aim, self.resin, self.calibration):
             one.on_value_change(self.new_space)
+        self.punch.on("change", self.new_space)
         self.shape.on("change", self.move)
         with ui.element("div"):
             html("<h2>This pad by the command line</h2>")
@@ -101,26 +104,33 @@ class Page:
 
     def asked(self) -> bench.Asked:
         """What is chosen above the sliders."""
-        return bench.Asked(self.tissue.value, self.aim.value, self.resin.value, self.calibration.value or "")
+        return bench.Asked(self.tissue.value, self.aim.value, self.resin.value, self.calibration.value or "",
+                           self.punch.value.strip() or PUNCH)  # fmt: skip
 
     def words(self) -> list[str]:
         """The search as a command."""
         asked = self.asked()
-        kind = "slab" if asked.calibration else self.searched.value
-        given = {"tissue": asked.tissue, "aim": asked.aim, "resin": asked.resin, "shape": kind,
-                 "calibration": asked.calibration}  # fmt: skip
+        given = {"tissue": asked.tissue, "aim": asked.aim, "resin": asked.resin, "shape": self.searched.value,
+                 "calibration": asked.calibration, "punch": self._typed_punch()}  # fmt: skip
         stem = asked.tissue.rpartition("/")[2].removesuffix(".toml")
         return commands.suggest(given, f"suggest-{stem}{'-calibrated' if asked.calibration else ''}")
 
     def pad_words(self) -> list[str]:
         """The pad under the sliders as a command: a search whose limits are this pad."""
         asked, t, r = self.asked(), f"{self.thickness.value:g}", f"{self.ratio.value:g}"
+        pad = {"tissue": asked.tissue, "aim": asked.aim, "resin": asked.resin, "shape": self.shape.value}
+        punch = self._typed_punch()
         if abs(2.0 * self.thickness.value - round(2.0 * self.thickness.value)) > 1e-9:
-            return ["predict", "--resin", asked.resin, "--ratio", r, "--thickness", t, "--shape", self.shape.value,
-                    "--force", "10", "--velocity", "10"]  # fmt: skip
-        given = {"tissue": asked.tissue, "aim": asked.aim, "resin": asked.resin, "shape": self.shape.value,
-                 "thickness": f"{t}:{t}", "ratio": f"{r}:{r}", "calibration": asked.calibration}  # fmt: skip
+            if asked.calibration:
+                raise InputError("with a calibration the command line designs in steps of 0.5 mm: choose such a thickness")
+            return ["predict", *commands.options({**pad, "thickness": t, "ratio": r, "punch": punch})]
+        given = {**pad, "thickness": f"{t}:{t}", "ratio": f"{r}:{r}", "calibration": asked.calibration, "punch": punch}
         return commands.suggest(given, f"pad-{t}mm-{r}")
+
+    def _typed_punch(self) -> str:
+        """The punch as an option; empty where the command takes the same by itself."""
+        punch = self.asked().punch
+        return "" if punch == PUNCH and self.project.punch in (None, PUNCH) else punch
 
     def new_tissue(self) -> None:
         """Offer the aims of the tissue."""
@@ -169,9 +179,15 @@ class Page:
             if number == self.wanted:
                 self._say(settled.light, settled.text, "settled")
                 self.show_solid()
-                self.same.clear()
-                with self.same:
-                    command_line(self.pad_words())
+                self._tell_same()
+
+    def _tell_same(self) -> None:
+        self.same.clear()
+        with self.same:
+            try:
+                command_line(self.pad_words())
+            except InputError as said:
+                html(f'<p class="note">{escape(str(said))}</p>')
 
     def look(self) -> tuple[Any, Any, Any, str, str]:
         """Press the pad and draw it, apart from the page."""
@@ -184,7 +200,7 @@ class Page:
             return None, None, None, "", str(problem)
         targets = inputs.space.targets
         plots = [figures.steady(inputs.tissue, targets, pad), figures.press(targets, pad, len(targets.conditions) - 1),
-                 figures.section(shape, self.thickness.value)]  # fmt: skip
+                 figures.section(shape, self.thickness.value, inputs.punch)]  # fmt: skip
         return inputs, shape, pad, f'<div class="plots">{"".join(one.html() for one in plots)}</div>', ""
 
     def _draw(self, inputs: Any, shape: Any, pad: Any, plots: str, problem: str) -> None:

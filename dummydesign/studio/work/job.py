@@ -1,6 +1,8 @@
-"""The process that runs one command of the studio: ``python -m dummydesign.studio.work.job FOLDER``.
+"""The process that runs one command of the studio: ``python -m dummydesign.studio.work.job FOLDER [LOCK]``.
 
-It outlives page and studio, holds the lock of its folder as long as it runs, and writes ``status.json`` at the end.
+LOCK is the number of an open file that holds the folder's lock already, handed on by the studio. The process outlives
+page and studio, holds the lock as long as it runs, ends its command when a file ``stop`` appears, and writes
+``status.json`` at the end.
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 from types import FrameType
 
@@ -18,16 +21,17 @@ from dummydesign.core.files import write_text
 from dummydesign.core.outputs.progress import VARIABLE
 from dummydesign.studio.work.lock import take
 
-COMMAND, ANSWER, ERRORS, PROGRESS, STATUS, LOCK, PID = (
-    "command.json", "answer.json", "errors.txt", "progress.txt", "status.json", "lock", "pid",
+COMMAND, ANSWER, ERRORS, PROGRESS, STATUS, LOCK, PID, STOP = (
+    "command.json", "answer.json", "errors.txt", "progress.txt", "status.json", "lock", "pid", "stop",
 )  # fmt: skip
-GRACE_S = 20.0
+GRACE_S = 120.0
 """How long a command that was stopped may take to clear up. [s]"""
+POLL_S = 0.25
 
 
-def main(folder: Path) -> int:
+def main(folder: Path, handed_on: int | None = None) -> int:
     """Run the command of a folder and write how it ended; return its exit status."""
-    lock = take(folder / LOCK)
+    lock = take(folder / LOCK) if handed_on is None else open(handed_on, "a", encoding="utf-8")
     if lock is None:
         return 2
     asked = json.loads((folder / COMMAND).read_text(encoding="utf-8"))
@@ -44,28 +48,33 @@ def main(folder: Path) -> int:
         def stop(number: int, frame: FrameType | None) -> None:
             nonlocal stopped
             stopped = True
-            child.terminate()
+
+        def asked_to_stop() -> bool:
+            return stopped or (folder / STOP).exists()
 
         signal.signal(signal.SIGTERM, stop)
-        status = _wait(child, lambda: stopped)
+        status, stopped = _wait(child, asked_to_stop)
     told = {"status": status, "stopped": stopped, "start": start, "end": time.time()}
     write_text(folder / STATUS, json.dumps(told))
     lock.close()
     return status
 
 
-def _wait(child: subprocess.Popen[bytes], stopped: object) -> int:
-    """Wait for the child; one that was stopped and does not end is killed."""
+def _wait(child: subprocess.Popen[bytes], asked_to_stop: Callable[[], bool]) -> tuple[int, bool]:
+    """Wait for the child; one that is to stop and does not end is killed. Return its status and whether it was."""
     since: float | None = None
     while True:
         try:
-            return child.wait(0.5)
+            return child.wait(POLL_S), since is not None
         except subprocess.TimeoutExpired:
-            if callable(stopped) and stopped():
-                since = since or time.monotonic()
-                if time.monotonic() - since > GRACE_S:
-                    child.kill()
+            if not asked_to_stop():
+                continue
+        if since is None:
+            since = time.monotonic()
+            child.terminate()
+        elif time.monotonic() - since > GRACE_S:
+            child.kill()
 
 
 if __name__ == "__main__":
-    sys.exit(main(Path(sys.argv[1])))
+    sys.exit(main(Path(sys.argv[1]), *map(int, sys.argv[2:3])))

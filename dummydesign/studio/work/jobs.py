@@ -17,13 +17,13 @@ from typing import Any
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_text
 from dummydesign.studio.work import job as runner
-from dummydesign.studio.work.lock import held
+from dummydesign.studio.work.lock import held, take
 
 HOME = ".studio"
 MOST_AT_ONCE = 2
 """Commands that may run at once: each may fill a processor."""
-STARTING_S = 20.0
-"""A command that did not begin within this time never will. [s]"""
+STARTING_S = 120.0
+"""On systems where a lock cannot be handed on: a command that did not begin within this time never will. [s]"""
 _CHILDREN: list[subprocess.Popen[bytes]] = []
 """Processes that this one started; looked at now and then, so that those that ended are let go."""
 
@@ -120,11 +120,21 @@ def _spawn(root: Path, folder: Path) -> None:
     package = str(Path(__file__).resolve().parents[3])
     path = os.pathsep.join(filter(None, (package, os.environ.get("PYTHONPATH"))))
     _CHILDREN[:] = [child for child in _CHILDREN if child.poll() is None]
-    with open(folder / "runner.txt", "wb") as said:
-        child = subprocess.Popen(
-            [sys.executable, "-m", "dummydesign.studio.work.job", str(folder)], cwd=root, stdin=subprocess.DEVNULL,
-            stdout=said, stderr=said, env={**os.environ, "PYTHONPATH": path}, **apart,
-        )  # fmt: skip
+    words = [sys.executable, "-m", "dummydesign.studio.work.job", str(folder)]
+    lock = None if os.name == "nt" else take(folder / runner.LOCK)
+    if lock is not None:
+        # held from the first moment on, however long a busy machine takes to start the process
+        apart["pass_fds"] = (lock.fileno(),)
+        words.append(str(lock.fileno()))
+    try:
+        with open(folder / "runner.txt", "wb") as said:
+            child = subprocess.Popen(
+                words, cwd=root, stdin=subprocess.DEVNULL, stdout=said, stderr=said,
+                env={**os.environ, "PYTHONPATH": path}, **apart,
+            )  # fmt: skip
+    finally:
+        if lock is not None:
+            lock.close()
     _CHILDREN.append(child)
 
 
@@ -161,7 +171,7 @@ def _state(folder: Path, started: float) -> tuple[str, float]:
             return "running", time.time() - started
         # it may have ended between the two looks
         if not (folder / runner.STATUS).exists():
-            young = not (folder / runner.PID).exists() and time.time() - started < STARTING_S
+            young = os.name == "nt" and not (folder / runner.PID).exists() and time.time() - started < STARTING_S
             return ("running" if young else "lost"), time.time() - started
     told = json.loads((folder / runner.STATUS).read_text(encoding="utf-8"))
     seconds = float(told["end"]) - started
@@ -192,10 +202,12 @@ def latest(root: Path, name: str) -> Job | None:
 
 
 def stop(job: Job) -> None:
-    """Ask a running command to end and to clear up."""
-    try:
-        number = int((job.folder / runner.PID).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    """Ask a running command to end and to clear up; by a file, which also one that is only starting finds."""
+    if not held(job.folder / runner.LOCK):
         return
-    if held(job.folder / runner.LOCK):
+    try:
+        (job.folder / runner.STOP).touch()
+    except OSError:
+        # a full disk
+        number = int((job.folder / runner.PID).read_text(encoding="utf-8"))
         os.kill(number, signal.SIGTERM)

@@ -1,0 +1,97 @@
+"""The pad under the sliders is the pad of the command line: same punch, same calibration, same verdict."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from dummydesign.core.errors import InputError
+from dummydesign.design.curves import force_grids, steady_curve
+from dummydesign.design.inputs import resolve
+from dummydesign.design.own_test.punch import read_punch
+from dummydesign.design.request import Request
+from dummydesign.design.suggest import design
+from dummydesign.geometry.shapes import read_shape
+from dummydesign.loop.calibration_file import write_calibration
+from dummydesign.studio import bench, figures
+from tests.support.made_calibration import calibration, effect
+
+CROWN = "crowned:20,2,9"
+
+
+def looked(root, shape, thickness_mm, ratio, **asked):
+    given = bench.Asked("forefinger", "average", "polyurethane-nagoya", **asked)
+    inputs = bench.inputs_of(root, given, bench.stamp_of(root, given))
+    pad = bench.look(inputs, bench.shape_of(shape), thickness_mm, ratio)
+    return inputs, pad, bench.settled(inputs, bench.shape_of(shape), pad)
+
+
+def suggested(shape, thickness_mm, ratio, **more):
+    return design(resolve(Request("forefinger", thickness_mm=(thickness_mm,) * 2, ratio=(ratio,) * 2, shape=shape,
+                                  verify=False, **more)))  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("punch", "shape", "thickness_mm"), [("round:20", "slab", 9.0), ("round:20", CROWN, 9.0), ("square:14", CROWN, 9.0)]
+)
+def test_the_verdict_and_the_curve_are_those_of_suggest_under_the_same_punch(tmp_path, punch, shape, thickness_mm):
+    _, pad, verdict = looked(tmp_path, shape, thickness_mm, 15.0, punch=punch)
+    found = suggested(shape, thickness_mm, 15.0, punch=punch)
+    grids = force_grids(found.targets.protocol)
+    assert np.allclose(pad.steady_depth_mm(grids.pad), steady_curve(found.best, grids), rtol=1e-9, equal_nan=True)
+    assert verdict.text == found.verdict.text
+
+
+def test_a_wider_punch_sinks_in_less(tmp_path):
+    force = np.array([5.0, 10.0])
+    narrow, wide = (looked(tmp_path, "slab", 9.0, 15.0, punch=punch)[1] for punch in ("square:14", "round:20"))
+    assert (wide.steady_depth_mm(force) < 0.95 * narrow.steady_depth_mm(force)).all()
+
+
+@pytest.mark.parametrize("shape", ["slab", CROWN])
+def test_a_calibration_is_in_the_pad_of_every_shape_as_suggest_has_it(tmp_path, shape):
+    learned = calibration(effect("strain_stiffening", coefficient=2.0))
+    path = write_calibration(learned, tmp_path / "calibration.json")
+    _, pad, verdict = looked(tmp_path, shape, 9.0, 15.0, calibration="calibration.json")
+    found = suggested(shape, 9.0, 15.0, calibration=str(path))
+    grids = force_grids(found.targets.protocol)
+    depth = pad.steady_depth_mm(grids.pad)
+    assert np.allclose(depth, steady_curve(found.best, grids), rtol=1e-9, equal_nan=True)
+    assert verdict.text == found.verdict.text
+    stiff = calibration()
+    write_calibration(stiff, tmp_path / "plain.json")
+    plain = looked(tmp_path, shape, 9.0, 15.0, calibration="plain.json")[1].steady_depth_mm(grids.pad)
+    deep = np.isfinite(depth) & np.isfinite(plain) & (plain > 2.0)
+    assert deep.any() and (depth[deep] < 0.99 * plain[deep]).all()
+
+
+def test_what_no_table_has_under_a_punch_is_refused_by_name_before_anything_is_solved(tmp_path):
+    with pytest.raises(InputError, match="bumped pads are tabulated under the square:14"):
+        looked(tmp_path, "bumped:5,2.91,1.24,0.34", 9.0, 15.0, punch="round:16")
+    with pytest.raises(InputError, match="under the punch ball:20 are not in the tables: it is solved"):
+        looked(tmp_path, "slab", 9.0, 15.0, punch="ball:20")
+    with pytest.raises(InputError, match="rim of a pad 30 mm thick is felt under the punch round:20: it is solved"):
+        looked(tmp_path, "slab", 30.0, 15.0, punch="round:20")
+
+
+def test_a_punch_from_a_file_of_the_project_is_read_from_its_folder(tmp_path):
+    (tmp_path / "tip.csv").write_text("r_mm,z_mm\n0,0\n3,0.5\n6,2\n8,5\n", encoding="utf-8")
+    with pytest.raises(InputError, match="not in the tables"):
+        looked(tmp_path, "slab", 9.0, 15.0, punch="profile:tip.csv")
+    with pytest.raises(InputError, match="other.csv' cannot be read"):
+        looked(tmp_path, "slab", 9.0, 15.0, punch="profile:other.csv")
+
+
+@pytest.mark.parametrize(("punch", "half"), [("square:14", 7.0), ("round:20", 10.0), ("rectangle:20x10", 5.0)])
+def test_the_cross_section_shows_the_punch_that_presses(punch, half):
+    drawn = figures.section(read_shape(CROWN), 9.0, read_punch(punch))
+    outline = next(layer for layer in drawn.layers if layer.name == f"punch, {punch}")
+    assert np.isclose(np.abs(outline.x).max(), half) and outline.y.min() > 9.0
+
+
+def test_a_ball_over_the_pad_is_round():
+    drawn = figures.section(bench.shape_of("slab"), 9.0, read_punch("ball:20"))
+    outline = next(layer for layer in drawn.layers if layer.name == "punch, ball:20")
+    low = outline.y - outline.y.min()
+    near = np.abs(outline.x) < 5.0
+    assert np.allclose(low[near], 10.0 - np.sqrt(100.0 - outline.x[near] ** 2), atol=0.02)

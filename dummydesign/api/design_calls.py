@@ -212,7 +212,7 @@ def _answer(
         wanted_cad = found.verdict.acceptable if inputs["cad"] is None else inputs["cad"]
         result["inputs"] = {**inputs, "cad": wanted_cad, "out": str(output.folder)}
         progress("mould and report" if wanted_cad else "report")
-        result, missing = _written(found, safety, result, output)
+        result, missing = _written(found, safety, result, output, progress)
         best = result["recommendation"]
         output.extra["summary"] = {name: best[name] for name in ("shape", "thickness_mm", "ratio", "resin")} | {
             "young_kPa": best["young_kPa"]["value"], "verdict": result["verdict"]["level"],
@@ -231,10 +231,11 @@ def _named_files(request: Request) -> list[str]:
 
 
 def _written(
-    found: Any, safety: Any, result: dict[str, Any], output: Output
+    found: Any, safety: Any, result: dict[str, Any], output: Output, progress: Callable[[str], None]
 ) -> tuple[dict[str, Any], NoAnswerError | None]:
     """Write mould and report; a mould that cannot be made leaves the report, and the reason is returned."""
     from dummydesign.design.curves import suggestion_curves
+    from dummydesign.design.shown.press_pictures import press_pictures
     from dummydesign.report.suggest import write_suggestion
 
     curves, missing = suggestion_curves(found), None
@@ -246,7 +247,8 @@ def _written(
             output.extra["hash"] = result["mold"]["spec_hash"]
         except NoAnswerError as reason:
             missing, result = reason, reason.result
-    result["files"] |= write_suggestion(output.work, found, result, curves, safety)
+    progress("stress in the pad")
+    result["files"] |= write_suggestion(output.work, found, result, curves, safety, press_pictures(found))
     return output.answer(result), missing
 
 

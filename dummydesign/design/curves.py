@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.design.assessment.pour_yield import depth_band_mm
 from dummydesign.design.request import Protocol
 from dummydesign.design.scoring.presses import ForceLaw, make_curves, steady_depth
 from dummydesign.design.search.slabs import THICKNESS_MM
@@ -61,6 +62,8 @@ class SuggestionCurves:
         Forces at which the curves are taken.
     pad_depth_mm : ndarray, shape (n,)
         Depth of the recommended pad at ``forces_N.pad``.
+    castings_mm : (stiffest, softest)
+        Depths between which 95 % of its castings are at ``forces_N.pad``, by resin, weighing and thickness.
     pad_depth_at_needed_mm : float
         At the middle force of the test.
     other_depths_mm : tuple of ndarray, shape (n,)
@@ -83,6 +86,7 @@ class SuggestionCurves:
 
     forces_N: ForceGrids
     pad_depth_mm: NDArray
+    castings_mm: tuple[NDArray, NDArray]
     pad_depth_at_needed_mm: float
     other_depths_mm: tuple[NDArray, ...]
     subjects_extrapolated_mm: tuple[NDArray, NDArray]
@@ -104,6 +108,7 @@ def suggestion_curves(answer: Suggestion) -> SuggestionCurves:
     return SuggestionCurves(
         forces_N=grids,
         pad_depth_mm=depth,
+        castings_mm=_castings(answer, grids),
         pad_depth_at_needed_mm=float(np.interp(targets.protocol.needed_N, grids.pad, depth)),
         other_depths_mm=tuple(steady_curve(other.candidate, grids) for other in answer.alternatives),
         subjects_extrapolated_mm=targets.depth_range_mm(grids.extrapolated),
@@ -117,6 +122,13 @@ def suggestion_curves(answer: Suggestion) -> SuggestionCurves:
         ratio_error=ratio_error(answer),
         reactions=tuple(reactions(answer, answer.cast)),
     )
+
+
+def _castings(answer: Suggestion, grids: ForceGrids) -> tuple[NDArray, NDArray]:
+    """Depths between which 95 % of the castings of the recommended pad are. [mm]"""
+    best, tolerances = answer.best, answer.pour.tolerances
+    pad = (best.thickness_mm, best.ratio, answer.radius_mm)
+    return depth_band_mm(answer.cast, answer.resin, answer.targets, *pad, tolerances, grids.pad)
 
 
 def steady_curve(candidate: Candidate, grids: ForceGrids) -> NDArray:

@@ -17,13 +17,13 @@ from typing import Any
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.files import output_folder
 from dummydesign.core.outputs.manifest import COMMAND_LINE
-from dummydesign.core.processor_time import HUNG_S, ran_out
 from dummydesign.core.threads import ONE_THREAD
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.model.validate import validate
 from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.pour.print_layers import check_layers
 from dummydesign.mold.pour.warnings import pour_warnings
+from dummydesign.mold.processor_time import HUNG_S, ran_out
 
 PROCESSOR_S = 900.0
 """Processor time after which the CAD kernel is given up; the largest moulds take a tenth of it. [s]"""
@@ -131,7 +131,8 @@ def _run_child(spec: MouldSpec, work: Path, processor_s: float) -> dict[str, Any
         message = f"the CAD kernel did not end within {HUNG_S:g} s ({what}); nothing was written"
         raise NoAnswerError("cad_failed", message, without_cad(spec)) from None
     if ran_out(done.returncode):
-        message = f"the CAD kernel did not finish within {processor_s:g} s of processor time ({what}); nothing was written"
+        took = f"{processor_s:g} s of processor time"
+        message = f"the CAD kernel did not finish within {took} ({what}); nothing was written"
         raise NoAnswerError("cad_failed", message, without_cad(spec))
     answer = work / RESULT
     if not answer.is_file():

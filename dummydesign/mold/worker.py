@@ -61,7 +61,7 @@ def peak_memory_MB() -> float:
 
 def main() -> None:
     """Entry point of the child; the last word is the processor time that it may use. [s]"""
-    from dummydesign.core.processor_time import limit_processor_time
+    from dummydesign.mold.processor_time import limit_processor_time
 
     limit_processor_time(float(sys.argv[3]))
     spec_file, folder = Path(sys.argv[1]), Path(sys.argv[2])

@@ -46,6 +46,11 @@ def steady_plot(answer: Suggestion, curves: SuggestionCurves) -> Plot:
         Band(f"subjects of {answer.tissue.name}", grids.measured, *curves.subjects_measured_mm, sideways=True),
         Line(f"aim: {answer.request.aim}", curves.aim_depth_mm, grids.aim, "aim"),
     ]
+    stiff, soft = curves.castings_mm
+    known = np.isfinite(stiff) & np.isfinite(soft)
+    if known.any():
+        layers.append(Band("95 % of the pad's castings", grids.pad[known], stiff[known], soft[known], sideways=True,
+                           style="cast"))  # fmt: skip
     for other, depth, style in zip(answer.found.alternatives, curves.other_depths_mm, STYLES):
         layers.append(Line(f"{other.thickness_mm:g} mm, ratio {other.ratio:g}", depth, grids.pad, style))
     layers.append(Line("recommended pad", curves.pad_depth_mm, grids.pad))

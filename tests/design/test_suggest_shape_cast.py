@@ -8,6 +8,7 @@ from dummydesign.design.request import RADIUS_MM, Request
 from dummydesign.design.safety_view import safety_view
 from dummydesign.design.search.shape_family import ShapeLaw
 from dummydesign.design.sensitivity import reactions
+from dummydesign.design.shown.press_pictures import press_pictures
 from dummydesign.design.suggest import suggest
 from dummydesign.report.suggest import write_suggestion
 
@@ -36,7 +37,8 @@ def test_the_reports_bars_are_those_of_the_cast_pad(crowned, tmp_path):
     cast, searched = (bars(reactions(crowned, law)) for law in (crowned.cast, crowned.law))
     (name,) = (name for name in cast if name.startswith("thickness"))
     assert not np.allclose(cast[name], searched[name], atol=0.05)
-    write_suggestion(tmp_path, crowned, crowned.to_dict(), suggestion_curves(crowned), safety_view(crowned))
+    write_suggestion(tmp_path, crowned, crowned.to_dict(), suggestion_curves(crowned), safety_view(crowned),
+                     press_pictures(crowned))
     page = (tmp_path / "report.html").read_text()
     low, high = cast[name][0]
     assert f"Change of depth at 10 N, 10 mm/s: {name} {low:.1f} to {high:.1f} %" in page

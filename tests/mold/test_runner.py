@@ -89,7 +89,10 @@ def test_crash_of_the_kernel_is_told_with_the_parameters_and_harms_nothing(monke
     assert _files(tmp_path) == ["mould_t5.step"] and (tmp_path / "mould_t5.step").read_text() == "earlier"
 
 
-LIMITED = "import sys; from dummydesign.core.processor_time import limit_processor_time as limit; limit(float(sys.argv[3]));"
+LIMITED = (
+    "import sys; from dummydesign.mold.processor_time import limit_processor_time; "
+    "limit_processor_time(float(sys.argv[3]));"
+)
 
 
 def test_a_kernel_that_never_ends_is_stopped_by_its_processor_time_and_that_is_told(monkeypatch, tmp_path):

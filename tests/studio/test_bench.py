@@ -78,7 +78,7 @@ def test_a_punch_from_a_file_of_the_project_is_read_from_its_folder(tmp_path):
     (tmp_path / "tip.csv").write_text("r_mm,z_mm\n0,0\n3,0.5\n6,2\n8,5\n", encoding="utf-8")
     with pytest.raises(InputError, match="not in the tables"):
         looked(tmp_path, "slab", 9.0, 15.0, punch="profile:tip.csv")
-    with pytest.raises(InputError, match="other.csv' cannot be read"):
+    with pytest.raises(InputError, match=r"other\.csv' cannot be read"):
         looked(tmp_path, "slab", 9.0, 15.0, punch="profile:other.csv")
 
 

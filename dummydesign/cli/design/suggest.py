@@ -10,7 +10,7 @@ from dummydesign.cli.output_option import add_replace_option
 from dummydesign.cli.steps import Steps
 from dummydesign.cli.verdict import first_lines, verdict_lines
 
-ABOUT_STEPS = 7
+ABOUT_STEPS = 8
 HELP = "Recommend resin ratio, pad thickness, weights to pour and a mould for a tissue."
 
 

@@ -197,8 +197,49 @@ def _inside(
     radius_mm: float,
 ) -> NDArray:
     """Whether each pour is inside the steady-state range at each force, shape (pours, forces)."""
+    forces = np.array(targets.protocol.forces_N)
+    depth = _depth_mm(law, resin, targets, Pours(thickness, young, beta), radius_mm, forces)
+    stiff, soft = targets.depth_range_mm(forces)
+    with np.errstate(invalid="ignore"):
+        return (depth >= stiff) & (depth <= soft)
+
+
+def depth_band_mm(
+    law: ForceLaw, resin: Resin, targets: Targets, thickness_mm: float, ratio: float, radius_mm: float,
+    tolerances: Tolerances, force_N: NDArray, pours: int = 400,
+) -> tuple[NDArray, NDArray]:  # fmt: skip
+    """Depths between which 95 % of the castings of one design are, with every uncertainty.
+
+    Parameters
+    ----------
+    law, resin, targets, thickness_mm, ratio, radius_mm, tolerances
+        As for :func:`pour_yield`.
+    force_N : ndarray, shape (n,)
+        Steady forces. [N]
+    pours : int
+        How many castings are drawn.
+
+    Returns
+    -------
+    stiff, soft : ndarray, shape (n,)
+        NaN where that casting does not reach the force. [mm]
+    """
+    poured, _ = draw_pours(resin, thickness_mm, ratio, tolerances, pours)
+    depth = _depth_mm(law, resin, targets, poured, radius_mm, np.asarray(force_N, float))
+    # a casting out of reach is deeper than those in reach
+    ordered = np.sort(np.where(np.isfinite(depth), depth, np.inf), axis=0)
+    ends = (ordered[int(np.floor(share * (pours - 1)))] for share in (0.025, 0.975))
+    stiff, soft = (np.where(np.isfinite(end), end, np.nan) for end in ends)
+    return stiff, soft
+
+
+def _depth_mm(
+    law: ForceLaw, resin: Resin, targets: Targets, poured: Pours, radius_mm: float, forces: NDArray
+) -> NDArray:
+    """Depth of each pour at each steady force, shape (pours, forces); NaN out of reach."""
     # a pad thinner or thicker than the law knows is taken at the law's end
     smallest, largest = law.ratio_range
+    thickness, young, beta = poured.thickness_mm, poured.young_MPa, poured.beta
     thickness = np.clip(thickness, radius_mm / largest, radius_mm / smallest)
     low, high = float(thickness.min()), float(thickness.max())
     nodes = np.linspace(low, high, NODES) if high > low else np.array([low])
@@ -207,16 +248,13 @@ def _inside(
     left = np.minimum(place.astype(int), max(len(nodes) - 2, 0))
     share = (place - left)[:, None]
     tau = tuple(arm.tau_s.value for arm in resin.arms)
-    forces, slow = np.array(targets.protocol.forces_N), targets.protocol.slow_mm_s
+    slow = targets.protocol.slow_mm_s
     sampling = targets.sampling.coarse
     at_left = steady_depth(Slabs(curves, left, young, tau, beta), forces, slow, sampling)
     at_right = steady_depth(
         Slabs(curves, np.minimum(left + 1, len(nodes) - 1), young, tau, beta), forces, slow, sampling
     )
-    depth = at_left + share * (at_right - at_left)
-    stiff, soft = targets.depth_range_mm(forces)
-    with np.errstate(invalid="ignore"):
-        return (depth >= stiff) & (depth <= soft)
+    return np.asarray(at_left + share * (at_right - at_left))
 
 
 def _by_force(inside: NDArray, forces_N: tuple[float, ...]) -> dict[str, float]:

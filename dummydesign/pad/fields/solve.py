@@ -43,7 +43,7 @@ class Setup:
 
 
 def solve_fields(
-    pad: Pad | Puck, depth_mm: Sequence[float], progress: Callable[[float], None] | None = None
+    pad: Pad | Puck, depth_mm: Sequence[float], progress: Callable[[float], None] | None = None, coarse: bool = False
 ) -> tuple[tuple[Pressed, ...], tuple[str, ...]]:
     """Fields of a round pad at static depths.
 
@@ -56,6 +56,9 @@ def solve_fields(
         Depths above 0, increasing or not. [mm]
     progress : callable, optional
         Called with each solved depth over thickness.
+    coarse : bool
+        On cells of twice the size, for pictures: a third of the work. Pressures inside 0.9 of the contact's radius
+        then differ by up to 2 %.
 
     Returns
     -------
@@ -78,7 +81,7 @@ def solve_fields(
         raise InputError(f"fields are for round pads under a punch; {what} has none yet")
     h = pad.thickness_mm
     law, depths, _, shear = normalise(h, pad.radius_mm, pad.young_MPa, depth_mm, pad.poisson, pad.shape)
-    setup = _setup(pad, law, depths, shear)
+    setup = _setup(pad, law, depths, shear, coarse)
     found: list[Pressed] = []
 
     def keep(depth: float, solution: Solution) -> None:
@@ -120,7 +123,7 @@ def contact_pressures(pad: Pad, depth_mm: Sequence[float]) -> tuple[list[dict[st
     return made["contact"], tuple(made["notes"])
 
 
-def _setup(pad: Pad, law: Any, depths: Array, shear: float) -> Setup:
+def _setup(pad: Pad, law: Any, depths: Array, shear: float, coarse: bool) -> Setup:
     """The problem that the pad's own curve is solved by, with one fillet."""
     from dummydesign.pad.contact.resting_base import weight_over_shear
     from dummydesign.pad.contact.surface_axisymmetric import FlatPunch, ProfilePunch
@@ -142,13 +145,14 @@ def _setup(pad: Pad, law: Any, depths: Array, shear: float) -> Setup:
         press = Press(pad.geometry, h, radius, extent, pad.base, pad.condition, pad.poisson, first, edge)
         press.check()
         step = 0.3 * RIM if pad.geometry.flat_top else 0.25 * first
-        return Setup(shaped_problem(press, law, CELLS, RIM), step, LARGEST_STEP, 3e-4, True)
+        cells = CELLS // 2 if coarse else CELLS
+        return Setup(shaped_problem(press, law, cells, RIM), step, LARGEST_STEP * CELLS / cells, 3e-4, True)
     weight = weight_over_shear(h, shear)
     own = (law, pad.poisson, pad.base, pad.condition)
     if pad.profile_mm is not None:
         shape = profile(*(np.asarray(part) / h for part in pad.profile_mm))
         punch = ProfilePunch(shape.height)
-        region = Region(0.0, radius, radius / 24)
+        region = Region(0.0, radius, radius / (12 if coarse else 24))
         made = indentation_problem(punch, region, extent, *own, stiffness=SHAPED_STIFFNESS, weight=weight)
         first = 0.25 * float(depths[0])
         return Setup(made, first, 0.05, first / 64.0)
@@ -160,7 +164,7 @@ def _setup(pad: Pad, law: Any, depths: Array, shear: float) -> Setup:
 
             made = filleted_problem(slab, law, pad.poisson, pad.edge_radius_mm / h)
             return Setup(made, LATTICE * 0.5**HALVINGS, LATTICE, LATTICE / 256.0, True)
-        made = rimmed_problem(slab, law, pad.poisson, RIM * slab_scale, meshes.Resolution(cells=6))
+        made = rimmed_problem(slab, law, pad.poisson, RIM * slab_scale, meshes.Resolution(cells=3 if coarse else 6))
         return Setup(made, RIM * slab_scale, 0.05 * slab_scale, 0.005 * slab_scale)
     flat = FlatPunch(radius, RIM * slab_scale)
     region = Region(max(0.0, radius - 3.0 * flat.rim), radius + 2.0 * flat.rim, flat.rim / 3.0)

@@ -104,7 +104,10 @@ class Bars:
 
 @dataclass(frozen=True)
 class Cells:
-    """A map of values (rows over y, columns over x) from ``low`` to ``high``; NaN stays empty."""
+    """A map of values (rows over y, columns over x) from ``low`` to ``high``; NaN stays empty.
+
+    ``smooth`` blends the colours of neighbours.
+    """
 
     name: str
     x: ArrayLike
@@ -112,6 +115,7 @@ class Cells:
     value: ArrayLike
     low: float = 0.0
     high: float = 1.0
+    smooth: bool = False
 
     def extent(self) -> tuple[NDArray, NDArray]:
         """Values that the axes must hold: the outer edges of the cells."""

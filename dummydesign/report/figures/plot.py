@@ -16,6 +16,8 @@ from dummydesign.report.figures.layers import Band, Bars, Cells, Dots, Ellipse, 
 from dummydesign.report.figures.raster import css, png_uri
 
 WIDTH, HEIGHT = 440.0, 310.0
+WIDE = 720.0
+"""Of a figure to scale, which has a line of its own. The unit of all lengths is a pixel at the smallest size."""
 LEFT, RIGHT, TOP, BOTTOM = 58.0, 14.0, 14.0, 48.0
 MAP_RIGHT, BAR_LEFT = 62.0, 170.0
 LETTER = 6.6  # mean width of a letter of 13 px
@@ -42,6 +44,8 @@ class Plot:
         By default all that the layers hold.
     note : str
         A sentence under the figure.
+    to_scale : bool
+        A unit is as long upwards as across: the figure is as high as that makes it.
     """
 
     name: str
@@ -57,6 +61,7 @@ class Plot:
     y_range: tuple[float, float] | None = None
     note: str = ""
     zero: bool = field(default=True)
+    to_scale: bool = False
 
     def csv_text(self) -> str:
         """All plotted values: ``series``, x, y, and low and high of bands, bars and maps."""
@@ -73,7 +78,8 @@ class Plot:
         x, y = self._axes()
         clip = f"clip-{self.name}"
         parts = [
-            f'<svg class="plot" viewBox="0 0 {WIDTH:g} {HEIGHT:g}" role="img" aria-label="{escape(self.alt)}">',
+            f'<svg class="plot" viewBox="0 0 {self._width:g} {self._height:g}" role="img" '
+            f'aria-label="{escape(self.alt)}">',
             f"<title>{escape(self.title)}</title><desc>{escape(self.alt)}</desc>",
             f'<clipPath id="{clip}"><rect x="{x.start:g}" y="{y.stop:g}" width="{x.stop - x.start:g}" '
             f'height="{y.start - y.stop:g}"/></clipPath>',
@@ -103,8 +109,9 @@ class Plot:
     def html(self) -> str:
         """The figure with caption and legend."""
         note = f"<small>{escape(self.note)}</small>" if self.note else ""
+        wide = ' class="wide"' if self.to_scale else ""
         return (
-            f"<figure>{self.svg()}<figcaption><strong>{escape(self.title)}</strong>"
+            f"<figure{wide}>{self.svg()}<figcaption><strong>{escape(self.title)}</strong>"
             f'<span class="keys">{self.legend()}</span>{note}</figcaption></figure>'
         )
 
@@ -119,9 +126,21 @@ class Plot:
         left, right = (BAR_LEFT if bars else LEFT), (MAP_RIGHT if cells else RIGHT)
         if bars:
             longest = max(len(label) for layer in self.layers if isinstance(layer, Bars) for label in layer.labels)
-            left = min(max(BAR_LEFT, LETTER * longest + 14.0), 0.55 * WIDTH)
-        across = Axis(self.x_label, *x_range, left, WIDTH - right, self.log_x)
-        return across, Axis(self.y_label, *y_range, HEIGHT - BOTTOM, TOP)
+            left = min(max(BAR_LEFT, LETTER * longest + 14.0), 0.55 * self._width)
+        across = Axis(self.x_label, *x_range, left, self._width - right, self.log_x)
+        return across, Axis(self.y_label, *y_range, self._height - BOTTOM, TOP)
+
+    @property
+    def _width(self) -> float:
+        return WIDE if self.to_scale else WIDTH
+
+    @property
+    def _height(self) -> float:
+        if not self.to_scale or self.x_range is None or self.y_range is None:
+            return HEIGHT
+        right = MAP_RIGHT if any(isinstance(layer, Cells) for layer in self.layers) else RIGHT
+        (left_end, right_end), (low, high) = self.x_range, self.y_range
+        return TOP + BOTTOM + (self._width - LEFT - right) * (high - low) / (right_end - left_end)
 
     def _grid(self, x: Axis, y: Axis) -> str:
         bars = [layer for layer in self.layers if isinstance(layer, Bars)]
@@ -134,9 +153,9 @@ class Plot:
             at = y.place(value)
             parts.append(f'<line class="grid" x1="{x.start:g}" x2="{x.stop:g}" y1="{at:.1f}" y2="{at:.1f}"/>')
             parts.append(f'<text x="{x.start - 6:g}" y="{at + 4:.1f}" text-anchor="end">{text}</text>')
-        middle, height = 0.5 * (x.start + x.stop), 0.5 * (y.start + y.stop)
+        middle, height, foot = 0.5 * (x.start + x.stop), 0.5 * (y.start + y.stop), self._height - 10.0
         parts.append(
-            f'<text class="label" x="{middle:g}" y="{HEIGHT - 10:g}" text-anchor="middle">{escape(x.label)}</text>'
+            f'<text class="label" x="{middle:g}" y="{foot:g}" text-anchor="middle">{escape(x.label)}</text>'
         )
         if not bars:
             parts.append(
@@ -210,10 +229,11 @@ def _cells(layer: Cells, x: Axis, y: Axis) -> str:
     across, along = edges(np.asarray(layer.x, float)), edges(np.asarray(layer.y, float))
     even = all(np.ptp(np.diff(side)) < 1e-6 * np.ptp(side) for side in (across, along))
     if even:
+        drawn = "auto" if layer.smooth else "pixelated"
         left, right, top, bottom = x.place(across[0]), x.place(across[-1]), y.place(along[-1]), y.place(along[0])
         return (
             f'<image href="{png_uri(value)}" x="{left:.1f}" y="{top:.1f}" width="{right - left:.1f}" '
-            f'height="{bottom - top:.1f}" preserveAspectRatio="none" style="image-rendering:pixelated"/>'
+            f'height="{bottom - top:.1f}" preserveAspectRatio="none" style="image-rendering:{drawn}"/>'
         )
     parts = []
     for row in range(value.shape[0]):

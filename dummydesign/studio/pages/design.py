@@ -122,7 +122,7 @@ class Page:
         punch = self._typed_punch()
         if abs(2.0 * self.thickness.value - round(2.0 * self.thickness.value)) > 1e-9:
             if asked.calibration:
-                raise InputError("with a calibration the command line designs in steps of 0.5 mm: choose such a thickness")
+                raise InputError("with a calibration the command line takes steps of 0.5 mm: choose such a thickness")
             return ["predict", *commands.options({**pad, "thickness": t, "ratio": r, "punch": punch})]
         given = {**pad, "thickness": f"{t}:{t}", "ratio": f"{r}:{r}", "calibration": asked.calibration, "punch": punch}
         return commands.suggest(given, f"pad-{t}mm-{r}")

@@ -86,3 +86,18 @@ def test_the_share_settles_with_the_number_of_pours(layer_law, resin, targets):
     few, many = (study(layer_law, resin, targets, Tolerances(100.0), pours=n) for n in (2000, 20000))
     spread = np.sqrt(0.25 / 2000)
     assert few.by_force["10"] == pytest.approx(many.by_force["10"], abs=4 * spread)
+
+
+def test_the_band_of_castings_holds_95_percent_of_castings_that_it_was_not_drawn_from():
+    from dummydesign.design.assessment.pour_yield import Tolerances, _depth_mm, depth_band_mm, draw_pours
+    from dummydesign.design.inputs import resolve
+    from dummydesign.design.request import Request
+
+    inputs = resolve(Request("palm", shape="slab", verify=False))
+    space, limits, force = inputs.space, Tolerances(100.0), np.array([2.0, 5.0, 10.0])
+    pad = (20.0, 15.0, space.radius_mm)
+    stiff, soft = depth_band_mm(inputs.slab_law, space.resin, space.targets, *pad, limits, force, pours=1500)
+    other, _ = draw_pours(space.resin, 20.0, 15.0, limits, 3000, seed=5)
+    depth = _depth_mm(inputs.slab_law, space.resin, space.targets, other, space.radius_mm, force)
+    inside = np.nan_to_num((depth >= stiff) & (depth <= soft)).mean(axis=0)
+    assert np.isfinite(soft[:2]).all() and (np.abs(inside[:2] - 0.95) < 0.015).all(), inside

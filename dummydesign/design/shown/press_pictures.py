@@ -1,0 +1,165 @@
+"""Inside the pressed pad: deformed cross-sections with stress at the forces of the test, and the contact pressure.
+
+Solved on coarse elements under the circle of the punch's area, static, at the depths of the design. The best slab
+is solved beside a shaped pad, so that peak and place of the pressure can be compared.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.core.cache import cached
+from dummydesign.core.errors import NoAnswerError
+from dummydesign.design.own_test.slab_law import asked_pad
+from dummydesign.geometry.shapes import PadShape, Slab
+
+if TYPE_CHECKING:
+    from dummydesign.design.search.slabs import Candidate
+    from dummydesign.design.suggestion import Suggestion
+    from dummydesign.pad.pad import Pad
+
+REACH = 1.6
+"""How far out is shown, over the punch's radius."""
+COLUMNS, ABOVE_MM, TOP_PERCENTILE = 121, 2.0, 97.0
+
+
+@dataclass(frozen=True)
+class PressedPad:
+    """A pad at one force of the test; lengths from the axis and from the base. [mm, kPa]
+
+    Attributes
+    ----------
+    title : str
+        Such as ``slab``.
+    force_N : float
+        Steady force of the test at which the design is this deep.
+    static_N : float
+        Force that these elements find at that depth.
+    depth_mm : float
+    radius_mm, height_mm : ndarray, shapes (columns,), (rows,)
+        Middles of the picture's cells, both sides of the axis.
+    stress_kPa : ndarray, shape (rows, columns)
+        Von Mises stress; NaN outside the pad.
+    face_mm, punch_mm : ndarray, shapes (n, 2), (k, 2)
+        Tested face and lower outline of the punch, from the axis outwards.
+    contact : dict
+        Mean, peak, place and profile, as :meth:`dummydesign.pad.fields.pressed.Pressed.contact` gives them.
+    """
+
+    title: str
+    force_N: float
+    static_N: float
+    depth_mm: float
+    radius_mm: NDArray
+    height_mm: NDArray
+    stress_kPa: NDArray
+    face_mm: NDArray
+    punch_mm: NDArray
+    contact: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class PressPictures:
+    """What is shown of the inside of the pads.
+
+    Attributes
+    ----------
+    pads : tuple of PressedPad
+        The recommended pad, force by force; empty when it is left out.
+    slab : tuple of PressedPad
+        The best slab beside a shaped pad.
+    ceiling_kPa : float
+        Where the colours end: at a sharp edge the stress has no bound.
+    left_out : str
+        Why there is nothing, or a part is missing; empty when all is there.
+    """
+
+    pads: tuple[PressedPad, ...] = ()
+    slab: tuple[PressedPad, ...] = ()
+    ceiling_kPa: float = 1.0
+    left_out: str = ""
+
+
+def press_pictures(answer: Suggestion) -> PressPictures:
+    """Solve the recommended pad, and the best slab beside a shaped one, at the forces of the test."""
+    if not answer.request.verify:
+        return PressPictures(left_out="left out, as finite elements were not asked for")
+    if not answer.shape.axisymmetric:
+        return PressPictures(
+            left_out=f"left out: {answer.shape.name} pads are not round, and no one section stands for them"
+        )
+    try:
+        pads = _pressed(answer, answer.best, answer.shape)
+    except NoAnswerError as problem:
+        return PressPictures(left_out=f"left out: {problem}")
+    slab: tuple[PressedPad, ...] = ()
+    flat = next((item.candidate for item in answer.beside if item.kind == Slab.name and item.candidate), None)
+    said = ""
+    if flat is not None and not answer.shape.plain:
+        try:
+            slab = _pressed(answer, flat, Slab())
+        except NoAnswerError as problem:
+            said = f"the slab beside it is left out: {problem}"
+    under = [_under_punch(pad) for pad in (*pads, *slab)]
+    return PressPictures(pads, slab, max(under), said)
+
+
+def _under_punch(pad: PressedPad) -> float:
+    """Stress below which nearly all of the pad under the contact is. [kPa]"""
+    inside = pad.stress_kPa[:, np.abs(pad.radius_mm) < 0.9 * pad.contact["contact_radius_mm"]]
+    known = inside[np.isfinite(inside)]
+    return float(np.percentile(known, TOP_PERCENTILE)) if len(known) else 1.0
+
+
+def _pressed(answer: Suggestion, candidate: Candidate, shape: PadShape) -> tuple[PressedPad, ...]:
+    """One pad at every force of the test that it reaches."""
+    forces = np.array(answer.targets.protocol.forces_N)
+    depths = np.asarray(candidate.evaluation.depth_mm[candidate.index, : len(forces)], float)
+    reached = np.isfinite(depths)
+    if not reached.any():
+        raise NoAnswerError("no_feasible_design", "the pad reaches no force of the test")
+    young = float(np.asarray(answer.resin.young_MPa(candidate.ratio)))
+    pad = replace(asked_pad(answer.request, answer.punch, candidate.thickness_mm, young), geometry=shape)
+    wanted = depths[reached]
+    made = cached("pictures", {"pad": pad, "depth": wanted}, lambda: _solved(pad, wanted))
+    return tuple(
+        _drawn(pad, float(force), state) for force, state in zip(forces[reached], made["states"])
+    )
+
+
+def _solved(pad: Pad, depth_mm: NDArray) -> dict[str, Any]:
+    """States at rising depths as plain values."""
+    from dummydesign.pad.fields.solve import solve_fields
+
+    fields, _ = solve_fields(pad, np.maximum.accumulate(depth_mm).tolist(), coarse=True)
+    return {"states": [
+        {"depth_mm": one.depth_mm, "force_N": one.force_N, "place_mm": one.rest_mm + one.displacement_mm,
+         "stress_kPa": 1e3 * one.von_mises_MPa, "punch_mm": one.punch_mm, "contact": one.contact(),
+         "face_mm": np.stack([one.face.radius_mm, one.face.height_mm], axis=1)}
+        for one in fields
+    ]}  # fmt: skip
+
+
+def _drawn(pad: Pad, force_N: float, state: dict[str, Any]) -> PressedPad:
+    """One state on the picture's cells."""
+    from scipy.interpolate import LinearNDInterpolator
+
+    place, face = np.asarray(state["place_mm"], float), np.asarray(state["face_mm"], float)
+    reach = REACH * pad.radius_mm
+    size = 2.0 * reach / COLUMNS
+    radius = (np.arange(COLUMNS) - 0.5 * (COLUMNS - 1)) * size
+    height = (np.arange(int(np.ceil(float(face[:, 1].max()) / size))) + 0.5) * size
+    near = place[:, 0] < 1.3 * reach
+    found = LinearNDInterpolator(place[near], np.asarray(state["stress_kPa"], float)[near])
+    out, up = np.meshgrid(np.abs(radius), height)
+    stress = found(np.maximum(out, 1e-6), up)
+    inside = up <= np.interp(out, face[:, 0], face[:, 1])
+    inside &= up >= np.asarray(pad.geometry.bone_mm(out, 0.0 * out), float)
+    return PressedPad(
+        pad.geometry.name, force_N, float(state["force_N"]), float(state["depth_mm"]), radius, height,
+        np.where(inside, stress, np.nan), face, np.asarray(state["punch_mm"], float), state["contact"],
+    )  # fmt: skip

@@ -1,0 +1,1 @@
+"""Sections of the reports that are a topic of their own."""

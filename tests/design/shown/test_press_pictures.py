@@ -1,0 +1,91 @@
+"""The inside of the pressed pad: where the punch stands, what the pressures add up to, and what is left out."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dummydesign.design.own_test.slab_law import asked_pad
+from dummydesign.design.request import Request
+from dummydesign.design.shown.press_pictures import press_pictures
+from dummydesign.design.suggest import suggest
+from dummydesign.pad.fields.solve import solve_fields
+from dummydesign.report.sections.pressed import pressed_section
+
+
+@pytest.fixture(scope="module")
+def answer():
+    """A crowned pad by its table; the slab that ``auto`` puts beside it is that of its own search."""
+    limits = {"thickness_mm": (4.5, 5.0), "ratio": (15.0, 16.0)}
+    found = suggest(Request("forefinger", shape="crowned:21.2,2,9.4", verify=False, **limits))
+    return replace(found, request=replace(found.request, verify=True))
+
+
+@pytest.fixture(scope="module")
+def pictures(answer):
+    return press_pictures(answer)
+
+
+def test_every_force_of_the_test_is_pictured_at_the_depth_of_the_design(answer, pictures):
+    assert pictures.left_out == "" and [one.force_N for one in pictures.pads] == [5.0, 10.0, 15.0]
+    depths = answer.best.evaluation.depth_mm[answer.best.index, :3]
+    assert np.allclose([one.depth_mm for one in pictures.pads], depths)
+    assert np.allclose([one.static_N for one in pictures.pads], [5.0, 10.0, 15.0], rtol=0.06)
+
+
+def test_the_pad_ends_at_the_punch_and_both_sides_are_alike(answer, pictures):
+    for one in pictures.pads:
+        column = one.stress_kPa[:, one.stress_kPa.shape[1] // 2]
+        top = one.height_mm[np.isfinite(column)].max()
+        size = one.height_mm[1] - one.height_mm[0]
+        assert abs(top + 0.5 * size - (answer.best.thickness_mm - one.depth_mm)) < size
+        assert np.array_equal(one.stress_kPa, one.stress_kPa[:, ::-1], equal_nan=True)
+        assert one.punch_mm[0, 1] == pytest.approx(answer.best.thickness_mm - one.depth_mm, abs=1e-9)
+
+
+def test_the_mean_pressure_over_the_contact_carries_the_force(pictures):
+    for one in (*pictures.pads, *pictures.slab):
+        area = np.pi * one.contact["contact_radius_mm"] ** 2
+        assert 1e-3 * one.contact["mean_kPa"] * area == pytest.approx(one.static_N)
+
+
+def test_a_crown_is_pressed_most_in_the_middle_and_more_than_the_slab_whose_edge_has_no_bound(pictures):
+    crown, slab = pictures.pads[-1].contact, pictures.slab[-1].contact
+    assert crown["peak_radius_mm"] < 0.5 and crown["peak_kPa"] > 1.2 * crown["mean_kPa"]
+    assert crown["peak_kPa"] > 1.2 * slab["peak_kPa"] and slab["edge_kPa"] > 1.5 * slab["peak_kPa"]
+
+
+@pytest.mark.slow
+def test_pictures_are_within_three_percent_of_the_fine_elements(answer, pictures):
+    best = answer.best
+    young = float(np.asarray(answer.resin.young_MPa(best.ratio)))
+    pad = replace(asked_pad(answer.request, answer.punch, best.thickness_mm, young), geometry=answer.shape)
+    fine, _ = solve_fields(pad, [one.depth_mm for one in pictures.pads])
+    for rough, one in zip(pictures.pads, fine):
+        assert rough.static_N == pytest.approx(one.force_N, rel=0.03)
+        assert rough.contact["peak_kPa"] == pytest.approx(one.contact()["peak_kPa"], rel=0.03)
+
+
+def test_without_finite_elements_and_for_pads_that_are_not_round_it_says_what_is_left_out(answer):
+    quick = replace(answer, request=replace(answer.request, verify=False))
+    made = press_pictures(quick)
+    assert made.pads == () and "finite elements were not asked for" in pressed_section(quick, made).text
+    bumped = suggest(Request("forefinger", shape="bumped:5,2.91,1.24,0.34", verify=False))
+    bumped = replace(bumped, request=replace(bumped.request, verify=True))
+    assert "bumped pads are not round" in pressed_section(bumped, press_pictures(bumped)).text
+
+
+def test_the_report_draws_to_scale_and_compares_the_pressures(answer, pictures):
+    section = pressed_section(answer, pictures)
+    assert "the best slab" in section.text and "times the slab's" in section.text
+    sections = [plot for plot in section.plots if plot.to_scale]
+    assert [plot.name for plot in sections] == ["pressed-5N", "pressed-10N", "pressed-15N"]
+    for plot in sections:
+        frame = re.search(r'class="frame" x="\S+" y="\S+" width="(\S+)" height="(\S+)"', plot.svg())
+        wide, high = (float(text) for text in frame.groups())
+        across, up = (end[1] - end[0] for end in (plot.x_range, plot.y_range))
+        assert wide / across == pytest.approx(high / up, rel=1e-3)
+        assert any(layer.name.startswith("subjects at") for layer in plot.layers)

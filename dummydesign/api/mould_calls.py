@@ -41,7 +41,7 @@ def make_mould(
     shape : str
         ``slab``, ``crowned``, ``puck``, ..., with its lengths.
     preset : str
-        ``open``, ``lidded`` or a TOML file.
+        ``open``, ``lidded``, ``printed`` (no silicone) or a TOML file.
     resin : str, optional
         Name or file of the resin to weigh; the paper's polyurethane by default.
     ratio, base_ratio : float

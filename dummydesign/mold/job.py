@@ -16,8 +16,9 @@ from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.runner import make_mold, papers
 
-NOT_PRINTED = ("cavity", "pad_nominal", "pad_compensated", "mould", "lid", "layer_top", "layer_base", "face_sheet")
-"""Volumes of a mould that are not of printed parts."""
+NOT_PRINTED = ("cavity", "pad_nominal", "pad_compensated", "layer_top", "layer_base", "face_sheet")
+"""Volumes of a mould that are not of printed parts, beside those of silicone."""
+SILICONE = ("mould", "lid")
 
 
 def read_thicknesses(given: float | str | Iterable[float]) -> tuple[float, ...]:
@@ -107,7 +108,8 @@ def make_job(
             del made["memory_MB"]
             volumes = made["volumes_mm3"]
             plan = pour_plan(spec, volumes["pad_compensated"], volumes["mould"] + volumes.get("lid", 0.0))
-            printed = {name: one for name, one in volumes.items() if name not in NOT_PRINTED}
+            silicone = () if spec.is_printed else SILICONE
+            printed = {name: one for name, one in volumes.items() if name not in (*NOT_PRINTED, *silicone)}
             ordered.append(Ordered(spec, plan, printed, spec.tag))
             moulds.append({"thickness_mm": spec.pad.thickness_mm, "folder": str(output.path(spec.tag)), **made})
         blocks = job_sheet(ordered, count)

@@ -34,7 +34,6 @@ GLASS = Material("glass or acrylic sheet", "cut to size, density of float glass"
 RIGID = Material("printed rigid polymer", "PETG or ASA, density as printed solid", 1.27)
 PICTURE_S = 600
 """A renderer that hangs (a driver without a screen) is given up after this time; drawing takes a few seconds. [s]"""
-MESHED_APART = ("pad", "strike_off")
 
 
 def produce(spec: MouldSpec, folder: Path, papers: Papers = NO_PAPERS) -> dict[str, Any]:
@@ -66,8 +65,9 @@ def produce(spec: MouldSpec, folder: Path, papers: Papers = NO_PAPERS) -> dict[s
     plan = pour_plan(spec, volumes["pad_compensated"], volumes["mould"] + volumes.get("lid", 0.0))
     tell("step 3 of 5: checking the solids")
     checks = check.check_solids(made) + check_shape.check_shape(made)
-    fine = mesh.tessellate(made.solid("mould"), *check_mesh.FINE)
-    checks += check_mesh.check_mould_mesh(made, meshes["mould"], fine)
+    fine = mesh.tessellate(made.mould, *check_mesh.FINE)
+    tool = meshes["mould"] if made.whole is None else mesh.tessellate(made.mould)
+    checks += check_mesh.check_mould_mesh(made, tool, fine)
     tell("step 4 of 5: reading the files again")
     checks += check_files.check_step(steps, {name: folder / files[name] for name in steps}, folder / files["assembly"])
     checks += check_files.check_step_text(folder / files["assembly"], folder / files["pad"], spec.hash)
@@ -98,6 +98,10 @@ def produce(spec: MouldSpec, folder: Path, papers: Papers = NO_PAPERS) -> dict[s
 def genera(spec: MouldSpec) -> dict[str, int]:
     """How many holes go through each part: 8 bolts, 3 level screws, sprue and vents, the frame's opening."""
     open_holes = 0 if spec.closure is None else 6
+    if spec.is_printed:
+        # Eight bolts, two pins, three levelling screws; the ring's opening.
+        return {"pad": 0, "mould": 13, "frame": 14, "strike_off": 0, "collar": 1, "layer_top": 0, "layer_base": 0,
+                "spacer": 0, "carrier": 8, "face_sheet": 0}  # fmt: skip
     return {
         "pad": 0, "mould": 0, "master": 8, "frame": 9, "strike_off": 0, "tray": 3, "collar": 1, "lid": open_holes,
         "backer": open_holes, "lid_master": 8, "lid_frame": 9, "sprue_pin": 0, "vent_pin": 0, "layer_top": 0,
@@ -111,11 +115,16 @@ def step_part(made: Parts, name: str) -> StepPart:
     material = {
         "resin": Material(spec.pour.resin, f"ratio {spec.pour.ratio:g}", spec.pour.density_g_per_cm3),
         "resin_base": _base_material(spec),
-        "silicone": Material(spec.silicone.name, "mould silicone", spec.silicone.density_g_per_cm3),
+        "silicone": _silicone_material(spec),
         "rigid": RIGID,
         "glass": GLASS,
     }[part.material]
     return StepPart(name, part.solid, material, COLOURS[part.material], part.offset_mm)
+
+
+def _silicone_material(spec: MouldSpec) -> Material | None:
+    one = spec.silicone
+    return None if one is None else Material(one.name, "mould silicone", one.density_g_per_cm3)
 
 
 def _base_material(spec: MouldSpec) -> Material | None:

@@ -112,7 +112,7 @@ def masses_g(pour: dict[str, Any]) -> dict[str, float]:
     masses = {part["name"]: part["mass_g"] for part in pour["components"]}
     under = pour.get("base", {"components": []})
     masses |= {f"{part['name']} (base)": part["mass_g"] for part in under["components"]}
-    return {**masses, "silicone": pour["silicone_mass_g"]}
+    return {**masses, "silicone": pour["silicone_mass_g"]} if pour["silicone_mass_g"] else masses
 
 
 def _run_child(spec: MouldSpec, work: Path, processor_s: float) -> dict[str, Any]:

@@ -32,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=shape_help("puck"),
     )
     parser.add_argument(
-        "--preset", default="open", metavar="NAME|FILE", help="mould preset: open, lidded or a TOML file"
+        "--preset", default="open", metavar="NAME|FILE", help="mould preset: open, lidded, printed or a TOML file"
     )
     parser.add_argument("--resin", metavar="NAME|FILE", help="resin to weigh (default the paper's polyurethane)")
     parser.add_argument("--ratio", type=float, default=15.0, metavar="R", help="mixing ratio of the resin (default 15)")
@@ -104,7 +104,8 @@ def render(result: dict[str, Any]) -> str:
     if "base" in pour:
         lines.append(f"Weigh (base layer, poured second: {inputs['resin']}, ratio {inputs['base_ratio']:.4g})")
         lines += _weights(pour["base"])
-    lines.append(f"  {'silicone':<14}{pour['silicone_mass_g']:10.0f} g   for the mould itself")
+    if pour["silicone_mass_g"]:
+        lines.append(f"  {'silicone':<14}{pour['silicone_mass_g']:10.0f} g   for the mould itself")
     volumes = result.get("volumes_mm3", {})
     if volumes:
         lines += ["", "Volumes"]

@@ -17,6 +17,7 @@ from dummydesign.mold.cad.prisms import drafted_prism, single_solid
 from dummydesign.mold.model.face_sheet import plug_top_mm, recess_outline, sheet_outline
 from dummydesign.mold.model.layout import Layout, layout
 from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.mold.printed.solids import add_printed
 
 
 def build(spec: MouldSpec) -> Parts:
@@ -32,6 +33,30 @@ def build(spec: MouldSpec) -> Parts:
     pad = single_solid(nominal.scale(plan.scale))
     made.with_bone = None if bone is None else single_solid(whole.scale(plan.scale))
     made.add("pad", pad, "resin")
+    beside = plan.flange.length_mm / 2 + plan.top.length_mm / 2 + 40.0
+    if spec.is_printed:
+        made.tools["label"] = label_tools(spec, plan)
+        add_printed(made, brim_tool(spec, plan), made.tools["label"])
+    else:
+        _add_silicone(made, beside)
+    if spec.body.style == "lidded":
+        lid.add_lid(made, beside)
+    elif bone is not None:
+        made.add("carrier", shape_aids.carrier(spec, plan), "rigid")
+    else:
+        made.add("strike_off", aids.strike_off(spec, plan), "rigid")
+    if spec.base is not None:
+        _add_layers(made, -plan.flange.width_mm - 40.0)
+    if not spec.is_printed:
+        made.add("tray", aids.tray(spec, plan), "rigid")
+    if spec.pour.degas == "mould":
+        made.add("collar", aids.collar(spec, plan), "rigid", (0, plan.flange.width_mm + 40.0, 0))
+    return made
+
+
+def _add_silicone(made: Parts, beside_mm: float) -> None:
+    """The silicone mould with its label, and the master and frame it is cast in."""
+    spec, plan = made.spec, made.plan
     made.hull = drafted_prism(plan.bottom, plan.height_mm, spec.body.outer_draft_deg, -spec.body.floor_mm)
     mould = made.hull.cut(made.cavity)
     if spec.body.style == "open":
@@ -43,24 +68,11 @@ def build(spec: MouldSpec) -> Parts:
     if bars:
         mould = mould.cut(*bars)
     made.add("mould", single_solid(mould), "silicone")
-    beside = plan.flange.length_mm / 2 + plan.top.length_mm / 2 + 40.0
     master, frame = casting_box(spec, made.solid("mould"), made.hull, plan.land_mm, True)
     if spec.box.face_sheet_mm:
-        master = _let_in_sheet(made, master, (beside, 0, 0))
-    made.add("master", master, "rigid", (beside, 0, 0))
-    made.add("frame", frame, "rigid", (beside, 0, 0))
-    if spec.body.style != "open":
-        lid.add_lid(made, beside)
-    elif bone is not None:
-        made.add("carrier", shape_aids.carrier(spec, plan), "rigid")
-    else:
-        made.add("strike_off", aids.strike_off(spec, plan), "rigid")
-    if spec.base is not None:
-        _add_layers(made, -plan.flange.width_mm - 40.0)
-    made.add("tray", aids.tray(spec, plan), "rigid")
-    if spec.pour.degas == "mould":
-        made.add("collar", aids.collar(spec, plan), "rigid", (0, plan.flange.width_mm + 40.0, 0))
-    return made
+        master = _let_in_sheet(made, master, (beside_mm, 0, 0))
+    made.add("master", master, "rigid", (beside_mm, 0, 0))
+    made.add("frame", frame, "rigid", (beside_mm, 0, 0))
 
 
 def _let_in_sheet(made: Parts, master: Any, offset_mm: tuple[float, float, float]) -> Any:

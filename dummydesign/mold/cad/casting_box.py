@@ -78,7 +78,7 @@ def casting_box(
     if plug.Volume() > VOLUME_EPS_MM3:
         master = master.fuse(*plug.Solids())
     high = cast_hull.BoundingBox().zmax
-    holes = _bolt_holes(spec, plan.flange, -box.base_mm - 1.0, box.base_mm + box.flange_thickness_mm + 2.0)
+    holes = bolt_holes(spec, plan.flange, -box.base_mm - 1.0, box.base_mm + box.flange_thickness_mm + 2.0)
     master = master.cut(*holes, *sockets)
     inner = plan.top.scaled(grow)
     walls = drafted_prism(inner.grown(box.frame_wall_mm), high + box.rim_mm, 0.0)
@@ -98,8 +98,18 @@ def _narrow(outline: Outline, by_mm: float) -> Outline:
     return outline.grown(-by_mm)
 
 
-def _bolt_holes(spec: MouldSpec, flange: Outline, z_mm: float, height_mm: float) -> list[Any]:
-    """Eight bolts through base and flange: corners and middles of the sides."""
+def bolt_holes(spec: MouldSpec, flange: Outline, z_mm: float, height_mm: float) -> list[Any]:
+    """Eight bolts through base and flange: corners and middles of the sides.
+
+    Parameters
+    ----------
+    spec : MouldSpec
+        Diameter, and width of the flange.
+    flange : Outline
+        Its outer edge.
+    z_mm, height_mm : float
+        Lower end and length of the tools. [mm]
+    """
     import cadquery as cq
 
     inset = spec.box.flange_mm / 2

@@ -23,7 +23,7 @@ class Part:
 class Parts:
     """All parts of a mould and the tools they were cut with, for the checks.
 
-    ``with_bone`` is the pad with its bone, when it has one.
+    ``with_bone`` is the pad with its bone, when it has one; ``whole`` the parts of a printed mould in one.
     """
 
     spec: MouldSpec
@@ -33,11 +33,17 @@ class Parts:
     tools: dict[str, list[Any]] = field(default_factory=dict)
     hull: Any = None
     with_bone: Any = None
+    whole: Any = None
 
     @property
     def cavity(self) -> Any:
         """What fills the mould up to the fill plane: the pad, and its bone when it has one."""
         return self.solid("pad") if self.with_bone is None else self.with_bone
+
+    @property
+    def mould(self) -> Any:
+        """The mould that the pad is cast in, a printed one as if it had no joint."""
+        return self.solid("mould") if self.whole is None else self.whole
 
     def add(self, name: str, solid: Any, material: str, offset_mm: tuple[float, float, float] = (0, 0, 0)) -> None:
         """Add one part.

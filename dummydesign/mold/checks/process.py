@@ -10,6 +10,7 @@ from dummydesign.mold.checks.result import Check, above, below, equal, skipped
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.layout import Layout, layout
 from dummydesign.mold.model.spec import MouldSpec, Pour
+from dummydesign.mold.model.validate import footprint
 from dummydesign.mold.pour.plan import CUP_FACTOR, PourPlan
 from dummydesign.mold.pour.pour_steps import pour_steps
 from dummydesign.mold.pour.steps import order_faults
@@ -53,9 +54,9 @@ def _machines(spec: MouldSpec, place: Layout) -> list[Check]:
     hole = spec.box.bolt_hole_mm - 2 * m.elephant_foot_mm
     found.append(above("bolts_pass", hole - bolt, 0.0, f"mm of play for M{bolt} where the print's first layer spreads"))
     if spec.pour.cures_warm:
-        rim = 2 * (spec.aids.tray_rim_mm + spec.aids.tray_clearance_mm)
+        size = footprint(spec, place)
         shelf = sorted((m.shelf_x_mm, m.shelf_y_mm))
-        low, high = sorted((place.bottom.length_mm + rim, place.bottom.width_mm + rim))
+        low, high = sorted((size.length_mm, size.width_mm))
         found.append(above("fits_oven", min(shelf[0] - low, shelf[1] - high), 0.0, "mm to spare on the shelf"))
     else:
         found.append(skipped("fits_oven", "cures at room temperature"))
@@ -76,15 +77,18 @@ def _machines(spec: MouldSpec, place: Layout) -> list[Check]:
 def _walls(spec: MouldSpec, place: Layout, plan: PourPlan) -> list[Check]:
     limit = BULGE_SHARE * min(spec.pad.length_mm, spec.pad.width_mm)
     room = spec.aids.tray_clearance_mm - plan.thermal_growth_mm / 2
-    return [
+    found = [
         below(
             "wall_deflection",
             plan.wall_deflection_mm,
             limit,
             "mm, cantilever strip under the liquid, against 0.5 % of the shorter side",
         ),
-        above("tray_growth_room", room, 0.1, "mm left on each side of the mould in its tray when hot"),
     ]
+    if spec.surface is not None:
+        spare, deep = spec.pad.draft_deg - spec.surface.draft_needed_deg, spec.surface.depth_mm
+        return [*found, above("draft_for_surface", spare, 0.0, f"deg to spare, valleys of {deep:g} mm")]
+    return [*found, above("tray_growth_room", room, 0.1, "mm left on each side of the mould in its tray when hot")]
 
 
 def _weights(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[Check]:
@@ -113,7 +117,7 @@ def _weights(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[Check]:
 
 def _told(spec: MouldSpec, warnings: Sequence[Mapping[str, str]]) -> Check:
     """Level tolerance, and for an open mould the meniscus, must be among what the answer and the sheet say."""
-    needed = {"level", "meniscus"} if spec.body.style == "open" else {"level"}
+    needed = {"level", "meniscus"} if spec.body.style != "lidded" else {"level"}
     needed |= spec.pad.shape.told
     missing = sorted(needed - {item["code"] for item in warnings})
     return equal("warnings_told", len(missing), 0, ", ".join(missing))

@@ -43,7 +43,7 @@ def check_volumes(made: Parts) -> list[Check]:
     """Cavity against what fills it, compensated pad against nominal pad, and the pad against its closed form."""
     spec, plan, pad = made.spec, made.plan, made.solid("pad")
     nominal = made.pad_nominal.Volume()
-    inside = made.hull.cut(made.solid("mould"), *made.tools["label"])
+    inside = made.hull.cut(made.mould, *made.tools["label"])
     low = drafted_prism(plan.fill_outline.grown(1.0), plan.depth_mm + spec.body.floor_mm, 0.0, -spec.body.floor_mm)
     cavity = inside.intersect(low).Volume()
     filled = made.cavity.Volume()
@@ -66,6 +66,10 @@ def check_interference(made: Parts) -> list[Check]:
     pairs += [("backer", "lid"), ("lid_master", "lid_frame"), ("strike_off", "mould"), ("strike_off", "pad")]
     pairs += [("collar", "mould"), ("spacer", "mould"), ("carrier", "mould"), ("carrier", "pad")]
     pairs += [("face_sheet", "master")]
+    if made.spec.is_printed:
+        # Here the ring stands where it is used; a silicone mould's frame stands in its casting box.
+        pairs += [("frame", "mould"), ("frame", "pad"), ("strike_off", "frame"), ("carrier", "frame")]
+        pairs += [("spacer", "frame"), ("face_sheet", "mould"), ("face_sheet", "pad")]
     found = []
     for one, other in pairs:
         if one in made.parts and other in made.parts:
@@ -78,7 +82,7 @@ def check_boxes(made: Parts) -> list[Check]:
     """The silicone a casting box holds is the part scaled by the silicone's shrinkage, and the box is empty of it."""
     spec, plan = made.spec, made.plan
     found = []
-    boxes = [("mould", "master", "frame", made.solid("mould"), plan.land_mm, True)]
+    boxes = [] if spec.is_printed else [("mould", "master", "frame", made.solid("mould"), plan.land_mm, True)]
     if "lid" in made.parts:
         whole = made.solid("lid").fuse(*[tool.intersect(made.tools["lid_hull"][0]) for tool in _funnels(made)])
         boxes.append(("lid", "lid_master", "lid_frame", whole, plan.land_mm, False))
@@ -122,7 +126,9 @@ def check_drafts(made: Parts) -> list[Check]:
     """Draft of cavity, of the plug it is cast on and of the frame, each in its direction of pull."""
     spec, plan, grow = made.spec, made.plan, made.plan.silicone_scale
     outer = spec.body.outer_draft_deg
-    found = [above("draft_cavity", cavity_draft_deg(made.solid("mould"), made), spec.pad.draft_deg - DRAFT_SLACK_DEG)]
+    found = [above("draft_cavity", cavity_draft_deg(made.mould, made), spec.pad.draft_deg - DRAFT_SLACK_DEG)]
+    if spec.is_printed:
+        return found
     high = plan.height_mm * grow
     plug = demould.faces_within(_without_pocket(made), plan.opening.scaled(grow), 0.0, high)
     found.append(above("draft_plug", demould.minimum_draft_deg(plug), spec.pad.draft_deg - DRAFT_SLACK_DEG))
@@ -139,11 +145,11 @@ def check_sheet(made: Parts) -> list[Check]:
     """The sheet that is the tested face ends flush with the plug's top, and lies over its bond in the pocket."""
     if "face_sheet" not in made.parts:
         return []
-    sheet, box = made.solid("face_sheet"), made.spec.box
-    top = rough_bounds(_without_pocket(made))[5]
+    sheet, box, printed = made.solid("face_sheet"), made.spec.box, made.spec.is_printed
+    top = 0.0 if printed else rough_bounds(_without_pocket(made))[5]
     apart = abs(rough_bounds(sheet)[5] - top)
-    bed = made.solid("master").distance(sheet.translate((0, 0, -box.sheet_bond_mm)))
-    return [below("face_sheet_flush", apart, 1e-5, "mm off the plug's top"),
+    bed = made.solid("mould" if printed else "master").distance(sheet.translate((0, 0, -box.sheet_bond_mm)))
+    return [below("face_sheet_flush", apart, 1e-5, "mm off the face around it"),
             below("face_sheet_seated", bed, 1e-5, "mm from the pocket's floor, its bond taken away")]  # fmt: skip
 
 
@@ -153,7 +159,7 @@ def sweep_offsets_mm(depth_mm: float) -> list[float]:
 
 
 def _sweep(made: Parts) -> Check:
-    pad, mould = made.cavity, made.solid("mould")
+    pad, mould = made.cavity, made.mould
     worst = demould.sweep_interference_mm3(pad, mould, sweep_offsets_mm(made.plan.depth_mm))
     return below("sweep_cavity", worst, INTERFERENCE_MM3, "mm3, pad pulled straight out at six offsets")
 
@@ -211,13 +217,16 @@ def check_label(made: Parts) -> list[Check]:
     depth = made.plan.land_mm - made.spec.body.label_depth_mm / 2
     places = [bar.middle for bar in bars]
     mirrored = [(-x, y) for x, y in places]
-    in_mould, in_master = _insides(made.solid("mould")), _insides(made.solid("master"))
+    in_mould = _insides(made.mould)
+    in_master = None if made.spec.is_printed else _insides(made.solid("master"))
     grow = made.plan.silicone_scale
 
     def void(x: float, y: float) -> bool:
         return not in_mould(x, y, depth)
 
     def proud(x: float, y: float) -> bool:
+        if in_master is None:
+            return True
         # Turned over about x: y changes sign, heights count from the land downwards.
         return in_master(x * grow, -y * grow, (made.plan.land_mm - depth) * grow)
 

@@ -18,6 +18,7 @@ from dummydesign.mold.pour.pour_steps import pour_steps
 from dummydesign.mold.pour.print_fit import print_words
 from dummydesign.mold.pour.print_layers import tip_words
 from dummydesign.mold.pour.steps import BLANK
+from dummydesign.mold.printed.notes import demould_steps, mould_steps
 
 WITNESS_DIAMETER_MM, WITNESS_HEIGHT_MM = 50.0, 30.0
 
@@ -94,6 +95,9 @@ def _safety(spec: MouldSpec) -> str:
 
 def _mould_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
     silicone, box = spec.silicone, spec.box
+    if silicone is None:
+        printed = mould_steps(spec, _plastic(spec), shape_notes.plug_finish(spec) + _gauged(spec))
+        return [Block("head", "1. The mould"), Block("list", items=printed)]
     lidded = spec.closure is not None
     aids = " of mould and lid, pins and backer" if lidded else _aids(spec)
     steps = [
@@ -195,10 +199,13 @@ def _pour_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
 def _demould_blocks(spec: MouldSpec) -> list[Block]:
     pad, pour = spec.pad, spec.pour
     area = pad.length_mm * pad.width_mm
-    steps = (
+    let_go = (
         f"Never pull it straight: air pressure alone can hold {formula.suction_force_N(area):.0f} N on the sealed "
         "face. Peel a corner of the mould's wall outwards, let air in, and roll the mould off the pad "
         f"(about {formula.peel_force_N(min(pad.length_mm, pad.width_mm), 5.0):.1f} N at 5 J/m2).",
+    )
+    steps = (
+        *(demould_steps(spec) if spec.is_printed else let_go),
         shape_notes.demould_first(spec),
         f"Measure the thickness at five places: {BLANK} {BLANK} {BLANK} {BLANK} {BLANK} mm. Mass of the pad: {BLANK} g",
         f"Age {pour.age_before_test_days:g} days at room temperature before testing; test pad and witness on one day.",

@@ -60,10 +60,11 @@ def check_face_sheet(spec: MouldSpec, plan: Layout) -> None:
         raise InputError(
             f"face_sheet_mm = {box.face_sheet_mm:g}: the tested face of {shape} is curved, a sheet is flat; use 0"
         )
-    most = min(SHEET_MM[1], plug_top_mm(plan) + box.base_mm - LEAST_FLOOR_MM - box.sheet_bond_mm)
+    under = spec.body.floor_mm if spec.is_printed else plug_top_mm(plan) + box.base_mm
+    most = min(SHEET_MM[1], under - LEAST_FLOOR_MM - box.sheet_bond_mm)
     if not SHEET_MM[0] <= box.face_sheet_mm <= most:
         raise out_of_range("face_sheet_mm", f"{box.face_sheet_mm:g}", f"{SHEET_MM[0]:g}", f"{most:.3g}",
-                           f"{LEAST_FLOOR_MM:g} mm of the master stay under it")  # fmt: skip
+                           f"{LEAST_FLOOR_MM:g} mm of plastic stay under it")  # fmt: skip
     for name, low, high in (("sheet_bond_mm", 0.0, 0.5), ("sheet_rim_mm", 2.0, 20.0)):
         if not low <= getattr(box, name) <= high:
             raise out_of_range(name, f"{getattr(box, name):g}", f"{low:g}", f"{high:g}")

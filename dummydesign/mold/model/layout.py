@@ -17,15 +17,17 @@ def pad_scale(spec: MouldSpec) -> float:
     """Factor from the finished pad to the cold cavity.
 
     (1 / (1 - shrinkage)) (1 + a_pad dT) / (1 + a_mould dT), dT from room to the temperature at which
-    the resin gels: the hot cavity is larger by the silicone's expansion, the pad shrinks back by its own.
+    the resin gels: the hot cavity is larger by the expansion of silicone or plastic, the pad shrinks back by its own.
     """
     warmer = spec.pour.cure_temperature_C - spec.pour.room_temperature_C
     shrink = 1.0 / (1.0 - spec.pour.shrinkage_percent / 100)
-    return shrink * (1 + spec.pour.resin_expansion_per_K * warmer) / (1 + spec.silicone.expansion_per_K * warmer)
+    return shrink * (1 + spec.pour.resin_expansion_per_K * warmer) / (1 + (spec.tool.expansion_per_K or 0.0) * warmer)
 
 
 def silicone_scale(spec: MouldSpec) -> float:
-    """Factor from the silicone mould to the rigid master: 1 / (1 - shrinkage of the silicone)."""
+    """Factor from the silicone mould to the rigid master: 1 / (1 - shrinkage of the silicone); 1 without silicone."""
+    if spec.silicone is None:
+        return 1.0
     return 1.0 / (1.0 - spec.silicone.shrinkage_percent / 100)
 
 
@@ -87,7 +89,7 @@ def layout(spec: MouldSpec) -> Layout:
     wide = opening.grown(body.wall_mm + max(0.0, land * thinner))
     top = Outline(wide.length_mm, wide.width_mm, min(body.outer_corner_radius_mm, wide.radius_mm))
     bottom = top.grown(-height * math.tan(math.radians(body.outer_draft_deg)))
-    rim = box.frame_wall_mm + box.flange_mm
+    rim = box.flange_mm if spec.is_printed else box.frame_wall_mm + box.flange_mm
     layers = pad.shape.layers()
     interface = scale * layers[0] if layers else 0.0
     keys, sprue, vents = _closure_places(spec, fill)

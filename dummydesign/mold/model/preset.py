@@ -25,6 +25,7 @@ from dummydesign.mold.model.spec import (
     Pour,
 )
 from dummydesign.mold.model.validate import validate
+from dummydesign.mold.printed.surface import read_surface
 from dummydesign.mold.shop.products import read_machines, read_plastic, read_silicone
 from dummydesign.mold.shop.tables import known_keys, named_source, number, read_table
 
@@ -40,7 +41,7 @@ _POUR = (
     "resin_expansion_per_K",
 )
 _PROCESS = ("room_temperature_C", "degas", "foam_factor", "pour_and_degas_min")
-_TABLES = {"pad", "body", "box", "aids", "process", "closure", "pour"}
+_TABLES = {"pad", "body", "box", "aids", "process", "closure", "pour", "surface"}
 _TOP = {"schema", "name", "title", "style", "silicone", "machines", "plastic", "acceptance"} | _TABLES
 # What a resin may leave out; each is plain room-temperature practice and listed as assumed in the answer.
 _RESIN_FALLBACK = {
@@ -102,9 +103,13 @@ def mould_spec(
     entry = find("molds", "mould preset", preset)
     data, text = read_toml(entry.path)
     known_keys(data, _TOP, entry.path, text)
-    for key in ("style", "silicone", "machines", *sorted(_TABLES - {"closure"})):
+    printed = data.get("style") == "printed"
+    of_style = ("plastic", "surface") if printed else ("silicone",)
+    for key in ("style", "machines", *of_style, *sorted(_TABLES - {"closure", "surface"})):
         if key not in data:
             raise InputError(f"{entry.path.name}: '{key}' is missing")
+    if printed and (silicone or "silicone" in data):
+        raise InputError(f"{entry.path.name}: a printed mould has no silicone; leave it out")
     pad = read_table(PadGeometry, data["pad"], entry.path, text, "pad", thickness_mm=float(thickness_mm))
     pad |= {"length_mm": float(length_mm), "width_mm": float(width_mm), "kind": kind, "parameters": parameters}
     if kind == PUCK:
@@ -115,8 +120,12 @@ def mould_spec(
         pad = replace(pad, edge_radius_mm=0.0)
     resin = _resin(resin)
     pour, sources = _read_pour(data, entry.path, text, resin, ratio)
-    product, more = read_silicone(silicone or str(data["silicone"]), entry.path)
+    product, more = (None, []) if printed else read_silicone(silicone or str(data["silicone"]), entry.path)
     plastic, its_sources = read_plastic(str(data["plastic"]), entry.path) if "plastic" in data else (None, [])
+    if printed and (plastic is None or plastic.expansion_per_K is None):
+        named = data["plastic"]
+        raise InputError(f"plastic '{named}' of a printed mould needs expansion_per_K and young_MPa in its file")
+    surface, of_surface = read_surface(data["surface"], entry.path, text) if printed else (None, [])
     box = Box(**read_table(Box, data["box"], entry.path, text, "box"))
     if face_sheet_mm is not None:
         box = replace(box, face_sheet_mm=float(face_sheet_mm))
@@ -133,10 +142,11 @@ def mould_spec(
         pour=pour,
         machines=its_machines,
         closure=Closure(**read_table(Closure, closure, entry.path, text, "closure")) if closure is not None else None,
-        sources=tuple(dict.fromkeys(sources + more + its_sources + of_machines)),
+        sources=tuple(dict.fromkeys(sources + more + its_sources + of_machines + of_surface)),
         base=_base_layer(pad.shape, pour, resin, base_ratio),
         plastic=plastic,
         acceptance=Acceptance(**limits),
+        surface=surface,
     )
     validate(spec)
     return spec

@@ -13,6 +13,7 @@ from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.mold.model.hardware import Aids, Body, Box, Closure
 from dummydesign.mold.model.pad_kind import PUCK
 from dummydesign.mold.model.spec_json import plain_data, rebuild
+from dummydesign.mold.printed.surface import Surface
 from dummydesign.mold.shop.items import Machines, Plastic, Silicone
 
 WARM_K = 5.0
@@ -139,7 +140,7 @@ class MouldSpec:
     body: Body
     box: Box
     aids: Aids
-    silicone: Silicone
+    silicone: Silicone | None
     pour: Pour
     machines: Machines
     closure: Closure | None = None
@@ -147,13 +148,29 @@ class MouldSpec:
     base: BaseLayer | None = None
     plastic: Plastic | None = None
     acceptance: Acceptance = Acceptance()
+    surface: Surface | None = None
+
+    @property
+    def is_printed(self) -> bool:
+        """Whether the pad is cast in the printed mould itself, without silicone."""
+        return self.body.style == "printed"
+
+    @property
+    def tool(self) -> Silicone | Plastic:
+        """What the cavity is made of: the silicone, or the plastic of a printed mould."""
+        made_of = self.plastic if self.is_printed else self.silicone
+        assert made_of is not None
+        return made_of
 
     def to_dict(self) -> dict[str, Any]:
         """Return nested plain dictionaries, tuples as lists; a base layer or plastic that is not there is left out."""
         plain = plain_data(asdict(self))
-        for table, name in ((plain, "base"), (plain, "plastic"), (plain["pour"], "young_kPa")):
+        absent = [(plain, name) for name in ("base", "plastic", "silicone", "surface")]
+        for table, name in (*absent, (plain["pour"], "young_kPa")):
             if table[name] is None:
                 del table[name]
+        if plain.get("plastic", {}).get("expansion_per_K", 1.0) is None:
+            del plain["plastic"]["expansion_per_K"], plain["plastic"]["young_MPa"]
         if not plain["machines"]["layer_mm"]:
             del plain["machines"]["layer_mm"]
         if plain["machines"]["fit"] is None:
@@ -181,4 +198,4 @@ class MouldSpec:
     @staticmethod
     def from_dict(data: dict[str, Any]) -> MouldSpec:
         """Rebuild a specification from :meth:`to_dict`."""
-        return rebuild(MouldSpec, data)
+        return rebuild(MouldSpec, {"silicone": None, **data})

@@ -11,12 +11,14 @@ from dummydesign.geometry.limits import RIM_FREE_MM
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.face_sheet import check_face_sheet
 from dummydesign.mold.model.layout import Layout, layout
+from dummydesign.mold.model.outline import Outline
 from dummydesign.mold.model.spec import MouldSpec, PadGeometry
+from dummydesign.mold.printed.surface import check_surface
 
-STYLES = ("open", "lidded")
+STYLES = ("open", "lidded", "printed")
 THICKNESS_MM = (3.0, 30.0)
 CORNER_MM = 0.5
-SMALLEST_MM = {"open": 20.0, "lidded": 50.0}
+SMALLEST_MM = {"open": 20.0, "lidded": 50.0, "printed": 20.0}
 
 
 def validate(spec: MouldSpec) -> Layout:
@@ -32,6 +34,8 @@ def validate(spec: MouldSpec) -> Layout:
     _check_body(spec)
     if spec.body.style == "lidded":
         _check_closure(spec)
+    if spec.is_printed:
+        check_surface(spec.surface, spec.pad.draft_deg)
     _check_process(spec)
     if spec.base is not None:
         _check_process(replace(spec, pour=spec.base.pour))
@@ -110,7 +114,7 @@ def _check_body(spec: MouldSpec) -> None:
         math.radians(body.outer_draft_deg)
     )
     _between("outer_corner_radius_mm", body.outer_corner_radius_mm, shrink + 0.5, body.wall_mm + 10.0)
-    if body.style == "open":
+    if body.style != "lidded":
         _between("brim_step_mm", body.brim_step_mm, 0.5, body.wall_mm / 2)
         _between("freeboard_mm", body.freeboard_mm, 1.0, 20.0)
         _between("plate_clearance_mm", aids.plate_clearance_mm, 0.2, body.brim_step_mm)
@@ -157,9 +161,10 @@ def _check_closure(spec: MouldSpec) -> None:
 def _check_process(spec: MouldSpec) -> None:
     pour, silicone = spec.pour, spec.silicone
     _between("density_g_per_cm3", pour.density_g_per_cm3, 0.5, 3.0)
-    _between("density_g_per_cm3 of the silicone", silicone.density_g_per_cm3, 0.8, 2.0)
     _between("shrinkage_percent", pour.shrinkage_percent, 0.0, 5.0)
-    _between("shrinkage_percent of the silicone", silicone.shrinkage_percent, 0.0, 3.0)
+    if silicone is not None:
+        _between("density_g_per_cm3 of the silicone", silicone.density_g_per_cm3, 0.8, 2.0)
+        _between("shrinkage_percent of the silicone", silicone.shrinkage_percent, 0.0, 3.0)
     _between("cure_temperature_C", pour.cure_temperature_C, 0.0, 150.0)
     plastic, hot = spec.plastic, spec.pour.cure_temperature_C
     if plastic is not None and hot > plastic.service_temperature_C:
@@ -173,7 +178,7 @@ def _check_process(spec: MouldSpec) -> None:
     if pour.degas not in ("cup", "mould"):
         raise unknown_name("place to degas", pour.degas, ("cup", "mould"))
     if pour.degas == "mould" and spec.body.style != "open":
-        raise InputError("degas = 'mould' needs an open mould: a lid leaves no head room; use 'cup'")
+        raise InputError(f"degas = 'mould' needs an open mould of silicone, not a {spec.body.style} one; use 'cup'")
     if pour.pour_and_degas_min >= pour.pot_life_min:
         raise InputError(
             f"pour_and_degas_min = {pour.pour_and_degas_min:g} is not below the resin's pot life of "
@@ -188,14 +193,16 @@ def _check_machines(spec: MouldSpec, plan: Layout) -> None:
     m = spec.machines
     flange, pad = plan.flange, spec.pad
     room = sorted((m.bed_x_mm - 2 * m.bed_margin_mm, m.bed_y_mm - 2 * m.bed_margin_mm))
-    _fits("printer bed", "the master", flange.length_mm, flange.width_mm, room, pad, m.name)
-    tall = spec.box.rim_mm + plan.height_mm * plan.silicone_scale
+    largest = "the base of the mould" if spec.is_printed else "the master"
+    _fits("printer bed", largest, flange.length_mm, flange.width_mm, room, pad, m.name)
+    tall = (0.0 if spec.is_printed else spec.box.rim_mm) + plan.height_mm * plan.silicone_scale
     if tall > m.printer_height_mm:
         raise InputError(f"the frame is {tall:.0f} mm high, the printer of machines '{m.name}' {m.printer_height_mm:g}")
     if spec.pour.cures_warm:
-        rim = 2 * (spec.aids.tray_rim_mm + spec.aids.tray_clearance_mm)
+        size = footprint(spec, plan)
         shelf = sorted((m.shelf_x_mm, m.shelf_y_mm))
-        _fits("oven shelf", "the tray", plan.bottom.length_mm + rim, plan.bottom.width_mm + rim, shelf, pad, m.name)
+        part = "the mould" if spec.is_printed else "the tray"
+        _fits("oven shelf", part, size.length_mm, size.width_mm, shelf, pad, m.name)
     if spec.pour.degas == "mould":
         high = plan.height_mm + formula.collar_height_mm(plan.depth_mm, spec.pour.foam_factor)
         if plan.top.diagonal_mm > m.chamber_diameter_mm or high > m.chamber_height_mm:
@@ -204,6 +211,13 @@ def _check_machines(spec: MouldSpec, plan: Layout) -> None:
                 f"the vacuum chamber of machines '{m.name}' ({m.chamber_diameter_mm:g} x {m.chamber_height_mm:g} mm); "
                 "degas in the cup or use a smaller pad"
             )
+
+
+def footprint(spec: MouldSpec, plan: Layout) -> Outline:
+    """What stands in the oven: the tray, or the base of a printed mould."""
+    if spec.is_printed:
+        return plan.flange
+    return plan.bottom.grown(spec.aids.tray_rim_mm + spec.aids.tray_clearance_mm)
 
 
 def _fits(machine: str, part: str, length: float, width: float, room: list[float], pad: Any, machines: str) -> None:

@@ -10,13 +10,14 @@ from dummydesign.mold.model.face_sheet import sheet_outline
 from dummydesign.mold.model.layout import layout
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.plan import PourPlan
+from dummydesign.mold.printed.layout import DOWEL_MM, parting_mm
 
 # Share of a printed part that is plastic: 4 perimeters and 15 % infill fill plates of 5 to 8 mm by about half
 # (judgement; a slicer knows better), and grams an hour of a 0.4 mm nozzle (judgement).
 FILLED_SHARE = 0.5
 GRAM_PER_HOUR = 18.0
 # Lengths in which machine screws are sold, and grip beyond the flanges for nut and washer. [mm]
-SCREW_MM = (10, 12, 16, 20, 25, 30, 35, 40)
+SCREW_MM = (10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 60, 70)
 NUT_MM = 5.0
 LEVEL_TRAVEL_MM = 12.0
 CUPS_LITRE = (0.1, 0.25, 0.5, 1.0, 2.0, 5.0)
@@ -84,13 +85,25 @@ def materials(
     box, aids = spec.box, spec.aids
     bolt, level = math.floor(box.bolt_hole_mm), math.floor(aids.level_screw_hole_mm)
     boxes = 2 if spec.closure is not None else 1
-    screw = f"M{bolt} x {screw_length_mm(box.base_mm + box.flange_thickness_mm)}"
-    long = screw_length_mm(aids.tray_floor_mm + LEVEL_TRAVEL_MM)
+    place = layout(spec)
+    under = spec.body.floor_mm + parting_mm(spec, place) if spec.is_printed else box.base_mm
+    screw = f"M{bolt} x {screw_length_mm(under + box.flange_thickness_mm)}"
+    carried = under + box.flange_thickness_mm if spec.is_printed else aids.tray_floor_mm
+    long = screw_length_mm(carried + LEVEL_TRAVEL_MM)
+    bolted, levelled = ("ring on base", "mould") if spec.is_printed else ("frame on master", "tray")
     needs = [
-        Need(f"screws {screw} with nuts and washers", 8 * boxes, "{:.0f}", "frame on master"),
-        Need(f"screws M{level} x {long} with nuts", 3, "{:.0f}", "levelling the tray"),
-        Need(f"mould silicone {spec.silicone.name}", plan.silicone_mass_g, "{:.0f} g", "mould"),
+        Need(f"screws {screw} with nuts and washers", 8 * boxes, "{:.0f}", bolted),
+        Need(f"screws M{level} x {long} with nuts", 3, "{:.0f}", f"levelling the {levelled}"),
     ]
+    if spec.silicone is not None:
+        needs.append(Need(f"mould silicone {spec.silicone.name}", plan.silicone_mass_g, "{:.0f} g", "mould"))
+    else:
+        needs += [
+            Need(f"steel pins {DOWEL_MM:g} x {screw_length_mm(under + box.flange_thickness_mm - NUT_MM)} mm", 2,
+                 "{:.0f}", "ring on base"),
+            Need("filler, abrasive paper to 400", 1, "a little", "faces against the pad", SHARED),
+            Need("hard wax and water-soluble film (PVA)", 1, "a little", "faces against the pad", SHARED),
+        ]  # fmt: skip
     if box.face_sheet_mm:
         cut = sheet_outline(spec, layout(spec))
         size = f"{cut.length_mm:g} mm across" if cut.is_circle else f"{cut.length_mm:g} x {cut.width_mm:g} mm"
@@ -101,14 +114,15 @@ def materials(
     foam = max(part.cup_mm3 for part in (plan, plan.base) if part is not None)
     cups = 2 if plan.base is None else 4
     needs.append(Need(f"cups of {cup_litre(foam):g} l", cups, "{:.0f}", "mixing and pouring over", POUR))
-    if spec.body.style == "open" and not spec.pad.shape.bone_height_mm:
+    if spec.body.style != "lidded" and not spec.pad.shape.bone_height_mm:
         film = f"release film, {spec.pad.length_mm + 40:.0f} x {spec.pad.width_mm + 40:.0f} mm"
         needs.append(Need(film, 1 if plan.base is None else 2, "{:.0f}", "plate", POUR))
     else:
         needs.append(Need("release agent", 1, "a little", "parting faces; never the tested face", SHARED))
     # The finest level of a job counts.
     needs.append(Need("spirit level or inclinometer", -plan.level_deg, "to {:.2f} deg", "level", SHARED))
-    needs.append(Need("gloves, goggles, extraction", 1, "{:.0f} set", "resin and silicone", SHARED))
+    against = "resin" if spec.is_printed else "resin and silicone"
+    needs.append(Need("gloves, goggles, extraction", 1, "{:.0f} set", against, SHARED))
     filament = spec.plastic.name.upper() if spec.plastic else "filament"
     density = spec.plastic.density_g_per_cm3 if spec.plastic else 1.24
     for name, volume in (printed_mm3 or {}).items():

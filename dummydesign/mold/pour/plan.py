@@ -125,7 +125,7 @@ def _one_pour(
     batch = sum(mass for _, mass in components)
     smallest = min(share for _, share in pour.components)
     level = formula.level_tolerance_deg(spec.pad.thickness_mm, max(spec.pad.length_mm, spec.pad.width_mm))
-    mass_mould = silicone_mm3 * spec.silicone.density_g_per_cm3 * 1e-3
+    mass_mould = silicone_mm3 * spec.tool.density_g_per_cm3 * 1e-3
     return PourPlan(
         cavity_mm3=resin_mm3,
         pad_mass_g=density * resin_mm3,
@@ -136,7 +136,7 @@ def _one_pour(
         cup_mm3=CUP_FACTOR * batch / density,
         fill_mass_g=in_mould,
         gram_per_mm_g=density * face.area_mm2,
-        silicone_mass_g=mass_mould * (1 + pour.silicone_extra_percent / 100),
+        silicone_mass_g=0.0 if spec.is_printed else mass_mould * (1 + pour.silicone_extra_percent / 100),
         mould_mass_g=mass_mould,
         level_deg=level,
         level_mm=formula.tilt_error_mm(max(spec.pad.length_mm, spec.pad.width_mm), level),
@@ -145,11 +145,11 @@ def _one_pour(
         ),
         meniscus_mm3=_meniscus_mm3(spec, pour),
         wall_deflection_mm=formula.wall_deflection_mm(
-            plan.depth_mm, spec.body.wall_mm, spec.silicone.young_MPa, pour.density_g_per_cm3
+            plan.depth_mm, spec.body.wall_mm, spec.tool.young_MPa or 0.0, pour.density_g_per_cm3
         ),
         thermal_growth_mm=formula.thermal_growth_mm(
             plan.bottom.length_mm,
-            spec.silicone.expansion_per_K,
+            spec.tool.expansion_per_K or 0.0,
             max(0.0, pour.cure_temperature_C - pour.room_temperature_C),
         ),
         collar_mm=formula.collar_height_mm(plan.depth_mm, pour.foam_factor) if pour.degas == "mould" else 0.0,

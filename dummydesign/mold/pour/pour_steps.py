@@ -31,7 +31,7 @@ def pour_steps(spec: MouldSpec, plan: PourPlan) -> list[Step]:
     if spec.pour.degas == "mould":
         steps += [_mixing(spec), *_degas_in_mould(spec, plan), _levelling(spec, plan)]
         steps += _after_pouring(spec, plan)
-    elif spec.body.style == "open":
+    elif spec.body.style != "lidded":
         steps += [_levelling(spec, plan), _mixing(spec), _degas_in_cup(spec), *_filling(spec, plan)]
     else:
         steps += [*_closing_lid(spec), _mixing(spec), _degas_in_cup(spec), *_filling_lidded(spec, plan)]
@@ -49,10 +49,11 @@ def _drying(spec: MouldSpec) -> list[Step]:
     if not any("isocyanate" in name.lower() for name, _ in spec.pour.components):
         return []
     pour = spec.pour
-    at = f"at {pour.cure_temperature_C:g} C" if spec.pour.cures_warm else "at 60 C"
+    at = f"at {pour.cure_temperature_C:g} C" if spec.pour.cures_warm or spec.is_printed else "at 60 C"
+    wet = "plastic" if spec.is_printed else "silicone"
     return [
         Step(
-            f"Dry the mould {DRYING_H:g} h {at}: water in the silicone foams the polyurethane. Let it cool below 40 C "
+            f"Dry the mould {DRYING_H:g} h {at}: water in the {wet} foams the polyurethane. Let it cool below 40 C "
             "before you pour, else the pot life shortens.",
             (PREPARE, MOVE),
         )
@@ -68,8 +69,9 @@ def _levelling(spec: MouldSpec, plan: PourPlan) -> Step:
         if empty
         else "at once, with the resin in it"
     )
+    carried, stay = ("the mould", "it stays") if spec.is_printed else ("tray and mould", "they stay")
     return Step(
-        f"Set tray and mould where they stay until the resin is cured: {_place(spec)}. Level with the three screws to "
+        f"Set {carried} where {stay} until the resin is cured: {_place(spec)}. Level with the three screws to "
         f"{plan.level_deg:.2f} deg ({plan.level_mm:.2f} mm over {max(pad.length_mm, pad.width_mm):g} mm), along and "
         f"across, {under}. From here on the mould is not moved. Read: {BLANK}",
         (MOVE, LEVEL),
@@ -166,8 +168,9 @@ def _cure(spec: MouldSpec, plan: PourPlan) -> Step:
     place = f"Cure {pour.cure_time_h:g} h at room temperature"
     if spec.pour.cures_warm:
         place = f"Close the oven and cure {pour.cure_time_h:g} h at {pour.cure_temperature_C:g} C"
+    carried = "" if spec.is_printed else ", in the tray"
     return Step(
-        f"{place}, where it stands, in the tray. The hot mould grows by {plan.thermal_growth_mm:.1f} "
-        f"mm; the cavity is cut {100 * (layout(spec).scale - 1):+.2f} % to end at size.",
+        f"{place}, where it stands{carried}. The hot mould grows by {plan.thermal_growth_mm:.1f} mm; the cavity is "
+        f"cut {100 * (layout(spec).scale - 1):+.2f} % to end at size.",
         (CURE,),
     )

@@ -12,20 +12,21 @@ from dummydesign.mold.pour.steps import BLANK, CLOSE, DEGAS, GEL, MIX, POUR, WAI
 def plug_finish(spec: MouldSpec) -> str:
     """How the face that forms the tested face is made smooth."""
     pad, sheet = spec.pad, spec.box.face_sheet_mm
+    where = "floor of the base" if spec.is_printed else "plug's top"
     if sheet:
         return (
             f"The tested face is the sheet of {sheet:g} mm (drawing face_sheet): gauge it first, another thickness is "
             f"another face_sheet_mm (really: {BLANK} mm). Bond it into the pocket with a film of "
-            f"{spec.box.sheet_bond_mm:g} mm, weighed down on a flat plate so that it ends flush with the plug's top "
+            f"{spec.box.sheet_bond_mm:g} mm, weighed down on a flat plate so that it ends flush with the {where} "
             f"(step really: {BLANK} mm), and fill the gap around it."
         )
     if not pad.shape.relief_mm:
         return (
-            "The top of the plug becomes the tested face: sand it, or have a sheet of glass let in (face_sheet_mm)."
+            f"The {where} becomes the tested face: sand it, or have a sheet of glass let in (face_sheet_mm)."
         )
     layer = formula.print_layer_mm(pad.shape.relief_mm)
     return (
-        f"The top of the plug becomes the tested face and is curved: layers of at most {layer:.2g} mm there, then "
+        f"The {where} becomes the tested face and is curved: layers of at most {layer:.2g} mm there, then "
         "sand with a soft pad or coat it; measure its height over the flat with a dial gauge."
     )
 

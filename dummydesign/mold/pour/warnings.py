@@ -6,6 +6,7 @@ from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.plan import CARRIER_VENTS, RATIO_ERROR_LIMIT_PERCENT, PourPlan
 from dummydesign.mold.pour.print_layers import layer_words, tip_words
+from dummydesign.mold.printed.notes import release_words
 
 # A base further than this from the shape's modulus ratio is worth a word.
 RATIO_APART = 0.02
@@ -20,7 +21,7 @@ def pour_warnings(spec: MouldSpec, plan: PourPlan) -> list[dict[str, str]]:
             f"{100 * plan.level_mm / spec.pad.thickness_mm:.1f} % of {spec.pad.thickness_mm:g} mm",
         )
     ]
-    if spec.body.style == "open":
+    if spec.body.style != "lidded":
         boned = spec.pad.shape.bone_height_mm > 0.0
         plate = "the carrier of the bone" if boned else "the strike-off plate onto a release film"
         found.append(
@@ -56,7 +57,9 @@ def pour_warnings(spec: MouldSpec, plan: PourPlan) -> list[dict[str, str]]:
                 "it with a spatula",
             )
         )
-    if not any("isocyanate" in name.lower() for name, _ in spec.pour.components):
+    if spec.is_printed:
+        found.append(("printed_mould", release_words(spec)))
+    elif not any("isocyanate" in name.lower() for name, _ in spec.pour.components):
         found.append(
             (
                 "bonding",

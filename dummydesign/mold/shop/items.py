@@ -69,8 +69,10 @@ class Machines:
 
 @dataclass(frozen=True)
 class Plastic:
-    """What the printed parts are made of."""
+    """What the printed parts are made of; expansion and modulus are needed where a pad is cast in it."""
 
     name: str
     service_temperature_C: float
     density_g_per_cm3: float
+    expansion_per_K: float | None = None
+    young_MPa: float | None = None

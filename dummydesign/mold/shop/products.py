@@ -13,6 +13,7 @@ from dummydesign.mold.shop.tables import known_keys, named_source, number
 
 _SILICONE = ("density_g_per_cm3", "young_MPa", "shrinkage_percent", "expansion_per_K", "pot_life_min", "cure_time_h")
 _PLASTIC = ("service_temperature_C", "density_g_per_cm3")
+_CAST_IN = ("expansion_per_K", "young_MPa")
 _MACHINES = {
     "printer": ("bed_x_mm", "bed_y_mm", "height_mm", "margin_mm"),
     "vacuum_chamber": ("diameter_mm", "height_mm"),
@@ -42,8 +43,9 @@ def read_plastic(name: str, preset: Path) -> tuple[Plastic, list[str]]:
     """Read the plastic of the printed parts by name or file; return it and where its numbers come from."""
     entry = _beside(name, preset, "molds/plastics", "plastic")
     data, text = read_toml(entry.path)
-    known_keys(data, {"schema", "name", "title", *_PLASTIC}, entry.path, text)
-    numbers = {key: read_quantity(data, key, entry.path, text) for key in _PLASTIC}
+    known_keys(data, {"schema", "name", "title", *_PLASTIC, *_CAST_IN}, entry.path, text)
+    asked = (*_PLASTIC, *_CAST_IN) if set(_CAST_IN) & set(data) else _PLASTIC
+    numbers = {key: read_quantity(data, key, entry.path, text) for key in asked}
     sources = [named_source(f"plastic {key}", quantity) for key, quantity in numbers.items()]
     return Plastic(entry.name, **{key: quantity.value for key, quantity in numbers.items()}), sources
 

@@ -84,7 +84,8 @@ def _show(studio: Studio, answer: dict[str, Any]) -> None:
     if "pour" not in answer:
         return
     poured = [(f"{part['mass_g']:.1f} g", part["name"]) for part in answer["pour"]["components"]]
-    facts([*poured, (f"{answer['pour']['silicone_mass_g']:.0f} g", "silicone for the mould")])
+    silicone = answer["pour"]["silicone_mass_g"]
+    facts([*poured, *([(f"{silicone:.0f} g", "silicone for the mould")] if silicone else [])])
     checks = answer.get("checks", [])
     if checks:
         count = sum(one["status"] == "pass" for one in checks)

@@ -78,7 +78,7 @@ def sheets(made: Parts, views: dict[str, list[View]], papers: Papers, paper: str
     for count, name in enumerate(views, 1):
         title = Title(
             project=papers.project or f"{made.spec.pad.title}, {made.spec.preset} mould",
-            part=f"{NAMES.get(name, name)}, t = {made.spec.pad.thickness_mm:g}",
+            part=f"{_called(made, name)}, t = {made.spec.pad.thickness_mm:g}",
             material=_material(made, name),
             tolerance=_tolerance(made, name),
             revision=made.spec.hash,
@@ -89,6 +89,12 @@ def sheets(made: Parts, views: dict[str, list[View]], papers: Papers, paper: str
     return found
 
 
+def _called(made: Parts, name: str) -> str:
+    if made.spec.is_printed and name in ("mould", "frame"):
+        return {"mould": "base of the mould", "frame": "ring of the mould"}[name]
+    return NAMES.get(name, name)
+
+
 def _material(made: Parts, name: str) -> str:
     spec = made.spec
     kind = made.parts[name].material
@@ -96,7 +102,9 @@ def _material(made: Parts, name: str) -> str:
         return spec.plastic.name.upper() if spec.plastic else "rigid plastic"
     if kind == "glass":
         return "float glass or acrylic"
-    return f"silicone {spec.silicone.name}" if kind == "silicone" else f"{spec.pour.resin}, ratio {spec.pour.ratio:g}"
+    if kind == "silicone" and spec.silicone is not None:
+        return f"silicone {spec.silicone.name}"
+    return f"{spec.pour.resin}, ratio {spec.pour.ratio:g}"
 
 
 def _tolerance(made: Parts, name: str) -> str:
@@ -116,7 +124,7 @@ def _notes(made: Parts, name: str) -> list[str]:
         radii = f"Vertical corners R{pad.corner_radius_mm:g}, edge of the tested face R{pad.edge_radius_mm:g}."
         return ["After cure; tested face up.", size, draft, radii, *([f"{pad.kind}: {mark}."] if mark else [])]
     notes = [f"For a {pad.title} after cure.{' Drawn turned over.' if name in TURNED else ''}"]
-    if name in ("mould", "lid"):
+    if name in ("mould", "lid") or (spec.is_printed and name == "frame"):
         notes.append(f"Cavity x {plan.scale:.5f} of the pad; draft {pad.draft_deg:g} deg, outside "
                      f"{spec.body.outer_draft_deg:g} deg.")  # fmt: skip
         notes.append(f"Corners of the cavity R{plan.floor_outline.radius_mm:.2f}, edge of its floor "
@@ -128,7 +136,8 @@ def _notes(made: Parts, name: str) -> list[str]:
     if name == "face_sheet":
         return [*notes, "Cut to size, edges broken; bonded into the master, flush with the plug's top."]
     if made.parts[name].material == "rigid":
-        notes.append("Print solid skins; faces against silicone sanded or sealed.")
+        against = "resin" if spec.is_printed else "silicone"
+        notes.append(f"Print solid skins; faces against {against} sanded or sealed.")
     return notes
 
 

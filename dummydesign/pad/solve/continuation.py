@@ -134,25 +134,31 @@ def follow(
             continue
         passed = [goal for goal in targets[len(found) :] if goal <= trial_depth * (1.0 + 1e-12)]
         tied = problem.surface.memory() if problem.surface is not None and passed else None
+        beside: Solution | Failure = answer
         for goal in passed:
-            solved = answer
             if goal < trial_depth * (1.0 - 1e-9):
                 part = (goal - depth) / (trial_depth - depth)
                 beside = find_equilibrium(problem, u + part * (answer.u - u), p + part * (answer.p - p), goal)
-                if isinstance(beside, Failure):
-                    iterations += beside.iterations
-                    stop = explain(problem, u, p, depth, beside.reason)
-                    break
                 iterations += beside.iterations
-                solved = beside
-            found.append((goal, problem.force(solved.state), float(solved.state.J.min())))
+                if isinstance(beside, Failure):
+                    break
+            else:
+                beside = answer
+            found.append((goal, problem.force(beside.state), float(beside.state.J.min())))
             if visit:
-                visit(goal, solved)
+                visit(goal, beside)
             if progress:
                 progress(goal)
             if found[-1][2] < sound_J:
                 stop = explain(problem, answer.u, answer.p, goal, f"a volume ratio fell below {sound_J:g}")
                 break
+        if isinstance(beside, Failure):
+            # A wanted depth that cannot be met from here is met from nearer by.
+            iterations += answer.iterations
+            step = 0.5 * (trial_depth - depth)
+            if step < smallest_step:
+                stop = explain(problem, u, p, depth, beside.reason)
+            continue
         if tied is not None:
             problem.surface.restore(tied)
         earlier, u, p, depth = (u, p, depth), answer.u, answer.p, trial_depth

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -29,6 +29,12 @@ REUSE_BELOW = 2e-2
 CONTRACTION = 0.3
 # After so many tangents contact is taken to flicker, and every step gets its own.
 REUSE_UP_TO = 7
+# A step that leaves more out of balance than before, and a relative residual above the first, is shortened to no less
+# than the second: small residuals may grow when a point comes to touch, and shortening for it leads nowhere.
+SHORTEN_ABOVE = 0.2
+SHORTEST = 0.25
+# Least share of a step taken where a whole one would invert an element.
+LEAST_FRACTION = 0.05
 
 
 class Problem:
@@ -152,7 +158,7 @@ def find_equilibrium(
     -------
     Solution or Failure
     """
-    solid, free, surface = problem.solid, problem.pattern.free, problem.surface
+    solid, surface = problem.solid, problem.surface
     u = u.copy()
     u[problem.driven] = -depth
     state = solid.state(u, p, tangent=False)
@@ -160,62 +166,102 @@ def find_equilibrium(
         return Failure("the predicted state inverts an element", 0)
     if surface is not None:
         surface.begin()
-    contact, matrices = problem.contact(u, depth)
+    at = _met(problem, _Trial(1.0, u, p, state, u, [], np.inf, np.inf), depth)
     residuals: list[float] = []
     ties = factorised = 0
     tangent: State | None = None
     while factorised < MAX_ITERATIONS or tangent is not None:
         again = tangent is not None
         if tangent is None:
-            tangent = solid.linearise(state)
+            tangent = solid.linearise(at.state)
             factorised += 1
-        load = solid.force_of_pressure(tangent, state) - state.internal_force - contact
-        du = problem.pattern.again(load) if again else problem.pattern.solve([tangent.stiffness, *matrices], load)
-        dp = solid.pressure_step(tangent, state, du)
-        sound = _sound_step(solid, u, p, du, dp)
-        if sound is None:
+        load = solid.force_of_pressure(tangent, at.state) - at.state.internal_force - at.contact
+        du = problem.pattern.again(load) if again else problem.pattern.solve([tangent.stiffness, *at.matrices], load)
+        dp = solid.pressure_step(tangent, at.state, du)
+        trial = _sound(problem, at, du, dp, depth)
+        if trial is None:
             if again:
                 tangent = None
                 continue
             return Failure("an element would invert", factorised)
-        fraction, trial = sound
-        moved = u + fraction * du
-        touching = problem.contact(moved, depth)
-        scale = np.linalg.norm(trial.internal_force) + 1e-300
-        residual = float(np.linalg.norm((trial.internal_force + touching[0])[free]) / scale)
-        last = residuals[-1] if residuals else np.inf
-        if again and not residual < last:
+        if again and not trial.residual < at.residual:
             # A used tangent that leads away is given up together with its step.
             tangent = None
             continue
-        u, p, state, (contact, matrices) = moved, p + fraction * dp, trial, touching
-        residuals.append(residual)
-        if not np.isfinite(residual):
+        if trial.residual > SHORTEN_ABOVE and trial.unbalanced > at.unbalanced:
+            trial = _shortened(problem, at, du, dp, depth, trial)
+        last, at = at.residual, trial
+        residuals.append(at.residual)
+        if not np.isfinite(at.residual):
             return Failure("the residual is no longer a number", factorised)
-        if residual < TIE_TOLERANCE and ties < LARGEST_TIES and surface is not None:
-            if surface.tie(u, problem.punch, depth):
+        if at.residual < TIE_TOLERANCE and ties < LARGEST_TIES and surface is not None:
+            if surface.tie(at.u, problem.punch, depth):
                 ties += 1
-                contact, matrices = problem.contact(u, depth)
+                at = _met(problem, at, depth)
                 tangent = None
                 continue
-        if residual < tolerance and fraction == 1.0:
-            return Solution(u, p, state, tuple(residuals), ties, factorised)
-        good = residual < (CONTRACTION * last if again else REUSE_BELOW)
-        if fraction < 1.0 or not good or factorised > REUSE_UP_TO:
+        if at.residual < tolerance and at.fraction == 1.0:
+            return Solution(at.u, at.p, at.state, tuple(residuals), ties, factorised)
+        good = at.residual < (CONTRACTION * last if again else REUSE_BELOW)
+        if at.fraction < 1.0 or not good or factorised > REUSE_UP_TO:
             tangent = None
     reason = f"no equilibrium after {MAX_ITERATIONS} iterations (relative residual {residuals[-1]:.1e})"
     return Failure(reason, factorised)
 
 
-def _sound_step(solid: Solid, u: Array, p: Array, du: Array, dp: Array) -> tuple[float, State] | None:
-    """The largest of 1, 1/2, ... of a step that inverts no element, and the state there; None below a twentieth."""
+class _Trial(NamedTuple):
+    """A state on the way to equilibrium: the share of the step that led there, its contact, its relative residual."""
+
+    fraction: float
+    u: Array
+    p: Array
+    state: State
+    contact: Array
+    matrices: list[Array]
+    residual: float
+    unbalanced: float
+
+
+def _met(problem: Problem, at: _Trial, depth: float) -> _Trial:
+    """The same displacements and pressures with the contact as it is now."""
+    contact, matrices = problem.contact(at.u, depth)
+    unbalanced = float(np.linalg.norm((at.state.internal_force + contact)[problem.pattern.free]))
+    residual = unbalanced / float(np.linalg.norm(at.state.internal_force) + 1e-300)
+    return at._replace(contact=contact, matrices=matrices, residual=residual, unbalanced=unbalanced)
+
+
+def _tried(problem: Problem, at: _Trial, du: Array, dp: Array, depth: float, fraction: float) -> _Trial | None:
+    """The state after a share of a step; None when it inverts an element."""
+    u, p = at.u + fraction * du, at.p + fraction * dp
+    state = problem.solid.state(u, p, tangent=False)
+    if state is None or not state.J.min() > SMALLEST_J:
+        return None
+    return _met(problem, at._replace(fraction=fraction, u=u, p=p, state=state), depth)
+
+
+def _sound(problem: Problem, at: _Trial, du: Array, dp: Array, depth: float) -> _Trial | None:
+    """The largest of 1, 1/2, ... of a step that inverts no element; None below a twentieth."""
     fraction = 1.0
-    while fraction >= 0.05:
-        trial = solid.state(u + fraction * du, p + fraction * dp, tangent=False)
-        if trial is not None and trial.J.min() > SMALLEST_J:
-            return fraction, trial
+    while fraction >= LEAST_FRACTION:
+        trial = _tried(problem, at, du, dp, depth, fraction)
+        if trial is not None:
+            return trial
         fraction *= 0.5
     return None
+
+
+def _shortened(problem: Problem, at: _Trial, du: Array, dp: Array, depth: float, trial: _Trial) -> _Trial:
+    """Halves of a step while the residual falls.
+
+    A whole step from where the punch is met leaves places that should touch, and presses others: points change sides
+    from step to step without end.
+    """
+    while trial.fraction > SHORTEST:
+        shorter = _tried(problem, at, du, dp, depth, 0.5 * trial.fraction)
+        if shorter is None or not shorter.unbalanced < trial.unbalanced:
+            break
+        trial = shorter
+    return trial
 
 
 def explain(problem: Problem, u: Array, p: Array, depth: float, reason: str) -> str:

@@ -16,6 +16,7 @@ from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.shaped.axisymmetric import LEFT_TO_SHARP, climb, sharp, solve_shaped_pad
 from dummydesign.pad.shaped.problem import Plate, Press, shaped_problem
 from dummydesign.pad.tables.slab import load_table
+from dummydesign.studies.tables.designs import designs
 
 LAW = Yeoh(1.0)
 # F = 16/9 E sqrt(R) d^1.5 f(c), c = sqrt(R d) / h, frictionless cap on a bonded incompressible layer.
@@ -133,6 +134,16 @@ def test_friction_lies_between_sliding_and_sticking_on_a_crown():
         for condition in ("frictionless", "friction:0.1", "bonded")
     ]
     assert forces[0] < forces[1] < forces[2]
+
+
+@pytest.mark.parametrize(("kind", "number", "twin"), [("boned", 1, True), ("layered", 3, False)])
+def test_contact_that_flickers_at_a_glued_edge_is_followed(kind, number, twin):
+    # Whole Newton steps threw the points round the fillet from touching to not touching and back without end here.
+    design = designs()[kind]
+    depths = design.depths[design.depths < 0.35]
+    path = climb(design._press(design.points(number + 1)[number]), LAW, depths, design.cells, 0.1, twin)
+    assert path.stop is None
+    assert np.all(np.diff(np.log(path.force)) / np.diff(np.log(path.depth)) > 0.9)
 
 
 @pytest.mark.slow

@@ -193,6 +193,7 @@ def _answer(
         raise InputError(f"robot velocity in mm/s = {velocity_mm_s:g} needs the robot's mass: give --robot-mass KG")
     velocity_mm_s = ROBOT_VELOCITY_MM_S if velocity_mm_s is None else velocity_mm_s
     inputs = {**inputs, "robot_velocity_mm_s": None if mass_kg is None else velocity_mm_s}
+    inputs["weights"] = wanted.space.targets.weights.to_dict()
     limits = None if inputs["limits"] is None else read_limits(inputs["limits"])
 
     def answered() -> tuple[Any, Any, dict[str, Any]]:

@@ -46,7 +46,9 @@ def first_lines(result: dict[str, Any]) -> list[str]:
             f"{min(known):.3g} to {max(known):.3g} N"
         )
     lines += [result["measure_first"]["text"]] if result.get("measure_first") else []
-    lines += [f"why this pad: {result['choice']['text']}"] if result.get("choice") else []
+    choice = result.get("choice")
+    lines += [f"why this pad: {choice['text']}"] if choice else []
+    lines += [choice["expectation"]["text"]] if choice and choice["expectation"]["differs"] else []
     return [*lines, ""] if lines else []
 
 

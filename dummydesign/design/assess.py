@@ -8,7 +8,7 @@ from dummydesign.design.assessment.readings import verdict_of_design
 from dummydesign.design.assessment.warnings import design_warnings, rests_on
 from dummydesign.design.calibrated import calibration_dict
 from dummydesign.design.inputs import Inputs
-from dummydesign.design.mould import pour_recipe
+from dummydesign.design.mould import pour_recipe, top_mass_g
 from dummydesign.design.own_test.checks import own_warnings
 from dummydesign.design.search.best_of_kinds import Chosen
 from dummydesign.design.search.shape_family import ShapeLaw
@@ -30,8 +30,7 @@ def assess(inputs: Inputs, solved: Solved) -> Suggestion:
     request, space, chosen = inputs.request, inputs.space, solved.chosen
     best = chosen.found.best
     recommended = _design(inputs, best, chosen.shape)
-    poured = sum(mass for name, mass in recommended.recipe if not name.endswith("(base)"))
-    tolerances = Tolerances(poured, request.weighing_g, request.thickness_tolerance_mm)
+    tolerances = Tolerances(top_mass_g(recommended.recipe), request.weighing_g, request.thickness_tolerance_mm)
     pour = pour_yield(
         chosen.cast, space.resin, space.targets, best.thickness_mm, best.ratio, space.radius_mm, tolerances
     )
@@ -63,6 +62,7 @@ def assess(inputs: Inputs, solved: Solved) -> Suggestion:
         warnings=tuple(warnings),
         punch=inputs.punch,
         choice=explain(best, chosen.shape.name, chosen.beside, chosen.cast, space, tolerances),
+        expectation=solved.expectation,
         measure_first=None if alone else measure_first(best, chosen.cast, space, tolerances),
         calibration=None if calibrated is None else calibration_dict(calibrated.calibration, str(request.calibration)),
     )

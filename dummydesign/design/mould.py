@@ -47,6 +47,11 @@ def pour_recipe(
     return (*plan.components, *((f"{name} (base)", mass) for name, mass in plan.base.components))
 
 
+def top_mass_g(recipe: tuple[tuple[str, float], ...]) -> float:
+    """Mass of the pour that is pressed: all but a base's. [g]"""
+    return sum(mass for name, mass in recipe if not name.endswith("(base)"))
+
+
 def mould_of(resin: Resin, candidate: Candidate, request: Request, shape: PadShape | None = None) -> MouldSpec:
     """Specification of the mould of a design.
 

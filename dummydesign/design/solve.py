@@ -7,13 +7,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dummydesign.design.assessment.centring import CentringTolerance, centring_tolerance
+from dummydesign.design.assessment.expectation import Expectation, by_expectation
+from dummydesign.design.assessment.pour_yield import Tolerances
 from dummydesign.design.assessment.verification import Verification, not_verified, of_shape, verify_design
 from dummydesign.design.inputs import Inputs
+from dummydesign.design.mould import pour_recipe, top_mass_g
 from dummydesign.design.own_test.checks import standard_press
 from dummydesign.design.own_test.slab_law import asked_pad
 from dummydesign.design.request import Progress, quiet
 from dummydesign.design.scoring.presses import make_curves
-from dummydesign.design.search.best_of_kinds import Chosen, Found, choose
+from dummydesign.design.search.best_of_kinds import Chosen, Found, choose, close_to
 from dummydesign.design.search.resolved_by_fem import ElementsLaw, solve_leading
 from dummydesign.geometry.shapes import Slab
 from dummydesign.pad.tables.punch import circle_of
@@ -23,9 +26,10 @@ CALIBRATED = "designed with a calibration: the correction is based on the campai
 
 @dataclass(frozen=True)
 class Solved:
-    """The chosen design, what its verification gave, and the centring tolerance of a crown (None for others)."""
+    """The chosen design, how it was chosen by expectation, its verification, and a crown's centring tolerance."""
 
     chosen: Chosen
+    expectation: Expectation
     verification: Verification
     centring: CentringTolerance | None = None
 
@@ -33,7 +37,8 @@ class Solved:
 def solve(inputs: Inputs, found: Found, progress: Progress = quiet) -> Solved:
     """Solve the leading shaped designs, choose the best, and compare a recommended slab with its table.
 
-    Nothing is solved when the request has ``verify = False``; a slab with a calibration is not compared.
+    Designs that the search does not tell apart are chosen from by what is expected of their castings. Nothing is
+    solved when the request has ``verify = False``; a slab with a calibration is not compared.
 
     Parameters
     ----------
@@ -51,17 +56,26 @@ def solve(inputs: Inputs, found: Found, progress: Progress = quiet) -> Solved:
     request, space = inputs.request, inputs.space
     if request.verify:
         found = replace(found, designs=solve_leading(found.designs, space, progress))
-    chosen = choose(found, space)
+    chosen, expected = _expected(choose(found, space), found, inputs)
     if request.calibration is not None and chosen.shape.plain:
-        return Solved(chosen, not_verified(CALIBRATED))
+        return Solved(chosen, expected, not_verified(CALIBRATED))
     if not request.verify:
-        return Solved(chosen, not_verified("not asked for"))
+        return Solved(chosen, expected, not_verified("not asked for"))
     forces = (space.targets.protocol.low_grid_N[1], *space.targets.protocol.forces_N)
     touch = chosen.cast.touch if isinstance(chosen.cast, ElementsLaw) else None
     lands = centring_tolerance(
         chosen.found.best, chosen.shape, space.radius_mm, inputs.punch.half_width_mm, forces, space.extent_mm, touch
     )
-    return Solved(chosen, _verify(chosen, inputs), lands)
+    return Solved(chosen, expected, _verify(chosen, inputs), lands)
+
+
+def _expected(chosen: Chosen, found: Found, inputs: Inputs) -> tuple[Chosen, Expectation]:
+    """Of the designs that the search does not tell apart the one that is expected to be worth most."""
+    space, request = inputs.space, inputs.request
+    low_share = 0.0 if found.asked.lower() == Slab.name else space.targets.weights.low_aim
+    poured = pour_recipe(space.resin, chosen.found.best, request, chosen.shape)
+    tolerances = Tolerances(top_mass_g(poured), request.weighing_g, request.thickness_tolerance_mm)
+    return by_expectation(close_to(chosen, found, space), space, tolerances, low_share)
 
 
 def _verify(chosen: Chosen, inputs: Inputs) -> Verification:

@@ -14,6 +14,7 @@ from dummydesign.geometry.shapes import PadShape
 if TYPE_CHECKING:
     from dummydesign.design.assessment.centring import CentringTolerance
     from dummydesign.design.assessment.choice import Choice, MeasureFirst
+    from dummydesign.design.assessment.expectation import Expectation
     from dummydesign.design.assessment.pour_yield import PourYield
     from dummydesign.design.assessment.verification import Verification
     from dummydesign.design.own_test.punch import AskedPunch
@@ -66,6 +67,7 @@ class Suggestion:
     warnings: tuple[dict[str, str], ...]
     punch: AskedPunch
     choice: Choice
+    expectation: Expectation
     measure_first: MeasureFirst | None
     calibration: dict[str, Any] | None = None
 
@@ -101,7 +103,11 @@ class Suggestion:
         return {
             "verdict": self.verdict.to_dict(),
             "measure_first": self.measure_first.to_dict() if self.measure_first else None,
-            "choice": self.choice.to_dict(),
+            "choice": {
+                **self.choice.to_dict(),
+                "expectation": self.expectation.to_dict(),
+                "weights": self.targets.weights.to_dict(),
+            },
             "calibration": self.calibration,
             "recommendation": design_dict(self.recommended, self.resin, self.targets),
             "alternatives": [design_dict(other, self.resin, self.targets) for other in self.alternatives],

@@ -159,15 +159,25 @@ def _shapes(answer: Suggestion, result: dict[str, Any], curves: SuggestionCurves
 def _why(result: dict[str, Any]) -> str:
     parts = result["recommendation"]["scores"].items()
     scores = ", ".join(f"{name.replace('_', ' ')} {value:.2f}" for name, value in parts)
+    given = result["choice"]["weights"]
+    weights = ", ".join(f"{name.replace('_', ' ')} {given[name]:g}" for name in SCORED)
     slope = 100 * result["sensitivity"]["d_ln_young_per_percent_ratio"]
     return (
-        f"{result['choice']['text'][0].upper()}{result['choice']['text'][1:]}."
+        f"{_sentence(result['choice']['text'])} {_sentence(result['choice']['expectation']['text'])}"
         "\n\n"
-        f"Scores from 0 to 1: {scores}. The modulus changes {slope:.0f} % per 1 % of the ratio."
+        f"Scores from 0 to 1: {scores}. The total is their mean by the weights {given['set']} of this aim ({weights}). "
+        f"The modulus changes {slope:.0f} % per 1 % of the ratio."
         "\n\n"
         "In the map the ellipse bounds the effect of weighing and thickness errors; the dotted line is the 95 % "
         "interval of the ratio that gives the wanted modulus, given the uncertainty of the resin."
     )
+
+
+SCORED = ("aim", "steady_state_range", "force_variation_range", "parametric")
+
+
+def _sentence(text: str) -> str:
+    return f"{text[0].upper()}{text[1:]}."
 
 
 def _low_table(best: dict[str, Any]) -> Table:

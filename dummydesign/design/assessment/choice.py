@@ -12,10 +12,9 @@ from dummydesign.design.assessment.pour_yield import Pours, Tolerances, draw_pou
 from dummydesign.design.assessment.readings import poured_slabs
 from dummydesign.design.scoring.law_parameters import gamma1_score
 from dummydesign.design.scoring.presses import ForceLaw
-from dummydesign.design.scoring.score import WEIGHTS, evaluate, steady_gamma1
-from dummydesign.design.scoring.standing import ACCEPTABLE_AND_STEADY, WORTH, standing
+from dummydesign.design.scoring.score import evaluate, steady_gamma1
+from dummydesign.design.scoring.standing import ACCEPTABLE_AND_STEADY, standing
 from dummydesign.design.search.best_of_kinds import Beside
-from dummydesign.design.search.shapes import LOW_SHARE
 
 if TYPE_CHECKING:
     from dummydesign.design.search.slabs import Candidate
@@ -104,7 +103,7 @@ def explain(best: Candidate, kind: str, beside: tuple[Beside, ...], law: ForceLa
     others = [item for item in beside if item.kind != kind and item.candidate is not None]
     if not others:
         return Choice(f"no other kind was compared; {doubt}", None, {}, None, expected, low)
-    other = max(others, key=lambda item: item.candidate.worth(LOW_SHARE))
+    other = max(others, key=lambda item: item.candidate.worth())
     name = f"the {other.kind} pad ({other.candidate.thickness_mm:g} mm, ratio {other.candidate.ratio:g})"
     gains = terms(best, other.candidate)
     lowest = space.targets.protocol.forces_N[0]
@@ -112,7 +111,7 @@ def explain(best: Candidate, kind: str, beside: tuple[Beside, ...], law: ForceLa
     behind = other.candidate.standing < best.standing
     most = max(gains, key=lambda term: gains[term])
     lost = [words[term] for term, gain in gains.items() if gain < -TELLS]
-    better = best.merit(LOW_SHARE) >= other.candidate.merit(LOW_SHARE)
+    better = best.merit() >= other.candidate.merit()
     if behind and not better:
         decided, why = "standing", _standing_words(best.standing, other.candidate.standing)
         text = f"taken before {name}, which scores higher but {why}"
@@ -128,12 +127,18 @@ def explain(best: Candidate, kind: str, beside: tuple[Beside, ...], law: ForceLa
 def terms(best: Candidate, other: Candidate) -> dict[str, float]:
     """What each term of the score adds to the merit of one design over another; they sum to the difference."""
 
+    weights = best.evaluation.weights
+    share = weights.low_aim
+
     def parts(one: Candidate) -> dict[str, float]:
-        found = {name: float(getattr(one.evaluation, name)[one.index]) for name in WEIGHTS if name != "parametric"}
-        shares = {name: (1.0 - LOW_SHARE) * WEIGHTS[name] * value for name, value in found.items()}
+        shares = {
+            name: (1.0 - share) * weight * float(getattr(one.evaluation, name)[one.index])
+            for name, weight in weights.parts.items()
+            if name != "parametric"
+        }
         # What the total says of the parameters, also where they were fitted to one and not to the other.
-        shares["parametric"] = (1.0 - LOW_SHARE) * one.total - sum(shares.values())
-        return {**shares, "low_aim": LOW_SHARE * float(one.evaluation.low_aim[one.index])}
+        shares["parametric"] = (1.0 - share) * one.total - sum(shares.values())
+        return {**shares, "low_aim": share * float(one.evaluation.low_aim[one.index])}
 
     mine, its = parts(best), parts(other)
     return {name: mine[name] - its[name] for name in mine}
@@ -142,7 +147,7 @@ def terms(best: Candidate, other: Candidate) -> dict[str, float]:
 def _standing_words(best: int, other: int) -> str:
     if other == 0:
         return "reads low or is out of reach"
-    return "leaves the steady range" if other < best and WORTH[other] < WORTH[best] else "stands the same"
+    return "leaves the steady range" if other < best else "stands the same"
 
 
 def expected_totals(law: ForceLaw, candidate: Candidate, space: SearchSpace, tolerances: Tolerances) -> NDArray:

@@ -1,7 +1,8 @@
 """Scores of many designs at once: fraction in range the tissue's ranges, closeness to the aim, parameters.
 
-Every part lies between 0 and 1 and more is better; the total is their weighted mean (:data:`WEIGHTS`), so
-it rises whenever a part rises and the others stay. A condition out of reach counts as 0, never as missing.
+Every part lies between 0 and 1 and more is better; the total is their mean by the weights of the aim
+(:mod:`dummydesign.design.scoring.weights`), so it rises whenever a part rises and the others stay. A condition out of
+reach counts as 0, never as missing.
 """
 
 from __future__ import annotations
@@ -14,15 +15,11 @@ from numpy.typing import NDArray
 from dummydesign.design.request import PAPER, Protocol
 from dummydesign.design.scoring.presses import COARSE, Press, Sampling, Slabs, press_to_depth, steady_depth
 from dummydesign.design.scoring.targets import Targets
+from dummydesign.design.scoring.weights import Weights
 from dummydesign.tissue.model.ranges import STEADY_TOLERANCE
 
 FIRST_HOLD_S = 0.005
 """Time after the stop from which the hold counts, as in the tissue's own definition. [s]"""
-
-WEIGHTS = {"aim": 0.6, "steady_state_range": 0.15, "force_variation_range": 0.15, "parametric": 0.1}
-"""The curves lead, nine tenths: closeness to the aim's own curves, then the fraction in range the ranges. The
-parameters mislead when a pad's exponent differs from 3 (the paper's dummy III) and count least. The aim
-weighs most because a fraction in range does not distinguish the middle of a range from its stiff edge."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +30,7 @@ class Evaluation:
     ``force_variation_range``, ``aim`` and ``low_aim`` (closeness to the aim below the lowest force, no part of the
     total) have shape (D,), ``inside`` and ``depth_mm`` (D, conditions), ``low_depth_mm`` (D, low forces),
     ``steady_depth_mm`` (D, steady forces); ``presses`` one a condition, in the order of the targets' conditions.
-    ``protocol`` and ``sampling`` are the test.
+    ``protocol`` and ``sampling`` are the test, ``weights`` those of the total.
     """
 
     slabs: Slabs
@@ -49,6 +46,7 @@ class Evaluation:
     presses: tuple[Press, ...]
     protocol: Protocol
     sampling: Sampling
+    weights: Weights
 
     def total(self, parametric: NDArray) -> NDArray:
         """Weighted mean of the parts, shape (D,)."""
@@ -58,13 +56,13 @@ class Evaluation:
             "aim": self.aim,
             "parametric": parametric,
         }
-        return sum(weight * parts[name] for name, weight in WEIGHTS.items())
+        return sum(weight * parts[name] for name, weight in self.weights.parts.items())
 
     def take(self, chosen: NDArray) -> Evaluation:
         """Keep the designs chosen by index or mask (without their presses)."""
         own = ("steady_state_range", "low_force_range", "force_variation_range", "aim", "low_aim", "inside")
         parts = [getattr(self, name)[chosen] for name in (*own, "depth_mm", "low_depth_mm", "steady_depth_mm")]
-        return Evaluation(self.slabs.take(chosen), *parts, (), self.protocol, self.sampling)
+        return Evaluation(self.slabs.take(chosen), *parts, (), self.protocol, self.sampling, self.weights)
 
     @property
     def feasible(self) -> NDArray:
@@ -143,6 +141,7 @@ def evaluate(slabs: Slabs, targets: Targets, sampling: Sampling | None = None, e
         tuple(presses),
         protocol,
         sampling,
+        targets.weights,
     )
 
 

@@ -11,9 +11,6 @@ from dummydesign.design.scoring.verdict import FORCE_TOLERANCE, Ranges, Readings
 
 SAFE_SIDE = "safe-side"
 NOT_ACCEPTABLE, ACCEPTABLE, ACCEPTABLE_AND_STEADY = 0, 1, 2
-WORTH = (0.01, 0.8, 1.0)
-"""What the merit of a design of each standing counts: a pad that reads low is taken only where no other is found, and
-is then not called acceptable. That what leaves the steady range counts four fifths is a choice."""
 
 
 def standing(evaluation: Evaluation, targets: Targets) -> NDArray:

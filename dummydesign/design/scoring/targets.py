@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from dummydesign.design.request import PAPER, Protocol
 from dummydesign.design.scoring.presses import Sampling
+from dummydesign.design.scoring.weights import Weights, weights_of
 from dummydesign.tissue.model.ranges import SETTLED_S
 
 if TYPE_CHECKING:
@@ -71,6 +72,11 @@ class Targets:
     conditions: tuple[Condition, ...]
     protocol: Protocol = PAPER
     sampling: Sampling = field(default_factory=Sampling)
+
+    @cached_property
+    def weights(self) -> Weights:
+        """Of the score, as the aim names them."""
+        return weights_of(self.aim)
 
     def depth_range_mm(self, force_N: NDArray) -> tuple[NDArray, NDArray]:
         """Depth of the stiffest and the softest subject at steady forces. [mm]"""

@@ -13,7 +13,7 @@ from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.design.scoring.presses import ForceLaw
 from dummydesign.design.scoring.standing import NOT_ACCEPTABLE
 from dummydesign.design.search.low_force import LowForce, low_force
-from dummydesign.design.search.shapes import LOW_SHARE, Shaped, search_fixed, search_shapes
+from dummydesign.design.search.shapes import Shaped, mixable, search_fixed, search_shapes
 from dummydesign.design.search.slabs import Candidate, SearchResult, search, with_parameters
 from dummydesign.design.search.space import SearchSpace
 from dummydesign.geometry.shapes import PadShape, Slab, read_shape
@@ -49,7 +49,7 @@ class Beside:
             "thickness_mm": self.candidate.thickness_mm,
             "ratio": self.candidate.ratio,
             "young_kPa": self.young_kPa,
-            "merit": self.candidate.merit(LOW_SHARE),
+            "merit": self.candidate.merit(),
             "total": self.candidate.total,
             "by": self.by,
             "acceptable": self.candidate.standing > NOT_ACCEPTABLE,
@@ -146,7 +146,7 @@ def best_of_kinds(
     slab: SearchResult | None = None
     reason = None
     try:
-        slab = search(slab_law, space, LOW_SHARE)
+        slab = search(slab_law, space, space.targets.weights.low_aim)
     except NoAnswerError as problem:
         reason = str(problem)
     designs, missing = _designs(text, space, refused)
@@ -177,13 +177,44 @@ def choose(found: Found, space: SearchSpace) -> Chosen:
         beside.append(_beside(best.shape.name, best.shape, best.found.best, space, by))
     listed = (*beside, *found.missing)
     if found.asked.lower() == AUTO and flat is not None:
-        if not designs or flat.best.worth(LOW_SHARE) >= max(designs, key=_rank).worth:
+        if not designs or flat.best.worth() >= max(designs, key=_rank).worth:
             return Chosen(Slab(), flat, law, law, listed)
     if not designs:
         raise NoAnswerError("no_feasible_design", "; ".join(item.reason for item in found.missing if item.reason))
     winner = max(designs, key=_rank)
     best = next(shaped for shaped in leaders if shaped.shape.name == winner.shape.name)
-    return Chosen(best.shape, best.found, best.law, best.elements or replace(best.law, cast=True), listed)
+    return _chosen(best, listed)
+
+
+def close_to(chosen: Chosen, found: Found, space: SearchSpace) -> tuple[Chosen, ...]:
+    """The chosen design, then the best of every other kind whose worth is within the weights' resolution of its.
+
+    A design that only a table knows is not compared with one that was solved.
+
+    Parameters
+    ----------
+    chosen : Chosen
+        From :func:`choose`.
+    found : Found
+        That it was chosen from.
+    space : SearchSpace
+    """
+    if found.asked.lower() != AUTO:
+        return (chosen,)
+    least = chosen.found.best.worth() - space.targets.weights.resolution
+    solved = any(shaped.elements is not None for shaped in found.designs)
+    designs = [shaped for shaped in found.designs if not solved or shaped.elements is not None]
+    kinds = dict.fromkeys(shaped.shape.name for shaped in designs if shaped.shape.name != chosen.shape.name)
+    leaders = [max((one for one in designs if one.shape.name == kind), key=_rank) for kind in kinds]
+    near = _fitted([shaped for shaped in leaders if shaped.worth >= least], space)
+    others = [_chosen(shaped, chosen.beside) for shaped in near]
+    if not chosen.shape.plain and found.slab is not None and found.slab.best.worth() >= least:
+        others.append(Chosen(Slab(), found.slab, found.slab_law, found.slab_law, chosen.beside))
+    return (chosen, *others)
+
+
+def _chosen(best: Shaped, beside: tuple[Beside, ...]) -> Chosen:
+    return Chosen(best.shape, best.found, best.law, best.elements or replace(best.law, cast=True), beside)
 
 
 def _rank(shaped: Shaped) -> tuple[bool, float]:
@@ -235,18 +266,26 @@ def _designs(text: str, space: SearchSpace, refused: Mapping[str, str]) -> tuple
 
 def _pourable(shaped: Shaped, resin: Resin) -> Shaped | None:
     """The design with those alternatives whose second resin can be mixed; None when its own cannot."""
-    layers = shaped.shape.layers()
-    if layers is None:
+    if shaped.shape.layers() is None:
         return shaped
-    low, high = np.sort(np.asarray(resin.young_MPa(np.array([resin.ratio_min, resin.ratio_max]))))
-
-    def mixed(candidate: Candidate) -> bool:
-        return bool(low <= layers[1] * np.asarray(resin.young_MPa(candidate.ratio)) <= high)
-
-    if not mixed(shaped.found.best):
+    if not mixable(shaped.shape, shaped.found.best.ratio, resin):
         return None
-    others = tuple(other for other in shaped.found.alternatives if mixed(other))
+    others = tuple(other for other in shaped.found.alternatives if mixable(shaped.shape, other.ratio, resin))
     return replace(shaped, found=replace(shaped.found, alternatives=others))
+
+
+def beside_of(chosen: Chosen, best: Candidate, space: SearchSpace) -> Beside:
+    """The row of a kind's best design, where it is another than the search's.
+
+    Parameters
+    ----------
+    chosen : Chosen
+        Its shape.
+    best : Candidate
+    space : SearchSpace
+    """
+    by = next(item.by for item in chosen.beside if item.kind == chosen.shape.name)
+    return _beside(chosen.shape.name, chosen.shape, best, space, by or "table")
 
 
 def _beside(kind: str, shape: PadShape, best: Candidate, space: SearchSpace, by: str) -> Beside:

@@ -18,7 +18,7 @@ from dummydesign.core.errors import NoAnswerError
 from dummydesign.design.request import Progress, quiet
 from dummydesign.design.scoring.standing import NOT_ACCEPTABLE
 from dummydesign.design.search.shape_family import ShapeLaw
-from dummydesign.design.search.shapes import LOW_SHARE, Shaped
+from dummydesign.design.search.shapes import Shaped
 from dummydesign.design.search.slabs import search
 from dummydesign.design.search.space import SearchSpace
 from dummydesign.geometry.standard import PAD_EXTENT_MM
@@ -189,7 +189,7 @@ def with_law(shaped: Shaped, law: ElementsLaw, space: SearchSpace) -> Shaped:
         When it does not reach 10 N where it was.
     """
     thickness = np.array([shaped.found.best.thickness_mm])
-    best = search(law, replace(space, thickness_mm=thickness), LOW_SHARE, fitted=0).best
+    best = search(law, replace(space, thickness_mm=thickness), space.targets.weights.low_aim, fitted=0).best
     return replace(shaped, found=replace(shaped.found, best=best), elements=law)
 
 

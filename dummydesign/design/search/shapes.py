@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,9 +24,9 @@ from dummydesign.design.search.space import SearchSpace
 from dummydesign.geometry.shapes import PadShape
 from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 
-LOW_SHARE = 0.5
-"""A shape is chosen half by the total of all designs and half by its closeness to the aim below 5 N, which
-is what it is made for; a choice, not a measurement."""
+if TYPE_CHECKING:
+    from dummydesign.resin.model.resin import Resin
+
 TRIED, AROUND_STEPS, REFINED = 6, 2, 4
 SIEVE_STEP = 3
 
@@ -51,12 +52,12 @@ class Shaped:
     @property
     def merit(self) -> float:
         """How good a design with a shape is, whether it reads low or not."""
-        return self.found.best.merit(LOW_SHARE)
+        return self.found.best.merit()
 
     @property
     def worth(self) -> float:
         """By what designs with a shape are chosen; see :meth:`Candidate.worth`."""
-        return self.found.best.worth(LOW_SHARE)
+        return self.found.best.worth()
 
 
 def sieve(family: Family, targets: Targets, thickness_mm: NDArray, young_MPa: tuple[float, float], radius_mm: float,
@@ -190,8 +191,25 @@ def search_fixed(family: Family, shape: PadShape, space: SearchSpace) -> Shaped:
             f"{shape} lies outside the response surface of {family.kind} pads at every thickness from {fitting[0]:g} "
             f"to {fitting[-1]:g} mm; press it with 'dummydesign predict --shape {shape} --fidelity {shape.fidelity}'",
         )
-    found = search(law, replace(space, thickness_mm=steps), LOW_SHARE, fitted=0)
+    found = search(law, replace(space, thickness_mm=steps), space.targets.weights.low_aim, fitted=0)
     return Shaped(shape, law, found)
+
+
+def mixable(shape: PadShape, ratio: float, resin: Resin) -> bool:
+    """Whether the second resin of a layered shape can be mixed where the first has a ratio; others need none.
+
+    Parameters
+    ----------
+    shape : PadShape
+    ratio : float
+        Of the resin on top.
+    resin : Resin
+    """
+    layers = shape.layers()
+    if layers is None:
+        return True
+    low, high = np.sort(np.asarray(resin.young_MPa(np.array([resin.ratio_min, resin.ratio_max]))))
+    return bool(low <= layers[1] * np.asarray(resin.young_MPa(ratio)) <= high)
 
 
 def _accepts(shape: PadShape, thickness_mm: float, pad_mm: tuple[float, float]) -> bool:
@@ -206,7 +224,7 @@ def _around(starts: Sequence[tuple[Family, PadShape, float]], space: SearchSpace
     """Search ratio and the thicknesses near each start, in proportion; then its own, rounded shape exactly."""
     near = [_near(*start, space) for start in starts]
     laws = [(ShapeLaw(*start), steps) for start, steps in zip(starts, near) if len(steps)]
-    results = iter(search_each(laws, space, LOW_SHARE, REFINED, 0))
+    results = iter(search_each(laws, space, space.targets.weights.low_aim, REFINED, 0))
     rough = [next(results) if len(steps) else None for steps in near]
     own: list[ShapeLaw | None] = []
     for (family, shape, thickness), found in zip(starts, rough):
@@ -217,7 +235,7 @@ def _around(starts: Sequence[tuple[Family, PadShape, float]], space: SearchSpace
             if _accepts(rounded, chosen, space.pad_mm):
                 own[-1] = ShapeLaw(family, rounded, chosen)
     laws = [(law, np.array([law.made_for_mm])) for law in own if law is not None]
-    results = iter(search_each(laws, space, LOW_SHARE, REFINED, 0))
+    results = iter(search_each(laws, space, space.targets.weights.low_aim, REFINED, 0))
     made: list[Shaped | None] = []
     for law, found in zip(own, rough):
         exact = None if law is None else next(results)

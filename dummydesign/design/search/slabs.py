@@ -14,7 +14,7 @@ from dummydesign.core.errors import NoAnswerError, out_of_range
 from dummydesign.design.scoring.law_parameters import fit_presses, gamma1_score, parametric_score
 from dummydesign.design.scoring.presses import Curves, ForceLaw, Slabs, join_curves, join_slabs, make_curves
 from dummydesign.design.scoring.score import Evaluation, evaluate, steady_gamma1
-from dummydesign.design.scoring.standing import WORTH, standing
+from dummydesign.design.scoring.standing import standing
 from dummydesign.design.search.alternatives import alternatives_to, pareto
 from dummydesign.design.search.space import SearchSpace
 from dummydesign.resin.model.resin import Resin
@@ -57,13 +57,14 @@ class Candidate:
     standing: int = 0
     """Whether it may stand for the person, :mod:`dummydesign.design.scoring.standing`."""
 
-    def merit(self, low_share: float) -> float:
-        """By what designs are ranked: the total, with a share of the closeness to the aim below 5 N."""
-        return (1.0 - low_share) * self.total + low_share * float(self.evaluation.low_aim[self.index])
+    def merit(self, low_share: float | None = None) -> float:
+        """By what designs are ranked: the total, with a share (by default the weights') of the closeness below 5 N."""
+        share = self.evaluation.weights.low_aim if low_share is None else low_share
+        return (1.0 - share) * self.total + share * float(self.evaluation.low_aim[self.index])
 
-    def worth(self, low_share: float) -> float:
+    def worth(self, low_share: float | None = None) -> float:
         """By what designs are chosen: the merit, less where it reads low or leaves the steady range."""
-        return WORTH[self.standing] * self.merit(low_share)
+        return self.evaluation.weights.worth[self.standing] * self.merit(low_share)
 
 
 @dataclass(frozen=True)
@@ -189,7 +190,8 @@ def search_each(
     coarse = space.sampling.coarse
     rough = evaluate(slabs, targets, coarse)
     total = rough.total(gamma1_score(steady_gamma1(slabs, targets.protocol, coarse), targets))
-    order = ((1.0 - low_share) * total + low_share * rough.low_aim) * np.array(WORTH)[standing(rough, targets)]
+    order = ((1.0 - low_share) * total + low_share * rough.low_aim)
+    order = order * np.array(targets.weights.worth)[standing(rough, targets)]
     order = np.where(rough.feasible, order, -1.0)
     found: list[SearchResult | NoAnswerError] = []
     maps, groups, end = [], [], 0
@@ -240,7 +242,7 @@ def _work_out(
     total = exact.total(parametric)
     found: list[Any] = [None] * len(ratio)
     groups, end = [], 0
-    order = ((1.0 - low_share) * total + low_share * exact.low_aim) * np.array(WORTH)[stands]
+    order = ((1.0 - low_share) * total + low_share * exact.low_aim) * np.array(targets.weights.worth)[stands]
     for ranked, others in counts:
         start, end = end, end + ranked + others
         kept = np.arange(start, end)

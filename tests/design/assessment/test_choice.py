@@ -10,7 +10,6 @@ from dummydesign.design.assessment.choice import expected_totals, measure_first,
 from dummydesign.design.assessment.pour_yield import Tolerances
 from dummydesign.design.inputs import resolve
 from dummydesign.design.request import Request
-from dummydesign.design.search.shapes import LOW_SHARE
 from dummydesign.design.suggest import design
 
 
@@ -34,7 +33,7 @@ def surer(resin):
 def test_the_terms_of_two_designs_sum_to_the_difference_of_what_they_are_ranked_by(answered):
     _, answer = answered
     best, other = answer.best, answer.alternatives[0].candidate
-    assert sum(terms(best, other).values()) == pytest.approx(best.merit(LOW_SHARE) - other.merit(LOW_SHARE))
+    assert sum(terms(best, other).values()) == pytest.approx(best.merit() - other.merit())
     assert all(abs(gain) < 1e-12 for gain in terms(best, best).values())
 
 

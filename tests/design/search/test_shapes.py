@@ -14,7 +14,7 @@ from dummydesign.design.search import tabulated_shapes as families
 from dummydesign.design.search.best_of_kinds import best_of_kinds, choose, kinds_of
 from dummydesign.design.search.low_force import MISFIT_N, low_force, misfit
 from dummydesign.design.search.shape_family import Designs, ShapeLaw
-from dummydesign.design.search.shapes import LOW_SHARE, search_fixed, search_shape, sieve
+from dummydesign.design.search.shapes import search_fixed, search_shape, sieve
 from dummydesign.design.search.slabs import search
 from dummydesign.design.search.space import SearchSpace
 from dummydesign.geometry.conic import sphere_foot_mm
@@ -102,9 +102,9 @@ def test_sieve_finds_the_same_misfit_and_modulus_as_a_brute_force_search(setting
 
 def test_a_cap_comes_nearer_to_the_tissue_than_the_slab_by_the_same_rule(setting, shaped):
     targets = setting.targets
-    flat = search(LayerLaw(), setting, LOW_SHARE).best
+    flat = search(LayerLaw(), setting, setting.targets.weights.low_aim).best
     best = shaped.found.best
-    assert best.merit(LOW_SHARE) > flat.merit(LOW_SHARE)
+    assert best.merit() > flat.merit()
     assert low_force(best, targets).misfit_rms_ln_force < 0.5 * low_force(flat, targets).misfit_rms_ln_force
     assert low_force(best, targets).exponent_at_N["0.5"] > low_force(flat, targets).exponent_at_N["0.5"] + 0.5
 
@@ -144,10 +144,10 @@ def test_auto_takes_the_best_merit_of_all_kinds_and_lists_the_slab_beside(settin
     monkeypatch.setattr(families, "designable_kinds", lambda: ("crowned",))
     monkeypatch.setattr(families, "load_family", lambda kind: CapFamily())
     chosen = choose(best_of_kinds("auto", LayerLaw(), setting), setting)
-    merit = {item.kind: item.candidate.merit(LOW_SHARE) for item in chosen.beside}
+    merit = {item.kind: item.candidate.merit() for item in chosen.beside}
     assert set(merit) == {"slab", "crowned"}
     assert chosen.shape.name == max(merit, key=merit.get)
-    assert chosen.found.best.merit(LOW_SHARE) == max(merit.values())
+    assert chosen.found.best.merit() == max(merit.values())
 
 
 @pytest.mark.parametrize(("text", "words"), [("crownd", "did you mean 'crowned'"), ("crowned:3", "needs height")])

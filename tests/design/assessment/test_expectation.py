@@ -1,0 +1,69 @@
+"""Among pads that the search does not tell apart the one with the better expected worth is taken, and it is said."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from dummydesign.design.assessment.expectation import by_expectation
+from dummydesign.design.assessment.pour_yield import Tolerances
+from dummydesign.design.inputs import resolve
+from dummydesign.design.request import Request
+from dummydesign.design.search.best_of_kinds import best_of_kinds, choose, close_to
+from dummydesign.design.suggest import design
+from tests.design.assessment.test_choice import surer
+
+SHARP = Tolerances(1e6, 1e-9, 1e-9)
+
+
+@pytest.fixture(scope="module")
+def crowned():
+    inputs = resolve(Request("forefinger", shape="crowned", verify=False))
+    found = best_of_kinds("crowned", inputs.slab_law, inputs.space)
+    return inputs, found, choose(found, inputs.space)
+
+
+def test_a_resin_that_is_known_and_poured_exactly_gives_the_choice_by_the_middle(crowned):
+    inputs, _, chosen = crowned
+    known = dataclasses.replace(inputs.space, resin=surer(inputs.space.resin))
+    taken, told = by_expectation((chosen,), known, SHARP, known.targets.weights.low_aim)
+    assert taken is chosen and not told.differs and told.taken == told.middle
+    assert told.taken.expected_worth == pytest.approx(told.taken.worth, abs=0.03)
+    assert told.taken.acceptable_fraction == 1.0
+
+
+def test_a_pad_at_the_end_of_a_range_gives_way_to_its_neighbour_one_step_of_the_ratio_away(crowned):
+    inputs, _, chosen = crowned
+    taken, told = by_expectation((chosen,), inputs.space, Tolerances(110.0), inputs.space.targets.weights.low_aim)
+    best, middle = taken.found.best, chosen.found.best
+    assert told.differs and told.taken.expected_worth > told.middle.expected_worth
+    assert told.taken.acceptable_fraction > told.middle.acceptable_fraction
+    assert told.taken.worth < told.middle.worth and best.standing >= middle.standing
+    step = float(np.diff(inputs.space.ratio).min())
+    assert abs(best.ratio - middle.ratio) == pytest.approx(step) and best.thickness_mm == middle.thickness_mm
+    # the row beside the other kinds is the pad that is recommended, with the tissue's law fitted to it
+    row = next(item for item in taken.beside if item.kind == "crowned")
+    assert row.candidate is best and best.parameters is not None
+    assert f"ratio {best.ratio:g}" in told.text and f"ratio {middle.ratio:g}" in told.text
+
+
+def test_of_kinds_whose_worth_is_alike_all_are_compared_and_no_other(crowned):
+    inputs, _, _ = crowned
+    space = inputs.space
+    found = best_of_kinds("auto", inputs.slab_law, space)
+    chosen = choose(found, space)
+    assert [one.shape for one in close_to(chosen, found, space)] == [chosen.shape]
+    wide = dataclasses.replace(space.targets)
+    numbers = tuple(
+        (name, dataclasses.replace(q, value=1.0) if name == "resolution" else q) for name, q in wide.weights.numbers
+    )
+    wide.__dict__["weights"] = dataclasses.replace(wide.weights, numbers=numbers)
+    every = close_to(chosen, found, dataclasses.replace(space, targets=wide))
+    assert {one.shape.name for one in every} == {item.kind for item in chosen.beside if item.candidate is not None}
+
+
+def test_the_answer_says_where_the_choice_by_expectation_differs_and_by_which_weights():
+    answer = design(resolve(Request("forefinger", shape="crowned", verify=False))).to_dict()["choice"]
+    told = answer["expectation"]
+    assert told["differs"] == (told["taken"] != told["middle"])
+    assert answer["weights"]["set"] == "curves" and answer["weights"]["aim"] == 0.6

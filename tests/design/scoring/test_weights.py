@@ -1,0 +1,75 @@
+"""The weights of the score come from one file that a reader can change, and a damaged file is refused in one line."""
+
+import numpy as np
+import pytest
+
+from dummydesign.cli import run
+from dummydesign.core.datafiles import data_folder
+from dummydesign.core.errors import InputError
+from dummydesign.design.scoring.presses import Sampling
+from dummydesign.design.scoring.score import evaluate
+from dummydesign.design.scoring.targets import make_targets
+from dummydesign.design.scoring.weights import AIMS, PARTS, weights_of
+from tests.design.scoring.test_score import cubic_slabs
+
+BUILT_IN = (data_folder() / "materials" / "score.toml").read_text()
+
+
+@pytest.fixture
+def own_file(tmp_path, monkeypatch):
+    """Writes a file of weights into a user's own folder."""
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
+    (tmp_path / "materials").mkdir()
+
+    def write(text):
+        (tmp_path / "materials" / "score.toml").write_text(text)
+
+    return write
+
+
+def test_every_aim_names_a_set_whose_parts_sum_to_one_and_whose_numbers_have_a_source():
+    for aim in (*AIMS[:2], "subject:anna"):
+        weights = weights_of(aim)
+        assert sum(weights.parts.values()) == pytest.approx(1.0) and set(weights.parts) == set(PARTS)
+        assert min(weights.parts, key=weights.parts.get) == "parametric"
+        assert weights.worth[0] < weights.worth[1] < weights.worth[2] == 1.0
+        assert all(number.source and number.low <= number.value <= number.high for _, number in weights.numbers)
+
+
+def test_a_file_of_ones_own_changes_the_total_of_its_aim_alone(own_file, finger):
+    slabs, score = cubic_slabs([1.0, 1.6]), np.array([0.3, 0.9])
+    before = evaluate(slabs, make_targets(finger, "average", Sampling())).total(score)
+    only = BUILT_IN.replace('average = "curves"', 'average = "fit"')
+    for part in PARTS:
+        only += f'\n[sets.fit.{part}]\nvalue = {float(part == "parametric")}\nlow = 0\nhigh = 1\nkind = "assumed"\n'
+        only += 'source = "mine"\n'
+    for name in ("low_aim", "reads_low", "leaves_steady_range", "resolution"):
+        only += f'\n[sets.fit.{name}]\nvalue = 0.1\nlow = 0\nhigh = 1\nkind = "assumed"\nsource = "mine"\n'
+    own_file(only)
+    average, safe = (make_targets(finger, aim, Sampling()) for aim in ("average", "safe-side"))
+    np.testing.assert_allclose(evaluate(slabs, average).total(score), score)
+    assert average.weights.origin == "user" and average.weights.name == "fit" and safe.weights.name == "curves"
+    assert not np.allclose(before, score)
+
+
+@pytest.mark.parametrize(
+    "old, new, said",
+    [
+        ("value = 0.6", "value = 0.7", "sum to 1.1, not 1"),
+        ('average = "curves"', 'average = "curve"', "aim average = 'curve' names no set"),
+        ("[sets.curves.aim]", "[sets.curves.ain]", "did you mean 'aim'"),
+        ("value = 0.01\n", "value = 0.9\n", "needs finite low <= value <= high"),
+        ("schema = 1", "schema = 2", "schema = 2 is not 1"),
+        ("schema = 1", "schema = ", "not valid TOML"),
+        ("value = 0.5\nlow = 0.0\nhigh = 0.7", "value = 5\nlow = 0.0\nhigh = 7", "low_aim = 5 of set 'curves' is"),
+        ('kind = "measured"', "", "lacks kind"),
+    ],
+)
+def test_a_damaged_file_is_refused_in_one_line(own_file, capsys, old, new, said):
+    assert old in BUILT_IN
+    own_file(BUILT_IN.replace(old, new, 1))
+    with pytest.raises(InputError):
+        weights_of("average")
+    assert run(["suggest", "--tissue", "palm", "--shape", "slab", "--no-cad", "--no-verify"]) == 2
+    lines = capsys.readouterr().err.strip().splitlines()
+    assert len(lines) == 1 and "score.toml" in lines[0] and said in lines[0]

@@ -152,7 +152,11 @@ def test_the_toy_keeps_the_contract_and_is_known_only_while_it_is_asked_for(toy)
         ("0.0, 0.0, 200.0, 5.0", "0.0, 0.0, float('inf'), 5.0", "must be finite"),
         ('shapes = ("slab",)', 'shapes = ("cone",)', "shapes = ('cone',)"),
         ('shapes = ("slab",)', 'needs = ("humidity",)', "needs 'humidity', which no campaign can declare"),
+        ("0.0, 0.0, 200.0, 5.0", "'0', 0.0, 200.0, 5.0", "must be numbers"),
+        ('shapes = ("slab",)', 'needs = "rest_s"', "needs = 'rest_s' must be a tuple of words"),
         ("def law(", "def lawful(", "it changes nothing"),
+        ("return law(", "return (1 + 0j) * law(", "its force is complex"),
+        ("return wrap(law, crusted)", "raise SystemExit(0)", "SystemExit: 0 (line 23 of broken.py)"),
         ('values["skin_mm2"]', 'values["skin"]', "KeyError: 'skin' (line 21 of broken.py)"),
         ('values["skin_mm2"] *', '(values["skin_mm2"] + 0.3) *', "towards null it leaves a step"),
         ('values["skin_mm2"] *', 'values["skin_mm2"] ** 0.5 *', "the slope of the force is not finite"),
@@ -196,7 +200,7 @@ def test_a_missing_file_and_another_kind_of_file_are_refused(tmp_path, campaigns
     assert "must end in .py" in refused(capsys, *words, tmp_path / "own.txt")
 
 
-@pytest.mark.parametrize("fault", ["raise ZeroDivisionError('oh')", "skin = np.nan"])
+@pytest.mark.parametrize("fault", ["raise ZeroDivisionError('oh')", "skin = np.nan", "raise SystemExit(0)"])
 def test_an_effect_that_fails_only_on_this_campaign_ends_in_one_line(broken, fault, campaigns, tmp_path, capsys):
     """The reference presses have eight trials, the campaign more: the fault shows there only."""
     path = broken(

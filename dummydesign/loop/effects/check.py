@@ -53,13 +53,13 @@ def check_effect(effect: type[Effect] | Effect) -> tuple[str, ...]:
             return (f"{effect.__name__} is not a class derived from dummydesign.loop.Effect",)
         try:
             effect = effect()
-        except Exception as problem:
+        except (Exception, SystemExit) as problem:
             return (f"{effect.__name__}() raised {told(problem)}; it must be made without arguments",)
     try:
         faults = tuple(_declared(effect))
         with np.errstate(all="ignore"):
             return faults or tuple(_done(effect))
-    except Exception as problem:
+    except (Exception, SystemExit) as problem:
         return (f"{type(effect).__name__} raised {told(problem)}",)
 
 
@@ -83,6 +83,9 @@ def _declared(effect: Effect) -> Iterator[str]:
     if not type(effect).__doc__:
         yield "the class has no docstring that says what it does"
     columns = {*(field.name for field in fields(History)), *SETUP}
+    if isinstance(effect.needs, str):
+        yield f"needs = {effect.needs!r} must be a tuple of words; one word is ({effect.needs!r},)"
+        return
     for name in effect.needs:
         if name not in columns:
             yield f"needs {name!r}, which no campaign can declare: known are {', '.join(sorted(columns))}"
@@ -104,6 +107,9 @@ def _parameter(one: Parameter) -> Iterator[str]:
     if end in UNITS and "_per_" not in one.name and one.unit != end:
         yield f"parameter {one.name}: its name ends in {end}, its unit is {one.unit}"
     numbers = (one.null, one.low, one.high, one.typical, *one.starts)
+    if not all(isinstance(value, int | float | np.number) for value in numbers):
+        yield f"parameter {one.name}: null, low, high, typical and starts must be numbers"
+        return
     if not np.all(np.isfinite(numbers)):
         yield f"parameter {one.name}: null, low, high, typical and starts must be finite"
         return
@@ -148,6 +154,9 @@ def _on_presses(effect: Effect, presses: Presses, law: SetupLaw) -> Iterator[str
     full, tiny = force(typical), force({**usual, size.name: size.null + SMALL * size.typical})
     if full.shape != base.shape:
         yield f"its force has the shape {full.shape}, the presses have {base.shape}"
+        return
+    if not np.isrealobj(full):
+        yield f"its force is complex at {_said(typical)}"
         return
     changed = float(np.abs(full - base).max())
     if not np.isfinite(changed) or not np.all(np.isfinite(tiny)):

@@ -38,7 +38,7 @@ def own_effects(files: Sequence[str | Path] = ()) -> Iterator[None]:
             yield
         except DummydesignError:
             raise
-        except Exception as problem:
+        except (Exception, SystemExit) as problem:
             fault = _fault_of_others(problem)
             if fault is None:
                 raise
@@ -92,7 +92,7 @@ def _kept(loaded: type[Effect] | Effect, source: str) -> Effect:
     return loaded() if isinstance(loaded, type) else loaded
 
 
-def _fault_of_others(problem: Exception) -> str | None:
+def _fault_of_others(problem: BaseException) -> str | None:
     """Which effect that is not of this package a failure went through, with its line; None when it was none."""
     frames = traceback.extract_tb(problem.__traceback__)
     for effect in foreign_effects():

@@ -25,6 +25,7 @@ def make_mould(
     resin: str | None = None,
     ratio: float = 15.0,
     count: int = 1,
+    castings: int = 1,
     base_ratio: float | None = None,
     face_sheet_mm: float | None = None,
     out: str | PathLike[str] | None = None,
@@ -47,6 +48,8 @@ def make_mould(
     ratio, base_ratio : float
         Mixing ratio, and that of a layered pad's base (by default from its modulus ratio).
     count : int
+        Cavities side by side in one mould, as many as the machines hold.
+    castings : int
         Castings of each mould, for the list of what is needed; more than one make a job too.
     face_sheet_mm : float, optional
         Thickness of a sheet of glass let into the master as the tested face; the preset's by default, 0 for none. [mm]
@@ -77,22 +80,23 @@ def make_mould(
     {'pass'}
     """
     from dummydesign.core.outputs.write import new_folder
-    from dummydesign.mold.job import read_thicknesses
     from dummydesign.mold.model.pad_kind import read_kind
     from dummydesign.mold.model.preset import mould_spec
     from dummydesign.mold.runner import make_mold
+    from dummydesign.mold.several.job import read_thicknesses
 
     kind, parameters = read_kind(shape)
     wanted = read_thicknesses(thickness_mm)
 
     def made(one: float) -> MouldSpec:
         return mould_spec(
-            one, length_mm, width_mm, preset, resin, ratio, kind, parameters, base_ratio, face_sheet_mm=face_sheet_mm
-        )
+            one, length_mm, width_mm, preset, resin, ratio, kind, parameters, base_ratio, face_sheet_mm=face_sheet_mm,
+            count=count,
+        )  # fmt: skip
 
-    if len(wanted) != 1 or count != 1:
+    if len(wanted) != 1 or castings != 1:
         specs = [made(one) for one in wanted]
-        return _make_job(specs, count, resin, preset, out, replace)
+        return _make_job(specs, castings, resin, preset, out, replace)
     spec = made(wanted[0])
     folder = Path(out) if out else Path(f"mould_{spec.tag}")
     inputs = {
@@ -102,6 +106,8 @@ def make_mould(
     }  # fmt: skip
     if spec.base is not None:
         inputs |= {"base_ratio": spec.base.pour.ratio, "modulus_ratio_of_base": spec.base.modulus_ratio}
+    if spec.count > 1:
+        inputs["count"] = spec.count
     if spec.box.face_sheet_mm:
         inputs["face_sheet_mm"] = spec.box.face_sheet_mm
     asked = question("mold", {**inputs, "specification": spec.hash}, resin=resin, preset=preset)
@@ -121,14 +127,20 @@ def make_mould(
 
 
 def _make_job(
-    specs: list[MouldSpec], count: int, resin: str | None, preset: str, out: str | PathLike[str] | None, replace: bool
+    specs: list[MouldSpec],
+    castings: int,
+    resin: str | None,
+    preset: str,
+    out: str | PathLike[str] | None,
+    replace: bool,
 ) -> Result:
-    from dummydesign.mold.job import folder_name, job_inputs, make_job
+    from dummydesign.mold.several.job import folder_name, job_inputs, make_job
 
-    inputs = job_inputs(specs, count)
-    folder = Path(out) if out else Path(folder_name(inputs["thickness_mm"], count, specs[0].pad.prefix))
+    inputs = job_inputs(specs, castings)
+    name = folder_name(inputs["thickness_mm"], castings, specs[0].pad.prefix, specs[0].count)
+    folder = Path(out) if out else Path(name)
     asked = question("mold", {**inputs, "specifications": [spec.hash for spec in specs]}, resin=resin, preset=preset)
-    result = make_job(specs, count, folder, asked, replace)
+    result = make_job(specs, castings, folder, asked, replace)
     return Result(result["moulds"], result, "make_mould")
 
 

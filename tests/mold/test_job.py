@@ -10,12 +10,12 @@ import pytest
 from dummydesign import cli
 from dummydesign.core.errors import InputError
 from dummydesign.mold import runner
-from dummydesign.mold.files.job_sheet import Ordered, check_job, job_bill, job_sheet
 from dummydesign.mold.files.pour_sheet import to_markdown
-from dummydesign.mold.job import folder_name, read_thicknesses
 from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.pour.materials_list import bill_of_materials
 from dummydesign.mold.pour.plan import pour_plan
+from dummydesign.mold.several.job import folder_name, read_thicknesses
+from dummydesign.mold.several.job_sheet import Ordered, check_job, job_bill, job_sheet
 
 SPECS = [mould_spec(t, 60.0, 50.0) for t in (5.0, 8.0)]
 PRINTED = {"master": 120_000.0, "tray": 70_000.0}
@@ -72,7 +72,7 @@ def test_the_sheet_names_every_mould_its_folder_and_the_castings():
 
 
 @pytest.mark.parametrize("thicknesses, count, named", [
-    ((5.0, 5.0), 1, "--count"), ((5.0,), 0, "0 is outside"), ((5.0,), 21, "20"), ((), 1, "thicknesses"),
+    ((5.0, 5.0), 1, "--count"), ((5.0,), 0, "0 is outside"), ((5.0,), 21, "--castings"), ((), 1, "thicknesses"),
 ])  # fmt: skip
 def test_a_job_without_sense_is_refused(thicknesses, count, named):
     with pytest.raises(InputError, match=named):
@@ -87,11 +87,11 @@ def test_thicknesses_are_read_from_numbers_lists_and_text():
 
 
 def test_the_command_makes_a_folder_each_under_one_manifest_and_records_go_with_it(no_cad, capsys):
-    words = ["mold", "--thickness", "5,8", "--length", "60", "--width", "50", "--count", "2"]
+    words = ["mold", "--thickness", "5,8", "--length", "60", "--width", "50", "--castings", "2"]
     assert cli.run([*words, "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
     folder = no_cad / "moulds_t5_t8"
-    assert [one["thickness_mm"] for one in answer["moulds"]] == [5.0, 8.0] and answer["inputs"]["count"] == 2
+    assert [one["thickness_mm"] for one in answer["moulds"]] == [5.0, 8.0] and answer["inputs"]["castings"] == 2
     sums = json.loads((folder / "manifest.json").read_text())["sha256"]
     assert set(sums) == {"job.md", "job.pdf", "t5/spec.json", "t8/spec.json"}
     assert (folder / "job.pdf").read_bytes().startswith(b"%PDF")
@@ -111,6 +111,7 @@ def test_one_mould_that_fails_leaves_nothing_of_the_job(no_cad, capsys):
 
 
 @pytest.mark.parametrize("arguments", [["--thickness", "5,400"], ["--thickness", "5,5"], ["--thickness", "5,x"],
+                                       ["--thickness", "5", "--castings", "0"],
                                        ["--thickness", "5", "--count", "0"]])  # fmt: skip
 def test_a_bad_job_is_one_line_and_no_file(no_cad, capsys, arguments):
     assert cli.run(["mold", *arguments]) == 2

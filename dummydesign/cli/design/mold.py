@@ -22,7 +22,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--thickness", metavar="MM[,MM..]", help="thickness of the pad, 3 to 30 mm; required; several make one job"
     )
-    parser.add_argument("--count", type=int, default=1, metavar="N", help="castings of each mould (default 1)")
+    parser.add_argument("--count", type=int, default=1, metavar="N", help="cavities in one mould (default 1)")
+    parser.add_argument("--castings", type=int, default=1, metavar="N", help="castings of each mould (default 1)")
     parser.add_argument("--length", type=float, default=150.0, metavar="MM", help="length of the pad (default 150)")
     parser.add_argument("--width", type=float, default=120.0, metavar="MM", help="width of the pad (default 120)")
     parser.add_argument(
@@ -67,6 +68,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         resin=options.resin,
         ratio=options.ratio,
         count=options.count,
+        castings=options.castings,
         face_sheet_mm=options.face_sheet,
         base_ratio=options.base_ratio,
         out=options.out,
@@ -78,10 +80,11 @@ def default_out(options: argparse.Namespace) -> str | None:
     """Name of the folder in a project when none is typed; elsewhere the call names it. A record has its folder."""
     if options.action == "record" or options.thickness is None:
         return None
-    from dummydesign.mold.job import folder_name, read_thicknesses
+    from dummydesign.mold.several.job import folder_name, read_thicknesses
 
     shape = options.shape.partition(":")[0].lower()
-    return folder_name(read_thicknesses(options.thickness), options.count, "" if shape == "slab" else shape)
+    kind = "" if shape == "slab" else shape
+    return folder_name(read_thicknesses(options.thickness), options.castings, kind, options.count)
 
 
 def render(result: dict[str, Any]) -> str:
@@ -94,8 +97,10 @@ def render(result: dict[str, Any]) -> str:
         return _job(result)
     inputs, pour = result["inputs"], result["pour"]
     size = f"{inputs['length_mm']:g} x {inputs['width_mm']:g} x {inputs['thickness_mm']:g} mm"
+    several = f"{inputs['count']} pads" if inputs.get("count", 1) > 1 else "a"
+    pads = f"{several} {inputs['shape']} pad" if several == "a" else f"{several} ({inputs['shape']}), each"
     lines = [
-        f"Mould ({inputs['preset']}) for a {inputs['shape']} pad of {size}, specification {result['spec_hash']}",
+        f"Mould ({inputs['preset']}) for {pads} of {size}, specification {result['spec_hash']}",
         "",
     ]
     first = "upper layer, poured first: " if "base" in pour else ""
@@ -138,7 +143,7 @@ def _job(result: dict[str, Any]) -> str:
         # One of them failed, and what was made is not kept.
         failed = [item for item in result.get("checks", []) if item["status"] == "fail"]
         return "\n".join([*lines, *(f"  fail    {item['id']}: {item.get('note', '')}" for item in failed)])
-    lines += ["", f"Needed for all, {result['inputs']['count']} castings of each"]
+    lines += ["", f"Needed for all, {result['inputs']['castings']} castings of each"]
     lines += [f"  {what:<46}{much:<16}{purpose}" for what, much, purpose in result["bill_of_materials"][1:]]
     lines += ["", *(f"{role}: {result['files'][role]}" for role in ("job", "job_pdf", "manifest"))]
     return "\n".join(lines + [f"warning: {item['message']}" for item in result["warnings"]])
@@ -146,6 +151,6 @@ def _job(result: dict[str, Any]) -> str:
 
 def _weights(pour: dict[str, Any]) -> list[str]:
     lines = [f"  {part['name']:<14}{part['mass_g']:10.1f} g" for part in pour["components"]]
-    ends = f"of which {pour['pad_mass_g']:.1f} g end up in the pad"
+    ends = f"of which {pour['pad_mass_g']:.1f} g end up in a pad"
     lines.append(f"  {'total':<14}{pour['batch_mass_g']:10.1f} g   {ends}")
     return lines

@@ -27,6 +27,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--hold", type=float, metavar="S", help="default 10")
     add("--seed", type=int, default=1, metavar="N", help="of the order (default 1)")
     add("--no-power", action="store_true", help="do not work out which effects the plan cannot see or tell apart")
+    add("--moulds", action="store_true", help="make the moulds of all pads too, in DIR-moulds (needs --resin)")
+    add("--preset", default="open", metavar="NAME|FILE", help="of the moulds (default open)")
     check = actions.add_parser("check", help="what is not yet pressed, or looks wrong", allow_abbrev=False)
     check.add_argument("folder", metavar="DIR")
     files = actions.add_parser("from-files", help="campaign.toml from traces one has", allow_abbrev=False)
@@ -77,9 +79,48 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         ).to_dict()  # fmt: skip
     from dummydesign.api.plan_calls import plan_campaign
 
-    return plan_campaign(
-        options.folder, set_up, _design(options), power=not options.no_power, replace=options.replace
-    ).to_dict()
+    design = _design(options)
+    moulds = _moulds(options, set_up, design) if options.moulds else None
+    plan = plan_campaign(options.folder, set_up, design, power=not options.no_power, replace=options.replace).to_dict()
+    return plan if moulds is None else _with_moulds(plan, moulds)
+
+
+def _moulds(options: argparse.Namespace, set_up: Any, design: Any) -> dict[str, Any]:
+    """What the moulds' call is asked; refused before anything is written."""
+    from dummydesign.core.errors import InputError
+    from dummydesign.mold.model.pad_kind import PUCK, read_kind
+    from dummydesign.mold.model.preset import mould_spec
+
+    if options.resin is None or options.ratio is None:
+        raise InputError("--moulds: say what is poured, --resin NAME with --ratio R")
+    pad = set_up.tables()["pad"]
+    shape = PUCK if "diameter_mm" in pad else options.shape
+    length, width = (pad.get(name, pad.get("diameter_mm")) for name in ("length_mm", "width_mm"))
+    asked = {"length_mm": length, "width_mm": width, "preset": options.preset, "resin": options.resin,
+             "ratio": options.ratio}  # fmt: skip
+    kind, parameters = read_kind(shape)
+    for one in design.pads_mm:
+        mould_spec(one, kind=kind, parameters=parameters, **asked)
+    return {**asked, "thickness_mm": design.pads_mm, "shape": shape, "replace": options.replace}
+
+
+def _with_moulds(plan: dict[str, Any], asked: dict[str, Any]) -> dict[str, Any]:
+    """The plan, and the moulds of its pads in a folder beside it."""
+    from pathlib import Path
+
+    from dummydesign.api.mould_calls import make_mould
+
+    folder = Path(plan["inputs"]["folder"])
+    try:
+        made = make_mould(**asked, out=folder.with_name(f"{folder.name}-moulds")).to_dict()
+    except NoAnswerError as problem:
+        message = f"the plan is in {folder}, its moulds are missing: {problem}"
+        raise NoAnswerError(problem.code, message, plan) from None
+    roles = ("job", "manifest") if "moulds" in made else ("pour_sheet", "manifest")
+    files = {f"moulds_{role}": made["files"][role] for role in roles if role in made["files"]}
+    needed = {"bill_of_materials": made["bill_of_materials"]} if "bill_of_materials" in made else {}
+    return {**plan, "files": {**plan["files"], **files}, "moulds": made["inputs"], **needed,
+            "warnings": [*plan["warnings"], *made["warnings"]]}  # fmt: skip
 
 
 def _set_up(options: argparse.Namespace) -> Any:

@@ -25,7 +25,7 @@ def strike_off(spec: MouldSpec, plan: Layout) -> Any:
         plan.brim_outline.grown(-aids.plate_clearance_mm), spec.body.freeboard_mm, spec.pad.draft_deg, plan.depth_mm
     )
     plate = drafted_prism(plan.top.grown(-1.0), aids.plate_mm, 0.0, plan.land_mm)
-    return single_solid(plate.fuse(dip))
+    return single_solid(plate.fuse(*plan.at_places(dip)))
 
 
 def tray(spec: MouldSpec, plan: Layout) -> Any:
@@ -55,7 +55,7 @@ def collar(spec: MouldSpec, plan: Layout) -> Any:
     aids = spec.aids
     high = formula.collar_height_mm(plan.depth_mm, spec.pour.foam_factor)
     gap, lip = COLLAR_GAP_MM + spec.machines.elephant_foot_mm, 4.0
-    inner = plan.opening.grown(1.0)
+    inner = plan.openings.grown(1.0)
     outside = plan.top.grown(gap + aids.collar_wall_mm)
     ring = drafted_prism(outside, high + lip, 0.0, plan.land_mm - lip)
     seat = drafted_prism(plan.top.grown(gap), lip, 0.0, plan.land_mm - lip)

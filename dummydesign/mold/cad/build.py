@@ -30,13 +30,13 @@ def build(spec: MouldSpec) -> Parts:
     whole, bone = cavity_solid(spec.pad), bone_solid(spec.pad)
     nominal = whole if bone is None else single_solid(whole.cut(bone))
     made = Parts(spec, plan, nominal)
-    pad = single_solid(nominal.scale(plan.scale))
+    pad = plan.at_places(single_solid(nominal.scale(plan.scale)))[0]
     made.with_bone = None if bone is None else single_solid(whole.scale(plan.scale))
     made.add("pad", pad, "resin")
     beside = plan.flange.length_mm / 2 + plan.top.length_mm / 2 + 40.0
     if spec.is_printed:
         made.tools["label"] = label_tools(spec, plan)
-        add_printed(made, brim_tool(spec, plan), made.tools["label"])
+        add_printed(made, plan.at_places(brim_tool(spec, plan)), made.tools["label"])
     else:
         _add_silicone(made, beside)
     if spec.body.style == "lidded":
@@ -58,9 +58,9 @@ def _add_silicone(made: Parts, beside_mm: float) -> None:
     """The silicone mould with its label, and the master and frame it is cast in."""
     spec, plan = made.spec, made.plan
     made.hull = drafted_prism(plan.bottom, plan.height_mm, spec.body.outer_draft_deg, -spec.body.floor_mm)
-    mould = made.hull.cut(made.cavity)
+    mould = made.hull.cut(*made.cavities)
     if spec.body.style == "open":
-        mould = mould.cut(brim_tool(spec, plan))
+        mould = mould.cut(*plan.at_places(brim_tool(spec, plan)))
     else:
         mould = mould.cut(*lid.mould_tools(spec, plan, made.tools))
     bars = label_tools(spec, plan)
@@ -81,9 +81,12 @@ def _let_in_sheet(made: Parts, master: Any, offset_mm: tuple[float, float, float
     thick, top = spec.box.face_sheet_mm, plug_top_mm(plan)
     deep = thick + spec.box.sheet_bond_mm
     pocket = drafted_prism(recess_outline(spec, plan), deep, 0.0, top - deep)
-    made.tools["face_recess"] = [pocket]
-    made.add("face_sheet", drafted_prism(sheet_outline(spec, plan), thick, 0.0, top - thick), "glass", offset_mm)
-    return single_solid(master.cut(pocket))
+    sheet = drafted_prism(sheet_outline(spec, plan), thick, 0.0, top - thick)
+    # The casting frame is the mould's turned over about x, and larger by the silicone's shrinkage.
+    places = [(place.x_mm * plan.silicone_scale, -place.y_mm * plan.silicone_scale, 0.0) for place in plan.places]
+    made.tools["face_recess"] = [pocket.translate(place) for place in places]
+    made.add("face_sheet", sheet.translate(places[0]), "glass", offset_mm)
+    return single_solid(master.cut(*made.tools["face_recess"]))
 
 
 def _add_layers(made: Parts, beside_mm: float) -> None:

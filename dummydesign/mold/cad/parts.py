@@ -45,6 +45,13 @@ class Parts:
         """The mould that the pad is cast in, a printed one as if it had no joint."""
         return self.solid("mould") if self.whole is None else self.whole
 
+    @property
+    def cavities(self) -> list[Any]:
+        """What fills each cavity of the mould; :attr:`cavity` is the first of them."""
+        first = self.plan.places[0]
+        moves = [(place.x_mm - first.x_mm, place.y_mm - first.y_mm, 0.0) for place in self.plan.places]
+        return [self.cavity.translate(move) if any(move) else self.cavity for move in moves]
+
     def add(self, name: str, solid: Any, material: str, offset_mm: tuple[float, float, float] = (0, 0, 0)) -> None:
         """Add one part.
 

@@ -35,10 +35,11 @@ def check_mould_mesh(made: Parts, mould: Any, fine: Any) -> list[Check]:
     import numpy as np
 
     spec, plan = made.spec, made.plan
-    hits = ray_hits(fine, plan.opening, -0.01, plan.land_mm)
+    hits = ray_hits(fine, plan.openings, -0.01, plan.land_mm)
     found = [equal("rays_blocked", hits, 0, "upward rays from the cavity that meet the mould")]
     centres, normals = mould.triangles_center, mould.face_normals
-    inside = (np.abs(centres[:, 0]) < plan.opening.length_mm / 2) & (np.abs(centres[:, 1]) < plan.opening.width_mm / 2)
+    inside = np.abs(centres[:, 0]) < plan.openings.length_mm / 2
+    inside &= np.abs(centres[:, 1]) < plan.openings.width_mm / 2
     # A pocket that is too deep must not escape, so the floor is looked for down to the underside.
     inside &= (centres[:, 2] < plan.land_mm - 1e-3) & (mould.area_faces > 1e-4)
     side = np.flatnonzero(inside & (centres[:, 2] > -0.01) & (np.abs(normals[:, 2]) < 0.2))

@@ -95,13 +95,14 @@ def _weights(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[Check]:
     resolution = spec.machines.balance_resolution_g
     total = sum(mass for _, mass in plan.components)
     whole = all(math.isclose(mass / resolution, round(mass / resolution), abs_tol=1e-6) for _, mass in plan.components)
+    filled = spec.count * plan.fill_mass_g
     lightest = min(mass for _, mass in plan.components)
     # A cup as high as it is wide, as large as the foam needs.
     cup = (4 * plan.cup_mm3 / math.pi) ** (1 / 3)
     needed = pour.pour_and_degas_min + plan.pour_time_s / 60
     return [
         equal("weights_sum", whole and math.isclose(total, plan.batch_mass_g, abs_tol=1e-9), True),
-        above("batch_covers_cavity", plan.batch_mass_g - pour.film_loss_g, plan.fill_mass_g, "g after film loss"),
+        above("batch_covers_cavity", plan.batch_mass_g - pour.film_loss_g, filled, "g after film loss"),
         below(
             "weighing_error", plan.ratio_error_percent, 100 * resolution / lightest, "%, what one balance step allows"
         ),

@@ -45,12 +45,13 @@ def check_volumes(made: Parts) -> list[Check]:
     nominal = made.pad_nominal.Volume()
     inside = made.hull.cut(made.mould, *made.tools["label"])
     low = drafted_prism(plan.fill_outline.grown(1.0), plan.depth_mm + spec.body.floor_mm, 0.0, -spec.body.floor_mm)
-    cavity = inside.intersect(low).Volume()
+    cavities = [inside.intersect(one).Volume() for one in plan.at_places(low)]
     filled = made.cavity.Volume()
     what = "against pad and bone" if "carrier" in made.parts else "against pad"
+    off = max(abs(one / filled - 1) for one in cavities)
     exact = contents.resin_volume_mm3(spec, plan)
     return [
-        below("cavity_volume", abs(cavity / filled - 1), VOLUME_REL, f"cavity to the fill plane {what}"),
+        below("cavity_volume", off, VOLUME_REL, f"cavity to the fill plane {what}"),
         below("compensation", abs(pad.Volume() / (nominal * plan.scale**3) - 1), VOLUME_REL),
         below("closed_form", abs(pad.Volume() / exact - 1), VOLUME_REL, _closed_form(spec.pad.shape)),
     ]
@@ -119,7 +120,7 @@ def _funnels(made: Parts) -> list[Any]:
 def cavity_draft_deg(mould: Any, made: Parts) -> float:
     """Smallest draft of a mould's cavity faces, pulled along +z. [deg]"""
     plan = made.plan
-    return demould.minimum_draft_deg(demould.faces_within(mould, plan.opening, -0.01, plan.land_mm))
+    return demould.minimum_draft_deg(demould.faces_within(mould, plan.openings, -0.01, plan.land_mm))
 
 
 def check_drafts(made: Parts) -> list[Check]:
@@ -130,7 +131,7 @@ def check_drafts(made: Parts) -> list[Check]:
     if spec.is_printed:
         return found
     high = plan.height_mm * grow
-    plug = demould.faces_within(_without_pocket(made), plan.opening.scaled(grow), 0.0, high)
+    plug = demould.faces_within(_without_pocket(made), plan.openings.scaled(grow), 0.0, high)
     found.append(above("draft_plug", demould.minimum_draft_deg(plug), spec.pad.draft_deg - DRAFT_SLACK_DEG))
     frames = [("frame", high)]
     if "lid_frame" in made.parts:
@@ -159,8 +160,8 @@ def sweep_offsets_mm(depth_mm: float) -> list[float]:
 
 
 def _sweep(made: Parts) -> Check:
-    pad, mould = made.cavity, made.mould
-    worst = demould.sweep_interference_mm3(pad, mould, sweep_offsets_mm(made.plan.depth_mm))
+    offsets = sweep_offsets_mm(made.plan.depth_mm)
+    worst = max(demould.sweep_interference_mm3(pad, made.mould, offsets) for pad in made.cavities)
     return below("sweep_cavity", worst, INTERFERENCE_MM3, "mm3, pad pulled straight out at six offsets")
 
 

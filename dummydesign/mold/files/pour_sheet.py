@@ -56,6 +56,7 @@ def pour_sheet(
     pad = spec.pad
     title = f"Pour sheet: {pad.prefix + ' ' if pad.prefix else ''}pad "
     title += f"{pad.length_mm:g} x {pad.width_mm:g} x {pad.thickness_mm:g} mm, {spec.preset} mould"
+    title += f" with {spec.count} cavities" if spec.count > 1 else ""
     shape = shape_notes.shape_mark(spec)
     label = label_text(spec)
     mark = f"label on the mould: {label}" if label else "the land has no room for a label: mark the mould"
@@ -71,7 +72,7 @@ def pour_sheet(
         *_weight_blocks(spec, plan),
         *_pour_blocks(spec, plan),
         *_demould_blocks(spec),
-        Block("head", "5. Accept or reject"),
+        Block("head", "5. Accept or reject" + (", each pad" if spec.count > 1 else "")),
         Block("table", rows=tuple(acceptance_rows(spec, plan))),
         Block("text", "Keep it: dummydesign mold record DIR --thickness a,b,c,d,e --mass G [--modulus KPA --level DEG "
               "--bubbles N]; a campaign then names the record and knows this pad."),

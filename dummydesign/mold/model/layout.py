@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 from dummydesign.mold.model.outline import Outline
 from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.mold.several.grid import best_grid
 
 
 def pad_scale(spec: MouldSpec) -> float:
@@ -45,7 +47,8 @@ class Layout:
 
     ``face_mm`` is the flat of the tested face (0 without a crown), where ``floor_outline`` lies;
     ``interface_mm`` the top of the layer poured first (0 without layers) with its outline, ``depth_mm`` the fill
-    plane and ``land_mm`` the mould's top face.
+    plane and ``land_mm`` the mould's top face. Outlines up to ``opening`` are those of one cavity about its own middle;
+    ``places`` are the middles of all of them, ``openings`` the rectangle that holds their openings.
     """
 
     scale: float
@@ -59,6 +62,7 @@ class Layout:
     fill_outline: Outline
     brim_outline: Outline
     opening: Outline
+    openings: Outline
     top: Outline
     bottom: Outline
     flange: Outline
@@ -68,6 +72,13 @@ class Layout:
     vents: tuple[Point, ...]
     label_y_mm: float
     label_room_mm: float
+    places: tuple[Point, ...] = (Point(0.0, 0.0),)
+
+    def at_places(self, tool: Any) -> list[Any]:
+        """A solid of one cavity at the middle of each, one after the other."""
+        if len(self.places) == 1:
+            return [tool]
+        return [tool.translate((place.x_mm, place.y_mm, 0.0)) for place in self.places]
 
 
 def layout(spec: MouldSpec) -> Layout:
@@ -86,10 +97,11 @@ def layout(spec: MouldSpec) -> Layout:
     height = land + body.floor_mm
     # Where the outside draws in faster than the cavity, the wall is thinnest at the floor: start wider.
     thinner = math.tan(math.radians(body.outer_draft_deg)) - k
-    wide = opening.grown(body.wall_mm + max(0.0, land * thinner))
+    rim = box.flange_mm if spec.is_printed else box.frame_wall_mm + box.flange_mm
+    openings, places = _side_by_side(spec, opening, body.wall_mm + rim)
+    wide = openings.grown(body.wall_mm + max(0.0, land * thinner))
     top = Outline(wide.length_mm, wide.width_mm, min(body.outer_corner_radius_mm, wide.radius_mm))
     bottom = top.grown(-height * math.tan(math.radians(body.outer_draft_deg)))
-    rim = box.flange_mm if spec.is_printed else box.frame_wall_mm + box.flange_mm
     layers = pad.shape.layers()
     interface = scale * layers[0] if layers else 0.0
     keys, sprue, vents = _closure_places(spec, fill)
@@ -106,6 +118,7 @@ def layout(spec: MouldSpec) -> Layout:
         fill_outline=fill,
         brim_outline=brim,
         opening=opening,
+        openings=openings,
         top=top,
         bottom=bottom,
         flange=top.scaled(grow).grown(rim),
@@ -113,9 +126,22 @@ def layout(spec: MouldSpec) -> Layout:
         keys=keys,
         sprue=sprue,
         vents=vents,
-        label_y_mm=-(opening.width_mm / 2 + (strip_in + body.wall_mm) / 2),
-        label_room_mm=_label_room(spec, opening, keys),
+        label_y_mm=-(openings.width_mm / 2 + (strip_in + body.wall_mm) / 2),
+        label_room_mm=_label_room(spec, openings, keys),
+        places=places,
     )
+
+
+def _side_by_side(spec: MouldSpec, opening: Outline, border_mm: float) -> tuple[Outline, tuple[Point, ...]]:
+    """The rectangle that holds the openings of all cavities, and their middles."""
+    if spec.count == 1:
+        return opening, (Point(0.0, 0.0),)
+    m = spec.machines
+    bed = (m.bed_x_mm - 2 * m.bed_margin_mm, m.bed_y_mm - 2 * m.bed_margin_mm)
+    grid = best_grid(spec.count, opening.length_mm, opening.width_mm, spec.body.wall_mm, border_mm, bed)
+    x, y = grid.reach_mm
+    held = Outline(opening.length_mm + x, opening.width_mm + y, opening.radius_mm)
+    return held, tuple(Point(*place) for place in grid.places_mm)
 
 
 def _gutter_reach(spec: MouldSpec) -> float:

@@ -66,6 +66,7 @@ def mould_spec(
     machines: str | None = None,
     silicone: str | None = None,
     face_sheet_mm: float | None = None,
+    count: int = 1,
 ) -> MouldSpec:
     """Put together and check the specification of a mould.
 
@@ -88,6 +89,8 @@ def mould_spec(
         Names or files that take the place of those the preset names.
     face_sheet_mm : float, optional
         Thickness of the sheet of glass let in as the tested face, in place of the preset's; 0 for none. [mm]
+    count : int
+        Cavities side by side in one mould.
 
     Returns
     -------
@@ -147,6 +150,7 @@ def mould_spec(
         plastic=plastic,
         acceptance=Acceptance(**limits),
         surface=surface,
+        count=count,
     )
     validate(spec)
     return spec

@@ -149,6 +149,7 @@ class MouldSpec:
     plastic: Plastic | None = None
     acceptance: Acceptance = Acceptance()
     surface: Surface | None = None
+    count: int = 1
 
     @property
     def is_printed(self) -> bool:
@@ -175,6 +176,8 @@ class MouldSpec:
             del plain["machines"]["layer_mm"]
         if plain["machines"]["fit"] is None:
             del plain["machines"]["fit"]
+        if plain["count"] == 1:
+            del plain["count"]
         if not plain["box"]["face_sheet_mm"]:
             for name in ("face_sheet_mm", "sheet_bond_mm", "sheet_rim_mm"):
                 del plain["box"][name]
@@ -191,9 +194,10 @@ class MouldSpec:
 
     @property
     def tag(self) -> str:
-        """Thickness as it stands in file names, after the shape's name: ``t5``, ``t7.5``, ``crowned_t5``."""
+        """Thickness as it stands in file names, after the shape's name: ``t5``, ``t7.5``, ``crowned_t5``, ``t5_x4``."""
         prefix = self.pad.prefix
-        return f"{prefix + '_' if prefix else ''}t{self.pad.thickness_mm:g}"
+        several = f"_x{self.count}" if self.count > 1 else ""
+        return f"{prefix + '_' if prefix else ''}t{self.pad.thickness_mm:g}{several}"
 
     @staticmethod
     def from_dict(data: dict[str, Any]) -> MouldSpec:

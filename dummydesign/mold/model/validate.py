@@ -18,6 +18,7 @@ from dummydesign.mold.printed.surface import check_surface
 STYLES = ("open", "lidded", "printed")
 THICKNESS_MM = (3.0, 30.0)
 CORNER_MM = 0.5
+MOST_CAVITIES = 20
 SMALLEST_MM = {"open": 20.0, "lidded": 50.0, "printed": 20.0}
 
 
@@ -39,10 +40,41 @@ def validate(spec: MouldSpec) -> Layout:
     _check_process(spec)
     if spec.base is not None:
         _check_process(replace(spec, pour=spec.base.pour))
+    _check_count(spec)
     plan = layout(spec)
     check_face_sheet(spec, plan)
-    _check_machines(spec, plan)
+    if spec.count == 1:
+        _check_machines(spec, plan)
+        return plan
+    try:
+        _check_machines(spec, plan)
+    except InputError as problem:
+        _machines_hold_fewer(spec, problem)
     return plan
+
+
+def _check_count(spec: MouldSpec) -> None:
+    """Several cavities stand side by side where one strike-off plate closes them all."""
+    if not 1 <= spec.count <= MOST_CAVITIES:
+        raise out_of_range("count", spec.count, 1, MOST_CAVITIES, "cavities of one mould")
+    if spec.count > 1 and (spec.body.style == "lidded" or spec.base is not None or spec.pad.shape.bone_height_mm):
+        what = "a lidded mould" if spec.body.style == "lidded" else f"a mould for {spec.pad.shape.name} pads"
+        raise InputError(f"count = {spec.count}: {what} has one cavity; cast the pads one after the other (--castings)")
+
+
+def _machines_hold_fewer(spec: MouldSpec, problem: InputError) -> None:
+    """Say how many cavities the machines hold, when some fit at all."""
+    for fewer in range(spec.count - 1, 0, -1):
+        one = replace(spec, count=fewer)
+        try:
+            _check_machines(one, layout(one))
+        except InputError:
+            continue
+        raise InputError(
+            f"count = {spec.count} cavities of {spec.pad.length_mm:g} x {spec.pad.width_mm:g} mm do not fit machines "
+            f"'{spec.machines.name}'; {fewer} fit{'s' if fewer == 1 else ''} in one mould"
+        ) from problem
+    raise problem
 
 
 def _all_finite(value: Any, name: str) -> None:

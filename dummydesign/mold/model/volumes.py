@@ -39,4 +39,4 @@ def mould_volume_mm3(spec: MouldSpec, plan: Layout | None = None) -> float:
     plan = plan or layout(spec)
     block = drafted_volume_mm3(plan.bottom, plan.height_mm, spec.body.outer_draft_deg)
     brim = drafted_volume_mm3(plan.brim_outline, spec.body.freeboard_mm, spec.pad.draft_deg)
-    return block - cavity_volume_mm3(spec, plan) - brim
+    return block - spec.count * (cavity_volume_mm3(spec, plan) + brim)

@@ -107,7 +107,7 @@ def materials(
     if box.face_sheet_mm:
         cut = sheet_outline(spec, layout(spec))
         size = f"{cut.length_mm:g} mm across" if cut.is_circle else f"{cut.length_mm:g} x {cut.width_mm:g} mm"
-        needs.append(Need(f"sheet of glass, {box.face_sheet_mm:g} mm, {size}", 1, "{:.0f}", "tested face"))
+        needs.append(Need(f"sheet of glass, {box.face_sheet_mm:g} mm, {size}", spec.count, "{:.0f}", "tested face"))
     for part, name in ((plan, ""), (plan.base, " (base layer)")):
         if part is not None:
             needs += [Need(f"{what}{name}", mass, "{:.1f} g", "pad", POUR) for what, mass in part.components]
@@ -115,7 +115,7 @@ def materials(
     cups = 2 if plan.base is None else 4
     needs.append(Need(f"cups of {cup_litre(foam):g} l", cups, "{:.0f}", "mixing and pouring over", POUR))
     if spec.body.style != "lidded" and not spec.pad.shape.bone_height_mm:
-        film = f"release film, {spec.pad.length_mm + 40:.0f} x {spec.pad.width_mm + 40:.0f} mm"
+        film = f"release film, {place.openings.length_mm + 40:.0f} x {place.openings.width_mm + 40:.0f} mm"
         needs.append(Need(film, 1 if plan.base is None else 2, "{:.0f}", "plate", POUR))
     else:
         needs.append(Need("release agent", 1, "a little", "parting faces; never the tested face", SHARED))

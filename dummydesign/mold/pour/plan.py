@@ -22,7 +22,8 @@ CARRIER_VENTS, CARRIER_VENT_MM = 4, 3.0
 class PourPlan:
     """Weights and limits of one pour; ``components`` are (name, mass in g) as the balance shows them.
 
-    ``cavity_mm3`` is the resin of this pour. ``base`` is the second pour of a layered pad.
+    ``cavity_mm3`` is the resin of one pad in this pour, ``pad_mass_g`` and ``fill_mass_g`` are those of one cavity, the
+    batch is for all cavities of the mould. ``base`` is the second pour of a layered pad.
     """
 
     cavity_mm3: float
@@ -119,7 +120,7 @@ def _one_pour(
     plan = layout(spec)
     density = pour.density_g_per_cm3 * 1e-3
     in_mould = density * (resin_mm3 + above_mm3)
-    wanted = in_mould * (1 + pour.extra_percent / 100) + pour.film_loss_g
+    wanted = spec.count * in_mould * (1 + pour.extra_percent / 100) + pour.film_loss_g
     resolution = spec.machines.balance_resolution_g
     components, error = split_batch(wanted, pour.components, resolution)
     batch = sum(mass for _, mass in components)

@@ -62,10 +62,11 @@ def _drying(spec: MouldSpec) -> list[Step]:
 
 def _levelling(spec: MouldSpec, plan: PourPlan) -> Step:
     pad = spec.pad
-    load = plan.fill_mass_g + (plan.base.fill_mass_g if plan.base else 0.0)
+    load = spec.count * plan.fill_mass_g + (plan.base.fill_mass_g if plan.base else 0.0)
+    cavity = "cavity" if spec.count == 1 else "cavities"
     empty = spec.pour.degas != "mould"
     under = (
-        f"with a weight of about {load:.0f} g on a clean film in the cavity, the load to come; take it out again"
+        f"with a weight of about {load:.0f} g on a clean film in the {cavity}, the load to come; take it out again"
         if empty
         else "at once, with the resin in it"
     )
@@ -95,7 +96,7 @@ def _degas_in_cup(spec: MouldSpec) -> Step:
 
 
 def _degas_in_mould(spec: MouldSpec, plan: PourPlan) -> list[Step]:
-    filled = shape_notes.by_difference(plan, "the step of the brim is the fill line")
+    filled = shape_notes.by_difference(plan, "the step of the brim is the fill line", spec.count)
     return [
         Step(f"Set the collar on the land. {filled.replace(' The mould stays where it is.', '')}", (POUR,)),
         Step(
@@ -113,7 +114,7 @@ def _filling(spec: MouldSpec, plan: PourPlan) -> list[Step]:
     if plan.base is not None:
         return [*shape_notes.first_layer_steps(spec, plan), *_after_pouring(spec, plan)]
     why = f"the step of the brim is the fill line; {plan.gram_per_mm_g:.1f} g make one millimetre"
-    return [Step(shape_notes.by_difference(plan, why), (POUR,)), *_after_pouring(spec, plan)]
+    return [Step(shape_notes.by_difference(plan, why, spec.count), (POUR,)), *_after_pouring(spec, plan)]
 
 
 def _after_pouring(spec: MouldSpec, plan: PourPlan) -> list[Step]:

@@ -36,8 +36,24 @@ def shape_mark(spec: MouldSpec) -> str:
     return spec.pad.shape.mark(spec.pad, layout(spec).scale)
 
 
-def by_difference(plan: PourPlan, why: str) -> str:
-    """How a mass is poured into a mould that stays where it is level."""
+def by_difference(plan: PourPlan, why: str, count: int = 1) -> str:
+    """How a mass is poured into a mould that stays where it is level, or into each of its cavities.
+
+    Parameters
+    ----------
+    plan : PourPlan
+        The mass.
+    why : str
+        What it is reckoned from, in words.
+    count : int
+        Cavities of the mould.
+    """
+    if count > 1:
+        return (
+            f"Fill the {count} cavities one after the other, each by difference: put the cup on the balance and tare "
+            f"it, pour in a thin stream into one corner, put the cup back and stop at -{plan.fill_mass_g:.1f} g "
+            f"({why}). The mould stays where it is. Poured: {' '.join([BLANK] * count)} g"
+        )
     return (
         f"Put the cup on the balance and tare it. Pour in a thin stream into one corner and put the cup back: the "
         f"balance shows what has left it. Stop at -{plan.fill_mass_g:.1f} g ({why}). The mould stays where it is. "

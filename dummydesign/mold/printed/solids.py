@@ -11,15 +11,15 @@ from dummydesign.mold.model.face_sheet import recess_outline, sheet_outline
 from dummydesign.mold.printed.layout import DOWEL_MM, dowel_places, level_places, parting_mm
 
 
-def add_printed(made: Parts, brim: Any, bars: list[Any]) -> None:
+def add_printed(made: Parts, brims: list[Any], bars: list[Any]) -> None:
     """Build ``mould`` (base plate with the floor) and ``frame`` (ring with the walls) into ``made``.
 
     Parameters
     ----------
     made : Parts
         With the pad.
-    brim : cadquery.Solid
-        Brim over the fill plane.
+    brims : list of cadquery.Solid
+        Brims over the fill planes.
     bars : list of cadquery.Solid
         Letters of the label.
     """
@@ -30,12 +30,12 @@ def add_printed(made: Parts, brim: Any, bars: list[Any]) -> None:
     ring = single_solid(drafted_prism(plan.top, plan.land_mm - part, 0.0, part).fuse(flange))
     made.hull = single_solid(base.fuse(ring).clean())
     holes = _holes(made, low - 1.0, plan.land_mm - low + 2.0)
-    base = base.cut(made.cavity, *holes)
+    base = base.cut(*made.cavities, *holes)
     if spec.box.face_sheet_mm:
         base = _let_in_sheet(made, base)
     made.add("mould", single_solid(base), "rigid")
-    made.add("frame", single_solid(ring.cut(made.cavity, brim, *bars, *holes)), "rigid")
-    made.whole = single_solid(made.hull.cut(made.cavity, brim, *bars, *holes))
+    made.add("frame", single_solid(ring.cut(*made.cavities, *brims, *bars, *holes)), "rigid")
+    made.whole = single_solid(made.hull.cut(*made.cavities, *brims, *bars, *holes))
 
 
 def _holes(made: Parts, low_mm: float, high_mm: float) -> list[Any]:
@@ -58,7 +58,7 @@ def _let_in_sheet(made: Parts, base: Any) -> Any:
     spec, plan = made.spec, made.plan
     deep = spec.box.face_sheet_mm + spec.box.sheet_bond_mm
     pocket = drafted_prism(recess_outline(spec, plan), deep, 0.0, -deep)
-    made.tools["face_recess"] = [pocket]
+    made.tools["face_recess"] = plan.at_places(pocket)
     sheet = drafted_prism(sheet_outline(spec, plan), spec.box.face_sheet_mm, 0.0, -spec.box.face_sheet_mm)
-    made.add("face_sheet", sheet, "glass")
-    return single_solid(base.cut(pocket))
+    made.add("face_sheet", plan.at_places(sheet)[0], "glass")
+    return single_solid(base.cut(*made.tools["face_recess"]))

@@ -156,6 +156,8 @@ def _views(made: Parts, name: str) -> list[View]:
 
 def _section(made: Parts, name: str, solid: Any, rims: Sequence[Hole], across: bool = False) -> View:
     cut = projection.cut_at_x if across else projection.cut_at_y
+    x0, y0 = _through(made, name)
+    solid = solid.translate((-x0, -y0, 0.0)) if x0 or y0 else solid
     found = cut(solid)
     measures = [*_heights(solid, found.loops), *_widths(found, rims)]
     runs: list[tuple[Run, str]] = [(loop, "cut") for loop in found.loops]
@@ -164,7 +166,18 @@ def _section(made: Parts, name: str, solid: Any, rims: Sequence[Hole], across: b
         for other in ("spacer", "carrier"):
             if other in made.parts:
                 runs += [(loop, "thin") for loop in cut(made.solid(other)).loops]
-    return View(f"section {'x' if across else 'y'} = 0", tuple(runs), tuple(measures), (), True)
+    plane = f"x = {x0:.4g}" if across else f"y = {y0:.4g}"
+    return View(f"section {plane}", tuple(runs), tuple(measures), (), True)
+
+
+def _through(made: Parts, name: str) -> tuple[float, float]:
+    """Middle of the cavity that a section goes through: the first of several."""
+    first = made.plan.places[0]
+    if name not in ("mould", "frame", "master", "face_sheet", "strike_off") or len(made.plan.places) == 1:
+        return 0.0, 0.0
+    if name in ("master", "face_sheet") or (name == "frame" and not made.spec.is_printed):
+        return first.x_mm * made.plan.silicone_scale, -first.y_mm * made.plan.silicone_scale
+    return first.x_mm, -first.y_mm if name in TURNED else first.y_mm
 
 
 def _heights(solid: Any, loops: Sequence[Run]) -> list[Measure]:

@@ -9,12 +9,12 @@ from typing import Any
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.outputs.manifest import Question
 from dummydesign.core.outputs.write import new_folder
-from dummydesign.mold.files.job_sheet import Ordered, check_job, job_bill, job_sheet
 from dummydesign.mold.files.pour_sheet import to_markdown
 from dummydesign.mold.files.sheet_pdf import Foot, sheet_pdf
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.runner import make_mold, papers
+from dummydesign.mold.several.job_sheet import Ordered, check_job, job_bill, job_sheet
 
 NOT_PRINTED = ("cavity", "pad_nominal", "pad_compensated", "layer_top", "layer_base", "face_sheet")
 """Volumes of a mould that are not of printed parts, beside those of silicone."""
@@ -32,23 +32,26 @@ def read_thicknesses(given: float | str | Iterable[float]) -> tuple[float, ...]:
         raise InputError(f"--thickness {given} must be a number in mm, or several parted by commas") from None
 
 
-def folder_name(thicknesses_mm: Sequence[float], count: int, kind: str = "") -> str:
+def folder_name(thicknesses_mm: Sequence[float], castings: int, kind: str = "", count: int = 1) -> str:
     """Name of the folder when none is given.
 
     Parameters
     ----------
     thicknesses_mm : sequence of float
         Of the pads. [mm]
-    count : int
+    castings : int
         Castings of each.
     kind : str
         Of the shape; empty for a slab.
+    count : int
+        Cavities in each mould.
     """
-    head = "mould" if len(thicknesses_mm) == 1 and count == 1 else "moulds"
-    return "_".join([head, *([kind] if kind else []), *(f"t{one:g}" for one in thicknesses_mm)])
+    head = "mould" if len(thicknesses_mm) == 1 and castings == 1 else "moulds"
+    several = [f"x{count}"] if count > 1 else []
+    return "_".join([head, *([kind] if kind else []), *(f"t{one:g}" for one in thicknesses_mm), *several])
 
 
-def job_inputs(specs: Sequence[MouldSpec], count: int) -> dict[str, Any]:
+def job_inputs(specs: Sequence[MouldSpec], castings: int) -> dict[str, Any]:
     """All values used, as the answer names them; checked before anything is made.
 
     Raises
@@ -57,16 +60,16 @@ def job_inputs(specs: Sequence[MouldSpec], count: int) -> dict[str, Any]:
         For a job that is not allowed.
     """
     first, thicknesses = specs[0], [spec.pad.thickness_mm for spec in specs]
-    check_job(thicknesses, count)
+    check_job(thicknesses, castings)
     return {
         "thickness_mm": thicknesses, "length_mm": first.pad.length_mm, "width_mm": first.pad.width_mm,
         "shape": first.pad.name, "preset": first.preset, "resin": first.pour.resin, "ratio": first.pour.ratio,
-        "ratio_meaning": first.pour.ratio_meaning, "count": count,
+        "ratio_meaning": first.pour.ratio_meaning, "count": first.count, "castings": castings,
     }  # fmt: skip
 
 
 def make_job(
-    specs: Sequence[MouldSpec], count: int, folder: Path, asked: Question, replace: bool
+    specs: Sequence[MouldSpec], castings: int, folder: Path, asked: Question, replace: bool
 ) -> dict[str, Any]:
     """Make several moulds, all or none.
 
@@ -74,7 +77,7 @@ def make_job(
     ----------
     specs : sequence of MouldSpec
         That differ in thickness.
-    count : int
+    castings : int
         Castings of each.
     folder : Path
         Folder of the job.
@@ -93,7 +96,7 @@ def make_job(
     NoAnswerError
         When one of the moulds fails; no file is left.
     """
-    inputs, hashes = job_inputs(specs, count), [spec.hash for spec in specs]
+    inputs, hashes = job_inputs(specs, castings), [spec.hash for spec in specs]
     moulds: list[dict[str, Any]] = []
     ordered: list[Ordered] = []
     with new_folder(folder, asked, replace=replace) as output:
@@ -112,7 +115,7 @@ def make_job(
             printed = {name: one for name, one in volumes.items() if name not in (*NOT_PRINTED, *silicone)}
             ordered.append(Ordered(spec, plan, printed, spec.tag))
             moulds.append({"thickness_mm": spec.pad.thickness_mm, "folder": str(output.path(spec.tag)), **made})
-        blocks = job_sheet(ordered, count)
+        blocks = job_sheet(ordered, castings)
         said = papers()
         output.path("job.md").write_text(to_markdown(blocks), encoding="utf-8")
         foot = Foot(" ".join(hashes), said["command"], said["date"])
@@ -120,7 +123,7 @@ def make_job(
         output.extra["hashes"] = hashes
         files = {"job": str(output.path("job.md")), "job_pdf": str(output.path("job.pdf"))}
         files |= {f"{spec.tag}_{role}": path for spec, one in zip(specs, moulds) for role, path in one["files"].items()}
-        bill = [list(row) for row in job_bill(ordered, count)]
+        bill = [list(row) for row in job_bill(ordered, castings)]
         warnings = [{**item, "message": f"{spec.pad.thickness_mm:g} mm: {item['message']}"}
                     for spec, one in zip(specs, moulds) for item in one["warnings"]]  # fmt: skip
         return output.answer(

@@ -11,9 +11,10 @@ import sys
 from typing import Any, NoReturn
 
 from dummydesign._version import __version__
-from dummydesign.cli.examples import examples_of
+from dummydesign.cli.every_command import finish
 from dummydesign.cli.in_project import project_here, settle_out, with_defaults
 from dummydesign.cli.registry import COMMANDS, module_of
+from dummydesign.cli.steps import loudness, say, timed
 from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError, unknown_name
 from dummydesign.core.outputs.manifest import COMMAND_LINE
 from dummydesign.core.threads import ONE_THREAD
@@ -29,10 +30,9 @@ class _Parser(argparse.ArgumentParser):
 def parser_of(name: str) -> argparse.ArgumentParser:
     """All options of a command."""
     module = module_of(name)
-    parser = _Parser(prog=f"dummydesign {name}", description=module.HELP, epilog=examples_of(name), allow_abbrev=False,
-                     formatter_class=argparse.RawDescriptionHelpFormatter)  # fmt: skip
+    parser = _Parser(prog=f"dummydesign {name}", description=module.HELP, allow_abbrev=False)
     module.add_arguments(parser)
-    parser.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
+    finish(parser, name)
     return parser
 
 
@@ -75,6 +75,14 @@ def _print_result(command: str, result: dict[str, Any], as_json: bool, render: A
 
 def run(arguments: list[str]) -> int:
     """Run one command line and return its exit status (0 done, 1 no acceptable answer, 2 bad input)."""
+    kept = loudness.set("")
+    try:
+        return _run(arguments)
+    finally:
+        loudness.reset(kept)
+
+
+def _run(arguments: list[str]) -> int:
     if not arguments or arguments[0] in ("-h", "--help", "help"):
         print(_overview())
         return 0
@@ -90,10 +98,15 @@ def run(arguments: list[str]) -> int:
         project = project_here(arguments)
         words = with_defaults(project, arguments)
         options = parser_of(name).parse_args(words[1:])
+        loudness.set(_loudness(options))
+        added = [word for word in words if word not in arguments]
+        if added and project is not None:
+            say(f"from project '{project.name}': {' '.join(added)}")
         settle_out(project, name, module, options)
         COMMAND_LINE.set(tuple(words))
         try:
-            result = module.run(options)
+            with timed():
+                result = module.run(options)
         except NoAnswerError as reason:
             if as_json:
                 problem = {"code": reason.code, "message": str(reason)}
@@ -122,6 +135,14 @@ def run(arguments: list[str]) -> int:
             file=sys.stderr,
         )
         return 1
+
+
+def _loudness(options: argparse.Namespace) -> str:
+    """How much is told of the work: by -v ``verbose``, by -q ``quiet``."""
+    verbose, quiet = getattr(options, "verbose", False), getattr(options, "quiet", False)
+    if verbose and quiet:
+        raise InputError("--verbose and --quiet: the one or the other")
+    return "verbose" if verbose else "quiet" if quiet else ""
 
 
 def _stop(*_: object) -> NoReturn:

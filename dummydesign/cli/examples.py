@@ -1,4 +1,4 @@
-"""Two examples of every command, shown at the end of its ``--help``."""
+"""Two examples of every command and of every action of one, shown at the end of its ``--help``."""
 
 from __future__ import annotations
 
@@ -56,6 +56,88 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
     "resins": (
         ("the resins there are", "resins list"),
         ("one of them with its sources", "resins show ecoflex-00-30"),
+    ),
+    "mold record": (
+        ("what was poured, with its thickness at five places",
+         "mold record mould_t5 --thickness 5,5.1,5,4.9,5 --mass 91"),
+        ("with the modulus of a puck of the same pour",
+         "mold record mould_t5 --thickness 5,5.1,5,4.9,5 --mass 91 --modulus 26"),
+    ),
+    "campaign new": (
+        ("pads of 25 kPa, presses in random order", "campaign new my-dummy --young 25"),
+        ("two pads, two forces, three days, other punch",
+         "campaign new my-dummy --young 25 --pads 5,15 --force 3,9 --ages 9,14,29 --punch round:16"),
+    ),
+    "campaign check": (
+        ("what is not yet pressed, or looks wrong", "campaign check my-dummy"),
+        ("the same as JSON", "campaign check my-dummy --json"),
+    ),
+    "campaign from-files": (
+        ("traces whose names say what they are", "campaign from-files my-dummy t05_v010_f03_1.csv t05_v250_f03_1.csv"),
+        ("with a table of the presses", "campaign from-files my-dummy a.csv b.csv --table trials.csv --young 25"),
+    ),
+    "tissues list": (
+        ("the tissues there are", "tissues list"),
+        ("the same as JSON", "tissues list --json"),
+    ),
+    "tissues show": (
+        ("every number of a tissue with its source", "tissues show palm"),
+        ("of a file of your own", "tissues show tissue/mine.toml"),
+    ),
+    "tissues add": (
+        ("from one folder of traces a person", "tissues add my-thumb anna bert carla"),
+        ("from fits", "tissues add my-thumb anna.toml bert.toml --elements 5"),
+    ),
+    "tissues add-curves": (
+        ("from one table of several people's curves", "tissues add-curves my-thumb curves.csv"),
+        ("by the closed form as printed", "tissues add-curves my-thumb curves.csv --law published"),
+    ),
+    "tissues add-points": (
+        ("points of a figure into a tissue of your own", "tissues add-points my-thumb points.csv"),
+        ("the same as JSON", "tissues add-points my-thumb points.csv --json"),
+    ),
+    "tissues remove": (
+        ("delete a tissue of your own", "tissues remove my-thumb"),
+        ("saying what was deleted as JSON", "tissues remove my-thumb --json"),
+    ),
+    "tissues rename": (
+        ("another name", "tissues rename my-thumb thumb-2024"),
+        ("the same as JSON", "tissues rename my-thumb thumb-2024 --json"),
+    ),
+    "tissues path": (
+        ("where the file lies", "tissues path palm"),
+        ("the same as JSON", "tissues path palm --json"),
+    ),
+    "resins list": (
+        ("the resins there are", "resins list"),
+        ("the same as JSON", "resins list --json"),
+    ),
+    "resins show": (
+        ("every number of a resin with its source", "resins show polyurethane-nagoya"),
+        ("with a plot of modulus over ratio", "resins show polyurethane-nagoya --out resin"),
+    ),
+    "resins add": (
+        ("keep a resin file", "resins add my-resin.toml"),
+        ("in the place of the one of this name", "resins add my-resin.toml --replace"),
+    ),
+    "resins add-compression": (
+        ("a puck pressed slowly between plates",
+         "resins add-compression puck.csv --diameter 29 --height 12.5 --name my-batch --ratio 15"),
+        ("a batch of a known resin",
+         "resins add-compression puck.csv --diameter 29 --height 12.5 --name my-batch --ratio 15 "
+         "--resin polyurethane-nagoya"),
+    ),
+    "resins remove": (
+        ("delete a resin of your own", "resins remove my-batch"),
+        ("saying what was deleted as JSON", "resins remove my-batch --json"),
+    ),
+    "resins rename": (
+        ("another name", "resins rename my-batch batch-7"),
+        ("the same as JSON", "resins rename my-batch batch-7 --json"),
+    ),
+    "resins path": (
+        ("where the file lies", "resins path ecoflex-00-30"),
+        ("the same as JSON", "resins path ecoflex-00-30 --json"),
     ),
     "init": (
         ("a folder for everything about one dummy", "init thumb"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from dummydesign.cli.output_option import add_replace_option
+from dummydesign.cli.shared_options import add_replace_option
 
 HELP = "keep what was really poured, and say which limits the pad misses"
 
@@ -22,7 +22,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--gauge", type=float, metavar="MM", help="standard error of the gauge on a gel (default 0.05)")
     add("--note", default="", metavar="TEXT", help="anything else")
     add_replace_option(parser)
-    parser.add_argument("--json", action="store_true", default=argparse.SUPPRESS)
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:

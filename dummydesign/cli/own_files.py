@@ -11,12 +11,12 @@ ACTIONS = ("remove", "rename", "path")
 def add_own_actions(actions: Any, what: str) -> None:
     """Declare the actions on a file of your own."""
     remove = actions.add_parser("remove", help=f"delete a {what} of your own", allow_abbrev=False)
-    remove.add_argument("name", metavar="NAME")
+    remove.add_argument("name", metavar="NAME", help="as the list has it")
     rename = actions.add_parser("rename", help=f"give a {what} of your own another name", allow_abbrev=False)
-    rename.add_argument("name", metavar="OLD")
-    rename.add_argument("new", metavar="NEW")
+    rename.add_argument("name", metavar="OLD", help="its name now")
+    rename.add_argument("new", metavar="NEW", help="its name from now on")
     path = actions.add_parser("path", help=f"file of a {what}", allow_abbrev=False)
-    path.add_argument("name", metavar="NAME")
+    path.add_argument("name", metavar="NAME", help="as the list has it")
 
 
 def run_own(options: argparse.Namespace, kind: str, what: str) -> dict[str, Any]:

@@ -2,12 +2,128 @@
 
 from __future__ import annotations
 
+import os
+import re
 import sys
+import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from tempfile import TemporaryDirectory
 from typing import TextIO
 
-from dummydesign.core.outputs.progress import tell
+from dummydesign.core.outputs.progress import VARIABLE, tell
+
+Clock = Callable[[], float]
+loudness: ContextVar[str] = ContextVar("loudness", default="")
+"""How much is told: ``verbose`` (a line for each step, on any stream), ``quiet`` (nothing), else a terminal's line."""
+
+
+def say(text: str) -> None:
+    """A line on standard error, when much is to be told."""
+    if loudness.get() == "verbose":
+        print(text, file=sys.stderr, flush=True)
+
+
+@contextmanager
+def timed() -> Iterator[None]:
+    """Say at the end what the work took by the clock and of the processor, child processes included."""
+    start, spent = time.monotonic(), _processor_s()
+    try:
+        yield
+    finally:
+        say(f"{time.monotonic() - start:7.1f} s  done, {_processor_s() - spent:.1f} s of the processor")
+
+
+def _processor_s() -> float:
+    """Processor time of this process and of its children that ended. [s]"""
+    return sum(os.times()[:4])
+
+
+class _Shown:
+    """A line on a stream: overwritten on a terminal, one below the other when much is told.
+
+    The loudness is that of the moment it is made.
+    """
+
+    def __init__(self, stream: TextIO | None, clock: Clock) -> None:
+        self._stream, self._clock, self._loudness = stream or sys.stderr, clock, loudness.get()
+        self._start = clock()
+
+    @property
+    def active(self) -> bool:
+        """Whether anything is shown."""
+        return self._loudness == "verbose" or (self._loudness != "quiet" and self._stream.isatty())
+
+    def line(self, text: str) -> None:
+        """Show it."""
+        if self._loudness == "verbose":
+            print(f"{self._clock() - self._start:7.1f} s  {text}", file=self._stream, flush=True)
+        elif self.active:
+            print(f"\r\033[K{text}", end="", file=self._stream, flush=True)
+
+    def clear(self) -> None:
+        """Leave the terminal's line empty."""
+        if self.active and self._loudness != "verbose":
+            print("\r\033[K", end="", file=self._stream, flush=True)
+
+
+def _left(seconds: float) -> str:
+    return f", about {seconds:.0f} s left" if seconds < 90 else f", about {seconds / 60:.0f} min left"
+
+
+class Watch:
+    """Shows while it is open what another process tells of its steps (``step 2 of 5: ...``), with the time left.
+
+    Parameters
+    ----------
+    stream : file, optional
+        Standard error by default.
+    clock : callable, optional
+        Seconds.
+    """
+
+    def __init__(self, stream: TextIO | None = None, clock: Clock = time.monotonic) -> None:
+        self._shown, self._clock, self._start = _Shown(stream, clock), clock, clock()
+        self._ended, self._seen = threading.Event(), ""
+
+    def __enter__(self) -> Watch:
+        self._thread: threading.Thread | None = None
+        # someone else watches: the line is for them
+        if self._shown.active and not os.environ.get(VARIABLE):
+            self._folder = TemporaryDirectory(prefix="dummydesign-")
+            self._place = os.path.join(self._folder.name, "progress")
+            os.environ[VARIABLE] = self._place
+            self._thread = threading.Thread(target=self._watch, daemon=True)
+            self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._thread is not None:
+            del os.environ[VARIABLE]
+            self._ended.set()
+            self._thread.join()
+            self._look()
+            self._folder.cleanup()
+            self._shown.clear()
+
+    def _watch(self) -> None:
+        while not self._ended.wait(0.1):
+            self._look()
+
+    def _look(self) -> None:
+        try:
+            with open(self._place, encoding="utf-8") as stream:
+                text = stream.read()
+        except OSError:
+            return
+        if text and text != self._seen:
+            self._seen = text
+            step = re.match(r"step (\d+) of (\d+)", text)
+            done = int(step[1]) - 1 if step else 0
+            rest = _left((self._clock() - self._start) / done * (int(step[2]) - done)) if step and done else ""
+            self._shown.line(text + rest)
 
 
 class Steps:
@@ -27,9 +143,9 @@ class Steps:
     """
 
     def __init__(
-        self, about: int, stream: TextIO | None = None, clock: Callable[[], float] = time.monotonic
+        self, about: int, stream: TextIO | None = None, clock: Clock = time.monotonic
     ) -> None:
-        self._about, self._stream, self._clock = about, stream or sys.stderr, clock
+        self._about, self._shown, self._clock = about, _Shown(stream, clock), clock
         self._done, self._start = 0, clock()
 
     def __call__(self, word: str) -> None:
@@ -40,17 +156,14 @@ class Steps:
         finished, left = self._done - 1, self._about - self._done + 1
         rest = ""
         if finished:
-            seconds = (self._clock() - self._start) / finished * left
-            rest = f", about {seconds:.0f} s left" if seconds < 90 else f", about {seconds / 60:.0f} min left"
+            rest = _left((self._clock() - self._start) / finished * left)
         text = f"step {self._done} of about {self._about}: {word.replace('_', ' ')}{rest}"
         tell(text)
-        if self._stream.isatty():
-            print(f"\r\033[K{text}", end="", file=self._stream, flush=True)
+        self._shown.line(text)
 
     def clear(self) -> None:
         """Leave the terminal's line empty."""
-        if self._stream.isatty():
-            print("\r\033[K", end="", file=self._stream, flush=True)
+        self._shown.clear()
 
 
 class Count:
@@ -66,24 +179,20 @@ class Count:
         Seconds.
     """
 
-    def __init__(self, of: str, stream: TextIO | None = None, clock: Callable[[], float] = time.monotonic) -> None:
-        self._of, self._stream, self._clock = of, stream or sys.stderr, clock
+    def __init__(self, of: str, stream: TextIO | None = None, clock: Clock = time.monotonic) -> None:
+        self._of, self._shown, self._clock = of, _Shown(stream, clock), clock
         self._start, self._first = clock(), -1
 
     def __call__(self, done: int, total: int) -> None:
         """Say that so many are done."""
         if self._first < 0:
             self._first, self._start = done, self._clock()
-        if not self._stream.isatty():
-            return
         rest = ""
         if done > self._first:
             # what an earlier run left does not make this one faster
-            seconds = (self._clock() - self._start) / (done - self._first) * (total - done)
-            rest = f", about {seconds:.0f} s left" if seconds < 90 else f", about {seconds / 60:.0f} min left"
-        print(f"\r\033[K{done} of {total} {self._of}{rest}", end="", file=self._stream, flush=True)
+            rest = _left((self._clock() - self._start) / (done - self._first) * (total - done))
+        self._shown.line(f"{done} of {total} {self._of}{rest}")
 
     def clear(self) -> None:
         """Leave the terminal's line empty."""
-        if self._stream.isatty():
-            print("\r\033[K", end="", file=self._stream, flush=True)
+        self._shown.clear()

@@ -150,16 +150,3 @@ def test_predict_takes_friction_profiles_and_plates(tmp_path, capsys):
     capsys.readouterr()
     assert cli.run([*common, "--thickness", "10", "--depth", "1", "--punch", f"profile:{profile}"]) == 2
     assert "ball.csv:3" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize("command", cli.COMMANDS)
-def test_the_help_of_a_command_ends_with_examples_that_it_understands(command):
-    from dummydesign.cli.entry import parser_of
-    from dummydesign.cli.examples import EXAMPLES
-
-    text = parser_of(command).format_help()
-    assert len(EXAMPLES[command]) >= 2
-    for _, words in EXAMPLES[command]:
-        name, *rest = words.split()
-        assert name == command and f"dummydesign {words}" in text
-        parser_of(command).parse_args(rest)

@@ -6,7 +6,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from dummydesign.cli.output_option import add_replace_option
+from dummydesign.cli.shared_options import add_replace_option
+from dummydesign.cli.steps import Watch
 
 HELP = "Make the silicone mould of a pad: STEP files, printable master and frame, pour sheet, all checked."
 
@@ -16,7 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     from dummydesign.cli import mold_record
     from dummydesign.geometry.shape_names import shape_help
 
-    actions = parser.add_subparsers(dest="action", metavar="[record]")
+    actions = parser.add_subparsers(dest="action", metavar="[record]", help="without it a mould is made")
     record = actions.add_parser("record", help=mold_record.HELP, allow_abbrev=False)
     mold_record.add_arguments(record)
     parser.add_argument(
@@ -33,7 +34,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=shape_help("puck"),
     )
     parser.add_argument(
-        "--preset", default="open", metavar="NAME|FILE", help="mould preset: open, lidded, printed or a TOML file"
+        "--preset", default="open", metavar="NAME|FILE",
+        help="mould preset: open (default), lidded, printed or a TOML file",
     )
     parser.add_argument("--resin", metavar="NAME|FILE", help="resin to weigh (default the paper's polyurethane)")
     parser.add_argument("--ratio", type=float, default=15.0, metavar="R", help="mixing ratio of the resin (default 15)")
@@ -59,21 +61,22 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     if options.thickness is None:
         raise InputError("--thickness is missing: the thickness of the pad in mm, 3 to 30")
 
-    return make_mould(
-        options.thickness,
-        length_mm=options.length,
-        width_mm=options.width,
-        shape=options.shape,
-        preset=options.preset,
-        resin=options.resin,
-        ratio=options.ratio,
-        count=options.count,
-        castings=options.castings,
-        face_sheet_mm=options.face_sheet,
-        base_ratio=options.base_ratio,
-        out=options.out,
-        replace=options.replace,
-    ).to_dict()
+    with Watch():
+        return make_mould(
+            options.thickness,
+            length_mm=options.length,
+            width_mm=options.width,
+            shape=options.shape,
+            preset=options.preset,
+            resin=options.resin,
+            ratio=options.ratio,
+            count=options.count,
+            castings=options.castings,
+            face_sheet_mm=options.face_sheet,
+            base_ratio=options.base_ratio,
+            out=options.out,
+            replace=options.replace,
+        ).to_dict()
 
 
 def default_out(options: argparse.Namespace) -> str | None:

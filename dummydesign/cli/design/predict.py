@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--young", metavar="KPA", help="long-term Young's modulus in kPa")
     add("--resin", metavar="NAME|FILE", help="resin, with --ratio")
     add("--ratio", type=float, metavar="R", help="mixing ratio of the resin")
-    add("--thickness", required=True, metavar="MM")
+    add("--thickness", required=True, metavar="MM", help="of the pad at its highest point")
     add("--depth", metavar="D1,D2,...", help="static depths in mm")
     add("--motion", metavar="FILE.csv", help="measured motion: columns time_s, displacement_mm")
     add("--force", metavar="N", help="force at the end of a ramp and hold, with --velocity")

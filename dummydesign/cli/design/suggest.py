@@ -5,8 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from dummydesign.cli.effect_option import add_effect_option
-from dummydesign.cli.output_option import add_replace_option
+from dummydesign.cli.shared_options import add_effect_option, add_replace_option
 from dummydesign.cli.steps import Steps
 from dummydesign.cli.verdict import first_lines, verdict_lines
 
@@ -26,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--ratio", metavar="MIN:MAX", help="limits of the mixing ratio, inside the resin's range")
     add("--calibration", metavar="FILE", help="calibration written by 'dummydesign loop'")
     add_effect_option(parser)
-    shapes = shape_help("auto (default, the best of all)") + "; lengths that are not given are searched"
+    shapes = shape_help("auto", default="auto") + "; lengths that are not given are searched"
     add("--shape", default="auto", metavar="NAME[:P,..]", help=shapes)
     add("--cad", action="store_true", help="make the mould also of a pad that is not acceptable")
     add("--no-cad", action="store_true", help="skip the mould; write recipe and report only")
@@ -55,7 +54,8 @@ def _add_test(parser: argparse.ArgumentParser) -> None:
     add("--deceleration", default=30000.0, metavar="MM_S2", help="braking (default 30000 mm/s2)")
     add("--pad", default="150x120", metavar="LxW", help="length and width of the pad (default 150x120 mm)")
     add("--base", default="bonded", metavar="NAME", help="bonded (default), sliding or friction:MU")
-    add("--preset", default="open", metavar="NAME|FILE", help="mould preset: open (default), lidded or a TOML file")
+    presets = "mould preset: open (default), lidded, printed or a TOML file"
+    add("--preset", default="open", metavar="NAME|FILE", help=presets)
     add("--machine", metavar="NAME|FILE", help="printer, vacuum chamber and oven the mould must fit")
     add("--silicone", metavar="NAME|FILE", help="silicone of the mould")
 

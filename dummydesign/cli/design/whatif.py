@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from dummydesign.cli.output_option import add_replace_option
+from dummydesign.cli.shared_options import add_replace_option
 from dummydesign.cli.steps import Count
 
 HELP = "Compute many pads at once: depth, stiffness, local exponent, peak over steady, score for a tissue."
@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="in mm, inside 3 to 30, such as 3:30:0.5 or 5,15",
     )
     add("--ratio", metavar="RANGE|LIST", help="mixing ratios (default the resin's reference)")
-    add("--resin", default="polyurethane-nagoya", metavar="NAME|FILE")
+    add("--resin", default="polyurethane-nagoya", metavar="NAME|FILE", help="default polyurethane-nagoya")
     add("--tissue", metavar="NAME|FILE", help="score every design for this tissue")
     add("--aim", default="average", metavar="AIM", help="average (default), safe-side or subject:NAME")
     add("--punch", default="square:14", metavar="LIST", help="such as square:14,round:16 (default square:14)")

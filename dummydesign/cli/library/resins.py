@@ -13,29 +13,27 @@ HELP = "List the known resins, show one with all its numbers and sources, and ad
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the actions."""
     words = "list|show|add|add-compression|remove|rename|path"
-    actions = parser.add_subparsers(dest="action", required=True, metavar=words)
+    actions = parser.add_subparsers(dest="action", required=True, metavar=words, help="what to do")
     actions.add_parser("list", help="names, origin, ratio and modulus range", allow_abbrev=False)
     show = actions.add_parser("show", help="one resin, every number with its source", allow_abbrev=False)
-    show.add_argument("name", metavar="NAME")
+    show.add_argument("name", metavar="NAME", help="a known resin or a TOML file")
     show.add_argument("--out", metavar="DIR", help="also write a plot and its CSV")
     add = actions.add_parser("add", help="keep a resin file, or update a resin by measured points", allow_abbrev=False)
-    add.add_argument("file", metavar="FILE")
+    add.add_argument("file", metavar="FILE", help="TOML file of a resin, or CSV of points: ratio,young_kPa")
     told = "take the place of a resin of your own that has this name"
     add.add_argument("--replace", action="store_true", help=told)
     told = "modulus and relaxation of a batch from its puck's curve"
     puck = actions.add_parser("add-compression", help=told, allow_abbrev=False)
     told = "time_s, displacement_mm, force_N: one slow loading, or ramps and holds"
     puck.add_argument("file", metavar="TRACE.csv", help=told)
-    puck.add_argument("--diameter", type=float, required=True, metavar="MM")
-    puck.add_argument("--height", type=float, required=True, metavar="MM")
+    puck.add_argument("--diameter", type=float, required=True, metavar="MM", help="of the puck")
+    puck.add_argument("--height", type=float, required=True, metavar="MM", help="of the puck")
     puck.add_argument("--name", required=True, help="of the resin that results")
     puck.add_argument("--ratio", type=float, required=True, metavar="R", help="mixing ratio of the puck")
     puck.add_argument("--resin", metavar="BASE", help="resin whose law is updated")
     told = "begin NAME again, without the points it has"
     puck.add_argument("--replace", action="store_true", help=told)
     add_own_actions(actions, "resin")
-    for action in actions.choices.values():
-        action.add_argument("--json", action="store_true", default=argparse.SUPPRESS)
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:

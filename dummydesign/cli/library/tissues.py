@@ -13,7 +13,8 @@ HELP = "List the known tissues, show one with all its numbers and sources, and a
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    actions = parser.add_subparsers(dest="action", metavar="list|show|add|add-curves|add-points|remove|rename|path")
+    words = "list|show|add|add-curves|add-points|remove|rename|path"
+    actions = parser.add_subparsers(dest="action", metavar=words, help="what to do")
     actions.add_parser("list", help="names, origin and kind of the known tissues")
     show = actions.add_parser("show", help="every number of one tissue with its interval and source")
     show.add_argument("name", metavar="NAME", help="a known tissue or a TOML file")
@@ -35,8 +36,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     points.add_argument("name", metavar="NAME", help="the tissue to update")
     points.add_argument("points", metavar="POINTS.csv", help="columns subject,depth_mm,force_N")
     add_own_actions(actions, "tissue")
-    for parser_ in actions.choices.values():
-        parser_.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print one JSON object")
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:

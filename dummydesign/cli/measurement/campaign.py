@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from dummydesign.cli.output_option import add_replace_option
+from dummydesign.cli.shared_options import add_replace_option
 from dummydesign.core.errors import NoAnswerError
 
 HELP = "Plan presses (randomised, with a sheet to press from), check them, or make a campaign of files."
@@ -13,9 +13,9 @@ HELP = "Plan presses (randomised, with a sheet to press from), check them, or ma
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the actions."""
-    actions = parser.add_subparsers(dest="action", required=True, metavar="new|check|from-files")
+    actions = parser.add_subparsers(dest="action", required=True, metavar="new|check|from-files", help="what to do")
     new = actions.add_parser("new", help="a plan, campaign.toml and a sheet to press from", allow_abbrev=False)
-    new.add_argument("folder", metavar="DIR")
+    new.add_argument("folder", metavar="DIR", help="folder to make")
     add = new.add_argument
     add("--pads", metavar="MM,...", help="thicknesses of the pads (default 5,15,20)")
     add("--velocity", metavar="MM_S,...", help="default 10,250")
@@ -30,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--moulds", action="store_true", help="make the moulds of all pads too, in DIR-moulds (needs --resin)")
     add("--preset", default="open", metavar="NAME|FILE", help="of the moulds (default open)")
     check = actions.add_parser("check", help="what is not yet pressed, or looks wrong", allow_abbrev=False)
-    check.add_argument("folder", metavar="DIR")
+    check.add_argument("folder", metavar="DIR", help="folder with campaign.toml")
     files = actions.add_parser("from-files", help="campaign.toml from traces one has", allow_abbrev=False)
     files.add_argument("folder", metavar="DIR", help="folder to make; the traces are copied into it")
     files.add_argument("files", nargs="+", metavar="FILE", help="traces, named such as t05_v010_f03_1.csv")
@@ -39,8 +39,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for action in (new, files):
         _set_up_options(action)
         add_replace_option(action)
-    for action in actions.choices.values():
-        action.add_argument("--json", action="store_true", default=argparse.SUPPRESS)
 
 
 def _set_up_options(parser: argparse.ArgumentParser) -> None:
@@ -52,7 +50,7 @@ def _set_up_options(parser: argparse.ArgumentParser) -> None:
     add("--pad", default="150x120", metavar="LxW|cylinder:D", help="outline in mm (default 150x120)")
     shape = "of the pads on their base, with its lengths: crowned:radius=20,height=3,foot=11 (default slab)"
     add("--shape", default="slab", metavar="NAME:P,..", help=shape)
-    punches = "square:14 (default), round:16, ball:12, profile:FILE or plate"
+    punches = "square:14 (default), round:D, ball:D, profile:FILE.csv or plate"
     add("--punch", default="square:14", metavar="SHAPE", help=punches)
     add("--edge-radius", type=float, default=0.0, metavar="MM", help="fillet of the punch's edge (default 0, sharp)")
     add("--base", default="bonded", help="bonded (default), sliding or friction:MU")

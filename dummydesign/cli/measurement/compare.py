@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from dummydesign.cli.output_option import add_replace_option
+from dummydesign.cli.shared_options import add_replace_option
 from dummydesign.cli.verdict import verdict_lines
 
 HELP = "Compare the traces of a cast dummy with a tissue: parameters, steady-state range, force variation range."

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from dummydesign.cli.output_option import add_replace_option
+from dummydesign.cli.shared_options import add_replace_option
 
 HELP = "Fit the nonlinear 3, 5 or 7 element law to traces of one tissue or dummy."
 

@@ -6,8 +6,7 @@ import argparse
 from textwrap import wrap
 from typing import Any
 
-from dummydesign.cli.effect_option import add_effect_option
-from dummydesign.cli.output_option import add_replace_option
+from dummydesign.cli.shared_options import add_effect_option, add_replace_option
 from dummydesign.cli.steps import Steps
 
 HELP = "Measured campaign: residual, the effect the model lacks, the corrected model, and what to measure next."

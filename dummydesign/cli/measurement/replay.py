@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from dummydesign.cli.effect_option import add_effect_option
+from dummydesign.cli.shared_options import add_effect_option
 
 HELP = "Predict a campaign with a calibration written by 'loop', and compare with what was measured."
 

@@ -10,14 +10,16 @@ HELP = "Make a project folder: project.toml and a folder for each step; commands
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options; each is a default of the commands that are run inside the folder."""
+    from dummydesign.geometry.shape_names import shape_help
+
     add = parser.add_argument
     add("folder", metavar="DIR", help="made when needed; what lies in it stays")
     add("--name", help="of the project (default the folder's)")
     add("--tissue", metavar="NAME|FILE", help="see 'dummydesign tissues list'")
     add("--resin", metavar="NAME|FILE", help="see 'dummydesign resins list'")
-    add("--punch", metavar="KIND:SIZE", help="of predict, whatif and campaign new")
-    add("--aim", metavar="AIM", help="average, safe-side or subject:NAME")
-    add("--shape", metavar="NAME[:P,..]", help="of the pad: auto, slab, crowned, ...")
+    add("--punch", metavar="KIND:SIZE", help="square:14 (default), rectangle:AxB, round:D, ball:D, profile:FILE.csv")
+    add("--aim", metavar="AIM", help="average (default), safe-side or subject:NAME")
+    add("--shape", metavar="NAME[:P,..]", help=shape_help("auto", default="auto"))
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:

@@ -38,7 +38,7 @@ def _body(studio: Studio, project: Project, which: str) -> None:
         html(f"<p>Filled in from the design <b>{best['from']}</b>.</p>")
     else:
         html('<p class="note">No design yet: give the pad here, or <a href="/design">design one</a>.</p>')
-    presets = ["open", "lidded"]
+    presets = ["open", "lidded", "printed"]
     resins = choices.resins()
     resin = best.get("resin") or project.resin or "polyurethane-nagoya"
     with ui.element("div").classes("fields"):

@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 from os import PathLike, fspath
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Result
 from dummydesign.api.questions import question
-from dummydesign.core.errors import NoAnswerError
+from dummydesign.core.errors import InputError, NoAnswerError
 
 if TYPE_CHECKING:
+    from dummydesign.mold.bone.insert import Placing
     from dummydesign.mold.model.spec import MouldSpec
 
 
@@ -28,6 +30,11 @@ def make_mould(
     castings: int = 1,
     base_ratio: float | None = None,
     face_sheet_mm: float | None = None,
+    bone: str | PathLike[str] | None = None,
+    bone_height_mm: float | None = None,
+    bone_scale: float = 1.0,
+    bone_turn_deg: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    bone_at_mm: tuple[float, float] = (0.0, 0.0),
     out: str | PathLike[str] | None = None,
     replace: bool = False,
 ) -> Result:
@@ -53,6 +60,16 @@ def make_mould(
         Castings of each mould, for the list of what is needed; more than one make a job too.
     face_sheet_mm : float, optional
         Thickness of a sheet of glass let into the master as the tested face; the preset's by default, 0 for none. [mm]
+    bone : path, optional
+        STL or STEP of a bone (millimetres) that hangs in the gel; the model takes the nearest dome.
+    bone_height_mm : float, optional
+        How far it reaches into the gel from the free face; needed with a bone. [mm]
+    bone_scale : float
+        Its size over that in the file.
+    bone_turn_deg : (float, float, float)
+        Turns about x, y and z, in this order, after which its lowest point is the tip towards the tested face. [deg]
+    bone_at_mm : (float, float)
+        Where the tip lies from the pad's middle. [mm]
     out : path, optional
         Folder of the files, ``mould_tMM`` by default; the next free number when it holds another answer.
     replace : bool
@@ -79,10 +96,8 @@ def make_mould(
     >>> {check["verdict"] for check in made.to_dict()["checks"]}  # doctest: +SKIP
     {'pass'}
     """
-    from dummydesign.core.outputs.write import new_folder
     from dummydesign.mold.model.pad_kind import read_kind
     from dummydesign.mold.model.preset import mould_spec
-    from dummydesign.mold.runner import make_mold
     from dummydesign.mold.several.job import read_thicknesses
 
     kind, parameters = read_kind(shape)
@@ -94,10 +109,56 @@ def make_mould(
             count=count,
         )  # fmt: skip
 
+    if bone is not None:
+        if len(wanted) != 1 or castings != 1 or count != 1:
+            raise InputError("a bone from a file goes into one mould: one thickness, count 1, castings 1")
+        placing = _placing(shape, bone_height_mm, bone_scale, bone_turn_deg, bone_at_mm)
+        settings = {"preset": preset, "resin": resin, "ratio": ratio, "base_ratio": base_ratio,
+                    "face_sheet_mm": face_sheet_mm}  # fmt: skip
+        with TemporaryDirectory(prefix="dummydesign-bone-") as work:
+            solid = Path(work) / "bone.brep"
+            spec = _boned(Path(bone), placing, wanted[0], length_mm, width_mm, settings, solid)
+            return _make_one(spec, resin, preset, out, replace, solid)
+    if bone_height_mm is not None:
+        raise InputError("bone_height_mm belongs to a bone from a file (bone)")
     if len(wanted) != 1 or castings != 1:
         specs = [made(one) for one in wanted]
         return _make_job(specs, castings, resin, preset, out, replace)
-    spec = made(wanted[0])
+    return _make_one(made(wanted[0]), resin, preset, out, replace)
+
+
+def _placing(
+    shape: str, height_mm: float | None, scale: float, turn_deg: tuple[float, float, float], at_mm: tuple[float, float]
+) -> Placing:
+    from dummydesign.mold.bone.insert import Placing
+
+    if shape not in ("slab", "boned"):
+        raise InputError(f"shape {shape} takes no bone from a file; leave the shape out, the bone makes it")
+    if height_mm is None:
+        raise InputError("bone_height_mm is missing: how far the bone reaches into the gel from the free face")
+    return Placing(float(height_mm), scale, (turn_deg[0], turn_deg[1], turn_deg[2]), at_mm[0], at_mm[1])
+
+
+def _boned(
+    bone: Path, placing: Placing, thickness_mm: float, length_mm: float, width_mm: float, settings: dict[str, Any],
+    solid: Path,
+) -> MouldSpec:  # fmt: skip
+    """The specification of a pad with a placed bone; what the pad itself cannot be is refused before CAD is loaded."""
+    from dummydesign.mold.bone.place import place_bone
+    from dummydesign.mold.model.preset import mould_spec
+
+    mould_spec(thickness_mm, length_mm, width_mm, **settings)
+    insert, dome = place_bone(bone, placing, thickness_mm, length_mm, width_mm, solid)
+    return mould_spec(thickness_mm, length_mm, width_mm, kind="boned", parameters=dome, insert=insert, **settings)
+
+
+def _make_one(
+    spec: MouldSpec, resin: str | None, preset: str, out: str | PathLike[str] | None, replace: bool,
+    bone_file: Path | None = None,
+) -> Result:  # fmt: skip
+    from dummydesign.core.outputs.write import new_folder
+    from dummydesign.mold.runner import make_mold
+
     folder = Path(out) if out else Path(f"mould_{spec.tag}")
     inputs = {
         "thickness_mm": spec.pad.thickness_mm, "length_mm": spec.pad.length_mm, "width_mm": spec.pad.width_mm,
@@ -106,6 +167,8 @@ def make_mould(
     }  # fmt: skip
     if spec.base is not None:
         inputs |= {"base_ratio": spec.base.pour.ratio, "modulus_ratio_of_base": spec.base.modulus_ratio}
+    if spec.insert is not None:
+        inputs |= {"bone": spec.insert.file, "bone_off_dome_mm": spec.insert.off_dome_mm}
     if spec.count > 1:
         inputs["count"] = spec.count
     if spec.box.face_sheet_mm:
@@ -114,7 +177,7 @@ def make_mould(
     with new_folder(folder, asked, replace=replace) as output:
         head = {"inputs": {**inputs, "out": str(output.folder)}, "sources": list(spec.sources)}
         try:
-            found = make_mold(spec, output.work)
+            found = make_mold(spec, output.work, bone_file=bone_file)
         except NoAnswerError as reason:
             result = output.settled({**head, **reason.result})
             raise NoAnswerError(reason.code, output.settled(str(reason)), result) from None

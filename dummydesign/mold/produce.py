@@ -17,6 +17,7 @@ from dummydesign.mold.checks import mesh as check_mesh
 from dummydesign.mold.checks import process as check_process
 from dummydesign.mold.checks import shape as check_shape
 from dummydesign.mold.checks import solids as check
+from dummydesign.mold.checks.holes import genera
 from dummydesign.mold.files import meshes as mesh
 from dummydesign.mold.files import picture as view
 from dummydesign.mold.files import pour_sheet as sheet
@@ -26,6 +27,7 @@ from dummydesign.mold.files.drawings.pdf import to_pdf
 from dummydesign.mold.files.drawings.svg import to_svg
 from dummydesign.mold.files.sheet_pdf import Foot, sheet_pdf
 from dummydesign.mold.files.step import COLOURS, Material, StepPart, step_text
+from dummydesign.mold.files.view.mould import mould_view
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.plan import PourPlan, pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
@@ -36,7 +38,9 @@ PICTURE_S = 600
 """A renderer that hangs (a driver without a screen) is given up after this time; drawing takes a few seconds. [s]"""
 
 
-def produce(spec: MouldSpec, folder: Path, papers: Papers = NO_PAPERS) -> dict[str, Any]:
+def produce(
+    spec: MouldSpec, folder: Path, papers: Papers = NO_PAPERS, bone_file: Path | None = None
+) -> dict[str, Any]:
     """Build, write, read again and check; return what the parent turns into a result.
 
     Parameters
@@ -46,6 +50,8 @@ def produce(spec: MouldSpec, folder: Path, papers: Papers = NO_PAPERS) -> dict[s
         An empty folder; nothing in it counts until the parent has renamed it.
     papers : Papers
         What drawings and sheet carry besides: project, date, command line.
+    bone_file : Path, optional
+        Placed solid of a bone from a file.
 
     Returns
     -------
@@ -54,7 +60,7 @@ def produce(spec: MouldSpec, folder: Path, papers: Papers = NO_PAPERS) -> dict[s
         ``step_sha256`` of the assembly, ``pour``.
     """
     tell("step 1 of 5: building the solids")
-    made = build(spec)
+    made = build(spec, bone_file)
     tell("step 2 of 5: meshes and STEP files")
     meshes = {name: mesh.tessellate(part.solid) for name, part in made.parts.items()}
     picture = _start_picture(made, meshes, folder)
@@ -93,20 +99,6 @@ def produce(spec: MouldSpec, folder: Path, papers: Papers = NO_PAPERS) -> dict[s
         "pour": plan.to_dict(),
         "step_sha256": hashlib.sha256((folder / files["assembly"]).read_bytes()).hexdigest(),
     }
-
-
-def genera(spec: MouldSpec) -> dict[str, int]:
-    """How many holes go through each part: 8 bolts, 3 level screws, sprue and vents, the frame's opening."""
-    open_holes = 0 if spec.closure is None else 6
-    if spec.is_printed:
-        # Eight bolts, two pins, three levelling screws; the ring's opening.
-        return {"pad": 0, "mould": 13, "frame": 14, "strike_off": 0, "collar": 1, "layer_top": 0, "layer_base": 0,
-                "spacer": 0, "carrier": 8, "face_sheet": 0}  # fmt: skip
-    return {
-        "pad": 0, "mould": 0, "master": 8, "frame": 9, "strike_off": 0, "tray": 3, "collar": 1, "lid": open_holes,
-        "backer": open_holes, "lid_master": 8, "lid_frame": 9, "sprue_pin": 0, "vent_pin": 0, "layer_top": 0,
-        "layer_base": 0, "spacer": 0, "carrier": 8, "face_sheet": 0,
-    }  # fmt: skip
 
 
 def step_part(made: Parts, name: str) -> StepPart:
@@ -246,17 +238,11 @@ def _write_views(made: Parts, meshes: dict[str, Any], folder: Path) -> dict[str,
     joined = {name: part.copy() for name, part in meshes.items()}
     for name, part in joined.items():
         part.apply_translation(made.parts[name].offset_mm)
-    shown, shown_colours = _shown(made, meshes)
-    bounds = {name: (float(part.bounds[0][2]), float(part.bounds[1][2])) for name, part in shown.items()}
-    lifts = view.exploded(bounds, view.stacked(list(shown)), view.GAP_SHARE * made.plan.top.length_mm)
-    apart = {name: part.copy() for name, part in shown.items()}
-    for name, part in apart.items():
-        beside = (0.0, 0.0, lifts[name]) if name in lifts else made.parts[name].offset_mm
-        part.apply_translation(beside)
     files = {"glb": f"assembly_{made.spec.tag}.glb", "view": f"assembly_{made.spec.tag}.html"}
     mesh.write_glb(mesh.coloured_scene(joined, colours, 1e-3), folder / files["glb"])
-    title = f"Mould {made.spec.tag}, specification {made.spec.hash}"
-    mesh.write_html(mesh.coloured_scene(apart, shown_colours, 1e-3), folder / files["view"], title)
+    shown, shown_colours = _shown(made, meshes)
+    page = mould_view(shown, shown_colours, f"Mould {made.spec.tag}, specification {made.spec.hash}")
+    (folder / files["view"]).write_text(page, encoding="utf-8")
     return files
 
 

@@ -52,7 +52,9 @@ class MouldResult:
         return {**plain, "checks": list(plain["checks"]), "warnings": list(plain["warnings"])}
 
 
-def make_mold(spec: MouldSpec, folder: Path, processor_s: float = PROCESSOR_S) -> MouldResult:
+def make_mold(
+    spec: MouldSpec, folder: Path, processor_s: float = PROCESSOR_S, bone_file: Path | None = None
+) -> MouldResult:
     """Build the mould of a specification with all its files into a folder.
 
     Parameters
@@ -63,6 +65,8 @@ def make_mold(spec: MouldSpec, folder: Path, processor_s: float = PROCESSOR_S) -
         Made when needed; files of the same name are replaced, and only when everything has been checked.
     processor_s : float
         Processor time after which the child process is ended, whatever the clock says. [s]
+    bone_file : Path, optional
+        Placed solid of a bone from a file, as :func:`dummydesign.mold.bone.place.place_bone` writes it.
 
     Returns
     -------
@@ -79,10 +83,12 @@ def make_mold(spec: MouldSpec, folder: Path, processor_s: float = PROCESSOR_S) -
     """
     validate(spec)
     check_layers(spec)
+    if spec.insert is not None and bone_file is None:
+        raise InputError(f"the bone of this mould comes from {spec.insert.file}; give the file again")
     target = output_folder(folder)
     work = Path(tempfile.mkdtemp(prefix=".mould-", dir=target))
     try:
-        found = _run_child(spec, work, processor_s)
+        found = _run_child(spec, work, processor_s, bone_file)
         result = _result(spec, found, target)
         failed = [item for item in result.checks if item["status"] == "fail"]
         if failed:
@@ -115,10 +121,10 @@ def masses_g(pour: dict[str, Any]) -> dict[str, float]:
     return {**masses, "silicone": pour["silicone_mass_g"]} if pour["silicone_mass_g"] else masses
 
 
-def _run_child(spec: MouldSpec, work: Path, processor_s: float) -> dict[str, Any]:
+def _run_child(spec: MouldSpec, work: Path, processor_s: float, bone_file: Path | None = None) -> dict[str, Any]:
     """Start the child, wait, and turn every way it can end into a result or a named error."""
     spec_file = work / ".spec.json"
-    asked = {"spec": spec.to_dict(), "papers": papers()}
+    asked = {"spec": spec.to_dict(), "papers": papers(), "bone": str(bone_file) if bone_file else None}
     spec_file.write_text(json.dumps(asked), encoding="utf-8")
     package = str(Path(__file__).resolve().parents[2])
     path = os.pathsep.join(filter(None, (package, os.environ.get("PYTHONPATH"))))

@@ -40,7 +40,7 @@ def run(spec_file: Path, folder: Path) -> dict[str, Any]:
     spec, papers = MouldSpec.from_dict(asked["spec"]), Papers(**asked["papers"])
     start = time.perf_counter()
     try:
-        result = produce(spec, folder, papers)
+        result = produce(spec, folder, papers, Path(asked["bone"]) if asked.get("bone") else None)
     except Exception as problem:
         text = " ".join(str(problem).split()) or "no message"
         return {"error": {"code": "cad_failed", "message": f"{type(problem).__name__}: {text}"}}

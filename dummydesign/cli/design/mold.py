@@ -45,6 +45,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--face-sheet", type=float, metavar="MM", help="thickness of a sheet of glass let in as the tested face"
     )
+    add = parser.add_argument
+    add("--bone", metavar="FILE", help="STL or STEP (mm) of a bone in the gel; the model takes the nearest dome")
+    add("--bone-height", type=float, metavar="MM", help="how far it reaches into the gel from the free face")
+    add("--bone-scale", type=float, default=1.0, metavar="S", help="size over that in the file (default 1)")
+    add("--bone-turn", default="0,0,0", metavar="X,Y,Z", help="degrees about x, y, z; then its lowest point is the tip")
+    add("--bone-at", default="0,0", metavar="X,Y", help="where the tip lies from the pad's middle, mm (default 0,0)")
     parser.add_argument("--out", metavar="DIR", help="folder for the files (default mould_tMM)")
     add_replace_option(parser)
 
@@ -73,10 +79,27 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
             count=options.count,
             castings=options.castings,
             face_sheet_mm=options.face_sheet,
+            bone=options.bone,
+            bone_height_mm=options.bone_height,
+            bone_scale=options.bone_scale,
+            bone_turn_deg=_numbers("--bone-turn", options.bone_turn, 3),
+            bone_at_mm=_numbers("--bone-at", options.bone_at, 2),
             base_ratio=options.base_ratio,
             out=options.out,
             replace=options.replace,
         ).to_dict()
+
+
+def _numbers(option: str, text: str, count: int) -> Any:
+    from dummydesign.core.errors import InputError
+
+    try:
+        found = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        found = ()
+    if len(found) != count:
+        raise InputError(f"{option} {text} must be {count} numbers parted by commas")
+    return found
 
 
 def default_out(options: argparse.Namespace) -> str | None:
@@ -85,7 +108,7 @@ def default_out(options: argparse.Namespace) -> str | None:
         return None
     from dummydesign.mold.several.job import folder_name, read_thicknesses
 
-    shape = options.shape.partition(":")[0].lower()
+    shape = "boned" if options.bone else options.shape.partition(":")[0].lower()
     kind = "" if shape == "slab" else shape
     return folder_name(read_thicknesses(options.thickness), options.castings, kind, options.count)
 

@@ -6,6 +6,7 @@ turned over and scaled by the silicone's shrinkage, so that no feature can be fo
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from dummydesign.mold.cad import aids, lid, shape_aids
@@ -20,14 +21,24 @@ from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.printed.solids import add_printed
 
 
-def build(spec: MouldSpec) -> Parts:
+def build(spec: MouldSpec, bone_file: Path | None = None) -> Parts:
     """Build every part that the specification asks for.
 
     Parts in use (pad, mould, lid, strike-off, tray, ...) share the mould's frame; parts of the casting
     boxes stand beside them in the assembly.
+
+    Parameters
+    ----------
+    spec : MouldSpec
+        What is made.
+    bone_file : Path, optional
+        Placed solid of a bone that comes from a file.
     """
+    import cadquery as cq
+
+    placed = None if bone_file is None else single_solid(cq.Shape.importBrep(str(bone_file)))
     plan = layout(spec)
-    whole, bone = cavity_solid(spec.pad), bone_solid(spec.pad)
+    whole, bone = cavity_solid(spec.pad), bone_solid(spec.pad, placed)
     nominal = whole if bone is None else single_solid(whole.cut(bone))
     made = Parts(spec, plan, nominal)
     pad = plan.at_places(single_solid(nominal.scale(plan.scale)))[0]
@@ -42,7 +53,7 @@ def build(spec: MouldSpec) -> Parts:
     if spec.body.style == "lidded":
         lid.add_lid(made, beside)
     elif bone is not None:
-        made.add("carrier", shape_aids.carrier(spec, plan), "rigid")
+        made.add("carrier", shape_aids.carrier(spec, plan, bone), "rigid")
     else:
         made.add("strike_off", aids.strike_off(spec, plan), "rigid")
     if spec.base is not None:

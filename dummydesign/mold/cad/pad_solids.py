@@ -40,8 +40,10 @@ def cavity_solid(pad: PadGeometry) -> Any:
     return single_solid(block.fuse(*tops)) if tops else block
 
 
-def bone_solid(pad: PadGeometry) -> Any:
-    """Make the rigid bone below the free face, or None for a shape without one."""
+def bone_solid(pad: PadGeometry, placed: Any = None) -> Any:
+    """Make the rigid bone below the free face, or None for a shape without one; ``placed`` is one from a file."""
+    if placed is not None:
+        return placed
     return solids_of(pad.shape).bone(pad) if pad.shape.bone_height_mm else None
 
 

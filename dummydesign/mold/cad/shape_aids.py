@@ -6,7 +6,6 @@ import math
 from typing import Any
 
 from dummydesign.mold.cad.aids import strike_off
-from dummydesign.mold.cad.pad_solids import bone_solid
 from dummydesign.mold.cad.prisms import drafted_prism, single_solid
 from dummydesign.mold.model.layout import Layout, Point
 from dummydesign.mold.model.outline import Outline
@@ -28,14 +27,25 @@ def spacer(spec: MouldSpec, plan: Layout) -> Any:
     return single_solid(strike_off(spec, plan).fuse(dip))
 
 
-def carrier(spec: MouldSpec, plan: Layout) -> Any:
-    """Plate with the bone under it: it closes the mould at the fill plane and stays on the pad as its rigid base.
+def carrier(spec: MouldSpec, plan: Layout, finished: Any) -> Any:
+    """Plate with the ``finished`` bone under it.
+
+    It closes the mould at the fill plane and stays on the pad as its rigid base.
 
     Four vents open at the corners of the cavity, four holes beyond it take the screws that hold pad and plate later.
+
+    Parameters
+    ----------
+    spec : MouldSpec
+        The mould.
+    plan : Layout
+        Its layout.
+    finished : cadquery.Solid
+        The bone at its finished size, in the pad's frame.
     """
     import cadquery as cq
 
-    bone = bone_solid(spec.pad).scale(plan.scale)
+    bone = finished.scale(plan.scale)
     low, high = plan.depth_mm - 1.0, plan.land_mm + spec.aids.plate_mm + 1.0
     holes = [(place, CARRIER_VENT_MM) for place in vent_places(plan)]
     holes += [(place, spec.box.bolt_hole_mm) for place in screw_places(plan)]

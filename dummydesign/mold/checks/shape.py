@@ -23,7 +23,7 @@ def check_shape(made: Parts) -> list[Check]:
     pad = made.spec.pad
     found = []
     if pad.shape.relief_mm or pad.shape.bone_height_mm:
-        found.append(face_profile(made))
+        found += [] if made.spec.insert is not None else [face_profile(made)]
     if pad.shape.bone_height_mm:
         found += _bone(made)
     if pad.shape.layers():
@@ -66,13 +66,14 @@ def _inner_faces(solid: Any, pad: PadGeometry) -> list[Any]:
 def _bone(made: Parts) -> list[Check]:
     """The bone fills what the gel leaves free and keeps its cover over the tested face."""
     spec, plan = made.spec, made.plan
-    exact = plan.scale**3 * spec.pad.shape.bone_volume_mm3(spec.pad)
+    exact = plan.scale**3 * contents.bone_volume_mm3(spec)
+    what = "closed form" if spec.insert is None else "the placed file"
     bone = _below(made.solid("carrier"), made, plan.depth_mm)
     whole = made.solid("pad").Volume() + bone
     cover = plan.scale * (spec.pad.thickness_mm - spec.pad.shape.bone_height_mm)
     lowest = made.solid("carrier").BoundingBox().zmin
     return [
-        below("bone_volume", abs(bone / exact - 1), VOLUME_REL, "carrier below the fill plane against closed form"),
+        below("bone_volume", abs(bone / exact - 1), VOLUME_REL, f"carrier below the fill plane against {what}"),
         below("gel_and_bone", abs(whole / made.cavity.Volume() - 1), VOLUME_REL, "together against the cavity"),
         below("bone_cover", abs(lowest - cover), HEIGHT_MM, f"mm off the cover of {cover:.3f} mm under the bone"),
     ]

@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from dummydesign.geometry.shapes import PadShape
 from dummydesign.mold.cad.casting_box import to_casting
 from dummydesign.mold.cad.label import label_bars
 from dummydesign.mold.cad.parts import Parts
@@ -14,6 +13,7 @@ from dummydesign.mold.cad.prisms import drafted_prism, rough_bounds
 from dummydesign.mold.checks import release as demould
 from dummydesign.mold.checks.result import Check, above, below, equal, skipped
 from dummydesign.mold.model import volumes as contents
+from dummydesign.mold.model.spec import MouldSpec
 
 VOLUME_REL, INTERFERENCE_MM3, SILICONE_REL, DRAFT_SLACK_DEG = 1e-9, 0.01, 2e-4, 0.01
 APART_MM = 0.8
@@ -53,12 +53,14 @@ def check_volumes(made: Parts) -> list[Check]:
     return [
         below("cavity_volume", off, VOLUME_REL, f"cavity to the fill plane {what}"),
         below("compensation", abs(pad.Volume() / (nominal * plan.scale**3) - 1), VOLUME_REL),
-        below("closed_form", abs(pad.Volume() / exact - 1), VOLUME_REL, _closed_form(spec.pad.shape)),
+        below("closed_form", abs(pad.Volume() / exact - 1), VOLUME_REL, _closed_form(spec)),
     ]
 
 
-def _closed_form(shape: PadShape) -> str:
-    return "drafted slab by Steiner and Pappus" + shape.closed_form
+def _closed_form(spec: MouldSpec) -> str:
+    if spec.insert is not None:
+        return "drafted slab by Steiner and Pappus, less the placed bone as measured"
+    return "drafted slab by Steiner and Pappus" + spec.pad.shape.closed_form
 
 
 def check_interference(made: Parts) -> list[Check]:

@@ -119,25 +119,3 @@ def coloured_scene(meshes: Mapping[str, Any], colours: Mapping[str, tuple[float,
 def write_glb(scene: Any, path: Path) -> None:
     """Write a binary glTF; its unit is the metre."""
     path.write_bytes(scene.export(file_type="glb"))
-
-
-def write_html(scene: Any, path: Path, title: str) -> None:
-    """Write the scene as one HTML page with its viewer in it; opens without a network.
-
-    Parameters
-    ----------
-    scene : trimesh.Scene
-        What is shown.
-    path : Path
-        File that is written.
-    title : str
-        Title of the page; escaped here.
-    """
-    import html
-
-    from trimesh.viewer.notebook import scene_to_html
-
-    page = scene_to_html(scene)
-    path.write_text(
-        page.replace("<title>trimesh: threejs viewer</title>", f"<title>{html.escape(title)}</title>"), "utf-8"
-    )

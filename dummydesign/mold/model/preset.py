@@ -12,6 +12,7 @@ from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.core.quantity import read_quantity
 from dummydesign.geometry.shapes import PadShape
 from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
+from dummydesign.mold.bone.insert import Insert
 from dummydesign.mold.model.pad_kind import PUCK, canonical_kind
 from dummydesign.mold.model.spec import (
     Acceptance,
@@ -67,6 +68,7 @@ def mould_spec(
     silicone: str | None = None,
     face_sheet_mm: float | None = None,
     count: int = 1,
+    insert: Insert | None = None,
 ) -> MouldSpec:
     """Put together and check the specification of a mould.
 
@@ -91,6 +93,8 @@ def mould_spec(
         Thickness of the sheet of glass let in as the tested face, in place of the preset's; 0 for none. [mm]
     count : int
         Cavities side by side in one mould.
+    insert : Insert, optional
+        A bone from a file, of a boned pad whose parameters are the dome nearest to it.
 
     Returns
     -------
@@ -151,6 +155,7 @@ def mould_spec(
         acceptance=Acceptance(**limits),
         surface=surface,
         count=count,
+        insert=insert,
     )
     validate(spec)
     return spec

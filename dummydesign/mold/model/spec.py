@@ -10,6 +10,7 @@ from typing import Any
 
 from dummydesign.geometry.shapes import PadShape, make_shape
 from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
+from dummydesign.mold.bone.insert import Insert
 from dummydesign.mold.model.hardware import Aids, Body, Box, Closure
 from dummydesign.mold.model.pad_kind import PUCK
 from dummydesign.mold.model.spec_json import plain_data, rebuild
@@ -150,6 +151,7 @@ class MouldSpec:
     acceptance: Acceptance = Acceptance()
     surface: Surface | None = None
     count: int = 1
+    insert: Insert | None = None
 
     @property
     def is_printed(self) -> bool:
@@ -166,7 +168,7 @@ class MouldSpec:
     def to_dict(self) -> dict[str, Any]:
         """Return nested plain dictionaries, tuples as lists; a base layer or plastic that is not there is left out."""
         plain = plain_data(asdict(self))
-        absent = [(plain, name) for name in ("base", "plastic", "silicone", "surface")]
+        absent = [(plain, name) for name in ("base", "plastic", "silicone", "surface", "insert")]
         for table, name in (*absent, (plain["pour"], "young_kPa")):
             if table[name] is None:
                 del table[name]

@@ -122,6 +122,10 @@ def _check_shape(spec: MouldSpec, pad: PadGeometry) -> None:
     shape.check(pad.thickness_mm, pad.length_mm, pad.width_mm)
     if spec.body.style == "lidded" and shape.open_mould_only:
         raise InputError(f"{shape.open_mould_only}; use --preset open")
+    if spec.insert is not None:
+        if not shape.bone_height_mm:
+            raise InputError(f"a bone from a file belongs to a boned pad; the shape is {shape.name}")
+        spec.insert.check(pad.length_mm, pad.width_mm)
     if (shape.layers() is None) != (spec.base is None):
         raise InputError("a layered pad, and no other, needs a second resin for its base (base_ratio)")
     highest = min(pad.corner_radius_mm, 0.9 * (pad.thickness_mm - pad.face_height_mm))

@@ -23,7 +23,12 @@ def cavity_volume_mm3(spec: MouldSpec, plan: Layout | None = None) -> float:
 def resin_volume_mm3(spec: MouldSpec, plan: Layout | None = None) -> float:
     """Resin of the pad in the cold cavity: the cavity less the bone. [mm3]"""
     plan = plan or layout(spec)
-    return cavity_volume_mm3(spec, plan) - plan.scale**3 * spec.pad.shape.bone_volume_mm3(spec.pad)
+    return cavity_volume_mm3(spec, plan) - plan.scale**3 * bone_volume_mm3(spec)
+
+
+def bone_volume_mm3(spec: MouldSpec) -> float:
+    """The finished bone in the gel: dome or bar in closed form, a bone from a file as measured. [mm3]"""
+    return spec.pad.shape.bone_volume_mm3(spec.pad) if spec.insert is None else spec.insert.volume_mm3
 
 
 def layer_volumes_mm3(spec: MouldSpec, plan: Layout | None = None) -> tuple[float, float]:

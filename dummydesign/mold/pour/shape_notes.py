@@ -5,6 +5,7 @@ from __future__ import annotations
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.layout import layout
 from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.mold.model.volumes import bone_volume_mm3
 from dummydesign.mold.pour.plan import PourPlan
 from dummydesign.mold.pour.steps import BLANK, CLOSE, DEGAS, GEL, MIX, POUR, WAIT, Step
 
@@ -33,7 +34,8 @@ def plug_finish(spec: MouldSpec) -> str:
 
 def shape_mark(spec: MouldSpec) -> str:
     """One line on the shape for sheet and drawing, empty for a slab."""
-    return spec.pad.shape.mark(spec.pad, layout(spec).scale)
+    mark = spec.pad.shape.mark(spec.pad, layout(spec).scale)
+    return mark if spec.insert is None else f"bone from {spec.insert.file}; for the model {mark}"
 
 
 def by_difference(plan: PourPlan, why: str, count: int = 1) -> str:
@@ -95,7 +97,7 @@ def before_mixing(spec: MouldSpec) -> list[Step]:
 
 def carrier_steps(spec: MouldSpec, plan: PourPlan) -> list[Step]:
     """How the bone gets into the resin."""
-    bone = spec.pad.shape.bone_volume_mm3(spec.pad) * 1e-3
+    bone = bone_volume_mm3(spec) * 1e-3
     why = f"the bone displaces {bone:.1f} cm3, so the resin stands below the step of the brim"
     texts = [
         by_difference(plan, why),

@@ -112,6 +112,12 @@ def _bone(spec: MouldSpec) -> list[tuple[str, str]]:
         return []
     text = f"the plate shuts the mould: lower it tilted, one edge first, until all {CARRIER_VENTS} vents show resin"
     words = tip_words(spec)
+    if spec.insert is not None:
+        told = [("bone_from_file", spec.insert.words)]
+        if spec.insert.overhang:
+            told.append(("bone_overhang", "parts of the bone look up towards its plate and keep air under them: wet "
+                         "them with resin, lower the bone tilted and turn it while it sinks"))  # fmt: skip
+        return [("bone_air", text), *told]
     return [("bone_air", text), *([("bone_height", f"measure the bone over its plate: {words}")] if words else [])]
 
 

@@ -1,0 +1,19 @@
+"""How many holes go through each part, for the Euler numbers of the meshes."""
+
+from __future__ import annotations
+
+from dummydesign.mold.model.spec import MouldSpec
+
+
+def genera(spec: MouldSpec) -> dict[str, int]:
+    """How many holes go through each part: 8 bolts, 3 level screws, sprue and vents, the frame's opening."""
+    open_holes = 0 if spec.closure is None else 6
+    if spec.is_printed:
+        # Eight bolts, two pins, three levelling screws; the ring's opening.
+        return {"pad": 0, "mould": 13, "frame": 14, "strike_off": 0, "collar": 1, "layer_top": 0, "layer_base": 0,
+                "spacer": 0, "carrier": 8, "face_sheet": 0}  # fmt: skip
+    return {
+        "pad": 0, "mould": 0, "master": 8, "frame": 9, "strike_off": 0, "tray": 3, "collar": 1, "lid": open_holes,
+        "backer": open_holes, "lid_master": 8, "lid_frame": 9, "sprue_pin": 0, "vent_pin": 0, "layer_top": 0,
+        "layer_base": 0, "spacer": 0, "carrier": 8, "face_sheet": 0,
+    }  # fmt: skip

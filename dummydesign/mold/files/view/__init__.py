@@ -1,0 +1,1 @@
+"""The one view of solids in a page: triangles packed small, and the canvas that shows them."""

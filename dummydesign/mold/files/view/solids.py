@@ -1,0 +1,177 @@
+"""Solids in a page: triangles of STL files, packed small, the canvas, its controls and its script."""
+
+from __future__ import annotations
+
+import base64
+import json
+import struct
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.core.errors import InputError
+
+COLOURS = {"pad": (0.93, 0.71, 0.60), "mould": (0.62, 0.72, 0.80)}
+_RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("spare", "<u2")])
+
+
+def read_stl(path: str | Path) -> NDArray:
+    """Triangles of a binary STL file, shape (n, 3, 3). [mm]
+
+    Raises
+    ------
+    InputError
+        When the file cannot be read or is not a binary STL.
+    """
+    try:
+        content = Path(path).read_bytes()
+    except OSError as problem:
+        raise InputError(f"{Path(path).name}: cannot be read: {problem.strerror}") from None
+    count = struct.unpack("<I", content[80:84])[0] if len(content) >= 84 else -1
+    if len(content) != 84 + 50 * count:
+        raise InputError(f"{Path(path).name}: is not a binary STL file")
+    return np.frombuffer(content, _RECORD, offset=84)["corners"].astype(float)
+
+
+def box(length_mm: float, width_mm: float, height_mm: float) -> NDArray:
+    """Triangles of a box that stands on z = 0, seen from outside; shape (12, 3, 3). [mm]
+
+    Parameters
+    ----------
+    length_mm, width_mm, height_mm : float
+        Along x, y and z. [mm]
+    """
+    x, y = 0.5 * length_mm, 0.5 * width_mm
+    corner = np.array([(a * x, b * y, c * height_mm) for c in (0, 1) for b in (-1, 1) for a in (-1, 1)])
+    sides = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    return np.array([corner[[a, b, c]] for s in sides for a, b, c in ((s[0], s[1], s[2]), (s[0], s[2], s[3]))])
+
+
+@dataclass(frozen=True)
+class Shown:
+    """One part in the view: how far it is lifted when the parts are apart, and where its stack stands. [mm]
+
+    A name such as ``pad, tested face up`` says that it is shown turned over.
+    """
+
+    name: str
+    triangles: NDArray
+    colour: tuple[float, float, float]
+    lift_mm: float = 0.0
+    beside_mm: float = 0.0
+
+
+def pack(triangles: NDArray, colour: tuple[float, float, float], lift_mm: float) -> dict[str, Any]:
+    """One part for the page: corners in 65535 steps of its box, colour, and how far it is lifted when apart.
+
+    Parameters
+    ----------
+    triangles : ndarray, shape (n, 3, 3)
+        Corners of the triangles, counter-clockwise from outside. [mm]
+    colour : (float, float, float)
+        Red, green and blue, from 0 to 1.
+    lift_mm : float
+        By how much the part is lifted when the parts are shown apart. [mm]
+
+    Returns
+    -------
+    dict
+        Plain values for JSON.
+    """
+    low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
+    steps = np.round((triangles - low) / np.maximum(high - low, 1e-9) * 65535).astype("<u2")
+    coded = base64.b64encode(steps.tobytes()).decode("ascii")
+    return {"triangles": coded, "low": low.tolist(), "high": high.tolist(), "colour": colour, "lift": lift_mm}
+
+
+def turned_over(triangles: NDArray) -> NDArray:
+    """Triangles turned by half a turn about the x axis, at the same heights; shape (n, 3, 3). [mm]"""
+    low, high = triangles[..., 2].min(), triangles[..., 2].max()
+    return triangles * (1.0, -1.0, -1.0) + (0.0, 0.0, low + high)
+
+
+def stack(parts: Mapping[str, NDArray], gap_mm: float = 25.0, beside_mm: float = 0.0) -> list[Shown]:
+    """Parts one over the other, each lifted clear of the one below it when they are drawn apart.
+
+    Parameters
+    ----------
+    parts : mapping of name to ndarray (n, 3, 3)
+        From the lowest to the highest.
+    gap_mm : float
+        Between two of them, apart. [mm]
+    beside_mm : float
+        Where the stack stands along x. [mm]
+    """
+    found, top = [], None
+    for name, triangles in parts.items():
+        low, high = float(triangles[..., 2].min()), float(triangles[..., 2].max())
+        lift = 0.0 if top is None else max(0.0, top + gap_mm - low)
+        top = high + lift
+        found.append(Shown(name, triangles, COLOURS.get(name.split(",")[0], (0.7, 0.7, 0.72)), lift, beside_mm))
+    return found
+
+
+def view_html(parts: Sequence[Shown]) -> str:
+    """Canvas, controls and packed parts; :func:`view_script` draws them.
+
+    Parameters
+    ----------
+    parts : sequence of Shown
+        In the order of the list beside the view.
+    """
+    packed = [
+        {**pack(one.triangles, one.colour, one.lift_mm), "name": one.name.replace("_", " "), "beside": one.beside_mm,
+         "turned": ", " in one.name}
+        for one in parts
+    ]
+    names = " and ".join(one.name.replace("_", " ") for one in parts)
+    plain = json.dumps(packed, separators=(",", ":")).replace("<", "\\u003c")
+    return (
+        f"<style>{(_HERE / 'viewer.css').read_text(encoding='utf-8')}</style>"
+        '<div class="viewer"><div class="stage"><canvas id="view-canvas" tabindex="0" role="img" '
+        f'aria-label="{escape(names)} as solids; drag or use the arrow keys to turn, scroll or pinch to zoom"></canvas>'
+        '<svg id="view-lines" aria-hidden="true"></svg><div id="view-labels" aria-hidden="true"></div></div>'
+        '<div class="controls noprint"><label class="apart">apart <input type="range" id="view-apart" min="0" max="1" '
+        f'step="0.01" value="{1 if len(packed) > 1 else 0}"></label><span id="view-parts"></span></div>'
+        '<p id="view-note"></p></div>'
+        f'<script type="application/json" id="view-data">{plain}</script>'
+    )
+
+
+def view_script() -> str:
+    """The script that draws the view."""
+    return (_HERE / "viewer.js").read_text(encoding="utf-8")
+
+
+def view_page(parts: Sequence[Shown], title: str, text: str) -> str:
+    """A page of its own with the view; opens without a network, dark or light as the reader's system.
+
+    Parameters
+    ----------
+    parts : sequence of Shown
+        What is shown.
+    title, text : str
+        Heading, and a line under it.
+    """
+    return (
+        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width,initial-scale=1">'
+        '<meta name="color-scheme" content="light dark">'
+        f"<title>{escape(title)}</title><style>{_PAGE}</style></head><body><h1>{escape(title)}</h1><p>{escape(text)}</p>"
+        f"{view_html(parts)}<script>{view_script()}</script></body></html>\n"
+    )
+
+
+_HERE = Path(__file__).parent
+_PAGE = (
+    ":root{--panel:#eef2f5;--ink:#20303c;--page:#fff}"
+    "@media(prefers-color-scheme:dark){:root{--panel:#1b242b;--ink:#dfe7ec;--page:#12181d}}"
+    "body{font:15px/1.4 system-ui,sans-serif;margin:0;padding:.6rem 1rem;background:var(--page);color:var(--ink)}"
+    "h1{font-size:1.1rem;margin:.2rem 0}p{margin:.2rem 0}"
+    "body>.viewer .stage canvas{height:calc(100vh - 9.5rem);min-height:320px}"
+)

@@ -30,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--base", default="bonded", metavar="LIST", help="pad on its base: bonded (default), sliding")
     add("--shape", default="slab", metavar="NAME[:KEY=RANGE,..],..",
         help="such as slab,crowned:radius=10:20:2,height=1.5/2; every combination of its lengths (default slab)")
-    edges = "fillets of the punch's edge in mm, of slabs by --fidelity axisymmetric (default 0, sharp)"
+    edges = "fillets of the punch's edge in mm, for slabs (default 0, sharp)"
     add("--edge-radius", default="0", metavar="RANGE|LIST", help=edges)
     add("--velocity", default="10,250", metavar="RANGE|LIST", help="in mm/s (default 10,250)")
     add("--force", default="1,5,10,15", metavar="RANGE|LIST", help="in N (default 1,5,10,15)")

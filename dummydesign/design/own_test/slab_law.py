@@ -72,7 +72,9 @@ def own_slab_law(request: Request, punch: AskedPunch, thickness_mm: NDArray) -> 
     base = request.base if request.base in BASES else "bonded"
     pad, edge = asked_pad(request, punch), request.edge_radius_mm
     law: ForceLaw = solved_over(slab_table(base, edge, punch.radius_mm), replace(pad, edge_radius_mm=0.0), thickness_mm)
-    return punch_law(law, request.punch, base) if request.base in BASES and not punch.profile_mm else law
+    if request.base not in BASES or punch.profile_mm:
+        return law
+    return punch_law(law, request.punch, base, bool(edge))
 
 
 def table_alone(request: Request, punch: AskedPunch) -> ForceLaw:

@@ -91,8 +91,10 @@ def check_pads(study: Study) -> None:
             if not 0.0 < edge <= LARGEST_EDGE_RADIUS * half:
                 words = f"{LARGEST_EDGE_RADIUS:g} of the half-width of {punch}"
                 raise out_of_range("edge radius in mm", edge, 0, f"{LARGEST_EDGE_RADIUS * half:g}", words)
-    if edges and study.fidelity != "axisymmetric":
-        raise InputError(f"edge radius in mm = {edges[0]:g} is solved by finite elements; add --fidelity axisymmetric")
+    if edges and study.fidelity == "3d":
+        raise InputError(f"edge radius in mm = {edges[0]:g} is not solved in space; leave out --fidelity 3d")
+    if edges and study.fidelity == "table":
+        _check_tabulated(study, edges)
     if edges and (shaped or any(condition != "bonded" for condition in study.conditions)):
         raise InputError(f"edge radius in mm = {edges[0]:g} is solved for glued flat slabs only; leave out --shape")
     if not shaped:
@@ -127,3 +129,12 @@ def why_not_cast(shape: str, thickness_mm: float) -> str | None:
     except InputError as problem:
         return str(problem)
     return None
+
+
+def _check_tabulated(study: Study, edges: list[float]) -> None:
+    """Refuse fillets that their table does not hold."""
+    from dummydesign.pad.tables.filleted import slab_table
+
+    for edge in edges:
+        for (punch, _), base in itertools.product(study.punches, study.bases):
+            slab_table(base, edge, equal_area_radius_mm(punch))

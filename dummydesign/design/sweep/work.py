@@ -1,4 +1,4 @@
-"""Working out a task of a what-if study: slabs here, shaped pads and filleted punches by ``shaped_rows``."""
+"""Working out a task of a what-if study: slabs here, shaped pads and solved filleted punches by ``shaped_rows``."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def work(task: Task, law: ForceLaw | None = None) -> list[dict[str, Any]]:
         ``limit`` (None, or why values are missing); ``score`` when there are targets. What is out of
         reach is None. A slab that cannot be solved gives rows without values whose ``limit`` says why.
     """
-    if task.shapes != (Slab.name,) or task.edge_radius_mm:
+    if task.shapes != (Slab.name,) or (task.edge_radius_mm and task.fidelity != "table"):
         return work_shaped(task)
     thickness, place = np.unique(task.thickness_mm, return_inverse=True)
     try:
@@ -54,9 +54,10 @@ def work(task: Task, law: ForceLaw | None = None) -> list[dict[str, Any]]:
 def force_law(task: Task, thickness_mm: NDArray) -> ForceLaw:
     """The force law of the task's fidelity, punch, condition and base."""
     if task.fidelity == "table":
-        from dummydesign.pad.tables.slab import load_table
+        from dummydesign.pad.tables.filleted import slab_table
 
-        return punch_law(load_table(base=task.base), task.punch, task.base)
+        table = slab_table(task.base, task.edge_radius_mm, task.radius_mm)
+        return punch_law(table, task.punch, task.base, bool(task.edge_radius_mm))
     from dummydesign.design.search.solved_slabs import solve_law
 
     sides = punch_sides_mm(task.punch)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from functools import partial
+from typing import Any
 
 from dummydesign.core.errors import InputError
 from dummydesign.pad.force_law import ForceLaw, TimesFactor
-from dummydesign.pad.tables.square import square_factor
+from dummydesign.pad.tables.square import DOUBTED_WITH_FILLET, square_factor
 
 FORMS = "square:SIDE, rectangle:AxB or round:DIAMETER, sizes in mm"
 
@@ -52,10 +53,18 @@ class SquareLaw(TimesFactor):
     circle : ForceLaw
     base : str
         ``bonded`` or ``sliding``.
+    filleted : bool
+        Whether the edge is a fillet: the factor is that of sharp edges, and half of what it changes is doubted.
     """
 
-    def __init__(self, circle: ForceLaw, base: str) -> None:
-        super().__init__(circle, partial(square_factor, base=base))
+    def __init__(self, circle: ForceLaw, base: str, filleted: bool = False) -> None:
+        super().__init__(circle, partial(_doubted if filleted else square_factor, base=base))
+
+
+def _doubted(depth_mm: Any, thickness_mm: Any, radius_mm: Any, base: str) -> tuple[Any, Any]:
+    """The factor of a square with a filleted edge, and its relative error."""
+    value, error = square_factor(depth_mm, thickness_mm, radius_mm, base)
+    return value, error + DOUBTED_WITH_FILLET * abs(value - 1.0)
 
 
 def circle_of(law: ForceLaw) -> ForceLaw:
@@ -63,7 +72,7 @@ def circle_of(law: ForceLaw) -> ForceLaw:
     return law.law if isinstance(law, SquareLaw) else law
 
 
-def punch_law(circle: ForceLaw, punch: str, base: str = "bonded") -> ForceLaw:
+def punch_law(circle: ForceLaw, punch: str, base: str = "bonded", filleted: bool = False) -> ForceLaw:
     """The force law of a glued punch from that of the circle of its area; only squares differ.
 
     A rectangle counts as the circle: its factor depends on its sides and is solved by ``--fidelity 3d``.
@@ -76,6 +85,8 @@ def punch_law(circle: ForceLaw, punch: str, base: str = "bonded") -> ForceLaw:
         As typed: ``square:14``, ``round:16``, ``rectangle:20x10``.
     base : str
         ``bonded`` or ``sliding``.
+    filleted : bool
+        Whether the punch's edge is a fillet.
 
     Returns
     -------
@@ -83,4 +94,4 @@ def punch_law(circle: ForceLaw, punch: str, base: str = "bonded") -> ForceLaw:
         To be asked with the radius of the circle of the punch's area.
     """
     sides = punch_sides_mm(punch)
-    return SquareLaw(circle, base) if sides is not None and sides[0] == sides[1] else circle
+    return SquareLaw(circle, base, filleted) if sides is not None and sides[0] == sides[1] else circle

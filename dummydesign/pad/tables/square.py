@@ -25,6 +25,8 @@ Array = np.ndarray
 SIDE_OVER_RADIUS = float(np.sqrt(np.pi) / 2.0)
 # Relative error added at twice the solved depth, an assumption: half of the corner's effect on a thick pad.
 HELD_ERROR = 0.015
+# Share of what the factor of sharp edges changes that is doubted where the edge is a fillet, an assumption.
+DOUBTED_WITH_FILLET = 0.5
 
 
 def combined_depth(depth: ArrayLike, ratio: ArrayLike) -> Array:

@@ -67,7 +67,8 @@ def test_a_pad_that_cannot_be_cast_or_is_off_the_table_says_why_and_the_others_s
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"edge_radii_mm": (1.0,)}, "axisymmetric"),
+        ({"edge_radii_mm": (5.0,)}, "2.1"),
+        ({"edge_radii_mm": (1.0,)}, "flat slabs"),
         ({"edge_radii_mm": (5.0,), "fidelity": "axisymmetric"}, "2.1"),
         ({"edge_radii_mm": (1.0,), "fidelity": "axisymmetric"}, "flat slabs"),
         ({"bases": ("sliding",)}, "sliding"),
@@ -129,6 +130,22 @@ def main_status(words):
     finally:
         sys.argv = before
     return 0
+
+
+@pytest.mark.parametrize("punch", ["round:16", "square:14"])
+def test_a_fillet_by_the_table_has_the_force_of_one_pad_asked_for_alone(punch):
+    from dummydesign.pad.pad import Pad
+    from dummydesign.pad.predict import predict_static
+    from dummydesign.pad.tables.punch import equal_area_radius_mm, punch_sides_mm
+
+    punches = ((punch, equal_area_radius_mm(punch)),)
+    study = Study((6.0,), (15.5,), punches, edge_radii_mm=(0.0, 0.5, 2.0), forces_N=(5.0,))
+    rows = whatif(study)["rows"]
+    depths = [row["depth_mm_at_N"]["5"] for row in rows]
+    assert depths[0] < depths[1] < depths[2]
+    young_MPa = 1e-3 * rows[1]["young_kPa"]
+    pad = Pad(6.0, young_MPa, equal_area_radius_mm(punch), sides_mm=punch_sides_mm(punch), edge_radius_mm=0.5)
+    assert predict_static(pad, [depths[1]]).force_N[0] == pytest.approx(5.0, rel=2e-3)
 
 
 @pytest.mark.slow

@@ -72,7 +72,7 @@ def lay_out(
         Builds it where the folder is no project yet.
     """
     ui.colors(primary="#0b5cad")
-    ui.add_head_html(f"<style>{style()}</style>")
+    ui.add_head_html(f"<style>{style()}</style><script>document.documentElement.lang = 'en'</script>")
     ui.page_title(f"{title} – dummydesign studio")
     problem, project = "", None
     try:

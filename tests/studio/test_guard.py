@@ -140,3 +140,17 @@ def test_an_archive_holds_the_folder_without_hidden_files(tmp_path):
     with zipfile.ZipFile(io.BytesIO(packed)) as archive:
         assert sorted(archive.namelist()) == ["a/in/y.stl", "a/x.step"]
     assert [path.name for path in (tmp_path / ".studio").iterdir()] == []
+
+
+def test_an_archive_on_a_full_disk_is_said_before_anything_is_sent_and_leaves_nothing(tmp_path, monkeypatch):
+    folder = tmp_path / "moulds" / "a"
+    folder.mkdir(parents=True)
+    (folder / "x.step").write_text("x", encoding="utf-8")
+
+    def full(*_, **__):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(zipfile.ZipFile, "write", full)
+    with pytest.raises(InputError, match="archive of 'a' cannot be packed: No space left on device"):
+        files.zipped(tmp_path, folder)
+    assert list((tmp_path / ".studio").iterdir()) == []

@@ -82,3 +82,34 @@ def test_a_command_that_starts_late_is_running_meanwhile_and_hears_that_it_is_to
     assert job.state == "running" and not (job.folder / runner.PID).exists()
     jobs.stop(job)
     assert wait_for(job.folder, "stopped", "lost", "done", "failed").state == "stopped"
+
+
+def test_a_command_that_a_full_disk_lets_not_begin_is_refused_in_words_and_holds_nobody_up(tmp_path, monkeypatch):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(jobs, "write_text", full)
+        with pytest.raises(InputError, match="cannot be written: No space left on device"):
+            jobs.start(tmp_path, "list", ["tissues", "list"])
+    assert jobs.all_jobs(tmp_path) == []
+    assert wait_for(jobs.start(tmp_path, "list", ["tissues", "list"]).folder, "done").answer
+
+
+@pytest.mark.parametrize("name", [".gitignore", "address"])
+def test_a_studio_says_that_the_disk_is_full_and_lets_go_of_the_folder(tmp_path, monkeypatch, name):
+    from pathlib import Path
+
+    from dummydesign.studio.server import serve
+
+    written = Path.write_text
+
+    def full(path, *given, **more):
+        if path.name == name:
+            raise OSError(28, "No space left on device")
+        return written(path, *given, **more)
+
+    monkeypatch.setattr(Path, "write_text", full)
+    with pytest.raises(InputError, match="cannot be written: No space left on device"):
+        serve.run_studio(tmp_path, None, False, lambda line: None)
+    assert not held(tmp_path / ".studio" / "lock")

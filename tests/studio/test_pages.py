@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import os
+import time
+
 import pytest
 
 from dummydesign.project.folder import make_project
 from dummydesign.studio.work import jobs
-from tests.support.studio import browser, running
+from tests.support.studio import browser, processor_s, running
 from tests.support.studio import test_id as by
 
 pytestmark = pytest.mark.slow
@@ -37,6 +40,51 @@ CONTRAST = """() => {
     return found; }"""
 
 
+RULES = """() => {
+    const found = [], all = (words) => [...document.querySelectorAll(words)], shown = (e) => e.offsetParent !== null;
+    const say = (what, e) => found.push(what + ': ' + (e ? e.outerHTML.slice(0, 140) : ''));
+    if (document.documentElement.lang !== 'en') say('no language');
+    if (all('h1').length !== 1) say('not one main heading');
+    if (!document.title.trim()) say('no title');
+    if (!all('nav[aria-label]').length) say('no named navigation');
+    if (all('nav [aria-current=page]').length !== 1) say('where one is is not marked');
+    all('.work').filter((e) => !e.querySelector('[role=status]')).forEach((e) => say('work that is not announced', e));
+    const ids = all('[id]').map((e) => e.id);
+    ids.filter((id, k) => ids.indexOf(id) !== k).forEach((id) => say('id twice ' + id));
+    all('[tabindex]').filter((e) => e.tabIndex > 0).forEach((e) => say('order of its own', e));
+    all('iframe').filter((e) => !e.title).forEach((e) => say('frame without a title', e));
+    all('img').filter((e) => !e.hasAttribute('alt')).forEach((e) => say('picture without words', e));
+    all('svg[role=img]').filter((e) => !e.getAttribute('aria-label')).forEach((e) => say('figure without words', e));
+    all('[aria-hidden=true] *').filter((e) => shown(e) && e.tabIndex >= 0 && e.matches('a, button, input'))
+        .forEach((e) => say('hidden but reached', e));
+    all('button, a[href], [role=button]').forEach((e) => [...e.querySelectorAll('input, button, a, select, textarea')]
+        .forEach((inner) => say('a control in a control', inner)));
+    all('input[type=file]').filter((e) => !e.closest('[aria-hidden=true]') && !e.labels.length
+        && !e.getAttribute('aria-label')).forEach((e) => say('file field without a name', e));
+    for (const e of all('[role]')) { const role = e.getAttribute('role');
+        if (!KNOWN.includes(role)) say('unknown role ' + role, e); }
+    let level = 0;
+    for (const e of all('h1, h2, h3, h4').filter(shown)) { const now = Number(e.tagName[1]);
+        if (now > level + 1) say('a level of headings left out', e); level = now; }
+    return found; }""".replace("KNOWN", str([
+    "status", "alert", "img", "button", "combobox", "listbox", "option", "checkbox", "radio", "radiogroup", "group",
+    "tab", "tablist", "tabpanel", "progressbar", "dialog", "menu", "presentation", "none", "main", "navigation",
+    "switch", "list", "listitem", "application", "slider", "textbox", "link", "tooltip", "region", "alertdialog",
+    "toolbar",
+]))  # fmt: skip
+
+WHERE = """() => { const e = document.activeElement; if (!e || e === document.body) return null;
+    const box = e.getBoundingClientRect(), look = getComputedStyle(e);
+    const marked = (look.outlineStyle !== 'none' && parseFloat(look.outlineWidth) > 0)
+        || !!e.closest('.q-field--focused, .q-focusable:focus, .q-checkbox:focus') || e.tagName === 'IFRAME';
+    e.dataset.walked = '1';
+    return {marked, wide: box.width, what: e.outerHTML.slice(0, 140)}; }"""
+
+MISSED = """() => [...document.querySelectorAll('a[href], button, input, select, textarea, summary')]
+    .filter((e) => e.offsetParent !== null && !e.disabled && e.tabIndex >= 0 && !e.closest('[aria-hidden=true]')
+        && !e.dataset.walked && !e.classList.contains('skip')).map((e) => e.outerHTML.slice(0, 140))"""
+
+
 @pytest.fixture(scope="module")
 def studio(tmp_path_factory):
     base = tmp_path_factory.mktemp("pages")
@@ -64,6 +112,83 @@ def test_every_page_fits_its_screen_can_be_read_and_names_its_controls(studio, s
             assert page.evaluate(NAMELESS) == [], path
             assert page.evaluate(CONTRAST) == [], path
         assert page.outside == [] and page.broken == []
+
+
+def test_every_page_keeps_the_rules_for_screen_readers(studio):
+    """Language, headings, roles, names, no control inside another: the rules that axe-core checks, on every page."""
+    found, _ = studio
+    with browser(viewport={"width": 1280, "height": 900}) as page:
+        page.goto(found.address)
+        page.wait_for_selector("h1")
+        for path in PAGES:
+            visit(page, found, path)
+            assert page.evaluate(RULES) == [], path
+
+
+def test_the_rules_find_what_is_wrong():
+    """The rules themselves: a page with one fault of each kind."""
+    with browser() as page:
+        page.set_content(
+            "<h1>a</h1><h1>b</h1><h3>c</h3><div id=x></div><div id=x></div><a href=#><input></a><img src=data:,>"
+            "<iframe></iframe><p tabindex=3>d</p><p role=buton>e</p><input type=file>"
+            "<b aria-hidden=true><button>f</button></b>"
+        )
+        told = page.evaluate(RULES)
+    for fault in ("no language", "not one main heading", "no title", "no named navigation", "id twice",
+                  "order of its own", "frame without", "picture without", "hidden but reached",
+                  "a control in a control", "file field", "unknown role", "a level of headings"):  # fmt: skip
+        assert any(one.startswith(fault) for one in told), fault
+
+
+def test_the_keyboard_reaches_every_control_and_shows_where_it_is(studio):
+    found, _ = studio
+    with browser(viewport={"width": 1280, "height": 900}) as page:
+        page.goto(found.address)
+        page.wait_for_selector("h1")
+        for path in PAGES:
+            visit(page, found, path)
+            places = []
+            for _ in range(80):
+                page.keyboard.press("Tab")
+                here = page.evaluate(WHERE)
+                if here is None:
+                    break
+                places.append(here)
+            assert len(places) > 5, path
+            assert [one["what"] for one in places if not (one["marked"] and one["wide"] > 0)] == [], path
+            assert page.evaluate(MISSED) == [], path
+
+
+def test_files_can_be_chosen_by_the_keyboard(studio):
+    found, _ = studio
+    with browser() as page:
+        page.goto(found.address)
+        page.wait_for_selector("h1")
+        visit(page, found, "measured")
+        page.locator(by("choose")).focus()
+        with page.expect_file_chooser() as chooser:
+            page.keyboard.press("Enter")
+        assert chooser.value.is_multiple()
+
+
+def test_a_page_opens_in_less_than_two_seconds_of_the_server_and_tells_the_clock(studio):
+    """By processor time, which other work on the machine does not change; the clock and the load are printed."""
+    found, _ = studio
+    with browser(viewport={"width": 1280, "height": 900}) as page:
+        page.goto(found.address)
+        page.wait_for_selector("h1")
+        for path in PAGES:
+            before, start = processor_s(found.process.pid), time.monotonic()
+            page.goto(f"{found.home}{path}")
+            page.wait_for_selector("h1")
+            clock = time.monotonic() - start
+            page.wait_for_timeout(1500)
+            if before is None:
+                pytest.skip("this system does not tell the processor time of a process")
+            spent = processor_s(found.process.pid) - before
+            print(f"{path or 'overview':<10} {clock:.2f} s by the clock, {spent:.2f} s of the server's processor, "
+                  f"load {os.getloadavg()[0]:.1f}")  # fmt: skip
+            assert spent < 2.0, path
 
 
 def test_the_keyboard_moves_a_slider_and_the_verdict_stays_in_sight(studio):

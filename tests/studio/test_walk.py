@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 import time
@@ -14,7 +13,7 @@ import pytest
 
 from dummydesign.measurement.planning.check import check_campaign
 from tests.support.pressed_plan import press_campaign
-from tests.support.studio import browser, running, surroundings
+from tests.support.studio import browser, processor_s, running, surroundings
 from tests.support.studio import test_id as by
 from tests.support.walkthrough_files import write as write_exports
 
@@ -132,20 +131,11 @@ def _to_calibration(page, studio, base, told):
     told["overview"] = page.locator("body").inner_text()
 
 
-def _processor_s(number):
-    """Processor seconds of a process so far, user and system; None where the system does not tell."""
-    try:
-        words = Path(f"/proc/{number}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
-    except OSError:
-        return None
-    return (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
-
-
 def _slide(page, number):
     """From a move of the slider to the new curve, the middle of nine [s]; processor seconds of the server a move."""
     page.wait_for_selector('[data-test="plots"] svg')
     page.wait_for_selector('[data-test="verdict"] .verdict[data-state="settled"]')
-    taken, before = [], _processor_s(number)
+    taken, before = [], processor_s(number)
     for step in range(9):
         taken.append(page.evaluate(
             """(value) => new Promise((done) => {
@@ -158,7 +148,7 @@ def _slide(page, number):
             })""",
             5.0 + 0.5 * step,
         ))  # fmt: skip
-    spent = None if before is None else (_processor_s(number) - before) / 9
+    spent = None if before is None else (processor_s(number) - before) / 9
     page.wait_for_timeout(600)
     return sorted(taken)[4], spent
 

@@ -26,6 +26,17 @@ OPEN = {
 }  # fmt: skip
 
 
+HEADER = """
+<div class="drop">
+  <span>Drop files here, or</span>
+  <q-btn outline no-caps label="choose files" data-test="choose" @click="props.pickFiles"></q-btn>
+  <span class="hide" aria-hidden="true"><q-uploader-add-trigger></q-uploader-add-trigger></span>
+  <q-spinner v-if="props.isUploading" size="1.4em"></q-spinner>
+</div>
+"""
+"""Of the place for files: a button with words in the place of a plus sign without any; its file field is not in it."""
+
+
 def build(studio: Studio, which: str) -> None:
     """Build the page."""
     lay_out(studio, "/measured", "Measured files", lambda project: _body(studio, project))
@@ -108,8 +119,9 @@ def uploader(
         with said:
             tell_problem(f"a file is larger than {guard.LARGEST_BYTES // 2**20} MB and was not taken")
 
-    ui.upload(on_upload=took, on_rejected=refused, multiple=True, auto_upload=True, max_file_size=guard.LARGEST_BYTES,
-              label="Drop files here, or choose them with +").props('flat data-test="drop"')  # fmt: skip
+    place = ui.upload(on_upload=took, on_rejected=refused, multiple=True, auto_upload=True,
+                      max_file_size=guard.LARGEST_BYTES)  # fmt: skip
+    place.props('flat data-test="drop"').add_slot("header", HEADER)
 
 
 def _show(studio: Studio, job: Job) -> None:

@@ -43,7 +43,10 @@ def make_app(root: Path) -> FastAPI:
         if not path.strip("/") or not found.is_dir():
             return PlainTextResponse(f"'{path}' is no folder of this project", 404)
         head = {"content-disposition": f'attachment; filename="{found.name}.zip"'}
-        return StreamingResponse(files.zipped(root, found), media_type="application/zip", headers=head)
+        try:
+            return StreamingResponse(files.zipped(root, found), media_type="application/zip", headers=head)
+        except InputError as problem:
+            return PlainTextResponse(str(problem), 507)
 
     @app.get("/solid/pad")
     def pad(shape: str, thickness: float) -> Response:

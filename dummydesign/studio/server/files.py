@@ -89,20 +89,34 @@ def listed(root: Path, folder: Path) -> list[str]:
 
 
 def zipped(root: Path, folder: Path) -> Iterator[bytes]:
-    """All files of a folder as a ZIP archive, in pieces.
+    """All files of a folder as a ZIP archive, in pieces; packed before the first is given out.
 
     Parameters
     ----------
     root, folder : Path
         The project folder and one inside it.
+
+    Raises
+    ------
+    InputError
+        When there is no room to pack them; nothing is left then.
     """
     home = root / ".studio"
-    home.mkdir(exist_ok=True)
     packed = home / f"zip-{token_hex(6)}"
     try:
+        home.mkdir(exist_ok=True)
         with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
             for name in listed(root, folder):
                 archive.write(root / name, (root / name).relative_to(folder.parent).as_posix())
+    except OSError as problem:
+        packed.unlink(missing_ok=True)
+        raise InputError(f"the archive of '{folder.name}' cannot be packed: {problem.strerror or problem}") from None
+    return _pieces(packed)
+
+
+def _pieces(packed: Path) -> Iterator[bytes]:
+    """A file in pieces, deleted when all are out or nobody wants them any more."""
+    try:
         with open(packed, "rb") as stream:
             while piece := stream.read(1 << 20):
                 yield piece

@@ -53,7 +53,12 @@ def run_studio(folder: str | Path, port: int | None, browser: bool, say: Callabl
     found = int(listening.getsockname()[1])
     key = token_urlsafe(24)
     address = f"http://{HOST}:{found}/"
-    (root / ".studio" / "address").write_text(address, encoding="utf-8")
+    try:
+        (root / ".studio" / "address").write_text(address, encoding="utf-8")
+    except OSError as problem:
+        listening.close()
+        lock.close()
+        raise InputError(f"'{root}' cannot be written: {problem.strerror or problem}") from None
     os.environ["NICEGUI_STORAGE_PATH"] = str(root / ".studio" / "page")
     from dummydesign.studio.server.app import make_app
 

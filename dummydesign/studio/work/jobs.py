@@ -70,7 +70,7 @@ class Job:
         if self.state == "stopped":
             return "stopped before it was done; nothing half-written is left"
         if self.state == "lost":
-            return "the process ended without a word (was the machine switched off?): run it again"
+            return "the process ended without a word (machine switched off, disk full?): run it again"
         try:
             lines = (self.folder / runner.ERRORS).read_text(encoding="utf-8", errors="replace").strip().splitlines()
         except OSError:

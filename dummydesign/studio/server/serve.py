@@ -41,6 +41,7 @@ def run_studio(folder: str | Path, port: int | None, browser: bool, say: Callabl
     except ImportError as problem:
         raise InputError(f"the studio needs {problem.name}: pip install 'dummydesign[studio]'") from None
     root = Path(folder).resolve()
+    lock = None
     try:
         root.mkdir(parents=True, exist_ok=True)
         lock = take(root / ".studio" / "lock")
@@ -48,6 +49,8 @@ def run_studio(folder: str | Path, port: int | None, browser: bool, say: Callabl
             raise InputError(f"'{root}' is open in another studio{_where(root)}: use that one, or stop it first")
         (root / ".studio" / ".gitignore").write_text("*\n", encoding="utf-8")
     except OSError as problem:
+        if lock is not None:
+            lock.close()
         raise InputError(f"'{root}' cannot be written: {problem.strerror or problem}") from None
     listening = _listen(port)
     found = int(listening.getsockname()[1])

@@ -96,6 +96,18 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("points of a figure into a tissue of your own", "tissues add-points my-thumb points.csv"),
         ("the same as JSON", "tissues add-points my-thumb points.csv --json"),
     ),
+    "tissues add-spring": (
+        ("a spring constant with its spread", 'tissues add-spring my-arm --stiffness 30 --spread 20% --source "my copy"'),
+        ("with its unit", 'tissues add-spring my-arm --stiffness 30kN/m --source "my copy" --replace'),
+    ),
+    "tissues template": (
+        ("a table of body regions to fill", "tissues template regions.csv"),
+        ("the same as JSON", "tissues template regions.csv --json"),
+    ),
+    "tissues add-regions": (
+        ("a tissue of every filled row", "tissues add-regions regions.csv"),
+        ("again, after a correction", "tissues add-regions regions.csv --replace"),
+    ),
     "tissues remove": (
         ("delete a tissue of your own", "tissues remove my-thumb"),
         ("saying what was deleted as JSON", "tissues remove my-thumb --json"),

@@ -114,6 +114,7 @@ class Suggestion:
             "sensitivity": {"d_ln_young_per_percent_ratio": 0.01 * slope, **self.pour.to_dict()},
             "verification": self.verification.to_dict(),
             "shapes": [item.to_dict() for item in self.beside],
+            "tissue_exponent": self.targets.power,
             "landing": self.centring.to_dict() if self.centring else None,
             "rests_on": dict(self.rests_on),
             "warnings": [dict(item) for item in self.warnings],

@@ -90,11 +90,16 @@ def _castings_fact(result: dict[str, Any]) -> list[tuple[str, str]]:
 
 def _steady_words(answer: Suggestion) -> str:
     return (
-        "The relaxed pad and the subjects. Below 5 N there are no data on people; the range there is the cubic law "
+        "The relaxed pad and the subjects. Below 5 N there are no data on people; the range there is their law "
         "extrapolated and drawn paler. The band of the pad holds 95 % of its castings, by what is not known of the "
         "resin and the errors of weighing and thickness. "
-        + (_FLAT if answer.shape.flat_top else "The pad's top is touched gradually, so it starts soft.")
+        + (_flat_words(answer) if answer.shape.flat_top else "The pad's top is touched gradually, so it starts soft.")
     )
+
+
+def _flat_words(answer: Suggestion) -> str:
+    """A flat pad cannot follow a cube; a straight line it can."""
+    return _FLAT if answer.targets.power > 1.0 else ""
 
 
 _FLAT = "A flat pad starts nearly linear, so it crosses the tissue's curve and cannot follow it."

@@ -145,7 +145,7 @@ def render(result: dict[str, Any]) -> str:
     lines += [_condition(row) for row in best["conditions"]]
     lines += [
         "",
-        "  small forces (extrapolated with the cubic law; no data on people):",
+        "  small forces (the tissue's law carried on; no data on people):",
         "  N      depth mm   tissue mm",
     ]
     for row in best["low_force"]:
@@ -172,7 +172,7 @@ def _shapes(result: dict[str, Any]) -> list[str]:
     lines = [
         "",
         f"  shapes side by side (misfit: rms of ln F from {0.1 * low:g} to {high:g} N; range: fraction of the steady "
-        "curve in range;\n  exponent d ln F / d ln x, tissue 3):",
+        f"curve in range;\n  exponent d ln F / d ln x, tissue {result['tissue_exponent']:g}):",
         f"  misfit  range <{low:g} N  range >{low:g} N  exponent {'/'.join(shown)} N  d/h    total  pad",
     ]
     for row in result["shapes"]:

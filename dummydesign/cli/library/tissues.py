@@ -13,7 +13,7 @@ HELP = "List the known tissues, show one with all its numbers and sources, and a
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    words = "list|show|add|add-curves|add-points|remove|rename|path"
+    words = "list|show|add|add-curves|add-points|add-spring|template|add-regions|remove|rename|path"
     actions = parser.add_subparsers(dest="action", metavar=words, help="what to do")
     actions.add_parser("list", help="names, origin and kind of the known tissues")
     show = actions.add_parser("show", help="every number of one tissue with its interval and source")
@@ -35,6 +35,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     points = actions.add_parser("add-points", help="update a tissue by points read off figures")
     points.add_argument("name", metavar="NAME", help="the tissue to update")
     points.add_argument("points", metavar="POINTS.csv", help="columns subject,depth_mm,force_N")
+    spring = actions.add_parser("add-spring", help="make a tissue of one spring constant with its spread")
+    spring.add_argument("name", metavar="NAME", help="name of the new tissue")
+    spring.add_argument("--stiffness", required=True, metavar="N_PER_MM", help="spring constant, such as 35 or 35kN/m")
+    spring.add_argument("--spread", metavar="N_PER_MM", help="plus and minus, in N/mm or percent (20%%)")
+    spring.add_argument("--source", required=True, metavar="TEXT", help="where the numbers were read")
+    spring.add_argument("--kind", default="digitised", help="measured, fitted, digitised (default), inferred, assumed")
+    template = actions.add_parser("template", help="write a table of body regions to fill from your copy of a standard")
+    template.add_argument("path", metavar="FILE.csv", help="file to write")
+    regions = actions.add_parser("add-regions", help="make a tissue of every filled row of such a table")
+    regions.add_argument("table", metavar="FILE.csv", help="columns region,stiffness_N_per_mm,spread_N_per_mm,source")
+    for one in (spring, regions):
+        one.add_argument("--replace", action="store_true", help="take the place of your own of these names")
     add_own_actions(actions, "tissue")
 
 
@@ -58,19 +70,35 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         from dummydesign.tissue.population.from_points import add_points
 
         return add_points(options.name, options.points)
+    if options.action in ("add-spring", "template", "add-regions"):
+        return _springs(options)
     actions = "list, show NAME, add NAME FILE..., add-curves NAME FILE.csv, add-points NAME POINTS.csv, "
+    actions += "add-spring NAME, template FILE.csv, add-regions FILE.csv, "
     actions += "remove NAME, rename OLD NEW or path NAME"
     raise InputError(f"tissues needs an action: {actions}")
 
 
+def _springs(options: argparse.Namespace) -> dict[str, Any]:
+    from dummydesign.tissue.population.from_springs import add_regions, add_spring, write_template
+
+    if options.action == "template":
+        return write_template(options.path)
+    if options.action == "add-regions":
+        return add_regions(options.table, options.replace)
+    given = options.name, options.stiffness, options.spread, options.source, options.kind
+    return add_spring(*given, options.replace)
+
+
 def _list() -> dict[str, Any]:
+    from dummydesign.tissue.model.laws import law_named
     from dummydesign.tissue.model.tissue_file import readable_tissues
 
     tissues, problems = readable_tissues()
     warnings = [{"code": "unreadable_tissue", "message": problem} for problem in problems]
     rows = []
     for tissue in tissues:
-        gamma1 = tissue.bands["gamma1_N_per_mm3"]
+        steady = law_named(tissue.law).steady_name
+        gamma1 = tissue.bands[steady]
         rows.append(
             {
                 "name": tissue.name,
@@ -81,7 +109,7 @@ def _list() -> dict[str, Any]:
                 "kinds": list(tissue.kinds),
                 "subjects": [subject.name for subject in tissue.subjects],
                 "velocities_mm_s": list(tissue.velocities_mm_s),
-                "gamma1_N_per_mm3": [gamma1.low, gamma1.high],
+                steady: [gamma1.low, gamma1.high],
             }
         )
     return {"inputs": {"action": "list"}, "tissues": rows, "warnings": warnings}
@@ -102,10 +130,16 @@ def render(result: dict[str, Any]) -> str:
     own = render_own(result)
     if own is not None:
         return own
+    if "regions" in result:
+        return f"fill and read by 'dummydesign tissues add-regions': {result['files']['template']}"
+    if "added" in result:
+        rows = [(row["name"], " / ".join(f"{k:.4g}" for k in row["k_N_per_mm"])) for row in result["added"]]
+        lines = [f"{name:<14} {springs} N/mm" for name, springs in rows]
+        return "\n".join(lines + [f"warning: {w['message']}" for w in result["warnings"]])
     if "tissues" in result:
-        lines = [f"{'tissue':<14} {'origin':<9} {'kind':<20} {'law':<11} subjects  gamma1 in N/mm3"]
+        lines = [f"{'tissue':<14} {'origin':<9} {'kind':<20} {'law':<11} subjects  gamma1 in N/mm3 (k in N/mm)"]
         for row in result["tissues"]:
-            low, high = row["gamma1_N_per_mm3"]
+            low, high = row.get("gamma1_N_per_mm3") or row["k_N_per_mm"]
             lines.append(
                 f"{row['name']:<14} {row['origin']:<9} {'+'.join(row['kinds']):<20} {row['law']:<11} "
                 f"{len(row['subjects']):>8}  {low:.3g} to {high:.3g}"
@@ -118,9 +152,11 @@ def render(result: dict[str, Any]) -> str:
             f"{name:<26} {entry['value']:>10.4g} {entry['low']:>10.4g} {entry['high']:>10.4g}  {entry['kind']}"
         )
     for subject in result["subjects"]:
-        gamma1 = subject["gamma1_N_per_mm3"]
+        spring = "k_N_per_mm" in subject
+        gamma1 = subject["k_N_per_mm" if spring else "gamma1_N_per_mm3"]
+        name = "k" if spring else "gamma1"
         lines.append(
-            f"subject {subject['name']:<16} gamma1 {gamma1['value']:.4g} N/mm3 "
+            f"subject {subject['name']:<16} {name} {gamma1['value']:.4g} {'N/mm' if spring else 'N/mm3'} "
             f"({gamma1['low']:.4g} to {gamma1['high']:.4g}, {gamma1['kind']}: {gamma1['source']})"
         )
     lines += [f"note: {note}" for note in result["notes"]]

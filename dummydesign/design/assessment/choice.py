@@ -165,7 +165,8 @@ def expected_totals(law: ForceLaw, candidate: Candidate, space: SearchSpace, tol
     slabs = poured_slabs(law, pours, space)
     coarse = space.sampling.coarse
     found = evaluate(slabs, space.targets, coarse)
-    return found.total(gamma1_score(steady_gamma1(slabs, space.targets.protocol, coarse), space.targets))
+    gamma1 = steady_gamma1(slabs, space.targets.protocol, coarse, space.targets.power)
+    return found.total(gamma1_score(gamma1, space.targets))
 
 
 def measure_first(

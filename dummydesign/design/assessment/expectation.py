@@ -126,7 +126,8 @@ def _near(chosen: Chosen, space: SearchSpace, low_share: float) -> list[Candidat
     slabs = make_slabs(curves, np.zeros(len(steps), int), space.resin, ratio)
     found = evaluate(slabs, space.targets, space.sampling, exact=True)
     stands = standing(found, space.targets)
-    parametric = gamma1_score(steady_gamma1(slabs, space.targets.protocol, space.sampling.coarse), space.targets)
+    gamma1 = steady_gamma1(slabs, space.targets.protocol, space.sampling.coarse, space.targets.power)
+    parametric = gamma1_score(gamma1, space.targets)
     total = found.total(parametric)
     others = [
         Candidate(best.thickness_mm, float(ratio[at]), at, found, None, float(parametric[at]), float(total[at]),
@@ -144,7 +145,8 @@ def _worths(
     pours, _ = draw_pours(space.resin, candidate.thickness_mm, candidate.ratio, tolerances, POURS, SEED)
     slabs, coarse = poured_slabs(law, pours, space), space.sampling.coarse
     found = evaluate(slabs, space.targets, coarse)
-    total = found.total(gamma1_score(steady_gamma1(slabs, space.targets.protocol, coarse), space.targets))
+    gamma1 = steady_gamma1(slabs, space.targets.protocol, coarse, space.targets.power)
+    total = found.total(gamma1_score(gamma1, space.targets))
     stands = standing(found, space.targets)
     merit = (1.0 - low_share) * total + low_share * found.low_aim
     return np.array(space.targets.weights.worth)[stands] * merit, stands > NOT_ACCEPTABLE

@@ -155,7 +155,7 @@ def tissue_body(subjects: Sequence[Parameters], velocity_mm_s: float) -> Body:
     form.stretch_rates(np.zeros(len(gamma1)), gamma / dampers)  # says at once if the law does not
 
     def force(x: NDArray, q: NDArray) -> NDArray:
-        return gamma1 * x**3 + (gamma * q).sum(axis=-1) * x**2
+        return gamma1 * x**form.power + (gamma * q).sum(axis=-1) * x**2
 
     def rates(x: NDArray) -> tuple[NDArray, NDArray]:
         return form.stretch_rates(x, gamma / dampers)

@@ -6,6 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dummydesign.tissue.model.laws import law_named
+from dummydesign.tissue.model.laws.spring import spring_words
+
 if TYPE_CHECKING:
     from dummydesign.design.assessment.centring import CentringTolerance
     from dummydesign.design.assessment.pour_yield import PourYield
@@ -165,6 +168,8 @@ def _of_forces(chosen: Chosen, space: SearchSpace) -> list[tuple[str, str]]:
 
 def _of_speeds(space: SearchSpace, tissue: Tissue) -> list[tuple[str, str]]:
     """Speeds that are designed for and at which no subject was measured."""
+    if not law_named(tissue.law).fitted:
+        return [("spring_tissue", spring_words(tissue.name))]
     asked = sorted({condition.velocity_mm_s for condition in space.targets.conditions})
     far = [v for v in asked if all(max(v / known, known / v) > 1.5 for known in tissue.velocities_mm_s)]
     if not far:

@@ -175,8 +175,10 @@ def _mean_over(within: NDArray, clock: NDArray) -> NDArray:
     return (0.5 * (within[:, 1:] + within[:, :-1].astype(float)) * step).sum(-1) / step.sum(-1)
 
 
-def steady_gamma1(slabs: Slabs, protocol: Protocol = PAPER, sampling: Sampling = COARSE) -> NDArray:
-    """Least-squares gamma1 of F = gamma1 x^3 over the steady forces of the protocol, shape (D,). [N/mm3]
+def steady_gamma1(
+    slabs: Slabs, protocol: Protocol = PAPER, sampling: Sampling = COARSE, power: float = 3.0
+) -> NDArray:
+    """Least-squares gamma1 of F = gamma1 x^power over the steady forces of the protocol, shape (D,). [N/mm^power]
 
     It is what a fit of the five-element law settles for in the hold of all presses; NaN when none is reached.
 
@@ -188,9 +190,11 @@ def steady_gamma1(slabs: Slabs, protocol: Protocol = PAPER, sampling: Sampling =
         Forces and speeds.
     sampling : Sampling
         Hold and braking.
+    power : float
+        Of the tissue's law at rest.
     """
     forces = np.array(protocol.forces_N)
     depth = steady_depth(slabs, forces, protocol.slow_mm_s, sampling)
-    cube = np.nan_to_num(depth) ** 3
+    cube = np.nan_to_num(depth) ** power
     with np.errstate(invalid="ignore", divide="ignore"):
         return (cube * forces).sum(axis=-1) / (cube**2).sum(axis=-1)

@@ -40,11 +40,11 @@ def safe_side_shortfall(ranges: Ranges, readings: Readings) -> NDArray:
     """How far the lowest peak or steady force of each pad is below that of the highest subject there, shape (n,).
 
     0 where none is below any subject's; a steady force is compared at the pad's depth, where a subject's goes with its
-    cube; infinite where a press is out of reach.
+    power; infinite where a press is out of reach.
     """
     peak, depth = np.atleast_2d(readings.peak_N), np.atleast_2d(readings.depth_mm)
     by_peak = 1.0 - peak / ranges.peak_high_N
-    by_steady = 1.0 - (ranges.stiff_mm / depth) ** 3
+    by_steady = 1.0 - (ranges.stiff_mm / depth) ** ranges.power
     worst = np.maximum(by_peak.max(axis=-1), by_steady.max(axis=-1))
     return np.where(np.isfinite(worst), np.maximum(worst, 0.0), np.inf)
 
@@ -65,6 +65,7 @@ def ranges_of(targets: Targets) -> Ranges:
         stiff,
         soft,
         len(targets.tissue.subjects),
+        targets.power,
     )
 
 

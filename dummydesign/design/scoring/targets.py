@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from dummydesign.design.request import PAPER, Protocol
 from dummydesign.design.scoring.presses import Sampling
 from dummydesign.design.scoring.weights import Weights, weights_of
+from dummydesign.tissue.model.laws import law_named
 from dummydesign.tissue.model.ranges import SETTLED_S
 
 if TYPE_CHECKING:
@@ -88,13 +89,18 @@ class Targets:
     def aim_depth_mm(self, force_N: NDArray) -> NDArray:
         """Depth of the aim at steady forces. [mm]"""
         if self.settled:
-            return np.cbrt(np.asarray(force_N, float) / self.parameters.gamma1_N_per_mm3)
+            return law_named(self.tissue.law).root(np.asarray(force_N, float) / self.parameters.gamma1_N_per_mm3)
         return self._held_mm(force_N)[-1]
 
     @property
     def settled(self) -> bool:
         """Whether the hold is so long that a steady force is the relaxed one."""
-        return self.sampling.hold_s >= SETTLED_S
+        return self.sampling.hold_s >= SETTLED_S or not self.parameters.gamma_N_per_mm3
+
+    @property
+    def power(self) -> float:
+        """Exponent of the subjects' steady force over depth."""
+        return law_named(self.tissue.law).power
 
     @property
     def depth_half_width(self) -> float:
@@ -108,7 +114,7 @@ class Targets:
         if self.settled:
             return self.parameters.gamma1_N_per_mm3
         forces = np.array(self.protocol.forces_N)
-        cube = self.aim_depth_mm(forces) ** 3
+        cube = self.aim_depth_mm(forces) ** self.power
         return float((cube * forces).sum() / (cube**2).sum())
 
     def steady_inside(self, force_N: NDArray, depth_mm: NDArray) -> NDArray:

@@ -43,6 +43,8 @@ class Ranges:
     steady_N, stiff_mm, soft_mm : ndarray, shape (g,)
         Steady forces, and the depths of the stiffest and the softest subject there.
     subjects : int
+    power : float
+        Exponent of their steady force over depth.
     """
 
     force_N: NDArray
@@ -55,6 +57,7 @@ class Ranges:
     stiff_mm: NDArray
     soft_mm: NDArray
     subjects: int
+    power: float = 3.0
 
 
 @dataclass(frozen=True)
@@ -249,8 +252,8 @@ def _flags(ranges: Ranges, readings: Readings) -> Flags:
     """Hold pads against the ranges; one pad counts as n = 1."""
     peak, energy, depth = (np.atleast_2d(values) for values in (readings.peak_N, readings.energy_mJ, readings.depth_mm))
     near = FORCE_TOLERANCE * ranges.force_N
-    # At rest every subject follows a cube, so a share of the force is a third of it in depth.
-    shift = (1.0 + FORCE_TOLERANCE) ** (1.0 / 3.0)
+    # At rest every subject follows a power, a cube as a rule, so a share of the force is a third of it in depth.
+    shift = (1.0 + FORCE_TOLERANCE) ** (1.0 / ranges.power)
     with np.errstate(invalid="ignore"):
         return Flags(
             peak < ranges.peak_low_N - near,

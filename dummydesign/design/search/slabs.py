@@ -189,7 +189,7 @@ def search_each(
     slabs = make_slabs(curves, slab, resin, ratio[column])
     coarse = space.sampling.coarse
     rough = evaluate(slabs, targets, coarse)
-    total = rough.total(gamma1_score(steady_gamma1(slabs, targets.protocol, coarse), targets))
+    total = rough.total(gamma1_score(steady_gamma1(slabs, targets.protocol, coarse, targets.power), targets))
     order = ((1.0 - low_share) * total + low_share * rough.low_aim)
     order = order * np.array(targets.weights.worth)[standing(rough, targets)]
     order = np.where(rough.feasible, order, -1.0)
@@ -235,9 +235,10 @@ def _work_out(
 ) -> list[list[Candidate]]:
     """Evaluate groups of designs on the fine grid; fit the best of each group's ranked ones and all its others."""
     targets = space.targets
+    fits_law = fitted and bool(targets.parameters.gamma_N_per_mm3)
     exact = evaluate(slabs, targets, space.sampling, exact=True)
     stands = standing(exact, targets)
-    gamma1 = steady_gamma1(slabs, targets.protocol, space.sampling.coarse)
+    gamma1 = steady_gamma1(slabs, targets.protocol, space.sampling.coarse, targets.power)
     parametric = gamma1_score(gamma1, targets)
     total = exact.total(parametric)
     found: list[Any] = [None] * len(ratio)
@@ -250,7 +251,7 @@ def _work_out(
             best = np.argsort(-order[start : start + ranked], kind="stable")[:fitted]
             kept = np.sort(np.r_[start + best, np.arange(start + ranked, end)])
         groups.append(kept)
-    if fitted:
+    if fits_law:
         every = np.concatenate(groups)
         fits = fit_presses(slabs.take(every), targets, exact.depth_mm[every], space.sampling)
         parametric = parametric.copy()
@@ -274,7 +275,8 @@ def with_parameters(candidates: Sequence[Candidate], space: SearchSpace) -> tupl
     candidates : sequence of Candidate
     space : SearchSpace
     """
-    lacking = [candidate for candidate in candidates if candidate.parameters is None]
+    fits_law = bool(space.targets.parameters.gamma_N_per_mm3)
+    lacking = [candidate for candidate in candidates if candidate.parameters is None and fits_law]
     if not lacking:
         return tuple(candidates)
     own = [(c.evaluation.slabs.take(np.array([c.index])), c.evaluation.depth_mm[[c.index]]) for c in lacking]
@@ -283,7 +285,7 @@ def with_parameters(candidates: Sequence[Candidate], space: SearchSpace) -> tupl
     scores = iter(zip(fits, parametric_score(fits, space.targets)))
     done = []
     for candidate in candidates:
-        if candidate.parameters is None:
+        if candidate.parameters is None and fits_law:
             fit, score = next(scores)
             total = candidate.evaluation.take(np.array([candidate.index])).total(np.array([score]))
             candidate = replace(candidate, parameters=fit, parametric=float(score), total=float(total[0]))

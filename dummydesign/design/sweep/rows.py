@@ -168,7 +168,7 @@ def _scores(slabs: Slabs, targets: Targets | None) -> dict[str, NDArray] | None:
     from dummydesign.design.scoring.score import evaluate, steady_gamma1
 
     found = evaluate(slabs, targets)
-    parametric = gamma1_score(steady_gamma1(slabs), targets)
+    parametric = gamma1_score(steady_gamma1(slabs, power=targets.power), targets)
     return {
         "total": found.total(parametric),
         "steady_state_range": found.steady_state_range,

@@ -17,6 +17,8 @@ from dummydesign.tissue.comparison.press_test import PressTest, hold_of, presses
 from dummydesign.tissue.fitting.fit import Fit, fit_traces
 from dummydesign.tissue.fitting.groups import condition_groups, rounded_velocity
 from dummydesign.tissue.fitting.reduction import ReducedTrace
+from dummydesign.tissue.model.laws import DEFAULT, law_named
+from dummydesign.tissue.model.laws.spring import spring_words
 from dummydesign.tissue.model.ranges import STEADY_TOLERANCE, ForceRange, end_of_hold_range
 from dummydesign.tissue.model.tissue import Tissue
 
@@ -74,7 +76,8 @@ def compare_traces(
     Comparison
     """
     own, reduced, said = presses_of(traces, test)
-    fit = fit_traces(own, tissue.elements, tissue.law, "per-speed", lowpass)
+    known = law_named(tissue.law).fitted
+    fit = fit_traces(own, tissue.elements if known else 5, tissue.law if known else DEFAULT, "per-speed", lowpass)
     grid = test.grid_N
     points, depth = steady_curve(reduced, grid)
     slowest = min(trace.velocity_mm_s for trace in reduced)
@@ -91,7 +94,7 @@ def compare_traces(
     result = {
         "tissue": tissue.name,
         "law": tissue.law,
-        "parametric": _parametric(fit, tissue),
+        "parametric": _parametric(fit, tissue) if known else {},
         "steady_state_range": _steady_shares(grid, depth, span, test.span_N),
         "force_variation_range": _by_condition(reduced, rows, test),
         "by_trace": rows,
@@ -228,7 +231,8 @@ def _steady_shares(
 
 
 def _warnings(fit: Fit, tissue: Tissue, points: NDArray, rows: list[dict[str, Any]]) -> list[dict[str, str]]:
-    found = [w for w in fit.result["warnings"] if w["code"] in SHOWN]
+    shown = SHOWN if law_named(tissue.law).fitted else CODES
+    found = [w for w in fit.result["warnings"] if w["code"] in shown]
     if "inferred" in tissue.kinds:
         found.append({"code": "inferred_tissue", "message": f"the band of {tissue.name} is inferred, not measured"})
     if points[0, 1] > 0.6:
@@ -237,7 +241,9 @@ def _warnings(fit: Fit, tissue: Tissue, points: NDArray, rows: list[dict[str, An
              "scaled rise of the slowest press, not a measured steady force"}
         )  # fmt: skip
     unknown = sorted({row["velocity_mm_s"] for row in rows} - set(tissue.velocities_mm_s))
-    if unknown:
+    if not law_named(tissue.law).fitted:
+        found.append({"code": "spring_tissue", "message": spring_words(tissue.name)})
+    elif unknown:
         speeds = ", ".join(f"{v:g}" for v in unknown)
         found.append(
             {"code": "speed_not_in_band", "message": f"the tissue has no dampers at {speeds} mm/s: its range "

@@ -95,7 +95,10 @@ def fit_traces(
     InputError
         For unknown choices, no traces, or a trace without a press and a hold.
     """
-    allowed = law_named(law).elements
+    form = law_named(law)
+    if not form.fitted:
+        raise InputError(f"law = {law} is not fitted to traces: it is {form.words}; fit ode, consistent or published")
+    allowed = form.elements
     if mode not in MODES:
         raise unknown_name("mode", mode, MODES)
     if contact not in CONTACTS:
@@ -242,9 +245,10 @@ def _warnings(law: str, result: dict[str, Any], pairs: Sequence[tuple[Problem, O
              "each measured motion were used"}
         )  # fmt: skip
     if result["rmse_N"] > 2.0 * result["noise_floor_N"]:
+        floor = result["noise_floor_N"]
+        above = f"{result['rmse_N'] / floor:.1f} times the noise floor" if floor > 0.0 else "above traces without noise"
         found.append(
-            {"code": "lack_of_fit", "message": f"rms residual {result['rmse_N']:.3g} N is "
-             f"{result['rmse_N'] / result['noise_floor_N']:.1f} times the noise floor: the law does not "
+            {"code": "lack_of_fit", "message": f"rms residual {result['rmse_N']:.3g} N is {above}: the law does not "
              "describe these traces; intervals count the misfit as correlated noise"}
         )  # fmt: skip
     for name, entry in result["parameters"].items():

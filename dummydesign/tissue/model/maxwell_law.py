@@ -59,6 +59,13 @@ class MaxwellLaw(ABC):
         Whether it knows an ideal ramp only (mean speed and stop time of what it is given), not the measured motion.
     log_gamma1, log_gamma : (float, float)
         Bounds of ln gamma1 and ln gamma_i over the size of gamma1 in the traces; those of c follow from the rates.
+    power : float
+        Exponent of the steady force over depth, 3 for springs gamma x^2. The steady coefficient, called gamma1 in the
+        package, is then in N / mm^power.
+    steady_name : str
+        Name of that coefficient in files and answers.
+    fitted : bool
+        Whether it is fitted to traces.
     live : dict or None
         What ``live.js`` computes the law by; None where a page cannot.
     """
@@ -68,6 +75,9 @@ class MaxwellLaw(ABC):
     reference: ClassVar[str]
     elements: ClassVar[tuple[int, ...]] = (3, 5, 7)
     ideal_ramp: ClassVar[bool] = False
+    power: ClassVar[float] = 3.0
+    steady_name: ClassVar[str] = "gamma1_N_per_mm3"
+    fitted: ClassVar[bool] = True
     log_gamma1: ClassVar[tuple[float, float]] = (-6.0, 3.0)
     log_gamma: ClassVar[tuple[float, float]] = (float(np.log(1e-5)), float(np.log(1e4)))
     live: ClassVar[dict[str, Any] | None] = None
@@ -104,7 +114,12 @@ class MaxwellLaw(ABC):
         """Names of the parameters, in the order gamma1, gamma2.., c2..; refuses elements the law does not have."""
         if elements not in self.elements:
             raise InputError(f"elements = {elements} is not one of {', '.join(map(str, self.elements))}")
-        return parameter_names(elements)
+        return [self.steady_name, *parameter_names(elements)[1:]]
+
+    def root(self, ratio: ArrayLike) -> NDArray:
+        """Depth at rest from force over the steady coefficient. [mm]"""
+        value = np.asarray(ratio, float)
+        return np.cbrt(value) if self.power == 3.0 else value ** (1.0 / self.power)
 
     def bounds(
         self, arms: int, groups: int, gamma1_N_per_mm3: float, log_rate: tuple[float, float]
@@ -171,7 +186,7 @@ class MaxwellLaw(ABC):
     def steady_depth(
         self, make_motion: Any, force_N: ArrayLike, gamma1: ArrayLike, gamma: ArrayLike, c: ArrayLike
     ) -> NDArray:
-        """Depth whose force at the end of the hold is ``force_N``, found by iteration on the local cube law. [mm]
+        """Depth whose force at the end of the hold is ``force_N``, found by iteration on the law at rest. [mm]
 
         Parameters
         ----------
@@ -187,10 +202,10 @@ class MaxwellLaw(ABC):
         ndarray, shape (...)
         """
         target = np.asarray(force_N, float)
-        depth = np.cbrt(target / np.asarray(gamma1, float))
+        depth = self.root(target / np.asarray(gamma1, float))
         for _ in range(30):
             reached = self.force(make_motion(depth), gamma1, gamma, c)[..., -1]
-            depth = depth * np.cbrt(target / reached)
+            depth = depth * self.root(target / reached)
             if np.all(np.abs(reached / target - 1.0) < 1e-7):
                 break
         return depth

@@ -26,7 +26,7 @@ class Parameters:
     law : str
         Form of the law they were fitted with; forms are never mixed.
     gamma1_N_per_mm3 : float
-        Steady coefficient, F_s = gamma1 x^3. [N/mm3]
+        Steady coefficient, F_s = gamma1 x^3; of a law of another power F_s = gamma1 x^power. [N/mm3, N/mm^power]
     gamma_N_per_mm3 : tuple of float
         Springs of the arms 2, 3, ... [N/mm3]
     c_N_s_per_mm : tuple of (speed [mm/s], tuple of dampers [N s/mm])
@@ -39,7 +39,7 @@ class Parameters:
     c_N_s_per_mm: tuple[tuple[float, tuple[float, ...]], ...]
 
     def __post_init__(self) -> None:
-        if not self.c_N_s_per_mm:
+        if self.gamma_N_per_mm3 and not self.c_N_s_per_mm:
             raise InputError("tissue parameters need dampers for at least one speed")
         numbers = [self.gamma1_N_per_mm3, *self.gamma_N_per_mm3]
         for _, dampers in self.c_N_s_per_mm:
@@ -57,6 +57,8 @@ class Parameters:
     def dampers_at(self, velocity_mm_s: float) -> tuple[float, ...]:
         """Dampers at a speed: ln c is linear in ln v between known speeds and constant outside them."""
         known = self.c_N_s_per_mm
+        if not known:
+            return ()
         if velocity_mm_s <= known[0][0]:
             return known[0][1]
         for (slow, before), (fast, after) in itertools.pairwise(known):
@@ -84,7 +86,9 @@ class Parameters:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the outward names: gamma1_N_per_mm3 .., c2_N_s_per_mm {speed: value} .., and the law."""
-        result: dict[str, Any] = {"gamma1_N_per_mm3": self.gamma1_N_per_mm3}
+        from dummydesign.tissue.model.laws import law_named
+
+        result: dict[str, Any] = {law_named(self.law).steady_name: self.gamma1_N_per_mm3}
         for arm, value in enumerate(self.gamma_N_per_mm3, start=2):
             result[f"gamma{arm}_N_per_mm3"] = value
         for arm in range(len(self.gamma_N_per_mm3)):
@@ -96,11 +100,13 @@ class Parameters:
     @classmethod
     def from_dict(cls, law: str, values: Mapping[str, Any]) -> Parameters:
         """Make parameters from outward names; dampers are given as {speed: value}."""
+        from dummydesign.tissue.model.laws import law_named
+
         arms = arms_of(values)
         speeds = sorted(values[f"c{arms[0]}_N_s_per_mm"], key=float) if arms else []
         return cls(
             law,
-            float(values["gamma1_N_per_mm3"]),
+            float(values[law_named(law).steady_name]),
             tuple(float(values[f"gamma{arm}_N_per_mm3"]) for arm in arms),
             tuple(
                 (float(speed), tuple(float(values[f"c{arm}_N_s_per_mm"][speed]) for arm in arms)) for speed in speeds

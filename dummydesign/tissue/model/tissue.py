@@ -217,5 +217,5 @@ def same_shape(subjects: tuple[Subject, ...]) -> None:
             )
         if len(subject.parameters.gamma_N_per_mm3) != len(first.gamma_N_per_mm3):
             raise InputError(f"subject '{subject.name}' has another number of elements than '{subjects[0].name}'")
-        if not set(subject.parameters.velocities_mm_s) & set(first.velocities_mm_s):
+        if first.gamma_N_per_mm3 and not set(subject.parameters.velocities_mm_s) & set(first.velocities_mm_s):
             raise InputError(f"subject '{subject.name}' shares no speed with '{subjects[0].name}'")

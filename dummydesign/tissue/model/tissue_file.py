@@ -125,20 +125,21 @@ def _subject(item: dict[str, Any], law: str, path: Path, text: str, number: int)
         if key not in known:
             last = max(form.elements) // 2 + 1
             allowed = f"gamma1_N_per_mm3 .. gamma{last}_N_per_mm3, c2_N_s_per_mm .. c{last}_N_s_per_mm"
+            allowed = allowed if last > 1 else form.steady_name
             raise InputError(f"{path.name}:{line_of(rest, key)}: unknown key '{key}'; known are name, {allowed}")
-        if key.startswith("gamma"):
+        if key.startswith("gamma") or key == form.steady_name:
             numbers[key] = read_quantity(item, key, path, rest)
         else:
             numbers[key] = _dampers(value, key, path, rest)
         _positive(numbers[key], key, path, rest)
     arms = arms_of(numbers)
-    wanted = {"gamma1_N_per_mm3"} | {f"gamma{a}_N_per_mm3" for a in arms} | {f"c{a}_N_s_per_mm" for a in arms}
+    wanted = {form.steady_name} | {f"gamma{a}_N_per_mm3" for a in arms} | {f"c{a}_N_s_per_mm" for a in arms}
     whole = 1 + 2 * len(arms) in form.elements and arms == list(range(2, 2 + len(arms)))
     if not whole or set(numbers) != wanted:
-        lacking = sorted(wanted - set(numbers)) or ["gamma2_N_per_mm3"]
+        lacking = sorted(wanted - set(numbers)) or form.parameter_names(form.elements[0])[1:]
         raise InputError(f"{path.name}: subject '{name}' lacks {lacking[0]} or has an arm too many")
     speeds = {tuple(sorted(numbers[f"c{arm}_N_s_per_mm"], key=float)) for arm in arms}
-    if len(speeds) != 1:
+    if arms and len(speeds) != 1:
         raise InputError(f"{path.name}: subject '{name}' has dampers at different speeds in its arms")
     plain = {
         key: {speed: q.value for speed, q in entry.items()} if isinstance(entry, dict) else entry.value

@@ -1,0 +1,52 @@
+"""A spring constant alone: force in proportion to depth, at any speed and after any hold."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dummydesign.core.errors import InputError
+from dummydesign.measurement.motion import Motion
+from dummydesign.tissue.model.maxwell_law import MaxwellLaw
+
+
+class Spring(MaxwellLaw):
+    """F = k x with the effective spring constant k of a body region, as ISO/TS 15066:2016, annex A, models contact."""
+
+    name = "spring"
+    words = "one spring constant"
+    reference = "the model of contact of ISO/TS 15066:2016, annex A"
+    elements = (1,)
+    power = 1.0
+    steady_name = "k_N_per_mm"
+    fitted = False
+
+    def drive(self, motion: Motion) -> SpringDrive:
+        """Drive by the depth as it is."""
+        return SpringDrive(np.maximum(np.asarray(motion.displacement_mm, float), 0.0))
+
+    def stretch_rates(self, depth_mm: NDArray, rate: NDArray) -> tuple[NDArray, NDArray]:
+        """There is no arm."""
+        return np.ones_like(rate), np.zeros_like(rate)
+
+
+class SpringDrive:
+    """X = x. [mm]"""
+
+    def __init__(self, depth_mm: NDArray) -> None:
+        self.elastic = depth_mm
+
+    def arm(self, rate: ArrayLike) -> NDArray:
+        """A spring has no arm."""
+        raise InputError("law = 'spring' has no relaxing arm")
+
+
+SPRING = Spring()
+
+
+def spring_words(name: str) -> str:
+    """What must be said of a tissue that is a spring constant."""
+    return (
+        f"{name} is a spring constant: it says nothing of speed and relaxation, so peaks are held against the steady "
+        "force itself; a pad that relaxes reads high in them, and one that does not may still be below a person's"
+    )

@@ -43,6 +43,10 @@ MEANINGS: dict[str, dict[str, str]] = {
         "ode": "the law along the measured motion", "published": "closed form of an ideal ramp and hold, as printed",
         "consistent": "closed form as it follows from the law",
     },
+    "tissues kind": {
+        "measured": "by yourself", "fitted": "to your measurements", "digitised": "copied from a text or figure",
+        "inferred": "worked out from other numbers", "assumed": "not known",
+    },
     "shape": {"auto": "the best of all", "puck": "a cylinder for a test between plates"},
 }  # fmt: skip
 """By option, or by command and option where a word means several things. ``shape`` has the package's shapes besides."""

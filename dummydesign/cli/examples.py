@@ -97,8 +97,8 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("the same as JSON", "tissues add-points my-thumb points.csv --json"),
     ),
     "tissues add-spring": (
-        ("a spring constant with its spread", 'tissues add-spring my-arm --stiffness 30 --spread 20% --source "my copy"'),
-        ("with its unit", 'tissues add-spring my-arm --stiffness 30kN/m --source "my copy" --replace'),
+        ("a spring constant with its spread", "tissues add-spring my-arm --stiffness 30 --spread 20% --source mine"),
+        ("with its unit", "tissues add-spring my-arm --stiffness 30kN/m --source mine --replace"),
     ),
     "tissues template": (
         ("a table of body regions to fill", "tissues template regions.csv"),

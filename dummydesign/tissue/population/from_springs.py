@@ -72,6 +72,7 @@ def spring_tissue(name: str, stiffness: float | str, spread: float | str | None,
     Parameters
     ----------
     name : str
+        Of the tissue.
     stiffness, spread, source, kind
         As for :func:`add_spring`.
 

@@ -235,7 +235,6 @@ def _work_out(
 ) -> list[list[Candidate]]:
     """Evaluate groups of designs on the fine grid; fit the best of each group's ranked ones and all its others."""
     targets = space.targets
-    fits_law = fitted and bool(targets.parameters.gamma_N_per_mm3)
     exact = evaluate(slabs, targets, space.sampling, exact=True)
     stands = standing(exact, targets)
     gamma1 = steady_gamma1(slabs, targets.protocol, space.sampling.coarse, targets.power)
@@ -251,7 +250,7 @@ def _work_out(
             best = np.argsort(-order[start : start + ranked], kind="stable")[:fitted]
             kept = np.sort(np.r_[start + best, np.arange(start + ranked, end)])
         groups.append(kept)
-    if fits_law:
+    if fitted and targets.parameters.gamma_N_per_mm3:
         every = np.concatenate(groups)
         fits = fit_presses(slabs.take(every), targets, exact.depth_mm[every], space.sampling)
         parametric = parametric.copy()
@@ -275,8 +274,8 @@ def with_parameters(candidates: Sequence[Candidate], space: SearchSpace) -> tupl
     candidates : sequence of Candidate
     space : SearchSpace
     """
-    fits_law = bool(space.targets.parameters.gamma_N_per_mm3)
-    lacking = [candidate for candidate in candidates if candidate.parameters is None and fits_law]
+    arms = space.targets.parameters.gamma_N_per_mm3
+    lacking = [candidate for candidate in candidates if candidate.parameters is None] if arms else []
     if not lacking:
         return tuple(candidates)
     own = [(c.evaluation.slabs.take(np.array([c.index])), c.evaluation.depth_mm[[c.index]]) for c in lacking]
@@ -285,7 +284,7 @@ def with_parameters(candidates: Sequence[Candidate], space: SearchSpace) -> tupl
     scores = iter(zip(fits, parametric_score(fits, space.targets)))
     done = []
     for candidate in candidates:
-        if candidate.parameters is None and fits_law:
+        if candidate.parameters is None:
             fit, score = next(scores)
             total = candidate.evaluation.take(np.array([candidate.index])).total(np.array([score]))
             candidate = replace(candidate, parameters=fit, parametric=float(score), total=float(total[0]))

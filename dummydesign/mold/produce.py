@@ -18,6 +18,7 @@ from dummydesign.mold.checks import process as check_process
 from dummydesign.mold.checks import shape as check_shape
 from dummydesign.mold.checks import solids as check
 from dummydesign.mold.checks.holes import genera
+from dummydesign.mold.checks.second_reader import check_second_reader
 from dummydesign.mold.files import meshes as mesh
 from dummydesign.mold.files import picture as view
 from dummydesign.mold.files import pour_sheet as sheet
@@ -78,7 +79,7 @@ def produce(
     checks += check_files.check_step(steps, {name: folder / files[name] for name in steps}, folder / files["assembly"])
     checks += check_files.check_step_text(folder / files["assembly"], folder / files["pad"], spec.hash)
     total = sum(part.solid.Volume() for part in made.parts.values())
-    checks.append(check_files.check_second_reader(folder / files["assembly"], total, len(made.parts)))
+    checks.append(check_second_reader(folder / files["assembly"], total, len(made.parts)))
     scales = {name: print_scale(made, name) for name in mesh_files}
     paths = {name: list(found.values()) for name, found in mesh_files.items()}
     checks += check_files.check_meshes(steps, genera(spec), paths, scales)

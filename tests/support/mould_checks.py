@@ -7,7 +7,7 @@ from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.model.spec import MouldSpec
 
 MAY_SKIP = {"label_reads_right", "label_not_mirrored", "fits_oven", "fits_vacuum_chamber", "step_second_reader"}
-"""Without room for a label, oven, vacuum or FreeCAD there is nothing to check; all others are worked out."""
+"""Without room for a label, oven, vacuum, FreeCAD or gmsh there is nothing to check; all others are worked out."""
 
 
 def no_check_fails(checks: list[dict[str, Any]]) -> bool:

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import re
-import shutil
-import subprocess
 from collections.abc import Mapping
 from pathlib import Path
 
 from dummydesign.mold.cad.prisms import rough_bounds
-from dummydesign.mold.checks.result import Check, below, equal, skipped
+from dummydesign.mold.checks.result import Check, below, equal
 from dummydesign.mold.files.step import ORGANISATION, StepPart, read_step, time_stamp
 from dummydesign.mold.files.step_canonical import Header, canonical_step
 
@@ -94,41 +92,6 @@ def _is_canonical(path: Path) -> bool:
     found = re.search(r"FILE_DESCRIPTION\(\('(.*?)'\)", text)
     header = Header(path.name, found.group(1) if found else "", time_stamp(), ORGANISATION)
     return canonical_step(text, header) == text
-
-
-def check_second_reader(assembly: Path, volume_mm3: float, count: int) -> Check:
-    """Read the assembly with FreeCAD when it is installed; otherwise say that this was skipped.
-
-    Parameters
-    ----------
-    assembly : Path
-        The STEP file with all parts.
-    volume_mm3 : float
-        Sum of their volumes. [mm3]
-    count : int
-        How many solids it holds.
-
-    Returns
-    -------
-    Check
-    """
-    program = next((found for name in ("FreeCADCmd", "freecadcmd") if (found := shutil.which(name))), None)
-    if program is None:
-        return skipped("step_second_reader", "FreeCAD is not installed on this machine")
-    script = (
-        f"import Part; s = Part.Shape(); s.read({str(assembly)!r}); "
-        "print('RESULT', len(s.Solids), sum(x.Volume for x in s.Solids), all(x.isValid() for x in s.Solids))"
-    )
-    try:
-        done = subprocess.run([program, "-c", script], capture_output=True, text=True, timeout=SECOND_READER_S)
-    except (OSError, subprocess.TimeoutExpired) as problem:
-        return skipped("step_second_reader", f"FreeCAD did not answer: {type(problem).__name__}")
-    hit = re.search(r"RESULT (\d+) (\S+) (\w+)", done.stdout)
-    if hit is None:
-        return skipped("step_second_reader", "FreeCAD gave no answer")
-    good = int(hit[1]) == count and hit[3] == "True"
-    error = abs(float(hit[2]) / volume_mm3 - 1) if good else 1.0
-    return below("step_second_reader", error, 1e-6, f"FreeCAD: {hit[1]} solids, valid {hit[3]}")
 
 
 def check_meshes(

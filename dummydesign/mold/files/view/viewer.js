@@ -18,7 +18,7 @@
   const at = (name) => gl.getUniformLocation(program, name);
   const where = { place: gl.getAttribLocation(program, "place"), normal: gl.getAttribLocation(program, "normal") };
   const buffer = (values) => { const b = gl.createBuffer(); gl.bindBuffer(gl.ARRAY_BUFFER, b); gl.bufferData(gl.ARRAY_BUFFER, values, gl.STATIC_DRAW); return b; };
-  // Edges at which the surface turns by more than 25 degrees.
+  // Edges at which the surface turns by more than 14 degrees: neighbours on one curved face turn by less.
   const sharp = (steps, place, normal) => {
     const ids = new Map(), open = new Map(), lines = [];
     const id = (i) => { const k = (steps[i] * 65536 + steps[i + 1]) * 65536 + steps[i + 2]; let n = ids.get(k); if (n === undefined) ids.set(k, n = ids.size); return n; };
@@ -27,7 +27,7 @@
       for (let c = 0; c < 3; c++) {
         const a = corner[c], b = corner[(c + 1) % 3], k = Math.min(a, b) * 4194304 + Math.max(a, b), other = open.get(k);
         if (other === undefined) { open.set(k, t); continue; }
-        if (normal[t] * normal[other] + normal[t + 1] * normal[other + 1] + normal[t + 2] * normal[other + 2] < 0.906)
+        if (normal[t] * normal[other] + normal[t + 1] * normal[other + 1] + normal[t + 2] * normal[other + 2] < 0.970)
           for (const i of [t + 3 * c, t + 3 * ((c + 1) % 3)]) lines.push(place[i], place[i + 1], place[i + 2]);
       }
     }

@@ -11,7 +11,7 @@ import sys
 from typing import Any, NoReturn
 
 from dummydesign._version import __version__
-from dummydesign.cli.every_command import finish
+from dummydesign.cli.every_command import epilog_of, finish
 from dummydesign.cli.in_project import project_here, settle_out, with_defaults
 from dummydesign.cli.registry import COMMANDS, module_of
 from dummydesign.cli.steps import loudness, say, timed
@@ -21,7 +21,14 @@ from dummydesign.core.threads import ONE_THREAD
 
 
 class _Parser(argparse.ArgumentParser):
-    """An argument parser whose complaints are one line and exit status 2."""
+    """An argument parser whose complaints are one line and exit status 2; its help is made when asked for."""
+
+    command = ""
+
+    def format_help(self) -> str:
+        """Options, what their choices mean, examples."""
+        self.epilog = epilog_of(self.command, self)
+        return super().format_help()
 
     def error(self, message: str) -> NoReturn:
         raise InputError(message)

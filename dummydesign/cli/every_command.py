@@ -14,6 +14,12 @@ FLAGS = (
 )
 
 
+def epilog_of(command: str, parser: argparse.ArgumentParser) -> str:
+    """The end of a command's help: what its choices mean, and its examples."""
+    parts = (choices_text(command, parser), examples_of(command))
+    return "\n\n".join(part for part in parts if part)
+
+
 def finish(parser: argparse.ArgumentParser, command: str) -> None:
     """Add it to a command and, below it, to its actions.
 
@@ -27,8 +33,7 @@ def finish(parser: argparse.ArgumentParser, command: str) -> None:
     for words, told in FLAGS:
         # an action must not take back what stands before it
         parser.add_argument(*words, action="store_true", default=argparse.SUPPRESS, help=told)
-    parts = (choices_text(command, parser), examples_of(command))
-    parser.epilog = "\n\n".join(part for part in parts if part)
+    vars(parser)["command"] = command
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     for action in parser._actions:
         if isinstance(action, argparse._SubParsersAction):

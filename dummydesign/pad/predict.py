@@ -151,8 +151,6 @@ def predict_motion(
     error = force * curve.relative_error(deepest_yet)
     solver, viscous = curve.solver, np.abs(force - np.maximum(elastic[keep], 0.0))
     if fidelity == "viscoelastic" and isinstance(pad, Pad):
-        if pad.geometry != SLAB:
-            raise InputError(f"fidelity = viscoelastic is for slabs; shape {pad.geometry} is solved by axisymmetric")
         from dummydesign.pad.slab.finite_strain_ratio import ratio_error
 
         over, cost = _finite_strain_ratio(pad, motion, progress)
@@ -164,7 +162,8 @@ def predict_motion(
         # Not measured for a base with friction: the larger of both its limits; nor for a puck: that of a glued slab.
         base = "bonded" if isinstance(pad, Puck) else pad.base
         bases = (base,) if base in BASES else BASES
-        args = (ratio, place / pad.thickness_mm, time, elastic, pad.prony)
+        shape = SLAB if isinstance(pad, Puck) else pad.geometry
+        args = (ratio, place / pad.thickness_mm, time, elastic, pad.prony, shape, pad.thickness_mm)
         below, above = np.max([allowance(base, *args) for base in bases], axis=0)[:, keep]
     peak = int(np.argmax(force))
     return MotionPrediction(
@@ -177,13 +176,20 @@ def _finite_strain_ratio(
     pad: Pad, motion: Motion, progress: Callable[[float], None] | None
 ) -> tuple[Array, dict[str, Any]]:
     """Finite-strain force over separable force at the motion's times, and what it cost."""
+    from dummydesign.pad.shaped.motion import solve_shaped_ratio
+    from dummydesign.pad.shaped.problem import Press
     from dummydesign.pad.slab.finite_strain_ratio import nodes_of_motion, solve_ratio
     from dummydesign.pad.slab.problem import Slab
 
+    h = pad.thickness_mm
     extent = PAD_EXTENT_MM if pad.extent_mm is None else pad.extent_mm
-    slab = Slab(pad.radius_mm / pad.thickness_mm, extent / pad.thickness_mm, pad.base, pad.condition)
-    nodes = nodes_of_motion(motion.time_s, motion.displacement_mm / pad.thickness_mm, pad.prony)
-    path = solve_ratio(slab, pad.shape, pad.prony, *nodes, poisson=pad.poisson, progress=progress)
+    nodes = nodes_of_motion(motion.time_s, motion.displacement_mm / h, pad.prony)
+    if pad.geometry == SLAB:
+        slab = Slab(pad.radius_mm / h, extent / h, pad.base, pad.condition)
+        path = solve_ratio(slab, pad.shape, pad.prony, *nodes, poisson=pad.poisson, progress=progress)
+    else:
+        press = Press(pad.geometry, h, pad.radius_mm / h, extent / h, pad.base, pad.condition, pad.poisson)
+        path = solve_shaped_ratio(press, pad.shape, pad.prony, *nodes, progress=progress)
     return np.interp(motion.time_s, path.time_s, path.ratio), path.solver
 
 

@@ -22,6 +22,7 @@ from dummydesign.pad.material.hyperelastic import Law
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
 from dummydesign.pad.material.viscoelastic import Viscoelastic
 from dummydesign.pad.slab.sharp_edge import Slab, rimmed_problem
+from dummydesign.pad.solve.equilibrium import Problem
 from dummydesign.pad.solve.motion_path import follow_motion
 
 Array = np.ndarray
@@ -121,13 +122,46 @@ def _solve_ratio(
     cells: Resolution,
     progress: Callable[[float], None] | None,
 ) -> dict[str, Any]:
-    """The fields of a RatioPath."""
+    """The fields of a RatioPath of a slab."""
+
+    def problem(material: Law, rim: float) -> Problem:
+        return rimmed_problem(slab, material, poisson, rim * slab.scale, cells)
+
+    return vars(ratio_path(problem, shape, prony, time_s, depth, rims, 0.05 * slab.scale, progress))
+
+
+def ratio_path(
+    problem: Callable[[Any, float], Problem],
+    shape: Law,
+    prony: tuple[PronyTerm, ...],
+    time_s: Array,
+    depth: Array,
+    rims: Sequence[float],
+    largest_step: float,
+    progress: Callable[[float], None] | None = None,
+) -> RatioPath:
+    """Follow one motion with and without relaxation on the mesh of any pad.
+
+    Parameters
+    ----------
+    problem : callable
+        Makes the mesh, contact and supports from a law and a fillet radius, over the smaller of radius and thickness.
+    shape : Law
+        Long-term law of unit shear modulus.
+    prony, time_s, depth, rims, progress
+        As for :func:`solve_ratio`.
+    largest_step : float
+        Steps that go deeper than this are divided, in thicknesses.
+
+    Raises
+    ------
+    NoAnswerError
+        When a solve stops before the end with every fillet, with the last reason.
+    """
     for rim in rims:
         paths = []
         for arms in ((), prony):
-            material = Viscoelastic(shape, arms)
-            problem = rimmed_problem(slab, material, poisson, rim * slab.scale, cells)
-            paths.append(follow_motion(problem, time_s, depth, 0.05 * slab.scale, progress))
+            paths.append(follow_motion(problem(Viscoelastic(shape, arms), rim), time_s, depth, largest_step, progress))
             if paths[-1].stop:
                 break
         else:
@@ -142,8 +176,9 @@ def _solve_ratio(
         "newton_iterations": sum(path.newton_iterations for path in paths),
         "seconds": sum(path.seconds for path in paths),
     }
-    separable = relaxed_force(time_s, elastic.force, prony)
-    return vars(RatioPath(time_s, depth, elastic.force, separable, relaxing.force, solver))
+    return RatioPath(
+        time_s, depth, elastic.force, relaxed_force(time_s, elastic.force, prony), relaxing.force, solver
+    )  # fmt: skip
 
 
 def nodes_of_motion(

@@ -14,6 +14,9 @@ library's polyurethane, at 10, 50 and 250 mm/s, as a check that the sum holds.
 An arm much slower than the rise has rho near 0 (its stress is that of a jump, which is separable in a hold); one
 much faster has the largest, because the second Piola stress then lags by the current deformation and not by
 that of the past.
+
+Shaped pads were pressed too (part ``shapes``): what they do beyond a slab that is pressed as deep relative to its gel
+is added as a share by kind (:func:`shape_share`).
 """
 
 from __future__ import annotations
@@ -26,6 +29,7 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core import json_table
+from dummydesign.geometry.shapes import PadShape, Slab
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
 
 Array = np.ndarray
@@ -34,6 +38,7 @@ Array = np.ndarray
 # the arms needed a larger fillet), the others by at most 1.22 times.
 MARGIN = 1.35
 NAME = "quick-error.json"
+SLAB = Slab()
 COMMAND = "python -m dummydesign.studies.tables.separability"
 
 
@@ -99,7 +104,7 @@ def _from_dict(data: dict[str, Any], base: str) -> QuickError:
     return QuickError(axes[0], np.concatenate([[0.0], axes[1]]), axes[2], rho)
 
 
-def allowance(
+def slab_allowance(
     base: str, ratio: float, relative_depth: Array, time_s: Array, elastic: Array, prony: Sequence[PronyTerm]
 ) -> tuple[Array, Array]:
     """How far the force may lie below and above the quick prediction because that is separable. [unit of force]
@@ -133,3 +138,73 @@ def allowance(
         below += np.maximum(-shift, 0.0)
         above += np.maximum(shift, 0.0)
     return below, above
+
+
+def over_gel(shape: PadShape, thickness_mm: float) -> float:
+    """Thickness over the gel between bone and apex, which is what a depth is to be compared with.
+
+    Parameters
+    ----------
+    shape : PadShape
+    thickness_mm : float
+        At the highest point. [mm]
+    """
+    nothing = np.zeros(1)
+    return float(thickness_mm / (thickness_mm - shape.bone_mm(nothing, nothing)[0]))
+
+
+@lru_cache(maxsize=8)
+def shape_share(kind: str) -> tuple[float, float]:
+    """What was found on shaped pads of a kind.
+
+    Parameters
+    ----------
+    kind : str
+        Name of the shape; for one that was not pressed the largest of the others holds.
+
+    Returns
+    -------
+    below : float
+        Largest distance of a force below the quick one, over the largest viscous force so far.
+    above : float
+        The same above what is allowed over it for a slab.
+
+    Raises
+    ------
+    NoAnswerError
+        When the file is missing or damaged.
+    """
+    rows = json_table.read(NAME, "table", COMMAND, lambda data: data["shapes"])
+    rows = [row for row in rows if row["kind"] == kind] or rows
+    return max(0.0, *(row["below"] for row in rows)), max(0.0, *(row["above"] for row in rows))
+
+
+def most_viscous(force: Array, elastic: Array) -> Array:
+    """Largest viscous part of a force so far, shape (n,)."""
+    return np.maximum.accumulate(np.abs(force - elastic))
+
+
+def allowance(
+    base: str, ratio: float, relative_depth: Array, time_s: Array, elastic: Array, prony: Sequence[PronyTerm],
+    shape: PadShape = SLAB, thickness_mm: float = 1.0,
+) -> tuple[Array, Array]:  # fmt: skip
+    """How far the force of a slab or shaped pad may lie below and above the quick prediction. [unit of force]
+
+    Parameters
+    ----------
+    base, ratio, relative_depth, time_s, elastic, prony
+        As for :func:`slab_allowance`.
+    shape : PadShape
+    thickness_mm : float
+        Of a pad with a bone. [mm]
+
+    Returns
+    -------
+    below, above : ndarray, shape (n,), >= 0
+    """
+    if shape.plain:
+        return slab_allowance(base, ratio, relative_depth, time_s, elastic, prony)
+    _, above = slab_allowance(base, ratio, relative_depth * over_gel(shape, thickness_mm), time_s, elastic, prony)
+    low, high = shape_share(shape.name)
+    viscous = most_viscous(relaxed_force(time_s, elastic, tuple(prony)), elastic)
+    return low * viscous, above + high * viscous

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Callable
+from functools import partial
 from itertools import product
 from typing import Any
 
@@ -21,22 +23,22 @@ from dummydesign.pad.material.relaxation import PronyTerm
 from dummydesign.pad.slab.finite_strain_ratio import RIMS, nodes_of_motion, solve_ratio
 from dummydesign.pad.tables.separability import COMMAND
 from dummydesign.studies.tables.common import Build
+from dummydesign.studies.tables.separability_shapes import SPEEDS_MM_S, build_shapes
 
 RADIUS_MM = float(np.sqrt(14.0 * 14.0 / np.pi))
 THICKNESSES_MM = (5.0, 10.0, 15.0, 20.0)
 RELATIVE_DEPTHS = (0.1, 0.2, 0.3, 0.45)
-SPEEDS_MM_S = (10.0, 50.0, 250.0)
 # The sets that check the sum: much like the library's polyurethane, and another gel, weaker by half. They are fixed
 # numbers, so that the check does not move with the library.
 SETS = {
     "library": (PronyTerm(0.03, 1.05), PronyTerm(0.3, 0.33), PronyTerm(3.0, 0.105)),
     "check": (PronyTerm(0.01, 0.2), PronyTerm(1.0, 0.4)),
 }
+# Where the viscous part is below this share of the force, rho is mostly mesh and is left out.
+SMALLEST_VISCOUS = 0.05
 # Rise time over the time of a single arm, and the speed at which it is pressed.
 RISES = (0.5, 4.0, 20.0)
 SINGLE_SPEED_MM_S = 50.0
-# Where the viscous part is below this share of the force, rho is mostly mesh and is left out.
-SMALLEST_VISCOUS = 0.05
 
 
 def measure(
@@ -153,7 +155,10 @@ def build_convergence() -> dict[str, Any]:
 
 def main() -> None:
     """Measure and write; parts that are not asked for stay as they are."""
-    parts = {"convergence": build_convergence, "single": build_single, "values": build_sets}
+    parts: dict[str, Callable[[], Any]] = {
+        "convergence": build_convergence, "single": build_single, "values": build_sets,
+        "shapes": partial(build_shapes, SETS),
+    }  # fmt: skip
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--part", action="append", choices=list(parts), help="measure this part only; may be repeated")
     asked = parser.parse_args().part or list(parts)
@@ -169,7 +174,8 @@ def main() -> None:
         "convergence": made["convergence"],
         "provenance": run.provenance(),
     }
-    lists = [f'"{name}": [\n  ' + ",\n  ".join(map(json.dumps, made[name])) + "\n ]" for name in ("single", "values")]
+    names = ("single", "values", "shapes")
+    lists = [f'"{name}": [\n  ' + ",\n  ".join(map(json.dumps, made[name])) + "\n ]" for name in names]
     write_text(path, json.dumps(head, indent=1)[:-2] + ",\n " + ",\n ".join(lists) + "\n}\n")
 
 

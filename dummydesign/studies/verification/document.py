@@ -47,7 +47,7 @@ def document(checks: list[Check]) -> str:
 
 def _row(check: Check) -> str:
     percent = f"{check.deviation:+.2g}" if check.absolute else f"{100 * check.deviation:+.3f} %"
-    tolerance = f"{check.tolerance:g} abs" if check.absolute else f"{100 * check.tolerance:g} %"
+    tolerance = f"{check.tolerance:g} abs" if check.absolute else f"{100 * check.tolerance:.3g} %"
     sign = ">= " if check.one_sided else ""
     verdict = "pass" if check.passed else "FAIL"
     return (

@@ -118,7 +118,8 @@ OPTION_OF = {
     "robot_mass_kg": "robot_mass", "robot_velocity_mm_s": "robot_velocity", "effects": "effect",
     "balance_g": "balance", "thickness_tolerance_mm": "thickness_tolerance",
     "edge_radius_mm": "edge_radius", "thicknesses_mm": "thickness", "mass_g": "mass", "modulus_kPa": "modulus",
-    "level_deg": "level", "gauge_mm": "gauge",
+    "level_deg": "level", "gauge_mm": "gauge", "face_sheet_mm": "face_sheet", "bone_height_mm": "bone_height",
+    "bone_turn_deg": "bone_turn", "bone_at_mm": "bone_at",
 }  # fmt: skip
 COMMAND_OF = {
     "suggest": ["suggest", "--tissue", "palm"],
@@ -140,7 +141,6 @@ FOR_SCRIPTS = {"executor", "progress"}
 def test_every_call_has_the_defaults_and_all_options_of_its_command(call):
     name, *words = COMMAND_OF[call]
     options = vars(parser_of(name).parse_args(words))
-    options.pop("json")
     if call == "suggest":
         options["verify"] = not options.pop("no_verify")
         # with a folder, which the command always has

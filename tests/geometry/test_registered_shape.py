@@ -222,6 +222,7 @@ def test_its_whole_mould_passes_all_checks(tmp_path):
 # suggest
 
 
+@pytest.mark.slow
 def test_suggest_finds_its_best_pad_by_the_law_it_brings(capsys):
     asked = ["suggest", "--tissue", "forefinger", "--thickness", "8:13", "--no-cad", "--no-verify", "--shape"]
     status, found = _answer(capsys, *asked, "coned")

@@ -111,6 +111,7 @@ def suggest(tmp_path, monkeypatch, capsys):
     return run
 
 
+@pytest.mark.slow
 def test_suggest_takes_a_calibration_for_every_shape_and_says_first_what_it_left(suggest):
     known = calibration(effect("strain_stiffening", coefficient=0.3), verdict="unexplained", because=("line at 50 Hz",))
     answer = json.loads(suggest(known, "--json"))
@@ -123,6 +124,7 @@ def test_suggest_takes_a_calibration_for_every_shape_and_says_first_what_it_left
     assert any("line at 50 Hz" in line for line in shown)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("pad", "code", "said"),
     [
@@ -139,6 +141,7 @@ def test_a_campaign_of_something_else_is_warned_of(pad, code, said, suggest):
     assert [w["code"] for w in own] == [code] and said in own[0]["message"]
 
 
+@pytest.mark.slow
 def test_a_campaign_of_the_same_is_not_warned_of(suggest):
     answer = json.loads(suggest(calibration(), "--shape", "slab", "--json"))
     assert not [w for w in answer["warnings"] if w["code"].startswith("calibration")]

@@ -98,6 +98,7 @@ def test_modes_join_the_relaxation_and_the_batch_scales_the_modulus():
     assert young_factor(found) == pytest.approx(1.2)
 
 
+@pytest.mark.slow
 def test_suggest_takes_a_calibration_of_pucks_with_plate_friction(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     pad = {"young_kPa_expected": 25.0, "resin": None, "ratio": 15.0, "base": "bonded", "shape": "cylinder"}
@@ -109,6 +110,7 @@ def test_suggest_takes_a_calibration_of_pucks_with_plate_friction(tmp_path, monk
     assert answers[0] == answers[1]
 
 
+@pytest.mark.slow
 def test_suggest_says_for_which_state_of_the_pad_a_calibration_is_taken(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     pad = {"young_kPa_expected": 25.0, "resin": None, "ratio": 15.0, "base": "bonded", "shape": "slab"}

@@ -127,6 +127,7 @@ def test_the_modulus_is_known_no_better_than_the_number_of_pads_lets_it(campaign
     np.testing.assert_allclose(posterior_of(found, 0.5).covariance, known.covariance, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_what_a_model_misses_widens_the_intervals_by_what_leaving_conditions_out_changes(campaigns):
     """A law that grows stiffer with depth, fitted without: the bins of a press share the misfit, conditions show it."""
     campaign = read_campaign(campaigns("none", 401))

@@ -35,6 +35,7 @@ def three():
     return build(THREE)
 
 
+@pytest.mark.slow
 def test_all_checks_pass_and_the_silicone_is_the_closed_form(three):
     assert failed(check.check_solids(three)) == []
     fine = mesh.tessellate(three.mould, *check_mesh.FINE)
@@ -83,6 +84,7 @@ def test_one_cavity_is_the_mould_as_before():
     assert MouldSpec.from_dict(THREE.to_dict()) == THREE and layout(ONE).openings == layout(ONE).opening
 
 
+@pytest.mark.slow
 def test_the_section_goes_through_a_cavity_where_the_middle_is_a_wall():
     from dummydesign.mold.cad.build import build
 
@@ -114,6 +116,7 @@ def test_moulds_with_one_lid_one_bone_or_two_pours_have_one_cavity():
         mould_spec(8.0, 30.0, 30.0, count=21)
 
 
+@pytest.mark.slow
 def test_printed_moulds_and_glass_go_with_several_cavities():
     from dummydesign.mold.cad.build import build
 

@@ -36,6 +36,7 @@ def printed():
     return build(SPEC)
 
 
+@pytest.mark.slow
 def test_all_checks_pass_and_nothing_of_silicone_is_made(printed):
     checks = check.check_solids(printed)
     assert failed(checks) == [] and {"cavity_volume", "interference_frame_mould", "draft_cavity"} <= set(named(checks))
@@ -126,6 +127,7 @@ def test_a_damaged_preset_is_one_line_and_no_file(change, said, tmp_path, capsys
     assert [path.name for path in tmp_path.iterdir()] == ["mine.toml"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text, thickness", [("crowned:3,8,9", 15.0), ("crowned:3,8,9,1", 15.0), ("boned:20,6", 15.0),
                                              ("layered:3,0.4", 8.0)])  # fmt: skip
 def test_every_shape_is_cast_in_a_printed_mould(text, thickness):

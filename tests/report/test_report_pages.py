@@ -37,6 +37,7 @@ def test_a_report_opens_without_errors_and_asks_nothing_of_the_outside(made, nam
     assert len(seen.dom) > 20_000
 
 
+@pytest.mark.slow
 def test_a_page_that_does_either_is_found_out(tmp_path):
     bad = page("bad", "", [Section("x", html='<img alt="" src="http://127.0.0.1:9/x.png">')], scripts=["nothing();"])
     (tmp_path / "bad.html").write_text(bad)

@@ -70,6 +70,7 @@ def test_a_power_law_through_the_needed_exponent_meets_the_wanted_place():
     assert low < middle < high
 
 
+@pytest.mark.slow
 def test_the_fit_is_that_of_the_command_fit():
     from dummydesign.tissue.fitting.fit import fit_traces
 

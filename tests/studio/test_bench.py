@@ -48,6 +48,7 @@ def test_a_wider_punch_sinks_in_less(tmp_path):
     assert (wide.steady_depth_mm(force) < 0.95 * narrow.steady_depth_mm(force)).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", ["slab", CROWN])
 def test_a_calibration_is_in_the_pad_of_every_shape_as_suggest_has_it(tmp_path, shape):
     learned = calibration(effect("strain_stiffening", coefficient=2.0))

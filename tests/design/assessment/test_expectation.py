@@ -47,6 +47,7 @@ def test_a_pad_at_the_end_of_a_range_gives_way_to_its_neighbour_one_step_of_the_
     assert f"ratio {best.ratio:g}" in told.text and f"ratio {middle.ratio:g}" in told.text
 
 
+@pytest.mark.slow
 def test_of_kinds_whose_worth_is_alike_all_are_compared_and_no_other(crowned):
     inputs, _, _ = crowned
     space = inputs.space
@@ -62,6 +63,7 @@ def test_of_kinds_whose_worth_is_alike_all_are_compared_and_no_other(crowned):
     assert {one.shape.name for one in every} == {item.kind for item in chosen.beside if item.candidate is not None}
 
 
+@pytest.mark.slow
 def test_the_answer_says_where_the_choice_by_expectation_differs_and_by_which_weights():
     answer = design(resolve(Request("forefinger", shape="crowned", verify=False))).to_dict()["choice"]
     told = answer["expectation"]

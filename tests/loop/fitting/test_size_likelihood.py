@@ -42,6 +42,7 @@ def test_the_degrees_of_a_mean_over_pads_are_their_number_less_one(pads):
     assert variance == pytest.approx(means.var(ddof=1) / pads, rel=0.02)
 
 
+@pytest.mark.slow
 def test_intervals_of_students_t_cover_the_mean_of_all_pads_and_normal_ones_do_not():
     rng = np.random.default_rng(4)
     draws, inside = 300, np.zeros(2)

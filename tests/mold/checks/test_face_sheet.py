@@ -36,6 +36,7 @@ def test_the_silicone_is_the_same_and_the_master_with_its_sheet_is_the_plain_mas
     assert 0 < pocket - sheet < 0.1 * sheet
 
 
+@pytest.mark.slow
 def test_all_checks_pass_and_a_sheet_that_stands_proud_fails(glazed):
     found = check.check_solids(glazed)
     assert failed(found) == [] and {"face_sheet_flush", "face_sheet_seated"} <= set(named(found))

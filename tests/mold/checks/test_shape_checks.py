@@ -46,6 +46,7 @@ def test_shape_checks_of_a_layered_mould_pass(layered):
 OTHERS = [("bumped:13,6,1.5,0.2", 10.0), ("crowned:10,2,0,1", 8.0), ("boned:20,6,0,1", 15.0)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text, thickness", OTHERS)
 def test_volumes_drafts_and_shape_of_the_other_moulds_pass(text, thickness):
     made = build(shape_spec(text, thickness))

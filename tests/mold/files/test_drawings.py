@@ -48,6 +48,7 @@ def sound(made, paper):
             assert 0 <= x <= drawing.size[0] and 0 <= y <= drawing.size[1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("paper", ["A3", "A4"])
 def test_every_part_has_a_drawing_without_texts_on_each_other(open_parts, crowned, paper):
     for made in (open_parts, crowned):
@@ -161,6 +162,7 @@ def test_long_names_are_cut_and_notes_wrapped_so_that_they_stay_in_their_cells()
         assert meeting(arrange([View("view", (square,))], title, ["note " * 60], paper)) == []
 
 
+@pytest.mark.slow
 def test_drawings_are_wellformed_and_equal_for_equal_parts(open_parts):
     import io
 

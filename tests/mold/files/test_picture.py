@@ -17,6 +17,7 @@ def test_stacked_parts_never_overlap_in_height():
         assert bounds[upper][0] + lifts[upper] - bounds[lower][1] - lifts[lower] == pytest.approx(20.0)
 
 
+@pytest.mark.slow
 def test_picture_shows_every_material(open_parts, tmp_path):
     import subprocess
     import sys

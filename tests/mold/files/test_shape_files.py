@@ -28,6 +28,7 @@ def test_curved_faces_survive_step(crowned, boned, tmp_path):
         assert again.valid and again.volume_mm3 == pytest.approx(made.solid(name).Volume(), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_drawings_dimension_the_curve_and_stay_on_paper(crowned, layered, boned):
     from dummydesign.mold.files.drawings.parts import drawings
 

@@ -36,6 +36,7 @@ def test_a_crown_that_does_not_relax_carries_what_the_quick_law_says_to_the_last
     assert np.array_equal(path.force, path.separable)
 
 
+@pytest.mark.slow
 def test_at_small_strain_the_quick_law_holds_for_every_shape():
     for shape, within in ((CROWN, 5e-4), (Layered(4.0, 2.5), 4e-3)):
         path = solved(shape, 0.02, cells=12)
@@ -51,6 +52,7 @@ def test_smaller_cells_under_a_flat_top_move_the_departure_by_a_hundredth_of_the
     assert coarse.ratio[peak] == pytest.approx(fine.ratio[peak], abs=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", [CROWN, Layered(5.0, 0.4), Boned(14.0, 2.5, 7.0)], ids=lambda shape: shape.name)
 def test_the_finite_strain_force_lies_in_the_interval_of_the_quick_one(shape):
     pad = Pad(8.0, 0.04, RADIUS_MM, ARMS, geometry=shape)

@@ -38,6 +38,7 @@ def test_a_shallow_ball_agrees_with_the_law_of_a_cap_on_a_layer(c, factor):
     assert curve.force_N[0] == pytest.approx(force, rel=5e-3)
 
 
+@pytest.mark.slow
 def test_a_profile_through_points_of_a_ball_presses_like_the_ball():
     r = np.linspace(0.0, 6.0, 60)
     ball = sphere(20.0)

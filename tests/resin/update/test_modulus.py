@@ -105,6 +105,7 @@ def test_a_point_far_from_the_prior_is_said(polyurethane):
     assert any("young_ref_kPa" in text for text in resin.contradictions)
 
 
+@pytest.mark.slow
 def test_agreeing_points_are_not_called_contradictory(polyurethane):
     """5 honest sets of noise; a false alarm has a chance of a few per cent each."""
     rng = np.random.default_rng(11)

@@ -74,6 +74,7 @@ def test_a_pad_half_as_strong_reads_low_in_a_test_at_small_forces(palm):
     assert judged.level == "reads_low" and judged.steady_below_fraction == 1.0
 
 
+@pytest.mark.slow
 def test_presses_of_the_test_that_were_not_made_leave_the_verdict_open(palm):
     traces = subject_presses(palm, (5.0, 10.0), (10.0,))
     found = compare_traces(traces, palm, test=PressTest((5.0, 10.0), (10.0, 100.0)))
@@ -84,6 +85,7 @@ def test_presses_of_the_test_that_were_not_made_leave_the_verdict_open(palm):
     assert "not pressed" not in one_speed.text
 
 
+@pytest.mark.slow
 def test_a_longer_hold_is_cut_at_the_tests_and_a_shorter_one_is_said(palm):
     traces = subject_presses(palm, (5.0, 10.0), (10.0,))
     found = compare_traces(traces, palm, test=PressTest(hold_s=1.0))
@@ -97,6 +99,7 @@ def test_a_longer_hold_is_cut_at_the_tests_and_a_shorter_one_is_said(palm):
     assert "it was held 10 s of 60 s" in verdict_of_traces(longer, palm).text
 
 
+@pytest.mark.slow
 def test_braking_that_is_said_is_used_in_place_of_what_the_motion_shows(palm):
     traces = subject_presses(palm, (10.0,), (250.0,))
     found, gentle = (compare_traces(traces, palm, test=PressTest(deceleration_mm_s2=a)) for a in (30_000.0, 5_000.0))

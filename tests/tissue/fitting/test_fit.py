@@ -236,6 +236,7 @@ def test_more_arms_than_the_data_have_are_not_given_certain_numbers():
     assert fit_traces(traces, "auto", intervals=False).elements == 3
 
 
+@pytest.mark.slow
 def test_eighteen_traces_are_fitted_together_down_to_their_noise(clean):
     traces = [
         Trace(f"{k}_{t.name}", *(getattr(noisy(t, k), n) for n in ("time_s", "displacement_mm", "force_N")))

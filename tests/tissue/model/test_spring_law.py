@@ -88,6 +88,7 @@ def test_a_free_mass_is_stopped_by_a_spring_at_v_times_the_root_of_m_k(spring):
     np.testing.assert_allclose(found.peak_force_N, wanted, rtol=2e-3)
 
 
+@pytest.mark.slow
 def test_traces_are_compared_with_a_spring_by_ranges_alone_and_no_law_is_fitted_for_it(spring):
     traces = []
     for v in (10.0, 250.0):

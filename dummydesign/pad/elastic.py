@@ -75,12 +75,10 @@ def elastic_curve(
         curve = _by_elements(pad, deepest_mm, depths_mm, progress)
     if not has_square_factor(pad):
         return curve
-    from dummydesign.pad.tables.square import DOUBTED_WITH_FILLET, square_factor
+    from dummydesign.pad.tables.square import square_factor
 
     def factor(depth: Array) -> tuple[Array, Array]:
-        value, error = square_factor(depth, pad.thickness_mm, pad.radius_mm, pad.base)
-        # That of sharp edges: with a fillet half of what it changes is doubted.
-        return value, error + (DOUBTED_WITH_FILLET * np.abs(value - 1.0) if pad.edge_radius_mm else 0.0)
+        return square_factor(depth, pad.thickness_mm, pad.radius_mm, pad.base, bool(pad.edge_radius_mm))
 
     return times(curve, factor)
 

@@ -40,9 +40,10 @@ class Study:
 
 SHAPES = tuple(
     Study(
-        "tables.shapes", f"{kind} --count {count}", (f"{TABLES}{kind}-bonded.json",), f"response table of {kind} pads"
+        "tables.shapes", f"{kind} --count {count} --fresh {fresh}", (f"{TABLES}{kind}-bonded.json",),
+        f"response table of {kind} pads",
     )
-    for kind, count in (("crowned", 400), ("layered", 70), ("boned", 70), ("bumped", 30))
+    for kind, count, fresh in (("crowned", 400, 40), ("layered", 80, 40), ("boned", 80, 40), ("bumped", 30, 8))
 )
 STUDIES = (
     Study(

@@ -99,14 +99,20 @@ def visit(page, studio, path):
     page.wait_for_timeout(1500)
 
 
+def every_page(page, studio):
+    """The path of each page, once it is open."""
+    page.goto(studio.address)
+    page.wait_for_selector("h1")
+    for path in PAGES:
+        visit(page, studio, path)
+        yield path
+
+
 @pytest.mark.parametrize(("scheme", "width"), [("light", 390), ("dark", 390), ("light", 1280), ("dark", 1280)])
 def test_every_page_fits_its_screen_can_be_read_and_names_its_controls(studio, scheme, width):
     found, _ = studio
     with browser(viewport={"width": width, "height": 844}, color_scheme=scheme) as page:
-        page.goto(found.address)
-        page.wait_for_selector("h1")
-        for path in PAGES:
-            visit(page, found, path)
+        for path in every_page(page, found):
             wide = page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth")
             assert wide <= 0, (path, wide)
             assert page.evaluate(NAMELESS) == [], path
@@ -118,10 +124,7 @@ def test_every_page_keeps_the_rules_for_screen_readers(studio):
     """Language, headings, roles, names, no control inside another: the rules that axe-core checks, on every page."""
     found, _ = studio
     with browser(viewport={"width": 1280, "height": 900}) as page:
-        page.goto(found.address)
-        page.wait_for_selector("h1")
-        for path in PAGES:
-            visit(page, found, path)
+        for path in every_page(page, found):
             assert page.evaluate(RULES) == [], path
 
 
@@ -143,10 +146,7 @@ def test_the_rules_find_what_is_wrong():
 def test_the_keyboard_reaches_every_control_and_shows_where_it_is(studio):
     found, _ = studio
     with browser(viewport={"width": 1280, "height": 900}) as page:
-        page.goto(found.address)
-        page.wait_for_selector("h1")
-        for path in PAGES:
-            visit(page, found, path)
+        for path in every_page(page, found):
             places = []
             for _ in range(80):
                 page.keyboard.press("Tab")

@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.design.assessment.pour_yield import Pours, Tolerances, draw_pours
-from dummydesign.design.assessment.readings import poured_slabs
-from dummydesign.design.scoring.law_parameters import gamma1_score
+from dummydesign.design.assessment.readings import castings_of, poured_slabs
 from dummydesign.design.scoring.presses import ForceLaw
-from dummydesign.design.scoring.score import evaluate, steady_gamma1
+from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.standing import ACCEPTABLE_AND_STEADY, standing
 from dummydesign.design.search.best_of_kinds import Beside
 
@@ -161,12 +160,7 @@ def expected_totals(law: ForceLaw, candidate: Candidate, space: SearchSpace, tol
     space : SearchSpace
     tolerances : Tolerances
     """
-    pours, _ = draw_pours(space.resin, candidate.thickness_mm, candidate.ratio, tolerances, POURS)
-    slabs = poured_slabs(law, pours, space)
-    coarse = space.sampling.coarse
-    found = evaluate(slabs, space.targets, coarse)
-    gamma1 = steady_gamma1(slabs, space.targets.protocol, coarse, space.targets.power)
-    return found.total(gamma1_score(gamma1, space.targets))
+    return castings_of(law, candidate, space, tolerances, POURS)[1]
 
 
 def measure_first(

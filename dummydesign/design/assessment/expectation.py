@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.assessment.pour_yield import Tolerances, draw_pours
-from dummydesign.design.assessment.readings import poured_slabs
-from dummydesign.design.scoring.law_parameters import gamma1_score
+from dummydesign.design.assessment.pour_yield import Tolerances
+from dummydesign.design.assessment.readings import castings_of
+from dummydesign.design.scoring.law_parameters import rough_parametric
 from dummydesign.design.scoring.presses import ForceLaw, make_curves
-from dummydesign.design.scoring.score import evaluate, steady_gamma1
+from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.standing import NOT_ACCEPTABLE, standing
 from dummydesign.design.search.best_of_kinds import Chosen, beside_of
 from dummydesign.design.search.shapes import mixable
@@ -126,8 +126,7 @@ def _near(chosen: Chosen, space: SearchSpace, low_share: float) -> list[Candidat
     slabs = make_slabs(curves, np.zeros(len(steps), int), space.resin, ratio)
     found = evaluate(slabs, space.targets, space.sampling, exact=True)
     stands = standing(found, space.targets)
-    gamma1 = steady_gamma1(slabs, space.targets.protocol, space.sampling.coarse, space.targets.power)
-    parametric = gamma1_score(gamma1, space.targets)
+    parametric = rough_parametric(slabs, space.targets, space.sampling)
     total = found.total(parametric)
     others = [
         Candidate(best.thickness_mm, float(ratio[at]), at, found, None, float(parametric[at]), float(total[at]),
@@ -142,11 +141,7 @@ def _worths(
     law: ForceLaw, candidate: Candidate, space: SearchSpace, tolerances: Tolerances, low_share: float
 ) -> tuple[NDArray, NDArray]:
     """Worth of castings of a pad, and whether each is acceptable, shapes (n,)."""
-    pours, _ = draw_pours(space.resin, candidate.thickness_mm, candidate.ratio, tolerances, POURS, SEED)
-    slabs, coarse = poured_slabs(law, pours, space), space.sampling.coarse
-    found = evaluate(slabs, space.targets, coarse)
-    gamma1 = steady_gamma1(slabs, space.targets.protocol, coarse, space.targets.power)
-    total = found.total(gamma1_score(gamma1, space.targets))
+    found, total = castings_of(law, candidate, space, tolerances, POURS, SEED)
     stands = standing(found, space.targets)
     merit = (1.0 - low_share) * total + low_share * found.low_aim
     return np.array(space.targets.weights.worth)[stands] * merit, stands > NOT_ACCEPTABLE

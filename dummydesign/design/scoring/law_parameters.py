@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.design.scoring.presses import Press, Sampling, Slabs, press_to_depth
-from dummydesign.design.scoring.score import halving
+from dummydesign.design.scoring.score import halving, steady_gamma1
 from dummydesign.design.scoring.targets import NARROWEST, Targets
 from dummydesign.tissue.model.laws import law_named
 
@@ -224,6 +224,20 @@ def gamma1_score(gamma1_N_per_mm3: NDArray, targets: Targets) -> NDArray:
     half = max(0.5 * np.log(max(spread) / min(spread)), NARROWEST)
     with np.errstate(divide="ignore", invalid="ignore"):
         return halving(np.log(gamma1_N_per_mm3 / targets.steady_gamma1_N_per_mm3) / half)
+
+
+def rough_parametric(slabs: Slabs, targets: Targets, sampling: Sampling) -> NDArray:
+    """The :func:`gamma1_score` of designs from their steady forces in the test of the targets, shape (D,).
+
+    Parameters
+    ----------
+    slabs : Slabs
+        D designs.
+    targets : Targets
+    sampling : Sampling
+        Of the test; its coarse one is used.
+    """
+    return gamma1_score(steady_gamma1(slabs, targets.protocol, sampling.coarse, targets.power), targets)
 
 
 def _flat(values: dict[str, Any]) -> dict[str, float]:

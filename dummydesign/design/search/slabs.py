@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import NoAnswerError, out_of_range
-from dummydesign.design.scoring.law_parameters import fit_presses, gamma1_score, parametric_score
+from dummydesign.design.scoring.law_parameters import fit_presses, parametric_score, rough_parametric
 from dummydesign.design.scoring.presses import Curves, ForceLaw, Slabs, join_curves, join_slabs, make_curves
-from dummydesign.design.scoring.score import Evaluation, evaluate, steady_gamma1
+from dummydesign.design.scoring.score import Evaluation, evaluate
 from dummydesign.design.scoring.standing import standing
 from dummydesign.design.search.alternatives import alternatives_to, pareto
 from dummydesign.design.search.space import SearchSpace
@@ -189,7 +189,7 @@ def search_each(
     slabs = make_slabs(curves, slab, resin, ratio[column])
     coarse = space.sampling.coarse
     rough = evaluate(slabs, targets, coarse)
-    total = rough.total(gamma1_score(steady_gamma1(slabs, targets.protocol, coarse, targets.power), targets))
+    total = rough.total(rough_parametric(slabs, targets, space.sampling))
     order = ((1.0 - low_share) * total + low_share * rough.low_aim)
     order = order * np.array(targets.weights.worth)[standing(rough, targets)]
     order = np.where(rough.feasible, order, -1.0)
@@ -237,8 +237,7 @@ def _work_out(
     targets = space.targets
     exact = evaluate(slabs, targets, space.sampling, exact=True)
     stands = standing(exact, targets)
-    gamma1 = steady_gamma1(slabs, targets.protocol, space.sampling.coarse, targets.power)
-    parametric = gamma1_score(gamma1, targets)
+    parametric = rough_parametric(slabs, targets, space.sampling)
     total = exact.total(parametric)
     found: list[Any] = [None] * len(ratio)
     groups, end = [], 0

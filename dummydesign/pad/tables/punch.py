@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 from functools import partial
-from typing import Any
 
 from dummydesign.core.errors import InputError
 from dummydesign.pad.force_law import ForceLaw, TimesFactor
-from dummydesign.pad.tables.square import DOUBTED_WITH_FILLET, square_factor
+from dummydesign.pad.tables.square import square_factor
 
 FORMS = "square:SIDE, rectangle:AxB or round:DIAMETER, sizes in mm"
 
@@ -54,17 +53,11 @@ class SquareLaw(TimesFactor):
     base : str
         ``bonded`` or ``sliding``.
     filleted : bool
-        Whether the edge is a fillet: the factor is that of sharp edges, and half of what it changes is doubted.
+        Whether the edge is a fillet.
     """
 
     def __init__(self, circle: ForceLaw, base: str, filleted: bool = False) -> None:
-        super().__init__(circle, partial(_doubted if filleted else square_factor, base=base))
-
-
-def _doubted(depth_mm: Any, thickness_mm: Any, radius_mm: Any, base: str) -> tuple[Any, Any]:
-    """The factor of a square with a filleted edge, and its relative error."""
-    value, error = square_factor(depth_mm, thickness_mm, radius_mm, base)
-    return value, error + DOUBTED_WITH_FILLET * abs(value - 1.0)
+        super().__init__(circle, partial(square_factor, base=base, filleted=filleted))
 
 
 def circle_of(law: ForceLaw) -> ForceLaw:

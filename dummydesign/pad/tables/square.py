@@ -86,7 +86,7 @@ def _from_dict(data: dict[str, Any]) -> SquareTable:
 
 
 def square_factor(
-    depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike, base: str = "bonded"
+    depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike, base: str = "bonded", filleted: bool = False
 ) -> tuple[Array, Array]:
     """Static force under a glued square punch over that under the round punch of equal area.
 
@@ -96,6 +96,8 @@ def square_factor(
         Depth, thickness of the slab, radius of the circle of equal area; broadcast. [mm]
     base : str
         ``bonded`` or ``sliding``.
+    filleted : bool
+        Whether the edge is a fillet: the factor is that of sharp edges, and half of what it changes is doubted.
 
     Returns
     -------
@@ -115,4 +117,5 @@ def square_factor(
     if np.any(bad):
         raise out_of_range("punch radius over pad thickness", f"{float(ratio[bad].flat[0]):.4g}", low, high)
     value, error = table.factor(depth / thickness, ratio)
-    return value, np.maximum(error, square_doubt(depth / thickness, ratio))
+    error = np.maximum(error, square_doubt(depth / thickness, ratio))
+    return value, error + DOUBTED_WITH_FILLET * np.abs(value - 1.0) if filleted else error

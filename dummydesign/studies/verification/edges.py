@@ -18,25 +18,43 @@ from dummydesign.pad.solve.continuation import follow
 from dummydesign.pad.tables.slab import load_table
 from dummydesign.studies.verification.check import Check
 
+Array = np.ndarray
 FILLETS, PRESSURE = "Filleted punches", "Crowns and contact pressure"
 OTHER = "an independent finite-element code, its steps carried to zero"
 # 4.5 mm, crown of radius 21.2, height 2 and foot 9.4 mm, 42.6 kPa, round punch of 15.798 mm: d/h and force in N.
 CROWN_N = {0.15: 1.047, 0.2: 2.47, 0.25: 5.30}
 
 
+def rounded_flat(flat: float, fillet: float, contact: Array, unit: float) -> tuple[Array, Array]:
+    """Depth and force of a flat punch with a rounded shoulder on a half-space, shapes (n,).
+
+    d = (c / rho) (sqrt(c^2 - b^2) - b acos(b / c)), F = 2 E* (c d - integral of the profile's g from b to c).
+
+    Parameters
+    ----------
+    flat, fillet : float
+        Radius b of the flat, and rho of the shoulder r^2 / 2 rho beside it.
+    contact : ndarray, shape (n,)
+        Contact radii c.
+    unit : float
+        Plane modulus E* = E / (1 - nu^2).
+    """
+    x = flat + (contact[:, None] - flat) * (np.arange(2000) + 0.5) / 2000.0
+    g = x / fillet * (np.sqrt(x**2 - flat**2) - flat * np.arccos(flat / x))
+    depth = contact / fillet * (np.sqrt(contact**2 - flat**2) - flat * np.arccos(flat / contact))
+    return depth, 2.0 * unit * (contact * depth - g.mean(axis=1) * (contact - flat))
+
+
 def rounded_punch() -> Iterator[Check]:
     """A flat with a shoulder r^2 / 2 rho on an incompressible half-space, the layer's own sink taken from flat punches.
 
-    d = (c / rho) (sqrt(c^2 - b^2) - b acos(b / c)), F = 2 E* (c d - integral of the profile's g from b to c).
+    See :func:`rounded_flat`.
     """
     radius, fillet = 0.1, 0.03
     flat, unit = radius - fillet, 4.0
     sink = 1.0 / (3.0 * flat * first_stiffness(Slab(flat, 12.0), neo_hookean(1.0))) - 1.0 / (2.0 * unit * flat)
     contact = np.array([0.0725, 0.074])
-    x = flat + (contact[:, None] - flat) * (np.arange(2000) + 0.5) / 2000.0
-    g = x / fillet * (np.sqrt(x**2 - flat**2) - flat * np.arccos(flat / x))
-    depth = contact / fillet * (np.sqrt(contact**2 - flat**2) - flat * np.arccos(flat / contact))
-    force = 2.0 * unit * (contact * depth - g.mean(axis=1) * (contact - flat))
+    depth, force = rounded_flat(flat, fillet, contact, unit)
     found = solve_filleted(1.0, radius, fillet, 3.0, depth + sink * force, extent_mm=12.0)
     for c, expected, value in zip(contact, force, found.force_N):
         name = f"rounded flat on a thick pad, contact to {c:g}"

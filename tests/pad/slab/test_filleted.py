@@ -12,6 +12,7 @@ from dummydesign.pad.slab.filleted import FilletedPunch, filleted_problem, solve
 from dummydesign.pad.slab.problem import Slab, first_stiffness
 from dummydesign.pad.solve.continuation import follow
 from dummydesign.pad.tables.slab import load_table
+from dummydesign.studies.verification.edges import rounded_flat
 
 LAW = neo_hookean(1.0)
 
@@ -47,10 +48,7 @@ def test_small_depths_agree_with_the_closed_form_of_a_rounded_punch_on_a_thick_p
     slab = Slab(flat, 12.0)
     sink = 1.0 / (3.0 * flat * first_stiffness(slab, LAW)) - 1.0 / (2.0 * unit * flat)
     contact = np.array([0.0725, 0.074])
-    x = flat + (contact[:, None] - flat) * (np.arange(2000) + 0.5) / 2000.0
-    g = x / fillet * (np.sqrt(x**2 - flat**2) - flat * np.arccos(flat / x))
-    depth = contact / fillet * (np.sqrt(contact**2 - flat**2) - flat * np.arccos(flat / contact))
-    force = 2.0 * unit * (contact * depth - g.mean(axis=1) * (contact - flat))
+    depth, force = rounded_flat(flat, fillet, contact, unit)
     found = solve_filleted(1.0, radius, fillet, 3.0, depth + sink * force, extent_mm=12.0)
     assert np.all(force / (depth + sink * force) > 1.02 / (sink + 1.0 / (2.0 * unit * flat)))
     assert found.force_N == pytest.approx(force, rel=8e-3)

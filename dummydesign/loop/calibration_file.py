@@ -105,11 +105,13 @@ def _calibration(data: dict[str, Any]) -> Calibration:
 
 def _posterior(table: dict[str, Any], after: Model) -> Posterior:
     """Mean and covariance of the corrected model's parameters; the intervals in the file are for its reader."""
-    names = [f"log {name}" for name in NAMES]
-    for one in after.active:
-        names += [f"{'log ' if p.log else ''}{one.effect.name}.{p.name}" for p in one.effect.parameters]
-    if _entry(table, "names", list, "posterior") != names:
+    parameters = [(one.effect.name, p) for one in after.active for p in one.effect.parameters]
+    added = {f"{name}.{p.name}" for name, p in parameters if p.added_later}
+    names = [f"log {name}" for name in NAMES] + [f"{'log ' if p.log else ''}{name}.{p.name}" for name, p in parameters]
+    written = _entry(table, "names", list, "posterior")
+    if written != [name for name in names if name not in added or name in written]:
         raise _Fault(f"posterior.names must be {', '.join(names)}")
+    names = written
     mean = _row(_entry(table, "mean", list, "posterior"), "posterior.mean", -LARGEST, LARGEST)
     rows = _entry(table, "covariance", list, "posterior")
     matrix = [_row(row, f"posterior.covariance[{place}]", -LARGEST, LARGEST) for place, row in enumerate(rows)]
@@ -202,8 +204,9 @@ def _effects(entries: list[Any], where: str) -> tuple[Active, ...]:
             raise _Fault(f"{at}: {effect.name} stands there twice")
         values = _entry(entry, "parameters", dict, at)
         within = f"{at}.parameters"
-        numbers = {p.name: _number(values, p.name, within, p.low, p.high) for p in effect.parameters}
-        active.append(Active(effect, numbers))
+        given = [p for p in effect.parameters if p.name in values or not p.added_later]
+        numbers = {p.name: _number(values, p.name, within, p.low, p.high) for p in given}
+        active.append(Active(effect, effect.null_values() | numbers))
     return tuple(active)
 
 

@@ -165,7 +165,7 @@ def pad_force(time: np.ndarray, x: np.ndarray, away: np.ndarray, physics: Physic
     count, steps = x.shape
     arms = np.zeros((physics.tau.shape[0], count))
     out = np.zeros((count, steps))
-    last_elastic, force = np.zeros(count), np.zeros(count)
+    last_elastic, last_strain, force = np.zeros(count), np.zeros(count), np.zeros(count)
     turn = np.ones(count)
     top = np.maximum.accumulate(x, axis=1)
     share, law = physics.pad.table()
@@ -187,11 +187,13 @@ def pad_force(time: np.ndarray, x: np.ndarray, away: np.ndarray, physics: Physic
                 n = sum((d + 0.04 >= depth) & (d > 0) for d in physics.soft_depth)
                 elastic = elastic * (1.0 - physics.softening * 1.7 * n / (n + 0.7))
             strain = np.maximum(depth, 0.0) / physics.pad.thickness
-            strength = physics.beta * np.exp(physics.beta_strain * (strain - 0.15))
+            # at the middle of the step, as the rule: at its end the arms of a thin pad are several per cent too strong
+            middle = 0.5 * (strain + last_strain)
+            strength = physics.beta * np.exp(physics.beta_strain * (middle - 0.15))
             half = 0.5 * dt / physics.tau
             new = (arms * (1.0 - half) + strength * (elastic - last_elastic)) / (1.0 + half)
             guess = elastic + new.sum(axis=0)
-        arms, last_elastic, force = new, elastic, guess
+        arms, last_elastic, last_strain, force = new, elastic, strain, guess
         if physics.pull_off:
             gap = np.maximum(0.0, -x[:, k])
             floor = np.where(away[:, k], -physics.pull_off * np.exp(-gap / 0.2) * (gap < 0.8), 0.0)

@@ -44,6 +44,8 @@ class Parameter:
         Fitted as a logarithm (times).
     starts : tuple of float
         Further values to start from.
+    added_later : bool
+        At its null value where a calibration of an earlier version lacks it.
     """
 
     name: str
@@ -54,6 +56,7 @@ class Parameter:
     typical: float
     log: bool = False
     starts: tuple[float, ...] = ()
+    added_later: bool = False
 
     def to_coordinate(self, value: float) -> float:
         """Value as a number of order one."""
@@ -103,11 +106,9 @@ class Effect:
     signature: str = ""
     reference: str = ""
     cause: str = ""  # as a rule
-    remedy: str = ""
-    """What a laboratory does about it, as an order."""
+    remedy: str = ""  # what a laboratory does about it, as an order
     feeds_back: bool = False
-    held: bool = False
-    """Its parameters stay at their start in a fit: they are known with the effect itself."""
+    held: bool = False  # its parameters stay at their start in a fit: they are known with the effect itself
     always_fitted: bool = False
     """Fitted whatever its score: for effects whose first-order change the base can imitate."""
 
@@ -296,5 +297,4 @@ def effect_classes(module: ModuleType) -> list[type[Effect]]:
 
 def members(module: ModuleType) -> tuple[Effect, ...]:
     """The effects of a module: its ``MEMBERS``, or one instance of each of its classes."""
-    named = getattr(module, "MEMBERS", None)
-    return named if named is not None else tuple(one() for one in effect_classes(module))
+    return getattr(module, "MEMBERS", None) or tuple(one() for one in effect_classes(module))

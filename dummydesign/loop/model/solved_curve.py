@@ -61,9 +61,9 @@ class SolvedCurve:
             raise NoAnswerError("no_convergence", f"the force law of the {self.said} could not be solved{why}")
         area, error = curve.force_N / self.pad.young_MPa, curve.error_N / curve.force_N
         if isinstance(self.pad, Pad) and has_square_factor(self.pad):
-            factor, doubt = square_factor(curve.depth_mm, self.pad.thickness_mm, self.pad.radius_mm, self.pad.base)
-            # of sharp edges: with a fillet half of what it changes is doubted
-            area, error = area * factor, error + doubt + 0.5 * np.abs(factor - 1.0)
+            pad, filleted = self.pad, bool(self.pad.edge_radius_mm)
+            factor, doubt = square_factor(curve.depth_mm, pad.thickness_mm, pad.radius_mm, pad.base, filleted)
+            area, error = area * factor, error + doubt
         return curve.depth_mm, area, error
 
     @property

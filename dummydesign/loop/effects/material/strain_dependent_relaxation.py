@@ -10,26 +10,56 @@ from dummydesign.loop.model.effect import Arm, Effect, Parameter, Values
 
 
 class StrainDependentRelaxation(Effect):
-    """beta_i goes as 1 + slope (d/h - 0.15) with the relative depth at which the arm is loaded (not separable).
+    """beta_i goes as 1 + slope (exp(growth x) - 1) / growth with x = d/h - 0.15, the relative depth at which the arm
+    is loaded (not separable).
 
     The share that relaxes grows with depth; the long-term force does not change. The base strengths are those
-    at d/h = 0.15.
+    at d/h = 0.15, where ``slope`` is their relative change. Laws of growth differ from gel to gel, so the change
+    itself may change with depth as exp(growth x): 0 is linear, ``growth = slope`` exponential, below 0 saturates.
+    No strength turns negative: below a tenth of its base it falls on as a hyperbola, with the same tangent.
     """
 
     name = "strain_dependent_relaxation"
     hook = "pad"
     belongs_to = "pad"
     designed_for = "relaxation as it is at a depth of 0.15 of the thickness"
-    parameters = (Parameter("slope", "1", 0.0, -3.0, 15.0, 0.5),)
+    parameters = (
+        Parameter("slope", "1", 0.0, -3.0, 15.0, 0.5),
+        Parameter("growth", "1", 0.0, -6.0, 20.0, 3.0, starts=(0.0,), added_later=True),
+    )
     signature = "peak over steady force depends on depth over thickness"
     cause = "gel that relaxes more the further it is pressed"
     remedy = "press at three depths on one pad at one speed"
-    reference = "Pryse et al., Ann. Biomed. Eng. 31 (2003) 1287 (nonlinear relaxation)"
+    reference = (
+        "Pryse et al., Ann. Biomed. Eng. 31 (2003) 1287 (strengths that are polynomials of strain); Fung, Biomechanics "
+        "(1993), ch. 7 (exponential in strain)"
+    )
 
     def arms(self, presses: Presses, arms: tuple[Arm, ...], depth_mm: NDArray, values: Values) -> tuple[Arm, ...]:
         share = np.maximum(depth_mm, 0.0) / presses.thickness_mm[:, None]
-        weight = np.maximum(1.0 + values["slope"] * (share - REFERENCE_DEPTH_SHARE), 0.0)
+        weight = strength(share, values["slope"], values["growth"])
         return tuple(arm.changed(weight=weight if arm.weight is None else arm.weight * weight) for arm in arms)
 
 
-REFERENCE_DEPTH_SHARE = 0.15
+REFERENCE_DEPTH_SHARE, LEAST = 0.15, 0.1
+
+
+def strength(depth_share: NDArray, slope: float, growth: float) -> NDArray:
+    """Strength of an arm over that at d/h = 0.15; above zero at every depth.
+
+    Parameters
+    ----------
+    depth_share : ndarray
+        Depth over thickness, any shape.
+    slope : float
+        Relative change with d/h there.
+    growth : float
+        Relative change of the slope with d/h.
+
+    Returns
+    -------
+    ndarray, shape of ``depth_share``
+    """
+    apart = depth_share - REFERENCE_DEPTH_SHARE
+    plain = 1.0 + slope * (apart if abs(growth) < 1e-9 else np.expm1(growth * apart) / growth)
+    return np.where(plain > LEAST, plain, LEAST**2 / (2.0 * LEAST - np.minimum(plain, LEAST)))

@@ -59,6 +59,7 @@ def suggest(
     preset: str = "open",
     machine: str | None = None,
     silicone: str | None = None,
+    sites: tuple[int, int] | str | None = None,
     balance_g: float | str = 0.1,
     thickness_tolerance_mm: float | str = 0.2,
     robot_mass_kg: float | str | None = None,
@@ -103,6 +104,8 @@ def suggest(
         Fillet of the punch's edge, 0 (sharp) to 0.3 of its half-width; solved for slabs. [mm]
     preset, machine, silicone : str
         Mould preset, machines and silicone, names or files; without the last two those of the preset.
+    sites : (along, across) or "NxM", optional
+        Crowns on one pad, far enough apart to be independent.
     balance_g, thickness_tolerance_mm : float
         Errors of weighing and of the cast thickness, even within plus and minus these. [g, mm]
     robot_mass_kg, robot_velocity_mm_s : float
@@ -140,6 +143,7 @@ def suggest(
     [('polyol', 96.9), ('isocyanate', 14.5)]
     """
     from dummydesign.design.request import Request
+    from dummydesign.design.sites.layout import parse_sites
     from dummydesign.loop.effects.own import own_effects
 
     limits_mm, limits_ratio = _pair(thickness_mm, "thickness in mm"), _pair(ratio, "ratio")
@@ -156,7 +160,7 @@ def suggest(
                       force_N=read_numbers(force_N, FORCE), velocity_mm_s=read_numbers(velocity_mm_s, VELOCITY),
                       hold_s=read_number(hold_s, HOLD), base=base, preset=preset, machine=machine, silicone=silicone,
                       deceleration_mm_s2=read_number(deceleration_mm_s2, DECELERATION), pad_mm=read_size(pad, "pad"),
-                      edge_radius_mm=read_number(edge_radius_mm, EDGE))  # fmt: skip
+                      edge_radius_mm=read_number(edge_radius_mm, EDGE), sites=parse_sites(sites))  # fmt: skip
     if cad and out is None:
         raise InputError("cad = True needs out, the folder for the files of the mould")
     folder = None if out is None else Path(out)

@@ -137,7 +137,7 @@ def predict(
     if (fields or picture) and (depth_mm is None or fidelity != "axisymmetric"):
         raise InputError("fields and pictures are of static depths: --depth with --fidelity axisymmetric")
     made, young, sources = asked_pad(inputs)
-    warnings = _punch_warnings(made, fidelity)
+    warnings = _punch_warnings(made, fidelity) + _sites_warnings(made)
     common: dict[str, Any] = {"inputs": inputs, "sources": sources, "warnings": warnings, "young_kPa": young}
     common["prony"] = [term.to_dict() for term in made.prony]
     found: StaticPrediction | MotionPrediction
@@ -263,6 +263,17 @@ def _punch_warnings(made: Pad | Puck, fidelity: str) -> list[dict[str, str]]:
         "a rectangle more; --fidelity 3d solves it"
     )
     return [{"code": "equal_area_punch", "message": message}]
+
+
+def _sites_warnings(made: Pad | Puck) -> list[dict[str, str]]:
+    """Say that one of several crowns is pressed as if it were alone."""
+    from dummydesign.pad.pad import Puck
+
+    places = 1 if isinstance(made, Puck) else len(made.geometry.places_mm)
+    if places == 1:
+        return []
+    message = f"one of {places} crowns is pressed as if it were alone; 'suggest --sites' solves what the others change"
+    return [{"code": "several_sites", "message": message}]
 
 
 def _write(path: str | PathLike[str], columns: tuple[str, ...], result: dict[str, Any]) -> Path:

@@ -58,6 +58,7 @@ def assess(inputs: Inputs, solved: Solved) -> Suggestion:
         pour=pour,
         verification=solved.verification,
         centring=solved.centring,
+        sites=solved.sites,
         rests_on=rests_on(space.resin, inputs.tissue, best),
         warnings=tuple(warnings),
         punch=inputs.punch,

@@ -101,7 +101,7 @@ class Request:
 
     ``punch``, ``force_N``, ``velocity_mm_s``, ``hold_s``, ``pad_mm``, ``base`` and ``edge_radius_mm`` are the test
     that the pad and the people behind the tissue are pressed by; ``preset``, ``machine`` and ``silicone`` are of
-    its mould, None for what the preset names.
+    its mould, None for what the preset names. ``sites`` are how many crowns stand along and across the pad.
     """
 
     tissue: str
@@ -125,6 +125,12 @@ class Request:
     preset: str = "open"
     machine: str | None = None
     silicone: str | None = None
+    sites: tuple[int, int] | None = None
+
+    @property
+    def kind(self) -> str:
+        """The shape that is searched: several sites are those of crowns."""
+        return "crowned" if self.sites and self.shape.lower() == "auto" else self.shape
 
     @property
     def protocol(self) -> Protocol:

@@ -18,6 +18,8 @@ from dummydesign.design.request import Progress, quiet
 from dummydesign.design.scoring.presses import make_curves
 from dummydesign.design.search.best_of_kinds import Chosen, Found, choose, close_to
 from dummydesign.design.search.resolved_by_fem import ElementsLaw, solve_leading
+from dummydesign.design.sites.layout import Sites, lay_out
+from dummydesign.design.sites.neighbours import Alone
 from dummydesign.geometry.shapes import Slab
 from dummydesign.pad.tables.punch import circle_of
 
@@ -26,12 +28,13 @@ CALIBRATED = "designed with a calibration: the correction is based on the campai
 
 @dataclass(frozen=True)
 class Solved:
-    """The chosen design, how it was chosen by expectation, its verification, and a crown's centring tolerance."""
+    """The chosen design, how it was chosen by expectation, its verification, a crown's centring tolerance and sites."""
 
     chosen: Chosen
     expectation: Expectation
     verification: Verification
     centring: CentringTolerance | None = None
+    sites: Sites | None = None
 
 
 def solve(inputs: Inputs, found: Found, progress: Progress = quiet) -> Solved:
@@ -50,6 +53,8 @@ def solve(inputs: Inputs, found: Found, progress: Progress = quiet) -> Solved:
 
     Raises
     ------
+    InputError
+        When the sites that are asked for do not fit the pad.
     NoAnswerError
         ``no_feasible_design`` when no kind of shape has a design.
     """
@@ -66,7 +71,22 @@ def solve(inputs: Inputs, found: Found, progress: Progress = quiet) -> Solved:
     lands = centring_tolerance(
         chosen.found.best, chosen.shape, space.radius_mm, inputs.punch.half_width_mm, forces, space.extent_mm, touch
     )
-    return Solved(chosen, expected, _verify(chosen, inputs), lands)
+    checked, sites = _verify(chosen, inputs), None
+    if request.sites is not None:
+        progress("neighbouring sites")
+        sites = _sites(chosen, inputs)
+        chosen = replace(chosen, shape=sites.on(chosen.shape))
+    return Solved(chosen, expected, checked, lands, sites)
+
+
+def _sites(chosen: Chosen, inputs: Inputs) -> Sites:
+    """The grid of crowns that was asked for, checked at the deepest press."""
+    best, space, punch = chosen.found.best, inputs.space, inputs.punch
+    assert inputs.request.sites is not None
+    depth = float(np.nanmax(best.evaluation.depth_mm[best.index]))
+    alone = Alone(chosen.shape, best.thickness_mm, space.radius_mm, depth, space.extent_mm, space.base)
+    reach = float(np.hypot(*punch.sides_mm)) / 2.0 if punch.sides_mm else punch.radius_mm
+    return lay_out(alone, inputs.request.sites, space.pad_mm, reach)
 
 
 def _expected(chosen: Chosen, found: Found, inputs: Inputs) -> tuple[Chosen, Expectation]:

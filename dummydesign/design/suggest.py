@@ -45,7 +45,7 @@ def design(inputs: Inputs, progress: Progress = quiet) -> Suggestion:
     """The same from inputs that are already read, with word of each step as it begins; see :func:`suggest`."""
     progress("search")
     refused = refused_kinds(inputs.request, inputs.punch)
-    found = best_of_kinds(inputs.request.shape, inputs.slab_law, inputs.space, refused)
+    found = best_of_kinds(inputs.request.kind, inputs.slab_law, inputs.space, refused)
     solved = solve(inputs, found, progress)
     progress("tolerance and verdict")
     return assess(inputs, solved)

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from dummydesign.design.scoring.verdict import Verdict
     from dummydesign.design.search.best_of_kinds import Beside
     from dummydesign.design.search.slabs import Candidate, SearchResult
+    from dummydesign.design.sites.layout import Sites
     from dummydesign.resin.model.resin import Resin
     from dummydesign.tissue.model.tissue import Tissue
 
@@ -46,7 +47,7 @@ class Suggestion:
     ``law`` is the force law in proportion with thickness, ``cast`` that of the shape as it is cast, from elements
     when it was verified; ``beside`` the best design of each kind of shape; ``centring`` how far off the centre of
     a crown the punch may press (with verification); ``warnings`` are {code, message}; ``calibration`` says what was
-    used of one and what it left.
+    used of one and what it left; ``sites`` the grid of crowns, where several were asked for.
     """
 
     request: Request
@@ -70,6 +71,7 @@ class Suggestion:
     expectation: Expectation
     measure_first: MeasureFirst | None
     calibration: dict[str, Any] | None = None
+    sites: Sites | None = None
 
     @property
     def radius_mm(self) -> float:
@@ -116,6 +118,7 @@ class Suggestion:
             "shapes": [item.to_dict() for item in self.beside],
             "tissue_exponent": self.targets.power,
             "landing": self.centring.to_dict() if self.centring else None,
+            "sites": self.sites.to_dict(self.shape) if self.sites else None,
             "rests_on": dict(self.rests_on),
             "warnings": [dict(item) for item in self.warnings],
             "sources": [*self.tissue.sources, *self.resin.references, *filter(None, [self.force_law])],

@@ -91,6 +91,11 @@ class PadShape:
         """Thickness of the upper layer [mm] and modulus of the lower over that of the upper; None for one resin."""
         return None
 
+    @property
+    def places_mm(self) -> tuple[tuple[float, float], ...]:
+        """Where the shape stands about the pad's middle; several of a pad that is pressed at several sites. [mm]"""
+        return ((0.0, 0.0),)
+
     def lines_mm(self) -> tuple[float, ...]:
         """Radii, or distances across, at which a height field has a kink, for meshes and drawings."""
         return ()

@@ -140,6 +140,8 @@ def _shapes(answer: Suggestion, result: dict[str, Any], curves: SuggestionCurves
         f"The misfit is the rms of ln F over {0.1 * low:g} to {high:g} N; below 5 N the tissue's curve is an "
         "extrapolation."
     )
+    if answer.sites:
+        text += f" Its sites: {answer.sites.text}."
     if answer.centring:
         text += f" Of the recommended pad {answer.centring.text}."
     shown = [f"{force:g}" for force in (0.2 * low, low, high)]

@@ -124,7 +124,7 @@ def test_names_places_and_case_make_one_shape():
 
 UNREADABLE = [
     ("crown:10,2", "did you mean 'crowned'"), ("crowned:10", "needs height"), ("crowned:10,x", "'x' is not a number"),
-    ("crowned:10,2,6,0,9", "at most 4"), ("crowned:10,2,radius=3", "twice"), ("slab:3", "takes no parameters"),
+    ("crowned:10,2,6,0,2,2,20,20,9", "at most 8"), ("crowned:10,2,radius=3", "twice"), ("slab:3", "takes no parameters"),
     ("crowned:10,nan", "finite"), ("boned:10,2,hight=3", "did you mean 'height'"), ("layered:8,inf", "finite"),
 ]  # fmt: skip
 
@@ -140,7 +140,9 @@ UNCASTABLE = [
     ("crowned:0.9,1,3", 10, "sharpest tip"), ("crowned:10,0.2", 10, "below 0.3"), ("crowned:10,9.5", 15, "70 deg"),
     ("crowned:5,5", 15, "no cap that widens"), ("crowned:5,6", 15, "no cap that widens"),
     ("crowned:10,4", 5.4, "at least 1.5 mm must stay"), ("crowned:200,1", 5, "allows 17 mm"),
-    ("crowned:10,2,6,0.5", 10, "ridge = 0.5"), ("crowned:10,-2,6", 10, "height"), ("crowned:10,2,-6", 10, "no cap"),
+    ("crowned:10,2,6,0.5", 10, "ridge = 0.5"), ("crowned:10,2,6,0,2,1,11", 10, "meet"),
+    ("crowned:10,2,6,0,2,1,40", 10, "reaches 26 mm"), ("crowned:10,2,6,1,2,1,20", 10, "a ridge has one site"),
+    ("crowned:10,2,6,0,1.5", 10, "whole number"), ("crowned:10,-2,6", 10, "height"), ("crowned:10,2,-6", 10, "no cap"),
     ("bumped:5,6,1", 10, "caps overlap"), ("bumped:15,3,1.8", 10, "keeps its air"), ("bumped:15,6,1,-1", 10, "grade"),
     ("bumped:15,6,1,0,1.5", 10, "rings"), ("bumped:15,6,1,0,2", 10, "allows 17 mm"),
     ("bumped:15,6,1,0,-1", 10, "rings"),

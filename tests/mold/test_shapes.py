@@ -38,6 +38,7 @@ def test_refused_before_cad_with_the_reason(arguments, named, tmp_path, capsys, 
         ("crowned:10,2", 5.0, "open"), ("crowned:3,8,9", 15.0, "lidded"), ("crowned:3,8,9,1", 15.0, "open"),
         ("bumped:13,6,1.5,0.2", 10.0, "lidded"), ("layered:8,0.4", 20.0, "open"), ("boned:20,6", 15.0, "open"),
         ("boned:20,6,0,1", 15.0, "open"), ("crowned:1,12,10", 25.0, "open"), ("boned:1,10,14,1", 20.0, "open"),
+        ("crowned:10,2,6,0,2,2,20,18", 5.0, "open"),
     ],
 )  # fmt: skip
 def test_every_shape_is_made_with_all_its_files(text, thickness, preset, tmp_path):

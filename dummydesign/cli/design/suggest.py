@@ -54,6 +54,8 @@ def _add_test(parser: argparse.ArgumentParser) -> None:
     add("--deceleration", default=30000.0, metavar="MM_S2", help="braking (default 30000 mm/s2)")
     add("--pad", default="150x120", metavar="LxW", help="length and width of the pad (default 150x120 mm)")
     add("--base", default="bonded", metavar="NAME", help="bonded (default), sliding or friction:MU")
+    sites = "crowns along and across one pad, such as 4x3, far enough apart to be independent (solved)"
+    add("--sites", metavar="NxM", help=sites)
     presets = "mould preset: open (default), lidded, printed or a TOML file"
     add("--preset", default="open", metavar="NAME|FILE", help=presets)
     add("--machine", metavar="NAME|FILE", help="printer, vacuum chamber and oven the mould must fit")
@@ -102,6 +104,7 @@ def _asked(options: argparse.Namespace, steps: Steps) -> Any:
         preset=options.preset,
         machine=options.machine,
         silicone=options.silicone,
+        sites=options.sites,
         balance_g=options.balance,
         thickness_tolerance_mm=options.thickness_tolerance,
         robot_mass_kg=options.robot_mass,
@@ -132,6 +135,7 @@ def render(result: dict[str, Any]) -> str:
         f"{result['inputs']['tissue']}, aim {result['inputs']['aim']}",
         "",
         f"  pad        {_pad(result)}",
+        *_sites_line(result),
         *_test_line(result),
         f"  resin      {best['resin']}, ratio {best['ratio']:g} ({best['ratio_meaning']})",
         f"  weigh      {weigh} (total {recipe['total_g']:.1f} g)",
@@ -211,6 +215,11 @@ def _pad(result: dict[str, Any]) -> str:
     best, base, (length, width) = (result["recommendation"], *(result["inputs"][name] for name in ("base", "pad_mm")))
     held = {"bonded": "glued to a rigid base", "sliding": "sliding on a rigid base"}.get(base, f"resting, {base}")
     return f"{best['thickness_mm']:g} mm thick, {length:g} x {width:g} mm {best['shape']}, {held}"
+
+
+def _sites_line(result: dict[str, Any]) -> list[str]:
+    """The grid of crowns, where several were asked for."""
+    return [f"  sites      {result['sites']['text']}"] if result["sites"] else []
 
 
 def _test_line(result: dict[str, Any]) -> list[str]:

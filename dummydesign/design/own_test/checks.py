@@ -9,7 +9,7 @@ from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.design.request import PUNCH, Request
 from dummydesign.design.search.tabulated_shapes import designable_kinds
 from dummydesign.geometry.interface import BASES, Interface
-from dummydesign.geometry.shapes import Slab
+from dummydesign.geometry.shapes import Slab, read_shape
 from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 
 if TYPE_CHECKING:
@@ -45,12 +45,29 @@ def check_test(request: Request, punch: AskedPunch) -> None:
         check_edge(request.edge_radius_mm, punch)
         if Interface.names_friction(request.base):
             raise InputError(f"edge_radius_mm = {request.edge_radius_mm:g} with base = {request.base} is not solved")
-    refused = refused_kinds(request, punch).get(request.shape.partition(":")[0].lower())
+    _check_sites(request)
+    refused = refused_kinds(request, punch).get(request.kind.partition(":")[0].lower())
     if refused:
         raise InputError(refused)
     if request.calibration is not None and not standard_press(request):
         raise InputError("a calibration is of its campaign's punch, pad and base: leave --punch, --edge-radius, "
                          "--pad and --base out")  # fmt: skip
+
+
+def _check_sites(request: Request) -> None:
+    """Several sites are those of round crowns, and what they do to each other is solved."""
+    if request.sites is None:
+        return
+    sites = "x".join(f"{count}" for count in request.sites)
+    name, colon, _ = request.kind.partition(":")
+    if name.lower() != "crowned":
+        raise InputError(f"sites = {sites} are of crowned pads, not of shape {request.shape}: leave --shape out")
+    if colon:
+        shape = read_shape(request.kind)
+        if not shape.axisymmetric or len(shape.places_mm) > 1:
+            raise InputError(f"sites = {sites} are of one round crown; leave ridge and sites out of shape {shape}")
+    if not request.verify:
+        raise InputError(f"sites = {sites}: that crowns are independent is solved; leave --no-verify out")
 
 
 def check_numbers(

@@ -8,6 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from dummydesign.core.errors import InputError
 from dummydesign.geometry.conic_profile import FOOT_SHARES, ConicProfile, wall_slope
 from dummydesign.geometry.limits import STEEPEST_TOP_DEG, THINNEST_GEL_MM, check_flag, check_inside, check_left
 from dummydesign.geometry.pad_block import PadBlock
@@ -18,6 +19,7 @@ from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 # Crowns that are tried: height over thickness, and R c / b^2, by which a cap is a point (0.1) or blunt (0.65).
 HEIGHT_SHARES = np.linspace(0.2, 0.74, 10)
 POINTEDNESS = np.array([0.1, 0.14, 0.19, 0.25, 0.32, 0.4, 0.48, 0.56, 0.65])
+MOST_SITES = 20
 
 
 @dataclass(frozen=True)
@@ -25,6 +27,11 @@ class Crowned(ConicProfile):
     """A conic top over a flat pad: apex radius, height of the crown, foot radius (0: that of a sphere).
 
     With ``ridge`` = 1 the profile is a cylinder's: it runs along the whole length and varies across the width.
+
+    One pad may have several such crowns, ``sites_along`` its length times ``sites_across`` its width, their tips
+    ``pitch_along`` and ``pitch_across`` apart about the pad's middle. One is pressed at a time, and the origin of
+    ``drop_mm`` is its tip; how little the others change the force is solved where sites are asked for
+    (:mod:`dummydesign.design.sites.layout`).
     """
 
     name: ClassVar[str] = "crowned"
@@ -36,6 +43,27 @@ class Crowned(ConicProfile):
         (True, False, True, True), "tip", depth_over_height=True,
     )  # fmt: skip
     ridge: float = 0.0
+    sites_along: float = 1.0
+    sites_across: float = 1.0
+    pitch_along_mm: float = 0.0
+    pitch_across_mm: float = 0.0
+
+    @property
+    def parameters(self) -> tuple[tuple[str, float], ...]:
+        """Names and values; those of the sites where there is more than one."""
+        every = super().parameters
+        return every if self.sites != (1, 1) else every[:-4]
+
+    @property
+    def sites(self) -> tuple[int, int]:
+        """Crowns along the length and across the width."""
+        return int(self.sites_along), int(self.sites_across)
+
+    @property
+    def places_mm(self) -> tuple[tuple[float, float], ...]:
+        """Tips of the crowns about the pad's middle, row by row."""
+        (n, m), dx, dy = self.sites, self.pitch_along_mm, self.pitch_across_mm
+        return tuple(((i - 0.5 * (n - 1)) * dx, (j - 0.5 * (m - 1)) * dy) for j in range(m) for i in range(n))
 
     @property
     def along(self) -> bool:
@@ -72,8 +100,8 @@ class Crowned(ConicProfile):
         return block.length_mm / 2 - slope * self.face_height_mm(block), slope
 
     def top_volume_mm3(self, block: PadBlock) -> float:
-        """Volume of crown or ridge."""
-        return self.volume_mm3(block)
+        """Volume of the crowns or the ridge."""
+        return len(self.places_mm) * self.volume_mm3(block)
 
     def check(
         self, thickness_mm: float, length_mm: float = PAD_LENGTH_MM, width_mm: float = PAD_WIDTH_MM
@@ -82,15 +110,42 @@ class Crowned(ConicProfile):
         check_flag("ridge", self.ridge)
         self.conic.check("crown", STEEPEST_TOP_DEG)
         check_left("crown", self.height_mm, thickness_mm, THINNEST_GEL_MM)
-        check_inside("crown", self.foot_mm, width_mm if self.ridge else min(length_mm, width_mm))
+        self._check_sites(length_mm, width_mm)
+
+    def _check_sites(self, length_mm: float, width_mm: float) -> None:
+        """Refuse crowns that run into each other or over the rim."""
+        for name, count, pitch, across in (
+            ("along", self.sites_along, self.pitch_along_mm, length_mm),
+            ("across", self.sites_across, self.pitch_across_mm, width_mm),
+        ):
+            if not (count == int(count) and 1 <= count <= MOST_SITES):
+                raise InputError(f"sites_{name} = {count:g} is not a whole number from 1 to {MOST_SITES}")
+            if count == 1:
+                if not (self.ridge and name == "along"):
+                    check_inside("crown", self.foot_mm, across)
+                continue
+            if self.ridge:
+                raise InputError(f"sites_{name} = {count:g}: a ridge has one site; leave the sites or the ridge out")
+            if not pitch >= 2.0 * self.foot_mm:
+                raise InputError(f"pitch_{name} = {pitch:g} mm: crowns with their foot at {self.foot_mm:.4g} mm meet; "
+                                 f"at least {2.0 * self.foot_mm:.4g} mm")  # fmt: skip
+            check_inside("the outermost crown", 0.5 * (count - 1) * pitch + self.foot_mm, across)
 
     def mark(self, block: PadBlock, scale: float) -> str:
         """Tip, height and foot."""
         what = "ridge along the length" if self.ridge else "crown"
+        where = "the middle" if self.sites == (1, 1) else "each tip"
         return (
             f"{what}: tip radius {self.radius_mm:g}, height {self.height_mm:g}, foot at {self.foot_mm:.4g} mm from "
-            f"the middle{'; edges of the tested face stay sharp' if self.ridge else ''}"
+            f"{where}{'; edges of the tested face stay sharp' if self.ridge else ''}{self._sites_words()}"
         )
+
+    def _sites_words(self) -> str:
+        if self.sites == (1, 1):
+            return ""
+        (n, m), pitches = self.sites, (self.pitch_along_mm, self.pitch_across_mm)
+        apart = " x ".join(f"{pitch:g}" for count, pitch in zip((n, m), pitches) if count > 1)
+        return f"; {n} x {m} of them, {apart} mm apart about the pad's middle"
 
     @classmethod
     def candidates(cls, thickness_mm: Array, radius_mm: float) -> tuple[Array, dict[str, Array]]:

@@ -56,6 +56,8 @@ def build(spec: MouldSpec, bone_file: Path | None = None) -> Parts:
         made.add("carrier", shape_aids.carrier(spec, plan, bone), "rigid")
     else:
         made.add("strike_off", aids.strike_off(spec, plan), "rigid")
+    if len(spec.pad.shape.places_mm) > 1:
+        made.add("carrier", shape_aids.marked_carrier(spec, plan), "rigid", (0, -plan.flange.width_mm - 40.0, 0))
     if spec.base is not None:
         _add_layers(made, -plan.flange.width_mm - 40.0)
     if not spec.is_printed:

@@ -1,4 +1,4 @@
-"""Rigid aids that only some shapes need: spacer between two pours, carrier of a bone. CAD child only."""
+"""Rigid aids that only some shapes need: spacer between two pours, carriers of bone or crowns. CAD child only."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from dummydesign.mold.pour.plan import CARRIER_VENT_MM, CARRIER_VENTS
 
 # Clear width between a vent and the wall of the cavity. [mm]
 VENT_INSET_MM = 3.0
+# Border of the carrier of several crowns around the pad, and its marks: gap to the pad, width and depth. [mm]
+CARRIER_BORDER_MM, MARK_GAP_MM, MARK_WIDTH_MM, MARK_DEPTH_MM = 15.0, 2.0, 0.8, 0.6
 
 
 def spacer(spec: MouldSpec, plan: Layout) -> Any:
@@ -53,6 +55,46 @@ def carrier(spec: MouldSpec, plan: Layout, finished: Any) -> Any:
         cq.Solid.makeCylinder(across / 2, high - low, cq.Vector(place.x_mm, place.y_mm, low)) for place, across in holes
     ]
     return single_solid(single_solid(strike_off(spec, plan).cut(*tools)).fuse(bone))
+
+
+def marked_carrier(spec: MouldSpec, plan: Layout) -> Any:
+    """Plate that the finished pad is glued to, its middle on the plate's, with marks of the sites around the pad.
+
+    A groove at each end of every row and column of crowns points at their tips: where the lines between them cross,
+    the punch is set down. The plate stands over the mould, the side that the pad is glued to below.
+
+    Parameters
+    ----------
+    spec : MouldSpec
+    plan : Layout
+        Its layout.
+    """
+    import cadquery as cq
+
+    pad, thick = carrier_outline(plan), spec.aids.plate_mm
+    plate, low = pad.grown(CARRIER_BORDER_MM), plan.land_mm
+    solid = drafted_prism(plate, thick, 0.0, low)
+    long = CARRIER_BORDER_MM - MARK_GAP_MM + 1.0
+    grooves = []
+    places = spec.pad.shape.places_mm
+    for x in sorted({x for x, _ in places}):
+        for side in (1.0, -1.0):
+            at = side * (pad.width_mm / 2 + MARK_GAP_MM + long / 2)
+            grooves.append((x, at, MARK_WIDTH_MM, long))
+    for y in sorted({y for _, y in places}):
+        for side in (1.0, -1.0):
+            at = side * (pad.length_mm / 2 + MARK_GAP_MM + long / 2)
+            grooves.append((at, y, long, MARK_WIDTH_MM))
+    tools = [
+        cq.Solid.makeBox(dx, dy, MARK_DEPTH_MM + 1.0).translate(cq.Vector(x - dx / 2, y - dy / 2, low - 1.0))
+        for x, y, dx, dy in grooves
+    ]
+    return single_solid(solid.cut(*tools))
+
+
+def carrier_outline(plan: Layout) -> Outline:
+    """The finished pad's free face, which is glued to the carrier."""
+    return plan.fill_outline.scaled(1.0 / plan.scale)
 
 
 def vent_places(plan: Layout) -> tuple[Point, ...]:

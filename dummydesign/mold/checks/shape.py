@@ -51,7 +51,10 @@ def face_profile(made: Parts) -> Check:
     if len(corners) < LEAST_POINTS:
         return below("face_profile", math.inf, PROFILE_MM, "no curved face was found")
     x, y, z = np.array(corners).T
-    height = pad.thickness_mm - shape.bone_mm(x, y) if shape.bone_height_mm else shape.drop_mm(x, y)
+    if shape.bone_height_mm:
+        height = pad.thickness_mm - shape.bone_mm(x, y)
+    else:
+        height = np.min([shape.drop_mm(x - at, y - across) for at, across in shape.places_mm], axis=0)
     worst = float(np.abs(z - height).max())
     return below("face_profile", worst, PROFILE_MM, f"mm off the shape's formula at {len(corners)} points of its faces")
 

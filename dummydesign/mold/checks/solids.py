@@ -47,7 +47,7 @@ def check_volumes(made: Parts) -> list[Check]:
     low = drafted_prism(plan.fill_outline.grown(1.0), plan.depth_mm + spec.body.floor_mm, 0.0, -spec.body.floor_mm)
     cavities = [inside.intersect(one).Volume() for one in plan.at_places(low)]
     filled = made.cavity.Volume()
-    what = "against pad and bone" if "carrier" in made.parts else "against pad"
+    what = "against pad" if made.with_bone is None else "against pad and bone"
     off = max(abs(one / filled - 1) for one in cavities)
     exact = contents.resin_volume_mm3(spec, plan)
     return [

@@ -137,7 +137,8 @@ def _aids(spec: MouldSpec) -> str:
     """What an open mould is closed with."""
     if spec.pad.shape.bone_height_mm:
         return ", carrier with the bone upwards (solid)"
-    return ", strike-off plate" if spec.base is None else ", strike-off plate, spacer"
+    carrier = ", carrier (solid)" if len(spec.pad.shape.places_mm) > 1 else ""
+    return f", strike-off plate{carrier}" if spec.base is None else ", strike-off plate, spacer"
 
 
 def witness_mass_g(pour: Pour) -> float:

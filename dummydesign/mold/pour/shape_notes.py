@@ -115,6 +115,12 @@ def demould_first(spec: MouldSpec) -> str:
             "The pad stays on its plate for good: lift both, cut the stems in the vents and the rim flush, and screw "
             "the plate to the base of the test rig through its four corner holes."
         )
+    if len(spec.pad.shape.places_mm) > 1:
+        return (
+            "Slide the pad on release film onto a flat board, then glue it by its free face to the middle of the "
+            "carrier (drawing carrier): its grooves point at the tips, and the punch is set down where the lines cross. "
+            "No silicone spray on the face that is tested."
+        )
     return "Slide the pad on release film onto a flat board. No silicone spray on the face that is tested."
 
 

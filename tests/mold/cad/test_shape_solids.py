@@ -22,11 +22,14 @@ def _top_by_heights(spec, count: int = 600) -> float:
     pad = spec.pad
     x = (np.arange(count) + 0.5) * pad.length_mm / count - pad.length_mm / 2
     y = (np.arange(count) + 0.5) * pad.width_mm / count - pad.width_mm / 2
-    rise = pad.face_height_mm - pad.shape.drop_mm(*np.meshgrid(x, y)) + pad.shape.bone_mm(*np.meshgrid(x, y))
+    x, y = np.meshgrid(x, y)
+    drop = np.min([pad.shape.drop_mm(x - at, y - across) for at, across in pad.shape.places_mm], axis=0)
+    rise = pad.face_height_mm - drop + pad.shape.bone_mm(x, y)
     return float(rise.mean() * pad.length_mm * pad.width_mm)
 
 
-CURVED = ["crowned:10,2", "crowned:3,8,9", "crowned:5,3,5.5", "bumped:13,6,1.5,0.2", "boned:20,6"]
+CURVED = ["crowned:10,2", "crowned:3,8,9", "crowned:5,3,5.5", "bumped:13,6,1.5,0.2", "boned:20,6",
+          "crowned:10,2,6,0,2,1,20"]
 
 
 @pytest.mark.parametrize("text", CURVED)
@@ -52,6 +55,7 @@ SOLIDS = [
     ("crowned:10,2", 5.0), ("crowned:3,8,9", 15.0), ("crowned:1,12,10", 20.0), ("crowned:5,3,5.477225575051661", 8.0),
     ("crowned:10,2,0,1", 5.0), ("crowned:3,8,9,1", 15.0), ("bumped:13,6,1.5,0.2", 10.0), ("boned:20,6", 15.0),
     ("boned:8,4,14", 15.0), ("boned:20,6,0,1", 15.0), ("boned:8,4,14,1", 15.0), ("layered:3,0.4", 8.0),
+    ("crowned:10,2,6,0,2,1,20", 5.0),
 ]  # fmt: skip
 
 

@@ -10,12 +10,15 @@ from dummydesign.mold.model.spec import PadGeometry
 
 
 class CrownedSolids(FlatSolids):
-    """One cap or ridge on the block."""
+    """One ridge, or a cap at each site, on the block."""
 
     def tops(self, pad: PadGeometry) -> list[Any]:
-        """The crown."""
+        """The crowns; their solid is made once."""
         shape = pad.shape
-        return [ridge_solid(shape.conic, *shape.ends(pad)) if shape.along else cap_solid(shape.conic)]
+        if shape.along:
+            return [ridge_solid(shape.conic, *shape.ends(pad))]
+        cap = cap_solid(shape.conic)
+        return [cap.translate((x, y, 0.0)) if x or y else cap for x, y in shape.places_mm]
 
 
 SOLIDS = CrownedSolids()

@@ -135,6 +135,9 @@ def _notes(made: Parts, name: str) -> list[str]:
                      f"{spec.body.outer_draft_deg:g} deg outside; flange R{plan.flange.radius_mm:.3g}.")  # fmt: skip
     if name == "face_sheet":
         return [*notes, "Cut to size, edges broken; bonded into the master, flush with the plug's top."]
+    if name == "carrier" and made.with_bone is None:
+        return [*notes, "Glue the pad on by its free face, its middle on the plate's; each groove points at a row of "
+                "tips, and the punch is set down where the lines cross."]
     if made.parts[name].material == "rigid":
         against = "resin" if spec.is_printed else "silicone"
         notes.append(f"Print solid skins; faces against {against} sanded or sealed.")
@@ -147,7 +150,7 @@ def _views(made: Parts, name: str) -> list[View]:
     if name in TURNED:
         solid = projection.turned_over(solid)
     rims = projection.holes(solid)
-    views = [_section(made, name, solid, rims), _from_above(solid, rims)]
+    views = [_section(made, name, solid, rims), _from_above(solid, rims, _sites(made, name))]
     if name in ("mould", "pad") and made.spec.pad.shape.runs_out:
         # Along a ridge or a bar the usual section shows a straight line.
         views.append(_section(made, name, solid, rims, across=True))
@@ -164,14 +167,23 @@ def _section(made: Parts, name: str, solid: Any, rims: Sequence[Hole], across: b
     if name == "mould":
         measures += _of_cavity(made, found.loops)
         for other in ("spacer", "carrier"):
-            if other in made.parts:
+            if other in made.parts and not (other == "carrier" and made.with_bone is None):
                 runs += [(loop, "thin") for loop in cut(made.solid(other)).loops]
     plane = f"x = {x0:.4g}" if across else f"y = {y0:.4g}"
     return View(f"section {plane}", tuple(runs), tuple(measures), (), True)
 
 
 def _through(made: Parts, name: str) -> tuple[float, float]:
-    """Middle of the cavity that a section goes through: the first of several."""
+    """What a section goes through: the middle of the first of several cavities, in it the row of crowns next to it."""
+    x, y = _cavity(made, name)
+    if name not in ("mould", "master", "pad"):
+        return x, y
+    factor = 1.0 if name == "pad" else made.plan.scale * (made.plan.silicone_scale if name == "master" else 1.0)
+    row = min((across for _, across in made.spec.pad.shape.places_mm), key=abs)
+    return x, y + factor * row
+
+
+def _cavity(made: Parts, name: str) -> tuple[float, float]:
     first = made.plan.places[0]
     if name not in ("mould", "frame", "master", "face_sheet", "strike_off") or len(made.plan.places) == 1:
         return 0.0, 0.0
@@ -214,7 +226,13 @@ def _widths(cut: Section, rims: Sequence[Hole]) -> list[Measure]:
     return [Measure((-x, z), (x, z), "above" if z > middle else "below") for x, z in kept]
 
 
-def _from_above(solid: Any, rims: Sequence[Hole]) -> View:
+def _sites(made: Parts, name: str) -> tuple[tuple[float, float], ...]:
+    """Tips of several crowns, on pad and carrier."""
+    places = made.spec.pad.shape.places_mm
+    return places if name in ("pad", "carrier") and len(places) > 1 else ()
+
+
+def _from_above(solid: Any, rims: Sequence[Hole], sites: Sequence[tuple[float, float]] = ()) -> View:
     runs = projection.edges_from_above(solid)
     xs = [x for run, _ in runs for x, _ in run]
     ys = [y for run, _ in runs for _, y in run]
@@ -225,6 +243,12 @@ def _from_above(solid: Any, rims: Sequence[Hole]) -> View:
         measures += _pattern(hole.places, x1, y1)
         first = min(hole.places)
         leaders.append(((first[0] - hole.diameters_mm[0] / 2, first[1]), hole.words))
+    if sites:
+        measures += _pattern(sites, x1, y1)
+        half = 0.05 * min(x1 - x0, y1 - y0)
+        for x, y in sites:
+            runs = [*runs, (((x - half, y), (x + half, y)), "thin"), (((x, y - half), (x, y + half)), "thin")]
+        leaders.append((min(sites), f"{len(sites)} sites"))
     unique = {(round(m.value, 3), m.side): m for m in measures if m.value > 1e-6}
     return View("view from above", tuple(runs), tuple(unique.values()), tuple(leaders))
 

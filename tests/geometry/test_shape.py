@@ -124,8 +124,9 @@ def test_names_places_and_case_make_one_shape():
 
 UNREADABLE = [
     ("crown:10,2", "did you mean 'crowned'"), ("crowned:10", "needs height"), ("crowned:10,x", "'x' is not a number"),
-    ("crowned:10,2,6,0,2,2,20,20,9", "at most 8"), ("crowned:10,2,radius=3", "twice"), ("slab:3", "takes no parameters"),
-    ("crowned:10,nan", "finite"), ("boned:10,2,hight=3", "did you mean 'height'"), ("layered:8,inf", "finite"),
+    ("crowned:10,2,6,0,2,2,20,20,9", "at most 8"), ("crowned:10,2,radius=3", "twice"),
+    ("slab:3", "takes no parameters"), ("crowned:10,nan", "finite"),
+    ("boned:10,2,hight=3", "did you mean 'height'"), ("layered:8,inf", "finite"),
 ]  # fmt: skip
 
 

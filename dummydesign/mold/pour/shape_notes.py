@@ -118,7 +118,7 @@ def demould_first(spec: MouldSpec) -> str:
     if len(spec.pad.shape.places_mm) > 1:
         return (
             "Slide the pad on release film onto a flat board, then glue it by its free face to the middle of the "
-            "carrier (drawing carrier): its grooves point at the tips, and the punch is set down where the lines cross. "
+            "carrier (drawing carrier): its grooves point at the tips, the punch is set down where the lines cross. "
             "No silicone spray on the face that is tested."
         )
     return "Slide the pad on release film onto a flat board. No silicone spray on the face that is tested."

@@ -1,0 +1,193 @@
+"""The answer of ``dummydesign suggest`` as short tables for the terminal."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from dummydesign.cli.verdict import first_lines, verdict_lines
+
+
+def render(result: dict[str, Any]) -> str:
+    """Lay the answer out as short tables."""
+    best = result["recommendation"]
+    young, recipe = best["young_kPa"], best["recipe"]
+    weigh = ", ".join(f"{item['name']} {item['mass_g']:.1f} g" for item in recipe["components"])
+    lines = [
+        *verdict_lines(result["verdict"]),
+        *_calibration(result),
+        *first_lines(result),
+        f"{result['inputs']['tissue']}, aim {result['inputs']['aim']}",
+        "",
+        f"  pad        {_pad(result)}",
+        *_sites_line(result),
+        *_test_line(result),
+        f"  resin      {best['resin']}, ratio {best['ratio']:g} ({best['ratio_meaning']})",
+        f"  weigh      {weigh} (total {recipe['total_g']:.1f} g)",
+        f"  modulus    {young['value']:.3g} kPa long-term (95 %: {young['low']:.3g} to {young['high']:.3g})",
+        "",
+        "scores, 0 to 1 (more is better):",
+        "  " + "   ".join(f"{name.replace('_', ' ')} {value:.2f}" for name, value in best["scores"].items()),
+        "",
+        "  steady N  mm/s   depth mm  depth/thickness  peak N   tissue peak N   fraction in range",
+    ]
+    lines += [_condition(row) for row in best["conditions"]]
+    lines += [
+        "",
+        "  small forces (the tissue's law carried on; no data on people):",
+        "  N      depth mm   tissue mm",
+    ]
+    for row in best["low_force"]:
+        depth = "-" if row["depth_mm"] is None else f"{row['depth_mm']:.2f}"
+        span = f"{row['tissue_depth_low_mm']:.2f} to {row['tissue_depth_high_mm']:.2f}"
+        lines.append(f"  {row['force_N']:<6g} {depth:<10} {span}")
+    lines += _shapes(result) + _parameters(best) + _more(result)
+    return "\n".join(lines)
+
+
+def _calibration(result: dict[str, Any]) -> list[str]:
+    """What the calibration found and left, where one is used."""
+    used = result["calibration"]
+    if used is None:
+        return []
+    return [used["text"], *(f"  unexplained: {reason}" for reason in used["unexplained_because"][:2])]
+
+
+def _shapes(result: dict[str, Any]) -> list[str]:
+    """The best pad of each kind of shape, one a line."""
+    if not result["shapes"]:
+        return []
+    low, high, shown = _forces(result)
+    lines = [
+        "",
+        f"  shapes side by side (misfit: rms of ln F from {0.1 * low:g} to {high:g} N; range: fraction of the steady "
+        f"curve in range;\n  exponent d ln F / d ln x, tissue {result['tissue_exponent']:g}):",
+        f"  misfit  range <{low:g} N  range >{low:g} N  exponent {'/'.join(shown)} N  d/h    total  pad",
+    ]
+    for row in result["shapes"]:
+        if row["shape"] is None:
+            lines.append(f"  {row['kind']}: {row['reason']}")
+            continue
+        misfit, depth = ("-" if row[name] is None else f"{row[name]:.2f}" for name in _MISFIT)
+        exponents = (row["exponent_at_N"][force] for force in shown)
+        powers = " / ".join("-" if value is None else f"{value:.1f}" for value in exponents)
+        lines.append(
+            f"  {misfit:<7} {row['share_below_5N']:<11.2f} {row['share_above_5N']:<11.2f} {powers:<18} {depth:<6} "
+            f"{row['total']:<6.2f} {row['thickness_mm']:g} mm {row['shape']}, ratio {row['ratio']:g}"
+        )
+    return [*lines, *_passed_over(result)]
+
+
+def _passed_over(result: dict[str, Any]) -> list[str]:
+    """The pad with the best score where it was passed over because it reads low."""
+    known = [row for row in result["shapes"] if row["shape"] is not None]
+    nearest = max(known, key=lambda row: row["total"], default=None)
+    if nearest is None or nearest["acceptable"] or nearest["shape"] == result["recommendation"]["shape"]:
+        return []
+    return [
+        f"  nearest to the tissue is the {nearest['kind']} pad (total {nearest['total']:.2f}), not recommended: it "
+        f"reads low, and a robot that passes on it may not pass on the person; --shape {nearest['kind']} gives it",
+    ]
+
+
+def _forces(result: dict[str, Any]) -> tuple[float, float, tuple[str, str, str]]:
+    """Lowest and highest force of the test, and the keys of three exponents: below, lowest and highest."""
+    forces = sorted(result["inputs"]["force_N"])
+    return forces[0], forces[-1], (f"{0.2 * forces[0]:g}", f"{forces[0]:g}", f"{forces[-1]:g}")
+
+
+def _pad(result: dict[str, Any]) -> str:
+    best, base, (length, width) = (result["recommendation"], *(result["inputs"][name] for name in ("base", "pad_mm")))
+    held = {"bonded": "glued to a rigid base", "sliding": "sliding on a rigid base"}.get(base, f"resting, {base}")
+    return f"{best['thickness_mm']:g} mm thick, {length:g} x {width:g} mm {best['shape']}, {held}"
+
+
+def _sites_line(result: dict[str, Any]) -> list[str]:
+    """The grid of crowns, where several were asked for."""
+    return [f"  sites      {result['sites']['text']}"] if result["sites"] else []
+
+
+def _test_line(result: dict[str, Any]) -> list[str]:
+    """The test, where it is not the paper's."""
+    given = result["inputs"]
+    if (given["punch"], given["edge_radius_mm"], given["hold_s"], sorted(given["force_N"]),
+        sorted(given["velocity_mm_s"])) == ("square:14", 0.0, 10.0, [5.0, 10.0, 15.0], [10.0, 250.0]):  # fmt: skip
+        return []
+    forces, speeds = (", ".join(f"{v:g}" for v in sorted(given[name])) for name in ("force_N", "velocity_mm_s"))
+    edge = f", edge radius {given['edge_radius_mm']:g} mm" if given["edge_radius_mm"] else ""
+    return [f"  test       {given['punch']}{edge}; {forces} N at {speeds} mm/s, held {given['hold_s']:g} s"]
+
+
+_MISFIT = ("misfit_rms_ln_force", "depth_over_thickness")
+
+
+def _condition(row: dict[str, Any]) -> str:
+    head = f"  {row['steady_force_N']:<9g} {row['velocity_mm_s']:<6g}"
+    if row["depth_mm"] is None:
+        return f"{head} {row['out_of_reach']}"
+    span = f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}"
+    return (
+        f"{head} {row['depth_mm']:<9.2f} {row['depth_over_thickness']:<16.2f} {row['peak_force_N']:<8.1f} "
+        f"{span:<15} {row['inside_fraction']:.2f}"
+    )
+
+
+def _parameters(best: dict[str, Any]) -> list[str]:
+    if best["parameters"] is None:
+        return []
+    lines = [
+        "",
+        f"parameters of the tissue law ({best['parameters_law']}) fitted to this pad's simulated presses:",
+    ]
+    for name, value in best["parameters"].items():
+        symbol, unit = name.split("_", 1)
+        unit = {"N_per_mm3": "N/mm3", "N_s_per_mm": "N s/mm"}[unit]
+        if isinstance(value, dict):
+            text = ", ".join(f"{item:.3g} at {speed} mm/s" for speed, item in value.items())
+        else:
+            text = f"{value:.3g}"
+        lines.append(f"  {symbol:<7} {text} {unit}")
+    return lines
+
+
+def _more(result: dict[str, Any]) -> list[str]:
+    """Alternatives, tolerance, verification, files, and what the answer rests on."""
+    lines = []
+    if result["alternatives"]:
+        lines += ["", "alternatives:", "  mm     ratio   kPa     total  steady  force-time  aim   below 5 N"]
+    for other in result["alternatives"]:
+        s, young = other["scores"], other["young_kPa"]["value"]
+        lines.append(
+            f"  {other['thickness_mm']:<6g} {other['ratio']:<7g} {young:<7.3g} {s['total']:<6.2f} "
+            f"{s['steady_state_range']:<7.2f} {s['force_variation_range']:<11.2f} {s['aim']:<5.2f} "
+            f"{s['low_force_range']:.2f}"
+        )
+    tolerance = result["sensitivity"]
+    limits, slope = tolerance["tolerances"], 100 * tolerance["d_ln_young_per_percent_ratio"]
+    lines += [
+        "",
+        f"tolerance: modulus changes {slope:.0f} % per 1 % of ratio; "
+        f"with {limits['weighing_g']:g} g and {limits['thickness_mm']:g} mm",
+        *_castings(result),
+    ]
+    checked = result["verification"]
+    if checked["max_difference_percent"] is not None:
+        lines.append(
+            f"verified: {checked['fidelity']} finite elements differ by at most "
+            f"{checked['max_difference_percent']:.2f} % from the table"
+        )
+    lines += ["", result["rests_on"]["text"], f"next: {result['rests_on']['next_step']}"]
+    lines += [f"{role}: {path}" for role, path in result["files"].items() if not role.startswith("report_")]
+    return lines + [f"warning: {item['message']}" for item in result["warnings"]]
+
+
+def _castings(result: dict[str, Any]) -> list[str]:
+    """The share of castings in the steady range, which one subject does not make."""
+    if result["verdict"]["subjects"] < 2:
+        return ["  one subject makes no range: no share of castings is given"]
+    tolerance = result["sensitivity"]
+    judged = ", ".join(f"{force:g}" for force in tolerance["judged_at_N"]) or "no force, of 5, 10 and 15"
+    return [
+        f"  {100 * tolerance['yield_fraction']:.0f} % of castings are in the steady range at {judged} N "
+        f"({100 * tolerance['making_only_fraction']:.0f} % if the resin properties were known exactly); by force: "
+        + ", ".join(f"{force} N {100 * share:.0f} %" for force, share in tolerance["by_force"].items()),
+    ]

@@ -111,6 +111,16 @@ def test_a_curve_of_no_simple_form_is_called_one():
     assert closed_form(knots, 0.1 * np.sin(2.5 * knots), 1e6 * np.eye(30), "force_N").name == "curve"
 
 
+def test_the_size_of_a_curve_is_said_where_the_data_know_nothing_of_a_constant():
+    """The modulus takes up a constant: with it projected out, 1' I 1 is rounding error."""
+    knots = np.linspace(0.0, 10.0, 30)
+    apart = np.eye(30) - 1.0 / 30.0
+    odd = np.outer(np.ones(30), 0.1 * np.sin(2.5 * knots) + 1e-3)
+    form = closed_form(knots, 0.1 * np.sin(2.5 * knots), 1e6 * apart + 1e-7 * (odd + odd.T), "force_N")
+    size = float(form.text.split("form, ")[1].split(" %")[0])
+    assert abs(size) == pytest.approx(10.0, rel=0.15)
+
+
 def test_lines_steps_noise_and_single_trials_are_not_learned():
     quiet, loud = (Check("spectral line", 1.0, 2.0, exceeded, "") for exceeded in (False, True))
     follows = {name: Dependence(name, 500.0, 3, 0.5, "") for name in ("depth", "single trials")}
@@ -118,3 +128,10 @@ def test_lines_steps_noise_and_single_trials_are_not_learned():
     assert not can_be_learned([quiet], [follows["single trials"], follows["depth"]])
     assert not can_be_learned([quiet, loud], [follows["depth"]])
     assert not can_be_learned([quiet], [])
+
+
+@pytest.mark.slow
+def test_a_load_cell_that_saturates_is_learned_though_the_modulus_has_imitated_it(campaigns):
+    campaign = read_campaign(campaigns("saturation", 419))
+    found = learn(fit_base(make_presses(campaign), law_of(campaign), 0.03))
+    assert found.effect.shape.follows == "force_N" and found.left_out < 0.25

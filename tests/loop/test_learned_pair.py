@@ -15,6 +15,7 @@ from dummydesign.loop.data.trials import make_presses
 from dummydesign.loop.fitting.base_fit import fit_base
 from dummydesign.loop.fitting.fit import settle
 from dummydesign.loop.fitting.problem import Problem
+from dummydesign.loop.judging.residual_checks import run_checks
 from dummydesign.loop.learned.effect import FADE
 from dummydesign.loop.learned.learn import learn
 from dummydesign.loop.learned.pair import LearnedPair, Surface, followed_by
@@ -44,8 +45,10 @@ def test_its_roughness_is_zero_for_planes_and_not_for_bends():
 
 
 @pytest.mark.parametrize(
-    "follows", [("depth_mm", "temperature_C"), ("since_stop_s", "depth_share"), ("age_days", "force_N")]
-)
+    "follows",
+    [("depth_mm", "temperature_C"), ("since_stop_s", "depth_share"), ("age_days", "force_N"),
+     ("thickness_mm", "since_stop_s")],
+)  # fmt: skip
 def test_a_learned_pair_keeps_the_contract_of_effects(follows):
     learned = LearnedPair(Surface(follows, ((0.01, 1.0, 30.0),) * 2, ((0.1, -0.05, 0.02),) * 3))
     assert check_effect(learned) == () and followed_by(learned.name) == follows
@@ -95,3 +98,13 @@ def test_a_stiffening_that_depends_on_depth_and_temperature_together_is_learned(
     apart = (seen - seen.mean(axis=1, keepdims=True)) - (change(*at) - change(*at).mean(axis=1, keepdims=True))
     assert np.abs(apart).max() < 0.03
     assert learn(clean) is None
+
+
+@pytest.mark.slow
+def test_relaxation_that_lasts_longer_in_a_thicker_pad_is_learned_and_is_no_step_in_the_hold(campaigns):
+    campaign = read_campaign(campaigns("poroelastic", 418))
+    presses, law = make_presses(campaign), law_of(campaign)
+    base = fit_base(presses, law, 0.03)
+    assert not any(check.exceeded for check in run_checks(base))
+    found = learn(base)
+    assert found.effect.shape.follows == ("thickness_mm", "since_stop_s") and found.left_out < 0.25

@@ -82,7 +82,8 @@ def _lines(found: Fit, residual: list[NDArray]) -> Check:
 
 
 def _steps(found: Fit, residual: list[NDArray]) -> Check:
-    """Largest step in any hold, in standard deviations under white and slow noise; a smooth drift is allowed."""
+    """Largest step in any hold, in standard deviations of white and slow noise or of what is left beside it if that is
+    more (Student's t); a smooth drift is allowed."""
     presses, noise = found.problem.presses, found.sizes.noise
     worst, where, size = 0.0, "", 0.0
     for row, (trial, values) in enumerate(zip(presses.trials, residual)):
@@ -102,7 +103,8 @@ def _steps(found: Fit, residual: list[NDArray]) -> Check:
         cover = noise.slow_N**2 * np.exp(-gap / noise.slow_time_s) + np.diag(noise.white_N**2 / samples)
         factor = np.linalg.inv(np.linalg.cholesky(cover))
         since = middle - presses.stop_s[row]
-        smooth = factor @ np.stack([np.ones(count), np.log(since), since], axis=1)
+        # what a wrong relaxation leaves bends, in time and in its logarithm
+        smooth = factor @ np.stack([np.ones(count), np.log(since), since, np.log(since) ** 2, since**2], axis=1)
         basis = np.linalg.qr(smooth)[0]
         steps = factor @ (np.arange(count)[:, None] >= np.arange(3, count - 3))
         steps = steps - basis @ (basis.T @ steps)
@@ -111,8 +113,11 @@ def _steps(found: Fit, residual: list[NDArray]) -> Check:
         length = np.linalg.norm(steps, axis=0)
         z = (steps.T @ clean) / length
         top = int(np.argmax(np.abs(z)))
-        if abs(z[top]) > abs(worst):
-            worst, size = float(z[top]), float(z[top] / length[top])
+        # a step leaves noise; a curve that a step fits best of all steps leaves more
+        rest = (clean @ clean - z[top] ** 2) / (count - smooth.shape[1] - 1)
+        own = z[top] / np.sqrt(max(1.0, rest))
+        if abs(own) > abs(worst):
+            worst, size = float(own), float(z[top] / length[top])
             where = f"{trial.file}, {since[top + 3]:.1f} s after the stop"
     text = f"largest step {size:+.3f} N in {where}" if where else "needs holds of a second or more"
     return Check("step in the hold", abs(worst) if where else None, STEP_Z, abs(worst) > STEP_Z, text)

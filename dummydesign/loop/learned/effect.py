@@ -20,8 +20,10 @@ FOLLOWED = {
     "since_stop_s": "time since the stop in s",
     "temperature_C": "temperature in C",
     "age_days": "age in days",
+    "thickness_mm": "thickness of the pad in mm",
 }
-"""Quantities that a learned effect can follow, in words."""
+"""Quantities that a learned effect can follow, in words; thickness only together with the time since the stop: alone,
+or with depth, it is the law error of each pad."""
 FADE = 0.25
 """Share of the range seen over which the effect fades out beyond it."""
 PREFIX = "learned_"
@@ -147,6 +149,7 @@ def followed(presses: Presses, forces_N: NDArray) -> dict[str, NDArray]:
         "since_stop_s": lambda: since[loaded & (since > 2e-3)],
         "temperature_C": lambda: presses.history.temperature_C,
         "age_days": lambda: presses.history.age_days,
+        "thickness_mm": lambda: presses.thickness_mm,
     }
     values = {name: make() for name, make in quantities.items()}
     return {name: v for name, v in values.items() if len(v) and np.all(np.isfinite(v)) and np.ptp(v) > 1e-6}

@@ -33,13 +33,17 @@ KNOTS, MOST_BY_TRIAL, PAIR_KNOTS = 30, 4, 8
 """Knots of a quantity that varies in a press, of one that belongs to a trial, and of one of a pair in a press."""
 PROMISING = 2
 """Quantities that pairs are made of, with all others: those that alone have most evidence."""
+BY_TIME = "thickness_mm"
+"""Followed together with the time since the stop only: what flows through a pad takes longer in a thicker one."""
 LARGEST = 0.3
 """Prior standard deviation of the relative change."""
 EVIDENCE = 60.0
 """Twice the log of the marginal likelihood that the best quantity must gain."""
 HALVED = 0.7
 """Mean square of left-out conditions, over that without it, that a learned effect must reach."""
-STEP, ROUNDS = 0.02, 3
+STEP, MOST_ROUNDS, ENDED, SHARES = 0.02, 12, 0.02, (1.0, 0.5, 0.2)
+"""Step of the sensitivities; rounds at most, the share of the score below which a gain ends them, and shares of a
+change of which the first that lowers the score is taken: what the modulus has imitated takes several rounds."""
 
 
 @dataclass(frozen=True)
@@ -107,7 +111,7 @@ def learn(found: Fit) -> Learnt | None:
     """
     usual = modest(found)
     quantities = followed(found.problem.presses, found.forces)
-    alone = [_first(usual, name, values) for name, values in quantities.items()]
+    alone = [_first(usual, name, values) for name, values in quantities.items() if name != BY_TIME]
     if not alone:
         return None
     alone.sort(key=lambda one: -one[1].evidence)
@@ -122,14 +126,24 @@ def learn(found: Fit) -> Learnt | None:
 
 def _learnt(found: Fit, usual: Fit, shape: Shape | Surface, step: _Step) -> Learnt | None:
     """The fit with an effect of this shape, when it predicts left-out conditions much better."""
-    fit, evidence = usual, step.evidence
-    for turn in range(ROUNDS):
+    fit, evidence, score = usual, step.evidence, found.score
+    for turn in range(MOST_ROUNDS):
         if turn:
             step = _step(fit, shape)
         # a constant change is the modulus, which does not fade out beyond the range seen
-        level = np.average(step.values, weights=np.diag(step.information))
-        shape = shape.with_flat(step.values - level)
-        fit = _refit(found, fit, shape.effect())
+        new = step.values - np.average(step.values, weights=np.diag(step.information))
+        for share in SHARES:
+            tried = shape.with_flat(shape.flat + share * (new - shape.flat))
+            trial = _refit(found, fit, tried.effect())
+            if trial.score < score:
+                break
+        else:
+            break
+        gained, shape, fit, score = score - trial.score, tried, trial, trial.score
+        if gained < EVIDENCE + ENDED * abs(score):
+            break
+    if fit is usual:
+        return None
     effect = fit.problem.effects[-1]
     ratio = _left_out(found, fit, shape, step.precision)
     if ratio > HALVED:
@@ -163,14 +177,17 @@ def _first(fit: Fit, name: str, values: NDArray) -> tuple[Shape, _Step]:
 
 def _pairs(fit: Fit, quantities: dict[str, NDArray], best_first: list[str]) -> list[tuple[Surface, _Step]]:
     """Surfaces of two quantities, of which one is promising alone, with their first step."""
+    places = range(min(PROMISING, len(best_first)))
+    pairs = [(best_first[place], second) for place in places for second in best_first[place + 1 :]]
+    if {BY_TIME, "since_stop_s"} <= set(quantities):
+        pairs.append((BY_TIME, "since_stop_s"))
     out: list[tuple[Surface, _Step]] = []
-    for place, first in enumerate(best_first[:PROMISING]):
-        for second in best_first[place + 1 :]:
-            if {first, second} <= {"depth_mm", "depth_share", "force_N"}:
-                continue  # in a press these go together: their plane is hardly seen
-            one, two = (_knots(fit, name, quantities[name], PAIR_KNOTS) for name in (first, second))
-            shape = Surface((first, second), (one, two), ((0.0,) * len(two),) * len(one))
-            out.append((shape, _step(fit, shape)))
+    for first, second in pairs:
+        if {first, second} <= {"depth_mm", "depth_share", "force_N"}:
+            continue  # in a press these go together: their plane is hardly seen
+        one, two = (_knots(fit, name, quantities[name], PAIR_KNOTS) for name in (first, second))
+        shape = Surface((first, second), (one, two), ((0.0,) * len(two),) * len(one))
+        out.append((shape, _step(fit, shape)))
     return out
 
 

@@ -144,6 +144,8 @@ def at_nodes(name: str, presses: Presses, depth_mm: NDArray, force_N: NDArray) -
             return force_N
         case "since_stop_s":
             return np.where(since > 0.0, since, np.nan)
+        case "thickness_mm":
+            return np.broadcast_to(presses.thickness_mm[:, None], force_N.shape)
         case _:
             return np.broadcast_to(getattr(presses.history, name)[:, None], force_N.shape)
 

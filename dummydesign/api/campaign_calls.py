@@ -93,7 +93,10 @@ def calibrate(
     return Result(found, result, "close_loop")
 
 
-def replay(campaign: str | PathLike[str], calibration: str | PathLike[str], *, effects: Paths = ()) -> Result:
+def replay(
+    campaign: str | PathLike[str], calibration: str | PathLike[str], *, effects: Paths = (),
+    progress: Callable[[str], None] | None = None,
+) -> Result:  # fmt: skip
     """Predict a campaign with a calibration and compare with what was measured.
 
     Parameters
@@ -104,6 +107,8 @@ def replay(campaign: str | PathLike[str], calibration: str | PathLike[str], *, e
         ``calibration.json`` of :func:`calibrate`.
     effects : iterable of path
         Files with effects of your own that the calibration names.
+    progress : callable, optional
+        Called with a word at each step.
 
     Returns
     -------
@@ -122,7 +127,7 @@ def replay(campaign: str | PathLike[str], calibration: str | PathLike[str], *, e
 
     with own_effects([fspath(path) for path in effects]):
         known, read = read_calibration(fspath(calibration)), read_campaign(fspath(campaign))
-        found = predict_again(read, known)
+        found = predict_again(read, known, progress)
     caution = [{"code": "calibration", "message": known.caution}] if known.caution else []
     result = {
         "inputs": {"campaign": fspath(campaign), "calibration": fspath(calibration)},

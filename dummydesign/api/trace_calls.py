@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace as replace_fields
 from os import PathLike, fspath
 from pathlib import Path
@@ -37,6 +37,7 @@ def fit(
     lowpass: str | None = None,
     out: str | PathLike[str] | None = None,
     replace: bool = False,
+    progress: Callable[[str], None] | None = None,
 ) -> Fitted:
     """Fit the tissue law to traces of one tissue or dummy; see :func:`dummydesign.tissue.fitting.fit.fit_traces`.
 
@@ -59,6 +60,8 @@ def fit(
         file of this name is there that another fit wrote.
     replace : bool
         Take the place of the other file instead.
+    progress : callable, optional
+        Called with a word at each step.
 
     Returns
     -------
@@ -110,13 +113,13 @@ def fit(
         return {"inputs": {**inputs, "out": place}, **fitted.to_dict(), "sources": [LAW_SOURCE], "files": {}}
 
     if out is None:
-        found = fit_traces(read, count, law, mode, passed, contact=contact)
+        found = fit_traces(read, count, law, mode, passed, contact=contact, progress=progress)
         return Fitted(found, answered(found, None))
     from dummydesign.core.outputs.write import new_files
     from dummydesign.report.files.fit import write_fit
 
     with new_files(out, _question("fit", inputs, names, read), replace=replace) as output:
-        found = fit_traces(read, count, law, mode, passed, contact=contact)
+        found = fit_traces(read, count, law, mode, passed, contact=contact, progress=progress)
         name = f"{output.place.stem}.toml"
         result = answered(found, output.folder / name)
         result["files"] = write_fit(found, fspath(output.work / name), [LAW_SOURCE])
@@ -138,6 +141,7 @@ def compare(
     deceleration_mm_s2: float | str | None = None,
     out: str | PathLike[str] | None = None,
     replace: bool = False,
+    progress: Callable[[str], None] | None = None,
 ) -> Result:
     """Compare the traces of a cast dummy with a tissue; see :mod:`dummydesign.tissue.comparison.compare`.
 
@@ -168,6 +172,8 @@ def compare(
         answer.
     replace : bool
         Take the place of the other answer instead.
+    progress : callable, optional
+        Called with a word at each step.
 
     Returns
     -------
@@ -201,7 +207,8 @@ def compare(
         inputs["record"] = fspath(record)
 
     def answered() -> tuple[Comparison, dict[str, Any]]:
-        compared = _in_test(_of_pad(compare_traces(read, site, passed, test.presses), pad), test, site)
+        made = compare_traces(read, site, passed, test.presses, progress)
+        compared = _in_test(_of_pad(made, pad), test, site)
         return compared, verdict_of_traces(compared, site).to_dict()
 
     if out is None:

@@ -166,6 +166,22 @@ class Steps:
         self._shown.clear()
 
 
+@contextmanager
+def steps_shown(about: int) -> Iterator[Steps]:
+    """Steps of a command, whose line is cleared at its end, however it ends.
+
+    Parameters
+    ----------
+    about : int
+        See :class:`Steps`.
+    """
+    steps = Steps(about)
+    try:
+        yield steps
+    finally:
+        steps.clear()
+
+
 class Count:
     """Shows on a terminal how many of a known number are done and how long the rest will take; nothing elsewhere.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -41,22 +42,36 @@ class Replayed:
 
 
 @one_blas_thread()
-def replay(campaign: Campaign, calibration: Calibration) -> Replayed:
+def replay(
+    campaign: Campaign, calibration: Calibration, progress: Callable[[str], None] | None = None
+) -> Replayed:
     """Predict a campaign with the corrected and with the base model, nothing fitted.
 
     ``peak_error_N`` is modelled minus measured largest force, both smoothed over five samples.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    calibration : Calibration
+    progress : callable, optional
+        Called with a word at each step.
 
     Raises
     ------
     InputError
         When an effect of the calibration has no value on these pads, or needs what the campaign does not declare.
     """
-    law, presses = law_of(campaign), make_presses(campaign)
+    tell = progress or (lambda word: None)
+    law = law_of(campaign, progress)
+    tell("presses")
+    presses = make_presses(campaign)
     for one in calibration.after.active:
         reason = one.effect.undefined(presses, law)
         if reason:
             raise InputError(f"the calibration holds {one.effect.name}, which this campaign cannot take: {reason}")
+    tell("with what was found")
     after = presses.at_samples(calibration.after.nodes(presses, law))
+    tell("with the base model")
     base = presses.at_samples(calibration.base.nodes(presses, law))
     measured = [trial.trace.force_N for trial in campaign.trials]
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from dummydesign.cli.design.suggested import render
 from dummydesign.cli.shared_options import add_effect_option, add_replace_option
-from dummydesign.cli.steps import Steps
+from dummydesign.cli.steps import Steps, steps_shown
 
 __all__ = ["add_arguments", "default_out", "render", "run"]
 
@@ -68,11 +68,8 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     """Find the design, make its mould, write the report and return the answer."""
     from dummydesign.core.errors import NoAnswerError
 
-    steps = Steps(ABOUT_STEPS)
-    try:
+    with steps_shown(ABOUT_STEPS) as steps:
         answer = _asked(options, steps)
-    finally:
-        steps.clear()
     result = answer.to_dict()
     if not answer.found.verdict.acceptable:
         text = f"the best pad found is not acceptable: {result['verdict']['level'].replace('_', ' ')}"

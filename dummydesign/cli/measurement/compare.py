@@ -6,6 +6,7 @@ import argparse
 from typing import Any
 
 from dummydesign.cli.shared_options import add_replace_option
+from dummydesign.cli.steps import steps_shown
 from dummydesign.cli.verdict import verdict_lines
 
 HELP = "Compare the traces of a cast dummy with a tissue: parameters, steady-state range, force variation range."
@@ -31,25 +32,31 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     test.add_argument("--deceleration", metavar="MM_S2", help="braking (default: read from the motion)")
 
 
+ABOUT_STEPS = 13
+"""Steps of a usual comparison: those of the fit, and the tissue's ranges."""
+
+
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Read, compare, write tables and report."""
     from dummydesign.api import compare
 
     out = options.out or default_out(options)
-    return compare(
-        options.traces,
-        options.tissue,
-        lowpass=options.lowpass,
-        record=options.record,
-        punch=options.punch,
-        edge_radius_mm=options.edge_radius,
-        force_N=options.force,
-        velocity_mm_s=options.velocity,
-        hold_s=options.hold,
-        deceleration_mm_s2=options.deceleration,
-        out=out,
-        replace=options.replace,
-    ).to_dict()
+    with steps_shown(ABOUT_STEPS) as steps:
+        return compare(
+            options.traces,
+            options.tissue,
+            lowpass=options.lowpass,
+            record=options.record,
+            punch=options.punch,
+            edge_radius_mm=options.edge_radius,
+            force_N=options.force,
+            velocity_mm_s=options.velocity,
+            hold_s=options.hold,
+            deceleration_mm_s2=options.deceleration,
+            out=out,
+            replace=options.replace,
+            progress=steps,
+        ).to_dict()
 
 
 def default_out(options: argparse.Namespace) -> str:

@@ -6,6 +6,7 @@ import argparse
 from typing import Any
 
 from dummydesign.cli.shared_options import add_replace_option
+from dummydesign.cli.steps import steps_shown
 
 HELP = "Fit the nonlinear 3, 5 or 7 element law to traces of one tissue or dummy."
 
@@ -31,20 +32,26 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_replace_option(parser)
 
 
+ABOUT_STEPS = 12
+"""Steps of a usual fit: three numbers of elements, presses left out, seven intervals, the contact."""
+
+
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Read the traces, fit, and write what was asked for."""
     from dummydesign.api import fit
 
-    return fit(
-        options.traces,
-        elements=options.elements,
-        law=options.law,
-        mode=options.mode,
-        contact=options.contact,
-        lowpass=options.lowpass,
-        out=options.out or None,
-        replace=options.replace,
-    ).to_dict()
+    with steps_shown(ABOUT_STEPS) as steps:
+        return fit(
+            options.traces,
+            elements=options.elements,
+            law=options.law,
+            mode=options.mode,
+            contact=options.contact,
+            lowpass=options.lowpass,
+            out=options.out or None,
+            replace=options.replace,
+            progress=steps,
+        ).to_dict()
 
 
 def render(result: dict[str, Any]) -> str:

@@ -7,7 +7,7 @@ from textwrap import wrap
 from typing import Any
 
 from dummydesign.cli.shared_options import add_effect_option, add_replace_option
-from dummydesign.cli.steps import Steps
+from dummydesign.cli.steps import steps_shown
 
 HELP = "Measured campaign: residual, the effect the model lacks, the corrected model, and what to measure next."
 
@@ -33,14 +33,11 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     from dummydesign.api import calibrate
 
     out = options.out or default_out(options)
-    steps = Steps(ABOUT_STEPS)
-    try:
+    with steps_shown(ABOUT_STEPS) as steps:
         found = calibrate(
             options.campaign, effects=options.effect, prior=options.prior, plan=options.plan, out=out,
             replace=options.replace, progress=steps,
         )  # fmt: skip
-    finally:
-        steps.clear()
     return found.to_dict()
 
 

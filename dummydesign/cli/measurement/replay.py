@@ -6,6 +6,7 @@ import argparse
 from typing import Any
 
 from dummydesign.cli.shared_options import add_effect_option
+from dummydesign.cli.steps import steps_shown
 
 HELP = "Predict a campaign with a calibration written by 'loop', and compare with what was measured."
 
@@ -17,11 +18,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_effect_option(parser)
 
 
+ABOUT_STEPS = 4
+"""Presses, with what was found, with the base model; pads that are solved come on top."""
+
+
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Read both, predict, compare."""
     from dummydesign.api import replay
 
-    return replay(options.campaign, options.calibration, effects=options.effect).to_dict()
+    with steps_shown(ABOUT_STEPS) as steps:
+        return replay(options.campaign, options.calibration, effects=options.effect, progress=steps).to_dict()
 
 
 def render(result: dict[str, Any]) -> str:

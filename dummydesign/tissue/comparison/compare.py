@@ -14,7 +14,7 @@ from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
 from dummydesign.measurement.trace_checks import CODES
 from dummydesign.tissue.comparison.press_test import PressTest, hold_of, presses_of
-from dummydesign.tissue.fitting.fit import Fit, fit_traces
+from dummydesign.tissue.fitting.fit import Fit, Progress, fit_traces
 from dummydesign.tissue.fitting.groups import condition_groups, rounded_velocity
 from dummydesign.tissue.fitting.reduction import ReducedTrace
 from dummydesign.tissue.model.laws import DEFAULT, law_named
@@ -49,8 +49,9 @@ class Comparison:
 
 
 def compare_traces(
-    traces: Sequence[Trace], tissue: Tissue, lowpass: Lowpass | None = None, test: PressTest = AS_PRESSED
-) -> Comparison:
+    traces: Sequence[Trace], tissue: Tissue, lowpass: Lowpass | None = None, test: PressTest = AS_PRESSED,
+    progress: Progress | None = None,
+) -> Comparison:  # fmt: skip
     """Compare a dummy's traces with a tissue: by parameters, by steady-state range, by force variation range.
 
     The dummy is fitted per speed with the law and the number of elements of the tissue. Its steady-state
@@ -70,6 +71,8 @@ def compare_traces(
         Filter the recorded forces went through.
     test : PressTest
         Forces, speeds, hold and braking; by default those of each press.
+    progress : callable, optional
+        Called with a word at each step.
 
     Returns
     -------
@@ -77,7 +80,10 @@ def compare_traces(
     """
     own, reduced, said = presses_of(traces, test)
     known = law_named(tissue.law).fitted
-    fit = fit_traces(own, tissue.elements if known else 5, tissue.law if known else DEFAULT, "per-speed", lowpass)
+    elements, law = (tissue.elements, tissue.law) if known else (5, DEFAULT)
+    fit = fit_traces(own, elements, law, "per-speed", lowpass, progress=progress)
+    if progress is not None:
+        progress("ranges of the tissue")
     grid = test.grid_N
     points, depth = steady_curve(reduced, grid)
     slowest = min(trace.velocity_mm_s for trace in reduced)

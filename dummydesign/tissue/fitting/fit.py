@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -27,6 +27,7 @@ from dummydesign.tissue.model.parameters import speed_key
 
 MODES = ("auto", "joint", "per-speed", "per-condition")
 CONTACTS = ("none", "per-press")
+Progress = Callable[[str], None]
 SAME_ERROR = 1.01
 """Errors on left-out conditions that count as the same."""
 
@@ -58,6 +59,7 @@ def fit_traces(
     lowpass: Lowpass | None = None,
     intervals: bool = True,
     contact: str = "none",
+    progress: Progress | None = None,
 ) -> Fit:
     """Fit the tissue law to traces of one tissue or dummy.
 
@@ -85,6 +87,8 @@ def fit_traces(
     contact : str
         ``none``, or ``per-press``: an offset of the contact of each press is fitted with the law, see
         :mod:`~dummydesign.tissue.fitting.contact_offsets`.
+    progress : callable, optional
+        Called with a word at each step.
 
     Returns
     -------
@@ -107,24 +111,29 @@ def fit_traces(
         raise InputError(f"elements = {elements} is not one of {', '.join(map(str, allowed))} or auto")
     if not traces:
         raise InputError("fit needs at least one trace")
-    whole = list(traces)
+    whole, tell = list(traces), progress or _silent
     if mode == "auto":
         mode = "per-speed" if len(speed_groups([reduce_trace(trace) for trace in traces])) > 1 else "joint"
     offsets = None
     if contact == "per-press":
+        tell("where each press touched")
         arms = 2 if elements == "auto" else (int(elements) - 1) // 2
         offsets = find_offsets(whole, law, mode, arms, lowpass)
         traces = shifted(whole, offsets.value_mm)
     reduced = [reduce_trace(trace) for trace in traces]
     problems = problems_of(law, mode, reduced, lowpass)
-    optima = {n: [problem.optimum((n - 1) // 2) for problem in problems] for n in allowed}
+    optima: dict[int, list[Optimum]] = {}
+    for n in allowed:
+        tell(f"{n} elements")
+        optima[n] = [problem.optimum((n - 1) // 2) for problem in problems]
+    tell("presses left out")
     comparison = _comparison(mode, problems, optima)
     chosen = _chosen(comparison) if elements == "auto" else int(elements)
     pairs = tuple(zip(problems, optima[chosen]))
     if offsets is not None:
         pairs = tuple((problem, with_unknown_offsets(problem, optimum)) for problem, optimum in pairs)
     result: dict[str, Any] = {"elements": chosen, "law": law, "mode": mode, "contact": contact}
-    result |= _parameters(mode, pairs, chosen, intervals)
+    result |= _parameters(mode, pairs, chosen, intervals, tell)
     result |= trace_residuals(pairs)
     place = {trace.name: index for index, trace in enumerate(whole)}
     result["by_trace"].sort(key=lambda row: place[row["file"]])
@@ -141,8 +150,13 @@ def fit_traces(
         *subjects_among(result["by_trace"]),
     ]
     if offsets is None and intervals:
+        tell("contact of the presses")
         result |= proposed_offsets(whole, result, lowpass)
     return Fit(chosen, law, mode, lowpass, result, pairs)
+
+
+def _silent(word: str) -> None:
+    """Tell nobody."""
 
 
 def _chosen(comparison: dict[str, dict[str, Any]]) -> int:
@@ -172,11 +186,13 @@ def _comparison(mode: str, problems: list[Problem], optima: dict[int, list[Optim
     return table
 
 
-def _parameters(mode: str, pairs: Sequence[tuple[Problem, Optimum]], elements: int, intervals: bool) -> dict[str, Any]:
+def _parameters(
+    mode: str, pairs: Sequence[tuple[Problem, Optimum]], elements: int, intervals: bool, tell: Progress
+) -> dict[str, Any]:
     """``parameters`` and, by mode, ``by_speed`` or ``by_condition``."""
     names = law_named(pairs[0][0].law).parameter_names(elements)
     arms = (elements - 1) // 2
-    objects = [_objects(problem, optimum, intervals) for problem, optimum in pairs]
+    objects = [_objects(problem, optimum, intervals, tell) for problem, optimum in pairs]
     if mode == "joint":
         return {"parameters": dict(zip(names, objects[0]))}
     if mode == "per-speed":
@@ -214,7 +230,7 @@ def _parameters(mode: str, pairs: Sequence[tuple[Problem, Optimum]], elements: i
     return {"parameters": mean, "by_condition": conditions}
 
 
-def _objects(problem: Problem, optimum: Optimum, intervals: bool) -> list[dict[str, Any]]:
+def _objects(problem: Problem, optimum: Optimum, intervals: bool, tell: Progress) -> list[dict[str, Any]]:
     """Value, interval and state of every parameter, in the order of the parameter vector."""
     low, high = problem.box(optimum.arms)
     model = problem.model(optimum.arms, optimum.factor)
@@ -224,6 +240,7 @@ def _objects(problem: Problem, optimum: Optimum, intervals: bool) -> list[dict[s
         edge = min(value - low[index], high[index] - value)
         entry["at_bound"] = bool(edge < 1e-4)
         if intervals:
+            tell(f"interval {index + 1} of {len(low)}")
             found = profile_interval(model, optimum.solution, index, low, high)
             entry["low"] = None if found.low is None else float(np.exp(found.low))
             entry["high"] = None if found.high is None else float(np.exp(found.high))

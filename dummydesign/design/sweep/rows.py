@@ -164,11 +164,11 @@ def _scores(slabs: Slabs, targets: Targets | None) -> dict[str, NDArray] | None:
     """Scores for a tissue as in the map of the search: the parametric part is that of gamma1."""
     if targets is None:
         return None
-    from dummydesign.design.scoring.law_parameters import gamma1_score
-    from dummydesign.design.scoring.score import evaluate, steady_gamma1
+    from dummydesign.design.scoring.law_parameters import rough_parametric
+    from dummydesign.design.scoring.score import evaluate
 
     found = evaluate(slabs, targets)
-    parametric = gamma1_score(steady_gamma1(slabs, power=targets.power), targets)
+    parametric = rough_parametric(slabs, targets, targets.sampling)
     return {
         "total": found.total(parametric),
         "steady_state_range": found.steady_state_range,

@@ -193,4 +193,4 @@ def _targets(study: Study) -> Targets | None:
     from dummydesign.design.scoring.targets import make_targets
     from dummydesign.tissue.model.tissue_file import load_tissue
 
-    return make_targets(load_tissue(study.tissue), study.aim, Sampling())
+    return make_targets(load_tissue(study.tissue), study.aim, Sampling(), study.protocol)

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.core.errors import InputError, out_of_range, unknown_name
+from dummydesign.design.request import PAPER, Protocol
 from dummydesign.design.search.slabs import THICKNESS_MM
 from dummydesign.design.sweep.pads import check_pads
 from dummydesign.geometry.interface import BASES, CONDITIONS, FRICTION, Interface
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
     from dummydesign.resin.model.resin import Resin
 
 MOST_DESIGNS = 1_000_000
+SHOWN_N = (1.0, 5.0, 10.0, 15.0)
+"""Forces at which rows are given by default. [N]"""
 FIDELITIES = ("table", "axisymmetric", "3d")
 
 Key = tuple[str, str, str, str, float, float, float]
@@ -34,7 +37,8 @@ class Study:
     punches : tuple of (name, radius in mm)
         Punches by the radius of the circle of their area.
     velocities_mm_s, forces_N : tuple of float
-        Speeds for peak over steady, and relaxed forces for depth, stiffness and exponent.
+        Speeds for peak over steady, and relaxed forces for depth, stiffness and exponent; both for the scores, see
+        :attr:`protocol`.
     resin : str
     tissue : str or None
         Score for this tissue when given (with its aim).
@@ -52,7 +56,7 @@ class Study:
     ratio: tuple[float, ...]
     punches: tuple[tuple[str, float], ...]
     velocities_mm_s: tuple[float, ...] = (10.0, 250.0)
-    forces_N: tuple[float, ...] = (1.0, 5.0, 10.0, 15.0)
+    forces_N: tuple[float, ...] = SHOWN_N
     resin: str = "polyurethane-nagoya"
     tissue: str | None = None
     aim: str = "average"
@@ -61,6 +65,17 @@ class Study:
     bases: tuple[str, ...] = ("bonded",)
     shapes: tuple[str, ...] = (Slab.name,)
     edge_radii_mm: tuple[float, ...] = (0.0,)
+
+    @property
+    def protocol(self) -> Protocol:
+        """The test that scores are of: forces and speeds that were asked for, those of the paper in place of defaults.
+
+        The default forces are shown, 1 N among them, and are no test; so scores of a study that names none are those
+        that ``suggest`` gives.
+        """
+        shown = tuple(sorted(set(self.forces_N)))
+        forces = PAPER.forces_N if shown == SHOWN_N else shown
+        return Protocol(forces, tuple(sorted(set(self.velocities_mm_s))))
 
     @property
     def size(self) -> int:

@@ -69,6 +69,25 @@ def test_a_tissue_adds_scores(layer_law):
     assert 0.0 <= row["score"]["total"] <= 1.0
 
 
+def test_scores_are_of_the_studys_own_forces_and_speeds_as_suggest_gives_them(layer_law):
+    from dummydesign.design.inputs import resolve
+    from dummydesign.design.request import Request
+    from dummydesign.design.search.slabs import search
+
+    pads = {"thickness_mm": (5.0, 5.5), "ratio": (15.0, 16.0)}
+    asked = Request("forefinger", force_N=(2.0, 4.0, 8.0), velocity_mm_s=(50.0,), **pads)
+    inputs = resolve(asked, layer_law)
+    found = search(layer_law, inputs.space).score_map
+    ratios = tuple(float(value) for value in found.ratio)
+    own = Study((5.0, 5.5), ratios, SQUARE, (50.0,), (2.0, 4.0, 8.0), tissue="forefinger")
+    scores = [row["score"]["total"] for row in whatif(own, layer_law)["rows"]]
+    np.testing.assert_allclose(scores, found.total.ravel(), rtol=1e-9)
+    paper = replace(own, forces_N=(1.0, 5.0, 10.0, 15.0), velocities_mm_s=(10.0, 250.0))
+    plain = search(layer_law, resolve(Request("forefinger", **pads), layer_law).space)
+    scores = [row["score"]["total"] for row in whatif(paper, layer_law)["rows"]]
+    np.testing.assert_allclose(scores, plain.score_map.total.ravel(), rtol=1e-9)
+
+
 def test_a_thousand_designs_take_less_than_a_second_of_work(layer_law):
     study = Study(tuple(np.linspace(3.0, 30.0, 40)), tuple(np.linspace(14.0, 20.0, 25)), SQUARE)
     assert study.size == 1000

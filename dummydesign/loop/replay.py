@@ -13,6 +13,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.threads import one_blas_thread
 from dummydesign.loop.calibration import Calibration
 from dummydesign.loop.data.trials import make_presses
+from dummydesign.loop.effects.own import refuse_unsound
 from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.measurement.campaign import Campaign
 
@@ -69,6 +70,7 @@ def replay(
         reason = one.effect.undefined(presses, law)
         if reason:
             raise InputError(f"the calibration holds {one.effect.name}, which this campaign cannot take: {reason}")
+    refuse_unsound([one.effect for one in calibration.after.active], presses, law)
     tell("with what was found")
     after = presses.at_samples(calibration.after.nodes(presses, law))
     tell("with the base model")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from dummydesign.core.threads import one_blas_thread
 from dummydesign.loop.data.trials import Presses, make_presses
 from dummydesign.loop.effects import known_effects
+from dummydesign.loop.effects.own import refuse_unsound
 from dummydesign.loop.fitting.base_fit import fit_base
 from dummydesign.loop.fitting.candidates import Candidate
 from dummydesign.loop.fitting.noise import repeat_pairs
@@ -115,6 +116,7 @@ def _available(presses: Presses, law: SetupLaw) -> tuple[tuple[Effect, ...], dic
         relaxing = [effect.name for effect in known if effect.relaxes]
         reasons.update({name: "needs holds or two speeds" for name in relaxing})
     usable = tuple(effect for effect in known if not reasons[effect.name])
+    refuse_unsound(usable, presses, law)
     return usable, {name: reason for name, reason in reasons.items() if reason}
 
 

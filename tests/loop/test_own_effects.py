@@ -200,7 +200,11 @@ def test_a_missing_file_and_another_kind_of_file_are_refused(tmp_path, campaigns
     assert "must end in .py" in refused(capsys, *words, tmp_path / "own.txt")
 
 
-@pytest.mark.parametrize("fault", ["raise ZeroDivisionError('oh')", "skin = np.nan", "raise SystemExit(0)"])
+@pytest.mark.parametrize(
+    "fault",
+    ["raise ZeroDivisionError('oh')", "skin = np.nan", "raise SystemExit(0)", "skin = np.random.rand()",
+     "return 1j * law(depth_mm, thickness_mm)", "return law(depth_mm, thickness_mm)[:, 1:]"],
+)  # fmt: skip
 def test_an_effect_that_fails_only_on_this_campaign_ends_in_one_line(broken, fault, campaigns, tmp_path, capsys):
     """The reference presses have eight trials, the campaign more: the fault shows there only."""
     path = broken(
@@ -208,7 +212,8 @@ def test_an_effect_that_fails_only_on_this_campaign_ends_in_one_line(broken, fau
         f"            skin = 0.0\n            if len(depth_mm) > 8: {fault}\n            return skin + law(",
     )
     said = refused(capsys, "loop", campaigns("none", 401), "--out", tmp_path / "o", "--effect", path)
-    assert "effect 'crust'" in said and ("not finite" in said or "in line 22 of" in said)
+    assert "effect 'crust'" in said and ("breaks the contract" in said or "in line 22 of" in said)
+    assert not (tmp_path / "o").exists()
 
 
 def test_effects_of_other_packages_are_found_by_their_entry_point(toy, monkeypatch):

@@ -151,21 +151,15 @@ def _on_presses(effect: Effect, presses: Presses, law: SetupLaw) -> Iterator[str
     typical = {**usual, size.name: size.null + size.typical}
     if size.log:
         yield f"parameter {size.name} is the size and must not be fitted as a logarithm"
+    unsound = faults_on(effect, presses, law)
+    yield from unsound
+    if unsound:
+        return
     full, tiny = force(typical), force({**usual, size.name: size.null + SMALL * size.typical})
-    if full.shape != base.shape:
-        yield f"its force has the shape {full.shape}, the presses have {base.shape}"
-        return
-    if not np.isrealobj(full):
-        yield f"its force is complex at {_said(typical)}"
-        return
     changed = float(np.abs(full - base).max())
-    if not np.isfinite(changed) or not np.all(np.isfinite(tiny)):
+    if not np.all(np.isfinite(tiny)):
         yield f"its force is not finite at {_said(typical)}"
         return
-    if not np.array_equal(force(typical), full):
-        yield "asked twice, it gives two forces"
-    if not np.array_equal(force(None), base):
-        yield "after a call the base has another force: it changes what it is given"
     if changed == 0.0:
         yield f"at {_said(typical)} it changes nothing"
     left = float(np.abs(tiny - base).max())
@@ -174,6 +168,38 @@ def _on_presses(effect: Effect, presses: Presses, law: SetupLaw) -> Iterator[str
     for values in _ends(effect, typical):
         if not np.all(np.isfinite(force(values))):
             yield f"its force is not finite at {_said(values)}"
+
+
+def faults_on(effect: Effect, presses: Presses, law: SetupLaw) -> tuple[str, ...]:
+    """What makes the force of an effect of its typical size unusable on given presses.
+
+    Parameters
+    ----------
+    effect : Effect
+    presses : Presses
+        T trials of N nodes.
+    law : SetupLaw
+    """
+    typical = {**effect.null_values(), **{p.name: p.typical for p in effect.parameters[1:]}}
+    size = effect.parameters[0]
+    acting = (Active(effect, typical | {size.name: size.null + size.typical}),)
+    base = simulate(presses, law, BASE)
+    try:
+        full = np.asarray(simulate(presses, law, BASE, acting))
+    except Exception as problem:
+        return (f"its force cannot be used: {told(problem)}",)
+    if full.shape != base.shape:
+        return (f"its force has the shape {full.shape}, the presses have {base.shape}",)
+    if not np.isrealobj(full):
+        return (f"its force is complex at {_said(acting[0].values)}",)
+    if not np.all(np.isfinite(full)):
+        return (f"its force is not finite at {_said(acting[0].values)}",)
+    faults = []
+    if not np.array_equal(simulate(presses, law, BASE, acting), full):
+        faults.append("asked twice, it gives two forces")
+    if not np.array_equal(simulate(presses, law, BASE), base):
+        faults.append("after a call the base has another force: it changes what it is given")
+    return tuple(faults)
 
 
 def _ends(effect: Effect, typical: Values) -> list[Values]:

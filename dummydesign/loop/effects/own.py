@@ -11,8 +11,10 @@ from importlib.metadata import entry_points
 from pathlib import Path
 
 from dummydesign.core.errors import DummydesignError, InputError
+from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.effects import EFFECTS, also, foreign_effects
-from dummydesign.loop.effects.check import check_effect, told
+from dummydesign.loop.effects.check import check_effect, faults_on, told
+from dummydesign.loop.model.base_law import SetupLaw
 from dummydesign.loop.model.effect import Effect, effect_classes
 
 GROUP = "dummydesign.effects"
@@ -81,6 +83,28 @@ def load_installed() -> tuple[Effect, ...]:
             raise InputError(f"{source}: an effect named '{effect.name}' is known already; uninstall one of them")
         found.append(effect)
     return tuple(found)
+
+
+def refuse_unsound(effects: Sequence[Effect], presses: Presses, law: SetupLaw) -> None:
+    """Refuse effects of others that keep the contract on the reference presses and break it on these.
+
+    Parameters
+    ----------
+    effects : sequence of Effect
+        Those that are used; those of this package are taken as they are.
+    presses : Presses
+        T trials.
+    law : SetupLaw
+
+    Raises
+    ------
+    InputError
+    """
+    foreign = foreign_effects()
+    for effect in effects:
+        faults = faults_on(effect, presses, law) if effect in foreign else ()
+        if faults:
+            raise InputError(f"effect '{effect.name}' breaks the contract of an effect on these trials: {faults[0]}")
 
 
 def _kept(loaded: type[Effect] | Effect, source: str) -> Effect:

@@ -20,6 +20,7 @@ from dummydesign.loop.model.solved_law import ROUGHNESS, MixedLaw, SolvedLaw, er
 from dummydesign.measurement.campaign import Campaign, PunchSpec, Trial
 from dummydesign.pad.elastic import has_square_factor
 from dummydesign.pad.pad import Pad, Puck
+from dummydesign.pad.tables.shape import load_shape_table
 from dummydesign.pad.tables.slab import load_table
 
 ONE_PAD = 0.06
@@ -92,12 +93,17 @@ def check_round(geometry: PadShape) -> None:
     ------
     InputError
     """
-    if not geometry.axisymmetric:
-        raise InputError(
-            f"shape = {geometry} is not round: its force under a punch is solved in space, minutes for each pad and "
-            "for each change of it that an effect asks for, which the loop does not do; press a crowned, layered or "
-            f"boned pad, or compare its traces with 'dummydesign predict --shape {geometry} --fidelity 3d'"
-        )
+    if geometry.axisymmetric:
+        return
+    rough = ""
+    if geometry.tabulated:
+        share = load_shape_table(geometry.name).provenance["error_of_95_percent"]
+        rough = f"its table holds to {100.0 * share:.0f} % at 95 %, too roughly to show what a model lacks, and "
+    raise InputError(
+        f"shape = {geometry} is not round: {rough}its force under a punch is solved in space, minutes for each pad and "
+        "for each change of it that an effect asks for, which the loop does not do; press a crowned, layered or "
+        f"boned pad, or compare its traces with 'dummydesign predict --shape {geometry} --fidelity 3d'"
+    )
 
 
 def _widened(law: Any, thickness_error: float) -> Any:

@@ -247,8 +247,10 @@ def solve_points(
         return PadCurve(**(made | {"force_N": force, "error_N": error}))
     if pad.edge_radius_mm:
         from dummydesign.pad.slab.filleted import solve_filleted
+        from dummydesign.pad.slab.frictionless.filleted_punch import solve_sliding
 
-        return solve_filleted(
+        fillet = solve_filleted if pad.condition == "bonded" else solve_sliding
+        return fillet(
             pad.thickness_mm, pad.radius_mm, pad.edge_radius_mm, pad.young_MPa, depth_mm, base=pad.base,
             extent_mm=extent, progress=progress, **common,
         )  # fmt: skip

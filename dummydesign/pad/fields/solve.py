@@ -78,6 +78,8 @@ def solve_fields(
 
     if not has_fields(pad):
         what = "pad = cylinder between plates" if isinstance(pad, Puck) else f"shape {pad.geometry}"
+        if not isinstance(pad, Puck) and pad.geometry.axisymmetric:
+            what = f"edge_radius_mm = {pad.edge_radius_mm:g} with condition = {pad.condition}"
         raise InputError(f"fields are for round pads under a punch; {what} has none yet")
     h = pad.thickness_mm
     law, depths, _, shear = normalise(h, pad.radius_mm, pad.young_MPa, depth_mm, pad.poisson, pad.shape)
@@ -100,8 +102,10 @@ def solve_fields(
 
 
 def has_fields(pad: Pad | Puck) -> TypeGuard[Pad]:
-    """Whether the pad is round and under a punch."""
-    return not isinstance(pad, Puck) and pad.geometry.axisymmetric
+    """Whether the pad is round and under a punch, and not drawn round its fillet: that mesh moves."""
+    if isinstance(pad, Puck):
+        return False
+    return pad.geometry.axisymmetric and not (pad.edge_radius_mm and pad.condition != "bonded")
 
 
 def contact_pressures(pad: Pad, depth_mm: Sequence[float]) -> tuple[list[dict[str, Any]], tuple[str, ...]]:

@@ -66,6 +66,22 @@ class FilletedPunch(FlatPunch):
         )
         return gap, normal, bend
 
+    def outline(self, points: Array, depth: float) -> Array:
+        """Length of the outline from the axis to the place next to ``points``.
+
+        Parameters
+        ----------
+        points : ndarray, shape (..., 2)
+            Radius and height, in the mesh's unit of length.
+        depth : float
+            How far the punch has come, in the same unit.
+        """
+        v = points - np.array([self.flat_radius, self.rim - depth])
+        wall = (v[..., 1] > 0.0) & self.sides
+        angle = np.where(wall, 0.5 * np.pi, np.arctan2(np.maximum(v[..., 0], 0.0), -v[..., 1]))
+        beyond = self.flat_radius + self.rim * angle + np.where(wall, v[..., 1], 0.0)
+        return np.where(v[..., 0] < 0.0, points[..., 0], beyond)
+
 
 def lines(length: float, first: float, growth: float, largest: float, within: float = np.inf) -> Array:
     """Places of cells that grow away from the first one.

@@ -71,14 +71,14 @@ def produce(
     volumes = _volumes(made)
     plan = pour_plan(spec, volumes["pad_compensated"], volumes["mould"] + volumes.get("lid", 0.0))
     tell("step 3 of 5: checking the solids")
-    checks = check.check_solids(made) + check_shape.check_shape(made)
-    fine = mesh.tessellate(made.mould, *check_mesh.FINE)
     tool = meshes["mould"] if made.whole is None else mesh.tessellate(made.mould)
+    checks = check.check_solids(made, {**meshes, "mould": tool}) + check_shape.check_shape(made)
+    fine = mesh.tessellate(made.core, *check_mesh.FINE)
     checks += check_mesh.check_mould_mesh(made, tool, fine)
     tell("step 4 of 5: reading the files again")
     checks += check_files.check_step(steps, {name: folder / files[name] for name in steps}, folder / files["assembly"])
     checks += check_files.check_step_text(folder / files["assembly"], folder / files["pad"], spec.hash)
-    total = sum(part.solid.Volume() for part in made.parts.values())
+    total = sum(part.volume_mm3 for part in made.parts.values())
     checks.append(check_second_reader(folder / files["assembly"], total, len(made.parts)))
     scales = {name: print_scale(made, name) for name in mesh_files}
     paths = {name: list(found.values()) for name, found in mesh_files.items()}
@@ -131,9 +131,8 @@ def _write_steps(made: Parts, steps: dict[str, StepPart], folder: Path) -> dict[
     """One STEP file per part and one assembly; return role to file name."""
     spec, files = made.spec, {}
     for name, part in steps.items():
-        alone = StepPart(part.name, part.solid, part.material, part.colour)
         files[name] = f"{name}_{spec.tag}.step"
-        text = step_text([alone], f"{name}_{spec.tag}", description(spec, name))
+        text = step_text([part], f"{name}_{spec.tag}", description(spec, name))
         (folder / files[name]).write_text(text, encoding="ascii")
     files["assembly"] = f"assembly_{spec.tag}.step"
     text = step_text(list(steps.values()), f"assembly_{spec.tag}", description(spec, "assembly"))
@@ -169,8 +168,8 @@ def _write_meshes(made: Parts, meshes: dict[str, Any], folder: Path) -> dict[str
 
 def _volumes(made: Parts) -> dict[str, float]:
     volumes = {"cavity": made.cavity.Volume(), "pad_nominal": made.pad_nominal.Volume()}
-    volumes["pad_compensated"] = made.solid("pad").Volume()
-    return {**volumes, **{name: part.solid.Volume() for name, part in made.parts.items() if name != "pad"}}
+    volumes["pad_compensated"] = made.parts["pad"].volume_mm3
+    return {**volumes, **{name: part.volume_mm3 for name, part in made.parts.items() if name != "pad"}}
 
 
 def _start_picture(made: Parts, meshes: dict[str, Any], folder: Path) -> subprocess.Popen[bytes]:
@@ -258,7 +257,7 @@ def _write_papers(
         for kind, text in (("svg", to_svg(paper)), ("dxf", to_dxf(paper))):
             files[f"drawing_{name}_{kind}"] = f"drawing_{name}_{tag}.{kind}"
             (folder / files[f"drawing_{name}_{kind}"]).write_text(text, encoding="utf-8")
-    printed = {name: part.solid.Volume() for name, part in made.parts.items() if part.material == "rigid"}
+    printed = {name: part.volume_mm3 for name, part in made.parts.items() if part.material == "rigid"}
     blocks = sheet.pour_sheet(made.spec, plan, warnings, printed)
     foot = Foot(made.spec.hash, papers.command, papers.date)
     for paper, end in (("A3", "_a3"), ("A4", "")):

@@ -21,9 +21,10 @@ def pages_mm(data: bytes) -> list[tuple[float, float]]:
 def contents(data: bytes) -> Iterator[str]:
     """The drawing operators of every page."""
     for filters, stream in re.findall(rb"/Filter \[ ?([^\]]*)\][^>]*>>\s*stream\r?\n(.*?)endstream", data, re.S):
-        if b"ASCII85" in filters and b"Flate" in filters:
-            text = zlib.decompress(base64.a85decode(stream.strip().removesuffix(b"~>")))
-            if b" cm" in text or b" l" in text:
+        if b"Flate" in filters:
+            packed = base64.a85decode(stream.strip().removesuffix(b"~>")) if b"ASCII85" in filters else stream
+            text = zlib.decompressobj().decompress(packed)
+            if text.isascii() and (b" cm" in text or b" l" in text):
                 yield text.decode("latin-1")
 
 

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
+from dummydesign.mold.cad.prisms import drafted_prism, single_solid
 from dummydesign.mold.model.layout import Layout
 from dummydesign.mold.model.spec import MouldSpec
+
+CORE_MM = 1.0
+"""How far the core of a mould reaches beyond its openings and its height."""
 
 
 @dataclass(frozen=True)
@@ -17,6 +22,11 @@ class Part:
     solid: Any
     material: str
     offset_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    @cached_property
+    def volume_mm3(self) -> float:
+        """Volume of the solid."""
+        return float(self.solid.Volume())
 
 
 @dataclass
@@ -34,6 +44,7 @@ class Parts:
     hull: Any = None
     with_bone: Any = None
     whole: Any = None
+    _core: tuple[Any, Any] = (None, None)
 
     @property
     def cavity(self) -> Any:
@@ -44,6 +55,16 @@ class Parts:
     def mould(self) -> Any:
         """The mould that the pad is cast in, a printed one as if it had no joint."""
         return self.solid("mould") if self.whole is None else self.whole
+
+    @property
+    def core(self) -> Any:
+        """The mould around its cavities: all that a pad meets on its way out, without the label's many faces."""
+        if self._core[0] is not self.mould:
+            spec, plan = self.spec, self.plan
+            high = plan.height_mm + 2 * CORE_MM
+            room = drafted_prism(plan.openings.grown(CORE_MM), high, 0.0, -spec.body.floor_mm - CORE_MM)
+            self._core = self.mould, single_solid(self.mould.intersect(room))
+        return self._core[1]
 
     @property
     def cavities(self) -> list[Any]:

@@ -42,7 +42,7 @@ def check_step(parts: Mapping[str, StepPart], files: Mapping[str, Path], assembl
         copies = [*single[name], *([whole[name]] if name in whole else [])]
         names += len(copies) == 2 and all(copy.name == name for copy in copies)
         for copy in copies:
-            true = part.solid.Volume()
+            true = part.volume_mm3
             volume = max(volume, abs(copy.volume_mm3 / true - 1), abs((copy.declared_volume_mm3 or 0.0) / true - 1))
             bounds = max(bounds, *(abs(a - b) for a, b in zip(copy.bounds_mm, rough_bounds(part.solid))))
             colour = max(colour, *(abs(a - b) for a, b in zip(copy.colour or (9, 9, 9), part.colour)))
@@ -129,7 +129,7 @@ def check_meshes(
             if mesh.euler_number != 2 - 2 * genus[name]:
                 torn.append(f"{path.name}: {mesh.euler_number} instead of {2 - 2 * genus[name]}")
             scale = (scales or {}).get(name, 1.0)
-            worst = max(worst, abs(mesh.volume / (scale**3 * parts[name].solid.Volume()) - 1))
+            worst = max(worst, abs(mesh.volume / (scale**3 * parts[name].volume_mm3) - 1))
     return [
         equal("mesh_watertight", len(loose), 0, ", ".join(loose)),
         equal("mesh_euler", len(torn), 0, "; ".join(torn)),

@@ -26,7 +26,7 @@ def check_mould_mesh(made: Parts, mould: Any, fine: Any) -> list[Check]:
     mould : trimesh.Trimesh
         Mesh of the mould as exported. [mm]
     fine : trimesh.Trimesh
-        A finer one, for the rays. [mm]
+        A finer one of what is around the cavities, for the rays. [mm]
 
     Returns
     -------
@@ -44,16 +44,18 @@ def check_mould_mesh(made: Parts, mould: Any, fine: Any) -> list[Check]:
     inside &= (centres[:, 2] < plan.land_mm - 1e-3) & (mould.area_faces > 1e-4)
     side = np.flatnonzero(inside & (centres[:, 2] > -0.01) & (np.abs(normals[:, 2]) < 0.2))
     floor = np.flatnonzero(inside & (normals[:, 2] > UPWARD) & (centres[:, 2] < plan.depth_mm - 0.5))
-    walls, exits = thicknesses_mm(mould, *surface_samples(mould, side, RAYS))
-    # A ray that leaves below all that is cut into the land met the outside; those cuts have checks of their own.
+    # A ray that leaves below all that is cut into the land met the outside; those cuts have checks of their own, and
+    # what lies above them is left out: the label alone is most of the mesh.
     keys = 0.0 if spec.closure is None else spec.closure.key_radius_mm + 1.0
     cut = plan.land_mm - max(keys, spec.body.label_depth_mm + 0.05)
+    met = mould.triangles[(mould.triangles[..., 2].min(axis=1) < cut) | _near_side(centres, plan)]
+    walls, exits = thicknesses_mm(met, *surface_samples(mould, side, RAYS))
     outside = np.isfinite(walls) & ((exits[:, 2] < cut) | _near_side(exits, plan))
     least = float(walls[outside].min()) if outside.any() else 0.0
     found.append(above("wall_thickness", least, spec.body.wall_mm - WALL_SLACK_MM, f"mm, {outside.sum()} rays"))
     # Straight down: under a curved floor the normal would lead past the thinnest place.
     places, ways = surface_samples(mould, floor, RAYS)
-    floors, _ = thicknesses_mm(mould, places, np.tile((0.0, 0.0, 1.0), (len(ways), 1)))
+    floors, _ = thicknesses_mm(mould.triangles, places, np.tile((0.0, 0.0, 1.0), (len(ways), 1)))
     least = float(floors.min()) if len(floors) else 0.0
     found.append(above("floor_thickness", least, spec.body.floor_mm - WALL_SLACK_MM, f"mm, {len(floors)} rays"))
     return found

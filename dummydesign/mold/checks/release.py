@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from dummydesign.mold.cad.prisms import rough_bounds
+from dummydesign.mold.cad.prisms import corners_of, rough_bounds
 from dummydesign.mold.model.outline import Outline
 
 FLAT = 0.9999
@@ -33,8 +33,7 @@ def faces_within(solid: Any, outline: Outline, low_mm: float, high_mm: float, sl
     across, along = outline.length_mm / 2 + slack_mm, outline.width_mm / 2 + slack_mm
     for face in solid.Faces():
         # Corners sort out most faces at a tenth of the price of a bounding box.
-        corners = [vertex.toTuple() for vertex in face.Vertices()]
-        if any(abs(x) > across or abs(y) > along for x, y, _ in corners):
+        if any(abs(x) > across or abs(y) > along for x, y, _ in corners_of(face)):
             continue
         box = face.BoundingBox()
         flat = max(abs(box.xmin), abs(box.xmax)) <= across and max(abs(box.ymin), abs(box.ymax)) <= along
@@ -161,15 +160,15 @@ def _vertical_hits(points: Any, triangles: Any) -> int:
     return hits
 
 
-def thicknesses_mm(mesh: Any, points: Any, normals: Any) -> tuple[Any, Any]:
+def thicknesses_mm(triangles: Any, points: Any, normals: Any) -> tuple[Any, Any]:
     """Material behind points of a surface, along the inward normal, and where the ray leaves it.
 
     Ray against triangle by Moeller and Trumbore, J. Graphics Tools 2 (1997) 21.
 
     Parameters
     ----------
-    mesh : trimesh.Trimesh
-        A closed surface. [mm]
+    triangles : ndarray, shape (k, 3, 3)
+        Corners of the triangles of a closed surface. [mm]
     points : ndarray, shape (n, 3)
         Points on the surface. [mm]
     normals : ndarray, shape (n, 3)
@@ -182,8 +181,8 @@ def thicknesses_mm(mesh: Any, points: Any, normals: Any) -> tuple[Any, Any]:
     """
     import numpy as np
 
-    a = mesh.triangles[:, 0]
-    e1, e2 = mesh.triangles[:, 1] - a, mesh.triangles[:, 2] - a
+    a = triangles[:, 0]
+    e1, e2 = triangles[:, 1] - a, triangles[:, 2] - a
     outward = np.cross(e1, e2)
     found = np.full(len(points), np.inf)
     for i, (point, way) in enumerate(zip(points, -normals)):

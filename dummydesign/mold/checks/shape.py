@@ -74,7 +74,7 @@ def _bone(made: Parts) -> list[Check]:
     exact = plan.scale**3 * contents.bone_volume_mm3(spec)
     what = "closed form" if spec.insert is None else "the placed file"
     bone = _below(made.solid("carrier"), made, plan.depth_mm)
-    whole = made.solid("pad").Volume() + bone
+    whole = made.parts["pad"].volume_mm3 + bone
     cover = plan.scale * (spec.pad.thickness_mm - spec.pad.shape.bone_height_mm)
     lowest = made.solid("carrier").BoundingBox().zmin
     near = HEIGHT_MM if spec.insert is None else PLACED_MM
@@ -94,7 +94,7 @@ def _below(solid: Any, made: Parts, height_mm: float) -> float:
 def _layers(made: Parts) -> list[Check]:
     """Both layers are the cavity, the first has its closed form, and the spacer ends where it does."""
     plan, spacer = made.plan, made.solid("spacer")
-    top, base = (made.solid(name).Volume() for name in ("layer_top", "layer_base"))
+    top, base = (made.parts[name].volume_mm3 for name in ("layer_top", "layer_base"))
     exact, _ = contents.layer_volumes_mm3(made.spec, plan)
     common = demould.common_volume_mm3(spacer, made.solid("layer_top"))
     dip = spacer.BoundingBox().zmin

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Mapping
 from typing import Any
 
 from dummydesign.mold.cad.casting_box import to_casting
-from dummydesign.mold.cad.label import label_bars
-from dummydesign.mold.cad.parts import Parts
+from dummydesign.mold.cad.parts import CORE_MM, Parts
 from dummydesign.mold.cad.prisms import drafted_prism, rough_bounds
 from dummydesign.mold.checks import release as demould
-from dummydesign.mold.checks.result import Check, above, below, equal, skipped
+from dummydesign.mold.checks.label import check_label
+from dummydesign.mold.checks.result import Check, above, below, equal
 from dummydesign.mold.model import volumes as contents
 from dummydesign.mold.model.spec import MouldSpec
 
@@ -19,10 +19,13 @@ VOLUME_REL, INTERFERENCE_MM3, SILICONE_REL, DRAFT_SLACK_DEG = 1e-9, 0.01, 2e-4, 
 APART_MM = 0.8
 
 
-def check_solids(made: Parts) -> list[Check]:
-    """Check all solids: validity, volumes, interference, silicone in the box, draft, sweep, features, label."""
+def check_solids(made: Parts, meshes: Mapping[str, Any] | None = None) -> list[Check]:
+    """Check all solids: validity, volumes, interference, silicone in the box, draft, sweep, features, label.
+
+    ``meshes`` are those that :func:`~dummydesign.mold.checks.label.check_label` reads the label from.
+    """
     found = [*check_validity(made), *check_volumes(made), *check_interference(made), *check_boxes(made)]
-    found += [*check_drafts(made), _sweep(made), *check_distances(made), *check_label(made), *check_sheet(made)]
+    found += [*check_drafts(made), _sweep(made), *check_distances(made), *check_label(made, meshes), *check_sheet(made)]
     if made.spec.body.style == "lidded":
         found.append(lid_one_way(made.solid("lid"), made.solid("mould")))
     return found
@@ -43,9 +46,8 @@ def check_volumes(made: Parts) -> list[Check]:
     """Cavity against what fills it, compensated pad against nominal pad, and the pad against its closed form."""
     spec, plan, pad = made.spec, made.plan, made.solid("pad")
     nominal = made.pad_nominal.Volume()
-    inside = made.hull.cut(made.mould, *made.tools["label"])
-    low = drafted_prism(plan.fill_outline.grown(1.0), plan.depth_mm + spec.body.floor_mm, 0.0, -spec.body.floor_mm)
-    cavities = [inside.intersect(one).Volume() for one in plan.at_places(low)]
+    low = drafted_prism(plan.fill_outline.grown(CORE_MM), plan.depth_mm + spec.body.floor_mm, 0.0, -spec.body.floor_mm)
+    cavities = [one.cut(made.core).Volume() for one in plan.at_places(low)]
     filled = made.cavity.Volume()
     what = "against pad" if made.with_bone is None else "against pad and bone"
     off = max(abs(one / filled - 1) for one in cavities)
@@ -76,9 +78,14 @@ def check_interference(made: Parts) -> list[Check]:
     found = []
     for one, other in pairs:
         if one in made.parts and other in made.parts:
-            common = demould.common_volume_mm3(made.solid(one), made.solid(other))
+            common = demould.common_volume_mm3(_met(made, one, other), _met(made, other, one))
             found.append(below(f"interference_{one}_{other}", common, INTERFERENCE_MM3, "mm3"))
     return found
+
+
+def _met(made: Parts, name: str, other: str) -> Any:
+    """Solid of a part, of a mould all that the other part can touch: what lies in its cavities meets its core alone."""
+    return made.core if (name, other) == ("mould", "pad") and made.whole is None else made.solid(name)
 
 
 def check_boxes(made: Parts) -> list[Check]:
@@ -129,7 +136,7 @@ def check_drafts(made: Parts) -> list[Check]:
     """Draft of cavity, of the plug it is cast on and of the frame, each in its direction of pull."""
     spec, plan, grow = made.spec, made.plan, made.plan.silicone_scale
     outer = spec.body.outer_draft_deg
-    found = [above("draft_cavity", cavity_draft_deg(made.mould, made), spec.pad.draft_deg - DRAFT_SLACK_DEG)]
+    found = [above("draft_cavity", cavity_draft_deg(made.core, made), spec.pad.draft_deg - DRAFT_SLACK_DEG)]
     if spec.is_printed:
         return found
     high = plan.height_mm * grow
@@ -163,7 +170,7 @@ def sweep_offsets_mm(depth_mm: float) -> list[float]:
 
 def _sweep(made: Parts) -> Check:
     offsets = sweep_offsets_mm(made.plan.depth_mm)
-    worst = max(demould.sweep_interference_mm3(pad, made.mould, offsets) for pad in made.cavities)
+    worst = max(demould.sweep_interference_mm3(pad, made.core, offsets) for pad in made.cavities)
     return below("sweep_cavity", worst, INTERFERENCE_MM3, "mm3, pad pulled straight out at six offsets")
 
 
@@ -178,86 +185,44 @@ def lid_one_way(lid: Any, mould: Any) -> Check:
 
 def check_distances(made: Parts) -> list[Check]:
     """Key, gutter, label, sprue and vents keep apart; the gutter keeps off the cavity."""
+    import cadquery as cq
+
     tools = {name: made.tools.get(name, []) for name in ("keys", "gutter", "label", "sprue", "vents")}
     flat = [(name, tool) for name, group in tools.items() for tool in group]
     if not flat:
         return []
     pairs = [
-        (_box_gap_mm(tool, other), f"{name} and {other_name}", tool, other)
+        (f"{name} and {other_name}", tool, other)
         for i, (name, tool) in enumerate(flat)
         for other_name, other in flat[i + 1 :]
         if not name == other_name == "label"
     ]
-    least, where = math.inf, ""
-    for gap, names, tool, other in sorted(pairs, key=lambda pair: pair[0]):
-        if gap >= least:
-            break
-        distance = tool.distance(other)
-        if distance < least:
-            least, where = distance, names
+    least, where = _nearest(pairs)
     found = [above("features_apart", least, APART_MM, f"mm, nearest: {where}")] if where else []
     if tools["gutter"]:
         c = made.spec.closure
         gap = made.solid("pad").distance(tools["gutter"][0])
         found.append(above("gutter_to_cavity", gap, c.gutter_distance_mm - c.gutter_radius_mm - 1e-3, "mm"))
-    label = min((made.solid("pad").distance(tool) for tool in tools["label"]), default=None)
-    if label is not None:
-        found.append(above("label_to_pad", label, APART_MM, "mm"))
+    if tools["label"]:
+        near = made.solid("pad").distance(cq.Compound.makeCompound(tools["label"]))
+        found.append(above("label_to_pad", near, APART_MM, "mm"))
     return found
+
+
+def _nearest(pairs: list[tuple[str, Any, Any]]) -> tuple[float, str]:
+    """Least distance of named pairs, and whose it is; pairs whose boxes are further apart are not measured. [mm]"""
+    least, where = math.inf, ""
+    gaps = [(_box_gap_mm(tool, other), name, tool, other) for name, tool, other in pairs]
+    for gap, name, tool, other in sorted(gaps, key=lambda pair: pair[0]):
+        if gap >= least:
+            break
+        distance = tool.distance(other)
+        if distance < least:
+            least, where = distance, name
+    return least, where
 
 
 def _box_gap_mm(one: Any, other: Any) -> float:
     """Distance of two bounding boxes, a lower bound of the distance of what is in them. [mm]"""
     a, b = rough_bounds(one), rough_bounds(other)
     return math.hypot(*(max(0.0, a[axis] - b[axis + 3], b[axis] - a[axis + 3]) for axis in range(3)))
-
-
-def check_label(made: Parts) -> list[Check]:
-    """The label reads right on the mould (void along its strokes) and mirrored on the master (proud there)."""
-    bars = label_bars(made.spec, made.plan)
-    if not bars:
-        return [skipped("label_reads_right", "no room for a label on this land")]
-    depth = made.plan.land_mm - made.spec.body.label_depth_mm / 2
-    places = [bar.middle for bar in bars]
-    mirrored = [(-x, y) for x, y in places]
-    in_mould = _insides(made.mould)
-    in_master = None if made.spec.is_printed else _insides(made.solid("master"))
-    grow = made.plan.silicone_scale
-
-    def void(x: float, y: float) -> bool:
-        return not in_mould(x, y, depth)
-
-    def proud(x: float, y: float) -> bool:
-        if in_master is None:
-            return True
-        # Turned over about x: y changes sign, heights count from the land downwards.
-        return in_master(x * grow, -y * grow, (made.plan.land_mm - depth) * grow)
-
-    right = sum(void(x, y) and proud(x, y) for x, y in places) / len(places)
-    wrong = sum(void(x, y) for x, y in mirrored) / len(mirrored)
-    return [
-        equal("label_reads_right", right, 1.0, "share of strokes cut in the mould and proud on the master"),
-        _handedness(wrong),
-    ]
-
-
-def _handedness(shared: float) -> Check:
-    """A mirrored label would share all strokes only if the text were its own mirror image."""
-    if shared == 1.0:
-        return skipped("label_not_mirrored", "the label is its own mirror image")
-    return below("label_not_mirrored", shared, 0.99, "share of strokes that a mirrored label would share")
-
-
-def _insides(solid: Any) -> Callable[[float, float, float], bool]:
-    """Point-in-solid test whose classifier is set up once."""
-    from OCP.BRepClass3d import BRepClass3d_SolidClassifier
-    from OCP.gp import gp_Pnt
-    from OCP.TopAbs import TopAbs_State
-
-    classifier = BRepClass3d_SolidClassifier(solid.wrapped)
-
-    def inside(x: float, y: float, z: float) -> bool:
-        classifier.Perform(gp_Pnt(x, y, z), 1e-6)
-        return classifier.State() == TopAbs_State.TopAbs_IN
-
-    return inside

@@ -46,13 +46,45 @@ def _mesh(solid: Any, tolerance_mm: float, angle_rad: float) -> Any:
     import numpy as np
     import trimesh
 
-    points, triangles = solid.copy().tessellate(tolerance_mm, angle_rad)
-    vertices = np.array([point.toTuple() for point in points])
-    mesh = trimesh.Trimesh(vertices, np.array(triangles), process=False)
+    points, triangles = _kernel_triangles(solid.copy(), tolerance_mm, angle_rad)
+    mesh = trimesh.Trimesh(np.array(points), np.array(triangles), process=False)
     mesh.merge_vertices(digits_vertex=6)
     mesh.update_faces(mesh.nondegenerate_faces())
     mesh.remove_unreferenced_vertices()
     return mesh
+
+
+def _kernel_triangles(
+    solid: Any, tolerance_mm: float, angle_rad: float
+) -> tuple[list[tuple[float, float, float]], list[tuple[int, int, int]]]:
+    """Points and triangles of all faces, straight from the kernel: a vector object for each point takes longer."""
+    from OCP.BRep import BRep_Tool
+    from OCP.BRepMesh import BRepMesh_IncrementalMesh
+    from OCP.TopAbs import TopAbs_FACE, TopAbs_REVERSED
+    from OCP.TopExp import TopExp_Explorer
+    from OCP.TopLoc import TopLoc_Location
+    from OCP.TopoDS import TopoDS
+
+    BRepMesh_IncrementalMesh(solid.wrapped, tolerance_mm, True, angle_rad, False)
+    points: list[tuple[float, float, float]] = []
+    triangles: list[tuple[int, int, int]] = []
+    faces = TopExp_Explorer(solid.wrapped, TopAbs_FACE)
+    while faces.More():
+        face, place = TopoDS.Face_s(faces.Current()), TopLoc_Location()
+        faces.Next()
+        one = BRep_Tool.Triangulation_s(face, place)
+        if one is None:
+            continue
+        first, move = len(points) - 1, place.Transformation()
+        nodes = (one.Node(i) for i in range(1, one.NbNodes() + 1))
+        moved = nodes if place.IsIdentity() else (node.Transformed(move) for node in nodes)
+        points += [(node.X(), node.Y(), node.Z()) for node in moved]
+        corners = (one.Triangle(i).Get() for i in range(1, one.NbTriangles() + 1))
+        if face.Orientation() == TopAbs_REVERSED:
+            triangles += [(first + a, first + c, first + b) for a, b, c in corners]
+        else:
+            triangles += [(first + a, first + b, first + c) for a, b, c in corners]
+    return points, triangles
 
 
 def write_stl(mesh: Any, path: Path) -> None:

@@ -9,6 +9,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from dummydesign.mold.light_imports import load_pyvista
+
 WIDTH = 1600
 GAP_SHARE, LABEL_SHARE = 0.22, 0.55
 # Neighbouring triangles of one curved face turn by 11.5 deg at the most.
@@ -178,6 +180,7 @@ def _light_and_look(plot: Any, pyvista: Any, middle: Any, away: Any, scale: floa
 
 def main() -> None:
     """Draw the picture named on the command line."""
+    load_pyvista()
     part = Path(sys.argv[2]).with_suffix(".part.png")
     draw(Path(sys.argv[1]), part)
     part.replace(sys.argv[2])

@@ -11,7 +11,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from dummydesign.mold.files.drawings.pdf import draw
+from dummydesign.mold.files.drawings.pdf import binary_streams, draw
 from dummydesign.mold.files.drawings.sheet import PAPERS, Drawing
 from dummydesign.mold.files.pour_sheet import Block
 
@@ -69,6 +69,7 @@ def sheet_pdf(blocks: Sequence[Block], foot: Foot, drawings: Sequence[Drawing] =
     from reportlab.pdfgen.canvas import Canvas
     from reportlab.platypus import BaseDocTemplate, Frame, PageTemplate
 
+    binary_streams()
     wide, high = (MM * side for side in PAGES_MM[paper])
     margin, low = MM * MARGIN_MM, MM * (FOOT_MM + 4.0)
     story = _story(blocks, wide - 2 * margin)

@@ -11,6 +11,7 @@ import tempfile
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +43,21 @@ class StepPart:
     material: Material
     colour: tuple[float, float, float]
     offset_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    @cached_property
+    def volume_mm3(self) -> float:
+        """Volume of the solid."""
+        return float(self.solid.Volume())
+
+    @cached_property
+    def area_mm2(self) -> float:
+        """Surface of the solid."""
+        return float(self.solid.Area())
+
+    @cached_property
+    def centroid_mm(self) -> tuple[float, float, float]:
+        """Its middle of volume."""
+        return self.solid.Center().toTuple()
 
 
 @dataclass(frozen=True)
@@ -165,10 +181,9 @@ def _add_part(document: Any, shapes: Any, part: StepPart) -> Any:
         TCollection_HAsciiString("density measure"),
         TCollection_HAsciiString("POSITIVE_RATIO_MEASURE"),
     )
-    centre = part.solid.Center()
-    XCAFDoc_Volume.Set_s(label, part.solid.Volume())
-    XCAFDoc_Area.Set_s(label, part.solid.Area())
-    XCAFDoc_Centroid.Set_s(label, gp_Pnt(centre.x, centre.y, centre.z))
+    XCAFDoc_Volume.Set_s(label, part.volume_mm3)
+    XCAFDoc_Area.Set_s(label, part.area_mm2)
+    XCAFDoc_Centroid.Set_s(label, gp_Pnt(*part.centroid_mm))
     return label
 
 

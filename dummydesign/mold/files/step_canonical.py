@@ -10,9 +10,10 @@ import hashlib
 import re
 from dataclasses import dataclass
 
-_STATEMENT = re.compile(r"#(\d+)\s*=\s*((?:'(?:[^']|'')*'|[^;'])*);")
+_STATEMENT = re.compile(r"#(\d+)\s*=\s*((?:[^;']++|'(?:[^']|'')*')*);")
 _STRING_OR_SPACE = re.compile(r"('(?:[^']|'')*')|\s+")
-_STRING_OR_REFERENCE = re.compile(r"'(?:[^']|'')*'|#\d+")
+_STRING_OR_REFERENCE = re.compile(r"('(?:[^']|'')*')|#(\d+)")
+_REFERENCE = re.compile(r"#(\d+)")
 _PIECE = re.compile(r"(?:'(?:[^']|'')*'|[^,'])*,?")
 _OCCURRENCE = re.compile(r"NEXT_ASSEMBLY_USAGE_OCCURRENCE\('[^']*',('(?:[^']|'')*')")
 _LINE = 78
@@ -46,67 +47,87 @@ def canonical_step(text: str, header: Header) -> str:
     start, schema = text.find("DATA;"), re.search(r"FILE_SCHEMA\s*\(\s*\(\s*('[^']*')", text)
     if start < 0 or schema is None:
         raise ValueError("not a STEP file: no DATA section or no FILE_SCHEMA")
-    entities = {
-        int(number): _STRING_OR_SPACE.sub(lambda hit: hit.group(1) or "", body)
-        for number, body in _STATEMENT.findall(text, start)
-    }
+    entities = {int(number): _without_spaces(body) for number, body in _STATEMENT.findall(text, start)}
     _repair_density_unit(entities)
     for number, body in entities.items():
         if body.startswith("NEXT_ASSEMBLY_USAGE_OCCURRENCE"):
             entities[number] = _OCCURRENCE.sub(r"NEXT_ASSEMBLY_USAGE_OCCURRENCE(\1,\1", body)
-    references = {number: _references(body) for number, body in entities.items()}
-    digests = _digests(entities, references)
+    parts = {number: _split(body) for number, body in entities.items()}
+    digests = _digests(parts)
     for number, body in entities.items():
         if body.startswith("MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION"):
-            entities[number], references[number] = _sorted_items(body, digests)
+            entities[number] = _sorted_items(body, digests)
+            parts[number] = _split(entities[number])
+    references = {number: refers for number, (_, refers) in parts.items()}
     order = _depth_first(entities, references, digests)
-    renumbered = {old: new for new, old in enumerate(order, 1)}
-    lines = [_wrapped(f"#{renumbered[old]}={_renumber(entities[old], renumbered)};") for old in order]
+    renumbered = {old: f"#{new}" for new, old in enumerate(order, 1)}
+    lines = [_wrapped(f"{renumbered[old]}={_joined(parts[old], renumbered)};") for old in order]
     return "\n".join([*_header_lines(header, schema.group(1)), *lines, "ENDSEC;", "END-ISO-10303-21;", ""])
 
 
+def _is_plain(body: str) -> bool:
+    """Whether all strings of an entity are empty, as most are: nothing in it has to be left alone."""
+    return "'" not in body.replace("''", "")
+
+
+def _without_spaces(body: str) -> str:
+    if _is_plain(body):
+        return "".join(body.split())
+    return _STRING_OR_SPACE.sub(lambda hit: hit.group(1) or "", body)
+
+
+def _split(body: str) -> tuple[list[str], list[int]]:
+    """What stands before, between and after the references of an entity, and the numbers they refer to."""
+    if _is_plain(body):
+        pieces = _REFERENCE.split(body)
+        return pieces[::2], [int(number) for number in pieces[1::2]]
+    texts, refers, start = [], [], 0
+    for hit in _STRING_OR_REFERENCE.finditer(body):
+        if hit.group(2):
+            texts.append(body[start : hit.start()])
+            refers.append(int(hit.group(2)))
+            start = hit.end()
+    return [*texts, body[start:]], refers
+
+
+def _joined(parts: tuple[list[str], list[int]], names: dict[int, str]) -> str:
+    """An entity with a name for each number that it refers to."""
+    texts, refers = parts
+    if not refers:
+        return texts[0]
+    return texts[0] + "".join([names[number] + text for number, text in zip(refers, texts[1:])])
+
+
 def _references(body: str) -> list[int]:
-    return [int(hit[1:]) for hit in _STRING_OR_REFERENCE.findall(body) if hit[0] == "#"]
+    return _split(body)[1]
 
 
-def _renumber(body: str, table: dict[int, int]) -> str:
-    def new(hit: re.Match[str]) -> str:
-        word = hit.group(0)
-        return f"#{table[int(word[1:])]}" if word[0] == "#" else word
-
-    return _STRING_OR_REFERENCE.sub(new, body)
-
-
-def _digests(entities: dict[int, str], references: dict[int, list[int]]) -> dict[int, str]:
+def _digests(parts: dict[int, tuple[list[str], list[int]]]) -> dict[int, str]:
     """Content hash of every entity, children first."""
     found: dict[int, str] = {}
-    for first in entities:
+    for first in parts:
         stack = [first]
         while stack:
             number = stack[-1]
             if number in found:
                 stack.pop()
                 continue
-            if number not in entities:
+            if number not in parts:
                 raise ValueError(f"entity #{number} is referred to but not in the file")
-            missing = [child for child in references[number] if child not in found]
+            missing = [child for child in parts[number][1] if child not in found]
             if missing:
                 stack.extend(missing)
                 continue
-            text = _STRING_OR_REFERENCE.sub(
-                lambda hit: found[int(hit.group(0)[1:])] if hit.group(0)[0] == "#" else hit.group(0), entities[number]
-            )
-            found[number] = hashlib.blake2b(text.encode(), digest_size=12).hexdigest()
+            found[number] = hashlib.blake2b(_joined(parts[number], found).encode(), digest_size=12).hexdigest()
             stack.pop()
     return found
 
 
-def _sorted_items(body: str, digests: dict[int, str]) -> tuple[str, list[int]]:
+def _sorted_items(body: str, digests: dict[int, str]) -> str:
     """Sort the list of styled items, whose order means nothing, by hash."""
     head, items, tail = re.match(r"(.*?\(')(?:.*?)',\(([^)]*)\)(.*)", body, re.S).group(1, 2, 3)
     numbers = sorted((int(item[1:]) for item in items.split(",")), key=lambda n: digests[n])
-    text = f"{head}',({','.join(f'#{n}' for n in numbers)}){tail}"
-    return text, _references(text)
+    return f"{head}',({','.join(f'#{n}' for n in numbers)}){tail}"
 
 
 def _depth_first(entities: dict[int, str], references: dict[int, list[int]], digests: dict[int, str]) -> list[int]:

@@ -238,3 +238,25 @@ def test_puck_is_a_plain_cylinder_whose_mould_passes():
     made = build(mould_spec(30.0, 50.0, 50.0, kind="puck"))
     assert made.pad_nominal.Volume() == pytest.approx(math.pi * 25**2 * 30, rel=1e-12)
     assert failed(check.check_solids(made)) == []
+
+
+def test_what_a_pad_meets_of_its_mould_is_met_of_its_core(open_parts):
+    """A pad pushed a millimetre aside cuts as much of the core as of the whole mould, of which the core is a part."""
+    import cadquery as cq
+
+    made = open_parts
+    pad = made.solid("pad").translate(cq.Vector(0.5, 0.2, 0.4))
+    whole, core = (demould.common_volume_mm3(pad, solid) for solid in (made.mould, made.core))
+    assert whole > 10.0 and core == pytest.approx(whole, rel=1e-9)
+    assert made.core.Volume() < made.mould.Volume() and len(made.core.Faces()) < 60 < len(made.mould.Faces())
+
+
+def test_points_are_told_inside_a_mesh_from_those_in_its_hole():
+    import cadquery as cq
+    import numpy as np
+
+    from dummydesign.mold.checks.label import inside_mesh
+
+    plate = cq.Solid.makeBox(10, 10, 2).cut(cq.Solid.makeBox(4, 4, 5).translate(cq.Vector(3, 3, -1)))
+    points = np.array([(5.0, 5.0, 1.0), (1.0, 5.0, 1.0), (5.0, 9.0, 1.9), (1.0, 1.0, 2.1), (-1.0, 5.0, 1.0)])
+    assert inside_mesh(mesh.tessellate(plate), points).tolist() == [False, True, True, False, False]

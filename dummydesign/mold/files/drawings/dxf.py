@@ -14,7 +14,7 @@ def to_dxf(sheet: Drawing) -> str:
 
     fixed, ezdxf.options.write_fixed_meta_data_for_testing = ezdxf.options.write_fixed_meta_data_for_testing, True
     try:
-        document = ezdxf.new("R2010", setup=True)
+        document = ezdxf.new("R2010", setup=["dimstyles:metric"])
         document.units = ezdxf.units.MM
         space = document.modelspace()
         for name, width in LAYERS.items():

@@ -95,6 +95,10 @@ def arrange(views: Sequence[View], title: Title, notes: Sequence[str], paper: st
         right = max(row[0].box[2] + sum(_width(one) + GAP_MM for one in row[1:]) for row in rows)
         if deep <= room[1] and left + right <= room[0]:
             break
+    for view, one in zip(views, placed):
+        if view.filled:
+            closed = [line.points for line in one.lines if line.layer == "cut"]
+            one.lines += [Line(piece, "hatch") for piece in hatch(closed, HATCH_MM)]
     sheet = Drawing(title.part, scale, paper)
     level = h - MARGIN_MM - 3.0 - (room[1] - deep) / 2
     for row in rows:
@@ -154,9 +158,6 @@ def place(view: View, scale: float) -> Placed:
         return point[0] * scale, point[1] * scale
 
     lines = [Line(tuple(on_paper(point) for point in run), layer) for run, layer in view.runs]
-    if view.filled:
-        closed = [line.points for line in lines if line.layer == "cut"]
-        lines += [Line(piece, "hatch") for piece in hatch(closed, HATCH_MM)]
     x0, y0, x1, y1 = (scale * value for value in view.bounds)
     edges = {"above": y1, "below": y0, "left": x0, "right": x1}
     dimensions: list[Dimension] = []

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
+
+from dummydesign.mold.cad.prisms import edges_of, height_range
 
 CURVE_MM = 0.5
 LEVEL_AREA_MM2, LEVEL_GAP_MM = 5.0, 0.15
@@ -40,6 +43,7 @@ def edges_from_above(solid: Any) -> list[tuple[Run, str]]:
     Seams of round faces are left out, and so are smooth joints, but for level ones where a rounding begins: thin.
     Curves are broken into short straight pieces.
     """
+    import cadquery as cq
     from OCP.BRep import BRep_Tool
 
     listed = _faces(solid)
@@ -48,18 +52,23 @@ def edges_from_above(solid: Any) -> list[tuple[Run, str]]:
     edges: dict[int, Any] = {}
     seams: set[int] = set()
     for index, face in enumerate(faces):
-        for edge in face.Edges():
-            key = edge.hashCode()
+        around: set[int] = set()
+        for key, edge in edges_of(face):
+            if key in around:
+                # A seam bounds its face on both sides.
+                continue
+            around.add(key)
             edges[key] = edge
             beside.setdefault(key, []).append(index)
-            if BRep_Tool.IsClosed_s(edge.wrapped, face.wrapped):
+            if BRep_Tool.IsClosed_s(edge, face.wrapped):
                 seams.add(key)
     runs = []
     for key, edge in edges.items():
-        if key in seams:
-            continue
-        middle = edge.positionAt(0.5)
         kinds = [kind_of[face] for face in beside[key]]
+        if key in seams or all(flat is not None and flat.z < 1e-6 for _, flat in kinds):
+            continue
+        edge = cq.Edge(edge)
+        middle = edge.positionAt(0.5)
         normals = [flat or faces[face].normalAt(middle) for face, (_, flat) in zip(beside[key], kinds)]
         if all(normal.z < 1e-6 for normal in normals):
             continue
@@ -74,8 +83,9 @@ def edges_from_above(solid: Any) -> list[tuple[Run, str]]:
     return runs
 
 
+@lru_cache(maxsize=1)
 def _faces(solid: Any) -> list[tuple[Any, str, Any]]:
-    """Faces of a solid with the kind of their surface and, of a plane, its normal."""
+    """Faces of a solid with the kind of their surface and, of a plane, its normal; those of the last solid are kept."""
     found = ((face, face.geomType()) for face in solid.Faces())
     return [(face, kind, face.normalAt() if kind == "PLANE" else None) for face, kind in found]
 
@@ -180,8 +190,7 @@ def levels(solid: Any) -> list[float]:
         if normal is not None and abs(normal.z) > 0.999:
             high = round(face.Center().z, 4)
             areas[high] = areas.get(high, 0.0) + face.Area()
-    box = solid.BoundingBox(1e-3)
-    found = [box.zmin, box.zmax]
+    found = list(height_range(solid, [face for face, _, normal in _faces(solid) if normal is None]))
     for high, area in sorted(areas.items()):
         if area > LEVEL_AREA_MM2 and all(abs(high - other) > LEVEL_GAP_MM for other in found):
             found.append(high)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 Point = tuple[float, float]
 PAPERS = {"A3": (420.0, 297.0), "A4": (297.0, 210.0)}
@@ -15,6 +16,7 @@ TEXT_MM, CAP_SHARE = 2.5, 0.718
 ARROW_MM = 2.8
 
 
+@lru_cache(maxsize=4096)
 def text_width(words: str, height: float) -> float:
     """Width of a text in Helvetica. [mm]
 

@@ -133,7 +133,8 @@ def table(rows: list[dict]) -> str:
         "# Three turns", "",
         "Simulated material (tests/support/campaign_generator.py). Each turn: press, `loop --prior --plan`, `suggest",
         "--calibration`; the next turn presses the plan and the pad that was designed. Made by",
-        f"`python benchmarks/loop_turns.py`; {len(told)} seeds, run once.", "",
+        f"`python benchmarks/loop_turns.py --seed {min(row['seed'] for row in rows)}`; {len(told)} series of new",
+        "seeds, run once; rows in benchmarks/loop_turns.jsonl.", "",
         "| seed | put in | half width of the modulus' interval, % | error on other pads, floors | modulus inside |",
         "|---|---|---|---|---|",
     ]

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.design.assessment.pour_yield import SEED as DRAWN
 from dummydesign.design.assessment.pour_yield import Pours, Tolerances, draw_pours
-from dummydesign.design.assessment.readings import castings_of, poured_slabs
+from dummydesign.design.assessment.readings import poured_slabs
+from dummydesign.design.assessment.tissue_doubt import castings_for_tissues, doubt_words, tissue_share
 from dummydesign.design.scoring.presses import ForceLaw
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.standing import ACCEPTABLE_AND_STEADY, standing
@@ -26,7 +28,7 @@ WORDS = {
     "parametric": "the fitted parameters",
     "low_aim": "closeness to the aim below {low:g} N",
 }
-POURS, TELLS, SEED, NEAR = 150, 0.005, 29, 10
+DRAWS, POURS, TELLS, SEED, NEAR = 60, 150, 0.005, 29, 10
 LEAST_SPREAD = 0.1
 """Spread of ln E below which no puck is asked for."""
 
@@ -46,7 +48,9 @@ class Choice:
         The term that adds most, or ``standing`` where the next best has the better score.
     expected_total, total_low : float
         Mean and 5 % quantile of the total over what the castings of the pad may turn out as, with gamma1 for the
-        parameters.
+        parameters; what is not known of the tissue is in it where it can be drawn.
+    tissue_share : float or None
+        Share of the variance of that total that is the tissue's; None where no tissue is drawn.
     """
 
     text: str
@@ -55,6 +59,7 @@ class Choice:
     decided_by: str | None
     expected_total: float
     total_low: float
+    tissue_share: float | None
 
     def to_dict(self) -> dict[str, Any]:
         """Return all fields."""
@@ -98,10 +103,12 @@ def explain(best: Candidate, kind: str, beside: tuple[Beside, ...], law: ForceLa
     """
     totals = expected_totals(law, best, space, tolerances)
     expected, low = float(totals.mean()), float(np.quantile(totals, 0.05))
-    doubt = f"over what is not known of resin and casting its total is {expected:.2f} (one in twenty below {low:.2f})"
+    over, share = doubt_words(space.targets), tissue_share(totals)
+    doubt = f"over what is not known of {over} its total is {expected:.2f} (one in twenty below {low:.2f}"
+    doubt += ")" if share is None else f"; {100 * share:.0f} % of that variance is the tissue's)"
     others = [item for item in beside if item.kind != kind and item.candidate is not None]
     if not others:
-        return Choice(f"no other kind was compared; {doubt}", None, {}, None, expected, low)
+        return Choice(f"no other kind was compared; {doubt}", None, {}, None, expected, low, share)
     other = max(others, key=lambda item: item.candidate.worth())
     name = f"the {other.kind} pad ({other.candidate.thickness_mm:g} mm, ratio {other.candidate.ratio:g})"
     gains = terms(best, other.candidate)
@@ -120,7 +127,7 @@ def explain(best: Candidate, kind: str, beside: tuple[Beside, ...], law: ForceLa
         if behind:
             text += f", which also {_standing_words(best.standing, other.candidate.standing)}"
     text += f"; it gives up {' and '.join(lost)}" if lost else "; it gives up nothing"
-    return Choice(f"{text}; {doubt}", name, gains, decided, expected, low)
+    return Choice(f"{text}; {doubt}", name, gains, decided, expected, low, share)
 
 
 def terms(best: Candidate, other: Candidate) -> dict[str, float]:
@@ -150,7 +157,7 @@ def _standing_words(best: int, other: int) -> str:
 
 
 def expected_totals(law: ForceLaw, candidate: Candidate, space: SearchSpace, tolerances: Tolerances) -> NDArray:
-    """Totals of castings of a design over what is not known of the resin and of its making, shape (n,).
+    """Totals of castings of a design for the tissues that the data allow, shape (tissues, n).
 
     Parameters
     ----------
@@ -160,7 +167,7 @@ def expected_totals(law: ForceLaw, candidate: Candidate, space: SearchSpace, tol
     space : SearchSpace
     tolerances : Tolerances
     """
-    return castings_of(law, candidate, space, tolerances, POURS)[1]
+    return castings_for_tissues(law, candidate, space, tolerances, DRAWS, DRAWN, 0.0).total
 
 
 def measure_first(

@@ -2,7 +2,7 @@
 
 The best pad in the middle of what is known may stand at the end of a range: half of its castings then read low. Pads
 within the search's resolution of it, one step of the mixing ratio or a difference in worth that finite elements make,
-are therefore compared by their mean worth over the same draws of resin, weighing and thickness.
+are therefore compared by their mean worth over the same draws of resin, weighing, thickness and tissue.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.design.assessment.pour_yield import Tolerances
-from dummydesign.design.assessment.readings import castings_of
+from dummydesign.design.assessment.tissue_doubt import Castings, castings_for_tissues, doubt_words, tissue_share
 from dummydesign.design.scoring.law_parameters import rough_parametric
-from dummydesign.design.scoring.presses import ForceLaw, make_curves
+from dummydesign.design.scoring.presses import make_curves
 from dummydesign.design.scoring.score import evaluate
-from dummydesign.design.scoring.standing import NOT_ACCEPTABLE, standing
+from dummydesign.design.scoring.standing import standing
 from dummydesign.design.search.best_of_kinds import Chosen, beside_of
 from dummydesign.design.search.shapes import mixable
 from dummydesign.design.search.slabs import Candidate, make_slabs, with_parameters
@@ -27,14 +27,17 @@ from dummydesign.design.search.slabs import Candidate, make_slabs, with_paramete
 if TYPE_CHECKING:
     from dummydesign.design.search.space import SearchSpace
 
-POURS, SEED = 300, 31
+POURS, SEED = 100, 31
 SURE = 2.0
 """Standard errors by which another pad has to be expected to be worth more."""
 
 
 @dataclass(frozen=True)
 class Expected:
-    """One pad: its worth in the middle, mean and 5 % quantile over its castings, and how many are acceptable."""
+    """One pad: its worth in the middle, mean and 5 % quantile over its castings, and how many are acceptable.
+
+    ``tissue_share`` is the share of the variance of its worth that is the tissue's; None where no tissue is drawn.
+    """
 
     kind: str
     thickness_mm: float
@@ -43,6 +46,7 @@ class Expected:
     expected_worth: float
     low_worth: float
     acceptable_fraction: float
+    tissue_share: float | None
 
     @property
     def words(self) -> str:
@@ -86,19 +90,24 @@ def by_expectation(
     Expectation
     """
     pads = [(chosen, candidate) for chosen in close for candidate in _near(chosen, space, low_share)]
-    drawn = [_worths(chosen.cast, candidate, space, tolerances, low_share) for chosen, candidate in pads]
-    best = max(range(len(pads)), key=lambda at: float(drawn[at][0].mean()))
-    gain = drawn[best][0] - drawn[0][0]
-    if float(gain.mean()) <= SURE * float(gain.std()) / np.sqrt(len(gain)):
+    drawn = [
+        castings_for_tissues(chosen.cast, candidate, space, tolerances, POURS, SEED, low_share)
+        for chosen, candidate in pads
+    ]
+    best = max(range(len(pads)), key=lambda at: float(drawn[at].worth.mean()))
+    gain = drawn[best].worth - drawn[0].worth
+    if float(gain.mean()) <= SURE * _error_of_mean(gain):
         best = 0
-    told = [_expected(*pads[at], *drawn[at], low_share) for at in (best, 0)]
+    told = [_expected(*pads[at], drawn[at], low_share) for at in (best, 0)]
+    over = doubt_words(space.targets)
+    of = "castings and tissues" if drawn[0].tissue_drawn else "castings"
     chosen, candidate = pads[best]
     if best == 0:
-        text = f"{told[0].words} is also the best by what is expected over resin and casting"
+        text = f"{told[0].words} is also the best by what is expected over {over}"
         return chosen, Expectation(text, False, *told)
     text = (
-        f"{told[0].words}, is taken by what is expected over resin and casting (worth {told[0].expected_worth:.2f}, "
-        f"{100 * told[0].acceptable_fraction:.0f} % of castings acceptable); the best in the middle is {told[1].words} "
+        f"{told[0].words}, is taken by what is expected over {over} (worth {told[0].expected_worth:.2f}, "
+        f"{100 * told[0].acceptable_fraction:.0f} % of {of} acceptable); the best in the middle is {told[1].words} "
         f"({told[1].expected_worth:.2f}, {100 * told[1].acceptable_fraction:.0f} %)"
     )
     if candidate is not chosen.found.best:
@@ -137,18 +146,20 @@ def _near(chosen: Chosen, space: SearchSpace, low_share: float) -> list[Candidat
     return [best, *(one for one in others if one.standing >= best.standing)]
 
 
-def _worths(
-    law: ForceLaw, candidate: Candidate, space: SearchSpace, tolerances: Tolerances, low_share: float
-) -> tuple[NDArray, NDArray]:
-    """Worth of castings of a pad, and whether each is acceptable, shapes (n,)."""
-    found, total = castings_of(law, candidate, space, tolerances, POURS, SEED)
-    stands = standing(found, space.targets)
-    merit = (1.0 - low_share) * total + low_share * found.low_aim
-    return np.array(space.targets.weights.worth)[stands] * merit, stands > NOT_ACCEPTABLE
+def _error_of_mean(values: NDArray) -> float:
+    """Standard error of the mean of values (tissues, pours), drawn along each axis.
+
+    Tissues drawn evenly over a posterior come in strata: what is left is how neighbours differ.
+    """
+    tissues, pours = values.shape
+    of_pours = values.mean(axis=0).var() / pours
+    of_tissues = 0.5 * np.mean(np.diff(values.mean(axis=1)) ** 2) / tissues if tissues > 1 else 0.0
+    return float(np.sqrt(of_pours + of_tissues))
 
 
-def _expected(chosen: Chosen, candidate: Candidate, worth: NDArray, able: NDArray, low_share: float) -> Expected:
+def _expected(chosen: Chosen, candidate: Candidate, castings: Castings, low_share: float) -> Expected:
+    worth = castings.worth
     return Expected(
         chosen.shape.name, candidate.thickness_mm, candidate.ratio, candidate.worth(low_share), float(worth.mean()),
-        float(np.quantile(worth, 0.05)), float(able.mean()),
+        float(np.quantile(worth, 0.05)), float(castings.acceptable.mean()), tissue_share(worth),
     )  # fmt: skip

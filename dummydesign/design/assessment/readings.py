@@ -8,11 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.assessment.pour_yield import SEED as DRAWN
 from dummydesign.design.assessment.pour_yield import Pours, Tolerances, draw_pours
-from dummydesign.design.scoring.law_parameters import rough_parametric
 from dummydesign.design.scoring.presses import ForceLaw, Slabs, make_curves
-from dummydesign.design.scoring.score import Evaluation, evaluate
+from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.standing import SAFE_SIDE, ranges_of, readings_of, safe_side_shortfall
 from dummydesign.design.scoring.verdict import FORCE_TOLERANCE, Readings, Verdict, verdict
 from dummydesign.resin.model.distribution import HALF_WIDTH
@@ -76,30 +74,6 @@ def poured_slabs(law: ForceLaw, pours: Pours, space: SearchSpace) -> Slabs:
     place = np.rint((thickness - low) / max(high - low, 1e-12) * (len(nodes) - 1)).astype(int)
     tau = tuple(arm.tau_s.value for arm in space.resin.arms)
     return Slabs(make_curves(law, nodes, space.radius_mm), place, pours.young_MPa, tau, pours.beta)
-
-
-def castings_of(
-    law: ForceLaw, candidate: Candidate, space: SearchSpace, tolerances: Tolerances, pours: int, seed: int = DRAWN
-) -> tuple[Evaluation, NDArray]:
-    """Castings of a design over what is not known of resin and making, and their totals, shape (pours,).
-
-    The parameters in a total are those of gamma1.
-
-    Parameters
-    ----------
-    law : ForceLaw
-        Of the pad as cast.
-    candidate : Candidate
-    space : SearchSpace
-    tolerances : Tolerances
-        Of weighing and thickness.
-    pours, seed : int
-        How many are drawn, and which.
-    """
-    drawn, _ = draw_pours(space.resin, candidate.thickness_mm, candidate.ratio, tolerances, pours, seed)
-    slabs = poured_slabs(law, drawn, space)
-    found = evaluate(slabs, space.targets, space.sampling.coarse)
-    return found, found.total(rough_parametric(slabs, space.targets, space.sampling))
 
 
 def limits_that_bind(candidate: Candidate, thickness_mm: NDArray, ratio: NDArray) -> tuple[str, ...]:

@@ -109,23 +109,46 @@ def evaluate(slabs: Slabs, targets: Targets, sampling: Sampling | None = None, e
     """
     protocol = targets.protocol
     sampling = sampling or targets.sampling.coarse
-    low_N, lows = protocol.low_grid_N, len(protocol.low_grid_N)
-    forces = np.concatenate([low_N, protocol.steady_grid_N])
+    forces = np.concatenate([protocol.low_grid_N, protocol.steady_grid_N])
     reached = steady_depth(slabs, forces, protocol.slow_mm_s, sampling)
-    away = np.log(reached / targets.aim_depth_mm(forces)) / targets.depth_half_width
-    close = [closeness(away[:, lows:])]
-    presses, inside, depths, peaks = [], [], [], []
     at_force = {
         v: steady_depth(slabs, np.array(protocol.forces_N), v, sampling, exact) for v in protocol.velocities_mm_s
     }
+    presses = []
     for condition in targets.conditions:
         depth = at_force[condition.velocity_mm_s][:, protocol.forces_N.index(condition.steady_force_N)]
-        press = press_to_depth(slabs, depth, condition.velocity_mm_s, sampling)
-        share = _inside_exact if exact else _inside_at_samples
+        presses.append(press_to_depth(slabs, depth, condition.velocity_mm_s, sampling))
+    return _scored(slabs, targets, sampling, reached, tuple(presses), exact)
+
+
+def scored_for(found: Evaluation, targets: Targets) -> Evaluation:
+    """The same presses scored against other targets of the same test; see :func:`evaluate`.
+
+    Parameters
+    ----------
+    found : Evaluation
+        With its presses.
+    targets : Targets
+        Of the same protocol.
+    """
+    reached = np.concatenate([found.low_depth_mm, found.steady_depth_mm], axis=-1)
+    return _scored(found.slabs, targets, found.sampling, reached, found.presses, False)
+
+
+def _scored(
+    slabs: Slabs, targets: Targets, sampling: Sampling, reached: NDArray, presses: tuple[Press, ...], exact: bool
+) -> Evaluation:
+    """Scores of designs by their depths at the steady forces, low ones first, and by their presses."""
+    protocol = targets.protocol
+    low_N, lows = protocol.low_grid_N, len(protocol.low_grid_N)
+    forces = np.concatenate([low_N, protocol.steady_grid_N])
+    away = np.log(reached / targets.aim_depth_mm(forces)) / targets.depth_half_width
+    close = [closeness(away[:, lows:])]
+    inside, peaks = [], []
+    share = _inside_exact if exact else _inside_at_samples
+    for condition, press in zip(targets.conditions, presses):
         inside.append(share(press, condition.range))
         peaks.append(np.log(press.peak_N / condition.aim_peak_N) / condition.peak_half_width)
-        presses.append(press)
-        depths.append(depth)
     close.append(closeness(np.stack(peaks, axis=-1)))
     return Evaluation(
         slabs,
@@ -135,10 +158,10 @@ def evaluate(slabs: Slabs, targets: Targets, sampling: Sampling | None = None, e
         0.5 * (close[0] + close[1]),
         closeness(away[:, :lows]),
         np.stack(inside, axis=-1),
-        np.stack(depths, axis=-1),
+        np.stack([press.depth_mm for press in presses], axis=-1),
         reached[:, :lows],
         reached[:, lows:],
-        tuple(presses),
+        presses,
         protocol,
         sampling,
         targets.weights,

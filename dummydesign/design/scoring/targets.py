@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -24,6 +25,8 @@ NARROWEST = 0.15
 """Half-widths of bands are never taken below 15 %: a single subject has no band, but distances from it need
 a scale on which a slab's unavoidable misfit still distinguishes better from worse."""
 HELD_FORCES = 60
+DRAWN = 49
+"""Tissues that stand for what is not known of one."""
 
 
 @dataclass(frozen=True)
@@ -91,6 +94,18 @@ class Targets:
         if self.settled:
             return law_named(self.tissue.law).root(np.asarray(force_N, float) / self.parameters.gamma1_N_per_mm3)
         return self._held_mm(force_N)[-1]
+
+    @cached_property
+    def drawn(self) -> tuple[Targets, ...]:
+        """Targets of tissues that the data of this one allow, of the same test; empty where nothing can be drawn.
+
+        One who is named is followed as he was measured: nothing is drawn.
+        """
+        from dummydesign.tissue.population.doubt import drawn_tissues
+
+        if self.aim.lower().startswith("subject:"):
+            return ()
+        return make_each(drawn_tissues(self.tissue, DRAWN), self.aim, self.sampling, self.protocol)
 
     @property
     def settled(self) -> bool:
@@ -171,19 +186,39 @@ def make_targets(tissue: Tissue, aim: str, sampling: Sampling, protocol: Protoco
     InputError
         For an unknown aim or subject.
     """
-    from dummydesign.tissue.model.ranges import force_range
+    return make_each((tissue,), aim, sampling, protocol)[0]
 
-    parameters = tissue.target(aim)
-    conditions = []
+
+def make_each(
+    tissues: Sequence[Tissue], aim: str, sampling: Sampling, protocol: Protocol = PAPER
+) -> tuple[Targets, ...]:
+    """The :func:`make_targets` of several tissues of one law, all subjects pressed at once.
+
+    Parameters
+    ----------
+    tissues : sequence of Tissue
+    aim, sampling, protocol
+        As for :func:`make_targets`.
+    """
+    from dummydesign.tissue.model.ranges import force_ranges
+
+    if not tissues:
+        return ()
+    aims = [tissue.target(aim) for tissue in tissues]
+    groups = [(*tissue.parameter_sets, parameters) for tissue, parameters in zip(tissues, aims)]
+    conditions: list[list[Condition]] = [[] for _ in tissues]
     for velocity in protocol.velocities_mm_s:
         for force in protocol.forces_N:
-            motion = (sampling.hold_s, sampling.deceleration_mm_s2)
-            band = force_range((*tissue.parameter_sets, parameters), force, velocity, *motion)
-            subjects = _part(band, slice(-1))
-            energy = _energies(subjects, tissue.law, sampling)
-            ends = float(energy.min()), float(energy.max())
-            conditions.append(Condition(force, velocity, subjects, _part(band, slice(-1, None)), ends))
-    return Targets(tissue, aim, parameters, tuple(conditions), protocol, sampling)
+            bands = force_ranges(groups, force, velocity, sampling.hold_s, sampling.deceleration_mm_s2)
+            for tissue, band, own in zip(tissues, bands, conditions):
+                subjects = _part(band, slice(-1))
+                energy = _energies(subjects, tissue.law, sampling)
+                ends = float(energy.min()), float(energy.max())
+                own.append(Condition(force, velocity, subjects, _part(band, slice(-1, None)), ends))
+    return tuple(
+        Targets(tissue, aim, parameters, tuple(own), protocol, sampling)
+        for tissue, parameters, own in zip(tissues, aims, conditions)
+    )
 
 
 def subjects_press(band: ForceRange, law: str, sampling: Sampling) -> tuple[NDArray, NDArray, NDArray]:

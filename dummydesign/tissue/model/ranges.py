@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -169,7 +170,26 @@ def force_range(
     -------
     ForceRange
     """
-    law, gamma1, gamma, dampers = stack(subjects, velocity_mm_s)
+    return force_ranges((subjects,), steady_force_N, velocity_mm_s, hold_s, deceleration_mm_s2, lowpass)[0]
+
+
+def force_ranges(
+    groups: Sequence[tuple[Parameters, ...]],
+    steady_force_N: float,
+    velocity_mm_s: float,
+    hold_s: float = 10.0,
+    deceleration_mm_s2: float = DECELERATION_MM_S2,
+    lowpass: Lowpass | None = None,
+) -> list[ForceRange]:
+    """The :func:`force_range` of each of several groups of subjects of one law, all pressed at once.
+
+    Parameters
+    ----------
+    groups : sequence of tuple of Parameters
+    steady_force_N, velocity_mm_s, hold_s, deceleration_mm_s2, lowpass
+        As for :func:`force_range`.
+    """
+    law, gamma1, gamma, dampers = stack(tuple(one for group in groups for one in group), velocity_mm_s)
 
     def coarse(depth: NDArray) -> Motion:
         return ramp_and_hold(velocity_mm_s, depth, hold_s, deceleration_mm_s2, 24, 12, 3)
@@ -180,12 +200,18 @@ def force_range(
     if lowpass is not None:
         curves = lowpass.apply(motion.time_s, curves)
     stop = motion.time_s[..., -1] - hold_s
-    # the samples of every subject, so that each piecewise-linear curve is kept as it is
-    grid = np.unique(motion.time_s)
-    grid = grid[grid <= float(stop.min()) + hold_s]
-    on_grid = interpolate_rows(np.broadcast_to(grid, (len(curves), len(grid))), motion.time_s, curves)
-    low, high = on_grid.min(axis=0), on_grid.max(axis=0)
-    return ForceRange(float(steady_force_N), float(velocity_mm_s), grid, low, high, on_grid, depth, stop)
+    found, end = [], 0
+    for group in groups:
+        rows = slice(end, end := end + len(group))
+        # the samples of every subject, so that each piecewise-linear curve is kept as it is
+        time = motion.time_s[rows]
+        grid = np.unique(time)
+        grid = grid[grid <= float(stop[rows].min()) + hold_s]
+        on_grid = interpolate_rows(np.broadcast_to(grid, (len(time), len(grid))), time, curves[rows])
+        low, high = on_grid.min(axis=0), on_grid.max(axis=0)
+        condition = float(steady_force_N), float(velocity_mm_s)
+        found.append(ForceRange(*condition, grid, low, high, on_grid, depth[rows], stop[rows]))
+    return found
 
 
 def held_depth(

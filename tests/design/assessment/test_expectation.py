@@ -7,8 +7,10 @@ import pytest
 
 from dummydesign.design.assessment.expectation import by_expectation
 from dummydesign.design.assessment.pour_yield import Tolerances
+from dummydesign.design.assessment.tissue_doubt import castings_for_tissues, tissue_share
 from dummydesign.design.inputs import resolve
 from dummydesign.design.request import Request
+from dummydesign.design.scoring.score import evaluate, scored_for
 from dummydesign.design.search.best_of_kinds import best_of_kinds, choose, close_to
 from dummydesign.design.suggest import design
 from tests.design.assessment.test_choice import surer
@@ -23,18 +25,50 @@ def crowned():
     return inputs, found, choose(found, inputs.space)
 
 
-def test_a_resin_that_is_known_and_poured_exactly_gives_the_choice_by_the_middle(crowned):
+def known_tissue(space):
+    """The space with a tissue of which nothing else is drawn."""
+    targets = dataclasses.replace(space.targets)
+    targets.__dict__["drawn"] = ()
+    return dataclasses.replace(space, targets=targets)
+
+
+def test_a_resin_and_a_tissue_that_are_known_and_poured_exactly_give_the_choice_by_the_middle(crowned):
     inputs, _, chosen = crowned
-    known = dataclasses.replace(inputs.space, resin=surer(inputs.space.resin))
+    known = dataclasses.replace(known_tissue(inputs.space), resin=surer(inputs.space.resin))
     taken, told = by_expectation((chosen,), known, SHARP, known.targets.weights.low_aim)
     assert taken is chosen and not told.differs and told.taken == told.middle
     assert told.taken.expected_worth == pytest.approx(told.taken.worth, abs=0.03)
-    assert told.taken.acceptable_fraction == 1.0
+    assert told.taken.acceptable_fraction == 1.0 and told.taken.tissue_share is None
+
+
+def test_the_doubt_is_all_the_tissues_where_the_pad_is_known_and_none_of_it_where_the_tissue_is(crowned):
+    inputs, _, chosen = crowned
+    best, share = chosen.found.best, inputs.space.targets.weights.low_aim
+    exact = dataclasses.replace(inputs.space, resin=surer(inputs.space.resin))
+    shares = []
+    for space, tolerances in ((exact, SHARP), (inputs.space, Tolerances(110.0)), (inputs.space, Tolerances(1.0, 0.02))):
+        found = castings_for_tissues(chosen.cast, best, space, tolerances, 40, 3, share)
+        assert found.total.shape == (len(space.targets.drawn), 40)
+        shares.append(tissue_share(found.worth))
+    assert shares[0] > 0.99 > shares[1] > shares[2] > 0.0
+    alone = castings_for_tissues(chosen.cast, best, known_tissue(inputs.space), Tolerances(110.0), 40, 3, share)
+    assert alone.total.shape == (1, 40) and tissue_share(alone.worth) is None and not alone.tissue_drawn
+
+
+def test_presses_scored_for_another_tissue_are_what_pressing_anew_for_it_gives(crowned):
+    inputs, _, chosen = crowned
+    other, coarse = inputs.space.targets.drawn[5], inputs.space.sampling.coarse
+    slabs = chosen.found.best.evaluation.slabs
+    anew = evaluate(slabs, other, coarse)
+    again = scored_for(evaluate(slabs, inputs.space.targets, coarse), other)
+    for name in ("aim", "low_aim", "steady_state_range", "force_variation_range", "inside", "depth_mm"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(anew, name))
 
 
 def test_a_pad_at_the_end_of_a_range_gives_way_to_its_neighbour_one_step_of_the_ratio_away(crowned):
     inputs, _, chosen = crowned
-    taken, told = by_expectation((chosen,), inputs.space, Tolerances(110.0), inputs.space.targets.weights.low_aim)
+    space = known_tissue(inputs.space)
+    taken, told = by_expectation((chosen,), space, Tolerances(110.0), space.targets.weights.low_aim)
     best, middle = taken.found.best, chosen.found.best
     assert told.differs and told.taken.expected_worth > told.middle.expected_worth
     assert told.taken.acceptable_fraction > told.middle.acceptable_fraction

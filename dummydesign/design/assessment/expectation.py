@@ -94,10 +94,7 @@ def by_expectation(
         castings_for_tissues(chosen.cast, candidate, space, tolerances, POURS, SEED, low_share)
         for chosen, candidate in pads
     ]
-    best = max(range(len(pads)), key=lambda at: float(drawn[at].worth.mean()))
-    gain = drawn[best].worth - drawn[0].worth
-    if float(gain.mean()) <= SURE * _error_of_mean(gain):
-        best = 0
+    best, as_known = _best_of(drawn)
     told = [_expected(*pads[at], drawn[at], low_share) for at in (best, 0)]
     over = doubt_words(space.targets)
     of = "castings and tissues" if drawn[0].tissue_drawn else "castings"
@@ -105,8 +102,9 @@ def by_expectation(
     if best == 0:
         text = f"{told[0].words} is also the best by what is expected over {over}"
         return chosen, Expectation(text, False, *told)
+    by = "resin and casting, as the tissue's own doubt does not tell them apart" if as_known else over
     text = (
-        f"{told[0].words}, is taken by what is expected over {over} (worth {told[0].expected_worth:.2f}, "
+        f"{told[0].words}, is taken by what is expected over {by} (worth {told[0].expected_worth:.2f}, "
         f"{100 * told[0].acceptable_fraction:.0f} % of {of} acceptable); the best in the middle is {told[1].words} "
         f"({told[1].expected_worth:.2f}, {100 * told[1].acceptable_fraction:.0f} %)"
     )
@@ -144,6 +142,22 @@ def _near(chosen: Chosen, space: SearchSpace, low_share: float) -> list[Candidat
         if found.feasible[at]
     ]  # fmt: skip
     return [best, *(one for one in others if one.standing >= best.standing)]
+
+
+def _best_of(drawn: Sequence[Castings]) -> tuple[int, bool]:
+    """Which pad is surely expected to be worth more than the first, and whether for the tissue as it is known alone.
+
+    Where the doubt about the tissue hides a difference, that for the tissue in the middle of what is known decides
+    among the pads that are expected to be worth no less over all of it.
+    """
+    gains = [one.worth - drawn[0].worth for one in drawn]
+    best = max(range(len(drawn)), key=lambda at: float(gains[at].mean()))
+    if float(gains[best].mean()) > SURE * _error_of_mean(gains[best]):
+        return best, False
+    able = [at for at, gain in enumerate(gains) if gain.mean() >= 0.0]
+    best = max(able, key=lambda at: float(drawn[at].worth_as_known.mean()))
+    gain = (drawn[best].worth_as_known - drawn[0].worth_as_known)[None]
+    return (best, True) if float(gain.mean()) > SURE * _error_of_mean(gain) else (0, False)
 
 
 def _error_of_mean(values: NDArray) -> float:

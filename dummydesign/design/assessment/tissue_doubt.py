@@ -30,11 +30,14 @@ class Castings:
     total, worth : ndarray, shape (tissues, pours)
         The score's total, and what the pad is worth with its standing.
     acceptable : ndarray of bool, shape (tissues, pours)
+    worth_as_known : ndarray, shape (pours,)
+        The worth for the tissue in the middle of what is known of it.
     """
 
     total: NDArray
     worth: NDArray
     acceptable: NDArray
+    worth_as_known: NDArray
 
     @property
     def tissue_drawn(self) -> bool:
@@ -66,13 +69,14 @@ def castings_for_tissues(
     pressed = evaluate(slabs, space.targets, space.sampling.coarse)
     gamma1 = steady_gamma1(slabs, space.targets.protocol, space.sampling.coarse, space.targets.power)
     rows = []
-    for targets in space.targets.drawn or (space.targets,):
+    for targets in (space.targets, *space.targets.drawn):
         found = pressed if targets is space.targets else scored_for(pressed, targets)
         total = found.total(gamma1_score(gamma1, targets))
         stands = standing(found, targets)
         merit = (1.0 - low_share) * total + low_share * found.low_aim
         rows.append((total, np.array(targets.weights.worth)[stands] * merit, stands > NOT_ACCEPTABLE))
-    return Castings(*(np.array(values) for values in zip(*rows)))
+    kept = rows[1:] or rows
+    return Castings(*(np.array(values) for values in zip(*kept)), rows[0][1])
 
 
 def tissue_share(values: NDArray) -> float | None:

@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from dummydesign.design.assessment.expectation import by_expectation
+from dummydesign.design.assessment.expectation import _best_of, by_expectation
 from dummydesign.design.assessment.pour_yield import Tolerances
-from dummydesign.design.assessment.tissue_doubt import castings_for_tissues, tissue_share
+from dummydesign.design.assessment.tissue_doubt import Castings, castings_for_tissues, tissue_share
 from dummydesign.design.inputs import resolve
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.score import evaluate, scored_for
@@ -79,6 +79,24 @@ def test_a_pad_at_the_end_of_a_range_gives_way_to_its_neighbour_one_step_of_the_
     row = next(item for item in taken.beside if item.kind == "crowned")
     assert row.candidate is best and best.parameters is not None
     assert f"ratio {best.ratio:g}" in told.text and f"ratio {middle.ratio:g}" in told.text
+
+
+def castings(worth, as_known):
+    worth, as_known = np.asarray(worth, float), np.asarray(as_known, float)
+    return Castings(worth, worth, worth > 0.5, as_known)
+
+
+def test_the_tissue_as_it_is_known_decides_where_its_doubt_hides_the_difference_and_only_there():
+    rng = np.random.default_rng(5)
+    first = rng.uniform(0.3, 0.4, (6, 50))
+    hidden = first + np.array([0.4, -0.3, 0.2, -0.3, 0.3, -0.2])[:, None]
+    better = castings(hidden, first[0] + 0.1)
+    assert _best_of([castings(first, first[0]), better]) == (1, True)
+    surely = castings(first + 0.05, first[0] - 0.1)
+    assert _best_of([castings(first, first[0]), better, surely]) == (2, False)
+    worse = castings(hidden - 0.1, first[0] + 0.1)
+    assert _best_of([castings(first, first[0]), worse]) == (0, False)
+    assert _best_of([castings(first, first[0]), castings(first, first[0])]) == (0, False)
 
 
 @pytest.mark.slow

@@ -197,6 +197,7 @@ def make_each(
     Parameters
     ----------
     tissues : sequence of Tissue
+        All of one law.
     aim, sampling, protocol
         As for :func:`make_targets`.
     """

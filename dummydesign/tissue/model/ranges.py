@@ -186,8 +186,9 @@ def force_ranges(
     Parameters
     ----------
     groups : sequence of tuple of Parameters
+        At least one of each.
     steady_force_N, velocity_mm_s, hold_s, deceleration_mm_s2, lowpass
-        As for :func:`force_range`.
+        As for :func:`force_range`. [N, mm/s, s, mm/s2]
     """
     law, gamma1, gamma, dampers = stack(tuple(one for group in groups for one in group), velocity_mm_s)
 

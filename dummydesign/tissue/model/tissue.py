@@ -127,19 +127,19 @@ class Tissue:
 
     def steady_force_range(self, depth_mm: ArrayLike) -> tuple[NDArray, NDArray]:
         """Lowest and highest steady force gamma1 x^3 of the subjects over depth. [N]"""
-        from dummydesign.tissue.model.ranges import steady_force_range
+        from dummydesign.tissue.model.steady_ranges import steady_force_range
 
         return steady_force_range(self.parameter_sets, depth_mm)
 
     def steady_depth_range(self, force_N: ArrayLike) -> tuple[NDArray, NDArray]:
         """Depth of the stiffest and of the softest subject over steady force. [mm]"""
-        from dummydesign.tissue.model.ranges import steady_depth_range
+        from dummydesign.tissue.model.steady_ranges import steady_depth_range
 
         return steady_depth_range(self.parameter_sets, force_N)
 
     def steady_inside(self, force_N: ArrayLike, depth_mm: ArrayLike) -> dict[str, NDArray]:
-        """Fraction of steady-state curves in the range; see :func:`dummydesign.tissue.model.ranges.steady_inside`."""
-        from dummydesign.tissue.model.ranges import steady_inside
+        """Fraction of steady-state curves in the range; see :func:`dummydesign.tissue.model.steady_ranges.steady_inside`."""
+        from dummydesign.tissue.model.steady_ranges import steady_inside
 
         return steady_inside(self.parameter_sets, force_N, depth_mm)
 

@@ -14,7 +14,8 @@ from dummydesign.measurement.trace import Trace
 from dummydesign.tissue import load_tissue
 from dummydesign.tissue.comparison.compare import compare_traces
 from dummydesign.tissue.comparison.press_test import PressTest, presses_of
-from dummydesign.tissue.model.ranges import end_of_hold_range, held_depth, steady_depth_range
+from dummydesign.tissue.model.ranges import end_of_hold_range, held_depth
+from dummydesign.tissue.model.steady_ranges import steady_depth_range
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,8 @@ from dummydesign.core.errors import InputError
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.tissue import load_tissue
 from dummydesign.tissue.model.parameters import Parameters
-from dummydesign.tissue.model.ranges import force_range, steady_inside
+from dummydesign.tissue.model.ranges import force_range
+from dummydesign.tissue.model.steady_ranges import steady_inside
 from dummydesign.tissue.model.tissue_file import parse_tissue, readable_tissues, tissue_toml
 
 SITES = ["palm", "thenar", "forefinger"]

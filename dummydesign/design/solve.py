@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dummydesign.design.assessment.centring import CentringTolerance, centring_tolerance
-from dummydesign.design.assessment.expectation import Expectation, by_expectation
 from dummydesign.design.assessment.pour_yield import Tolerances
 from dummydesign.design.assessment.verification import Verification, not_verified, of_shape, verify_design
+from dummydesign.design.expected.expectation import Expectation, by_expectation
 from dummydesign.design.inputs import Inputs
 from dummydesign.design.mould import pour_recipe, top_mass_g
 from dummydesign.design.own_test.checks import standard_press

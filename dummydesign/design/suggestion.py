@@ -14,9 +14,9 @@ from dummydesign.geometry.shapes import PadShape
 if TYPE_CHECKING:
     from dummydesign.design.assessment.centring import CentringTolerance
     from dummydesign.design.assessment.choice import Choice, MeasureFirst
-    from dummydesign.design.assessment.expectation import Expectation
     from dummydesign.design.assessment.pour_yield import PourYield
     from dummydesign.design.assessment.verification import Verification
+    from dummydesign.design.expected.expectation import Expectation
     from dummydesign.design.own_test.punch import AskedPunch
     from dummydesign.design.request import Request
     from dummydesign.design.scoring.presses import ForceLaw

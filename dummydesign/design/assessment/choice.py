@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from dummydesign.design.assessment.pour_yield import SEED as DRAWN
 from dummydesign.design.assessment.pour_yield import Pours, Tolerances, draw_pours
 from dummydesign.design.assessment.readings import poured_slabs
-from dummydesign.design.assessment.tissue_doubt import castings_for_tissues, doubt_words, tissue_share
+from dummydesign.design.expected.tissue_doubt import castings_for_tissues, doubt_words, tissue_share
 from dummydesign.design.scoring.presses import ForceLaw
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.standing import ACCEPTABLE_AND_STEADY, standing

@@ -138,7 +138,7 @@ class Tissue:
         return steady_depth_range(self.parameter_sets, force_N)
 
     def steady_inside(self, force_N: ArrayLike, depth_mm: ArrayLike) -> dict[str, NDArray]:
-        """Fraction of steady-state curves in the range; see :func:`dummydesign.tissue.model.steady_ranges.steady_inside`."""
+        """Fraction of steady curves in the range; see :func:`dummydesign.tissue.model.steady_ranges.steady_inside`."""
         from dummydesign.tissue.model.steady_ranges import steady_inside
 
         return steady_inside(self.parameter_sets, force_N, depth_mm)

@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from dummydesign.design.assessment.expectation import _best_of, by_expectation
 from dummydesign.design.assessment.pour_yield import Tolerances
-from dummydesign.design.assessment.tissue_doubt import Castings, castings_for_tissues, tissue_share
+from dummydesign.design.expected.expectation import _best_of, by_expectation
+from dummydesign.design.expected.tissue_doubt import Castings, castings_for_tissues, tissue_share
 from dummydesign.design.inputs import resolve
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.score import evaluate, scored_for

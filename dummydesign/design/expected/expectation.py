@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.design.assessment.pour_yield import Tolerances
-from dummydesign.design.assessment.tissue_doubt import Castings, castings_for_tissues, doubt_words, tissue_share
+from dummydesign.design.expected.tissue_doubt import Castings, castings_for_tissues, doubt_words, tissue_share
 from dummydesign.design.scoring.law_parameters import rough_parametric
 from dummydesign.design.scoring.presses import make_curves
 from dummydesign.design.scoring.score import evaluate

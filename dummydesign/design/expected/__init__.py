@@ -1,0 +1,1 @@
+"""What is expected of a pad over its castings and over what is not known of resin and tissue."""

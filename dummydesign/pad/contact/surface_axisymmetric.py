@@ -130,6 +130,7 @@ class Surface:
         area = 2.0 * np.pi * r * length * weight
         self.dofs = np.stack([2 * sides, 2 * sides + 1], axis=-1).reshape(len(sides), 6)
         self._shape, self._place = shape, place
+        self._pairs = np.einsum("qi,qj->ijq", shape, shape).reshape(9, -1)
         self._stiffness = area * stiffness(r)
         slide = np.zeros((len(sides), 3, 2, 3, 2))
         slide[:, :, 0, :, 0] = np.einsum("qi,qj,eq->eij", shape, shape, area * film(r))
@@ -147,7 +148,7 @@ class Surface:
 
     def _points(self, u: Array) -> Array:
         moved = self._place + u[self.dofs].reshape(self._place.shape)
-        return np.einsum("qi,eic->eqc", self._shape, moved)
+        return self._shape @ moved
 
     def begin(self) -> None:
         """Forget what was tied in a step that has not been accepted."""
@@ -232,12 +233,11 @@ class Surface:
         points = self._points(u)
         gap, normal, bend = punch.gap(points, depth)
         push = self._stiffness * np.maximum(-gap, 0.0)
-        on_side = np.einsum("qi,eqc->eic", self._shape, -push[..., None] * normal).reshape(local.shape)
-        on_side = on_side + np.einsum("eij,ej->ei", self._film, local)
+        pull = -push[..., None] * normal
         pressing = np.where(gap <= TOUCHING, self._stiffness, 0.0)
         second = pressing[..., None, None] * normal[..., :, None] * normal[..., None, :]
         second = second - push[..., None, None] * bend
-        slip = np.einsum("eqc,eqc->eq", points + np.array([0.0, depth]) - self._spot, self._along)
+        slip = ((points + np.array([0.0, depth]) - self._spot) * self._along).sum(axis=-1)
         hold = self._grip * self._held
         drag = hold * slip
         if self._friction:
@@ -247,7 +247,8 @@ class Surface:
             hold = hold + self._friction * push * self._held * self._slip_scale**2 / root**3
             second = second - (share * pressing)[..., None, None] * self._along[..., :, None] * normal[..., None, :]
         second = second + hold[..., None, None] * self._along[..., :, None] * self._along[..., None, :]
-        on_side = on_side + np.einsum("qi,eqc->eic", self._shape, drag[..., None] * self._along).reshape(local.shape)
-        matrix = np.einsum("qi,qj,eqab->eiajb", self._shape, self._shape, second, optimize=True)
+        pull += drag[..., None] * self._along
+        on_side = (self._shape.T @ pull).reshape(local.shape) + (self._film @ local[:, :, None])[:, :, 0]
+        matrix = (self._pairs @ second.reshape(*gap.shape, 4)).reshape(-1, 3, 3, 2, 2).transpose(0, 1, 3, 2, 4)
         total = np.bincount(self.dofs.ravel(), on_side.ravel(), minlength=len(u))
         return total, matrix.reshape(len(local), 6, 6) + self._film

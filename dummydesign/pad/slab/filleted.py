@@ -16,8 +16,10 @@ import numpy as np
 from dummydesign.core.cache import cached
 from dummydesign.core.errors import NoAnswerError, out_of_range
 from dummydesign.geometry.standard import LARGEST_EDGE_RADIUS, MAX_DEPTH_OVER_THICKNESS, PAD_EXTENT_MM
+from dummydesign.pad.contact.resting_base import Both, RestingBase
 from dummydesign.pad.contact.stiffness import FILLETED_PUNCH
 from dummydesign.pad.contact.surface_axisymmetric import FlatPunch, Surface
+from dummydesign.pad.contact.ties import Contact
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import Law
@@ -111,8 +113,9 @@ def lines(length: float, first: float, growth: float, largest: float, within: fl
 
 
 def filleted_problem(
-    slab: Slab, law: Law, poisson: float, fillet: float, sides: bool = True, coarser: float = 1.0
-) -> Problem:
+    slab: Slab, law: Law, poisson: float, fillet: float, sides: bool = True, coarser: float = 1.0,
+    rests: tuple[float, float] | None = None,
+) -> Problem:  # fmt: skip
     """The slab under a punch with a fillet, lengths in thicknesses, what touches it glued.
 
     Parameters
@@ -129,6 +132,8 @@ def filleted_problem(
         Whether the punch has an upright side above the fillet.
     coarser : float
         Size of the cells over those of the fine mesh.
+    rests : (float, float), optional
+        The slab merely rests on its base: coefficient of friction, and the weight's pressure in shear moduli.
     """
     punch = FilletedPunch(slab.radius, fillet, sides)
     flat, cell, growth = punch.flat_radius, min(fillet / CELLS, AT_FILLET) * coarser, GROWTH**coarser
@@ -150,10 +155,14 @@ def filleted_problem(
     held[2 * under] = True
     free = meshes.edges_on(mesh, top & (radius >= flat - 1e-9) & (radius <= slab.radius + 0.8 * slab.scale))
     stiffness = law.shear_MPa * FILLETED_PUNCH.contact / coarser / fillet
-    surface = Surface(
+    surface: Contact = Surface(
         mesh.nodes, free, lambda at: np.full_like(at, stiffness), np.zeros_like, stiffness, 0.0, ties_within_step=True
     )
     solid = Solid(mesh, law, poisson, EDGE_STABILISATION)
+    if rests is not None:
+        below = meshes.on_base(mesh, 1.0)
+        held[2 * np.nonzero(below & ~meshes.on_axis(mesh))[0]] = held[base_unknowns(mesh)] = False
+        surface = Both(surface, RestingBase(mesh, meshes.edges_on(mesh, below), law.shear_MPa, *rests))
     return Problem(solid, held, 2 * under + 1, base_unknowns(mesh), surface, punch)
 
 

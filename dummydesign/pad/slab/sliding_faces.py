@@ -21,16 +21,17 @@ from dummydesign.pad.contact.resting_base import SLIP_SCALE, weight_over_shear
 from dummydesign.pad.contact.surface_axisymmetric import FlatPunch
 from dummydesign.pad.material.hyperelastic import Law
 from dummydesign.pad.slab.edge_extrapolation import RIM_POWER, carried_on
+from dummydesign.pad.slab.filleted import HALVINGS, LATTICE, filleted_problem
 from dummydesign.pad.slab.indentation import Region, indentation_problem
 from dummydesign.pad.slab.problem import PadCurve, Slab, normalise
 from dummydesign.pad.slab.sharp_edge import solve_curve
-from dummydesign.pad.solve.continuation import cost, follow
+from dummydesign.pad.solve.continuation import Path, cost, follow
 
 Array = np.ndarray
 
 RIMS = (0.1, 0.05)
-# Cells per fillet: a face that slides over the fillet needs finer ones than a glued face.
-GLUED_CELLS, SLIDING_CELLS = 1.5, 3.0
+# Cells per fillet of a face that slides.
+SLIDING_CELLS = 3.0
 # What is left of a correction by one halving of the fillet.
 LEFT = 1.0 / (2.0**RIM_POWER - 1.0)
 # Error of the ratio from cells and contact: half the cells moved it by up to 0.3 % and 1 %.
@@ -94,6 +95,29 @@ def solve_flat(
     return PadCurve(glued.depth_mm[:count], force, error, solver, (*found["notes"], *glued.notes))
 
 
+def _follow_sliding(
+    slab: Slab, law: Law, poisson: float, fillet: float, face: str, support: str, weight: float, depths: Array,
+    progress: Callable[[float], None] | None,
+) -> Path:  # fmt: skip
+    """One path of a face that slides, or of the glued one on the same cells: contact over the whole face."""
+    punch = FlatPunch(slab.radius, fillet)
+    region = Region(max(0.0, slab.radius - 3.0 * fillet), slab.radius + 2.0 * fillet, fillet / SLIDING_CELLS)
+    problem = indentation_problem(punch, region, slab.extent, law, poisson, support, face, weight=weight)
+    return follow(problem, depths, 0.1 * fillet, 0.05 * slab.scale, 0.002 * slab.scale, progress)
+
+
+def _follow_glued(
+    slab: Slab, law: Law, poisson: float, fillet: float, face: str, support: str, weight: float, depths: Array,
+    progress: Callable[[float], None] | None,
+) -> Path:  # fmt: skip
+    """One path of a glued face, which moves with the punch node by node, over a base that rests or is bonded."""
+    friction = Interface.parse(support, "base", BASES).coulomb
+    rests = None if friction is None else (friction, weight)
+    problem = filleted_problem(slab, law, poisson, fillet, sides=False, rests=rests)
+    steps = (LATTICE * 0.5**HALVINGS, LATTICE, LATTICE / 256.0)
+    return follow(problem, depths, *steps, progress, lattice=True)
+
+
 def _solve_ratio(
     slab: Slab, law: Law, poisson: float, depths: Array, condition: str, base: str, weight: float,
     progress: Callable[[float], None] | None,
@@ -104,12 +128,10 @@ def _solve_ratio(
     for rim in RIMS:
         forces = []
         for face, support in (("bonded", "bonded"), (condition, base)):
-            punch = FlatPunch(slab.radius, rim * slab.scale)
-            cell = punch.rim / (SLIDING_CELLS if slides else GLUED_CELLS)
-            region = Region(max(0.0, slab.radius - 3.0 * punch.rim), slab.radius + 2.0 * punch.rim, cell)
-            problem = indentation_problem(punch, region, slab.extent, law, poisson, support, face, weight=weight)
-            path = follow(problem, depths, 0.1 * punch.rim, 0.05 * slab.scale, 0.002 * slab.scale, progress)
-            paths.append(path)
+            fillet = rim * slab.scale
+            solve = _follow_sliding if slides else _follow_glued
+            paths.append(solve(slab, law, poisson, fillet, face, support, weight, depths, progress))
+            path = paths[-1]
             forces.append(np.concatenate([path.force, np.full(len(depths) - len(path.force), np.nan)]))
         rows.append(forces[1] / forces[0])
     coarse, fine = rows

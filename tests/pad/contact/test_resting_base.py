@@ -11,7 +11,9 @@ from dummydesign.pad.contact.resting_base import RestingBase, weight_over_shear
 from dummydesign.pad.contact.surface_axisymmetric import FlatPunch
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.material.hyperelastic import neo_hookean
+from dummydesign.pad.slab.filleted import HALVINGS, LATTICE, filleted_problem
 from dummydesign.pad.slab.indentation import Region, indentation_problem
+from dummydesign.pad.slab.problem import Slab
 from dummydesign.pad.slab.sliding_faces import solve_flat
 from dummydesign.pad.solve.continuation import follow
 
@@ -74,6 +76,24 @@ def test_a_heavy_pad_without_friction_slides_and_does_not_lift(sliding):
 
 def test_a_heavy_pad_with_friction_sticks(glued):
     assert press_slab("friction:1", HEAVY)[0].force == pytest.approx(glued, rel=1e-3)
+
+
+def press_filleted(base="bonded", rests=None, depths=(0.02, 0.2), ratio=0.8):
+    """Path of a glued face that moves with the punch node by node, with a fillet of a tenth of the radius."""
+    problem = filleted_problem(Slab(ratio, 7.0, base), LAW, 0.5, 0.1 * ratio, sides=False, rests=rests)
+    return follow(problem, np.array(depths), LATTICE * 0.5**HALVINGS, LATTICE, LATTICE / 256.0, lattice=True)
+
+
+@pytest.mark.parametrize(("base", "friction"), [("sliding", 0.0), ("bonded", 1.0)])
+def test_a_heavy_pad_under_a_fillet_slides_without_friction_and_sticks_with_it(base, friction):
+    held = press_filleted(base).force
+    assert press_filleted(rests=(friction, HEAVY)).force == pytest.approx(held, rel=2e-3)
+
+
+@pytest.mark.slow
+def test_a_thin_pad_on_much_friction_is_pressed_to_two_fifths():
+    path = press_filleted(rests=(1.0, weight_over_shear(5.0, 0.025 / 3.0)), depths=(0.1, 0.2, 0.4), ratio=7.9 / 5.0)
+    assert path.stop is None and np.all(np.diff(path.force) > 0.0)
 
 
 @pytest.mark.slow

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dummydesign.core.quantity import Quantity
+from dummydesign.geometry.standard import PUNCH_SIDE_MM
 from dummydesign.resin.model.relaxation_given_modulus import RelaxationGivenModulus
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ YOUNG_SPREAD, BETA_SPREAD = 0.03, 0.1
 assumed."""
 LARGEST_SHARE = 0.9
 """A half width is not more than this share of the value, which is positive."""
+PUNCH = f"square:{PUNCH_SIDE_MM:g}"
 BASE, CONTACT = "bonded", "bonded"
 """What holds the base and the face of the pads that are designed."""
 
@@ -45,7 +47,7 @@ class Calibrated:
     warnings: tuple[dict[str, str], ...]
 
 
-def with_calibration(resin: Resin, path: str) -> Calibrated:
+def with_calibration(resin: Resin, path: str, punch: str = PUNCH, square: bool = True) -> Calibrated:
     """Read a calibration and put it into a resin and a force law.
 
     The resin's law is updated by the campaign's modulus at its ratio and takes the campaign's relaxation there.
@@ -59,6 +61,10 @@ def with_calibration(resin: Resin, path: str) -> Calibrated:
         The resin that is designed with.
     path : str
         File written by ``dummydesign loop``.
+    punch : str
+        Flat punch with sharp edges that the design is pressed with, as typed.
+    square : bool
+        Whether it is square; another one counts as the circle of its area.
 
     Raises
     ------
@@ -73,7 +79,7 @@ def with_calibration(resin: Resin, path: str) -> Calibrated:
 
     calibration = read_calibration(path)
     ratio = calibration.pad.get("ratio") or resin.relaxation_ratio_ref
-    warnings = _differences(calibration, resin, ratio)
+    warnings = _differences(calibration, resin, ratio, punch)
     source = f"calibration {path} of a measured campaign"
     young = 1e3 * float(calibration.after.base.young_MPa)
     known = calibration.posterior
@@ -90,7 +96,7 @@ def with_calibration(resin: Resin, path: str) -> Calibrated:
         updated, arms=tuple(arms), relaxation_ratio_ref=float(ratio), references=told,
         joint_relaxation=_joint(calibration),
     )  # fmt: skip
-    return Calibrated(resin, CorrectedLaw(calibration, base=BASE), calibration, warnings)
+    return Calibrated(resin, CorrectedLaw(calibration, square, BASE, punch), calibration, warnings)
 
 
 def _joint(calibration: Calibration) -> RelaxationGivenModulus | None:
@@ -106,8 +112,8 @@ def _joint(calibration: Calibration) -> RelaxationGivenModulus | None:
     return RelaxationGivenModulus.of(float(np.log(1e3 * calibration.after.base.young_MPa)), covariance)
 
 
-def _differences(calibration: Calibration, resin: Resin, ratio: float) -> tuple[dict[str, str], ...]:
-    """Where the campaign differs from what is designed: resin, ratio, base and contact."""
+def _differences(calibration: Calibration, resin: Resin, ratio: float, punch: str) -> tuple[dict[str, str], ...]:
+    """Where the campaign differs from what is designed: resin, ratio, base, contact and punch."""
     pad = calibration.pad
     said = []
     if pad.get("resin") not in (None, resin.name):
@@ -122,6 +128,10 @@ def _differences(calibration: Calibration, resin: Resin, ratio: float) -> tuple[
                 said.append((f"calibration_{name}", f"the calibration's campaign had {name} = {own}, the pad that is "
                              f"designed has {designed}: modulus, relaxation and effects are carried over, what "
                              "was found of the force law is not"))
+        if (own := pad.get("punch") or PUNCH) != punch:
+            said.append(("calibration_punch", f"the calibration's campaign pressed with punch {own}, this design is "
+                         f"for {punch}: modulus, relaxation and effects are carried over, what was found of the force "
+                         "law is not"))
     return tuple({"code": code, "message": message} for code, message in said)
 
 

@@ -7,9 +7,9 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from dummydesign.core.errors import InputError
-from dummydesign.design.own_test.checks import check_test
+from dummydesign.design.own_test.checks import check_test, standard_press
 from dummydesign.design.own_test.punch import AskedPunch, read_punch
-from dummydesign.design.own_test.slab_law import check_mould, own_slab_law, tabulated
+from dummydesign.design.own_test.slab_law import check_calibrated, check_mould, own_slab_law, tabulated
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.presses import ForceLaw, Sampling
 from dummydesign.design.scoring.targets import make_targets
@@ -83,7 +83,9 @@ def resolve(request: Request, law: ForceLaw | None = None) -> Inputs:
     if request.calibration is not None:
         from dummydesign.design.calibrated import with_calibration
 
-        calibrated = with_calibration(resin, request.calibration)
+        if not standard_press(request):
+            check_calibrated(request, punch, thickness)
+        calibrated = with_calibration(resin, request.calibration, request.punch, punch.square)
         resin, law = calibrated.resin, calibrated.law
     if law is None:
         law = own_slab_law(request, punch, thickness)

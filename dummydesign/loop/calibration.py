@@ -99,7 +99,8 @@ class Calibration:
         Root mean square of what the corrected model leaves, by phase of the press: a warning band.
     noise_floor_N : float
     pad : dict
-        Set-up of the campaign: young_kPa_expected, resin, ratio, base, shape, contact of the punch or plates.
+        Set-up of the campaign: young_kPa_expected, resin, ratio, base, shape, contact of the punch or plates,
+        punch as typed (absent in files of earlier versions).
     unexplained_because : tuple of str
         Why the verdict is ``unexplained``; empty otherwise, and in files of earlier versions.
     posterior : Posterior or None
@@ -184,6 +185,7 @@ def calibration_of(result: LoopResult, prior: Calibration | None = None) -> Cali
         "base": result.campaign.pad.base,
         "shape": result.campaign.pad.shape,
         "contact": result.campaign.punch.contact,
+        "punch": result.campaign.punch.text,
     }
     # what a joined prior left was widened by the lack of fit before
     lack = None if result.joined is not None and result.joined.used else result.after.lack.ratio

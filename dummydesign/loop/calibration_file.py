@@ -155,9 +155,9 @@ def _pad(table: dict[str, Any]) -> dict[str, Any]:
         "young_kPa_expected": _positive(table, "young_kPa_expected", "pad") if given("young_kPa_expected") else None,
         "resin": _entry(table, "resin", str, "pad") if given("resin") else None,
         "ratio": _positive(table, "ratio", "pad") if given("ratio") else None,
-        "base": base,
-        "shape": shape,
+        "base": base, "shape": shape,
         "contact": _contact(table) if given("contact") else None,
+        **({"punch": _entry(table, "punch", str, "pad")} if given("punch") else {}),
     }
 
 

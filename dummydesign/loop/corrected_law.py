@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dummydesign.geometry.standard import PUNCH_SIDE_MM
 from dummydesign.loop.calibration import Calibration
 from dummydesign.loop.learned.effect import Learned
 from dummydesign.loop.model.base_law import SlabLaw, UnitForce
@@ -17,6 +18,7 @@ from dummydesign.pad.force_law import BaseForceLaw
 from dummydesign.pad.tables.slab import load_table
 
 BULK = "bulk_that_gives"
+PUNCH = f"square:{PUNCH_SIDE_MM:g}"
 
 
 @dataclass(frozen=True)
@@ -32,10 +34,13 @@ class Correction:
     calibration : Calibration
     base : str
         Base of the pads that are designed, whose faces are glued.
+    punch : str
+        That they are pressed with, as typed; flat, with sharp edges.
     """
 
     calibration: Calibration
     base: str = "bonded"
+    punch: str = PUNCH
 
     def effects(self, shaped: bool) -> tuple[Active, ...]:
         """Effects of the pad that have a value on slabs, or on pads with a shape."""
@@ -80,10 +85,13 @@ class Correction:
         return unit * error.factor(np.clip(depth_mm, 0.0, limit_mm) / thickness_mm)
 
     def knows_the_law(self) -> bool:
-        """Whether the campaign pressed pads that lay and were pressed as those that are designed."""
+        """Whether the campaign pressed pads that lay and were pressed as those that are designed.
+
+        Files of earlier versions name no punch: theirs is taken for the standard one.
+        """
         pad = self.calibration.pad
         held = pad.get("base") == self.base and (pad.get("contact") or "bonded") == "bonded"
-        return held and not self.calibration.on_pucks()
+        return held and (pad.get("punch") or PUNCH) == self.punch and not self.calibration.on_pucks()
 
     def notes(self, shaped: bool) -> tuple[str, ...]:
         """What a reader of the design must know of the effects in it."""
@@ -115,11 +123,12 @@ class CorrectedLaw(BaseForceLaw):
     calibration: Calibration
     square: bool = True
     base: str = "bonded"
+    punch: str = PUNCH
 
     @property
     def correction(self) -> Correction:
         """What the calibration changes."""
-        return Correction(self.calibration, self.base)
+        return Correction(self.calibration, self.base, self.punch)
 
     @property
     def notes(self) -> tuple[str, ...]:

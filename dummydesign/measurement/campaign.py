@@ -48,6 +48,13 @@ class PunchSpec:
     edge_radius_mm: float = 0.0
 
     @property
+    def text(self) -> str:
+        """As it is typed, such as ``square:14``, with the fillet of its edge; the kind alone of plate and profile."""
+        size = self.side_mm if self.shape == "square" else self.diameter_mm
+        words = self.shape if size is None or self.shape in ("plate", "profile") else f"{self.shape}:{size:g}"
+        return f"{words}, edge radius {self.edge_radius_mm:g} mm" if self.edge_radius_mm else words
+
+    @property
     def radius_mm(self) -> float:
         """Radius of the circle of equal area; the largest of a ball or profile. [mm]"""
         if self.profile_mm is not None:

@@ -11,6 +11,7 @@ from dummydesign import cli
 from dummydesign.core.errors import InputError
 from dummydesign.mold.checks import mesh as check_mesh
 from dummydesign.mold.checks import solids as check
+from dummydesign.mold.checks.holes import genera
 from dummydesign.mold.checks.process import check_process
 from dummydesign.mold.files import meshes as mesh
 from dummydesign.mold.files.drawings.parts import part_views
@@ -121,4 +122,8 @@ def test_printed_moulds_and_glass_go_with_several_cavities():
     from dummydesign.mold.cad.build import build
 
     for given in ({"preset": "printed"}, {"face_sheet_mm": 2.0}, {"preset": "printed", "face_sheet_mm": 2.0}):
-        assert failed(check.check_solids(build(mould_spec(6.0, 40.0, 40.0, count=2, **given)))) == []
+        made = build(mould_spec(6.0, 40.0, 40.0, count=2, **given))
+        assert failed(check.check_solids(made)) == []
+        holes = genera(made.spec)
+        for name in ("mould", "frame"):
+            assert mesh.tessellate(made.solid(name)).euler_number == 2 - 2 * holes[name], (name, given)

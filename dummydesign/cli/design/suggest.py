@@ -25,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--resin", default="polyurethane-nagoya", metavar="NAME|FILE", help="see 'dummydesign resins list'")
     add("--thickness", metavar="MIN:MAX", help="limits in mm, inside 3 to 30")
     add("--ratio", metavar="MIN:MAX", help="limits of the mixing ratio, inside the resin's range")
-    add("--calibration", metavar="FILE", help="calibration written by 'dummydesign loop'")
+    add("--calibration", metavar="FILE", help="file written by 'dummydesign loop'; none leaves a project's out")
     add_effect_option(parser)
     shapes = shape_help("auto", default="auto") + "; lengths that are not given are searched"
     add("--shape", default="auto", metavar="NAME[:P,..]", help=shapes)
@@ -88,7 +88,7 @@ def _asked(options: argparse.Namespace, steps: Steps) -> Any:
         thickness_mm=options.thickness,
         ratio=options.ratio,
         shape=options.shape,
-        calibration=options.calibration,
+        calibration=None if options.calibration == "none" else options.calibration,
         effects=options.effect,
         verify=not options.no_verify,
         cad=False if options.no_cad else (True if options.cad else None),

@@ -49,9 +49,6 @@ def check_test(request: Request, punch: AskedPunch) -> None:
     refused = refused_kinds(request, punch).get(request.kind.partition(":")[0].lower())
     if refused:
         raise InputError(refused)
-    if request.calibration is not None and not standard_press(request):
-        raise InputError("a calibration is of its campaign's punch, pad and base: leave --punch, --edge-radius, "
-                         "--pad and --base out")  # fmt: skip
 
 
 def _check_sites(request: Request) -> None:

@@ -110,6 +110,33 @@ def why_solved(request: Request, punch: AskedPunch, thickness_mm: float) -> str:
     return ""
 
 
+def check_calibrated(request: Request, punch: AskedPunch, thickness_mm: NDArray) -> None:
+    """Refuse to design with a calibration where its corrections have nothing to act on: the tables of glued slabs.
+
+    Parameters
+    ----------
+    request : Request
+    punch : AskedPunch
+    thickness_mm : ndarray, shape (T,)
+        That are searched, rising. [mm]
+
+    Raises
+    ------
+    InputError
+        Saying why, and what to do.
+    """
+    why = why_solved(request, punch, float(thickness_mm[-1]))
+    free = [one for one in thickness_mm if not why_solved(request, punch, float(one))]
+    instead = f" or up to --thickness {free[0]:g}:{free[-1]:g}" if free else ""
+    if request.edge_radius_mm:
+        why = f"the edge radius of {request.edge_radius_mm:g} mm is not in them"
+    elif request.base != "bonded":
+        why = f"base = {request.base} is not in them"
+    if why:
+        raise InputError("a calibration corrects the tables of glued pads under flat punches with sharp edges, and "
+                         f"{why}: design without it (--calibration none){instead}")  # fmt: skip
+
+
 def asked_pad(request: Request, punch: AskedPunch, thickness_mm: float = 10.0, young_MPa: float = 1.0) -> Pad:
     """The slab of a request as the pad model takes it.
 

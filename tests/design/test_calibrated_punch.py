@@ -1,0 +1,71 @@
+"""A design for another punch than the campaign's takes of a calibration what holds there, or says why it cannot."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from dummydesign.core.errors import InputError
+from dummydesign.design.inputs import resolve
+from dummydesign.design.request import Request
+from dummydesign.loop.calibration import Calibration, Model
+from dummydesign.loop.calibration_file import write_calibration
+from dummydesign.loop.model.parameters import BaseParameters
+from dummydesign.pad.tables.slab import load_table
+
+YOUNG_MPA = 0.03
+DEPTH_MM, THICKNESS_MM = np.array([0.5, 2.0]), 10.0
+
+
+@pytest.fixture
+def calibration(tmp_path):
+    """File of a calibration whose law is 10 % too soft at 10 mm, of a campaign with a named punch or none."""
+
+    def written(punch=None):
+        base = BaseParameters(YOUNG_MPA, (0.05, 1.2), (0.3, 0.2))
+        model = Model(base, (), np.array([THICKNESS_MM]), np.array([[0.1], [0.0], [0.0]]))
+        pad = {"young_kPa_expected": 30.0, "resin": None, "ratio": 15.0, "base": "bonded", "shape": "slab",
+               "contact": "bonded", **({} if punch is None else {"punch": punch})}  # fmt: skip
+        return str(write_calibration(Calibration(model, model, "none", {}, 0.0, pad), tmp_path / "c.json"))
+
+    return written
+
+
+def _resolved(path, punch, **more):
+    return resolve(Request("forefinger", punch=punch, calibration=path, shape="slab", thickness_mm=(5.0, 12.0), **more))
+
+
+def _force(inputs):
+    return inputs.slab_law.force(DEPTH_MM, THICKNESS_MM, YOUNG_MPA, inputs.punch.radius_mm)
+
+
+def test_another_punch_is_designed_for_with_the_table_of_that_punch_and_says_what_is_left_behind(calibration):
+    found = _resolved(calibration("square:14"), "round:16")
+    plain = load_table(base="bonded").force(DEPTH_MM, THICKNESS_MM, YOUNG_MPA, 8.0)
+    assert _force(found) == pytest.approx(plain, rel=1e-9)
+    (said,) = [one["message"] for one in found.calibrated.warnings if one["code"] == "calibration_punch"]
+    assert "square:14" in said and "round:16" in said
+    assert found.space.resin.references[-1].startswith("calibration ")
+
+
+def test_the_punch_of_the_campaign_takes_its_force_law_too(calibration):
+    found = _resolved(calibration("round:16"), "round:16")
+    plain = load_table(base="bonded").force(DEPTH_MM, THICKNESS_MM, YOUNG_MPA, 8.0)
+    assert _force(found) / plain == pytest.approx(1.1, rel=1e-6)
+    assert not [one for one in found.calibrated.warnings if one["code"] == "calibration_punch"]
+
+
+def test_a_file_without_a_punch_is_taken_for_the_standard_punch(calibration):
+    law = _force(_resolved(calibration(), "square:14")) / _force(_resolved(calibration("round:16"), "square:14"))
+    assert law == pytest.approx(1.1, rel=1e-6)
+
+
+@pytest.mark.parametrize("punch, more, why", [
+    ("ball:20", {}, "punch ball:20 are not in the tables"),
+    ("round:16", {"edge_radius_mm": 1.0}, "edge radius of 1 mm"),
+    ("square:14", {"base": "sliding"}, "base = sliding"), ("square:14", {"pad_mm": (40.0, 40.0)}, "rim of a pad"),
+])  # fmt: skip
+def test_what_a_calibration_cannot_correct_is_refused_with_the_way_out(calibration, punch, more, why):
+    with pytest.raises(InputError, match=why) as problem:
+        _resolved(calibration("square:14"), punch, **more)
+    assert "--calibration none" in str(problem.value)

@@ -155,7 +155,10 @@ class ShapeLaw(BaseForceLaw):
         """Elastic force; zero above the surface, NaN beyond the law's depth; see
         :class:`dummydesign.pad.force_law.ForceLaw`. [N]
         """
-        given = (np.asarray(value, float) for value in (depth_mm, thickness_mm, young_MPa))
+        given = [np.asarray(value, float) for value in (depth_mm, thickness_mm, young_MPa)]
+        if given[0].ndim == 2 and given[1].shape == (len(given[0]), 1):
+            # a row a pad, as curves are sampled: all pads at once
+            return given[2] * self.family.area_mm2(self._designs(given[1][:, 0]), given[0], radius_mm)
         depth, thickness, young = np.broadcast_arrays(*given)
         known, row = np.unique(thickness, return_inverse=True)
         row = row.reshape(thickness.shape)

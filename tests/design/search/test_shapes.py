@@ -154,3 +154,13 @@ def test_auto_takes_the_best_merit_of_all_kinds_and_lists_the_slab_beside(settin
 def test_unknown_or_incomplete_shapes_are_refused(text, words):
     with pytest.raises(InputError, match=words):
         kinds_of(text)
+
+
+def test_all_pads_of_a_law_at_once_have_the_forces_of_one_after_the_other():
+    shape, thickness = Crowned(21.2, 2.0, 9.4), np.array([4.0, 4.5, 5.0])
+    law = ShapeLaw(families.load_family("crowned"), shape, 4.5)
+    depth = law.depth_limit_mm(thickness, 7.9)[:, None] * np.linspace(0.0, 1.02, 30)
+    together = law.force(depth, thickness[:, None], 0.04, 7.9)
+    alone = np.stack([law.force(row, float(value), 0.04, 7.9) for row, value in zip(depth, thickness)])
+    np.testing.assert_allclose(together, alone, rtol=1e-12)
+    assert np.isnan(together[:, -1]).all() and (together[:, 0] == 0.0).all()

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from benchmarks.loop_campaigns import COUNTS, FLOORS
+from benchmarks.loop_campaigns import COUNTS, FLOORS, REFUSED
 
 SHARED_LAW = ("contact_offset", "inertia", "force_bias", "time_skew", "thickness_error")
 """Effects whose law is the same in generator and vocabulary: their intervals can be tested."""
@@ -53,13 +53,16 @@ def learned(row: Row) -> bool:
 
 def table(rows: list[Row]) -> str:
     """The published page."""
+    every, rows = rows, [row for row in rows if row["kind"] != REFUSED]
     kinds = {kind: [row for row in rows if row["kind"] == kind] for kind in (*COUNTS, "unnamed")}
     lines = [
         "# Blind study of the loop", "",
         "Simulated campaigns only (tests/support/campaign_generator.py, which shares no code with the effects).",
         f"Made by `python benchmarks/loop_blind.py --seed {min(row['seed'] for row in rows)}`; one row per campaign is "
         "kept in benchmarks/loop_blind.jsonl.",
-        f"{len(rows)} campaigns, seeds {_ranges(rows)}, run once. In brackets the rate and its 95 % interval.", "",
+        f"{len(rows)} campaigns, seeds {_ranges(rows)}, run once. In brackets the rate and its 95 % interval.",
+        *(f"Seed {row['seed']} ({', '.join(row['effects'])}) was refused before the loop: {row['message']}."
+          for row in every if row["kind"] == REFUSED), "",
         "One effect: each of the vocabulary in turn, at its usual size, doubled, halved. Two and three: drawn from the "
         f"{len(FLOORS)} that can be made large, each of a size that alone would leave 3 to 8 noise floors on left-out "
         "conditions.", "",

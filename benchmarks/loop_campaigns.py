@@ -11,6 +11,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
+from dummydesign.core.errors import InputError  # noqa: E402
 from dummydesign.inference.noise import Noise  # noqa: E402
 from dummydesign.loop.calibration import Calibration, calibration_of  # noqa: E402
 from dummydesign.loop.data.trials import make_presses  # noqa: E402
@@ -41,6 +42,8 @@ STRENGTHS = (1.0, 2.0, 0.5)
 """Sizes of single effects over the usual one."""
 COUNTS = {"none": 0, "one": 1, "two": 2, "three": 3}
 KINDS = (*COUNTS, "unnamed")
+REFUSED = "refused"
+"""Kind of a campaign that the reader refuses: it counts in no rate and is listed."""
 ROUND = (
     "two", "one", "none", "unnamed", "three", "two", "one", "none", "two", "unnamed", "one", "none", "two", "three",
     "one", "none", "unnamed", "two", "one", "none", "two", "three", "one", "none", "unnamed",
@@ -79,8 +82,14 @@ def draw(kind: str, before: int, seed: int) -> Put:
 
 
 def run_one(kind: str, before: int, seed: int, folder: Path) -> dict:
-    """Make a campaign and one on new pads, run the loop, predict the second."""
-    return {"seed": seed, "kind": kind, **learned(draw(kind, before, seed), seed, folder)}
+    """Make a campaign and one on new pads, run the loop, predict the second; one that is refused is kept as that."""
+    put_in = draw(kind, before, seed)
+    try:
+        return {"seed": seed, "kind": kind, **learned(put_in, seed, folder)}
+    except InputError as problem:
+        said = str(problem).partition("; ")[0]
+        return {"seed": seed, "kind": REFUSED, "effects": [n for n, _ in put_in], "sizes": [s for _, s in put_in],
+                "verdict": REFUSED, "found": [], "cpu_seconds": 0.0, "message": said}  # fmt: skip
 
 
 def learned(put_in: Put, seed: int, folder: Path, **how: bool) -> dict:

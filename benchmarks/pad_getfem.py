@@ -135,10 +135,8 @@ while wanted:
     if depth >= wanted[0] - 1e-12:
         wanted.pop(0)
         force.append(float(gf.asm_generic(rule, 0, TURN + "*k*" + upward, 2, model)))
-        r0 = np.array(model.interpolation("X(1)", at, 2))
-        q = np.array(model.interpolation("k*" + upward, at, 2))
-        ring = r0 < 0.5 * a
-        pressure.append(float((q * r0)[ring].sum() / r0[ring].sum()) if task["flat"] else None)
+        part = TURN + "*k*Heaviside(%.12g-X(1))*" % task["ring"] + upward
+        pressure.append(float(gf.asm_generic(rule, 0, part, 2, model)) / (np.pi * task["ring"] ** 2))
 print(json.dumps({"force": force, "pressure": pressure, "seconds": time.process_time() - began,
                   "unknowns": model.nbdof(), "iterations": iterations}))
 """
@@ -171,9 +169,11 @@ def theirs(python: str, pad: Pad, depth_mm: Array, step_mm: float, cell_mm: floa
     along = np.linspace(0.0, EXTENT_MM, 4001)
     top = h - (shape.drop_mm(along, 0.0 * along) if crown else 0.0 * along)
     mu = YOUNG_MPA / 3.0
+    ring = float(r[np.abs(r - 0.5 * RADIUS_MM).argmin()])
     task = {
-        "h": h, "a": RADIUS_MM, "fillet": FILLET_MM, "mu": mu, "bulk": BULK_OVER_SHEAR * mu, "penalty": 1000.0 * mu,
-        "r": r.tolist(), "z": graded(h, 0.0, h, cell_mm).tolist(), "top_r": along.tolist(), "top_z": top.tolist(),
+        "ring": ring, "h": h, "a": RADIUS_MM, "fillet": FILLET_MM, "mu": mu, "bulk": BULK_OVER_SHEAR * mu,
+        "penalty": 3000.0 * mu, "r": r.tolist(), "z": graded(h, 0.0, h, cell_mm).tolist(),
+        "top_r": along.tolist(), "top_z": top.tolist(),
         "reach": 1.5 * RADIUS_MM, "stick": pad.condition == "bonded", "flat": not crown,
         "depth": depth_mm.tolist(), "step": step_mm,
     }  # fmt: skip
@@ -181,7 +181,7 @@ def theirs(python: str, pad: Pad, depth_mm: Array, step_mm: float, cell_mm: floa
     done = subprocess.run([python, "-c", PROGRAM], input=json.dumps(task), **options)
     if done.returncode or not done.stdout.strip():
         return {"failed": (done.stderr.strip().splitlines() or ["no output"])[-1]}
-    return json.loads(done.stdout.strip().splitlines()[-1])
+    return {"ring": ring, **json.loads(done.stdout.strip().splitlines()[-1])}
 
 
 def compare(name: str, python: str, pad: Pad, depth_mm: Array, step_mm: float, cell_mm: float) -> float | None:
@@ -190,10 +190,16 @@ def compare(name: str, python: str, pad: Pad, depth_mm: Array, step_mm: float, c
     if "skipped" in rough:
         print("skipped:", rough["skipped"])
         return None
-    other = rough if "failed" in rough else theirs(python, pad, depth_mm, 0.5 * step_mm, cell_mm)
-    if "failed" in other:
-        print(f"{name}: GetFEM failed: {other['failed']}")
-        return float("inf")
+    for _ in range(3):
+        step_mm *= 0.5
+        other = theirs(python, pad, depth_mm, step_mm, cell_mm) if "failed" not in rough else rough
+        if "failed" in other:
+            print(f"{name}: GetFEM failed: {other['failed']}")
+            return float("inf")
+        # large steps may end early, or in another state than the one that follows the press
+        if len(rough["force"]) == len(other["force"]) and np.allclose(rough["force"], other["force"], rtol=0.01):
+            break
+        rough = other
     count = min(len(rough["force"]), len(other["force"]))
     states = solve_fields(pad, depth_mm[:count].tolist())[0]
     print(f"{name}: GetFEM {other['unknowns']} unknowns, {other['iterations']} iterations, {other['seconds']:.1f} s")
@@ -205,11 +211,11 @@ def compare(name: str, python: str, pad: Pad, depth_mm: Array, step_mm: float, c
         worst = max(worst, abs(difference))
         text = f"  {depth_mm[k]:8.3f}   {state.force_N:13.4f}   {limit:8.4f}   {100 * difference:+9.2f} %"
         text += f"   {100 * (other['force'][k] / limit - 1):+14.2f} %"
-        if other["pressure"][k] is not None:
-            face = state.face
-            ring = face.radius_mm < 0.5 * RADIUS_MM
-            r, p = face.radius_mm[ring], face.pressure_MPa[ring]
-            mean = np.trapezoid(p * r, r) / np.trapezoid(r, r)
+        if pad.condition == "bonded" and not isinstance(pad.geometry, Crowned):
+            # what is glued to the flat face moves with it: radii are those of the pad at rest
+            r = np.linspace(0.0, other["ring"], 201)
+            p = np.interp(r, state.face.radius_mm, state.face.pressure_MPa)
+            mean = 2.0 * np.trapezoid(p * r, r) / other["ring"] ** 2
             text += f"   {1e3 * mean:.2f} and {1e3 * other['pressure'][k]:.2f}"
         print(text, flush=True)
     if count < len(depth_mm):
@@ -228,15 +234,15 @@ def main() -> None:
     found = []
     for h in (10.0,) if asked.quick else (5.0, 10.0, 20.0):
         pad = Pad(h, YOUNG_MPA, RADIUS_MM, extent_mm=EXTENT_MM, edge_radius_mm=FILLET_MM)
-        found.append(compare(f"slab of {h:g} mm, fillet 0.5 mm", asked.python, pad, h * share, 0.01 * h, 0.25))
+        found.append(compare(f"slab of {h:g} mm, fillet 0.5 mm", asked.python, pad, h * share, 0.01 * h, 0.15))
     if not asked.quick:
         tip = Crowned(21.2, 2.0, 9.4)
         crown = Pad(4.5, YOUNG_MPA, RADIUS_MM, extent_mm=EXTENT_MM, edge_radius_mm=FILLET_MM, geometry=tip)
         depth = 4.5 * np.array([0.1, 0.15, 0.2, 0.25, 0.3])
-        found.append(compare("crowned pad of 4.5 mm", asked.python, crown, depth, 0.04, 0.2))
+        found.append(compare("crowned pad of 4.5 mm", asked.python, crown, depth, 0.04, 0.15))
         dome = Crowned(40.0, 1.5, 11.0)
         plain = Pad(20.0, YOUNG_MPA, RADIUS_MM, extent_mm=EXTENT_MM, condition="frictionless", geometry=dome)
-        found.append(compare("crown of 20 mm, no friction", asked.python, plain, np.array([0.1, 0.2, 0.4]), 0.05, 0.25))
+        found.append(compare("crown of 20 mm, no friction", asked.python, plain, np.array([0.1, 0.2, 0.4]), 0.05, 0.2))
     if any(value is not None and value > TOLERANCE for value in found):
         raise SystemExit(f"a force differs by more than {100 * TOLERANCE:g} %")
 

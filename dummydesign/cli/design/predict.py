@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from dummydesign.cli.verdict import verdict_lines
+from dummydesign.cli.texts.verdict import verdict_lines
 
 HELP = "Force of one pad at static depths, under a measured motion, or in a ramp and hold."
 SHOWN = 25

@@ -7,7 +7,7 @@ from typing import Any
 
 from dummydesign.cli.shared_options import add_effect_option, add_replace_option
 from dummydesign.cli.steps import Steps, steps_shown
-from dummydesign.cli.suggested import render
+from dummydesign.cli.texts.suggested import render
 
 __all__ = ["add_arguments", "default_out", "render", "run"]
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from dummydesign.cli.shared_options import add_replace_option
 from dummydesign.cli.steps import steps_shown
-from dummydesign.cli.verdict import verdict_lines
+from dummydesign.cli.texts.verdict import verdict_lines
 
 HELP = "Compare the traces of a cast dummy with a tissue: parameters, steady-state range, force variation range."
 

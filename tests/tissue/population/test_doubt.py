@@ -12,6 +12,7 @@ def gammas(tissue):
     return np.log([one.gamma1_N_per_mm3 for one in tissue.parameter_sets])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("persons", [2, 3, 5, 10])
 def test_the_mean_of_the_population_is_in_the_95_percent_of_the_draws_95_times_in_100(persons):
     """1000 groups of persons; 95 % intervals by 400 draws each hold the truth as often as they say."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from dummydesign.cli.verdict import first_lines, verdict_lines
+from dummydesign.cli.texts.verdict import first_lines, verdict_lines
 
 
 def render(result: dict[str, Any]) -> str:

@@ -31,8 +31,8 @@ def document(checks: list[Check]) -> str:
         "",
         "Made by `python -m dummydesign.studies.verification`; do not edit. Lengths in thicknesses, stresses in shear",
         "moduli unless a unit is given. Tolerances are relative unless marked `abs`; `>=` asks for at least what",
-        "is expected. The comparison with FElupe, a separate program, is `python benchmarks/pad_felupe.py`;",
-        "its figures are in `docs/pad.md`.",
+        "is expected. Comparisons with FElupe and GetFEM, separate programs, are `python benchmarks/pad_felupe.py`",
+        "and `python benchmarks/pad_getfem.py`; their figures are in `docs/pad.md`.",
         "",
         f"{len(checks)} checks, {failed} failed.",
     ]

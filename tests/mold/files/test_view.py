@@ -64,7 +64,9 @@ def test_a_browser_draws_every_part_and_names_it_apart_from_the_others(page, win
     (tmp_path / "view.html").write_text(page)
     seen = visit((tmp_path / "view.html").as_uri(), tmp_path, f"--window-size={window}")
     assert seen.console == [] and seen.requests == []
-    labels = re.findall(r'<span style="top: ([-\d.]+)px;" class="(far)?">([^<]+)</span>', seen.dom)
+    # in whichever order the browser writes the attributes
+    label = r'<span(?=[^>]* style="top: ([-\d.]+)px;")(?=[^>]* class="(far)?")[^>]*>([^<]+)</span>'
+    labels = re.findall(label, seen.dom)
     assert {name for *_, name in labels} == {"tray", "mould", "pad", "strike off", "master", "frame"}
     for side in ("", "far"):
         heights = sorted(float(top) for top, where, _ in labels if where == side)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dummydesign.core.quantity import Quantity
-from dummydesign.geometry.standard import PUNCH_SIDE_MM
+from dummydesign.geometry.standard import PUNCH
 from dummydesign.resin.model.relaxation_given_modulus import RelaxationGivenModulus
 
 if TYPE_CHECKING:
@@ -21,7 +21,6 @@ YOUNG_SPREAD, BETA_SPREAD = 0.03, 0.1
 assumed."""
 LARGEST_SHARE = 0.9
 """A half width is not more than this share of the value, which is positive."""
-PUNCH = f"square:{PUNCH_SIDE_MM:g}"
 BASE, CONTACT = "bonded", "bonded"
 """What holds the base and the face of the pads that are designed."""
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM, PUNCH_RADIUS_MM, PUNCH_SIDE_MM
+from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM, PUNCH, PUNCH_RADIUS_MM
 
 Progress = Callable[[str], None]
 """Is told each step of the work as it begins, in words."""
@@ -20,7 +20,6 @@ def quiet(step: str) -> None:
     """Tell nobody."""
 
 
-PUNCH = f"square:{PUNCH_SIDE_MM:g}"
 RADIUS_MM = PUNCH_RADIUS_MM
 """Circle of the area of the paper's 14 x 14 mm impactor. [mm]"""
 

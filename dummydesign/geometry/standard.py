@@ -6,6 +6,8 @@ import math
 
 PUNCH_SIDE_MM = 14.0
 """Side of the square punch."""
+PUNCH = f"square:{PUNCH_SIDE_MM:g}"
+"""It as typed."""
 PUNCH_RADIUS_MM = PUNCH_SIDE_MM / math.sqrt(math.pi)
 """Radius of the circle of its area."""
 PAD_LENGTH_MM, PAD_WIDTH_MM = 150.0, 120.0

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dummydesign.geometry.standard import PUNCH_SIDE_MM
+from dummydesign.geometry.standard import PUNCH
 from dummydesign.loop.calibration import Calibration
 from dummydesign.loop.learned.effect import Learned
 from dummydesign.loop.model.base_law import SlabLaw, UnitForce
@@ -18,7 +18,6 @@ from dummydesign.pad.force_law import BaseForceLaw
 from dummydesign.pad.tables.slab import load_table
 
 BULK = "bulk_that_gives"
-PUNCH = f"square:{PUNCH_SIDE_MM:g}"
 
 
 @dataclass(frozen=True)

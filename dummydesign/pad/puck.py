@@ -33,6 +33,7 @@ from dummydesign.pad.contact.stiffness import PUCK_PLATES
 from dummydesign.pad.contact.surface_axisymmetric import Punch
 from dummydesign.pad.contact.ties import NoTies
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
+from dummydesign.pad.fem.mesh_columns import columns
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import Law, Yeoh
 from dummydesign.pad.slab.problem import PadCurve
@@ -155,9 +156,7 @@ def puck_problem(
     """
     r = meshes.graded(puck.radius, 0.0, corner, GROWTH)[::-1]
     z = meshes.graded(0.0, -0.5, corner, GROWTH)
-    number = np.arange(len(r) * len(z)).reshape(len(r), len(z))
-    points = np.array([(x, y) for x in r for y in z]).T
-    quads = np.stack([number[:-1, 1:], number[1:, 1:], number[1:, :-1], number[:-1, :-1]]).reshape(4, -1)
+    points, quads, _ = columns(r, -z)
     mesh = meshes.discretise(points, quads)
     top = np.nonzero(meshes.on_top(mesh))[0]
     middle = np.nonzero(meshes.on_base(mesh, 0.5))[0]

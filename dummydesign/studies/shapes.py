@@ -213,7 +213,7 @@ def main(arguments: list[str] | None = None) -> None:
     InputError
         When the page or its marks are missing.
     """
-    from dummydesign.design.request import PUNCH
+    from dummydesign.geometry.standard import PUNCH
     from dummydesign.pad.tables.punch import punch_law
     from dummydesign.pad.tables.slab import load_table
 

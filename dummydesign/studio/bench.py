@@ -11,10 +11,11 @@ from dummydesign.core.errors import InputError
 from dummydesign.design.own_test.checks import refused_kinds
 from dummydesign.design.own_test.punch import PROFILE, read_punch
 from dummydesign.design.own_test.slab_law import table_alone, why_solved
-from dummydesign.design.request import PUNCH, Request
+from dummydesign.design.request import Request
 from dummydesign.design.search.slabs import THICKNESS_MM
 from dummydesign.design.sweep.one_pad import OnePad, law_of_shape, one_pad, with_castings
 from dummydesign.geometry.shapes import PadShape, Slab, read_shape
+from dummydesign.geometry.standard import PUNCH
 
 if TYPE_CHECKING:
     from dummydesign.design.inputs import Inputs

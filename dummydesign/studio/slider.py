@@ -9,10 +9,13 @@ from nicegui import events, ui
 
 THROTTLE_S = 0.03
 LONG_UNIT = 8
+TOLD = "(e) => { e.currentTarget.querySelector('output').textContent = e.target.value; emit(e.target.value); }"
 
 
 class Slider:
-    """A range with its number beside it, written by the browser itself as it moves.
+    """A range with its number beside it, both written by the browser itself as it moves.
+
+    While it moves nothing is sent back: an answer to the first of several keys would take the later ones back.
 
     Attributes
     ----------
@@ -33,13 +36,10 @@ class Slider:
         moved : callable
             Called after each move.
         """
-        self.value, self._moved, self._unit = value, moved, unit
-        with ui.element("label").classes("slide"):
-            self._head = ui.html("", sanitize=False)
-            self._range = ui.element("input").props(f'type=range data-test="slide-{name.lower()}"')
-        self._name = name
+        self.value, self._name, self._moved, self._written = value, name, moved, 0
+        self._label = ui.html("", sanitize=False, tag="label").classes("slide")
+        self._label.on("input", self._take, js_handler=TOLD, throttle=THROTTLE_S)
         self.limit(low, high, step, unit)
-        self._range.on("input", self._take, js_handler="(e) => emit(e.target.value)", throttle=THROTTLE_S)
 
     def limit(self, low: float, high: float, step: float, unit: str) -> None:
         """Set the ends and the step; the value is moved inside.
@@ -51,25 +51,22 @@ class Slider:
         unit : str
             Written over it.
         """
-        self._unit = unit
-        self._range.props(f"min={low:g} max={high:g} step={step:g}")
+        self._unit, self._ends = unit, f"min={low:g} max={high:g} step={step:g}"
         self.set(min(max(self.value, low), high))
 
     def set(self, value: float) -> None:
         """Move it from here, without a call."""
         self.value = float(value)
-        self._range.props(f"value={self.value:g}")
-        self._write()
+        long = len(self._unit) > LONG_UNIT
+        unit, below = ("", f"<small>{escape(self._unit)}</small>") if long else (escape(self._unit), "")
+        # numbered, so that a text written before still replaces what the browser has moved since
+        self._written += 1
+        self._label.set_content(
+            f'<span class="row"><span>{escape(self._name)}</span><span><output>{self.value:g}</output> {unit}</span>'
+            f'</span>{below}<input type="range" {self._ends} value="{self.value:g}" '
+            f'data-test="slide-{self._name.lower()}" data-written="{self._written}">'
+        )
 
     def _take(self, event: events.GenericEventArguments) -> None:
         self.value = float(event.args)
-        # so that a later set to the former value is a change
-        self._range._props["value"] = f"{self.value:g}"
-        self._write()
         self._moved()
-
-    def _write(self) -> None:
-        long = len(self._unit) > LONG_UNIT
-        unit, below = ("", f"<small>{escape(self._unit)}</small>") if long else (escape(self._unit), "")
-        text = f"<span>{escape(self._name)}</span><span><output>{self.value:g}</output> {unit}</span>"
-        self._head.set_content(f'<span class="row">{text}</span>{below}')

@@ -6,11 +6,11 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 from dummydesign.core.errors import InputError, out_of_range
-from dummydesign.design.request import PUNCH, Request
+from dummydesign.design.request import Request
 from dummydesign.design.search.tabulated_shapes import designable_kinds
 from dummydesign.geometry.interface import BASES, Interface
 from dummydesign.geometry.shapes import Slab, read_shape
-from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
+from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM, PUNCH
 
 if TYPE_CHECKING:
     from dummydesign.design.own_test.punch import AskedPunch

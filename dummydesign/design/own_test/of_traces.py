@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from dummydesign.core.checks import DECELERATION, EDGE, FORCE, HOLD, VELOCITY, positive, read_number, read_numbers
 from dummydesign.design.own_test.checks import check_edge, check_numbers, tissue_warnings
 from dummydesign.design.own_test.punch import read_punch
-from dummydesign.design.request import PUNCH
+from dummydesign.geometry.standard import PUNCH
 from dummydesign.tissue.comparison.press_test import PressTest
 
 if TYPE_CHECKING:

@@ -164,7 +164,8 @@ def _setup(pad: Pad, law: Any, depths: Array, shear: float, coarse: bool) -> Set
     if pad.condition == "bonded" and pad.base in BASES:
         slab = Slab(radius, extent, pad.base, pad.condition)
         if pad.edge_radius_mm:
-            from dummydesign.pad.slab.filleted import HALVINGS, LATTICE, filleted_problem
+            from dummydesign.pad.slab.filleted import filleted_problem
+            from dummydesign.pad.slab.solved_depths import HALVINGS, LATTICE
 
             made = filleted_problem(slab, law, pad.poisson, pad.edge_radius_mm / h)
             return Setup(made, LATTICE * 0.5**HALVINGS, LATTICE, LATTICE / 256.0, True)

@@ -14,13 +14,14 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.cache import cached
-from dummydesign.core.errors import NoAnswerError, out_of_range
-from dummydesign.geometry.standard import LARGEST_EDGE_RADIUS, MAX_DEPTH_OVER_THICKNESS, PAD_EXTENT_MM
+from dummydesign.core.errors import out_of_range
+from dummydesign.geometry.standard import LARGEST_EDGE_RADIUS, PAD_EXTENT_MM
 from dummydesign.pad.contact.resting_base import Both, RestingBase
 from dummydesign.pad.contact.stiffness import FILLETED_PUNCH
 from dummydesign.pad.contact.surface_axisymmetric import FlatPunch, Surface
 from dummydesign.pad.contact.ties import Contact
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
+from dummydesign.pad.fem.mesh_columns import columns
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import Law
 from dummydesign.pad.slab.problem import (
@@ -32,13 +33,12 @@ from dummydesign.pad.slab.problem import (
     held_unknowns,
     normalise,
 )
+from dummydesign.pad.slab.solved_depths import LATTICE, curve_through, lattice_depths
 from dummydesign.pad.solve.continuation import Path, cost, follow
 from dummydesign.pad.solve.equilibrium import Problem
 
 Array = np.ndarray
 
-# Load steps end at multiples of this depth over the thickness, halves and less of it at first.
-LATTICE, HALVINGS = 0.02, 5
 # Fine mesh: cells over the fillet, growth away from it, largest cell (thicknesses); the coarse one has half the cells.
 CELLS, GROWTH, LARGEST = 3.0, 1.5, 0.2
 # Cells over a large fillet are no larger than this (thicknesses).
@@ -144,10 +144,7 @@ def filleted_problem(
         flat - lines(flat, cell, growth, largest)[:0:-1], near,
         start + lines(slab.extent - start, cell, growth, largest, 1.0)[1:],
     ])  # fmt: skip
-    z = -lines(1.0, cell, growth, largest)
-    number = np.arange(len(r) * len(z)).reshape(len(r), len(z))
-    points = np.stack([np.repeat(r, len(z)), np.tile(z, len(r))])
-    quads = np.stack([number[:-1, 1:], number[1:, 1:], number[1:, :-1], number[:-1, :-1]]).reshape(4, -1)
+    points, quads, _ = columns(r, lines(1.0, cell, growth, largest))
     mesh = meshes.discretise(points, quads)
     top, radius = meshes.on_top(mesh), mesh.nodes[0]
     under = np.nonzero(top & (radius <= flat + 1e-9))[0]
@@ -222,30 +219,11 @@ def solve_filleted(
     shape, depths, ratio, unit = normalise(thickness_mm, radius_mm, young_MPa, depth_mm, poisson, law)
     check_fillet(fillet_mm, radius_mm)
     slab, fillet = Slab(ratio, extent_mm / thickness_mm, base), fillet_mm / thickness_mm
-    nodes = _nodes(float(depths[-1]))
+    nodes = lattice_depths(float(depths[-1]))
     inputs = {"slab": slab, "fillet": fillet, "law": shape, "poisson": poisson, "depths": nodes, "sides": sides}
     found = cached("filleted", inputs, lambda: _solve(slab, shape, poisson, fillet, sides, nodes, progress))
-    reached = nodes[len(found["stiffness"]) - 2] if len(found["stiffness"]) > 1 else 0.0
-    kept = depths[depths <= reached * (1.0 + 1e-9)]
-    if not len(kept):
-        raise NoAnswerError("no_convergence", f"the pad could not be solved: {found['stop']}")
-    notes: tuple[str, ...] = ()
-    if len(kept) < len(depths):
-        notes = (f"solved to d/h = {reached:.3f} of {depths[-1]:.3f}: {found['stop']}",)
-    from scipy.interpolate import PchipInterpolator
-
     # F / d rises from that of the flat face as the contact rolls on to the fillet, by about the root of the depth.
-    at = np.sqrt(np.concatenate([[0.0], nodes])[: len(found["stiffness"])])
-    stiffness = np.exp(PchipInterpolator(at, np.log(found["stiffness"]))(np.sqrt(kept)))
-    force = stiffness * kept * unit * thickness_mm**2
-    error = np.interp(np.sqrt(kept), at, found["error"]) * force
-    return PadCurve(kept * thickness_mm, force, error, found["solver"], notes)
-
-
-def _nodes(deepest: float) -> Array:
-    """Depths that are solved: multiples of the lattice up to the deepest wanted one, and halvings of the first."""
-    count = int(np.ceil(min(deepest, MAX_DEPTH_OVER_THICKNESS) / LATTICE - 1e-9))
-    return LATTICE * np.concatenate([0.5 ** np.arange(HALVINGS, 0, -1), np.arange(1, count + 1)])
+    return curve_through(np.concatenate([[0.0], nodes]), found, depths, thickness_mm, unit)
 
 
 def _solve(

@@ -20,6 +20,7 @@ from dummydesign.pad.contact.surface_axisymmetric import ProfilePunch, Punch, Su
 from dummydesign.pad.contact.ties import Contact
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mesh_axisymmetric import graded
+from dummydesign.pad.fem.mesh_columns import columns
 from dummydesign.pad.fem.mixed_solid import STABILISATION, Solid
 from dummydesign.pad.material.hyperelastic import Law
 from dummydesign.pad.slab.problem import PadCurve, normalise
@@ -132,9 +133,7 @@ def indentation_problem(
     outer = graded(region.stop, extent, cell, growth)
     r = np.concatenate([inner[:-1], fine, outer[1:]])
     z = graded(0.0, -1.0, cell, growth)
-    number = np.arange(len(r) * len(z)).reshape(len(r), len(z))
-    points = np.array([(x, y) for x in r for y in z]).T
-    quads = np.stack([number[:-1, 1:], number[1:, 1:], number[1:, :-1], number[:-1, :-1]]).reshape(4, -1)
+    points, quads, _ = columns(r, -z)
     mesh = meshes.discretise(points, quads)
     held = np.zeros(mesh.size, dtype=bool)
     held[2 * np.nonzero(meshes.on_axis(mesh))[0]] = True

@@ -21,10 +21,11 @@ from dummydesign.pad.contact.resting_base import SLIP_SCALE, weight_over_shear
 from dummydesign.pad.contact.surface_axisymmetric import FlatPunch
 from dummydesign.pad.material.hyperelastic import Law
 from dummydesign.pad.slab.edge_extrapolation import RIM_POWER, carried_on
-from dummydesign.pad.slab.filleted import HALVINGS, LATTICE, filleted_problem
+from dummydesign.pad.slab.filleted import filleted_problem
 from dummydesign.pad.slab.indentation import Region, indentation_problem
 from dummydesign.pad.slab.problem import PadCurve, Slab, normalise
 from dummydesign.pad.slab.sharp_edge import solve_curve
+from dummydesign.pad.slab.solved_depths import HALVINGS, LATTICE
 from dummydesign.pad.solve.continuation import Path, cost, follow
 
 Array = np.ndarray
@@ -107,7 +108,7 @@ def _follow_sliding(
 
 
 def _follow_glued(
-    slab: Slab, law: Law, poisson: float, fillet: float, face: str, support: str, weight: float, depths: Array,
+    slab: Slab, law: Law, poisson: float, fillet: float, support: str, weight: float, depths: Array,
     progress: Callable[[float], None] | None,
 ) -> Path:  # fmt: skip
     """One path of a glued face, which moves with the punch node by node, over a base that rests or is bonded."""
@@ -129,9 +130,11 @@ def _solve_ratio(
         forces = []
         for face, support in (("bonded", "bonded"), (condition, base)):
             fillet = rim * slab.scale
-            solve = _follow_sliding if slides else _follow_glued
-            paths.append(solve(slab, law, poisson, fillet, face, support, weight, depths, progress))
-            path = paths[-1]
+            if slides:
+                path = _follow_sliding(slab, law, poisson, fillet, face, support, weight, depths, progress)
+            else:
+                path = _follow_glued(slab, law, poisson, fillet, support, weight, depths, progress)
+            paths.append(path)
             forces.append(np.concatenate([path.force, np.full(len(depths) - len(path.force), np.nan)]))
         rows.append(forces[1] / forces[0])
     coarse, fine = rows

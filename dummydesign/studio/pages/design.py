@@ -9,7 +9,7 @@ from typing import Any
 from nicegui import run, ui
 
 from dummydesign.core.errors import InputError
-from dummydesign.design.request import PUNCH
+from dummydesign.geometry.standard import PUNCH
 from dummydesign.project.folder import Project
 from dummydesign.project.status import status_of
 from dummydesign.studio import bench, choices, figures

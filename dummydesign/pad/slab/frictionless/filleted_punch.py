@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.cache import cached
-from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.threads import one_blas_thread
 from dummydesign.geometry.standard import PAD_EXTENT_MM
 from dummydesign.pad.material.hyperelastic import Law
-from dummydesign.pad.slab.filleted import LATTICE, _nodes, check_fillet
+from dummydesign.pad.slab.filleted import check_fillet
 from dummydesign.pad.slab.frictionless.moving_mesh import SlidingMesh
 from dummydesign.pad.slab.problem import PadCurve, Slab, normalise
+from dummydesign.pad.slab.solved_depths import LATTICE, curve_through, lattice_depths
 from dummydesign.pad.solve.continuation import EASY, Path, cost
 from dummydesign.pad.solve.equilibrium import Failure, find_equilibrium
 
@@ -69,23 +69,10 @@ def solve_sliding(
     shape, depths, ratio, unit = normalise(thickness_mm, radius_mm, young_MPa, depth_mm, poisson, law)
     check_fillet(fillet_mm, radius_mm)
     slab, fillet = Slab(ratio, extent_mm / thickness_mm, base), fillet_mm / thickness_mm
-    nodes = _nodes(float(depths[-1]))
+    nodes = lattice_depths(float(depths[-1]))
     inputs = {"slab": slab, "fillet": fillet, "law": shape, "poisson": poisson, "depths": nodes}
     found = cached("sliding", inputs, lambda: _solve(slab, shape, poisson, fillet, nodes, progress))
-    count = len(found["stiffness"])
-    kept = depths[depths <= (nodes[count - 1] if count else 0.0) * (1.0 + 1e-9)]
-    if not len(kept):
-        raise NoAnswerError("no_convergence", f"the pad could not be solved: {found['stop']}")
-    notes: tuple[str, ...] = ()
-    if len(kept) < len(depths):
-        notes = (f"solved to d/h = {nodes[count - 1]:.3f} of {depths[-1]:.3f}: {found['stop']}",)
-    from scipy.interpolate import PchipInterpolator
-
-    at, where = np.sqrt(nodes[:count]), np.sqrt(np.maximum(kept, nodes[0]))
-    log = np.log(found["stiffness"])
-    stiffness = np.exp(PchipInterpolator(at, log)(where) if count > 1 else log[0])
-    force = stiffness * kept * unit * thickness_mm**2
-    return PadCurve(kept * thickness_mm, force, np.interp(where, at, found["error"]) * force, found["solver"], notes)
+    return curve_through(nodes, found, depths, thickness_mm, unit)
 
 
 def _solve(

@@ -11,6 +11,7 @@ import numpy as np
 from dummydesign.pad.contact.stiffness import FILLETED_PUNCH
 from dummydesign.pad.contact.surface_axisymmetric import Surface
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
+from dummydesign.pad.fem.mesh_columns import columns
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import Law
 from dummydesign.pad.slab.filleted import GROWTH, LARGEST, FilletedPunch, lines
@@ -84,10 +85,7 @@ class SlidingMesh:
         return both
 
     def _solid(self) -> Solid:
-        r, z = self._radii(self.edge), self._z
-        number = np.arange(len(r) * len(z)).reshape(len(r), len(z))
-        points = np.stack([np.repeat(r, len(z)), np.tile(z, len(r))])
-        quads = np.stack([number[:-1, 1:], number[1:, 1:], number[1:, :-1], number[:-1, :-1]]).reshape(4, -1)
+        points, quads, _ = columns(self._radii(self.edge), -self._z)
         return Solid(meshes.discretise(points, quads), self._law, self._poisson, STABILISATION)
 
     def _surface(self, solid: Solid) -> Surface:

@@ -51,7 +51,8 @@ task = json.load(sys.stdin)
 h, a, fillet, mu = (task[name] for name in ("h", "a", "fillet", "mu"))
 TURN = "6.283185307179586*X(1)"
 
-mesh = gf.Mesh("cartesian", np.array(task["r"]), np.array(task["z"]))
+# cells of a crown are not parallelograms
+mesh = gf.Mesh("cartesian Q1", np.array(task["r"]), np.array(task["z"]))
 points = mesh.pts()
 top = np.interp(points[0], task["top_r"], task["top_z"])
 faces = mesh.outer_faces()

@@ -76,11 +76,20 @@ class Pad:
         }
         for name, value in other.items():
             if value:
-                raise InputError(
-                    f"edge_radius_mm = {self.edge_radius_mm:g} with {name} = {value} is not solved; a fillet goes with "
-                    "a flat punch that is glued, on a slab or a round shaped pad whose base is bonded or sliding, or "
-                    "frictionless on such a slab"
-                )
+                edge, instead = f"edge_radius_mm = {self.edge_radius_mm:g}", self._instead(name)
+                raise InputError(f"{edge} with {name} = {value} is not solved; {instead}")
+
+    def _instead(self, name: str) -> str:
+        """What to ask for where a fillet does not go with something."""
+        if name == "condition" and self.geometry == SLAB:
+            return (
+                "the force lies between that of condition bonded and that of frictionless, which are: ask for both, or "
+                "give edge radius 0"
+            )
+        return (
+            "a fillet goes with a flat punch that is glued, on a slab or a round shaped pad whose base is bonded or "
+            "sliding, or frictionless on such a slab: give edge radius 0 for the sharp edge"
+        )
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from dummydesign.core.errors import InputError, out_of_range, unknown_name
 from dummydesign.design.sweep.ranges import read_values
+from dummydesign.geometry.interface import Interface
 from dummydesign.geometry.shapes import Slab, make_shape, read_shape, shape_kinds
 from dummydesign.geometry.standard import LARGEST_EDGE_RADIUS
 from dummydesign.pad.tables.punch import equal_area_radius_mm, punch_sides_mm
@@ -95,8 +96,8 @@ def check_pads(study: Study) -> None:
         raise InputError(f"edge radius in mm = {edges[0]:g} is not solved in space; leave out --fidelity 3d")
     if edges and study.fidelity == "table":
         _check_tabulated(study, edges)
-    if edges and (shaped or any(condition != "bonded" for condition in study.conditions)):
-        raise InputError(f"edge radius in mm = {edges[0]:g} is solved for glued flat slabs only; leave out --shape")
+    if edges:
+        _check_edges_go_with(study, edges[0], shaped)
     if not shaped:
         return
     if study.fidelity == "3d":
@@ -129,6 +130,25 @@ def why_not_cast(shape: str, thickness_mm: float) -> str | None:
     except InputError as problem:
         return str(problem)
     return None
+
+
+def _check_edges_go_with(study: Study, edge: float, shaped: list[str]) -> None:
+    """Refuse shapes and conditions that a fillet is not worked out for."""
+    rubs = next((condition for condition in study.conditions if Interface.names_friction(condition)), None)
+    if rubs:
+        raise InputError(
+            f"edge radius in mm = {edge:g} with condition = {rubs} is not solved; take bonded and frictionless, "
+            "between which its force lies, or leave out --edge-radius"
+        )
+    if not shaped:
+        return
+    if study.fidelity == "table":
+        raise InputError(f"edge radius in mm = {edge:g} of shaped pads has no table; add --fidelity axisymmetric")
+    if any(condition != "bonded" for condition in study.conditions):
+        raise InputError(
+            f"edge radius in mm = {edge:g} with condition = frictionless is solved for flat slabs only; leave out "
+            f"--shape, --edge-radius or --condition frictionless of {shaped[0]}"
+        )
 
 
 def _check_tabulated(study: Study, edges: list[float]) -> None:

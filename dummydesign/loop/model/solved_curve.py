@@ -198,7 +198,8 @@ def _solve_coarse(pad: Pad | Puck, depth_mm: NDArray, cells: int) -> dict[str, A
 
     h = pad.thickness_mm
     wanted = depth_mm[depth_mm <= MAX_DEPTH_OVER_THICKNESS * h]
-    if isinstance(pad, Puck) or pad.profile_mm is not None or pad.base not in BASES:
+    slides_round = not isinstance(pad, Puck) and pad.edge_radius_mm > 0.0 and pad.condition != "bonded"
+    if isinstance(pad, Puck) or pad.profile_mm is not None or pad.base not in BASES or slides_round:
         return {"area_mm2": solve_points(pad, wanted).force_N / pad.young_MPa}
     press = Press(
         pad.geometry, h, pad.radius_mm / h, (pad.extent_mm or PAD_EXTENT_MM) / h, pad.base, pad.condition, pad.poisson,

@@ -78,34 +78,27 @@ def solve_fields(
 
     if not has_fields(pad):
         what = "pad = cylinder between plates" if isinstance(pad, Puck) else f"shape {pad.geometry}"
-        if not isinstance(pad, Puck) and pad.geometry.axisymmetric:
-            what = f"edge_radius_mm = {pad.edge_radius_mm:g} with condition = {pad.condition}"
         raise InputError(f"fields are for round pads under a punch; {what} has none yet")
     h = pad.thickness_mm
     law, depths, _, shear = normalise(h, pad.radius_mm, pad.young_MPa, depth_mm, pad.poisson, pad.shape)
-    setup = _setup(pad, law, depths, shear, coarse)
     found: list[Pressed] = []
 
-    def keep(depth: float, solution: Solution) -> None:
-        found.append(_pressed(setup.problem, solution, depth, pad, shear))
+    def keep(problem: Problem, solution: Solution, depth: float) -> None:
+        found.append(_pressed(problem, solution, depth, pad, shear))
 
-    steps = (setup.first_step, setup.largest_step, setup.smallest_step)
-    path = follow(setup.problem, depths, *steps, progress, lattice=setup.lattice, visit=keep)
+    stop, notes = _follow(pad, law, depths, shear, coarse, progress, keep)
     if not found:
-        raise NoAnswerError("no_convergence", f"the fields could not be solved: {path.stop}")
-    notes: tuple[str, ...] = ()
+        raise NoAnswerError("no_convergence", f"the fields could not be solved: {stop}")
     if pad.sides_mm is not None:
         notes += (f"fields are those of a round punch of equal area, radius {pad.radius_mm:.4g} mm",)
-    if path.stop:
-        notes += (f"fields were solved to {found[-1].depth_mm:.3g} mm: {path.stop}",)
+    if stop:
+        notes += (f"fields were solved to {found[-1].depth_mm:.3g} mm: {stop}",)
     return tuple(found), notes
 
 
 def has_fields(pad: Pad | Puck) -> TypeGuard[Pad]:
-    """Whether the pad is round and under a punch, and not drawn round its fillet: that mesh moves."""
-    if isinstance(pad, Puck):
-        return False
-    return pad.geometry.axisymmetric and not (pad.edge_radius_mm and pad.condition != "bonded")
+    """Whether the pad is round and under a punch."""
+    return isinstance(pad, Pad) and pad.geometry.axisymmetric
 
 
 def contact_pressures(pad: Pad, depth_mm: Sequence[float]) -> tuple[list[dict[str, Any]], tuple[str, ...]]:
@@ -125,6 +118,24 @@ def contact_pressures(pad: Pad, depth_mm: Sequence[float]) -> tuple[list[dict[st
 
     made = cached("contact", {"pad": replace(pad, prony=()), "depth": np.asarray(depth_mm, dtype=float)}, solve)
     return made["contact"], tuple(made["notes"])
+
+
+def _follow(
+    pad: Pad, law: Any, depths: Array, shear: float, coarse: bool, progress: Callable[[float], None] | None,
+    keep: Callable[[Problem, Solution, float], None],
+) -> tuple[str | None, tuple[str, ...]]:  # fmt: skip
+    """Hand over the equilibria at depths; why some are missing, and what is said of the others."""
+    if pad.edge_radius_mm and pad.condition != "bonded":
+        from dummydesign.pad.fields.sliding import follow_states
+
+        moved = follow_states(pad, law, depths, coarse, progress, keep)
+        return moved.stop, moved.notes
+    setup = _setup(pad, law, depths, shear, coarse)
+    path = follow(
+        setup.problem, depths, setup.first_step, setup.largest_step, setup.smallest_step, progress,
+        lattice=setup.lattice, visit=lambda depth, solution: keep(setup.problem, solution, depth),
+    )  # fmt: skip
+    return path.stop, ()
 
 
 def _setup(pad: Pad, law: Any, depths: Array, shear: float, coarse: bool) -> Setup:

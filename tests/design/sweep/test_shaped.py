@@ -16,6 +16,9 @@ from dummydesign.design.sweep.pads import parse_shapes
 from dummydesign.design.sweep.rows_file import RowsFile, settings_of
 from dummydesign.design.sweep.run import whatif
 from dummydesign.design.sweep.spec import Study
+from dummydesign.geometry.shapes import read_shape
+from dummydesign.pad.elastic import solve_points
+from dummydesign.pad.pad import Pad
 from dummydesign.pad.tables.punch import equal_area_radius_mm
 from dummydesign.resin import load_resin
 
@@ -68,9 +71,11 @@ def test_a_pad_that_cannot_be_cast_or_is_off_the_table_says_why_and_the_others_s
     ("changes", "said"),
     [
         ({"edge_radii_mm": (5.0,)}, "2.1"),
-        ({"edge_radii_mm": (1.0,)}, "flat slabs"),
+        ({"edge_radii_mm": (1.0,)}, "add --fidelity axisymmetric"),
         ({"edge_radii_mm": (5.0,), "fidelity": "axisymmetric"}, "2.1"),
-        ({"edge_radii_mm": (1.0,), "fidelity": "axisymmetric"}, "flat slabs"),
+        ({"edge_radii_mm": (1.0,), "fidelity": "axisymmetric", "conditions": ("frictionless",)}, "flat slabs only"),
+        ({"edge_radii_mm": (1.0,), "fidelity": "axisymmetric", "conditions": ("friction:0.3",), "shapes": ("slab",)},
+         "take bonded and frictionless"),
         ({"bases": ("sliding",)}, "sliding"),
         ({"fidelity": "3d", "thickness_mm": (4.5,)}, "in space"),
         ({"shapes": ("crowned:radius=20,height=40",)}, "no thickness"),
@@ -134,7 +139,6 @@ def main_status(words):
 
 @pytest.mark.parametrize("punch", ["round:16", "square:14"])
 def test_a_fillet_by_the_table_has_the_force_of_one_pad_asked_for_alone(punch):
-    from dummydesign.pad.pad import Pad
     from dummydesign.pad.predict import predict_static
     from dummydesign.pad.tables.punch import equal_area_radius_mm, punch_sides_mm
 
@@ -157,3 +161,9 @@ def test_solved_rows_have_the_force_of_the_solved_pad_and_a_fillet_makes_it_soft
     by_table = whatif(replace(crowned, fidelity="table"))["rows"][0]
     assert whatif(crowned)["rows"][0]["depth_mm_at_N"]["5"] == pytest.approx(by_table["depth_mm_at_N"]["5"], rel=0.03)
     assert np.isfinite(rows[1]["force_error_percent"])
+    under_fillet = whatif(replace(crowned, edge_radii_mm=(2.0,)))["rows"][0]
+    young_MPa, crown = 1e-3 * under_fillet["young_kPa"], read_shape(CROWN)
+    pad = Pad(4.5, young_MPa, sharp.punches[0][1], geometry=crown, edge_radius_mm=2.0)
+    depth = under_fillet["depth_mm_at_N"]["5"]
+    assert solve_points(pad, np.array([depth])).force_N == pytest.approx([5.0], rel=2e-3)
+    assert depth > 1.01 * by_table["depth_mm_at_N"]["5"]

@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError
+from dummydesign.design.sweep.run import whatif
+from dummydesign.design.sweep.spec import Study
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.pad.elastic import solve_points
+from dummydesign.pad.fields import sliding
+from dummydesign.pad.fields.pressed import FREE, SLIPS, Pressed
 from dummydesign.pad.fields.solve import solve_fields
 from dummydesign.pad.material.hyperelastic import neo_hookean
 from dummydesign.pad.pad import Pad
 from dummydesign.pad.slab.filleted import FilletedPunch, solve_filleted
-from dummydesign.pad.slab.frictionless.filleted_punch import follow_sliding, solve_sliding
+from dummydesign.pad.slab.frictionless.filleted_punch import COARSE, FINE, follow_sliding, solve_sliding
 from dummydesign.pad.slab.frictionless.moving_mesh import SlidingMesh
 from dummydesign.pad.slab.problem import Slab, first_stiffness
+from dummydesign.pad.solve.continuation import Path
 from dummydesign.studies.verification.edges import rounded_flat
 
 LAW = neo_hookean(1.0)
@@ -85,10 +92,69 @@ def test_where_a_thick_pad_ends_it_says_how_far_it_got_and_how_long_the_face_has
     assert "solved to d/h = 0." in curve.notes[0] and "times as long" in curve.notes[0]
 
 
-def test_what_is_not_followed_is_refused():
-    with pytest.raises(InputError, match=r"condition = friction:0\.3 is not solved"):
+@lru_cache
+def states() -> tuple[Pressed, ...]:
+    pad = Pad(10.0, 0.025, 7.9, condition="frictionless", edge_radius_mm=0.5)
+    fields, notes = solve_fields(pad, [1.0, 2.7])
+    assert notes == ()
+    return fields
+
+
+@pytest.mark.slow
+def test_the_fields_have_the_force_of_the_curve():
+    curve = solve_sliding(10.0, 7.9, 0.5, 0.025, [1.0, 2.7])
+    assert [one.force_N for one in states()] == pytest.approx(curve.force_N, rel=1e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [0, 1])
+def test_face_and_base_of_the_fields_carry_the_force_and_nothing_drags(number):
+    found = states()[number]
+    face, base = found.face, found.rest_mm[:, 1] < 1e-9
+    carried = np.trapezoid(2.0 * np.pi * face.radius_mm * face.pressure_MPa, face.radius_mm)
+    assert carried == pytest.approx(found.force_N, rel=5e-3)
+    order = np.argsort(found.rest_mm[base, 0])
+    r, stress = found.rest_mm[base, 0][order], found.cauchy_MPa[base, 1][order]
+    assert np.trapezoid(-2.0 * np.pi * r * stress, r) == pytest.approx(found.force_N, rel=5e-3)
+    flat = face.radius_mm < 7.0
+    assert np.abs(face.shear_MPa[flat]).max() < 5e-3 * face.pressure_MPa[flat].min()
+    assert set(face.state) == {FREE, SLIPS}
+    assert 7.4 < face.contact_radius_mm < 7.92
+
+
+def test_where_fine_cells_end_the_fields_of_coarser_ones_follow_and_it_says_so(monkeypatch):
+    ends, kept = {COARSE: 0.45, FINE: 0.3}, []
+
+    def walk(mesh, depths, progress, visit):
+        reached = depths[depths <= ends[mesh.cells]]
+        for depth in reached:
+            visit(depth, mesh.cells)
+        stop = None if len(reached) == len(depths) else "a cell folds"
+        return Path(reached, reached, reached, 1, 1, 1, 0.0, stop)
+
+    monkeypatch.setattr(sliding, "follow_sliding", walk)
+    pad = Pad(10.0, 0.025, 7.9, condition="frictionless", edge_radius_mm=0.5)
+    wanted = np.array([0.1, 0.29, 0.37, 0.44, 0.5])
+    path = sliding.follow_states(pad, LAW, wanted, False, None, lambda _, cells, depth: kept.append((depth, cells)))
+    assert kept == [(0.1, FINE), (0.29, FINE), (0.37, COARSE), (0.44, COARSE)]
+    assert path.reached == 4 and path.stop == "a cell folds"
+    assert len(path.notes) == 1 and "from 3.7 mm on" in path.notes[0]
+
+
+@pytest.mark.slow
+def test_a_study_of_designs_has_the_force_of_the_pad_asked_for_alone():
+    study = Study(
+        (10.0,), (15.5,), (("round:15.8", 7.9),), fidelity="axisymmetric", conditions=("frictionless",),
+        edge_radii_mm=(0.5,), forces_N=(5.0,),
+    )  # fmt: skip
+    row = whatif(study)["rows"][0]
+    pad = Pad(10.0, 1e-3 * row["young_kPa"], 7.9, condition="frictionless", edge_radius_mm=0.5)
+    force = solve_points(pad, np.array([row["depth_mm_at_N"]["5"]])).force_N
+    assert force == pytest.approx([5.0], rel=2e-3)
+
+
+def test_what_is_not_followed_is_refused_and_the_refusal_says_what_to_do():
+    with pytest.raises(InputError, match=r"condition = friction:0\.3 is not solved; .*ask for both"):
         Pad(10.0, 0.025, 7.9, condition="friction:0.3", edge_radius_mm=0.5)
-    with pytest.raises(InputError, match=r"fields .* edge_radius_mm = 0\.5 with condition = frictionless"):
-        solve_fields(Pad(10.0, 0.025, 7.9, condition="frictionless", edge_radius_mm=0.5), [1.0])
-    with pytest.raises(InputError, match="condition = frictionless is not solved"):
+    with pytest.raises(InputError, match=r"condition = frictionless is not solved; .* give edge radius 0"):
         Pad(10.0, 0.025, 7.9, condition="frictionless", edge_radius_mm=0.5, geometry=Crowned(20.0, 1.0, 8.0))

@@ -22,7 +22,7 @@ from dummydesign.pad.slab.frictionless.moving_mesh import SlidingMesh
 from dummydesign.pad.slab.problem import PadCurve, Slab, normalise
 from dummydesign.pad.slab.solved_depths import LATTICE, curve_through, lattice_depths
 from dummydesign.pad.solve.continuation import EASY, Path, cost
-from dummydesign.pad.solve.equilibrium import Failure, find_equilibrium
+from dummydesign.pad.solve.equilibrium import Failure, Solution, find_equilibrium
 
 Array = np.ndarray
 
@@ -100,7 +100,10 @@ def _solve(
 
 
 @one_blas_thread()
-def follow_sliding(mesh: SlidingMesh, depths: Array, progress: Callable[[float], None] | None = None) -> Path:
+def follow_sliding(
+    mesh: SlidingMesh, depths: Array, progress: Callable[[float], None] | None = None,
+    visit: Callable[[float, Solution], None] | None = None,
+) -> Path:  # fmt: skip
     """Follow the slab through depths while the mesh's columns follow the fillet.
 
     The next state is carried on from the last two in the frame of the punch, in which it hardly changes.
@@ -112,6 +115,8 @@ def follow_sliding(mesh: SlidingMesh, depths: Array, progress: Callable[[float],
         Increasing, in thicknesses; every one is met.
     progress : callable, optional
         Called with each solved depth.
+    visit : callable, optional
+        Called with each of the depths and its solution, while the mesh's columns stand as in that state.
 
     Returns
     -------
@@ -156,6 +161,8 @@ def follow_sliding(mesh: SlidingMesh, depths: Array, progress: Callable[[float],
         steps += 1
         if goal >= depths[len(found)] * (1.0 - 1e-12):
             found.append((goal, problem.force(answer.state), float(answer.state.J.min())))
+            if visit:
+                visit(goal, answer)
             if progress:
                 progress(goal)
         if answer.iterations <= EASY:

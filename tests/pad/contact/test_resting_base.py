@@ -11,10 +11,11 @@ from dummydesign.pad.contact.resting_base import RestingBase, weight_over_shear
 from dummydesign.pad.contact.surface_axisymmetric import FlatPunch
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.material.hyperelastic import neo_hookean
-from dummydesign.pad.slab.filleted import HALVINGS, LATTICE, filleted_problem
+from dummydesign.pad.slab.filleted import filleted_problem
 from dummydesign.pad.slab.indentation import Region, indentation_problem
 from dummydesign.pad.slab.problem import Slab
 from dummydesign.pad.slab.sliding_faces import solve_flat
+from dummydesign.pad.slab.solved_depths import HALVINGS, LATTICE
 from dummydesign.pad.solve.continuation import follow
 
 LAW = neo_hookean(1.0)

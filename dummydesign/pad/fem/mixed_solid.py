@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.errors import InputError
-from dummydesign.pad.material.hyperelastic import Law
+from dummydesign.pad.material.hyperelastic import Law, Yeoh
 
 Array = np.ndarray
 
@@ -113,6 +113,15 @@ class Solid:
         self.inverse = -np.linalg.inv(self.compliance)
         elements, points, components, width = mesh.gradient.shape
         self._flat = np.ascontiguousarray(mesh.gradient.reshape(elements, points * components, width))
+        self._weighted_basis = mesh.weight[:, :, None] * mesh.pressure_basis
+        # Kept, as making such large arrays anew takes as long as filling them.
+        self._moduli = np.empty((elements, points, components, components))
+        self._work = np.empty(mesh.gradient.shape)
+        self._same: Array | None = None
+        if isinstance(law, Yeoh) and not law.c2_MPa:
+            # The law's own tangent is the same at every state.
+            np.multiply(mesh.gradient, (law.shear_MPa * mesh.weight)[..., None, None], out=self._work)
+            self._same = self._flat.transpose(0, 2, 1) @ self._work.reshape(self._flat.shape)
 
     def deformation(self, u: Array) -> Array:
         """Components of F at the quadrature points, shape (elements, points, components)."""
@@ -151,17 +160,24 @@ class Solid:
     def linearise(self, state: State) -> State:
         """Add the condensed tangent to a state."""
         F, cofactor, slope = state.at
-        weight = self.mesh.weight
-        curvature = self.law.reference_stress_MPa / state.J**2 + self.stabilisation
-        A = self.law.tangent(F) + curvature[..., None, None] * cofactor[..., :, None] * cofactor[..., None, :]
-        self.mesh.kinematics.add_second(A, slope, F)
-        A *= weight[..., None, None]
-        AG = (A @ self.mesh.gradient).reshape(self._flat.shape)
-        stiffness = self._flat.transpose(0, 2, 1) @ AG
-        dilation = ((cofactor * weight[..., None])[:, :, None, :] @ self.mesh.gradient)[:, :, 0, :]
-        coupling = dilation.transpose(0, 2, 1) @ self.mesh.pressure_basis
+        mesh, moduli = self.mesh, self._moduli
+        if self._same is None:
+            np.multiply(self.law.tangent(F), mesh.weight[..., None, None], out=moduli)
+        else:
+            moduli.fill(0.0)
+        mesh.kinematics.add_second(moduli, slope * mesh.weight, F)
+        np.matmul(moduli, mesh.gradient, out=self._work)
+        stiffness = self._flat.transpose(0, 2, 1) @ self._work.reshape(self._flat.shape)
+        if self._same is not None:
+            stiffness += self._same
+        # What changes J, and what the pressure takes off it, are of low rank in each element.
+        dilation = np.einsum("eqc,eqcd->eqd", cofactor, mesh.gradient)
+        curvature = (self.law.reference_stress_MPa / state.J**2 + self.stabilisation) * mesh.weight
+        coupling = dilation.transpose(0, 2, 1) @ self._weighted_basis
         half = coupling @ self.inverse
-        stiffness -= half @ coupling.transpose(0, 2, 1)
+        left = np.concatenate([dilation, coupling.transpose(0, 2, 1)], axis=1)
+        right = np.concatenate([dilation * curvature[..., None], -half.transpose(0, 2, 1)], axis=1)
+        stiffness += left.transpose(0, 2, 1) @ right
         state.stiffness, state.coupling = stiffness, coupling
         state.half = half
         return state

@@ -18,6 +18,8 @@ PATH_TOLERANCE = 1e-4
 # Steps that take no more iterations than this, and this more for each time that contact was tied, may grow.
 EASY = 5
 EASY_PER_TIE = 2
+# A path is given up once failed steps have cost so many tangents while it went no farther than one largest step.
+MOST_WASTED = 45
 # On a lattice, steps in which nothing comes to touch may be larger by this factor.
 WITHOUT_TIES = 4.0
 
@@ -68,8 +70,8 @@ def follow(
     """Follow the equilibrium from first touch through ``depths`` (increasing, in the mesh's unit of length).
 
     Every depth is met exactly. A step that fails is halved and tried again from the last good state;
-    below ``smallest_step`` the path ends there and says why. It also ends after a wanted depth at which
-    the smallest volume ratio is below ``sound_J``.
+    below ``smallest_step``, or when failed steps cost too much for how far they led, the path ends there and says
+    why. It also ends after a wanted depth at which the smallest volume ratio is below ``sound_J``.
 
     With ``lattice`` the steps end at multiples of ``largest_step`` (halves, quarters, ... of it at the start),
     whatever depths are wanted; those are solved beside the path and leave no trace on it. Contact that sticks
@@ -105,6 +107,7 @@ def follow(
     direction = problem.direction()
     earlier: tuple[Array, Array, float] | None = None
     depth, step, iterations, steps, stop = 0.0, min(first_step, largest_step), 0, 0, None
+    wasted, since = 0, 0.0
     found: list[tuple[float, float, float]] = []
     history: list[tuple[float, ...]] = []
     while len(found) < len(targets) and stop is None:
@@ -124,8 +127,10 @@ def follow(
         answer = find_equilibrium(problem, *guess, trial_depth, PATH_TOLERANCE if passing else RESIDUAL_TOLERANCE)
         if isinstance(answer, Failure):
             iterations += answer.iterations
+            wasted, since = (wasted, since) if depth - since < largest_step else (0, depth)
+            wasted += answer.iterations
             step = 0.5 * (trial_depth - depth)
-            if step < smallest_step:
+            if step < smallest_step or wasted > MOST_WASTED:
                 stop = explain(problem, u, p, depth, answer.reason)
             continue
         if lattice and answer.ties and trial_depth - depth > largest_step * (1.0 + 1e-9):

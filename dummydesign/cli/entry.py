@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import difflib
 import json
 import math
 import os
@@ -32,6 +33,28 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         raise InputError(message)
+
+
+def _check_options(parser: argparse.ArgumentParser, name: str, words: list[str]) -> None:
+    """Refuse an option that the command has nowhere, before its value is taken for something else."""
+    known = _options(parser)
+    for word in words:
+        option = word.partition("=")[0]
+        if option.startswith("--") and " " not in option and option not in known | {"--"}:
+            near = difflib.get_close_matches(option, known, n=1, cutoff=0.7)
+            hint = f"did you mean '{near[0]}'? " if near else ""
+            others = [one for one in COMMANDS if one != name and option in _options(parser_of(one))]
+            theirs = f"it is an option of {', '.join(others)}; " if others and not near else ""
+            raise InputError(f"unknown option '{option}': {hint}{theirs}'dummydesign {name} --help' lists them")
+
+
+def _options(parser: argparse.ArgumentParser) -> set[str]:
+    """Long options of a command and of its actions."""
+    found = set(parser._option_string_actions)
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            found.update(*(_options(one) for one in action.choices.values()))
+    return {one for one in found if one.startswith("--")}
 
 
 def parser_of(name: str) -> argparse.ArgumentParser:
@@ -104,7 +127,9 @@ def _run(arguments: list[str]) -> int:
         module = module_of(name)
         project = project_here(arguments)
         words = with_defaults(project, arguments)
-        options = parser_of(name).parse_args(words[1:])
+        parser = parser_of(name)
+        _check_options(parser, name, words[1:])
+        options = parser.parse_args(words[1:])
         loudness.set(_loudness(options))
         added = [word for word in words if word not in arguments]
         if added and project is not None:

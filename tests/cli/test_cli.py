@@ -150,3 +150,18 @@ def test_predict_takes_friction_profiles_and_plates(tmp_path, capsys):
     capsys.readouterr()
     assert cli.run([*common, "--thickness", "10", "--depth", "1", "--punch", f"profile:{profile}"]) == 2
     assert "ball.csv:3" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["suggest", "--tissu", "palm"], "unknown option '--tissu': did you mean '--tissue'?"),
+        (["mold", "--sites", "2x2"], "unknown option '--sites': it is an option of suggest; 'dummydesign mold --help'"),
+        (["tissues", "add-curves", "a", "b.csv", "--lwa=x"], "unknown option '--lwa': did you mean '--law'?"),
+        (["predict", "--thickness", "5", "--zzz"], "unknown option '--zzz': 'dummydesign predict --help' lists"),
+    ],
+)
+def test_an_option_that_a_command_does_not_have_is_named_with_the_nearest_or_with_whose_it_is(words, says, capsys):
+    assert cli.run(words) == 2
+    error = capsys.readouterr().err.strip()
+    assert error.startswith("error: ") and says in error and "\n" not in error

@@ -20,7 +20,7 @@ import pytest
 
 CACHE, OF_THIS_RUN = "DUMMYDESIGN_CACHE", "DUMMYDESIGN_TESTS_SOLVES"
 os.environ[CACHE] = "off"
-KEEPING = ("tests/cli/", "tests/design/", "tests/project/", "tests/report/", "tests/test_api.py")
+KEEPING = ("tests/cli/", "tests/design/", "tests/project/", "tests/report/", "tests/test_")
 if OF_THIS_RUN not in os.environ:  # its other processes find it there
     os.environ[OF_THIS_RUN] = tempfile.mkdtemp(prefix="dummydesign-tests-")
     atexit.register(shutil.rmtree, os.environ[OF_THIS_RUN], ignore_errors=True)

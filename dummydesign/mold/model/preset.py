@@ -125,6 +125,8 @@ def mould_spec(
     pad = PadGeometry(**pad)
     if pad.shape.sharp_edge:
         pad = replace(pad, edge_radius_mm=0.0)
+    elif pad.edge_radius_mm > pad.edge_room_mm:
+        pad = replace(pad, edge_radius_mm=max(pad.edge_room_mm, 0.0))
     resin = _resin(resin)
     pour, sources = _read_pour(data, entry.path, text, resin, ratio)
     product, more = (None, []) if printed else read_silicone(silicone or str(data["silicone"]), entry.path)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from typing import Any
@@ -59,6 +60,13 @@ class PadGeometry:
     def least_gel_mm(self) -> float:
         """Thinnest gel of the pad: beside a crown or a bump, over a bone, or a layer."""
         return self.shape.least_gel_mm(self)
+
+    @property
+    def edge_room_mm(self) -> float:
+        """Radius of the tested face's edge that rim and upper layer have room for, in whole tenths. [mm]"""
+        layers = self.shape.layers()
+        room = min(0.9 * (self.thickness_mm - self.face_height_mm), layers[0] if layers else math.inf)
+        return math.floor(10.0 * room + 1e-9) / 10.0 if math.isfinite(room) else room
 
     @property
     def title(self) -> str:

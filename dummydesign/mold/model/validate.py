@@ -128,12 +128,12 @@ def _check_shape(spec: MouldSpec, pad: PadGeometry) -> None:
         spec.insert.check(pad.length_mm, pad.width_mm)
     if (shape.layers() is None) != (spec.base is None):
         raise InputError("a layered pad, and no other, needs a second resin for its base (base_ratio)")
-    highest = min(pad.corner_radius_mm, 0.9 * (pad.thickness_mm - pad.face_height_mm))
-    advice = "it fits below the corner radius and 0.9 of the thickness"
+    highest = min(pad.corner_radius_mm, pad.edge_room_mm)
+    advice = "it fits below the corner radius and 0.9 of the rim's thickness"
     if shape.layers():
-        highest, advice = min(highest, shape.layers()[0]), "the edge stays in the upper layer"
-    if not shape.flat_top:
-        highest, advice = min(highest, RIM_FREE_MM / 2), "it keeps off the curved top"
+        advice = f"{advice}, and the edge stays in the upper layer"
+    if not shape.flat_top and highest > RIM_FREE_MM / 2:
+        highest, advice = RIM_FREE_MM / 2, "it keeps off the curved top"
     _between("edge_radius_mm", pad.edge_radius_mm, 0.0, highest, advice)
     if shape.runs_out:
         _between("corner_radius_mm", pad.corner_radius_mm, CORNER_MM, RIM_FREE_MM, f"the {shape.name} top runs out")

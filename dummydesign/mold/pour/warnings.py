@@ -69,6 +69,9 @@ def pour_warnings(spec: MouldSpec, plan: PourPlan) -> list[dict[str, str]]:
         )
     if words := layer_words(spec):
         found.append(("print_layers", words))
+    if 0.0 < spec.pad.edge_radius_mm == spec.pad.edge_room_mm:
+        found.append(("edge_radius", f"the edge of the tested face is rounded by {spec.pad.edge_radius_mm:g} mm, all "
+                      "that the pad's rim has room for"))  # fmt: skip
     found += [*_relief(spec), *_bone(spec), *_layers(spec), *spec.pad.shape.casting_notes(spec.pad)]
     return [{"code": code, "message": message} for code, message in found]
 

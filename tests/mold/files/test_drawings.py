@@ -8,11 +8,13 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from dummydesign.mold.files.drawings import projection
 from dummydesign.mold.files.drawings.dxf import to_dxf
 from dummydesign.mold.files.drawings.hatch import hatch
-from dummydesign.mold.files.drawings.layout import Measure, View, arrange
+from dummydesign.mold.files.drawings.layout import SCALES, Measure, View, arrange, place
 from dummydesign.mold.files.drawings.parts import Papers, drawings, part_views, sheets
 from dummydesign.mold.files.drawings.pdf import to_pdf
 from dummydesign.mold.files.drawings.sheet import PAPERS, TEXT_MM, Drawing, Line
@@ -39,7 +41,8 @@ def sound(made, paper):
         assert drawing.dimensions and min(text.height for text in drawing.texts) >= TEXT_MM
         words = " ".join(text.words for text in drawing.texts)
         drafted = name in ("pad", "mould", "master", "frame", "lid")
-        for wanted in (made.spec.hash, "ISO 2768-m", "project", "2026-01-01", paper, *(["raft 2 deg"] * drafted)):
+        draft = [f"raft {made.spec.pad.draft_deg:g} deg"] * drafted
+        for wanted in (made.spec.hash, "ISO 2768-m", "project", "2026-01-01", paper, *draft):
             assert wanted in words, (name, wanted)
         for d in drawing.dimensions:
             axis = int(d.vertical)
@@ -61,7 +64,7 @@ def test_every_part_has_a_drawing_without_texts_on_each_other(open_parts, crowne
     *(("slab", t, preset) for t in (3.0, 5.0, 12.5, 20.0, 30.0) for preset in ("open", "lidded")),
     ("crowned:10,2", 5.0, "lidded"), ("crowned:10,2,0,1", 12.5, "open"), ("bumped:12,5,1,0,1", 12.5, "open"),
     ("bumped:12,5,1,0,1", 30.0, "lidded"), ("layered:8,0.4", 20.0, "open"), ("boned:20,6", 12.5, "open"),
-    ("boned:20,6,0,1", 30.0, "open"), ("crowned:10,2", 3.5, "open"),
+    ("boned:20,6,0,1", 30.0, "open"), ("crowned:10,2", 3.5, "open"), ("bumped:5,2.91,1.24,0.34", 5.0, "printed"),
 ])  # fmt: skip
 def test_drawings_are_sound_for_every_shape_preset_and_thickness(shape, thickness, preset):
     from dummydesign.mold.cad.build import build
@@ -109,7 +112,7 @@ def test_hole_patterns_have_number_diameter_and_distances(open_parts):
     assert f"8 x Ø{box.bolt_hole_mm:g}" in [text.words for text in drawing.texts]
     values = [d.value for d in drawing.dimensions]
     for axis in (0, 1):
-        for reach in {round(abs(place[axis]), 3) for place in rims.places} - {0.0}:
+        for reach in {round(abs(at[axis]), 3) for at in rims.places} - {0.0}:
             assert any(value == pytest.approx(2 * reach, abs=2e-3) for value in values)
 
 
@@ -153,6 +156,35 @@ def test_dimensions_of_one_side_never_share_a_place():
     for paper in PAPERS:
         drawing = arrange([View("view", (square,), tuple(measures))], TITLE, ["a note"], paper)
         assert meeting(drawing) == [] and len(drawing.dimensions) == len(measures)
+
+
+@given(
+    half=st.floats(2.0, 120.0), high=st.floats(1.0, 40.0), scale=st.sampled_from(SCALES[2:]),
+    widths=st.lists(st.floats(0.3, 1.0), max_size=4), levels=st.lists(st.floats(0.05, 0.95), max_size=3),
+)  # fmt: skip
+def test_no_number_stands_on_a_number_or_a_dimension_line_however_narrow_the_view(half, high, scale, widths, levels):
+    """Numbers without room between their arrows stand beyond them: right of a width, above a height."""
+    outline = ((-half, 0.0), (half, 0.0), (half, high), (-half, high), (-half, 0.0))
+    across = [Measure((-half * w, high), (half * w, high), "above") for w in widths]
+    across += [Measure((-half * w, 0.0), (half * w, 0.0), "below") for w in widths]
+    up = [Measure((half, 0.0), (half, high * z), "right") for z in levels]
+    up.append(Measure((-half, 0.0), (-half, high), "left"))
+    placed = place(View("section", ((outline, "cut"),), (*across, *up)), scale)
+    found = placed.dimensions
+    for one, other in ((a, b) for a in found for b in found if a is not b):
+        x0, y0, x1, y1 = one.text.box
+        for (px, py), (qx, qy) in [*other.marks()[0][2:], ((other.text.box[:2]), (other.text.box[2:]))]:
+            clear = max(px, qx) <= x0 or min(px, qx) >= x1 or max(py, qy) <= y0 or min(py, qy) >= y1
+            assert clear, (one.text.words, other.text.words)
+
+
+def test_a_number_beside_its_arrows_stands_clear_of_the_lines_up_to_dimensions_further_out():
+    outline = ((-50.0, 0.0), (50.0, 0.0), (50.0, 20.0), (-50.0, 20.0), (-50.0, 0.0))
+    measures = [Measure((0.0, 20.0), (5.0, 20.0), "above"), Measure((-40.0, 20.0), (10.2, 20.0), "above")]
+    short, _ = place(View("section", ((outline, "cut"),), tuple(measures)), 1.0).dimensions
+    assert short.text.box[2] < 0.0
+    alone = place(View("section", ((outline, "cut"),), tuple(measures[:1])), 1.0).dimensions[0]
+    assert alone.text.box[0] > 5.0
 
 
 def test_long_names_are_cut_and_notes_wrapped_so_that_they_stay_in_their_cells():

@@ -49,6 +49,19 @@ def test_edges_and_corners_that_meet_a_curve_are_refused(text, change, named):
         validate(replace(spec, pad=replace(spec.pad, **change)))
 
 
+@pytest.mark.parametrize("text, thickness, edge", [
+    ("crowned:10,2", 3.5, 1.3), ("layered:3,0.4", 8.0, 1.5), ("crowned:10,2", 4.5, 1.5), ("slab", 3.0, 1.5),
+])  # fmt: skip
+def test_the_edge_of_the_preset_is_taken_as_large_as_the_rim_has_room_for_and_that_is_said(text, thickness, edge):
+    from dummydesign.mold.pour.plan import pour_plan
+    from dummydesign.mold.pour.warnings import pour_warnings
+
+    spec = shape_spec(text, thickness)
+    assert spec.pad.edge_radius_mm == pytest.approx(edge)
+    said = [one["message"] for one in pour_warnings(spec, pour_plan(spec)) if one["code"] == "edge_radius"]
+    assert len(said) == (edge < 1.5) and all(f"{edge:g} mm" in one for one in said)
+
+
 def test_known_shapes_are_those_of_the_model_and_the_puck():
     for text in ("crowned:10,2", "bumped:13,6,1.5", "layered:3,0.4", "boned:20,6", "slab"):
         kind, parameters = read_kind(text)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from dummydesign.mold.files.drawings.hatch import hatch
 from dummydesign.mold.files.drawings.sheet import PAPERS, TEXT_MM, Dimension, Drawing, Line, Point, Text, text_width
@@ -137,7 +137,7 @@ def _put(sheet: Drawing, one: Placed, shift: Point) -> None:
     sheet.texts += [Text(moved(t.at), t.words, t.height, t.middle, t.upright) for t in one.texts]
     for d in one.dimensions:
         at = d.at + shift[0 if d.vertical else 1]
-        sheet.dimensions.append(Dimension(moved(d.start), moved(d.end), at, d.vertical, d.value))
+        sheet.dimensions.append(replace(d, start=moved(d.start), end=moved(d.end), at=at))
 
 
 def place(view: View, scale: float) -> Placed:
@@ -162,8 +162,12 @@ def place(view: View, scale: float) -> Placed:
     edges = {"above": y1, "below": y0, "left": x0, "right": x1}
     dimensions: list[Dimension] = []
     for side, edge in edges.items():
-        measures = [one for one in view.measures if one.side == side]
-        dimensions += _lanes([(on_paper(m.start), on_paper(m.end), m.value) for m in measures], side, edge)
+        measures = [(on_paper(m.start), on_paper(m.end), m.value) for m in view.measures if m.side == side]
+        made = _lanes(measures, side, edge)
+        if side == "right" and any(_meet(one, other) for one in made for other in dimensions):
+            # A number that has no room between its arrows stands beyond the view's right edge.
+            made = _lanes(measures, side, max(other.text.box[2] for other in dimensions) - 2.0)
+        dimensions += made
     texts: list[Text] = []
     left = min([x0, *(d.text.box[0] for d in dimensions)])
     taken = y1 + 1e9
@@ -187,14 +191,40 @@ def place(view: View, scale: float) -> Placed:
     return Placed(lines, [*texts, name], dimensions, box)
 
 
+def _crossed(one: Dimension, places: Sequence[float]) -> bool:
+    """Whether a line across its lane at one of the places goes through its number."""
+    axis = int(one.vertical)
+    return any(one.text.box[axis] < place < one.text.box[axis + 2] for place in places)
+
+
+def _meet(one: Dimension, other: Dimension) -> bool:
+    """Whether the number of one stands on the number or the lines of the other."""
+
+    def boxes(d: Dimension) -> list[tuple[float, ...]]:
+        return [d.text.box, *((*map(min, p, q), *map(max, p, q)) for p, q in d.marks()[0])]
+
+    def crossed(a: tuple[float, ...], b: tuple[float, ...]) -> bool:
+        return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
+
+    return any(crossed(one.text.box, box) for box in boxes(other)) or any(
+        crossed(box, other.text.box) for box in boxes(one)
+    )
+
+
 def _lanes(measures: list[tuple[Point, Point, float]], side: str, edge: float) -> list[Dimension]:
     """Dimensions of one side, the shortest nearest; two share a lane where they and their numbers do not meet."""
     vertical, outwards = side in ("left", "right"), 1.0 if side in ("above", "right") else -1.0
     lanes: list[list[Dimension]] = []
-    for start, end, value in sorted(measures, key=lambda one: one[2]):
+    ordered, axis = sorted(measures, key=lambda one: one[2]), int(vertical)
+    for rank, (start, end, value) in enumerate(ordered):
+        # The lines up to those further out cross this one's lane; its number stands beside them.
+        crossing = [point[axis] for other in ordered[rank + 1 :] for point in other[:2]]
+        before = _crossed(Dimension(start, end, 0.0, vertical, value), crossing) and not _crossed(
+            Dimension(start, end, 0.0, vertical, value, before=True), crossing
+        )
         for number in range(len(lanes) + 1):
             at = edge + outwards * (FIRST_MM + LANE_MM * number)
-            made = Dimension(start, end, at, vertical, value)
+            made = Dimension(start, end, at, vertical, value, before)
             if number == len(lanes):
                 lanes.append([made])
                 break

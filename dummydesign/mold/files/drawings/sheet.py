@@ -64,7 +64,8 @@ class Text:
 class Dimension:
     """A linear dimension between two points along x or y; ``at`` is the coordinate of its line.
 
-    ``value`` is the true length. [mm]
+    ``value`` is the true length. [mm] A number that has no room between the arrows stands beyond the upper or right
+    end, or before the other one.
     """
 
     start: Point
@@ -72,6 +73,7 @@ class Dimension:
     at: float
     vertical: bool
     value: float
+    before: bool = False
 
     @property
     def line(self) -> tuple[Point, Point]:
@@ -82,13 +84,14 @@ class Dimension:
 
     @property
     def text(self) -> Text:
-        """The number, on the line's upper side, or beyond its end where the gap is too narrow."""
+        """The number, on the line's upper side, or outside it where the gap is too narrow."""
         a, b = self.line
         words = number(self.value)
         wide, axis = text_width(words, TEXT_MM), int(self.vertical)
         middle = (a[axis] + b[axis]) / 2
         if abs(b[axis] - a[axis]) < wide + 2 * ARROW_MM:
-            middle = max(a[axis], b[axis]) + ARROW_MM + 1.5 + wide / 2
+            beside = ARROW_MM + 1.5 + wide / 2
+            middle = min(a[axis], b[axis]) - beside if self.before else max(a[axis], b[axis]) + beside
         at = (self.at - 1.0, middle) if self.vertical else (middle, self.at + 1.0)
         return Text(at, words, TEXT_MM, True, self.vertical)
 

@@ -11,7 +11,7 @@ from dummydesign.mold.cad.label import label_text
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.spec import MouldSpec, Pour
 from dummydesign.mold.pour import shape_notes
-from dummydesign.mold.pour.acceptance import TROUBLE, acceptance_rows
+from dummydesign.mold.pour.acceptance import acceptance_rows, measured_blanks, when_it_fails
 from dummydesign.mold.pour.materials_list import bill_of_materials
 from dummydesign.mold.pour.plan import PourPlan, split_batch
 from dummydesign.mold.pour.pour_steps import pour_steps
@@ -194,7 +194,7 @@ def _weighing(spec: MouldSpec, pour: Pour, plan: PourPlan, alone: str) -> list[B
 
 def _pour_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
     steps = tuple(step.text for step in pour_steps(spec, plan))
-    trouble = [Block("head", "When a step fails"), Block("list", items=TROUBLE)]
+    trouble = [Block("head", "When a step fails"), Block("list", items=when_it_fails(spec))]
     return [Block("head", "3. Pour"), Block("list", items=steps), *trouble]
 
 
@@ -209,7 +209,7 @@ def _demould_blocks(spec: MouldSpec) -> list[Block]:
     steps = (
         *(demould_steps(spec) if spec.is_printed else let_go),
         shape_notes.demould_first(spec),
-        f"Measure the thickness at five places: {BLANK} {BLANK} {BLANK} {BLANK} {BLANK} mm. Mass of the pad: {BLANK} g",
+        measured_blanks(spec.count),
         f"Age {pour.age_before_test_days:g} days at room temperature before testing; test pad and witness on one day.",
     )
     return [Block("head", "4. Demould and measure"), Block("list", items=steps)]

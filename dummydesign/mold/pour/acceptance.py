@@ -102,14 +102,42 @@ def _modulus(spec: MouldSpec) -> str:
     return "that of the design" if young is None else f"{young:.1f} kPa"
 
 
-TROUBLE = (
-    "Foam does not fall within the time: the pump is too weak or the resin is moist. Throw the batch away.",
-    "Too little poured: mix the missing grams anew within the pot life, or strike off short and enter the mass; never "
-    "stretch a batch after it thickens.",
-    "Too much poured: take it off with a syringe from a corner before it gels.",
-    "The mould was bumped: level again at once while the resin still flows; once it has gelled, cast again.",
-    "Air under the plate: lift one edge, let it out, lower again.",
-    "A face that stays tacky: cure inhibition or a wrong ratio. Test print, silicone and resin on scraps before the "
-    "next pour.",
-    "A torn corner of the mould: outside the land it may be glued with silicone; in the cavity cast a new mould.",
-)
+def when_it_fails(spec: MouldSpec) -> tuple[str, ...]:
+    """What to do when a step of the pour fails, for the kind of mould that is poured."""
+    lidded, boned = spec.body.style == "lidded", bool(spec.pad.shape.bone_height_mm)
+    mix = "mix the missing grams anew within the pot life"
+    if lidded:
+        little = f"Too little poured, a vent stays empty: raise its end, tap the mould, {mix} and pour on."
+        much = "Too much poured: wipe what comes out of the vents off the backer before it gels."
+        air = "Air under the lid: prop the vent end up again and wait until it has come out; never open the lid."
+    elif boned:
+        little = f"Too little poured: {mix} and top up through a vent."
+        much = "Too much poured: wipe what comes out of the vents off the plate before it gels."
+        air = "Air under the plate of the bone: lift one edge, let it out, lower again until all vents show resin."
+    else:
+        little = f"Too little poured: {mix}, or strike off short and enter the mass."
+        much = "Too much poured: take it off with a syringe from a corner before it gels."
+        air = "Air under the plate: lift one edge, let it out, lower again."
+    torn = "A torn corner of the mould: outside the land it may be glued with silicone; in the cavity cast a new mould."
+    if spec.is_printed:
+        torn = "A joint that leaks: seal it with wax from outside. A chipped wall of the cavity: print the part anew."
+    cast = "silicone" if not spec.is_printed else "release agent"
+    return (
+        "Foam does not fall within the time: the pump is too weak or the resin is moist. Throw the batch away.",
+        f"{little} Never stretch a batch after it thickens.",
+        much,
+        "The mould was bumped: level again at once while the resin still flows; once it has gelled, cast again.",
+        air,
+        f"A face that stays tacky: cure inhibition or a wrong ratio. Test print, {cast} and resin on scraps before the "
+        "next pour.",
+        torn,
+    )
+
+
+def measured_blanks(count: int) -> str:
+    """Lines for the thickness at five places and the mass of each pad that came out."""
+    five = " ".join([BLANK] * 5)
+    if count == 1:
+        return f"Measure the thickness at five places: {five} mm. Mass of the pad: {BLANK} g"
+    pads = "; ".join(f"pad {number}: {five} mm, {BLANK} g" for number in range(1, count + 1))
+    return f"Measure each pad's thickness at five places and its mass, by the cavities' order: {pads}"

@@ -11,11 +11,17 @@ from dummydesign.mold.files import pour_sheet as sheet
 from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.model.validate import validate
-from dummydesign.mold.pour.acceptance import TOLD_DEPTH, acceptance_rows, force_per_thickness
+from dummydesign.mold.pour.acceptance import (
+    TOLD_DEPTH,
+    acceptance_rows,
+    force_per_thickness,
+    measured_blanks,
+    when_it_fails,
+)
 from dummydesign.mold.pour.materials_list import bill_of_materials, screw_length_mm
 from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.pour.pour_steps import pour_steps
-from dummydesign.mold.pour.steps import MOVE, Step, order_faults
+from dummydesign.mold.pour.steps import BLANK, MOVE, Step, order_faults
 from dummydesign.mold.pour.warnings import pour_warnings
 from tests.support.mould_checks import shape_spec
 
@@ -120,3 +126,17 @@ def test_sheet_and_check_agree_on_which_cure_needs_an_oven():
         said = any("oven" in step.text for step in pour_steps(warm, plan))
         checks = {one.id: one.status for one in check_process(warm, plan, pour_warnings(warm, plan))}
         assert said == oven and (checks["fits_oven"] != "skipped") == oven
+
+
+def test_advice_for_a_step_that_fails_names_only_what_the_mould_has():
+    words = {spec.preset + spec.pad.kind: " ".join(when_it_fails(spec)) for spec in specs()}
+    printed = " ".join(when_it_fails(mould_spec(8.0, 70.0, 60.0, preset="printed")))
+    assert "strike off" in words["openslab"] and "vent" not in words["openslab"]
+    assert "strike off" not in words["lidded" + "slab"] and "vents" in words["lidded" + "slab"]
+    assert "bone" in words["openboned"] and "strike off" not in words["openboned"]
+    assert "silicone" not in printed and "leaks" in printed
+
+
+def test_each_pad_of_a_mould_has_its_own_places_for_what_is_measured():
+    assert measured_blanks(1).count(BLANK) == 6
+    assert measured_blanks(3).count(BLANK) == 18 and "pad 3:" in measured_blanks(3)

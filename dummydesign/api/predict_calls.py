@@ -144,6 +144,7 @@ def predict(
     if tissue is not None:
         common |= _against(made, inputs, young)
         common["sources"] = [*sources, *common.pop("tissue_sources")]
+        warnings += common.pop("tissue_said")
         if not asked:
             depths = sorted({row["depth_mm"] for row in common["conditions"] if row["depth_mm"] is not None})
             depth_mm = depths or [0.25 * made.thickness_mm]
@@ -192,7 +193,9 @@ def _against(made: Pad | Puck, inputs: dict[str, Any], young: dict[str, float]) 
     curve = elastic_curve(made, inputs["fidelity"], None, None, None)
     judged, candidate, targets = verdict_of_pad(made, curve, young, site, inputs["aim"], sampling)
     rows = condition_rows(candidate, targets)
-    return {"verdict": judged.to_dict(), "conditions": rows, "tissue_sources": list(site.sources)}
+    said = [] if site.said is None else [{"code": site.said[0], "message": site.said[1]}]
+    sources = list(site.sources)
+    return {"verdict": judged.to_dict(), "conditions": rows, "tissue_sources": sources, "tissue_said": said}
 
 
 def _add_fields(
@@ -267,13 +270,10 @@ def _punch_warnings(made: Pad | Puck, fidelity: str) -> list[dict[str, str]]:
 
 def _sites_warnings(made: Pad | Puck) -> list[dict[str, str]]:
     """Say that one of several crowns is pressed as if it were alone."""
+    from dummydesign.design.sites.pressed_alone import pressed_alone
     from dummydesign.pad.pad import Puck
 
-    places = 1 if isinstance(made, Puck) else len(made.geometry.places_mm)
-    if places == 1:
-        return []
-    message = f"one of {places} crowns is pressed as if it were alone; 'suggest --sites' solves what the others change"
-    return [{"code": "several_sites", "message": message}]
+    return pressed_alone([] if isinstance(made, Puck) else [len(made.geometry.places_mm)])
 
 
 def _write(path: str | PathLike[str], columns: tuple[str, ...], result: dict[str, Any]) -> Path:

@@ -158,7 +158,7 @@ def design_dict(design: Design, resin: Resin, targets: Targets) -> dict[str, Any
             "steady_state_range": float(evaluation.steady_state_range[index]),
             "force_variation_range": float(evaluation.force_variation_range[index]),
             "aim": float(evaluation.aim[index]),
-            "parametric": candidate.parametric,
+            "parametric": candidate.parametric if targets.parametric else None,
             "low_force_range": float(evaluation.low_force_range[index]),
         },
         "conditions": condition_rows(candidate, targets),

@@ -54,9 +54,10 @@ def write_compare_report(
         (_percent(steady["above_5N_fraction"]), f"of the steady-state curve inside, {low:g} to {high:g} N"),
         (_percent(steady["below_5N_fraction"]), _below_words(tissue, low)),
         (_percent(mean), "of force over time inside, mean of the conditions"),
-        (f"{sum(known)} of {len(known)}", "parameters inside their bands"),
+        *([(f"{sum(known)} of {len(known)}", "parameters inside their bands")] if data["parametric"] else []),
     ]
-    lead = (
+    lead = "" if tissue.said is None else f"{tissue.said[1]}. "
+    lead += (
         f"Measured dummy against {tissue.title} ({tissue.name}), {len(tissue.subjects)} subjects, law {data['law']}. "
         "Each press is compared with the subjects at its own steady force, speed, hold and braking."
     ) + _test_words(data)
@@ -64,7 +65,7 @@ def write_compare_report(
         Section("Steady force", _steady_words(data), [_steady(found, tissue)]),
         Section("Force over time", "Repeats of a condition share a figure; the range is that of the first.",
                 _presses(found, data), _conditions(rows)),
-        Section("Parameters", _parameter_words(data), _parameters(data), _parametric(data)),
+        *_parameter_sections(data),
         Section("Fit behind the parameters", _fit_words(data), table=_traces(data)),
     ]  # fmt: skip
     title = f"Dummy against {tissue.name}"
@@ -97,7 +98,8 @@ def _below_words(tissue: Tissue, low: float) -> str:
 
 def _steady_words(data: dict[str, Any]) -> str:
     reached, low = data["steady_state_range"]["reached_N"], data["steady_state_range"]["span_N"][0]
-    text = f"Below {low:g} N the subjects' range is their law carried on, and drawn paler."
+    carried = "their slowest rise, scaled to their steady force" if data["law"] == "curves" else "their law carried on"
+    text = f"Below {low:g} N the subjects' range is {carried}, and drawn paler."
     return text if reached is None else f"The dummy was pressed from {reached[0]:.3g} to {reached[1]:.3g} N. {text}"
 
 
@@ -172,6 +174,13 @@ def _conditions(rows: list[dict[str, Any]]) -> Table:
         for row in rows
     ]  # fmt: skip
     return Table(head, body)
+
+
+def _parameter_sections(data: dict[str, Any]) -> list[Section]:
+    """Parameters beside their bands, where the tissue has a law."""
+    if not data["parametric"]:
+        return []
+    return [Section("Parameters", _parameter_words(data), _parameters(data), _parametric(data))]
 
 
 def _parameter_words(data: dict[str, Any]) -> str:

@@ -58,6 +58,8 @@ def write_suggestion(
         f"Recommended for {answer.tissue.title} ({answer.tissue.name}), aim {answer.request.aim}, of "
         f"{answer.resin.title}. {result['rests_on']['text']} Next: {result['rests_on']['next_step']}."
     )
+    if answer.tissue.said is not None:
+        lead = f"{answer.tissue.said[1]}. {lead}"
     if result["calibration"] is not None:
         lead = f"{result['calibration']['text']}. {lead}"
     sections = [
@@ -89,10 +91,15 @@ def _castings_fact(result: dict[str, Any]) -> list[tuple[str, str]]:
 
 
 def _steady_words(answer: Suggestion) -> str:
+    low = "Below 5 N there are no data on people; the range there is their law extrapolated and drawn paler."
+    if answer.tissue.measured:
+        low = (
+            f"Below {answer.request.protocol.forces_N[0]:g} N the subjects' range is their slowest rise, scaled to "
+            "their steady force, and drawn paler."
+        )
     return (
-        "The relaxed pad and the subjects. Below 5 N there are no data on people; the range there is their law "
-        "extrapolated and drawn paler. The band of the pad holds 95 % of its castings, by what is not known of the "
-        "resin and the errors of weighing and thickness. "
+        f"The relaxed pad and the subjects. {low} The band of the pad holds 95 % of its castings, by what is not known "
+        "of the resin and the errors of weighing and thickness. "
         + (_flat_words(answer) if answer.shape.flat_top else "The pad's top is touched gradually, so it starts soft.")
     )
 
@@ -165,9 +172,9 @@ def _shapes(answer: Suggestion, result: dict[str, Any], curves: SuggestionCurves
 
 def _why(result: dict[str, Any]) -> str:
     parts = result["recommendation"]["scores"].items()
-    scores = ", ".join(f"{name.replace('_', ' ')} {value:.2f}" for name, value in parts)
+    scores = ", ".join(f"{name.replace('_', ' ')} {value:.2f}" for name, value in parts if value is not None)
     given = result["choice"]["weights"]
-    weights = ", ".join(f"{name.replace('_', ' ')} {given[name]:g}" for name in SCORED)
+    weights = ", ".join(f"{name.replace('_', ' ')} {given[name]:.3g}" for name in SCORED if name in given)
     slope = 100 * result["sensitivity"]["d_ln_young_per_percent_ratio"]
     return (
         f"{_sentence(result['choice']['text'])} {_sentence(result['choice']['expectation']['text'])}"

@@ -77,6 +77,8 @@ def write_whatif(
         f"{study.size} pads of {resin.title}: {_span(study.thickness_mm)} mm thick, ratio {_span(study.ratio)}, "
         f"{', '.join(name for name, _ in study.punches)}, by {study.fidelity}."
     )
+    if tissue is not None and tissue.said is not None:
+        lead = f"{tissue.said[1]}. {lead}"
     sources = [*resin.references, *([] if tissue is None else tissue.sources)]
     return write_report(folder, "What if", lead, sections, (), warnings, sources, live_scripts())
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from dummydesign.cli.texts.verdict import verdict_lines
+from dummydesign.cli.texts.verdict import tissue_lines, verdict_lines, warning_lines
 
 HELP = "Force of one pad at static depths, under a measured motion, or in a ramp and hold."
 SHOWN = 25
@@ -93,6 +93,7 @@ def render(result: dict[str, Any]) -> str:
     young = result["young_kPa"]
     lines = [
         *verdict_lines(result.get("verdict")),
+        *tissue_lines(result),
         f"pad {result['inputs']['thickness_mm']:g} mm, E = {young['value']:.4g} kPa "
         f"({young['low']:.4g} to {young['high']:.4g}), punch {result['inputs']['punch']}, fidelity {result['fidelity']}"
     ]
@@ -130,5 +131,5 @@ def render(result: dict[str, Any]) -> str:
             f"solved {solver['unknowns']} unknowns, {solver['load_steps']} load steps, "
             f"{solver['newton_iterations']} Newton iterations, {solver['seconds']:.1f} s"
         )
-    lines += [f"warning: {warning['message']}" for warning in result["warnings"]]
+    lines += warning_lines(result)
     return "\n".join(lines)

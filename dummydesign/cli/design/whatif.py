@@ -7,6 +7,7 @@ from typing import Any
 
 from dummydesign.cli.shared_options import add_replace_option
 from dummydesign.cli.steps import Count
+from dummydesign.cli.texts.verdict import tissue_lines, warning_lines
 
 HELP = "Compute many pads at once: depth, stiffness, local exponent, peak over steady, score for a tissue."
 SHOWN = 40
@@ -104,7 +105,8 @@ def render(result: dict[str, Any]) -> str:
     head += "edge ".ljust(6) if filleted else ""
     head += " ".join(f"x,n at {force} N".ljust(14) for force in forces)
     head += " " + " ".join(f"peak {speed} mm/s".ljust(14) for speed in speeds)
-    lines = ["x depth in mm, n local exponent d ln F / d ln x, peak over steady at 10 N steady", "", head]
+    what = "x depth in mm, n local exponent d ln F / d ln x, peak over steady at 10 N steady"
+    lines = [*tissue_lines(result), what, "", head]
     for row in rows[:SHOWN]:
         cells = []
         for force in forces:
@@ -122,4 +124,4 @@ def render(result: dict[str, Any]) -> str:
         lines.append(f"... {len(rows) - SHOWN} more rows in {result['files']['rows']}")
     lines += ["", f"{len(rows)} designs in {result['seconds']:.2f} s; rows: {result['files']['rows']}"]
     lines += [f"{role}: {path}" for role, path in result["files"].items() if role == "report"]
-    return "\n".join(lines + [f"warning: {item['message']}" for item in result["warnings"]])
+    return "\n".join(lines + warning_lines(result))

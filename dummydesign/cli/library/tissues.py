@@ -29,7 +29,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     curves.add_argument("name", metavar="NAME", help="name of the new tissue")
     columns = "columns subject,velocity_mm_s,time_s,depth_mm,force_N; a hold with its times is needed"
     curves.add_argument("curves", metavar="FILE.csv", help=columns)
-    curves.add_argument("--law", default="ode", help="published, consistent or ode (default ode)")
+    law = "auto (default: ode where it follows the curves, else none), none (the curves themselves), "
+    curves.add_argument("--law", default="auto", help=law + "ode, consistent or published")
     curves.add_argument("--elements", default="5", help="3, 5 or 7 (default 5)")
     curves.add_argument("--replace", action="store_true", help="take the place of a tissue of your own with this name")
     points = actions.add_parser("add-points", help="update a tissue by points read off figures")
@@ -97,7 +98,7 @@ def _list() -> dict[str, Any]:
     warnings = [{"code": "unreadable_tissue", "message": problem} for problem in problems]
     rows = []
     for tissue in tissues:
-        steady = law_named(tissue.law).steady_name
+        steady = next(iter(tissue.bands)) if tissue.measured else law_named(tissue.law).steady_name
         gamma1 = tissue.bands[steady]
         rows.append(
             {
@@ -139,19 +140,28 @@ def render(result: dict[str, Any]) -> str:
     if "tissues" in result:
         lines = [f"{'tissue':<14} {'origin':<9} {'kind':<20} {'law':<11} subjects  gamma1 in N/mm3 (k in N/mm)"]
         for row in result["tissues"]:
-            low, high = row.get("gamma1_N_per_mm3") or row["k_N_per_mm"]
+            name, (low, high) = list(row.items())[-1]
+            at = name.removeprefix("depth_at_").removesuffix("_mm") if name.startswith("depth_at_") else ""
             lines.append(
                 f"{row['name']:<14} {row['origin']:<9} {'+'.join(row['kinds']):<20} {row['law']:<11} "
-                f"{len(row['subjects']):>8}  {low:.3g} to {high:.3g}"
+                f"{len(row['subjects']):>8}  {low:.3g} to {high:.3g}" + (f" mm at {at}" if at else "")
             )
         return "\n".join(lines + [f"warning: {w['message']}" for w in result["warnings"]])
-    lines = [f"{result['name']} ({result['title']}), {result['origin']}, law {result['law']}"]
+    measured = result["law"] == "curves"
+    law = "measured curves, no law" if measured else f"law {result['law']}"
+    lines = [f"{result['name']} ({result['title']}), {result['origin']}, {law}"]
+    lines += [note for note in result["notes"] if measured]
     lines.append(f"{'parameter':<26} {'band mean':>10} {'lowest':>10} {'highest':>10}  kind")
     for name, entry in _flat(result["bands"]):
         lines.append(
             f"{name:<26} {entry['value']:>10.4g} {entry['low']:>10.4g} {entry['high']:>10.4g}  {entry['kind']}"
         )
     for subject in result["subjects"]:
+        if measured:
+            cells = [f"{value['value']:.3g} mm at {key.removeprefix('depth_at_').removesuffix('N_mm')} N"
+                     for key, value in subject.items() if key.startswith("depth_at_")]  # fmt: skip
+            lines.append(f"subject {subject['name']:<16} {', '.join(cells)}")
+            continue
         spring = "k_N_per_mm" in subject
         gamma1 = subject["k_N_per_mm" if spring else "gamma1_N_per_mm3"]
         name = "k" if spring else "gamma1"
@@ -159,10 +169,11 @@ def render(result: dict[str, Any]) -> str:
             f"subject {subject['name']:<16} {name} {gamma1['value']:.4g} {'N/mm' if spring else 'N/mm3'} "
             f"({gamma1['low']:.4g} to {gamma1['high']:.4g}, {gamma1['kind']}: {gamma1['source']})"
         )
-    lines += [f"note: {note}" for note in result["notes"]]
+    lines += [f"note: {note}" for note in result["notes"] if not measured]
     lines += [f"source: {source}" for source in result["sources"]]
     lines += [f"{role}: {path}" for role, path in result.get("files", {}).items()]
-    lines += [f"warning: {w['message']}" for w in result["warnings"] if w["message"] not in result["notes"]]
+    told = [note.removesuffix(".") for note in result["notes"]] + list(result["notes"])
+    lines += [f"warning: {w['message']}" for w in result["warnings"] if w["message"] not in told]
     if "next_measurement" in result:
         lines.append(f"what would narrow it most: {result['next_measurement']['text']}")
     return "\n".join(lines)

@@ -7,7 +7,7 @@ from typing import Any
 
 from dummydesign.cli.shared_options import add_replace_option
 from dummydesign.cli.steps import steps_shown
-from dummydesign.cli.texts.verdict import verdict_lines
+from dummydesign.cli.texts.verdict import tissue_lines, verdict_lines, warning_lines
 
 HELP = "Compare the traces of a cast dummy with a tissue: parameters, steady-state range, force variation range."
 
@@ -72,7 +72,8 @@ def render(result: dict[str, Any]) -> str:
     def text(value: float | None) -> str:
         return "-" if value is None else f"{value:.4g}"
 
-    lines = [*verdict_lines(result["verdict"]), f"against {result['tissue']}, law {result['law']}"]
+    law = "measured curves, no law" if result["law"] == "curves" else f"law {result['law']}"
+    lines = [*verdict_lines(result["verdict"]), *tissue_lines(result), f"against {result['tissue']}, {law}"]
     if "pad" in result:
         pad = result["pad"]
         force = "" if pad["force_percent"] is None else f", force {pad['force_percent']:+.1f} % off the designed pad's"
@@ -99,6 +100,6 @@ def render(result: dict[str, Any]) -> str:
             f"{row['velocity_mm_s']:>6.4g} {row['steady_force_N']:>9.3f} {row['depth_mm']:>9.3f} "
             f"{row['peak_force_N']:>8.3f} {span:>17} {100 * row['inside_fraction']:>5.0f} %"
         )
-    lines += [f"warning: {warning['message']}" for warning in result["warnings"]]
+    lines += warning_lines(result)
     lines += [f"{role}: {path}" for role, path in result["files"].items() if not role.startswith("report_")]
     return "\n".join(lines)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from dummydesign.cli.texts.verdict import first_lines, verdict_lines
+from dummydesign.cli.texts.verdict import NO_LAW, first_lines, tissue_lines, verdict_lines, warning_lines
 
 
 def render(result: dict[str, Any]) -> str:
@@ -14,6 +14,7 @@ def render(result: dict[str, Any]) -> str:
     weigh = ", ".join(f"{item['name']} {item['mass_g']:.1f} g" for item in recipe["components"])
     lines = [
         *verdict_lines(result["verdict"]),
+        *tissue_lines(result),
         *_calibration(result),
         *first_lines(result),
         f"{result['inputs']['tissue']}, aim {result['inputs']['aim']}",
@@ -26,14 +27,15 @@ def render(result: dict[str, Any]) -> str:
         f"  modulus    {young['value']:.3g} kPa long-term (95 %: {young['low']:.3g} to {young['high']:.3g})",
         "",
         "scores, 0 to 1 (more is better):",
-        "  " + "   ".join(f"{name.replace('_', ' ')} {value:.2f}" for name, value in best["scores"].items()),
+        "  " + "   ".join(f"{name.replace('_', ' ')} {'none' if value is None else format(value, '.2f')}"
+                          for name, value in best["scores"].items()),
         "",
         "  steady N  mm/s   depth mm  depth/thickness  peak N   tissue peak N   fraction in range",
     ]
     lines += [_condition(row) for row in best["conditions"]]
     lines += [
         "",
-        "  small forces (the tissue's law carried on; no data on people):",
+        f"  small forces ({_small_words(result)}):",
         "  N      depth mm   tissue mm",
     ]
     for row in best["low_force"]:
@@ -42,6 +44,12 @@ def render(result: dict[str, Any]) -> str:
         lines.append(f"  {row['force_N']:<6g} {depth:<10} {span}")
     lines += _shapes(result) + _parameters(best) + _more(result)
     return "\n".join(lines)
+
+
+def _small_words(result: dict[str, Any]) -> str:
+    if any(item["code"] == NO_LAW for item in result["warnings"]):
+        return "the people's slowest rise, scaled to their steady force"
+    return "the tissue's law carried on; no data on people"
 
 
 def _calibration(result: dict[str, Any]) -> list[str]:
@@ -60,7 +68,7 @@ def _shapes(result: dict[str, Any]) -> list[str]:
     lines = [
         "",
         f"  shapes side by side (misfit: rms of ln F from {0.1 * low:g} to {high:g} N; range: fraction of the steady "
-        f"curve in range;\n  exponent d ln F / d ln x, tissue {result['tissue_exponent']:g}):",
+        f"curve in range;\n  exponent d ln F / d ln x, tissue {result['tissue_exponent']:.3g}):",
         f"  misfit  range <{low:g} N  range >{low:g} N  exponent {'/'.join(shown)} N  d/h    total  pad",
     ]
     for row in result["shapes"]:
@@ -177,7 +185,7 @@ def _more(result: dict[str, Any]) -> list[str]:
         )
     lines += ["", result["rests_on"]["text"], f"next: {result['rests_on']['next_step']}"]
     lines += [f"{role}: {path}" for role, path in result["files"].items() if not role.startswith("report_")]
-    return lines + [f"warning: {item['message']}" for item in result["warnings"]]
+    return lines + warning_lines(result)
 
 
 def _castings(result: dict[str, Any]) -> list[str]:

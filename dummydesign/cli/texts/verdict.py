@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+NO_LAW = "measured_curves"
 CODES = {"green": "32", "amber": "33", "red": "31"}
 
 
@@ -26,6 +27,23 @@ def verdict_lines(verdict: dict[str, Any] | None, coloured: bool | None = None) 
     if coloured:
         head = f"\033[1;{CODES[verdict['light']]}m\u25cf {head}\033[0m"
     return [f"{head}:{rest}", ""]
+
+
+def tissue_lines(result: dict[str, Any]) -> list[str]:
+    """What a tissue without a law does not have, before anything that is held against it.
+
+    Parameters
+    ----------
+    result : dict
+        The answer of a command.
+    """
+    said = [item["message"] for item in result["warnings"] if item["code"] == NO_LAW]
+    return [*said, ""] if said else []
+
+
+def warning_lines(result: dict[str, Any]) -> list[str]:
+    """Warnings that were not said first."""
+    return [f"warning: {item['message']}" for item in result["warnings"] if item["code"] != NO_LAW]
 
 
 def first_lines(result: dict[str, Any]) -> list[str]:

@@ -143,7 +143,8 @@ def terms(best: Candidate, other: Candidate) -> dict[str, float]:
             if name != "parametric"
         }
         # What the total says of the parameters, also where they were fitted to one and not to the other.
-        shares["parametric"] = (1.0 - share) * one.total - sum(shares.values())
+        if "parametric" in weights.parts:
+            shares["parametric"] = (1.0 - share) * one.total - sum(shares.values())
         return {**shares, "low_aim": share * float(one.evaluation.low_aim[one.index])}
 
     mine, its = parts(best), parts(other)

@@ -148,7 +148,7 @@ def tissue_body(subjects: Sequence[Parameters], velocity_mm_s: float) -> Body:
         For a law that knows ideal ramps only.
     """
     from dummydesign.tissue.model.laws import law_named
-    from dummydesign.tissue.model.ranges import stack
+    from dummydesign.tissue.model.subjects_law import stack
 
     law, gamma1, gamma, dampers = stack(tuple(subjects), velocity_mm_s)
     form = law_named(law)

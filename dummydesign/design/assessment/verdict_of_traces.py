@@ -11,7 +11,7 @@ from dummydesign.design.assessment.safety import tissue_press
 from dummydesign.design.scoring.presses import Sampling
 from dummydesign.design.scoring.verdict import Ranges, Readings, Verdict, verdict
 from dummydesign.tissue.comparison.compare import Comparison, braking_of
-from dummydesign.tissue.comparison.press_test import PressTest, missing_of
+from dummydesign.tissue.comparison.press_test import PressTest, hold_of, missing_of
 from dummydesign.tissue.fitting.groups import condition_groups
 from dummydesign.tissue.model.laws import law_named
 
@@ -54,8 +54,9 @@ def verdict_of_traces(found: Comparison, tissue: Tissue) -> Verdict:
     grid = (found.grid_N >= max(lowest * (1 - 1e-9), 0.97 * found.points[0, 1])) & np.isfinite(found.steady)
     steady, depth = found.grid_N[grid], found.steady[grid]
     stiff, soft = (edge[grid] for edge in found.range_mm)
+    hold = hold_of([trace for trace, _ in found.presses], found.test)
     ranges = Ranges(force, speeds, low, high, least, most, steady, stiff, soft, len(tissue.subjects),
-                    law_named(tissue.law).power)  # fmt: skip
+                    law_named(tissue.law).exponent_of(tissue.parameter_sets, *found.test.span_N, hold))  # fmt: skip
     rng = np.random.default_rng(SEED)
     spread = Readings(
         peak + error * rng.standard_normal((DRAWS, len(peak))),

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dummydesign.tissue.model.laws import law_named
-from dummydesign.tissue.model.laws.spring import spring_words
 
 if TYPE_CHECKING:
     from dummydesign.design.assessment.centring import CentringTolerance
@@ -168,9 +167,17 @@ def _of_forces(chosen: Chosen, space: SearchSpace) -> list[tuple[str, str]]:
 
 def _of_speeds(space: SearchSpace, tissue: Tissue) -> list[tuple[str, str]]:
     """Speeds that are designed for and at which no subject was measured."""
-    if not law_named(tissue.law).fitted:
-        return [("spring_tissue", spring_words(tissue.name))]
+    said = [] if tissue.said is None else [tissue.said]
     asked = sorted({condition.velocity_mm_s for condition in space.targets.conditions})
+    if tissue.measured:
+        between = [v for v in asked if all(max(v / known, known / v) > 1.15 for known in tissue.velocities_mm_s)]
+        if between:
+            there = " and ".join(f"{v:g}" for v in between)
+            text = f"nobody was pressed at {there} mm/s: what {tissue.name} does there lies between its curves"
+            said.append(("speed_not_in_band", f"{text}, not a measurement"))
+        return said
+    if not law_named(tissue.law).fitted:
+        return said
     far = [v for v in asked if all(max(v / known, known / v) > 1.5 for known in tissue.velocities_mm_s)]
     if not far:
         return []

@@ -219,7 +219,9 @@ def parametric_score(found: list[Parameters], targets: Targets) -> NDArray:
 
 
 def gamma1_score(gamma1_N_per_mm3: NDArray, targets: Targets) -> NDArray:
-    """The share of :func:`parametric_score` that gamma1 alone gives, for the map. Shape (D,)."""
+    """The share of :func:`parametric_score` that gamma1 alone gives, for the map; 0 without a law. Shape (D,)."""
+    if not targets.parametric:
+        return np.zeros(len(gamma1_N_per_mm3))
     spread = [subject.parameters.gamma1_N_per_mm3 for subject in targets.tissue.subjects]
     half = max(0.5 * np.log(max(spread) / min(spread)), NARROWEST)
     with np.errstate(divide="ignore", invalid="ignore"):

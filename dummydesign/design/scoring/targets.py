@@ -14,7 +14,7 @@ from dummydesign.design.request import PAPER, Protocol
 from dummydesign.design.scoring.presses import Sampling
 from dummydesign.design.scoring.weights import Weights, weights_of
 from dummydesign.tissue.model.laws import law_named
-from dummydesign.tissue.model.ranges import SETTLED_S
+from dummydesign.tissue.model.subjects_law import SETTLED_S
 
 if TYPE_CHECKING:
     from dummydesign.tissue.model.parameters import Parameters
@@ -80,7 +80,8 @@ class Targets:
     @cached_property
     def weights(self) -> Weights:
         """Of the score, as the aim names them."""
-        return weights_of(self.aim)
+        found = weights_of(self.aim)
+        return found if self.parametric else found.without("parametric")
 
     def depth_range_mm(self, force_N: NDArray) -> tuple[NDArray, NDArray]:
         """Depth of the stiffest and the softest subject at steady forces. [mm]"""
@@ -92,7 +93,7 @@ class Targets:
     def aim_depth_mm(self, force_N: NDArray) -> NDArray:
         """Depth of the aim at steady forces. [mm]"""
         if self.settled:
-            return law_named(self.tissue.law).root(np.asarray(force_N, float) / self.parameters.gamma1_N_per_mm3)
+            return law_named(self.tissue.law).steady_depths([self.parameters], force_N)[0]
         return self._held_mm(force_N)[-1]
 
     @cached_property
@@ -109,13 +110,21 @@ class Targets:
 
     @property
     def settled(self) -> bool:
-        """Whether the hold is so long that a steady force is the relaxed one."""
+        """Whether the hold is so long that a steady force is the relaxed one; measured curves are at a hold's end."""
+        if self.tissue.measured:
+            return False
         return self.sampling.hold_s >= SETTLED_S or not self.parameters.gamma_N_per_mm3
 
-    @property
+    @cached_property
     def power(self) -> float:
-        """Exponent of the subjects' steady force over depth."""
-        return law_named(self.tissue.law).power
+        """Exponent of the subjects' steady force over depth, from the lowest to the highest force of the test."""
+        ends = self.protocol.forces_N[0], self.protocol.forces_N[-1]
+        return law_named(self.tissue.law).exponent_of(self.tissue.parameter_sets, *ends, self.sampling.hold_s)
+
+    @property
+    def parametric(self) -> bool:
+        """Whether the tissue has parameters that a pad's can be held against."""
+        return not self.tissue.measured
 
     @property
     def depth_half_width(self) -> float:
@@ -148,6 +157,10 @@ class Targets:
 
     def _held_mm(self, force_N: NDArray) -> NDArray:
         """Depths (subjects and aim, ...) at which each still carries a force at the end of the hold. [mm]"""
+        if self.tissue.measured:
+            law, everyone = law_named(self.tissue.law), (*self.tissue.parameter_sets, self.parameters)
+            motion = self.protocol.slow_mm_s, self.sampling.hold_s, self.sampling.deceleration_mm_s2
+            return law.held_depths(everyone, np.asarray(force_N, float), *motion)
         known, depth = self._held_curves
         wanted = np.log(np.maximum(np.asarray(force_N, float), 1e-12))
         slope = np.diff(depth[:, :2], axis=-1)[:, 0] / (known[1] - known[0])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -43,7 +43,21 @@ class Weights:
     @property
     def parts(self) -> dict[str, float]:
         """Weights of the parts of the total; they sum to 1."""
-        return {name: self[name] for name in PARTS}
+        return {name: self[name] for name in PARTS if name in dict(self.numbers)}
+
+    def without(self, part: str) -> Weights:
+        """The set without a part that a tissue does not have; the other parts grow so that they sum to 1."""
+        rest = 1.0 - self[part]
+        if not rest > 0.0:
+            raise InputError(f"weights {self.name}: nothing but {part} is weighed, which this tissue does not have")
+        kept = []
+        for name, number in self.numbers:
+            if name in PARTS and name != part:
+                value = number.value / rest
+                number = replace(number, value=value, low=min(number.low, value), high=max(number.high, value))
+            if name != part:
+                kept.append((name, number))
+        return replace(self, numbers=tuple(kept))
 
     @property
     def low_aim(self) -> float:

@@ -106,7 +106,8 @@ def rows_of(task: Task, slabs: Slabs, error: Callable[[NDArray], NDArray]) -> li
             "limit": limits[index],
         }
         if scores is not None:
-            row["score"] = {name: float(values[index]) for name, values in scores.items()}
+            own = {name: float(values[index]) for name, values in scores.items()}
+            row["score"] = {name: None if value != value else value for name, value in own.items()}
         rows.append(row)
     return rows
 
@@ -174,7 +175,7 @@ def _scores(slabs: Slabs, targets: Targets | None) -> dict[str, NDArray] | None:
         "steady_state_range": found.steady_state_range,
         "force_variation_range": found.force_variation_range,
         "aim": found.aim,
-        "parametric": parametric,
+        "parametric": parametric if targets.parametric else np.full(len(parametric), np.nan),
         "low_force_range": found.low_force_range,
     }
 

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dummydesign.design.scoring.presses import ForceLaw
+from dummydesign.design.sites.pressed_alone import pressed_alone
 from dummydesign.design.sweep.executors import completed
 from dummydesign.design.sweep.rows import Task
 from dummydesign.design.sweep.spec import Key, Study
 from dummydesign.design.sweep.work import work
-from dummydesign.geometry.shapes import Slab
+from dummydesign.geometry.shapes import Slab, read_shape
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -88,7 +89,8 @@ def whatif(
             file.close()
             raise
         ordered = file.finish()
-    return {"rows": ordered, "seconds": time.perf_counter() - start, "warnings": study_warnings(study, ordered)}
+    warnings = [*_tissue_said(study), *study_warnings(study, ordered)]
+    return {"rows": ordered, "seconds": time.perf_counter() - start, "warnings": warnings}
 
 
 def _counted(
@@ -102,8 +104,18 @@ def _counted(
         yield rows
 
 
+def _tissue_said(study: Study) -> list[dict[str, str]]:
+    """What must be said of the tissue's law."""
+    if study.tissue is None:
+        return []
+    from dummydesign.tissue.model.tissue_file import load_tissue
+
+    said = load_tissue(study.tissue).said
+    return [] if said is None else [{"code": said[0], "message": said[1]}]
+
+
 def study_warnings(study: Study, rows: list[dict[str, Any]]) -> list[dict[str, str]]:
-    """What a reader of the rows has to know: designs out of reach, rough solves, punches taken as circles."""
+    """What a reader of the rows has to know: out of reach, rough solves, one crown of several, punches as circles."""
     said = []
     stopped = sum(row["limit"] is not None for row in rows)
     if stopped:
@@ -113,6 +125,7 @@ def study_warnings(study: Study, rows: list[dict[str, Any]]) -> list[dict[str, s
     if rough:
         message = f"the force of {len(rough)} designs has an error of up to {max(rough):.1f} % ('force_error_percent')"
         said.append({"code": "rough_solve", "message": f"{message}; their exponents are less accurate"})
+    said += pressed_alone([len(read_shape(shape).places_mm) for shape in study.shapes])
     if study.reduced:
         message = f"{', '.join(study.reduced)}: taken as the circle of equal area; --fidelity 3d solves the corners"
         said.append({"code": "punch_as_circle", "message": message})

@@ -18,7 +18,6 @@ from dummydesign.tissue.fitting.fit import Fit, Progress, fit_traces
 from dummydesign.tissue.fitting.groups import condition_groups, rounded_velocity
 from dummydesign.tissue.fitting.reduction import ReducedTrace
 from dummydesign.tissue.model.laws import DEFAULT, law_named
-from dummydesign.tissue.model.laws.spring import spring_words
 from dummydesign.tissue.model.ranges import STEADY_TOLERANCE, ForceRange, end_of_hold_range
 from dummydesign.tissue.model.tissue import Tissue
 
@@ -247,10 +246,15 @@ def _warnings(fit: Fit, tissue: Tissue, points: NDArray, rows: list[dict[str, An
              "scaled rise of the slowest press, not a measured steady force"}
         )  # fmt: skip
     unknown = sorted({row["velocity_mm_s"] for row in rows} - set(tissue.velocities_mm_s))
-    if not law_named(tissue.law).fitted:
-        found.append({"code": "spring_tissue", "message": spring_words(tissue.name)})
-    elif unknown:
-        speeds = ", ".join(f"{v:g}" for v in unknown)
+    speeds = ", ".join(f"{v:g}" for v in unknown)
+    if tissue.said is not None:
+        found.append({"code": tissue.said[0], "message": tissue.said[1]})
+    if tissue.measured and unknown:
+        found.append(
+            {"code": "speed_not_in_band", "message": f"nobody was pressed at {speeds} mm/s: the range there lies "
+             "between the curves of the speeds beside it"}
+        )  # fmt: skip
+    elif law_named(tissue.law).fitted and unknown:
         found.append(
             {"code": "speed_not_in_band", "message": f"the tissue has no dampers at {speeds} mm/s: its range "
              "there uses dampers interpolated in ln c over ln v"}

@@ -22,7 +22,7 @@ from dummydesign.tissue.fitting.offset_proposal import proposed_offsets
 from dummydesign.tissue.fitting.problem import Optimum, Problem, problems_of
 from dummydesign.tissue.fitting.reduction import reduce_trace
 from dummydesign.tissue.fitting.residuals import heldout_rmse, trace_residuals
-from dummydesign.tissue.model.laws import law_named
+from dummydesign.tissue.model.laws import fitted_law, law_named
 from dummydesign.tissue.model.parameters import speed_key
 
 MODES = ("auto", "joint", "per-speed", "per-condition")
@@ -99,9 +99,7 @@ def fit_traces(
     InputError
         For unknown choices, no traces, or a trace without a press and a hold.
     """
-    form = law_named(law)
-    if not form.fitted:
-        raise InputError(f"law = {law} is not fitted to traces: it is {form.words}; fit ode, consistent or published")
+    form = fitted_law(law)
     allowed = form.elements
     if mode not in MODES:
         raise unknown_name("mode", mode, MODES)

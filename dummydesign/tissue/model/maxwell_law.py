@@ -12,7 +12,7 @@ gamma1 x^3 in all of them. A law is one module in :mod:`dummydesign.tissue.model
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.measurement.motion import Motion
+from dummydesign.tissue.model.subjects_law import SubjectsLaw
 
 
 class Drive(Protocol):
@@ -42,7 +43,7 @@ class Drive(Protocol):
         """
 
 
-class MaxwellLaw(ABC):
+class MaxwellLaw(SubjectsLaw):
     """One form of the law: everything that differs between forms is a method here, and nothing else names a form.
 
     Attributes
@@ -66,6 +67,8 @@ class MaxwellLaw(ABC):
         Name of that coefficient in files and answers.
     fitted : bool
         Whether it is fitted to traces.
+    measured : bool
+        Whether its subjects are measured curves and no parameters.
     live : dict or None
         What ``live.js`` computes the law by; None where a page cannot.
     """
@@ -78,6 +81,7 @@ class MaxwellLaw(ABC):
     power: ClassVar[float] = 3.0
     steady_name: ClassVar[str] = "gamma1_N_per_mm3"
     fitted: ClassVar[bool] = True
+    measured: ClassVar[bool] = False
     log_gamma1: ClassVar[tuple[float, float]] = (-6.0, 3.0)
     log_gamma: ClassVar[tuple[float, float]] = (float(np.log(1e-5)), float(np.log(1e4)))
     live: ClassVar[dict[str, Any] | None] = None
@@ -109,6 +113,10 @@ class MaxwellLaw(ABC):
         raise InputError(
             f"law = '{self.name}' follows ideal ramps only; a robot of finite mass needs a tissue of law ode"
         )
+
+    def said_of(self, name: str) -> tuple[str, str] | None:
+        """Code and words of what must be said of a tissue of this law, by its name; None for nothing."""
+        return None
 
     def parameter_names(self, elements: int) -> list[str]:
         """Names of the parameters, in the order gamma1, gamma2.., c2..; refuses elements the law does not have."""

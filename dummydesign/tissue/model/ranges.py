@@ -9,17 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dummydesign.core.errors import InputError
-from dummydesign.measurement.motion import DECELERATION_MM_S2, Motion, ramp_and_hold
+from dummydesign.measurement.motion import DECELERATION_MM_S2
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.tissue.model.laws import law_named
 from dummydesign.tissue.model.parameters import Parameters
-from dummydesign.tissue.model.steady_ranges import steady_depth_range
+from dummydesign.tissue.model.subjects_law import one_law
 
 FIRST_HOLD_S = 0.005
-SETTLED_S = 10.0
-"""From this hold on a subject counts as relaxed: what its arms then hold is below 0.6 % of its depth from 5 N on."""
-HELD_FORCES = 40
 
 STEADY_TOLERANCE = 0.01
 """Share of the steady force to which it can be set: the robot's 0.02 mm are 1 % of it at a depth of 6 mm."""
@@ -130,19 +126,6 @@ def interpolate_rows(at: NDArray, time: NDArray, values: NDArray) -> NDArray:
     return np.array(rows).reshape(at.shape)
 
 
-def stack(subjects: tuple[Parameters, ...], velocity_mm_s: float) -> tuple[str, NDArray, NDArray, NDArray]:
-    """Law, gamma1 (S,), gamma (S, arms) and dampers (S, arms) of several subjects at one speed."""
-    laws = {subject.law for subject in subjects}
-    if len(laws) != 1:
-        raise InputError(f"subjects fitted with different laws ({', '.join(sorted(laws))}) cannot share a range")
-    if len({len(subject.gamma_N_per_mm3) for subject in subjects}) != 1:
-        raise InputError("subjects fitted with different numbers of elements cannot share a range")
-    gamma1 = np.array([subject.gamma1_N_per_mm3 for subject in subjects])
-    gamma = np.array([subject.gamma_N_per_mm3 for subject in subjects])
-    dampers = np.array([subject.dampers_at(velocity_mm_s) for subject in subjects])
-    return laws.pop(), gamma1, gamma, dampers
-
-
 def force_range(
     subjects: tuple[Parameters, ...],
     steady_force_N: float,
@@ -188,14 +171,9 @@ def force_ranges(
     steady_force_N, velocity_mm_s, hold_s, deceleration_mm_s2, lowpass
         As for :func:`force_range`. [N, mm/s, s, mm/s2]
     """
-    law, gamma1, gamma, dampers = stack(tuple(one for group in groups for one in group), velocity_mm_s)
-
-    def coarse(depth: NDArray) -> Motion:
-        return ramp_and_hold(velocity_mm_s, depth, hold_s, deceleration_mm_s2, 24, 12, 3)
-
-    depth = law_named(law).steady_depth(coarse, steady_force_N, gamma1, gamma, dampers)
-    motion = ramp_and_hold(velocity_mm_s, depth, hold_s, deceleration_mm_s2)
-    curves = law_named(law).force(motion, gamma1, gamma, dampers)
+    everyone = [one for group in groups for one in group]
+    law = law_named(one_law(everyone))
+    motion, curves, depth = law.press(everyone, steady_force_N, velocity_mm_s, hold_s, deceleration_mm_s2)
     if lowpass is not None:
         curves = lowpass.apply(motion.time_s, curves)
     stop = motion.time_s[..., -1] - hold_s
@@ -231,13 +209,8 @@ def held_depth(
     velocity_mm_s, hold_s, deceleration_mm_s2 : float
         Ramp, hold and braking. [mm/s, s, mm/s2]
     """
-    law, gamma1, gamma, dampers = stack(subjects, velocity_mm_s)
-
-    def coarse(depth: NDArray) -> Motion:
-        return ramp_and_hold(velocity_mm_s, depth, hold_s, deceleration_mm_s2, 24, 12, 3)
-
-    depths = [law_named(law).steady_depth(coarse, float(force), gamma1, gamma, dampers) for force in force_N]
-    return np.stack(depths, axis=-1)
+    law = law_named(one_law(subjects))
+    return law.held_depths(subjects, force_N, velocity_mm_s, hold_s, deceleration_mm_s2)
 
 
 def end_of_hold_range(
@@ -260,9 +233,6 @@ def end_of_hold_range(
     velocity_mm_s, hold_s, deceleration_mm_s2 : float
         Ramp, hold and braking. [mm/s, s, mm/s2]
     """
-    if hold_s >= 0.98 * SETTLED_S:
-        return steady_depth_range(subjects, force_N)
-    known = np.geomspace(force_N[0], force_N[-1], HELD_FORCES if force_N[-1] > force_N[0] else 1)
-    depth = np.log(held_depth(subjects, known, velocity_mm_s, hold_s, deceleration_mm_s2))
-    found = np.exp([np.interp(np.log(force_N), np.log(known), row) for row in depth])
+    law = law_named(one_law(subjects))
+    found = law.end_of_hold_depths(subjects, force_N, velocity_mm_s, hold_s, deceleration_mm_s2)
     return found.min(axis=0), found.max(axis=0)

@@ -14,17 +14,14 @@ STEADY_PARTS_N = {"below_5N": (0.5, 5.0), "above_5N": (5.0, 15.0)}
 
 def steady_force_range(subjects: tuple[Parameters, ...], depth_mm: ArrayLike) -> tuple[NDArray, NDArray]:
     """Steady-state range gamma1 x^3 over depth: lowest and highest subject, shapes of ``depth_mm``. [N]"""
-    cube = np.maximum(np.asarray(depth_mm, float), 0.0) ** law_named(subjects[0].law).power
-    gamma1 = [subject.gamma1_N_per_mm3 for subject in subjects]
-    return min(gamma1) * cube, max(gamma1) * cube
+    force = law_named(subjects[0].law).steady_forces(subjects, depth_mm)
+    return force.min(axis=0), force.max(axis=0)
 
 
 def steady_depth_range(subjects: tuple[Parameters, ...], force_N: ArrayLike) -> tuple[NDArray, NDArray]:
     """Steady-state range over force: depth of the stiffest and of the softest subject. [mm]"""
-    force_value = np.maximum(np.asarray(force_N, float), 0.0)
-    gamma1 = [subject.gamma1_N_per_mm3 for subject in subjects]
-    law = law_named(subjects[0].law)
-    return law.root(force_value / max(gamma1)), law.root(force_value / min(gamma1))
+    depth = law_named(subjects[0].law).steady_depths(subjects, force_N)
+    return depth.min(axis=0), depth.max(axis=0)
 
 
 def steady_inside(subjects: tuple[Parameters, ...], force_N: ArrayLike, depth_mm: ArrayLike) -> dict[str, NDArray]:

@@ -67,8 +67,22 @@ class Tissue:
         return tuple(subject.parameters for subject in self.subjects)
 
     @cached_property
+    def measured(self) -> bool:
+        """Whether its subjects are measured curves, without parameters."""
+        from dummydesign.tissue.model.laws import law_named
+
+        return law_named(self.law).measured
+
+    @cached_property
+    def said(self) -> tuple[str, str] | None:
+        """Code and words of what every answer must say of its law; None for nothing."""
+        from dummydesign.tissue.model.laws import law_named
+
+        return law_named(self.law).said_of(self.name)
+
+    @cached_property
     def elements(self) -> int:
-        """Number of elements of the law: 3, 5 or 7."""
+        """Number of elements of the law: 3, 5 or 7; 1 without a relaxing arm."""
         return 1 + 2 * len(self.subjects[0].parameters.gamma_N_per_mm3)
 
     @cached_property
@@ -103,6 +117,8 @@ class Tissue:
     def target(self, aim: str = "average") -> Parameters:
         """Parameters a dummy should have: band mean, largest of each (``safe-side``), or ``subject:NAME``.
 
+        Of measured curves it is the middle or the strict side of the curves themselves.
+
         Raises
         ------
         InputError
@@ -116,6 +132,10 @@ class Tissue:
             raise unknown_name(f"subject of {self.name}", wanted, [s.name for s in self.subjects])
         if aim not in AIMS:
             raise unknown_name("aim", aim, [*AIMS, "subject:NAME"])
+        if self.measured:
+            from dummydesign.tissue.model.measured_curves import MeasuredAim
+
+            return MeasuredAim(self.parameter_sets, aim)  # type: ignore[arg-type]
         chosen = "value" if aim == "average" else "high"
         values = {
             name: {speed: getattr(q, chosen) for speed, q in band.items()}
@@ -217,5 +237,6 @@ def same_shape(subjects: tuple[Subject, ...]) -> None:
             )
         if len(subject.parameters.gamma_N_per_mm3) != len(first.gamma_N_per_mm3):
             raise InputError(f"subject '{subject.name}' has another number of elements than '{subjects[0].name}'")
-        if first.gamma_N_per_mm3 and not set(subject.parameters.velocities_mm_s) & set(first.velocities_mm_s):
+        speeds = first.velocities_mm_s
+        if speeds and not set(subject.parameters.velocities_mm_s) & set(speeds):
             raise InputError(f"subject '{subject.name}' shares no speed with '{subjects[0].name}'")

@@ -8,6 +8,7 @@ from typing import Any
 from dummydesign.core.datafiles import Entry, data_folder, entries, find, read_toml
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.quantity import Quantity, line_of, read_quantity
+from dummydesign.tissue.model.curves_file import press_lines, read_people
 from dummydesign.tissue.model.laws import LAWS, law_named
 from dummydesign.tissue.model.maxwell_law import arms_of
 from dummydesign.tissue.model.parameters import Parameters, speed_key
@@ -83,7 +84,10 @@ def parse_tissue(content: dict[str, Any], text: str, entry: Entry) -> Tissue:
     raw = content.get("subject")
     if not isinstance(raw, list) or not raw:
         raise InputError(f"{path.name}: needs at least one [[subject]]")
-    subjects = tuple(_subject(item, law, path, text, number) for number, item in enumerate(raw, start=1))
+    if law_named(law).measured:
+        subjects = read_people(raw, path)
+    else:
+        subjects = tuple(_subject(item, law, path, text, number) for number, item in enumerate(raw, start=1))
     names = [subject.name.lower() for subject in subjects]
     if len(set(names)) != len(names):
         raise InputError(f"{path.name}: two subjects have the same name; names must differ")
@@ -177,10 +181,13 @@ def _positive(entry: Any, key: str, path: Path, text: str) -> None:
 
 def tissue_toml(tissue: Tissue, extra: str = "") -> str:
     """Write a tissue as the text of a TOML file; ``extra`` is appended (such as an [inference] table)."""
-    lines = ["schema = 1", f"name = {_quoted(tissue.name)}", f"title = {_quoted(tissue.title)}"]
-    lines += [f"law = {_quoted(tissue.law)}", _list("sources", tissue.sources), _list("notes", tissue.notes)]
+    lines = ["schema = 1", f"name = {quoted(tissue.name)}", f"title = {quoted(tissue.title)}"]
+    lines += [f"law = {quoted(tissue.law)}", _list("sources", tissue.sources), _list("notes", tissue.notes)]
     for subject in tissue.subjects:
-        lines += ["", "[[subject]]", f"name = {_quoted(subject.name)}"]
+        lines += ["", "[[subject]]", f"name = {quoted(subject.name)}"]
+        if tissue.measured:
+            lines += press_lines(subject)
+            continue
         for key, entry in subject.numbers.items():
             if isinstance(entry, dict):
                 lines += [f"{key}.{_speed(speed)} = {_inline(q)}" for speed, q in entry.items()]
@@ -195,10 +202,11 @@ def _speed(speed: str) -> str:
 
 def _inline(quantity: Quantity) -> str:
     numbers = ", ".join(f"{name} = {getattr(quantity, name):.5g}" for name in ("value", "low", "high"))
-    return f"{{ {numbers}, kind = {_quoted(quantity.kind)}, source = {_quoted(quantity.source)} }}"
+    return f"{{ {numbers}, kind = {quoted(quantity.kind)}, source = {quoted(quantity.source)} }}"
 
 
-def _quoted(text: str) -> str:
+def quoted(text: str) -> str:
+    """A text as TOML, on one line."""
     plain = text.replace("\\", "\\\\").replace('"', '\\"')
     return '"' + " ".join(plain.split()) + '"'
 
@@ -206,4 +214,4 @@ def _quoted(text: str) -> str:
 def _list(key: str, texts: tuple[str, ...]) -> str:
     if not texts:
         return f"{key} = []"
-    return f"{key} = [\n" + "".join(f"  {_quoted(text)},\n" for text in texts) + "]"
+    return f"{key} = [\n" + "".join(f"  {quoted(text)},\n" for text in texts) + "]"

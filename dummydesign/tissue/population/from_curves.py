@@ -1,11 +1,10 @@
-"""``tissues add-curves``: a tissue from one table of curves, subject by subject; the law is fitted as to traces."""
+"""``tissues add-curves``: a tissue from one table of curves, by a law where it follows them, else by the curves."""
 
 from __future__ import annotations
 
 import math
-import re
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +12,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import write_text
+from dummydesign.core.own_files import make_room
+from dummydesign.measurement.landmarks import find_ramp
+from dummydesign.measurement.trace import Trace, read_trace
+from dummydesign.measurement.trace_checks import copies_among
+from dummydesign.tissue.fitting.reduction import reduce_trace
+from dummydesign.tissue.model.curve_numbers import subjects_of
+from dummydesign.tissue.model.laws import DEFAULT, fitted_law
+from dummydesign.tissue.model.laws.curves import curves_words
+from dummydesign.tissue.model.measured_curves import LAW
+from dummydesign.tissue.model.tissue import Tissue
+from dummydesign.tissue.model.tissue_file import KIND, tissue_toml
 from dummydesign.tissue.population.cells import read_cells
-from dummydesign.tissue.population.from_traces import add_tissue
+from dummydesign.tissue.population.curve_people import person_of
+from dummydesign.tissue.population.from_traces import (
+    fit_people,
+    fit_row,
+    fit_warnings,
+    subject_of_fit,
+    tissue_folder,
+    tissue_of,
+)
+from dummydesign.tissue.population.law_misfit import FOLLOWS, Misfit, misfit_of
 
+AUTO, NONE = "auto", "none"
 COLUMNS = ("subject", "velocity_mm_s", "time_s", "depth_mm", "force_N")
 FEWEST, HELD_S = 10, 0.5
 CONTRADICTION = 1.5
@@ -57,36 +78,123 @@ def add_curves(name: str, table: str, law: str, elements: str, replace_own: bool
     table : str
         CSV with ``subject``, ``velocity_mm_s``, ``time_s``, ``depth_mm``, ``force_N``; a curve ends where subject,
         speed or an optional ``press`` changes, or where time goes back. Without times the depth rises at the speed.
-    law, elements : str
-        Law and number of elements that are fitted, per speed.
+    law : str
+        Law that is fitted, per speed; ``none`` to keep the curves themselves; ``auto`` for the law ode where it follows
+        the curves of everyone (:mod:`dummydesign.tissue.population.law_misfit`) and the curves where it does not.
+    elements : str
+        Of the law.
     replace_own : bool
         Take the place of a tissue of the user with this name.
 
     Returns
     -------
     dict
-        As :func:`dummydesign.tissue.population.from_traces.add_tissue`.
+        As :func:`dummydesign.tissue.population.from_traces.add_tissue`, with ``law_misfit`` of everyone where a law was
+        fitted.
 
     Raises
     ------
     InputError
-        With file and line for what cannot be read, for curves of one person that contradict each other, and for a
-        person without a curve that is held, whose steady force is not known.
+        With file and line for what cannot be read, for curves of one person that contradict each other, for a person
+        without a curve that is held, whose steady force is not known, and for people who share no speed or force.
     """
     path = Path(table)
+    if law not in (AUTO, NONE):
+        fitted_law(law)
+    if elements not in ("3", "5", "7"):
+        raise InputError(f"--elements {elements} is not one of 3, 5, 7: the subjects of a tissue share one number")
+    folder = tissue_folder(name)
+    hidden = make_room(KIND, "tissue", name, replace_own)
     curves = read_curves(path)
     for subject in dict.fromkeys(curve.subject for curve in curves):
         check_curves([curve for curve in curves if curve.subject == subject], path.name)
+    read, speeds = _traces(curves)
+    warnings = copies_among([replace(one, name=f"{who}: {one.name}") for who, own in read.items() for one in own])
+    held, left_out = _held(read)
+    people = {
+        who: person_of([reduce_trace(trace) for trace in own], [speeds[trace.name] for trace in own])
+        for who, own in held.items()
+    }
+    form = DEFAULT if law == AUTO else law
+    fits = {} if law == NONE else fit_people(held, form, elements, intervals=False)
+    misfits = [misfit_of(who, fit, people[who]) for who, fit in fits.items()]
+    missed = [one for one in misfits if not one.follows]
+    by_law = law != NONE and not (law == AUTO and missed)
+    if by_law:
+        fits = fit_people(held, form, elements)
+    rows = [fit_row(who, path.name, fit) for who, fit in fits.items()]
+    if not by_law:
+        kept = f"curves of {path.name}"
+        named = [(who, one, "measured", f"{kept}, {len(one.presses)} presses of {who}") for who, one in people.items()]
+        found = subjects_of(named)
+        title = f"{len(found)} subject{'s' if len(found) > 1 else ''}, measured curves"
+        tissue = Tissue(name, title, LAW, found, (), (curves_words(name) + ".",), "user")
+        warnings.append({"code": "measured_curves", "message": curves_words(name)})
+        if missed:
+            warnings.append({"code": "law_does_not_follow", "message": _why(missed)})
+    else:
+        tissue = tissue_of(name, [subject_of_fit(who, fit) for who, fit in fits.items()])
+        warnings += [warning for who, fit in fits.items() for warning in fit_warnings(who, fit)]
+        if missed:
+            warnings.append({"code": "law_does_not_follow", "message": f"{_why(missed)}; --law none keeps the curves"})
+    place = write_text(folder / f"{name}.toml", tissue_toml(tissue))
+    return {
+        "inputs": {"action": "add-curves", "name": name, "curves": table, "law": law, "elements": elements},
+        **tissue.to_dict(), "fits": rows, "law_misfit": [one.to_dict() for one in misfits],
+        "warnings": warnings + left_out + _few(tissue) + hidden, "files": {"tissue": str(place)},
+    }  # fmt: skip
+
+
+def _why(missed: list[Misfit]) -> str:
+    return (
+        "the law does not follow the curves: it misses peaks, steady forces and energies (rms) of "
+        f"{', '.join(one.words for one in missed)}; more than {FOLLOWS:g} times what repeats differ by is not taken"
+    )
+
+
+def _few(tissue: Tissue) -> list[dict[str, str]]:
+    """That one person makes no range, and one speed none at another."""
+    said = []
+    if len(tissue.subjects) < 2:
+        text = f"{tissue.name} has one subject, who makes no range: nothing can be inside it"
+        said.append({"code": "one_subject", "message": text})
+    if len(tissue.velocities_mm_s) == 1:
+        speed = tissue.velocities_mm_s[0]
+        text = f"{tissue.name} is known at {speed:g} mm/s only: give --velocity {speed:g} where a pad is made for it"
+        said.append({"code": "one_speed", "message": text})
+    return said
+
+
+def _held(read: dict[str, list[Trace]]) -> tuple[dict[str, list[Trace]], list[dict[str, str]]]:
+    """Presses that were held long enough to end in a steady force, and a warning that names the others."""
+    held: dict[str, list[Trace]] = {who: [] for who in read}
+    short = []
+    for who, own in read.items():
+        for trace in own:
+            ramp = find_ramp(trace.time_s, trace.displacement_mm)
+            if ramp.hold_end_s - ramp.stop_time_s >= HELD_S:
+                held[who].append(trace)
+            else:
+                short.append(f"{who}: {trace.name.removesuffix('.csv').replace('_', ' ')}")
+    if not short:
+        return held, []
+    message = f"left out, held for less than {HELD_S:g} s: {', '.join(short)}"
+    return held, [{"code": "hold_too_short", "message": message}]
+
+
+def _traces(curves: list[Curve]) -> tuple[dict[str, list[Trace]], dict[str, float]]:
+    """Curves as traces by person, with all that is checked of traces, and the speed of each. [mm/s]"""
+    read: dict[str, list[Trace]] = {}
+    speeds: dict[str, float] = {}
     with tempfile.TemporaryDirectory() as folder:
         for number, curve in enumerate(curves, start=1):
-            own = Path(folder) / re.sub(r"[^\w.-]+", "-", curve.subject)
-            own.mkdir(exist_ok=True)
             rows = zip(curve.time_s, curve.depth_mm, curve.force_N)
             text = "".join(f"{t:.9g},{x:.9g},{f:.9g}\n" for t, x, f in rows)
-            (own / f"curve_{number}_line_{curve.line}.csv").write_text(f"time_s,displacement_mm,force_N\n{text}")
-        found = add_tissue(name, sorted(str(own) for own in Path(folder).iterdir()), law, elements, None, replace_own)
-    inputs = {"action": "add-curves", "name": name, "curves": table, "law": law, "elements": elements}
-    return {**found, "inputs": inputs}
+            file = Path(folder) / f"curve_{number}_line_{curve.line}.csv"
+            file.write_text(f"time_s,displacement_mm,force_N\n{text}", encoding="utf-8")
+            read.setdefault(curve.subject, []).append(read_trace(file))
+            speeds[file.name] = curve.velocity_mm_s
+    return read, speeds
 
 
 def read_curves(path: Path) -> list[Curve]:

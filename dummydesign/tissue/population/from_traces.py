@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dummydesign.core.datafiles import user_folder
 from dummydesign.core.errors import InputError
@@ -16,6 +16,11 @@ from dummydesign.measurement.trace import read_trace
 from dummydesign.measurement.trace_checks import copies_among
 from dummydesign.tissue.model.tissue import Subject, Tissue, same_shape
 from dummydesign.tissue.model.tissue_file import KIND, load_tissue, tissue_toml
+
+if TYPE_CHECKING:
+    from dummydesign.measurement.sensor import Lowpass
+    from dummydesign.measurement.trace import Trace
+    from dummydesign.tissue.fitting.fit import Fit
 
 _NAME = re.compile(r"^[A-Za-z0-9][A-Za-z0-9_-]*$")
 
@@ -52,9 +57,6 @@ def add_tissue(
     InputError
         For a bad or taken name, unreadable files, subjects of the same name, or laws that differ.
     """
-    from dummydesign.tissue.fitting.fit import fit_traces
-    from dummydesign.tissue.fitting.subject import subject_from_fit
-
     folder = tissue_folder(name)
     hidden = make_room(KIND, "tissue", name, replace_own)
     if elements not in ("3", "5", "7"):
@@ -68,16 +70,11 @@ def add_tissue(
     # over all subjects, for one under two names counts twice
     named = [replace(trace, name=f"{who}: {trace.name}") for who, traces in read.items() for trace in traces]
     warnings += copies_among(named)
-    for person, paths in groups.items():
-        fit = fit_traces(read[person], int(elements), law, "per-speed", sensor)
-        made.append(subject_from_fit(person, fit))
-        rows.append(
-            {"subject": person, "from": ", ".join(path.name for path in paths), "rmse_N": fit.result["rmse_N"],
-             "max_residual_N": fit.result["max_residual_N"]}
-        )  # fmt: skip
-        said = [warning for warning in fit.result["warnings"] if warning["code"] != "same_press"]
-        warnings += [{"code": w["code"], "message": f"{person}: {w['message']}"} for w in said]
-    tissue = _checked(name, made)
+    for person, fit in fit_people(read, law, elements, sensor).items():
+        made.append(subject_of_fit(person, fit))
+        rows.append(fit_row(person, ", ".join(path.name for path in groups[person]), fit))
+        warnings += fit_warnings(person, fit)
+    tissue = tissue_of(name, made)
     warnings += hidden
     path = write_text(folder / f"{name}.toml", tissue_toml(tissue))
     inputs = {"action": "add", "name": name, "files": files, "law": law, "elements": elements, "lowpass": lowpass}
@@ -117,7 +114,54 @@ def _sort_files(files: list[str]) -> tuple[list[tuple[Subject, str]], dict[str, 
     return subjects, groups
 
 
-def _checked(name: str, subjects: list[Subject]) -> Tissue:
+def fit_people(
+    read: dict[str, list[Trace]], law: str, elements: str, lowpass: Lowpass | None = None, intervals: bool = True
+) -> dict[str, Fit]:
+    """The law fitted to each person's traces, per speed.
+
+    Parameters
+    ----------
+    read : dict
+        Traces by person.
+    law, elements : str
+    lowpass : Lowpass, optional
+        Filter of the recorded forces.
+    intervals : bool
+        Whether intervals are worked out, which takes most of the time.
+    """
+    from dummydesign.tissue.fitting.fit import fit_traces
+
+    how = law, "per-speed", lowpass, intervals
+    return {person: fit_traces(traces, int(elements), *how) for person, traces in read.items()}
+
+
+def subject_of_fit(person: str, fit: Fit) -> Subject:
+    """The person with the fitted parameters."""
+    from dummydesign.tissue.fitting.subject import subject_from_fit
+
+    return subject_from_fit(person, fit)
+
+
+def fit_row(person: str, source: str, fit: Fit) -> dict[str, Any]:
+    """What an answer says of a fit."""
+    left = {key: fit.result[key] for key in ("rmse_N", "max_residual_N")}
+    return {"subject": person, "from": source, **left}
+
+
+def fit_warnings(person: str, fit: Fit) -> list[dict[str, str]]:
+    """Warnings of a fit with the person's name; presses that come twice are told of all persons together."""
+    said = [warning for warning in fit.result["warnings"] if warning["code"] != "same_press"]
+    return [{"code": w["code"], "message": f"{person}: {w['message']}"} for w in said]
+
+
+def tissue_of(name: str, subjects: list[Subject]) -> Tissue:
+    """The tissue of fitted subjects, by rising gamma1.
+
+    Raises
+    ------
+    InputError
+        For names that come twice, or subjects that differ in law or elements.
+    """
     names = [subject.name.lower() for subject in subjects]
     double = next((n for n in names if names.count(n) > 1), None)
     if double:

@@ -36,6 +36,14 @@ def law_named(name: str) -> MaxwellLaw:
     return LAWS[name]
 
 
+def fitted_law(name: str) -> MaxwellLaw:
+    """Find a law that is fitted to traces, or raise InputError."""
+    law = law_named(name)
+    if not law.fitted:
+        raise InputError(f"law = {name} is not fitted to traces: it is {law.words}; fit ode, consistent or published")
+    return law
+
+
 @contextmanager
 def also(law: MaxwellLaw) -> Iterator[None]:
     """Know a further law for a while.

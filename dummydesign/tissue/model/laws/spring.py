@@ -21,6 +21,10 @@ class Spring(MaxwellLaw):
     steady_name = "k_N_per_mm"
     fitted = False
 
+    def said_of(self, name: str) -> tuple[str, str]:
+        """That it says nothing of speed and relaxation."""
+        return "spring_tissue", spring_words(name)
+
     def drive(self, motion: Motion) -> SpringDrive:
         """Drive by the depth as it is."""
         return SpringDrive(np.maximum(np.asarray(motion.displacement_mm, float), 0.0))

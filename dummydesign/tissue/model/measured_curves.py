@@ -1,0 +1,294 @@
+"""People as measured curves of force over depth, speed and time, without a law: what was pressed, and between presses.
+
+Between the presses of one speed, forces over the steady force are linear in ln depth; between speeds in ln speed; the
+steady curve is a monotone cubic of ln force over ln depth through its points, and below the shallowest press it is the
+rise of that press of the slowest speed, scaled to its steady force. Nothing is carried on further than a press
+belongs to a force (20 %) or a speed (15 %).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dummydesign.core.errors import InputError
+from dummydesign.tissue.model.parameters import Parameters
+
+if TYPE_CHECKING:
+    from dummydesign.measurement.motion import Motion
+
+LAW = "curves"
+SHARES: NDArray = 1.0 - (1.0 - np.linspace(0.0, 1.0, 61)) ** 3
+"""Shares of its depth at which the rise of a press is kept, finer where a robot brakes."""
+FIRST_HOLD_S, HOLD_POINTS = 1e-3, 60
+FORCE_APART, SPEED_APART, HOLD_APART, SAME_DEPTH = 1.2, 1.15, 1.1, 1.05
+"""Factors within which a press belongs to a force, a speed and a hold, and presses to one depth."""
+FINE = 400
+START_SHARE = 0.02
+"""Share of its depth from which on the rise of a press gives the start of the steady curve."""
+DEPTH_MM = 0.02
+"""Half-width to which a depth is taken as known: that to which a robot is taken to repeat. [mm]"""
+
+
+@dataclass(frozen=True, eq=False)
+class HeldPress:
+    """One press of one person: a rise at a speed to a depth that is held.
+
+    Attributes
+    ----------
+    velocity_mm_s, depth_mm : float
+    rise_N : ndarray, shape (61,)
+        Force at :data:`SHARES` of the depth. [N]
+    time_s, hold_N : ndarray, shape (n,)
+        Time since the stop, from 0, and force there. [s, N]
+    """
+
+    velocity_mm_s: float
+    depth_mm: float
+    rise_N: NDArray
+    time_s: NDArray
+    hold_N: NDArray
+
+    @property
+    def hold_s(self) -> float:
+        """How long it was held. [s]"""
+        return float(self.time_s[-1])
+
+    def steady_N(self, hold_s: float) -> float:
+        """Force at the end of a hold, at most of its own. [N]"""
+        return float(np.interp(hold_s, self.time_s, self.hold_N))
+
+
+class MeasuredParameters(Parameters):
+    """What stands where parameters of a law stand: there are none, and whoever asks for one is told so."""
+
+    def __init__(self) -> None:
+        for name, value in (("law", LAW), ("gamma_N_per_mm3", ()), ("c_N_s_per_mm", ())):
+            object.__setattr__(self, name, value)
+
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__
+    __repr__ = object.__repr__
+
+    @property
+    def gamma1_N_per_mm3(self) -> float:  # type: ignore[override]
+        """There is none."""
+        raise InputError("measured curves have no parameters; this needs a tissue with a law, such as ode")
+
+    def to_dict(self) -> dict[str, str]:
+        """Return the law's name alone."""
+        return {"law": LAW}
+
+    def force(self, motion: Motion, velocity_mm_s: float) -> NDArray:
+        """Force under any motion, which curves do not give."""
+        raise InputError("measured curves give the presses that were made, not the force under any motion")
+
+    def hold_known_s(self) -> float:
+        """Longest hold that all presses were held for. [s]"""
+        raise NotImplementedError
+
+    def known_N(self, velocity_mm_s: float, hold_s: float) -> tuple[float, float] | None:
+        """Lowest and highest steady force that was pressed at a speed, None for a speed that was not. [N]"""
+        raise NotImplementedError
+
+    def depth_mm(self, force_N: ArrayLike, hold_s: float) -> NDArray:
+        """Depth at forces at the end of a hold. [mm]"""
+        raise NotImplementedError
+
+    def shape_N(self, force_N: float, velocity_mm_s: float, hold_s: float) -> tuple[NDArray, NDArray]:
+        """Force at :data:`SHARES` of the depth and at :func:`hold_times` of a press to a force at its end. [N]"""
+        raise NotImplementedError
+
+
+class MeasuredPerson(MeasuredParameters):
+    """The presses of one person."""
+
+    def __init__(self, presses: Sequence[HeldPress]) -> None:
+        super().__init__()
+        object.__setattr__(self, "presses", tuple(presses))
+        object.__setattr__(self, "_by_speed", _by_speed(presses))
+        object.__setattr__(self, "_curves", {})
+
+    presses: tuple[HeldPress, ...]
+    _by_speed: dict[float, list[list[HeldPress]]]
+    _curves: dict[float, tuple[NDArray, NDArray]]
+
+    @property
+    def velocities_mm_s(self) -> tuple[float, ...]:
+        """Speeds that were pressed. [mm/s]"""
+        return tuple(self._by_speed)
+
+    def hold_known_s(self) -> float:
+        """Longest hold that all presses were held for. [s]"""
+        return min(press.hold_s for press in self.presses)
+
+    def known_N(self, velocity_mm_s: float, hold_s: float) -> tuple[float, float] | None:
+        """Lowest and highest steady force that was pressed at a speed, None for a speed that was not. [N]"""
+        pairs = self._speeds(velocity_mm_s)
+        if not pairs:
+            return None
+        ends = []
+        for speed, _ in pairs:
+            forces = [np.mean([press.steady_N(hold_s) for press in group]) for group in self._by_speed[speed]]
+            ends.append((min(forces), max(forces)))
+        return float(max(low for low, _ in ends)), float(min(high for _, high in ends))
+
+    def depth_mm(self, force_N: ArrayLike, hold_s: float) -> NDArray:
+        """Depth at forces at the end of a hold, on the steady curve of all presses. [mm]"""
+        log_depth, log_force = self.steady_curve(hold_s)
+        return np.exp(_carried_on(np.log(np.maximum(force_N, 1e-12)), log_force, log_depth))
+
+    def steady_N(self, depth_mm: ArrayLike, hold_s: float) -> NDArray:
+        """Force at the end of a hold at depths. [N]"""
+        log_depth, log_force = self.steady_curve(hold_s)
+        return np.exp(_carried_on(np.log(np.maximum(depth_mm, 1e-12)), log_depth, log_force))
+
+    def steady_curve(self, hold_s: float) -> tuple[NDArray, NDArray]:
+        """Points of ln depth and ln steady force, rising. [ln mm, ln N]"""
+        key = min(hold_s, self.hold_known_s())
+        if key not in self._curves:
+            self._curves[key] = self._steady_curve(key)
+        return self._curves[key]
+
+    def shape_N(self, force_N: float, velocity_mm_s: float, hold_s: float) -> tuple[NDArray, NDArray]:
+        """Force at :data:`SHARES` of the depth and at :func:`hold_times` of a press to a force at its end. [N]"""
+        depth = float(self.depth_mm(force_N, hold_s))
+        rows = [share * self._ratios(speed, depth, hold_s) for speed, share in self._speeds(velocity_mm_s)]
+        mean = np.sum(rows, axis=0)
+        return force_N * mean[: len(SHARES)], force_N * mean[len(SHARES) :]
+
+    def _speeds(self, velocity_mm_s: float) -> list[tuple[float, float]]:
+        """Speeds that stand for a speed, with their shares: itself, or its two neighbours; none outside them."""
+        known = np.array(self.velocities_mm_s)
+        nearest = float(known[np.argmin(np.abs(np.log(known / velocity_mm_s)))])
+        if 1.0 / SPEED_APART < nearest / velocity_mm_s < SPEED_APART:
+            return [(nearest, 1.0)]
+        if not known[0] < velocity_mm_s < known[-1]:
+            return []
+        at = int(np.searchsorted(known, velocity_mm_s))
+        share = float(np.log(velocity_mm_s / known[at - 1]) / np.log(known[at] / known[at - 1]))
+        return [(float(known[at - 1]), 1.0 - share), (float(known[at]), share)]
+
+    def _ratios(self, speed_mm_s: float, depth_mm: float, hold_s: float) -> NDArray:
+        """Rise and hold over the steady force at a depth, between the presses of a speed."""
+        groups = self._by_speed[speed_mm_s]
+        depths = np.log([np.mean([press.depth_mm for press in group]) for group in groups])
+        rows = np.array([np.mean([_over_steady(press, hold_s) for press in group], axis=0) for group in groups])
+        place = np.clip(np.log(depth_mm), depths[0], depths[-1])
+        at = int(np.clip(np.searchsorted(depths, place), 1, max(len(depths) - 1, 1)))
+        if len(depths) == 1:
+            return rows[0]
+        share = (place - depths[at - 1]) / (depths[at] - depths[at - 1])
+        return (1.0 - share) * rows[at - 1] + share * rows[at]
+
+    def _steady_curve(self, hold_s: float) -> tuple[NDArray, NDArray]:
+        groups = _by_depth(sorted(self.presses, key=lambda press: press.depth_mm))
+        knots = [
+            (np.mean([press.depth_mm for press in group]), np.mean([press.steady_N(hold_s) for press in group]))
+            for group in groups
+        ]
+        depth, force = np.array(knots).T
+        first = self._by_speed[self.velocities_mm_s[0]][0][0]
+        x, rise = SHARES * first.depth_mm, np.maximum.accumulate(first.rise_N)
+        start = (x > START_SHARE * depth[0]) & (x < 0.97 * depth[0]) & (rise > 0.0)
+        level = force[0] / float(np.interp(depth[0], x, rise))
+        log_depth, log_force = np.log(np.r_[x[start], depth]), np.log(np.r_[rise[start] * level, force])
+        rising = np.r_[True, np.diff(np.maximum.accumulate(log_force)) > 0.0]
+        if rising.sum() < 2:
+            raise InputError(f"the press to {first.depth_mm:g} mm carries no force that rises with depth")
+        return _smooth(log_depth[rising], log_force[rising])
+
+
+class MeasuredAim(MeasuredParameters):
+    """What lies in the middle of people, or on the strict side of all, at equal steady force.
+
+    The mean of their ln depths and of their forces at equal shares of the depth and equal times of the hold
+    (``average``), or the smallest depth and the largest forces (``safe-side``).
+    """
+
+    def __init__(self, people: Sequence[MeasuredPerson], aim: str) -> None:
+        super().__init__()
+        object.__setattr__(self, "people", tuple(people))
+        object.__setattr__(self, "aim", aim)
+
+    people: tuple[MeasuredPerson, ...]
+    aim: str
+
+    @property
+    def velocities_mm_s(self) -> tuple[float, ...]:
+        """Speeds at which all were pressed. [mm/s]"""
+        return tuple(sorted(set.intersection(*(set(one.velocities_mm_s) for one in self.people))))
+
+    def hold_known_s(self) -> float:
+        """Longest hold that all presses of all were held for. [s]"""
+        return min(one.hold_known_s() for one in self.people)
+
+    def known_N(self, velocity_mm_s: float, hold_s: float) -> tuple[float, float] | None:
+        """Forces that all were pressed to at a speed, None where one was not. [N]"""
+        ends = [one.known_N(velocity_mm_s, hold_s) for one in self.people]
+        whole = [pair for pair in ends if pair is not None]
+        return (max(p[0] for p in whole), min(p[1] for p in whole)) if len(whole) == len(ends) else None
+
+    def depth_mm(self, force_N: ArrayLike, hold_s: float) -> NDArray:
+        """Depth at forces at the end of a hold. [mm]"""
+        depth = np.stack([one.depth_mm(force_N, hold_s) for one in self.people])
+        return np.exp(np.log(depth).mean(axis=0)) if self.aim == "average" else depth.min(axis=0)
+
+    def shape_N(self, force_N: float, velocity_mm_s: float, hold_s: float) -> tuple[NDArray, NDArray]:
+        """Force at shares of the depth and at times of the hold. [N]"""
+        rows = [one.shape_N(force_N, velocity_mm_s, hold_s) for one in self.people]
+        over = np.mean if self.aim == "average" else np.max
+        return over([rise for rise, _ in rows], axis=0), over([hold for _, hold in rows], axis=0)
+
+
+@lru_cache(maxsize=64)
+def hold_times(hold_s: float) -> NDArray:
+    """Times since the stop at which a hold is worked out: 0, then growing from 1 ms. [s]"""
+    return np.r_[0.0, np.geomspace(min(FIRST_HOLD_S, 0.1 * hold_s), hold_s, HOLD_POINTS)]
+
+
+def _over_steady(press: HeldPress, hold_s: float) -> NDArray:
+    """Rise and hold of a press over its force at the end of the hold."""
+    hold = np.interp(hold_times(hold_s), press.time_s, press.hold_N)
+    return np.r_[press.rise_N, hold] / press.steady_N(hold_s)
+
+
+def _smooth(x: NDArray, y: NDArray) -> tuple[NDArray, NDArray]:
+    """The same points with a monotone cubic between them, fine enough for straight lines."""
+    if len(x) < 3:
+        return x, y
+    from scipy.interpolate import PchipInterpolator
+
+    fine = np.unique(np.r_[x, np.linspace(x[0], x[-1], FINE)])
+    return fine, PchipInterpolator(x, y)(fine)
+
+
+def _carried_on(at: NDArray, x: NDArray, y: NDArray) -> NDArray:
+    """Straight lines through points, carried on at both ends by the line through the outer two."""
+    found = np.interp(at, x, y)
+    found = found + np.minimum(at - x[0], 0.0) * (y[1] - y[0]) / (x[1] - x[0])
+    return found + np.maximum(at - x[-1], 0.0) * (y[-1] - y[-2]) / (x[-1] - x[-2])
+
+
+def _by_speed(presses: Sequence[HeldPress]) -> dict[float, list[list[HeldPress]]]:
+    """Presses by rising speed, then by rising depth with repeats together."""
+    found: dict[float, list[list[HeldPress]]] = {}
+    for speed in sorted({press.velocity_mm_s for press in presses}):
+        own = [press for press in presses if press.velocity_mm_s == speed]
+        found[speed] = _by_depth(sorted(own, key=lambda press: press.depth_mm))
+    return found
+
+
+def _by_depth(ordered: Sequence[HeldPress]) -> list[list[HeldPress]]:
+    groups: list[list[HeldPress]] = []
+    for press in ordered:
+        if groups and press.depth_mm < SAME_DEPTH * groups[-1][0].depth_mm:
+            groups[-1].append(press)
+        else:
+            groups.append([press])
+    return groups

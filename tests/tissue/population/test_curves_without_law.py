@@ -1,0 +1,154 @@
+"""``tissues add-curves``: the law where it follows the curves, else the curves; and what is said of few."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from dummydesign.core.errors import InputError
+from dummydesign.design.scoring.presses import Sampling
+from dummydesign.design.scoring.score import evaluate
+from dummydesign.design.scoring.standing import ranges_of, readings_of
+from dummydesign.design.scoring.targets import make_targets
+from dummydesign.design.scoring.verdict import FORCE_TOLERANCE, Readings, levels
+from dummydesign.measurement.motion import ramp_and_hold
+from dummydesign.tissue import load_tissue
+from dummydesign.tissue.model.laws import law_named
+from dummydesign.tissue.model.ranges import held_depth
+from dummydesign.tissue.population.from_curves import add_curves
+from dummydesign.tissue.population.law_misfit import Misfit
+from tests.support.fung_people import PEOPLE, write_table
+from tests.support.power_pads import pads
+
+
+@pytest.fixture(autouse=True)
+def home(tmp_path, monkeypatch):
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path / "home"))
+
+
+def law_table(path, tissue, forces=(5.0, 7.0, 10.0, 15.0), speeds=(10.0, 250.0), noise_N=0.0):
+    """Presses of a tissue's subjects by its law, as a table of curves."""
+    rng, rows = np.random.default_rng(5), ["subject,velocity_mm_s,press,time_s,depth_mm,force_N"]
+    number = 0
+    for subject in tissue.subjects:
+        p = subject.parameters
+        for speed in speeds:
+            for force in forces:
+                number += 1
+                depth = float(held_depth((p,), np.array([force]), speed, 10.0)[0, 0])
+                motion = ramp_and_hold(speed, depth, 10.0, ramp_points=120, brake_points=120, hold_points=200)
+                carried = law_named(p.law).force(motion, p.gamma1_N_per_mm3, p.gamma_N_per_mm3, p.dampers_at(speed))
+                carried = carried + noise_N * rng.standard_normal(len(carried))
+                apart = np.r_[True, np.diff(motion.time_s) > 1e-6]
+                cells = zip(motion.time_s[apart], motion.displacement_mm[apart], carried[apart])
+                rows += [f"{subject.name},{speed:g},{number},{t:.8f},{x:.6f},{f:.5f}" for t, x, f in cells]
+    path.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("name", ["forefinger", "palm"])
+def test_curves_of_people_who_follow_the_law_give_the_verdict_that_the_law_gives(tmp_path, name):
+    law = load_tissue(name)
+    add_curves("same", str(law_table(tmp_path / "c.csv", law)), "none", "5")
+    by_law, by_curves = (make_targets(tissue, "average", Sampling()) for tissue in (law, load_tissue("same")))
+    a, b = ranges_of(by_law), ranges_of(by_curves)
+    for edge, near in (("peak_low_N", 0.008), ("peak_high_N", 0.008), ("energy_low_mJ", 0.01), ("energy_high_mJ", 0.01),
+                       ("stiff_mm", 0.003), ("soft_mm", 0.003)):  # fmt: skip
+        np.testing.assert_allclose(getattr(b, edge), getattr(a, edge), rtol=near, err_msg=edge)
+    stiffness = law.target().gamma1_N_per_mm3 * np.geomspace(0.25, 3.0, 60)
+    found = [
+        readings_of(evaluate(pads(3.0, stiffness, beta, thickness_mm=25.0), by_law, exact=True))
+        for beta in ((0.1, 0.1), (0.4, 0.2), (0.7, 0.3), (0.7, 0.6), (1.5, 1.0))
+    ]
+    names = [field.name for field in dataclasses.fields(found[0])]
+    readings = Readings(*(np.concatenate([getattr(one, name) for one in found]) for name in names))
+    mine, its = levels(b, readings), levels(a, readings)
+    differ = [k for k, (x, y) in enumerate(zip(mine, its)) if x != y]
+    assert len(set(its)) >= 3 and len(differ) <= 0.03 * len(its)
+    for k in differ:
+        # such a pad stands within the tolerance of a force of a border of the ranges
+        one = Readings(*(getattr(readings, name)[[k]] for name in names))
+        share = FORCE_TOLERANCE
+        wider, narrower = (
+            dataclasses.replace(
+                a, peak_low_N=a.peak_low_N * (1 - s), peak_high_N=a.peak_high_N * (1 + s),
+                energy_low_mJ=a.energy_low_mJ * (1 - s), energy_high_mJ=a.energy_high_mJ * (1 + s),
+                stiff_mm=a.stiff_mm * (1 - s / 3), soft_mm=a.soft_mm * (1 + s / 3),
+            ) for s in (share, -share)
+        )  # fmt: skip
+        assert levels(wider, one) != levels(narrower, one)
+
+
+@pytest.mark.slow
+def test_the_law_is_taken_where_it_follows_the_curves(tmp_path):
+    law = load_tissue("palm")
+    two = dataclasses.replace(law, subjects=law.subjects[:2])
+    found = add_curves("mine", str(law_table(tmp_path / "c.csv", two, (5.0, 12.0), noise_N=0.02)), "auto", "5")
+    assert found["law"] == "ode" and all(row["follows"] for row in found["law_misfit"])
+    assert "law_does_not_follow" not in [warning["code"] for warning in found["warnings"]]
+
+
+@pytest.mark.slow
+def test_the_curves_are_kept_where_the_law_does_not_follow_and_that_is_said_with_both_numbers(tmp_path):
+    table = write_table(tmp_path / "c.csv", PEOPLE[:1], (5.0, 15.0), repeats=2, noise_N=0.02, depth_sd_mm=0.01)
+    found = add_curves("mine", str(table), "auto", "5")
+    assert found["law"] == "curves"
+    said = {warning["code"]: warning["message"] for warning in found["warnings"]}
+    row = found["law_misfit"][0]
+    assert row["repeats"] and row["misfit_percent"] > 2.0 * row["scatter_percent"]
+    assert f"ada by {row['misfit_percent']:.1f} % (repeats scatter by {row['scatter_percent']:.1f} %)" in (
+        said["law_does_not_follow"]
+    )
+    assert "one_subject" in said and "measured_curves" in said
+
+
+def test_a_law_follows_up_to_twice_the_scatter():
+    assert Misfit("a", 3.0, 1.5, True, 2.0).follows and not Misfit("a", 3.1, 1.5, True, 2.07).follows
+
+
+def test_one_speed_and_one_person_are_said(tmp_path):
+    table = write_table(tmp_path / "c.csv", PEOPLE[:1], (5.0, 10.0), speeds=(10.0,))
+    said = {one["code"]: one["message"] for one in add_curves("mine", str(table), "none", "5")["warnings"]}
+    assert "one subject" in said["one_subject"] and "--velocity 10" in said["one_speed"]
+    with pytest.raises(InputError, match="--velocity 10,"):
+        make_targets(load_tissue("mine"), "average", Sampling())
+
+
+def test_people_without_a_force_or_a_speed_in_common_are_refused(tmp_path):
+    def joined(first, second):
+        path = tmp_path / "both.csv"
+        path.write_text(first.read_text() + second.read_text().partition("\n")[2], encoding="utf-8")
+        return str(path)
+
+    ada = write_table(tmp_path / "a.csv", PEOPLE[:1], (2.0, 3.0), speeds=(10.0,))
+    ben = write_table(tmp_path / "b.csv", PEOPLE[1:2], (9.0, 15.0), speeds=(10.0,))
+    fast = write_table(tmp_path / "f.csv", PEOPLE[1:2], (2.0, 3.0), speeds=(100.0,))
+    with pytest.raises(InputError, match="share no steady force"):
+        add_curves("mine", joined(ada, ben), "none", "5")
+    with pytest.raises(InputError, match="share no speed"):
+        add_curves("mine", joined(ada, fast), "none", "5")
+
+
+def test_presses_that_were_not_held_are_left_out_by_name(tmp_path):
+    path = write_table(tmp_path / "c.csv", PEOPLE[:1], (5.0, 10.0), speeds=(10.0,))
+    short = write_table(tmp_path / "s.csv", PEOPLE[:1], (7.0,), speeds=(10.0,), hold_s=0.2)
+    rows = short.read_text().partition("\n")[2].replace("ada,10,1,", "ada,10,9,")
+    path.write_text(path.read_text() + rows, encoding="utf-8")
+    found = add_curves("mine", str(path), "none", "5")
+    said = {one["code"]: one["message"] for one in found["warnings"]}
+    assert "ada" in said["hold_too_short"] and len(load_tissue("mine").subjects[0].parameters.presses) == 2
+
+
+def test_a_law_that_is_not_fitted_is_refused_before_any_work(tmp_path):
+    with pytest.raises(InputError, match="not fitted"):
+        add_curves("mine", str(tmp_path / "missing.csv"), "spring", "5")
+
+
+def test_the_same_noise_leaves_peaks_where_they_are(tmp_path):
+    tables = [write_table(tmp_path / f"{noise}.csv", PEOPLE[:1], (5.0, 10.0), noise_N=noise) for noise in (0.0, 0.03)]
+    bands = []
+    for number, table in enumerate(tables):
+        add_curves(f"n{number}", str(table), "none", "5")
+        bands.append(load_tissue(f"n{number}").force_range(10.0, 250.0))
+    assert bands[1].peak_high_N == pytest.approx(bands[0].peak_high_N, abs=0.05)
+    assert bands[1].depth_mm[0] == pytest.approx(bands[0].depth_mm[0], rel=2e-3)

@@ -8,8 +8,9 @@ import numpy as np
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import Quantity
+from dummydesign.tissue.model.held_press import DEPTH_MM, FORCE_APART
 from dummydesign.tissue.model.laws.curves import CURVES, known_words
-from dummydesign.tissue.model.measured_curves import DEPTH_MM, FORCE_APART, MeasuredPerson
+from dummydesign.tissue.model.measured_curves import MeasuredPerson
 from dummydesign.tissue.model.tissue import Subject
 
 ONE_FORCE = 1.3
@@ -61,6 +62,7 @@ def common_forces(people: Sequence[MeasuredPerson], speeds: Sequence[float], hol
     Parameters
     ----------
     people : sequence of MeasuredPerson
+        With their presses.
     speeds : sequence of float
         That all share. [mm/s]
     hold_s : float

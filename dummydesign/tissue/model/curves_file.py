@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.quantity import KINDS
-from dummydesign.tissue.model.measured_curves import SHARES, HeldPress, MeasuredPerson
+from dummydesign.tissue.model.held_press import SHARES, HeldPress
+from dummydesign.tissue.model.measured_curves import MeasuredPerson
 from dummydesign.tissue.model.tissue import Subject
 
 SUBJECT = ("name", "kind", "source", "press")

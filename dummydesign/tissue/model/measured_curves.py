@@ -9,59 +9,29 @@ belongs to a force (20 %) or a speed (15 %).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError
+from dummydesign.tissue.model.held_press import (
+    SHARES,
+    SPEED_APART,
+    START_SHARE,
+    HeldPress,
+    by_depth,
+    by_speed,
+    carried_on,
+    over_steady,
+    smooth_curve,
+)
 from dummydesign.tissue.model.parameters import Parameters
 
 if TYPE_CHECKING:
     from dummydesign.measurement.motion import Motion
 
 LAW = "curves"
-SHARES: NDArray = 1.0 - (1.0 - np.linspace(0.0, 1.0, 61)) ** 3
-"""Shares of its depth at which the rise of a press is kept, finer where a robot brakes."""
-FIRST_HOLD_S, HOLD_POINTS = 1e-3, 60
-FORCE_APART, SPEED_APART, HOLD_APART, SAME_DEPTH = 1.2, 1.15, 1.1, 1.05
-"""Factors within which a press belongs to a force, a speed and a hold, and presses to one depth."""
-FINE = 400
-START_SHARE = 0.02
-"""Share of its depth from which on the rise of a press gives the start of the steady curve."""
-DEPTH_MM = 0.02
-"""Half-width to which a depth is taken as known: that to which a robot is taken to repeat. [mm]"""
-
-
-@dataclass(frozen=True, eq=False)
-class HeldPress:
-    """One press of one person: a rise at a speed to a depth that is held.
-
-    Attributes
-    ----------
-    velocity_mm_s, depth_mm : float
-    rise_N : ndarray, shape (61,)
-        Force at :data:`SHARES` of the depth. [N]
-    time_s, hold_N : ndarray, shape (n,)
-        Time since the stop, from 0, and force there. [s, N]
-    """
-
-    velocity_mm_s: float
-    depth_mm: float
-    rise_N: NDArray
-    time_s: NDArray
-    hold_N: NDArray
-
-    @property
-    def hold_s(self) -> float:
-        """How long it was held. [s]"""
-        return float(self.time_s[-1])
-
-    def steady_N(self, hold_s: float) -> float:
-        """Force at the end of a hold, at most of its own. [N]"""
-        return float(np.interp(hold_s, self.time_s, self.hold_N))
 
 
 class MeasuredParameters(Parameters):
@@ -101,7 +71,13 @@ class MeasuredParameters(Parameters):
         raise NotImplementedError
 
     def shape_N(self, force_N: float, velocity_mm_s: float, hold_s: float) -> tuple[NDArray, NDArray]:
-        """Force at :data:`SHARES` of the depth and at :func:`hold_times` of a press to a force at its end. [N]"""
+        """Force at :data:`SHARES` of the depth and at :func:`hold_times` of a press to a force at its end. [N]
+
+        Parameters
+        ----------
+        force_N, velocity_mm_s, hold_s : float
+            Of the press. [N, mm/s, s]
+        """
         raise NotImplementedError
 
 
@@ -111,7 +87,7 @@ class MeasuredPerson(MeasuredParameters):
     def __init__(self, presses: Sequence[HeldPress]) -> None:
         super().__init__()
         object.__setattr__(self, "presses", tuple(presses))
-        object.__setattr__(self, "_by_speed", _by_speed(presses))
+        object.__setattr__(self, "_by_speed", by_speed(presses))
         object.__setattr__(self, "_curves", {})
 
     presses: tuple[HeldPress, ...]
@@ -141,12 +117,12 @@ class MeasuredPerson(MeasuredParameters):
     def depth_mm(self, force_N: ArrayLike, hold_s: float) -> NDArray:
         """Depth at forces at the end of a hold, on the steady curve of all presses. [mm]"""
         log_depth, log_force = self.steady_curve(hold_s)
-        return np.exp(_carried_on(np.log(np.maximum(force_N, 1e-12)), log_force, log_depth))
+        return np.exp(carried_on(np.log(np.maximum(force_N, 1e-12)), log_force, log_depth))
 
     def steady_N(self, depth_mm: ArrayLike, hold_s: float) -> NDArray:
         """Force at the end of a hold at depths. [N]"""
         log_depth, log_force = self.steady_curve(hold_s)
-        return np.exp(_carried_on(np.log(np.maximum(depth_mm, 1e-12)), log_depth, log_force))
+        return np.exp(carried_on(np.log(np.maximum(depth_mm, 1e-12)), log_depth, log_force))
 
     def steady_curve(self, hold_s: float) -> tuple[NDArray, NDArray]:
         """Points of ln depth and ln steady force, rising. [ln mm, ln N]"""
@@ -156,7 +132,13 @@ class MeasuredPerson(MeasuredParameters):
         return self._curves[key]
 
     def shape_N(self, force_N: float, velocity_mm_s: float, hold_s: float) -> tuple[NDArray, NDArray]:
-        """Force at :data:`SHARES` of the depth and at :func:`hold_times` of a press to a force at its end. [N]"""
+        """Force at :data:`SHARES` of the depth and at :func:`hold_times` of a press to a force at its end. [N]
+
+        Parameters
+        ----------
+        force_N, velocity_mm_s, hold_s : float
+            Of the press. [N, mm/s, s]
+        """
         depth = float(self.depth_mm(force_N, hold_s))
         rows = [share * self._ratios(speed, depth, hold_s) for speed, share in self._speeds(velocity_mm_s)]
         mean = np.sum(rows, axis=0)
@@ -178,7 +160,7 @@ class MeasuredPerson(MeasuredParameters):
         """Rise and hold over the steady force at a depth, between the presses of a speed."""
         groups = self._by_speed[speed_mm_s]
         depths = np.log([np.mean([press.depth_mm for press in group]) for group in groups])
-        rows = np.array([np.mean([_over_steady(press, hold_s) for press in group], axis=0) for group in groups])
+        rows = np.array([np.mean([over_steady(press, hold_s) for press in group], axis=0) for group in groups])
         place = np.clip(np.log(depth_mm), depths[0], depths[-1])
         at = int(np.clip(np.searchsorted(depths, place), 1, max(len(depths) - 1, 1)))
         if len(depths) == 1:
@@ -187,7 +169,7 @@ class MeasuredPerson(MeasuredParameters):
         return (1.0 - share) * rows[at - 1] + share * rows[at]
 
     def _steady_curve(self, hold_s: float) -> tuple[NDArray, NDArray]:
-        groups = _by_depth(sorted(self.presses, key=lambda press: press.depth_mm))
+        groups = by_depth(sorted(self.presses, key=lambda press: press.depth_mm))
         knots = [
             (np.mean([press.depth_mm for press in group]), np.mean([press.steady_N(hold_s) for press in group]))
             for group in groups
@@ -201,7 +183,7 @@ class MeasuredPerson(MeasuredParameters):
         rising = np.r_[True, np.diff(np.maximum.accumulate(log_force)) > 0.0]
         if rising.sum() < 2:
             raise InputError(f"the press to {first.depth_mm:g} mm carries no force that rises with depth")
-        return _smooth(log_depth[rising], log_force[rising])
+        return smooth_curve(log_depth[rising], log_force[rising])
 
 
 class MeasuredAim(MeasuredParameters):
@@ -240,55 +222,13 @@ class MeasuredAim(MeasuredParameters):
         return np.exp(np.log(depth).mean(axis=0)) if self.aim == "average" else depth.min(axis=0)
 
     def shape_N(self, force_N: float, velocity_mm_s: float, hold_s: float) -> tuple[NDArray, NDArray]:
-        """Force at shares of the depth and at times of the hold. [N]"""
+        """Force at shares of the depth and at times of the hold. [N]
+
+        Parameters
+        ----------
+        force_N, velocity_mm_s, hold_s : float
+            Of the press. [N, mm/s, s]
+        """
         rows = [one.shape_N(force_N, velocity_mm_s, hold_s) for one in self.people]
         over = np.mean if self.aim == "average" else np.max
         return over([rise for rise, _ in rows], axis=0), over([hold for _, hold in rows], axis=0)
-
-
-@lru_cache(maxsize=64)
-def hold_times(hold_s: float) -> NDArray:
-    """Times since the stop at which a hold is worked out: 0, then growing from 1 ms. [s]"""
-    return np.r_[0.0, np.geomspace(min(FIRST_HOLD_S, 0.1 * hold_s), hold_s, HOLD_POINTS)]
-
-
-def _over_steady(press: HeldPress, hold_s: float) -> NDArray:
-    """Rise and hold of a press over its force at the end of the hold."""
-    hold = np.interp(hold_times(hold_s), press.time_s, press.hold_N)
-    return np.r_[press.rise_N, hold] / press.steady_N(hold_s)
-
-
-def _smooth(x: NDArray, y: NDArray) -> tuple[NDArray, NDArray]:
-    """The same points with a monotone cubic between them, fine enough for straight lines."""
-    if len(x) < 3:
-        return x, y
-    from scipy.interpolate import PchipInterpolator
-
-    fine = np.unique(np.r_[x, np.linspace(x[0], x[-1], FINE)])
-    return fine, PchipInterpolator(x, y)(fine)
-
-
-def _carried_on(at: NDArray, x: NDArray, y: NDArray) -> NDArray:
-    """Straight lines through points, carried on at both ends by the line through the outer two."""
-    found = np.interp(at, x, y)
-    found = found + np.minimum(at - x[0], 0.0) * (y[1] - y[0]) / (x[1] - x[0])
-    return found + np.maximum(at - x[-1], 0.0) * (y[-1] - y[-2]) / (x[-1] - x[-2])
-
-
-def _by_speed(presses: Sequence[HeldPress]) -> dict[float, list[list[HeldPress]]]:
-    """Presses by rising speed, then by rising depth with repeats together."""
-    found: dict[float, list[list[HeldPress]]] = {}
-    for speed in sorted({press.velocity_mm_s for press in presses}):
-        own = [press for press in presses if press.velocity_mm_s == speed]
-        found[speed] = _by_depth(sorted(own, key=lambda press: press.depth_mm))
-    return found
-
-
-def _by_depth(ordered: Sequence[HeldPress]) -> list[list[HeldPress]]:
-    groups: list[list[HeldPress]] = []
-    for press in ordered:
-        if groups and press.depth_mm < SAME_DEPTH * groups[-1][0].depth_mm:
-            groups[-1].append(press)
-        else:
-            groups.append([press])
-    return groups

@@ -33,14 +33,32 @@ class SubjectsLaw(ABC):
     def force(
         self, motion: Motion, gamma1_N_per_mm3: ArrayLike, gamma_N_per_mm3: ArrayLike, c_N_s_per_mm: ArrayLike
     ) -> NDArray:
-        """Force under a motion. [N]"""
+        """Force under a motion. [N]
+
+        Parameters
+        ----------
+        motion : Motion
+            Arrays of shape (n,) or (..., n).
+        gamma1_N_per_mm3, gamma_N_per_mm3, c_N_s_per_mm : array_like, shapes (...) and (..., arms)
+            Steady coefficient, springs and dampers of the arms. [N/mm3, N s/mm]
+        """
 
     @abstractmethod
     def steady_depth(
         self, make_motion: Callable[[NDArray], Motion], force_N: ArrayLike, gamma1: ArrayLike, gamma: ArrayLike,
         c: ArrayLike,
     ) -> NDArray:  # fmt: skip
-        """Depth whose force at the end of the hold is given. [mm]"""
+        """Depth whose force at the end of the hold is given. [mm]
+
+        Parameters
+        ----------
+        make_motion : callable
+            Maps depths of shape (...) to a Motion that ends with the hold.
+        force_N, gamma1 : array_like, shape (...)
+            Force at the end of the hold, and steady coefficient. [N, N/mm3]
+        gamma, c : array_like, shape (..., arms)
+            Arms.
+        """
 
     def steady_depths(self, subjects: Sequence[Parameters], force_N: ArrayLike) -> NDArray:
         """Depth of each subject at rest, shape (subjects, ...). [mm]
@@ -72,6 +90,7 @@ class SubjectsLaw(ABC):
         Parameters
         ----------
         subjects : sequence of Parameters
+            All of this law.
         low_N, high_N : float
             [N]
         hold_s : float
@@ -105,7 +124,17 @@ class SubjectsLaw(ABC):
         self, subjects: Sequence[Parameters], force_N: NDArray, velocity_mm_s: float, hold_s: float,
         deceleration_mm_s2: float,
     ) -> NDArray:  # fmt: skip
-        """The :meth:`held_depths` at many rising forces: at rest after a long hold, else between forty of them."""
+        """The held depths at many rising forces: at rest after a long hold, else between forty of them. [mm]
+
+        Parameters
+        ----------
+        subjects : sequence of Parameters
+            All of this law.
+        force_N : ndarray, shape (n,)
+            Rising, above 0. [N]
+        velocity_mm_s, hold_s, deceleration_mm_s2 : float
+            Ramp, hold and braking. [mm/s, s, mm/s2]
+        """
         if hold_s >= 0.98 * SETTLED_S:
             return self.steady_depths(subjects, force_N)
         known = np.geomspace(force_N[0], force_N[-1], HELD_FORCES if force_N[-1] > force_N[0] else 1)

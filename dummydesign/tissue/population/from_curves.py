@@ -25,7 +25,6 @@ from dummydesign.tissue.model.measured_curves import LAW
 from dummydesign.tissue.model.tissue import Tissue
 from dummydesign.tissue.model.tissue_file import KIND, tissue_toml
 from dummydesign.tissue.population.cells import read_cells
-from dummydesign.tissue.population.curve_people import person_of
 from dummydesign.tissue.population.from_traces import (
     fit_people,
     fit_row,
@@ -34,7 +33,8 @@ from dummydesign.tissue.population.from_traces import (
     tissue_folder,
     tissue_of,
 )
-from dummydesign.tissue.population.law_misfit import FOLLOWS, Misfit, misfit_of
+from dummydesign.tissue.population.without_law.curve_people import person_of
+from dummydesign.tissue.population.without_law.law_misfit import FOLLOWS, Misfit, misfit_of
 
 AUTO, NONE = "auto", "none"
 COLUMNS = ("subject", "velocity_mm_s", "time_s", "depth_mm", "force_N")
@@ -80,7 +80,7 @@ def add_curves(name: str, table: str, law: str, elements: str, replace_own: bool
         speed or an optional ``press`` changes, or where time goes back. Without times the depth rises at the speed.
     law : str
         Law that is fitted, per speed; ``none`` to keep the curves themselves; ``auto`` for the law ode where it follows
-        the curves of everyone (:mod:`dummydesign.tissue.population.law_misfit`) and the curves where it does not.
+        the curves of everyone (:mod:`dummydesign.tissue.population.without_law.law_misfit`), else the curves.
     elements : str
         Of the law.
     replace_own : bool

@@ -124,6 +124,7 @@ def fit_people(
     read : dict
         Traces by person.
     law, elements : str
+        Of the fits.
     lowpass : Lowpass, optional
         Filter of the recorded forces.
     intervals : bool
@@ -143,7 +144,14 @@ def subject_of_fit(person: str, fit: Fit) -> Subject:
 
 
 def fit_row(person: str, source: str, fit: Fit) -> dict[str, Any]:
-    """What an answer says of a fit."""
+    """What an answer says of a fit.
+
+    Parameters
+    ----------
+    person, source : str
+        Who, and the files.
+    fit : Fit
+    """
     left = {key: fit.result[key] for key in ("rmse_N", "max_residual_N")}
     return {"subject": person, "from": source, **left}
 

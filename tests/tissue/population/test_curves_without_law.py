@@ -16,7 +16,7 @@ from dummydesign.tissue import load_tissue
 from dummydesign.tissue.model.laws import law_named
 from dummydesign.tissue.model.ranges import held_depth
 from dummydesign.tissue.population.from_curves import add_curves
-from dummydesign.tissue.population.law_misfit import Misfit
+from dummydesign.tissue.population.without_law.law_misfit import Misfit
 from tests.support.fung_people import PEOPLE, write_table
 from tests.support.power_pads import pads
 

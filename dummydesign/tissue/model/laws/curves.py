@@ -10,16 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.motion import Motion, ramp_and_hold
+from dummydesign.tissue.model.held_press import FORCE_APART, HOLD_APART, SHARES, hold_times
 from dummydesign.tissue.model.maxwell_law import Drive, MaxwellLaw
-from dummydesign.tissue.model.measured_curves import (
-    FORCE_APART,
-    HOLD_APART,
-    LAW,
-    SHARES,
-    MeasuredParameters,
-    MeasuredPerson,
-    hold_times,
-)
+from dummydesign.tissue.model.measured_curves import LAW, MeasuredParameters, MeasuredPerson
 
 if TYPE_CHECKING:
     from dummydesign.tissue.model.parameters import Parameters
@@ -57,7 +50,17 @@ class Curves(MaxwellLaw):
         return np.stack([cast(MeasuredPerson, one).steady_N(depth_mm, np.inf) for one in subjects])
 
     def exponent_of(self, subjects: Sequence[Parameters], low_N: float, high_N: float, hold_s: float) -> float:
-        """Mean exponent of the steady curves between two forces, or about the one."""
+        """Mean exponent of the steady curves between two forces, or about the one.
+
+        Parameters
+        ----------
+        subjects : sequence of Parameters
+            People or an aim.
+        low_N, high_N : float
+            [N]
+        hold_s : float
+            At whose end forces are steady. [s]
+        """
         ends = np.array([low_N, high_N]) if high_N > low_N else low_N * np.array([0.9, 1.1])
         depth = np.log([one.depth_mm(ends, hold_s) for one in _people(subjects)])
         return float(np.mean(np.log(ends[1] / ends[0]) / (depth[:, 1] - depth[:, 0])))
@@ -73,7 +76,7 @@ class Curves(MaxwellLaw):
         self, subjects: Sequence[Parameters], force_N: NDArray, velocity_mm_s: float, hold_s: float,
         deceleration_mm_s2: float,
     ) -> NDArray:  # fmt: skip
-        """The same."""
+        """The same; see :meth:`~dummydesign.tissue.model.laws.curves.Curves.held_depths`."""
         return self.held_depths(subjects, force_N, velocity_mm_s, hold_s, deceleration_mm_s2)
 
     def press(
@@ -107,6 +110,7 @@ class Curves(MaxwellLaw):
         Parameters
         ----------
         people : sequence of MeasuredParameters
+            Who were pressed.
         force_N, velocity_mm_s, hold_s : float
             [N, mm/s, s]
 

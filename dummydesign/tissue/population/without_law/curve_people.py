@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.tissue.fitting.reduction import ReducedTrace
-from dummydesign.tissue.model.measured_curves import FIRST_HOLD_S, SHARES, HeldPress, MeasuredPerson
+from dummydesign.tissue.model.held_press import FIRST_HOLD_S, SHARES, HeldPress
+from dummydesign.tissue.model.measured_curves import MeasuredPerson
 
 LEAST_RISE = 20
 """Samples of a rise from which on it is smoothed."""

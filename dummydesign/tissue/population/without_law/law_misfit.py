@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from dummydesign.tissue.fitting.groups import condition_groups
 from dummydesign.tissue.fitting.residuals import fitted_force
-from dummydesign.tissue.model.measured_curves import DEPTH_MM, SHARES
+from dummydesign.tissue.model.held_press import DEPTH_MM, SHARES
 from dummydesign.tissue.model.ranges import STEADY_TOLERANCE
 
 if TYPE_CHECKING:
@@ -68,6 +68,7 @@ def misfit_of(subject: str, fit: Fit, person: MeasuredPerson) -> Misfit:
     Parameters
     ----------
     subject : str
+        Name of the person.
     fit : Fit
     person : MeasuredPerson
         The same presses, smoothed; for the slope of force over depth.
@@ -94,7 +95,7 @@ def misfit_of(subject: str, fit: Fit, person: MeasuredPerson) -> Misfit:
 
 def _measured(trace: ReducedTrace) -> NDArray:
     """Peak, steady force and energy of a press, smoothed as curves are. [N, N, mJ]"""
-    from dummydesign.tissue.population.curve_people import held_press
+    from dummydesign.tissue.population.without_law.curve_people import held_press
 
     press = held_press(trace, trace.velocity_mm_s)
     return np.array([max(press.rise_N.max(), press.hold_N.max()), trace.steady_force_N, _work(

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.errors import InputError
-from dummydesign.geometry.interface import BASES, CONDITIONS
+from dummydesign.geometry.interface import BASES, CONDITIONS, Interface
 from dummydesign.geometry.shapes import PadShape
 from dummydesign.geometry.standard import LARGEST_EDGE_RADIUS
 from dummydesign.measurement.campaign import PadSpec, PunchSpec, Trial
@@ -93,13 +93,13 @@ def check_edge(pad: PadSpec, punch: PunchSpec, shapes: Sequence[PadShape], where
         )
     own = next((str(shape) for shape in shapes if not shape.plain), "")
     other = {
-        "shape": own, "contact": "" if punch.contact in CONDITIONS else punch.contact,
+        "shape": own, "contact": "" if Interface.find(punch.contact, CONDITIONS) else punch.contact,
         "base": "" if pad.base in BASES else pad.base,
     }  # fmt: skip
     for name in filter(other.get, other):
         raise InputError(
-            f"{where}edge_radius_mm = {edge:g} with {name} = {other[name]} is not solved; a fillet goes with a glued "
-            "or frictionless punch on slabs whose base is bonded or sliding: give 0 for the sharp edge"
+            f"{where}edge_radius_mm = {edge:g} with {name} = {other[name]} is not solved; a fillet goes with a flat "
+            "punch on slabs whose base is bonded or sliding: give 0 for the sharp edge"
         )
 
 

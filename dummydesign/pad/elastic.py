@@ -246,12 +246,10 @@ def solve_points(
         force, error = (made[name] * (pad.young_MPa / unit) for name in ("force_N", "error_N"))
         return PadCurve(**(made | {"force_N": force, "error_N": error}))
     if pad.edge_radius_mm:
-        from dummydesign.pad.slab.filleted import solve_filleted
-        from dummydesign.pad.slab.frictionless.filleted_punch import solve_sliding
+        from dummydesign.pad.slab.rubbing.of_condition import solve_under_fillet
 
-        fillet = solve_filleted if pad.condition == "bonded" else solve_sliding
-        return fillet(
-            pad.thickness_mm, pad.radius_mm, pad.edge_radius_mm, pad.young_MPa, depth_mm, base=pad.base,
+        return solve_under_fillet(
+            pad.thickness_mm, pad.radius_mm, pad.edge_radius_mm, pad.young_MPa, depth_mm, pad.condition, base=pad.base,
             extent_mm=extent, progress=progress, **common,
         )  # fmt: skip
     solve = solve_curve if pad.condition == "bonded" and pad.base in BASES else solve_flat

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from dummydesign.core.checks import positive
 from dummydesign.core.errors import InputError, out_of_range
-from dummydesign.geometry.interface import BASES, CONDITIONS
+from dummydesign.geometry.interface import BASES, CONDITIONS, Interface
 from dummydesign.geometry.shapes import PadShape, Slab
 from dummydesign.geometry.standard import LARGEST_EDGE_RADIUS, PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.pad.material.hyperelastic import Law, Yeoh
@@ -66,30 +66,21 @@ class Pad:
             raise out_of_range(
                 "edge_radius_mm", self.edge_radius_mm, 0, f"{most:.4g}", f"{LARGEST_EDGE_RADIUS:g} of the half-width"
             )
-        # A face that slides round the fillet is followed on slabs only.
-        solved = CONDITIONS if self.geometry == SLAB else CONDITIONS[:1]
+        # A face that slides or rubs round the fillet is followed on slabs only.
+        slides = self.geometry == SLAB and Interface.find(self.condition, CONDITIONS) is not None
         other = {
             "punch": "profile" if self.profile_mm else "",
             "shape": "" if self.geometry.axisymmetric else str(self.geometry),
-            "condition": "" if self.condition in solved else self.condition,
+            "condition": "" if slides or self.condition == "bonded" else self.condition,
             "base": "" if self.base in BASES else self.base,
         }
         for name, value in other.items():
             if value:
-                edge, instead = f"edge_radius_mm = {self.edge_radius_mm:g}", self._instead(name)
-                raise InputError(f"{edge} with {name} = {value} is not solved; {instead}")
-
-    def _instead(self, name: str) -> str:
-        """What to ask for where a fillet does not go with something."""
-        if name == "condition" and self.geometry == SLAB:
-            return (
-                "the force lies between that of condition bonded and that of frictionless, which are: ask for both, or "
-                "give edge radius 0"
-            )
-        return (
-            "a fillet goes with a flat punch that is glued, on a slab or a round shaped pad whose base is bonded or "
-            "sliding, or frictionless on such a slab: give edge radius 0 for the sharp edge"
-        )
+                raise InputError(
+                    f"edge_radius_mm = {self.edge_radius_mm:g} with {name} = {value} is not solved; a fillet goes with "
+                    "a flat punch that is glued, on a slab or a round shaped pad whose base is bonded or sliding, or "
+                    "that slides or rubs (frictionless, friction:MU) on such a slab; edge radius 0 is the sharp edge"
+                )
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from dummydesign.core.errors import InputError, out_of_range, unknown_name
 from dummydesign.design.sweep.ranges import read_values
-from dummydesign.geometry.interface import Interface
 from dummydesign.geometry.shapes import Slab, make_shape, read_shape, shape_kinds
 from dummydesign.geometry.standard import LARGEST_EDGE_RADIUS
 from dummydesign.pad.tables.punch import equal_area_radius_mm, punch_sides_mm
@@ -134,20 +133,13 @@ def why_not_cast(shape: str, thickness_mm: float) -> str | None:
 
 def _check_edges_go_with(study: Study, edge: float, shaped: list[str]) -> None:
     """Refuse shapes and conditions that a fillet is not worked out for."""
-    rubs = next((condition for condition in study.conditions if Interface.names_friction(condition)), None)
-    if rubs:
-        raise InputError(
-            f"edge radius in mm = {edge:g} with condition = {rubs} is not solved; take bonded and frictionless, "
-            "between which its force lies, or leave out --edge-radius"
-        )
-    if not shaped:
-        return
-    if study.fidelity == "table":
+    slides = next((condition for condition in study.conditions if condition != "bonded"), None)
+    if shaped and study.fidelity == "table":
         raise InputError(f"edge radius in mm = {edge:g} of shaped pads has no table; add --fidelity axisymmetric")
-    if any(condition != "bonded" for condition in study.conditions):
+    if shaped and slides:
         raise InputError(
-            f"edge radius in mm = {edge:g} with condition = frictionless is solved for flat slabs only; leave out "
-            f"--shape, --edge-radius or --condition frictionless of {shaped[0]}"
+            f"edge radius in mm = {edge:g} with condition = {slides} is solved for flat slabs only; leave out "
+            f"--shape {shaped[0]}, --edge-radius or --condition"
         )
 
 

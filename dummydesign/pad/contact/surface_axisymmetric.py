@@ -129,7 +129,7 @@ class Surface:
         length = np.linalg.norm(np.einsum("qi,eic->eqc", slope, place), axis=-1)
         area = 2.0 * np.pi * r * length * weight
         self.dofs = np.stack([2 * sides, 2 * sides + 1], axis=-1).reshape(len(sides), 6)
-        self._shape, self._place = shape, place
+        self._shape, self._place, self._area = shape, place, area
         self._pairs = np.einsum("qi,qj->ijq", shape, shape).reshape(9, -1)
         self._stiffness = area * stiffness(r)
         slide = np.zeros((len(sides), 3, 2, 3, 2))

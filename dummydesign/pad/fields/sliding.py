@@ -1,4 +1,7 @@
-"""Follow a face that slides round a filleted punch and keep its states: the mesh moves with the fillet."""
+"""Follow a face that slides or rubs round a filleted punch, and keep its states.
+
+Without friction the mesh moves with the fillet; with friction it stays with the gel.
+"""
 
 from __future__ import annotations
 
@@ -7,13 +10,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dummydesign.geometry.interface import FACES, Interface
 from dummydesign.geometry.standard import PAD_EXTENT_MM
 from dummydesign.pad.material.hyperelastic import Law
 from dummydesign.pad.pad import Pad
 from dummydesign.pad.slab.frictionless.filleted_punch import COARSE, FINE, follow_sliding
 from dummydesign.pad.slab.frictionless.moving_mesh import SlidingMesh
 from dummydesign.pad.slab.problem import Slab
+from dummydesign.pad.slab.rubbing.filleted_punch import follow_rubbing, rubbing_problem
 from dummydesign.pad.slab.solved_depths import LATTICE, lattice_depths
+from dummydesign.pad.solve.continuation import Path
 from dummydesign.pad.solve.equilibrium import Problem, Solution
 
 Array = np.ndarray
@@ -24,7 +30,7 @@ NEAR = 0.1
 
 @dataclass(frozen=True)
 class SlidingPath:
-    """How far a face that slides was followed: the depths reached, and why not further (None when it was)."""
+    """How far a face was followed: the depths reached, and why not further (None when it was)."""
 
     reached: int
     stop: str | None
@@ -35,12 +41,12 @@ def follow_states(
     pad: Pad, law: Law, depths: Array, coarse: bool, progress: Callable[[float], None] | None,
     keep: Callable[[Problem, Solution, float], None],
 ) -> SlidingPath:  # fmt: skip
-    """Follow a slab without friction under a filleted punch and hand over its states at wanted depths.
+    """Follow a slab that is not glued to a filleted punch and hand over its states at wanted depths.
 
     Parameters
     ----------
     pad : Pad
-        A slab with a frictionless face and a punch with a fillet.
+        A slab with a face that is not glued and a punch with a fillet.
     law : Law
         With unit shear modulus.
     depths : ndarray, shape (n,)
@@ -59,26 +65,38 @@ def follow_states(
     """
     h = pad.thickness_mm
     slab = Slab(pad.radius_mm / h, (pad.extent_mm or PAD_EXTENT_MM) / h, pad.base)
+    friction = Interface.parse(pad.condition, "condition", FACES).friction
     found = 0
     notes: tuple[str, ...] = ()
     stop: str | None = None
     for cells in (COARSE,) if coarse else (FINE, COARSE):
-        mesh = SlidingMesh(slab, law, pad.poisson, pad.edge_radius_mm / h, cells)
-        wanted = depths[found:]
+        wanted, path = depths[found:], _with_lattice(depths)
+        problem, follow = _way(slab, law, pad.poisson, pad.edge_radius_mm / h, friction, cells)
 
-        def visit(depth: float, solution: Solution, mesh: SlidingMesh = mesh, wanted: Array = wanted) -> None:
+        def visit(depth: float, solution: Solution, problem: Problem = problem, wanted: Array = wanted) -> None:
             if np.isclose(wanted, depth, rtol=1e-9, atol=0.0).any():
-                keep(mesh.problem, solution, depth)
+                keep(problem, solution, depth)
 
-        path = follow_sliding(mesh, _with_lattice(depths), progress, visit)
-        before, found = found, int((depths <= (path.depth[-1] if len(path.depth) else 0.0) * (1.0 + 1e-9)).sum())
+        made = follow(path, progress, visit)
+        before, found = found, int((depths <= (made.depth[-1] if len(made.depth) else 0.0) * (1.0 + 1e-9)).sum())
         if cells == COARSE and not coarse and found > before:
             notes = (f"fields from {depths[before] * h:.3g} mm on are those of cells of 1.5 times the size: finer ones "
                      "end before",)  # fmt: skip
-        found, stop = max(found, before), path.stop
+        found, stop = max(found, before), made.stop
         if found == len(depths):
             return SlidingPath(found, None, notes)
     return SlidingPath(found, stop, notes)
+
+
+def _way(
+    slab: Slab, law: Law, poisson: float, fillet: float, friction: float, cells: int
+) -> tuple[Problem, Callable[..., Path]]:
+    """The problem of a face with or without friction, and what follows it."""
+    if not friction:
+        mesh = SlidingMesh(slab, law, poisson, fillet, cells)
+        return mesh.problem, lambda *args: follow_sliding(mesh, *args)
+    problem = rubbing_problem(slab, law, poisson, fillet, friction, cells)
+    return problem, lambda *args: follow_rubbing(problem, *args)
 
 
 def _with_lattice(depths: Array) -> Array:

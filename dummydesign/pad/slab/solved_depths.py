@@ -9,6 +9,7 @@ import numpy as np
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.pad.slab.problem import PadCurve
+from dummydesign.pad.solve.continuation import Path, cost
 
 Array = np.ndarray
 
@@ -59,6 +60,40 @@ def curve_through(
     stiffness = np.exp(PchipInterpolator(at, log)(where) if count > 1 else log[0])
     force = stiffness * kept * unit_MPa * thickness_mm**2
     return PadCurve(kept * thickness_mm, force, np.interp(where, at, found["error"]) * force, found["solver"], notes)
+
+
+def of_two_meshes(coarse: Path, fine: Path, nodes: Array, least_error: float) -> dict[str, Any]:
+    """F / d at the first of the nodes from two meshes: the finer one's, carried on by the one that got further.
+
+    Parameters
+    ----------
+    coarse, fine : Path
+        Through the first of the nodes.
+    nodes : ndarray, shape (m,)
+        Depths, in thicknesses.
+    least_error : float
+        Relative error that is stated beside the largest step between the meshes so far, which counts twice where only
+        one of them got to.
+
+    Returns
+    -------
+    dict
+        ``stiffness``, ``error``, ``solver`` and ``stop``, as :func:`curve_through` takes them.
+    """
+    both = min(len(coarse.force), len(fine.force))
+    further = fine if len(fine.force) > both else coarse
+    count = len(further.force)
+    step = np.zeros(count)
+    step[:both] = np.log(fine.force[:both] / coarse.force[:both])
+    largest = np.maximum.accumulate(np.abs(step))
+    force = further.force.copy()
+    force[:both] = fine.force[:both]
+    if both and further is coarse:
+        force[both:] *= np.exp(step[both - 1])
+    error = least_error + np.where(np.arange(count) < both, 1.0, 2.0) * largest
+    return {
+        "stiffness": force / nodes[:count], "error": error, "solver": cost([coarse, fine]), "stop": further.stop
+    }  # fmt: skip
 
 
 def lattice_depths(deepest: float) -> Array:

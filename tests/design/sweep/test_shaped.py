@@ -74,8 +74,6 @@ def test_a_pad_that_cannot_be_cast_or_is_off_the_table_says_why_and_the_others_s
         ({"edge_radii_mm": (1.0,)}, "add --fidelity axisymmetric"),
         ({"edge_radii_mm": (5.0,), "fidelity": "axisymmetric"}, "2.1"),
         ({"edge_radii_mm": (1.0,), "fidelity": "axisymmetric", "conditions": ("frictionless",)}, "flat slabs only"),
-        ({"edge_radii_mm": (1.0,), "fidelity": "axisymmetric", "conditions": ("friction:0.3",), "shapes": ("slab",)},
-         "take bonded and frictionless"),
         ({"bases": ("sliding",)}, "sliding"),
         ({"fidelity": "3d", "thickness_mm": (4.5,)}, "in space"),
         ({"shapes": ("crowned:radius=20,height=40",)}, "no thickness"),

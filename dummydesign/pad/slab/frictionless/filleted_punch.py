@@ -20,8 +20,8 @@ from dummydesign.pad.material.hyperelastic import Law
 from dummydesign.pad.slab.filleted import check_fillet
 from dummydesign.pad.slab.frictionless.moving_mesh import SlidingMesh
 from dummydesign.pad.slab.problem import PadCurve, Slab, normalise
-from dummydesign.pad.slab.solved_depths import LATTICE, curve_through, lattice_depths
-from dummydesign.pad.solve.continuation import EASY, Path, cost
+from dummydesign.pad.slab.solved_depths import LATTICE, curve_through, lattice_depths, of_two_meshes
+from dummydesign.pad.solve.continuation import EASY, Path
 from dummydesign.pad.solve.equilibrium import Failure, Solution, find_equilibrium
 
 Array = np.ndarray
@@ -83,20 +83,7 @@ def _solve(
     coarse, fine = (
         follow_sliding(SlidingMesh(slab, law, poisson, fillet, cells), nodes, progress) for cells in (COARSE, FINE)
     )
-    both = min(len(coarse.force), len(fine.force))
-    further = fine if len(fine.force) > both else coarse
-    count = len(further.force)
-    step = np.zeros(count)
-    step[:both] = np.log(fine.force[:both] / coarse.force[:both])
-    largest = np.maximum.accumulate(np.abs(step))
-    force = further.force.copy()
-    force[:both] = fine.force[:both]
-    if both and further is coarse:
-        force[both:] *= np.exp(step[both - 1])
-    error = LEAST_ERROR + np.where(np.arange(count) < both, 1.0, 2.0) * largest
-    return {
-        "stiffness": force / nodes[:count], "error": error, "solver": cost([coarse, fine]), "stop": further.stop
-    }  # fmt: skip
+    return of_two_meshes(coarse, fine, nodes, LEAST_ERROR)
 
 
 @one_blas_thread()

@@ -31,7 +31,7 @@ from dummydesign.pad.slab.problem import (
     normalise,
 )
 from dummydesign.pad.slab.solved_depths import HALVINGS, LATTICE, curve_through, lattice_depths, of_two_meshes
-from dummydesign.pad.solve.continuation import Path, cost, follow
+from dummydesign.pad.solve.continuation import Path, follow
 from dummydesign.pad.solve.equilibrium import Problem, Solution
 
 Array = np.ndarray
@@ -178,13 +178,14 @@ def _carried_on(
     if path.stop is None:
         return path, np.zeros(count)
     other = follow_rubbing(rubbing_problem(slab, law, poisson, fillet, friction, cells, softer), nodes, progress)
-    total = cost([path, other])
-    spent = {"newton_iterations": int(total["newton_iterations"]), "load_steps": int(total["load_steps"]),
-             "seconds": total["seconds"]}  # fmt: skip
+    iterations = path.newton_iterations + other.newton_iterations
+    steps, seconds = path.load_steps + other.load_steps, path.seconds + other.seconds
     if len(other.force) <= count:
-        return replace(path, **spent), np.zeros(count)
+        path = replace(path, newton_iterations=iterations, load_steps=steps, seconds=seconds)
+        return path, np.zeros(count)
     # Up to a depth that both reached they differ by less than what is stated beside; deeper by what they did last.
     log = float(np.log(path.force[-1] / other.force[count - 1])) if count else 0.0
     force = np.concatenate([path.force, other.force[count:] * np.exp(log)])
     doubt = np.where(np.arange(len(force)) < count, 0.0, max(abs(log), 0.0 if count else SOFTER_ERROR))
-    return replace(other, force=force, **spent), doubt
+    other = replace(other, force=force, newton_iterations=iterations, load_steps=steps, seconds=seconds)
+    return other, doubt

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +18,8 @@ DEPTH_SHARE = MAX_DEPTH_OVER_THICKNESS
 """Largest depth over thickness that is designed for, as in the contract of the commands."""
 
 SAMPLES = 481
+FIRST_HOLD_S = 0.005
+"""Time after the stop from which the hold counts, as in the tissue's own definition. [s]"""
 
 
 @dataclass(frozen=True)
@@ -174,12 +177,28 @@ class Press:
     depth_mm: NDArray
     displacement_mm: NDArray
 
-    @property
+    @cached_property
     def peak_N(self) -> NDArray:
         """Largest force of each press, shape (D,); NaN where out of reach. [N]"""
         return self.force_N.max(axis=-1)
 
-    @property
+    @cached_property
+    def sample_weights(self) -> NDArray:
+        """What each sample (D, n) counts in a share of the press, by the trapezoidal rule.
+
+        Half is the rise, even in time, half the hold, even in the logarithm from 5 ms on.
+        """
+        since = self.time_s - self.stop_s[:, None]
+        clocks = np.minimum(self.time_s, self.stop_s[:, None]), np.log(np.maximum(since, FIRST_HOLD_S))
+        weights = np.zeros_like(self.time_s)
+        for clock in clocks:
+            step = np.diff(clock, axis=-1)
+            step = 0.25 * step / step.sum(-1, keepdims=True)
+            weights[:, 1:] += step
+            weights[:, :-1] += step
+        return weights
+
+    @cached_property
     def energy_mJ(self) -> NDArray:
         """Integral of F dx from touch to stop, shape (D,); NaN where out of reach."""
         step = np.diff(self.displacement_mm, axis=-1)

@@ -18,9 +18,6 @@ from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.scoring.weights import Weights
 from dummydesign.tissue.model.ranges import STEADY_TOLERANCE
 
-FIRST_HOLD_S = 0.005
-"""Time after the stop from which the hold counts, as in the tissue's own definition. [s]"""
-
 
 @dataclass(frozen=True)
 class Evaluation:
@@ -185,17 +182,8 @@ def _inside_at_samples(press: Press, band) -> NDArray:
     near = STEADY_TOLERANCE * band.steady_force_N
     with np.errstate(invalid="ignore"):
         within = (press.force_N >= ends.real - near) & (press.force_N <= ends.imag + near)
-    since = press.time_s - press.stop_s[:, None]
-    clock = np.minimum(press.time_s, press.stop_s[:, None])
-    held = np.log(np.maximum(since, FIRST_HOLD_S))
-    shares = [_mean_over(within, clock), _mean_over(within, held)]
-    return np.where(np.isfinite(press.depth_mm), np.mean(shares, axis=0), 0.0)
-
-
-def _mean_over(within: NDArray, clock: NDArray) -> NDArray:
-    """Share of a rising clock (D, n) during which samples are within, by the trapezoidal rule."""
-    step = np.diff(clock, axis=-1)
-    return (0.5 * (within[:, 1:] + within[:, :-1].astype(float)) * step).sum(-1) / step.sum(-1)
+    share = np.einsum("dn,dn->d", press.sample_weights, within)
+    return np.where(np.isfinite(press.depth_mm), share, 0.0)
 
 
 def steady_gamma1(

@@ -171,7 +171,8 @@ def choose(found: Found, space: SearchSpace) -> Chosen:
         max((shaped for shaped in designs if shaped.shape.name == kind), key=_rank)
         for kind in dict.fromkeys(shaped.shape.name for shaped in designs)
     ]
-    leaders = _fitted(leaders, space)
+    winner = max(designs, key=_rank) if designs else None
+    leaders = _fitted(leaders, space, None if winner is None else winner.shape.name)
     for best in leaders:
         by = best.law.family.source if best.elements is None else "elements"
         beside.append(_beside(best.shape.name, best.shape, best.found.best, space, by))
@@ -181,7 +182,7 @@ def choose(found: Found, space: SearchSpace) -> Chosen:
             return Chosen(Slab(), flat, law, law, listed)
     if not designs:
         raise NoAnswerError("no_feasible_design", "; ".join(item.reason for item in found.missing if item.reason))
-    winner = max(designs, key=_rank)
+    assert winner is not None
     best = next(shaped for shaped in leaders if shaped.shape.name == winner.shape.name)
     return _chosen(best, listed)
 
@@ -222,13 +223,19 @@ def _rank(shaped: Shaped) -> tuple[bool, float]:
     return shaped.elements is not None, shaped.worth
 
 
-def _fitted(designs: Sequence[Shaped], space: SearchSpace) -> list[Shaped]:
-    """With the tissue's law fitted to the presses of designs and of their alternatives, which a search leaves out."""
-    groups = [(shaped.found.best, *shaped.found.alternatives) for shaped in designs]
+def _fitted(designs: Sequence[Shaped], space: SearchSpace, kind: str | None = None) -> list[Shaped]:
+    """With the tissue's law fitted to the presses of designs, which a search leaves out, and of their alternatives.
+
+    Where a kind is named, only its alternatives are fitted: nobody sees the others.
+    """
+    groups = [
+        (shaped.found.best, *(shaped.found.alternatives if kind in (None, shaped.shape.name) else ()))
+        for shaped in designs
+    ]
     fits = iter(with_parameters([candidate for group in groups for candidate in group], space))
     fitted = [[next(fits) for _ in group] for group in groups]
     return [
-        replace(shaped, found=replace(shaped.found, best=best, alternatives=tuple(others)))
+        replace(shaped, found=replace(shaped.found, best=best, alternatives=tuple(others) or shaped.found.alternatives))
         for shaped, (best, *others) in zip(designs, fitted)
     ]
 

@@ -15,16 +15,21 @@ from dummydesign.pad.force_law import BaseForceLaw
 
 @dataclass(frozen=True)
 class Designs:
-    """M pads of one kind: thickness (M,) and the shape's parameters, name: (M,), in mm or without unit."""
+    """M pads of one kind: thickness (M,) and the shape's parameters, name: (M,), in mm or without unit.
+
+    ``limit_mm`` (M,) is the depth to which their force is known under the punch at hand, where it was worked out.
+    """
 
     kind: str
     thickness_mm: NDArray
     parameters: dict[str, NDArray]
+    limit_mm: NDArray | None = None
 
     def take(self, chosen: NDArray) -> Designs:
         """Keep the pads chosen by index or mask."""
         kept = {name: values[chosen] for name, values in self.parameters.items()}
-        return Designs(self.kind, self.thickness_mm[chosen], kept)
+        limit = None if self.limit_mm is None else self.limit_mm[chosen]
+        return Designs(self.kind, self.thickness_mm[chosen], kept, limit)
 
     def shape(self, index: int) -> PadShape:
         """Shape of one pad."""

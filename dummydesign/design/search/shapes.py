@@ -87,8 +87,9 @@ def sieve(family: Family, targets: Targets, thickness_mm: NDArray, young_MPa: tu
     forces = targets.protocol.misfit_N[::SIEVE_STEP]
     depth = targets.aim_depth_mm(forces)
     designs = family.candidates(thickness_mm, radius_mm)
-    deep = np.minimum(family.limit_mm(designs, radius_mm), DEPTH_SHARE * designs.thickness_mm) >= depth[-1]
-    designs = designs.take(deep)
+    limit = family.limit_mm(designs, radius_mm)
+    deep = np.minimum(limit, DEPTH_SHARE * designs.thickness_mm) >= depth[-1]
+    designs = replace(designs, limit_mm=limit).take(deep)
     wanted = np.log(forces)
     misfit, best = np.full(len(designs.thickness_mm), np.nan), np.empty(len(designs.thickness_mm))
     for start in range(0, len(misfit), 4000):

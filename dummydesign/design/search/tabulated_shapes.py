@@ -62,7 +62,8 @@ class TableFamily:
         inputs = self._inputs(designs, radius_mm)
         h = designs.thickness_mm[:, None]
         depth = np.maximum(np.asarray(depth_mm, float), 0.0)
-        limit = self.limit_mm(designs, radius_mm)[:, None]
+        known = designs.limit_mm
+        limit = (self.limit_mm(designs, radius_mm) if known is None else known)[:, None]
         held = np.minimum(depth, limit)
         place = np.broadcast_to(np.arange(len(inputs))[:, None], depth.shape)
         value, _ = self.table.log_factor(inputs, place, held / h)

@@ -50,7 +50,14 @@ class OdeDrive:
         before, after = self._x[..., :-1], self._x[..., 1:]
         rise = after - before
         decay = rate * self._step * (before**2 + before * after + after**2) / 3.0
-        stretch = linear_recurrence(np.exp(-decay), rise * _mean_survival(rate * self._step, after, rise, decay))
+        # nothing is added to the stretch while nothing moves: the hold's samples are left out
+        moving = np.flatnonzero((rise != 0.0).any(axis=tuple(range(rise.ndim - 1))))
+        added = np.zeros(decay.shape)
+        if len(moving):
+            rate_step = (rate * self._step)[..., moving]
+            parts = after[..., moving], rise[..., moving], decay[..., moving]
+            added[..., moving] = parts[1] * _mean_survival(rate_step, *parts)
+        stretch = linear_recurrence(np.exp(-decay), added)
         response = np.zeros(np.broadcast_shapes(rate.shape[:-1] + (1,), self._x.shape))
         response[..., 1:] = after**2 * stretch
         return response

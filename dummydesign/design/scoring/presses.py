@@ -184,10 +184,7 @@ class Press:
 
     @cached_property
     def sample_weights(self) -> NDArray:
-        """What each sample (D, n) counts in a share of the press, by the trapezoidal rule.
-
-        Half is the rise, even in time, half the hold, even in the logarithm from 5 ms on.
-        """
+        """What samples (D, n) count in a share of the press: half the rise in time, half the hold in ln t from 5 ms on."""
         since = self.time_s - self.stop_s[:, None]
         clocks = np.minimum(self.time_s, self.stop_s[:, None]), np.log(np.maximum(since, FIRST_HOLD_S))
         weights = np.zeros_like(self.time_s)

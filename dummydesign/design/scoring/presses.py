@@ -184,7 +184,7 @@ class Press:
 
     @cached_property
     def sample_weights(self) -> NDArray:
-        """What samples (D, n) count in a share of the press: half the rise in time, half the hold in ln t from 5 ms on."""
+        """What samples (D, n) count in a share of the press: half the rise in time, half the hold in ln t from 5 ms."""
         since = self.time_s - self.stop_s[:, None]
         clocks = np.minimum(self.time_s, self.stop_s[:, None]), np.log(np.maximum(since, FIRST_HOLD_S))
         weights = np.zeros_like(self.time_s)

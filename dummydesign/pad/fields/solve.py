@@ -19,6 +19,7 @@ from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fields.pressed import FREE, SLIPS, STICKS, Face, Pressed
 from dummydesign.pad.fields.recover import face_tractions, recovered
 from dummydesign.pad.pad import SLAB, Pad, Puck
+from dummydesign.pad.shaped.fold import FoldWatch
 from dummydesign.pad.solve.continuation import follow
 from dummydesign.pad.solve.equilibrium import Problem, Solution
 
@@ -131,11 +132,17 @@ def _follow(
         moved = follow_states(pad, law, depths, coarse, progress, keep)
         return moved.stop, moved.notes
     setup = _setup(pad, law, depths, shear, coarse)
+    watch = None if pad.geometry.flat_top else FoldWatch(setup.problem, pad.thickness_mm)
+
+    def visit(depth: float, solution: Solution) -> None:
+        if watch is None or watch.sound(depth, solution):
+            keep(setup.problem, solution, depth)
+
     path = follow(
         setup.problem, depths, setup.first_step, setup.largest_step, setup.smallest_step, progress,
-        lattice=setup.lattice, visit=lambda depth, solution: keep(setup.problem, solution, depth),
+        lattice=setup.lattice, visit=visit,
     )  # fmt: skip
-    return path.stop, ()
+    return (path if watch is None else watch.cut(path)).stop, ()
 
 
 def _setup(pad: Pad, law: Any, depths: Array, shear: float, coarse: bool) -> Setup:

@@ -20,6 +20,7 @@ from dummydesign.core.errors import NoAnswerError
 from dummydesign.geometry.shapes import PadShape
 from dummydesign.geometry.standard import PAD_EXTENT_MM
 from dummydesign.pad.material.hyperelastic import Law, Yeoh
+from dummydesign.pad.shaped.fold import FOLDED
 from dummydesign.pad.shaped.paths import Solved, climb, first_depth, grids
 from dummydesign.pad.shaped.problem import CELLS, Press
 from dummydesign.pad.slab.edge_extrapolation import carried_on
@@ -249,6 +250,8 @@ def _curve(
 ) -> PadCurve:
     notes = ()
     if count < len(depths):
-        notes = (f"solved to d/h = {depths[count - 1]:.3f} of {depths[-1]:.3f}: {stops[0]}",)
+        # of several reasons the one that the user can do something about
+        why = next((stop for stop in stops if stop.startswith(FOLDED)), stops[0])
+        notes = (f"solved to d/h = {depths[count - 1]:.3f} of {depths[-1]:.3f}: {why}",)
     depth, value = depths[:count] * press.thickness_mm, force[:count]
     return PadCurve(depth, value, error[:count] * value, cost(paths) if paths else dict(NOTHING), notes)

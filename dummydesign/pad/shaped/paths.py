@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 
 import numpy as np
 
 from dummydesign.pad.material.hyperelastic import Law
+from dummydesign.pad.shaped.fold import FoldWatch
 from dummydesign.pad.shaped.problem import CELLS, RIMS, Press, shaped_problem
 from dummydesign.pad.solve.continuation import Path, follow
 from dummydesign.pad.solve.equilibrium import Problem, Solution
@@ -51,9 +51,23 @@ def climb(press: Press, law: Law, depths: Array, cells: int = CELLS, rim: float 
     Returns
     -------
     Path
+        Of a pad whose face folds on to itself up to there; ``stop`` says so.
     """
     problem = shaped_problem(press, law, cells, rim, twin)
-    seen = None if visit is None else partial(visit, problem)
+    watch = None if twin or press.shape.flat_top else FoldWatch(problem, press.thickness_mm)
+
+    def seen(depth: float, solution: Solution) -> None:
+        if (watch is None or watch.sound(depth, solution)) and visit is not None:
+            visit(problem, depth, solution)
+
+    path = _follow(press, problem, depths, cells, rim, progress, seen)
+    return path if watch is None else watch.cut(path)
+
+
+def _follow(
+    press: Press, problem: Problem, depths: Array, cells: int, rim: float, progress: Callable[[float], None] | None,
+    seen: Callable[[float, Solution], None],
+) -> Path:  # fmt: skip
     if press.condition == "frictionless":
         # Contact without memory: the force is the same whatever the steps were.
         return follow(problem, depths, 0.25 * press.first, FREE_STEP, 3e-4, progress, visit=seen)

@@ -35,6 +35,8 @@ def whatif(
     edge_radius_mm: Values = 0.0,
     velocity_mm_s: Values = (10.0, 250.0),
     force_N: Values = (1.0, 5.0, 10.0, 15.0),
+    hold_s: float | str = 10.0,
+    deceleration_mm_s2: float | str = 30_000.0,
     fidelity: str = "table",
     workers: int = 1,
     scheduler: str | None = None,
@@ -50,6 +52,8 @@ def whatif(
     ----------
     thickness_mm, ratio, velocity_mm_s, force_N : number, numbers or text
         See :data:`Values`; the ratio is the resin's reference by default. [mm, resin's ratio, mm/s, N]
+    hold_s, deceleration_mm_s2 : float
+        Hold after the stop, and braking, of the presses that scores and peak over steady are of. [s, mm/s2]
     resin, tissue : str
         Names or paths; with a tissue every design is scored for it.
     aim : str
@@ -97,6 +101,7 @@ def whatif(
     >>> [(row["thickness_mm"], row["ratio"]) for row in rows]
     [(8.0, 14.0), (8.0, 16.0), (12.0, 14.0), (12.0, 16.0)]
     """
+    from dummydesign.core.checks import DECELERATION, HOLD, read_number
     from dummydesign.design.sweep.executors import open_executor
     from dummydesign.design.sweep.pads import parse_shapes
     from dummydesign.design.sweep.ranges import read_names, read_values
@@ -119,6 +124,8 @@ def whatif(
         read_names(base),
         tuple(text for item in ([shape] if isinstance(shape, str) else shape) for text in parse_shapes(item)),
         read_values(edge_radius_mm, "edge radius in mm"),
+        read_number(hold_s, HOLD),
+        read_number(deceleration_mm_s2, DECELERATION),
     )
     study.check(material)
     folder = None if out is None else Path(out)
@@ -138,6 +145,7 @@ def _work_out(
     progress: Callable[[int, int], None] | None,
 ) -> Rows:  # fmt: skip
     """Run a study that was checked, and write rows and report when there is a folder."""
+    from dummydesign.design.sweep.run import targets_of
     from dummydesign.design.sweep.run import whatif as work_out
 
     sites = None
@@ -145,7 +153,7 @@ def _work_out(
         from dummydesign.tissue.model.tissue_file import load_tissue
 
         sites = load_tissue(study.tissue)
-        sites.target(study.aim)
+        targets_of(study)  # a tissue that has no such press is refused before there is a folder
     sources = (*resin.references, *(() if sites is None else sites.sources))
     if folder is None:
         with opened as executor:
@@ -163,7 +171,8 @@ def _work_out(
         kept = len(file.rows)
         found = work_out(study, executor=executor, file=file, progress=progress)
         rows = found["rows"]
-        page = write_whatif(output.work, study, rows, resin, sites, live_data(resin, sites), found["warnings"])
+        live = live_data(resin, sites, study.sampling)
+        page = write_whatif(output.work, study, rows, resin, sites, live, found["warnings"])
     told = output.answer({"warnings": found["warnings"], "files": {"rows": str(file.path), **page}})
     inputs = {**inputs, "out": str(output.folder)}
     warnings = tuple(told["warnings"])

@@ -35,6 +35,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--edge-radius", default="0", metavar="RANGE|LIST", help=edges)
     add("--velocity", default="10,250", metavar="RANGE|LIST", help="in mm/s (default 10,250)")
     add("--force", default="1,5,10,15", metavar="RANGE|LIST", help="in N (default 1,5,10,15)")
+    add("--hold", default=10.0, metavar="S", help="hold after the stop (default 10 s)")
+    add("--deceleration", default=30000.0, metavar="MM_S2", help="braking (default 30000 mm/s2)")
     add("--fidelity", default="table", metavar="NAME", help="table (default), axisymmetric or 3d")
     add("--workers", type=int, default=1, metavar="N", help="processes of this machine (default 1)")
     add("--scheduler", metavar="ADDRESS", help="a running Dask scheduler, such as tcp://host:8786")
@@ -68,6 +70,8 @@ def _asked(options: argparse.Namespace, count: Count) -> dict[str, Any]:
         edge_radius_mm=options.edge_radius,
         velocity_mm_s=options.velocity,
         force_N=options.force,
+        hold_s=options.hold,
+        deceleration_mm_s2=options.deceleration,
         fidelity=options.fidelity,
         workers=options.workers,
         scheduler=options.scheduler,
@@ -105,7 +109,9 @@ def render(result: dict[str, Any]) -> str:
     head += "edge ".ljust(6) if filleted else ""
     head += " ".join(f"x,n at {force} N".ljust(14) for force in forces)
     head += " " + " ".join(f"peak {speed} mm/s".ljust(14) for speed in speeds)
-    what = "x depth in mm, n local exponent d ln F / d ln x, peak over steady at 10 N steady"
+    hold = result["inputs"]["hold_s"]
+    end = "" if hold == 10.0 else f", the force at the end of a hold of {hold:g} s"
+    what = f"x depth in mm, n local exponent d ln F / d ln x (both relaxed), peak over steady at 10 N steady{end}"
     lines = [*tissue_lines(result), what, "", head]
     for row in rows[:SHOWN]:
         cells = []

@@ -106,6 +106,10 @@ def join_curves(curves: Sequence[Curves]) -> Curves:
     return Curves(*(np.concatenate([getattr(one, name) for one in curves]) for name in names))
 
 
+HOLD_S = 10.0
+"""Hold of the paper's presses. [s]"""
+
+
 @dataclass(frozen=True)
 class Sampling:
     """How finely presses are sampled, and how the robot moves."""
@@ -113,7 +117,7 @@ class Sampling:
     ramp_points: int = 60
     brake_points: int = 24
     hold_points: int = 60
-    hold_s: float = 10.0
+    hold_s: float = HOLD_S
     deceleration_mm_s2: float = DECELERATION_MM_S2
 
     @property

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
+    from dummydesign.design.scoring.presses import Sampling
     from dummydesign.resin.model.resin import Resin
     from dummydesign.tissue.model.tissue import Tissue
 
 RATIOS = 401
 
 
-def live_data(resin: Resin, tissue: Tissue | None) -> dict[str, Any]:
+def live_data(resin: Resin, tissue: Tissue | None, sampling: Sampling | None = None) -> dict[str, Any]:
     """What the page computes from: both response tables, the resin on a fine grid of ratios, the subjects.
 
     ln E and the strengths of the arms are linear between 401 ratios, which is within 0.01 % of the law.
@@ -22,7 +23,7 @@ def live_data(resin: Resin, tissue: Tissue | None) -> dict[str, Any]:
     from dummydesign.geometry.interface import BASES
     from dummydesign.pad.tables.slab import load_table
 
-    sampling = Sampling()
+    sampling = sampling or Sampling()
     ratio = np.linspace(resin.ratio_min, resin.ratio_max, RATIOS)
     strengths = [[term.beta for term in resin.prony(float(value))] for value in ratio]
     tables = {}

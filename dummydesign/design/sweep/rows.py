@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -41,6 +41,8 @@ class Task:
         Which of the shapes each design has; the first by default.
     edge_radius_mm : float
         Fillet of the punch's edge. [mm]
+    sampling : Sampling
+        Hold and braking of the presses.
     """
 
     fidelity: str
@@ -59,6 +61,7 @@ class Task:
     shapes: tuple[str, ...] = (Slab.name,)
     shape: NDArray | None = None
     edge_radius_mm: float = 0.0
+    sampling: Sampling = field(default_factory=Sampling)
 
     def take(self, chosen: NDArray) -> Task:
         """Keep the designs chosen by index or mask."""
@@ -94,7 +97,7 @@ def rows_of(task: Task, slabs: Slabs, error: Callable[[NDArray], NDArray]) -> li
     scores = _scores(slabs, task.targets)
     force_keys, speed_keys = _keys(task.forces_N), _keys(task.velocities_mm_s)
     plain = {name: _plain(values) for name, values in columns.items()}
-    peaks, limits = _plain(_peaks(slabs, task.velocities_mm_s)), _limits(slabs, depth, task.forces_N)
+    peaks, limits = _plain(_peaks(slabs, task.velocities_mm_s, task.sampling)), _limits(slabs, depth, task.forces_N)
     errors = _plain(_errors(depth, error)[:, None])
     rows = []
     for index in range(len(task.ratio)):
@@ -149,9 +152,9 @@ def _keys(values: Sequence[float]) -> list[str]:
     return [f"{value:g}" for value in values]
 
 
-def _peaks(slabs: Slabs, velocities: Sequence[float]) -> NDArray:
-    """Peak over steady force at 10 N steady, shape (D, speeds)."""
-    columns, sampling = [], Sampling()
+def _peaks(slabs: Slabs, velocities: Sequence[float], sampling: Sampling) -> NDArray:
+    """Peak over the force at the end of the hold where that is 10 N, shape (D, speeds)."""
+    columns = []
     for velocity in velocities:
         depth = steady_depth(slabs, PEAK_FORCE_N, velocity, sampling)
         columns.append(press_to_depth(slabs, depth, velocity, sampling).peak_N / PEAK_FORCE_N)

@@ -19,6 +19,8 @@ ROWS, SETTINGS = "rows.csv", "study.json"
 _TEXT = ("punch", "condition", "base", "shape", "limit")
 _ADDED = {"shape": "slab", "edge_radius_mm": "0.0"}
 """Columns that files of earlier versions lack, and what their rows have."""
+OF_OLD = {"hold_s": 10.0, "deceleration_mm_s2": 30_000.0}
+"""Settings that studies of earlier versions do not name, and what theirs were."""
 _BY_FORCE = ("exponent", "depth_mm", "depth_over_thickness", "stiffness_N_per_mm")
 
 
@@ -189,6 +191,8 @@ def settings_of(study: Study, resin: Any, tissue: Any) -> dict[str, Any]:
         "tissue": None if tissue is None else f"{tissue.name} {study.aim} {_hash(tissue.to_dict())}",
         "forces_N": list(study.forces_N),
         "velocities_mm_s": list(study.velocities_mm_s),
+        "hold_s": study.hold_s,
+        "deceleration_mm_s2": study.deceleration_mm_s2,
     }
     if study.fidelity == "table":
         from dummydesign.geometry.interface import BASES
@@ -211,8 +215,9 @@ def _same_settings(path: Path, settings: dict[str, Any]) -> None:
             "run without --resume or into another --out"
         ) from None
     for name, value in settings.items():
-        if before.get(name) != value:
+        was = before.get(name, OF_OLD.get(name))
+        if was != value:
             raise InputError(
-                f"--resume: {ROWS} was made with {name} = {before.get(name)}, now {value}; "
+                f"--resume: {ROWS} was made with {name} = {was}, now {value}; "
                 "run without --resume or into another --out"
             )

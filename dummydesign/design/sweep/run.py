@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 CHUNK = 4096
 ROUGH_PERCENT = 2.0
 """Numerical error of a force above which a study warns. [%]"""
-__all__ = ["Study", "study_warnings", "tasks_of", "whatif"]
+__all__ = ["Study", "study_warnings", "targets_of", "tasks_of", "whatif"]
 
 
 def whatif(
@@ -152,7 +152,7 @@ def tasks_of(study: Study, resin: Resin, done: Iterable[Key] = ()) -> Iterator[T
     Task
     """
     done = set(done)
-    targets = _targets(study)
+    targets = targets_of(study)
     ratios = np.array(study.ratio)
     young = np.atleast_1d(resin.young_MPa(ratios))
     tau = tuple(arm.tau_s.value for arm in resin.arms)
@@ -171,6 +171,7 @@ def tasks_of(study: Study, resin: Resin, done: Iterable[Key] = ()) -> Iterator[T
                 yield Task(
                     study.fidelity, punch, condition, base, radius, thickness, ratios[columns], young[columns], tau,
                     beta[columns], study.forces_N, study.velocities_mm_s, targets, shapes, which, edge,
+                    study.sampling,
                 )  # fmt: skip
 
 
@@ -199,11 +200,11 @@ def _parts(designs: Part, fidelity: str) -> Iterator[Part]:
         yield [design for design in designs if design[1] == thickness]
 
 
-def _targets(study: Study) -> Targets | None:
+def targets_of(study: Study) -> Targets | None:
+    """What the study's scores are of, None without a tissue; InputError for a test that the tissue does not know."""
     if study.tissue is None:
         return None
-    from dummydesign.design.scoring.presses import Sampling
     from dummydesign.design.scoring.targets import make_targets
     from dummydesign.tissue.model.tissue_file import load_tissue
 
-    return make_targets(load_tissue(study.tissue), study.aim, Sampling(), study.protocol)
+    return make_targets(load_tissue(study.tissue), study.aim, study.sampling, study.protocol)

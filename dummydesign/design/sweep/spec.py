@@ -6,12 +6,16 @@ import itertools
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
+from dummydesign.core.checks import DECELERATION, positive
 from dummydesign.core.errors import InputError, out_of_range, unknown_name
+from dummydesign.design.own_test.checks import check_numbers
 from dummydesign.design.request import PAPER, Protocol
+from dummydesign.design.scoring.presses import HOLD_S, Sampling
 from dummydesign.design.search.slabs import THICKNESS_MM
 from dummydesign.design.sweep.pads import check_pads
 from dummydesign.geometry.interface import BASES, CONDITIONS, FRICTION, Interface
 from dummydesign.geometry.shapes import Slab
+from dummydesign.measurement.motion import DECELERATION_MM_S2
 from dummydesign.pad.tables.punch import punch_sides_mm
 
 if TYPE_CHECKING:
@@ -50,6 +54,8 @@ class Study:
         Shapes of the pads with all their lengths, as their text.
     edge_radii_mm : tuple of float
         Fillets of the punch's edge; 0 is sharp. [mm]
+    hold_s, deceleration_mm_s2 : float
+        Hold after the stop, and braking, of the presses that scores and peak over steady are of. [s, mm/s2]
     """
 
     thickness_mm: tuple[float, ...]
@@ -65,6 +71,8 @@ class Study:
     bases: tuple[str, ...] = ("bonded",)
     shapes: tuple[str, ...] = (Slab.name,)
     edge_radii_mm: tuple[float, ...] = (0.0,)
+    hold_s: float = HOLD_S
+    deceleration_mm_s2: float = DECELERATION_MM_S2
 
     @property
     def protocol(self) -> Protocol:
@@ -76,6 +84,11 @@ class Study:
         shown = tuple(sorted(set(self.forces_N)))
         forces = PAPER.forces_N if shown == SHOWN_N else shown
         return Protocol(forces, tuple(sorted(set(self.velocities_mm_s))))
+
+    @property
+    def sampling(self) -> Sampling:
+        """Hold and braking of the presses."""
+        return Sampling(hold_s=self.hold_s, deceleration_mm_s2=self.deceleration_mm_s2)
 
     @property
     def size(self) -> int:
@@ -116,6 +129,8 @@ class Study:
             for value in values:
                 if not value > 0:
                     raise out_of_range(name, value, "above 0", "any finite value")
+        check_numbers(None, None, self.hold_s)
+        positive(DECELERATION.quantity, self.deceleration_mm_s2)
         self._check_setups()
         check_pads(self)
         for name, values in (

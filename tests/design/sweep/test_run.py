@@ -90,6 +90,39 @@ def test_scores_are_of_the_studys_own_forces_and_speeds_as_suggest_gives_them(la
     np.testing.assert_allclose(scores, plain.score_map.total.ravel(), rtol=1e-9)
 
 
+def test_hold_and_braking_of_the_study_are_those_of_its_scores_as_suggest_gives_them(layer_law):
+    from dummydesign.design.inputs import resolve
+    from dummydesign.design.request import Request
+    from dummydesign.design.search.slabs import search
+
+    pads = {"thickness_mm": (5.0, 5.5), "ratio": (15.0, 16.0)}
+    test = {"hold_s": 0.5, "deceleration_mm_s2": 5000.0}
+    found = search(layer_law, resolve(Request("forefinger", **test, **pads), layer_law).space).score_map
+    own = Study((5.0, 5.5), tuple(float(value) for value in found.ratio), SQUARE, tissue="forefinger", **test)
+    rows = whatif(own, layer_law)["rows"]
+    np.testing.assert_allclose([row["score"]["total"] for row in rows], found.total.ravel(), rtol=1e-9)
+    usual = whatif(replace(own, hold_s=10.0, deceleration_mm_s2=30_000.0), layer_law)["rows"]
+    assert [row["depth_mm_at_N"] for row in rows] == [row["depth_mm_at_N"] for row in usual]
+
+
+@pytest.mark.parametrize("hold_s", [0.3, 2.0, 30.0])
+def test_peak_over_the_force_at_the_end_of_a_hold_is_that_of_the_arms_left_by_then(layer_law, hold_s):
+    """After a step in time short against every arm: (1 + sum beta) / (1 + sum beta exp(-hold / tau))."""
+    from dummydesign.resin import load_resin
+
+    study = Study((8.0,), (15.0,), SQUARE, velocities_mm_s=(5000.0,), hold_s=hold_s, deceleration_mm_s2=1e9)
+    row = whatif(study, layer_law)["rows"][0]
+    terms = load_resin(study.resin).prony(15.0)
+    left = 1.0 + sum(term.beta * np.exp(-hold_s / term.tau_s) for term in terms)
+    step = (1.0 + sum(term.beta for term in terms)) / left
+    assert row["peak_over_steady"]["5000"] == pytest.approx(step, rel=0.01)
+
+
+def test_a_hold_that_no_test_has_is_refused(layer_law):
+    with pytest.raises(InputError, match="hold in s"):
+        whatif(Study((8.0,), (15.0,), SQUARE, hold_s=0.001), layer_law)
+
+
 def test_a_thousand_designs_take_less_than_a_second_of_work(layer_law):
     study = Study(tuple(np.linspace(3.0, 30.0, 40)), tuple(np.linspace(14.0, 20.0, 25)), SQUARE)
     assert study.size == 1000

@@ -152,3 +152,15 @@ def test_the_same_noise_leaves_peaks_where_they_are(tmp_path):
         bands.append(load_tissue(f"n{number}").force_range(10.0, 250.0))
     assert bands[1].peak_high_N == pytest.approx(bands[0].peak_high_N, abs=0.05)
     assert bands[1].depth_mm[0] == pytest.approx(bands[0].depth_mm[0], rel=2e-3)
+
+
+def test_whatif_of_a_hold_that_nobody_was_pressed_for_is_refused_and_leaves_no_folder(tmp_path):
+    import dummydesign
+
+    add_curves("mine", str(write_table(tmp_path / "c.csv", PEOPLE[:2], (5.0, 10.0), hold_s=5.0)), "none", "5")
+    asked = {"tissue": "mine", "force_N": "6,8", "velocity_mm_s": 10.0, "out": tmp_path / "study"}
+    with pytest.raises(InputError, match="was not pressed"):
+        dummydesign.whatif(8.0, 15.0, **asked)
+    assert not (tmp_path / "study").exists()
+    row = dummydesign.whatif(8.0, 15.0, hold_s=5.0, **asked).rows[0]
+    assert 0.0 <= row["score"]["total"] <= 1.0

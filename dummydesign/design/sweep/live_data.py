@@ -18,6 +18,13 @@ def live_data(resin: Resin, tissue: Tissue | None, sampling: Sampling | None = N
     """What the page computes from: both response tables, the resin on a fine grid of ratios, the subjects.
 
     ln E and the strengths of the arms are linear between 401 ratios, which is within 0.01 % of the law.
+
+    Parameters
+    ----------
+    resin : Resin
+    tissue : Tissue or None
+    sampling : Sampling, optional
+        Hold and braking of the presses; by default those of the paper.
     """
     from dummydesign.design.scoring.presses import Sampling
     from dummydesign.geometry.interface import BASES

@@ -12,6 +12,8 @@ from dummydesign.core.errors import out_of_range
 
 DECELERATION_MM_S2 = 30_000.0
 """Default braking of the robot, 30 m/s2: 250 mm/s are stopped in 8.3 ms and 1.04 mm."""
+HOLD_S = 10.0
+"""Default hold after the stop, that of the published presses. [s]"""
 
 
 @dataclass(frozen=True)

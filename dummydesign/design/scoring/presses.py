@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS
-from dummydesign.measurement.motion import DECELERATION_MM_S2, Motion, ramp_and_hold
+from dummydesign.measurement.motion import DECELERATION_MM_S2, HOLD_S, Motion, ramp_and_hold
 from dummydesign.pad.force_law import ForceLaw
 from dummydesign.pad.material.relaxation import arm_forces
 
@@ -104,10 +104,6 @@ def join_curves(curves: Sequence[Curves]) -> Curves:
     """Curves of several force laws as one set, in their order."""
     names = ("thickness_mm", "limit_mm", "area_mm2")
     return Curves(*(np.concatenate([getattr(one, name) for one in curves]) for name in names))
-
-
-HOLD_S = 10.0
-"""Hold of the paper's presses. [s]"""
 
 
 @dataclass(frozen=True)

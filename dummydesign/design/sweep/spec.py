@@ -10,12 +10,12 @@ from dummydesign.core.checks import DECELERATION, positive
 from dummydesign.core.errors import InputError, out_of_range, unknown_name
 from dummydesign.design.own_test.checks import check_numbers
 from dummydesign.design.request import PAPER, Protocol
-from dummydesign.design.scoring.presses import HOLD_S, Sampling
+from dummydesign.design.scoring.presses import Sampling
 from dummydesign.design.search.slabs import THICKNESS_MM
 from dummydesign.design.sweep.pads import check_pads
 from dummydesign.geometry.interface import BASES, CONDITIONS, FRICTION, Interface
 from dummydesign.geometry.shapes import Slab
-from dummydesign.measurement.motion import DECELERATION_MM_S2
+from dummydesign.measurement.motion import DECELERATION_MM_S2, HOLD_S
 from dummydesign.pad.tables.punch import punch_sides_mm
 
 if TYPE_CHECKING:

@@ -58,7 +58,8 @@ def write_compare_report(
     ]
     lead = "" if tissue.said is None else f"{tissue.said[1]}. "
     lead += (
-        f"Measured dummy against {tissue.title} ({tissue.name}), {len(tissue.subjects)} subjects, law {data['law']}. "
+        f"Measured dummy against {tissue.title} ({tissue.name}), {len(tissue.subjects)} subjects, "
+        f"{'no law' if tissue.measured else 'law ' + data['law']}. "
         "Each press is compared with the subjects at its own steady force, speed, hold and braking."
     ) + _test_words(data)
     sections = [

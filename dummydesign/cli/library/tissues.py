@@ -172,8 +172,9 @@ def render(result: dict[str, Any]) -> str:
     lines += [f"note: {note}" for note in result["notes"] if not measured]
     lines += [f"source: {source}" for source in result["sources"]]
     lines += [f"{role}: {path}" for role, path in result.get("files", {}).items()]
-    told = [note.removesuffix(".") for note in result["notes"]] + list(result["notes"])
-    lines += [f"warning: {w['message']}" for w in result["warnings"] if w["message"] not in told]
+    first = ("measured_curves",) if measured else ()
+    left = [w for w in result["warnings"] if w["message"] not in result["notes"] and w["code"] not in first]
+    lines += [f"warning: {w['message']}" for w in left]
     if "next_measurement" in result:
         lines.append(f"what would narrow it most: {result['next_measurement']['text']}")
     return "\n".join(lines)

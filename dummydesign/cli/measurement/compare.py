@@ -79,9 +79,10 @@ def render(result: dict[str, Any]) -> str:
         force = "" if pad["force_percent"] is None else f", force {pad['force_percent']:+.1f} % off the designed pad's"
         state = "accepted" if pad["accepted"] else "not accepted"
         lines.append(f"pad of {pad['thickness_mm']:.2f} +- {pad['thickness_sd_mm']:.2f} mm as cast, {state}{force}")
-    lines.append(
-        f"{'parameter':<22} {'dummy':>10} {'95 % low':>10} {'95 % high':>10} {'band low':>10} {'band high':>10}"
-    )
+    if result["parametric"]:
+        lines.append(
+            f"{'parameter':<22} {'dummy':>10} {'95 % low':>10} {'95 % high':>10} {'band low':>10} {'band high':>10}"
+        )
     for name, row in result["parametric"].items():
         place = {True: "inside", False: "outside", None: "no band"}[row["inside"]]
         cells = " ".join(f"{text(row[key]):>10}" for key in ("value", "low", "high", "band_low", "band_high"))

@@ -13,7 +13,7 @@ from dummydesign.measurement.motion import DECELERATION_MM_S2
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
 from dummydesign.measurement.trace_checks import CODES
-from dummydesign.tissue.comparison.press_test import PressTest, hold_of, presses_of
+from dummydesign.tissue.comparison.press_test import SPEED_APART, PressTest, hold_of, presses_of
 from dummydesign.tissue.fitting.fit import Fit, Progress, fit_traces
 from dummydesign.tissue.fitting.groups import condition_groups, rounded_velocity
 from dummydesign.tissue.fitting.reduction import ReducedTrace
@@ -246,6 +246,8 @@ def _warnings(fit: Fit, tissue: Tissue, points: NDArray, rows: list[dict[str, An
              "scaled rise of the slowest press, not a measured steady force"}
         )  # fmt: skip
     unknown = sorted({row["velocity_mm_s"] for row in rows} - set(tissue.velocities_mm_s))
+    if tissue.measured:
+        unknown = [v for v in unknown if all(max(v / one, one / v) > SPEED_APART for one in tissue.velocities_mm_s)]
     speeds = ", ".join(f"{v:g}" for v in unknown)
     if tissue.said is not None:
         found.append({"code": tissue.said[0], "message": tissue.said[1]})

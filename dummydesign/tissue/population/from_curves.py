@@ -128,7 +128,7 @@ def add_curves(name: str, table: str, law: str, elements: str, replace_own: bool
         named = [(who, one, "measured", f"{kept}, {len(one.presses)} presses of {who}") for who, one in people.items()]
         found = subjects_of(named)
         title = f"{len(found)} subject{'s' if len(found) > 1 else ''}, measured curves"
-        tissue = Tissue(name, title, LAW, found, (), (curves_words(name) + ".",), "user")
+        tissue = Tissue(name, title, LAW, found, (), (f"{curves_words('This tissue')}.",), "user")
         warnings.append({"code": "measured_curves", "message": curves_words(name)})
         if missed:
             warnings.append({"code": "law_does_not_follow", "message": _why(missed)})

@@ -15,6 +15,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_text
 from dummydesign.core.own_files import hidden_by
 from dummydesign.core.quantity import Quantity
+from dummydesign.tissue.model.laws import law_named
 from dummydesign.tissue.model.parameters import Parameters
 from dummydesign.tissue.model.tissue import Subject, Tissue
 from dummydesign.tissue.model.tissue_file import KIND, load_tissue, tissue_toml
@@ -59,6 +60,11 @@ def add_points(name: str, points: str) -> dict[str, Any]:
         With file and line for bad points; for an unknown tissue.
     """
     tissue, entry = load_tissue(name), find(KIND, "tissue", name)
+    if "gamma1_N_per_mm3" not in tissue.bands:
+        raise InputError(
+            f"tissue '{tissue.name}' is {law_named(tissue.law).words}: points update gamma1 of a law, which it "
+            "does not have; make a tissue of its own from them"
+        )
     folder = tissue_folder(tissue.name)
     steady = read_points(Path(points))
     warnings = [

@@ -16,6 +16,7 @@ from dummydesign.tissue import load_tissue
 from dummydesign.tissue.model.laws import law_named
 from dummydesign.tissue.model.ranges import held_depth
 from dummydesign.tissue.population.from_curves import add_curves
+from dummydesign.tissue.population.from_points import add_points
 from dummydesign.tissue.population.without_law.law_misfit import Misfit
 from tests.support.fung_people import PEOPLE, write_table
 from tests.support.power_pads import pads
@@ -137,6 +138,14 @@ def test_presses_that_were_not_held_are_left_out_by_name(tmp_path):
     found = add_curves("mine", str(path), "none", "5")
     said = {one["code"]: one["message"] for one in found["warnings"]}
     assert "ada" in said["hold_too_short"] and len(load_tissue("mine").subjects[0].parameters.presses) == 2
+
+
+def test_points_do_not_update_curves(tmp_path):
+    add_curves("mine", str(write_table(tmp_path / "c.csv", PEOPLE[:1], (5.0, 10.0), speeds=(10.0,))), "none", "5")
+    points = tmp_path / "p.csv"
+    points.write_text("subject,depth_mm,force_N\nada,1,2\nada,2,9\n", encoding="utf-8")
+    with pytest.raises(InputError, match="measured curves, without a law: points update gamma1"):
+        add_points("mine", str(points))
 
 
 def test_a_law_that_is_not_fitted_is_refused_before_any_work(tmp_path):

@@ -159,7 +159,7 @@ def known_words(people: Sequence[MeasuredParameters], hold_s: float = np.inf) ->
     forces = f"--force within {low:.3g} to {high:.3g} N" if low <= high else "; ".join(
         f"--force within {a:.3g} to {b:.3g} N at {speed:g} mm/s" for speed, (a, b) in spans.items()
     )  # fmt: skip
-    less = " or less" if hold == longest else ""
+    less = " or less" if hold > 0.99 * longest else ""
     return f"{forces}, --velocity {','.join(f'{v:g}' for v in spans)}, --hold {hold:.3g}{less}"
 
 

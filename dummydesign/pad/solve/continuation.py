@@ -9,7 +9,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from dummydesign.core.threads import one_blas_thread
-from dummydesign.pad.solve.equilibrium import RESIDUAL_TOLERANCE, Failure, Problem, Solution, explain, find_equilibrium
+from dummydesign.pad.solve.equilibrium import (
+    RESIDUAL_TOLERANCE,
+    TIED,
+    Failure,
+    Problem,
+    Solution,
+    explain,
+    find_equilibrium,
+)
 
 Array = np.ndarray
 
@@ -124,7 +132,13 @@ def follow(
             ratio = min((trial_depth - depth) / (depth - earlier[2]), 5.0)
             guess = u + ratio * (u - earlier[0]), p + ratio * (p - earlier[1])
         passing = lattice and not np.isclose(targets, trial_depth, rtol=1e-9, atol=0.0).any()
-        answer = find_equilibrium(problem, *guess, trial_depth, PATH_TOLERANCE if passing else RESIDUAL_TOLERANCE)
+        long = lattice and trial_depth - depth > largest_step * (1.0 + 1e-9)
+        aim = PATH_TOLERANCE if passing else RESIDUAL_TOLERANCE
+        answer = find_equilibrium(problem, *guess, trial_depth, aim, without_ties=long)
+        if isinstance(answer, Failure) and answer.reason == TIED:
+            iterations += answer.iterations
+            step = largest_step
+            continue
         if isinstance(answer, Failure):
             iterations += answer.iterations
             wasted, since = (wasted, since) if depth - since < largest_step else (0, depth)
@@ -132,10 +146,6 @@ def follow(
             step = 0.5 * (trial_depth - depth)
             if step < smallest_step or wasted > MOST_WASTED:
                 stop = explain(problem, u, p, depth, answer.reason)
-            continue
-        if lattice and answer.ties and trial_depth - depth > largest_step * (1.0 + 1e-9):
-            iterations += answer.iterations
-            step = largest_step
             continue
         passed = [goal for goal in targets[len(found) :] if goal <= trial_depth * (1.0 + 1e-12)]
         tied = problem.surface.memory() if problem.surface is not None and passed else None

@@ -23,6 +23,7 @@ SMALLEST_J = 0.02
 # not change by more than 0.05 % when it is 1e-3.
 TIE_TOLERANCE = 5e-2
 LARGEST_TIES = 4
+TIED = "contact was tied"
 # Once the relative residual is below this, a factorised tangent is used again for as long as every use brings the
 # residual below this share of the one before.
 REUSE_BELOW = 2e-2
@@ -137,8 +138,9 @@ class Failure:
 
 
 def find_equilibrium(
-    problem: Problem, u: Array, p: Array, depth: float, tolerance: float = RESIDUAL_TOLERANCE
-) -> Solution | Failure:
+    problem: Problem, u: Array, p: Array, depth: float, tolerance: float = RESIDUAL_TOLERANCE,
+    without_ties: bool = False,
+) -> Solution | Failure:  # fmt: skip
     """Newton's method at one depth, from a predicted state.
 
     Parameters
@@ -153,6 +155,8 @@ def find_equilibrium(
         Of the punch, in the mesh's unit of length.
     tolerance : float
         Largest residual over the size of the forces.
+    without_ties : bool
+        Whether the search ends where contact is to be tied, as the step is too large for it.
 
     Returns
     -------
@@ -196,6 +200,8 @@ def find_equilibrium(
             return Failure("the residual is no longer a number", factorised)
         if at.residual < TIE_TOLERANCE and ties < LARGEST_TIES and surface is not None:
             if surface.tie(at.u, problem.punch, depth):
+                if without_ties:
+                    return Failure(TIED, factorised)
                 ties += 1
                 at = _met(problem, at, depth)
                 tangent = None

@@ -37,7 +37,7 @@ def fails(monkeypatch):
     def by(rule):
         reached = [0.0]
 
-        def find(problem, u, p, depth, tolerance=1e-6):
+        def find(problem, u, p, depth, tolerance=1e-6, without_ties=False):
             if rule(reached[-1], depth):
                 failed.append(depth)
                 return Failure("no equilibrium", MAX_ITERATIONS)

@@ -24,6 +24,7 @@ import numpy as np
 
 from dummydesign.core.errors import InputError
 from dummydesign.pad.material.hyperelastic import Law, Yeoh
+from dummydesign.pad.material.kinematics import Axisymmetric
 
 Array = np.ndarray
 
@@ -113,6 +114,12 @@ class Solid:
         self.inverse = -np.linalg.inv(self.compliance)
         elements, points, components, width = mesh.gradient.shape
         self._flat = np.ascontiguousarray(mesh.gradient.reshape(elements, points * components, width))
+        self._rows: Array | None = None
+        if mesh.kinematics is Axisymmetric:
+            # rr, rz and tt come from the radial displacements alone, zr and zz from the axial ones.
+            rows = mesh.gradient[:, :, [0, 1, 4], 0::2]
+            self._rows = np.ascontiguousarray(rows.reshape(elements, 3 * points, width // 2))
+            self._back = np.ascontiguousarray(self._rows.transpose(0, 2, 1))
         self._weighted_basis = mesh.weight[:, :, None] * mesh.pressure_basis
         # Kept, as making such large arrays anew takes as long as filling them.
         self._moduli = np.empty((elements, points, components, components))
@@ -126,8 +133,21 @@ class Solid:
     def deformation(self, u: Array) -> Array:
         """Components of F at the quadrature points, shape (elements, points, components)."""
         elements, points = self.mesh.weight.shape
-        F = (self._flat @ u[self.mesh.dofs][:, :, None]).reshape(elements, points, -1)
-        return F + self.mesh.kinematics.identity
+        local = u[self.mesh.dofs]
+        if self._rows is None:
+            return (self._flat @ local[:, :, None]).reshape(elements, points, -1) + self.mesh.kinematics.identity
+        F = (self._rows @ local.reshape(elements, -1, 2)).reshape(elements, points, 6)[:, :, Axisymmetric.place]
+        F += self.mesh.kinematics.identity
+        return F
+
+    def _forces(self, stress: Array) -> Array:
+        """Forces of each element's unknowns from stresses times weight, shape (elements, points, components)."""
+        elements, points, _ = stress.shape
+        if self._rows is None:
+            return (stress.reshape(elements, 1, -1) @ self._flat)[:, 0]
+        both = np.zeros((elements, points, 6))
+        both[:, :, Axisymmetric.place] = stress
+        return (self._back @ both.reshape(elements, -1, 2)).reshape(elements, -1)
 
     def state(self, u: Array, p: Array, tangent: bool = True) -> State | None:
         """Evaluate the solid; None where an element is inverted at a quadrature point (J <= 0).
@@ -150,8 +170,8 @@ class Solid:
         cofactor = kin.cofactor(F)
         slope = -self.law.reference_stress_MPa / J + self.stabilisation * (J - 1.0) + p @ basis.T
         stress = self.law.stress(F) + slope[..., None] * cofactor
-        elements = len(weight)
-        force = ((stress * weight[..., None]).reshape(elements, 1, -1) @ self._flat)[:, 0]
+        stress *= weight[..., None]
+        force = self._forces(stress)
         internal = np.bincount(mesh.dofs.ravel(), force.ravel(), minlength=mesh.size)
         pressure = (weight * (J - 1.0)) @ basis - np.einsum("eab,eb->ea", self.compliance, p)
         state = State(internal, pressure, J, (F, cofactor, slope))

@@ -14,6 +14,8 @@ class Axisymmetric:
 
     components = 5
     identity = np.array([1.0, 0.0, 0.0, 1.0, 1.0])
+    # Where they stand among d/dr, d/dz and 1/r of (u_r, u_z), the two displacements side by side.
+    place = [0, 2, 1, 3, 4]
 
     @staticmethod
     def determinant(F: Array) -> Array:
@@ -24,7 +26,10 @@ class Axisymmetric:
     def cofactor(F: Array) -> Array:
         """dJ/dF, same shape as F."""
         rr, rz, zr, zz, tt = (F[..., k] for k in range(5))
-        return np.stack([zz * tt, -zr * tt, -rz * tt, rr * tt, rr * zz - rz * zr], axis=-1)
+        out = np.empty_like(F)
+        out[..., 0], out[..., 1], out[..., 2], out[..., 3] = zz * tt, -zr * tt, -rz * tt, rr * tt
+        out[..., 4] = rr * zz - rz * zr
+        return out
 
     @staticmethod
     def add_second(A: Array, factor: Array, F: Array) -> None:

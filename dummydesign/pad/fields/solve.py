@@ -20,7 +20,7 @@ from dummydesign.pad.fields.pressed import FREE, SLIPS, STICKS, Face, Pressed
 from dummydesign.pad.fields.recover import face_tractions, recovered
 from dummydesign.pad.pad import SLAB, Pad, Puck
 from dummydesign.pad.shaped.fold import FoldWatch
-from dummydesign.pad.solve.continuation import follow
+from dummydesign.pad.solve.continuation import Passed, beside_path, follow
 from dummydesign.pad.solve.equilibrium import Problem, Solution
 
 Array = np.ndarray
@@ -34,13 +34,14 @@ SLIP_SHARE = 0.95
 
 @dataclass(frozen=True)
 class Setup:
-    """A problem of finite elements in thicknesses and shear moduli, and how its path is followed."""
+    """A problem of finite elements in thicknesses and shear moduli, and how its path is followed or was already."""
 
     problem: Problem
     first_step: float
     largest_step: float
     smallest_step: float
     lattice: bool = False
+    passed: tuple[Passed, ...] = ()
 
 
 def solve_fields(
@@ -132,6 +133,14 @@ def _follow(
         moved = follow_states(pad, law, depths, coarse, progress, keep)
         return moved.stop, moved.notes
     setup = _setup(pad, law, depths, shear, coarse)
+    if setup.passed:
+        solutions = [beside_path(setup.problem, setup.passed, depth) for depth in depths]
+        reached = [one for one in solutions if isinstance(one, Solution)]
+        if len(reached) == len(depths):
+            for depth, solution in zip(depths, reached):
+                keep(setup.problem, solution, depth)
+            return None, ()
+        setup = _setup(pad, law, depths, shear, coarse)
     watch = None if pad.geometry.flat_top else FoldWatch(setup.problem, pad.thickness_mm)
 
     def visit(depth: float, solution: Solution) -> None:
@@ -149,7 +158,7 @@ def _setup(pad: Pad, law: Any, depths: Array, shear: float, coarse: bool) -> Set
     """The problem that the pad's own curve is solved by, with one fillet."""
     from dummydesign.pad.contact.resting_base import weight_over_shear
     from dummydesign.pad.contact.surface_axisymmetric import FlatPunch, ProfilePunch
-    from dummydesign.pad.shaped.paths import LARGEST_STEP, first_depth
+    from dummydesign.pad.shaped.paths import LARGEST_STEP, first_depth, passed_by
     from dummydesign.pad.shaped.problem import CELLS, Press, shaped_problem
     from dummydesign.pad.slab.indentation import (
         SHAPED_STIFFNESS,
@@ -168,7 +177,8 @@ def _setup(pad: Pad, law: Any, depths: Array, shear: float, coarse: bool) -> Set
         press.check()
         step = 0.3 * RIM if pad.geometry.flat_top else 0.25 * first
         cells = CELLS // 2 if coarse else CELLS
-        return Setup(shaped_problem(press, law, cells, RIM), step, LARGEST_STEP * CELLS / cells, 3e-4, True)
+        passed = () if pad.geometry.flat_top else tuple(passed_by(press, law, cells, RIM, float(depths[-1])))
+        return Setup(shaped_problem(press, law, cells, RIM), step, LARGEST_STEP * CELLS / cells, 3e-4, True, passed)
     weight = weight_over_shear(h, shear)
     own = (law, pad.poisson, pad.base, pad.condition)
     if pad.profile_mm is not None:

@@ -15,7 +15,7 @@ class Axisymmetric:
     components = 5
     identity = np.array([1.0, 0.0, 0.0, 1.0, 1.0])
     # Where they stand among d/dr, d/dz and 1/r of (u_r, u_z), the two displacements side by side.
-    place = [0, 2, 1, 3, 4]
+    place = np.array([0, 2, 1, 3, 4])
 
     @staticmethod
     def determinant(F: Array) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 from dummydesign.pad.material.hyperelastic import Law
 from dummydesign.pad.shaped.fold import FoldWatch
 from dummydesign.pad.shaped.problem import CELLS, RIMS, Press, shaped_problem
-from dummydesign.pad.solve.continuation import Path, follow
+from dummydesign.pad.solve.continuation import Passed, Path, follow
 from dummydesign.pad.solve.equilibrium import Problem, Solution
 
 Array = np.ndarray
@@ -22,6 +22,26 @@ LARGEST_STEP = 0.01
 FLAT_STEP = 0.015
 FREE_STEP = 0.03
 FIRST_DEPTH = 0.02
+
+
+# Ends of the steps of the paths followed last that do not fold, for whoever wants fields on the way; so many paths, the
+# oldest first.
+_PASSED: dict[tuple[Press, Law, int, float], list[Passed]] = {}
+MOST_PASSED = 4
+
+
+def passed_by(press: Press, law: Law, cells: int, rim: float, deepest: float) -> list[Passed]:
+    """Ends of the steps of a path of this pad that was followed beyond a depth in this process; empty without one.
+
+    Parameters
+    ----------
+    press, law, cells, rim
+        As for :func:`climb`.
+    deepest : float
+        In thicknesses.
+    """
+    known = _PASSED.get((press, law, cells, rim), [])
+    return known if known and known[-1].depth >= deepest * (1.0 - 1e-9) else []
 
 
 def climb(press: Press, law: Law, depths: Array, cells: int = CELLS, rim: float = RIMS[-1], twin: bool = False,
@@ -60,13 +80,22 @@ def climb(press: Press, law: Law, depths: Array, cells: int = CELLS, rim: float 
         if (watch is None or watch.sound(depth, solution)) and visit is not None:
             visit(problem, depth, solution)
 
-    path = _follow(press, problem, depths, cells, rim, progress, seen)
-    return path if watch is None else watch.cut(path)
+    passed: list[Passed] = []
+    path = _follow(press, problem, depths, cells, rim, progress, seen, passed)
+    if watch is None:
+        return path
+    if watch.folded is None:
+        if len(_PASSED) >= MOST_PASSED:
+            _PASSED.pop(next(iter(_PASSED)))
+        # Up to the last state that was looked at for a fold.
+        last = path.depth[-1] if len(path.depth) else 0.0
+        _PASSED[press, law, cells, rim] = [end for end in passed if end.depth <= last * (1.0 + 1e-9)]
+    return watch.cut(path)
 
 
 def _follow(
     press: Press, problem: Problem, depths: Array, cells: int, rim: float, progress: Callable[[float], None] | None,
-    seen: Callable[[float, Solution], None],
+    seen: Callable[[float, Solution], None], passed: list[Passed],
 ) -> Path:  # fmt: skip
     if press.condition == "frictionless":
         # Contact without memory: the force is the same whatever the steps were.
@@ -74,7 +103,9 @@ def _follow(
     if press.shape.flat_top:
         return follow(problem, depths, 0.3 * rim, FLAT_STEP, 3e-4, progress, lattice=True, visit=seen)
     step = LARGEST_STEP * CELLS / cells
-    return follow(problem, depths, 0.25 * press.first, step, 3e-4, progress, lattice=True, visit=seen)
+    return follow(
+        problem, depths, 0.25 * press.first, step, 3e-4, progress, lattice=True, visit=seen, keep=passed.append
+    )
 
 
 class Solved:

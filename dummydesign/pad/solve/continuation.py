@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -50,6 +51,39 @@ class Path:
     residuals: tuple[tuple[float, ...], ...] = ()
 
 
+@dataclass(frozen=True)
+class Passed:
+    """The end of a step on a path: depth, displacements, pressures, and what the surface remembers of contact."""
+
+    depth: float
+    u: Array
+    p: Array
+    memory: Any
+
+
+def beside_path(problem: Problem, passed: Sequence[Passed], depth: float) -> Solution | Failure:
+    """Equilibrium at a depth that a path has passed, from the ends of the steps before and after it.
+
+    Parameters
+    ----------
+    problem : Problem
+        That the path was followed on, or one made alike.
+    passed : sequence of Passed
+        Ends of its steps, increasing; ``depth`` is not beyond the last.
+    depth : float
+        In the mesh's unit of length.
+    """
+    after = next(i for i, end in enumerate(passed) if end.depth >= depth * (1.0 - 1e-9))
+    before = passed[after - 1] if after else Passed(0.0, *problem.start(), None)
+    end = passed[after]
+    if problem.surface is not None:
+        if before.memory is not None:
+            problem.surface.restore(before.memory)
+        problem.surface.settle(before.u, problem.punch, before.depth)
+    part = (depth - before.depth) / (end.depth - before.depth)
+    return find_equilibrium(problem, before.u + part * (end.u - before.u), before.p + part * (end.p - before.p), depth)
+
+
 NOTHING: dict[str, float] = {"unknowns": 0, "load_steps": 0, "newton_iterations": 0, "seconds": 0.0}
 
 
@@ -74,6 +108,7 @@ def follow(
     sound_J: float = 0.0,
     lattice: bool = False,
     visit: Callable[[float, Solution], None] | None = None,
+    keep: Callable[[Passed], None] | None = None,
 ) -> Path:
     """Follow the equilibrium from first touch through ``depths`` (increasing, in the mesh's unit of length).
 
@@ -85,7 +120,7 @@ def follow(
     whatever depths are wanted; those are solved beside the path and leave no trace on it. Contact that sticks
     remembers its path, so this makes an answer independent of the other depths that are asked for.
 
-    ``visit`` is called with every wanted depth and the equilibrium found there.
+    ``visit`` is called with every wanted depth and the equilibrium found there, ``keep`` with the end of every step.
 
     Parameters
     ----------
@@ -103,6 +138,8 @@ def follow(
         Whether the steps do not depend on the wanted depths.
     visit : callable, optional
         Called with each wanted depth and its solution.
+    keep : callable, optional
+        Called with the end of each step.
 
     Returns
     -------
@@ -177,6 +214,8 @@ def follow(
         if tied is not None:
             problem.surface.restore(tied)
         earlier, u, p, depth = (u, p, depth), answer.u, answer.p, trial_depth
+        if keep:
+            keep(Passed(depth, u, p, None if problem.surface is None else problem.surface.memory()))
         iterations += answer.iterations
         if problem.surface is not None:
             problem.surface.settle(u, problem.punch, depth)

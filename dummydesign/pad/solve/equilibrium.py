@@ -202,8 +202,7 @@ def find_equilibrium(
             if surface.tie(at.u, problem.punch, depth):
                 if without_ties:
                     return Failure(TIED, factorised)
-                ties += 1
-                at = _met(problem, at, depth)
+                ties, at = ties + 1, _met(problem, at, depth)
                 tangent = None
                 continue
         if at.residual < tolerance and at.fraction == 1.0:

@@ -7,13 +7,17 @@ import pytest
 
 from dummydesign.core.errors import InputError
 from dummydesign.geometry.shapes import read_shape
+from dummydesign.geometry.standard import PAD_EXTENT_MM
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mixed_solid import Solid
+from dummydesign.pad.fields import solve as fields_solve
 from dummydesign.pad.fields.recover import cauchy, face_tractions, quadrature_places, to_nodes
 from dummydesign.pad.fields.solve import has_fields, solve_fields
 from dummydesign.pad.fields.vtu import grid, write_fields
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.pad import Pad, Puck
+from dummydesign.pad.shaped import paths
+from dummydesign.pad.shaped.problem import Press
 
 YOUNG_MPa = 0.03
 
@@ -190,3 +194,25 @@ def test_a_puck_between_plates_has_no_fields():
     assert not has_fields(puck)
     with pytest.raises(InputError, match="cylinder between plates"):
         solve_fields(puck, [1.0])
+
+
+def test_fields_on_the_way_of_a_followed_path_are_those_followed_anew():
+    pad = Pad(5.0, YOUNG_MPa, 7.9, geometry=read_shape("crowned:8,2"))
+    paths._PASSED.clear()
+    anew = solve_fields(pad, [0.4, 0.63], coarse=True)[0]
+    press = Press(pad.geometry, 5.0, 7.9 / 5.0, PAD_EXTENT_MM / 5.0, first=0.02)
+    followed = paths.climb(press, Yeoh(1.0), np.array([0.1, 0.15]), 8)
+    assert followed.stop is None and paths.passed_by(press, Yeoh(1.0), 8, 0.05, 0.126)
+    assert not paths.passed_by(press, Yeoh(1.0), 8, 0.05, 0.2) and not paths.passed_by(press, Yeoh(1.0), 16, 0.05, 0.1)
+    beside = solve_fields(pad, [0.4, 0.63], coarse=True)[0]
+    for one, other in zip(anew, beside):
+        assert other.force_N == pytest.approx(one.force_N, rel=2e-4)
+        assert np.abs(other.displacement_mm - one.displacement_mm).max() < 2e-4
+
+
+def test_fields_on_the_way_of_a_followed_path_follow_none(monkeypatch):
+    pad = Pad(5.0, YOUNG_MPa, 7.9, geometry=read_shape("crowned:8,2"))
+    press = Press(pad.geometry, 5.0, 7.9 / 5.0, PAD_EXTENT_MM / 5.0, first=0.02)
+    paths.climb(press, Yeoh(1.0), np.array([0.1, 0.15]), 8)
+    monkeypatch.setattr(fields_solve, "follow", None)
+    assert len(solve_fields(pad, [0.4, 0.63], coarse=True)[0]) == 2

@@ -11,6 +11,7 @@ which is exact there.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -45,6 +46,8 @@ LEAST_DEPTH = 0.25
 # A curve is solved on this many depths besides the wanted ones, and fitted by a series of this many terms.
 GRID_POINTS = 12
 SERIES_TERMS = 8
+# Cells at the edge that are added where the path of the largest fillet ends early: their corner cell inverts later.
+CLOSER = (1, 2)
 
 
 def climb(
@@ -111,12 +114,31 @@ def climb_all(
         if not len(wanted):
             continue
         path = climb(slab, law, poisson, wanted, rim * slab.scale, resolution, progress)
+        for more in CLOSER if rim == max(rims) else ():
+            if path.stop is None:
+                break
+            closer = replace(resolution, cells=resolution.cells + more)
+            path = _carried_on(path, climb(slab, law, poisson, wanted, rim * slab.scale, closer, progress))
         paths.append(path)
         depth.append(path.depth)
         rim_of.append(np.full(len(path.depth), rim))
         value.append(path.force / (3.0 * law.shear_MPa * slab.radius * path.depth))
     joined = [np.concatenate(parts) if parts else np.array([]) for parts in (depth, rim_of, value)]
     return Samples(joined[0], np.full(len(joined[0]), slab.radius), joined[1], joined[2]), paths
+
+
+def _carried_on(path: Path, other: Path) -> Path:
+    """A path, beyond its end that of another mesh made equal where both are known; their common cost.
+
+    The reach of a curve is that of its largest fillet. Where that one's corner cell inverts no smaller step helps.
+    """
+    count = len(path.force)
+    steps, seconds = path.load_steps + other.load_steps, path.seconds + other.seconds
+    iterations = path.newton_iterations + other.newton_iterations
+    if not count or len(other.force) <= count:
+        return replace(path, load_steps=steps, newton_iterations=iterations, seconds=seconds)
+    force = np.concatenate([path.force, other.force[count:] * path.force[-1] / other.force[count - 1]])
+    return replace(other, force=force, load_steps=steps, newton_iterations=iterations, seconds=seconds)
 
 
 def solve_curve(

@@ -19,8 +19,8 @@ from dummydesign.pad.slab.sharp_edge import Slab, first_stiffness, rimmed_proble
 from dummydesign.pad.solve.continuation import follow
 from dummydesign.pad.solve.motion_path import follow_motion
 from dummydesign.pad.solve.solver_superlu import Pattern
+from dummydesign.studies.verification import contact, edges
 from dummydesign.studies.verification.check import Check
-from dummydesign.studies.verification.edges import CHECKS
 from dummydesign.studies.verification.shapes import cap_on_layer, slab_limits
 
 Array = np.ndarray
@@ -278,5 +278,5 @@ ALL: tuple[tuple[bool, Callable[[], Iterator[Check]]], ...] = (
     (False, tables),
     (False, cap_on_layer),
     (False, slab_limits),
-    *((False, check) for check in CHECKS),
+    *((False, check) for check in (*edges.CHECKS, *contact.CHECKS)),
 )

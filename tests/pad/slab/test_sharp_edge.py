@@ -191,3 +191,16 @@ def test_a_curve_at_small_depths_does_not_depend_on_how_deep_it_goes(thickness_m
     curve = solve_curve(thickness_mm, 7.9, 0.025, depth.tolist())
     table = load_table().force(depth[:2], thickness_mm, 0.025, 7.9)
     assert curve.force_N[:2] == pytest.approx(table, rel=3e-3)
+
+
+@pytest.mark.slow
+def test_a_thin_pad_is_followed_to_half_its_thickness_and_what_carries_the_path_on_leaves_the_rest():
+    # The corner cell under the largest fillet inverts at d/h 0.43, whatever the load steps; smaller cells go on.
+    depth = 7.9 / 2.7 * np.array([0.1, 0.2, 0.3, 0.4, 0.5])
+    whole = solve_curve(7.9 / 2.7, 7.9, 1.0, depth)
+    assert whole.notes == () and len(whole.force_N) == 5
+    short = solve_curve(7.9 / 2.7, 7.9, 1.0, depth[:3])
+    assert whole.force_N[:3] == pytest.approx(short.force_N, rel=2e-3)
+    # Force over depth goes on rising as it did: an end of another mesh would show as a jump.
+    rise = np.diff(np.log(whole.force_N / depth))
+    assert np.all(np.abs(np.diff(rise)) < 0.02)

@@ -27,7 +27,7 @@ FIRST_DEPTH = 0.02
 # Ends of the steps of the paths followed last that do not fold, for whoever wants fields on the way; so many paths, the
 # oldest first.
 _PASSED: dict[tuple[Press, Law, int, float], list[Passed]] = {}
-MOST_PASSED = 4
+MOST_PASSED = 8
 
 
 def passed_by(press: Press, law: Law, cells: int, rim: float, deepest: float) -> list[Passed]:

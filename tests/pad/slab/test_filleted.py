@@ -128,7 +128,6 @@ def test_predict_takes_the_fillet_and_a_square_its_factor_with_half_of_it_as_dou
         ({"edge_radius_mm": 2.2}, "axisymmetric", "outside the allowed range 0 to 2.1"),
         ({"edge_radius_mm": -0.5}, "axisymmetric", "outside the allowed range"),
         ({}, "3d", "not solved by fidelity 3d"),
-        ({"condition": "friction:0.3"}, "axisymmetric", "glued"),
         ({"base": "friction:0.3"}, "axisymmetric", "bonded or sliding"),
     ],
 )

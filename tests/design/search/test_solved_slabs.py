@@ -8,8 +8,6 @@ from dummydesign.design.search import solved_slabs as solved
 from dummydesign.design.sweep.run import Study, whatif
 from dummydesign.pad.tables.punch import equal_area_radius_mm
 
-pytestmark = pytest.mark.solves_itself
-
 RADIUS = 14.0 / np.sqrt(np.pi)
 
 

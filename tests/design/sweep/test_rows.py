@@ -20,8 +20,6 @@ from dummydesign.design.sweep.rows_file import RowsFile, key_of, settings_of
 from dummydesign.design.sweep.run import Study, whatif
 from dummydesign.resin import load_resin
 
-pytestmark = pytest.mark.solves_itself
-
 SQUARE = (("square:14", 14.0 / math.sqrt(math.pi)),)
 STUDY = Study((5.0, 10.0, 20.0), (15.0, 15.5, 16.0, 17.0), SQUARE, bases=("bonded", "sliding"))
 

@@ -12,8 +12,6 @@ from dummydesign.design.sweep.rows_file import RowFormat
 from dummydesign.design.sweep.run import Study, whatif
 from dummydesign.pad.tables.punch import equal_area_radius_mm
 
-pytestmark = pytest.mark.solves_itself
-
 SQUARE = (("square:14", 14.0 / math.sqrt(math.pi)),)
 
 

@@ -43,6 +43,8 @@ __all__ = [
 # solved to: over less the series has too few values with rims.
 RIMS = tuple(0.1 * 0.5**k for k in range(6))
 LEAST_DEPTH = 0.25
+# Tangents that failed steps may cost before a rim's path ends: pads of 3.5 to 30 mm get as far as without a bound.
+MOST_WASTED = 45
 # A curve is solved on this many depths besides the wanted ones, and fitted by a series of this many terms.
 GRID_POINTS = 12
 SERIES_TERMS = 8
@@ -78,7 +80,8 @@ def climb(
     """
     problem = rimmed_problem(slab, law, poisson, rim, resolution)
     # Under a small rim the first touch is steep: steps down to a tenth of it.
-    return follow(problem, depths, rim, 0.05 * slab.scale, min(0.005 * slab.scale, 0.1 * rim), progress)
+    smallest = min(0.005 * slab.scale, 0.1 * rim)
+    return follow(problem, depths, rim, 0.05 * slab.scale, smallest, progress, most_wasted=MOST_WASTED)
 
 
 def climb_all(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -27,8 +28,6 @@ PATH_TOLERANCE = 1e-4
 # Steps that take no more iterations than this, and this more for each time that contact was tied, may grow.
 EASY = 5
 EASY_PER_TIE = 2
-# A path is given up once failed steps have cost so many tangents while it went no farther than one largest step.
-MOST_WASTED = 45
 # On a lattice, steps in which nothing comes to touch may be larger by this factor.
 WITHOUT_TIES = 4.0
 
@@ -109,12 +108,13 @@ def follow(
     lattice: bool = False,
     visit: Callable[[float, Solution], None] | None = None,
     keep: Callable[[Passed], None] | None = None,
+    most_wasted: float = math.inf,
 ) -> Path:
     """Follow the equilibrium from first touch through ``depths`` (increasing, in the mesh's unit of length).
 
     Every depth is met exactly. A step that fails is halved and tried again from the last good state;
-    below ``smallest_step``, or when failed steps cost too much for how far they led, the path ends there and says
-    why. It also ends after a wanted depth at which the smallest volume ratio is below ``sound_J``.
+    below ``smallest_step``, or when failed steps cost more than ``most_wasted``, the path ends there and says why. It also
+    ends after a wanted depth at which the smallest volume ratio is below ``sound_J``.
 
     With ``lattice`` the steps end at multiples of ``largest_step`` (halves, quarters, ... of it at the start),
     whatever depths are wanted; those are solved beside the path and leave no trace on it. Contact that sticks
@@ -140,6 +140,9 @@ def follow(
         Called with each wanted depth and its solution.
     keep : callable, optional
         Called with the end of each step.
+    most_wasted : float
+        Tangents that failed steps may cost while the path goes no farther than one largest step. Only where it was
+        tried: contact that slips often goes on after more.
 
     Returns
     -------
@@ -181,7 +184,7 @@ def follow(
             wasted, since = (wasted, since) if depth - since < largest_step else (0, depth)
             wasted += answer.iterations
             step = 0.5 * (trial_depth - depth)
-            if step < smallest_step or wasted > MOST_WASTED:
+            if step < smallest_step or wasted > most_wasted:
                 stop = explain(problem, u, p, depth, answer.reason)
             continue
         passed = [goal for goal in targets[len(found) :] if goal <= trial_depth * (1.0 + 1e-12)]

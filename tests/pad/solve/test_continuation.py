@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from dummydesign.pad.solve import continuation
-from dummydesign.pad.solve.continuation import MOST_WASTED, follow
+from dummydesign.pad.solve.continuation import follow
 from dummydesign.pad.solve.equilibrium import MAX_ITERATIONS, Failure, Solution
+
+MOST_WASTED = 45
 
 
 class Spring:
@@ -55,7 +57,7 @@ def fails(monkeypatch):
 
 def test_a_wall_ends_a_path_long_before_the_smallest_step(fails):
     failed = fails(lambda reached, depth: depth > 0.31)
-    path = follow(Spring(), [0.1, 0.2, 0.3, 0.4, 0.5], 0.05, 0.05, 1e-9)
+    path = follow(Spring(), [0.1, 0.2, 0.3, 0.4, 0.5], 0.05, 0.05, 1e-9, most_wasted=MOST_WASTED)
     assert path.depth.tolist() == pytest.approx([0.1, 0.2, 0.3])
     assert len(failed) * MAX_ITERATIONS > MOST_WASTED >= (len(failed) - 1) * MAX_ITERATIONS
     assert "no equilibrium" in path.stop and path.newton_iterations >= len(failed) * MAX_ITERATIONS
@@ -63,6 +65,6 @@ def test_a_wall_ends_a_path_long_before_the_smallest_step(fails):
 
 def test_single_steps_that_fail_here_and_there_end_no_path(fails):
     failed = fails(lambda reached, depth: depth - reached > 0.03)
-    path = follow(Spring(), [0.5], 0.05, 0.05, 1e-9)
+    path = follow(Spring(), [0.5], 0.05, 0.05, 1e-9, most_wasted=MOST_WASTED)
     assert path.stop is None and path.depth.tolist() == pytest.approx([0.5])
     assert len(failed) * MAX_ITERATIONS > 2 * MOST_WASTED

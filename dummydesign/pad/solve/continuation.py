@@ -113,8 +113,8 @@ def follow(
     """Follow the equilibrium from first touch through ``depths`` (increasing, in the mesh's unit of length).
 
     Every depth is met exactly. A step that fails is halved and tried again from the last good state;
-    below ``smallest_step``, or when failed steps cost more than ``most_wasted``, the path ends there and says why. It also
-    ends after a wanted depth at which the smallest volume ratio is below ``sound_J``.
+    below ``smallest_step``, or when failed steps cost more than ``most_wasted``, the path ends there and says why.
+    It also ends after a wanted depth at which the smallest volume ratio is below ``sound_J``.
 
     With ``lattice`` the steps end at multiples of ``largest_step`` (halves, quarters, ... of it at the start),
     whatever depths are wanted; those are solved beside the path and leave no trace on it. Contact that sticks

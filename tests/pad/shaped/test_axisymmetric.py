@@ -150,7 +150,7 @@ def test_contact_that_flickers_at_a_glued_edge_is_followed(kind, number, twin):
 def test_a_steep_cone_ends_where_its_flank_folds_and_says_so():
     curve = solve_shaped_pad(Crowned(3.0, 8.0, 5.0), 15.0, 7.9, 0.03, [5.0, 9.0], cells=6)
     assert len(curve.depth_mm) == 1
-    assert "stopped at relative depth" in curve.notes[0]
+    assert "folds on to the pad beside its foot" in curve.notes[0]
 
 
 def test_forces_with_two_beads_are_carried_on_to_a_sharp_edge():

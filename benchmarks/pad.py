@@ -1,20 +1,29 @@
 """Cost of the pad model: work counted, and times as ratios within one run.
 
 Run with ``python benchmarks/pad.py``; seconds are processor time. The axisymmetric curve has 12 depths to d / h = 0.5,
-for thin to thick pads; the table is timed against it in the same process.
+for thin to thick pads; the table is timed against it in the same process. Then the same depths under a punch with a
+fillet of 0.5 mm, and of the forefinger's crowned pad.
 """
 
 from __future__ import annotations
 
 import os
 import time
+from collections.abc import Callable
 
 import numpy as np
 
+from dummydesign.geometry.shapes.crowned import Crowned
+from dummydesign.pad.shaped.axisymmetric import solve_shaped_pad
+from dummydesign.pad.slab.filleted import solve_filleted
+from dummydesign.pad.slab.problem import PadCurve
 from dummydesign.pad.slab.sharp_edge import solve_curve
 from dummydesign.pad.tables.slab import equal_area_radius_mm, load_table
 
 RADIUS_MM = equal_area_radius_mm(14.0 * 14.0)
+SHARES = np.linspace(0.5 / 12, 0.5, 12)
+FILLET_MM = 0.5
+CROWN, CROWN_MM = Crowned(21.2, 2.0, 9.4), 4.5
 
 
 def main() -> None:
@@ -23,7 +32,7 @@ def main() -> None:
     table = load_table()
     print("thickness_mm  unknowns  load_steps  newton_iterations  seconds  table_speed_up  largest_difference_%")
     for thickness in (5.0, 10.0, 15.0, 20.0):
-        depth = thickness * np.linspace(0.5 / 12, 0.5, 12)
+        depth = thickness * SHARES
         began = time.process_time()
         solved = solve_curve(thickness, RADIUS_MM, 0.025, depth)
         seconds = time.process_time() - began
@@ -37,6 +46,19 @@ def main() -> None:
             f"{thickness:12.1f}  {work['unknowns']:8d}  {work['load_steps']:10d}  {work['newton_iterations']:17d}"
             f"  {seconds:7.2f}  {seconds / quick:14.0f}  {off:20.2f}"
         )
+    print("pad                      seconds  newton_iterations_a_depth")
+    for thickness in (5.0, 10.0, 20.0):
+        depth = thickness * SHARES
+        _row(f"{thickness:g} mm, fillet {FILLET_MM:g} mm",
+             lambda mm=thickness, x=depth: solve_filleted(mm, RADIUS_MM, FILLET_MM, 0.025, x))  # fmt: skip
+    _row(f"{CROWN_MM:g} mm, crowned", lambda: solve_shaped_pad(CROWN, CROWN_MM, RADIUS_MM, 0.025, CROWN_MM * SHARES))
+
+
+def _row(name: str, solve: Callable[[], PadCurve]) -> None:
+    began = time.process_time()
+    solved = solve()
+    each = solved.solver["newton_iterations"] / len(solved.depth_mm)
+    print(f"{name:<25}{time.process_time() - began:7.2f}  {each:25.1f}")
 
 
 if __name__ == "__main__":

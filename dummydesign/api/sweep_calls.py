@@ -148,16 +148,12 @@ def _work_out(
     from dummydesign.design.sweep.run import targets_of
     from dummydesign.design.sweep.run import whatif as work_out
 
-    sites = None
-    if study.tissue is not None:
-        from dummydesign.tissue.model.tissue_file import load_tissue
-
-        sites = load_tissue(study.tissue)
-        targets_of(study)  # a tissue that has no such press is refused before there is a folder
+    targets = targets_of(study)  # a tissue that has no such press is refused before there is a folder
+    sites = None if targets is None else targets.tissue
     sources = (*resin.references, *(() if sites is None else sites.sources))
     if folder is None:
         with opened as executor:
-            found = work_out(study, executor=executor, progress=progress)
+            found = work_out(study, executor=executor, progress=progress, targets=targets)
         return Rows(study, tuple(found["rows"]), found["seconds"], inputs, tuple(found["warnings"]), sources)
     from dummydesign.core.outputs.write import growing_folder
     from dummydesign.design.sweep.live_data import live_data
@@ -169,7 +165,7 @@ def _work_out(
     with opened as executor, growing_folder(folder, asked, replace=replace, go_on=inputs["resume"]) as output:
         file = RowsFile(output.work, study, settings, inputs["resume"])
         kept = len(file.rows)
-        found = work_out(study, executor=executor, file=file, progress=progress)
+        found = work_out(study, executor=executor, file=file, progress=progress, targets=targets)
         rows = found["rows"]
         live = live_data(resin, sites, study.sampling)
         page = write_whatif(output.work, study, rows, resin, sites, live, found["warnings"])

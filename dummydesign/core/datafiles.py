@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import sys
 import tomllib
@@ -94,3 +95,13 @@ def read_toml(path: Path) -> tuple[dict[str, Any], str]:
         raise InputError(f"{path.name}: is not UTF-8 text") from None
     except tomllib.TOMLDecodeError as problem:
         raise InputError(f"{path.name}: not valid TOML: {problem}") from None
+
+
+def toml_text(text: str) -> str:
+    """A text as a basic string of TOML, which is one of JSON but for the code point 127."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def toml_line(text: str) -> str:
+    """The same with blanks for all white space."""
+    return toml_text(" ".join(text.split()))

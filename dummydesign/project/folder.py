@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import tomllib
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from dummydesign.core.datafiles import toml_text
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.files import write_text
 
@@ -54,21 +54,16 @@ class Project:
 
     def toml(self) -> str:
         """Text of ``project.toml``; what is not given stands there as a comment."""
-        lines = [f"schema = {SCHEMA}", f"name = {_quoted(self.name)}", ""]
+        lines = [f"schema = {SCHEMA}", f"name = {toml_text(self.name)}", ""]
         lines.append("# Defaults of the commands that are run in this folder; an option on the command line wins.")
         for name in NAMES:
             value = getattr(self, name)
-            given = f"{name} = {_quoted(value)}" if value is not None else f"# {name} = "
+            given = f"{name} = {toml_text(value)}" if value is not None else f"# {name} = "
             lines.append(f"{given:<40} # {_HELP[name]}")
         lines += ["", "# What 'dummydesign suggest' is asked for.", "[asked]"]
         known = dict(self.asked)
-        lines += [f"{name} = {_quoted(known[name])}" if name in known else f"# {name} = " for name in ASKED]
+        lines += [f"{name} = {toml_text(known[name])}" if name in known else f"# {name} = " for name in ASKED]
         return "\n".join(lines) + "\n"
-
-
-def _quoted(text: str) -> str:
-    # a basic string of TOML is one of JSON, but for the code point 127
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def find_project(start: str | Path = ".") -> Project | None:

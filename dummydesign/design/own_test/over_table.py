@@ -24,8 +24,11 @@ SHARES = MAX_DEPTH_OVER_THICKNESS * np.array([0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6
 RIM_CHANGE, RIM_DECAY, RIM_COUNTS = 0.5, 1.5, 0.002
 """What a rim takes of the force falls as 0.5 exp(-1.5 way / thickness), way from the punch to it: solved for slabs of
 half to four radii, within a factor of two; a change of 0.2 % is solved."""
-RIM = 0.1
-"""Fillet at which pads of two sizes are compared, over the smaller of punch radius and thickness."""
+COARSE_CELLS, COARSE_RINGS = 2, 1
+"""Mesh on which pads of two sizes are compared. Its few cells at the sharp edge are the same in both, so what they are
+off by falls out of the ratio: it is smooth in depth and within 0.2 % of what three times as many cells give. Ratios
+under a small fillet scatter by 0.5 %, as one more or one less of its points is held."""
+SCATTER = 0.002
 
 
 @dataclass(frozen=True)
@@ -173,6 +176,7 @@ def solve_over_table(table: ForceLaw, pad: Pad, thickness_mm: float) -> Solved:
         inputs = {"radius": pad.radius_mm, "extent": pad.extent_mm, "base": pad.base, "thickness": thickness_mm}
         made = cached("rim", inputs, lambda: _by_rim(own, share))
         found, factor, error = (np.asarray(made[name], float) for name in ("share", "log_factor", "error"))
+        error = error + table.relative_error(found * thickness_mm, thickness_mm, pad.radius_mm)
     else:
         from dummydesign.pad.elastic import solve_points
 
@@ -186,21 +190,26 @@ def solve_over_table(table: ForceLaw, pad: Pad, thickness_mm: float) -> Solved:
 
 
 def _by_rim(pad: Pad, share: NDArray) -> dict[str, Any]:
-    """Force of the pad over that of one of the table's size, both with the same small fillet."""
+    """Force of the pad over that of one of the table's size, both under a sharp edge of the same coarse cells."""
     from dummydesign.pad.fem.mesh_axisymmetric import Resolution
     from dummydesign.pad.material.hyperelastic import Yeoh
-    from dummydesign.pad.slab.problem import Slab
-    from dummydesign.pad.slab.sharp_edge import climb
+    from dummydesign.pad.slab.problem import Slab, sharp_problem
+    from dummydesign.pad.solve.continuation import follow
 
     a = pad.radius_mm / pad.thickness_mm
     assert pad.extent_mm is not None
-    paths = [
-        climb(Slab(a, extent, pad.base, "bonded"), Yeoh(1.0), 0.5, share, RIM * min(a, 1.0), Resolution())
-        for extent in (pad.extent_mm / pad.thickness_mm, EXTENT_OVER_RADIUS * a)
+    largest = 0.05 * min(a, 1.0)
+    extents = pad.extent_mm / pad.thickness_mm, EXTENT_OVER_RADIUS * a
+    problems = [
+        sharp_problem(
+            Slab(a, extent, pad.base, "bonded"), Yeoh(1.0), 0.5, Resolution(COARSE_CELLS), COARSE_RINGS, False
+        )
+        for extent in extents
     ]
+    paths = [follow(problem, share, 0.2 * largest, largest, 0.1 * largest) for problem in problems]
     count = min(len(path.depth) for path in paths)
     ratio = np.asarray(paths[0].force[:count]) / np.asarray(paths[1].force[:count])
-    return {"share": paths[0].depth[:count], "log_factor": np.log(ratio), "error": 0.1 * np.abs(ratio - 1.0)}
+    return {"share": paths[0].depth[:count], "log_factor": np.log(ratio), "error": SCATTER + 0.1 * np.abs(ratio - 1.0)}
 
 
 def _doubt(solved: tuple[Solved, ...]) -> float:

@@ -35,6 +35,7 @@ def whatif(
     executor: Executor | None = None,
     file: RowsFile | None = None,
     progress: Callable[[int, int], None] | None = None,
+    targets: Targets | None = None,
 ) -> dict[str, Any]:
     """Work out every design of a study.
 
@@ -50,6 +51,8 @@ def whatif(
         Takes the rows as they are done; the designs it already holds are not worked out again.
     progress : callable, optional
         Called with the number of designs that are done and the number of all, whenever some are done.
+    targets : Targets, optional
+        Those of the study, where they are known; made by default.
 
     Returns
     -------
@@ -70,7 +73,8 @@ def whatif(
     resin = load_resin(study.resin)
     study.check(resin)
     done = {} if file is None else file.rows
-    tasks = tasks_of(study, resin, done)
+    targets = targets or targets_of(study)
+    tasks = tasks_of(study, resin, targets, done)
     found: dict[Key, dict[str, Any]] = {}
     results = completed(work, tasks, executor) if law is None else (work(task, law) for task in tasks)
     if progress is not None:
@@ -89,7 +93,7 @@ def whatif(
             file.close()
             raise
         ordered = file.finish()
-    warnings = [*_tissue_said(study), *study_warnings(study, ordered)]
+    warnings = [*_tissue_said(targets), *study_warnings(study, ordered)]
     return {"rows": ordered, "seconds": time.perf_counter() - start, "warnings": warnings}
 
 
@@ -104,13 +108,9 @@ def _counted(
         yield rows
 
 
-def _tissue_said(study: Study) -> list[dict[str, str]]:
+def _tissue_said(targets: Targets | None) -> list[dict[str, str]]:
     """What must be said of the tissue's law."""
-    if study.tissue is None:
-        return []
-    from dummydesign.tissue.model.tissue_file import load_tissue
-
-    said = load_tissue(study.tissue).said
+    said = None if targets is None else targets.tissue.said
     return [] if said is None else [{"code": said[0], "message": said[1]}]
 
 
@@ -132,7 +132,7 @@ def study_warnings(study: Study, rows: list[dict[str, Any]]) -> list[dict[str, s
     return said
 
 
-def tasks_of(study: Study, resin: Resin, done: Iterable[Key] = ()) -> Iterator[Task]:
+def tasks_of(study: Study, resin: Resin, targets: Targets | None, done: Iterable[Key] = ()) -> Iterator[Task]:
     """Cut a study into tasks, leaving out designs that are done.
 
     By the table a task is a few thousand designs of one punch, condition and base; by finite elements it is
@@ -144,6 +144,8 @@ def tasks_of(study: Study, resin: Resin, done: Iterable[Key] = ()) -> Iterator[T
         What was asked.
     resin : Resin
         Gives modulus and relaxation at a ratio.
+    targets : Targets or None
+        What to score against.
     done : iterable of Key
         Designs that need not be worked out again.
 
@@ -152,7 +154,6 @@ def tasks_of(study: Study, resin: Resin, done: Iterable[Key] = ()) -> Iterator[T
     Task
     """
     done = set(done)
-    targets = targets_of(study)
     ratios = np.array(study.ratio)
     young = np.atleast_1d(resin.young_MPa(ratios))
     tau = tuple(arm.tau_s.value for arm in resin.arms)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterable
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
-from dummydesign.core.datafiles import find, read_toml, user_folder
+from dummydesign.core.datafiles import find, read_toml, toml_text, user_folder
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.files import write_text
 from dummydesign.measurement.importing.core.decisions import Settings
@@ -127,14 +126,9 @@ def _toml(settings: Settings) -> str:
         if value is None or value == getattr(_PLAIN, field.name):
             continue
         if isinstance(value, dict):
-            tables += ["", f"[{field.name}]", *(f"{role} = {_quoted(text)}" for role, text in value.items())]
+            tables += ["", f"[{field.name}]", *(f"{role} = {toml_text(text)}" for role, text in value.items())]
         elif isinstance(value, frozenset):
-            lines.append(f"{field.name} = [{', '.join(_quoted(item) for item in sorted(value))}]")
+            lines.append(f"{field.name} = [{', '.join(toml_text(item) for item in sorted(value))}]")
         else:
-            lines.append(f"{field.name} = {value if isinstance(value, int) else _quoted(value)}")
+            lines.append(f"{field.name} = {value if isinstance(value, int) else toml_text(value)}")
     return "\n".join([*lines, *tables]) + "\n"
-
-
-def _quoted(text: str) -> str:
-    """A TOML basic string: JSON's escapes are among TOML's."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -17,7 +17,6 @@ from typing import Any, Protocol
 import numpy as np
 
 from dummydesign.pad.contact.surface_axisymmetric import TOUCHING, Surface
-from dummydesign.pad.contact.ties import closure
 
 Array = np.ndarray
 
@@ -96,12 +95,7 @@ class RubbingSurface(Surface):
         new = touching & ~self._held
         if not new.any() or self._last is None:
             return False
-        place, room = self._last
-        share = closure(self._r, *(x.ravel()[self._order] for x in (self._before, touching, room)))
-        part = np.empty(share.shape)
-        part[self._order] = share
-        part = part.reshape(gap.shape)[..., None]
-        spot = place + part * (points + np.array([0.0, depth]) - place)
+        spot = self._where_closed(points, touching, depth, *self._last)
         self._anchor[new] = punch.outline(spot, 0.0)[new]
         self._held = self._held | new
         return True
@@ -138,7 +132,6 @@ class RubbingSurface(Surface):
         force : ndarray, shape (displacements,)
         derivative : ndarray, shape (sides, dofs, dofs)
         """
-        local = u[self.dofs]
         points = self._points(u)
         gap, normal, bend = punch.gap(points, depth)
         push = self._stiffness * np.maximum(-gap, 0.0)
@@ -157,10 +150,7 @@ class RubbingSurface(Surface):
         share = self._friction * share * pressing
         second -= share[..., None, None] * along[..., :, None] * normal[..., None, :]
         second += drag[..., None, None] * (TURN @ bend)
-        on_side = (self._shape.T @ traction).reshape(local.shape)
-        matrix = (self._pairs @ second.reshape(*gap.shape, 4)).reshape(-1, 3, 3, 2, 2).transpose(0, 1, 3, 2, 4)
-        total = np.bincount(self.dofs.ravel(), on_side.ravel(), minlength=len(u))
-        return total, matrix.reshape(len(local), 6, 6)
+        return self._assembled(u, traction, second)
 
     def tractions(self, u: Array, punch: Any, depth: float) -> tuple[Array, Array, Array]:
         """Way along the outline, rising, with pressure and drag at the quadrature points that touch, per rest area.

@@ -185,18 +185,33 @@ class Surface:
         if self._last is None:
             start = self._points(np.zeros(len(u)))
             self._last = (start, punch.gap(start, 0.0)[0])
-        place, room = self._last
-        share = closure(self._r, *(x.ravel()[self._order] for x in (self._before, touching, room)))
-        part = np.empty(share.shape)
-        part[self._order] = share
-        part = part.reshape(gap.shape)[..., None]
-        spot = place + part * (points + np.array([0.0, depth]) - place)
+        spot = self._where_closed(points, touching, depth, *self._last)
         normal = punch.gap(spot, 0.0)[1]
         length = np.linalg.norm(normal, axis=-1)
         along = np.stack([-normal[..., 1], normal[..., 0]], axis=-1) / length[..., None]
         self._spot[new], self._along[new] = spot[new], along[new]
         self._held = self._held | new
         return True
+
+    def _where_closed(self, points: Array, touching: Array, depth: float, place: Array, room: Array) -> Array:
+        """Places at which gaps closed since the last step, in the frame of the punch.
+
+        Parameters
+        ----------
+        points : ndarray, shape (sides, q, 2)
+            Where the points are now.
+        touching : ndarray of bool, shape (sides, q)
+            Which of them touch.
+        depth : float
+            How far the punch has come.
+        place, room : ndarray, shapes (sides, q, 2) and (sides, q)
+            Places, in the frame of the punch, and gaps at the end of the last step.
+        """
+        share = closure(self._r, *(x.ravel()[self._order] for x in (self._before, touching, room)))
+        part = np.empty(share.shape)
+        part[self._order] = share
+        part = part.reshape(room.shape)[..., None]
+        return place + part * (points + np.array([0.0, depth]) - place)
 
     def settle(self, u: Array, punch: Punch, depth: float) -> None:
         """Accept a step: free points that do not touch; without ties within the step, tie those that do.
@@ -229,7 +244,6 @@ class Surface:
         gradient : ndarray, shape (displacements,)
         second : ndarray, shape (sides, dofs, dofs)
         """
-        local = u[self.dofs]
         points = self._points(u)
         gap, normal, bend = punch.gap(points, depth)
         push = self._stiffness * np.maximum(-gap, 0.0)
@@ -248,7 +262,22 @@ class Surface:
             second = second - (share * pressing)[..., None, None] * self._along[..., :, None] * normal[..., None, :]
         second = second + hold[..., None, None] * self._along[..., :, None] * self._along[..., None, :]
         pull += drag[..., None] * self._along
-        on_side = (self._shape.T @ pull).reshape(local.shape) + (self._film @ local[:, :, None])[:, :, 0]
-        matrix = (self._pairs @ second.reshape(*gap.shape, 4)).reshape(-1, 3, 3, 2, 2).transpose(0, 1, 3, 2, 4)
+        return self._assembled(u, pull, second)
+
+    def _assembled(self, u: Array, traction: Array, second: Array) -> tuple[Array, Array]:
+        """Force on all unknowns and its derivative per side, of what acts on the points and of the film.
+
+        Parameters
+        ----------
+        u : ndarray, shape (displacements,)
+        traction : ndarray, shape (sides, q, 2)
+            Weighted force on each point.
+        second : ndarray, shape (sides, q, 2, 2)
+            Its derivative by the point's place.
+        """
+        local = u[self.dofs]
+        on_side = (self._shape.T @ traction).reshape(local.shape) + (self._film @ local[:, :, None])[:, :, 0]
+        points = second.reshape(*second.shape[:2], 4)
+        matrix = (self._pairs @ points).reshape(-1, 3, 3, 2, 2).transpose(0, 1, 3, 2, 4)
         total = np.bincount(self.dofs.ravel(), on_side.ravel(), minlength=len(u))
         return total, matrix.reshape(len(local), 6, 6) + self._film

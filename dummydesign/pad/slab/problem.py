@@ -123,7 +123,9 @@ def _rings(box: float, smallest: float) -> int:
     return max(1, int(np.ceil(np.log2(box / smallest))))
 
 
-def sharp_problem(slab: Slab, law: Law, poisson: float, resolution: Resolution, rings: int = 6) -> Problem:
+def sharp_problem(
+    slab: Slab, law: Law, poisson: float, resolution: Resolution, rings: int = 6, quarter_points: bool = True
+) -> Problem:
     """The sharp-edged punch, for the small-strain limit: quarter-point elements at the edge.
 
     Parameters
@@ -138,6 +140,9 @@ def sharp_problem(slab: Slab, law: Law, poisson: float, resolution: Resolution, 
         Cells around the edge.
     rings : int
         Rings of cells around the edge, each half the size of the one outside.
+    quarter_points : bool
+        Without them and with few rings the edge is not resolved, but the solve goes deep: for what two slabs that
+        differ far from the edge have over each other.
 
     Returns
     -------
@@ -145,7 +150,7 @@ def sharp_problem(slab: Slab, law: Law, poisson: float, resolution: Resolution, 
     """
     half_box = resolution.box * slab.scale
     points, quads, centre = meshes.web_mesh(slab.radius, 1.0, slab.extent, half_box, rings, resolution)
-    mesh = meshes.discretise(points, quads, centre, quarter_points=True)
+    mesh = meshes.discretise(points, quads, centre, quarter_points)
     under = np.nonzero(meshes.on_top(mesh) & (mesh.nodes[0] <= slab.radius + 1e-9))[0]
     held = held_unknowns(mesh, slab)
     if slab.condition == "bonded":

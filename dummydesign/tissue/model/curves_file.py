@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.core.datafiles import toml_line
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.quantity import KINDS
 from dummydesign.tissue.model.held_press import SHARES, HeldPress
@@ -96,11 +97,9 @@ def _row(table: dict[str, Any], key: str, where: str) -> NDArray:
 
 def press_lines(subject: Subject) -> list[str]:
     """Lines of a subject's kind, source and presses, after its name."""
-    from dummydesign.tissue.model.tissue_file import quoted
-
     first = next(iter(subject.numbers.values()))
     source = first.source.partition("; the interval is ")[0]
-    lines = [f"kind = {quoted(first.kind)}", f"source = {quoted(source)}"]
+    lines = [f"kind = {toml_line(first.kind)}", f"source = {toml_line(source)}"]
     assert isinstance(subject.parameters, MeasuredPerson)
     for press in subject.parameters.presses:
         lines += ["", "[[subject.press]]"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from dummydesign.core.datafiles import Entry, data_folder, entries, find, read_toml
+from dummydesign.core.datafiles import Entry, data_folder, entries, find, read_toml, toml_line
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.quantity import Quantity, line_of, read_quantity
 from dummydesign.tissue.model.curves_file import press_lines, read_people
@@ -181,10 +181,10 @@ def _positive(entry: Any, key: str, path: Path, text: str) -> None:
 
 def tissue_toml(tissue: Tissue, extra: str = "") -> str:
     """Write a tissue as the text of a TOML file; ``extra`` is appended (such as an [inference] table)."""
-    lines = ["schema = 1", f"name = {quoted(tissue.name)}", f"title = {quoted(tissue.title)}"]
-    lines += [f"law = {quoted(tissue.law)}", _list("sources", tissue.sources), _list("notes", tissue.notes)]
+    lines = ["schema = 1", f"name = {toml_line(tissue.name)}", f"title = {toml_line(tissue.title)}"]
+    lines += [f"law = {toml_line(tissue.law)}", _list("sources", tissue.sources), _list("notes", tissue.notes)]
     for subject in tissue.subjects:
-        lines += ["", "[[subject]]", f"name = {quoted(subject.name)}"]
+        lines += ["", "[[subject]]", f"name = {toml_line(subject.name)}"]
         if tissue.measured:
             lines += press_lines(subject)
             continue
@@ -202,16 +202,10 @@ def _speed(speed: str) -> str:
 
 def _inline(quantity: Quantity) -> str:
     numbers = ", ".join(f"{name} = {getattr(quantity, name):.5g}" for name in ("value", "low", "high"))
-    return f"{{ {numbers}, kind = {quoted(quantity.kind)}, source = {quoted(quantity.source)} }}"
-
-
-def quoted(text: str) -> str:
-    """A text as TOML, on one line."""
-    plain = text.replace("\\", "\\\\").replace('"', '\\"')
-    return '"' + " ".join(plain.split()) + '"'
+    return f"{{ {numbers}, kind = {toml_line(quantity.kind)}, source = {toml_line(quantity.source)} }}"
 
 
 def _list(key: str, texts: tuple[str, ...]) -> str:
     if not texts:
         return f"{key} = []"
-    return f"{key} = [\n" + "".join(f"  {quoted(text)},\n" for text in texts) + "]"
+    return f"{key} = [\n" + "".join(f"  {toml_line(text)},\n" for text in texts) + "]"

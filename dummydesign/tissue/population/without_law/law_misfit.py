@@ -112,7 +112,9 @@ def _of_model(trace: ReducedTrace, force_N: NDArray) -> NDArray:
 
 def _work(x_mm: NDArray, force_N: NDArray) -> float:
     """Integral of F dx. [mJ]"""
-    return float((0.5 * (force_N[1:] + force_N[:-1]) * np.diff(x_mm)).sum())
+    from scipy.integrate import trapezoid
+
+    return float(trapezoid(force_N, x_mm))
 
 
 def _of_repeats(traces: Sequence[ReducedTrace]) -> float | None:

@@ -12,7 +12,7 @@ from dummydesign.design.assessment.pour_yield import Tolerances, draw_pours
 from dummydesign.design.assessment.readings import poured_slabs
 from dummydesign.design.scoring.law_parameters import gamma1_score
 from dummydesign.design.scoring.presses import ForceLaw
-from dummydesign.design.scoring.score import evaluate, scored_for, steady_gamma1
+from dummydesign.design.scoring.score import evaluate, evaluated_gamma1, scored_for
 from dummydesign.design.scoring.standing import NOT_ACCEPTABLE, standing
 from dummydesign.design.scoring.targets import Targets
 
@@ -67,7 +67,7 @@ def castings_for_tissues(
     drawn, _ = draw_pours(space.resin, candidate.thickness_mm, candidate.ratio, tolerances, pours, seed)
     slabs = poured_slabs(law, drawn, space)
     pressed = evaluate(slabs, space.targets, space.sampling.coarse)
-    gamma1 = steady_gamma1(slabs, space.targets.protocol, space.sampling.coarse, space.targets.power)
+    gamma1 = evaluated_gamma1(pressed, space.targets.power)
     rows = []
     for targets in (space.targets, *space.targets.drawn):
         found = pressed if targets is space.targets else scored_for(pressed, targets)

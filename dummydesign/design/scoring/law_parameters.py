@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.scoring.presses import Press, Sampling, Slabs, press_to_depth
+from dummydesign.design.scoring.press import Press
+from dummydesign.design.scoring.presses import Sampling, Slabs, press_to_depth
 from dummydesign.design.scoring.score import halving, steady_gamma1
 from dummydesign.design.scoring.targets import NARROWEST, Targets
 from dummydesign.tissue.model.laws import law_named

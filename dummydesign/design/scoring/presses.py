@@ -4,23 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dummydesign.design.scoring.press import Press
 from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.measurement.motion import DECELERATION_MM_S2, HOLD_S, Motion, ramp_and_hold
 from dummydesign.pad.force_law import ForceLaw
-from dummydesign.pad.material.relaxation import arm_forces
+from dummydesign.pad.material.relaxation import arms_in_ramp_and_hold
 
 DEPTH_SHARE = MAX_DEPTH_OVER_THICKNESS
 """Largest depth over thickness that is designed for, as in the contract of the commands."""
 
 SAMPLES = 481
-FIRST_HOLD_S = 0.005
-"""Time after the stop from which the hold counts, as in the tissue's own definition. [s]"""
-
 
 @dataclass(frozen=True)
 class Curves:
@@ -121,7 +118,7 @@ class Sampling:
         """The same hold and braking on the grid that serves for maps and for many pours."""
         return Sampling(16, 8, 20, self.hold_s, self.deceleration_mm_s2)
 
-    def motion(self, velocity_mm_s: float, depth_mm: NDArray) -> Motion:
+    def motion(self, velocity_mm_s: ArrayLike, depth_mm: NDArray) -> Motion:
         """Ramp and hold to depths (D,)."""
         return ramp_and_hold(
             velocity_mm_s,
@@ -132,6 +129,11 @@ class Sampling:
             self.brake_points,
             self.hold_points,
         )
+
+    @property
+    def stopped(self) -> int:
+        """Sample of the stop."""
+        return self.ramp_points + self.brake_points
 
 
 COARSE = Sampling(16, 8, 20)
@@ -167,42 +169,7 @@ def join_slabs(slabs: Sequence[Slabs]) -> Slabs:
     return Slabs(join_curves(curves), np.arange(len(young)), young, slabs[0].tau_s, beta)
 
 
-@dataclass(frozen=True)
-class Press:
-    """Presses of D designs at one condition: arrays (D, n) over time, NaN where out of reach."""
-
-    time_s: NDArray
-    force_N: NDArray
-    stop_s: NDArray
-    depth_mm: NDArray
-    displacement_mm: NDArray
-
-    @cached_property
-    def peak_N(self) -> NDArray:
-        """Largest force of each press, shape (D,); NaN where out of reach. [N]"""
-        return self.force_N.max(axis=-1)
-
-    @cached_property
-    def sample_weights(self) -> NDArray:
-        """What samples (D, n) count in a share of the press: half the rise in time, half the hold in ln t from 5 ms."""
-        since = self.time_s - self.stop_s[:, None]
-        clocks = np.minimum(self.time_s, self.stop_s[:, None]), np.log(np.maximum(since, FIRST_HOLD_S))
-        weights = np.zeros_like(self.time_s)
-        for clock in clocks:
-            step = np.diff(clock, axis=-1)
-            step = 0.25 * step / step.sum(-1, keepdims=True)
-            weights[:, 1:] += step
-            weights[:, :-1] += step
-        return weights
-
-    @cached_property
-    def energy_mJ(self) -> NDArray:
-        """Integral of F dx from touch to stop, shape (D,); NaN where out of reach."""
-        step = np.diff(self.displacement_mm, axis=-1)
-        return (0.5 * (self.force_N[:, 1:] + self.force_N[:, :-1]) * step).sum(axis=-1)
-
-
-def press_to_depth(slabs: Slabs, depth_mm: NDArray, velocity_mm_s: float, sampling: Sampling) -> Press:
+def press_to_depth(slabs: Slabs, depth_mm: NDArray, velocity_mm_s: ArrayLike, sampling: Sampling) -> Press:
     """Press every design to its depth (D,), brake, hold: elastic curve with Prony relaxation on top.
 
     Parameters
@@ -211,7 +178,7 @@ def press_to_depth(slabs: Slabs, depth_mm: NDArray, velocity_mm_s: float, sampli
         D designs.
     depth_mm : ndarray, shape (D,)
         Depth of each; NaN for out of reach. [mm]
-    velocity_mm_s : float
+    velocity_mm_s : array_like, shape () or (D,)
         Speed of the ramp. [mm/s]
     sampling : Sampling
         Hold and braking.
@@ -224,19 +191,26 @@ def press_to_depth(slabs: Slabs, depth_mm: NDArray, velocity_mm_s: float, sampli
     reachable = np.isfinite(depth_mm)
     depth = np.where(reachable, depth_mm, slabs.curves.limit_mm[slabs.slab])
     motion = sampling.motion(velocity_mm_s, depth)
-    area = slabs.curves.area_at(slabs.slab, motion.displacement_mm)
-    relative = area.copy()
-    for arm, alone in enumerate(arm_forces(motion.time_s, area, slabs.tau_s)):
-        relative += slabs.beta[:, arm, None] * alone
-    force = np.where(reachable[:, None], slabs.young_MPa[:, None] * relative, np.nan)
-    stop = motion.time_s[:, sampling.ramp_points + sampling.brake_points]
-    return Press(motion.time_s, force, stop, np.where(reachable, depth_mm, np.nan), motion.displacement_mm)
+    stop, time = sampling.stopped, motion.time_s
+    area = slabs.curves.area_at(slabs.slab, motion.displacement_mm[:, : stop + 1])
+    # steps are even in the ramp and in the braking, and the hold has the same times in every press
+    ramp, braked = time[:, sampling.ramp_points], time[:, stop]
+    ramp, braking = ramp / sampling.ramp_points, (braked - ramp) / sampling.brake_points
+    steps = [ramp] * sampling.ramp_points + [braking] * sampling.brake_points
+    hold = time[0, stop + 1 :] - time[0, stop]
+    relative = arms_in_ramp_and_hold(steps, area, hold, slabs.tau_s, slabs.beta)
+    relative[: stop + 1] += area.T
+    relative[stop + 1 :] += area[:, stop]
+    relative *= slabs.young_MPa
+    relative[:, ~reachable] = np.nan
+    force, reached = np.ascontiguousarray(relative.T), np.where(reachable, depth_mm, np.nan)
+    return Press(time, force, braked, reached, motion.displacement_mm, stop)
 
 
 def steady_depth(
     slabs: Slabs,
     steady_force_N: ArrayLike,
-    velocity_mm_s: float,
+    velocity_mm_s: ArrayLike,
     sampling: Sampling = COARSE,
     exact: bool = False,
 ) -> NDArray:
@@ -251,48 +225,51 @@ def steady_depth(
         D designs.
     steady_force_N : array_like, shape () or (n,)
         Force at the end of the hold. [N]
-    velocity_mm_s : float
-        Speed of the ramp. [mm/s]
+    velocity_mm_s : array_like, shape () or (n,)
+        Speed of the ramp, for all forces or one each. [mm/s]
     sampling : Sampling
         Hold and braking.
     exact : bool
         Take the share from simulated presses instead of the rise at constant rate.
     """
     forces = np.atleast_1d(np.asarray(steady_force_N, float))
-    elastic = np.broadcast_to(forces, (len(slabs.slab), len(forces)))
-    depth = slabs.curves.depth_at(slabs.slab, elastic / slabs.young_MPa[:, None])
+    speeds = np.broadcast_to(np.asarray(velocity_mm_s, float), forces.shape)
+    elastic = forces / slabs.young_MPa[:, None]
+    depth = slabs.curves.depth_at(slabs.slab, elastic)
     if np.exp(-sampling.hold_s / max(slabs.tau_s, default=1e-9)) > 1e-12:
         left = _left_by_press if exact else _left_by_formula
-        settled = np.zeros(depth.shape, bool)
+        rows, some, settled = np.arange(len(depth)), slabs, np.zeros(depth.shape, bool)
         for _ in range(8):
+            before = depth[rows]
             # depths that are out of reach are tried at the limit: what is left there may bring them in
-            tried = np.where(np.isfinite(depth), depth, slabs.curves.limit_mm[slabs.slab][:, None])
-            share = left(slabs, tried, velocity_mm_s, sampling)
-            new = slabs.curves.depth_at(slabs.slab, elastic / share / slabs.young_MPa[:, None])
-            change = np.abs(np.nan_to_num(new / tried, nan=1.0) - 1.0)
+            tried = np.where(np.isfinite(before), before, some.curves.limit_mm[some.slab][:, None])
+            new = some.curves.depth_at(some.slab, elastic[rows] / left(some, tried, speeds, sampling))
             # a depth that has settled stays, so that no design depends on which others are worked out with it
-            depth = np.where(settled, depth, new)
-            settled |= change < 1e-6
-            if settled.all():
+            depth[rows] = np.where(settled, before, new)
+            settled |= np.abs(np.nan_to_num(new / tried, nan=1.0) - 1.0) < 1e-6
+            going = ~settled.all(axis=-1)
+            if not going.any():
                 break
+            rows, settled, some = rows[going], settled[going], some.take(going)
     return depth if np.ndim(steady_force_N) else depth[:, 0]
 
 
-def _left_by_formula(slabs: Slabs, depth_mm: NDArray, velocity_mm_s: float, sampling: Sampling) -> NDArray:
-    """Force at the end of the hold over the relaxed force for rises at constant rate, shape (D, n)."""
+def _left_by_formula(slabs: Slabs, depth_mm: NDArray, velocities_mm_s: NDArray, sampling: Sampling) -> NDArray:
+    """Force at the end of the hold over the relaxed force for rises at constant rates (n,), shape (D, n)."""
     share = np.ones_like(depth_mm)
     for arm, tau in enumerate(slabs.tau_s):
-        rise = depth_mm / velocity_mm_s / tau
-        kept = np.exp(-sampling.hold_s / tau) * -np.expm1(-rise) / rise
-        share += slabs.beta[:, arm, None] * kept
+        kept = np.exp(-sampling.hold_s / tau)
+        if kept < 1e-15:
+            continue
+        rise = depth_mm / (velocities_mm_s * tau)
+        share += slabs.beta[:, arm, None] * (kept * -np.expm1(-rise) / rise)
     return share
 
 
-def _left_by_press(slabs: Slabs, depth_mm: NDArray, velocity_mm_s: float, sampling: Sampling) -> NDArray:
-    """The same from simulated presses, one column of depths after the other."""
-    share = np.ones_like(depth_mm)
-    for column in range(depth_mm.shape[1]):
-        press = press_to_depth(slabs, depth_mm[:, column], velocity_mm_s, sampling)
-        relaxed = slabs.curves.area_at(slabs.slab, depth_mm[:, column, None])[:, 0] * slabs.young_MPa
-        share[:, column] = press.force_N[:, -1] / relaxed
-    return share
+def _left_by_press(slabs: Slabs, depth_mm: NDArray, velocities_mm_s: NDArray, sampling: Sampling) -> NDArray:
+    """The same from simulated presses."""
+    count, columns = depth_mm.shape
+    every = slabs.take(np.repeat(np.arange(count), columns))
+    press = press_to_depth(every, depth_mm.ravel(), np.tile(velocities_mm_s, count), sampling)
+    relaxed = slabs.curves.area_at(slabs.slab, depth_mm) * slabs.young_MPa[:, None]
+    return press.force_N[:, -1].reshape(depth_mm.shape) / relaxed

@@ -7,16 +7,18 @@ reach counts as 0, never as missing.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.design.request import PAPER, Protocol
-from dummydesign.design.scoring.presses import COARSE, Press, Sampling, Slabs, press_to_depth, steady_depth
+from dummydesign.design.scoring.press import Press
+from dummydesign.design.scoring.presses import COARSE, Sampling, Slabs, press_to_depth, steady_depth
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.scoring.weights import Weights
-from dummydesign.tissue.model.ranges import STEADY_TOLERANCE
+from dummydesign.tissue.model.ranges import STEADY_TOLERANCE, ForceRange
 
 
 @dataclass(frozen=True)
@@ -107,15 +109,15 @@ def evaluate(slabs: Slabs, targets: Targets, sampling: Sampling | None = None, e
     protocol = targets.protocol
     sampling = sampling or targets.sampling.coarse
     forces = np.concatenate([protocol.low_grid_N, protocol.steady_grid_N])
-    reached = steady_depth(slabs, forces, protocol.slow_mm_s, sampling)
-    at_force = {
-        v: steady_depth(slabs, np.array(protocol.forces_N), v, sampling, exact) for v in protocol.velocities_mm_s
-    }
-    presses = []
-    for condition in targets.conditions:
-        depth = at_force[condition.velocity_mm_s][:, protocol.forces_N.index(condition.steady_force_N)]
-        presses.append(press_to_depth(slabs, depth, condition.velocity_mm_s, sampling))
-    return _scored(slabs, targets, sampling, reached, tuple(presses), exact)
+    pressed = np.array([(one.steady_force_N, one.velocity_mm_s) for one in targets.conditions])
+    # one inversion of the curves for all, but where the presses are to be exact
+    wanted = np.r_[[(force, protocol.slow_mm_s) for force in forces], pressed]
+    depth = steady_depth(slabs, *(wanted[: len(forces)] if exact else wanted).T, sampling)
+    reached = depth[:, : len(forces)]
+    depth = steady_depth(slabs, *pressed.T, sampling, exact) if exact else depth[:, len(forces) :]
+    presses = [press_to_depth(slabs, *at, sampling) for at in zip(depth.T, pressed[:, 1].tolist())]
+    share = _inside_exact if exact else _inside_at_samples
+    return _scored(slabs, targets, sampling, reached, tuple(presses), share)
 
 
 def scored_for(found: Evaluation, targets: Targets) -> Evaluation:
@@ -129,11 +131,12 @@ def scored_for(found: Evaluation, targets: Targets) -> Evaluation:
         Of the same protocol.
     """
     reached = np.concatenate([found.low_depth_mm, found.steady_depth_mm], axis=-1)
-    return _scored(found.slabs, targets, found.sampling, reached, found.presses, False)
+    return _scored(found.slabs, targets, found.sampling, reached, found.presses, _inside_in_order)
 
 
 def _scored(
-    slabs: Slabs, targets: Targets, sampling: Sampling, reached: NDArray, presses: tuple[Press, ...], exact: bool
+    slabs: Slabs, targets: Targets, sampling: Sampling, reached: NDArray, presses: tuple[Press, ...],
+    share: Callable[[Press, ForceRange], NDArray],
 ) -> Evaluation:
     """Scores of designs by their depths at the steady forces, low ones first, and by their presses."""
     protocol = targets.protocol
@@ -142,7 +145,6 @@ def _scored(
     away = np.log(reached / targets.aim_depth_mm(forces)) / targets.depth_half_width
     close = [closeness(away[:, lows:])]
     inside, peaks = [], []
-    share = _inside_exact if exact else _inside_at_samples
     for condition, press in zip(targets.conditions, presses):
         inside.append(share(press, condition.range))
         peaks.append(np.log(press.peak_N / condition.aim_peak_N) / condition.peak_half_width)
@@ -165,7 +167,7 @@ def _scored(
     )
 
 
-def _inside_exact(press: Press, band) -> NDArray:
+def _inside_exact(press: Press, band: ForceRange) -> NDArray:
     """Share of each press inside a force range as the tissue defines it; 0 where out of reach."""
     share = np.zeros(len(press.stop_s))
     known = np.isfinite(press.depth_mm)
@@ -175,13 +177,28 @@ def _inside_exact(press: Press, band) -> NDArray:
     return share
 
 
-def _inside_at_samples(press: Press, band) -> NDArray:
+def _inside_at_samples(press: Press, band: ForceRange) -> NDArray:
     """The same share taken at the samples: rise even in time, hold even in the logarithm from 5 ms on."""
-    # both ends at once, as the parts of one complex number
-    ends = np.interp(press.time_s, band.time_s, band.low_N + 1j * band.high_N)
-    near = STEADY_TOLERANCE * band.steady_force_N
+    return _share_within(press, band, np.interp(press.time_s[:, press.counted], band.time_s, _both_ends(band)))
+
+
+def _inside_in_order(press: Press, band: ForceRange) -> NDArray:
+    """The same for presses that are held against many ranges: looked up in the order of time, which is quick."""
+    order, times = press.in_order
+    ends = np.empty(order.shape, complex)
+    ends.ravel()[order.ravel()] = np.interp(times, band.time_s, _both_ends(band))
+    return _share_within(press, band, ends)
+
+
+def _both_ends(band: ForceRange) -> NDArray:
+    """Low and high end of a force range as the parts of one complex number, so that both are found at once."""
+    return band.low_N + 1j * band.high_N
+
+
+def _share_within(press: Press, band: ForceRange, ends: NDArray) -> NDArray:
+    force, near = press.force_N[:, press.counted], STEADY_TOLERANCE * band.steady_force_N
     with np.errstate(invalid="ignore"):
-        within = (press.force_N >= ends.real - near) & (press.force_N <= ends.imag + near)
+        within = (force >= ends.real - near) & (force <= ends.imag + near)
     share = np.einsum("dn,dn->d", press.sample_weights, within)
     return np.where(np.isfinite(press.depth_mm), share, 0.0)
 
@@ -204,8 +221,22 @@ def steady_gamma1(
     power : float
         Of the tissue's law at rest.
     """
-    forces = np.array(protocol.forces_N)
-    depth = steady_depth(slabs, forces, protocol.slow_mm_s, sampling)
-    cube = np.nan_to_num(depth) ** power
+    return _gamma1(steady_depth(slabs, np.array(protocol.forces_N), protocol.slow_mm_s, sampling), protocol, power)
+
+
+def evaluated_gamma1(found: Evaluation, power: float = 3.0) -> NDArray:
+    """The :func:`steady_gamma1` of designs whose evaluation is not exact, from its depths at the slowest ramp, (D,).
+
+    Parameters
+    ----------
+    found : Evaluation
+    power : float
+        Of the tissue's law at rest.
+    """
+    return _gamma1(found.depth_mm[:, : len(found.protocol.forces_N)], found.protocol, power)
+
+
+def _gamma1(depth_mm: NDArray, protocol: Protocol, power: float) -> NDArray:
+    cube = np.nan_to_num(depth_mm) ** power
     with np.errstate(invalid="ignore", divide="ignore"):
-        return (cube * forces).sum(axis=-1) / (cube**2).sum(axis=-1)
+        return (cube * np.array(protocol.forces_N)).sum(axis=-1) / (cube**2).sum(axis=-1)

@@ -224,11 +224,11 @@ def make_each(
     for velocity in protocol.velocities_mm_s:
         for force in protocol.forces_N:
             bands = force_ranges(groups, force, velocity, sampling.hold_s, sampling.deceleration_mm_s2)
-            for tissue, band, own in zip(tissues, bands, conditions):
-                subjects = _part(band, slice(-1))
-                energy = _energies(subjects, tissue.law, sampling)
+            subjects = [_part(band, slice(-1)) for band in bands]
+            energies = _energies(subjects, tissues[0].law, sampling)
+            for band, own, part, energy in zip(bands, conditions, subjects, energies):
                 ends = float(energy.min()), float(energy.max())
-                own.append(Condition(force, velocity, subjects, _part(band, slice(-1, None)), ends))
+                own.append(Condition(force, velocity, part, _part(band, slice(-1, None)), ends))
     return tuple(
         Targets(tissue, aim, parameters, tuple(own), protocol, sampling)
         for tissue, parameters, own in zip(tissues, aims, conditions)
@@ -246,13 +246,17 @@ def subjects_press(band: ForceRange, law: str, sampling: Sampling) -> tuple[NDAr
         Of the subjects; for one that knows ideal ramps only the displacement is that of the ideal ramp.
     sampling : Sampling
     """
+    return _each_press([band], law, sampling)
+
+
+def _each_press(bands: Sequence[ForceRange], law: str, sampling: Sampling) -> tuple[NDArray, NDArray, NDArray]:
+    """The same of the subjects of several ranges of one speed, one after the other."""
     from dummydesign.tissue.model.laws import law_named
     from dummydesign.tissue.model.laws.ideal_ramp import ramps_of
-    from dummydesign.tissue.model.ranges import interpolate_rows
 
-    motion = sampling.motion(band.velocity_mm_s, band.depth_mm)
-    grid = np.broadcast_to(band.time_s, band.curves_N.shape)
-    forces = interpolate_rows(motion.time_s, grid, band.curves_N)
+    motion = sampling.motion(bands[0].velocity_mm_s, np.concatenate([band.depth_mm for band in bands]))
+    curves = [(band.time_s, curve) for band in bands for curve in band.curves_N]
+    forces = np.array([np.interp(at, *curve) for at, curve in zip(motion.time_s, curves)])
     displacement = motion.displacement_mm
     if law_named(law).ideal_ramp:
         contact, stop, depth = (values[:, None] for values in ramps_of(motion))
@@ -260,11 +264,12 @@ def subjects_press(band: ForceRange, law: str, sampling: Sampling) -> tuple[NDAr
     return motion.time_s, displacement, forces
 
 
-def _energies(band: ForceRange, law: str, sampling: Sampling) -> NDArray:
-    """Energy of the rise of each subject. [mJ]"""
-    _, displacement, force = subjects_press(band, law, sampling)
+def _energies(bands: Sequence[ForceRange], law: str, sampling: Sampling) -> list[NDArray]:
+    """Energy of the rise of each subject of several ranges of one speed. [mJ]"""
+    _, displacement, force = _each_press(bands, law, sampling)
     energy = (0.5 * (force[:, 1:] + force[:, :-1]) * np.diff(displacement, axis=-1)).sum(axis=-1)
-    return np.where(band.stop_s <= band.time_s[-1], energy, np.nan)
+    parts = np.split(energy, np.cumsum([len(band.stop_s) for band in bands])[:-1])
+    return [np.where(band.stop_s <= band.time_s[-1], part, np.nan) for band, part in zip(bands, parts)]
 
 
 def _part(band: ForceRange, chosen: slice) -> ForceRange:

@@ -61,7 +61,8 @@ class Shaped:
 
 
 def sieve(family: Family, targets: Targets, thickness_mm: NDArray, young_MPa: tuple[float, float], radius_mm: float,
-          count: int = 400, pad_mm: tuple[float, float] = (PAD_LENGTH_MM, PAD_WIDTH_MM)) -> Sieved:  # fmt: skip
+          count: int = 400, pad_mm: tuple[float, float] = (PAD_LENGTH_MM, PAD_WIDTH_MM),
+          thicknesses: int | None = None) -> Sieved:  # fmt: skip
     """Misfit of every candidate of a family with its best modulus inside a range.
 
     Parameters
@@ -78,6 +79,8 @@ def sieve(family: Family, targets: Targets, thickness_mm: NDArray, young_MPa: tu
         How many of the best are judged by castability and kept.
     pad_mm : (float, float)
         Length and width of the pads. [mm]
+    thicknesses : int, optional
+        Keep the best of each thickness only, and of no more thicknesses than these.
 
     Raises
     ------
@@ -101,7 +104,10 @@ def sieve(family: Family, targets: Targets, thickness_mm: NDArray, young_MPa: tu
         best[rows] = np.exp(level)
     order = np.argsort(np.where(np.isfinite(misfit), misfit, np.inf), kind="stable")
     order = order[np.isfinite(misfit[order])][:count]
-    kept = order[designs.take(order).castable(pad_mm)] if len(order) else order
+    if thicknesses is None:
+        kept = order[designs.take(order).castable(pad_mm)] if len(order) else order
+    else:
+        kept = order[_one_a_thickness(designs.take(order), pad_mm, thicknesses)]
     if not len(kept):
         raise NoAnswerError(
             "no_feasible_design",
@@ -138,12 +144,13 @@ def search_shapes(families: Sequence[Family], space: SearchSpace) -> list[list[S
     starts: list[list[tuple[Family, PadShape, float]] | NoAnswerError] = []
     for family in families:
         try:
-            sieved = sieve(family, space.targets, space.thickness_mm, moduli, space.radius_mm, pad_mm=space.pad_mm)
+            sieved = sieve(family, space.targets, space.thickness_mm, moduli, space.radius_mm, pad_mm=space.pad_mm,
+                           thicknesses=TRIED)  # fmt: skip
         except NoAnswerError as problem:
             starts.append(problem)
             continue
-        chosen = _one_a_thickness(sieved)[:TRIED]
-        starts.append([(family, sieved.designs.shape(i), float(sieved.designs.thickness_mm[i])) for i in chosen])
+        thickness = sieved.designs.thickness_mm.tolist()
+        starts.append([(family, sieved.designs.shape(i), at) for i, at in enumerate(thickness)])
     around = iter(_around([one for each in starts if not isinstance(each, NoAnswerError) for one in each], space))
     found: list[list[Shaped] | NoAnswerError] = []
     for family, each in zip(families, starts):
@@ -236,7 +243,7 @@ def _around(starts: Sequence[tuple[Family, PadShape, float]], space: SearchSpace
             if _accepts(rounded, chosen, space.pad_mm):
                 own[-1] = ShapeLaw(family, rounded, chosen)
     laws = [(law, np.array([law.made_for_mm])) for law in own if law is not None]
-    results = iter(search_each(laws, space, space.targets.weights.low_aim, REFINED, 0))
+    results = iter(search_each(laws, space, space.targets.weights.low_aim, REFINED, 0, others=False))
     made: list[Shaped | None] = []
     for law, found in zip(own, rough):
         exact = None if law is None else next(results)
@@ -252,12 +259,12 @@ def _near(family: Family, shape: PadShape, thickness: float, space: SearchSpace)
     return near[known & family.at_thickness(shape, thickness, near).castable(space.pad_mm)]
 
 
-def _one_a_thickness(sieved: Sieved) -> list[int]:
-    """Indices of the best of each thickness, by rising misfit."""
+def _one_a_thickness(designs: Designs, pad_mm: tuple[float, float], count: int) -> list[int]:
+    """Places of the first castable design of each thickness, in order; no more than a count."""
+    found: list[int] = []
     seen: set[float] = set()
-    found = []
-    for index, thickness in enumerate(sieved.designs.thickness_mm):
-        if float(thickness) not in seen:
-            seen.add(float(thickness))
+    for index, thickness in enumerate(designs.thickness_mm.tolist()):
+        if len(found) < count and thickness not in seen and designs.take(np.array([index])).castable(pad_mm)[0]:
+            seen.add(thickness)
             found.append(index)
     return found

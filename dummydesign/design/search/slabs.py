@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import NoAnswerError, out_of_range
-from dummydesign.design.scoring.law_parameters import fit_presses, parametric_score, rough_parametric
+from dummydesign.design.scoring.law_parameters import fit_presses, gamma1_score, parametric_score, rough_parametric
 from dummydesign.design.scoring.presses import Curves, ForceLaw, Slabs, join_curves, join_slabs, make_curves
-from dummydesign.design.scoring.score import Evaluation, evaluate
+from dummydesign.design.scoring.score import Evaluation, evaluate, evaluated_gamma1
 from dummydesign.design.scoring.standing import standing
 from dummydesign.design.search.alternatives import alternatives_to, pareto
 from dummydesign.design.search.space import SearchSpace
@@ -166,6 +166,7 @@ def search_each(
     low_share: float = 0.0,
     refined: int = REFINED,
     fitted: int = FITTED,
+    others: bool = True,
 ) -> list[SearchResult | NoAnswerError]:
     """Make the search of :func:`search` for several force laws, each on thicknesses of its own, all designs at once.
 
@@ -175,6 +176,8 @@ def search_each(
         Force laws with the thicknesses to combine with every ratio of the space. [mm]
     space, low_share, refined, fitted
         As for :func:`search`; the thicknesses of the space are not used.
+    others : bool
+        Whether designs that no other beats are worked out beside the best ones.
 
     Returns
     -------
@@ -187,11 +190,10 @@ def search_each(
     curves = join_curves([make_curves(law, thickness, space.radius_mm) for law, thickness in laws])
     slab, column = (i.ravel() for i in np.indices((len(curves.thickness_mm), len(ratio))))
     slabs = make_slabs(curves, slab, resin, ratio[column])
-    coarse = space.sampling.coarse
-    rough = evaluate(slabs, targets, coarse)
-    total = rough.total(rough_parametric(slabs, targets, space.sampling))
-    order = ((1.0 - low_share) * total + low_share * rough.low_aim)
-    order = order * np.array(targets.weights.worth)[standing(rough, targets)]
+    rough = evaluate(slabs, targets, space.sampling.coarse)
+    total = rough.total(gamma1_score(evaluated_gamma1(rough, targets.power), targets))
+    order = (1.0 - low_share) * total + low_share * rough.low_aim
+    order *= np.array(targets.weights.worth)[standing(rough, targets)]
     order = np.where(rough.feasible, order, -1.0)
     found: list[SearchResult | NoAnswerError] = []
     maps, groups, end = [], [], 0
@@ -201,11 +203,11 @@ def search_each(
         maps.append(score_map)
         able = int(score_map.feasible.sum())
         ranked = np.argsort(-order[start:end], kind="stable")[: min(refined, able)]
-        others = np.setdiff1d(pareto(score_map, ranked[0]), ranked) if able else ranked
-        groups.append((start + ranked, start + others))
+        unbeaten = np.setdiff1d(pareto(score_map, ranked[0]), ranked) if able and others else ranked[:0]
+        groups.append((start + ranked, start + unbeaten))
     chosen = np.concatenate([index for group in groups for index in group])
     if len(chosen):
-        counts = [(len(ranked), len(others)) for ranked, others in groups]
+        counts = [(len(ranked), len(unbeaten)) for ranked, unbeaten in groups]
         worked = _work_out(slabs.take(chosen), ratio[column[chosen]], space, counts, fitted, low_share)
     for place, score_map in enumerate(maps):
         if not score_map.feasible.any():
@@ -292,8 +294,7 @@ def with_parameters(candidates: Sequence[Candidate], space: SearchSpace) -> tupl
 
 
 def _why_none(resin: Resin, thickness_mm: NDArray, ratio: NDArray, force_N: float) -> str:
-    slabs = f"slab of {thickness_mm[0]:g} to {thickness_mm[-1]:g} mm"
     return (
-        f"no {slabs} and ratio {ratio[0]:g} to {ratio[-1]:g} of {resin.name} reaches {force_N:g} N "
-        "within its depth limit; allow stiffer ratios or thinner pads"
+        f"no slab of {thickness_mm[0]:g} to {thickness_mm[-1]:g} mm and ratio {ratio[0]:g} to {ratio[-1]:g} of "
+        f"{resin.name} reaches {force_N:g} N within its depth limit; allow stiffer ratios or thinner pads"
     )

@@ -168,11 +168,11 @@ def _scores(slabs: Slabs, targets: Targets | None) -> dict[str, NDArray] | None:
     """Scores for a tissue as in the map of the search: the parametric part is that of gamma1."""
     if targets is None:
         return None
-    from dummydesign.design.scoring.law_parameters import rough_parametric
-    from dummydesign.design.scoring.score import evaluate
+    from dummydesign.design.scoring.law_parameters import gamma1_score
+    from dummydesign.design.scoring.score import evaluate, evaluated_gamma1
 
     found = evaluate(slabs, targets)
-    parametric = rough_parametric(slabs, targets, targets.sampling)
+    parametric = gamma1_score(evaluated_gamma1(found, targets.power), targets)
     return {
         "total": found.total(parametric),
         "steady_state_range": found.steady_state_range,

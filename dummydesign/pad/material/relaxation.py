@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -86,32 +86,45 @@ def relaxed_force(time_s: ArrayLike, elastic_force_N: ArrayLike, prony: Iterable
     return force
 
 
-def arm_forces(time_s: NDArray, elastic_force_N: NDArray, tau_s: Sequence[float]) -> Iterator[NDArray]:
-    """Forces of arms of strength 1 alone, what :func:`relaxed_force` adds to the elastic force, many curves at once.
+def arms_in_ramp_and_hold(
+    steps_s: Sequence[ArrayLike], elastic_force_N: NDArray, hold_s: NDArray, tau_s: Sequence[float], beta: NDArray
+) -> NDArray:
+    """Force of all arms, what :func:`relaxed_force` adds to the elastic force, of many presses at once.
 
     Parameters
     ----------
-    time_s, elastic_force_N : ndarray, shape (D, n)
-        Increasing times of every curve and the relaxed force there. [s, N]
+    steps_s : sequence of m floats or ndarrays of shape (D,)
+        Times between the samples up to the stop, of each press or one for all; what stands there more than once, as
+        the same object, is worked out once. [s]
+    elastic_force_N : ndarray, shape (D, m + 1)
+        The relaxed force up to the stop; from there on it stays. [N]
+    hold_s : ndarray, shape (k,)
+        Times since the stop, of all presses. [s]
     tau_s : sequence of float
         Times of the arms. [s]
+    beta : ndarray, shape (D, arms)
+        Their strengths.
 
-    Yields
-    ------
-    ndarray, shape (D, n)
-        One an arm. [N]
+    Returns
+    -------
+    ndarray, shape (m + 1 + k, D)
+        Time along the first axis. [N]
     """
-    # time runs along the first axis, so that every step of the recursion works on neighbouring numbers
-    step, elastic = np.diff(time_s.T, axis=0), np.ascontiguousarray(elastic_force_N.T)
-    rise = np.diff(elastic, axis=0)
-    for tau in tau_s:
-        ratio = step / tau
-        lost = -np.expm1(-ratio)
-        arm = np.empty_like(elastic)
-        arm[0] = elastic[0]
-        np.divide(lost, ratio, out=ratio)
-        np.multiply(ratio, rise, out=arm[1:])
-        np.subtract(1.0, lost, out=lost)
-        for row in range(len(lost)):
-            arm[row + 1] += lost[row] * arm[row]
-        yield arm.T
+    # every step of the recursion works on neighbouring numbers
+    elastic, strength = np.ascontiguousarray(elastic_force_N.T), np.ascontiguousarray(beta.T)
+    tau = np.array(tau_s)[:, None]
+    rise, known = np.diff(elastic, axis=0), {}
+    held = np.empty((len(elastic) + len(hold_s), len(beta)))
+    state = strength * elastic[0]
+    held[0] = state.sum(axis=0)
+    for row, step in enumerate(steps_s):
+        if id(step) not in known:
+            ratio = np.asarray(step) / tau
+            lost = -np.expm1(-ratio)
+            known[id(step)] = strength * (lost / ratio), 1.0 - lost
+        fed, kept = known[id(step)]
+        state *= kept
+        state += fed * rise[row]
+        state.sum(axis=0, out=held[row + 1])
+    np.matmul(np.exp(-hold_s[:, None] / tau[:, 0]), state, out=held[len(elastic) :])
+    return held

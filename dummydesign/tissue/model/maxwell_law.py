@@ -194,7 +194,7 @@ class MaxwellLaw(SubjectsLaw):
     def steady_depth(
         self, make_motion: Any, force_N: ArrayLike, gamma1: ArrayLike, gamma: ArrayLike, c: ArrayLike
     ) -> NDArray:
-        """Depth whose force at the end of the hold is ``force_N``, found by iteration on the law at rest. [mm]
+        """Depth whose force at the end of the hold is ``force_N``: secants of ln F over ln x from that at rest. [mm]
 
         Parameters
         ----------
@@ -211,10 +211,17 @@ class MaxwellLaw(SubjectsLaw):
         """
         target = np.asarray(force_N, float)
         depth = self.root(target / np.asarray(gamma1, float))
+        slope, before = np.full(np.shape(depth), self.power), None
         for _ in range(30):
-            reached = self.force(make_motion(depth), gamma1, gamma, c)[..., -1]
-            depth = depth * self.root(target / reached)
-            if np.all(np.abs(reached / target - 1.0) < 1e-7):
+            lacking = np.log(target / self.force(make_motion(depth), gamma1, gamma, c)[..., -1])
+            if before is not None:
+                moved = np.log(depth / before[0])
+                known = np.abs(moved) > 1e-9
+                secant = (before[1] - lacking) / np.where(known, moved, 1.0)
+                slope = np.where(known, np.clip(secant, 0.5 * self.power, 2.0 * self.power), slope)
+            before = depth, lacking
+            depth = depth * np.exp(lacking / slope)
+            if np.all(np.abs(lacking) < 1e-7):
                 break
         return depth
 

@@ -5,6 +5,7 @@ import pytest
 
 from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves, press_to_depth, steady_depth
 from dummydesign.pad.force_law import BaseForceLaw
+from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
 
 RADIUS = 7.9
 
@@ -102,3 +103,40 @@ def test_the_depth_limit_of_the_law_wins_when_it_is_smaller():
 
     assert make_curves(Shallow(), [10.0], RADIUS).limit_mm[0] == pytest.approx(2.0)
     assert make_curves(Linear(), [10.0], RADIUS).limit_mm[0] == pytest.approx(6.0)
+
+
+def test_arms_of_a_press_are_those_of_the_relaxed_force_along_its_samples(layer_law):
+    terms = [PronyTerm(0.02, 0.9), PronyTerm(0.4, 0.3), PronyTerm(30.0, 0.2)]
+    slabs = slabs_of(layer_law, [6.0, 14.0], 0.03, [t.tau_s for t in terms], [t.beta for t in terms])
+    press = press_to_depth(slabs, np.array([2.0, 5.0]), 250.0, Sampling())
+    elastic = 0.03 * slabs.curves.area_at(slabs.slab, press.displacement_mm)
+    np.testing.assert_allclose(press.force_N, relaxed_force(press.time_s, elastic, terms), rtol=1e-9)
+
+
+@pytest.mark.parametrize("exact", [False, True])
+def test_forces_and_speeds_worked_out_together_are_those_of_each_alone(layer_law, exact):
+    slabs = slabs_of(layer_law, [5.0, 9.0, 20.0], [0.02, 0.06, 0.03], [0.1, 30.0], [0.6, 0.4])
+    forces, speeds = np.array([0.5, 5.0, 40.0, 5.0]), np.array([10.0, 10.0, 10.0, 250.0])
+    together = steady_depth(slabs, forces, speeds, Sampling(), exact)
+    for column, (force, speed) in enumerate(zip(forces, speeds)):
+        np.testing.assert_array_equal(together[:, column], steady_depth(slabs, force, speed, Sampling(), exact))
+    assert np.isnan(together[0, 2]) and np.isfinite(together[:, [0, 1, 3]]).all()
+    for row in range(3):
+        alone = steady_depth(slabs.take(np.array([row])), forces, speeds, Sampling(), exact)
+        np.testing.assert_array_equal(alone[0], together[row])
+    some = press_to_depth(slabs, together[:, 1], np.array([10.0, 250.0, 50.0]), Sampling())
+    for row, speed in enumerate((10.0, 250.0, 50.0)):
+        one = press_to_depth(slabs.take(np.array([row])), together[row : row + 1, 1], speed, Sampling())
+        np.testing.assert_allclose(some.force_N[row], one.force_N[0], rtol=1e-9)
+
+
+def test_weights_of_the_samples_are_half_the_rise_and_half_the_hold_from_five_milliseconds(layer_law):
+    slabs = slabs_of(layer_law, [10.0], 0.03, [0.3], [0.5])
+    press = press_to_depth(slabs, np.array([4.0]), 10.0, Sampling())
+    time, weights = press.time_s[0, press.counted], press.sample_weights[0]
+    rise = time <= press.stop_s[0]
+    assert weights.sum() == pytest.approx(1.0) and weights[~rise].sum() == pytest.approx(0.5, abs=0.01)
+    since = time[~rise] - press.stop_s[0]
+    assert np.sum(since < 0.005) <= 1 and (weights[1:] > 0.0).all()
+    late = weights[~rise][since > np.sqrt(0.005 * 10.0)].sum()
+    assert late == pytest.approx(0.25, abs=0.02)

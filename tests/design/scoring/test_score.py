@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from dummydesign.design.scoring.law_parameters import _Problem, fit_presses, parametric_score
-from dummydesign.design.scoring.presses import Press, Sampling, Slabs, make_curves, press_to_depth
-from dummydesign.design.scoring.score import evaluate, steady_gamma1
+from dummydesign.design.scoring.press import Press
+from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves, press_to_depth
+from dummydesign.design.scoring.score import evaluate, evaluated_gamma1, scored_for, steady_gamma1
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.pad.force_law import BaseForceLaw
@@ -48,6 +49,15 @@ def test_closeness_to_the_aim_falls_on_both_sides_of_it(targets):
     assert depth[2] == pytest.approx(targets.aim_depth_mm(10.0), rel=1e-3)
 
 
+def test_presses_scored_for_another_tissue_are_those_pressed_for_it(targets):
+    slabs = cubic_slabs([0.5, 0.9, 1.4, 2.1, 3.0, 1e-3])
+    other = make_targets(make_tissue(), "safe-side", Sampling())
+    again, anew = scored_for(evaluate(slabs, targets), other), evaluate(slabs, other)
+    for name in ("steady_state_range", "force_variation_range", "aim", "low_aim", "inside", "depth_mm"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(anew, name))
+    np.testing.assert_array_equal(evaluated_gamma1(anew), steady_gamma1(slabs))
+
+
 def test_what_is_out_of_reach_counts_as_zero_and_not_as_missing(targets):
     deep, shallow = (evaluate(cubic_slabs([1.3], thickness), targets) for thickness in (10.0, 3.0))
     assert np.isnan(shallow.depth_mm).any() and not shallow.feasible[0]
@@ -80,7 +90,8 @@ def test_parameters_are_recovered_from_presses_that_follow_the_law(law):
             condition.velocity_mm_s, np.array([depth]), ramp_points=16, brake_points=8, hold_points=24
         )
         force = truth.force(motion, condition.velocity_mm_s)
-        presses.append(Press(motion.time_s, force, motion.time_s[:, 24], np.array([depth]), motion.displacement_mm))
+        stop, x = motion.time_s[:, 24], motion.displacement_mm
+        presses.append(Press(motion.time_s, force, stop, np.array([depth]), x, 24))
     problem = _Problem(presses, sampling, targets, np.array([0, 0, 0, 1, 1, 1]))
     rates = problem.solve()
     springs = problem.springs(rates)[0]

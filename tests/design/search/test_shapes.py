@@ -100,6 +100,15 @@ def test_sieve_finds_the_same_misfit_and_modulus_as_a_brute_force_search(setting
     assert found.young_MPa[0] == pytest.approx(young[rms.argmin()], rel=1e-3)
 
 
+def test_the_best_of_each_thickness_is_the_same_as_among_all_that_can_be_cast(setting):
+    given = CapFamily(), setting.targets, setting.thickness_mm, (0.005, 0.5), RADIUS
+    every, few = sieve(*given), sieve(*given, thicknesses=3)
+    _, first = np.unique(every.designs.thickness_mm, return_index=True)
+    wanted = np.sort(first)[:3]
+    np.testing.assert_array_equal(few.misfit, every.misfit[wanted])
+    np.testing.assert_array_equal(few.designs.thickness_mm, every.designs.thickness_mm[wanted])
+
+
 def test_a_cap_comes_nearer_to_the_tissue_than_the_slab_by_the_same_rule(setting, shaped):
     targets = setting.targets
     flat = search(LayerLaw(), setting, setting.targets.weights.low_aim).best

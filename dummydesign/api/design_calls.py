@@ -56,6 +56,7 @@ def suggest(
     pad: tuple[float, float] | str = "150x120",
     base: str = "bonded",
     edge_radius_mm: float | str = 0.0,
+    condition: str | None = None,
     preset: str = "open",
     machine: str | None = None,
     silicone: str | None = None,
@@ -102,6 +103,9 @@ def suggest(
         ``bonded``, ``sliding`` or ``friction:MU``.
     edge_radius_mm : float
         Fillet of the punch's edge, 0 (sharp) to 0.3 of its half-width; solved for slabs. [mm]
+    condition : str, optional
+        How the punch holds the pad's face: ``bonded``, ``frictionless`` or ``friction:MU``, solved for slabs; glued
+        by default, without friction under a ball or a profile.
     preset, machine, silicone : str
         Mould preset, machines and silicone, names or files; without the last two those of the preset.
     sites : (along, across) or "NxM", optional
@@ -160,7 +164,8 @@ def suggest(
                       force_N=read_numbers(force_N, FORCE), velocity_mm_s=read_numbers(velocity_mm_s, VELOCITY),
                       hold_s=read_number(hold_s, HOLD), base=base, preset=preset, machine=machine, silicone=silicone,
                       deceleration_mm_s2=read_number(deceleration_mm_s2, DECELERATION), pad_mm=read_size(pad, "pad"),
-                      edge_radius_mm=read_number(edge_radius_mm, EDGE), sites=parse_sites(sites))  # fmt: skip
+                      edge_radius_mm=read_number(edge_radius_mm, EDGE), condition=condition,
+                      sites=parse_sites(sites))  # fmt: skip
     if cad and out is None:
         raise InputError("cad = True needs out, the folder for the files of the mould")
     folder = None if out is None else Path(out)

@@ -139,6 +139,7 @@ def compare(
     velocity_mm_s: Numbers | None = None,
     hold_s: float | str | None = None,
     deceleration_mm_s2: float | str | None = None,
+    condition: str | None = None,
     out: str | PathLike[str] | None = None,
     replace: bool = False,
     progress: Callable[[str], None] | None = None,
@@ -167,6 +168,8 @@ def compare(
         Hold of the test: traces that were held longer are cut there; else the hold of each press. [s]
     deceleration_mm_s2 : float, optional
         Braking of the robot; else read from each motion. [mm/s2]
+    condition : str, optional
+        How the punch held the face, as in :func:`dummydesign.suggest`: said beside the answer.
     out : path, optional
         Folder of tables and report, which are not written without it; the next free number when it holds another
         answer.
@@ -192,7 +195,7 @@ def compare(
     from dummydesign.tissue.comparison.compare import compare_traces
     from dummydesign.tissue.model.tissue_file import load_tissue
 
-    test = read_test(punch, edge_radius_mm, force_N, velocity_mm_s, hold_s, deceleration_mm_s2)
+    test = read_test(punch, edge_radius_mm, force_N, velocity_mm_s, hold_s, deceleration_mm_s2, condition)
     site, passed = load_tissue(tissue), parse_lowpass(lowpass)
     pad = None if record is None else read_record(fspath(record))
     names, read = _read(traces)

@@ -94,13 +94,18 @@ PAPER = Protocol()
 """5, 10 and 15 N at 10 and 250 mm/s."""
 
 
+def face_of(punch: str, condition: str | None) -> str:
+    """How a punch as typed holds a face: by the condition, else glued, but sliding freely where it is not flat."""
+    return condition or ("frictionless" if punch.startswith(("ball:", "profile:")) else "bonded")
+
+
 @dataclass(frozen=True)
 class Request:
     """What is asked for. Ranges are (low, high) with both ends included, None for all that is allowed.
 
-    ``punch``, ``force_N``, ``velocity_mm_s``, ``hold_s``, ``pad_mm``, ``base`` and ``edge_radius_mm`` are the test
-    that the pad and the people behind the tissue are pressed by; ``preset``, ``machine`` and ``silicone`` are of
-    its mould, None for what the preset names. ``sites`` are how many crowns stand along and across the pad.
+    ``punch``, ``force_N``, ``velocity_mm_s``, ``hold_s``, ``pad_mm``, ``base``, ``edge_radius_mm`` and ``condition``
+    are the test that the pad and the people behind the tissue are pressed by; ``preset``, ``machine`` and ``silicone``
+    are of its mould, None for what the preset names. ``sites`` are how many crowns stand along and across the pad.
     """
 
     tissue: str
@@ -121,6 +126,7 @@ class Request:
     pad_mm: tuple[float, float] = (PAD_LENGTH_MM, PAD_WIDTH_MM)
     base: str = "bonded"
     edge_radius_mm: float = 0.0
+    condition: str | None = None
     preset: str = "open"
     machine: str | None = None
     silicone: str | None = None
@@ -130,6 +136,11 @@ class Request:
     def kind(self) -> str:
         """The shape that is searched: several sites are those of crowns."""
         return "crowned" if self.sites and self.shape.lower() == "auto" else self.shape
+
+    @property
+    def face(self) -> str:
+        """How the punch holds the pad's face: as asked, else glued, or freely sliding under one without a flat face."""
+        return face_of(self.punch, self.condition)
 
     @property
     def protocol(self) -> Protocol:
@@ -146,4 +157,4 @@ class Request:
 
     def to_dict(self) -> dict[str, Any]:
         """Return what was asked, defaults included."""
-        return asdict(self)
+        return asdict(self) | {"condition": self.face}

@@ -81,6 +81,7 @@ def _test_words(data: dict[str, Any]) -> str:
     words = [f"punch {test['punch']}"] if "punch" in test else []
     if test.get("edge_radius_mm"):
         words.append(f"edge radius {test['edge_radius_mm']:g} mm")
+    words += [f"condition {test['condition']}"] if test.get("condition", "bonded") != "bonded" else []
     for name, unit in (("force_N", "N"), ("velocity_mm_s", "mm/s")):
         words += [f"{', '.join(f'{v:g}' for v in test[name])} {unit}"] if test.get(name) else []
     for name, text in (("hold_s", "hold {:g} s"), ("deceleration_mm_s2", "braking {:g} mm/s2")):

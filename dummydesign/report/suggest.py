@@ -124,6 +124,7 @@ def _base_words(answer: Suggestion) -> str:
 def _press_words(answer: Suggestion) -> str:
     request = answer.request
     edge = f", edge radius {request.edge_radius_mm:g} mm" if request.edge_radius_mm else ""
+    edge += "" if request.face == "bonded" else f", {request.face}"
     return (
         f"Each press of the punch ({request.punch}{edge}) is held for {request.hold_s:g} s at the depth that gives the "
         "steady force at its end."

@@ -75,3 +75,18 @@ def test_a_ball_starts_softer_than_a_flat_punch_of_its_width():
     depth = np.array([0.1, 0.5, 2.0])
     ratio = law.force(depth, 8.0, 1.0, ball.radius_mm) / table.force(depth, 8.0, 1.0, ball.radius_mm)
     assert (np.diff(ratio) > 0).all() and ratio[0] < 0.3
+
+
+@pytest.mark.slow
+def test_a_face_that_slides_under_a_fillet_is_that_of_a_direct_solve_and_softer_than_a_glued_one():
+    from dummydesign.pad.elastic import solve_points
+
+    table, h, depth = load_table("bonded"), 6.4, np.array([0.6, 1.5, 2.6])
+    slides = pad(edge_radius_mm=0.7, condition="frictionless")
+    law = own_slab_law(table, slides, np.array([5.0, 8.0]))
+    direct = solve_points(pad(thickness_mm=h, edge_radius_mm=0.7, condition="frictionless"), depth)
+    found = law.force(depth, h, 1.0, RADIUS)
+    stated = law.relative_error(depth, h, RADIUS) + direct.error_N / direct.force_N
+    assert (np.abs(found / direct.force_N - 1.0) < stated).all() and stated.max() < 0.06
+    glued = own_slab_law(table, pad(edge_radius_mm=0.7), np.array([5.0, 8.0])).force(depth, h, 1.0, RADIUS)
+    assert (found < 0.95 * glued).all()

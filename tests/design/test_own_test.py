@@ -1,9 +1,12 @@
 """One's own test: forces, speeds, hold, punch and pad change the answer as physics says."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError
+from dummydesign.design.assessment.warnings import _reasons
 from dummydesign.design.inputs import resolve
 from dummydesign.design.own_test.checks import refused_kinds
 from dummydesign.design.own_test.punch import read_punch
@@ -13,6 +16,7 @@ from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves
 from dummydesign.design.scoring.score import evaluate, steady_gamma1
 from dummydesign.design.scoring.standing import ranges_of
 from dummydesign.design.scoring.targets import make_targets
+from dummydesign.design.search.best_of_kinds import Beside
 from dummydesign.design.search.low_force import low_force
 from dummydesign.design.suggest import suggest
 from dummydesign.tissue.model.ranges import force_range
@@ -113,7 +117,10 @@ def test_one_force_and_one_speed_are_a_test():
      ({"punch": "round:40", "thickness_mm": (3.0, 4.0), "pad_mm": (150.0, 120.0)}, "under the punch round:40"),
      ({"machine": "nowhere"}, "nowhere"), ({"silicone": "none-such"}, "none-such"), ({"preset": "shut"}, "shut"),
      ({"punch": "round:20", "shape": "bumped"}, "bumped pads are tabulated"),
-     ({"punch": "ball:20", "shape": "crowned"}, "flat punches")],
+     ({"punch": "ball:20", "shape": "crowned"}, "flat punches"), ({"condition": "glue"}, "condition 'glue'"),
+     ({"condition": "frictionless"}, "--edge-radius 0.7"), ({"condition": "friction:0"}, "--edge-radius 0.7"),
+     ({"condition": "friction:0.3", "shape": "crowned"}, "designed under a glued punch"),
+     ({"condition": "friction:0.3", "edge_radius_mm": 0.5, "base": "friction:0.3"}, "take base = sliding")],
 )  # fmt: skip
 def test_what_cannot_be_pressed_is_refused_before_the_work_in_one_line(given, words):
     with pytest.raises(InputError, match=words) as caught:
@@ -127,6 +134,25 @@ def test_a_resting_base_leaves_the_crowned_pad_and_needs_its_elements():
     unverified = Request(FINGER, base="sliding", verify=False)
     assert "crowned" in refused_kinds(unverified, read_punch(unverified.punch))
     assert refused_kinds(Request(FINGER), read_punch("square:14")) == {}
+
+
+def test_a_face_that_is_not_glued_leaves_slabs():
+    request = Request(FINGER, condition="friction:0.3")
+    assert set(refused_kinds(request, read_punch(request.punch))) == {"bumped", "layered", "boned", "crowned"}
+    assert [Request(FINGER, punch=punch).face for punch in ("square:14", "ball:20")] == ["bonded", "frictionless"]
+    assert Request(FINGER).to_dict()["condition"] == "bonded"
+
+
+def test_kinds_that_are_refused_for_the_same_reason_are_warned_of_in_one_line():
+    def beside(kind, reason):
+        return Beside(kind, None, None, None, None, reason)
+
+    chosen = SimpleNamespace(beside=(
+        beside("crowned", "crowned pads need glue"), beside("boned", "boned pads need glue"),
+        beside("layered", "nothing reaches 10 N"), beside("bumped", "bumped pads are tabulated on 14 mm"),
+    ))  # fmt: skip
+    wanted = ["crowned, boned pads need glue", "nothing reaches 10 N", "bumped pads are tabulated on 14 mm"]
+    assert _reasons(chosen) == wanted
 
 
 def test_the_default_test_takes_the_table_itself():

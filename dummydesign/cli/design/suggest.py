@@ -50,6 +50,8 @@ def _add_test(parser: argparse.ArgumentParser) -> None:
     punches = "square:14 (default), rectangle:AxB, round:D, ball:D, profile:FILE.csv"
     add("--punch", default="square:14", metavar="KIND:SIZE", help=punches)
     add("--edge-radius", default=0.0, metavar="MM", help="fillet of the punch's edge (default 0, sharp)")
+    faces = "bonded (default; under a ball or a profile frictionless), frictionless, friction:MU"
+    add("--condition", metavar="NAME", help=faces)
     add("--force", default="5,10,15", metavar="F1,F2,...", help="steady forces (default 5,10,15 N)")
     add("--velocity", default="10,250", metavar="V1,V2,...", help="speeds (default 10,250 mm/s)")
     add("--hold", default=10.0, metavar="S", help="hold after the stop (default 10 s)")
@@ -100,6 +102,7 @@ def _asked(options: argparse.Namespace, steps: Steps) -> Any:
         pad=options.pad,
         base=options.base,
         edge_radius_mm=options.edge_radius,
+        condition=options.condition,
         preset=options.preset,
         machine=options.machine,
         silicone=options.silicone,

@@ -26,6 +26,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     punches = "square:14 (default), rectangle:AxB, round:D, ball:D, profile:FILE.csv"
     test.add_argument("--punch", default="square:14", metavar="KIND:SIZE", help=punches)
     test.add_argument("--edge-radius", default=0.0, metavar="MM", help="fillet of the punch's edge (default 0, sharp)")
+    faces = "bonded (default; under a ball or a profile frictionless), frictionless, friction:MU: said in the report"
+    test.add_argument("--condition", metavar="NAME", help=faces)
     test.add_argument("--force", metavar="F1,F2,...", help="steady forces in N: presses to others are left out")
     test.add_argument("--velocity", metavar="V1,V2,...", help="speeds in mm/s: presses at others are left out")
     test.add_argument("--hold", metavar="S", help="hold after the stop: longer traces are cut there")
@@ -49,6 +51,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
             record=options.record,
             punch=options.punch,
             edge_radius_mm=options.edge_radius,
+            condition=options.condition,
             force_N=options.force,
             velocity_mm_s=options.velocity,
             hold_s=options.hold,

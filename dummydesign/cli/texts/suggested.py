@@ -117,11 +117,13 @@ def _sites_line(result: dict[str, Any]) -> list[str]:
 def _test_line(result: dict[str, Any]) -> list[str]:
     """The test, where it is not the paper's."""
     given = result["inputs"]
-    if (given["punch"], given["edge_radius_mm"], given["hold_s"], sorted(given["force_N"]),
-        sorted(given["velocity_mm_s"])) == ("square:14", 0.0, 10.0, [5.0, 10.0, 15.0], [10.0, 250.0]):  # fmt: skip
+    test = [given[name] for name in ("punch", "edge_radius_mm", "condition", "hold_s")]
+    test += [sorted(given[name]) for name in ("force_N", "velocity_mm_s")]
+    if test == ["square:14", 0.0, "bonded", 10.0, [5.0, 10.0, 15.0], [10.0, 250.0]]:
         return []
     forces, speeds = (", ".join(f"{v:g}" for v in sorted(given[name])) for name in ("force_N", "velocity_mm_s"))
     edge = f", edge radius {given['edge_radius_mm']:g} mm" if given["edge_radius_mm"] else ""
+    edge += "" if given["condition"] == "bonded" else f", {given['condition']}"
     return [f"  test       {given['punch']}{edge}; {forces} N at {speeds} mm/s, held {given['hold_s']:g} s"]
 
 

@@ -125,7 +125,7 @@ def design_warnings(
     resin = space.resin
     said = [*(own or []), *_of_forces(chosen, space)]
     said += [("off_centre", centring.text)] if centring else []
-    said += [("no_shape", item.reason) for item in chosen.beside if item.reason]
+    said += [("no_shape", reason) for reason in _reasons(chosen)]
     said += _edges(chosen)
     alone = len(tissue.subjects) < 2
     if alone:
@@ -204,6 +204,17 @@ def _why_stiff(shape: PadShape) -> str:
     if not shape.flat_top:
         return "the shape starts stiffer or softer than tissue there"
     return "a flat pad starts far more linear than tissue, whatever its ratio; '--shape auto' looks for others"
+
+
+def _reasons(chosen: Chosen) -> list[str]:
+    """Why kinds have no design, in one line those that share a reason."""
+    kinds: dict[str, list[str]] = {}
+    for item in chosen.beside:
+        if item.reason:
+            own = item.reason.startswith(f"{item.kind} pads ")
+            reason = item.reason.removeprefix(f"{item.kind} ") if own else item.reason
+            kinds.setdefault(reason, []).extend([item.kind] if own else [])
+    return [f"{', '.join(names)} {reason}".strip() for reason, names in kinds.items()]
 
 
 def _edges(chosen: Chosen) -> list[tuple[str, str]]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.design.request import Request
 from dummydesign.design.search.tabulated_shapes import designable_kinds
-from dummydesign.geometry.interface import BASES, Interface
+from dummydesign.geometry.interface import BASES, CONDITIONS, Interface
 from dummydesign.geometry.shapes import Slab, read_shape
 from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM, PUNCH
 
@@ -41,10 +41,17 @@ def check_test(request: Request, punch: AskedPunch) -> None:
             f"is {least:g}x{least:g}, {LEAST_SIDE:g} times the punch"
         )
     Interface.parse(request.base, "base", BASES)
+    held = Interface.parse(request.face, "condition", CONDITIONS)
+    if held.friction == 0.0 and not request.edge_radius_mm and not punch.profile_mm:
+        raise InputError(
+            f"condition = {request.face} under a sharp edge is solved to a tenth of a thin pad only, no depth "
+            f"to design for: give the real edge's fillet, such as --edge-radius {0.1 * punch.half_width_mm:.2g}"
+        )
     if request.edge_radius_mm:
         check_edge(request.edge_radius_mm, punch)
         if Interface.names_friction(request.base):
-            raise InputError(f"edge_radius_mm = {request.edge_radius_mm:g} with base = {request.base} is not solved")
+            raise InputError(f"edge_radius_mm = {request.edge_radius_mm:g} with base = {request.base} is not solved: "
+                             "leave the fillet out, or take base = sliding or bonded")
     _check_sites(request)
     refused = refused_kinds(request, punch).get(request.kind.partition(":")[0].lower())
     if refused:
@@ -114,8 +121,9 @@ def check_edge(edge_radius_mm: float, punch: AskedPunch) -> None:
 
 
 def standard_press(request: Request) -> bool:
-    """Whether punch, edge, pad and base are those that the tables and the tissues are made for."""
-    return (request.punch, request.edge_radius_mm, request.base) == (PUNCH, 0.0, "bonded") and standard_pad(request)
+    """Whether punch, edge, face, pad and base are those that the tables and the tissues are made for."""
+    test = request.punch, request.edge_radius_mm, request.face, request.base
+    return test == (PUNCH, 0.0, "bonded", "bonded") and standard_pad(request)
 
 
 def standard_pad(request: Request) -> bool:
@@ -137,6 +145,9 @@ def refused_kinds(request: Request, punch: AskedPunch) -> dict[str, str]:
             continue
         if punch.profile_mm:
             found[kind] = f"{kind} pads are designed under flat punches, not under {punch.text}"
+        elif request.face != "bonded":
+            press = "'predict' and 'whatif --fidelity axisymmetric' press round ones"
+            found[kind] = f"{kind} pads are designed under a glued punch; with condition = {request.face} {press}"
         elif kind == "bumped" and not (request.punch == PUNCH and request.base == "bonded" and standard_pad(request)):
             found[kind] = f"bumped pads are tabulated under the {PUNCH} mm punch on a glued 150x120 mm pad only"
         elif request.base != "bonded" and kind != "crowned":
@@ -158,7 +169,7 @@ def own_warnings(request: Request, punch: AskedPunch, tissue: Tissue, flat: bool
         Whether the recommended pad is a slab, whose fillet is solved.
     """
     said = tissue_warnings(tissue, request.punch, request.edge_radius_mm, request.protocol.forces_N)
-    if punch.sides_mm and not punch.square:
+    if punch.sides_mm and not (punch.square and request.face == "bonded"):
         said.append(("equal_area_punch", f"the punch {request.punch} is taken as the circle of its area; 'predict "
                      "--fidelity 3d' gives what its sides add"))  # fmt: skip
     if request.edge_radius_mm and not flat:

@@ -133,8 +133,8 @@ def own_slab_law(table: ForceLaw, pad: Pad, thickness_mm: NDArray) -> ForceLaw:
 
 
 def in_table(pad: Pad) -> bool:
-    """Whether punch, edge and base are those of a table."""
-    return pad.profile_mm is None and not pad.edge_radius_mm and pad.base in BASES
+    """Whether punch, edge, face and base are those of a table."""
+    return pad.profile_mm is None and not pad.edge_radius_mm and pad.base in BASES and pad.condition == "bonded"
 
 
 def near_rim(pad: Pad, thickness_mm: float) -> bool:

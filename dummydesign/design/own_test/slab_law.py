@@ -71,6 +71,9 @@ def own_slab_law(request: Request, punch: AskedPunch, thickness_mm: NDArray) -> 
 
     base = request.base if request.base in BASES else "bonded"
     pad, edge = asked_pad(request, punch), request.edge_radius_mm
+    if request.face != "bonded" and punch.profile_mm is None:
+        # the fillets' tables and the square's factor are of glued punches
+        return solved_over(slab_table(base, 0.0, punch.radius_mm), pad, thickness_mm)
     law: ForceLaw = solved_over(slab_table(base, edge, punch.radius_mm), replace(pad, edge_radius_mm=0.0), thickness_mm)
     if request.base not in BASES or punch.profile_mm:
         return law
@@ -132,6 +135,8 @@ def check_calibrated(request: Request, punch: AskedPunch, thickness_mm: NDArray)
         why = f"the edge radius of {request.edge_radius_mm:g} mm is not in them"
     elif request.base != "bonded":
         why = f"base = {request.base} is not in them"
+    elif request.face != "bonded":
+        why = f"condition = {request.face} is not in them"
     if why:
         raise InputError("a calibration corrects the tables of glued pads under flat punches with sharp edges, and "
                          f"{why}: design without it (--calibration none){instead}")  # fmt: skip
@@ -151,7 +156,7 @@ def asked_pad(request: Request, punch: AskedPunch, thickness_mm: float = 10.0, y
         thickness_mm, young_MPa, punch.radius_mm, base=request.base, sides_mm=punch.sides_mm,
         extent_mm=sqrt(request.pad_mm[0] * request.pad_mm[1] / pi), slab_mm=request.pad_mm,
         profile_mm=punch.profile_mm, edge_radius_mm=request.edge_radius_mm,
-        condition="bonded" if punch.profile_mm is None else "frictionless",
+        condition=request.face,
     )  # fmt: skip
 
 

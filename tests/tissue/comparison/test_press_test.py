@@ -113,6 +113,15 @@ def test_a_speed_with_three_digits_keeps_its_name_and_its_range(palm):
     assert row["velocity_mm_s"] == 125.0
 
 
+def test_how_the_punch_held_the_face_is_said_and_changes_no_number(palm):
+    traces = subject_presses(palm, (5.0,), (10.0,))
+    glued, slid = (compare(traces, "palm", condition=condition).to_dict() for condition in (None, "friction:0.3"))
+    assert glued["inputs"]["condition"] == "bonded" and "test" not in glued
+    assert slid["test"]["condition"] == "friction:0.3" and slid["verdict"] == glued["verdict"]
+    with pytest.raises(InputError, match="condition 'oiled'"):
+        compare(traces, "palm", condition="oiled")
+
+
 def test_a_test_that_no_press_belongs_to_is_refused_with_what_was_pressed(palm):
     with pytest.raises(InputError, match=r"no press belongs to the test \(50 N\): the traces are of 5 N at 10 mm/s"):
         compare_traces(subject_presses(palm, (5.0,), (10.0,)), palm, test=PressTest((50.0,)))

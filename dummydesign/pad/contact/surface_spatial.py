@@ -110,9 +110,13 @@ class FaceContact(NoTies):
         Contact stiffness per area of each face.
     grip : ndarray, shape (faces,)
         Stiffness per area along the surface of points that touch; 0 for a frictionless punch.
+    unknowns : ndarray of int, optional
+        The unknown that takes the place of each one of the nodes, of a mesh that is folded; by default itself.
     """
 
-    def __init__(self, nodes: Array, faces: Array, stiffness: Array, grip: Array) -> None:
+    def __init__(
+        self, nodes: Array, faces: Array, stiffness: Array, grip: Array, unknowns: Array | None = None
+    ) -> None:
         x, weight = np.polynomial.legendre.leggauss(FACE_POINTS)
         line = np.stack([x * (x - 1.0) / 2.0, 1.0 - x**2, x * (x + 1.0) / 2.0], axis=1)
         slope = np.stack([x - 0.5, -2.0 * x, x + 0.5], axis=1)
@@ -123,7 +127,8 @@ class FaceContact(NoTies):
         place = np.moveaxis(nodes[:, faces], 0, -1)
         normal = np.cross(np.einsum("qi,eic->eqc", along, place), np.einsum("qi,eic->eqc", across, place))
         area = np.linalg.norm(normal, axis=-1) * np.outer(weight, weight).ravel()
-        self.dofs = (3 * faces[:, :, None] + np.arange(3)).reshape(len(faces), 27)
+        dofs = (3 * faces[:, :, None] + np.arange(3)).reshape(len(faces), 27)
+        self.dofs = dofs if unknowns is None else unknowns[dofs]
         self._shape, self._place = shape, place
         self._pairs = (shape[:, :, None] * shape[:, None, :]).reshape(len(shape), 81)
         self._stiffness = area * np.asarray(stiffness)[:, None]

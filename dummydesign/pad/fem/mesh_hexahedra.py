@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ Array = np.ndarray
 _TOLERANCE = 1e-9
 
 
-def lines(length: float, first: float, growth: float) -> Array:
+def lines(length: float, first: float, growth: float, like: float | None = None) -> Array:
     """Points 0 to ``length`` whose first cell is exactly ``first`` and whose cells grow by at most ``growth``.
 
     As many cells as the largest growth needs; the growth is then lowered until they fit. A length of
@@ -28,6 +29,8 @@ def lines(length: float, first: float, growth: float) -> Array:
         Size of the first cell.
     growth : float
         Largest ratio of neighbouring cells, above 1.
+    like : float, optional
+        The length whose number of cells is taken, near ``length``; the growth may then be a little larger.
 
     Returns
     -------
@@ -35,8 +38,8 @@ def lines(length: float, first: float, growth: float) -> Array:
     """
     if length < 1.5 * first:
         return np.array([0.0, length])
-    count = int(np.ceil(np.log(1.0 + length * (growth - 1.0) / first) / np.log(growth) - 1e-9))
-    low, high = 1e-6, growth
+    count = int(np.ceil(np.log(1.0 + (like or length) * (growth - 1.0) / first) / np.log(growth) - 1e-9))
+    low, high = 1e-6, growth if like is None else 2.0 * growth
     for _ in range(200):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if first * (middle ** np.arange(count)).sum() < length else (low, middle)
@@ -44,7 +47,7 @@ def lines(length: float, first: float, growth: float) -> Array:
     return points * (length / points[-1])
 
 
-def lines_around(edge: float, extent: float, first: float, growth: float) -> Array:
+def lines_around(edge: float, extent: float, first: float, growth: float, like: float | None = None) -> Array:
     """Points 0 to ``extent``, finest on both sides of ``edge``.
 
     Parameters
@@ -53,13 +56,15 @@ def lines_around(edge: float, extent: float, first: float, growth: float) -> Arr
         Where cells are finest, and the last point, in one unit of length.
     first, growth : float
         Size of the cells at the edge, and the largest ratio of neighbouring cells.
+    like : float, optional
+        The extent whose number of cells is taken, near ``extent``.
 
     Returns
     -------
     ndarray, shape (cells + 1,)
     """
     inside = edge - lines(edge, first, growth)[::-1]
-    return np.concatenate([inside, edge + lines(extent - edge, first, growth)[1:]])
+    return np.concatenate([inside, edge + lines(extent - edge, first, growth, like and like - edge)[1:]])
 
 
 def rectangle_plan(x: Array, y: Array) -> tuple[Array, Array]:
@@ -128,6 +133,61 @@ def discretise(mesh: Any, bend: Callable[[Array], Array] | None = None) -> Discr
         nodes=basis.doflocs,
         kinematics=Spatial,
     )
+
+
+@dataclass(frozen=True)
+class Folded:
+    """One of two halves of a mesh that mirror each other in the plane x = y, for what is symmetric to it.
+
+    Attributes
+    ----------
+    mesh : Discretisation
+        The cells with x <= y; those that the plane halves count half.
+    cells : ndarray of int
+        Which cells of the whole mesh these are.
+    share : ndarray
+        How much of each one counts: 1, or 1/2 in the plane.
+    unknowns : ndarray of int
+        The unknown that takes the place of each one of the whole mesh.
+    """
+
+    mesh: Discretisation
+    cells: Array
+    share: Array
+    unknowns: Array
+
+
+def fold(mesh: Discretisation, lattice: Array) -> Folded:
+    """Halve a mesh in the plane x = y: a displacement along x there is one along y at the mirrored place.
+
+    Parameters
+    ----------
+    mesh : Discretisation
+        Its cells and nodes mirror each other.
+    lattice : ndarray of int, shape (3, cells)
+        Places of its cells along z, x and y.
+
+    Returns
+    -------
+    Folded
+    """
+    places = np.round(mesh.nodes, 9)
+    here, there = (np.lexsort(places[list(order)]) for order in ((2, 1, 0), (2, 0, 1)))
+    mirror = np.empty(len(here), dtype=np.int64)
+    mirror[here] = there
+    x, y = mesh.nodes[:2]
+    unknowns = np.arange(mesh.size).reshape(-1, 3)
+    beyond = x > y + _TOLERANCE
+    unknowns[beyond] = 3 * mirror[beyond][:, None] + np.array([1, 0, 2])
+    between = np.abs(x - y) <= _TOLERANCE
+    unknowns[between, 1] = unknowns[between, 0]
+    cells = np.nonzero(lattice[1] <= lattice[2])[0]
+    share = np.where(lattice[1] == lattice[2], 0.5, 1.0)[cells]
+    half = replace(
+        mesh, gradient=mesh.gradient[cells], weight=mesh.weight[cells] * share[:, None],
+        dofs=unknowns.ravel()[mesh.dofs[cells]],
+    )  # fmt: skip
+    return Folded(half, cells, share, unknowns.ravel())
 
 
 def horizontal_faces(mesh: Discretisation, cells: Array, upper: bool = True) -> Array:

@@ -24,7 +24,7 @@ import numpy as np
 
 from dummydesign.core.errors import InputError
 from dummydesign.pad.material.hyperelastic import Law, Yeoh
-from dummydesign.pad.material.kinematics import Axisymmetric
+from dummydesign.pad.material.kinematics import Spatial
 
 Array = np.ndarray
 
@@ -114,40 +114,34 @@ class Solid:
         self.inverse = -np.linalg.inv(self.compliance)
         elements, points, components, width = mesh.gradient.shape
         self._flat = np.ascontiguousarray(mesh.gradient.reshape(elements, points * components, width))
-        self._rows: Array | None = None
-        if mesh.kinematics is Axisymmetric:
-            # rr, rz and tt come from the radial displacements alone, zr and zz from the axial ones.
-            rows = mesh.gradient[:, :, [0, 1, 4], 0::2]
-            self._rows = np.ascontiguousarray(rows.reshape(elements, 3 * points, width // 2))
-            self._back = np.ascontiguousarray(self._rows.transpose(0, 2, 1))
+        # Components that come from displacements along the first direction alone; the others are alike.
+        self._along = mesh.nodes.shape[0]
+        rows = mesh.gradient[:, :, list(mesh.kinematics.first), 0 :: self._along]
+        self._rows = np.ascontiguousarray(rows.reshape(elements, -1, width // self._along))
+        self._back = np.ascontiguousarray(self._rows.transpose(0, 2, 1))
         self._weighted_basis = mesh.weight[:, :, None] * mesh.pressure_basis
-        # Kept, as making such large arrays anew takes as long as filling them.
-        self._moduli = np.empty((elements, points, components, components))
-        self._work = np.empty(mesh.gradient.shape)
         self._same: Array | None = None
         if isinstance(law, Yeoh) and not law.c2_MPa:
             # The law's own tangent is the same at every state.
-            np.multiply(mesh.gradient, (law.shear_MPa * mesh.weight)[..., None, None], out=self._work)
-            self._same = self._flat.transpose(0, 2, 1) @ self._work.reshape(self._flat.shape)
+            work = np.multiply(mesh.gradient, (law.shear_MPa * mesh.weight)[..., None, None])
+            self._same = self._flat.transpose(0, 2, 1) @ work.reshape(self._flat.shape)
+        self._moduli: Array | None = None
+        self._work: Array | None = None
 
     def deformation(self, u: Array) -> Array:
         """Components of F at the quadrature points, shape (elements, points, components)."""
         elements, points = self.mesh.weight.shape
-        local = u[self.mesh.dofs]
-        if self._rows is None:
-            return (self._flat @ local[:, :, None]).reshape(elements, points, -1) + self.mesh.kinematics.identity
-        F = (self._rows @ local.reshape(elements, -1, 2)).reshape(elements, points, 6)[:, :, Axisymmetric.place]
+        local = u[self.mesh.dofs].reshape(elements, -1, self._along)
+        F = (self._rows @ local).reshape(elements, points, -1)[:, :, self.mesh.kinematics.place]
         F += self.mesh.kinematics.identity
         return F
 
     def _forces(self, stress: Array) -> Array:
         """Forces of each element's unknowns from stresses times weight, shape (elements, points, components)."""
         elements, points, _ = stress.shape
-        if self._rows is None:
-            return (stress.reshape(elements, 1, -1) @ self._flat)[:, 0]
-        both = np.zeros((elements, points, 6))
-        both[:, :, Axisymmetric.place] = stress
-        return (self._back @ both.reshape(elements, -1, 2)).reshape(elements, -1)
+        both = np.zeros((elements, points, self._rows.shape[1] // points * self._along))
+        both[:, :, self.mesh.kinematics.place] = stress
+        return (self._back @ both.reshape(elements, -1, self._along)).reshape(elements, -1)
 
     def state(self, u: Array, p: Array, tangent: bool = True) -> State | None:
         """Evaluate the solid; None where an element is inverted at a quadrature point (J <= 0).
@@ -180,18 +174,14 @@ class Solid:
     def linearise(self, state: State) -> State:
         """Add the condensed tangent to a state."""
         F, cofactor, slope = state.at
-        mesh, moduli = self.mesh, self._moduli
-        if self._same is None:
-            np.multiply(self.law.tangent(F), mesh.weight[..., None, None], out=moduli)
+        mesh = self.mesh
+        if self._same is not None and mesh.kinematics is Spatial:
+            stiffness = self._same.copy()
+            self._add_second(stiffness, slope * mesh.weight, F)
         else:
-            moduli.fill(0.0)
-        mesh.kinematics.add_second(moduli, slope * mesh.weight, F)
-        np.matmul(moduli, mesh.gradient, out=self._work)
-        stiffness = self._flat.transpose(0, 2, 1) @ self._work.reshape(self._flat.shape)
-        if self._same is not None:
-            stiffness += self._same
+            stiffness = self._by_moduli(F, slope * mesh.weight)
         # What changes J, and what the pressure takes off it, are of low rank in each element.
-        dilation = np.einsum("eqc,eqcd->eqd", cofactor, mesh.gradient)
+        dilation = self._dilation(cofactor)
         curvature = (self.law.reference_stress_MPa / state.J**2 + self.stabilisation) * mesh.weight
         coupling = dilation.transpose(0, 2, 1) @ self._weighted_basis
         half = coupling @ self.inverse
@@ -201,6 +191,50 @@ class Solid:
         state.stiffness, state.coupling = stiffness, coupling
         state.half = half
         return state
+
+    def _by_moduli(self, F: Array, factor: Array) -> Array:
+        """Tangent of each element from the law's moduli and ``factor`` times the second derivative of J."""
+        mesh = self.mesh
+        if self._moduli is None or self._work is None:
+            # Kept, as making such large arrays anew takes as long as filling them.
+            components = mesh.gradient.shape[2]
+            self._moduli = np.empty((*mesh.weight.shape, components, components))
+            self._work = np.empty(mesh.gradient.shape)
+        if self._same is None:
+            np.multiply(self.law.tangent(F), mesh.weight[..., None, None], out=self._moduli)
+        else:
+            self._moduli.fill(0.0)
+        mesh.kinematics.add_second(self._moduli, factor, F)
+        np.matmul(self._moduli, mesh.gradient, out=self._work)
+        stiffness = self._flat.transpose(0, 2, 1) @ self._work.reshape(self._flat.shape)
+        return stiffness if self._same is None else stiffness + self._same
+
+    def _dilation(self, cofactor: Array) -> Array:
+        """Change of J by each of the element's unknowns, shape (elements, points, element dofs)."""
+        if self.mesh.kinematics is not Spatial:
+            return np.einsum("eqc,eqcd->eqd", cofactor, self.mesh.gradient)
+        elements, points = cofactor.shape[:2]
+        slopes = self._rows.reshape(elements, points, 3, -1).transpose(0, 1, 3, 2)
+        return (slopes @ cofactor.reshape(elements, points, 3, 3).transpose(0, 1, 3, 2)).reshape(elements, points, -1)
+
+    def _add_second(self, stiffness: Array, factor: Array, F: Array) -> None:
+        """Add ``factor`` times the second derivative of J to tangents in space, in place.
+
+        d2J / dF_ij dF_kl = e_ikp e_jlr F_pr: displacements along i and k meet in one antisymmetric matrix of the
+        nodes, which is found from the slopes of the nodes alone.
+        """
+        elements, points = factor.shape
+        rows = F.reshape(elements, points, 3, 3) * factor[..., None, None]
+        skew = np.zeros((elements, points, 3, 3, 3))
+        for j, k, r in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+            skew[..., j, :, k], skew[..., k, :, j] = rows[..., r], -rows[..., r]
+        nodes = self._rows.shape[-1]
+        turned = skew.reshape(elements, points, 9, 3) @ self._rows.reshape(elements, points, 3, nodes)
+        matrix = (self._back @ turned.reshape(elements, 3 * points, 3 * nodes)).reshape(elements, nodes, 3, nodes)
+        blocks = stiffness.reshape(elements, nodes, 3, nodes, 3)
+        for i, k, p in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+            blocks[:, :, i, :, k] += matrix[:, :, p]
+            blocks[:, :, k, :, i] -= matrix[:, :, p]
 
     def force_of_pressure(self, tangent: State, state: State) -> Array:
         """What the eliminated pressure of a state adds to the load, by the tangent of that state or of one near it."""

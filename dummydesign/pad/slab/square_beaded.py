@@ -50,14 +50,16 @@ def _levels(scale: float, cells: Cells) -> Array:
     return -space.lines(1.0, cells.corner * scale, cells.growth)[::-1]
 
 
-def _lines(edge: float, extent: float, first: float, growth: float) -> tuple[Array, float]:
+def _lines(edge: float, extent: float, middle: float, first: float, growth: float) -> tuple[Array, float]:
     """Lines finest around the flat face's edge, and the last of them that moves with the punch."""
-    lines = space.lines_around(edge, extent, first, growth)
+    lines = space.lines_around(edge, extent, first, growth, middle)
     at = int(np.argmin(np.abs(lines - edge)))
     return lines, float(lines[max(at - FILM_CELLS, 0)])
 
 
-def rimmed_block(block: Block, law: Law, poisson: float, cells: Cells, rim: float) -> Problem:
+def rimmed_block(
+    block: Block, law: Law, poisson: float, cells: Cells, rim: float, folded: bool = False
+) -> Problem:
     """The quarter of a slab under a rectangular punch with an edge fillet; its force is a quarter of the whole.
 
     Parameters
@@ -72,30 +74,39 @@ def rimmed_block(block: Block, law: Law, poisson: float, cells: Cells, rim: floa
         Corner cell and growth.
     rim : float
         Fillet radius over the smaller of radius and thickness, times half side over radius as the corner cell.
+    folded : bool
+        Half of the quarter, whose force is an eighth, where ``block`` mirrors.
     """
     first, bead = (share * block.scale * SIDE_OVER_RADIUS for share in (cells.corner, rim))
     core = (block.half_sides[0] - bead, block.half_sides[1] - bead)
     (x, last_x), (y, last_y) = (
-        _lines(edge, extent, first, cells.growth) for edge, extent in zip(core, block.half_extents)
+        _lines(*ends, first, cells.growth) for ends in zip(core, block.half_extents, block.middle_extents)
     )
     z = _levels(block.scale, cells)
     mesh = space.discretise(space.extrude(*space.rectangle_plan(x, y), z))
-    plan = (len(x) - 1) * (len(y) - 1)
-    faces = space.horizontal_faces(mesh, np.arange(len(mesh.dofs))[-plan:])
+    lattice = np.indices((len(z) - 1, len(x) - 1, len(y) - 1)).reshape(3, -1)
+    kept, share, unknowns = np.arange(len(mesh.dofs)), np.ones(len(mesh.dofs)), None
+    whole = mesh
+    if folded:
+        half = space.fold(mesh, lattice)
+        mesh, kept, share, unknowns = half.mesh, half.cells, half.share, half.unknowns
+    upper = lattice[0, kept] == len(z) - 2
+    faces = space.horizontal_faces(whole, kept[upper])
     under = np.all(mesh.nodes[:2] <= np.array([[last_x], [last_y]]) + _TOLERANCE, axis=0)
     middle = mesh.nodes[:2, faces[:, 4]]
     reach = np.array([[side + REACH * block.scale] for side in block.half_sides])
     near = ~under[faces].all(axis=1) & np.all(middle <= reach, axis=0)
     glued = block.condition == "bonded"
-    strength = np.full(int(near.sum()), law.shear_MPa / bead)
-    surface = FaceContact(mesh.nodes, faces[near], CONTACT_STIFFNESS * strength, glued * GRIP_STIFFNESS * strength)
-    lattice = np.indices((len(z) - 1, len(x) - 1, len(y) - 1)).reshape(3, -1)
+    strength = share[upper][near] * law.shear_MPa / bead
+    surface = FaceContact(
+        mesh.nodes, faces[near], CONTACT_STIFFNESS * strength, glued * GRIP_STIFFNESS * strength, unknowns
+    )
     face = np.all(mesh.nodes[:2] <= np.array(core)[:, None] + _TOLERANCE, axis=0)
     symmetry = mesh.nodes[:2] < _TOLERANCE
     punch = BeadedPunch(core, 0.0, bead)
     return _problem(
         mesh, block, Solid(mesh, law, poisson), under, face, symmetry, surface, punch,
-        partial(Dissection, position=lattice),
+        partial(Dissection, position=lattice[:, kept]),
     )  # fmt: skip
 
 
@@ -109,7 +120,7 @@ def rimmed_twin(block: Block, law: Law, poisson: float, cells: Cells, rim: float
     """
     bead = rim * block.scale
     core = block.radius - bead
-    r, last = _lines(core, block.extent, cells.corner * block.scale, cells.growth)
+    r, last = _lines(core, block.extent, block.extent, cells.corner * block.scale, cells.growth)
     mesh = plane.discretise(*space.rectangle_plan(r, _levels(block.scale, cells)))
     top = plane.on_top(mesh)
     under = mesh.nodes[0] <= last + _TOLERANCE
@@ -196,9 +207,10 @@ def solve_rimmed_ratios(
     -------
     Ratios
     """
-    problems = rimmed_block(block, law, poisson, cells, rim), rimmed_twin(block, law, poisson, cells, rim)
+    folded = block.mirrors
+    problems = rimmed_block(block, law, poisson, cells, rim, folded), rimmed_twin(block, law, poisson, cells, rim)
     scale = block.scale
     # Points stick where they are at the end of a step: small ones, alike in both.
     steps = (0.3 * rim * scale, LARGEST_STEP * scale, 2e-3 * scale)
     paths = [follow(problem, depths, *steps, report, SOUND_J) for problem, report in zip(problems, (progress, None))]
-    return ratios_of(paths, float("nan"), SOUND_J)
+    return ratios_of(paths, float("nan"), SOUND_J, 8.0 if folded else 4.0)

@@ -7,7 +7,7 @@ it on. Both are fitted together: one parabola or cubic in depth, and what one un
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ import numpy as np
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.pad.material.hyperelastic import Law
 from dummydesign.pad.slab.square_beaded import solve_rimmed_ratios, useful_depths
-from dummydesign.pad.slab.square_sharp import Block, Cells, Ratios, depth_of_corner, solve_ratios
+from dummydesign.pad.slab.square_sharp import Block, Cells, Ratios, block_problem, depth_of_corner, solve_ratios
 from dummydesign.pad.tables.square import HELD_ERROR
 
 Array = np.ndarray
@@ -97,6 +97,11 @@ def solve_factor(
     NoAnswerError
         When no corner cell allows even the first depths and no fillet goes on.
     """
+    outline = 1.0
+    if not block.mirrors and block.middle_extents != block.half_extents:
+        # Half of a quarter is enough on a square slab; what the true outline changes is that of first touch.
+        square = replace(block, half_extents=block.middle_extents)
+        outline, block = outline_factor(block, square, law, poisson), square
     step = min(STEP * block.scale, deepest / 4.0)
     sharp: dict[float, Ratios] = {}
     for corner in CORNERS:
@@ -112,7 +117,23 @@ def solve_factor(
         for rim in RIMS:
             wanted = useful_depths(block, depths, rim)
             beaded[rim] = solve_rimmed_ratios(block, law, poisson, wanted, Cells(rim), rim, progress)
-    return _fitted(sharp, beaded, step)
+    found = _fitted(sharp, beaded, step)
+    return replace(found, coefficients=found.coefficients + np.log(outline) * np.eye(1, len(found.coefficients))[0])
+
+
+def outline_factor(block: Block, square: Block, law: Law, poisson: float) -> float:
+    """Force at first touch on a rectangular slab over that on the square one of its area, on the same cells.
+
+    Parameters
+    ----------
+    block, square : Block
+        A square punch on either slab.
+    law, poisson
+        As for :func:`solve_factor`.
+    """
+    cells = Cells(CORNERS[0])
+    quarter, eighth = block_problem(block, law, poisson, cells), block_problem(square, law, poisson, cells, True)
+    return quarter.stiffness() / (2.0 * eighth.stiffness())
 
 
 def _reach(runs: dict[float, Ratios]) -> dict[float, float]:

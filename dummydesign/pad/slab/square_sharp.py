@@ -79,6 +79,20 @@ class Block:
         return float(2.0 * np.sqrt(self.half_extents[0] * self.half_extents[1] / np.pi))
 
     @property
+    def middle_extents(self) -> tuple[float, float]:
+        """Half sides of the square slab of equal area, for a square punch: on it and on its own a punch has the same
+        number of cells.
+        """
+        if self.half_sides[0] != self.half_sides[1]:
+            return self.half_extents
+        return (float(np.sqrt(self.half_extents[0] * self.half_extents[1])),) * 2
+
+    @property
+    def mirrors(self) -> bool:
+        """Whether x and y may be exchanged: half of a quarter is then enough."""
+        return self.half_sides[0] == self.half_sides[1] and self.half_extents[0] == self.half_extents[1]
+
+    @property
     def scale(self) -> float:
         """The smaller of equal-area radius and thickness, over the thickness."""
         return min(self.radius, 1.0)
@@ -100,8 +114,8 @@ def _grid(block: Block, cells: Cells) -> tuple[Array, Array, Array]:
     # Of a square and its twin the corner cell is then the same share of the punch.
     first = cells.corner * block.scale * SIDE_OVER_RADIUS
     x, y = (
-        space.lines_around(side, extent, first, cells.growth)
-        for side, extent in zip(block.half_sides, block.half_extents)
+        space.lines_around(side, extent, first, cells.growth, middle)
+        for side, extent, middle in zip(block.half_sides, block.half_extents, block.middle_extents)
     )
     return x, y, _levels(block.scale, cells)
 
@@ -112,7 +126,7 @@ def lattice_of(block: Block, cells: Cells) -> Array:
     return np.indices((len(z) - 1, len(x) - 1, len(y) - 1)).reshape(3, -1)
 
 
-def block_problem(block: Block, law: Law, poisson: float, cells: Cells) -> Problem:
+def block_problem(block: Block, law: Law, poisson: float, cells: Cells, folded: bool = False) -> Problem:
     """The quarter of a slab under a rectangular punch; its force is a quarter of the whole.
 
     Parameters
@@ -125,12 +139,18 @@ def block_problem(block: Block, law: Law, poisson: float, cells: Cells) -> Probl
         Poisson's ratio; 0.5 is incompressible.
     cells : Cells
         Corner cell and growth.
+    folded : bool
+        Half of the quarter, whose force is an eighth, where ``block`` mirrors.
     """
     x, y, z = _grid(block, cells)
     mesh = space.discretise(space.extrude(*space.rectangle_plan(x, y), z))
     under = np.all(mesh.nodes[:2] <= np.array(block.half_sides)[:, None] + _TOLERANCE, axis=0)
-    solver = partial(Dissection, position=lattice_of(block, cells))
-    return _problem(mesh, under, mesh.nodes[:2] < _TOLERANCE, block, Solid(mesh, law, poisson), solver)
+    lattice, symmetry = lattice_of(block, cells), mesh.nodes[:2] < _TOLERANCE
+    if folded:
+        half = space.fold(mesh, lattice)
+        mesh, lattice = half.mesh, lattice[:, half.cells]
+    solver = partial(Dissection, position=lattice)
+    return _problem(mesh, under, symmetry, block, Solid(mesh, law, poisson), solver)
 
 
 def twin_problem(block: Block, law: Law, poisson: float, cells: Cells) -> Problem:
@@ -205,16 +225,18 @@ def solve_ratios(
     progress : callable, optional
         Called with each depth that the three-dimensional solve has reached.
     """
-    problems = block_problem(block, law, poisson, cells), twin_problem(block, law, poisson, cells)
-    first = 4.0 * problems[0].stiffness() / problems[1].stiffness()
+    folded = block.mirrors
+    problems = block_problem(block, law, poisson, cells, folded), twin_problem(block, law, poisson, cells)
+    parts = 8.0 if folded else 4.0
+    first = parts * problems[0].stiffness() / problems[1].stiffness()
     steps = (0.08 * block.scale, 0.15 * block.scale, 0.02 * block.scale)
     reports = (progress, None)
     paths = [follow(problem, depths, *steps, report, SOUND_J) for problem, report in zip(problems, reports)]
-    return ratios_of(paths, first, SOUND_J)
+    return ratios_of(paths, first, SOUND_J, parts)
 
 
-def ratios_of(paths: list[Path], first: float, sound_J: float) -> Ratios:
-    """Four times the force of a quarter over that of its round reference, at the depths both reached soundly.
+def ratios_of(paths: list[Path], first: float, sound_J: float, parts: float) -> Ratios:
+    """Force of all ``parts`` of a slab over that of its round reference, at the depths both reached soundly.
 
     Parameters
     ----------
@@ -224,6 +246,8 @@ def ratios_of(paths: list[Path], first: float, sound_J: float) -> Ratios:
         Ratio at first touch.
     sound_J : float
         Smallest volume ratio at a quadrature point that counts as sound.
+    parts : float
+        How many of the part that was solved the slab has.
 
     Returns
     -------
@@ -232,5 +256,5 @@ def ratios_of(paths: list[Path], first: float, sound_J: float) -> Ratios:
     count = min(len(path.depth) for path in paths)
     smallest = np.minimum(*(path.smallest_J[:count] for path in paths))
     sound = np.logical_and.accumulate(smallest >= sound_J)
-    ratio = 4.0 * paths[0].force[:count] / paths[1].force[:count]
+    ratio = parts * paths[0].force[:count] / paths[1].force[:count]
     return Ratios(paths[0].depth[:count][sound], ratio[sound], first, smallest[sound], cost(paths))

@@ -24,15 +24,17 @@ LEAF_CELLS = 4
 
 @dataclass
 class _Front:
-    """One box of cells: unknowns (first those eliminated, then its rim), and its place in the tree."""
+    """One box of cells: unknowns (first those eliminated, then its rim), and what is added up in it.
+
+    ``places`` says where the entries of its cells' matrices, or of what is left of its children, stand in it.
+    """
 
     unknowns: Array
     eliminated: int
     rim_uses: Array
-    cells: list[int] = field(default_factory=list)
-    places: list[tuple[Array, Array]] = field(default_factory=list)
+    cells: Array = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     children: list[int] = field(default_factory=list)
-    child_places: list[Array] = field(default_factory=list)
+    places: Array = field(default_factory=lambda: np.empty(0, dtype=np.int64))
 
 
 def halve(position: Array, cells: Array) -> tuple[Array, Array]:
@@ -113,9 +115,16 @@ class Dissection:
         number[free] = np.arange(len(free))
         self._number = number[groups[0]]
         self._uses = np.bincount(self._number[self._number >= 0], minlength=self.n)
-        self._place = np.full(self.n, -1, dtype=np.int64)
+        self._place = np.full(self.n + 1, -1, dtype=np.int64)
         self.fronts: list[_Front] = []
         self._build(np.arange(len(groups[0])), position)
+        # Loads and answers are kept in the order of elimination: what a front eliminates is one piece of them.
+        self._order = np.concatenate([front.unknowns[: front.eliminated] for front in self.fronts])
+        when = np.empty(self.n, dtype=np.int64)
+        when[self._order] = np.arange(self.n)
+        ends = np.cumsum([front.eliminated for front in self.fronts])
+        self._own = [slice(end - front.eliminated, end) for end, front in zip(ends, self.fronts)]
+        self._rim = [when[front.unknowns[front.eliminated :]] for front in self.fronts]
 
     def _build(self, cells: Array, position: Array) -> int:
         """Make the front of a box after those of its halves; return its number."""
@@ -140,16 +149,15 @@ class Dissection:
         numbers = self._number[cells]
         used = numbers[numbers >= 0]
         front = self._front(used, np.ones(len(used)))
-        front.cells = list(cells)
-        for row in numbers:
-            kept = np.nonzero(row >= 0)[0]
-            front.places.append((kept, self._place[row[kept]]))
+        front.cells = cells
+        front.places = np.concatenate([_pairs(self._place[row], row >= 0, len(front.unknowns)) for row in numbers])
         return front
 
     def _join(self, children: list[int]) -> _Front:
         rims = [self.fronts[c].unknowns[self.fronts[c].eliminated :] for c in children]
         front = self._front(np.concatenate(rims), np.concatenate([self.fronts[c].rim_uses for c in children]))
-        front.children, front.child_places = children, [self._place[rim] for rim in rims]
+        front.children = children
+        front.places = np.concatenate([_pairs(self._place[rim], rim >= 0, len(front.unknowns)) for rim in rims])
         return front
 
     def solve(self, matrices: list[Array], load: Array) -> Array:
@@ -172,29 +180,25 @@ class Dissection:
 
     def again(self, load: Array) -> Array:
         """Solve for another load with the matrices of the last :meth:`solve`."""
-        right = load[self.free].copy()
-        for front, factor in zip(self.fronts, self._factors):
-            own, rim = front.unknowns[: front.eliminated], front.unknowns[front.eliminated :]
+        right = load[self.free[self._order]]
+        for own, rim, factor in zip(self._own, self._rim, self._factors):
             right[own], change = factor.forward(right[own])
             right[rim] -= change
-        answer = np.zeros(self.n)
-        for front, factor in zip(reversed(self.fronts), reversed(self._factors)):
-            own, rim = front.unknowns[: front.eliminated], front.unknowns[front.eliminated :]
-            answer[own] = factor.back(right[own], answer[rim])
+        for own, rim, factor in zip(reversed(self._own), reversed(self._rim), reversed(self._factors)):
+            right[own] = factor.back(right[own], right[rim])
         full = np.zeros(self.size)
-        full[self.free] = answer
+        full[self.free[self._order]] = right
         return full
 
     def _eliminate(self, matrix: Array) -> list[_Factor]:
         """Factorise all fronts from the leaves up."""
         factors, waiting = [], {}
         for i, front in enumerate(self.fronts):
-            full = np.zeros((len(front.unknowns),) * 2)
-            for cell, (kept, place) in zip(front.cells, front.places):
-                full[np.ix_(place, place)] += matrix[cell][np.ix_(kept, kept)]
-            for child, place in zip(front.children, front.child_places):
-                full[np.ix_(place, place)] += waiting.pop(child)
-            n = front.eliminated
+            left = [waiting.pop(child).ravel() for child in front.children]
+            entries = np.concatenate(left) if left else matrix[front.cells].ravel()
+            size, n = len(front.unknowns), front.eliminated
+            # Adding up by ``bincount`` takes a tenth of the time of adding to an indexed block.
+            full = np.bincount(front.places, entries, minlength=size * size + 1)[:-1].reshape(size, size)
             factor = _factorise(full[:n, :n], full[:n, n:])
             waiting[i] = full[n:, n:] - factor.schur
             factor.schur = None
@@ -202,18 +206,28 @@ class Dissection:
         return factors
 
 
-class _Factor:
-    """Cholesky factor of the eliminated block and the rows that couple it to the rim."""
+def _pairs(place: Array, kept: Array, size: int) -> Array:
+    """Where the entries of a matrix stand in a front of ``size`` unknowns, row by row; past its end if left out."""
+    at = place[:, None] * size + place
+    return np.where(kept[:, None] & kept, at, size * size).ravel()
 
-    def __init__(self, lower: Array, rows: Array) -> None:
-        self.lower, self.rows, self.schur = lower, rows, rows.T @ rows
+
+class _Factor:
+    """Inverse of the Cholesky factor of the eliminated block, and the rows that couple it to the rim.
+
+    The inverse is applied as a product, which runs two to three times as fast as a triangular solve here.
+    """
+
+    def __init__(self, inverse: Array, coupling: Array) -> None:
+        self.inverse, self.rows = inverse, inverse @ coupling
+        self.schur = self.rows.T @ self.rows
 
     def forward(self, load: Array) -> tuple[Array, Array]:
-        load = _triangular(self.lower, load)
-        return load, self.rows.T @ load
+        load = self.inverse @ load
+        return load, load @ self.rows
 
     def back(self, load: Array, rim: Array) -> Array:
-        return _triangular(self.lower, load - self.rows @ rim, 1)
+        return (load - self.rows @ rim) @ self.inverse
 
 
 class _GeneralFactor(_Factor):
@@ -236,21 +250,12 @@ class _GeneralFactor(_Factor):
         return lu_solve(self.factors, load - self.coupling @ rim, check_finite=False)
 
 
-def _triangular(lower: Array, load: Array, transposed: int = 0) -> Array:
-    from scipy.linalg.lapack import dtrtrs
-
-    if not len(lower) or not load.size:
-        return load
-    answer, _ = dtrtrs(lower, load, lower=1, trans=transposed)
-    return answer if load.ndim > 1 else answer.reshape(len(load))
-
-
 def _factorise(block: Array, coupling: Array) -> _Factor:
-    from scipy.linalg.lapack import dpotrf
+    from scipy.linalg.lapack import dpotrf, dtrtri
 
     if not len(block):
         return _Factor(block, coupling)
     lower, failed = dpotrf(block, lower=1, clean=1)
     if failed:
         return _GeneralFactor(block, coupling.copy())
-    return _Factor(lower, _triangular(lower, coupling))
+    return _Factor(dtrtri(lower, lower=1, overwrite_c=1)[0], coupling)

@@ -134,6 +134,13 @@ def test_the_dissection_solves_with_faces_what_a_sparse_factorisation_solves():
     assert found == pytest.approx(reference, abs=1e-8 * np.abs(reference).max())
 
 
+def test_half_of_a_quarter_under_a_square_with_a_fillet_carries_half():
+    pad, depths = Block((0.7, 0.7), (5.0, 5.0)), [0.06, 0.12]
+    whole, half = (rimmed_block(pad, LAW, 0.5, Cells(0.45), 0.45, folded) for folded in (False, True))
+    forces = [follow(problem, depths, 0.06, 0.06, 0.01).force for problem in (whole, half)]
+    assert forces[1] == pytest.approx(0.5 * forces[0], rel=1e-7)
+
+
 def test_the_dissection_refuses_faces_that_lie_outside_their_cell():
     cells, faces = np.array([[0, 1, 2], [2, 3, 4]]), np.array([[1, 3]])
     with pytest.raises(ValueError, match="outside its cell"):

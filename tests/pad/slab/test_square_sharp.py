@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -11,6 +12,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.pad.fem import mesh_hexahedra as space
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import Yeoh, neo_hookean
+from dummydesign.pad.slab.square_curve import outline_factor
 from dummydesign.pad.slab.square_sharp import Block, Cells, block_problem, solve_ratios, twin_problem
 from dummydesign.pad.solve import equilibrium
 from dummydesign.pad.solve.continuation import follow
@@ -80,6 +82,18 @@ def test_the_dissection_also_solves_an_indefinite_matrix():
     assert product[free] == pytest.approx(load[free], abs=1e-9 * np.abs(matrix).max())
 
 
+def test_the_dissection_adds_up_an_unknown_that_a_cell_has_twice():
+    """As cells do that a plane of symmetry halves."""
+    dofs, rng = np.array([[0, 1, 1, 2], [2, 3, 4, 3], [4, 5, 0, 6]]), np.random.default_rng(6)
+    root = rng.standard_normal((3, 4, 4))
+    matrix, whole = root @ root.transpose(0, 2, 1) + np.eye(4), np.zeros((7, 7))
+    np.add.at(whole, (dofs[:, :, None], dofs[:, None, :]), matrix)
+    load, free = rng.standard_normal(7), np.array([0, 1, 2, 3, 4, 6])
+    found = Dissection([dofs], free, 7, np.stack([np.arange(3)] * 3)).solve([matrix], load)
+    assert found[free] == pytest.approx(np.linalg.solve(whole[np.ix_(free, free)], load[free]), rel=1e-10)
+    assert found[5] == 0.0
+
+
 def test_the_elimination_order_names_every_free_unknown_once():
     problem = block_problem(half(10.0), LAW, 0.5, Cells(0.45))
     dofs, free = problem.solid.mesh.dofs, problem.pattern.free
@@ -95,6 +109,38 @@ def test_graded_lines_keep_their_first_cell_and_their_largest_growth():
     assert size[edge - 1 : edge + 1] == pytest.approx(0.1)
     assert np.all(size[edge + 1 :] / size[edge:-1] <= 2.0 + 1e-9)
     assert (points[0], points[-1]) == (pytest.approx(0.0, abs=1e-12), 6.0)
+
+
+def test_lines_to_a_near_extent_may_keep_the_number_of_cells():
+    one, other = space.lines_around(0.7, 6.7, 0.1, 2.0), space.lines_around(0.7, 9.5, 0.1, 2.0, 6.7)
+    assert len(space.lines_around(0.7, 9.5, 0.1, 2.0)) > len(other) == len(one)
+    assert other[-1] == 9.5
+    assert other[: np.argmin(np.abs(one - 0.7)) + 2] == pytest.approx(one[: np.argmin(np.abs(one - 0.7)) + 2])
+
+
+@pytest.mark.parametrize("base", ["bonded", "sliding"])
+@pytest.mark.parametrize("condition", ["bonded", "frictionless"])
+def test_half_of_a_quarter_under_a_square_carries_half(base, condition):
+    block = Block((0.7, 0.7), (5.0, 5.0), base, condition)
+    whole, half = (block_problem(block, LAW, 0.5, Cells(0.45), folded) for folded in (False, True))
+    assert half.pattern.n < 0.6 * whole.pattern.n
+    # Some digits are lost to incompressibility.
+    assert half.stiffness() == pytest.approx(0.5 * whole.stiffness(), rel=1e-7)
+    depths = [0.06, 0.12]
+    forces = [follow(problem, depths, 0.06, 0.06, 0.01).force for problem in (whole, half)]
+    assert forces[1] == pytest.approx(0.5 * forces[0], rel=1e-7)
+
+
+@pytest.mark.parametrize("thickness", [10.0, 20.0])
+def test_what_the_outline_of_a_slab_changes_at_first_touch_is_the_same_on_finer_cells_and_at_depth(thickness):
+    block = half(thickness)
+    square = replace(block, half_extents=block.middle_extents)
+    coarse = outline_factor(block, square, LAW, 0.5)
+    fine = [block_problem(b, LAW, 0.5, Cells(0.3), b is square) for b in (block, square)]
+    deep = [follow(problem, [0.06, 0.12], 0.06, 0.06, 0.01).force for problem in fine]
+    assert 1.0 - 6e-4 < coarse < 1.0
+    assert coarse == pytest.approx(0.5 * fine[0].stiffness() / fine[1].stiffness(), abs=2e-5)
+    assert 0.5 * deep[0] / deep[1] == pytest.approx(np.full(2, coarse), abs=3e-4)
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ from dummydesign.design.assessment.centring import CentringTolerance, centring_t
 from dummydesign.design.assessment.pour_yield import Tolerances
 from dummydesign.design.assessment.verification import Verification, not_verified, of_shape, verify_design
 from dummydesign.design.expected.expectation import Expectation, by_expectation
+from dummydesign.design.finalists.resolved_by_fem import ElementsLaw, solve_leading
 from dummydesign.design.inputs import Inputs
 from dummydesign.design.mould import pour_recipe, top_mass_g
 from dummydesign.design.own_test.checks import standard_press
@@ -17,7 +18,6 @@ from dummydesign.design.own_test.slab_law import asked_pad
 from dummydesign.design.request import Progress, quiet
 from dummydesign.design.scoring.presses import make_curves
 from dummydesign.design.search.best_of_kinds import Chosen, Found, choose, close_to
-from dummydesign.design.search.resolved_by_fem import ElementsLaw, solve_leading
 from dummydesign.design.sites.layout import Sites, lay_out
 from dummydesign.design.sites.neighbours import Alone
 from dummydesign.geometry.shapes import Slab

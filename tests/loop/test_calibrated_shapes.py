@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from dummydesign import cli
-from dummydesign.design.search import resolved_by_fem
+from dummydesign.design.finalists import elements_law
 from dummydesign.design.search.calibrated_family import CalibratedFamily
 from dummydesign.design.search.shape_family import ShapeLaw
 from dummydesign.design.search.tabulated_shapes import load_family
@@ -81,11 +81,12 @@ def test_a_solved_shape_carries_the_correction_once(monkeypatch):
     law = replace(law_of(effect("strain_stiffening", coefficient=2.0)), cast=True)
     depth = np.array([0.5, 1.5, 3.0])
     plain = law.plain.force(depth, 10.0, 1.0, RADIUS)
-    monkeypatch.setattr(resolved_by_fem, "cached", lambda *_: {
+    monkeypatch.setattr(elements_law, "cached", lambda *_: {
         "depth_mm": depth, "force_N": 1.05 * plain, "error_N": 0.01 * plain})  # fmt: skip
 
     class Best:
-        thickness_mm = 10.0
+        thickness_mm, index = 10.0, 0
+        evaluation = SimpleNamespace(depth_mm=np.array([[1.0, 2.0, 3.0]]))
 
     class Found:
         best = Best()
@@ -94,7 +95,7 @@ def test_a_solved_shape_carries_the_correction_once(monkeypatch):
         found, shape = Found(), read_shape(CROWN)
 
     Shaped.law = law
-    solved = resolved_by_fem.solve_law(Shaped(), SPACE)
+    solved = elements_law.solve_law(Shaped(), SPACE)
     np.testing.assert_allclose(solved.force(depth, 10.0, 1.0, RADIUS), 1.05 * plain * (1.0 + 2.0 * (depth / 10.0) ** 2))
 
 

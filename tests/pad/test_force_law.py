@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.design.search.resolved_by_fem import ElementsLaw
+from dummydesign.design.finalists.elements_law import ElementsLaw
 from dummydesign.design.search.shape_family import ShapeLaw as FamilyShapeLaw
 from dummydesign.design.search.solved_slabs import SolvedLaw
 from dummydesign.design.search.tabulated_shapes import load_family

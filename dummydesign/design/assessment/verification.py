@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 if TYPE_CHECKING:
-    from dummydesign.design.search.resolved_by_fem import ElementsLaw
+    from dummydesign.design.finalists.elements_law import ElementsLaw
     from dummydesign.pad.pad import Pad
 
 

@@ -5,16 +5,31 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from dummydesign.core.errors import NoAnswerError
-from dummydesign.design.search import resolved_by_fem
-from dummydesign.design.search.resolved_by_fem import DEPTH_SHARES, solve_leading
+from dummydesign.design.finalists import resolved_by_fem
+from dummydesign.design.finalists.elements_law import ElementsLaw
+from dummydesign.design.finalists.resolved_by_fem import near, solve_leading
+
+
+@dataclass(frozen=True)
+class Table:
+    """Stands for the table's law of a pad."""
+
+    cast: bool = False
+
+
+ELEMENTS = ElementsLaw(Table(), 10.0, np.array([1.0, 4.0]), np.zeros(2), np.zeros(2))
 
 
 @dataclass(frozen=True)
 class Pad:
-    """Stands for a design: what it is worth by its table, on the coarse grid and solved to the end."""
+    """Stands for a design: what it is worth by its table, on the coarse grid, solved, and by a neighbour's solve.
+
+    Pads of one radius are nearly the same; without one they differ.
+    """
 
     kind: str
     by_table: float
@@ -22,18 +37,25 @@ class Pad:
     full: float
     acceptable: bool = True
     elements: object | None = None
-    depths: int = len(DEPTH_SHARES)
+    complete: bool = True
+    radius: float = 0.0
+    by_neighbour: float = 0.0
+    law: Table = Table()
 
     @property
     def shape(self):
-        return SimpleNamespace(name=self.kind, axisymmetric=True, of=(self.kind, self.full))
+        lengths = (("radius", self.radius or 2.0 ** (100.0 * self.full)),)
+        return SimpleNamespace(name=self.kind, axisymmetric=True, of=(self.kind, self.full), parameters=lengths)
 
     @property
     def worth(self):
         return self.by_table if self.acceptable else 0.01 * self.by_table
 
     merit = property(lambda self: self.by_table)
-    found = property(lambda self: SimpleNamespace(best=SimpleNamespace(standing=2 * self.acceptable)))
+
+    @property
+    def found(self):
+        return SimpleNamespace(best=SimpleNamespace(standing=2 * self.acceptable, thickness_mm=10.0))
 
 
 @pytest.fixture
@@ -45,10 +67,13 @@ def solved(monkeypatch):
         done.append((pad.kind, pad.by_table))
         if pad.full < 0.0:
             raise NoAnswerError("no_convergence", "stop")
-        return replace(pad, by_table=pad.full, elements=object())
+        return replace(pad, by_table=pad.full, elements=ELEMENTS)
 
-    monkeypatch.setattr(resolved_by_fem, "rough_law", lambda pad, *_: SimpleNamespace(depth_mm=[0] * pad.depths))
-    monkeypatch.setattr(resolved_by_fem, "with_law", lambda pad, law, space: replace(pad, by_table=pad.rough))
+    def with_law(pad, law, space):
+        return replace(pad, by_table=pad.by_neighbour if isinstance(law, ElementsLaw) else pad.rough)
+
+    monkeypatch.setattr(resolved_by_fem, "rough_law", lambda pad, *_: SimpleNamespace(complete=pad.complete))
+    monkeypatch.setattr(resolved_by_fem, "with_law", with_law)
     monkeypatch.setattr(resolved_by_fem, "on_elements", on_elements)
     return done
 
@@ -73,7 +98,7 @@ def test_the_next_is_solved_where_the_first_turns_out_worse(solved):
 
 
 def test_a_pad_that_the_coarse_grid_cannot_carry_counts_by_its_table(solved):
-    pads = [Pad("boned", 0.8, 0.8, 0.5), Pad("boned", 0.78, 0.0, 0.76, depths=9)]
+    pads = [Pad("boned", 0.8, 0.8, 0.5), Pad("boned", 0.78, 0.0, 0.76, complete=False)]
     assert best(solve_leading(pads, SPACE)).full == 0.76
 
 
@@ -87,3 +112,14 @@ def test_what_reads_low_by_its_table_is_tried_where_its_merit_could_win(solved):
     pads = [Pad("boned", 0.4, 0.4, 0.4), Pad("crowned", 0.9, 0.9, 0.9, acceptable=False)]
     solve_leading(pads, SPACE)
     assert ("crowned", 0.9) not in solved, "on the coarse grid it reads low too"
+
+
+def test_pads_that_are_nearly_the_same_are_judged_by_the_elements_of_the_first(solved):
+    same = [Pad("boned", 0.8 - 0.01 * n, 0.8, 0.7, radius=20.0 + n, by_neighbour=0.705) for n in range(3)]
+    assert near(*same[:2]) and not near(same[0], replace(same[1], radius=30.0))
+    assert best(solve_leading(same, SPACE)).full == 0.7 and solved == [("boned", 0.8)]
+
+
+def test_a_neighbour_that_these_elements_make_the_better_one_is_solved_itself(solved):
+    same = [Pad("boned", 0.8, 0.8, 0.5, radius=20.0), Pad("boned", 0.79, 0.8, 0.75, radius=21.0, by_neighbour=0.74)]
+    assert best(solve_leading(same, SPACE)).full == 0.75 and len(solved) == 2

@@ -1,0 +1,1 @@
+"""The pads that can win, solved by finite elements."""

@@ -1,0 +1,55 @@
+"""A solved design's law: how deep it is solved, and what holds deeper."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from dummydesign.design.finalists.elements_law import BEYOND, ElementsLaw, solved_shares
+from dummydesign.design.search.shape_family import ShapeLaw
+from dummydesign.design.search.tabulated_shapes import load_family
+from dummydesign.geometry.shapes import read_shape
+from dummydesign.pad.shaped.paths import FLAT_STEP, LARGEST_STEP
+
+RADIUS, H = 7.9, 6.0
+SHAPES = {"crowned": "crowned:radius=21.2,height=2,foot=9.4", "layered": "layered:top=3,modulus_ratio=5"}
+STEP = {"crowned": 2.0 * LARGEST_STEP, "layered": FLAT_STEP}
+
+
+def law(kind):
+    return ShapeLaw(load_family(kind), read_shape(SHAPES[kind]), H, cast=True)
+
+
+def shares(kind, *pressed_mm):
+    evaluation = SimpleNamespace(depth_mm=np.array([pressed_mm]))
+    found = SimpleNamespace(best=SimpleNamespace(thickness_mm=H, index=0, evaluation=evaluation))
+    return solved_shares(SimpleNamespace(shape=read_shape(SHAPES[kind]), law=law(kind), found=found), RADIUS)
+
+
+@pytest.mark.parametrize("kind", SHAPES)
+def test_a_design_is_solved_somewhat_beyond_its_deepest_press_at_ends_of_load_steps(kind):
+    share = shares(kind, 0.5, 1.5, 2.0)
+    assert BEYOND * 2.0 <= share[-1] * H < BEYOND * 2.0 + 0.05 * H
+    np.testing.assert_allclose(share / STEP[kind], np.round(share / STEP[kind]), atol=1e-9)
+    assert share[0] * H < 0.3
+
+
+@pytest.mark.parametrize("kind", SHAPES)
+def test_a_design_whose_presses_come_near_the_table_s_end_is_solved_to_it(kind):
+    limit = law(kind).depth_limit_mm(H, RADIUS) / H
+    assert shares(kind, 1.0, 3.3)[-1] == pytest.approx(limit)
+    assert shares(kind, 1.0, np.nan)[-1] == pytest.approx(limit), "a press that is not reached may be with elements"
+
+
+def test_deeper_than_was_asked_the_table_goes_on_with_the_last_factor_and_its_own_error():
+    table, depth = law("crowned"), np.array([0.5, 1.0, 2.0])
+    solved = ElementsLaw(table, H, depth, np.array([0.0, 0.01, 0.02]), np.full(3, 0.001), complete=True)
+    deeper = np.array([2.4, 3.0])
+    assert solved.depth_limit_mm(H, RADIUS) == table.depth_limit_mm(H, RADIUS)
+    plain = table.force(deeper, H, 1.0, RADIUS)
+    np.testing.assert_allclose(solved.force(deeper, H, 1.0, RADIUS), np.exp(0.02) * plain)
+    np.testing.assert_allclose(solved.relative_error(deeper, H, RADIUS), table.relative_error(deeper, H, RADIUS))
+    np.testing.assert_allclose(solved.relative_error(depth, H, RADIUS), 0.001)
+    failed = replace(solved, complete=False)
+    assert failed.depth_limit_mm(H, RADIUS) == pytest.approx(2.0), "where the solve failed nothing is known deeper"

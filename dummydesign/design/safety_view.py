@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dummydesign.core.errors import InputError
+from dummydesign.design.assessment.curves_impact import WORDS as CURVES_WORDS
+from dummydesign.design.assessment.curves_impact import CurvesImpact, curves_impact
 from dummydesign.design.assessment.limits import N_PER_CM2, Limits, against_limits
 from dummydesign.design.assessment.safety import Contact, impact, pad_body, pad_press, tissue_body, tissue_press
 from dummydesign.design.scoring.presses import Sampling
@@ -16,6 +19,7 @@ if TYPE_CHECKING:
     from dummydesign.design.scoring.presses import Slabs
     from dummydesign.design.suggestion import Suggestion
 
+BEYOND = "not stopped within what the model covers"
 TEXT = (
     "Load on the tissue and on the pad under the same press: the energy of the rise (integral of F dx "
     "from touch to stop, the criterion the paper names for dummy II) and the largest mean pressure, force over the "
@@ -99,13 +103,22 @@ def safety_view(
             f"A free mass of {robot_mass_kg:g} kg touches at {robot_velocity_mm_s:g} mm/s and is stopped by the "
             "clamped body alone; the energy is that of the mass, so the bodies differ in force and depth."
         )
+        people, hit = answer.targets.tissue.parameter_sets, (robot_mass_kg, robot_velocity_mm_s)
+        by_energy: CurvesImpact | None = None
         try:
-            bodies["tissue"] = tissue_body(answer.targets.tissue.parameter_sets, robot_velocity_mm_s)
+            if answer.tissue.measured:
+                by_energy = curves_impact(people, *hit)
+                words += f" {CURVES_WORDS}."
+            else:
+                bodies["tissue"] = tissue_body(people, robot_velocity_mm_s)
         except InputError as problem:
             words += f" Tissue: {problem}."
-        for name, body in bodies.items():
-            contact = impact(body, robot_mass_kg, robot_velocity_mm_s)
-            rows += _impact_rows(name, contact, area)
+            warned.append({"code": "no_subjects_in_impact", "message": f"subjects beside the free mass: {problem}"})
+        contacts = {name: (impact(body, *hit), ()) for name, body in bodies.items()}
+        if by_energy is not None:
+            contacts["tissue"] = by_energy.contact, by_energy.notes
+        for name, (contact, notes) in contacts.items():
+            rows += _impact_rows(name, contact, area, notes)
             if name == "pad" and not np.isfinite(contact.peak_force_N).all():
                 warned.append(_bottoming(slabs, robot_mass_kg, robot_velocity_mm_s))
             checked.append((name, f"{robot_mass_kg:g} kg at {robot_velocity_mm_s:g} mm/s", contact))
@@ -136,7 +149,7 @@ def _bottoming(slabs: Slabs, mass_kg: float, velocity_mm_s: float) -> dict[str, 
     return {"code": "bottoms_out", "message": message}
 
 
-def _impact_rows(name: str, contact: Contact, area: float) -> list[dict[str, Any]]:
+def _impact_rows(name: str, contact: Contact, area: float, notes: Sequence[str] = ()) -> list[dict[str, Any]]:
     rows = []
     for index in range(len(contact.depth_mm)):
         peak = _one(contact.peak_force_N[index : index + 1])
@@ -147,7 +160,7 @@ def _impact_rows(name: str, contact: Contact, area: float) -> list[dict[str, Any
                 "peak_force_N": peak,
                 "energy_mJ": _one(contact.energy_mJ[index : index + 1]),
                 "mean_pressure_N_per_cm2": None if peak is None else peak * N_PER_CM2 / area,
-                "note": "" if peak is not None else "not stopped within what the model covers",
+                "note": notes[index] if notes else ("" if peak is not None else BEYOND),
             }
         )
     return rows

@@ -163,6 +163,7 @@ def test_the_default_test_takes_the_table_itself():
     assert isinstance(law, SquareLaw) and law.law is load_table(base="bonded")
 
 
+@pytest.mark.slow
 def test_a_larger_punch_on_the_same_slab_needs_a_softer_resin_for_the_same_tissue():
     def young(punch):
         asked = Request(FINGER, punch=punch, shape="slab", thickness_mm=(6.0, 6.0), verify=False)

@@ -103,6 +103,7 @@ def test_speeds_and_law_come_from_the_tissue(tmp_path, layer_law):
     assert answer["recommendation"]["parameters_law"] == "published"
 
 
+@pytest.mark.slow
 def test_contradictory_points_reach_the_answer(tmp_path, layer_law):
     from dummydesign.resin.update.modulus import Point, update_resin
 
@@ -112,6 +113,7 @@ def test_contradictory_points_reach_the_answer(tmp_path, layer_law):
     assert any(item["code"] == "contradictory_points" for item in warnings)
 
 
+@pytest.mark.slow
 def test_measured_points_narrow_the_ratio_that_is_recommended(tmp_path, layer_law):
     from dummydesign.resin.update.modulus import Point, update_resin
 

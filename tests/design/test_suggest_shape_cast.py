@@ -24,6 +24,7 @@ def bars(found):
     return {item.name: (item.depth_percent, item.peak_percent) for item in found}
 
 
+@pytest.mark.slow
 def test_the_law_of_the_cast_pad_comes_with_the_answer(crowned):
     assert isinstance(crowned.law, ShapeLaw) and not crowned.law.cast
     assert isinstance(crowned.cast, ShapeLaw) and crowned.cast.cast and crowned.cast.shape == crowned.shape

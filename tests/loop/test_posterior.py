@@ -76,6 +76,7 @@ def test_a_damaged_posterior_is_refused_with_its_place(change, said, tmp_path):
         read_calibration(path)
 
 
+@pytest.mark.slow
 def test_a_design_takes_its_intervals_from_the_posterior_and_the_scatter_of_pads(tmp_path):
     resin = load_resin("polyurethane-nagoya")
     widths = []

@@ -52,6 +52,7 @@ def modulus(fit):
     return known.mean[0], known.young_spread
 
 
+@pytest.mark.slow
 def test_a_joined_prior_is_as_good_as_its_data(fits):
     first, second, both = fits
     joined, met = join(second, known(first))

@@ -166,6 +166,7 @@ def test_what_must_be_gained_grows_with_the_models_tried(monkeypatch):
     assert verdict.needed([], fit, "ageing", {}, 100).least == verdict.GAIN_FLOOR
 
 
+@pytest.mark.slow
 def test_scatter_that_a_missing_effect_makes_does_not_count_as_contact_scatter(campaigns):
     """Single trials that are shifted far are passed over by the median; all of them shifted is more than a machine."""
     presses = make_presses(read_campaign(campaigns("none", 401)))

@@ -45,6 +45,7 @@ def test_all_checks_pass_and_the_silicone_is_the_closed_form(three):
     assert three.solid("mould").Volume() == pytest.approx(mould_volume_mm3(THREE), abs=label)
 
 
+@pytest.mark.slow
 def test_a_cavity_that_is_not_the_pads_fails(three):
     wrong = three.parts["mould"]
     plug = three.cavities[-1].scale(0.5)

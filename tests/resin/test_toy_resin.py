@@ -101,6 +101,7 @@ def test_a_pad_of_it_is_the_pad_of_its_modulus_and_relaxation(ratio, asked):
         assert made[name] == pytest.approx(same[name], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_pad_is_designed_of_it_and_weighed_in_its_parts(asked):
     best = asked("suggest", "--tissue", "palm", "--resin", "toy", "--shape", "slab", "--no-cad", "--no-verify")
     best = best["recommendation"]

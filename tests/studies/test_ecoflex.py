@@ -31,6 +31,7 @@ def test_all_curves_of_the_nineteen_mixtures_are_there(curves):
     assert all({curve.puck for curve in batch} == {"A", "B"} for batch in curves.values())
 
 
+@pytest.mark.slow
 def test_fitting_a_mixture_anew_gives_the_stored_numbers(curves):
     key = ("EF30", 25.0)
     fit = fit_mixtures({key: curves[key]})[0].fit

@@ -37,6 +37,7 @@ def crowned(tmp_path_factory):
     return folder, json.loads(text.getvalue())
 
 
+@pytest.mark.slow
 def test_a_crowned_pad_for_the_forefinger_has_at_most_a_third_of_the_slabs_misfit(crowned):
     rows = {row["kind"]: row for row in crowned[1]["shapes"]}
     assert set(rows) == {"slab", "crowned"}

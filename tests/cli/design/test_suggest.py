@@ -1,4 +1,4 @@
-"""``suggest`` and ``whatif`` on the command line: the contract, the recipe, refusals."""
+"""``suggest`` on the command line: the contract, the recipe, refusals."""
 
 import json
 
@@ -26,7 +26,9 @@ def answer(capsys, *arguments):
     return status, json.loads(capsys.readouterr().out)
 
 
-@pytest.mark.parametrize("tissue", ["forefinger", "palm", "thenar"])
+@pytest.mark.parametrize(
+    "tissue", ["forefinger", *(pytest.param(name, marks=pytest.mark.slow) for name in ("palm", "thenar"))]
+)
 def test_every_tissue_gets_a_design_with_all_that_the_contract_names(tissue, capsys):
     status, found = answer(capsys, "suggest", "--tissue", tissue, *QUICK)
     assert fits(status, found) and found["schema"] == "dummydesign.suggest/1"
@@ -68,6 +70,7 @@ def test_the_recipe_has_the_ratio_and_more_than_the_pad_weighs(capsys):
     assert pad_g < best["recipe"]["total_g"] < 1.5 * pad_g
 
 
+@pytest.mark.slow
 def test_the_same_question_has_the_same_answer(capsys):
     first, again = (answer(capsys, "suggest", "--tissue", "forefinger", *QUICK)[1] for _ in range(2))
     assert first == again
@@ -95,6 +98,7 @@ def test_no_feasible_design_is_said_with_status_1(capsys):
     assert "10 N" in found["error"]["message"]
 
 
+@pytest.mark.slow
 def test_without_cad_the_recipe_stands_and_the_missing_step_is_named(capsys, monkeypatch, tmp_path):
     from dummydesign.core.errors import NoAnswerError
 
@@ -156,23 +160,6 @@ def test_one_ratio_is_a_range_of_one(capsys):
     assert {other["ratio"] for other in found["alternatives"]} <= {15.0}
 
 
-def test_whatif_gives_rows_and_their_csv(capsys, tmp_path):
-    status, found = answer(
-        capsys, "whatif", "--thickness", "5:20:5", "--ratio", "15,16", "--tissue", "palm", "--out", str(tmp_path)
-    )
-    assert status == 0 and found["schema"] == "dummydesign.whatif/1" and found["seconds"] > 0
-    assert [(row["thickness_mm"], row["ratio"]) for row in found["rows"]] == [
-        (t, r) for t in (5.0, 10.0, 15.0, 20.0) for r in (15.0, 16.0)
-    ]
-    row = found["rows"][1]
-    assert set(row["exponent_at_N"]) == {"1", "5", "10", "15"} and set(row["peak_over_steady"]) == {"10", "250"}
-    assert row["limit"] is None and "total" in row["score"]
-    assert any(row["limit"] for row in found["rows"])
-    assert len((tmp_path / "rows.csv").read_text().splitlines()) == 9
-    assert (tmp_path / "report.html").stat().st_size > 50_000
-    assert not list(tmp_path.glob(".*"))
-
-
 def test_the_folder_is_made_when_the_question_is_accepted_and_not_before(capsys, tmp_path):
     for bad in (
         ["suggest", "--tissue", "plam"],
@@ -199,6 +186,7 @@ def test_report_and_csv_are_written_where_the_answer_says(capsys, tmp_path):
     }
 
 
+@pytest.mark.slow
 def test_the_safety_view_holds_energy_pressure_mass_and_limits(capsys, tmp_path):
     limits = tmp_path / "limits.toml"
     number = 'value = {0}\nlow = {0}\nhigh = {0}\nkind = "assumed"\nsource = "made for this test"\n'
@@ -237,43 +225,6 @@ def test_a_limit_without_its_source_is_refused(capsys, tmp_path):
     assert "force_N' lacks source" in capsys.readouterr().err
 
 
-def test_whatif_goes_on_where_it_was_stopped(capsys, tmp_path):
-    arguments = ["whatif", "--thickness", "5:20:5", "--ratio", "15:17:0.5", "--base", "bonded,sliding", "--out", "w"]
-    _, whole = answer(capsys, *arguments)
-    path = tmp_path / "w" / "rows.csv"
-    content = path.read_bytes()
-    path.write_bytes(content[: len(content) // 2])
-    _, again = answer(capsys, *arguments, "--resume")
-    assert 0 < again["resumed_rows"] < len(whole["rows"]) == 40
-    assert again["rows"] == whole["rows"] and path.read_bytes() == content
-    assert run([*arguments, "--force", "3", "--resume"]) == 2
-    assert "forces_N" in capsys.readouterr().err
-
-
-def test_whatif_in_two_processes_gives_the_same(capsys, tmp_path):
-    arguments = ["whatif", "--thickness", "5:20:5", "--ratio", "15,16", "--out", "w"]
-    assert answer(capsys, *arguments)[1]["rows"] == answer(capsys, *arguments, "--workers", "2")[1]["rows"]
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["--thickness", "3:30"], "START:STOP:STEP"),
-        (["--thickness", "3:30:0.001", "--ratio", "14:20:0.01"], "above 1000000"),
-        (["--thickness", "5", "--ratio", "30"], "allowed range 14.0 to 20.0"),
-        (["--thickness", "5", "--punch", "star:3"], "punch 'star:3'"),
-        (["--thickness", "5", "--fidelity", "guess"], "unknown fidelity"),
-        (["--thickness", "5", "--velocity", "0"], "velocity in mm/s = 0"),
-    ],
-)
-def test_whatif_refuses_in_one_line_and_leaves_nothing(arguments, message, capsys, tmp_path):
-    out = tmp_path / "study"
-    assert run(["whatif", *arguments, "--out", str(out)]) == 2
-    error = capsys.readouterr().err.strip()
-    assert error.startswith("error: ") and message in error and "\n" not in error
-    assert not out.exists()
-
-
 @pytest.mark.slow
 def test_the_recommended_design_is_verified_by_finite_elements(capsys):
     _, found = answer(capsys, "suggest", "--tissue", "forefinger", "--shape", "slab", "--no-cad")
@@ -282,6 +233,7 @@ def test_the_recommended_design_is_verified_by_finite_elements(capsys):
     assert 0 <= checked["max_difference_percent"] < 10
 
 
+@pytest.mark.slow
 def test_a_palm_of_a_silicone_that_hardly_relaxes_is_called_unsafe(capsys):
     status, found = answer(capsys, "suggest", "--tissue", "palm", "--resin", "ecoflex-00-30", *QUICK)
     judged = found["verdict"]
@@ -290,6 +242,7 @@ def test_a_palm_of_a_silicone_that_hardly_relaxes_is_called_unsafe(capsys):
     assert found["files"] and not any("step" in path for path in found["files"].values())
 
 
+@pytest.mark.slow
 def test_a_finer_balance_and_a_truer_thickness_leave_more_castings_inside(capsys):
     shares = []
     for balance, thickness in (("0.01", "0.02"), ("0.5", "0.5")):

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import json
 
+import pytest
+
 from dummydesign import cli
 from tests.measurement.test_pad_record import RECORD, save
 from tests.support.answer_inputs import five_elements, motion, save_trace
 
 
+@pytest.mark.slow
 def test_compare_tells_the_pad_as_cast_and_what_it_missed(tmp_path, capsys):
     traces = []
     for velocity in (10.0, 250.0):

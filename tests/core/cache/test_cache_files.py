@@ -142,6 +142,7 @@ for number in range(60):
 """
 
 
+@pytest.mark.slow
 def test_writers_at_the_same_time_do_not_disturb_each_other(place):
     """Three processes write, read and remove the same entries."""
     started = [

@@ -29,6 +29,7 @@ def pictures(answer):
     return press_pictures(answer)
 
 
+@pytest.mark.slow
 def test_every_force_of_the_test_is_pictured_at_the_depth_of_the_design(answer, pictures):
     assert pictures.left_out == "" and [one.force_N for one in pictures.pads] == [5.0, 10.0, 15.0]
     depths = answer.best.evaluation.depth_mm[answer.best.index, :3]
@@ -69,6 +70,7 @@ def test_pictures_are_within_three_percent_of_the_fine_elements(answer, pictures
         assert rough.contact["peak_kPa"] == pytest.approx(one.contact()["peak_kPa"], rel=0.03)
 
 
+@pytest.mark.slow
 def test_without_finite_elements_and_for_pads_that_are_not_round_it_says_what_is_left_out(answer):
     quick = replace(answer, request=replace(answer.request, verify=False))
     made = press_pictures(quick)

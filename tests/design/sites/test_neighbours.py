@@ -21,6 +21,7 @@ def test_a_ring_has_the_crown_inside_and_the_full_thickness_outside():
     np.testing.assert_array_equal(ringed.drop_mm(r, 0 * r)[4:], 0.0)
 
 
+@pytest.mark.slow
 def test_a_neighbour_stiffens_and_a_rim_softens_and_both_die_out_with_distance(alone):
     near, far = alone.stiffer(21.5), alone.stiffer(26.0)
     assert near > 0.005 > far > -1e-5

@@ -191,6 +191,7 @@ def cluster():
             process.wait()
 
 
+@pytest.mark.slow
 def test_a_cluster_that_loses_a_worker_in_the_middle_loses_and_doubles_no_row(tmp_path, cluster, monkeypatch):
     address, workers = cluster
     monkeypatch.setattr(module, "CHUNK", 20)

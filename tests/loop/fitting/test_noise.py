@@ -50,6 +50,7 @@ def test_repeats_are_paired_within_their_condition(plain):
         )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_slow_noise_is_recovered_and_does_not_see_what_changes_with_force(base):
     """Size and time scatter by 3.8 % and 12 % from draw to draw (of 24): 3.5 such errors, the mean within 3."""
     presses = base.problem.presses

@@ -68,6 +68,7 @@ def test_good_cavity_reads_its_draft_and_nothing_else(open_parts):
     assert found["rays"] == 0 and found["sweep"] < 1e-6
 
 
+@pytest.mark.slow
 def test_negative_draft_fails_draft_rays_and_sweep(open_parts):
     spec = replace(open_parts.spec, pad=replace(open_parts.spec.pad, draft_deg=-2.0))
     pad = pad_solid(spec.pad).scale(layout(spec).scale)
@@ -97,6 +98,7 @@ def test_inward_lip_fails_rays_and_sweep(open_parts):
     assert "rays_blocked" in " ".join(failed(_mesh_checks(open_parts, mould)))
 
 
+@pytest.mark.slow
 def test_closed_hole_through_the_pad_fails_rays_and_sweep(open_parts):
     import cadquery as cq
 
@@ -107,6 +109,7 @@ def test_closed_hole_through_the_pad_fails_rays_and_sweep(open_parts):
     assert found["rays"] > 0 and found["sweep"] > 1.0
 
 
+@pytest.mark.slow
 def test_lid_turned_round_collides(lidded_parts):
     import cadquery as cq
 

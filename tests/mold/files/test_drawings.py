@@ -95,6 +95,7 @@ def test_a_part_is_on_its_page_in_the_scale_that_the_title_says(open_parts, pape
     assert any(text.words.startswith(said) for text in drawing.texts)
 
 
+@pytest.mark.slow
 def test_a_crowned_pad_shows_foot_and_tip_with_their_dimensions(crowned):
     pad, shape = crowned.spec.pad, dict(crowned.spec.pad.shape.parameters)
     drawing = drawings(crowned)["pad"]
@@ -129,6 +130,7 @@ def test_a_boss_is_no_hole_and_seams_are_not_drawn():
         assert max(radii) - min(radii) < 1e-6
 
 
+@pytest.mark.slow
 def test_section_outline_encloses_the_area_of_the_cut(open_parts, lidded_parts):
     import cadquery as cq
 

@@ -8,6 +8,7 @@ from dummydesign.mold.cad.pad_solids import cavity_solid
 from tests.support.mould_checks import shape_spec
 
 
+@pytest.mark.slow
 def test_steps_of_spacer_and_carrier_do_not_depend_on_what_was_written_before(layered, boned):
     from dummydesign.mold.files import step
     from dummydesign.mold.produce import step_part
@@ -17,6 +18,7 @@ def test_steps_of_spacer_and_carrier_do_not_depend_on_what_was_written_before(la
         assert step.step_text([step_part(made, name)], name, "test") == first
 
 
+@pytest.mark.slow
 def test_curved_faces_survive_step(crowned, boned, tmp_path):
     from dummydesign.mold.files import step
     from dummydesign.mold.produce import step_part

@@ -38,6 +38,7 @@ def test_a_shallow_crown_agrees_with_the_law_of_a_cap_on_a_layer(c, factor):
     assert cap_force(press, depth) == pytest.approx(law, rel=7e-3)
 
 
+@pytest.mark.slow
 def test_on_a_thick_pad_the_first_touch_is_that_of_hertz():
     depth = 2.5e-4
     press = Press(Crowned(0.1, 5e-3), 1.0, 0.02, 2.0, condition="frictionless", first=depth)

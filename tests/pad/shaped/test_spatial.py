@@ -69,6 +69,7 @@ def test_a_flat_top_over_its_slab_is_that_of_the_axisymmetric_solve(shape):
     assert forces[0] / forces[1] == pytest.approx(pair[0] / pair[1], rel=0.015)
 
 
+@pytest.mark.slow
 def test_layers_of_one_modulus_are_a_slab_on_another_grid_and_a_stiff_one_below_stiffens():
     slab = first_stiffness(Slab(), 10.0, (7.0, 7.0))
     assert first_stiffness(Layered(4.0, 1.0), 10.0, (7.0, 7.0)) == pytest.approx(slab, rel=0.02)
@@ -76,6 +77,7 @@ def test_layers_of_one_modulus_are_a_slab_on_another_grid_and_a_stiff_one_below_
     assert soft < 0.8 * slab < slab < 0.8 * stiff
 
 
+@pytest.mark.slow
 def test_a_shallow_cap_follows_the_theory_of_a_layer_at_small_depth():
     """F = 16/9 E sqrt(R) d^1.5 f(sqrt(R d)/h), f of the integral equation to 0.3 %; coarse grid, d/h 0.02: 5 %."""
     radius, thickness, depth = 40.0, 40.0, 0.8

@@ -202,6 +202,7 @@ def test_newtons_method_with_a_new_tangent_each_time_converges_quadratically_in_
     assert np.log(last[-1]) / np.log(last[-2]) > 1.6
 
 
+@pytest.mark.slow
 def test_the_ratio_changes_little_with_depth_and_with_the_corner_cell():
     """To d/h 0.14 on a 10 mm pad two corner cells agree within 0.3 %."""
     depths = np.array([0.07, 0.14])
@@ -211,6 +212,7 @@ def test_the_ratio_changes_little_with_depth_and_with_the_corner_cell():
     assert fine.ratio == pytest.approx(fine.first, abs=4e-3)
 
 
+@pytest.mark.slow
 def test_a_folding_corner_is_left_out_and_not_reported_as_a_ratio():
     found = solve_ratios(half(10.0), LAW, 0.5, np.array([0.15, 0.3, 0.4, 0.45]), Cells(0.45))
     assert found.smallest_J.min() >= 0.2

@@ -40,6 +40,7 @@ def solved(press):
     return predict_motion(pad(), press, "viscoelastic")
 
 
+@pytest.mark.slow
 def test_the_finite_strain_force_lies_in_the_interval_of_the_quick_one(quick, solved):
     """A pad, speed and set of arms that were not among those measured, at all times of a press and hold."""
     moving = quick.time_s > 0.2 * quick.peak_time_s

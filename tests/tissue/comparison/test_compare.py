@@ -34,6 +34,7 @@ def palm():
     return load_tissue("palm")
 
 
+@pytest.mark.slow
 def test_a_dummy_that_equals_the_middle_subject_is_inside_everything(palm):
     found = compare_traces(presses(palm.parameter_sets[2], noise_N=0.02), palm).result
     for row in found["parametric"].values():
@@ -64,6 +65,7 @@ def test_the_steady_curve_goes_through_the_measured_points_and_below_them_by_the
     assert np.nanmax(np.abs(depth[low] / exact - 1)) < 0.15
 
 
+@pytest.mark.slow
 def test_the_command_writes_tables_report_and_one_json_object(palm, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     files = []

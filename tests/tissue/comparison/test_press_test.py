@@ -46,6 +46,7 @@ def test_after_a_short_hold_a_subject_is_less_deep_than_at_rest_and_the_range_sa
     np.testing.assert_array_equal(end_of_hold_range(palm.parameter_sets, forces, 10.0, 10.0), rest)
 
 
+@pytest.mark.slow
 def test_a_subject_pressed_with_a_short_hold_lies_inside_the_steady_range_of_that_hold(palm):
     found = compare_traces(subject_presses(palm, (5.0, 10.0, 15.0), (10.0,), hold_s=0.5), palm)
     assert found.result["steady_state_range"]["above_5N_fraction"] == 1.0
@@ -67,6 +68,7 @@ def test_a_test_of_one_force_and_speed_judges_that_press_alone(palm):
     assert found.result["steady_state_range"]["above_5N_fraction"] == 1.0
 
 
+@pytest.mark.slow
 def test_a_pad_half_as_strong_reads_low_in_a_test_at_small_forces(palm):
     traces = subject_presses(palm, (1.0, 2.0), (10.0, 100.0), subject=0, scale=0.5)
     found = compare_traces(traces, palm, test=PressTest((0.5, 1.0), (10.0, 100.0)))

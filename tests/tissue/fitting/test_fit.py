@@ -249,6 +249,7 @@ def test_eighteen_traces_are_fitted_together_down_to_their_noise(clean):
     assert fit.result["rmse_N"] == pytest.approx(0.03, rel=0.05)
 
 
+@pytest.mark.slow
 def test_a_subject_made_from_a_fit_carries_law_intervals_and_source(clean):
     subject = subject_from_fit("anna", fit_traces([noisy(t, k) for k, t in enumerate(clean)], 5, mode="per-speed"))
     c2 = subject.numbers["c2_N_s_per_mm"]["250"]

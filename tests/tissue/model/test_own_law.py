@@ -88,6 +88,7 @@ def test_fit_finds_its_parameters_and_the_number_of_elements_it_may_have(traces,
         assert "arms whose times do not depend on depth" in stream.read()
 
 
+@pytest.mark.slow
 def test_a_tissue_of_it_is_written_read_and_compared_with(traces, capsys):
     assert run(["tissues", "add", "mine", *traces, "--law", "one-time"]) == 0
     assert load_tissue("mine").law == "one-time"

@@ -1,0 +1,71 @@
+"""``whatif`` on the command line: rows and their files, going on, refusals."""
+
+import json
+
+import pytest
+
+from dummydesign.cli import run
+
+
+@pytest.fixture(autouse=True)
+def _in_an_empty_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def answer(capsys, *arguments):
+    status = run([*arguments, "--json"])
+    return status, json.loads(capsys.readouterr().out)
+
+
+def test_whatif_gives_rows_and_their_csv(capsys, tmp_path):
+    status, found = answer(
+        capsys, "whatif", "--thickness", "5:20:5", "--ratio", "15,16", "--tissue", "palm", "--out", str(tmp_path)
+    )
+    assert status == 0 and found["schema"] == "dummydesign.whatif/1" and found["seconds"] > 0
+    assert [(row["thickness_mm"], row["ratio"]) for row in found["rows"]] == [
+        (t, r) for t in (5.0, 10.0, 15.0, 20.0) for r in (15.0, 16.0)
+    ]
+    row = found["rows"][1]
+    assert set(row["exponent_at_N"]) == {"1", "5", "10", "15"} and set(row["peak_over_steady"]) == {"10", "250"}
+    assert row["limit"] is None and "total" in row["score"]
+    assert any(row["limit"] for row in found["rows"])
+    assert len((tmp_path / "rows.csv").read_text().splitlines()) == 9
+    assert (tmp_path / "report.html").stat().st_size > 50_000
+    assert not list(tmp_path.glob(".*"))
+
+
+def test_whatif_goes_on_where_it_was_stopped(capsys, tmp_path):
+    arguments = ["whatif", "--thickness", "5:20:5", "--ratio", "15:17:0.5", "--base", "bonded,sliding", "--out", "w"]
+    _, whole = answer(capsys, *arguments)
+    path = tmp_path / "w" / "rows.csv"
+    content = path.read_bytes()
+    path.write_bytes(content[: len(content) // 2])
+    _, again = answer(capsys, *arguments, "--resume")
+    assert 0 < again["resumed_rows"] < len(whole["rows"]) == 40
+    assert again["rows"] == whole["rows"] and path.read_bytes() == content
+    assert run([*arguments, "--force", "3", "--resume"]) == 2
+    assert "forces_N" in capsys.readouterr().err
+
+
+def test_whatif_in_two_processes_gives_the_same(capsys, tmp_path):
+    arguments = ["whatif", "--thickness", "5:20:5", "--ratio", "15,16", "--out", "w"]
+    assert answer(capsys, *arguments)[1]["rows"] == answer(capsys, *arguments, "--workers", "2")[1]["rows"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--thickness", "3:30"], "START:STOP:STEP"),
+        (["--thickness", "3:30:0.001", "--ratio", "14:20:0.01"], "above 1000000"),
+        (["--thickness", "5", "--ratio", "30"], "allowed range 14.0 to 20.0"),
+        (["--thickness", "5", "--punch", "star:3"], "punch 'star:3'"),
+        (["--thickness", "5", "--fidelity", "guess"], "unknown fidelity"),
+        (["--thickness", "5", "--velocity", "0"], "velocity in mm/s = 0"),
+    ],
+)
+def test_whatif_refuses_in_one_line_and_leaves_nothing(arguments, message, capsys, tmp_path):
+    out = tmp_path / "study"
+    assert run(["whatif", *arguments, "--out", str(out)]) == 2
+    error = capsys.readouterr().err.strip()
+    assert error.startswith("error: ") and message in error and "\n" not in error
+    assert not out.exists()

@@ -30,12 +30,17 @@ LOADED, FEW = 0.3, 0.05
 
 @dataclass(frozen=True)
 class Trace:
-    """One measured (or simulated) press; arrays of shape (n,), compression positive."""
+    """One measured (or simulated) press; arrays of shape (n,), compression positive.
+
+    ``told_mm_s`` is the speed the robot was told, where that is known: a shallow press brakes from the surface on, and
+    its motion does not show it.
+    """
 
     name: str
     time_s: NDArray
     displacement_mm: NDArray
     force_N: NDArray
+    told_mm_s: float | None = None
 
 
 def read_trace(path: str | Path, velocity_mm_s: float | None = None) -> Trace:

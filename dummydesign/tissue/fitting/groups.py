@@ -15,7 +15,11 @@ def rounded_velocity(velocity_mm_s: float) -> float:
 
 
 def speed_groups(traces: Sequence[ReducedTrace]) -> list[tuple[float, list[ReducedTrace]]]:
-    """Group traces whose speeds are within 15 % of their neighbour's: (nominal speed, traces), rising."""
+    """Group traces whose speeds are within 15 % of their neighbour's: (nominal speed, traces), rising.
+
+    The nominal speed is that which the robot was told, where all of a group were told one; else two digits of the
+    median.
+    """
     ordered = sorted(traces, key=lambda trace: trace.velocity_mm_s)
     groups: list[list[ReducedTrace]] = []
     for trace in ordered:
@@ -23,7 +27,14 @@ def speed_groups(traces: Sequence[ReducedTrace]) -> list[tuple[float, list[Reduc
             groups[-1].append(trace)
         else:
             groups.append([trace])
-    return [(rounded_velocity(float(np.median([t.velocity_mm_s for t in g]))), g) for g in groups]
+    return [(_nominal(group), group) for group in groups]
+
+
+def _nominal(group: Sequence[ReducedTrace]) -> float:
+    told = {trace.trace.told_mm_s for trace in group}
+    if len(told) == 1 and None not in told:
+        return group[0].velocity_mm_s
+    return rounded_velocity(float(np.median([trace.velocity_mm_s for trace in group])))
 
 
 def condition_groups(traces: Sequence[ReducedTrace]) -> list[tuple[float, float, list[ReducedTrace]]]:

@@ -90,8 +90,9 @@ def reduce_trace(trace: Trace) -> ReducedTrace:
     average = binning.average(time, nodes, ramp.stop_time_s + SETTLED_S)
     inside = binning.inside
     late = time[inside] >= ramp.hold_end_s - 0.05 * hold
+    velocity = trace.told_mm_s or approach_velocity(time, trace.displacement_mm, ramp)
     return ReducedTrace(
-        trace, ramp, approach_velocity(time, trace.displacement_mm, ramp), float(force[inside][late].mean()),
+        trace, ramp, velocity, float(force[inside][late].mean()),
         binning.start_s, binning.end_s, binning.samples, binning.mean(force), Motion(nodes, displacement), average,
         inside,
     )  # fmt: skip

@@ -107,6 +107,28 @@ def test_a_law_follows_up_to_twice_the_scatter():
     assert Misfit("a", 3.0, 1.5, True, 2.0).follows and not Misfit("a", 3.1, 1.5, True, 2.07).follows
 
 
+def test_shallow_fast_presses_that_brake_all_the_way_count_at_the_speed_they_were_told(tmp_path):
+    """at 1 to 3 N a forefinger stops within the braking distance: its motion shows 180 to 230 mm/s, by person"""
+    finger = load_tissue("forefinger")
+    table = law_table(tmp_path / "shallow.csv", finger, forces=(1.0, 2.0, 3.0))
+    said = add_curves("shallow", str(table), "ode", "5")["warnings"]
+    assert not {"one_speed", "speed_unlike_told"} & {one["code"] for one in said}
+    found = load_tissue("shallow")
+    assert found.velocities_mm_s == (10.0, 250.0)
+    known = {subject.name: subject.parameters for subject in finger.subjects}
+    for subject in found.subjects:
+        dampers = known[subject.name].dampers_at(250.0)
+        np.testing.assert_allclose(subject.parameters.dampers_at(250.0), dampers, rtol=2e-3)
+
+
+def test_presses_that_moved_faster_than_the_table_says_are_named(tmp_path):
+    table = law_table(tmp_path / "t.csv", load_tissue("palm"), forces=(5.0, 10.0))
+    text = table.read_text(encoding="utf-8").replace(",250,", ",125,")
+    table.write_text(text, encoding="utf-8")
+    said = [one for one in add_curves("t", str(table), "none", "5")["warnings"] if one["code"] == "speed_unlike_told"]
+    assert len(said) == 1 and said[0]["message"].count("for 125 mm/s") == 10
+
+
 def test_one_speed_and_one_person_are_said(tmp_path):
     table = write_table(tmp_path / "c.csv", PEOPLE[:1], (5.0, 10.0), speeds=(10.0,))
     said = {one["code"]: one["message"] for one in add_curves("mine", str(table), "none", "5")["warnings"]}

@@ -8,7 +8,8 @@ import pytest
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.tissue.model.laws import law_named
-from dummydesign.tissue.population.from_curves import add_curves, check_curves, read_curves
+from dummydesign.tissue.population.curve_table import check_curves, read_curves
+from dummydesign.tissue.population.from_curves import add_curves
 
 GAMMA1 = {"anna": 0.05, "bert": 0.12}
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -53,7 +53,7 @@ def live_data(resin: Resin, tissue: Tissue | None, sampling: Sampling | None = N
             "tau_s": [arm.tau_s.value for arm in resin.arms],
             "beta": np.array(strengths).reshape(RATIOS, -1).T.tolist(),
         },
-        "tissue": None if tissue is None else _tissue(tissue),
+        "tissue": None if tissue is None else _tissue(tissue, sampling.hold_s),
         "protocol": {
             "hold_s": sampling.hold_s,
             "deceleration_mm_s2": sampling.deceleration_mm_s2,
@@ -71,10 +71,12 @@ def _square(base: str) -> dict[str, Any]:
     return {name: np.asarray(getattr(table, name)).tolist() for name in names}
 
 
-def _tissue(tissue: Tissue) -> dict[str, Any] | None:
+def _tissue(tissue: Tissue, hold_s: float) -> dict[str, Any] | None:
     """The subjects and what the page computes their law by; None for a law that a page cannot compute."""
     from dummydesign.tissue.model.laws import law_named
 
+    if tissue.measured:
+        return _curves(tissue, hold_s)
     law = law_named(tissue.law).live
     if law is None:
         return None
@@ -87,4 +89,28 @@ def _tissue(tissue: Tissue) -> dict[str, Any] | None:
         }
         for subject in tissue.parameter_sets
     ]
+    return {"name": tissue.name, "law": law, "subjects": subjects}
+
+
+def _curves(tissue: Tissue, hold_s: float) -> dict[str, Any]:
+    """People as measured curves: steady curve at the end of the hold, and every press over its steady force."""
+    from dummydesign.tissue.model.held_press import FORCE_APART, SHARES, SPEED_APART, hold_times
+    from dummydesign.tissue.model.laws.curves import known_words
+    from dummydesign.tissue.model.measured_curves import MeasuredPerson
+
+    people = [cast(MeasuredPerson, one) for one in tissue.parameter_sets]
+    law = {
+        "measured": True, "ideal_ramp": False, "shares": SHARES.tolist(), "hold_times_s": hold_times(hold_s).tolist(),
+        "force_apart": FORCE_APART, "speed_apart": SPEED_APART, "known": known_words(people, hold_s),
+    }  # fmt: skip
+    subjects = []
+    for person in people:
+        log_depth, log_force = person.steady_curve(hold_s)
+        speeds = [
+            {"v": speed, "force_N": known, "ln_depth": depths.tolist(), "over_steady": rows.tolist()}
+            for speed in person.velocities_mm_s
+            if (known := person.known_N(speed, min(hold_s, person.hold_known_s())))
+            for depths, rows in [person.over_steady_at(speed, hold_s)]
+        ]
+        subjects.append({"ln_depth": log_depth.tolist(), "ln_force": log_force.tolist(), "speeds": speeds})
     return {"name": tissue.name, "law": law, "subjects": subjects}

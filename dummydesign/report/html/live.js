@@ -166,6 +166,39 @@ const DD = (() => {
     }
     return c[c.length - 1];
   }
+  // Measured curves without a law, between the presses that were made: tissue/model/measured_curves.py.
+  const carriedOn = (x, xs, ys) => {
+    const n = xs.length - 1, slope = (i, j) => (ys[j] - ys[i]) / (xs[j] - xs[i]);
+    return interp(x, xs, ys) + Math.min(x - xs[0], 0) * slope(0, 1) + Math.max(x - xs[n], 0) * slope(n - 1, n);
+  };
+  function speedsFor(speeds, v, apart) {
+    const away = speeds.map((s) => Math.abs(Math.log(s.v / v))), near = away.indexOf(Math.min(...away));
+    if (away[near] < Math.log(apart)) return [[speeds[near], 1]];
+    const at = speeds.findIndex((s) => s.v > v);
+    if (at < 1) return [];
+    const share = Math.log(v / speeds[at - 1].v) / Math.log(speeds[at].v / speeds[at - 1].v);
+    return [[speeds[at - 1], 1 - share], [speeds[at], share]];
+  }
+  function overSteady(speed, logDepth) {
+    const d = speed.ln_depth, rows = speed.over_steady, place = Math.min(Math.max(logDepth, d[0]), d[d.length - 1]);
+    if (d.length === 1) return rows[0];
+    const i = Math.min(Math.max(d.findIndex((x) => x >= place), 1), d.length - 1), share = (place - d[i - 1]) / (d[i] - d[i - 1]);
+    return rows[i].map((b, k) => (1 - share) * rows[i - 1][k] + share * b);
+  }
+  function curvesPress(law, subject, force, v, protocol) {
+    const found = speedsFor(subject.speeds, v, law.speed_apart);
+    const low = max(found.map(([s]) => s.force_N[0])), high = -max(found.map(([s]) => -s.force_N[1]));
+    if (!found.length || force < low / law.force_apart || force > high * law.force_apart) return null;
+    const logDepth = carriedOn(Math.log(force), subject.ln_force, subject.ln_depth), depth = Math.exp(logDepth);
+    const rows = found.map(([s, share]) => overSteady(s, logDepth).map((r) => share * r * force));
+    const both = rows[0].map((_, k) => rows.reduce((sum, row) => sum + row[k], 0)), n = law.shares.length;
+    const rise = both.slice(0, n), hold = both.slice(n), m = motion(v, depth, protocol.hold_s, protocol.deceleration_mm_s2, 60, 24, 60);
+    const carried = m.t.map((t, i) => t <= m.stop ? interp(m.x[i] / depth, law.shares, rise) : interp(t - m.stop, law.hold_times_s, hold));
+    return { t: m.t, stop: m.stop, depth, force: carried };
+  }
+  const restForce = (law, s, x) => !law.measured ? s.gamma1 * x ** 3 : x > 0 ? Math.exp(carriedOn(Math.log(x), s.ln_depth, s.ln_force)) : 0;
+  const restDepth = (law, s, force) =>
+    law.measured ? Math.exp(carriedOn(Math.log(force), s.ln_force, s.ln_depth)) : Math.cbrt(force / s.gamma1);
   function tissueForce(law, subject, m, v) {
     const c = dampersAt(subject, v);
     let elastic = m.x.map((x) => Math.max(x, 0) ** 3);
@@ -182,6 +215,7 @@ const DD = (() => {
     return total;
   }
   function tissuePress(law, subject, force, v, protocol) {
+    if (law.measured) return curvesPress(law, subject, force, v, protocol);
     const hold = protocol.hold_s, decel = protocol.deceleration_mm_s2;
     let depth = Math.cbrt(force / subject.gamma1);
     for (let k = 0; k < 30; k++) {
@@ -195,6 +229,7 @@ const DD = (() => {
   // Envelope of the subjects' F(t) and share of a press inside it: tissue/ranges.py.
   function forceRange(law, subjects, force, v, protocol) {
     const curves = subjects.map((s) => tissuePress(law, s, force, v, protocol));
+    if (curves.includes(null)) return null;
     const end = Math.min(...curves.map((c) => c.stop)) + protocol.hold_s;
     const grid = [...new Set(curves.flatMap((c) => c.t))].sort((a, b) => a - b).filter((t) => t <= end * (1 + 1e-12));
     const rows = curves.map((c) => grid.map((t) => interp(t, c.t, c.force)));
@@ -226,12 +261,12 @@ const DD = (() => {
     const arms = data.resin.tau_s.map((tau, k) => ({ tau, beta: interp(state.ratio, data.resin.ratio, data.resin.beta[k]) }));
     const young = out.young_kPa / 1e3;
     if (data.tissue) {
-      const range = forceRange(data.tissue.law, data.tissue.subjects, state.force_N, state.velocity_mm_s, data.protocol);
-      const gammas = data.tissue.subjects.map((s) => s.gamma1);
-      out.range = range;
-      out.tissue_peak_low_N = range.peak_low; out.tissue_peak_high_N = range.peak_high;
-      out.tissue_depth_low_mm = Math.cbrt(state.force_N / Math.max(...gammas));
-      out.tissue_depth_high_mm = Math.cbrt(state.force_N / Math.min(...gammas));
+      const { law, subjects } = data.tissue;
+      const range = forceRange(law, subjects, state.force_N, state.velocity_mm_s, data.protocol);
+      const depths = subjects.map((s) => restDepth(law, s, state.force_N));
+      if (range) { out.range = range; out.tissue_peak_low_N = range.peak_low; out.tissue_peak_high_N = range.peak_high; }
+      else out.tissue_limit = `not every subject was pressed to ${state.force_N} N at ${+state.velocity_mm_s.toPrecision(3)} mm/s; all were pressed ${law.known}`;
+      out.tissue_depth_low_mm = Math.min(...depths); out.tissue_depth_high_mm = Math.max(...depths);
     }
     if (!c) { out.limit = "punch radius over thickness is outside the table"; return out; }
     out.curve = { depth: Array.from(c.area, (_, i) => i * c.step), force: Array.from(c.area, (a) => young * a) };
@@ -252,5 +287,5 @@ const DD = (() => {
     if (out.range) out.inside_fraction = insideShare(out.range, out.press, state.force_N);
     return out;
   }
-  return { compute, curve, interp };
+  return { compute, curve, interp, restForce };
 })();

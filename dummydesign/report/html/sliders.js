@@ -63,13 +63,14 @@
     const low = $("v-tissue_depth");
     if (low && data.tissue) {
       low.textContent = `${r.tissue_depth_low_mm.toPrecision(3)} to ${r.tissue_depth_high_mm.toPrecision(3)} mm`;
-      $("v-tissue_peak").textContent = `${r.tissue_peak_low_N.toPrecision(3)} to ${r.tissue_peak_high_N.toPrecision(3)} N`;
+      $("v-tissue_peak").textContent = r.range ? `${r.tissue_peak_low_N.toPrecision(3)} to ${r.tissue_peak_high_N.toPrecision(3)} N` : "–";
     }
-    $("live-limit").textContent = r.limit || "";
+    $("live-limit").textContent = [r.limit, r.tissue_limit].filter(Boolean).join("; ");
     const top = 1.5 * state.force_N, layers = [], deep = Math.max(r.curve ? r.curve.depth[r.curve.depth.length - 1] : 1, r.tissue_depth_high_mm || 0);
     if (data.tissue) {
-      const gammas = data.tissue.subjects.map((s) => s.gamma1), x = Array.from({ length: 80 }, (_, i) => deep * i / 79);
-      layers.push({ x, low: x.map((v) => Math.min(Math.min(...gammas) * v ** 3, 2 * top)), high: x.map((v) => Math.min(Math.max(...gammas) * v ** 3, 2 * top)) });
+      const { law, subjects } = data.tissue, x = Array.from({ length: 80 }, (_, i) => deep * i / 79);
+      const ends = x.map((v) => subjects.map((s) => Math.min(DD.restForce(law, s, v), 2 * top)));
+      layers.push({ x, low: ends.map((f) => Math.min(...f)), high: ends.map((f) => Math.max(...f)) });
     }
     if (r.curve) layers.push({ x: r.curve.depth, y: r.curve.force.map((f) => Math.min(f, 2 * top)), style: "main" });
     if (Number.isFinite(r.depth_mm)) layers.push({ dot: [r.depth_mm, state.force_N], style: "main" });

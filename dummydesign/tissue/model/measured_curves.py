@@ -172,11 +172,15 @@ class MeasuredPerson(MeasuredParameters):
         share = float(np.log(velocity_mm_s / known[at - 1]) / np.log(known[at] / known[at - 1]))
         return [(float(known[at - 1]), 1.0 - share), (float(known[at]), share)]
 
-    def _ratios(self, speed_mm_s: float, depth_mm: float, hold_s: float) -> NDArray:
-        """Rise and hold over the steady force at a depth, between the presses of a speed."""
+    def over_steady_at(self, speed_mm_s: float, hold_s: float) -> tuple[NDArray, NDArray]:
+        """ln depth (presses,) and rise and hold over the steady force (presses, n) of the presses of a speed."""
         groups = self._by_speed[speed_mm_s]
         depths = np.log([np.mean([press.depth_mm for press in group]) for group in groups])
-        rows = np.array([np.mean([over_steady(press, hold_s) for press in group], axis=0) for group in groups])
+        return depths, np.array([np.mean([over_steady(press, hold_s) for press in group], axis=0) for group in groups])
+
+    def _ratios(self, speed_mm_s: float, depth_mm: float, hold_s: float) -> NDArray:
+        """Rise and hold over the steady force at a depth, between the presses of a speed."""
+        depths, rows = self.over_steady_at(speed_mm_s, hold_s)
         place = np.clip(np.log(depth_mm), depths[0], depths[-1])
         at = int(np.clip(np.searchsorted(depths, place), 1, max(len(depths) - 1, 1)))
         if len(depths) == 1:

@@ -68,7 +68,7 @@ def live_section(data: dict[str, Any], resin: Resin, tissue: Tissue | None, star
         f"<figcaption><strong>{title}</strong><small>{note}</small></figcaption></figure>"
         for name, title, note in (
             ("depth", "Relaxed force over depth", "blue: pad; area: subjects of the tissue, where one is given"),
-            ("time", "Force over time", "ramp, braking at 30 m/s2, hold of 10 s; area: subjects"),
+            ("time", "Force over time", f"ramp, {_held(data['protocol'])}; area: subjects"),
         )
     )
     html = (
@@ -81,6 +81,11 @@ def live_section(data: dict[str, Any], resin: Resin, tissue: Tissue | None, star
         "the formulas of the package."
     )
     return Section("Try it", text, html=html)
+
+
+def _held(protocol: dict[str, Any]) -> str:
+    """Braking and hold of the presses in words."""
+    return f"braking at {protocol['deceleration_mm_s2'] / 1e3:g} m/s2, hold of {protocol['hold_s']:g} s"
 
 
 def _select(name: str, text: str, options: tuple[str, ...], chosen: str) -> str:

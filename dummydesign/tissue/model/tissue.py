@@ -35,6 +35,22 @@ class Subject:
         return {"name": self.name, **_numbers_to_dict(self.numbers)}
 
 
+def behind_ranges(people: int) -> str:
+    """How many people stand behind a range without a law, and how often one more lies outside: 2 / (n + 1).
+
+    Of n + 1 people of one population each is as likely to be the lowest, and the highest, whatever its distribution.
+
+    Parameters
+    ----------
+    people : int
+        At least one.
+    """
+    if people < 2:
+        return "one person stands behind it, who makes no range"
+    share = 200.0 / (people + 1)
+    return f"{people} people stand behind each range, and on average {share:.0f} % of their kind lie outside of it"
+
+
 @dataclass(frozen=True)
 class Tissue:
     """Parameters of several subjects at one site of the hand, all fitted with the same law.
@@ -78,7 +94,11 @@ class Tissue:
         """Code and words of what every answer must say of its law; None for nothing."""
         from dummydesign.tissue.model.laws import law_named
 
-        return law_named(self.law).said_of(self.name)
+        found = law_named(self.law).said_of(self.name)
+        if found is None or not self.measured:
+            return found
+        code, text = found
+        return code, f"{text}; {behind_ranges(len(self.subjects))}"
 
     @cached_property
     def elements(self) -> int:

@@ -20,7 +20,7 @@ from dummydesign.tissue.model.curve_numbers import subjects_of
 from dummydesign.tissue.model.laws import DEFAULT, fitted_law
 from dummydesign.tissue.model.laws.curves import curves_words
 from dummydesign.tissue.model.measured_curves import LAW
-from dummydesign.tissue.model.tissue import Tissue
+from dummydesign.tissue.model.tissue import Tissue, behind_ranges
 from dummydesign.tissue.model.tissue_file import KIND, tissue_toml
 from dummydesign.tissue.population.curve_table import HELD_S, Curve, check_curves, read_curves
 from dummydesign.tissue.population.from_traces import (
@@ -101,7 +101,8 @@ def add_curves(name: str, table: str, law: str, elements: str, replace_own: bool
         found = subjects_of(named)
         title = f"{len(found)} subject{'s' if len(found) > 1 else ''}, measured curves"
         tissue = Tissue(name, title, LAW, found, (), (f"{curves_words('This tissue')}.",), "user")
-        warnings.append({"code": "measured_curves", "message": curves_words(name)})
+        said = f"{curves_words(name)}; {behind_ranges(len(found))}"
+        warnings.append({"code": "measured_curves", "message": said})
         if missed:
             warnings.append({"code": "law_does_not_follow", "message": _why(missed)})
     else:

@@ -1,6 +1,7 @@
 """People as measured curves: presses between those that were made, ranges and verdicts as the forces say directly."""
 
 import dataclasses
+import re
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ from dummydesign.design.scoring.verdict import Ranges, levels
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue.comparison.compare import compare_traces
-from dummydesign.tissue.model.tissue import Tissue
+from dummydesign.tissue.model.tissue import Tissue, behind_ranges
 from dummydesign.tissue.model.tissue_file import load_tissue, tissue_toml
 from dummydesign.tissue.population.from_curves import add_curves
 from tests.support.fung_people import PEOPLE, press, write_table
@@ -174,6 +175,21 @@ def direct_hold(person, steady, hold):
 def test_a_free_mass_needs_a_law(people):
     with pytest.raises(InputError, match="no parameters"):
         tissue_body(people.parameter_sets, 250.0)
+
+
+@pytest.mark.parametrize("count", [2, 4, 9])
+def test_the_share_of_people_outside_a_range_is_the_one_that_is_said(count):
+    rng = np.random.default_rng(count)
+    for drawn in (rng.lognormal(size=(40_000, count + 1)), rng.uniform(size=(40_000, count + 1))):
+        others, one = drawn[:, :-1], drawn[:, -1]
+        outside = np.mean((one < others.min(axis=1)) | (one > others.max(axis=1)))
+        said = float(re.search(r"(\d+) %", behind_ranges(count))[1])
+        assert said == pytest.approx(100 * outside, abs=1.5)
+
+
+def test_how_many_people_stand_behind_the_ranges_is_said(people):
+    assert people.said[1].endswith(behind_ranges(len(people.subjects))) and "4 people stand behind" in people.said[1]
+    assert "makes no range" in behind_ranges(1)
 
 
 def test_the_file_is_read_as_it_was_written(people, tmp_path):

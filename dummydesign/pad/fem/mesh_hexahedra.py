@@ -136,58 +136,73 @@ def discretise(mesh: Any, bend: Callable[[Array], Array] | None = None) -> Discr
 
 
 @dataclass(frozen=True)
-class Folded:
-    """One of two halves of a mesh that mirror each other in the plane x = y, for what is symmetric to it.
+class Quarter:
+    """A quarter of a slab, or half of it for what mirrors in the plane x = y.
 
     Attributes
     ----------
     mesh : Discretisation
-        The cells with x <= y; those that the plane halves count half.
-    cells : ndarray of int
-        Which cells of the whole mesh these are.
-    share : ndarray
-        How much of each one counts: 1, or 1/2 in the plane.
-    unknowns : ndarray of int
-        The unknown that takes the place of each one of the whole mesh.
+        Folded: the cells with x <= y; those that the plane halves count half.
+    lattice : ndarray of int, shape (3, cells)
+        Place of each cell along z, x and y.
+    faces : ndarray of int, shape (faces, 9)
+        Nodes of the upper faces, as of :func:`horizontal_faces`.
+    share : ndarray, shape (faces,)
+        How much of each face counts: 1, or 1/2 in the plane.
+    unknowns : ndarray of int, shape (size,)
+        The unknown that takes the place of each one of the nodes: folded, a displacement along x beyond the plane is
+        one along y before it.
     """
 
     mesh: Discretisation
-    cells: Array
+    lattice: Array
+    faces: Array
     share: Array
     unknowns: Array
 
 
-def fold(mesh: Discretisation, lattice: Array) -> Folded:
-    """Halve a mesh in the plane x = y: a displacement along x there is one along y at the mirrored place.
+def quarter(x: Array, y: Array, z: Array, folded: bool = False) -> Quarter:
+    """Hexahedra on a tensor grid.
 
     Parameters
     ----------
-    mesh : Discretisation
-        Its cells and nodes mirror each other.
-    lattice : ndarray of int, shape (3, cells)
-        Places of its cells along z, x and y.
+    x, y, z : ndarray, shape (n,)
+        Lines of the grid, increasing; each has its own n.
+    folded : bool
+        Only half of it; ``x`` and ``y`` are then the same.
 
     Returns
     -------
-    Folded
+    Quarter
     """
-    places = np.round(mesh.nodes, 9)
-    here, there = (np.lexsort(places[list(order)]) for order in ((2, 1, 0), (2, 0, 1)))
-    mirror = np.empty(len(here), dtype=np.int64)
-    mirror[here] = there
-    x, y = mesh.nodes[:2]
-    unknowns = np.arange(mesh.size).reshape(-1, 3)
-    beyond = x > y + _TOLERANCE
-    unknowns[beyond] = 3 * mirror[beyond][:, None] + np.array([1, 0, 2])
+    points, quads = rectangle_plan(x, y)
+    lattice = np.indices((len(z) - 1, len(x) - 1, len(y) - 1)).reshape(3, -1)
+    if folded:
+        before = lattice[1] <= lattice[2]
+        used, places = np.unique(quads[:, before[: quads.shape[1]]], return_inverse=True)
+        points, quads, lattice = points[:, used], places.reshape(4, -1), lattice[:, before]
+    mesh = discretise(extrude(points, quads, z))
+    upper, share = np.nonzero(lattice[0] == len(z) - 2)[0], np.ones(len(mesh.dofs))
+    faces, unknowns = horizontal_faces(mesh, upper), np.arange(mesh.size)
+    if folded:
+        share[lattice[1] == lattice[2]] = 0.5
+        unknowns = _mirrored(mesh.nodes)
+        mesh = replace(mesh, weight=mesh.weight * share[:, None], dofs=unknowns[mesh.dofs])
+    return Quarter(mesh, lattice, faces, share[upper], unknowns)
+
+
+def _mirrored(nodes: Array) -> Array:
+    """The unknown before or on the plane x = y that takes the place of each one."""
+    from scipy.spatial import cKDTree
+
+    x, y, _ = nodes
+    unknowns = np.arange(nodes.size).reshape(-1, 3)
+    beyond = np.nonzero(x > y + _TOLERANCE)[0]
+    _, mirror = cKDTree(nodes.T).query(nodes[[1, 0, 2]][:, beyond].T)
+    unknowns[beyond] = 3 * mirror[:, None] + np.array([1, 0, 2])
     between = np.abs(x - y) <= _TOLERANCE
     unknowns[between, 1] = unknowns[between, 0]
-    cells = np.nonzero(lattice[1] <= lattice[2])[0]
-    share = np.where(lattice[1] == lattice[2], 0.5, 1.0)[cells]
-    half = replace(
-        mesh, gradient=mesh.gradient[cells], weight=mesh.weight[cells] * share[:, None],
-        dofs=unknowns.ravel()[mesh.dofs[cells]],
-    )  # fmt: skip
-    return Folded(half, cells, share, unknowns.ravel())
+    return unknowns.ravel()
 
 
 def horizontal_faces(mesh: Discretisation, cells: Array, upper: bool = True) -> Array:

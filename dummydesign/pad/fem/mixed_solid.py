@@ -112,8 +112,7 @@ class Solid:
         mass = np.einsum("eq,qa,qb->eab", mesh.weight, mesh.pressure_basis, mesh.pressure_basis)
         self.compliance = mass / (ratio * law.shear_MPa)
         self.inverse = -np.linalg.inv(self.compliance)
-        elements, points, components, width = mesh.gradient.shape
-        self._flat = np.ascontiguousarray(mesh.gradient.reshape(elements, points * components, width))
+        elements, _, _, width = mesh.gradient.shape
         # Components that come from displacements along the first direction alone; the others are alike.
         self._along = mesh.nodes.shape[0]
         rows = mesh.gradient[:, :, list(mesh.kinematics.first), 0 :: self._along]
@@ -123,10 +122,22 @@ class Solid:
         self._same: Array | None = None
         if isinstance(law, Yeoh) and not law.c2_MPa:
             # The law's own tangent is the same at every state.
-            work = np.multiply(mesh.gradient, (law.shear_MPa * mesh.weight)[..., None, None])
-            self._same = self._flat.transpose(0, 2, 1) @ work.reshape(self._flat.shape)
+            self._same = self._of_law(law.shear_MPa * mesh.weight)
         self._moduli: Array | None = None
         self._work: Array | None = None
+        self._flat: Array | None = None
+
+    def _of_law(self, moduli: Array) -> Array:
+        """Tangent of each element for stresses of ``moduli``, shape (elements, points), times the slopes."""
+        elements, points = moduli.shape
+        stiffness = np.zeros((elements, self._rows.shape[-1], self._along, self._rows.shape[-1], self._along))
+        rows = self._rows.reshape(elements, points, -1, self._rows.shape[-1])
+        for direction in range(self._along):
+            here = [place // self._along for place in self.mesh.kinematics.place if place % self._along == direction]
+            part = np.ascontiguousarray(rows[:, :, here]).reshape(elements, -1, rows.shape[-1])
+            weighted = part * np.repeat(moduli, len(here), axis=1)[..., None]
+            stiffness[:, :, direction, :, direction] = part.transpose(0, 2, 1) @ weighted
+        return stiffness.reshape(elements, self.mesh.gradient.shape[-1], -1)
 
     def deformation(self, u: Array) -> Array:
         """Components of F at the quadrature points, shape (elements, points, components)."""
@@ -195,9 +206,10 @@ class Solid:
     def _by_moduli(self, F: Array, factor: Array) -> Array:
         """Tangent of each element from the law's moduli and ``factor`` times the second derivative of J."""
         mesh = self.mesh
-        if self._moduli is None or self._work is None:
+        elements, points, components, width = mesh.gradient.shape
+        if self._moduli is None or self._work is None or self._flat is None:
             # Kept, as making such large arrays anew takes as long as filling them.
-            components = mesh.gradient.shape[2]
+            self._flat = np.ascontiguousarray(mesh.gradient.reshape(elements, points * components, width))
             self._moduli = np.empty((*mesh.weight.shape, components, components))
             self._work = np.empty(mesh.gradient.shape)
         if self._same is None:

@@ -82,31 +82,23 @@ def rimmed_block(
     (x, last_x), (y, last_y) = (
         _lines(*ends, first, cells.growth) for ends in zip(core, block.half_extents, block.middle_extents)
     )
-    z = _levels(block.scale, cells)
-    mesh = space.discretise(space.extrude(*space.rectangle_plan(x, y), z))
-    lattice = np.indices((len(z) - 1, len(x) - 1, len(y) - 1)).reshape(3, -1)
-    kept, share, unknowns = np.arange(len(mesh.dofs)), np.ones(len(mesh.dofs)), None
-    whole = mesh
-    if folded:
-        half = space.fold(mesh, lattice)
-        mesh, kept, share, unknowns = half.mesh, half.cells, half.share, half.unknowns
-    upper = lattice[0, kept] == len(z) - 2
-    faces = space.horizontal_faces(whole, kept[upper])
+    part = space.quarter(x, y, _levels(block.scale, cells), folded)
+    mesh, faces = part.mesh, part.faces
     under = np.all(mesh.nodes[:2] <= np.array([[last_x], [last_y]]) + _TOLERANCE, axis=0)
     middle = mesh.nodes[:2, faces[:, 4]]
     reach = np.array([[side + REACH * block.scale] for side in block.half_sides])
     near = ~under[faces].all(axis=1) & np.all(middle <= reach, axis=0)
     glued = block.condition == "bonded"
-    strength = share[upper][near] * law.shear_MPa / bead
+    strength = part.share[near] * law.shear_MPa / bead
     surface = FaceContact(
-        mesh.nodes, faces[near], CONTACT_STIFFNESS * strength, glued * GRIP_STIFFNESS * strength, unknowns
+        mesh.nodes, faces[near], CONTACT_STIFFNESS * strength, glued * GRIP_STIFFNESS * strength, part.unknowns
     )
     face = np.all(mesh.nodes[:2] <= np.array(core)[:, None] + _TOLERANCE, axis=0)
     symmetry = mesh.nodes[:2] < _TOLERANCE
     punch = BeadedPunch(core, 0.0, bead)
     return _problem(
         mesh, block, Solid(mesh, law, poisson), under, face, symmetry, surface, punch,
-        partial(Dissection, position=lattice[:, kept]),
+        partial(Dissection, position=part.lattice),
     )  # fmt: skip
 
 

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.errors import NoAnswerError
+from dummydesign.core.threads import one_blas_thread
 from dummydesign.pad.material.hyperelastic import Law
 from dummydesign.pad.slab.square_beaded import solve_rimmed_ratios, useful_depths
 from dummydesign.pad.slab.square_sharp import Block, Cells, Ratios, block_problem, depth_of_corner, solve_ratios
@@ -70,6 +71,7 @@ def _off(depth: Array, reach: dict[float, float], correction: Array) -> Array:
     return CORRECTION_ERROR * np.abs(finest * polyval(depth, correction))
 
 
+@one_blas_thread()
 def solve_factor(
     block: Block,
     law: Law,

@@ -142,15 +142,11 @@ def block_problem(block: Block, law: Law, poisson: float, cells: Cells, folded: 
     folded : bool
         Half of the quarter, whose force is an eighth, where ``block`` mirrors.
     """
-    x, y, z = _grid(block, cells)
-    mesh = space.discretise(space.extrude(*space.rectangle_plan(x, y), z))
+    part = space.quarter(*_grid(block, cells), folded)
+    mesh = part.mesh
     under = np.all(mesh.nodes[:2] <= np.array(block.half_sides)[:, None] + _TOLERANCE, axis=0)
-    lattice, symmetry = lattice_of(block, cells), mesh.nodes[:2] < _TOLERANCE
-    if folded:
-        half = space.fold(mesh, lattice)
-        mesh, lattice = half.mesh, lattice[:, half.cells]
-    solver = partial(Dissection, position=lattice)
-    return _problem(mesh, under, symmetry, block, Solid(mesh, law, poisson), solver)
+    solver = partial(Dissection, position=part.lattice)
+    return _problem(mesh, under, mesh.nodes[:2] < _TOLERANCE, block, Solid(mesh, law, poisson), solver)
 
 
 def twin_problem(block: Block, law: Law, poisson: float, cells: Cells) -> Problem:

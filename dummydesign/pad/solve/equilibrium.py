@@ -25,9 +25,8 @@ TIE_TOLERANCE = 5e-2
 LARGEST_TIES = 4
 TIED = "contact was tied"
 # Once the relative residual is below this, a factorised tangent is used again for as long as every use brings the
-# residual below this share of the one before.
+# residual below a share of the one before, which the solver knows.
 REUSE_BELOW = 2e-2
-CONTRACTION = 0.3
 # After so many tangents contact is taken to flicker, and every step gets its own.
 REUSE_UP_TO = 7
 # A step that leaves more out of balance than before, and a relative residual above the first, is shortened to no less
@@ -173,6 +172,7 @@ def find_equilibrium(
     at = _met(problem, _Trial(1.0, u, p, state, u, [], np.inf, np.inf), depth)
     residuals: list[float] = []
     ties = factorised = 0
+    contraction, least = problem.pattern.contraction
     tangent: State | None = None
     while factorised < MAX_ITERATIONS or tangent is not None:
         again = tangent is not None
@@ -188,7 +188,7 @@ def find_equilibrium(
                 tangent = None
                 continue
             return Failure("an element would invert", factorised)
-        if again and not trial.residual < at.residual:
+        if again and not trial.residual < max(least * at.residual, tolerance):
             # A used tangent that leads away is given up together with its step.
             tangent = None
             continue
@@ -207,7 +207,7 @@ def find_equilibrium(
                 continue
         if at.residual < tolerance and at.fraction == 1.0:
             return Solution(at.u, at.p, at.state, tuple(residuals), ties, factorised)
-        good = at.residual < (CONTRACTION * last if again else REUSE_BELOW)
+        good = at.residual < (contraction * last if again else REUSE_BELOW)
         if at.fraction < 1.0 or not good or factorised > REUSE_UP_TO:
             tangent = None
     reason = f"no equilibrium after {MAX_ITERATIONS} iterations (relative residual {residuals[-1]:.1e})"

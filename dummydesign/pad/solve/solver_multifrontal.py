@@ -108,6 +108,11 @@ class Dissection:
         Places of the cells on a lattice, by which they are dissected.
     """
 
+    # A factorised tangent is used again while that brings the residual below the first share. A use that does not
+    # bring it below the second is undone: a tangent costs ten and more, but a use may have moved points to the wrong
+    # side of contact, and back and forth from there.
+    contraction = (0.5, 0.5)
+
     def __init__(self, groups: list[Array], free: Array, size: int, position: Array) -> None:
         self._faces = [_owners(groups[0], faces, size) for faces in groups[1:]]
         self.free, self.size, self.n = free, size, len(free)

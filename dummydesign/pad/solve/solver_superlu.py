@@ -28,6 +28,10 @@ class Pattern:
         Number of all unknowns.
     """
 
+    # A factorised tangent is used again while that brings the residual below the first share; uses that do not bring it
+    # below the second are undone.
+    contraction = (0.3, 1.0)
+
     def __init__(self, groups: list[Array], free: Array, size: int) -> None:
         self.free, self.size, self.n = free, size, len(free)
         moves = np.zeros(size, dtype=bool)

@@ -15,6 +15,7 @@ from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import neo_hookean
 from dummydesign.pad.slab.square_beaded import rimmed_block, solve_rimmed_ratios
 from dummydesign.pad.slab.square_sharp import Block, Cells, solve_ratios
+from dummydesign.pad.solve import equilibrium
 from dummydesign.pad.solve.continuation import follow
 from dummydesign.pad.solve.equilibrium import Problem
 from dummydesign.pad.solve.solver_multifrontal import Dissection
@@ -139,6 +140,18 @@ def test_half_of_a_quarter_under_a_square_with_a_fillet_carries_half():
     whole, half = (rimmed_block(pad, LAW, 0.5, Cells(0.45), 0.45, folded) for folded in (False, True))
     forces = [follow(problem, depths, 0.06, 0.06, 0.01).force for problem in (whole, half)]
     assert forces[1] == pytest.approx(0.5 * forces[0], rel=1e-7)
+
+
+def test_tangents_that_are_used_again_save_a_fifth_of_them_and_change_no_force(monkeypatch):
+    """Where points come to touch, uses that hardly help are undone."""
+    side = np.sqrt(75.0 * 60.0) / 20.0
+    pad, scale, paths = Block((0.35, 0.35), (side, side)), 0.35 * 2.0 / np.sqrt(np.pi), []
+    for below in (equilibrium.REUSE_BELOW, 0.0):
+        monkeypatch.setattr(equilibrium, "REUSE_BELOW", below)
+        problem = rimmed_block(pad, LAW, 0.5, Cells(0.45), 0.45, True)
+        paths.append(follow(problem, [0.1, 0.2], 0.13 * scale, 0.035 * scale, 2e-3 * scale))
+    assert paths[0].force == pytest.approx(paths[1].force, rel=1e-5)
+    assert paths[0].newton_iterations < 0.8 * paths[1].newton_iterations
 
 
 def test_the_dissection_refuses_faces_that_lie_outside_their_cell():

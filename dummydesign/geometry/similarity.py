@@ -22,14 +22,11 @@ class Similarity:
     over : str
         What the force is divided by: ``tip``, Hertz's force of the highest tip, or ``slab``, the force of the slab
         of the upper resin.
-    depth_over_height : bool
-        Whether depth counts in the number at place 1 (height over thickness) instead of in thicknesses.
     """
 
     names: tuple[str, ...]
     logarithms: tuple[bool, ...]
     over: str
-    depth_over_height: bool = False
 
     @property
     def over_tip(self) -> bool:

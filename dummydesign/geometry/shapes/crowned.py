@@ -40,7 +40,7 @@ class Crowned(ConicProfile):
     told: ClassVar[frozenset[str]] = frozenset({"curved_master", "thickness_varies"})
     similarity: ClassVar[Similarity | None] = Similarity(
         ("thickness over punch radius", "crown height over thickness", "foot over punch radius", "R c / b^2"),
-        (True, False, True, True), "tip", depth_over_height=True,
+        (True, False, True, True), "tip",
     )  # fmt: skip
     ridge: float = 0.0
     sites_along: float = 1.0

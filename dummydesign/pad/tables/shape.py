@@ -1,9 +1,9 @@
 """Response tables of shaped pads: their force without finite elements, as a force law of one shape.
 
-Crowned pads: ln of F over Hertz's force of the tip, 16/9 E sqrt(R) d^1.5, as a smooth function of d / c,
-ln(h / a), c / h, ln(b / a) and ln s, s = R c / b^2 (apex radius R, height c and foot radius b of the crown,
-thickness h, punch radius a). At first touch it is 0. Over d / c the curves of all crowns bend alike where the
-contact reaches the flat, which halves the error against d / h. Layered and boned pads: ln of F over the force of
+Crowned pads: ln of F over Hertz's force of the tip, 16/9 E sqrt(R) d^1.5, as a function of depth, ln(h / a), c / h,
+ln(b / a) and ln s, s = R c / b^2 (apex radius R, height c and foot radius b of the crown, thickness h, punch radius a),
+in pieces that are joined where the punch's edge is reached (:mod:`dummydesign.pad.tables.crown_surface`). At first
+touch it is 0. Layered and boned pads: ln of F over the force of
 the slab of the upper resin, which is taken from the slab's own table. Bumped pads, solved in space under a square
 punch: ln of F over Hertz's force of the middle cap, for caps of one proportion (``Bumped.proportioned``).
 """
@@ -11,6 +11,7 @@ punch: ln of F over Hertz's force of the middle cap, for caps of one proportion 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from dataclasses import fields as parts
 from functools import lru_cache
 from typing import Any
 
@@ -22,6 +23,7 @@ from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.geometry.shapes import PadShape, Similarity, shape_kinds
 from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.pad.force_law import BaseForceLaw
+from dummydesign.pad.tables.crown_surface import CrownResponse
 from dummydesign.pad.tables.response_surface import Response
 from dummydesign.pad.tables.slab import ResponseTable, load_table
 
@@ -60,7 +62,7 @@ class ShapeTable:
     Attributes
     ----------
     kind, condition : str
-    response : Response
+    response : Response, or CrownResponse
         Over the numbers of the kind (:class:`~dummydesign.geometry.shapes.Similarity`), some by their logarithm.
     low, high : ndarray, shape (k,)
         Smallest and largest inputs that are answered.
@@ -75,7 +77,7 @@ class ShapeTable:
 
     kind: str
     condition: str
-    response: Response
+    response: Response | CrownResponse
     low: Array
     high: Array
     error_depth: Array
@@ -126,10 +128,11 @@ class ShapeTable:
         x : ndarray
             Relative depths d / h of the same shape, >= 0.
         """
-        unit = inputs[:, 1] if self.similarity.depth_over_height else np.ones(len(inputs))
-        depth = np.maximum(x, 0.0) / unit[place]
-        value, slope = self.response.along(self.response.at_levels(self.coordinates(inputs)), place, depth)
-        return value, slope / (2.0 * np.sqrt(np.maximum(depth, 1e-12)) * unit[place])
+        depth, coordinates = np.maximum(x, 0.0), self.coordinates(inputs)
+        if isinstance(self.response, CrownResponse):
+            return self.response.along(coordinates, place, depth)
+        value, slope = self.response.along(self.response.at_levels(coordinates), place, depth)
+        return value, slope / (2.0 * np.sqrt(np.maximum(depth, 1e-12)))
 
     def depth_limit(self, inputs: Array) -> Array:
         """Largest valid d / h of inputs (n, k)."""
@@ -281,10 +284,16 @@ def load_shape_table(kind: str, condition: str = "bonded") -> ShapeTable:
 
 def from_dict(data: dict[str, Any]) -> ShapeTable:
     """Table from the content of its file."""
-    surface = data["surface"]
-    names = ("low", "high", "lengths", "centres", "levels", "trend", "weights", "reach")
-    known: dict[str, Any] = {name: np.array(surface[name], dtype=float) for name in names}
     listed = ("low", "high", "error_depth", "median_error", "error", "solve_error")
     fields: dict[str, Any] = {name: np.array(data[name], dtype=float) for name in listed}
-    response = Response(**known, anchored=surface["anchored"])
+    surface = data["surface"]
+    pieces = {part.name: _response(surface[part.name]) for part in parts(CrownResponse)} if "jump" in surface else None
+    response = CrownResponse(**pieces) if pieces else _response(surface)
     return ShapeTable(data["kind"], data["condition"], response, **fields, provenance=data["provenance"])
+
+
+def _response(surface: dict[str, Any]) -> Response:
+    """One surface from the content of a table."""
+    names = ("low", "high", "lengths", "centres", "levels", "trend", "weights", "reach")
+    known: dict[str, Any] = {name: np.array(surface[name], dtype=float) for name in names}
+    return Response(**known, anchored=surface["anchored"])

@@ -10,7 +10,7 @@ import argparse
 import json
 import sys
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import replace
+from dataclasses import fields
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -19,14 +19,14 @@ import numpy as np
 
 from dummydesign.core.datafiles import data_folder
 from dummydesign.pad.shaped.axisymmetric import EDGE_ERROR, LEAST_ERROR
-from dummydesign.pad.tables.response_surface import fit
+from dummydesign.pad.tables.crown_surface import CrownResponse
+from dummydesign.pad.tables.response_surface import Response
+from dummydesign.pad.tables.shape import ShapeTable, from_dict
 from dummydesign.studies.tables.common import Build, write_table
 from dummydesign.studies.tables.designs import Design, designs
-from dummydesign.studies.tables.designs.base import EXTENT_OVER_RADIUS
+from dummydesign.studies.tables.designs.base import COMPLETE, EXTENT_OVER_RADIUS, FIRST_SEED
 
 Array = np.ndarray
-# What a curve that reached the last depth counts in the mean that limits the table's depth.
-COMPLETE = 0.7
 # A curve that ends before this d / h is not used.
 LEAST_DEPTH = 0.2
 
@@ -56,47 +56,14 @@ def _gather(design: Design, points: Array, store: Path, workers: int, finer: boo
             file.write(json.dumps(answer) + "\n")
             file.flush()
             reach = [len(force) for force in answer["force"]]
-            print(f"{done} of {len(missing)}: reached {reach} of {len(design.depths)} depths", file=sys.stderr)
+            print(f"{done} of {len(missing)}: reached {reach} depths", file=sys.stderr)
     return [known[key(point)] for point in points if key(point) in known]
 
 
-def values_of(design: Design, answers: list[dict[str, Any]]) -> tuple[Array, Array, Array]:
-    """Points, forces (crowned, with a sharp edge) or factors at the depths, and what the edge added, relative."""
-    points = np.array([answer["point"] for answer in answers])
-    rows, added = [], []
-    for answer in answers:
-        padded = [np.array(row + [np.nan] * (len(design.depths) - len(row)), dtype=float) for row in answer["force"]]
-        value, edge = design.joined(padded)
-        rows.append(value)
-        added.append(edge)
-    return points, np.array(rows), np.array(added)
-
-
-def reduced(design: Design, points: Array, values: Array) -> Array:
-    """ln of F over Hertz's force of the tip (crowned), or of the factor.
-
-    Parameters
-    ----------
-    design : Design
-        The table's design: its depths and similarity numbers.
-    points : ndarray, shape (n, k)
-        Design points; column 0 is ln h / a.
-    values : ndarray, shape (n, depths)
-        Force over E a^2, or the factor on the slab's force.
-
-    Returns
-    -------
-    ndarray, shape (n, depths)
-    """
-    if not design.similarity.over_tip:
-        return np.log(values)
-    h = np.exp(points[:, 0])
-    return np.log(values / (16.0 / 9.0 * np.sqrt(design.tips(points))[:, None] * (design.depths * h[:, None]) ** 1.5))
-
-
 def content(
-    design: Design, answers: list[dict[str, Any]], checks: list[dict[str, Any]], finer: list[dict[str, Any]]
-) -> dict[str, Any]:
+    design: Design, answers: list[dict[str, Any]], checks: list[dict[str, Any]], finer: list[dict[str, Any]],
+    twins: list[dict[str, Any]],
+) -> dict[str, Any]:  # fmt: skip
     """Fit the response surface, measure its error on fresh solves, and return what goes into the file.
 
     Parameters
@@ -105,68 +72,83 @@ def content(
         What is tabulated.
     answers, checks : list of dict
         Solves of the design and of the fresh points, from :func:`_gather`.
-    finer : list of dict
-        Some of the fresh points on cells of half the size.
+    finer, twins : list of dict
+        The same pads on cells of half the size and as all others.
     """
     depths = design.depths
-    points, values, added = values_of(design, answers)
-    rows = reduced(design, points, values)
-    reach = np.array([depths[np.isfinite(row)][-1] for row in rows])
-    reach = np.where(reach >= depths[-1], COMPLETE, reach)
-    levels, rows = design.over_levels(points, rows)
-    low, high = (design.coordinates(end[None])[0] for end in (design.low, design.high))
-    anchored = design.similarity.over_tip
-    surface = fit(design.coordinates(points), rows, levels, low, high, anchored, reach)
-    short = {name: _shorter(getattr(surface, name), 7) for name in ("trend", "weights", "lengths")}
-    surface = replace(surface, **short)
-    at, fresh_values, _ = values_of(design, checks)
-    checked = design.coordinates(at)
-    place = np.broadcast_to(np.arange(len(at))[:, None], fresh_values.shape)
-    answered, _ = surface.along(surface.at_levels(checked), place, depths / design.depth_unit(at))
-    miss = np.abs(np.expm1(answered - reduced(design, at, fresh_values)))
-    # Judged where the table answers: within the limit it states itself.
-    miss = np.where(depths[None, :] <= surface.limit(checked)[:, None] * (1.0 + 1e-9), miss, np.nan)
-    places, fine_values, _ = values_of(design, finer)
-    twin = np.array([np.abs(at - place).sum(1).argmin() for place in places])
-    mesh = _rms(np.log(fine_values / fresh_values[twin]))
-    return {
+    surface = design.surface(answers)
+    at = np.array([answer["point"] for answer in checks])
+    fresh_values, added = design.at_depths(checks, depths)
+    mesh = _rms(np.log(design.at_depths(finer, depths)[0] / design.at_depths(twins, depths)[0]))
+    reach = design.reach(design.at_depths(answers, depths)[0], depths)
+    unknown = [1.0] * len(depths)
+    data = {
         "kind": design.kind,
         "condition": "bonded",
         "meaning": design.meaning,
         "low": _list(design.plain(design.low + design.margin), 4),
         "high": _list(design.plain(design.high - design.margin), 4),
         "error_depth": _list(depths, 4),
+        "median_error": unknown,
+        "error": unknown,
+        "solve_error": _list(_filled(LEAST_ERROR + mesh + EDGE_ERROR * _rms(added)), 3),
+        "surface": to_dict(surface),
+        "provenance": {},
+    }
+    miss = _missed(design, from_dict(data), at, fresh_values)
+    provenance = {
+        "law": "neo-Hookean, incompressible",
+        "punch": design.punch,
+        "base": "bonded",
+        "extent_over_radius": EXTENT_OVER_RADIUS,
+        "cells_under_punch": design.cells,
+        "design": "Sobol sequence over the ranges, castable under a 14 x 14 mm punch",
+        "curves": len(answers),
+        "curves_that_stopped_early": int((reach < COMPLETE).sum()),
+        "fresh_curves": len(checks),
+        "fresh_seed": design.seed,
+        "fresh_curves_on_half_the_cells": len(finer),
+        "median_error": float(f"{np.nanmedian(miss):.3g}"),
+        "error_of_95_percent": float(f"{np.nanpercentile(miss, 95.0):.3g}"),
+        "largest_error": float(f"{np.nanmax(miss):.3g}"),
+    }
+    return {
+        **data,
         "median_error": _list(_filled(np.nanmedian(miss, axis=0)), 3),
         "error": _list(_filled(np.nanpercentile(miss, 95.0, axis=0)), 3),
-        "solve_error": _list(_filled(LEAST_ERROR + mesh + EDGE_ERROR * _rms(added)), 3),
-        "surface": {
-            "low": _list(surface.low, 9),
-            "high": _list(surface.high, 9),
-            "lengths": _list(surface.lengths, 7),
-            "centres": _list(surface.centres, 7),
-            "levels": _list(levels, 4),
-            "trend": _list(surface.trend, 7),
-            "weights": _list(surface.weights, 7),
-            "reach": _list(surface.reach, 4),
-            "anchored": anchored,
-        },
         "fresh": {"points": _list(at, 7), "values": _list(fresh_values, 6)},
-        "provenance": {
-            "law": "neo-Hookean, incompressible",
-            "punch": design.punch,
-            "base": "bonded",
-            "extent_over_radius": EXTENT_OVER_RADIUS,
-            "cells_under_punch": design.cells,
-            "design": "Sobol sequence over the ranges, castable under a 14 x 14 mm punch",
-            "curves": len(answers),
-            "curves_that_stopped_early": int((reach < COMPLETE).sum()),
-            "fresh_curves": len(checks),
-            "fresh_curves_on_half_the_cells": len(finer),
-            "median_error": float(f"{np.nanmedian(miss):.3g}"),
-            "error_of_95_percent": float(f"{np.nanpercentile(miss, 95.0):.3g}"),
-            "largest_error": float(f"{np.nanmax(miss):.3g}"),
-        },
-    }  # fmt: skip
+        "provenance": provenance,
+    }
+
+
+def _missed(design: Design, table: ShapeTable, points: Array, values: Array) -> Array:
+    """Relative errors of a table at solves (n, depths); NaN beyond the limit that it states itself."""
+    depths, plain = design.depths, np.array([design.plain(point) for point in points])
+    place = np.broadcast_to(np.arange(len(points))[:, None], values.shape)
+    answered, _ = table.log_factor(plain, place, np.broadcast_to(depths, values.shape))
+    miss = np.abs(np.expm1(answered - design.reduced(points, values, depths)))
+    return np.where(depths[None, :] <= table.depth_limit(plain)[:, None] * (1.0 + 1e-9), miss, np.nan)
+
+
+def to_dict(surface: Response | CrownResponse) -> dict[str, Any]:
+    """A surface, or each of its pieces, as short numbers for a file."""
+    if isinstance(surface, CrownResponse):
+        return {part.name: to_dict(getattr(surface, part.name)) for part in fields(surface)}
+    digits = {"levels": 4, "reach": 4}
+    numbers = {
+        part.name: _list(np.asarray(getattr(surface, part.name)), digits.get(part.name, 9))
+        for part in fields(surface)
+        if part.name != "anchored"
+    }
+    # Weights of long kernels are large and cancel: what counts is their last decimal, not their digits.
+    fixed = {name: np.round(getattr(surface, name), 6).tolist() for name in ("weights", "trend")}
+    return {**numbers, **fixed, "anchored": surface.anchored}
+
+
+def _deepest(design: Design, answer: dict[str, Any]) -> float:
+    """d / h that both paths of a pad reached."""
+    count = min(len(row) for row in answer["force"])
+    return float(answer.get("depth", design.depths)[count - 1]) if count else 0.0
 
 
 def _rms(values: Array) -> Array:
@@ -176,10 +158,6 @@ def _rms(values: Array) -> Array:
 def _filled(errors: Array) -> Array:
     """Errors at depths where nothing was measured take the largest measured one."""
     return np.where(np.isfinite(errors), errors, np.nanmax(errors))
-
-
-def _shorter(values: Array, digits: int) -> Array:
-    return np.array([float(f"{value:.{digits}g}") for value in values.ravel()]).reshape(values.shape)
 
 
 def _list(values: Array, digits: int) -> list[Any]:
@@ -207,14 +185,15 @@ def main(arguments: list[str] | None = None) -> None:
     count, fresh, finer = (v or w for v, w in zip(asked, design.usual))
     store = options.store or Path(f"{options.kind}-solves.jsonl")
     checks = _gather(design, design.fresh(fresh), store, workers)
-    fine = _gather(design, design.fresh(finer), store.with_suffix(".finer.jsonl"), workers, True)
+    again = design.fresh(finer, FIRST_SEED)
+    fine = _gather(design, again, store.with_suffix(".finer.jsonl"), workers, True)
+    twins = _gather(design, np.array([answer["point"] for answer in fine]), store, workers)
     solved = _gather(design, design.points(count), store, workers)
-    shallow = int((design.depths < LEAST_DEPTH).sum())
-    answers = [answer for answer in solved if min(len(row) for row in answer["force"]) > shallow]
+    answers = [answer for answer in solved if _deepest(design, answer) >= LEAST_DEPTH]
     if len(answers) < len(solved):
         # Contact that flickers near the edge ends a path early; that says nothing of how deep such pads go.
         print(f"{len(solved) - len(answers)} pads ended before d/h {LEAST_DEPTH} and are left out", file=sys.stderr)
-    table = content(design, answers, checks, fine)
+    table = content(design, answers, checks, fine, twins)
     write_table(options.out / f"{options.kind}-bonded.json", table, build)
     print(json.dumps(table["provenance"], indent=1))
 

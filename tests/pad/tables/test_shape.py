@@ -22,8 +22,6 @@ from dummydesign.pad.tables.shape import ShapeLaw, load_shape_table, ratios, tab
 from dummydesign.pad.tables.slab import load_table
 from dummydesign.studies.tables.designs import designs
 from dummydesign.studies.tables.designs.base import EXTENT_OVER_RADIUS, RADIUS_MM
-from dummydesign.studies.tables.designs.crowned import at_levels
-from dummydesign.studies.tables.shapes import reduced
 
 FOLDER = data_folder() / "materials" / "tables"
 DESIGNS = designs()
@@ -98,7 +96,7 @@ def test_a_law_broadcasts_scales_and_ends(kind):
     thickness, depth = np.array([8.0, 9.0, 10.0]), np.array([0.0, -1.0, 0.5, 2.0])
     table = law.force(depth, thickness[:, None], 0.03, RADIUS_MM)
     assert table.shape == (3, 4) and np.all(table[:, :2] == 0.0)
-    assert table[1, 3] == pytest.approx(law.force(2.0, 9.0, 0.03, RADIUS_MM), rel=1e-12)
+    assert table[1, 3] == pytest.approx(law.force(2.0, 9.0, 0.03, RADIUS_MM), rel=1e-9)
     assert law.force(2.0, 9.0, 0.06, RADIUS_MM) == pytest.approx(2.0 * table[1, 3])
     limit = law.depth_limit_mm(thickness, RADIUS_MM)
     assert np.all((limit > 0.3 * thickness) & (limit <= 0.6 * thickness * (1.0 + 1e-12)))
@@ -177,18 +175,6 @@ def test_a_response_surface_finds_a_smooth_function_again():
     ahead, _ = surface.along(surface.at_levels(new), place, (np.sqrt(depth) + 1e-6) ** 2 + np.zeros((20, 1)))
     assert slope == pytest.approx((ahead - value) / 1e-6, abs=1e-3)
     assert np.allclose(surface.limit(new), 0.6)
-
-
-def test_curves_that_stopped_early_are_not_carried_on():
-    design = DESIGNS["crowned"]
-    point = np.array([[0.2, 0.5, 0.0, 0.4]])
-    values = design.depths[None, :] ** 1.5 * np.exp(0.3 * np.sqrt(design.depths))[None, :]
-    full = at_levels(design.depths, point, reduced(design, point, values))
-    values = np.where(design.depths <= 0.3, values, np.nan)
-    early = at_levels(design.depths, point, reduced(design, point, values))
-    assert np.isfinite(full).sum() > np.isfinite(early).sum()
-    # Levels up to 0.53 crown heights are below 0.3 thicknesses.
-    assert np.isfinite(early[0]).sum() == 8
 
 
 def test_caps_start_as_one_cap_by_hertz_and_are_stiffer_once_more_of_them_are_touched():

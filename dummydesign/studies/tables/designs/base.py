@@ -16,11 +16,17 @@ from dummydesign.geometry.standard import EXTENT_OVER_RADIUS, PUNCH_RADIUS_MM
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.shaped.axisymmetric import climb
 from dummydesign.pad.shaped.problem import RIMS, Press
+from dummydesign.pad.tables.crown_surface import CrownResponse
+from dummydesign.pad.tables.response_surface import Response, fit
 
 Array = np.ndarray
 
 # The punch of the tables, which makes castability (in mm) a matter of ratios: 14 x 14 mm as a circle.
 RADIUS_MM = PUNCH_RADIUS_MM
+# Of the fresh pads that are solved on smaller cells too.
+FIRST_SEED = 1126
+# What a curve that reached the last depth counts in the mean that limits the table's depth.
+COMPLETE = 0.7
 OVER_SLAB = "round, flat, what touches sticks, ratio to the slab with a bead of 0.1"
 
 
@@ -33,7 +39,9 @@ class Design:
     kind, meaning, punch : str
         Name of the shape; what the table holds over which numbers, and under which punch, in words.
     usual : (int, int, int)
-        Shapes that are solved, fresh ones for the table's error, and how many of these on smaller cells.
+        Shapes that are solved, fresh ones for the table's error, and how many on smaller cells.
+    seed : int
+        Of the fresh ones: another one when a fit is changed after they were looked at.
     low, high : ndarray, shape (k,)
         Ends of the points; solved a little beyond what the table offers, so that its ends lie inside.
     depths : ndarray
@@ -46,6 +54,7 @@ class Design:
     meaning: ClassVar[str] = ""
     punch: ClassVar[str] = OVER_SLAB
     usual: ClassVar[tuple[int, int, int]] = (80, 12, 4)
+    seed: ClassVar[int] = FIRST_SEED
     low: Array
     high: Array
     depths: Array
@@ -87,9 +96,9 @@ class Design:
 
         return qmc.Sobol(len(self.low), scramble=False).random_base2(14)[1:]
 
-    def fresh(self, count: int) -> Array:
-        """Random castable points inside the table's own ranges, for its error."""
-        rng = np.random.default_rng(1126)
+    def fresh(self, count: int, seed: int | None = None) -> Array:
+        """Random castable points inside the table's own ranges, for its error; ``seed`` is the kind's when None."""
+        rng = np.random.default_rng(self.seed if seed is None else seed)
         inside = 2.0 * self.margin
         points = rng.uniform(self.low + inside, self.high - inside, (800, len(self.low)))
         return np.array([point for point in points if self.castable(point)][:count])
@@ -130,13 +139,64 @@ class Design:
         shapes = [self.shape(point)[0] for point in points]
         return np.array([shape.tip_radius_mm for shape in shapes]) / RADIUS_MM
 
-    def over_levels(self, points: Array, rows: Array) -> tuple[Array, Array]:
-        """Levels of the response surface and curves (n, depths) there; NaN where they were not solved."""
-        return self.depths, rows
+    def at_depths(self, answers: list[dict[str, Any]], depths: Array) -> tuple[Array, Array]:
+        """Forces (crowned, with a sharp edge) or factors at depths, and what the edge added, relative.
 
-    def depth_unit(self, points: Array) -> Array:
-        """What relative depths are counted in, shape (n, 1)."""
-        return np.ones((len(points), 1))
+        Parameters
+        ----------
+        answers : list of dict
+            From :meth:`solve`; solved at their ``depth``, or at the design's depths.
+        depths : ndarray, shape (m,)
+            In thicknesses.
+
+        Returns
+        -------
+        ndarray, ndarray, shape (n, m)
+            NaN where a pad was not solved.
+        """
+        values, added = np.full((2, len(answers), len(depths)), np.nan)
+        for value, edge, answer in zip(values, added, answers):
+            at = np.array(answer.get("depth", self.depths))
+            padded = [np.array(row + [np.nan] * (len(at) - len(row)), dtype=float) for row in answer["force"]]
+            of, i = np.nonzero(np.isclose(depths[:, None], at[None, :], rtol=0.0, atol=1e-6))
+            found = self.joined(padded)
+            value[of], edge[of] = found[0][i], found[1][i]
+        return values, added
+
+    def reduced(self, points: Array, values: Array, depths: Array) -> Array:
+        """ln of F over Hertz's force of the tip (crowned), or of the factor.
+
+        Parameters
+        ----------
+        points : ndarray, shape (n, k)
+            Design points; column 0 is ln h / a.
+        values : ndarray, shape (n, m)
+            Force over E a^2, or the factor on the slab's force.
+        depths : ndarray, shape (m,)
+            In thicknesses.
+
+        Returns
+        -------
+        ndarray, shape (n, m)
+        """
+        if not self.similarity.over_tip:
+            return np.log(values)
+        h = np.exp(points[:, 0])
+        return np.log(values / (16.0 / 9.0 * np.sqrt(self.tips(points))[:, None] * (depths * h[:, None]) ** 1.5))
+
+    @staticmethod
+    def reach(rows: Array, depths: Array) -> Array:
+        """d / h to which curves (n, m) were solved; more than the last depth for those that reached it."""
+        last = np.array([depths[np.isfinite(row)][-1] for row in rows])
+        return np.where(last >= depths[-1], COMPLETE, last)
+
+    def surface(self, answers: list[dict[str, Any]]) -> Response | CrownResponse:
+        """The response surface through solved pads."""
+        points = np.array([answer["point"] for answer in answers])
+        rows = self.reduced(points, self.at_depths(answers, self.depths)[0], self.depths)
+        low, high = (self.coordinates(end[None])[0] for end in (self.low, self.high))
+        anchored, reach = self.similarity.over_tip, self.reach(rows, self.depths)
+        return fit(self.coordinates(points), rows, self.depths, low, high, anchored, reach)
 
     def plain(self, point: Array) -> Array:
         """Numbers of the table at a design point: exponentials of its logarithms."""

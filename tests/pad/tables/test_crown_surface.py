@@ -32,7 +32,7 @@ def every(x):
 
 
 def test_the_edge_is_reached_about_where_the_crown_has_come_down_by_its_fall_at_the_edge(table):
-    h, height, foot, s = PADS.T
+    _, height, foot, s = PADS.T
     reached = np.minimum(1.0, 1.0 / foot) ** 2
     fall = reached / (s + np.sqrt(s**2 - (2.0 * s - 1.0) * reached))
     assert np.all(np.abs(edges(table) / (height * fall) - 1.0) < 0.35)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from dummydesign.pad.contact.surface_axisymmetric import Surface
 from dummydesign.pad.shaped.paths import radius_touched
 from dummydesign.pad.shaped.problem import Press
 from dummydesign.pad.solve.equilibrium import Problem, Solution
@@ -34,7 +35,7 @@ class EdgeWatch:
 
     def __call__(self, problem: Problem, depth: float, solution: Solution) -> None:
         """Note one state."""
-        assert problem.surface is not None, "a crown is touched"
+        assert isinstance(problem.surface, Surface), "a crown is touched by a round punch"
         points = problem.surface._points(solution.u).reshape(-1, 2)
         points = points[np.argsort(points[:, 0])]
         self.depth.append(depth)

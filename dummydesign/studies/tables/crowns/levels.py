@@ -40,6 +40,7 @@ def fit_by_level(
     noise : ndarray, shape (n, m)
         Standard deviation that is known of each value; scatter is added to it.
     levels : ndarray, shape (m,)
+        Increasing depths, in a unit of the caller's choice.
     anchored : bool
         Whether y is 0 at depth 0.
     reach : ndarray, shape (n,)

@@ -26,7 +26,8 @@ LEAF_CELLS = 4
 class _Front:
     """One box of cells: unknowns (first those eliminated, then its rim), and what is added up in it.
 
-    ``places`` says where the entries of its cells' matrices, or of what is left of its children, stand in it.
+    ``takes`` says which entries of its cells' matrices, or of what is left of each of its children, are added up on and
+    below its diagonal, and ``places`` where.
     """
 
     unknowns: Array
@@ -34,6 +35,7 @@ class _Front:
     rim_uses: Array
     cells: Array = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     children: list[int] = field(default_factory=list)
+    takes: list[Array] = field(default_factory=list)
     places: Array = field(default_factory=lambda: np.empty(0, dtype=np.int64))
 
 
@@ -155,14 +157,22 @@ class Dissection:
         used = numbers[numbers >= 0]
         front = self._front(used, np.ones(len(used)))
         front.cells = cells
-        front.places = np.concatenate([_pairs(self._place[row], row >= 0, len(front.unknowns)) for row in numbers])
+        place = np.where(numbers >= 0, self._place[numbers], -1)
+        row, column = place[:, :, None], place[:, None, :]
+        # A cell that a plane of symmetry halves may have an unknown twice.
+        front.takes = [np.nonzero(((row >= column) & (column >= 0)).ravel())[0]]
+        front.places = (row * len(front.unknowns) + column).ravel()[front.takes[0]]
         return front
 
     def _join(self, children: list[int]) -> _Front:
         rims = [self.fronts[c].unknowns[self.fronts[c].eliminated :] for c in children]
         front = self._front(np.concatenate(rims), np.concatenate([self.fronts[c].rim_uses for c in children]))
         front.children = children
-        front.places = np.concatenate([_pairs(self._place[rim], rim >= 0, len(front.unknowns)) for rim in rims])
+        ends = [np.tril_indices(len(rim)) for rim in rims]
+        front.takes = [row * len(rim) + column for rim, (row, column) in zip(rims, ends)]
+        pairs = [(self._place[rim[row]], self._place[rim[column]]) for rim, (row, column) in zip(rims, ends)]
+        size = len(front.unknowns)
+        front.places = np.concatenate([np.maximum(a, b) * size + np.minimum(a, b) for a, b in pairs])
         return front
 
     def solve(self, matrices: list[Array], load: Array) -> Array:
@@ -199,22 +209,15 @@ class Dissection:
         """Factorise all fronts from the leaves up."""
         factors, waiting = [], {}
         for i, front in enumerate(self.fronts):
-            left = [waiting.pop(child).ravel() for child in front.children]
-            entries = np.concatenate(left) if left else matrix[front.cells].ravel()
+            left = [waiting.pop(child) for child in front.children] or [matrix[front.cells]]
+            entries = np.concatenate([part.ravel().take(take, mode="clip") for part, take in zip(left, front.takes)])
             size, n = len(front.unknowns), front.eliminated
             # Adding up by ``bincount`` takes a tenth of the time of adding to an indexed block.
-            full = np.bincount(front.places, entries, minlength=size * size + 1)[:-1].reshape(size, size)
-            factor = _factorise(full[:n, :n], full[:n, n:])
-            waiting[i] = full[n:, n:] - factor.schur
-            factor.schur = None
+            lower = np.bincount(front.places, entries, minlength=size * size).reshape(size, size)
+            factor = _factorise(lower[:n, :n], lower[n:, :n].T)
+            waiting[i] = factor.take_from(lower[n:, n:])
             factors.append(factor)
         return factors
-
-
-def _pairs(place: Array, kept: Array, size: int) -> Array:
-    """Where the entries of a matrix stand in a front of ``size`` unknowns, row by row; past its end if left out."""
-    at = place[:, None] * size + place
-    return np.where(kept[:, None] & kept, at, size * size).ravel()
 
 
 class _Factor:
@@ -225,7 +228,16 @@ class _Factor:
 
     def __init__(self, inverse: Array, coupling: Array) -> None:
         self.inverse, self.rows = inverse, inverse @ coupling
-        self.schur = self.rows.T @ self.rows
+
+    def take_from(self, rest: Array) -> Array:
+        """What is left of the rim's block: on and below the diagonal, as ``rest`` is given."""
+        from scipy.linalg.blas import dsyrk
+
+        left = rest.copy()
+        if self.rows.size:
+            # In Fortran's order rows are columns, and what is below the diagonal is above it.
+            dsyrk(-1.0, self.rows.T, 1.0, left.T, overwrite_c=1)
+        return left
 
     def forward(self, load: Array) -> tuple[Array, Array]:
         load = self.inverse @ load
@@ -241,8 +253,12 @@ class _GeneralFactor(_Factor):
     def __init__(self, block: Array, coupling: Array) -> None:
         from scipy.linalg import lu_factor, lu_solve
 
-        self.factors, self.coupling = lu_factor(block, check_finite=False), coupling
-        self.schur = coupling.T @ lu_solve(self.factors, coupling, check_finite=False)
+        whole = np.tril(block) + np.tril(block, -1).T
+        self.factors, self.coupling = lu_factor(whole, check_finite=False), coupling
+        self._taken = coupling.T @ lu_solve(self.factors, coupling, check_finite=False)
+
+    def take_from(self, rest: Array) -> Array:
+        return rest - self._taken
 
     def forward(self, load: Array) -> tuple[Array, Array]:
         from scipy.linalg import lu_solve

@@ -64,6 +64,8 @@ def read_trace(path: str | Path, velocity_mm_s: float | None = None) -> Trace:
         text = path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
         raise InputError(f"trace file '{path}' does not exist") from None
+    except IsADirectoryError:
+        raise InputError(f"'{path}' is a folder; give the traces in it, such as {path}/*.csv") from None
     except UnicodeDecodeError:
         raise InputError(f"{path.name}: is not UTF-8 text{import_first(path)}") from None
     except OSError as problem:

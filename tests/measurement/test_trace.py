@@ -174,3 +174,8 @@ def test_a_slow_press_is_doubted_until_it_is_said_that_its_time_is_in_seconds(tm
     assert cli.run(["import", str(tmp_path / "t05.csv"), "--units", "time=s", "--out", str(tmp_path / "out")]) == 0
     (made,) = (tmp_path / "out").glob("*.csv")
     assert read_trace(made).time_s[-1] == pytest.approx(895.0)
+
+
+def test_a_folder_in_place_of_a_trace_is_named_as_one(tmp_path):
+    with pytest.raises(InputError, match="is a folder; give the traces in it"):
+        read_trace(tmp_path)

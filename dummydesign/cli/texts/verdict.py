@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 NO_LAW = "measured_curves"
+FIRST = (NO_LAW, "tissue_punch", "force_not_in_band", "speed_not_in_band")
+"""Codes of what is said of the tissue right after the verdict: it is held against what nobody measured."""
 CODES = {"green": "32", "amber": "33", "red": "31"}
 
 
@@ -30,20 +32,20 @@ def verdict_lines(verdict: dict[str, Any] | None, coloured: bool | None = None) 
 
 
 def tissue_lines(result: dict[str, Any]) -> list[str]:
-    """What a tissue without a law does not have, before anything that is held against it.
+    """What a tissue does not have, or is not known for in this test, before anything that is held against it.
 
     Parameters
     ----------
     result : dict
         The answer of a command.
     """
-    said = [item["message"] for item in result["warnings"] if item["code"] == NO_LAW]
+    said = [item["message"] for item in result["warnings"] if item["code"] in FIRST]
     return [*said, ""] if said else []
 
 
 def warning_lines(result: dict[str, Any]) -> list[str]:
     """Warnings that were not said first."""
-    return [f"warning: {item['message']}" for item in result["warnings"] if item["code"] != NO_LAW]
+    return [f"warning: {item['message']}" for item in result["warnings"] if item["code"] not in FIRST]
 
 
 def first_lines(result: dict[str, Any]) -> list[str]:
@@ -59,10 +61,9 @@ def first_lines(result: dict[str, Any]) -> list[str]:
     pad = next((row for row in rows if row["body"] == "pad"), None)
     known = [row["peak_force_N"] for row in rows if row["body"] != "pad" and row["peak_force_N"] is not None]
     if pad and pad["peak_force_N"] is not None and known:
-        lines.append(
-            f"impact: the pad stops it with {pad['peak_force_N']:.3g} N at {pad['depth_mm']:.3g} mm, the subjects with "
-            f"{min(known):.3g} to {max(known):.3g} N"
-        )
+        with_ = f"the subjects with {min(known):.3g} to {max(known):.3g} N" if len(known) > 1 else (
+            f"the subject with {known[0]:.3g} N")  # fmt: skip
+        lines.append(f"impact: the pad stops it with {pad['peak_force_N']:.3g} N at {pad['depth_mm']:.3g} mm, {with_}")
     lines += [result["measure_first"]["text"]] if result.get("measure_first") else []
     choice = result.get("choice")
     lines += [f"why this pad: {choice['text']}"] if choice else []

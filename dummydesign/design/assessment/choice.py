@@ -31,6 +31,8 @@ WORDS = {
 DRAWS, POURS, TELLS, SEED, NEAR = 60, 150, 0.005, 29, 10
 LEAST_SPREAD = 0.1
 """Spread of ln E below which no puck is asked for."""
+LEAST_FIT = 0.01
+"""Share of the castings of the best two ratios below which a measured modulus would not help."""
 
 
 @dataclass(frozen=True)
@@ -176,6 +178,8 @@ def measure_first(
 ) -> MeasureFirst | None:
     """Say that a puck comes first, and find the two ratios to pour meanwhile; None where the resin is known well.
 
+    Nothing is said either where no ratio near by makes a fit casting, whatever the modulus.
+
     A casting is fit where nothing of it is below every subject's and its steady depths lie among theirs, as a design
     has to be (:mod:`dummydesign.design.scoring.standing`). The modulus is the largest unknown where what is not known
     of the resin spreads it further than weighing does, and by more than a tenth.
@@ -210,6 +214,9 @@ def measure_first(
     np.fill_diagonal(either, -1.0)
     first, second = sorted(np.unravel_index(int(np.argmax(either)), either.shape))
     pair = float(ratios[first]), float(ratios[second])
+    if either[first, second] < LEAST_FIT:
+        # a measured modulus would not help: it is the pad that does not fit
+        return None
     text = (
         f"measure a puck first: the resin's modulus is the largest unknown ({100 * every:.0f} % of castings are fit, "
         f"{100 * making:.0f} % if it were known); to pour meanwhile: this pad at ratio {pair[0]:g} and at ratio "

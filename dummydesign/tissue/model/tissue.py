@@ -259,4 +259,10 @@ def same_shape(subjects: tuple[Subject, ...]) -> None:
             raise InputError(f"subject '{subject.name}' has another number of elements than '{subjects[0].name}'")
         speeds = first.velocities_mm_s
         if speeds and not set(subject.parameters.velocities_mm_s) & set(speeds):
-            raise InputError(f"subject '{subject.name}' shares no speed with '{subjects[0].name}'")
+            own, others = (
+                ", ".join(f"{v:g}" for v in one.parameters.velocities_mm_s) for one in (subject, subjects[0])
+            )
+            raise InputError(
+                f"subject '{subject.name}' ({own} mm/s) shares no speed with '{subjects[0].name}' ({others} mm/s): "
+                "people pressed at different speeds make no range; press all at one of them"
+            )

@@ -59,7 +59,11 @@ def add_points(name: str, points: str) -> dict[str, Any]:
     InputError
         With file and line for bad points; for an unknown tissue.
     """
-    tissue, entry = load_tissue(name), find(KIND, "tissue", name)
+    try:
+        tissue = load_tissue(name)
+    except InputError as problem:
+        raise InputError(f"{problem}; points update a tissue that is there, 'add-curves' and 'add' make one") from None
+    entry = find(KIND, "tissue", name)
     if "gamma1_N_per_mm3" not in tissue.bands:
         raise InputError(
             f"tissue '{tissue.name}' is {law_named(tissue.law).words}: points update gamma1 of a law, which it "

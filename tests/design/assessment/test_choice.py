@@ -48,6 +48,12 @@ def test_a_puck_is_asked_for_where_the_resin_is_the_largest_unknown_and_not_wher
     assert measure_first(answer.best, answer.cast, known, tolerances) is None
 
 
+def test_no_puck_is_asked_for_where_no_modulus_makes_the_pad_fit(answered):
+    inputs, answer = answered
+    thick = dataclasses.replace(answer.best, thickness_mm=30.0)
+    assert measure_first(thick, answer.cast, inputs.space, Tolerances(100.0)) is None
+
+
 def test_an_expected_total_without_any_error_is_the_total_of_the_design(answered):
     inputs, answer = answered
     targets = dataclasses.replace(inputs.space.targets)

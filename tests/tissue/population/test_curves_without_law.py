@@ -195,3 +195,20 @@ def test_whatif_of_a_hold_that_nobody_was_pressed_for_is_refused_and_leaves_no_f
     assert not (tmp_path / "study").exists()
     row = dummydesign.whatif(8.0, 15.0, hold_s=5.0, **asked).rows[0]
     assert 0.0 <= row["score"]["total"] <= 1.0
+
+
+def test_people_of_a_law_without_a_speed_in_common_are_refused_with_their_speeds(tmp_path):
+    table = law_table(tmp_path / "t.csv", load_tissue("palm"), forces=(5.0, 10.0))
+    lines = table.read_text(encoding="utf-8").splitlines()
+    name = lines[1].split(",")[0]
+    apart = [
+        row.replace(",10,", ",20,", 1).replace(",250,", ",100,", 1) if row.startswith(name) else row for row in lines
+    ]
+    table.write_text("\n".join(apart) + "\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"\(10, 250 mm/s\) shares no speed with .*\(20, 100 mm/s\).*press all at one"):
+        add_curves("t", str(table), "ode", "5")
+
+
+def test_points_of_an_unknown_tissue_say_what_makes_one(tmp_path):
+    with pytest.raises(InputError, match=r"unknown tissue 'mine'.*'add-curves' and 'add' make one"):
+        add_points("mine", str(tmp_path / "points.csv"))

@@ -32,7 +32,7 @@ CARRIES = 0.012
 # What all pads share is fitted to depths beyond the edge's plus this (a jump), or times this (a bend).
 CLEAR = 0.03, 1.08
 # A level is left out below this depth over thickness: less is not solved.
-LEAST = 0.016
+LEAST = 0.01
 # Feet over the punch's radius that help each piece to its end.
 OF_JUMP, OF_BEND = 0.95, 0.6
 # Curves that reach the last depth are carried on straight to here, so that the bend has no free end, and those of the

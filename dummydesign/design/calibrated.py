@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import Quantity
 from dummydesign.geometry.standard import PUNCH
 from dummydesign.resin.model.relaxation_given_modulus import RelaxationGivenModulus
@@ -77,7 +78,13 @@ def with_calibration(resin: Resin, path: str, punch: str = PUNCH, square: bool =
     from dummydesign.resin.update.modulus import Point, update_resin
 
     calibration = read_calibration(path)
-    ratio = calibration.pad.get("ratio") or resin.relaxation_ratio_ref
+    ratio, pressed = calibration.pad.get("ratio") or resin.relaxation_ratio_ref, calibration.pad.get("resin")
+    if pressed not in (None, resin.name) and not resin.ratio_min <= ratio <= resin.ratio_max:
+        raise InputError(
+            f"calibration {path} is of {pressed} at ratio {ratio:g}, which {resin.name} does not have "
+            f"({resin.ratio_min:g} to {resin.ratio_max:g}): design with --resin {pressed}, or without it "
+            "(--calibration none)"
+        )
     warnings = _differences(calibration, resin, ratio, punch)
     source = f"calibration {path} of a measured campaign"
     young = 1e3 * float(calibration.after.base.young_MPa)

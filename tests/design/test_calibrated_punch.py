@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from dummydesign.cli.texts.verdict import FIRST
 from dummydesign.core.errors import InputError
 from dummydesign.design.inputs import resolve
 from dummydesign.design.request import Request
@@ -12,6 +13,7 @@ from dummydesign.loop.calibration import Calibration, Model
 from dummydesign.loop.calibration_file import write_calibration
 from dummydesign.loop.model.parameters import BaseParameters
 from dummydesign.pad.tables.slab import load_table
+from tests.support.made_calibration import calibration as made_calibration
 
 YOUNG_MPA = 0.03
 DEPTH_MM, THICKNESS_MM = np.array([0.5, 2.0]), 10.0
@@ -69,3 +71,14 @@ def test_what_a_calibration_cannot_correct_is_refused_with_the_way_out(calibrati
     with pytest.raises(InputError, match=why) as problem:
         _resolved(calibration("square:14"), punch, **more)
     assert "--calibration none" in str(problem.value)
+
+
+def test_a_calibration_of_another_resin_is_named_as_one(tmp_path):
+    def written(ratio):
+        made = made_calibration(pad={"resin": "ecoflex-00-30", "ratio": ratio})
+        return str(write_calibration(made, tmp_path / f"{ratio:g}.json"))
+
+    with pytest.raises(InputError, match=r"is of ecoflex-00-30 at ratio 10, which polyurethane.*--resin ecoflex-00-30"):
+        _resolved(written(10.0), "square:14")
+    codes = [one["code"] for one in _resolved(written(15.0), "square:14").calibrated.warnings]
+    assert "calibration_resin" in codes and "calibration_resin" in FIRST

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 NO_LAW = "measured_curves"
-FIRST = (NO_LAW, "tissue_punch", "force_not_in_band", "speed_not_in_band")
-"""Codes of what is said of the tissue right after the verdict: it is held against what nobody measured."""
+FIRST = (NO_LAW, "tissue_punch", "force_not_in_band", "speed_not_in_band", "calibration_resin")
+"""Codes of what is said right after the verdict: it rests on what nobody measured, or on another resin's campaign."""
 CODES = {"green": "32", "amber": "33", "red": "31"}
 
 

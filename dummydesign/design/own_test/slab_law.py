@@ -135,7 +135,7 @@ def check_calibrated(request: Request, punch: AskedPunch, thickness_mm: NDArray)
         why = f"the edge radius of {request.edge_radius_mm:g} mm is not in them"
     elif request.base != "bonded":
         why = f"base = {request.base} is not in them"
-    elif request.face != "bonded":
+    elif request.face != "bonded" and punch.profile_mm is None:
         why = f"condition = {request.face} is not in them"
     if why:
         raise InputError("a calibration corrects the tables of glued pads under flat punches with sharp edges, and "

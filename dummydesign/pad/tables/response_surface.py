@@ -18,6 +18,7 @@ import numpy as np
 
 Array = np.ndarray
 PORTION = 512
+ROOT = 5.0**0.5
 
 
 def quadratic(q: Array) -> Array:
@@ -42,25 +43,23 @@ def matern(first: Array, second: Array, lengths: Array) -> Array:
     ndarray, shape (n, m)
         1 where two points agree.
     """
-    distance = _squares(first / lengths, second / lengths)
-    np.maximum(distance, 0.0, out=distance)
-    distance *= 5.0
-    np.sqrt(distance, out=distance)
-    value = distance / 3.0
-    value += 1.0
-    value *= distance
-    value += 1.0
+    square = _squares(first * (ROOT / lengths), second * (ROOT / lengths))
+    np.maximum(square, 0.0, out=square)
+    distance = np.sqrt(square)
+    square /= 3.0
+    square += distance
+    square += 1.0
     np.negative(distance, out=distance)
-    value *= np.exp(distance, out=distance)
-    return value
+    np.exp(distance, out=distance)
+    square *= distance
+    return square
 
 
 def _squares(a: Array, b: Array) -> Array:
     """Squared distances between points (n, k) and (m, k); a little below 0 by rounding where they agree."""
-    square = a @ (-2.0 * b.T)
-    square += (a**2).sum(1)[:, None]
-    square += (b**2).sum(1)
-    return square
+    one, other = np.ones((len(a), 1)), np.ones((len(b), 1))
+    ahead = np.hstack([-2.0 * a, (a**2).sum(1)[:, None], one])
+    return ahead @ np.hstack([b, other, (b**2).sum(1)[:, None]]).T
 
 
 def _parts(count: int) -> list[slice]:

@@ -2,10 +2,10 @@
 
     python benchmarks/pad_3d.py [CORNER]
 
-First the linear solve of one tangent (corner cell CORNER, default 0.14, of a 10 mm pad): nested dissection with
-dense fronts, the same elimination order given to SuperLU, and SuperLU with its own ordering. Then the whole
-``predict --fidelity 3d`` curve of 8 points to d / h = 0.5 as a process of its own. Processor time is what to
-compare on a machine that does other work.
+First the whole ``predict --fidelity 3d`` curve of 8 points to d / h = 0.5 as a process of its own. Then the linear
+solve of one tangent (corner cell CORNER, default 0.14, of a 10 mm pad): nested dissection with dense fronts, the same
+elimination order given to SuperLU, and SuperLU with its own ordering. Processor time is what to compare on a machine
+that does other work.
 """
 
 from __future__ import annotations
@@ -86,5 +86,6 @@ def curves() -> None:
 
 if __name__ == "__main__":
     os.environ["DUMMYDESIGN_CACHE"] = "off"
-    solvers(float(sys.argv[1]) if len(sys.argv) > 1 else 0.14)
+    # First, as a process counts what memory its parent had when it was started.
     curves()
+    solvers(float(sys.argv[1]) if len(sys.argv) > 1 else 0.14)

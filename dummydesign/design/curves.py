@@ -171,7 +171,9 @@ def exponent_over_thickness(answer: Suggestion, law: ForceLaw, grids: ForceGrids
     grids : ForceGrids
         Of its test.
     """
-    held = np.asarray(law.depth_limit_mm(THICKNESS_GRID_MM, answer.radius_mm)) > 0.0
+    low, high = law.ratio_range
+    held = (answer.radius_mm / THICKNESS_GRID_MM >= low) & (answer.radius_mm / THICKNESS_GRID_MM <= high)
+    held[held] = np.asarray(law.depth_limit_mm(THICKNESS_GRID_MM[held], answer.radius_mm)) > 0.0
     curves = make_curves(law, THICKNESS_GRID_MM[held], answer.radius_mm)
     slab = np.arange(int(held.sum()))
     area = np.array(grids.exponent_at) / answer.resin.young_MPa(answer.best.ratio)

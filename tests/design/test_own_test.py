@@ -170,3 +170,16 @@ def test_a_larger_punch_on_the_same_slab_needs_a_softer_resin_for_the_same_tissu
         return suggest(asked).to_dict()["recommendation"]["young_kPa"]["value"]
 
     assert young("round:20") < 0.8 * young("round:15")
+
+
+def test_under_a_wide_punch_exponents_are_known_for_pads_that_are_tabulated_and_no_others():
+    from dummydesign.design.curves import THICKNESS_GRID_MM, exponent_over_thickness, force_grids
+    from dummydesign.pad.tables.slab import load_table
+    from dummydesign.resin import load_resin
+
+    resin, table = load_resin("polyurethane-nagoya"), load_table("bonded")
+    answer = SimpleNamespace(radius_mm=12.0, resin=resin, best=SimpleNamespace(ratio=15.0))
+    found = exponent_over_thickness(answer, table, force_grids(PAPER))
+    tabulated = 12.0 / THICKNESS_GRID_MM <= table.ratio_range[1]
+    assert not tabulated.all() and np.isnan(found[~tabulated]).all()
+    assert (found[tabulated, 0] >= 1.0).all()

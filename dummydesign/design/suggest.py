@@ -7,6 +7,7 @@ it (:mod:`dummydesign.api`).
 
 from __future__ import annotations
 
+from dummydesign.core.threads import one_blas_thread
 from dummydesign.design.assess import assess
 from dummydesign.design.inputs import Inputs, resolve
 from dummydesign.design.own_test.checks import refused_kinds
@@ -41,6 +42,7 @@ def suggest(request: Request, law: ForceLaw | None = None) -> Suggestion:
     return design(resolve(request, law))
 
 
+@one_blas_thread()
 def design(inputs: Inputs, progress: Progress = quiet) -> Suggestion:
     """The same from inputs that are already read, with word of each step as it begins; see :func:`suggest`."""
     progress("search")

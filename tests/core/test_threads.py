@@ -15,6 +15,7 @@ import scipy.linalg  # noqa: F401
 from threadpoolctl import ThreadpoolController, threadpool_limits
 
 from dummydesign.core.threads import ONE_THREAD, one_blas_thread
+from dummydesign.design.suggest import design
 from dummydesign.loop.replay import replay
 from dummydesign.loop.run import close_loop
 from dummydesign.tissue.fitting.fit import fit_traces
@@ -163,13 +164,14 @@ class Spy:
 
 CALLS = {
     "close_loop": lambda spy: close_loop(spy),
+    "design": lambda spy: design(spy),
     "replay": lambda spy: replay(spy, spy),
     "fit_traces": lambda spy: fit_traces([spy], 3),
 }
 
 
 @pytest.mark.parametrize("name", CALLS)
-def test_fits_and_the_loop_called_from_python_have_one_thread(two_threads, name):
+def test_fits_designs_and_the_loop_called_from_python_have_one_thread(two_threads, name):
     before, spy = limits(), Spy()
     with pytest.raises(ZeroDivisionError):
         CALLS[name](spy)

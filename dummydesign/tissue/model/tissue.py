@@ -11,6 +11,8 @@ from dummydesign.core.quantity import Quantity
 from dummydesign.tissue.model.parameters import Parameters, speed_key
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
     from numpy.typing import ArrayLike, NDArray
 
     from dummydesign.measurement.sensor import Lowpass
@@ -257,12 +259,28 @@ def same_shape(subjects: tuple[Subject, ...]) -> None:
             )
         if len(subject.parameters.gamma_N_per_mm3) != len(first.gamma_N_per_mm3):
             raise InputError(f"subject '{subject.name}' has another number of elements than '{subjects[0].name}'")
-        speeds = first.velocities_mm_s
-        if speeds and not set(subject.parameters.velocities_mm_s) & set(speeds):
-            own, others = (
-                ", ".join(f"{v:g}" for v in one.parameters.velocities_mm_s) for one in (subject, subjects[0])
-            )
+    if first.velocities_mm_s:
+        share_a_speed({subject.name: subject.parameters.velocities_mm_s for subject in subjects})
+
+
+def share_a_speed(velocities_mm_s: Mapping[str, Sequence[float]]) -> None:
+    """Refuse people of whom one was pressed at none of the first one's speeds.
+
+    Parameters
+    ----------
+    velocities_mm_s : mapping of str to sequence of float
+        Of every person. [mm/s]
+
+    Raises
+    ------
+    InputError
+        With both names and their speeds.
+    """
+    first = next(iter(velocities_mm_s))
+    for name, speeds in velocities_mm_s.items():
+        if not set(speeds) & set(velocities_mm_s[first]):
+            own, others = (", ".join(f"{v:g}" for v in sorted(set(velocities_mm_s[who]))) for who in (name, first))
             raise InputError(
-                f"subject '{subject.name}' ({own} mm/s) shares no speed with '{subjects[0].name}' ({others} mm/s): "
+                f"subject '{name}' ({own} mm/s) shares no speed with '{first}' ({others} mm/s): "
                 "people pressed at different speeds make no range; press all at one of them"
             )

@@ -20,7 +20,7 @@ from dummydesign.tissue.model.curve_numbers import subjects_of
 from dummydesign.tissue.model.laws import DEFAULT, fitted_law
 from dummydesign.tissue.model.laws.curves import curves_words
 from dummydesign.tissue.model.measured_curves import LAW
-from dummydesign.tissue.model.tissue import Tissue, behind_ranges
+from dummydesign.tissue.model.tissue import Tissue, behind_ranges, share_a_speed
 from dummydesign.tissue.model.tissue_file import KIND, tissue_toml
 from dummydesign.tissue.population.curve_table import HELD_S, Curve, check_curves, read_curves
 from dummydesign.tissue.population.from_traces import (
@@ -87,6 +87,8 @@ def add_curves(name: str, table: str, law: str, elements: str, replace_own: bool
         who: person_of([reduce_trace(trace) for trace in own], [speeds[trace.name] for trace in own])
         for who, own in held.items()
     }
+    if law != NONE:
+        share_a_speed({who: [speeds[trace.name] for trace in own] for who, own in held.items()})
     form = DEFAULT if law == AUTO else law
     fits = {} if law == NONE else fit_people(held, form, elements, intervals=False)
     misfits = [misfit_of(who, fit, people[who]) for who, fit in fits.items()]

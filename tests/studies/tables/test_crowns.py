@@ -69,6 +69,7 @@ def test_a_level_that_scatters_does_not_blur_one_that_does_not():
     assert np.percentile(miss[:, 1:], 95.0) < 2e-3
 
 
+@pytest.mark.slow
 def test_a_crown_that_is_known_in_closed_form_is_found_again_in_its_pieces():
     rng = np.random.default_rng(7)
     n, x = 400, np.round(np.arange(0.02, 0.601, 0.01), 4)

@@ -107,6 +107,7 @@ def test_a_law_follows_up_to_twice_the_scatter():
     assert Misfit("a", 3.0, 1.5, True, 2.0).follows and not Misfit("a", 3.1, 1.5, True, 2.07).follows
 
 
+@pytest.mark.slow
 def test_shallow_fast_presses_that_brake_all_the_way_count_at_the_speed_they_were_told(tmp_path):
     """at 1 to 3 N a forefinger stops within the braking distance: its motion shows 180 to 230 mm/s, by person"""
     finger = load_tissue("forefinger")

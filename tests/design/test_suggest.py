@@ -43,6 +43,7 @@ def thinned(tmp_path):
     return str(save_resin(resin, tmp_path / "thinned.toml"))
 
 
+@pytest.mark.slow
 def test_a_thinned_silicone_is_designed_with_its_own_components(thinned, layer_law):
     answer = suggest(Request("forefinger", resin=thinned, verify=False, shape="slab"), layer_law).to_dict()
     best = answer["recommendation"]
@@ -57,6 +58,7 @@ def test_a_thinned_silicone_is_designed_with_its_own_components(thinned, layer_l
     assert slope == pytest.approx(-0.03 * best["ratio"] / (100 + best["ratio"]), abs=1e-6)
 
 
+@pytest.mark.slow
 def test_a_measured_resin_makes_more_pours_stay_inside(layer_law):
     answer = suggest(Request("forefinger", verify=False, shape="slab"), layer_law)
     resin, best = answer.resin, answer.best

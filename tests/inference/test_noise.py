@@ -115,6 +115,7 @@ def test_the_search_leaves_a_start_where_a_size_is_hardly_seen():
         assert found[0] == pytest.approx(np.sqrt(1.0 - 1e-3), rel=1e-2)
 
 
+@pytest.mark.slow
 def test_tissue_fits_find_white_and_slow_noise_and_no_misfit_where_none_is():
     """Means over draws: one draw of six presses knows the slow noise to 12 %, its time to a third."""
     presses = [press() for _ in range(6)]
@@ -144,6 +145,7 @@ def test_tissue_fits_put_what_exceeds_the_holds_noise_down_to_misfit():
     assert found.slow_N <= 0.02 * (1 + 1e-9)
 
 
+@pytest.mark.slow
 def test_the_puck_test_finds_slow_noise_and_misfit():
     """Means over draws: a single puck tells its misfit, one smooth curve, to about a third."""
     one = press(60.0, 50.0)

@@ -112,6 +112,7 @@ def test_strengths_are_drawn_with_the_modulus_that_they_are_known_with(tmp_path)
     np.testing.assert_allclose(np.median(drawn.beta(15.0), axis=0), [0.3, 0.2], rtol=0.01)
 
 
+@pytest.mark.slow
 def test_the_modulus_is_known_no_better_than_the_number_of_pads_lets_it(campaigns):
     """With a level error of each pad of known size and little else the variance of the mean is that over the pads."""
     campaign = read_campaign(campaigns("none", 401))

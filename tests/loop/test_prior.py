@@ -105,6 +105,7 @@ def test_pads_of_earlier_campaigns_keep_their_law_error(fits):
     assert pads == (("", 15.0),) and (law == 0.02).all()
 
 
+@pytest.mark.slow
 def test_the_plan_is_a_campaign_to_press(campaigns, tmp_path):
     campaign = read_campaign(campaigns("none", 401))
     few = only(campaign, 15.0)

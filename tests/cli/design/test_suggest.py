@@ -85,6 +85,7 @@ def test_limits_are_followed_and_named(capsys):
     assert found["inputs"]["aim"] == "safe-side" and found["inputs"]["ratio"] == [15.0, 16.0]
 
 
+@pytest.mark.slow
 def test_a_pad_at_the_thin_end_of_the_table_is_answered(capsys):
     status, found = answer(capsys, "suggest", "--tissue", "forefinger", "--thickness", "3:3", *QUICK)
     assert status == 0 and found["recommendation"]["thickness_mm"] == 3.0
@@ -178,6 +179,7 @@ def test_the_folder_is_made_when_the_question_is_accepted_and_not_before(capsys,
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 def test_report_and_csv_are_written_where_the_answer_says(capsys, tmp_path):
     _, found = answer(capsys, "suggest", "--tissue", "forefinger", *QUICK)
     assert found["files"]["report"] == "suggest-forefinger/report.html"

@@ -32,6 +32,7 @@ def known_tissue(space):
     return dataclasses.replace(space, targets=targets)
 
 
+@pytest.mark.slow
 def test_a_resin_and_a_tissue_that_are_known_and_poured_exactly_give_the_choice_by_the_middle(crowned):
     inputs, _, chosen = crowned
     known = dataclasses.replace(known_tissue(inputs.space), resin=surer(inputs.space.resin))

@@ -6,6 +6,7 @@ import dummydesign
 from dummydesign.core.errors import InputError
 
 
+@pytest.mark.slow
 def test_the_recommended_pad_has_the_presses_and_the_numbers_of_its_suggestion():
     told = dummydesign.suggest("forefinger", shape="slab", verify=False).to_dict()
     best = told["recommendation"]

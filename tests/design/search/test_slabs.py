@@ -78,6 +78,7 @@ def depth_at_10_N(layer_law, resin, tissue, aim):
     return best.evaluation.depth_mm[best.index, 1]
 
 
+@pytest.mark.slow
 def test_each_aim_is_answered_by_its_own_pad(layer_law, resin):
     """people who differ tenfold: the safe side is stiffer than the average, the stiffest subject than the softest"""
     people = make_tissue((0.3, 1.0, 3.0))

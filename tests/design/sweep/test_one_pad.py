@@ -18,6 +18,7 @@ def inputs():
     return resolve(Request("forefinger", shape="slab", verify=False))
 
 
+@pytest.mark.slow
 def test_the_recommended_pad_gets_the_verdict_and_the_curve_of_the_suggestion(inputs):
     found = design(inputs)
     best = found.best

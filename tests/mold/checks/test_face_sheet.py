@@ -27,6 +27,7 @@ def glazed():
     return build(GLASS)
 
 
+@pytest.mark.slow
 def test_the_silicone_is_the_same_and_the_master_with_its_sheet_is_the_plain_master(glazed, open_parts):
     assert glazed.plan == open_parts.plan
     plain, sheet = open_parts.solid("master").Volume(), glazed.solid("face_sheet").Volume()

@@ -67,6 +67,7 @@ def test_pocket_near_the_underside_fails_the_floor_check(crowned):
         assert found.status == "fail" and found.value < most
 
 
+@pytest.mark.slow
 def test_undercut_bulb_fails_draft_rays_and_sweep(crowned):
     import cadquery as cq
 

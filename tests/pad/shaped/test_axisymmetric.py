@@ -121,6 +121,7 @@ def test_force_scales_with_the_modulus_and_with_the_square_of_all_lengths():
     assert large.force_N == pytest.approx(4.0 * one.force_N, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_finer_grid_stays_within_the_stated_error():
     crown, depths = Crowned(10.0, 2.5, 6.6), np.array([0.5, 1.0])
     coarse = solve_shaped_pad(crown, 5.0, 7.9, 0.03, depths, cells=8)

@@ -163,6 +163,7 @@ def test_first_touch_of_a_square_over_a_circle_agrees_with_other_codes(thickness
     assert ratio == pytest.approx(expected, abs=within)
 
 
+@pytest.mark.slow
 def test_the_ratio_at_first_touch_does_not_depend_on_the_cells_although_the_forces_do():
     block, ratios, forces = half(10.0), [], []
     for cells in (Cells(0.3), Cells(0.2), Cells(0.3, 1.6)):
@@ -225,6 +226,7 @@ def test_a_rectangle_turned_by_a_right_angle_carries_the_same():
     assert one == pytest.approx(other, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_long_thin_punch_is_stiffer_than_the_square_of_its_area():
     """On a thick pad the half-space result: elongation stiffens a punch of given area."""
     square, long = (

@@ -63,6 +63,7 @@ def other_recording(curve, folder, factor=1.01, name="second.csv"):
     return folder / name
 
 
+@pytest.mark.slow
 def test_a_second_puck_is_kept_beside_the_first(curve, tmp_path, monkeypatch):
     monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
     assert run(command(curve)) == 0

@@ -78,6 +78,7 @@ def test_a_vague_point_changes_almost_nothing(polyurethane):
         assert log_width(resin, ratio) == pytest.approx(log_width(polyurethane, ratio), rel=0.2)
 
 
+@pytest.mark.slow
 def test_points_one_after_the_other_are_points_together(polyurethane):
     first, second = point(15.0, 28.0, 0.05), point(17.0, 120.0, 0.05)
     at_once = update_resin(polyurethane, [first, second], "u")

@@ -180,6 +180,7 @@ def test_the_motion_is_followed_as_measured_with_wander_steps_and_uneven_samplin
         assert entry["value"] == pytest.approx(truth, rel=0.01)
 
 
+@pytest.mark.slow
 def test_what_comes_after_the_hold_does_not_matter(clean):
     whole = clean[1]
     back = np.arange(2, 101) * 4e-3

@@ -64,6 +64,7 @@ def by_hand() -> Ranges:
 LOWER = ("peak_low_N", "energy_low_mJ", "stiff_mm")
 
 
+@pytest.mark.slow
 def test_ranges_between_the_presses_are_those_of_the_people(people, by_hand):
     found = ranges_of(make_targets(people, "average", Sampling()))
     for name, near in NEAR.items():

@@ -30,6 +30,7 @@ def test_small_compressions_between_bonded_plates_have_the_published_apparent_mo
     assert table_for(shape, 1.0).factor(2.0, 1.0, np.array([0.005]))[0] == pytest.approx(apparent, rel=0.01)
 
 
+@pytest.mark.slow
 def test_between_solved_proportions_the_table_agrees_with_a_solve():
     """The standard disc of 29 x 12.5 mm; benchmarks/puck_shapes.py measures all half-way places."""
     compression, law = np.array([0.1, 0.25]), Ogden([2.0 / 3.0], [3.0])

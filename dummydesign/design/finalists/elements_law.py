@@ -21,6 +21,8 @@ from dummydesign.pad.shaped.paths import Solved
 
 SPACING = {False: 0.02, True: 0.015}
 """Of solved depths over thickness, by whether the top is flat: ends of load steps, which cost no solve of its own."""
+FIELD_SHARES = np.linspace(0.04, 1.0, 16)
+"""Of the last one, the depths of fields of caps: in space every depth is a solve."""
 BEYOND = 1.3
 """Over the deepest press of the test: a resin softer by a third presses no deeper."""
 
@@ -103,7 +105,7 @@ def solve_law(shaped: Shaped, space: SearchSpace, solved: Solved | None = None) 
         made = cached("design", {**inputs, **own}, lambda: _round(*args))
     else:
         made = cached("design", inputs, lambda: _field(shaped, inputs["thickness"], inputs["depth"]))
-    return _law(shaped, made, space.radius_mm)
+    return _law(shaped, made, len(inputs["depth"]), space.radius_mm)
 
 
 def rough_law(shaped: Shaped, space: SearchSpace, solved: Solved) -> ElementsLaw:
@@ -127,7 +129,7 @@ def rough_law(shaped: Shaped, space: SearchSpace, solved: Solved) -> ElementsLaw
     inputs, own = _inputs(shaped, space.radius_mm), _own(space)
     args = (shaped.shape, inputs["thickness"], space.radius_mm, inputs["depth"])
     made = cached("rough-design", {**inputs, **own}, lambda: vars(rough_shaped_pad(*args, solved=solved, **own)))
-    return _law(shaped, made, space.radius_mm)
+    return _law(shaped, made, len(inputs["depth"]), space.radius_mm)
 
 
 def _own(space: SearchSpace) -> dict[str, Any]:
@@ -155,11 +157,13 @@ def solved_shares(shaped: Shaped, radius_mm: float) -> NDArray:
     limit = float(replace(shaped.law, cast=True).depth_limit_mm(best.thickness_mm, radius_mm)) / best.thickness_mm
     pressed = best.evaluation.depth_mm[best.index] / best.thickness_mm
     last = min(limit, BEYOND * float(np.max(pressed))) if np.isfinite(pressed).all() else limit
+    if not shaped.shape.axisymmetric:
+        return FIELD_SHARES * last
     step = SPACING[shaped.shape.flat_top]
     return np.unique(np.minimum(step * np.arange(1, int(np.ceil(last / step - 1e-6)) + 1), limit))
 
 
-def _law(shaped: Shaped, made: Mapping[str, Any], radius_mm: float) -> ElementsLaw:
+def _law(shaped: Shaped, made: Mapping[str, Any], asked: int, radius_mm: float) -> ElementsLaw:
     thickness, law = shaped.found.best.thickness_mm, replace(shaped.law, cast=True)
     reached, force = (np.asarray(made[name], float) for name in ("depth_mm", "force_N"))
     if len(reached) < 2:
@@ -167,8 +171,8 @@ def _law(shaped: Shaped, made: Mapping[str, Any], radius_mm: float) -> ElementsL
         raise NoAnswerError("no_convergence", message)
     factor = np.log(force / law.plain.force(reached, thickness, 1.0, radius_mm))
     touch = Touch(*(np.asarray(column) for column in made["touch"])) if made.get("touch") else None
-    complete = len(reached) == len(solved_shares(shaped, radius_mm))
-    return ElementsLaw(law, thickness, reached, factor, np.asarray(made["error_N"], float) / force, touch, complete)
+    error = np.asarray(made["error_N"], float) / force
+    return ElementsLaw(law, thickness, reached, factor, error, touch, len(reached) == asked)
 
 
 def _round(
@@ -195,5 +199,3 @@ def _field(shaped: Shaped, thickness_mm: float, depth_mm: NDArray) -> dict[str, 
     table = load_shape_table(shaped.shape.name)
     error = np.interp(depth, table.error_depth, table.solve_error)
     return {"depth_mm": depth * thickness_mm, "force_N": area, "error_N": area * error}
-
-

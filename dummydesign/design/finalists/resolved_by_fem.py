@@ -22,7 +22,8 @@ from dummydesign.pad.shaped.paths import Solved
 
 SOLVED = 3
 DOUBT = 0.03
-"""Twice the most by which solving moved what a design of the three built-in tissues is worth (0.014)."""
+"""Twice the most by which solving moved what a design of the three built-in tissues is worth (0.014), where elements
+reach every press."""
 NEAR, GAIN = 0.1, 0.01
 """Relative difference in every length up to which one pad's elements over its table are taken for another's, and what
 such a neighbour must then be worth more than the best to be solved itself."""
@@ -95,8 +96,11 @@ def solve_leading(designs: Sequence[Shaped], space: SearchSpace, progress: Progr
     leading = [shaped for shaped in order if shaped.shape.name == order[0].shape.name][:SOLVED]
     firsts = [next(s for s in order if s.shape.name == kind) for kind in dict.fromkeys(s.shape.name for s in order)]
     contenders = [*leading, *firsts[1:]]
-    firsts_of = {id(shaped): next(s for s in contenders if near(s, shaped)) for shaped in contenders}
-    judged, failed = _judged([s for s in contenders if firsts_of[id(s)] is s], space, progress)
+    apart: list[Shaped] = []
+    for shaped in contenders:
+        if not any(near(before, shaped) for before in apart):
+            apart.append(shaped)
+    judged, failed = _judged(apart, space, progress)
     fields = [shaped for shaped in designs if not shaped.shape.axisymmetric]
     found: list[Shaped] = []
     for at_most, shaped, solved in judged:
@@ -108,11 +112,14 @@ def solve_leading(designs: Sequence[Shaped], space: SearchSpace, progress: Progr
         except NoAnswerError:
             failed.append(shaped)
             continue
-        neighbours = [s for s in contenders if s is not shaped and firsts_of[id(s)] is shaped]
-        better = _better_neighbour(found[-1], neighbours, space, max(map(_rank, found)) + GAIN)
+        better = _better_neighbour(found[-1], _beside(shaped, contenders), space, max(map(_rank, found)) + GAIN)
         if better is not None:
             progress(f"finite elements, {shaped.shape.name} pad")
             found += _solvable([better], space)
+    for shaped in failed:
+        # what keeps one pad from being solved need not keep its neighbours
+        best = max(map(_rank, found), default=-np.inf)
+        found += _solvable([other for other in _beside(shaped, contenders) if other.worth > best], space)
     if not found:
         tried = [shaped.shape for shaped in failed]
         found = _solvable([shaped for shaped in contenders if shaped.shape not in tried], space)
@@ -131,6 +138,11 @@ def near(one: Shaped, other: Shaped) -> bool:
         for shaped in (one, other)
     ]
     return bool((np.abs(lengths[0] - lengths[1]) <= NEAR * np.maximum(*np.abs(lengths))).all())
+
+
+def _beside(shaped: Shaped, contenders: Sequence[Shaped]) -> list[Shaped]:
+    """Other contenders that are nearly the same pad."""
+    return [other for other in contenders if other is not shaped and near(shaped, other)]
 
 
 def _better_neighbour(

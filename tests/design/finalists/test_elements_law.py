@@ -53,3 +53,12 @@ def test_deeper_than_was_asked_the_table_goes_on_with_the_last_factor_and_its_ow
     np.testing.assert_allclose(solved.relative_error(depth, H, RADIUS), 0.001)
     failed = replace(solved, complete=False)
     assert failed.depth_limit_mm(H, RADIUS) == pytest.approx(2.0), "where the solve failed nothing is known deeper"
+
+
+def test_a_field_of_caps_is_solved_at_sixteen_depths_as_each_is_a_solve_in_space():
+    shape = read_shape("bumped:pitch=5,radius=2.91,height=1.24,grade=0.34")
+    evaluation = SimpleNamespace(depth_mm=np.array([[1.0, 1.5]]))
+    found = SimpleNamespace(best=SimpleNamespace(thickness_mm=5.0, index=0, evaluation=evaluation))
+    field = SimpleNamespace(shape=shape, law=ShapeLaw(load_family("bumped"), shape, 5.0, cast=True), found=found)
+    share = solved_shares(field, RADIUS)
+    assert len(share) == 16 and share[-1] * 5.0 == pytest.approx(BEYOND * 1.5)

@@ -123,3 +123,14 @@ def test_pads_that_are_nearly_the_same_are_judged_by_the_elements_of_the_first(s
 def test_a_neighbour_that_these_elements_make_the_better_one_is_solved_itself(solved):
     same = [Pad("boned", 0.8, 0.8, 0.5, radius=20.0), Pad("boned", 0.79, 0.8, 0.75, radius=21.0, by_neighbour=0.74)]
     assert best(solve_leading(same, SPACE)).full == 0.75 and len(solved) == 2
+
+
+def test_a_pad_that_is_near_to_a_neighbour_but_not_to_the_first_is_pressed_itself(solved):
+    row = [Pad("boned", 0.8 - 0.01 * n, 0.8, 0.6 + 0.1 * n, radius=20.0 * 1.09**n) for n in range(3)]
+    assert near(*row[:2]) and near(*row[1:]) and not near(row[0], row[2])
+    assert best(solve_leading(row, SPACE)).full == pytest.approx(0.8)
+
+
+def test_a_neighbour_of_a_pad_that_cannot_be_solved_is_solved_before_a_worse_kind_wins(solved):
+    boned = [Pad("boned", 0.8, 0.8, -1.0, radius=20.0), Pad("boned", 0.79, 0.8, 0.75, radius=21.0)]
+    assert best(solve_leading([*boned, Pad("layered", 0.4, 0.4, 0.4)], SPACE)).full == 0.75

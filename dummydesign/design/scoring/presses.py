@@ -19,6 +19,7 @@ DEPTH_SHARE = MAX_DEPTH_OVER_THICKNESS
 
 SAMPLES = 481
 
+
 @dataclass(frozen=True)
 class Curves:
     """Elastic force per unit modulus of T slabs on even depth grids.

@@ -79,16 +79,13 @@ def add_curves(name: str, table: str, law: str, elements: str, replace_own: bool
     curves = read_curves(path)
     for subject in dict.fromkeys(curve.subject for curve in curves):
         check_curves([curve for curve in curves if curve.subject == subject], path.name)
-    read, speeds = _traces(curves)
+    read = _traces(curves)
     warnings = copies_among([replace(one, name=f"{who}: {one.name}") for who, own in read.items() for one in own])
     held, left_out = _held(read)
     warnings += _unlike_told(held)
-    people = {
-        who: person_of([reduce_trace(trace) for trace in own], [speeds[trace.name] for trace in own])
-        for who, own in held.items()
-    }
+    people = {who: person_of([reduce_trace(trace) for trace in own]) for who, own in held.items()}
     if law != NONE:
-        share_a_speed({who: [speeds[trace.name] for trace in own] for who, own in held.items()})
+        share_a_speed({who: one.velocities_mm_s for who, one in people.items()})
     form = DEFAULT if law == AUTO else law
     fits = {} if law == NONE else fit_people(held, form, elements, intervals=False)
     misfits = [misfit_of(who, fit, people[who]) for who, fit in fits.items()]
@@ -173,10 +170,9 @@ def _unlike_told(read: dict[str, list[Trace]]) -> list[dict[str, str]]:
     return [{"code": "speed_unlike_told", "message": message}]
 
 
-def _traces(curves: list[Curve]) -> tuple[dict[str, list[Trace]], dict[str, float]]:
-    """Curves as traces by person, with all that is checked of traces, and the speed of each. [mm/s]"""
+def _traces(curves: list[Curve]) -> dict[str, list[Trace]]:
+    """Curves as traces by person, each with the speed it was told, and with all that is checked of traces."""
     read: dict[str, list[Trace]] = {}
-    speeds: dict[str, float] = {}
     with tempfile.TemporaryDirectory() as folder:
         for number, curve in enumerate(curves, start=1):
             rows = zip(curve.time_s, curve.depth_mm, curve.force_N)
@@ -185,5 +181,4 @@ def _traces(curves: list[Curve]) -> tuple[dict[str, list[Trace]], dict[str, floa
             file.write_text(f"time_s,displacement_mm,force_N\n{text}", encoding="utf-8")
             told = replace(read_trace(file), told_mm_s=curve.velocity_mm_s)
             read.setdefault(curve.subject, []).append(told)
-            speeds[file.name] = curve.velocity_mm_s
-    return read, speeds
+    return read

@@ -9,18 +9,9 @@ import pytest
 from dummydesign.cli import run
 from dummydesign.design.search.tabulated_shapes import designable_kinds
 from dummydesign.geometry.shapes import read_shape
+from tests.support.command_answer import answer
 
 QUICK = ["--no-cad", "--no-verify"]
-
-
-@pytest.fixture(autouse=True)
-def _in_an_empty_folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-
-
-def answer(capsys, *arguments):
-    status = run([*arguments, "--json"])
-    return status, json.loads(capsys.readouterr().out)
 
 
 @pytest.fixture(scope="module")

@@ -1,29 +1,19 @@
 """``suggest`` on the command line: the contract, the recipe, refusals."""
 
-import json
 
 import pytest
 
 from dummydesign.cli import run
 from dummydesign.resin import load_resin
+from tests.support.command_answer import answer
 
 QUICK = ["--shape", "slab", "--no-cad", "--no-verify"]
-
-
-@pytest.fixture(autouse=True)
-def _in_an_empty_folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
 
 
 def fits(status, found):
     """Status 1 goes with a red light and its error, and with nothing else."""
     red = found["verdict"]["light"] == "red"
     return status == int(red) and ("error" in found) == red
-
-
-def answer(capsys, *arguments):
-    status = run([*arguments, "--json"])
-    return status, json.loads(capsys.readouterr().out)
 
 
 @pytest.mark.parametrize(

@@ -1,20 +1,10 @@
 """``whatif`` on the command line: rows and their files, going on, refusals."""
 
-import json
 
 import pytest
 
 from dummydesign.cli import run
-
-
-@pytest.fixture(autouse=True)
-def _in_an_empty_folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-
-
-def answer(capsys, *arguments):
-    status = run([*arguments, "--json"])
-    return status, json.loads(capsys.readouterr().out)
+from tests.support.command_answer import answer
 
 
 def test_whatif_gives_rows_and_their_csv(capsys, tmp_path):

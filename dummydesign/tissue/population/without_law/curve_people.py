@@ -20,21 +20,19 @@ HOLD_BINS, LATE = 40, 0.05
 """Bins of the hold, even in the logarithm of time, and the last share of it that its end is the mean of."""
 
 
-def person_of(reduced: Sequence[ReducedTrace], velocity_mm_s: Sequence[float]) -> MeasuredPerson:
-    """A person of reduced presses at the speeds they were sent with.
+def person_of(reduced: Sequence[ReducedTrace]) -> MeasuredPerson:
+    """A person of reduced presses at the speeds they were told.
 
     Parameters
     ----------
     reduced : sequence of ReducedTrace
-    velocity_mm_s : sequence of float
-        As declared: a shallow press at 250 mm/s brakes from the surface on, so its motion does not tell. [mm/s]
 
     Raises
     ------
     InputError
         With the press, for one without a force at its end.
     """
-    return MeasuredPerson([held_press(trace, speed) for trace, speed in zip(reduced, velocity_mm_s)])
+    return MeasuredPerson([held_press(trace, trace.velocity_mm_s) for trace in reduced])
 
 
 def held_press(trace: ReducedTrace, velocity_mm_s: float) -> HeldPress:

@@ -12,6 +12,7 @@ import os
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +21,7 @@ from dummydesign.design.sweep.executors import open_executor
 from dummydesign.design.sweep.live_data import live_data
 from dummydesign.design.sweep.pads import parse_shapes
 from dummydesign.design.sweep.rows_file import RowsFile, settings_of
-from dummydesign.design.sweep.run import Study, tasks_of, whatif
+from dummydesign.design.sweep.run import Study, targets_of, tasks_of, whatif
 from dummydesign.report.whatif import write_whatif
 from dummydesign.resin import load_resin
 
@@ -30,12 +31,14 @@ SHAPED = Study(
     tuple(np.linspace(4.0, 8.0, 5)), tuple(np.linspace(15.0, 16.0, 10)), SQUARE, tissue="forefinger",
     shapes=parse_shapes("crowned:radius=12:22:2.5,height=1.5:3:0.5,foot=9.4"),
 )  # fmt: skip
-SOLVED = Study((6.0, 8.0), (15.0, 15.5, 16.0), SQUARE, fidelity="axisymmetric",
-               shapes=parse_shapes("crowned:radius=12:18:6,height=1.5,foot=9.4"))  # fmt: skip
+SOLVED = Study(
+    tuple(np.linspace(5.0, 9.0, 5)), tuple(np.linspace(14.6, 16.4, 10)), SQUARE, fidelity="axisymmetric",
+    shapes=parse_shapes("crowned:radius=12:22:2,height=1.5,foot=9.4"),
+)  # fmt: skip
 MANY = Study(tuple(np.linspace(3.0, 30.0, 200)), tuple(np.linspace(14.0, 20.0, 200)), SQUARE, tissue="palm")
 
 
-def fastest(repeats: int, action) -> float:
+def fastest(repeats: int, action: Callable[[], object]) -> float:
     """Shortest of some wall times. [s]"""
     times = []
     for _ in range(repeats):
@@ -62,7 +65,7 @@ def main() -> None:
         report = fastest(repeats, lambda: write_whatif(place, THOUSAND, rows, resin, None, live_data(resin, None), []))
         print(f"its report: {report:.3f} s")
     print(f"{SHAPED.size} shaped designs, table, scored: {fastest(repeats, lambda: whatif(SHAPED)):.3f} s")
-    tasks = len(list(tasks_of(MANY, resin)))
+    tasks = len(list(tasks_of(MANY, resin, targets_of(MANY))))
     one = fastest(1, lambda: whatif(MANY))
     print(f"{MANY.size} scored designs in {tasks} tasks, this process: {one:.1f} s")
     with open_executor(2) as pool:
@@ -73,7 +76,7 @@ def main() -> None:
         os.environ["DUMMYDESIGN_CACHE"] = "off"
         one = fastest(1, lambda: whatif(SOLVED))
         two = fastest(1, lambda: whatif(SOLVED, executor=pool))
-        print(f"{SOLVED.size} solved designs of {len(list(tasks_of(SOLVED, resin)))} pads: {one:.1f} s here, "
+        print(f"{SOLVED.size} solved designs of {len(list(tasks_of(SOLVED, resin, None)))} pads: {one:.1f} s here, "
               f"{two:.1f} s in 2 processes, {one / two:.2f} times as fast")  # fmt: skip
 
 

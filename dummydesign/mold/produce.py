@@ -65,6 +65,19 @@ def produce(
     tell("step 2 of 5: meshes and STEP files")
     meshes = {name: mesh.tessellate(part.solid) for name, part in made.parts.items()}
     picture = _start_picture(made, meshes, folder)
+    try:
+        return _written(made, meshes, folder, papers, picture)
+    finally:
+        if picture.poll() is None:
+            # A check failed or the user stopped: nobody waits for it any more.
+            picture.kill()
+            picture.wait()
+
+
+def _written(
+    made: Parts, meshes: dict[str, Any], folder: Path, papers: Papers, picture: subprocess.Popen[bytes]
+) -> dict[str, Any]:
+    spec = made.spec
     steps = {name: step_part(made, name) for name in made.parts}
     files = _write_steps(made, steps, folder)
     mesh_files = _write_meshes(made, meshes, folder)

@@ -54,3 +54,23 @@ def test_mould_without_a_picture_is_complete_and_says_so(open_spec, tmp_path):
     warnings: list[dict[str, str]] = []
     assert finish_picture(dead, tmp_path, open_spec, warnings) == {}
     assert warnings[0]["code"] == "no_picture" and not (tmp_path / ".picture.npz").exists()
+
+
+def test_a_check_that_breaks_off_leaves_no_renderer_running(open_spec, tmp_path, monkeypatch):
+    import subprocess
+    import sys
+    from types import SimpleNamespace
+
+    from dummydesign.mold import produce
+
+    renderer = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"])
+
+    def broken(*_: object) -> None:
+        raise RuntimeError("a check broke off")
+
+    monkeypatch.setattr(produce, "build", lambda *_: SimpleNamespace(spec=open_spec, parts={}))
+    monkeypatch.setattr(produce, "_start_picture", lambda *_: renderer)
+    monkeypatch.setattr(produce, "_write_steps", broken)
+    with pytest.raises(RuntimeError, match="broke off"):
+        produce.produce(open_spec, tmp_path)
+    assert renderer.returncode is not None

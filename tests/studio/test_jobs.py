@@ -14,6 +14,13 @@ from dummydesign.studio.work import jobs
 from dummydesign.studio.work.lock import held, take
 
 
+@pytest.fixture(autouse=True, scope="module")
+def every_process_is_waited_for():
+    yield
+    for child in jobs._CHILDREN:
+        child.wait(120)
+
+
 def wait_for(folder, *states, seconds=600):
     deadline = time.monotonic() + seconds
     while (found := jobs.read_job(folder)).state not in states:

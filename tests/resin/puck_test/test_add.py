@@ -52,6 +52,7 @@ def test_the_modulus_of_a_solved_puck_is_recovered_inside_its_interval(curve, tm
     assert answer["name"] == "batch"
     for key in ("law", "friction"):
         assert key in answer
+    monkeypatch.chdir(tmp_path)
     asked = ["suggest", "--tissue", "palm", "--resin", "batch", "--shape", "slab", "--no-cad", "--no-verify", "--json"]
     assert run(asked) in (0, 1)
 

@@ -70,19 +70,24 @@ class FlatPunch:
 class ProfilePunch:
     """A punch with a smooth profile: its surface stands ``height(r)`` above its lowest point.
 
-    ``height`` gives the height and its first and second derivative at radii of any shape. The gap is
-    measured along the axis; profiles must not be vertical.
+    ``height`` gives the height and its first three derivatives at radii of any shape; profiles must not be
+    vertical. The gap is that along the axis times the cosine of the slope: the distance to the surface where it is
+    small, so that steep sides are no stiffer than the face and press along their normal.
     """
 
-    height: Callable[[Array], tuple[Array, Array, Array]]
+    height: Callable[[Array], tuple[Array, Array, Array, Array]]
 
     def gap(self, points: Array, depth: float) -> tuple[Array, Array, Array]:
-        """Gap along the axis, with its derivatives."""
-        value, slope, curve = self.height(points[..., 0])
-        gradient = np.stack([slope, -np.ones_like(slope)], axis=-1)
+        """Distance to the profile where it is small, with its derivatives."""
+        value, slope, curve, third = self.height(points[..., 0])
+        axial, cosine = value - depth - points[..., 1], 1.0 / np.sqrt(1.0 + slope**2)
+        turn = -slope * curve * cosine**3
+        gradient = np.stack([slope * cosine + axial * turn, -cosine], axis=-1)
         second = np.zeros((*slope.shape, 2, 2))
-        second[..., 0, 0] = curve
-        return value - depth - points[..., 1], gradient, second
+        turning = cosine**3 * (3.0 * (slope * cosine * curve) ** 2 - curve**2 - slope * third)
+        second[..., 0, 0] = curve * cosine + 2.0 * slope * turn + axial * turning
+        second[..., 0, 1] = second[..., 1, 0] = -turn
+        return axial * cosine, gradient, second
 
 
 class Surface:

@@ -162,8 +162,10 @@ def _setup(pad: Pad, law: Any, depths: Array, shear: float, coarse: bool) -> Set
     from dummydesign.pad.shaped.problem import CELLS, Press, shaped_problem
     from dummydesign.pad.slab.indentation import (
         SHAPED_STIFFNESS,
+        SHARE,
         Region,
         indentation_problem,
+        load_steps,
         profile,
     )
     from dummydesign.pad.slab.problem import Slab, rimmed_problem
@@ -184,10 +186,10 @@ def _setup(pad: Pad, law: Any, depths: Array, shear: float, coarse: bool) -> Set
     if pad.profile_mm is not None:
         shape = profile(*(np.asarray(part) / h for part in pad.profile_mm))
         punch = ProfilePunch(shape.height)
-        region = Region(0.0, radius, radius / (12 if coarse else 24))
+        region = Region(0.0, radius, radius / (12 if coarse else 24), SHARE * (2 if coarse else 1))
         made = indentation_problem(punch, region, extent, *own, stiffness=SHAPED_STIFFNESS, weight=weight)
-        first = 0.25 * float(depths[0])
-        return Setup(made, first, 0.05, first / 64.0)
+        first, largest, lattice = load_steps(pad.condition, float(depths[0]))
+        return Setup(made, first, largest, first / 64.0, lattice)
     slab_scale = min(radius, 1.0)
     if pad.condition == "bonded" and pad.base in BASES:
         slab = Slab(radius, extent, pad.base, pad.condition)

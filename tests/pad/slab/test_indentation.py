@@ -47,6 +47,14 @@ def test_a_profile_through_points_of_a_ball_presses_like_the_ball():
     assert pair[1] == pytest.approx(pair[0], rel=3e-3)
 
 
+@pytest.mark.parametrize("condition", ["bonded", "friction:0.3"])
+def test_the_force_under_a_ball_that_sticks_or_rubs_does_not_depend_on_the_list_of_depths(condition):
+    lists = [0.5, 1.0, 1.5], np.arange(0.15, 1.51, 0.07).tolist() + [0.5, 1.0, 1.5]
+    found = [solve_shaped(sphere(15.0), 5.0, 0.03, np.unique(wanted), 7.0, condition) for wanted in lists]
+    many = np.interp(lists[0], found[1].depth_mm, found[1].force_N)
+    assert many == pytest.approx(found[0].force_N, rel=3e-4)
+
+
 def test_contact_forces_are_the_derivative_of_their_energy_and_their_tangent_is_exact():
     rng = np.random.default_rng(6)
     nodes = np.array([[0.4, 0.7, 1.0, 1.2, 1.4], [0.0, 0.01, 0.0, 0.02, 0.01]])
@@ -65,6 +73,33 @@ def test_contact_forces_are_the_derivative_of_their_energy_and_their_tangent_is_
             up, down = (surface.forces(u + sign * step, punch, 0.1)[0] for sign in (1.0, -1.0))
             assert whole[:, k] == pytest.approx((up - down) / 2e-7, abs=2e-4)
         assert np.abs(force).max() > 0.1
+
+
+def test_the_gap_to_a_cone_is_the_distance_to_its_flank_and_the_normal_has_unit_length():
+    flank = 3.0
+    cone = ProfilePunch(lambda r: (flank * r, flank + 0.0 * r, 0.0 * r, 0.0 * r))
+    points = np.array([[0.5, 1.0], [0.4, 0.2], [1.0, 2.2]])
+    gap, normal, _ = cone.gap(points, 0.3)
+    assert gap == pytest.approx((flank * points[:, 0] - 0.3 - points[:, 1]) / np.hypot(flank, 1.0))
+    assert np.linalg.norm(normal, axis=-1) == pytest.approx(1.0)
+
+
+def test_what_slips_on_a_steep_flank_is_dragged_by_the_coefficient_times_what_presses_on_it():
+    """Coulomb's law has the force along the normal in it; a gap along the axis gave a third of that here."""
+    flank, mu = 3.0, 0.2
+    cone = ProfilePunch(lambda r: (flank * r, flank + 0.0 * r, 0.0 * r, 0.0 * r))
+    nodes = np.array([[0.50, 0.55, 0.60], [0.0, 0.0, 0.0]])
+    stiffness = lambda r: np.full_like(r, 1e3)  # noqa: E731
+    surface = Surface(nodes, np.array([[0, 1, 2]]), stiffness, lambda r: 0.0 * r, friction=mu, slip_scale=1e-6)
+    depth = flank * 0.60 + 1e-3
+    surface.settle(np.zeros(6), cone, depth)
+    # All points slide the same way along the flank.
+    along = np.array([1.0, flank]) / np.hypot(1.0, flank)
+    u = np.tile(-0.01 * along, 3)
+    force, _ = surface.forces(u, cone, depth)
+    total = force.reshape(3, 2).sum(axis=0)
+    pressed = total @ np.array([flank, -1.0]) / np.hypot(flank, 1.0)
+    assert abs(total @ along) == pytest.approx(mu * abs(pressed), rel=1e-4)
 
 
 def test_friction_lies_between_sliding_and_sticking_and_grows_with_its_coefficient():
@@ -119,8 +154,8 @@ def test_profiles_that_are_no_punch_are_refused(points):
 
 
 def test_a_ball_is_carried_on_straight_beyond_its_side():
-    value, slope, second = sphere(2.0).height(np.array([0.0, 1.0, 5.0]))
+    value, slope, second, third = sphere(2.0).height(np.array([0.0, 1.0, 5.0]))
     assert value[0] == slope[0] == 0.0
     assert value[1] == pytest.approx(2.0 - np.sqrt(3.0))
-    assert np.isfinite(value).all() and second[2] == 0.0
+    assert np.isfinite(value).all() and second[2] == third[2] == 0.0
     assert isinstance(sphere(2.0), ProfilePunch)

@@ -43,7 +43,7 @@ SHAPES = tuple(
         "tables.shapes", f"{kind} --count {count} --fresh {fresh}", (f"{TABLES}{kind}-bonded.json",),
         f"response table of {kind} pads",
     )
-    for kind, count, fresh in (("crowned", 494, 40), ("layered", 80, 40), ("boned", 80, 40), ("bumped", 30, 8))
+    for kind, count, fresh in (("crowned", 494, 40), ("layered", 80, 40), ("boned", 80, 40), ("bumped", 60, 20))
 )
 STUDIES = (
     Study(

@@ -161,7 +161,9 @@ class Quarter:
     unknowns: Array
 
 
-def quarter(x: Array, y: Array, z: Array, folded: bool = False) -> Quarter:
+def quarter(
+    x: Array, y: Array, z: Array, folded: bool = False, bend: Callable[[Array], Array] | None = None
+) -> Quarter:
     """Hexahedra on a tensor grid.
 
     Parameters
@@ -170,6 +172,8 @@ def quarter(x: Array, y: Array, z: Array, folded: bool = False) -> Quarter:
         Lines of the grid, increasing; each has its own n.
     folded : bool
         Only half of it; ``x`` and ``y`` are then the same.
+    bend : callable, optional
+        As for :func:`discretise`; levels of places, which mirror where the part is folded.
 
     Returns
     -------
@@ -181,7 +185,7 @@ def quarter(x: Array, y: Array, z: Array, folded: bool = False) -> Quarter:
         before = lattice[1] <= lattice[2]
         used, places = np.unique(quads[:, before[: quads.shape[1]]], return_inverse=True)
         points, quads, lattice = points[:, used], places.reshape(4, -1), lattice[:, before]
-    mesh = discretise(extrude(points, quads, z))
+    mesh = discretise(extrude(points, quads, z), bend)
     upper, share = np.nonzero(lattice[0] == len(z) - 2)[0], np.ones(len(mesh.dofs))
     faces, unknowns = horizontal_faces(mesh, upper), np.arange(mesh.size)
     if folded:

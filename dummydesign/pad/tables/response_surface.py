@@ -11,8 +11,10 @@ References
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -172,6 +174,13 @@ class Response:
         # Held before the first knot and beyond the last.
         asked = np.sqrt(depth)
         return value, np.where((asked < t[0]) | (asked > t[-1]), 0.0, slope)
+
+
+def read_response(surface: Mapping[str, Any]) -> Response:
+    """One surface from the content of a table."""
+    names = ("low", "high", "lengths", "centres", "levels", "trend", "weights", "reach")
+    known: dict[str, Any] = {name: np.array(surface[name], dtype=float) for name in names}
+    return Response(**known, anchored=surface["anchored"])
 
 
 def fit(

@@ -5,7 +5,8 @@ ln(b / a) and ln s, s = R c / b^2 (apex radius R, height c and foot radius b of 
 in pieces that are joined where the punch's edge is reached (:mod:`dummydesign.pad.tables.crown_surface`). At first
 touch it is 0. Layered and boned pads: ln of F over the force of
 the slab of the upper resin, which is taken from the slab's own table. Bumped pads, solved in space under a square
-punch: ln of F over Hertz's force of the middle cap, for caps of one proportion (``Bumped.proportioned``).
+punch: the same over Hertz's force of the middle cap, for caps of one proportion (``Bumped.proportioned``), counted
+against the volume that punch and field overlap by (:mod:`dummydesign.pad.tables.fields.surface`).
 """
 
 from __future__ import annotations
@@ -24,10 +25,12 @@ from dummydesign.geometry.shapes import PadShape, Similarity, shape_kinds
 from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.pad.force_law import BaseForceLaw
 from dummydesign.pad.tables.crown_surface import CrownResponse
-from dummydesign.pad.tables.response_surface import Response
+from dummydesign.pad.tables.fields.surface import FieldResponse
+from dummydesign.pad.tables.response_surface import Response, read_response
 from dummydesign.pad.tables.slab import ResponseTable, load_table
 
 Array = np.ndarray
+Surface = Response | CrownResponse | FieldResponse
 
 
 def tabulated_kinds() -> dict[str, Similarity]:
@@ -62,7 +65,7 @@ class ShapeTable:
     Attributes
     ----------
     kind, condition : str
-    response : Response, or CrownResponse
+    response : Response, CrownResponse or FieldResponse
         Over the numbers of the kind (:class:`~dummydesign.geometry.shapes.Similarity`), some by their logarithm.
     low, high : ndarray, shape (k,)
         Smallest and largest inputs that are answered.
@@ -77,7 +80,7 @@ class ShapeTable:
 
     kind: str
     condition: str
-    response: Response | CrownResponse
+    response: Surface
     low: Array
     high: Array
     error_depth: Array
@@ -129,7 +132,7 @@ class ShapeTable:
             Relative depths d / h of the same shape, >= 0.
         """
         depth, coordinates = np.maximum(x, 0.0), self.coordinates(inputs)
-        if isinstance(self.response, CrownResponse):
+        if not isinstance(self.response, Response):
             return self.response.along(coordinates, place, depth)
         value, slope = self.response.along(self.response.at_levels(coordinates), place, depth)
         return value, slope / (2.0 * np.sqrt(np.maximum(depth, 1e-12)))
@@ -287,13 +290,7 @@ def from_dict(data: dict[str, Any]) -> ShapeTable:
     listed = ("low", "high", "error_depth", "median_error", "error", "solve_error")
     fields: dict[str, Any] = {name: np.array(data[name], dtype=float) for name in listed}
     surface = data["surface"]
-    pieces = {part.name: _response(surface[part.name]) for part in parts(CrownResponse)} if "jump" in surface else None
-    response = CrownResponse(**pieces) if pieces else _response(surface)
+    form = next((form for form in (CrownResponse, FieldResponse) if parts(form)[0].name in surface), None)
+    pieces = {part.name: read_response(surface[part.name]) for part in parts(form)} if form else {}
+    response = form(**pieces) if form else read_response(surface)
     return ShapeTable(data["kind"], data["condition"], response, **fields, provenance=data["provenance"])
-
-
-def _response(surface: dict[str, Any]) -> Response:
-    """One surface from the content of a table."""
-    names = ("low", "high", "lengths", "centres", "levels", "trend", "weights", "reach")
-    known: dict[str, Any] = {name: np.array(surface[name], dtype=float) for name in names}
-    return Response(**known, anchored=surface["anchored"])

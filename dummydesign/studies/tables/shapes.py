@@ -19,9 +19,8 @@ import numpy as np
 
 from dummydesign.core.datafiles import data_folder
 from dummydesign.pad.shaped.axisymmetric import EDGE_ERROR, LEAST_ERROR
-from dummydesign.pad.tables.crown_surface import CrownResponse
 from dummydesign.pad.tables.response_surface import Response
-from dummydesign.pad.tables.shape import ShapeTable, from_dict
+from dummydesign.pad.tables.shape import ShapeTable, Surface, from_dict
 from dummydesign.studies.tables.common import Build, write_table
 from dummydesign.studies.tables.designs import Design, designs
 from dummydesign.studies.tables.designs.base import COMPLETE, EXTENT_OVER_RADIUS, FIRST_SEED
@@ -101,7 +100,7 @@ def content(
         "punch": design.punch,
         "base": "bonded",
         "extent_over_radius": EXTENT_OVER_RADIUS,
-        "cells_under_punch": design.cells,
+        design.cells_are: design.cells,
         "design": "Sobol sequence over the ranges, castable under a 14 x 14 mm punch",
         "curves": len(answers),
         "curves_that_stopped_early": int((reach < COMPLETE).sum()),
@@ -130,9 +129,9 @@ def _missed(design: Design, table: ShapeTable, points: Array, values: Array) -> 
     return np.where(depths[None, :] <= table.depth_limit(plain)[:, None] * (1.0 + 1e-9), miss, np.nan)
 
 
-def to_dict(surface: Response | CrownResponse) -> dict[str, Any]:
+def to_dict(surface: Surface) -> dict[str, Any]:
     """A surface, or each of its pieces, as short numbers for a file."""
-    if isinstance(surface, CrownResponse):
+    if not isinstance(surface, Response):
         return {part.name: to_dict(getattr(surface, part.name)) for part in fields(surface)}
     digits = {"levels": 4, "reach": 4}
     numbers = {

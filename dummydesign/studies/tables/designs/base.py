@@ -16,8 +16,8 @@ from dummydesign.geometry.standard import EXTENT_OVER_RADIUS, PUNCH_RADIUS_MM
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.shaped.axisymmetric import climb
 from dummydesign.pad.shaped.problem import RIMS, Press
-from dummydesign.pad.tables.crown_surface import CrownResponse
-from dummydesign.pad.tables.response_surface import Response, fit
+from dummydesign.pad.tables.response_surface import fit
+from dummydesign.pad.tables.shape import Surface
 
 Array = np.ndarray
 
@@ -40,6 +40,8 @@ class Design:
         Name of the shape; what the table holds over which numbers, and under which punch, in words.
     usual : (int, int, int)
         Shapes that are solved, fresh ones for the table's error, and how many on smaller cells.
+    cells_are : str
+        What ``cells`` count, in the table's provenance.
     seed : int
         Of the fresh ones: another one when a fit is changed after they were looked at.
     low, high : ndarray, shape (k,)
@@ -47,13 +49,14 @@ class Design:
     depths : ndarray
         d / h that are solved.
     cells : int
-        Under the punch.
+        Of ``cells_are``.
     """
 
     kind: ClassVar[str] = ""
     meaning: ClassVar[str] = ""
     punch: ClassVar[str] = OVER_SLAB
     usual: ClassVar[tuple[int, int, int]] = (80, 12, 4)
+    cells_are: ClassVar[str] = "cells_under_punch"
     seed: ClassVar[int] = FIRST_SEED
     low: Array
     high: Array
@@ -190,7 +193,7 @@ class Design:
         last = np.array([depths[np.isfinite(row)][-1] for row in rows])
         return np.where(last >= depths[-1], COMPLETE, last)
 
-    def surface(self, answers: list[dict[str, Any]]) -> Response | CrownResponse:
+    def surface(self, answers: list[dict[str, Any]]) -> Surface:
         """The response surface through solved pads."""
         points = np.array([answer["point"] for answer in answers])
         rows = self.reduced(points, self.at_depths(answers, self.depths)[0], self.depths)

@@ -1,0 +1,91 @@
+"""What a punch and an undeformed field of caps overlap by: what forces of fields are counted against.
+
+It holds what makes the force of a field rise in steps: rings of caps come under the punch one after another, caps at
+its edge with their share, and at last the flat between them. Lengths in radii of the circle of the punch's area.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dummydesign.geometry.limits import SMALLEST_HEIGHT_MM
+from dummydesign.geometry.shapes.bumped import FOOT_OVER_PITCH, HEIGHT_OVER_FOOT
+from dummydesign.geometry.standard import PUNCH_RADIUS_MM
+
+Array = np.ndarray
+
+HEIGHT_OVER_PITCH = HEIGHT_OVER_FOOT * FOOT_OVER_PITCH
+RADIUS_OVER_HEIGHT = 0.5 * (1.0 + HEIGHT_OVER_FOOT**-2)
+HALF_SIDE = 0.5 * np.sqrt(np.pi)
+# Fillet at the punch's edge over the smaller of half side and thickness, as in the solves.
+RIM = 0.1
+# Lattice places of caps that reach under the punch, and how many there are of each.
+PLACES = ((0, 0, 1), (1, 0, 4), (1, 1, 4), (2, 0, 4), (2, 1, 8), (2, 2, 4))
+SMALLEST = SMALLEST_HEIGHT_MM / PUNCH_RADIUS_MM * (1.0 - 1e-6)
+
+
+def overlap(inputs: Array, depth: Array, hertz: float) -> tuple[Array, Array]:
+    """Sum over all caps and the flat, over the Hertz term of the middle tip, and its derivative by depth.
+
+    A cap of radius R that is d deep counts its volume in the punch, pi d^2 (R - d/3), plus ``hertz`` pitch sqrt(R)
+    d^1.5, which is its force by Hertz; at the punch's edge the share of it that is under the punch.
+
+    Parameters
+    ----------
+    inputs : ndarray, shape (..., 3)
+        ln h/a, ln pitch/a and grade over height of each field.
+    depth : ndarray, shape (...)
+        Over the punch's radius a, above 0.
+    hertz : float
+        Above 0.
+
+    Returns
+    -------
+    ndarray, ndarray, shape (...)
+        Ratio, 1 at first touch, and its derivative by ``depth``.
+    """
+    thickness, pitch, grade = np.exp(inputs[..., 0]), np.exp(inputs[..., 1]), inputs[..., 2]
+    height = HEIGHT_OVER_PITCH * pitch
+    radius = RADIUS_OVER_HEIGHT * height
+    rim = RIM * np.minimum(thickness, HALF_SIDE)
+    core = HALF_SIDE - rim
+    total, slope = np.zeros(depth.shape), np.zeros(depth.shape)
+    for i, j, count in PLACES:
+        lower = grade * height * (i * i + j * j)
+        own = height - lower
+        here = (depth > lower) & (own >= SMALLEST) & ((i - 0.5) * pitch < HALF_SIDE)
+        if not here.any():
+            continue
+        down, r, p = (depth - lower)[here], radius[here], pitch[here]
+        # A cap that is pressed flat is counted whole; beyond, the flat counts.
+        deep = np.minimum(down, own[here])
+        foot, by_hertz = np.sqrt(deep * (2.0 * r - deep)), hertz * p * np.sqrt(r * deep)
+        moves = down < own[here]
+        whole = np.pi * deep**2 * (r - deep / 3.0) + by_hertz * deep
+        swells = np.where(moves, np.pi * foot**2 + 1.5 * by_hertz, 0.0)
+        widens = np.where(moves, (r - deep) / foot, 0.0)
+        edge, shifts = _edge(core[here], rim[here], down)
+        one, grows = _share(edge - i * p, shifts, foot, widens)
+        other, rises = (one, grows) if i == j else _share(edge - j * p, shifts, foot, widens)
+        total[here] += count * one * other * whole
+        slope[here] += count * (one * other * swells + (one * rises + other * grows) * whole)
+    flat = np.maximum(depth - height, 0.0)
+    edge, shifts = _edge(core, rim, flat)
+    total += 4.0 * edge**2 * flat
+    slope += np.where(flat > 0.0, 4.0 * edge * (edge + 2.0 * shifts * flat), 0.0)
+    tip = hertz * pitch * np.sqrt(radius) * depth**1.5
+    return total / tip, slope / tip - 1.5 * total / (tip * depth)
+
+
+def _edge(core: Array, rim: Array, down: Array) -> tuple[Array, Array]:
+    """Where the punch ends for what is touched ``down`` deep, its fillet as a parabola, and the derivative."""
+    reach = np.sqrt(2.0 * rim * down)
+    return core + np.minimum(reach, rim), np.where((reach < rim) & (down > 0.0), rim / np.maximum(reach, 1e-12), 0.0)
+
+
+def _share(inside: Array, shifts: Array, foot: Array, widens: Array) -> tuple[Array, Array]:
+    """Share of a cap that is under a punch which ends ``inside`` beyond the cap's middle, and its derivative."""
+    t = 0.5 * inside / foot + 0.5
+    bend = np.where((t > 0.0) & (t < 1.0), 0.5 * (shifts - inside * widens / foot) / foot, 0.0)
+    t = np.clip(t, 0.0, 1.0)
+    return t * t * (3.0 - 2.0 * t), 6.0 * t * (1.0 - t) * bend

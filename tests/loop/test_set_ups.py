@@ -61,7 +61,7 @@ def test_a_campaign_of_the_set_up_is_planned_pressed_checked_calibrated_and_pred
         (["--edge-radius", "0.5", "--base", "friction:0.3"], "base = friction:0.3 is not solved"),
         (["--edge-radius", "0.5", "--shape", CROWN], f"shape = {CROWN} is not solved"),
         (["--edge-radius", "0.5", "--punch", "ball:12"], "a ball has no edge"),
-        (["--shape", "bumped:pitch=5,radius=2,height=1"], "is not round: its table holds to 21 %"),
+        (["--shape", "bumped:pitch=5,radius=2,height=1"], "at 95 %) is of one form of caps"),
         (["--shape", CROWN, "--punch", "ball:12"], "pressed by a flat punch"),
         (["--shape", CROWN, "--pads", "4.2,10"], "leaves 1.2 mm"),
         (["--shape", CROWN, "--pad", "cylinder:20"], "a puck has a diameter only"),

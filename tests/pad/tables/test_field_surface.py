@@ -32,23 +32,22 @@ def test_the_overlap_is_the_volume_that_punch_and_field_have_in_common():
         shape, h = DESIGN.shape(point)
         for share in (0.3, 0.6, 0.95, 1.4):
             depth, tiny = share * shape.height_mm / PUNCH_RADIUS_MM, 1e-6
-            ratio, _ = overlap(point, np.array(depth), tiny)
+            ((ratio, _),) = overlap(point, np.array(depth), tiny)
             tip = tiny * np.exp(point[1]) * np.sqrt(shape.radius_mm / PUNCH_RADIUS_MM) * depth**1.5
             off.append(ratio * tip * PUNCH_RADIUS_MM**3 / volume(shape, h, share * shape.height_mm) - 1.0)
     assert np.median(np.abs(off)) < 0.04 and np.max(np.abs(off)) < 0.25
 
 
-@pytest.mark.parametrize("hertz", [0.1, 3.0])
-def test_the_slope_of_the_overlap_is_its_derivative(hertz):
+def test_the_slope_of_the_overlap_is_its_derivative():
     points = np.repeat(DESIGN.fresh(40, 6), 9, axis=0)
     depth, step = np.random.default_rng(2).uniform(1e-3, 0.4, len(points)), 1e-7
-    (_, slope), (up, _), (down, _) = (overlap(points, depth + by, hertz) for by in (0.0, step, -step))
-    assert slope == pytest.approx((up - down) / (2.0 * step), rel=1e-4, abs=1e-4)
+    for here, up, down in zip(*(overlap(points, depth + by, 0.1, 3.0) for by in (0.0, step, -step))):
+        assert here[1] == pytest.approx((up[0] - down[0]) / (2.0 * step), rel=1e-4, abs=1e-4)
 
 
 def test_the_overlap_starts_as_the_middle_cap_alone():
     points = DESIGN.fresh(20, 7)
-    assert overlap(points, np.full(len(points), 1e-9), 3.0)[0] == pytest.approx(1.0, abs=1e-3)
+    assert overlap(points, np.full(len(points), 1e-9), 3.0)[0][0] == pytest.approx(1.0, abs=1e-3)
 
 
 def test_forces_of_fields_grow_with_depth_all_over_the_table():

@@ -24,7 +24,7 @@ PLACES = ((0, 0, 1), (1, 0, 4), (1, 1, 4), (2, 0, 4), (2, 1, 8), (2, 2, 4))
 SMALLEST = SMALLEST_HEIGHT_MM / PUNCH_RADIUS_MM * (1.0 - 1e-6)
 
 
-def overlap(inputs: Array, depth: Array, hertz: float) -> tuple[Array, Array]:
+def overlap(inputs: Array, depth: Array, *hertz: float) -> list[tuple[Array, Array]]:
     """Sum over all caps and the flat, over the Hertz term of the middle tip, and its derivative by depth.
 
     A cap of radius R that is d deep counts its volume in the punch, pi d^2 (R - d/3), plus ``hertz`` pitch sqrt(R)
@@ -37,19 +37,19 @@ def overlap(inputs: Array, depth: Array, hertz: float) -> tuple[Array, Array]:
     depth : ndarray, shape (...)
         Over the punch's radius a, above 0.
     hertz : float
-        Above 0.
+        Weights of the Hertz terms, above 0.
 
     Returns
     -------
-    ndarray, ndarray, shape (...)
-        Ratio, 1 at first touch, and its derivative by ``depth``.
+    list of (ndarray, ndarray), shape (...)
+        For each weight: ratio, 1 at first touch, and its derivative by ``depth``.
     """
     thickness, pitch, grade = np.exp(inputs[..., 0]), np.exp(inputs[..., 1]), inputs[..., 2]
     height = HEIGHT_OVER_PITCH * pitch
     radius = RADIUS_OVER_HEIGHT * height
     rim = RIM * np.minimum(thickness, HALF_SIDE)
     core = HALF_SIDE - rim
-    total, slope = np.zeros(depth.shape), np.zeros(depth.shape)
+    volume, swelling, force, stiffness = (np.zeros(depth.shape) for _ in range(4))
     for i, j, count in PLACES:
         lower = grade * height * (i * i + j * j)
         own = height - lower
@@ -59,22 +59,26 @@ def overlap(inputs: Array, depth: Array, hertz: float) -> tuple[Array, Array]:
         down, r, p = (depth - lower)[here], radius[here], pitch[here]
         # A cap that is pressed flat is counted whole; beyond, the flat counts.
         deep = np.minimum(down, own[here])
-        foot, by_hertz = np.sqrt(deep * (2.0 * r - deep)), hertz * p * np.sqrt(r * deep)
+        foot, by_hertz = np.sqrt(deep * (2.0 * r - deep)), p * np.sqrt(r * deep)
         moves = down < own[here]
-        whole = np.pi * deep**2 * (r - deep / 3.0) + by_hertz * deep
-        swells = np.where(moves, np.pi * foot**2 + 1.5 * by_hertz, 0.0)
         widens = np.where(moves, (r - deep) / foot, 0.0)
         edge, shifts = _edge(core[here], rim[here], down)
         one, grows = _share(edge - i * p, shifts, foot, widens)
         other, rises = (one, grows) if i == j else _share(edge - j * p, shifts, foot, widens)
-        total[here] += count * one * other * whole
-        slope[here] += count * (one * other * swells + (one * rises + other * grows) * whole)
+        share, gains = count * one * other, count * (one * rises + other * grows)
+        whole, pressed = np.pi * deep * deep * (r - deep / 3.0), by_hertz * deep
+        volume[here] += share * whole
+        swelling[here] += share * np.where(moves, np.pi * foot * foot, 0.0) + gains * whole
+        force[here] += share * pressed
+        stiffness[here] += share * np.where(moves, 1.5 * by_hertz, 0.0) + gains * pressed
     flat = np.maximum(depth - height, 0.0)
     edge, shifts = _edge(core, rim, flat)
-    total += 4.0 * edge**2 * flat
-    slope += np.where(flat > 0.0, 4.0 * edge * (edge + 2.0 * shifts * flat), 0.0)
-    tip = hertz * pitch * np.sqrt(radius) * depth**1.5
-    return total / tip, slope / tip - 1.5 * total / (tip * depth)
+    volume += 4.0 * edge**2 * flat
+    swelling += np.where(flat > 0.0, 4.0 * edge * (edge + 2.0 * shifts * flat), 0.0)
+    tip, by = pitch * np.sqrt(radius * depth) * depth, 1.5 / depth
+    ratios = [(force + volume / weight) / tip for weight in hertz]
+    slopes = [(stiffness + swelling / weight) / tip for weight in hertz]
+    return [(ratio, slope - by * ratio) for ratio, slope in zip(ratios, slopes)]
 
 
 def _edge(core: Array, rim: Array, down: Array) -> tuple[Array, Array]:

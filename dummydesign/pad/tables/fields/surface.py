@@ -64,26 +64,27 @@ class FieldResponse:
         x : ndarray
             d / h of the same shape, >= 0.
         """
-        x, coordinates = np.maximum(x, 0.0), field_inputs(inputs)
-        thick = np.exp(inputs[:, 0])[place]
+        shape, place, x = x.shape, place.ravel(), np.maximum(x, 0.0).ravel()
+        coordinates, thick = field_inputs(inputs), np.exp(inputs[:, 0])[place]
         cap = HEIGHT_OVER_PITCH * np.exp(inputs[:, 1])[place] / thick
-        depth = np.maximum(x * thick, NOTHING)
-        over = {share: overlap(inputs[place], depth, share) for share in (FIRST, LATER)}
-        value, slope = np.zeros(x.shape), np.zeros(x.shape)
-        for surface, share, unit, fade in (
-            (self.touched, FIRST, cap, None),
-            (self.caps, LATER, cap, tuple(end * cap for end in CAPS_BEGIN)),
-            (self.pad, LATER, np.ones_like(cap), tuple(np.maximum(c * cap, h) for c, h in PAD_BEGINS)),
+        first, later = overlap(inputs[place], np.maximum(x * thick, NOTHING), FIRST, LATER)
+        caps, pad = (end * cap for end in CAPS_BEGIN), (np.maximum(c * cap, h) for c, h in PAD_BEGINS)
+        nowhere, everywhere, one = np.full(len(x), -1.0), np.full(len(x), np.inf), np.ones(len(x))
+        begins, ends = ((nowhere, *pair, everywhere) for pair in zip(caps, pad))
+        value, slope = np.zeros(len(x)), np.zeros(len(x))
+        for k, (surface, (ratio, steep), unit) in enumerate(
+            ((self.touched, first, cap), (self.caps, later, cap), (self.pad, later, one))
         ):
-            at = x / unit
-            y, climb = surface.along(surface.at_levels(coordinates), place, at)
-            ratio, steep = over[share]
-            y = y + np.log(ratio)
-            climb = climb / (2.0 * np.sqrt(np.maximum(at, 1e-12)) * unit) + steep / ratio * thick
-            part, grows = _fade(x, *fade) if fade else (np.ones_like(x), np.zeros_like(x))
-            slope = slope + part * (climb - slope) + grows * (y - value)
-            value = value + part * (y - value)
-        return value, slope
+            # Between where its own share begins and the next one's is whole.
+            on = np.nonzero((x > begins[k]) & (x < ends[k + 1]))[0]
+            at = x[on] / unit[on]
+            y, climb = surface.along(surface.at_levels(coordinates), place[on], at)
+            y = y + np.log(ratio[on])
+            climb = climb / (2.0 * np.sqrt(np.maximum(at, 1e-12)) * unit[on]) + steep[on] / ratio[on] * thick[on]
+            part, grows = _fade(x[on], begins[k][on], ends[k][on]) if k else (1.0, 0.0)
+            slope[on] += part * (climb - slope[on]) + grows * (y - value[on])
+            value[on] += part * (y - value[on])
+        return value.reshape(shape), slope.reshape(shape)
 
 
 def _fade(x: Array, start: Array, end: Array) -> tuple[Array, Array]:

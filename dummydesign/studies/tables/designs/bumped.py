@@ -102,7 +102,7 @@ class BumpedDesign(Design):
             cap = float(HEIGHT_OVER_PITCH * np.exp(point[1])) / thick
             y = self.reduced(point[None], np.array([answer["force"][0]]), x)[0]
             same = np.broadcast_to(point, (len(x), 3))
-            first, later = (y - np.log(overlap(same, x * thick, share)[0]) for share in (FIRST, LATER))
+            first, later = (y - np.log(ratio) for ratio, _ in overlap(same, x * thick, FIRST, LATER))
             _read(touched[k], x / cap, first, OF_TOUCHED)
             _read(caps[k], x / cap, later, OF_CAPS)
             _read(pad[k], x, later, OF_PAD, EARLIER * max(PAD_BEGINS[0][0] * cap, PAD_BEGINS[0][1]))

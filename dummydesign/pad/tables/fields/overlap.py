@@ -44,18 +44,17 @@ def overlap(inputs: Array, depth: Array, *hertz: float) -> list[tuple[Array, Arr
     list of (ndarray, ndarray), shape (...)
         For each weight: ratio, 1 at first touch, and its derivative by ``depth``.
     """
-    thickness, pitch, grade = np.exp(inputs[..., 0]), np.exp(inputs[..., 1]), inputs[..., 2]
+    shape, depth, inputs = depth.shape, depth.ravel(), inputs.reshape(-1, 3)
+    thickness, pitch, grade = np.exp(inputs[:, 0]), np.exp(inputs[:, 1]), inputs[:, 2]
     height = HEIGHT_OVER_PITCH * pitch
     radius = RADIUS_OVER_HEIGHT * height
     rim = RIM * np.minimum(thickness, HALF_SIDE)
     core = HALF_SIDE - rim
-    volume, swelling, force, stiffness = (np.zeros(depth.shape) for _ in range(4))
+    volume, swelling, force, stiffness = (np.zeros(len(depth)) for _ in range(4))
     for i, j, count in PLACES:
         lower = grade * height * (i * i + j * j)
         own = height - lower
-        here = (depth > lower) & (own >= SMALLEST) & ((i - 0.5) * pitch < HALF_SIDE)
-        if not here.any():
-            continue
+        here = np.flatnonzero((depth > lower) & (own >= SMALLEST) & ((i - 0.5) * pitch < HALF_SIDE))
         down, r, p = (depth - lower)[here], radius[here], pitch[here]
         # A cap that is pressed flat is counted whole; beyond, the flat counts.
         deep = np.minimum(down, own[here])
@@ -78,7 +77,7 @@ def overlap(inputs: Array, depth: Array, *hertz: float) -> list[tuple[Array, Arr
     tip, by = pitch * np.sqrt(radius * depth) * depth, 1.5 / depth
     ratios = [(force + volume / weight) / tip for weight in hertz]
     slopes = [(stiffness + swelling / weight) / tip for weight in hertz]
-    return [(ratio, slope - by * ratio) for ratio, slope in zip(ratios, slopes)]
+    return [(ratio.reshape(shape), (slope - by * ratio).reshape(shape)) for ratio, slope in zip(ratios, slopes)]
 
 
 def _edge(core: Array, rim: Array, down: Array) -> tuple[Array, Array]:

@@ -14,6 +14,7 @@ from dummydesign.design.assessment.curves_impact import CurvesImpact, curves_imp
 from dummydesign.design.assessment.limits import N_PER_CM2, Limits, against_limits
 from dummydesign.design.assessment.safety import Contact, impact, pad_body, pad_press, tissue_body, tissue_press
 from dummydesign.design.scoring.presses import Sampling
+from dummydesign.measurement.motion import work_mJ
 
 if TYPE_CHECKING:
     from dummydesign.design.scoring.presses import Slabs
@@ -139,7 +140,7 @@ def _bottoming(slabs: Slabs, mass_kg: float, velocity_mm_s: float) -> dict[str, 
     limit, thickness = float(slabs.curves.limit_mm[slabs.slab[0]]), float(slabs.thickness_mm[0])
     depth = np.linspace(0.0, limit, 200)
     force = slabs.young_MPa[0] * slabs.curves.area_at(slabs.slab, depth[None])[0]
-    taken = float((0.5 * (force[1:] + force[:-1]) * np.diff(depth)).sum())
+    taken = float(work_mJ(depth, force))
     energy = 0.5e-3 * mass_kg * velocity_mm_s**2
     message = (
         f"the pad bottoms out: {mass_kg:g} kg at {velocity_mm_s:g} mm/s bring {energy:.3g} mJ, the pad at rest takes "

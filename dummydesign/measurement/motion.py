@@ -51,6 +51,21 @@ class Ramp:
         return self.stop_time_s - self.contact_time_s
 
 
+def work_mJ(displacement_mm: NDArray, force_N: NDArray) -> NDArray:
+    """Integral of F dx along a press, by trapezoids. [mJ]
+
+    Parameters
+    ----------
+    displacement_mm, force_N : ndarray, shape (..., n), broadcast
+        Samples of one or more presses. [mm, N]
+
+    Returns
+    -------
+    ndarray, shape (...)
+    """
+    return (0.5 * (force_N[..., 1:] + force_N[..., :-1]) * np.diff(displacement_mm, axis=-1)).sum(axis=-1)
+
+
 def contact_velocity(velocity_mm_s: ArrayLike, depth_mm: ArrayLike, deceleration_mm_s2: float) -> NDArray:
     """Speed at first touch: as commanded, or sqrt(2 a depth) if braking begins above the surface.
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import out_of_range
 from dummydesign.design.scoring.presses import Sampling, Slabs, press_to_depth
 from dummydesign.design.scoring.targets import subjects_press
+from dummydesign.measurement.motion import work_mJ
 
 if TYPE_CHECKING:
     from dummydesign.tissue.model.parameters import Parameters
@@ -50,7 +51,7 @@ class Contact:
 
 def _of_press(time_s: NDArray, displacement_mm: NDArray, force_N: NDArray, stop_s: NDArray) -> Contact:
     """Contact of presses (bodies, n); nothing moves after the stop, so all samples may be summed."""
-    energy = (0.5 * (force_N[:, 1:] + force_N[:, :-1]) * np.diff(displacement_mm, axis=-1)).sum(axis=-1)
+    energy = work_mJ(displacement_mm, force_N)
     late = np.where(time_s >= QUASI_STATIC_AFTER_S, force_N, -np.inf).max(axis=-1)
     late = np.where(np.isfinite(late), late, np.nan)
     return Contact(displacement_mm[:, -1], energy, force_N.max(axis=-1), late, stop_s)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from dummydesign.design.assessment.safety import tissue_press
 from dummydesign.design.scoring.presses import Sampling
 from dummydesign.design.scoring.verdict import Ranges, Readings, Verdict, verdict
+from dummydesign.measurement.motion import work_mJ
 from dummydesign.tissue.comparison.compare import Comparison, braking_of
 from dummydesign.tissue.comparison.press_test import PressTest, hold_of, missing_of
 from dummydesign.tissue.fitting.groups import condition_groups
@@ -123,4 +124,4 @@ def energy_of(trace: ReducedTrace) -> float:
     rise = (time >= trace.ramp.contact_time_s) & (time <= trace.ramp.stop_time_s)
     x: NDArray = trace.trace.displacement_mm[rise]
     force = trace.trace.force_N[rise]
-    return float((0.5 * (force[1:] + force[:-1]) * np.diff(x)).sum())
+    return float(work_mJ(x, force))

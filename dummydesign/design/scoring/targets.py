@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from dummydesign.design.request import PAPER, Protocol
 from dummydesign.design.scoring.presses import Sampling
 from dummydesign.design.scoring.weights import Weights, weights_of
+from dummydesign.measurement.motion import work_mJ
 from dummydesign.tissue.model.laws import law_named
 from dummydesign.tissue.model.subjects_law import SETTLED_S
 
@@ -267,7 +268,7 @@ def _each_press(bands: Sequence[ForceRange], law: str, sampling: Sampling) -> tu
 def _energies(bands: Sequence[ForceRange], law: str, sampling: Sampling) -> list[NDArray]:
     """Energy of the rise of each subject of several ranges of one speed. [mJ]"""
     _, displacement, force = _each_press(bands, law, sampling)
-    energy = (0.5 * (force[:, 1:] + force[:, :-1]) * np.diff(displacement, axis=-1)).sum(axis=-1)
+    energy = work_mJ(displacement, force)
     parts = np.split(energy, np.cumsum([len(band.stop_s) for band in bands])[:-1])
     return [np.where(band.stop_s <= band.time_s[-1], part, np.nan) for band, part in zip(bands, parts)]
 

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.measurement.motion import work_mJ
 from dummydesign.tissue.fitting.groups import condition_groups
 from dummydesign.tissue.fitting.residuals import fitted_force
 from dummydesign.tissue.model.held_press import DEPTH_MM, SHARES
@@ -98,7 +99,7 @@ def _measured(trace: ReducedTrace) -> NDArray:
     from dummydesign.tissue.population.without_law.curve_people import held_press
 
     press = held_press(trace, trace.velocity_mm_s)
-    return np.array([max(press.rise_N.max(), press.hold_N.max()), trace.steady_force_N, _work(
+    return np.array([max(press.rise_N.max(), press.hold_N.max()), trace.steady_force_N, work_mJ(
         SHARES * press.depth_mm, press.rise_N)])  # fmt: skip
 
 
@@ -107,14 +108,7 @@ def _of_model(trace: ReducedTrace, force_N: NDArray) -> NDArray:
     time, x = trace.motion.time_s, trace.motion.displacement_mm
     hold = trace.ramp.hold_end_s - trace.ramp.stop_time_s
     late, rise = time >= trace.ramp.hold_end_s - 0.05 * hold, time <= trace.ramp.stop_time_s
-    return np.array([force_N.max(), force_N[late].mean(), _work(x[rise], force_N[rise])])
-
-
-def _work(x_mm: NDArray, force_N: NDArray) -> float:
-    """Integral of F dx. [mJ]"""
-    from scipy.integrate import trapezoid
-
-    return float(trapezoid(force_N, x_mm))
+    return np.array([force_N.max(), force_N[late].mean(), work_mJ(x[rise], force_N[rise])])
 
 
 def _of_repeats(traces: Sequence[ReducedTrace]) -> float | None:

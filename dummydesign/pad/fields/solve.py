@@ -19,7 +19,7 @@ from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fields.pressed import FREE, SLIPS, STICKS, Face, Pressed
 from dummydesign.pad.fields.recover import face_tractions, recovered
 from dummydesign.pad.pad import SLAB, Pad, Puck
-from dummydesign.pad.shaped.fold import FoldWatch
+from dummydesign.pad.shaped.fold import FoldWatch, RoundFace
 from dummydesign.pad.solve.continuation import Passed, beside_path, follow
 from dummydesign.pad.solve.equilibrium import Problem, Solution
 
@@ -141,17 +141,19 @@ def _follow(
                 keep(setup.problem, solution, depth)
             return None, ()
         setup = _setup(pad, law, depths, shear, coarse)
-    watch = None if pad.geometry.flat_top else FoldWatch(setup.problem, pad.thickness_mm)
+    watch = None if pad.geometry.flat_top else FoldWatch(RoundFace(setup.problem, pad.thickness_mm))
 
-    def visit(depth: float, solution: Solution) -> None:
-        if watch is None or watch.sound(depth, solution):
-            keep(setup.problem, solution, depth)
+    def visit(depth: float, solution: Solution) -> str | None:
+        if watch is not None and (folded := watch.look(depth, solution.u)):
+            return folded
+        keep(setup.problem, solution, depth)
+        return None
 
     path = follow(
         setup.problem, depths, setup.first_step, setup.largest_step, setup.smallest_step, progress,
         lattice=setup.lattice, visit=visit,
     )  # fmt: skip
-    return (path if watch is None else watch.cut(path)).stop, ()
+    return path.stop if watch is None else watch.said(path.stop), ()
 
 
 def _setup(pad: Pad, law: Any, depths: Array, shear: float, coarse: bool) -> Setup:

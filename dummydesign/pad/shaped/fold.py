@@ -6,20 +6,111 @@ equations keeps one from passing through the other, so every wanted state is loo
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from typing import ClassVar, Protocol
 
 import numpy as np
 
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.solve.continuation import Path
-from dummydesign.pad.solve.equilibrium import Problem, Solution
+from dummydesign.pad.solve.equilibrium import Problem
 
 Array = np.ndarray
 
 # A path that ends for another reason with a notch narrower than this is said to end at the fold.
 NARROW_DEG = 30.0
 # What the reasons of a fold begin with.
-FOLDED = "the crown"
+FOLDED = ("the crown", "the face")
+
+
+class Face(Protocol):
+    """The tested face of a meshed pad, as a fold is looked for on it."""
+
+    notch: ClassVar[str]
+    """What is folded when a notch is narrow."""
+    meets: ClassVar[str]
+    """The reason, with ``last``, ``depth`` and ``place`` to be filled in."""
+
+    def meeting(self, depth: float, u: Array) -> str | None:
+        """Where on the pad at rest the face crosses itself, in words; None when it does not.
+
+        Parameters
+        ----------
+        depth : float
+            Of the punch, in the mesh's unit of length.
+        u : ndarray, shape (displacements,)
+            In the mesh's unit of length.
+        """
+
+    def opening_deg(self, u: Array) -> float:
+        """Angle of the narrowest notch, 180 of a flat face.
+
+        Parameters
+        ----------
+        u : ndarray, shape (displacements,)
+            In the mesh's unit of length.
+        """
+
+
+@dataclass
+class FoldWatch:
+    """Looks at the states of a pad, one after the other.
+
+    Attributes
+    ----------
+    face : Face
+    folded : str or None
+        Of the first state whose face crosses itself, where it does and what that means.
+    last : float
+        Depth of the last state before it, in thicknesses.
+    opening : float
+        Of the narrowest notch in that state, in degrees.
+    """
+
+    face: Face
+    folded: str | None = None
+    last: float = 0.0
+    opening: float = 180.0
+
+    def look(self, depth: float, u: Array) -> str | None:
+        """Why a path ends before a state: its face has met itself; None where it has not.
+
+        Parameters
+        ----------
+        depth : float
+            In thicknesses.
+        u : ndarray, shape (displacements,)
+            In the mesh's unit of length.
+        """
+        if self.folded is None:
+            place = self.face.meeting(depth, u)
+            if place is None:
+                self.last, self.opening = depth, self.face.opening_deg(u)
+            else:
+                self.folded = self.face.meets.format(last=self.last, depth=depth, place=place)
+        return self.folded
+
+    def said(self, stop: str | None) -> str | None:
+        """Why a path ended, with the notch where it is nearly shut.
+
+        Parameters
+        ----------
+        stop : str or None
+            What the path says of it.
+        """
+        if stop is None or self.folded is not None or self.opening > NARROW_DEG:
+            return stop
+        return f"{self.face.notch} is folded to {self.opening:.0f} degrees, and {stop}"
+
+    def told(self, path: Path) -> Path:
+        """The path with what is said of its end.
+
+        Parameters
+        ----------
+        path : Path
+            Whose wanted states were looked at.
+        """
+        return replace(path, stop=self.said(path.stop))
 
 
 def crossing(line: Array) -> int | None:
@@ -41,90 +132,56 @@ def crossing(line: Array) -> int | None:
 
 
 def opening_deg(line: Array) -> float:
-    """Angle of the narrowest notch in a line that runs outwards, above it: 180 where it is straight, 0 where shut.
+    """Angle of the narrowest notch in lines that run outwards, above them: 180 where straight, 0 where shut.
 
     Parameters
     ----------
-    line : ndarray, shape (n, 2)
-        Radius and height, from the axis.
+    line : ndarray, shape (..., n, 2)
+        Distance along and height, in order.
     """
-    way = np.diff(line, axis=0)
-    angle = np.unwrap(np.arctan2(way[:, 1], way[:, 0]))
-    rise = angle - np.minimum.accumulate(angle)
+    way = np.diff(line, axis=-2)
+    angle = np.unwrap(np.arctan2(way[..., 1], way[..., 0]), axis=-1)
+    rise = angle - np.minimum.accumulate(angle, axis=-1)
     return float(180.0 - np.degrees(rise.max()))
 
 
-@dataclass
-class FoldWatch:
-    """Looks at the states of a pad at its wanted depths.
+class RoundFace:
+    """The face of a round pad, a line from the axis outwards.
 
-    Attributes
+    Parameters
     ----------
     problem : Problem
     thickness_mm : float
         What its unit of length is. [mm]
-    folded : (float, float) or None
-        Depth of the first state whose face crosses itself, in thicknesses, and the rest radius of the place. [mm]
-    opening : float
-        Of the narrowest notch in the last state before it, in degrees.
     """
 
-    problem: Problem
-    thickness_mm: float
-    folded: tuple[float, float] | None = None
-    opening: float = 180.0
-    _face: Array = field(init=False)
+    notch: ClassVar[str] = "the crown's foot"
+    meets: ClassVar[str] = (
+        "the crown folds on to the pad beside its foot: between relative depths {last:.3f} and {depth:.3f} the face "
+        "meets itself {place} mm from the axis, and contact of the pad with itself is not followed; a crown with a "
+        "flatter flank stays open"
+    )
 
-    def __post_init__(self) -> None:
-        mesh = self.problem.solid.mesh
+    def __init__(self, problem: Problem, thickness_mm: float) -> None:
+        mesh = problem.solid.mesh
         node = meshes.cell_nodes(mesh)
         # the face is the upper side of the first row of cells, which begins at the axis
         top = np.unique(node[_first_row(mesh)][:, [2, 6, 3]])
-        self._face = top[np.argsort(mesh.nodes[0, top])]
+        self._nodes = top[np.argsort(mesh.nodes[0, top])]
+        self.rest = mesh.nodes[:, self._nodes].T
+        self._thickness_mm = thickness_mm
 
-    def sound(self, depth: float, solution: Solution) -> bool:
-        """Whether the face has not met itself up to a state.
+    def _line(self, u: Array) -> Array:
+        return self.rest + u.reshape(-1, 2)[self._nodes]
 
-        Parameters
-        ----------
-        depth : float
-            In thicknesses.
-        solution : Solution
-        """
-        if self.folded is not None:
-            return False
-        rest = self.problem.solid.mesh.nodes[:, self._face].T
-        line = rest + solution.u.reshape(-1, 2)[self._face]
-        place = crossing(line)
-        if place is None:
-            self.opening = opening_deg(line)
-            return True
-        self.folded = depth, float(rest[place, 0]) * self.thickness_mm
-        return False
+    def meeting(self, depth: float, u: Array) -> str | None:
+        """Distance from the axis of the first segment that another crosses, in words. [mm]"""
+        place = crossing(self._line(u))
+        return None if place is None else f"{float(self.rest[place, 0]) * self._thickness_mm:.3g}"
 
-    def cut(self, path: Path) -> Path:
-        """The path up to the fold, with what is said of it.
-
-        Parameters
-        ----------
-        path : Path
-            Whose wanted states were looked at.
-        """
-        if self.folded is None:
-            if path.stop is None or self.opening > NARROW_DEG:
-                return path
-            return replace(path, stop=f"{FOLDED}'s foot is folded to {self.opening:.0f} degrees, and {path.stop}")
-        depth, place = self.folded
-        count = int((path.depth < depth * (1.0 - 1e-9)).sum())
-        last = float(path.depth[count - 1]) if count else 0.0
-        stop = (
-            f"{FOLDED} folds on to the pad beside its foot: between relative depths {last:.3f} and {depth:.3f} the "
-            f"face meets itself {place:.3g} mm from the axis, and contact of the pad with itself is not followed; a "
-            "crown with a flatter flank stays open"
-        )
-        return replace(
-            path, depth=path.depth[:count], force=path.force[:count], smallest_J=path.smallest_J[:count], stop=stop
-        )
+    def opening_deg(self, u: Array) -> float:
+        """Angle of the narrowest notch in the line."""
+        return opening_deg(self._line(u))
 
 
 def _first_row(mesh: meshes.Discretisation) -> Array:

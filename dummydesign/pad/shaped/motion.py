@@ -18,6 +18,7 @@ import numpy as np
 from dummydesign.core.cache import cached
 from dummydesign.pad.material.hyperelastic import Law
 from dummydesign.pad.material.relaxation import PronyTerm
+from dummydesign.pad.shaped.fold import FoldWatch, RoundFace
 from dummydesign.pad.shaped.paths import FLAT_STEP, LARGEST_STEP
 from dummydesign.pad.shaped.problem import RIMS, Press, shaped_problem
 from dummydesign.pad.slab.finite_strain_ratio import RatioPath, ratio_path, solve_ratio
@@ -66,7 +67,7 @@ def solve_shaped_ratio(
     InputError
         For a shape that is not round.
     NoAnswerError
-        When a solve stops before the end with every fillet, with the last reason.
+        When a solve stops before the end with every fillet, with the last reason, or the face folds on to itself.
     """
     press.check()
     shape, arms = law.scaled(1.0 / law.shear_MPa), tuple(prony)
@@ -87,7 +88,11 @@ def _solve(
         def problem(material: Any, rim: float) -> Problem:
             return shaped_problem(press, material, cells, rim, twin)
 
-        return ratio_path(problem, shape, prony, time_s, depth, rims, step, progress)
+        def watch(made: Problem) -> FoldWatch:
+            return FoldWatch(RoundFace(made, press.thickness_mm))
+
+        looked = None if twin or press.shape.flat_top else watch
+        return ratio_path(problem, shape, prony, time_s, depth, rims, step, progress, looked)
 
     path = followed(False, rims)
     if not press.shape.flat_top:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from dummydesign.pad.material.hyperelastic import Law
-from dummydesign.pad.shaped.fold import FoldWatch
+from dummydesign.pad.shaped.fold import FoldWatch, RoundFace
 from dummydesign.pad.shaped.problem import CELLS, RIMS, Press, shaped_problem
 from dummydesign.pad.solve.continuation import Passed, Path, follow
 from dummydesign.pad.solve.equilibrium import Problem, Solution
@@ -74,11 +74,14 @@ def climb(press: Press, law: Law, depths: Array, cells: int = CELLS, rim: float 
         Of a pad whose face folds on to itself up to there; ``stop`` says so.
     """
     problem = shaped_problem(press, law, cells, rim, twin)
-    watch = None if twin or press.shape.flat_top else FoldWatch(problem, press.thickness_mm)
+    watch = None if twin or press.shape.flat_top else FoldWatch(RoundFace(problem, press.thickness_mm))
 
-    def seen(depth: float, solution: Solution) -> None:
-        if (watch is None or watch.sound(depth, solution)) and visit is not None:
+    def seen(depth: float, solution: Solution) -> str | None:
+        if watch is not None and (folded := watch.look(depth, solution.u)):
+            return folded
+        if visit is not None:
             visit(problem, depth, solution)
+        return None
 
     passed: list[Passed] = []
     path = _follow(press, problem, depths, cells, rim, progress, seen, passed)
@@ -90,12 +93,12 @@ def climb(press: Press, law: Law, depths: Array, cells: int = CELLS, rim: float 
         # Up to the last state that was looked at for a fold.
         last = path.depth[-1] if len(path.depth) else 0.0
         _PASSED[press, law, cells, rim] = [end for end in passed if end.depth <= last * (1.0 + 1e-9)]
-    return watch.cut(path)
+    return watch.told(path)
 
 
 def _follow(
     press: Press, problem: Problem, depths: Array, cells: int, rim: float, progress: Callable[[float], None] | None,
-    seen: Callable[[float, Solution], None], passed: list[Passed],
+    seen: Callable[[float, Solution], str | None], passed: list[Passed],
 ) -> Path:  # fmt: skip
     if press.condition == "frictionless":
         # Contact without memory: the force is the same whatever the steps were.

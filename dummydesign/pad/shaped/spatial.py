@@ -27,10 +27,15 @@ from dummydesign.pad.contact.surface_spatial import BeadedPunch, FaceContact, re
 from dummydesign.pad.fem import mesh_hexahedra as space
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import Law
+from dummydesign.pad.shaped.fold import FOLDED, FoldWatch
+from dummydesign.pad.shaped.fold_in_space import SpatialFace
+from dummydesign.pad.shaped.paths import climb as climb_round
+from dummydesign.pad.shaped.paths import first_depth
+from dummydesign.pad.shaped.problem import CELLS, RIMS, Press
 from dummydesign.pad.shaped.spatial_mesh import Grid, Load, axis_lines, levels
 from dummydesign.pad.slab.problem import PadCurve, normalise
 from dummydesign.pad.solve.continuation import Path, cost, follow
-from dummydesign.pad.solve.equilibrium import Problem
+from dummydesign.pad.solve.equilibrium import Problem, Solution
 from dummydesign.pad.solve.solver_multifrontal import Dissection
 
 Array = np.ndarray
@@ -39,6 +44,8 @@ Array = np.ndarray
 CONTACT_STIFFNESS, GRIP_SHARE = SHAPED_PAD_IN_SPACE.contact, SHAPED_PAD_IN_SPACE.grip_share
 # How far beyond the punch the surface may come to touch it, in units of the smaller of punch and thickness.
 REACH = 0.8
+# Depths at which a round twin is looked at for folds, in thicknesses.
+LOOKED_AT = 0.02
 
 
 def shaped_problem(load: Load, law: Law, grid: Grid) -> Problem:
@@ -99,6 +106,41 @@ def shaped_problem(load: Load, law: Law, grid: Grid) -> Problem:
     )
 
 
+def climb(
+    load: Load, law: Law, depths: Array, grid: Grid, progress: Callable[[float], None] | None = None
+) -> Path:
+    """Follow a pad through depths, to where its face folds on to itself at the most.
+
+    Parameters
+    ----------
+    load : Load
+        Pad and punch in thicknesses.
+    law : Law
+        Its moduli set the unit of stress.
+    depths : ndarray, shape (n,)
+        Increasing depths in thicknesses.
+    grid : Grid
+        Cells under the punch, their growth, and the edge fillet.
+    progress : callable, optional
+        Called with each solved depth.
+
+    Returns
+    -------
+    Path
+        Its forces are those of the meshed part.
+    """
+    problem = shaped_problem(load, law, grid)
+    cells = len(axis_lines(load, grid, 0)) - 1, len(axis_lines(load, grid, 1)) - 1
+    mirrored = load.offset[0] == 0.0, load.offset[1] == 0.0
+    watch = FoldWatch(SpatialFace(problem, cells, mirrored, load.thickness_mm))
+
+    def look(depth: float, solution: Solution) -> str | None:
+        return watch.look(depth, solution.u)
+
+    first = 0.25 * float(depths[0])
+    return watch.told(follow(problem, depths, first, 0.05 * load.scale, first / 64.0, progress, visit=look))
+
+
 def _punch(load: Load, rim: float) -> BeadedPunch:
     if load.is_round:
         return round_punch(load.half_sides[0], rim, load.offset)
@@ -153,8 +195,8 @@ def solve_shaped_block(
     Returns
     -------
     PadCurve
-        At the depths that were reached. ``error_N`` is the change against cells about 1.5 times as large with
-        the same fillet; what the fillet itself changes is not in it.
+        At the depths that were reached; ``notes`` says why if some are missing. ``error_N`` is the change against
+        cells about 1.5 times as large with the same fillet; what the fillet itself changes is not in it.
 
     Raises
     ------
@@ -167,10 +209,11 @@ def solve_shaped_block(
         shape, thickness_mm, punch, young_MPa, depth_mm, condition, offset_mm, base, poisson, slab_mm, law
     )
     grid = grid or Grid()
-    coarse, fine = (_climb(load, own, depths, fineness, progress) for fineness in (grid.coarser(), grid))
+    wanted, folds = _open_depths(load, own, depths)
+    coarse, fine = (_climb(load, own, wanted, fineness, progress) for fineness in (grid.coarser(), grid))
     force = fine.force * load.multiplicity * unit * thickness_mm**2
     share = _change(coarse.force, fine.force)
-    return PadCurve(fine.depth * thickness_mm, force, force * share, cost([coarse, fine]), _notes(fine, depths))
+    return PadCurve(fine.depth * thickness_mm, force, force * share, cost([coarse, fine]), _notes(fine, depths, folds))
 
 
 def _load(
@@ -192,11 +235,10 @@ def _load(
 
 
 def _climb(load: Load, law: Law, depths: Array, grid: Grid, progress: Callable[[float], None] | None) -> Path:
-    """Follow a pad through relative depths."""
-    first = 0.25 * float(depths[0])
-    path = follow(shaped_problem(load, law, grid), depths, first, 0.05 * load.scale, first / 64.0, progress)
+    """Follow a pad through relative depths, one at least."""
+    path = climb(load, law, depths, grid, progress)
     if not len(path.depth):
-        raise NoAnswerError("no_convergence", f"contact could not be solved: {path.stop}")
+        raise NoAnswerError("no_convergence", f"the pad could not be solved: {path.stop}")
     return path
 
 
@@ -207,8 +249,33 @@ def _change(coarse: Array, fine: Array) -> Array:
     return np.concatenate([change, np.full(len(fine) - both, change.max())])
 
 
-def _notes(path: Path, depths: Array) -> tuple[str, ...]:
-    return (f"solved to d/h = {path.depth[-1]:.3f} of {depths[-1]:.3f}: {path.stop}",) if path.stop else ()
+def _open_depths(load: Load, law: Law, depths: Array) -> tuple[Array, str | None]:
+    """Depths at which a round pad under the circle of the punch's area is open, and why the others are left out.
+
+    Cells in space round a foot that is narrow beside them; those in a meridian plane resolve it, at little cost.
+    """
+    radius, extent = (2.0 * float(np.sqrt(np.prod(sides) / np.pi)) for sides in (load.half_sides, load.half_extents))
+    radius = load.half_sides[0] if load.is_round else radius
+    centred = load.offset == (0.0, 0.0) and extent >= 1.5 * radius
+    if load.shape.flat_top or not load.shape.axisymmetric or not centred:
+        return depths, None
+    press = Press(
+        load.shape, load.thickness_mm, radius, extent, load.base, load.condition, load.poisson, first_depth(depths)
+    )
+    # Looked at often, as a notch that is narrow is told by the state before.
+    ends = np.union1d(depths, np.arange(LOOKED_AT, depths[-1], LOOKED_AT))
+    path = climb_round(press, law, ends, CELLS, RIMS[0])
+    if path.stop is None or not path.stop.startswith(FOLDED):
+        return depths, None
+    open_ones = depths[depths <= (path.depth[-1] if len(path.depth) else 0.0)]
+    if not len(open_ones):
+        raise NoAnswerError("no_convergence", f"the pad could not be solved: {path.stop}")
+    return open_ones, f"under the circle of the punch's area {path.stop}"
+
+
+def _notes(path: Path, depths: Array, folds: str | None) -> tuple[str, ...]:
+    stop = path.stop or folds
+    return (f"solved to d/h = {path.depth[-1]:.3f} of {depths[-1]:.3f}: {stop}",) if stop else ()
 
 
 def _check(load: Load) -> None:

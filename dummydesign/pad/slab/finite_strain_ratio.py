@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -41,6 +41,16 @@ def ratio_error(rim: float) -> float:
     15 mm pads to d/h 0.2 to 0.4); half the time steps by 0.005.
     """
     return 0.02 * rim / RIMS[0]
+
+
+class Watch(Protocol):
+    """What looks at the states of a path: whether it may go on, and what is said of its end."""
+
+    def look(self, depth: float, u: Array) -> str | None:
+        """Why the path ends before the state at a depth, with displacements ``u``; None to go on."""
+
+    def said(self, stop: str | None) -> str | None:
+        """Why the path ended, from what it says of it itself."""
 
 
 @dataclass(frozen=True)
@@ -139,6 +149,7 @@ def ratio_path(
     rims: Sequence[float],
     largest_step: float,
     progress: Callable[[float], None] | None = None,
+    watch: Callable[[Problem], Watch] | None = None,
 ) -> RatioPath:
     """Follow one motion with and without relaxation on the mesh of any pad.
 
@@ -152,6 +163,8 @@ def ratio_path(
         As for :func:`solve_ratio`.
     largest_step : float
         Steps that go deeper than this are divided, in thicknesses.
+    watch : callable, optional
+        Makes what looks at the states of a problem; a pad that it refuses is not tried with another fillet.
 
     Raises
     ------
@@ -159,15 +172,19 @@ def ratio_path(
         When a solve stops before the end with every fillet, with the last reason.
     """
     for rim in rims:
-        paths = []
+        paths, why = [], None
         for arms in ((), prony):
-            paths.append(follow_motion(problem(Viscoelastic(shape, arms), rim), time_s, depth, largest_step, progress))
-            if paths[-1].stop:
+            made = problem(Viscoelastic(shape, arms), rim)
+            seen = watch(made) if watch else None
+            look = seen.look if seen else None
+            paths.append(follow_motion(made, time_s, depth, largest_step, progress, look))
+            why = seen.said(paths[-1].stop) if seen else paths[-1].stop
+            if why:
                 break
-        else:
+        if why is None or paths[-1].refused:
             break
-    if paths[-1].stop:
-        raise NoAnswerError("no_convergence", f"the viscoelastic pad could not be followed: {paths[-1].stop}")
+    if why:
+        raise NoAnswerError("no_convergence", f"the viscoelastic pad could not be followed: {why}")
     elastic, relaxing = paths
     solver = {
         "rim_over_scale": rim,

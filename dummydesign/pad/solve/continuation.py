@@ -106,7 +106,7 @@ def follow(
     progress: Callable[[float], None] | None = None,
     sound_J: float = 0.0,
     lattice: bool = False,
-    visit: Callable[[float, Solution], None] | None = None,
+    visit: Callable[[float, Solution], str | None] | None = None,
     keep: Callable[[Passed], None] | None = None,
     most_wasted: float = math.inf,
 ) -> Path:
@@ -121,6 +121,7 @@ def follow(
     remembers its path, so this makes an answer independent of the other depths that are asked for.
 
     ``visit`` is called with every wanted depth and the equilibrium found there, ``keep`` with the end of every step.
+    Where ``visit`` says why, the path ends before that depth.
 
     Parameters
     ----------
@@ -137,7 +138,7 @@ def follow(
     lattice : bool
         Whether the steps do not depend on the wanted depths.
     visit : callable, optional
-        Called with each wanted depth and its solution.
+        Called with each wanted depth and its solution; returns why the path ends before it, or None.
     keep : callable, optional
         Called with the end of each step.
     most_wasted : float
@@ -199,9 +200,9 @@ def follow(
                     break
             else:
                 beside = answer
+            if visit and (stop := visit(goal, beside)):
+                break
             found.append((goal, problem.force(beside.state), float(beside.state.J.min())))
-            if visit:
-                visit(goal, beside)
             if progress:
                 progress(goal)
             if found[-1][2] < sound_J:

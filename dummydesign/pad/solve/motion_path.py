@@ -17,7 +17,10 @@ SMALLEST_SHARE = 1e-3
 
 @dataclass(frozen=True)
 class MotionPath:
-    """Forces at the times that were reached, in the units of the problem, and what the solve cost."""
+    """Forces at the times that were reached, in the units of the problem, and what the solve cost.
+
+    ``refused`` says whether it was what looks at the states that ended the path.
+    """
 
     time_s: Array
     depth: Array
@@ -27,6 +30,7 @@ class MotionPath:
     newton_iterations: int
     seconds: float
     stop: str | None
+    refused: bool = False
 
 
 def follow_motion(
@@ -35,6 +39,7 @@ def follow_motion(
     depth: Array,
     largest_step: float,
     progress: Callable[[float], None] | None = None,
+    look: Callable[[float, Array], str | None] | None = None,
 ) -> MotionPath:
     """Follow a motion, piecewise linear in time, from the undeformed state.
 
@@ -50,6 +55,9 @@ def follow_motion(
         Steps that go deeper than this are divided evenly.
     progress : callable, optional
         Called with each depth that is solved.
+    look : callable, optional
+        Called with the depth and the displacements at the end of each step; returns why the path ends before it, or
+        None.
 
     Returns
     -------
@@ -63,7 +71,7 @@ def follow_motion(
     now, here, steps, iterations, stop = float(time_s[0]), 0.0, 0, 0, None
     direction = problem.direction()
     earlier: tuple[Array, Array] | None = None
-    moved = 0.0
+    moved, refused = 0.0, False
     forces = [0.0]
     for goal_time, goal in zip(time_s[1:], depth[1:]):
         parts = max(1, int(np.ceil(abs(goal - here) / largest_step - 1e-9)))
@@ -84,6 +92,9 @@ def follow_motion(
                     stop = f"{explain(problem, u, p, here, answer.reason)}; at {now:.4g} s"
                     break
                 continue
+            if look and (why := look(to, answer.u)):
+                stop, refused = f"{why}; at {to_time:.4g} s", True
+                break
             if to != here:
                 earlier, moved = (u, p), to - here
             u, p, state = answer.u, answer.p, answer.state
@@ -102,7 +113,7 @@ def follow_motion(
     count = len(forces)
     return MotionPath(
         time_s[:count], depth[:count], np.array(forces), problem.pattern.n, steps, iterations,
-        clock.perf_counter() - began, stop,
+        clock.perf_counter() - began, stop, refused,
     )  # fmt: skip
 
 

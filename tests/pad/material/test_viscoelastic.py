@@ -182,3 +182,16 @@ def test_a_motion_that_cannot_be_followed_says_where_it_stopped():
     path = follow_motion(problem, np.array([0.0, 1.0, 2.0]), np.array([0.0, 0.2, 0.499]), 0.1)
     assert path.stop is not None and "stopped at relative depth" in path.stop
     assert len(path.force) == 2
+
+
+def test_a_motion_ends_before_the_first_state_that_is_refused_and_says_when():
+    problem: Problem = puck_problem(UnitPuck(1.0, "bonded"), Viscoelastic(neo_hookean(1.0), ARMS), corner=0.3)
+    seen = []
+
+    def look(depth, u):
+        seen.append(depth)
+        return "met itself" if depth > 0.12 else None
+
+    path = follow_motion(problem, np.array([0.0, 1.0, 2.0]), np.array([0.0, 0.1, 0.2]), 0.05, look=look)
+    assert path.refused and path.stop == "met itself; at 1.5 s"
+    assert seen == pytest.approx([0.05, 0.1, 0.15]) and len(path.force) == 2

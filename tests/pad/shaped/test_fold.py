@@ -11,7 +11,7 @@ from dummydesign.pad.material.hyperelastic import neo_hookean
 from dummydesign.pad.pad import Pad
 from dummydesign.pad.predict import predict_static
 from dummydesign.pad.shaped.axisymmetric import solve_shaped_pad
-from dummydesign.pad.shaped.fold import FoldWatch, crossing, opening_deg
+from dummydesign.pad.shaped.fold import FoldWatch, RoundFace, crossing, opening_deg
 from dummydesign.pad.shaped.problem import Press, shaped_problem
 from dummydesign.pad.solve.continuation import Path
 
@@ -41,24 +41,23 @@ def test_a_line_that_passes_through_itself_crosses_where_it_does():
     assert crossing(np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.5]])) is None
 
 
-def watch() -> FoldWatch:
-    return FoldWatch(shaped_problem(Press(STEEP, 8.0, 7.9 / 8.0, 9.0), neo_hookean(1.0), 8), 8.0)
+def face() -> RoundFace:
+    return RoundFace(shaped_problem(Press(STEEP, 8.0, 7.9 / 8.0, 9.0), neo_hookean(1.0), 8), 8.0)
 
 
 def test_the_face_of_a_mesh_runs_from_the_axis_to_the_rim_over_the_crown():
-    found = watch()
-    rest = found.problem.solid.mesh.nodes[:, found._face]
-    assert rest[0, 0] == 0.0 and rest[0, -1] == pytest.approx(9.0) and np.all(np.diff(rest[0]) > 0.0)
-    assert rest[1] == pytest.approx(-STEEP.drop_mm(8.0 * rest[0], 0.0 * rest[0]) / 8.0, abs=1e-2)
+    r, z = face().rest.T
+    assert r[0] == 0.0 and r[-1] == pytest.approx(9.0) and np.all(np.diff(r) > 0.0)
+    assert z == pytest.approx(-STEEP.drop_mm(8.0 * r, 0.0 * r) / 8.0, abs=1e-2)
 
 
 def test_a_path_that_ends_with_a_nearly_shut_notch_names_it():
-    found = watch()
+    found = FoldWatch(face())
     path = Path(np.array([0.1]), np.ones(1), np.ones(1), 1, 1, 1, 0.0, "no equilibrium")
     found.opening = 60.0
-    assert found.cut(path).stop == "no equilibrium"
+    assert found.told(path).stop == "no equilibrium"
     found.opening = 12.0
-    assert found.cut(path).stop == "the crown's foot is folded to 12 degrees, and no equilibrium"
+    assert found.told(path).stop == "the crown's foot is folded to 12 degrees, and no equilibrium"
 
 
 @pytest.mark.slow

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.core.errors import InputError
+from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.geometry.shapes.boned import Boned
 from dummydesign.geometry.shapes.bumped import Bumped
 from dummydesign.geometry.shapes.crowned import Crowned
@@ -69,3 +69,10 @@ def test_a_pad_that_is_not_round_says_what_to_do_for_a_motion():
     pad = Pad(8.0, 0.04, RADIUS_MM, ARMS, geometry=Bumped(6.0, 3.0, 1.0), sides_mm=(14.0, 14.0))
     with pytest.raises(InputError, match=r"not round.*3d"):
         predict_motion(pad, ramp_and_hold(50.0, 1.0, 0.5), "viscoelastic")
+
+
+@pytest.mark.slow
+def test_a_crown_that_folds_under_a_motion_is_refused_by_the_run_itself_with_the_time_and_the_depth():
+    """Too steep to be cast, so that it folds early: at d/h 0.3 to 0.4."""
+    with pytest.raises(NoAnswerError, match=r"the crown folds on to the pad .* depths 0\.3\d+ and .*; at 0\.0"):
+        solved(Crowned(2.0, 6.0, 2.2), 0.45, thickness_mm=10.0, cells=16)

@@ -68,3 +68,17 @@ def test_single_steps_that_fail_here_and_there_end_no_path(fails):
     path = follow(Spring(), [0.5], 0.05, 0.05, 1e-9, most_wasted=MOST_WASTED)
     assert path.stop is None and path.depth.tolist() == pytest.approx([0.5])
     assert len(failed) * MAX_ITERATIONS > 2 * MOST_WASTED
+
+
+@pytest.mark.parametrize("lattice", [False, True])
+def test_a_path_ends_before_the_first_depth_that_is_refused_and_takes_the_reason_for_its_own(fails, lattice):
+    fails(lambda reached, depth: False)
+    asked, told = [], []
+
+    def visit(depth, solution):
+        asked.append(depth)
+        return "met itself" if depth > 0.25 else None
+
+    path = follow(Spring(), [0.1, 0.2, 0.3, 0.4], 0.05, 0.05, 1e-9, told.append, lattice=lattice, visit=visit)
+    assert path.stop == "met itself" and path.depth.tolist() == pytest.approx([0.1, 0.2]) == told
+    assert path.force.tolist() == pytest.approx([0.1, 0.2]) and asked == pytest.approx([0.1, 0.2, 0.3])

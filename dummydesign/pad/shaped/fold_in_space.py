@@ -12,14 +12,15 @@ a triangle that is turned over too, so only those that stand over or under such 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import ClassVar
 
 import numpy as np
 
 from dummydesign.pad.contact.surface_spatial import BeadedPunch
-from dummydesign.pad.fem import mesh_hexahedra as space
-from dummydesign.pad.shaped.fold import opening_deg
-from dummydesign.pad.solve.equilibrium import Problem
+from dummydesign.pad.shaped.fold import FoldWatch, opening_deg
+from dummydesign.pad.solve.continuation import Path, follow
+from dummydesign.pad.solve.equilibrium import Problem, Solution
 
 Array = np.ndarray
 
@@ -115,13 +116,14 @@ class SpatialFace:
     Parameters
     ----------
     problem : Problem
-        On a mesh of ``pad.shaped.spatial``, whose highest cells come last.
-    cells : (int, int)
-        Of the face, along x and along y.
+    faces : ndarray of int, shape (faces, 9)
+        Nodes of the cells' upper faces, over a tensor grid in x and y, or over its half x <= y.
     mirrored : (bool, bool)
         Whether x = 0 and y = 0 are planes of symmetry.
     thickness_mm : float
         What the unit of length is. [mm]
+    unknowns : ndarray of int, optional
+        The unknown that takes the place of each one of the nodes, of a mesh that is folded; by default itself.
     """
 
     notch: ClassVar[str] = "the face"
@@ -131,22 +133,30 @@ class SpatialFace:
     )
 
     def __init__(
-        self, problem: Problem, cells: tuple[int, int], mirrored: tuple[bool, bool], thickness_mm: float
-    ) -> None:
-        mesh, (along, across) = problem.solid.mesh, cells
-        count = len(mesh.dofs)
-        faces = space.horizontal_faces(mesh, np.arange(count - along * across, count)).reshape(along, across, 3, 3)
-        nodes = np.empty((2 * along + 1, 2 * across + 1), dtype=int)
-        for i in range(3):
-            for j in range(3):
-                nodes[i : i + 2 * along : 2, j : j + 2 * across : 2] = faces[:, :, i, j]
-        self._nodes, self._triangles = nodes, lattice_triangles(*nodes.shape)
-        self.rest = mesh.nodes[:, nodes.ravel()].T
+        self, problem: Problem, faces: Array, mirrored: tuple[bool, bool], thickness_mm: float,
+        unknowns: Array | None = None,
+    ) -> None:  # fmt: skip
+        used = np.unique(faces)
+        place = problem.solid.mesh.nodes[:, used].T
+        (x, i), (y, j) = (np.unique(place[:, axis].round(9), return_inverse=True) for axis in (0, 1))
+        nodes = np.full((len(x), len(y)), -1)
+        nodes[i, j] = used
+        # The half beyond the diagonal of a folded mesh is the mirror image of the one before it.
+        self._swapped = np.nonzero(nodes.ravel() < 0)[0]
+        self._nodes = np.where(nodes < 0, nodes.T, nodes) if len(self._swapped) else nodes
+        self._triangles = lattice_triangles(*nodes.shape)
+        self._unknowns = unknowns
+        self.rest = self._mirror(problem.solid.mesh.nodes.T[self._nodes.ravel()])
         self._punch: BeadedPunch = problem.punch
         self._mirrored, self._thickness_mm = mirrored, thickness_mm
 
+    def _mirror(self, points: Array) -> Array:
+        points[self._swapped] = points[self._swapped][:, [1, 0, 2]]
+        return points
+
     def _points(self, u: Array) -> Array:
-        return self.rest + u.reshape(-1, 3)[self._nodes.ravel()]
+        own = u if self._unknowns is None else u[self._unknowns]
+        return self.rest + self._mirror(own.reshape(-1, 3)[self._nodes.ravel()])
 
     def meeting(self, depth: float, u: Array) -> str | None:
         """Where the free face crosses itself or its mirror image, nearest to the highest point, in words. [mm]"""
@@ -169,3 +179,29 @@ class SpatialFace:
         """Angle of the narrowest notch along the lines of the lattice."""
         points = self._points(u).reshape(*self._nodes.shape, 3)
         return min(opening_deg(points[..., [0, 2]].swapaxes(0, 1)), opening_deg(points[..., [1, 2]]))
+
+
+def watched(
+    problem: Problem, face: SpatialFace, depths: Array, largest_step: float,
+    progress: Callable[[float], None] | None = None,
+) -> Path:  # fmt: skip
+    """Follow a problem through depths, to where its face folds on to itself at the most.
+
+    Parameters
+    ----------
+    problem : Problem
+    face : SpatialFace
+        Of that problem.
+    depths : ndarray, shape (n,)
+        Increasing depths in thicknesses.
+    largest_step : float
+        Largest load step, in thicknesses.
+    progress : callable, optional
+        Called with each solved depth.
+    """
+    watch, first = FoldWatch(face), 0.25 * float(depths[0])
+
+    def look(depth: float, solution: Solution) -> str | None:
+        return watch.look(depth, solution.u)
+
+    return watch.told(follow(problem, depths, first, largest_step, first / 64.0, progress, visit=look))

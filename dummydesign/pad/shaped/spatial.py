@@ -27,15 +27,15 @@ from dummydesign.pad.contact.surface_spatial import BeadedPunch, FaceContact, re
 from dummydesign.pad.fem import mesh_hexahedra as space
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import Law
-from dummydesign.pad.shaped.fold import FOLDED, FoldWatch
-from dummydesign.pad.shaped.fold_in_space import SpatialFace
+from dummydesign.pad.shaped.fold import FOLDED
+from dummydesign.pad.shaped.fold_in_space import SpatialFace, watched
 from dummydesign.pad.shaped.paths import climb as climb_round
 from dummydesign.pad.shaped.paths import first_depth
 from dummydesign.pad.shaped.problem import CELLS, RIMS, Press
 from dummydesign.pad.shaped.spatial_mesh import Grid, Load, axis_lines, levels
 from dummydesign.pad.slab.problem import PadCurve, normalise
-from dummydesign.pad.solve.continuation import Path, cost, follow
-from dummydesign.pad.solve.equilibrium import Problem, Solution
+from dummydesign.pad.solve.continuation import Path, cost
+from dummydesign.pad.solve.equilibrium import Problem
 from dummydesign.pad.solve.solver_multifrontal import Dissection
 
 Array = np.ndarray
@@ -130,15 +130,11 @@ def climb(
         Its forces are those of the meshed part.
     """
     problem = shaped_problem(load, law, grid)
-    cells = len(axis_lines(load, grid, 0)) - 1, len(axis_lines(load, grid, 1)) - 1
+    mesh = problem.solid.mesh
+    top = np.arange(len(mesh.dofs))[-(len(axis_lines(load, grid, 0)) - 1) * (len(axis_lines(load, grid, 1)) - 1) :]
     mirrored = load.offset[0] == 0.0, load.offset[1] == 0.0
-    watch = FoldWatch(SpatialFace(problem, cells, mirrored, load.thickness_mm))
-
-    def look(depth: float, solution: Solution) -> str | None:
-        return watch.look(depth, solution.u)
-
-    first = 0.25 * float(depths[0])
-    return watch.told(follow(problem, depths, first, 0.05 * load.scale, first / 64.0, progress, visit=look))
+    face = SpatialFace(problem, space.horizontal_faces(mesh, top), mirrored, load.thickness_mm)
+    return watched(problem, face, depths, 0.05 * load.scale, progress)
 
 
 def _punch(load: Load, rim: float) -> BeadedPunch:

@@ -17,9 +17,9 @@ from dummydesign.pad.contact.surface_spatial import FaceContact, rectangle_punch
 from dummydesign.pad.fem import mesh_hexahedra as space
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import Yeoh
+from dummydesign.pad.shaped.fold_in_space import SpatialFace, watched
 from dummydesign.pad.shaped.spatial import CONTACT_STIFFNESS, GRIP_SHARE, REACH
 from dummydesign.pad.shaped.spatial_mesh import Load, graded_lines
-from dummydesign.pad.solve.continuation import follow
 from dummydesign.pad.solve.equilibrium import Problem
 from dummydesign.pad.solve.solver_multifrontal import Dissection
 
@@ -72,7 +72,7 @@ def field_lines(pitch_mm: float, rim_mm: float, cells: int) -> Array:
     return graded_lines(0.0, 0.5 * PAD_WIDTH_MM, [*halves, *edge], size)
 
 
-def field_problem(shape: Bumped, thickness_mm: float, cells: int) -> Problem:
+def field_problem(shape: Bumped, thickness_mm: float, cells: int) -> tuple[Problem, SpatialFace]:
     """An eighth of a field of caps under the punch, what touches sticks; unit shear modulus, lengths in thicknesses.
 
     Parameters
@@ -82,6 +82,10 @@ def field_problem(shape: Bumped, thickness_mm: float, cells: int) -> Problem:
         At the highest point. [mm]
     cells : int
         Over half a pitch.
+
+    Returns
+    -------
+    Problem, SpatialFace
     """
     h, law = thickness_mm, Yeoh(1.0)
     half, extent = (HALF_SIDE_MM / h,) * 2, (0.5 * PAD_WIDTH_MM / h,) * 2
@@ -105,7 +109,9 @@ def field_problem(shape: Bumped, thickness_mm: float, cells: int) -> Problem:
     punch = rectangle_punch(half, rim)
     surface.settle(np.zeros(mesh.size), punch, 0.0)
     solver, nothing = partial(Dissection, position=part.lattice), np.array([], dtype=int)
-    return Problem(Solid(mesh, law, 0.5), held.ravel(), nothing, 3 * base + 2, surface, punch, None, solver=solver)
+    solid = Solid(mesh, law, 0.5)
+    made = Problem(solid, held.ravel(), nothing, 3 * base + 2, surface, punch, None, solver=solver)
+    return made, SpatialFace(made, part.faces, (True, True), h, part.unknowns)
 
 
 def press_field(shape: Bumped, thickness_mm: float, depths: Array, cells: int) -> tuple[Array, Array, str | None]:
@@ -129,7 +135,6 @@ def press_field(shape: Bumped, thickness_mm: float, depths: Array, cells: int) -
     stop : str or None
         Why it ended early.
     """
-    h, first = thickness_mm, float(depths[0])
-    largest = 0.05 * min(HALF_SIDE_MM / h, 1.0)
-    path = follow(field_problem(shape, h, cells), depths, 0.25 * first, largest, first / 256.0)
+    h = thickness_mm
+    path = watched(*field_problem(shape, h, cells), depths, 0.05 * min(HALF_SIDE_MM / h, 1.0))
     return path.depth, PARTS * path.force / 3.0 * h**2, path.stop

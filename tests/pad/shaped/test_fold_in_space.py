@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from dummydesign.geometry.shapes import read_shape
+from dummydesign.geometry.shapes.bumped import Bumped
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.geometry.shapes.layered import Layered
+from dummydesign.pad.fem.mesh_hexahedra import horizontal_faces
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.shaped.fold import FoldWatch
 from dummydesign.pad.shaped.fold_in_space import SpatialFace, lattice_triangles, pierced, turned_over
@@ -15,8 +17,10 @@ from dummydesign.pad.shaped.paths import climb as climb_round
 from dummydesign.pad.shaped.problem import Press
 from dummydesign.pad.shaped.spatial import axis_lines, climb, shaped_problem, solve_shaped_block
 from dummydesign.pad.shaped.spatial_mesh import Grid, Load
+from dummydesign.pad.shaped.under_square import field_problem
 
 STEEP = Crowned(2.0, 6.0, 2.2)
+FIELD = Bumped.proportioned(5.0, 0.3)
 CASTABLE = read_shape("crowned:4.434,5.76,6.221")
 
 
@@ -112,8 +116,10 @@ def load(shape, thickness: float, half: float = 7.0, is_round: bool = False, fir
 
 def face(cells: int = 4) -> SpatialFace:
     here, grid = load(Crowned(10.0, 2.0), 5.0), Grid(cells, slope=1.0, height_growth=2.0)
-    across = tuple(len(axis_lines(here, grid, axis)) - 1 for axis in (0, 1))
-    return SpatialFace(shaped_problem(here, Yeoh(1.0), grid), across, (True, True), 5.0)
+    problem = shaped_problem(here, Yeoh(1.0), grid)
+    count, along = len(problem.solid.mesh.dofs), len(axis_lines(here, grid, 0)) - 1
+    top = np.arange(count)[-along * (len(axis_lines(here, grid, 1)) - 1) :]
+    return SpatialFace(problem, horizontal_faces(problem.solid.mesh, top), (True, True), 5.0)
 
 
 def test_the_lattice_of_a_mesh_is_its_tested_face():
@@ -133,6 +139,17 @@ def test_a_face_that_has_passed_a_plane_of_symmetry_has_met_its_mirror_image():
     assert found.meeting(-0.1, whole.ravel()) is not None
     # What touches the punch does not count: there the sharp edge may crumple a cell.
     assert found.meeting(0.2, whole.ravel()) is None
+
+
+def test_the_half_of_a_folded_field_beyond_the_diagonal_is_the_mirror_image_of_the_other():
+    problem, found = field_problem(FIELD, 6.0, 2)
+    assert len(found._swapped) > 0 and len(found._triangles) > len(problem.solid.mesh.dofs)
+    rng = np.random.default_rng(3)
+    for points in (found.rest, found._points(rng.normal(0.0, 0.01, problem.solid.mesh.size))):
+        here = points.reshape(*found._nodes.shape, 3)
+        assert here.swapaxes(0, 1)[..., [1, 0, 2]] == pytest.approx(here, abs=1e-9)
+    corners = found.rest.reshape(*found._nodes.shape, 3)[::2, ::2].reshape(-1, 3) * 6.0
+    assert corners[:, 2] == pytest.approx(-FIELD.drop_mm(corners[:, 0], corners[:, 1]), abs=1e-6)
 
 
 def test_a_watch_says_between_which_depths_and_where_and_says_it_again():

@@ -129,9 +129,10 @@ def replay(
         known, read = read_calibration(fspath(calibration)), read_campaign(fspath(campaign))
         found = predict_again(read, known, progress)
     caution = [{"code": "calibration", "message": known.caution}] if known.caution else []
+    beyond = [{"code": "beyond_table", "message": found.left_out}] if found.left_out else []
     result = {
         "inputs": {"campaign": fspath(campaign), "calibration": fspath(calibration)},
-        "warnings": [*read.warnings, *caution],
+        "warnings": [*beyond, *read.warnings, *caution],
         "verdict": known.verdict,
         "effects": [one.effect.name for one in known.after.active],
         **found.to_dict(),

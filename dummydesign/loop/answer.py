@@ -70,6 +70,8 @@ def answer_of(result: LoopResult) -> list[str]:
         used = "is" if len(names) == 1 else "are"
         found = f" beyond {listed(names)}, which {used} used all the same" if names else ""
         said.append(f"Something is missing that no known effect explains{found}: {result.remainder.reasons[0]}.")
+    # what the fit did not see is said first
+    said[0] = "".join(f"{one['message']}. " for one in result.warnings if one["code"] == "beyond_table") + said[0]
     said += [_effect_said(result, found.candidate.effect, found.confounded_with) for found in result.effects]
     before, left = result.base.errors.heldout_N, after.errors.heldout_N
     if left is not None and before is not None:

@@ -15,6 +15,7 @@ from dummydesign.loop.calibration import Calibration
 from dummydesign.loop.data.trials import make_presses
 from dummydesign.loop.effects.own import refuse_unsound
 from dummydesign.loop.model.campaign_law import law_of
+from dummydesign.loop.model.reach import within_reach
 from dummydesign.measurement.campaign import Campaign
 
 
@@ -28,6 +29,8 @@ class Replayed:
     peak_error_N: NDArray
     total_rmse_N: float
     total_base_rmse_N: float
+    left_out: str = ""
+    """Presses deeper than the force law of their pad, in words; empty where there are none."""
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON of ``replay``."""
@@ -65,7 +68,7 @@ def replay(
     tell = progress or (lambda word: None)
     law = law_of(campaign, progress)
     tell("presses")
-    presses = make_presses(campaign)
+    campaign, presses, left_out = within_reach(campaign, make_presses(campaign), law, least=1)
     for one in calibration.after.active:
         reason = one.effect.undefined(presses, law)
         if reason:
@@ -91,4 +94,5 @@ def replay(
     return Replayed(
         tuple(trial.file for trial in campaign.trials), np.sqrt(own), np.sqrt(plain), np.array(peaks),
         float(np.sqrt(np.average(own, weights=weight))), float(np.sqrt(np.average(plain, weights=weight))),
+        left_out,
     )  # fmt: skip

@@ -19,10 +19,11 @@ from dummydesign.loop.judging.residual_dependence import dependences
 from dummydesign.loop.judging.search import search
 from dummydesign.loop.judging.verdict import Remainder, remainder
 from dummydesign.loop.learned.learn import can_be_learned, learn
-from dummydesign.loop.model.base_law import SetupLaw, depth_limits
+from dummydesign.loop.model.base_law import SetupLaw
 from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.model.expected import start_young_kPa
+from dummydesign.loop.model.reach import within_reach
 from dummydesign.loop.next_measurement import NextMeasurement, next_measurement
 from dummydesign.loop.prior import Joined, check_prior, join, with_prior_effects
 from dummydesign.loop.result import LoopResult
@@ -67,7 +68,7 @@ def close_loop(
     if prior is not None:
         check_prior(prior, campaign)
     law = law_of(campaign, progress)
-    presses = make_presses(campaign)
+    campaign, presses, beyond = within_reach(campaign, make_presses(campaign), law)
     start = young_MPa or 1e-3 * start_young_kPa(campaign)
     base_fit = fit_base(presses, law, start, progress)
     base = make_stage(base_fit)
@@ -98,7 +99,7 @@ def close_loop(
     return LoopResult(
         campaign, presses, base, after, verdict, effects, tuple(found.screened), tuple(found.ranking), left,
         tuple(dependences(base.fit)), tuple(where_after), tuple(checks), following, untested,
-        (*_warnings(campaign, presses, law), *_contradicted(joined)), learnt, joined,
+        (*_warnings(campaign, presses, beyond), *_contradicted(joined)), learnt, joined,
     )  # fmt: skip
 
 
@@ -136,8 +137,10 @@ def _next(
     return next_measurement(*pair, names, campaign.lowpass)
 
 
-def _warnings(campaign: Campaign, presses: Presses, law: SetupLaw) -> tuple[dict[str, str], ...]:
-    out = list(campaign.warnings)
+def _warnings(campaign: Campaign, presses: Presses, beyond: str) -> tuple[dict[str, str], ...]:
+    # what a fit does not see is said first
+    out = [{"code": "beyond_table", "message": beyond}] if beyond else []
+    out += campaign.warnings
     if not repeat_pairs(presses):
         out.append(
             {"code": "no_repeats", "message": "no condition is repeated: lack of fit cannot be tested against pure "
@@ -148,8 +151,4 @@ def _warnings(campaign: Campaign, presses: Presses, law: SetupLaw) -> tuple[dict
             {"code": "elastic_only", "message": "no trial holds and all have one speed: relaxation is not fitted, the "
              "modulus is that of this speed"}
         )  # fmt: skip
-    deep = presses.depth_mm > depth_limits(law, presses.trials)
-    if deep.any():
-        files = ", ".join(t.file for t, d in zip(presses.trials, deep) if d)
-        out.append({"code": "beyond_table", "message": f"deeper than the force law knows: {files}"})
     return tuple(out)

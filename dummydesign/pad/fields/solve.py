@@ -164,11 +164,11 @@ def _setup(pad: Pad, law: Any, depths: Array, shear: float, coarse: bool) -> Set
     from dummydesign.pad.shaped.problem import CELLS, Press, shaped_problem
     from dummydesign.pad.slab.indentation import (
         SHAPED_STIFFNESS,
-        SHARE,
         Region,
         indentation_problem,
         load_steps,
         profile,
+        tip_region,
     )
     from dummydesign.pad.slab.problem import Slab, rimmed_problem
 
@@ -188,7 +188,7 @@ def _setup(pad: Pad, law: Any, depths: Array, shear: float, coarse: bool) -> Set
     if pad.profile_mm is not None:
         shape = profile(*(np.asarray(part) / h for part in pad.profile_mm))
         punch = ProfilePunch(shape.height)
-        region = Region(0.0, radius, radius / (12 if coarse else 24), SHARE * (2 if coarse else 1))
+        region = tip_region(punch, radius, float(depths[0]), 12 if coarse else 24)
         made = indentation_problem(punch, region, extent, *own, stiffness=SHAPED_STIFFNESS, weight=weight)
         first, largest, lattice = load_steps(pad.condition, float(depths[0]))
         return Setup(made, first, largest, first / 64.0, lattice)

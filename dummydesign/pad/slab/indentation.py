@@ -34,6 +34,8 @@ SHAPED_STIFFNESS, EDGE_STIFFNESS = PROFILE_PUNCH.contact, SLIDING_EDGE.contact
 SLIP_SCALE = 0.02
 # Cells under a profile punch over their radius, with 24 to its reach: uniform ones move the force by at most 0.2 %.
 SHARE = 0.12
+# Four of 24 cells lie in the contact at the first depth, where that is less than a sixth of the reach.
+TIP_CELLS = 6.0
 # What cells of half the size change at most on balls of 6 to 20 mm on 4 and 10 mm to d/h 0.5: without friction 0.24 %,
 # where what touches sticks 0.48 %, with friction 0.3 0.84 %.
 CELLS_ERROR, STICKING_ERROR, RUBBING_ERROR = 3e-3, 6e-3, 1e-2
@@ -245,7 +247,7 @@ def solve_shaped(
     """
     shape, depths, reach, unit = normalise(thickness_mm, reach_mm, young_MPa, depth_mm, poisson, law)
     own = ProfilePunch(lambda r: _scaled(punch, r, thickness_mm))
-    region = Region(0.0, reach, reach / cells, SHARE * 24 / cells)
+    region = tip_region(own, reach, float(depths[0]), cells)
     problem = indentation_problem(
         own, region, extent_mm / thickness_mm, shape, poisson, base, condition, stiffness=SHAPED_STIFFNESS,
         weight=weight_over_shear(thickness_mm, unit),
@@ -256,6 +258,23 @@ def solve_shaped(
     face = Interface.parse(condition, "condition", FACES)
     error = STICKING_ERROR if face.bonded else RUBBING_ERROR if face.coulomb else CELLS_ERROR
     return PadCurve(path.depth * thickness_mm, force, error * force, cost([path]), notes)
+
+
+def tip_region(punch: ProfilePunch, reach: float, first: float, cells: int) -> Region:
+    """Cells under a profile punch, small enough at the axis for the contact at the first depth.
+
+    Parameters
+    ----------
+    punch : ProfilePunch
+    reach, first : float
+        Radius that the contact will not exceed, and the smallest wanted depth. [thicknesses]
+    cells : int
+        Of the uniform size, from the axis to the reach.
+    """
+    r = np.geomspace(1e-4 * reach, reach, 400)
+    # Where the surface, which rises to half of the depth at a ball's contact, meets the profile.
+    tip = float(r[np.searchsorted(punch.height(r)[0], 0.5 * first).clip(0, len(r) - 1)])
+    return Region(0.0, reach, min(reach, TIP_CELLS * tip) / cells, SHARE * 24 / cells)
 
 
 def load_steps(condition: str, first: float) -> tuple[float, float, bool]:

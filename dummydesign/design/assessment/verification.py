@@ -53,11 +53,11 @@ def of_shape(law: ElementsLaw, young_MPa: float, radius_mm: float) -> Verificati
     """
     table = np.asarray(law.table.force(law.depth_mm, law.thickness_mm, young_MPa, radius_mm), float)
     solved = table * np.exp(law.log_factor)
-    note = "the design is based on the finite-element solution, not on the table"
+    notes = ("the design is based on the finite-element solution, not on the table", *([law.end] if law.end else []))
     depths = tuple(law.depth_mm.tolist())
     off = 100.0 * law.largest_difference
     fidelity = law.table.shape.fidelity
-    return Verification(fidelity, off, depths, tuple(table.tolist()), tuple(solved.tolist()), (note,))
+    return Verification(fidelity, off, depths, tuple(table.tolist()), tuple(solved.tolist()), notes)
 
 
 def verify_design(

@@ -43,6 +43,8 @@ class ElementsLaw(BaseForceLaw):
     complete : bool
         Whether all was solved that was asked for. Deeper the table goes on, times the last factor, with its own error;
         otherwise the law ends where the solve did.
+    end : str
+        Why it ended there, in words; empty where nothing was said.
     """
 
     table: ShapeLaw
@@ -52,6 +54,7 @@ class ElementsLaw(BaseForceLaw):
     error: NDArray
     touch: Touch | None = None
     complete: bool = False
+    end: str = ""
 
     def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: float) -> NDArray:
         """Elastic force; see :class:`dummydesign.pad.force_law.ForceLaw`. [N]"""
@@ -172,7 +175,9 @@ def _law(shaped: Shaped, made: Mapping[str, Any], asked: int, radius_mm: float) 
     factor = np.log(force / law.plain.force(reached, thickness, 1.0, radius_mm))
     touch = Touch(*(np.asarray(column) for column in made["touch"])) if made.get("touch") else None
     error = np.asarray(made["error_N"], float) / force
-    return ElementsLaw(law, thickness, reached, factor, error, touch, len(reached) == asked)
+    complete = len(reached) == asked
+    end = "" if complete else "; ".join(made.get("notes", ()))
+    return ElementsLaw(law, thickness, reached, factor, error, touch, complete, end)
 
 
 def _round(
@@ -195,7 +200,8 @@ def _field(shaped: Shaped, thickness_mm: float, depth_mm: NDArray) -> dict[str, 
 
     if not shaped.shape.tabulated:
         return vars(solve_shaped_block(shaped.shape, thickness_mm, (HALF_SIDE_MM,) * 2, 1.0, depth_mm))
-    depth, area, _ = press_field(shaped.shape, thickness_mm, depth_mm / thickness_mm, COARSE)
+    depth, area, stop = press_field(shaped.shape, thickness_mm, depth_mm / thickness_mm, COARSE)
     table = load_shape_table(shaped.shape.name)
     error = np.interp(depth, table.error_depth, table.solve_error)
-    return {"depth_mm": depth * thickness_mm, "force_N": area, "error_N": area * error}
+    notes = (stop,) if stop else ()
+    return {"depth_mm": depth * thickness_mm, "force_N": area, "error_N": area * error, "notes": notes}

@@ -84,12 +84,15 @@ def test_sites_that_cannot_be_solved_are_refused_before_any_work(given, named):
 
 
 @pytest.mark.slow
-def test_a_small_pad_with_sites_is_designed_and_each_crown_is_within_a_percent_of_the_one_that_was_solved(capsys):
+def test_a_small_pad_with_sites_is_designed_and_each_crown_is_within_a_percent_of_the_one_that_was_solved(
+    capsys, tmp_path, monkeypatch
+):
     import json
 
     from dummydesign import cli
 
     given = ["--thickness", "4:5", "--ratio", "15:16", "--pad", "75x75", "--sites", "2x2", "--no-cad", "--json"]
+    monkeypatch.chdir(tmp_path)
     assert cli.run(["suggest", "--tissue", "forefinger", *given]) == 0
     found = json.loads(capsys.readouterr().out)
     sites = found["sites"]

@@ -93,12 +93,14 @@ def main() -> None:
     parser.add_argument("--contact", default=f"{CONTACT_MM:g}:{CONTACT_SHARE:g}")
     parser.add_argument("--skip-speed", action="store_true")
     options = parser.parse_args()
-    contact = tuple(float(part) for part in options.contact.split(":"))
+    low, high = map(float, options.contact.split(":"))
+    contact = low, high
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for fast, text in ((False, options.sets), (True, options.fast)):
             for part in filter(None, text.split(",")):
-                seeds = range(*map(int, part.split(":")))
+                first, last = map(int, part.split(":"))
+                seeds = range(first, last)
                 kind = "fast, zero not at contact" if fast else "files"
                 print(f"{kind} {part}: {dict(rates(seeds, fast, folder, contact))}")
         for law in ("tissue", "pad", "hertz"):

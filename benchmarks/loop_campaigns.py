@@ -92,18 +92,19 @@ def run_one(kind: str, before: int, seed: int, folder: Path) -> dict:
                 "verdict": REFUSED, "found": [], "cpu_seconds": 0.0, "message": said}  # fmt: skip
 
 
-def learned(put_in: Put, seed: int, folder: Path, **how: bool) -> dict:
+def learned(put_in: Put, seed: int, folder: Path, crowned: bool = False) -> dict:
     """Write a campaign with these effects and one on new pads, run the loop, predict the second.
 
-    Further arguments go to the generator.
+    With ``crowned`` the generator's pads are crowned.
     """
     first, more = (put_in[0], tuple(put_in[1:])) if put_in else (("none", 0.0), ())
-    truth = generator.write_campaign(folder / "a", *first, seed, more=more, **how)
-    generator.write_campaign(folder / "b", *first, seed, held_out=True, more=more, **how)
+    truth = generator.write_campaign(folder / "a", *first, seed, more=more, crowned=crowned)
+    generator.write_campaign(folder / "b", *first, seed, held_out=True, more=more, crowned=crowned)
     campaign, started = read_campaign(folder / "a"), time.process_time()
     result = close_loop(campaign)
     row = row_of(put_in, truth, result, time.process_time() - started)
     other, calibration = read_campaign(folder / "b"), calibration_of(result)
+    assert calibration.posterior is not None
     predicted = replay(other, calibration)
     beyond = beyond_pads_N(other, calibration, predicted.total_rmse_N, result.after.fit.sizes.noise)
     return {

@@ -89,6 +89,7 @@ def run_seed(seed: int, folder: Path) -> dict:
         best = answer["recommendation"]
         known = read_calibration(prior)
         seen = replay(other, known)
+        assert known.posterior is not None
         low, high = known.posterior.interval("log young_kPa")
         turns.append(
             {

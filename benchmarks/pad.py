@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -50,7 +51,7 @@ def main() -> None:
     for thickness in (5.0, 10.0, 20.0):
         depth = thickness * SHARES
         _row(f"{thickness:g} mm, fillet {FILLET_MM:g} mm",
-             lambda mm=thickness, x=depth: solve_filleted(mm, RADIUS_MM, FILLET_MM, 0.025, x))  # fmt: skip
+             partial(solve_filleted, thickness, RADIUS_MM, FILLET_MM, 0.025, depth))  # fmt: skip
     _row(f"{CROWN_MM:g} mm, crowned", lambda: solve_shaped_pad(CROWN, CROWN_MM, RADIUS_MM, 0.025, CROWN_MM * SHARES))
 
 

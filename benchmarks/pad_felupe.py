@@ -166,8 +166,10 @@ def ours_puck() -> dict[str, Any]:
 def theirs(python: str, task: dict[str, Any]) -> dict[str, Any]:
     """The answer of the other program; ``skipped`` or ``failed`` says why there is none."""
     # one thread, as this package's solves have: processor seconds are compared
-    options = {"capture_output": True, "text": True, "timeout": 3600, "env": {**os.environ, **ONE_THREAD}}
-    done = subprocess.run([python, "-c", PROGRAM], input=json.dumps(task), **options)
+    done = subprocess.run(
+        [python, "-c", PROGRAM], input=json.dumps(task), capture_output=True, text=True, timeout=3600,
+        env={**os.environ, **ONE_THREAD},
+    )  # fmt: skip
     if done.returncode:
         return {"failed": done.stderr.strip().splitlines()[-1] if done.stderr.strip() else "no output"}
     return json.loads(done.stdout.strip().splitlines()[-1])
@@ -258,10 +260,10 @@ def main() -> None:
         compare(f"slab of {thickness:g} mm", depth.tolist(), one, other)
         single |= {thickness: other["seconds"]} if "seconds" in other else {}
     one = min((ours_puck() for _ in range(options.repeat)), key=lambda run: run["seconds"])
-    depth = [0.5 * c for c in COMPRESSION]
+    squeezed = [0.5 * c for c in COMPRESSION]
     task = {"r": one["r"], "z": one["z"], "halvings": 2, "quadratic": False, "glued": False, "reach": 1.0}
-    task |= {"depth": depth, "parts": (round(COMPRESSION[0] / PUCK_STEP),), "repeat": 1}
-    worst["puck"] = compare("bonded puck", depth, one, theirs(options.python, task))
+    task |= {"depth": squeezed, "parts": (round(COMPRESSION[0] / PUCK_STEP),), "repeat": 1}
+    worst["puck"] = compare("bonded puck", squeezed, one, theirs(options.python, task))
     whole_curves(options.repeat, single)
     worst["limit"] = limits(options.python)
     for name, tolerance in TOLERANCE.items():

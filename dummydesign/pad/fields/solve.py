@@ -162,6 +162,7 @@ def _setup(pad: Pad, law: Any, depths: Array, shear: float, coarse: bool) -> Set
     from dummydesign.pad.contact.surface_axisymmetric import FlatPunch, ProfilePunch
     from dummydesign.pad.shaped.paths import LARGEST_STEP, first_depth, passed_by
     from dummydesign.pad.shaped.problem import CELLS, Press, shaped_problem
+    from dummydesign.pad.slab.indentation import CELLS as PROFILE_CELLS
     from dummydesign.pad.slab.indentation import (
         SHAPED_STIFFNESS,
         Region,
@@ -188,7 +189,7 @@ def _setup(pad: Pad, law: Any, depths: Array, shear: float, coarse: bool) -> Set
     if pad.profile_mm is not None:
         shape = profile(*(np.asarray(part) / h for part in pad.profile_mm))
         punch = ProfilePunch(shape.height)
-        region = tip_region(punch, radius, float(depths[0]), 12 if coarse else 24)
+        region = tip_region(punch, radius, float(depths[0]), PROFILE_CELLS // 2 if coarse else PROFILE_CELLS)
         made = indentation_problem(punch, region, extent, *own, stiffness=SHAPED_STIFFNESS, weight=weight)
         first, largest, lattice = load_steps(pad.condition, float(depths[0]))
         return Setup(made, first, largest, first / 64.0, lattice)

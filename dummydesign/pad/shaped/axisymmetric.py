@@ -25,7 +25,7 @@ from dummydesign.pad.shaped.paths import Solved, climb, first_depth, grids
 from dummydesign.pad.shaped.problem import CELLS, Press
 from dummydesign.pad.slab.edge_extrapolation import carried_on
 from dummydesign.pad.slab.filleted import check_fillet
-from dummydesign.pad.slab.problem import PadCurve, normalise
+from dummydesign.pad.slab.problem import PadCurve, held_on, normalise, padded
 from dummydesign.pad.solve.continuation import NOTHING, Path, cost
 
 Array = np.ndarray
@@ -66,12 +66,12 @@ def rough_shaped_pad(
     press.check()
     grid = grids(CELLS, press)[-1]
     paths = [solved.path(press, own, depths, grid, False)]
-    force = _padded(paths[0], len(depths)) * unit * thickness_mm**2
+    force = padded(paths[0], len(depths)) * unit * thickness_mm**2
     if shape.flat_top:
         slab = _slab_curve(press, 1.0, depths, None, None)
         paths.append(solved.path(press, own, depths, grid, True))
         count = len(slab.force_N)
-        force = slab.force_N * _padded(paths[0], len(depths))[:count] / _padded(paths[1], len(depths))[:count]
+        force = slab.force_N * padded(paths[0], len(depths))[:count] / padded(paths[1], len(depths))[:count]
     count = int(np.isfinite(force).sum())
     if not count:
         raise NoAnswerError("no_convergence", f"the pad could not be solved: {paths[0].stop}")
@@ -164,13 +164,13 @@ def solve_shaped_pad(
     if shape.flat_top:
         return _over_slab(press, own, young_MPa, depths, cells, law, progress, solved)
     paths = [solved.path(press, own, depths, grid, False, progress) for grid in grids(cells, press)]
-    rough, fine, half = (_padded(path, len(depths)) for path in _three(paths))
+    rough, fine, half = (padded(path, len(depths)) for path in _three(paths))
     value, added = sharp(rough, fine)
     count = int(np.isfinite(value).sum())
     stops = [path.stop for path in paths[:-1] if path.stop]
     if not count:
         raise NoAnswerError("no_convergence", f"the pad could not be solved: {stops[0]}")
-    error = LEAST_ERROR + EDGE_ERROR * np.abs(added) + MESH_ERROR * _held_on(np.abs(np.log(half / fine)))
+    error = LEAST_ERROR + EDGE_ERROR * np.abs(added) + MESH_ERROR * held_on(np.abs(np.log(half / fine)))
     return _curve(press, depths, value * unit * thickness_mm**2, error, count, paths, stops)
 
 
@@ -186,12 +186,12 @@ def _over_slab(
     else:
         for grid in grids(cells, press):
             pair = [solved.path(press, own, depths, grid, twin, progress) for twin in (False, True)]
-            factors.append(_padded(pair[0], len(depths)) / _padded(pair[1], len(depths)))
+            factors.append(padded(pair[0], len(depths)) / padded(pair[1], len(depths)))
             paths += pair
     rough, fine, half = _three(factors)
     best = np.where(np.isfinite(fine), fine, rough)
     spread = np.abs(np.log(rough / fine)) + MESH_ERROR * np.abs(np.log(half / fine))
-    error = slab.error_N / slab.force_N + 1e-3 + _held_on(spread)[: len(slab.depth_mm)]
+    error = slab.error_N / slab.force_N + 1e-3 + held_on(spread)[: len(slab.depth_mm)]
     count = min(int(np.isfinite(best).sum()), len(slab.depth_mm))
     stops = [path.stop for path in paths[:4] if path.stop] + list(slab.notes)
     if not count:
@@ -234,15 +234,6 @@ def _slab_curve(
 def _three(found: list[Any]) -> list[Any]:
     """What was found with the large fillet, the small one, and large cells; a real fillet stands for the first two."""
     return found if len(found) == 3 else [found[0], *found]
-
-
-def _padded(path: Path, count: int) -> Array:
-    return np.concatenate([path.force, np.full(count - len(path.force), np.nan)])
-
-
-def _held_on(values: Array) -> Array:
-    """Largest value so far, carried over depths where it is not known; 1 % where it never is."""
-    return np.maximum.accumulate(np.nan_to_num(values, nan=0.0)) if np.isfinite(values).any() else 0.0 * values + 0.01
 
 
 def _curve(

@@ -22,6 +22,7 @@ from dummydesign.pad.shaped.spatial import CONTACT_STIFFNESS, GRIP_SHARE, REACH
 from dummydesign.pad.shaped.spatial_mesh import Load, graded_lines
 from dummydesign.pad.solve.equilibrium import Problem
 from dummydesign.pad.solve.solver_multifrontal import Dissection
+from dummydesign.pad.tables.fields.overlap import RIM
 
 Array = np.ndarray
 
@@ -30,8 +31,8 @@ HALF_SIDE_MM = 0.5 * PUNCH_SIDE_MM
 COARSE, FINER = 2, 3
 # Pads of wide pitch take the cells of this one. [mm]
 WIDEST_PITCH_MM = 8.0
-# Fillet at the punch's edge over the smaller of half side and thickness, and that over the height of the first cells.
-RIM, CELLS_DOWN = 0.1, 3.0
+# The smaller of half side and thickness over the height of the first cells, at a cell over half a pitch.
+CELLS_DOWN = 3.0
 GROWTH, SLOPE = 2.0, 1.0
 # Cells at the middle tip over the others.
 AT_TIP = 0.4

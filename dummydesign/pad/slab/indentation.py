@@ -23,7 +23,7 @@ from dummydesign.pad.fem.mesh_axisymmetric import graded
 from dummydesign.pad.fem.mesh_columns import columns
 from dummydesign.pad.fem.mixed_solid import STABILISATION, Solid
 from dummydesign.pad.material.hyperelastic import Law
-from dummydesign.pad.slab.problem import PadCurve, normalise
+from dummydesign.pad.slab.problem import PadCurve, held_on, normalise, padded
 from dummydesign.pad.solve.continuation import Path, cost, follow
 from dummydesign.pad.solve.equilibrium import Problem
 
@@ -32,8 +32,9 @@ Array = np.ndarray
 # Contact stiffness in shear moduli per cell, of a profile and of a flat punch that slides.
 SHAPED_STIFFNESS, EDGE_STIFFNESS = PROFILE_PUNCH.contact, SLIDING_EDGE.contact
 SLIP_SCALE = 0.02
-SHARE = 0.08  # cells under a profile over their radius, with 24 to its reach: uniform ones move the force by 0.1 %
-# Four of 24 cells lie in the contact at the first depth, where that is less than a sixth of the reach.
+# Cells from the axis to a profile's reach, and how large they may be over their radius: uniform ones move the force by
+# 0.1 %. Four of them lie in the contact at the first depth, where that is less than a sixth of the reach.
+CELLS, SHARE = 24, 0.08
 TIP_CELLS = 6.0
 # Stated besides a third of what cells of twice the size change: together more than what half the size changes.
 LEAST_ERROR = {"frictionless": 2e-3, "bonded": 3e-3, "friction": 5e-3}
@@ -164,14 +165,14 @@ def indentation_problem(
     held[2 * below + 1] = support.coulomb is None
     held[2 * below] |= support.bonded
     sides = meshes.edges_on(mesh, meshes.on_top(mesh) & (mesh.nodes[0] <= region.stop + 0.5))
-    contact = law.shear_MPa * stiffness / cell
+    contact = law.shear_MPa * stiffness
 
     def pushing(radius: Array) -> Array:
-        return contact * cell / np.maximum(cell, region.share * radius)
+        return contact / np.maximum(cell, region.share * radius)
 
     surface: Contact = Surface(
         mesh.nodes, sides, pushing, np.zeros_like,
-        contact * float(face.bonded), 0.0, face.coulomb or 0.0, SLIP_SCALE * cell, ties_within_step=True,
+        contact / cell * float(face.bonded), 0.0, face.coulomb or 0.0, SLIP_SCALE * cell, ties_within_step=True,
     )  # fmt: skip
     # What touches at the start sticks or slips from where it is.
     surface.settle(np.zeros(mesh.size), punch, 0.0)
@@ -224,7 +225,7 @@ def solve_shaped(
     poisson: float = 0.5,
     extent_mm: float = PAD_EXTENT_MM,
     law: Law | None = None,
-    cells: int = 24,
+    cells: int = CELLS,
 ) -> PadCurve:
     """Static force of a slab under a shaped punch (ball or profile), from first touch.
 
@@ -244,22 +245,20 @@ def solve_shaped(
     """
     shape, depths, reach, unit = normalise(thickness_mm, reach_mm, young_MPa, depth_mm, poisson, law)
     own = ProfilePunch(lambda r: _scaled(punch, r, thickness_mm))
-    steps, extent = load_steps(condition, float(depths[0])), extent_mm / thickness_mm
-    weight = weight_over_shear(thickness_mm, unit)
+    first, largest, lattice = load_steps(condition, float(depths[0]))
+    extent, weight = extent_mm / thickness_mm, weight_over_shear(thickness_mm, unit)
 
-    def pressed(cells: int, wanted: Array) -> Path:
+    def meshed(cells: int) -> Problem:
         region = tip_region(own, reach, float(depths[0]), cells)
-        problem = indentation_problem(
+        return indentation_problem(
             own, region, extent, shape, poisson, base, condition, stiffness=SHAPED_STIFFNESS, weight=weight
         )
-        return press(problem, wanted, *steps)
 
-    path = pressed(cells, depths)
-    half = pressed(max(4, cells // 2), path.depth)
-    count = len(half.depth)
-    change = np.maximum.accumulate(np.abs(np.log(half.force / path.force[:count])))
+    path = press(meshed(cells), depths, first, largest, lattice)
+    half = follow(meshed(max(4, cells // 2)), path.depth, first, largest, first / 64.0, lattice=lattice)
     # With cells of twice the size a smooth contact is wrong by four times as much.
-    error = LEAST_ERROR[condition.partition(":")[0]] + np.pad(change, (0, len(path.depth) - count), "edge") / 3.0
+    change = held_on(np.abs(np.log(padded(half, len(path.depth)) / path.force))) / 3.0
+    error = LEAST_ERROR[condition.partition(":")[0]] + change
     notes = (path.stop,) if path.stop else ()
     force = path.force * unit * thickness_mm**2
     return PadCurve(path.depth * thickness_mm, force, error * force, cost([path, half]), notes)
@@ -279,7 +278,7 @@ def tip_region(punch: ProfilePunch, reach: float, first: float, cells: int) -> R
     r = np.geomspace(1e-4 * reach, reach, 400)
     # Where the surface, which rises to half of the depth at a ball's contact, meets the profile.
     tip = float(r[np.searchsorted(punch.height(r)[0], 0.5 * first).clip(0, len(r) - 1)])
-    return Region(0.0, reach, min(reach, TIP_CELLS * tip) / cells, SHARE * 24 / cells)
+    return Region(0.0, reach, min(reach, TIP_CELLS * tip) / cells, SHARE * CELLS / cells)
 
 
 def load_steps(condition: str, first: float) -> tuple[float, float, bool]:

@@ -22,6 +22,7 @@ from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import Law, Yeoh
+from dummydesign.pad.solve.continuation import Path
 from dummydesign.pad.solve.equilibrium import Problem
 
 Array = np.ndarray
@@ -270,3 +271,14 @@ def normalise(
     shape = law or Yeoh(1.0)
     shape = shape.scaled(1.0 / shape.shear_MPa)
     return shape, depths / thickness_mm, length_mm / thickness_mm, young_MPa / (2.0 * (1.0 + poisson))
+
+
+def padded(path: Path, count: int) -> Array:
+    """Forces of a path at all wanted depths, shape (count,); NaN where it did not get to."""
+    return np.concatenate([path.force, np.full(count - len(path.force), np.nan)])
+
+
+def held_on(values: Array) -> Array:
+    """Largest value so far, carried over depths where it is not known (NaN); 1 % where it never is."""
+    known = np.isfinite(values).any()
+    return np.maximum.accumulate(np.nan_to_num(values, nan=0.0)) if known else np.full(len(values), 0.01)

@@ -17,7 +17,7 @@ Array = np.ndarray
 HEIGHT_OVER_PITCH = HEIGHT_OVER_FOOT * FOOT_OVER_PITCH
 RADIUS_OVER_HEIGHT = 0.5 * (1.0 + HEIGHT_OVER_FOOT**-2)
 HALF_SIDE = 0.5 * np.sqrt(np.pi)
-# Fillet at the punch's edge over the smaller of half side and thickness, as in the solves.
+# Fillet at the punch's edge over the smaller of half side and thickness, in the solves as well.
 RIM = 0.1
 # Lattice places of caps that reach under the punch, and how many there are of each.
 PLACES = ((0, 0, 1), (1, 0, 4), (1, 1, 4), (2, 0, 4), (2, 1, 8), (2, 2, 4))

@@ -192,7 +192,7 @@ def _against(made: Pad | Puck, inputs: dict[str, Any], young: dict[str, float]) 
     )
     curve = elastic_curve(made, inputs["fidelity"], None, None, None)
     judged, candidate, targets = verdict_of_pad(made, curve, young, site, inputs["aim"], sampling)
-    rows = condition_rows(candidate, targets)
+    rows = condition_rows(candidate, targets, made.geometry)
     said = [] if site.said is None else [{"code": site.said[0], "message": site.said[1]}]
     sources = list(site.sources)
     return {"verdict": judged.to_dict(), "conditions": rows, "tissue_sources": sources, "tissue_said": said}

@@ -44,7 +44,9 @@ def line_of(text: str, *keys: str) -> int:
     return row + 1
 
 
-def read_quantity(table: dict[str, Any], key: str, path: Path, text: str = "") -> Quantity:
+def read_quantity(
+    table: dict[str, Any], key: str, path: Path, text: str = "", kinds: tuple[str, ...] = KINDS
+) -> Quantity:
     """Read ``table[key]`` as a :class:`Quantity`, refusing what has no interval, kind or source.
 
     Parameters
@@ -57,6 +59,8 @@ def read_quantity(table: dict[str, Any], key: str, path: Path, text: str = "") -
         The file, named in messages.
     text : str
         Its text, from which the line in a message is taken; without it messages have no line.
+    kinds : tuple of str
+        Kinds of number that are allowed.
 
     Raises
     ------
@@ -75,8 +79,8 @@ def read_quantity(table: dict[str, Any], key: str, path: Path, text: str = "") -
         raise InputError(f"{where}'{key}' has unknown key '{unknown[0]}'; known are {', '.join(sorted(_FIELDS))}")
     if missing:
         raise InputError(f"{where}'{key}' lacks {', '.join(missing)}")
-    if entry["kind"] not in KINDS:
-        raise InputError(f"{where}'{key}' has kind '{entry['kind']}'; known kinds are {', '.join(KINDS)}")
+    if entry["kind"] not in kinds:
+        raise InputError(f"{where}'{key}' has kind '{entry['kind']}'; known kinds are {', '.join(kinds)}")
     if not str(entry["source"]).strip():
         raise InputError(f"{where}'{key}' has an empty source; say where the number was read")
     try:

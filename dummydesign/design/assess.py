@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dummydesign.design.assessment.choice import explain, measure_first
-from dummydesign.design.assessment.pour_yield import Tolerances, pour_yield
+from dummydesign.design.assessment.castings import PadCastings, Tolerances
+from dummydesign.design.assessment.choice import explain
+from dummydesign.design.assessment.measure_first import measure_first
+from dummydesign.design.assessment.pour_yield import pour_yield
 from dummydesign.design.assessment.readings import verdict_of_design
 from dummydesign.design.assessment.warnings import design_warnings, rests_on
 from dummydesign.design.calibrated import calibration_dict
@@ -31,10 +33,8 @@ def assess(inputs: Inputs, solved: Solved) -> Suggestion:
     best = chosen.found.best
     recommended = _design(inputs, best, chosen.shape)
     tolerances = Tolerances(top_mass_g(recommended.recipe), request.weighing_g, request.thickness_tolerance_mm)
-    pour = pour_yield(
-        chosen.cast, space.resin, space.targets, best.thickness_mm, best.ratio, space.radius_mm, tolerances
-    )
-    alone = len(inputs.tissue.subjects) < 2
+    cast = PadCastings(inputs.castings, chosen.cast, best, space, tolerances)
+    pour = pour_yield(cast)
     own = own_warnings(request, inputs.punch, inputs.tissue, chosen.shape.plain)
     warnings = design_warnings(
         chosen, space, inputs.tissue, pour, solved.verification, solved.centring, request.verify, own
@@ -47,7 +47,8 @@ def assess(inputs: Inputs, solved: Solved) -> Suggestion:
         resin=space.resin,
         targets=space.targets,
         found=chosen.found,
-        verdict=verdict_of_design(chosen.cast, best, space, tolerances),
+        verdict=verdict_of_design(cast),
+        castings=cast,
         recommended=recommended,
         alternatives=tuple(
             _design(inputs, other, _shape_at(chosen, other)) for other in chosen.found.alternatives
@@ -62,9 +63,9 @@ def assess(inputs: Inputs, solved: Solved) -> Suggestion:
         rests_on=rests_on(space.resin, inputs.tissue, best),
         warnings=tuple(warnings),
         punch=inputs.punch,
-        choice=explain(best, chosen.shape.name, chosen.beside, chosen.cast, space, tolerances),
+        choice=explain(cast, chosen.shape.name, chosen.beside),
         expectation=solved.expectation,
-        measure_first=None if alone else measure_first(best, chosen.cast, space, tolerances),
+        measure_first=measure_first(cast),
         calibration=None if calibrated is None else calibration_dict(calibrated.calibration, str(request.calibration)),
     )
 

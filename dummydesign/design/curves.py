@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.assessment.pour_yield import depth_band_mm
 from dummydesign.design.request import Protocol
 from dummydesign.design.scoring.presses import ForceLaw, make_curves, steady_depth
 from dummydesign.design.search.slabs import THICKNESS_MM
@@ -62,8 +61,10 @@ class SuggestionCurves:
         Forces at which the curves are taken.
     pad_depth_mm : ndarray, shape (n,)
         Depth of the recommended pad at ``forces_N.pad``.
-    castings_mm : (stiffest, softest)
-        Depths between which 95 % of its castings are at ``forces_N.pad``, by resin, weighing and thickness.
+    castings_mm : (stiffest, softest, unreached)
+        Depths between which 95 % of its castings are at ``forces_N.pad``, and the share that does not reach each force.
+    limit_mm : float
+        Depth at which the gel bottoms out.
     pad_depth_at_needed_mm : float
         At the middle force of the test.
     other_depths_mm : tuple of ndarray, shape (n,)
@@ -86,7 +87,8 @@ class SuggestionCurves:
 
     forces_N: ForceGrids
     pad_depth_mm: NDArray
-    castings_mm: tuple[NDArray, NDArray]
+    castings_mm: tuple[NDArray, NDArray, NDArray]
+    limit_mm: float
     pad_depth_at_needed_mm: float
     other_depths_mm: tuple[NDArray, ...]
     subjects_extrapolated_mm: tuple[NDArray, NDArray]
@@ -103,12 +105,13 @@ def suggestion_curves(answer: Suggestion) -> SuggestionCurves:
     """Work out what a report draws of a suggestion."""
     targets, here = answer.targets, answer.best.thickness_mm
     grids = force_grids(targets.protocol)
-    depth = steady_curve(answer.best, grids)
+    depth, slabs = steady_curve(answer.best, grids), answer.best.evaluation.slabs
     exponent = exponent_over_thickness(answer, answer.law, grids)
     return SuggestionCurves(
         forces_N=grids,
         pad_depth_mm=depth,
-        castings_mm=_castings(answer, grids),
+        castings_mm=answer.castings.depth_band_mm(grids.pad),
+        limit_mm=float(slabs.curves.limit_mm[slabs.slab[answer.best.index]]),
         pad_depth_at_needed_mm=float(np.interp(targets.protocol.needed_N, grids.pad, depth)),
         other_depths_mm=tuple(steady_curve(other.candidate, grids) for other in answer.alternatives),
         subjects_extrapolated_mm=targets.depth_range_mm(grids.extrapolated),
@@ -122,13 +125,6 @@ def suggestion_curves(answer: Suggestion) -> SuggestionCurves:
         ratio_error=ratio_error(answer),
         reactions=tuple(reactions(answer, answer.cast)),
     )
-
-
-def _castings(answer: Suggestion, grids: ForceGrids) -> tuple[NDArray, NDArray]:
-    """Depths between which 95 % of the castings of the recommended pad are. [mm]"""
-    best, tolerances = answer.best, answer.pour.tolerances
-    pad = (best.thickness_mm, best.ratio, answer.radius_mm)
-    return depth_band_mm(answer.cast, answer.resin, answer.targets, *pad, tolerances, grids.pad)
 
 
 def steady_curve(candidate: Candidate, grids: ForceGrids) -> NDArray:

@@ -7,12 +7,14 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from dummydesign.core.errors import InputError
+from dummydesign.design.assessment.castings import Castings
 from dummydesign.design.own_test.checks import check_test, standard_press
 from dummydesign.design.own_test.punch import AskedPunch, read_punch
 from dummydesign.design.own_test.slab_law import check_calibrated, check_mould, own_slab_law, tabulated
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.presses import ForceLaw, Sampling
 from dummydesign.design.scoring.targets import make_targets
+from dummydesign.design.scoring.verdict_limits import verdict_limits
 from dummydesign.design.search.best_of_kinds import kinds_of
 from dummydesign.design.search.calibrated_family import CalibratedFamily
 from dummydesign.design.search.slabs import THICKNESS_MM, thickness_steps
@@ -40,6 +42,8 @@ class Inputs:
     slab_law : ForceLaw
         Elastic force of flat slabs under the punch.
     punch : AskedPunch
+    castings : Castings
+        Drawn once for everything that is said of castings.
     calibrated : Calibrated or None
         What a calibration taught, where one was given.
     """
@@ -49,6 +53,7 @@ class Inputs:
     space: SearchSpace
     slab_law: ForceLaw
     punch: AskedPunch
+    castings: Castings
     calibrated: Calibrated | None = None
 
 
@@ -90,11 +95,13 @@ def resolve(request: Request, law: ForceLaw | None = None) -> Inputs:
     if law is None:
         law = own_slab_law(request, punch, thickness)
     correct = None if calibrated is None else partial(CalibratedFamily, correction=calibrated.law.correction)
+    castings = Castings(resin, request.castings)
+    verdict_limits()
     check_mould(request, resin, float(thickness[0]), float(ratios[0]))
     space = SearchSpace(
         resin, targets, thickness, ratios, punch.radius_mm, sampling, request.pad_mm, request.base, correct
     )
-    return Inputs(request, tissue, space, law, punch, calibrated)
+    return Inputs(request, tissue, space, law, punch, castings, calibrated)
 
 
 def _ratios(resin: Resin, wanted: tuple[float, float] | None) -> NDArray:

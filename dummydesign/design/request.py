@@ -105,7 +105,8 @@ class Request:
 
     ``punch``, ``force_N``, ``velocity_mm_s``, ``hold_s``, ``pad_mm``, ``base``, ``edge_radius_mm`` and ``condition``
     are the test that the pad and the people behind the tissue are pressed by; ``preset``, ``machine`` and ``silicone``
-    are of its mould, None for what the preset names. ``sites`` are how many crowns stand along and across the pad.
+    are of its mould, None for what the preset names. ``sites`` are how many crowns stand along and across the pad,
+    ``castings`` how many castings are drawn.
     """
 
     tissue: str
@@ -131,6 +132,7 @@ class Request:
     machine: str | None = None
     silicone: str | None = None
     sites: tuple[int, int] | None = None
+    castings: int = 1200
 
     @property
     def kind(self) -> str:

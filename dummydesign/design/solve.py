@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from dummydesign.design.assessment.castings import Tolerances
 from dummydesign.design.assessment.centring import CentringTolerance, centring_tolerance
-from dummydesign.design.assessment.pour_yield import Tolerances
 from dummydesign.design.assessment.verification import Verification, not_verified, of_shape, verify_design
 from dummydesign.design.expected.expectation import Expectation, by_expectation
 from dummydesign.design.finalists.resolved_by_fem import ElementsLaw, solve_leading
@@ -95,7 +95,7 @@ def _expected(chosen: Chosen, found: Found, inputs: Inputs) -> tuple[Chosen, Exp
     low_share = 0.0 if found.asked.lower() == Slab.name else space.targets.weights.low_aim
     poured = pour_recipe(space.resin, chosen.found.best, request, chosen.shape)
     tolerances = Tolerances(top_mass_g(poured), request.weighing_g, request.thickness_tolerance_mm)
-    return by_expectation(close_to(chosen, found, space), space, tolerances, low_share)
+    return by_expectation(close_to(chosen, found, space), space, inputs.castings, tolerances, low_share)
 
 
 def _verify(chosen: Chosen, inputs: Inputs) -> Verification:

@@ -7,13 +7,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dummydesign.design.assessment.castings import GROUPS
+from dummydesign.design.scoring.deviations import TOLERANCE
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.search.low_force import low_force
 from dummydesign.geometry.shapes import PadShape
 
 if TYPE_CHECKING:
+    from dummydesign.design.assessment.castings import Castings, PadCastings
     from dummydesign.design.assessment.centring import CentringTolerance
-    from dummydesign.design.assessment.choice import Choice, MeasureFirst
+    from dummydesign.design.assessment.choice import Choice
+    from dummydesign.design.assessment.measure_first import MeasureFirst
     from dummydesign.design.assessment.pour_yield import PourYield
     from dummydesign.design.assessment.verification import Verification
     from dummydesign.design.expected.expectation import Expectation
@@ -56,6 +60,7 @@ class Suggestion:
     targets: Targets
     found: SearchResult
     verdict: Verdict
+    castings: PadCastings
     recommended: Design
     alternatives: tuple[Design, ...]
     law: ForceLaw
@@ -69,7 +74,7 @@ class Suggestion:
     punch: AskedPunch
     choice: Choice
     expectation: Expectation
-    measure_first: MeasureFirst | None
+    measure_first: MeasureFirst
     calibration: dict[str, Any] | None = None
     sites: Sites | None = None
 
@@ -104,7 +109,8 @@ class Suggestion:
         slope = self.resin.log_slope(self.best.ratio)
         return {
             "verdict": self.verdict.to_dict(),
-            "measure_first": self.measure_first.to_dict() if self.measure_first else None,
+            "castings": castings_dict(self.castings.castings, self.verdict),
+            "measure_first": self.measure_first.to_dict(),
             "choice": {
                 **self.choice.to_dict(),
                 "expectation": self.expectation.to_dict(),
@@ -161,28 +167,49 @@ def design_dict(design: Design, resin: Resin, targets: Targets) -> dict[str, Any
             "parametric": candidate.parametric if targets.parametric else None,
             "low_force_range": float(evaluation.low_force_range[index]),
         },
-        "conditions": condition_rows(candidate, targets),
+        "conditions": condition_rows(candidate, targets, design.shape),
         "low_force": _low_force(candidate, targets),
         "from_first_touch": low_force(candidate, targets).to_dict(),
     }
 
 
-def condition_rows(candidate: Candidate, targets: Targets) -> list[dict[str, Any]]:
-    """One row a condition; a condition out of reach has no depth and says why."""
+def castings_dict(castings: Castings, verdict: Verdict) -> dict[str, Any]:
+    """The castings of an answer: how many, what they are drawn by and over, and the share of each class."""
+    return {"n": castings.n, "seed": castings.seed, "groups": list(GROUPS), **(verdict.castings or {})}
+
+
+def condition_rows(candidate: Candidate, targets: Targets, shape: PadShape) -> list[dict[str, Any]]:
+    """One row a condition; a condition out of reach has no depth and gives the reason.
+
+    Parameters
+    ----------
+    candidate : Candidate
+    targets : Targets
+    shape : PadShape
+        Of the pad, for the gel under the punch.
+    """
     rows = []
+    parameters = {name: np.array([value]) for name, value in shape.parameters}
+    gel = float(shape.gel_mm(np.array([candidate.thickness_mm]), parameters)[0])
     for column, condition in enumerate(targets.conditions):
         depth = float(candidate.evaluation.depth_mm[candidate.index, column])
         reached = bool(np.isfinite(depth))
         press = candidate.evaluation.presses[column]
+        peak = float(press.peak_N[candidate.index]) if reached else None
+        low, high = condition.range.peak_low_N, condition.range.peak_high_N
+        reads, outside = _reads(peak, low, high)
         rows.append(
             {
                 "steady_force_N": condition.steady_force_N,
                 "velocity_mm_s": condition.velocity_mm_s,
                 "depth_mm": depth if reached else None,
                 "depth_over_thickness": depth / candidate.thickness_mm if reached else None,
-                "peak_force_N": float(press.peak_N[candidate.index]) if reached else None,
-                "target_peak_low_N": condition.range.peak_low_N,
-                "target_peak_high_N": condition.range.peak_high_N,
+                "gel_compression": depth / gel if reached else None,
+                "peak_force_N": peak,
+                "target_peak_low_N": low,
+                "target_peak_high_N": high,
+                "reads": reads,
+                "percent_outside": outside,
                 "inside_fraction": float(candidate.evaluation.inside[candidate.index, column]),
                 "out_of_reach": None if reached else _why(candidate, condition.steady_force_N),
             }
@@ -190,11 +217,22 @@ def condition_rows(candidate: Candidate, targets: Targets) -> list[dict[str, Any
     return rows
 
 
+def _reads(peak_N: float | None, low_N: float, high_N: float) -> tuple[str | None, float | None]:
+    """Whether a peak is inside, low or high, and by how many per cent it is outside; None where out of reach."""
+    if peak_N is None:
+        return None, None
+    if low_N / peak_N > 1.0 + TOLERANCE:
+        return "low", 100.0 * (1.0 - peak_N / low_N)
+    if peak_N / high_N > 1.0 + TOLERANCE:
+        return "high", 100.0 * (peak_N / high_N - 1.0)
+    return "inside", 0.0
+
+
 def _why(candidate: Candidate, force_N: float) -> str:
     slabs = candidate.evaluation.slabs
     limit = float(slabs.curves.limit_mm[slabs.slab[candidate.index]])
     share = limit / candidate.thickness_mm
-    return f"{force_N:g} N steady needs more than {limit:.1f} mm, {share:.2f} of the thickness"
+    return f"{force_N:g} N steady needs more than {limit:.1f} mm, {share:.2f} of the thickness; the gel bottoms out"
 
 
 def _low_force(candidate: Candidate, targets: Targets) -> list[dict[str, Any]]:

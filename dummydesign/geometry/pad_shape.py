@@ -140,6 +140,23 @@ class PadShape:
         """Height of the rigid bone at its highest; 0 without one. [mm]"""
         return float(self.bone_mm(np.array(0.0), np.array(0.0)))
 
+    @classmethod
+    def gel_mm(cls, thickness_mm: Array, parameters: Mapping[str, Array]) -> Array:
+        """Gel under the middle of the punch at rest: the thickness, less a rigid bone. Shape (M,). [mm]
+
+        Parameters
+        ----------
+        thickness_mm : ndarray, shape (M,)
+            Of M pads. [mm]
+        parameters : mapping
+            By their typed names, arrays of shape (M,).
+        """
+        thickness = np.asarray(thickness_mm, float)
+        if cls.bone_mm is PadShape.bone_mm:
+            return thickness
+        rows = ({name: value[row] for name, value in parameters.items()} for row in range(len(thickness)))
+        return thickness - np.array([cls.of(row).bone_height_mm for row in rows])
+
     @property
     def steepest_deg(self) -> float:
         """Largest slope of the curved face, tested face or bone. [deg]"""

@@ -117,10 +117,11 @@ def settled(inputs: Inputs, shape: PadShape, pad: OnePad) -> Verdict:
     shape : PadShape
     pad : OnePad
     """
-    from dummydesign.design.assessment.pour_yield import Tolerances
+    from dummydesign.design.assessment.castings import Tolerances
     from dummydesign.design.mould import pour_recipe
 
     recipe = pour_recipe(inputs.space.resin, pad.candidate, inputs.request, shape)
     poured = sum(mass for name, mass in recipe if not name.endswith("(base)"))
     request = inputs.request
-    return with_castings(pad, inputs.space, Tolerances(poured, request.weighing_g, request.thickness_tolerance_mm))
+    tolerances = Tolerances(poured, request.weighing_g, request.thickness_tolerance_mm)
+    return with_castings(pad, inputs.space, inputs.castings, tolerances)

@@ -8,11 +8,12 @@ import numpy as np
 
 from dummydesign.design.assessment.readings import reading_of
 from dummydesign.design.request import PAPER, Protocol
-from dummydesign.design.scoring.presses import DEPTH_SHARE, SAMPLES, Curves, Sampling, Slabs
+from dummydesign.design.scoring.acceptability import ranges_of, readings_of, strict_aim
+from dummydesign.design.scoring.presses import SAMPLES, Curves, Sampling, Slabs
 from dummydesign.design.scoring.score import evaluate
-from dummydesign.design.scoring.standing import ranges_of, readings_of
 from dummydesign.design.scoring.targets import Targets, make_targets
 from dummydesign.design.scoring.verdict import Verdict, verdict
+from dummydesign.design.scoring.verdict_limits import verdict_limits
 from dummydesign.design.search.slabs import Candidate
 from dummydesign.resin.model.distribution import HALF_WIDTH
 
@@ -60,7 +61,7 @@ def verdict_of_pad(
         What it was held against.
     """
     sampling = sampling or Sampling()
-    thickness, limit = pad.thickness_mm, min(DEPTH_SHARE * pad.thickness_mm, float(curve.limit_mm))
+    thickness, limit = pad.thickness_mm, min(gel_limit_mm(pad), float(curve.limit_mm))
     depth = np.linspace(0.0, limit, SAMPLES)
     area = np.asarray(curve.force(depth), float) / pad.young_MPa
     area[0] = 0.0
@@ -78,5 +79,17 @@ def verdict_of_pad(
     spread = readings_of(evaluate(every, targets, sampling.coarse))
     missing = len(reached) < found.depth_mm.shape[1]
     bound = [f"depth over thickness (at most {limit / thickness:.2f})"] if missing else []
-    judged = verdict(ranges_of(targets), reading_of(candidate), spread, bound, of="pads that this may be")
+    known = Slabs(curves, np.zeros(1, int), np.array([pad.young_MPa]), tau, slabs.beta)
+    measured = readings_of(evaluate(known, targets, sampling.coarse))
+    judged = verdict(
+        ranges_of(targets), reading_of(candidate), spread, bound, of="pads that this may be",
+        strict=strict_aim(targets), measured=measured, limits=targets.limits,
+    )  # fmt: skip
     return judged, candidate, targets
+
+
+def gel_limit_mm(pad: Pad) -> float:
+    """Depth at which the gel under the middle of the punch is compressed as far as the verdict allows. [mm]"""
+    parameters = {name: np.array([value]) for name, value in pad.geometry.parameters}
+    gel = pad.geometry.gel_mm(np.array([pad.thickness_mm]), parameters)
+    return float(verdict_limits().gel_compression * gel[0])

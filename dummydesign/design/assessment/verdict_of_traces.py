@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.design.assessment.safety import tissue_press
+from dummydesign.design.scoring.deviations import Ranges, Readings
 from dummydesign.design.scoring.presses import Sampling
-from dummydesign.design.scoring.verdict import Ranges, Readings, Verdict, verdict
+from dummydesign.design.scoring.verdict import Verdict, verdict
 from dummydesign.measurement.motion import work_mJ
 from dummydesign.tissue.comparison.compare import Comparison, braking_of
 from dummydesign.tissue.comparison.press_test import PressTest, hold_of, missing_of

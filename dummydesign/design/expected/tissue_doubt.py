@@ -8,36 +8,37 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.assessment.pour_yield import Tolerances, draw_pours
-from dummydesign.design.assessment.readings import poured_slabs
+from dummydesign.design.assessment.castings import PadCastings
+from dummydesign.design.scoring.acceptability import ranges_of, readings_of, strict_aim
+from dummydesign.design.scoring.deviations import CLASSES, USABLE, classes, deviations
 from dummydesign.design.scoring.law_parameters import gamma1_score
-from dummydesign.design.scoring.presses import ForceLaw
-from dummydesign.design.scoring.score import evaluate, evaluated_gamma1, scored_for
-from dummydesign.design.scoring.standing import NOT_ACCEPTABLE, standing
-from dummydesign.design.scoring.targets import Targets
+from dummydesign.design.scoring.score import Evaluation, evaluate, evaluated_gamma1, scored_for
 
 if TYPE_CHECKING:
-    from dummydesign.design.search.slabs import Candidate
-    from dummydesign.design.search.space import SearchSpace
+    from dummydesign.design.scoring.targets import Targets
+
+POURS = 120
+"""Castings, the first of an answer's, that are scored for every tissue."""
 
 
 @dataclass(frozen=True)
-class Castings:
+class TissueScores:
     """Castings of one pad, scored for each tissue that is drawn, or for the one that is known where none is.
 
     Attributes
     ----------
-    total, worth : ndarray, shape (tissues, pours)
-        The score's total, and what the pad is worth with its standing.
-    acceptable : ndarray of bool, shape (tissues, pours)
-    worth_as_known : ndarray, shape (pours,)
-        The worth for the tissue in the middle of what is known of it.
+    total, merit : ndarray, shape (tissues, pours)
+        The score's total, and that with its share of small forces.
+    usable : ndarray of bool, shape (tissues, pours)
+        Whether the casting may be used, as it is or with a correction.
+    merit_as_known : ndarray, shape (pours,)
+        The merit for the tissue at central estimates.
     """
 
     total: NDArray
-    worth: NDArray
-    acceptable: NDArray
-    worth_as_known: NDArray
+    merit: NDArray
+    usable: NDArray
+    merit_as_known: NDArray
 
     @property
     def tissue_drawn(self) -> bool:
@@ -45,38 +46,41 @@ class Castings:
         return len(self.total) > 1
 
 
-def castings_for_tissues(
-    law: ForceLaw, candidate: Candidate, space: SearchSpace, tolerances: Tolerances, pours: int, seed: int,
-    low_share: float,
-) -> Castings:  # fmt: skip
+def castings_for_tissues(cast: PadCastings, low_share: float, pours: int = POURS, worst: int = 1) -> TissueScores:
     """Press castings of a pad once and score them for every tissue that is drawn; parameters are those of gamma1.
 
     Parameters
     ----------
-    law : ForceLaw
-        Of the pad as cast.
-    candidate : Candidate
-    space : SearchSpace
-    tolerances : Tolerances
-        Of weighing and thickness.
-    pours, seed : int
-        How many castings are drawn, and which.
+    cast : PadCastings
     low_share : float
         Share of small forces in the merit.
+    pours : int
+        How many of the castings, the first ones.
+    worst : int
+        The last class that counts as usable, a place in :data:`~dummydesign.design.scoring.deviations.CLASSES`.
     """
-    drawn, _ = draw_pours(space.resin, candidate.thickness_mm, candidate.ratio, tolerances, pours, seed)
-    slabs = poured_slabs(law, drawn, space)
-    pressed = evaluate(slabs, space.targets, space.sampling.coarse)
+    space = cast.space
+    pressed = evaluate(cast.slabs(cast.pours().first(pours)), space.targets, space.sampling.coarse)
     gamma1 = evaluated_gamma1(pressed, space.targets.power)
     rows = []
     for targets in (space.targets, *space.targets.drawn):
         found = pressed if targets is space.targets else scored_for(pressed, targets)
         total = found.total(gamma1_score(gamma1, targets))
-        stands = standing(found, targets)
-        merit = (1.0 - low_share) * total + low_share * found.low_aim
-        rows.append((total, np.array(targets.weights.worth)[stands] * merit, stands > NOT_ACCEPTABLE))
+        merit = ((1.0 - low_share) * total + low_share * found.low_aim)
+        rows.append((total, merit, kinds_of(found, targets) <= worst))
     kept = rows[1:] or rows
-    return Castings(*(np.array(values) for values in zip(*kept)), rows[0][1])
+    return TissueScores(*(np.array(values) for values in zip(*kept)), rows[0][1])
+
+
+def kinds_of(found: Evaluation, targets: Targets) -> NDArray:
+    """Class of each pad for a tissue, shape (n,), as places in ``CLASSES`` of the deviations."""
+    strict = strict_aim(targets)
+    return classes(deviations(ranges_of(targets), readings_of(found), strict), targets.limits, strict)
+
+
+def usable(found: Evaluation, targets: Targets) -> NDArray:
+    """Whether pads may be used for a tissue, as they are or with a correction, shape (n,)."""
+    return np.asarray(kinds_of(found, targets) <= CLASSES.index(USABLE))
 
 
 def tissue_share(values: NDArray) -> float | None:

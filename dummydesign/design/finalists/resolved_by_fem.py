@@ -14,7 +14,9 @@ import numpy as np
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.design.finalists.elements_law import ElementsLaw, rough_law, solve_law
 from dummydesign.design.request import Progress, quiet
-from dummydesign.design.scoring.standing import NOT_ACCEPTABLE
+from dummydesign.design.scoring.acceptability import NOT_ACCEPTABLE, ranges_of, readings_of, strict_aim
+from dummydesign.design.scoring.deviations import Readings, deviations
+from dummydesign.design.scoring.verdict import representative
 from dummydesign.design.search.shapes import Shaped
 from dummydesign.design.search.slabs import search
 from dummydesign.design.search.space import SearchSpace
@@ -24,6 +26,8 @@ SOLVED = 3
 DOUBT = 0.03
 """Twice the most by which solving moved what a design of the three built-in tissues is worth (0.014), where elements
 reach every press."""
+MOVED = 0.06
+"""Share of a force by which elements move 95 % of pads from their tables."""
 NEAR, GAIN = 0.1, 0.01
 """Relative difference in every length up to which one pad's elements over its table are taken for another's, and what
 such a neighbour must then be worth more than the best to be solved itself."""
@@ -169,14 +173,14 @@ def _judged(
 ) -> tuple[list[tuple[float, Shaped, Solved]], list[Shaped]]:
     """Contenders pressed on the coarse grid, by the most they can be worth, and those that could not be pressed.
 
-    That is the merit, where a pad is acceptable (a finer grid may put it on the other side of the end of a range), and
-    what it is worth by its table, where the coarse grid does not carry it to every depth.
+    That is what it is worth once it is acceptable (a finer grid may put it on the other side of a limit), or what it is
+    worth by its table, where the coarse grid does not carry it to every depth.
     """
     judged: list[tuple[float, Shaped, Solved]] = []
     failed, best = [], -np.inf
     for shaped in sorted(contenders, key=_rank, reverse=True):
-        # what reads low by its table may not by its elements, and then counts by its merit
-        if shaped.merit + DOUBT < best:
+        # a pad just beyond a limit by its table may keep it by its elements, and then counts by its merit
+        if (shaped.merit if _nearly(shaped, space) else shaped.worth) + DOUBT < best:
             continue
         progress(f"coarse finite elements, {shaped.shape.name} pad")
         solved = Solved()
@@ -187,11 +191,21 @@ def _judged(
             failed.append(shaped)
             continue
         best = max(best, rough.worth)
-        at_most = rough.merit if rough.found.best.standing > NOT_ACCEPTABLE else rough.worth
+        at_most = rough.merit if rough.found.best.rank > NOT_ACCEPTABLE else rough.worth
         if not law.complete:
             at_most = max(at_most, shaped.worth)
         judged.append((at_most, shaped, solved))
     return sorted(judged, key=lambda entry: entry[0], reverse=True), failed
+
+
+def _nearly(shaped: Shaped, space: SearchSpace) -> bool:
+    """Whether a pad keeps the verdict's limits within what solving moves its forces."""
+    best, targets = shaped.found.best, space.targets
+    if best.rank > NOT_ACCEPTABLE:
+        return True
+    one = Readings(*(values[best.index] for values in vars(readings_of(best.evaluation)).values()))
+    found = deviations(ranges_of(targets), one, strict_aim(targets))
+    return bool(representative(found, replace(targets.limits, tie=MOVED), strict_aim(targets))[0])
 
 
 def _solvable(designs: Sequence[Shaped], space: SearchSpace) -> list[Shaped]:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.design.scoring.press import Press
+from dummydesign.design.scoring.verdict_limits import verdict_limits
 from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.measurement.motion import DECELERATION_MM_S2, HOLD_S, Motion, ramp_and_hold
 from dummydesign.pad.force_law import ForceLaw
@@ -77,7 +78,9 @@ def _lookup(table: NDArray, slab: NDArray, position: NDArray) -> NDArray:
     return np.where(np.isnan(position), np.nan, table[rows, left] * (1.0 - share) + table[rows, left + 1] * share)
 
 
-def make_curves(law: ForceLaw, thickness_mm: ArrayLike, radius_mm: float, depth_share: float = DEPTH_SHARE) -> Curves:
+def make_curves(
+    law: ForceLaw, thickness_mm: ArrayLike, radius_mm: float, depth_share: float | None = None
+) -> Curves:
     """Sample the force law for slabs of the given thicknesses (T,).
 
     Parameters
@@ -88,9 +91,10 @@ def make_curves(law: ForceLaw, thickness_mm: ArrayLike, radius_mm: float, depth_
         Thicknesses inside the law's range. [mm]
     radius_mm : float
         Radius of the punch, or of the circle of equal area. [mm]
-    depth_share : float
-        Largest depth over thickness.
+    depth_share : float, optional
+        Largest depth over thickness, by default the verdict's limit of the gel's compression.
     """
+    depth_share = verdict_limits().gel_compression if depth_share is None else depth_share
     thickness = np.atleast_1d(np.asarray(thickness_mm, float))
     limit = np.minimum(depth_share * thickness, law.depth_limit_mm(thickness, radius_mm))
     share = np.linspace(0.0, 1.0, SAMPLES)

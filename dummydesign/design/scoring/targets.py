@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from dummydesign.design.request import PAPER, Protocol
 from dummydesign.design.scoring.presses import Sampling
+from dummydesign.design.scoring.verdict_limits import VerdictLimits, verdict_limits
 from dummydesign.design.scoring.weights import Weights, weights_of
 from dummydesign.measurement.motion import work_mJ
 from dummydesign.tissue.model.laws import law_named
@@ -83,6 +84,11 @@ class Targets:
         """Of the score, as the aim names them."""
         found = weights_of(self.aim)
         return found if self.parametric else found.without("parametric")
+
+    @cached_property
+    def limits(self) -> VerdictLimits:
+        """Of the verdict."""
+        return verdict_limits()
 
     def depth_range_mm(self, force_N: NDArray) -> tuple[NDArray, NDArray]:
         """Depth of the stiffest and the softest subject at steady forces. [mm]"""

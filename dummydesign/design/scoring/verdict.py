@@ -1,83 +1,81 @@
-"""Use this pad in place of the person or not: one sentence, a light, and the numbers behind them.
+"""May this pad be used in place of people? A level, a light, one sentence, and the numbers behind them.
 
-A robot is cleared by what it does to a pad. A pad whose peaks, steady force or energy are below every subject's
-clears robots that would hurt the person: that is *low*, and nothing that may be low is called inside. The sentence is
-worked out from numbers alone: readings of a pad, ranges of the subjects, and readings of the pads that may come out of
-the same design (or of the same measurement).
+A robot is cleared by what it does to a pad. A pad below every subject clears robots that would hurt the person; a pad
+far above every subject fails good robots. Both are judged by ratios (:mod:`dummydesign.design.scoring.deviations`) at
+central estimates and over the castings of the design, against the limits of ``materials/verdict.toml``. Every command
+that judges a pad calls :func:`verdict`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.scoring.verdict_words import Findings, sentence
+from dummydesign.design.scoring.deviations import (
+    CLASSES,
+    ENERGY,
+    PEAK,
+    STANDS_FOR,
+    STEADY,
+    USABLE,
+    Deviations,
+    Ranges,
+    Readings,
+    classes,
+    deviations,
+    tolerance_of,
+)
+from dummydesign.design.scoring.verdict_limits import VerdictLimits, verdict_limits
 
-LEVELS = ("inside", "reads_low", "reads_high", "mixed", "poor")
-FORCE_TOLERANCE = 0.01
-"""Outside begins this share of the steady force beyond the outermost subject: a steady force is not set finer."""
-ENERGY_TOLERANCE = 0.02
-"""The same for energies, which go with force times depth."""
-HIGH_SHARE = 0.1
-"""A steady curve stiffer than every subject over more than this share of 5 to 15 N reads high."""
-POOR_SHARE = 0.5
-"""A steady curve outside the subjects over more than this share follows no tissue."""
-LOW_DOUBT, OTHER_DOUBT = 0.05, 0.2
-"""A pad is inside when at most this share of what may come out reads low, and this share leaves the ranges at all."""
+LEVELS = ("stands_for", "usable_with_correction", "not_settled", "not_representative")
+LIGHTS = dict(zip(LEVELS, ("green", "amber", "amber", "red")))
+QUANTILE = 0.95
 
 
 @dataclass(frozen=True)
-class Ranges:
-    """What the subjects do in each of c presses, and their depths at g steady forces.
+class Deviation:
+    """Shortfall or over-reading: the largest ratio, where it is, and what 95 % of the castings do not exceed.
 
-    Attributes
-    ----------
-    force_N, velocity_mm_s : ndarray, shape (c,)
-        Steady force and speed of each press.
-    peak_low_N, peak_high_N, energy_low_mJ, energy_high_mJ : ndarray, shape (c,)
-        Outermost subjects; NaN energies are not judged.
-    steady_N, stiff_mm, soft_mm : ndarray, shape (g,)
-        Steady forces, and the depths of the stiffest and the softest subject there.
-    subjects : int
-    power : float
-        Exponent of their steady force over depth.
+    ``central`` and ``press`` are None where nothing was reached, ``q95`` without castings in reach. ``press`` has
+    ``steady_force_N`` and ``velocity_mm_s``; ``quantity`` is ``peak``, ``steady`` or ``energy``.
     """
 
-    force_N: NDArray
-    velocity_mm_s: NDArray
-    peak_low_N: NDArray
-    peak_high_N: NDArray
-    energy_low_mJ: NDArray
-    energy_high_mJ: NDArray
-    steady_N: NDArray
-    stiff_mm: NDArray
-    soft_mm: NDArray
-    subjects: int
-    power: float = 3.0
+    central: float | None
+    q95: float | None
+    press: dict[str, float] | None
+    quantity: str | None
 
 
 @dataclass(frozen=True)
-class Readings:
-    """What one pad, or n of them, do: shapes (c,) and (g,), or (n, c) and (n, g); NaN where out of reach."""
+class Correction:
+    """By what readings are multiplied so that none is below the lowest subject's; 1 where none is.
 
-    peak_N: NDArray
-    energy_mJ: NDArray
-    depth_mm: NDArray
+    ``factor`` holds for 95 % of the castings that reach every press, ``factor_central`` at central estimates,
+    ``factor_after_measuring`` for 95 % of castings once modulus and relaxation of the resin are measured.
+    """
+
+    factor: float | None
+    factor_central: float | None
+    factor_after_measuring: float | None = None
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """The answer in one sentence and the numbers behind it.
+    """The verdict on one pad.
 
     Attributes
     ----------
     level : str
         One of :data:`LEVELS`.
+    reads : str
+        ``inside``, ``low``, ``high`` or ``mixed``, at central estimates.
     text : str
+    shortfall, over : Deviation
+    correction : Correction
     peaks_below, peaks_above, peaks : int
         Presses whose peak is below or above every subject's, of all that were judged.
     steady_fraction, steady_below_fraction, steady_above_fraction : float or None
@@ -86,18 +84,20 @@ class Verdict:
         Energy of the rise over the middle of the subjects', geometric mean over the presses.
     energy_below, energy_above : int
         Presses whose energy is below or above every subject's.
-    furthest_below_percent : float
-        How far the lowest peak is below the lowest subject's, or the energy where only that is; 0 when none is.
+    not_reached : int
+        Presses out of the pad's reach.
     subjects : int
-    low_share, inside_share : float or None
-        Shares of what may come out of the same design or measurement that read low, and that lie inside.
+    castings : dict or None
+        Share of the castings in each class of :data:`~dummydesign.design.scoring.deviations.CLASSES`; they sum to 1.
     limits_that_bind : tuple of str
-    safe_side_shortfall_percent : float or None
-        For the aim safe-side: how far the lowest peak or steady force is below the highest subject's.
     """
 
     level: str
+    reads: str
     text: str
+    shortfall: Deviation
+    over: Deviation
+    correction: Correction
     peaks_below: int
     peaks_above: int
     peaks: int
@@ -107,71 +107,46 @@ class Verdict:
     energy_ratio: float | None
     energy_below: int
     energy_above: int
-    furthest_below_percent: float
     not_reached: int
     subjects: int
-    low_share: float | None
-    inside_share: float | None
+    castings: dict[str, float] | None
     limits_that_bind: tuple[str, ...]
-    safe_side_shortfall_percent: float | None = None
 
     @property
     def light(self) -> str:
         """``green``, ``amber`` or ``red``."""
-        if self.level == "inside":
-            return "green"
-        return "red" if self.level in ("reads_low", "poor") or self.low else "amber"
-
-    @property
-    def low(self) -> bool:
-        """Whether the pad itself, not only what it may turn out as, is below every subject somewhere."""
-        return bool(self.peaks_below or self.energy_below or (self.steady_below_fraction or 0.0) > 0.0)
+        return LIGHTS[self.level]
 
     @property
     def acceptable(self) -> bool:
-        """Whether the pad may stand for the person, possibly after a test puck: it is not red."""
+        """Whether the pad may be cast: it is not red."""
         return self.light != "red"
+
+    @property
+    def usable_share(self) -> float | None:
+        """Share of the castings that may be used, as they are or with a correction."""
+        return None if self.castings is None else self.castings[STANDS_FOR] + self.castings[USABLE]
 
     def to_dict(self) -> dict[str, Any]:
         """Return all fields and the light as plain values."""
-        fields = {name: getattr(self, name) for name in self.__dataclass_fields__}
-        return {**fields, "light": self.light, "limits_that_bind": list(self.limits_that_bind)}
+        return {**asdict(self), "light": self.light, "limits_that_bind": list(self.limits_that_bind)}
 
 
 @dataclass(frozen=True)
-class Flags:
-    """Of n pads: what is below, above and not reached, press by press (n, c) and force by force (n, g)."""
+class Findings:
+    """What the sentence is made of: deviations of the pad, its level, shares of castings, and what is left open."""
 
-    peak_low: NDArray
-    peak_high: NDArray
-    energy_low: NDArray
-    energy_high: NDArray
-    steady_low: NDArray
-    steady_high: NDArray
-    unreached: NDArray
-
-    @property
-    def low(self) -> NDArray:
-        return self.peak_low.any(-1) | self.energy_low.any(-1) | self.steady_low.any(-1)
-
-    @property
-    def level(self) -> NDArray:
-        """Level of each pad, for itself, as an index into :data:`LEVELS`."""
-        peak_high = self.peak_high.any(-1)
-        stiff = self.steady_high.mean(-1) if self.steady_high.shape[-1] else np.zeros(len(peak_high))
-        high = peak_high | self.energy_high.any(-1) | (stiff > HIGH_SHARE)
-        # A pad stiffer than every subject takes less energy at the same force because it yields less.
-        only_energy = ~self.peak_low.any(-1) & ~self.steady_low.any(-1)
-        mixed = self.low & (peak_high | (only_energy & (stiff > 0.0)))
-        poor = self.unreached.any(-1) | ((stiff > POOR_SHARE) & ~peak_high)
-        kinds = ["mixed", "reads_low", "poor", "reads_high"]
-        chosen = np.select([mixed, self.low, poor, high], [LEVELS.index(kind) for kind in kinds], 0)
-        return np.asarray(chosen)
-
-
-def levels(ranges: Ranges, readings: Readings) -> list[str]:
-    """Level of each of n pads as it is, without any doubt about it."""
-    return [LEVELS[index] for index in _flags(ranges, readings).level]
+    found: Deviations
+    readings: Readings
+    level: str
+    reads: str
+    shares: dict[str, float] | None
+    correction: Correction
+    limits: VerdictLimits
+    strict: bool
+    of: str
+    unsettled: str
+    bound: tuple[str, ...]
 
 
 def verdict(
@@ -181,6 +156,9 @@ def verdict(
     limits_that_bind: Sequence[str] = (),
     of: str = "castings",
     unsettled: str = "",
+    strict: bool = False,
+    measured: Readings | None = None,
+    limits: VerdictLimits | None = None,
 ) -> Verdict:
     """Judge one pad against the subjects of a tissue.
 
@@ -188,82 +166,149 @@ def verdict(
     ----------
     ranges : Ranges
     readings : Readings
-        Of the pad, shapes (c,) and (g,).
+        Of the pad at central estimates, shapes (c,) and (g,).
     spread : Readings, optional
-        Of n pads that may come out of the same design, or true pads behind the same measurement, shapes (n, c) and
+        Of n pads that may come out of the same design, or that may be behind the same measurement, shapes (n, c) and
         (n, g). Without it the pad is taken as exactly known.
     limits_that_bind : sequence of str
         Limits that keep a better pad out, in words.
     of : str
         What the members of the spread are, for the sentence.
     unsettled : str
-        Why the readings do not settle that a pad is inside, in words; empty where they do.
+        Why the readings leave the verdict open, in words; empty where they do not.
+    strict : bool
+        For the aim safe-side: nothing may be below any subject, and what is above is stated, not limited.
+    measured : Readings, optional
+        Of the castings once modulus and relaxation are known.
+    limits : VerdictLimits, optional
+        By default those of ``materials/verdict.toml``.
 
     Returns
     -------
     Verdict
     """
-    flags = _flags(ranges, readings)
-    level = LEVELS[int(flags.level[0])]
-    low_share = inside_share = None
+    from dummydesign.design.scoring.verdict_words import sentence
+
+    limits = verdict_limits() if limits is None else limits
+    plain = deviations(ranges, readings)
+    found = deviations(ranges, readings, strict) if strict else plain
+    shares, short_95, over_95 = None, None, None
     if spread is not None:
-        others = _flags(ranges, spread)
-        low_share = float(others.low.mean())
-        inside_share = float((others.level == LEVELS.index("inside")).mean())
-    doubtful = low_share is not None and low_share > LOW_DOUBT and level in ("inside", "reads_high")
-    if level == "inside" and inside_share is not None and inside_share < 1.0 - OTHER_DOUBT:
-        doubtful = True
-    alone = ranges.subjects < 2
-    if doubtful or (level == "inside" and (alone or unsettled)):
-        level = "mixed"
-    known = np.isfinite(readings.depth_mm)
-    steady: dict[str, float | None] = {"in": None, "below": None, "above": None}
-    if len(known) and known.any():
-        depth = readings.depth_mm
-        within = (depth >= ranges.stiff_mm * (1 - 1e-9)) & (depth <= ranges.soft_mm * (1 + 1e-9))
-        steady = {
-            "in": float(within.mean()),
-            "below": float(flags.steady_low.mean()),
-            "above": float(flags.steady_high.mean()),
-        }
-    findings = Findings(ranges, readings, flags, steady, low_share, inside_share, doubtful, of, alone, unsettled)
+        every = deviations(ranges, spread, strict)
+        kinds = classes(every, limits, strict)
+        shares = {name: float((kinds == place).mean()) for place, name in enumerate(CLASSES)}
+        short_95, over_95 = (_quantile(values[every.reached]) for values in (every.shortfall, every.over))
+    else:
+        own = int(classes(found, limits, strict)[0])
+        known = {name: float(own == place) for place, name in enumerate(CLASSES)}
+    below, above = outside(plain)
+    level = _level(found, shares or known, limits, strict, ranges.subjects < 2, unsettled, _inside(below, above))
+    after = None
+    if measured is not None:
+        known_resin = deviations(ranges, measured, strict)
+        after = _factor(_quantile(known_resin.shortfall[known_resin.reached]))
+    shortfall, over = _deviation(found, found.short, short_95), _deviation(found, found.above, over_95)
+    central = _factor(shortfall.central)
+    correction = Correction(central if spread is None else _factor(short_95), central, after)
+    reads = reads_of(below, above)
+    bound = tuple(limits_that_bind)
+    words = Findings(found, readings, level, reads, shares, correction, limits, strict, of, unsettled, bound)
+    steady = _steady(ranges, readings, below, above)
     return Verdict(
-        level,
-        sentence(level, findings, limits_that_bind),
-        findings.below,
-        findings.above,
-        int(np.isfinite(readings.peak_N).sum()),
-        steady["in"],
-        steady["below"],
-        steady["above"],
-        _energy_ratio(ranges, readings),
-        int(flags.energy_low.sum()),
-        int(flags.energy_high.sum()),
-        findings.furthest[0],
-        int(flags.unreached.sum()),
-        ranges.subjects,
-        low_share,
-        inside_share,
-        tuple(limits_that_bind),
+        level, reads, sentence(words), shortfall, over, correction,
+        int(below[PEAK].sum()), int(above[PEAK].sum()), int(np.isfinite(readings.peak_N).sum()),
+        *steady, _energy_ratio(ranges, readings),
+        int(below[ENERGY].sum()), int(above[ENERGY].sum()), int((~np.isfinite(readings.peak_N)).sum()),
+        ranges.subjects, shares, bound,
+    )  # fmt: skip
+
+
+def representative(found: Deviations, limits: VerdictLimits, strict: bool = False) -> NDArray:
+    """Whether pads may be cast by their central estimates, shape (n,); within the limits' tie counts as kept.
+
+    Parameters
+    ----------
+    found : Deviations
+    limits : VerdictLimits
+    strict : bool
+        For the safe side.
+    """
+    short, over = np.nan_to_num(found.shortfall), np.nan_to_num(found.over)
+    if strict:
+        return np.asarray(found.reached & (short <= limits.stands_shortfall))
+    near = 1.0 + limits.tie
+    return np.asarray(found.reached & (short <= limits.shortfall * near) & (over <= limits.over * near))
+
+
+def outside(found: Deviations, pad: int = 0) -> tuple[dict[str, NDArray], dict[str, NDArray]]:
+    """What of one pad is below and above every subject, by quantity.
+
+    Parameters
+    ----------
+    found : Deviations
+        Not of the safe side.
+    pad : int
+    """
+    below, above = (
+        {name: ratios[name][pad] > 1.0 + tolerance_of(name) for name in ratios} for ratios in (found.short, found.above)
     )
+    return below, above
 
 
-def _flags(ranges: Ranges, readings: Readings) -> Flags:
-    """Hold pads against the ranges; one pad counts as n = 1."""
-    peak, energy, depth = (np.atleast_2d(values) for values in (readings.peak_N, readings.energy_mJ, readings.depth_mm))
-    near = FORCE_TOLERANCE * ranges.force_N
-    # At rest every subject follows a power, a cube as a rule, so a share of the force is a third of it in depth.
-    shift = (1.0 + FORCE_TOLERANCE) ** (1.0 / ranges.power)
+def reads_of(below: dict[str, NDArray], above: dict[str, NDArray]) -> str:
+    """``inside``, ``low``, ``high`` or ``mixed``, from what is :func:`outside`."""
+    low, high = (any(bool(flags.any()) for flags in sides.values()) for sides in (below, above))
+    return {(False, False): "inside", (True, False): "low", (False, True): "high", (True, True): "mixed"}[low, high]
+
+
+def _level(
+    found: Deviations, shares: dict[str, float], limits: VerdictLimits, strict: bool, alone: bool, unsettled: str,
+    inside: float,
+) -> str:
+    if not representative(found, limits, strict)[0]:
+        return "not_representative"
+    enough = shares[STANDS_FOR] >= limits.share and not alone and not unsettled
+    if enough and (strict or inside >= limits.stands_inside):
+        return "stands_for"
+    if not strict and shares[STANDS_FOR] + shares[USABLE] >= limits.share and not unsettled:
+        return "usable_with_correction"
+    return "not_settled"
+
+
+def _inside(below: dict[str, NDArray], above: dict[str, NDArray]) -> float:
+    """The smaller of the shares of peaks and of the steady curve that lie among the subjects."""
+    return min((float(1.0 - (below[name] | above[name]).mean()) for name in (PEAK, STEADY) if below[name].size),
+               default=0.0)  # fmt: skip
+
+
+def _steady(
+    ranges: Ranges, readings: Readings, below: dict[str, NDArray], above: dict[str, NDArray]
+) -> tuple[float | None, float | None, float | None]:
+    """Shares of the steady curve inside, below and above the subjects."""
+    depth = readings.depth_mm
+    if not np.isfinite(depth).any():
+        return None, None, None
     with np.errstate(invalid="ignore"):
-        return Flags(
-            peak < ranges.peak_low_N - near,
-            peak > ranges.peak_high_N + near,
-            energy < ranges.energy_low_mJ * (1.0 - ENERGY_TOLERANCE),
-            energy > ranges.energy_high_mJ * (1.0 + ENERGY_TOLERANCE),
-            depth > ranges.soft_mm * shift,
-            depth < ranges.stiff_mm / shift,
-            ~np.isfinite(peak),
-        )
+        within = (depth >= ranges.stiff_mm * (1 - 1e-9)) & (depth <= ranges.soft_mm * (1 + 1e-9))
+    return float(within.mean()), float(below[STEADY].mean()), float(above[STEADY].mean())
+
+
+def _quantile(values: NDArray) -> float | None:
+    return float(np.quantile(values, QUANTILE)) if len(values) else None
+
+
+def _factor(ratio: float | None) -> float | None:
+    return None if ratio is None else max(ratio, 1.0)
+
+
+def _deviation(found: Deviations, ratios: dict[str, NDArray], q95: float | None) -> Deviation:
+    value, name, at = found.worst(ratios)
+    if not np.isfinite(value):
+        return Deviation(None, q95, None, None)
+    force, speed = found.ranges.force_N, found.ranges.velocity_mm_s
+    place = (found.ranges.steady_N[at], speed.min()) if name == STEADY else (force[at], speed[at])
+    press = {"steady_force_N": float(place[0]), "velocity_mm_s": float(place[1])}
+    return Deviation(value, q95, press, name)
 
 
 def _energy_ratio(ranges: Ranges, readings: Readings) -> float | None:

@@ -1,161 +1,128 @@
-"""The verdict in one sentence: what is low comes first, with how far and where."""
+"""The verdict in one sentence or two: the level, then the worst reading with its size, then the castings."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+
+from dummydesign.design.scoring.deviations import (
+    ENERGY,
+    OUT_OF_REACH,
+    OVER,
+    PEAK,
+    READS_LOW,
+    STANDS_FOR,
+    STEADY,
+    USABLE,
+    tolerance_of,
+)
 
 if TYPE_CHECKING:
-    from dummydesign.design.scoring.verdict import Flags, Ranges, Readings
+    from numpy.typing import NDArray
+
+    from dummydesign.design.scoring.verdict import Findings
+
+LEVEL_WORDS = {
+    "stands_for": "Stands for the subjects",
+    "usable_with_correction": "Usable with a correction",
+    "not_settled": "Not settled",
+    "not_representative": "Not representative",
+}
+QUANTITIES = {PEAK: "the peak", STEADY: "the steady force", ENERGY: "the energy"}
+OUTCOMES = {OUT_OF_REACH: "out of reach", READS_LOW: "too low", OVER: "too high"}
 
 
-@dataclass(frozen=True)
-class Findings:
-    """What the sentence is made of."""
-
-    ranges: Ranges
-    readings: Readings
-    flags: Flags
-    steady: dict[str, float | None]
-    low_share: float | None
-    inside_share: float | None
-    doubtful: bool
-    of: str
-    alone: bool
-    unsettled: str
-
-    @property
-    def below(self) -> int:
-        return int(self.flags.peak_low.sum())
-
-    @property
-    def above(self) -> int:
-        return int(self.flags.peak_high.sum())
-
-    @property
-    def furthest(self) -> tuple[float, str]:
-        """How far below the lowest subject the lowest peak or energy is in percent, and where."""
-        for flag, value, low in (
-            (self.flags.peak_low[0], self.readings.peak_N, self.ranges.peak_low_N),
-            (self.flags.energy_low[0], self.readings.energy_mJ, self.ranges.energy_low_mJ),
-        ):
-            if flag.any():
-                share = np.where(flag, value / low - 1.0, np.inf)
-                at = int(np.argmin(share))
-                where = f"{self.ranges.force_N[at]:.3g} N, {self.ranges.velocity_mm_s[at]:g} mm/s"
-                return -100.0 * float(share[at]), where
-        return 0.0, ""
-
-
-def sentence(level: str, found: Findings, limits: Sequence[str]) -> str:
-    """The verdict in words; what is low comes first.
+def sentence(of: Findings) -> str:
+    """Write the verdict: level, worst reading, castings, limits that bind.
 
     Parameters
     ----------
-    level : str
-        As judged.
-    found : Findings
-    limits : sequence of str
-        Limits that bind.
+    of : Findings
     """
-    low = _below_words(found)
-    high = _above_words(found)
-    if level == "reads_low":
-        text = f"reads low, the unsafe side: {low}; a robot that passes on this pad may not pass on the person"
-        if high:
-            text += f" ({high})"
-    elif level == "mixed" and low:
-        text = f"mixed: {low}, which is the unsafe side, and {high}"
-    elif level == "mixed":
-        text = f"mixed, not settled: {_doubt_words(found, high)}"
-    elif level == "reads_high":
-        text = f"reads high, the strict side: {high}; nothing is below every subject's"
-    elif level == "poor":
-        text = f"poor: {_poor_words(found, high)}"
+    parts = [_readings(of), _castings(of), _ending(of)]
+    said = "; ".join(part for part in parts if part)
+    text = f"{LEVEL_WORDS[of.level]}. {said[0].upper()}{said[1:]}." if said else f"{LEVEL_WORDS[of.level]}."
+    if of.bound and of.level != "stands_for":
+        text += f" At the limit of {' and of '.join(of.bound)}."
+    return text
+
+
+def whole_percents(shares: list[float]) -> list[int]:
+    """Round shares to whole per cent so that they keep their sum.
+
+    Parameters
+    ----------
+    shares : list of float
+        They sum to at most 1.
+    """
+    exact = 100.0 * np.array(shares)
+    whole = np.floor(exact).astype(int)
+    left = round(float(exact.sum())) - int(whole.sum())
+    whole[np.argsort(whole - exact, kind="stable")[:left]] += 1
+    return [int(value) for value in whole]
+
+
+def _readings(of: Findings) -> str:
+    """What leaves the subjects most, below before above; else that nothing does."""
+    missing = int((~np.isfinite(of.readings.peak_N)).sum())
+    if missing:
+        return f"{missing} of {len(of.readings.peak_N)} presses are out of reach"
+    who = "the one subject" if of.found.ranges.subjects < 2 else "all subjects"
+    if of.strict:
+        below, above = _worst(of, of.found.short, "below", "the highest subject"), _worst(
+            of, of.found.above, "above", who)  # fmt: skip
+        price = f"price of the safe side: {above}" if above else ""
+        kept = "no peak and no steady force is below the highest subject"
+        return "; ".join(part for part in (below or kept, price) if part)
+    short, over = of.found.worst(of.found.short)[0], of.found.worst(of.found.above)[0]
+    below, above = _worst(of, of.found.short, "below", who), _worst(of, of.found.above, "above", who)
+    if below and above:
+        return f"{below}, and {above}" if short >= over or of.level != "not_representative" else f"{above}, and {below}"
+    if below or above:
+        return below or above
+    if who == "the one subject":
+        return "all readings are as near to the one subject as can be set"
+    return f"all {len(of.readings.peak_N)} peaks and the steady curve are among the subjects"
+
+
+def _worst(of: Findings, ratios: dict[str, NDArray], side: str, who: str) -> str:
+    """The largest ratio in words; empty where it is within tolerance."""
+    value, name, at = of.found.worst(ratios)
+    if not value > 1.0 + tolerance_of(name):
+        return ""
+    ranges = of.found.ranges
+    # how far the reading is below a subject's is told as a share of the subject's
+    percent = 100.0 * (1.0 - 1.0 / value if side == "below" else value - 1.0)
+    if name == STEADY:
+        where = f"at {ranges.steady_N[at]:.3g} N"
     else:
-        steady = _percent(found.steady["in"])
-        text = f"inside: all {_count(found)} peaks and {steady} of the steady curve lie among the subjects'"
-        if found.low_share is not None:
-            text += f"; {_share(found.low_share)} of {found.of} read low"
-    if found.alone and level != "poor":
-        text += "; one subject makes no range: the pad is held against this one person"
-    return text + (f"; bound by {' and '.join(limits)}" if limits and level != "inside" else "")
+        where = f"at {ranges.force_N[at]:.3g} N, {ranges.velocity_mm_s[at]:g} mm/s"
+    reading = f" ({of.readings.peak_N[at]:.1f} N)" if name == PEAK else ""
+    return f"{QUANTITIES[name]} {where}{reading} is {percent:.0f} % {side} {who}"
 
 
-def _count(found: Findings) -> int:
-    return int(np.isfinite(found.readings.peak_N).sum())
+def _castings(of: Findings) -> str:
+    """What becomes of the castings; the classes add up to 100 %."""
+    if of.shares is None:
+        return ""
+    names = (STANDS_FOR, USABLE, READS_LOW, OVER, OUT_OF_REACH)
+    percents = dict(zip(names, whole_percents([of.shares[name] for name in names])))
+    good = percents[STANDS_FOR] + (0 if of.strict else percents[USABLE])
+    lost = [(name, percents[name]) for name in OUTCOMES if percents[name] > 0]
+    word = "keep it" if of.strict else "are usable"
+    text = f"{good} % of {of.of} {word}"
+    if lost and of.level != "stands_for":
+        text += " (" + ", ".join(f"{percent} % {OUTCOMES[name]}" for name, percent in lost) + ")"
+    return text
 
 
-def _below_words(found: Findings) -> str:
-    every, flags = _than(found), found.flags
-    parts = []
-    if found.below:
-        percent, where = found.furthest
-        verb = "is" if found.below == 1 else "are"
-        text = f"{found.below} of {_count(found)} peaks {verb} below {every}, by up to {percent:.0f} % ({where})"
-        parts.append(text)
-    if found.steady["below"]:
-        parts.append(f"the steady force is below {every} over {_percent(found.steady['below'])} of {_span(found)}")
-    if flags.energy_low.any():
-        parts.append(f"{_presses(flags.energy_low)} below {every}")
-    return ", ".join(parts)
-
-
-def _above_words(found: Findings) -> str:
-    every, flags = _than(found), found.flags
-    parts = []
-    if found.above:
-        verb = "is" if found.above == 1 else "are"
-        parts.append(f"{found.above} of {_count(found)} peaks {verb} above {every}")
-    if found.steady["above"]:
-        parts.append(f"the steady force is above {every} over {_percent(found.steady['above'])} of {_span(found)}")
-    if flags.energy_high.any():
-        parts.append(f"{_presses(flags.energy_high)} above {every}")
-    return ", ".join(parts)
-
-
-def _span(found: Findings) -> str:
-    forces = found.ranges.steady_N
-    return f"{forces[0]:.3g} to {forces[-1]:.3g} N"
-
-
-def _doubt_words(found: Findings, high: str) -> str:
-    if found.alone and not found.doubtful and not high:
-        return "nothing is further from the one subject than can be set"
-    stands = high or "as it stands nothing is outside the subjects' ranges"
-    if found.unsettled:
-        stands += f", but {found.unsettled}"
-    if not found.doubtful:
-        return stands
-    shares = f"{_share(found.low_share)} of {found.of} read low and {_share(found.inside_share)} are inside"
-    return f"{stands}, but {shares}"
-
-
-def _poor_words(found: Findings, high: str) -> str:
-    missing = int(found.flags.unreached.sum())
-    parts = [f"{missing} of {len(found.readings.peak_N)} presses are out of the pad's reach"] if missing else []
-    return ", ".join([*parts, *filter(None, [high])]) or "the steady curve lies outside the subjects"
-
-
-def _presses(flags: NDArray) -> str:
-    count = int(flags.sum())
-    return f"the energy of {'1 press' if count == 1 else f'{count} presses'} is"
-
-
-def _than(found: Findings) -> str:
-    return "the one subject's" if found.alone else "every subject's"
-
-
-def _percent(share: float | None) -> str:
-    return "none" if share is None else f"{100 * share:.0f} %"
-
-
-def _share(share: float | None) -> str:
-    """A share of draws in percent; what is rare is not called never."""
-    if share is None:
-        return "an unknown share"
-    return "less than 1 %" if share < 0.01 else f"{100 * share:.0f} %"
+def _ending(of: Findings) -> str:
+    """The correction, or why nothing is settled."""
+    if of.unsettled and of.level == "not_settled":
+        return of.unsettled
+    if of.level == "usable_with_correction" and of.correction.factor is not None:
+        if of.correction.factor < 1.0 + tolerance_of(PEAK):
+            return "no correction is needed"
+        return f"multiply readings by {of.correction.factor:.2f}"
+    return ""

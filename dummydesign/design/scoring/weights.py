@@ -13,7 +13,7 @@ from dummydesign.core.quantity import Quantity, line_of, read_quantity
 
 KIND, NAME = "materials", "score"
 PARTS = ("aim", "steady_state_range", "force_variation_range", "parametric")
-OTHERS = ("low_aim", "reads_low", "leaves_steady_range", "resolution")
+OTHERS = ("low_aim", "not_representative", "resolution")
 AIMS = ("average", "safe-side", "subject")
 
 
@@ -29,7 +29,7 @@ class Weights:
         ``built-in`` or ``user``.
     numbers : tuple of (str, Quantity)
         Weight of each part of the total, share of small forces in the merit, what the merit of a design counts that
-        reads low or leaves the steady range, and the difference in worth below which designs are alike.
+        is not representative, and the difference in worth below which castings decide.
     """
 
     name: str
@@ -65,9 +65,9 @@ class Weights:
         return self["low_aim"]
 
     @property
-    def worth(self) -> tuple[float, float, float]:
-        """What the merit of a design of each standing counts; see :mod:`dummydesign.design.scoring.standing`."""
-        return self["reads_low"], self["leaves_steady_range"], 1.0
+    def worth(self) -> tuple[float, float]:
+        """What the merit of a design counts by its :mod:`~dummydesign.design.scoring.acceptability`."""
+        return self["not_representative"], 1.0
 
     @property
     def resolution(self) -> float:
@@ -129,7 +129,4 @@ def _set(name: str, table: Any, path: Path, text: str, origin: str) -> Weights:
     if abs(sum(found.parts.values()) - 1.0) > 1e-9:
         raise InputError(f"{path.name}: the weights {', '.join(PARTS)} of set '{name}' sum to "
                          f"{sum(found.parts.values()):g}, not 1")  # fmt: skip
-    if not found.worth[0] <= found.worth[1]:
-        raise InputError(f"{path.name}: reads_low = {found.worth[0]:g} of set '{name}' is above leaves_steady_range = "
-                         f"{found.worth[1]:g}: what reads low must come last")  # fmt: skip
     return found

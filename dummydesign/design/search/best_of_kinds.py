@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.design.scoring.acceptability import NOT_ACCEPTABLE
 from dummydesign.design.scoring.presses import ForceLaw
-from dummydesign.design.scoring.standing import NOT_ACCEPTABLE
 from dummydesign.design.search.low_force import LowForce, low_force
 from dummydesign.design.search.shapes import Shaped, mixable, search_fixed, search_shapes
 from dummydesign.design.search.slabs import Candidate, SearchResult, search, with_parameters
@@ -52,7 +52,7 @@ class Beside:
             "merit": self.candidate.merit(),
             "total": self.candidate.total,
             "by": self.by,
-            "acceptable": self.candidate.standing > NOT_ACCEPTABLE,
+            "acceptable": self.candidate.rank > NOT_ACCEPTABLE,
             **self.low_force.to_dict(),
             "reason": None,
         }
@@ -188,7 +188,7 @@ def choose(found: Found, space: SearchSpace) -> Chosen:
 
 
 def close_to(chosen: Chosen, found: Found, space: SearchSpace) -> tuple[Chosen, ...]:
-    """The chosen design, then the best of every other kind whose worth is within the weights' resolution of its.
+    """The chosen design, then the best of every other kind that is near in worth: their castings decide.
 
     A design that only a table knows is not compared with one that was solved.
 

@@ -51,8 +51,8 @@ class Shaped:
 
     @property
     def merit(self) -> float:
-        """How good a design with a shape is, whether it reads low or not."""
-        return self.found.best.merit()
+        """What is expected of a design with a shape, whether it is representative or not."""
+        return self.found.best.merit() - self.found.best.loss
 
     @property
     def worth(self) -> float:

@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import NoAnswerError, out_of_range
+from dummydesign.design.scoring.acceptability import acceptability_rank
 from dummydesign.design.scoring.law_parameters import fit_presses, gamma1_score, parametric_score, rough_parametric
 from dummydesign.design.scoring.presses import Curves, ForceLaw, Slabs, join_curves, join_slabs, make_curves
 from dummydesign.design.scoring.score import Evaluation, evaluate, evaluated_gamma1
-from dummydesign.design.scoring.standing import standing
 from dummydesign.design.search.alternatives import alternatives_to, pareto
+from dummydesign.design.search.expected_map import averaging
 from dummydesign.design.search.space import SearchSpace
 from dummydesign.resin.model.resin import Resin
 
@@ -54,8 +55,10 @@ class Candidate:
     parameters: Any
     parametric: float
     total: float
-    standing: int = 0
-    """Whether it may stand for the person, :mod:`dummydesign.design.scoring.standing`."""
+    rank: int = 0
+    """Whether it may be cast, :mod:`dummydesign.design.scoring.acceptability`."""
+    loss: float = 0.0
+    """What its castings are expected to lose of the merit, by :mod:`dummydesign.design.search.expected_map`."""
 
     def merit(self, low_share: float | None = None) -> float:
         """By what designs are ranked: the total, with a share (by default the weights') of the closeness below 5 N."""
@@ -63,8 +66,8 @@ class Candidate:
         return (1.0 - share) * self.total + share * float(self.evaluation.low_aim[self.index])
 
     def worth(self, low_share: float | None = None) -> float:
-        """By what designs are chosen: the merit, less where it reads low or leaves the steady range."""
-        return self.evaluation.weights.worth[self.standing] * self.merit(low_share)
+        """By what designs are searched: the merit expected of castings, almost nothing where not representative."""
+        return self.evaluation.weights.worth[self.rank] * max(self.merit(low_share) - self.loss, 0.0)
 
 
 @dataclass(frozen=True)
@@ -192,8 +195,10 @@ def search_each(
     slabs = make_slabs(curves, slab, resin, ratio[column])
     rough = evaluate(slabs, targets, space.sampling.coarse)
     total = rough.total(gamma1_score(evaluated_gamma1(rough, targets.power), targets))
-    order = (1.0 - low_share) * total + low_share * rough.low_aim
-    order *= np.array(targets.weights.worth)[standing(rough, targets)]
+    merit = (1.0 - low_share) * total + low_share * rough.low_aim
+    expected = (merit.reshape(-1, len(ratio)) @ averaging(resin, ratio).T).ravel()
+    loss = merit - expected
+    order = expected * np.array(targets.weights.worth)[acceptability_rank(rough, targets)]
     order = np.where(rough.feasible, order, -1.0)
     found: list[SearchResult | NoAnswerError] = []
     maps, groups, end = [], [], 0
@@ -208,7 +213,9 @@ def search_each(
     chosen = np.concatenate([index for group in groups for index in group])
     if len(chosen):
         counts = [(len(ranked), len(unbeaten)) for ranked, unbeaten in groups]
-        worked = _work_out(slabs.take(chosen), ratio[column[chosen]], space, counts, fitted, low_share)
+        worked = _work_out(
+            slabs.take(chosen), ratio[column[chosen]], space, counts, fitted, low_share, loss[chosen]
+        )
     for place, score_map in enumerate(maps):
         if not score_map.feasible.any():
             why = _why_none(resin, score_map.thickness_mm, ratio, targets.protocol.needed_N)
@@ -234,16 +241,18 @@ def _work_out(
     counts: Sequence[tuple[int, int]],
     fitted: int,
     low_share: float,
+    loss: NDArray,
 ) -> list[list[Candidate]]:
     """Evaluate groups of designs on the fine grid; fit the best of each group's ranked ones and all its others."""
     targets = space.targets
     exact = evaluate(slabs, targets, space.sampling, exact=True)
-    stands = standing(exact, targets)
+    ranks = acceptability_rank(exact, targets)
     parametric = rough_parametric(slabs, targets, space.sampling)
     total = exact.total(parametric)
     found: list[Any] = [None] * len(ratio)
     groups, end = [], 0
-    order = ((1.0 - low_share) * total + low_share * exact.low_aim) * np.array(targets.weights.worth)[stands]
+    order = (1.0 - low_share) * total + low_share * exact.low_aim - loss
+    order = np.maximum(order, 0.0) * np.array(targets.weights.worth)[ranks]
     for ranked, others in counts:
         start, end = end, end + ranked + others
         kept = np.arange(start, end)
@@ -259,10 +268,10 @@ def _work_out(
         total = exact.total(parametric)
         for index, fit in zip(every, fits):
             found[index] = fit
-    numbers = zip(slabs.thickness_mm.tolist(), ratio.tolist(), parametric.tolist(), total.tolist(), stands.tolist())
+    columns = (slabs.thickness_mm, ratio, parametric, total, ranks, loss)
     candidates = [
-        Candidate(thickness, at, index, exact, found[index], score, sum_, stand)
-        for index, (thickness, at, score, sum_, stand) in enumerate(numbers)
+        Candidate(thickness, at, index, exact, found[index], score, sum_, int(rank), lost)
+        for index, (thickness, at, score, sum_, rank, lost) in enumerate(zip(*(one.tolist() for one in columns)))
     ]
     return [[candidates[index] for index in kept] for kept in groups]
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import unknown_name
+from dummydesign.design.scoring.verdict_limits import verdict_limits
 from dummydesign.design.search.shape_family import Designs, Family
 from dummydesign.geometry.shapes import PadShape, part_of, shape_kind, shape_kinds
 from dummydesign.pad.tables.shape import ShapeLaw, ShapeTable, load_shape_table
@@ -74,7 +75,7 @@ class TableFamily:
         return np.where((depth <= limit * (1.0 + 1e-9)) & (limit > 0.0), base * np.exp(value), np.nan)
 
     def limit_mm(self, designs: Designs, radius_mm: float) -> NDArray:
-        """Depth to which the table holds, shape (M,); 0 outside its range. [mm]"""
+        """Depth to which the table holds and the gel is not bottomed out, shape (M,); 0 outside its range. [mm]"""
         inputs = self._inputs(designs, radius_mm)
         limit = self.table.depth_limit(inputs)
         inside = self.table.inside(inputs)
@@ -84,7 +85,8 @@ class TableFamily:
             ratio = radius_mm / designs.thickness_mm
             inside &= (ratio >= low) & (ratio <= high)
             limit = np.minimum(limit, slab.depth_limit(np.clip(ratio, low, high)))
-        return np.where(inside, limit, 0.0) * designs.thickness_mm
+        bottom_mm = verdict_limits().gel_compression * self._shape.gel_mm(designs.thickness_mm, designs.parameters)
+        return np.where(inside, np.minimum(limit * designs.thickness_mm, bottom_mm), 0.0)
 
     def relative_error(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
         """Stated error of the force over the force; see :class:`Family`."""

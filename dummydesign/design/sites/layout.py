@@ -7,14 +7,14 @@ from math import ceil, floor
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.core.errors import InputError, NoAnswerError
-from dummydesign.design.scoring.verdict import FORCE_TOLERANCE
+from dummydesign.design.scoring.deviations import TOLERANCE
 from dummydesign.design.sites.neighbours import RAMP_MM, Alone
 from dummydesign.geometry.limits import RIM_FREE_MM
 
 if TYPE_CHECKING:
     from dummydesign.geometry.shapes import PadShape
 
-INDEPENDENT = FORCE_TOLERANCE
+INDEPENDENT = TOLERANCE
 """Share of the force by which neighbours and rim may change it: how finely a steady force can be set."""
 PLACING_MM = 1.0
 """How far beside a tip the punch may land; its placement is stated to 1 mm (docs/shapes.md)."""

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.assessment.pour_yield import Tolerances
+from dummydesign.design.assessment.castings import Castings, PadCastings, Tolerances
 from dummydesign.design.assessment.readings import limits_that_bind, reading_of, verdict_of_design
+from dummydesign.design.scoring.acceptability import ranges_of, strict_aim
 from dummydesign.design.scoring.presses import ForceLaw, make_curves, steady_depth
 from dummydesign.design.scoring.score import evaluate
-from dummydesign.design.scoring.standing import ranges_of
 from dummydesign.design.scoring.verdict import Verdict, verdict
 from dummydesign.design.search.shape_family import Family, ShapeLaw
 from dummydesign.design.search.slabs import Candidate, make_slabs
@@ -103,10 +103,11 @@ def one_pad(law: ForceLaw, space: SearchSpace, thickness_mm: float, ratio: float
     found = evaluate(slabs, space.targets, space.sampling, exact=True)
     candidate = Candidate(thickness_mm, ratio, 0, found, None, 0.0, 0.0)
     bound = limits_that_bind(candidate, space.thickness_mm, space.ratio)
-    return OnePad(candidate, law, verdict(ranges_of(space.targets), reading_of(candidate), None, bound))
+    strict = strict_aim(space.targets)
+    return OnePad(candidate, law, verdict(ranges_of(space.targets), reading_of(candidate), None, bound, strict=strict))
 
 
-def with_castings(pad: OnePad, space: SearchSpace, tolerances: Tolerances) -> Verdict:
+def with_castings(pad: OnePad, space: SearchSpace, castings: Castings, tolerances: Tolerances) -> Verdict:
     """The verdict with what the castings of a pad may turn out as; the same as that of ``suggest``.
 
     Parameters
@@ -114,7 +115,9 @@ def with_castings(pad: OnePad, space: SearchSpace, tolerances: Tolerances) -> Ve
     pad : OnePad
     space : SearchSpace
         As for :func:`one_pad`.
+    castings : Castings
+        Of the resin.
     tolerances : Tolerances
         Of weighing and thickness.
     """
-    return verdict_of_design(pad.law, pad.candidate, space, tolerances)
+    return verdict_of_design(PadCastings(castings, pad.law, pad.candidate, space, tolerances))

@@ -89,6 +89,11 @@ class Boned(ConicProfile):
         return (("bar_ends", f"the bar ends {BAR_END_GAP_MM:g} mm before the walls: a film of gel covers its ends"),)
 
     @classmethod
+    def gel_mm(cls, thickness_mm: Array, parameters: Mapping[str, Array]) -> Array:
+        """Gel over the bone's highest point. [mm]"""
+        return np.asarray(thickness_mm, float) - parameters["height"]
+
+    @classmethod
     def candidates(cls, thickness_mm: Array, radius_mm: float) -> tuple[Array, dict[str, Array]]:
         """Spherical domes of a height and a foot."""
         h, share, foot = grid(thickness_mm, BONE_SHARES, FOOT_SHARES)

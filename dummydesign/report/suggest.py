@@ -54,7 +54,7 @@ def write_suggestion(
         *_castings_fact(result),
     ]
     first = result["measure_first"]
-    lead = (f"{first['text'][0].upper()}{first['text'][1:]}. " if first else "") + (
+    lead = (f"{_sentence(first['text'])} {_sentence(first['protocol'])} " if first["text"] else "") + (
         f"Recommended for {answer.tissue.title} ({answer.tissue.name}), aim {answer.request.aim}, of "
         f"{answer.resin.title}. {result['rests_on']['text']} Next: {result['rests_on']['next_step']}."
     )
@@ -83,11 +83,13 @@ def write_suggestion(
 
 
 def _castings_fact(result: dict[str, Any]) -> list[tuple[str, str]]:
-    """The share of castings in the steady range, which one subject does not make."""
-    if result["verdict"]["subjects"] < 2:
-        return []
-    share = result["sensitivity"]["yield_fraction"]
-    return [(f"{100 * share:.0f} %", "of castings are in the steady-state range")]
+    """The share of castings that are usable, and the correction."""
+    castings, factor = result["castings"], result["verdict"]["correction"]["factor"]
+    share = castings["stands_for"] + castings["usable"]
+    facts = [(f"{100 * share:.0f} %", f"of {castings['n']} castings are usable")]
+    if result["verdict"]["light"] == "amber" and factor is not None:
+        facts.append((f"{factor:.2f}", "correction: multiply readings by it (95 % of castings)"))
+    return facts
 
 
 def _steady_words(answer: Suggestion) -> str:
@@ -204,16 +206,25 @@ def _low_table(best: dict[str, Any]) -> Table:
 
 
 def _conditions(best: dict[str, Any]) -> Table:
-    head = ["steady N", "speed mm/s", "depth mm", "depth / thickness", "peak N", "subjects' peaks N", "inside", ""]
+    head = ["steady N", "speed mm/s", "depth mm", "depth / thickness", "gel compression", "peak N", "subjects' peaks N",
+            "reads", "inside", ""]  # fmt: skip
     rows = [
         [
             f"{row['steady_force_N']:g}", f"{row['velocity_mm_s']:g}", row["depth_mm"], row["depth_over_thickness"],
-            row["peak_force_N"], f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}",
-            row["inside_fraction"], row["out_of_reach"] or "",
+            row["gel_compression"], row["peak_force_N"],
+            f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}", _reads(row), row["inside_fraction"],
+            row["out_of_reach"] or "",
         ]
         for row in best["conditions"]
     ]  # fmt: skip
     return Table(head, rows)
+
+
+def _reads(row: dict[str, Any]) -> str:
+    """How a press reads, with its size."""
+    if row["reads"] in (None, "inside"):
+        return row["reads"] or ""
+    return f"{row['percent_outside']:.0f} % {row['reads']}"
 
 
 def _alternatives(result: dict[str, Any]) -> Table | None:

@@ -46,8 +46,15 @@ def steady_plot(answer: Suggestion, curves: SuggestionCurves) -> Plot:
         Band(f"subjects of {answer.tissue.name}", grids.measured, *curves.subjects_measured_mm, sideways=True),
         Line(f"aim: {answer.request.aim}", curves.aim_depth_mm, grids.aim, "aim"),
     ]
-    stiff, soft = curves.castings_mm
-    known = np.isfinite(stiff) & np.isfinite(soft)
+    stiff, soft, unreached = curves.castings_mm
+    # where the softest castings do not reach a force, the band ends at the depth at which the gel bottoms out
+    known, soft = np.isfinite(stiff), np.where(np.isfinite(soft), soft, curves.limit_mm)
+    note = ""
+    if unreached[-1] > 0.005:
+        note = (
+            f"{100 * unreached[-1]:.0f} % of castings do not reach {grids.pad[-1]:g} N: the gel bottoms out at "
+            f"{curves.limit_mm:.1f} mm, where the band ends"
+        )
     if known.any():
         layers.append(Band("95 % of the pad's castings", grids.pad[known], stiff[known], soft[known], sideways=True,
                            style="cast"))  # fmt: skip
@@ -60,7 +67,7 @@ def steady_plot(answer: Suggestion, curves: SuggestionCurves) -> Plot:
         f"{protocol.words}; at {protocol.needed_N:g} N it is {curves.pad_depth_at_needed_mm:.2f} mm deep."
     )
     return Plot("steady", "Steady force over depth", alt, "depth [mm]", "steady force [N]", "depth_mm", "force_N",
-                tuple(layers))  # fmt: skip
+                tuple(layers), note=note)  # fmt: skip
 
 
 def press_plots(answer: Suggestion) -> list[Plot]:

@@ -22,7 +22,7 @@ from dummydesign.design.expected.tissue_doubt import (
     tissue_share,
     usable,
 )
-from dummydesign.design.scoring.acceptability import acceptability_rank, ranges_of, strict_aim
+from dummydesign.design.scoring.acceptability import ACCEPTABLE, BORDERLINE, acceptability_rank, ranges_of, strict_aim
 from dummydesign.design.scoring.deviations import classes, deviations
 from dummydesign.design.scoring.law_parameters import rough_parametric
 from dummydesign.design.scoring.presses import make_curves
@@ -105,7 +105,10 @@ def by_expectation(
     pads = [(chosen, candidate) for chosen in close for candidate in _near(chosen, space, low_share)]
     cast = [PadCastings(castings, chosen.cast, candidate, space, tolerances) for chosen, candidate in pads]
     green = [_green(one) for one in cast]
-    able = [at for at in range(len(pads)) if pads[at][1].rank >= pads[0][1].rank and green[at] >= max(green)]
+    least = pads[0][1].rank
+    if least == ACCEPTABLE and _tied(pads[0][1], space):
+        least = BORDERLINE
+    able = [at for at in range(len(pads)) if pads[at][1].rank >= least and green[at] >= max(green)]
     order = able if 0 in able else [0, *able]
     scores = {at: castings_for_tissues(cast[at], low_share) for at in order}
     best, as_known = _best_of([scores[at] for at in order])
@@ -132,6 +135,12 @@ def by_expectation(
         )
         chosen = replace(chosen, found=replace(chosen.found, best=candidate), beside=beside)
     return chosen, Expectation(text, True, *two, undecided)
+
+
+def _tied(best: Candidate, space: SearchSpace) -> bool:
+    """Whether a pad keeps a limit by less than the limits' tie: then the score decides over pads just beyond it."""
+    one = best.evaluation
+    return bool(acceptability_rank(one, space.targets, tighter=True)[best.index] < ACCEPTABLE)
 
 
 def _green(cast: PadCastings) -> bool:
@@ -189,7 +198,7 @@ def _near(chosen: Chosen, space: SearchSpace, low_share: float) -> list[Candidat
         Candidate(best.thickness_mm, float(ratio[at]), at, found, None, float(parametric[at]), float(total[at]),
                   int(ranks[at]))
         for at in range(len(steps))
-        if found.feasible[at] and ranks[at] >= best.rank
+        if found.feasible[at] and ranks[at] >= min(best.rank, BORDERLINE)
     ]  # fmt: skip
     return [best, *others]
 

@@ -11,20 +11,26 @@ from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.scoring.verdict import representative
 
 SAFE_SIDE = "safe-side"
-NOT_ACCEPTABLE, ACCEPTABLE = 0, 1
+NOT_ACCEPTABLE, BORDERLINE, ACCEPTABLE = 0, 1, 2
 
 
-def acceptability_rank(evaluation: Evaluation, targets: Targets) -> NDArray:
-    """Rank designs by their verdict at central estimates, shape (D,): 1 may be cast, 0 is not representative.
+def acceptability_rank(evaluation: Evaluation, targets: Targets, tighter: bool = False) -> NDArray:
+    """Rank designs by their verdict at central estimates, shape (D,).
+
+    2 may be cast; 1 as well, but is beyond a limit by less than the limits' tie; 0 is not representative.
 
     Parameters
     ----------
     evaluation : Evaluation
     targets : Targets
+    tighter : bool
+        Take the limits tighter by their tie: what then has 1 is tied with what is just beyond a limit.
     """
-    found = deviations(ranges_of(targets), readings_of(evaluation), strict_aim(targets))
-    kept = representative(found, targets.limits, strict_aim(targets))
-    return np.where(kept, ACCEPTABLE, NOT_ACCEPTABLE)
+    strict = strict_aim(targets)
+    found = deviations(ranges_of(targets), readings_of(evaluation), strict)
+    slack = -targets.limits.tie if tighter else 0.0
+    kept, near = (representative(found, targets.limits, strict, one) for one in (slack, None))
+    return np.where(kept, ACCEPTABLE, np.where(near, BORDERLINE, NOT_ACCEPTABLE))
 
 
 def strict_aim(targets: Targets) -> bool:

@@ -223,8 +223,10 @@ def verdict(
     )  # fmt: skip
 
 
-def representative(found: Deviations, limits: VerdictLimits, strict: bool = False) -> NDArray:
-    """Whether pads may be cast by their central estimates, shape (n,); within the limits' tie counts as kept.
+def representative(
+    found: Deviations, limits: VerdictLimits, strict: bool = False, slack: float | None = None
+) -> NDArray:
+    """Whether pads may be cast by their central estimates, shape (n,).
 
     Parameters
     ----------
@@ -232,11 +234,13 @@ def representative(found: Deviations, limits: VerdictLimits, strict: bool = Fals
     limits : VerdictLimits
     strict : bool
         For the safe side.
+    slack : float, optional
+        Share by which the limits are taken wider, by default their tie: a reading is not known finer.
     """
     short, over = np.nan_to_num(found.shortfall), np.nan_to_num(found.over)
     if strict:
         return np.asarray(found.reached & (short <= limits.stands_shortfall))
-    near = 1.0 + limits.tie
+    near = 1.0 + (limits.tie if slack is None else slack)
     return np.asarray(found.reached & (short <= limits.shortfall * near) & (over <= limits.over * near))
 
 

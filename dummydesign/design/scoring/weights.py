@@ -13,7 +13,7 @@ from dummydesign.core.quantity import Quantity, line_of, read_quantity
 
 KIND, NAME = "materials", "score"
 PARTS = ("aim", "steady_state_range", "force_variation_range", "parametric")
-OTHERS = ("low_aim", "not_representative", "resolution")
+OTHERS = ("low_aim", "not_representative", "borderline", "resolution")
 AIMS = ("average", "safe-side", "subject")
 
 
@@ -65,9 +65,9 @@ class Weights:
         return self["low_aim"]
 
     @property
-    def worth(self) -> tuple[float, float]:
+    def worth(self) -> tuple[float, float, float]:
         """What the merit of a design counts by its :mod:`~dummydesign.design.scoring.acceptability`."""
-        return self["not_representative"], 1.0
+        return self["not_representative"], self["borderline"], 1.0
 
     @property
     def resolution(self) -> float:

@@ -122,7 +122,7 @@ def _banner(verdict: Mapping[str, Any] | None) -> str:
     """The verdict with its light, in colour and in words."""
     if verdict is None:
         return ""
-    word, _, rest = verdict["text"].partition(":")
+    word, _, rest = verdict["text"].partition(". ")
     light = escape(verdict["light"])
     return (
         f'<div class="verdict {light}" role="status"><span class="light" aria-hidden="true"></span>'

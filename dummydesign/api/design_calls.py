@@ -20,6 +20,7 @@ from dummydesign.core.checks import (
     ROBOT_VELOCITY,
     TOLERANCE,
     VELOCITY,
+    read_count,
     read_number,
     read_numbers,
     read_size,
@@ -63,6 +64,7 @@ def suggest(
     sites: tuple[int, int] | str | None = None,
     balance_g: float | str = 0.1,
     thickness_tolerance_mm: float | str = 0.2,
+    castings: int | str = 1200,
     robot_mass_kg: float | str | None = None,
     robot_velocity_mm_s: float | str | None = None,
     limits: str | PathLike[str] | None = None,
@@ -112,6 +114,8 @@ def suggest(
         Crowns on one pad, far enough apart to be independent.
     balance_g, thickness_tolerance_mm : float
         Errors of weighing and of the cast thickness, even within plus and minus these. [g, mm]
+    castings : int
+        How many castings are drawn for every share and factor, 1200 to 100,000.
     robot_mass_kg, robot_velocity_mm_s : float
         Mass and speed (250 mm/s by default) of a free body that hits tissue and pad, for the safety view. [kg, mm/s]
     limits : path, optional
@@ -165,7 +169,7 @@ def suggest(
                       hold_s=read_number(hold_s, HOLD), base=base, preset=preset, machine=machine, silicone=silicone,
                       deceleration_mm_s2=read_number(deceleration_mm_s2, DECELERATION), pad_mm=read_size(pad, "pad"),
                       edge_radius_mm=read_number(edge_radius_mm, EDGE), condition=condition,
-                      sites=parse_sites(sites))  # fmt: skip
+                      sites=parse_sites(sites), castings=read_count(castings, "castings"))  # fmt: skip
     if cad and out is None:
         raise InputError("cad = True needs out, the folder for the files of the mould")
     folder = None if out is None else Path(out)

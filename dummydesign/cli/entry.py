@@ -144,10 +144,10 @@ def _run(arguments: list[str]) -> int:
                 problem = {"code": reason.code, "message": str(reason)}
                 _print_result(name, {**reason.result, "error": problem}, True, None)
             elif reason.result:
-                print(module.render(reason.result))
+                print(_render_of(module, options)(reason.result))
             print(f"error: {reason}", file=sys.stderr)
             return 1
-        _print_result(name, result, as_json, module.render)
+        _print_result(name, result, as_json, _render_of(module, options))
         return 0
     except DummydesignError as problem:
         print("error: " + " ".join(str(problem).split()), file=sys.stderr)
@@ -167,6 +167,13 @@ def _run(arguments: list[str]) -> int:
             file=sys.stderr,
         )
         return 1
+
+
+def _render_of(module: Any, options: argparse.Namespace) -> Any:
+    """What lays the answer out: one screen, or all of it with --details."""
+    if getattr(options, "details", False):
+        return getattr(module, "render_details", module.render)
+    return module.render
 
 
 def _loudness(options: argparse.Namespace) -> str:

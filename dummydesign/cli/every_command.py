@@ -9,6 +9,7 @@ from dummydesign.cli.examples import examples_of
 
 FLAGS = (
     (("--json",), "print one JSON object and nothing else"),
+    (("--details",), "print all of the answer, not one screen of it"),
     (("-v", "--verbose"), "a line for each step with the time since the start, and what it took at the end"),
     (("-q", "--quiet"), "no progress, only the answer"),
 )

@@ -107,6 +107,20 @@ def read_number(value: float | str, purpose: Purpose) -> float:
     return number
 
 
+def read_count(value: int | str, quantity: str) -> int:
+    """Read a whole number.
+
+    Raises
+    ------
+    InputError
+        For what is none.
+    """
+    try:
+        return int(str(value))
+    except ValueError:
+        raise InputError(f"{quantity} = {value} is not a whole number") from None
+
+
 def _likely(number: float, purpose: Purpose) -> None:
     """Refuse a bare number that another unit explains."""
     low, high = purpose.usual

@@ -7,9 +7,6 @@ from typing import Any
 
 from dummydesign.cli.shared_options import add_effect_option, add_replace_option
 from dummydesign.cli.steps import Steps, steps_shown
-from dummydesign.cli.texts.suggested import render
-
-__all__ = ["add_arguments", "default_out", "render", "run"]
 
 ABOUT_STEPS = 8
 HELP = "Recommend resin ratio, pad thickness, weights to pour and a mould for a tissue."
@@ -36,6 +33,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--balance", default=0.1, metavar="G", help="error of weighing, plus and minus (default 0.1 g)")
     tolerance = "error of the cast thickness, plus and minus (default 0.2 mm)"
     add("--thickness-tolerance", default=0.2, metavar="MM", help=tolerance)
+    drawn = "castings that are drawn for every share and factor (default 1200, which is the least)"
+    add("--castings", default=1200, metavar="N", help=drawn)
     add("--robot-mass", metavar="KG", help="safety view: mass of the free body that hits tissue and pad")
     add("--robot-velocity", metavar="MM_S", help="its speed, with --robot-mass (default 250 mm/s)")
     add("--limits", metavar="FILE", help="safety view: your limits of force and pressure, with their source (TOML)")
@@ -74,7 +73,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         answer = _asked(options, steps)
     result = answer.to_dict()
     if not answer.found.verdict.acceptable:
-        text = f"the best pad found is not acceptable: {result['verdict']['level'].replace('_', ' ')}"
+        text = f"no acceptable pad: the best one found is {result['verdict']['level'].replace('_', ' ')}"
         text += "" if options.cad or options.no_cad else "; no mould was made of it (--cad makes it all the same)"
         raise NoAnswerError("no_acceptable_pad", text, result)
     return result
@@ -107,6 +106,7 @@ def _asked(options: argparse.Namespace, steps: Steps) -> Any:
         machine=options.machine,
         silicone=options.silicone,
         sites=options.sites,
+        castings=options.castings,
         balance_g=options.balance,
         thickness_tolerance_mm=options.thickness_tolerance,
         robot_mass_kg=options.robot_mass,
@@ -116,6 +116,20 @@ def _asked(options: argparse.Namespace, steps: Steps) -> Any:
         replace=options.replace,
         progress=steps,
     )
+
+
+def render(result: dict[str, Any]) -> str:
+    """The answer on one screen."""
+    from dummydesign.cli.texts.suggested import render
+
+    return render(result)
+
+
+def render_details(result: dict[str, Any]) -> str:
+    """All of the answer."""
+    from dummydesign.cli.texts.suggested_details import details
+
+    return details(result)
 
 
 def default_out(options: argparse.Namespace) -> str:

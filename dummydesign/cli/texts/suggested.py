@@ -1,203 +1,211 @@
-"""The answer of ``dummydesign suggest`` as short tables for the terminal."""
+"""The answer of ``dummydesign suggest`` on one screen; ``--details`` prints everything."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from dummydesign.cli.texts.verdict import NO_LAW, first_lines, tissue_lines, verdict_lines, warning_lines
+from dummydesign.cli.texts.screen import fitted, labelled
+from dummydesign.cli.texts.suggested_details import test_line
+from dummydesign.cli.texts.verdict import verdict_lines
+
+MOST_NOTES = 4
+NOTES = {
+    "bottoms_out": "{message}",
+    "measured_curves": "{message}",
+    "tissue_punch": "{message}",
+    "force_not_in_band": "{message}",
+    "speed_not_in_band": "{message}",
+    "calibration_resin": "{message}",
+    "out_of_reach": "{message}. Allow a thicker pad (--thickness) or a smaller force.",
+    "one_subject": "Only one subject: a range needs at least two ('dummydesign tissues add').",
+    "contradictory_points": "{message}",
+    "calibration": "{message}",
+    "at_edge": "{message}. Widen the range.",
+    "outside_steady_range": "{message}.",
+    "cad_unavailable": "{message}",
+    "curved_master": "Print the curved plug in layers of at most 0.1 mm, or machine it: its height sets the force.",
+    "small_batch": "{message}.",
+}
+"""Warnings that change what one does, the most pressing first, and their words on the screen."""
 
 
 def render(result: dict[str, Any]) -> str:
-    """Lay the answer out as short tables."""
+    """Lay the answer out on one screen."""
+    verdict = verdict_lines(result["verdict"])
+    head = [*verdict, *_basis(result), *_pad(result), *_resin(result), *_valid(result), ""]
+    tail = [[""], _correct(result), _why(result), _risk(result), _notes(result), _next(result), _meanwhile(result),
+            _files(result), _more(result)]  # fmt: skip
+    risk, meanwhile, why = 3, 6, 2
+    more = "  ... and {} more presses: --details"
+    return "\n".join(fitted(head, _table(result), tail, (risk, meanwhile, why), more))
+
+
+def _basis(result: dict[str, Any]) -> list[str]:
+    """The calibration that was used, where one was."""
+    used = result["calibration"]
+    return [] if used is None else labelled("USED", used["text"], 2)
+
+
+def _pad(result: dict[str, Any]) -> list[str]:
+    """Shape, thickness, size and base; the shape's lengths in a line of their own."""
+    import numpy as np
+
+    from dummydesign.geometry.shapes import read_shape
+
+    best, (length, width) = result["recommendation"], result["inputs"]["pad_mm"]
+    base = {"bonded": "glued to a rigid base", "sliding": "sliding on a rigid base"}.get(
+        result["inputs"]["base"], f"resting, {result['inputs']['base']}"
+    )
+    name, _, lengths = best["shape"].partition(":")
+    thickness = f"{best['thickness_mm']:g} mm"
+    if lengths:
+        shape = read_shape(best["shape"])
+        beside = float(shape.drop_mm(np.array(length / 2), np.array(width / 2)))
+        least = best["thickness_mm"] - max(shape.bone_height_mm, beside)
+        if not shape.flat_top:
+            thickness += f" at the tip, {least:.3g} mm beside it"
+        elif shape.bone_height_mm:
+            thickness += f", {least:.3g} mm of gel over the bone"
+    text = f"{name}, {thickness}, {length:g} x {width:g} mm, {base}"
+    if lengths:
+        text += f"\n{lengths.replace('=', ' ').replace('_', ' ').replace(',', ', ')} (lengths in mm)"
+    if result["sites"]:
+        text += f"\n{result['sites']['text']}"
+    return labelled("PAD", text, 4)
+
+
+def _resin(result: dict[str, Any]) -> list[str]:
+    """Resin, ratio and modulus, then what to weigh."""
     best = result["recommendation"]
     young, recipe = best["young_kPa"], best["recipe"]
-    weigh = ", ".join(f"{item['name']} {item['mass_g']:.1f} g" for item in recipe["components"])
-    lines = [
-        *verdict_lines(result["verdict"]),
-        *tissue_lines(result),
-        *_calibration(result),
-        *first_lines(result),
-        f"{result['inputs']['tissue']}, aim {result['inputs']['aim']}",
-        "",
-        f"  pad        {_pad(result)}",
-        *_sites_line(result),
-        *_test_line(result),
-        f"  resin      {best['resin']}, ratio {best['ratio']:g} ({best['ratio_meaning']})",
-        f"  weigh      {weigh} (total {recipe['total_g']:.1f} g)",
-        f"  modulus    {young['value']:.3g} kPa long-term (95 %: {young['low']:.3g} to {young['high']:.3g})",
-        "",
-        "scores, 0 to 1 (more is better):",
-        "  " + "   ".join(f"{name.replace('_', ' ')} {'none' if value is None else format(value, '.2f')}"
-                          for name, value in best["scores"].items()),
-        "",
-        "  steady N  mm/s   depth mm  depth/thickness  peak N   tissue peak N   fraction in range",
-    ]
-    lines += [_condition(row) for row in best["conditions"]]
-    lines += [
-        "",
-        f"  small forces ({_small_words(result)}):",
-        "  N      depth mm   tissue mm",
-    ]
-    for row in best["low_force"]:
-        depth = "-" if row["depth_mm"] is None else f"{row['depth_mm']:.2f}"
-        span = f"{row['tissue_depth_low_mm']:.2f} to {row['tissue_depth_high_mm']:.2f}"
-        lines.append(f"  {row['force_N']:<6g} {depth:<10} {span}")
-    lines += _shapes(result) + _parameters(best) + _more(result)
-    return "\n".join(lines)
-
-
-def _small_words(result: dict[str, Any]) -> str:
-    if any(item["code"] == NO_LAW for item in result["warnings"]):
-        return "the people's slowest rise, scaled to their steady force"
-    return "the tissue's law carried on; no data on people"
-
-
-def _calibration(result: dict[str, Any]) -> list[str]:
-    """What the calibration found and left, where one is used."""
-    used = result["calibration"]
-    if used is None:
-        return []
-    return [used["text"], *(f"  unexplained: {reason}" for reason in used["unexplained_because"][:2])]
-
-
-def _shapes(result: dict[str, Any]) -> list[str]:
-    """The best pad of each kind of shape, one a line."""
-    if not result["shapes"]:
-        return []
-    low, high, shown = _forces(result)
-    lines = [
-        "",
-        f"  shapes side by side (misfit: rms of ln F from {0.1 * low:g} to {high:g} N; range: fraction of the steady "
-        f"curve in range;\n  exponent d ln F / d ln x, tissue {result['tissue_exponent']:.3g}):",
-        f"  misfit  range <{low:g} N  range >{low:g} N  exponent {'/'.join(shown)} N  d/h    total  pad",
-    ]
-    for row in result["shapes"]:
-        if row["shape"] is None:
-            lines.append(f"  {row['kind']}: {row['reason']}")
-            continue
-        misfit, depth = ("-" if row[name] is None else f"{row[name]:.2f}" for name in _MISFIT)
-        exponents = (row["exponent_at_N"][force] for force in shown)
-        powers = " / ".join("-" if value is None else f"{value:.1f}" for value in exponents)
-        lines.append(
-            f"  {misfit:<7} {row['share_below_5N']:<11.2f} {row['share_above_5N']:<11.2f} {powers:<18} {depth:<6} "
-            f"{row['total']:<6.2f} {row['thickness_mm']:g} mm {row['shape']}, ratio {row['ratio']:g}"
-        )
-    return [*lines, *_passed_over(result)]
-
-
-def _passed_over(result: dict[str, Any]) -> list[str]:
-    """The pad with the best score where it was passed over because it reads low."""
-    known = [row for row in result["shapes"] if row["shape"] is not None]
-    nearest = max(known, key=lambda row: row["total"], default=None)
-    if nearest is None or nearest["acceptable"] or nearest["shape"] == result["recommendation"]["shape"]:
-        return []
+    meaning = best["ratio_meaning"].replace("isocyanate parts", "isocyanate").removesuffix(" by weight")
+    weigh = " + ".join(f"{item['name']} {item['mass_g']:.1f} g" for item in recipe["components"])
     return [
-        f"  nearest to the tissue is the {nearest['kind']} pad (total {nearest['total']:.2f}), not recommended: it "
-        f"reads low, and a robot that passes on it may not pass on the person; --shape {nearest['kind']} gives it",
-    ]
+        *labelled("RESIN", f"{best['resin']}, ratio {best['ratio']:g} ({meaning}), "
+                           f"{young['value']:.3g} kPa (95 %: {young['low']:.3g} to {young['high']:.3g})"),
+        *labelled("WEIGH", f"{weigh} = {recipe['total_g']:.1f} g"),
+    ]  # fmt: skip
 
 
-def _forces(result: dict[str, Any]) -> tuple[float, float, tuple[str, str, str]]:
-    """Lowest and highest force of the test, and the keys of three exponents: below, lowest and highest."""
-    forces = sorted(result["inputs"]["force_N"])
-    return forces[0], forces[-1], (f"{0.2 * forces[0]:g}", f"{forces[0]:g}", f"{forces[-1]:g}")
-
-
-def _pad(result: dict[str, Any]) -> str:
-    best, base, (length, width) = (result["recommendation"], *(result["inputs"][name] for name in ("base", "pad_mm")))
-    held = {"bonded": "glued to a rigid base", "sliding": "sliding on a rigid base"}.get(base, f"resting, {base}")
-    return f"{best['thickness_mm']:g} mm thick, {length:g} x {width:g} mm {best['shape']}, {held}"
-
-
-def _sites_line(result: dict[str, Any]) -> list[str]:
-    """The grid of crowns, where several were asked for."""
-    return [f"  sites      {result['sites']['text']}"] if result["sites"] else []
-
-
-def _test_line(result: dict[str, Any]) -> list[str]:
-    """The test, where it is not the paper's."""
+def _valid(result: dict[str, Any]) -> list[str]:
+    """For which presses the answer holds, and where people's data come from."""
+    codes = {item["code"] for item in result["warnings"]}
     given = result["inputs"]
-    test = [given[name] for name in ("punch", "edge_radius_mm", "condition", "hold_s")]
-    test += [sorted(given[name]) for name in ("force_N", "velocity_mm_s")]
-    if test == ["square:14", 0.0, "bonded", 10.0, [5.0, 10.0, 15.0], [10.0, 250.0]]:
-        return []
-    forces, speeds = (", ".join(f"{v:g}" for v in sorted(given[name])) for name in ("force_N", "velocity_mm_s"))
-    edge = f", edge radius {given['edge_radius_mm']:g} mm" if given["edge_radius_mm"] else ""
-    edge += "" if given["condition"] == "bonded" else f", {given['condition']}"
-    return [f"  test       {given['punch']}{edge}; {forces} N at {speeds} mm/s, held {given['hold_s']:g} s"]
+    text = test_line(given)
+    if "inferred_tissue" in codes:
+        text += f"; {given['tissue']}: inferred, not measured"
+    return labelled("VALID", text, 2)
 
 
-_MISFIT = ("misfit_rms_ln_force", "depth_over_thickness")
-
-
-def _condition(row: dict[str, Any]) -> str:
-    head = f"  {row['steady_force_N']:<9g} {row['velocity_mm_s']:<6g}"
-    if row["depth_mm"] is None:
-        return f"{head} {row['out_of_reach']}"
-    span = f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}"
-    return (
-        f"{head} {row['depth_mm']:<9.2f} {row['depth_over_thickness']:<16.2f} {row['peak_force_N']:<8.1f} "
-        f"{span:<15} {row['inside_fraction']:.2f}"
-    )
-
-
-def _parameters(best: dict[str, Any]) -> list[str]:
-    if best["parameters"] is None:
-        return []
-    lines = [
-        "",
-        f"parameters of the tissue law ({best['parameters_law']}) fitted to this pad's simulated presses:",
-    ]
-    for name, value in best["parameters"].items():
-        symbol, unit = name.split("_", 1)
-        unit = {"N_per_mm3": "N/mm3", "N_s_per_mm": "N s/mm"}[unit]
-        if isinstance(value, dict):
-            text = ", ".join(f"{item:.3g} at {speed} mm/s" for speed, item in value.items())
-        else:
-            text = f"{value:.3g}"
-        lines.append(f"  {symbol:<7} {text} {unit}")
+def _table(result: dict[str, Any]) -> list[str]:
+    """One row a press."""
+    lines = ["  steady N  mm/s   depth mm  gel used  pad peak N  people N"]
+    for row in result["recommendation"]["conditions"]:
+        head = f"  {row['steady_force_N']:<9g} {row['velocity_mm_s']:<6g} "
+        if row["depth_mm"] is None:
+            lines.append(f"{head}out of reach")
+            continue
+        people = f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}"
+        reads = row["reads"] if row["reads"] == "inside" else f"{row['percent_outside']:.0f} % {row['reads']}"
+        gel = f"{100 * row['gel_compression']:.0f} %"
+        lines.append(f"{head}{row['depth_mm']:<9.2f} {gel:<9} {row['peak_force_N']:<11.1f} {people:<13} {reads}")
     return lines
 
 
-def _more(result: dict[str, Any]) -> list[str]:
-    """Alternatives, tolerance, verification, files, and what the answer rests on."""
+def _correct(result: dict[str, Any]) -> list[str]:
+    """By what readings are multiplied: for 95 % of castings, at central estimates, and after measuring."""
+    verdict = result["verdict"]
+    factors = verdict["correction"]
+    factor, central, after = (factors[name] for name in ("factor", "factor_central", "factor_after_measuring"))
+    if verdict["light"] == "red" or factor is None:
+        return []
+    if factor <= 1.01:
+        return labelled("CORRECT", "no correction needed")
+    now = "none needed at central estimates; " if central is None or central <= 1.01 else (
+        f"multiply readings by {central:.2f}; by ")  # fmt: skip
+    text = f"{now}{factor:.2f} for 95 % of castings"
+    if after is not None and factor - after > 0.005:
+        text += f", {max(after, 1.0):.2f} once the resin is measured"
+    return labelled("CORRECT", text)
+
+
+def _why(result: dict[str, Any]) -> list[str]:
+    """How near each kind comes to the tissue, or why no other was compared."""
+    known = [row for row in result["shapes"] if row["shape"] is not None and row["misfit_rms_ln_force"] is not None]
+    best = result["recommendation"]
+    mine = next((row for row in known if row["shape"] == best["shape"]), None)
+    undecided = result["choice"]["expectation"]["undecided"]
+    text = f"{undecided}\n" if undecided else ""
+    if mine is None or len(known) < 2:
+        return labelled("WHY", text + result["choice"]["text"], 2)
+    forces = sorted(result["inputs"]["force_N"])
+    others = sorted((row for row in known if row is not mine), key=lambda row: row["misfit_rms_ln_force"])
+    listed = ", ".join(f"{row['kind']} {row['misfit_rms_ln_force']:.2f}" for row in others)
+    text += f"misfit to people {0.1 * forces[0]:g} to {forces[-1]:g} N: {mine['misfit_rms_ln_force']:.2f}; {listed}"
+    return labelled("WHY", text, 3)
+
+
+def _risk(result: dict[str, Any]) -> list[str]:
+    slope = 100 * result["sensitivity"]["d_ln_young_per_percent_ratio"]
+    return labelled("RISK", f"1 % of the ratio changes the modulus by {slope:.0f} %")
+
+
+def _notes(result: dict[str, Any]) -> list[str]:
+    """At most four warnings, each with what to do; an impact comes first."""
     lines = []
-    if result["alternatives"]:
-        lines += ["", "alternatives:", "  mm     ratio   kPa     total  steady  force-time  aim   below 5 N"]
-    for other in result["alternatives"]:
-        s, young = other["scores"], other["young_kPa"]["value"]
-        lines.append(
-            f"  {other['thickness_mm']:<6g} {other['ratio']:<7g} {young:<7.3g} {s['total']:<6.2f} "
-            f"{s['steady_state_range']:<7.2f} {s['force_variation_range']:<11.2f} {s['aim']:<5.2f} "
-            f"{s['low_force_range']:.2f}"
-        )
-    tolerance = result["sensitivity"]
-    limits, slope = tolerance["tolerances"], 100 * tolerance["d_ln_young_per_percent_ratio"]
-    lines += [
-        "",
-        f"tolerance: modulus changes {slope:.0f} % per 1 % of ratio; "
-        f"with {limits['weighing_g']:g} g and {limits['thickness_mm']:g} mm",
-        *_castings(result),
-    ]
-    checked = result["verification"]
-    if checked["max_difference_percent"] is not None:
-        lines.append(
-            f"verified: {checked['fidelity']} finite elements differ by at most "
-            f"{checked['max_difference_percent']:.2f} % from the table"
-        )
-    lines += ["", result["rests_on"]["text"], f"next: {result['rests_on']['next_step']}"]
-    lines += [f"{role}: {path}" for role, path in result["files"].items() if not role.startswith("report_")]
-    return lines + warning_lines(result)
+    for code in [code for code in NOTES if code in {item["code"] for item in result["warnings"]}][:MOST_NOTES]:
+        message = next(item["message"] for item in result["warnings"] if item["code"] == code)
+        lines += labelled("WARNING", NOTES[code].format(message=f"{message[0].upper()}{message[1:]}"), 2)
+    return [*_impact(result), *lines]
 
 
-def _castings(result: dict[str, Any]) -> list[str]:
-    """The share of castings in the steady range, which one subject does not make."""
-    if result["verdict"]["subjects"] < 2:
-        return ["  one subject makes no range: no share of castings is given"]
-    tolerance = result["sensitivity"]
-    judged = ", ".join(f"{force:g}" for force in tolerance["judged_at_N"]) or "no force, of 5, 10 and 15"
-    return [
-        f"  {100 * tolerance['yield_fraction']:.0f} % of castings are in the steady range at {judged} N "
-        f"({100 * tolerance['making_only_fraction']:.0f} % if the resin properties were known exactly); by force: "
-        + ", ".join(f"{force} N {100 * share:.0f} %" for force, share in tolerance["by_force"].items()),
-    ]
+def _impact(result: dict[str, Any]) -> list[str]:
+    """What a free mass does on pad and people, where one was asked for."""
+    rows = result.get("safety", {}).get("impact", [])
+    pad = next((row for row in rows if row["body"] == "pad"), None)
+    known = [row["peak_force_N"] for row in rows if row["body"] != "pad" and row["peak_force_N"] is not None]
+    if not pad or pad["peak_force_N"] is None or not known:
+        return []
+    span = f"{min(known):.3g} to {max(known):.3g} N" if len(known) > 1 else f"{known[0]:.3g} N"
+    return labelled("IMPACT", f"peak {pad['peak_force_N']:.3g} N at {pad['depth_mm']:.3g} mm on the pad, "
+                              f"{span} on people")  # fmt: skip
+
+
+def _next(result: dict[str, Any]) -> list[str]:
+    """What to do now: measure first, or the step that the answer rests on."""
+    first, given = result["measure_first"], result["inputs"]
+    if not first["group"]:
+        return labelled("NEXT", result["rests_on"]["next_step"], 3)
+    steps = [first["text"], first["protocol"].partition(":")[0], first["command"]]
+    if first["group"] in ("modulus", "relaxation"):
+        steps.append(f"dummydesign suggest --tissue {given['tissue']} --resin my-batch")
+    return labelled("NEXT", "\n".join(f"{number}. {step}" for number, step in enumerate(steps, 1)), 7)
+
+
+def _meanwhile(result: dict[str, Any]) -> list[str]:
+    """Two ratios to pour before anything is measured, where they help."""
+    first = result["measure_first"]
+    if not first["ratios"] or first["either_fraction"] - max(first["each_fraction"]) < 0.03:
+        return []
+    low, high = first["ratios"]
+    words = "usable" if first["acceptable_means"] == "usable" else "right without a correction"
+    share = 100 * first["either_fraction"]
+    return labelled("", f"or pour the pad at ratios {low:g} and {high:g}: at least one is {words} in {share:.0f} %")
+
+
+def _files(result: dict[str, Any]) -> list[str]:
+    """The folder, and which file to begin with."""
+    from pathlib import Path
+
+    files = result["files"]
+    if not files:
+        return []
+    named = {"pour_sheet_a4": "{} (start here)", "mould": "{}", "report": "{}"}
+    shown = [words.format(Path(files[role]).name) for role, words in named.items() if role in files]
+    folder = Path(next(iter(files.values()))).parent
+    return labelled("FILES", f"{folder}/: {', '.join(shown)}, {len(files) - len(shown)} more", 2)
+
+
+def _more(result: dict[str, Any]) -> list[str]:
+    count = len(result["warnings"])
+    return labelled("MORE", f"--details: scores, other shapes, parameters, castings, {count} notes")

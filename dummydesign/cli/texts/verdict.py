@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from dummydesign.cli.texts.screen import labelled
+
 NO_LAW = "measured_curves"
 FIRST = (NO_LAW, "tissue_punch", "force_not_in_band", "speed_not_in_band", "calibration_resin")
 """Codes of what is said right after the verdict: it rests on what nobody measured, or on another resin's campaign."""
@@ -24,11 +26,11 @@ def verdict_lines(verdict: dict[str, Any] | None, coloured: bool | None = None) 
         return []
     if coloured is None:
         coloured = _wants_colour()
-    word, _, rest = verdict["text"].partition(":")
-    head = f"{verdict['light'].upper()}  {word.upper()}"
+    lines = labelled(verdict["light"].upper(), verdict["text"])
     if coloured:
-        head = f"\033[1;{CODES[verdict['light']]}m\u25cf {head}\033[0m"
-    return [f"{head}:{rest}", ""]
+        light = verdict["light"].upper()
+        lines[0] = f"\033[1;{CODES[verdict['light']]}m{light}\033[0m{lines[0].removeprefix(light)}"
+    return [*lines, ""]
 
 
 def tissue_lines(result: dict[str, Any]) -> list[str]:
@@ -64,10 +66,12 @@ def first_lines(result: dict[str, Any]) -> list[str]:
         with_ = f"the subjects with {min(known):.3g} to {max(known):.3g} N" if len(known) > 1 else (
             f"the subject with {known[0]:.3g} N")  # fmt: skip
         lines.append(f"impact: the pad stops it with {pad['peak_force_N']:.3g} N at {pad['depth_mm']:.3g} mm, {with_}")
-    lines += [result["measure_first"]["text"]] if result.get("measure_first") else []
+    first = result.get("measure_first")
+    lines += [f"{first['text']}: {first['protocol']}", f"then: {first['command']}"] if first and first["text"] else []
     choice = result.get("choice")
     lines += [f"why this pad: {choice['text']}"] if choice else []
     lines += [choice["expectation"]["text"]] if choice and choice["expectation"]["differs"] else []
+    lines += [choice["expectation"]["undecided"]] if choice and choice["expectation"]["undecided"] else []
     return [*lines, ""] if lines else []
 
 

@@ -110,7 +110,7 @@ def measure_first(cast: PadCastings) -> MeasureFirst:
     share = now + gains[group] if group != TISSUE else now
     start = now if group != TISSUE else over_tissues or 0.0
     words = "are usable" if means == USABLE else "need no correction"
-    text = f"measure {NAMES[group]} first: {_percent(start)} of castings {words}, {_percent(share)} once it is known"
+    text = f"measure {NAMES[group]}: {_percent(start)} of castings {words}, {_percent(share)} once it is known"
     pair = _two_ratios(cast, worst) if group in RESIN else None
     found = MeasureFirst(group, now, means, listed, over_tissues, protocol, command, text)
     return found if pair is None else replace(found, ratios=pair[0], each_fraction=pair[1], either_fraction=pair[2])
@@ -122,12 +122,13 @@ def _how(group: str, candidate: Candidate, cast: PadCastings) -> tuple[str, str]
     if group in RESIN:
         diameter, height = PUCK_MM
         protocol = (
-            f"cast a puck of {diameter:g} mm diameter and {height:g} mm height at ratio {candidate.ratio:g}; press it "
-            "between plates with a ramp and a 10 s hold: this measures modulus and relaxation, one puck and two minutes"
+            f"cast a puck ({diameter:g} mm diameter, {height:g} mm high) at ratio {candidate.ratio:g}; "
+            "press it with a ramp and a 10 s hold: "
+            "this measures modulus and relaxation with one puck in two minutes"
         )
         command = (
             f"dummydesign resins add-compression puck.csv --diameter {diameter:g} --height {height:g} "
-            f"--name my-batch --ratio {candidate.ratio:g} --resin {resin.name}"
+            f"--ratio {candidate.ratio:g} --name my-batch --resin {resin.name}"
         )
         return protocol, command
     if group == MAKING:

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from dummydesign.design.search.best_of_kinds import Chosen
     from dummydesign.design.search.slabs import Candidate
     from dummydesign.design.search.space import SearchSpace
-    from dummydesign.geometry.shapes import PadShape
     from dummydesign.resin.model.resin import Resin
     from dummydesign.tissue.model.tissue import Tissue
 
@@ -126,7 +125,7 @@ def design_warnings(
     said = [*(own or []), *_of_forces(chosen, space)]
     said += [("off_centre", centring.text)] if centring else []
     said += [("no_shape", reason) for reason in _reasons(chosen)]
-    said += _edges(chosen)
+    said += _edges(chosen, space)
     alone = len(tissue.subjects) < 2
     if alone:
         text = f"{tissue.name} has one subject, who makes no range: shares in range and of castings mean nothing"
@@ -161,7 +160,7 @@ def _of_forces(chosen: Chosen, space: SearchSpace) -> list[tuple[str, str]]:
     if low < 0.5:
         lowest = space.targets.protocol.forces_N[0]
         share = f"below {lowest:g} N only {100 * low:.0f} % of the steady curve lies in the (extrapolated) range: "
-        said.append(("stiff_at_first_touch", share + _why_stiff(chosen.shape)))
+        said.append(("stiff_at_first_touch", share + _why_stiff(chosen)))
     return said
 
 
@@ -200,10 +199,12 @@ def _of_data(resin: Resin, tissue: Tissue) -> list[tuple[str, str]]:
     return said
 
 
-def _why_stiff(shape: PadShape) -> str:
-    if not shape.flat_top:
+def _why_stiff(chosen: Chosen) -> str:
+    if not chosen.shape.flat_top:
         return "the shape starts stiffer or softer than tissue there"
-    return "a flat pad starts far more linear than tissue, whatever its ratio; '--shape auto' looks for others"
+    text = "a flat pad starts far more linear than tissue, whatever its ratio"
+    # other kinds were compared already where rows of them stand beside it
+    return text if len(chosen.beside) > 1 else f"{text}; '--shape auto' looks for others"
 
 
 def _reasons(chosen: Chosen) -> list[str]:
@@ -217,13 +218,13 @@ def _reasons(chosen: Chosen) -> list[str]:
     return [f"{', '.join(names)} {reason}".strip() for reason, names in kinds.items()]
 
 
-def _edges(chosen: Chosen) -> list[tuple[str, str]]:
+def _edges(chosen: Chosen, space: SearchSpace) -> list[tuple[str, str]]:
     """A best design at the end of a range: more might be had outside."""
-    best, searched = chosen.found.best, chosen.found.score_map
+    best = chosen.found.best
     said = []
     for name, value, steps in (
-        ("thickness", best.thickness_mm, searched.thickness_mm),
-        ("ratio", best.ratio, searched.ratio),
+        ("thickness", best.thickness_mm, space.thickness_mm),
+        ("ratio", best.ratio, space.ratio),
     ):
         if len(steps) > 1 and value in (steps[0], steps[-1]):
             said.append(("at_edge", f"the best {name} {value:g} is at the limit of the range searched"))

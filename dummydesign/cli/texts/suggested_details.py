@@ -1,0 +1,226 @@
+"""All of the answer of ``dummydesign suggest``, for ``--details``."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from dummydesign.cli.texts.verdict import NO_LAW, first_lines, tissue_lines, verdict_lines, warning_lines
+from dummydesign.design.scoring.verdict_words import OUTCOMES, whole_percents
+
+
+def details(result: dict[str, Any]) -> str:
+    """Lay all of the answer out as tables."""
+    best = result["recommendation"]
+    young, recipe = best["young_kPa"], best["recipe"]
+    weigh = ", ".join(f"{item['name']} {item['mass_g']:.1f} g" for item in recipe["components"])
+    lines = [
+        *verdict_lines(result["verdict"]),
+        *tissue_lines(result),
+        *_calibration(result),
+        *first_lines(result),
+        f"{result['inputs']['tissue']}, aim {result['inputs']['aim']}",
+        "",
+        f"  pad        {_pad(result)}",
+        *_sites_line(result),
+        f"  test       {test_line(result['inputs'])}",
+        f"  resin      {best['resin']}, ratio {best['ratio']:g} ({best['ratio_meaning']})",
+        f"  weigh      {weigh} (total {recipe['total_g']:.1f} g)",
+        f"  modulus    {young['value']:.3g} kPa long-term (95 %: {young['low']:.3g} to {young['high']:.3g})",
+        "",
+        "scores, 0 to 1 (more is better):",
+        "  " + "   ".join(f"{name.replace('_', ' ')} {'none' if value is None else format(value, '.2f')}"
+                          for name, value in best["scores"].items()),
+        "",
+        "  steady N  mm/s   depth mm  depth/thickness  gel used  peak N   tissue peak N   fraction in range  reads",
+    ]
+    lines += [_condition(row) for row in best["conditions"]]
+    lines += [
+        "",
+        f"  small forces ({_small_words(result)}):",
+        "  N      depth mm   tissue mm",
+    ]
+    for row in best["low_force"]:
+        depth = "-" if row["depth_mm"] is None else f"{row['depth_mm']:.2f}"
+        span = f"{row['tissue_depth_low_mm']:.2f} to {row['tissue_depth_high_mm']:.2f}"
+        lines.append(f"  {row['force_N']:<6g} {depth:<10} {span}")
+    lines += _shapes(result) + _parameters(best) + _more(result)
+    return "\n".join(lines)
+
+
+def _small_words(result: dict[str, Any]) -> str:
+    if any(item["code"] == NO_LAW for item in result["warnings"]):
+        return "the people's slowest rise, scaled to their steady force"
+    return "the tissue's law carried on; no data on people"
+
+
+def _calibration(result: dict[str, Any]) -> list[str]:
+    """What the calibration found and left, where one is used."""
+    used = result["calibration"]
+    if used is None:
+        return []
+    return [used["text"], *(f"  unexplained: {reason}" for reason in used["unexplained_because"][:2])]
+
+
+def _shapes(result: dict[str, Any]) -> list[str]:
+    """The best pad of each kind of shape, one a line."""
+    if not result["shapes"]:
+        return []
+    low, high, shown = _forces(result)
+    lines = [
+        "",
+        f"  shapes side by side (misfit: rms of ln F from {0.1 * low:g} to {high:g} N; range: fraction of the steady "
+        f"curve in range;\n  exponent d ln F / d ln x, tissue {result['tissue_exponent']:.3g}):",
+        f"  misfit  range <{low:g} N  range >{low:g} N  exponent {'/'.join(shown)} N  d/h    total  pad",
+    ]
+    for row in result["shapes"]:
+        if row["shape"] is None:
+            lines.append(f"  {row['kind']}: {row['reason']}")
+            continue
+        misfit, depth = ("-" if row[name] is None else f"{row[name]:.2f}" for name in _MISFIT)
+        exponents = (row["exponent_at_N"][force] for force in shown)
+        powers = " / ".join("-" if value is None else f"{value:.1f}" for value in exponents)
+        lines.append(
+            f"  {misfit:<7} {row['share_below_5N']:<11.2f} {row['share_above_5N']:<11.2f} {powers:<18} {depth:<6} "
+            f"{row['total']:<6.2f} {row['thickness_mm']:g} mm {row['shape']}, ratio {row['ratio']:g}"
+        )
+    return [*lines, *_passed_over(result)]
+
+
+def _passed_over(result: dict[str, Any]) -> list[str]:
+    """The pad with the best score where it was passed over because it is not representative."""
+    known = [row for row in result["shapes"] if row["shape"] is not None]
+    nearest = max(known, key=lambda row: row["total"], default=None)
+    if nearest is None or nearest["acceptable"] or nearest["shape"] == result["recommendation"]["shape"]:
+        return []
+    return [
+        f"  the {nearest['kind']} pad scores higher (total {nearest['total']:.2f}) and is not representative; "
+        f"--shape {nearest['kind']} gives it",
+    ]
+
+
+def _forces(result: dict[str, Any]) -> tuple[float, float, tuple[str, str, str]]:
+    """Lowest and highest force of the test, and the keys of three exponents: below, lowest and highest."""
+    forces = sorted(result["inputs"]["force_N"])
+    return forces[0], forces[-1], (f"{0.2 * forces[0]:g}", f"{forces[0]:g}", f"{forces[-1]:g}")
+
+
+def _pad(result: dict[str, Any]) -> str:
+    best, base, (length, width) = (result["recommendation"], *(result["inputs"][name] for name in ("base", "pad_mm")))
+    held = {"bonded": "glued to a rigid base", "sliding": "sliding on a rigid base"}.get(base, f"resting, {base}")
+    return f"{best['thickness_mm']:g} mm thick, {length:g} x {width:g} mm {best['shape']}, {held}"
+
+
+def _sites_line(result: dict[str, Any]) -> list[str]:
+    """The grid of crowns, where several were asked for."""
+    return [f"  sites      {result['sites']['text']}"] if result["sites"] else []
+
+
+def test_line(given: dict[str, Any]) -> str:
+    """The presses for which the answer holds.
+
+    Parameters
+    ----------
+    given : dict
+        The inputs of the answer.
+    """
+    kind, _, size = given["punch"].partition(":")
+    punch = f"{size} x {size} mm punch" if kind == "square" else f"{kind} punch {size} mm"
+    forces, speeds = (sorted(given[name]) for name in ("force_N", "velocity_mm_s"))
+    span = f"{forces[0]:g} to {forces[-1]:g} N" if len(forces) > 1 else f"{forces[0]:g} N"
+    edge = f", edge radius {given['edge_radius_mm']:g} mm" if given["edge_radius_mm"] else ""
+    face = "" if given["condition"] == "bonded" else f", {given['condition']}"
+    hold = "" if given["hold_s"] == 10.0 else f", held {given['hold_s']:g} s"
+    return f"{punch}{edge}{face}, {span}, {' and '.join(f'{v:g}' for v in speeds)} mm/s{hold}"
+
+
+_MISFIT = ("misfit_rms_ln_force", "depth_over_thickness")
+
+
+def _condition(row: dict[str, Any]) -> str:
+    head = f"  {row['steady_force_N']:<9g} {row['velocity_mm_s']:<6g}"
+    if row["depth_mm"] is None:
+        return f"{head} {row['out_of_reach']}"
+    span = f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}"
+    return (
+        f"{head} {row['depth_mm']:<9.2f} {row['depth_over_thickness']:<16.2f} {row['gel_compression']:<9.2f} "
+        f"{row['peak_force_N']:<8.1f} {span:<15} {row['inside_fraction']:<18.2f} {row['reads']}"
+    )
+
+
+def _parameters(best: dict[str, Any]) -> list[str]:
+    if best["parameters"] is None:
+        return []
+    lines = [
+        "",
+        f"parameters of the tissue law ({best['parameters_law']}) fitted to this pad's simulated presses:",
+    ]
+    for name, value in best["parameters"].items():
+        symbol, unit = name.split("_", 1)
+        unit = {"N_per_mm3": "N/mm3", "N_s_per_mm": "N s/mm"}[unit]
+        if isinstance(value, dict):
+            text = ", ".join(f"{item:.3g} at {speed} mm/s" for speed, item in value.items())
+        else:
+            text = f"{value:.3g}"
+        lines.append(f"  {symbol:<7} {text} {unit}")
+    return lines
+
+
+def _more(result: dict[str, Any]) -> list[str]:
+    """Alternatives, tolerance, verification, files, and what the answer rests on."""
+    lines = []
+    if result["alternatives"]:
+        lines += ["", "alternatives:", "  mm     ratio   kPa     total  steady  force-time  aim   below 5 N"]
+    for other in result["alternatives"]:
+        s, young = other["scores"], other["young_kPa"]["value"]
+        lines.append(
+            f"  {other['thickness_mm']:<6g} {other['ratio']:<7g} {young:<7.3g} {s['total']:<6.2f} "
+            f"{s['steady_state_range']:<7.2f} {s['force_variation_range']:<11.2f} {s['aim']:<5.2f} "
+            f"{s['low_force_range']:.2f}"
+        )
+    tolerance = result["sensitivity"]
+    limits, slope = tolerance["tolerances"], 100 * tolerance["d_ln_young_per_percent_ratio"]
+    lines += [
+        "",
+        f"tolerance: modulus changes {slope:.0f} % per 1 % of ratio; "
+        f"with {limits['weighing_g']:g} g and {limits['thickness_mm']:g} mm",
+        *_castings(result),
+    ]
+    checked = result["verification"]
+    if checked["max_difference_percent"] is not None:
+        lines.append(
+            f"verified: {checked['fidelity']} finite elements differ by at most "
+            f"{checked['max_difference_percent']:.2f} % from the table"
+        )
+    lines += ["", result["rests_on"]["text"], f"next: {result['rests_on']['next_step']}"]
+    lines += [f"{role}: {path}" for role, path in result["files"].items() if not role.startswith("report_")]
+    return lines + warning_lines(result)
+
+
+def _castings(result: dict[str, Any]) -> list[str]:
+    """The castings by class, what each known group makes of them, and their share in the steady range."""
+    drawn, first, names = result["castings"], result["measure_first"], ("stands_for", "usable", *OUTCOMES)
+    shares = whole_percents([drawn[name] for name in names])
+    words = ["need no correction", "are usable with one", *(OUTCOMES[name] for name in OUTCOMES)]
+    over = first["acceptable_over_tissues"]
+    lines = [
+        f"  of {drawn['n']} castings (seed {drawn['seed']}) "
+        + ", ".join(f"{share} % {word}" for share, word in zip(shares, words)),
+        f"  acceptable ({first['acceptable_means'].replace('_', ' ')}): {100 * first['acceptable_now']:.0f} % now; "
+        "with one group known: "
+        + ", ".join(f"{name} {100 * share:.0f} %" for name, share in first["acceptable_if_known"].items())
+        + ("" if over is None else f"; for tissues that the data allow {100 * over:.0f} %"),
+    ]
+    return [*lines, *_in_range(result)]
+
+
+def _in_range(result: dict[str, Any]) -> list[str]:
+    """The share of castings in the steady range, which one subject does not make."""
+    if result["verdict"]["subjects"] < 2:
+        return ["  one subject makes no range: no share of castings is given"]
+    tolerance = result["sensitivity"]
+    judged = ", ".join(f"{force:g}" for force in tolerance["judged_at_N"]) or "no force, of 5, 10 and 15"
+    return [
+        f"  {100 * tolerance['yield_fraction']:.0f} % of castings are in the steady range at {judged} N "
+        f"({100 * tolerance['making_only_fraction']:.0f} % once the resin is known); by force: "
+        + ", ".join(f"{force} N {100 * share:.0f} %" for force, share in tolerance["by_force"].items()),
+    ]

@@ -94,7 +94,7 @@ def calibrate(
 
 
 def replay(
-    campaign: str | PathLike[str], calibration: str | PathLike[str], *, effects: Paths = (),
+    campaign: str | PathLike[str], calibration: str | PathLike[str], *, tissue: str | None = None, effects: Paths = (),
     progress: Callable[[str], None] | None = None,
 ) -> Result:  # fmt: skip
     """Predict a campaign with a calibration and compare with what was measured.
@@ -105,6 +105,8 @@ def replay(
         Folder with campaign.toml and one CSV per trial.
     calibration : path
         ``calibration.json`` of :func:`calibrate`.
+    tissue : str, optional
+        Name or file: each pad of the campaign is then judged by its presses, as :func:`compare` does.
     effects : iterable of path
         Files with effects of your own that the calibration names.
     progress : callable, optional
@@ -120,20 +122,29 @@ def replay(
     InputError
         For files that cannot be used.
     """
+    from dummydesign.design.assessment.verdict_of_campaign import verdicts_of_campaign
     from dummydesign.loop.calibration_file import read_calibration
     from dummydesign.loop.effects.own import own_effects
     from dummydesign.loop.replay import replay as predict_again
     from dummydesign.measurement.campaign_file import read_campaign
+    from dummydesign.tissue.model.tissue_file import load_tissue
 
+    site = None if tissue is None else load_tissue(tissue)
     with own_effects([fspath(path) for path in effects]):
         known, read = read_calibration(fspath(calibration)), read_campaign(fspath(campaign))
         found = predict_again(read, known, progress)
     caution = [{"code": "calibration", "message": known.caution}] if known.caution else []
     beyond = [{"code": "beyond_table", "message": found.left_out}] if found.left_out else []
+    pads = () if site is None else verdicts_of_campaign(read, site)
+    judged = [pad.verdict for pad in pads if pad.verdict is not None]
+    unjudged = [{"code": "pad_not_judged", "message": f"{pad.shape or 'slab'} of {pad.thickness_mm:g} mm: {pad.reason}"}
+                for pad in pads if pad.reason]  # fmt: skip
     result = {
-        "inputs": {"campaign": fspath(campaign), "calibration": fspath(calibration)},
-        "warnings": [*beyond, *read.warnings, *caution],
-        "verdict": known.verdict,
+        "inputs": {"campaign": fspath(campaign), "calibration": fspath(calibration), "tissue": tissue},
+        "warnings": [*beyond, *read.warnings, *caution, *unjudged],
+        "verdict": judged[0].to_dict() if judged else None,
+        "pads": [pad.to_dict() for pad in pads],
+        "calibration_verdict": known.verdict,
         "effects": [one.effect.name for one in known.after.active],
         **found.to_dict(),
         "warning_band_N": known.remainder_N,

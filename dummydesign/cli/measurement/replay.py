@@ -7,6 +7,7 @@ from typing import Any
 
 from dummydesign.cli.shared_options import add_effect_option
 from dummydesign.cli.steps import steps_shown
+from dummydesign.cli.texts.verdict import verdict_lines
 
 HELP = "Predict a campaign with a calibration written by 'loop', and compare with what was measured."
 
@@ -15,6 +16,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("campaign", metavar="CAMPAIGN_DIR", help="folder with campaign.toml and one CSV per trial")
     parser.add_argument("--calibration", metavar="FILE", required=True, help="calibration.json of 'dummydesign loop'")
+    told = "judge each pad of the campaign by its presses, as 'compare' does"
+    parser.add_argument("--tissue", metavar="NAME|FILE", help=told)
     add_effect_option(parser)
 
 
@@ -27,12 +30,18 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     from dummydesign.api import replay
 
     with steps_shown(ABOUT_STEPS) as steps:
-        return replay(options.campaign, options.calibration, effects=options.effect, progress=steps).to_dict()
+        return replay(
+            options.campaign, options.calibration, tissue=options.tissue, effects=options.effect, progress=steps
+        ).to_dict()
 
 
 def render(result: dict[str, Any]) -> str:
     """Make the readable table."""
-    lines = [f"{'trial':<28} {'rms N':>9} {'base rms N':>11} {'peak error N':>13}"]
+    lines = verdict_lines(result["verdict"])
+    for pad in result["pads"] if len(result["pads"]) > 1 else ():
+        level = pad["reason"] if pad["verdict"] is None else pad["verdict"]["level"].replace("_", " ")
+        lines.append(f"{pad['shape']}, {pad['thickness_mm']:g} mm: {level}")
+    lines += [f"{'trial':<28} {'rms N':>9} {'base rms N':>11} {'peak error N':>13}"]
     for row in result["trials"]:
         lines.append(
             f"{row['file'][:28]:<28} {row['rmse_N']:>9.4f} {row['base_rmse_N']:>11.4f} {row['peak_error_N']:>+13.4f}"

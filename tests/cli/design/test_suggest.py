@@ -107,17 +107,66 @@ def test_without_cad_the_recipe_stands_and_the_missing_step_is_named(capsys, mon
     assert "polyol" in shown.out and shown.err.startswith("error: libGL")
 
 
-def test_text_shows_recipe_scores_and_what_it_rests_on(capsys):
-    assert run(["suggest", "--tissue", "forefinger", "--resin", "ecoflex-00-30", *QUICK]) == 1
+@pytest.mark.parametrize("more", [
+    (), ("--resin", "ecoflex-00-30"), ("--force", "1,2,3,5,8,10,12,15", "--velocity", "10,100,250"),
+    ("--robot-mass", "2", "--robot-velocity", "100"), ("--aim", "safe-side"), ("--shape", "auto"),
+])  # fmt: skip
+def test_the_answer_fits_one_screen_and_says_the_verdict_first(more, capsys):
+    status = run(["suggest", "--tissue", "forefinger", *QUICK, *more])
     shown = capsys.readouterr()
-    assert shown.out.startswith("RED  READS LOW") and "not acceptable: reads low" in shown.err
-    assert run(["suggest", "--tissue", "forefinger", *QUICK]) == 0
-    text = capsys.readouterr().out
-    assert text.startswith("AMBER  MIXED")
-    parts = ("polyol", "isocyanate", "total", "fraction in range", "inferred or assumed", "alternatives")
-    for part in (*parts, "% of castings"):
-        assert part in text
-    assert max(len(line) for line in text.splitlines() if not line.startswith(("warning", "next", "AMBER"))) < 260
+    lines = shown.out.splitlines()
+    assert len(lines) <= 30 and max(map(len, lines)) <= 100
+    assert lines[0].startswith({0: ("GREEN", "AMBER"), 1: "RED"}[status])
+    labels = [line.split()[0] for line in lines if line[:1].isupper()]
+    assert {"PAD", "RESIN", "WEIGH", "VALID", "NEXT", "FILES", "MORE"} <= set(labels)
+    assert labels.count("WARNING") <= 4 and "polyol" in shown.out or "thinner" in shown.out
+
+
+def test_details_hold_every_number_of_the_screen(capsys):
+    import re
+
+    asked = ["suggest", "--tissue", "palm", *QUICK]
+    run(asked)
+    screen = capsys.readouterr().out
+    run([*asked, "--details", "--replace"])
+    details = capsys.readouterr().out
+    for part in ("polyol", "isocyanate", "fraction in range", "inferred or assumed", "of castings", "seed"):
+        assert part in details
+    rows = [line.split() for line in screen.splitlines() if re.match(r"^  \d", line)]
+    assert len(rows) == 6
+    for force, speed, depth, *_ in rows:
+        assert any(line.split()[:3] == [force, speed, depth] for line in details.splitlines())
+
+
+def test_castings_are_counted_and_add_up(capsys):
+    _, found = answer(capsys, "suggest", "--tissue", "palm", *QUICK, "--castings", "1500")
+    drawn = found["castings"]
+    assert drawn["n"] == 1500 == found["inputs"]["castings"] == found["sensitivity"]["pours"]
+    names = ("stands_for", "usable", "reads_low", "over", "out_of_reach")
+    assert sum(drawn[name] for name in names) == pytest.approx(1.0, abs=1e-12)
+    assert found["verdict"]["castings"] == {name: drawn[name] for name in names}
+    first = found["measure_first"]
+    now = drawn["stands_for"] + (drawn["usable"] if first["acceptable_means"] == "usable" else 0.0)
+    assert first["acceptable_now"] == pytest.approx(now, abs=1e-12)
+    expected = found["choice"]["expectation"]["taken"]["acceptable_fraction"]
+    assert expected == pytest.approx(drawn["stands_for"] + drawn["usable"], abs=1e-12)
+
+
+def test_a_limits_file_of_ones_own_decides_and_a_damaged_one_is_refused(capsys, tmp_path, monkeypatch):
+    from pathlib import Path
+
+    source = Path(__file__).parents[3] / "materials" / "verdict.toml"
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
+    own = tmp_path / "materials" / "verdict.toml"
+    own.parent.mkdir()
+    text = source.read_text()
+    for damaged in (text.replace("[usable.over]", "[usable.ovr]"), text[: len(text) // 2], "schema = 2\n", "a = ["):
+        own.write_text(damaged)
+        assert run(["suggest", "--tissue", "palm", *QUICK]) == 2
+        error = capsys.readouterr().err.strip()
+        assert error.startswith("error: ") and "verdict.toml" in error and "\n" not in error
+    own.write_text(text.replace("value = 1.10\nlow = 1.0\nhigh = 1.20", "value = 1.15\nlow = 1.0\nhigh = 1.20", 1))
+    assert run(["suggest", "--tissue", "palm", *QUICK, "--json"]) in (0, 1)
 
 
 @pytest.mark.parametrize(
@@ -133,6 +182,8 @@ def test_text_shows_recipe_scores_and_what_it_rests_on(capsys):
         (["--tissue", "palm", "--resin", "rubber"], "unknown resin 'rubber'"),
         (["--tissue", "palm", "--balance", "-1"], "balance in g = -1.0"),
         (["--tissue", "palm", "--thickness-tolerance", "nan"], "thickness tolerance in mm = nan"),
+        (["--tissue", "palm", "--castings", "0"], "castings = 0 is outside 1200 to 100000"),
+        (["--tissue", "palm", "--castings", "many"], "castings = many is not a whole number"),
         (["--tissue", "palm", "--robot-velocity", "250"], "needs the robot's mass"),
         (["--tissue", "palm", "--robot-mass", "4", "--robot-velocity", "0.25"], "looks like m/s: give 250"),
         (["--tissue", "palm", "--out", "/dev/null/x"], "cannot be written"),
@@ -229,8 +280,8 @@ def test_the_recommended_design_is_verified_by_finite_elements(capsys):
 def test_a_palm_of_a_silicone_that_hardly_relaxes_is_called_unsafe(capsys):
     status, found = answer(capsys, "suggest", "--tissue", "palm", "--resin", "ecoflex-00-30", *QUICK)
     judged = found["verdict"]
-    assert status == 1 and judged["level"] == "reads_low" and judged["light"] == "red"
-    assert judged["peaks_below"] == judged["peaks"] == 6 and judged["furthest_below_percent"] > 30
+    assert status == 1 and judged["level"] == "not_representative" and judged["light"] == "red"
+    assert judged["peaks_below"] == judged["peaks"] == 6 and judged["shortfall"]["central"] > 1.4
     assert found["files"] and not any("step" in path for path in found["files"].values())
 
 

@@ -29,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--no-power", action="store_true", help="do not work out which effects the plan cannot see or tell apart")
     add("--moulds", action="store_true", help="make the moulds of all pads too, in DIR-moulds (needs --resin)")
     add("--preset", default="open", metavar="NAME|FILE", help="of the moulds (default open)")
-    check = actions.add_parser("check", help="what is not yet pressed, or looks wrong", allow_abbrev=False)
+    check = actions.add_parser("check", help="what is not yet pressed, and problems", allow_abbrev=False)
     check.add_argument("folder", metavar="DIR", help="folder with campaign.toml")
     files = actions.add_parser("from-files", help="campaign.toml from traces one has", allow_abbrev=False)
     files.add_argument("folder", metavar="DIR", help="folder to make; the traces are copied into it")
@@ -65,7 +65,9 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
 
         found = check_campaign(options.folder).to_dict()
         if found["wrong"]:
-            raise NoAnswerError("campaign_wrong", f"{len(found['wrong'])} things look wrong in {options.folder}", found)
+            count = len(found["wrong"])
+            problems = f"{count} problem{'s' if count > 1 else ''} in {options.folder}"
+            raise NoAnswerError("campaign_wrong", problems, found)
         return found
     set_up = _set_up(options)
     if options.action == "from-files":

@@ -44,6 +44,9 @@ def asked_pad(inputs: dict[str, Any]) -> tuple[Pad | Puck, dict[str, float], lis
         return puck, young, sources
     profile = read_profile(punch[len("profile:") :]) if punch.startswith("profile:") else None
     radius = profile[0][-1] if profile else equal_area_radius_mm(punch)
+    widest = max((punch_sides_mm(punch) if profile is None else None) or (2.0 * radius,))
+    if min(sides) < widest:
+        raise InputError(f"pad = {size} mm is smaller than the punch {punch}; its sides must be at least {widest:g} mm")
     made = Pad(
         thickness_mm=inputs["thickness_mm"],
         young_MPa=young["value"] * 1e-3,

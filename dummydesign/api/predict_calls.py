@@ -19,6 +19,7 @@ from dummydesign.core.checks import (
     THICKNESS,
     VELOCITY,
     YOUNG,
+    YOUNG_KPA,
     parts_of,
     read_allowed,
     read_number,
@@ -175,7 +176,7 @@ def predict(
 
 
 ALLOWED = {
-    "thickness_mm": (THICKNESS, 0.01, 1000.0), "young_kPa": (YOUNG, 0.01, 1e6), "force_N": (FORCE, 1e-4, 1e5),
+    "thickness_mm": (THICKNESS, 0.01, 1000.0), "young_kPa": (YOUNG, *YOUNG_KPA), "force_N": (FORCE, 1e-4, 1e5),
     "velocity_mm_s": (VELOCITY, 1e-4, 1e5), "hold_s": (HOLD, 1e-6, 1e6),
     "deceleration_mm_s2": (DECELERATION, 1e-3, inf),
 }  # fmt: skip

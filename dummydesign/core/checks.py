@@ -56,6 +56,8 @@ ROBOT_VELOCITY = Purpose("robot velocity in mm/s", "mm/s", (1.0, 10_000.0))
 HOLD = Purpose("hold in s", "s", (0.05, 3600.0))
 DECELERATION = Purpose("deceleration in mm/s2", "mm/s2", (100.0, 1e7))
 YOUNG = Purpose("Young's modulus in kPa", "kPa", (0.5, 5000.0))
+YOUNG_KPA = 0.01, 1e6
+"""Smallest and largest modulus that is allowed. [kPa]"""
 THICKNESS = Purpose("thickness in mm", "mm", (0.3, 300.0))
 MASS = Purpose("robot mass in kg", "kg", (0.02, 5000.0))
 BALANCE = Purpose("balance in g", "g", (0.0, 2.0))
@@ -96,7 +98,8 @@ def read_number(value: float | str, purpose: Purpose) -> float:
     if isinstance(value, str):
         found = NUMBER.match(value)
         if found is None:
-            raise InputError(f"{purpose.quantity} = '{value}' is not a number, or one with a unit such as "
+            shown = value.strip() or repr(value)
+            raise InputError(f"{purpose.quantity} = {shown} is not a number, or one with a unit such as "
                              f"{_examples(purpose)}")  # fmt: skip
         number, unit = float(found[1]), found[2]
     else:

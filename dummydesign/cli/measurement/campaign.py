@@ -44,7 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _set_up_options(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("--name", help="of the campaign (default the folder's)")
-    add("--young", type=float, metavar="KPA", help="nominal modulus of the pads")
+    add("--young", metavar="KPA", help="nominal modulus of the pads")
     add("--resin", metavar="NAME", help="or the resin they are cast of, with --ratio")
     add("--ratio", type=float, metavar="R", help="mixing ratio")
     add("--pad", default="150x120", metavar="LxW|cylinder:D", help="outline in mm (default 150x120)")
@@ -126,6 +126,7 @@ def _with_moulds(plan: dict[str, Any], asked: dict[str, Any]) -> dict[str, Any]:
 def _set_up(options: argparse.Namespace) -> Any:
     from pathlib import Path
 
+    from dummydesign.core.checks import YOUNG, YOUNG_KPA, read_allowed
     from dummydesign.measurement.planning.campaign_text import SetUp
     from dummydesign.measurement.sensor import parse_lowpass
 
@@ -135,8 +136,9 @@ def _set_up(options: argparse.Namespace) -> Any:
         material = load_resin(options.resin)
         if options.ratio is not None:
             material.check_ratio(options.ratio)
+    young = None if options.young is None else read_allowed(options.young, YOUNG, *YOUNG_KPA)
     return SetUp(
-        options.name or Path(options.folder).resolve().name, options.young, options.resin, options.ratio, options.pad,
+        options.name or Path(options.folder).resolve().name, young, options.resin, options.ratio, options.pad,
         options.punch, options.base, options.contact, parse_lowpass(options.lowpass), shape=options.shape,
         edge_radius_mm=options.edge_radius,
     )  # fmt: skip

@@ -123,3 +123,12 @@ def test_what_is_refused_is_named_as_it_was_typed(words, parts, capsys):
     said = capsys.readouterr().err
     assert said.count("\n") == 1 and "MPa" not in said.replace("-0.005MPa", "")
     assert all(part in said for part in parts) and "young_MPa" not in said
+
+
+def test_a_pad_smaller_than_its_punch_and_a_campaign_of_no_modulus_are_refused(tmp_path, capsys):
+    assert run([*ELASTIC, "--depth", "1", "--pad", "slab:10x30"]) == 2
+    assert "smaller than the punch square:14" in capsys.readouterr().err
+    for typed, said in (("-5", "= -5 is outside"), ("0.025", "give 25")):
+        assert run(["campaign", "new", str(tmp_path / "c"), "--young", typed]) == 2
+        assert f"Young's modulus in kPa = {typed}" in (shown := capsys.readouterr().err) and said in shown
+    assert not list(tmp_path.iterdir())

@@ -1,4 +1,4 @@
-"""The pad or puck that a call asks for in words: sizes, punch, interfaces, law, modulus or resin, relaxation."""
+"""The pad or puck that a call asks for in words: sizes, punch, interfaces, law, material; and warnings about it."""
 
 from __future__ import annotations
 
@@ -44,6 +44,9 @@ def asked_pad(inputs: dict[str, Any]) -> tuple[Pad | Puck, dict[str, float], lis
         return puck, young, sources
     profile = read_profile(punch[len("profile:") :]) if punch.startswith("profile:") else None
     radius = profile[0][-1] if profile else equal_area_radius_mm(punch)
+    widest = max((punch_sides_mm(punch) if profile is None else None) or (2.0 * radius,))
+    if min(sides) < widest:
+        raise InputError(f"pad = {size} mm is smaller than the punch {punch}; its sides must be at least {widest:g} mm")
     made = Pad(
         thickness_mm=inputs["thickness_mm"],
         young_MPa=young["value"] * 1e-3,
@@ -80,6 +83,49 @@ def _material(inputs: dict[str, Any]) -> tuple[dict[str, float], list[str], tupl
     prony = prony if inputs["prony"] is not None else resin.prony(inputs["ratio"])
     young = {"value": modulus.value, "low": modulus.low, "high": modulus.high}
     return young, [modulus.source, *resin.references], prony
+
+
+def relaxation_warnings(made: Pad | Puck, moves: bool) -> list[dict[str, str]]:
+    """Warn where a pad without relaxation is pressed in time; ``moves`` says whether it is."""
+    if made.prony or not moves:
+        return []
+    message = (
+        "this pad has no relaxation: its peak force is its steady force. Give --resin with --ratio, or --young with "
+        "--prony TAU:BETA"
+    )
+    return [{"code": "no_relaxation", "message": message}]
+
+
+def pad_warnings(made: Pad | Puck, fidelity: str) -> list[dict[str, str]]:
+    """Warn where a punch that is not round, or one of several crowns, is taken for another."""
+    return _punch_warnings(made, fidelity) + _sites_warnings(made)
+
+
+def _punch_warnings(made: Pad | Puck, fidelity: str) -> list[dict[str, str]]:
+    """Warn where a square or rectangle is taken as the circle of equal area."""
+    from dummydesign.pad.elastic import has_square_factor
+    from dummydesign.pad.pad import Puck
+
+    if isinstance(made, Puck) or made.sides_mm is None or fidelity == "3d":
+        return []
+    if has_square_factor(made):
+        if not made.edge_radius_mm:
+            return []
+        message = "what a square adds to the circle of its area is that of sharp edges; half of it is stated as error"
+        return [{"code": "square_with_fillet", "message": message}]
+    message = (
+        "the punch is taken as the circle of equal area; a square is 0 to 3 % stiffer (5 to 20 mm pads), "
+        "a rectangle more; --fidelity 3d solves it"
+    )
+    return [{"code": "equal_area_punch", "message": message}]
+
+
+def _sites_warnings(made: Pad | Puck) -> list[dict[str, str]]:
+    """Say that one of several crowns is pressed as if it were alone."""
+    from dummydesign.design.sites.pressed_alone import pressed_alone
+    from dummydesign.pad.pad import Puck
+
+    return pressed_alone([] if isinstance(made, Puck) else [len(made.geometry.places_mm)])
 
 
 def numbers(name: str, text: str | float | Iterable[float]) -> list[float]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Result
 from dummydesign.api.questions import question
+from dummydesign.core.checks import LENGTH, WIDTH, read_number
 from dummydesign.core.errors import InputError, NoAnswerError
 
 if TYPE_CHECKING:
@@ -20,8 +21,8 @@ if TYPE_CHECKING:
 def make_mould(
     thickness_mm: float | str | Iterable[float],
     *,
-    length_mm: float = 150.0,
-    width_mm: float = 120.0,
+    length_mm: float | str = 150.0,
+    width_mm: float | str = 120.0,
     shape: str = "slab",
     preset: str = "open",
     resin: str | None = None,
@@ -102,6 +103,7 @@ def make_mould(
 
     kind, parameters = read_kind(shape)
     wanted = read_thicknesses(thickness_mm)
+    length_mm, width_mm = read_number(length_mm, LENGTH), read_number(width_mm, WIDTH)
 
     def made(one: float) -> MouldSpec:
         return mould_spec(

@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from math import inf
 from os import PathLike, fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Result
-from dummydesign.api.asked_pad import asked_pad, numbers
+from dummydesign.api.asked_pad import asked_pad, pad_warnings, relaxation_warnings
 from dummydesign.core.checks import (
     DECELERATION,
+    DEPTH,
     EDGE,
     FORCE,
     HOLD,
     THICKNESS,
     VELOCITY,
     YOUNG,
+    YOUNG_KPA,
+    parts_of,
+    read_allowed,
     read_number,
 )
 from dummydesign.core.errors import InputError
@@ -37,8 +42,8 @@ def predict(
     ratio: float | None = None,
     depth_mm: str | float | Iterable[float] | None = None,
     motion: str | PathLike[str] | None = None,
-    force_N: float | str | None = None,
-    velocity_mm_s: float | str | None = None,
+    force_N: float | str | Iterable[float] | None = None,
+    velocity_mm_s: float | str | Iterable[float] | None = None,
     hold_s: float | str = 10.0,
     deceleration_mm_s2: float | str = 30000.0,
     tissue: str | None = None,
@@ -50,7 +55,7 @@ def predict(
     shape: str = "slab",
     poisson: float = 0.5,
     law: str = "neo-hookean",
-    edge_radius_mm: float = 0.0,
+    edge_radius_mm: float | str = 0.0,
     prony: str | None = None,
     fidelity: str = "table",
     out: str | PathLike[str] | None = None,
@@ -74,8 +79,9 @@ def predict(
         Static depths such as ``[1, 2]`` or ``"1,2"``; or ``motion``, or ``force_N``. [mm]
     motion : path
         CSV with the columns time_s, displacement_mm.
-    force_N, velocity_mm_s : float
-        Force at the end of a ramp and hold, and speed of the ramp. [N, mm/s]
+    force_N, velocity_mm_s : number, numbers or text
+        Force at the end of a ramp and hold, and speed of the ramp. Several of either, such as ``"5,10,15"``, make
+        ``presses`` with one entry for each force at each speed; the other keys are those of the last press. [N, mm/s]
     hold_s, deceleration_mm_s2 : float
         Hold after the stop, and braking. [s, mm/s2]
     tissue, aim : str
@@ -132,12 +138,14 @@ def predict(
     asked = [name for name in ("depth_mm", "motion", "force_N") if inputs[name] is not None]
     if len(asked) > 1 or (not asked and tissue is None):
         raise InputError(f"give exactly one of --depth, --motion and --force, not {len(asked)}")
+    from dummydesign.measurement.motion_file import read_motion
     from dummydesign.pad.predict import predict_motion, predict_static
 
     if (fields or picture) and (depth_mm is None or fidelity != "axisymmetric"):
         raise InputError("fields and pictures are of static depths: --depth with --fidelity axisymmetric")
     made, young, sources = asked_pad(inputs)
-    warnings = _punch_warnings(made, fidelity) + _sites_warnings(made)
+    moves = asked != ["depth_mm"] or tissue is not None
+    warnings = relaxation_warnings(made, moves) + pad_warnings(made, fidelity)
     common: dict[str, Any] = {"inputs": inputs, "sources": sources, "warnings": warnings, "young_kPa": young}
     common["prony"] = [term.to_dict() for term in made.prony]
     found: StaticPrediction | MotionPrediction
@@ -150,30 +158,44 @@ def predict(
             depth_mm = depths or [0.25 * made.thickness_mm]
             asked = ["depth_mm"]
     if depth_mm is not None:
-        found = predict_static(made, numbers("depth", depth_mm), fidelity, progress)
+        found = predict_static(made, [read_number(depth, DEPTH) for depth in parts_of(depth_mm)], fidelity, progress)
+    elif motion is not None:
+        found = predict_motion(made, read_motion(Path(motion)), fidelity, progress)
     else:
-        pressed, reached = _motion(made, inputs)
+        found, reached = _presses(made, inputs, progress)
         common |= reached
-        found = predict_motion(made, pressed, fidelity, progress)
     result = {**common, **found.to_dict()}
     result["warnings"] = warnings + [{"code": "stopped_early", "message": note} for note in result.pop("notes")]
     files: dict[str, Any] = {}
     if depth_mm is not None and fidelity == "axisymmetric":
         files = _add_fields(made, result, fields, picture)
     if out:
-        files = {"curve": str(_write(out, STATIC if asked == ["depth_mm"] else MOVED, result))} | files
+        columns = STATIC if asked == ["depth_mm"] else MOVED
+        files = {"curve": str(_write(out, columns, result.get("presses", [result]), "presses" in result))} | files
     return Result(found, result | ({"files": files} if files else {}), "predict")
 
 
-PURPOSES = {
-    "thickness_mm": THICKNESS, "young_kPa": YOUNG, "force_N": FORCE, "velocity_mm_s": VELOCITY, "hold_s": HOLD,
-    "deceleration_mm_s2": DECELERATION, "edge_radius_mm": EDGE,
+ALLOWED = {
+    "thickness_mm": (THICKNESS, 0.01, 1000.0), "young_kPa": (YOUNG, *YOUNG_KPA), "force_N": (FORCE, 1e-4, 1e5),
+    "velocity_mm_s": (VELOCITY, 1e-4, 1e5), "hold_s": (HOLD, 1e-6, 1e6),
+    "deceleration_mm_s2": (DECELERATION, 1e-3, inf),
 }  # fmt: skip
+"""Purpose, smallest and largest of each number; those of the edge follow from the punch."""
+SEVERAL = ("force_N", "velocity_mm_s")
+"""Of which there may be several."""
 
 
 def _in_units(name: str, value: Any) -> Any:
-    """A number with the unit it came with, or as it is."""
-    return value if value is None or name not in PURPOSES else read_number(value, PURPOSES[name])
+    """A number with the unit it came with, several where they are taken, or as it is."""
+    if value is None or name not in ALLOWED:
+        return read_number(value, EDGE) if name == "edge_radius_mm" else value
+    purpose, low, high = ALLOWED[name]
+    if name not in SEVERAL or isinstance(value, int | float):
+        return read_allowed(value, purpose, low, high)
+    found = [read_allowed(part, purpose, low, high) for part in parts_of(value)]
+    if not found:
+        raise InputError(f"{purpose.quantity} has no value; give at least one")
+    return found[0] if len(found) == 1 else found
 
 
 def _against(made: Pad | Puck, inputs: dict[str, Any], young: dict[str, float]) -> dict[str, Any]:
@@ -229,56 +251,34 @@ def _add_fields(
     return files
 
 
-def _motion(made: Pad | Puck, inputs: dict[str, Any]) -> tuple[Any, dict[str, float]]:
-    """The measured motion, or the ramp and hold that ends at the force, with its depth."""
-    from dummydesign.measurement.motion import ramp_and_hold
-    from dummydesign.pad.predict import depth_for_steady_force
+def _presses(
+    made: Pad | Puck, inputs: dict[str, Any], progress: Callable[[float], None] | None
+) -> tuple[MotionPrediction, dict[str, Any]]:
+    """The press to the force, or the last in reach of several, with its depth and all of the several."""
+    from dummydesign.pad.ramp_presses import press_to_forces
 
-    if inputs["motion"] is not None:
-        from dummydesign.measurement.motion_file import read_motion
-
-        return read_motion(inputs["motion"]), {}
-    velocity, hold = inputs["velocity_mm_s"], inputs["hold_s"]
-    if velocity is None:
+    if inputs["velocity_mm_s"] is None:
         raise InputError("--force needs --velocity, the speed of the ramp in mm/s")
-
-    def motion_to(depth: float) -> Any:
-        return ramp_and_hold(velocity, depth, hold, inputs["deceleration_mm_s2"])
-
-    depth = depth_for_steady_force(made, inputs["force_N"], hold, motion_to, inputs["fidelity"])
-    return motion_to(depth), {"depth_mm": depth}
-
-
-def _punch_warnings(made: Pad | Puck, fidelity: str) -> list[dict[str, str]]:
-    """Warn where a square or rectangle is taken as the circle of equal area."""
-    from dummydesign.pad.elastic import has_square_factor
-    from dummydesign.pad.pad import Puck
-
-    if isinstance(made, Puck) or made.sides_mm is None or fidelity == "3d":
-        return []
-    if has_square_factor(made):
-        if not made.edge_radius_mm:
-            return []
-        message = "what a square adds to the circle of its area is that of sharp edges; half of it is stated as error"
-        return [{"code": "square_with_fillet", "message": message}]
-    message = (
-        "the punch is taken as the circle of equal area; a square is 0 to 3 % stiffer (5 to 20 mm pads), "
-        "a rectangle more; --fidelity 3d solves it"
-    )
-    return [{"code": "equal_area_punch", "message": message}]
+    forces, speeds = (value if isinstance(value, list) else [value] for value in (inputs[name] for name in SEVERAL))
+    braking, fidelity = inputs["deceleration_mm_s2"], inputs["fidelity"]
+    presses = press_to_forces(made, forces, speeds, inputs["hold_s"], braking, fidelity, progress)
+    last = [press for press in presses if press.prediction is not None][-1]
+    assert last.prediction is not None
+    several = {} if len(presses) == 1 else {"presses": [press.to_dict() for press in presses]}
+    return last.prediction, {"depth_mm": last.depth_mm, **several}
 
 
-def _sites_warnings(made: Pad | Puck) -> list[dict[str, str]]:
-    """Say that one of several crowns is pressed as if it were alone."""
-    from dummydesign.design.sites.pressed_alone import pressed_alone
-    from dummydesign.pad.pad import Puck
-
-    return pressed_alone([] if isinstance(made, Puck) else [len(made.geometry.places_mm)])
-
-
-def _write(path: str | PathLike[str], columns: tuple[str, ...], result: dict[str, Any]) -> Path:
+def _write(
+    path: str | PathLike[str], columns: tuple[str, ...], curves: list[dict[str, Any]], named: bool
+) -> Path:
+    """Write curves one after the other; each row begins with force and speed of its press where there are several."""
     from dummydesign.core.files import write_text
 
-    rows = zip(*(result[name] for name in columns))
-    lines = [",".join(columns), *(",".join(f"{value:.8g}" for value in row) for row in rows)]
+    asked = ("steady_force_N", "velocity_mm_s") if named else ()
+    lines = [",".join((*asked, *columns))]
+    for curve in curves:
+        if columns[0] in curve:
+            head = [curve[name] for name in asked]
+            rows = zip(*(curve[name] for name in columns))
+            lines += [",".join(f"{value:.8g}" for value in (*head, *row)) for row in rows]
     return write_text(fspath(path), "\n".join(lines) + "\n")

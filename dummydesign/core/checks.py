@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from dummydesign.core.errors import InputError
+from dummydesign.core.errors import InputError, out_of_range
 
 
 def positive(quantity: str, value: float) -> None:
@@ -56,10 +56,16 @@ ROBOT_VELOCITY = Purpose("robot velocity in mm/s", "mm/s", (1.0, 10_000.0))
 HOLD = Purpose("hold in s", "s", (0.05, 3600.0))
 DECELERATION = Purpose("deceleration in mm/s2", "mm/s2", (100.0, 1e7))
 YOUNG = Purpose("Young's modulus in kPa", "kPa", (0.5, 5000.0))
+YOUNG_KPA = 0.01, 1e6
+"""Smallest and largest modulus that is allowed. [kPa]"""
 THICKNESS = Purpose("thickness in mm", "mm", (0.3, 300.0))
 MASS = Purpose("robot mass in kg", "kg", (0.02, 5000.0))
 BALANCE = Purpose("balance in g", "g", (0.0, 2.0))
 TOLERANCE = Purpose("thickness tolerance in mm", "mm", (0.0, 2.0))
+DEPTH = Purpose("depth in mm", "mm", (0.0, math.inf))
+THICKNESSES = Purpose("thickness in mm", "mm", (0.0, math.inf))
+LENGTH = Purpose("length in mm", "mm", (0.0, math.inf))
+WIDTH = Purpose("width in mm", "mm", (0.0, math.inf))
 EDGE = Purpose("edge radius in mm", "mm", (0.0, 50.0))
 
 
@@ -92,7 +98,8 @@ def read_number(value: float | str, purpose: Purpose) -> float:
     if isinstance(value, str):
         found = NUMBER.match(value)
         if found is None:
-            raise InputError(f"{purpose.quantity} = {value} is not a number, or one with a unit such as "
+            shown = value.strip() or repr(value)
+            raise InputError(f"{purpose.quantity} = {shown} is not a number, or one with a unit such as "
                              f"{_examples(purpose)}")  # fmt: skip
         number, unit = float(found[1]), found[2]
     else:
@@ -144,12 +151,45 @@ def read_numbers(values: float | str | Iterable[float | str], purpose: Purpose) 
         ``"5,10,15"``, ``"0.01m/s,0.25m/s"``, ``[5, 10]``.
     purpose : Purpose
     """
-    parts: Iterable[float | str]
+    return tuple(read_number(part, purpose) for part in parts_of(values))
+
+
+def parts_of(values: float | str | Iterable[float | str]) -> list[float | str]:
+    """Split several numbers: text at its commas, a list into its members; one number is alone.
+
+    Parameters
+    ----------
+    values : float, str or iterable
+        As for :func:`read_numbers`.
+    """
     if isinstance(values, str):
-        parts = values.split(",")
-    else:
-        parts = values if isinstance(values, Iterable) else (values,)
-    return tuple(read_number(part, purpose) for part in parts)
+        return list(values.split(","))
+    try:
+        return list(values) if isinstance(values, Iterable) else [values]
+    except TypeError:  # an array without dimensions
+        return [float(values)]  # type: ignore[arg-type]
+
+
+def read_allowed(value: float | str, purpose: Purpose, low: float, high: float) -> float:
+    """Read a number as :func:`read_number` does and refuse it outside a range.
+
+    Parameters
+    ----------
+    value : float or str
+        As it was typed.
+    purpose : Purpose
+    low, high : float
+        Smallest and largest that are allowed, in the unit of the purpose.
+
+    Raises
+    ------
+    InputError
+        Naming the quantity with its unit, the value in it, and the range.
+    """
+    number = read_number(value, purpose)
+    if not low <= number <= high:
+        raise out_of_range(purpose.quantity, f"{number:g}", *(f"{end:.10g}" for end in (low, high)))
+    return number
 
 
 def read_size(value: str | tuple[float, float], quantity: str) -> tuple[float, float]:

@@ -8,10 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from dummydesign.core.errors import InputError
+from dummydesign.measurement.importing.core.absent import absent_roles, absent_words
 from dummydesign.measurement.motion import Motion
 from dummydesign.measurement.trace import import_first
 
 _COLUMNS = ("time_s", "displacement_mm")
+_ROLES = ("time", "displacement")
 
 
 def read_motion(path: str | Path) -> Motion:
@@ -31,6 +33,10 @@ def read_motion(path: str | Path) -> Motion:
         raise InputError(f"motion file '{path}' is not UTF-8 text{import_first(path)}") from None
     rows = csv.DictReader(text.splitlines())
     missing = [name for name in _COLUMNS if name not in (rows.fieldnames or [])]
+    header = [str(cell).strip() for cell in rows.fieldnames or []]
+    absent = absent_roles(header, _ROLES) if missing and len(header) > 1 else ()
+    if absent:
+        raise InputError(f"{path.name}:1: {absent_words(absent, header, _ROLES)}")
     if missing:
         advice = f"the header must name {', '.join(_COLUMNS)}{import_first(path) if rows.fieldnames else ''}"
         raise InputError(f"{path.name}:1: column '{missing[0]}' is missing; {advice}")

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
+from dummydesign.measurement.importing.core.absent import absent_roles, absent_words
 
 COLUMNS = ("time_s", "displacement_mm", "force_N")
 SECONDS = "time_is_in_seconds"
@@ -98,6 +99,9 @@ def _read_columns(path: Path, text: str) -> tuple[NDArray, list[int], bool]:
     rows = csv.reader(io.StringIO(text))
     header = [cell.strip() for cell in next(rows, [])]
     missing = [column for column in COLUMNS if column not in header]
+    absent = absent_roles(header) if len(header) > 1 else ()
+    if absent:
+        raise InputError(f"{name}:1: {absent_words(absent, header)}")
     if missing:
         advice = _header_advice(missing[0], header) + (import_first(path) if any(header) else "")
         raise InputError(f"{name}:1: column '{missing[0]}' is missing{advice}")

@@ -13,7 +13,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.measurement.importing.core.decisions import Notes, Settings
 from dummydesign.measurement.importing.press.contact import LEAST_LEAD_IN, find_contact
 from dummydesign.measurement.importing.press.sanity import check_press
-from dummydesign.measurement.importing.press.signs import find_signs
+from dummydesign.measurement.importing.press.signs import find_signs, noise_of
 from dummydesign.measurement.importing.press.split import find_presses
 from dummydesign.measurement.importing.press.summary import summarise
 from dummydesign.measurement.importing.press.zero import contact_off
@@ -27,16 +27,24 @@ CODES = (
 MENDED = ("force_before_contact", "contact_off", "far_from_known")
 """Those that an import mends."""
 OFFSET_SHARE = 0.01
-"""Share of the largest force from which on a force before contact matters, if it also stands out of its error."""
+"""Share of the largest force up to which a force before contact does not matter."""
+READING = 4.0
+"""A sensor zeroed on a single reading is off by up to so many standard deviations of its noise (1 in 16,000)."""
 ALIKE_DEPTH, ALIKE_SPEED, DIFFERENT = 1.4, 1.2, 1.4
 """Ratios: of depths and speeds that are comparable, and of forces there that one subject does not show."""
 
 
-def doubts_of(trace: Trace) -> list[dict[str, str]]:
-    """Warnings about one trace.
+def doubts_of(trace: Trace, resolution_N: float = 0.0) -> list[dict[str, str]]:
+    """Return warnings about one trace.
 
-    A force before contact that stands out of its error and is more than a hundredth of the largest force; a
-    contact that is not where the displacement is zero, with its interval; clipping, drop-outs, spikes.
+    A force before contact beyond :func:`allowed_offset`; a contact that is not where the displacement is zero for any
+    zero of the force within its noise; clipping, drop-outs, spikes.
+
+    Parameters
+    ----------
+    trace : Trace
+    resolution_N : float
+        Smallest step of the force that was saved, 0 where it is unknown. [N]
 
     Returns
     -------
@@ -50,24 +58,41 @@ def doubts_of(trace: Trace) -> list[dict[str, str]]:
     time, x, force = trace.time_s, trace.displacement_mm, trace.force_N
     try:
         rest = find_signs(trace.name, x, force, Settings(flip=frozenset()), None, Notes()).rest_force_N
-        contact = find_contact(time, x, force - rest, find_presses(trace.name, x, force - rest, False)[0])
+        span = find_presses(trace.name, x, force - rest, False)[0]
+        contact = find_contact(time, x, force - rest, span)
         summary = summarise(trace.name, time, x, force)
     except InputError:
         return found  # whoever uses the trace says what it lacks
     tare = rest + contact.tare_N
-    if contact.lead_in >= LEAST_LEAD_IN and abs(tare) > max(
-        2.0 * contact.tare_error_N, OFFSET_SHARE * summary.peak_force_N
-    ):
+    noise = max(contact.noise_N, noise_of(force))
+    allowed = allowed_offset(summary.peak_force_N, noise, contact.tare_error_N, resolution_N)
+    if contact.lead_in >= LEAST_LEAD_IN and abs(tare) > allowed:
         warn(
             "force_before_contact",
-            f"{trace.name}: the force is {tare:.3g} N before contact, which is counted as pressing",
+            f"{trace.name}: the force is {tare:.3g} N before contact and counts as pressing; up to {allowed:.2g} N is "
+            f"allowed (noise {noise:.2g} N)",
         )
-    elif contact.lead_in >= LEAST_LEAD_IN:
-        off = contact_off(contact, summary.depth_mm)
-        if off:
-            warn("contact_off", f"{trace.name}: {off}")
+    elif contact.lead_in >= LEAST_LEAD_IN and contact_off(contact, summary.depth_mm):
+        tares = (contact.tare_N + side * READING * noise for side in (-1.0, -0.5, 0.5, 1.0))
+        others = (find_contact(time, x, force - rest, span, other) for other in tares)
+        if all(contact_off(other, summary.depth_mm) for other in others):
+            warn("contact_off", f"{trace.name}: {contact_off(contact, summary.depth_mm)}")
     check_press(trace.name, time, x, force, contact, summary, warn)
     return found
+
+
+def allowed_offset(peak_force_N: float, noise_N: float, tare_error_N: float, resolution_N: float = 0.0) -> float:
+    """Return the largest force before contact that is no fault. [N]
+
+    That is what a sensor zeroed on one noisy reading shows, with the error of the mean before contact; at least one
+    step of the sensor, and 1 % of the largest force.
+
+    Parameters
+    ----------
+    peak_force_N, noise_N, tare_error_N, resolution_N : float
+        Largest force, standard deviation of the noise, 95 % error of the mean before contact, step of the sensor. [N]
+    """
+    return max(READING * noise_N + tare_error_N, OFFSET_SHARE * peak_force_N, resolution_N)
 
 
 def copies_among(traces: Sequence[Trace]) -> list[dict[str, str]]:

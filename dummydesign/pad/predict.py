@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.checks import positive
-from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
 from dummydesign.geometry.interface import BASES
 from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS, PAD_EXTENT_MM
 from dummydesign.measurement.motion import Motion
@@ -97,6 +97,8 @@ def predict_static(
     if depth.ndim != 1 or not len(depth) or not np.isfinite(depth).all():
         raise InputError(f"depth_mm = {depth_mm} must be a list of finite numbers")
     curve = elastic_curve(pad, fidelity, float(depth.max()), depth, progress, force_law)
+    if depth.min() < 0.0:
+        raise out_of_range("depth in mm", f"{depth.min():g}", 0, f"{curve.limit_mm:.4g}")
     _check_depth(depth, curve, pad)
     force, error = curve.force(depth), curve.relative_error(depth)
     step = 1e-4 * pad.thickness_mm
@@ -216,8 +218,8 @@ def depth_for_steady_force(
     NoAnswerError
         When the force is out of reach within the depth limit; the message says what is reached.
     """
-    positive("force_N", force_N)
-    positive("hold_s", hold_s)
+    positive("force in N", force_N)
+    positive("hold in s", hold_s)
     curve = elastic_curve(pad, fidelity, None, None, None)
 
     def steady(depth: float) -> float:
@@ -234,7 +236,9 @@ def depth_for_steady_force(
             f"at its depth limit {high:.3g} mm; take a stiffer resin or a thinner pad",
         )
     if steady(low) > force_N:
-        raise InputError(f"force_N = {force_N:g} is below {steady(low):.3g} N, the force at 0.1 % of the thickness")
+        raise InputError(
+            f"force in N = {force_N:g} is below {steady(low):.3g}, the force at 0.1 % of the thickness: press deeper"
+        )
     from scipy.optimize import brentq
 
     return float(brentq(lambda depth: steady(depth) - force_N, low, high, xtol=1e-9))
@@ -248,7 +252,7 @@ def _check_depth(depth: Array, curve: ElasticCurve, pad: Pad | Puck) -> None:
     stopped = bool(curve.notes) and curve.solver["unknowns"] > 0
     reason = "; ".join(curve.notes) if stopped else "beyond it the pad model is not validated"
     message = (
-        f"depth_mm = {worst:.4g} is outside the allowed range 0 to {limit:.4g} "
+        f"depth in mm = {worst:.4g} is outside the allowed range 0 to {limit:.4g} "
         f"(d/h = {limit / pad.thickness_mm:.3g} for a pad of {pad.thickness_mm:g} mm); {reason}"
     )
     if stopped and worst <= MAX_DEPTH_OVER_THICKNESS * pad.thickness_mm * (1.0 + 1e-9):

@@ -159,7 +159,7 @@ def _next(project: Project, found: dict[str, tuple[Found, ...]]) -> tuple[str, s
     if open_plans:
         left = open_plans[-1].summary or {}
         text = f"press what is left ({left['missing']} of {left['missing'] + left['pressed']} presses)"
-        text = text if not left["wrong"] else "mend what looks wrong in the campaign"
+        text = text if not left["wrong"] else "fix the problems of the campaign"
         return text, f"dummydesign campaign check {_word(open_plans[-1].folder)}"
     latest = found["calibrations"][-1]
     if all(one.date < latest.date for one in designs):

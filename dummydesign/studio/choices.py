@@ -91,7 +91,7 @@ def told(one: Found) -> str:
 
 def _said(found: dict[str, Any]) -> str:
     if "pressed" in found:
-        left = f", {found['wrong']} look wrong" if found["wrong"] else ""
+        left = f", {found['wrong']} problem{'s' * (found['wrong'] > 1)}" if found["wrong"] else ""
         return f"{found['pressed']} of {found['pressed'] + found['missing']} presses are there{left}"
     if {"thickness_mm", "ratio", "shape"} <= set(found):
         verdict = str(found.get("verdict", "")).replace("_", " ")

@@ -183,3 +183,38 @@ def test_under_a_wide_punch_exponents_are_known_for_pads_that_are_tabulated_and_
     tabulated = 12.0 / THICKNESS_GRID_MM <= table.ratio_range[1]
     assert not tabulated.all() and np.isnan(found[~tabulated]).all()
     assert (found[tabulated, 0] >= 1.0).all()
+
+
+@pytest.mark.parametrize(
+    ("forces", "factor"), [((5.0, 15.0), 1.0), ((2.0,), 1.0), ((140.0,), 140 / 15), ((5.0, 30.0), 2.0)]
+)
+def test_how_far_a_test_goes_beyond_the_people_of_a_built_in_tissue_is_a_factor_in_its_warning(forces, factor):
+    from dummydesign.design.own_test.checks import beyond_people, tissue_warnings
+
+    request, finger = Request(FINGER, force_N=forces), load_tissue(FINGER)
+    assert beyond_people(request, finger) == pytest.approx(factor)
+    said = dict(tissue_warnings(finger, "square:14", 0.0, request.protocol.forces_N))
+    assert ("force_not_in_band" in said) == (forces != (5.0, 15.0))
+    assert (f"{factor:.3g} times" in said.get("force_not_in_band", "")) == (factor > 1.0)
+
+
+def test_measured_people_are_known_as_far_as_they_were_pressed_and_a_fit_of_ones_own_is_unknown():
+    from dataclasses import replace
+
+    from dummydesign.design.own_test.checks import beyond_people
+    from dummydesign.tissue.model.held_press import SHARES, HeldPress
+    from dummydesign.tissue.model.measured_curves import MeasuredPerson
+
+    def person(*steady):
+        held = [HeldPress(10.0, force, force * SHARES, np.array([0.0, 10.0]), np.array([2.0, 1.0]) * force)
+                for force in steady]  # fmt: skip
+        return MeasuredPerson(held)
+
+    finger = load_tissue(FINGER)
+    own = replace(finger, origin="user")
+    assert beyond_people(Request(FINGER, force_N=(140.0,)), own) == 1.0
+    people = (person(2.0, 7.0), person(3.0, 10.0))
+    subjects = tuple(replace(one, parameters=made) for one, made in zip(finger.subjects, people))
+    curves = replace(own, subjects=subjects)
+    assert beyond_people(Request(FINGER, force_N=(5.0, 25.0)), curves) == pytest.approx(2.5)
+    assert beyond_people(Request(FINGER, force_N=(5.0, 10.0)), curves) == 1.0

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from dummydesign.measurement.trace import Trace
-from dummydesign.measurement.trace_checks import copies_among, doubts_of, subjects_among
-from tests.support.machine_presses import recording
+from dummydesign.measurement.trace_checks import allowed_offset, copies_among, doubts_of, subjects_among
+from tests.support.machine_presses import _slow, recording
 
 
 def trace(seed=4, tare=0.0, place=0.0, scale=1.0, name="a.csv"):
@@ -26,6 +27,37 @@ def test_a_force_before_contact_is_told_with_the_command_that_mends_it():
     found = doubts_of(trace(tare=0.8))
     assert codes(found) == ["force_before_contact"]
     assert "0.799 N" in found[0]["message"] and "dummydesign import a.csv" in found[0]["message"]
+
+
+def noisy(seed, white=0.02, slow=0.01, peak=3.0, tare=None):
+    """A clean press of small force; zeroed on one reading of its sensor unless a tare is given."""
+    record, draw = recording(seed), np.random.default_rng([seed, 9])
+    force = record.true_force_N * peak / record.true_force_N.max()
+    force = force + draw.normal(0.0, white, len(force)) + _slow(draw, record.time_s, slow)
+    force = force + (draw.normal(0.0, white) if tare is None else tare)
+    return Trace(f"{seed}.csv", record.time_s, record.displacement_mm, np.round(force, 3))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("white", "slow"), [(0.02, 0.01), (0.05, 0.05), (0.005, 0.01)])
+def test_noise_and_the_zero_of_a_noisy_sensor_are_no_fault_in_200_presses(white, slow):
+    found = [(seed, codes(doubts_of(noisy(seed, white, slow)))) for seed in range(200)]
+    assert [one for one in found if {"force_before_contact", "contact_off"} & set(one[1])] == []
+
+
+@pytest.mark.parametrize("seed", range(20, 36))
+def test_a_small_zero_within_the_noise_is_no_fault_and_an_offset_beyond_it_is(seed):
+    assert "force_before_contact" not in codes(doubts_of(noisy(seed, tare=-0.044)))
+    found = doubts_of(noisy(seed, tare=-0.2))
+    assert codes(found)[0] == "force_before_contact" and found[0]["message"].startswith(f"{seed}.csv")
+
+
+def test_the_limit_counts_noise_force_and_the_step_of_the_sensor():
+    assert allowed_offset(3.0, 0.02, 0.004) == pytest.approx(0.084)
+    assert allowed_offset(15.0, 0.02, 0.004) == pytest.approx(0.15)
+    assert allowed_offset(3.0, 0.0, 0.0, 0.1) == pytest.approx(0.1)
+    assert "force_before_contact" in codes(doubts_of(trace(tare=0.8)))
+    assert "force_before_contact" not in codes(doubts_of(trace(tare=0.8), resolution_N=1.0))
 
 
 def test_a_force_before_contact_within_its_noise_is_not_told():

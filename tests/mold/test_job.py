@@ -81,7 +81,7 @@ def test_a_job_without_sense_is_refused(thicknesses, count, named):
 
 def test_thicknesses_are_read_from_numbers_lists_and_text():
     assert read_thicknesses(5) == read_thicknesses([5]) == (5.0,) and read_thicknesses("5, 7.5") == (5.0, 7.5)
-    with pytest.raises(InputError, match="a number in mm"):
+    with pytest.raises(InputError, match="thickness in mm"):
         read_thicknesses("5,,8")
     assert folder_name((5.0,), 1) == "mould_t5" and folder_name((5.0, 7.5), 1, "crowned") == "moulds_crowned_t5_t7.5"
 

@@ -45,7 +45,7 @@ def test_each_stage_of_the_work_asks_for_the_next_one(tmp_path):
     assert told.next_command == "dummydesign campaign check campaigns/first" and "2 of 2" in told.next_text
     for name in ("a.csv", "b.csv"):
         (tmp_path / "campaigns" / "first" / name).write_text("", encoding="utf-8")
-    assert "looks wrong" in status_of(project).next_text
+    assert "problem" in status_of(project).next_text
 
 
 def test_a_learned_calibration_asks_for_the_design_again(tmp_path):

@@ -25,8 +25,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--count", type=int, default=1, metavar="N", help="cavities in one mould (default 1)")
     parser.add_argument("--castings", type=int, default=1, metavar="N", help="castings of each mould (default 1)")
-    parser.add_argument("--length", type=float, default=150.0, metavar="MM", help="length of the pad (default 150)")
-    parser.add_argument("--width", type=float, default=120.0, metavar="MM", help="width of the pad (default 120)")
+    parser.add_argument("--length", default=150.0, metavar="MM", help="length of the pad (default 150)")
+    parser.add_argument("--width", default=120.0, metavar="MM", help="width of the pad (default 120)")
     parser.add_argument(
         "--shape",
         default="slab",

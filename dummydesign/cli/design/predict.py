@@ -9,6 +9,7 @@ from dummydesign.cli.texts.verdict import tissue_lines, verdict_lines, warning_l
 
 HELP = "Force of one pad at static depths, under a measured motion, or in a ramp and hold."
 SHOWN = 25
+NO_RELAXATION = "no_relaxation"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -22,8 +23,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--thickness", required=True, metavar="MM", help="of the pad at its highest point")
     add("--depth", metavar="D1,D2,...", help="static depths in mm")
     add("--motion", metavar="FILE.csv", help="measured motion: columns time_s, displacement_mm")
-    add("--force", metavar="N", help="force at the end of a ramp and hold, with --velocity")
-    add("--velocity", metavar="MM_S", help="speed of the ramp")
+    add("--force", metavar="N,...", help="force at the end of a ramp and hold, with --velocity; or several")
+    add("--velocity", metavar="MM_S,...", help="speed of the ramp; or several")
     add("--hold", default=10.0, metavar="S", help="hold after the stop (default 10 s)")
     add("--deceleration", default=30000.0, metavar="MM_S2", help="braking (default 30000 mm/s2)")
     add("--tissue", metavar="NAME|FILE", help="hold the pad against a tissue: the verdict and its numbers")
@@ -31,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     punches = "square:14 (default), round:D, rectangle:AxB, profile:FILE.csv, plate"
     add("--punch", default="square:14", metavar="KIND:SIZE", help=punches)
     edge = "fillet of the punch's edge, 0 (default, sharp) to 0.3 of its half-width; of shapes: --fidelity axisymmetric"
-    add("--edge-radius", type=float, default=0.0, metavar="MM", help=edge)
+    add("--edge-radius", default=0.0, metavar="MM", help=edge)
     add("--condition", default="bonded", metavar="NAME", help="bonded (default), frictionless, friction:MU")
     add("--base", default="bonded", metavar="NAME", help="bonded (default), sliding or friction:MU")
     add("--pad", default="slab:150x120", metavar="slab:LxW", help="slab (default 150x120 mm) or cylinder:DIAMETER")
@@ -91,7 +92,9 @@ def _progress(options: argparse.Namespace) -> Any:
 def render(result: dict[str, Any]) -> str:
     """Write the answer as a short table."""
     young = result["young_kPa"]
+    first = [item["message"] for item in result["warnings"] if item["code"] == NO_RELAXATION]
     lines = [
+        *([f"warning: {text}" for text in first] + [""] if first else []),
         *verdict_lines(result.get("verdict")),
         *tissue_lines(result),
         f"pad {result['inputs']['thickness_mm']:g} mm, E = {young['value']:.4g} kPa "
@@ -104,6 +107,40 @@ def render(result: dict[str, Any]) -> str:
             continue
         span = f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f} N"
         lines.append(f"{head}{row['depth_mm']:.2f} mm deep, peak {row['peak_force_N']:.1f} N, the subjects' {span}")
+    lines += _press_lines(result["presses"]) if "presses" in result else _curve_lines(result)
+    for contact in result.get("contact_pressure", []):
+        edge = f", at the edge up to {contact['edge_kPa']:.3g} kPa" if contact["edge_kPa"] > contact["peak_kPa"] else ""
+        lines.append(
+            f"contact pressure at {contact['depth_mm']:.3g} mm: mean {contact['mean_kPa']:.3g} kPa, "
+            f"peak {contact['peak_kPa']:.3g} kPa at radius {contact['peak_radius_mm']:.2g} mm{edge}"
+        )
+    solver = result["solver"]
+    if solver["unknowns"]:
+        lines.append(
+            f"solved {solver['unknowns']} unknowns, {solver['load_steps']} load steps, "
+            f"{solver['newton_iterations']} Newton iterations, {solver['seconds']:.1f} s"
+        )
+    others = [item for item in result["warnings"] if item["code"] != NO_RELAXATION]
+    lines += warning_lines({"warnings": others})
+    return "\n".join(lines)
+
+
+def _press_lines(presses: list[dict[str, Any]]) -> list[str]:
+    """A table of several presses."""
+    lines = ["  steady N    mm/s   depth mm    peak N   peak over steady"]
+    for row in presses:
+        head = f"{row['steady_force_N']:>10.4g} {row['velocity_mm_s']:>7.4g}"
+        if row["depth_mm"] is None:
+            lines.append(f"{head}   out of reach: {row['out_of_reach'].partition(': ')[2].partition(';')[0]}")
+            continue
+        ratio = row["peak_force_N"] / row["steady_force_N"]
+        lines.append(f"{head} {row['depth_mm']:>10.3f} {row['peak_force_N']:>9.3f} {ratio:>18.2f}")
+    return lines
+
+
+def _curve_lines(result: dict[str, Any]) -> list[str]:
+    """A curve over depth or over time, thinned."""
+    lines: list[str] = []
     names: tuple[str, ...]
     formats: tuple[str, ...]
     if "peak_force_N" in result:
@@ -119,17 +156,4 @@ def render(result: dict[str, Any]) -> str:
     rows = list(zip(*(result[name] for name in names)))
     step = max(1, len(rows) // SHOWN)
     lines += [" ".join(form.format(value) for form, value in zip(formats, row)) for row in rows[::step]]
-    for contact in result.get("contact_pressure", []):
-        edge = f", at the edge up to {contact['edge_kPa']:.3g} kPa" if contact["edge_kPa"] > contact["peak_kPa"] else ""
-        lines.append(
-            f"contact pressure at {contact['depth_mm']:.3g} mm: mean {contact['mean_kPa']:.3g} kPa, "
-            f"peak {contact['peak_kPa']:.3g} kPa at radius {contact['peak_radius_mm']:.2g} mm{edge}"
-        )
-    solver = result["solver"]
-    if solver["unknowns"]:
-        lines.append(
-            f"solved {solver['unknowns']} unknowns, {solver['load_steps']} load steps, "
-            f"{solver['newton_iterations']} Newton iterations, {solver['seconds']:.1f} s"
-        )
-    lines += warning_lines(result)
-    return "\n".join(lines)
+    return lines

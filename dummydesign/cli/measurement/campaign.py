@@ -29,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--no-power", action="store_true", help="do not work out which effects the plan cannot see or tell apart")
     add("--moulds", action="store_true", help="make the moulds of all pads too, in DIR-moulds (needs --resin)")
     add("--preset", default="open", metavar="NAME|FILE", help="of the moulds (default open)")
-    check = actions.add_parser("check", help="what is not yet pressed, or looks wrong", allow_abbrev=False)
+    check = actions.add_parser("check", help="what is not yet pressed, and problems", allow_abbrev=False)
     check.add_argument("folder", metavar="DIR", help="folder with campaign.toml")
     files = actions.add_parser("from-files", help="campaign.toml from traces one has", allow_abbrev=False)
     files.add_argument("folder", metavar="DIR", help="folder to make; the traces are copied into it")
@@ -44,7 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _set_up_options(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("--name", help="of the campaign (default the folder's)")
-    add("--young", type=float, metavar="KPA", help="nominal modulus of the pads")
+    add("--young", metavar="KPA", help="nominal modulus of the pads")
     add("--resin", metavar="NAME", help="or the resin they are cast of, with --ratio")
     add("--ratio", type=float, metavar="R", help="mixing ratio")
     add("--pad", default="150x120", metavar="LxW|cylinder:D", help="outline in mm (default 150x120)")
@@ -65,7 +65,9 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
 
         found = check_campaign(options.folder).to_dict()
         if found["wrong"]:
-            raise NoAnswerError("campaign_wrong", f"{len(found['wrong'])} things look wrong in {options.folder}", found)
+            count = len(found["wrong"])
+            problems = f"{count} problem{'s' if count > 1 else ''} in {options.folder}"
+            raise NoAnswerError("campaign_wrong", problems, found)
         return found
     set_up = _set_up(options)
     if options.action == "from-files":
@@ -124,6 +126,7 @@ def _with_moulds(plan: dict[str, Any], asked: dict[str, Any]) -> dict[str, Any]:
 def _set_up(options: argparse.Namespace) -> Any:
     from pathlib import Path
 
+    from dummydesign.core.checks import YOUNG, YOUNG_KPA, read_allowed
     from dummydesign.measurement.planning.campaign_text import SetUp
     from dummydesign.measurement.sensor import parse_lowpass
 
@@ -133,8 +136,9 @@ def _set_up(options: argparse.Namespace) -> Any:
         material = load_resin(options.resin)
         if options.ratio is not None:
             material.check_ratio(options.ratio)
+    young = None if options.young is None else read_allowed(options.young, YOUNG, *YOUNG_KPA)
     return SetUp(
-        options.name or Path(options.folder).resolve().name, options.young, options.resin, options.ratio, options.pad,
+        options.name or Path(options.folder).resolve().name, young, options.resin, options.ratio, options.pad,
         options.punch, options.base, options.contact, parse_lowpass(options.lowpass), shape=options.shape,
         edge_radius_mm=options.edge_radius,
     )  # fmt: skip

@@ -40,7 +40,7 @@ def told(one: dict[str, Any]) -> str:
     """What is known of one thing found, in a few words."""
     found = one["summary"] or {}
     if "pressed" in found:
-        left = f", {found['wrong']} look wrong" if found["wrong"] else ""
+        left = f", {found['wrong']} problem{'s' * (found['wrong'] > 1)}" if found["wrong"] else ""
         return f"{found['pressed']} of {found['pressed'] + found['missing']} presses are there{left}"
     if "thickness_mm" in found and "ratio" in found:
         verdict = str(found.get("verdict", "")).replace("_", " ")

@@ -198,11 +198,50 @@ def tissue_warnings(
         edge = f" with an edge radius of {edge_radius_mm:g} mm" if edge_radius_mm else ""
         said.append(("tissue_punch", f"{tissue.name} is known under the 14 x 14 mm punch: under {punch}{edge} "
                      "its ranges are those of another test; add your own tissue measured with it"))  # fmt: skip
-    far = [force for force in forces_N if not KNOWN_FORCE_N[0] <= force <= KNOWN_FORCE_N[1]]
-    if built_in and far:
+    low, high = KNOWN_FORCE_N
+    far = [force for force in forces_N if not low <= force <= high]
+    if built_in and far:  # curves refuse forces that were not pressed
         where = " and ".join(f"{force:g}" for force in far)
-        said.append(("force_not_in_band", f"{tissue.name} is known from 5 to 15 N: at {where} N its law is carried on"))
+        text = f"{tissue.name} is known from {low:g} to {high:g} N: at {where} N its law is extrapolated"
+        factor = _beyond(forces_N, tissue)
+        if factor > 1.0:
+            text += f"; {max(forces_N):g} N is {factor:.3g} times the largest force people were pressed to"
+        said.append(("force_not_in_band", text))
     return said
+
+
+def beyond_people(request: Request, tissue: Tissue) -> float:
+    """Return the largest steady force of a test over the largest that people were pressed to.
+
+    Parameters
+    ----------
+    request : Request
+        With the steady forces of its test.
+    tissue : Tissue
+
+    Returns
+    -------
+    float
+        1.0 when people were pressed as far, or when that is unknown.
+    """
+    return _beyond(request.protocol.forces_N, tissue)
+
+
+def pressed_to_N(tissue: Tissue) -> float | None:
+    """Return the largest steady force people of a tissue were pressed to, None where it is unknown. [N]
+
+    Built-in tissues are known to 15 N, measured curves to their highest press at the end of its hold; a tissue that was
+    fitted elsewhere does not say.
+    """
+    if tissue.origin == "built-in":
+        return KNOWN_FORCE_N[1]
+    presses = [press for person in tissue.parameter_sets for press in getattr(person, "presses", ())]
+    return max((float(press.steady_N(press.hold_s)) for press in presses), default=None)
+
+
+def _beyond(forces_N: tuple[float, ...], tissue: Tissue) -> float:
+    known = pressed_to_N(tissue)
+    return 1.0 if known is None or not forces_N else max(1.0, max(forces_N) / known)
 
 
 def _fillet_words(request: Request, punch: AskedPunch) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
+from dummydesign.core.checks import UNITS, Purpose, read_number
 from dummydesign.core.errors import InputError
 
 MOST_VALUES = 1_000_000
@@ -29,7 +30,7 @@ def parse_limits(text: str | None, quantity: str) -> tuple[float, float] | None:
 
 
 def parse_values(text: str, quantity: str) -> list[float]:
-    """Read ``START:STOP:STEP`` with STOP included, or a list ``A,B,C``.
+    """Read ``START:STOP:STEP`` with STOP included, or a list ``A,B,C``; a quantity "in mm" takes ``5mm`` as well.
 
     Values of a range are START + n STEP, so that 3:30:0.5 ends at exactly 30.
 
@@ -53,9 +54,10 @@ def parse_values(text: str, quantity: str) -> list[float]:
 
 
 def _number(part: str, text: str, quantity: str, form: str) -> float:
+    unit = quantity.rpartition(" in ")[2]
     try:
-        value = float(part)
-    except ValueError:
+        value = read_number(part, Purpose(quantity, unit, (0.0, math.inf))) if unit in UNITS else float(part)
+    except (InputError, ValueError):
         value = math.nan
     if not math.isfinite(value):
         raise InputError(f"{quantity} = '{text}' is not {form}: '{part}' is not a number")

@@ -8,6 +8,7 @@ from pathlib import Path
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
+from dummydesign.measurement.importing.columns.absent import refuse_absent
 from dummydesign.measurement.importing.columns.roles import Column, candidates, choose, describe_columns, wanted
 from dummydesign.measurement.importing.columns.scales import factors
 from dummydesign.measurement.importing.columns.times import recordings
@@ -67,6 +68,7 @@ def read_columns(path: Path, settings: Settings, notes: Notes) -> Columns:
     layout = find_layout(file, text, settings, notes)
     columns = describe_columns(layout)
     found = candidates(layout, columns, settings)
+    refuse_absent(layout, columns, found)
     indices = wanted(found, columns)
     body = read_body(layout, indices, notes)
     if len(body.values) < MIN_SAMPLES:

@@ -22,7 +22,7 @@ FORCE_SHARE, SPEED_SHARE, HOLD_SHARE, DEPTH_SHARE = 0.3, 0.2, 0.8, 0.2
 
 @dataclass(frozen=True)
 class Status:
-    """How far a campaign is: files pressed, files to press, and what is wrong ({file, message})."""
+    """How far a campaign is: files pressed, files to press, and what is wrong ({code, file, message})."""
 
     name: str
     pressed: tuple[str, ...]
@@ -54,7 +54,7 @@ def check_campaign(folder: str | Path) -> Status:
     for number, trial in enumerate(trials, start=1):
         name = trial.get("file")
         if not isinstance(name, str) or not name.strip() or Path(name).name != name:
-            wrong.append({"file": FILE, "message": f"trial {number} has no plain file name"})
+            wrong.append(_problem("file_name", FILE, f"trial {number} has no plain file name"))
             continue
         if not (folder / name).is_file():
             missing.append(name)
@@ -62,18 +62,19 @@ def check_campaign(folder: str | Path) -> Status:
         pressed.append(name)
         try:
             trace = read_trace(folder / name, _speed(trial))
-            wrong += [{"file": name, "message": message} for message in _against_plan(trace, trial)]
+            wrong += [_problem("not_as_planned", name, message) for message in _against_plan(trace, trial)]
             traces.append(trace)
         except InputError as problem:
-            wrong.append({"file": name, "message": str(problem).removeprefix(f"{name}: ")})
+            wrong.append(_problem("not_readable", name, str(problem).removeprefix(f"{name}: ")))
     warnings: list[dict[str, str]] = []
+    resolution = _resolution(data.get("sensor"))
     for trace in traces:
-        for doubt in doubts_of(trace):
+        for doubt in doubts_of(trace, resolution):
             if doubt["code"] == "hold_too_short":  # a matter of the plan
                 warnings.append(doubt)
             else:
-                wrong.append({"file": trace.name, "message": doubt["message"].removeprefix(f"{trace.name}: ")})
-    wrong += [{"file": "", "message": copy["message"]} for copy in copies_among(traces)]
+                wrong.append(_problem(doubt["code"], trace.name, doubt["message"].removeprefix(f"{trace.name}: ")))
+    wrong += [_problem(copy["code"], "", copy["message"]) for copy in copies_among(traces)]
     for key in ("temperature_C", "age_days", "rest_s", "sequence"):
         lacking = [trial["file"] for trial in trials if trial.get("file") in pressed and key not in trial]
         if lacking:
@@ -88,8 +89,18 @@ def check_campaign(folder: str | Path) -> Status:
         try:
             read_campaign(folder)
         except InputError as problem:
-            wrong.append({"file": FILE, "message": str(problem)})
+            wrong.append(_problem("campaign_file", FILE, str(problem)))
     return Status(str(data.get("name", folder.name)), tuple(pressed), tuple(missing), tuple(wrong), tuple(warnings))
+
+
+def _problem(code: str, file: str, message: str) -> dict[str, str]:
+    return {"code": code, "file": file, "message": message}
+
+
+def _resolution(sensor: object) -> float:
+    """The declared step of the force; whoever reads the campaign says what is wrong with another entry. [N]"""
+    value = sensor.get("force_resolution_N") if isinstance(sensor, dict) else None
+    return float(value) if isinstance(value, int | float) and not isinstance(value, bool) and value > 0 else 0.0
 
 
 def _content(folder: Path) -> dict[str, Any]:

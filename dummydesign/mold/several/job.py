@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+from dummydesign.core.checks import THICKNESSES, read_number
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.outputs.manifest import Question
 from dummydesign.core.outputs.write import new_folder
@@ -27,9 +28,9 @@ def read_thicknesses(given: float | str | Iterable[float]) -> tuple[float, ...]:
         return (float(given),)
     parts = given.split(",") if isinstance(given, str) else given
     try:
-        return tuple(float(part) for part in parts)
-    except (TypeError, ValueError):
-        raise InputError(f"--thickness {given} must be a number in mm, or several parted by commas") from None
+        return tuple(read_number(part, THICKNESSES) for part in parts)
+    except TypeError:
+        raise InputError(f"thickness in mm = {given} is not a number, or several comma-separated") from None
 
 
 def folder_name(thicknesses_mm: Sequence[float], castings: int, kind: str = "", count: int = 1) -> str:

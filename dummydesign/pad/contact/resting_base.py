@@ -107,6 +107,11 @@ class Both:
         self._parts: tuple[Contact, ...] = (one, other)
         self.dofs = np.concatenate([part.dofs for part in self._parts])
 
+    @property
+    def face(self) -> Contact:
+        """The surface that the punch presses."""
+        return self._parts[0]
+
     def begin(self) -> None:
         """As of each."""
         for part in self._parts:

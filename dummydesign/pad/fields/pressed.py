@@ -29,7 +29,10 @@ class Face:
     pressure_MPa, shear_MPa : ndarray, shape (n,)
         Force of the punch per present area, along the face's normal (pressing is positive) and along the face. [MPa]
     state : ndarray of int, shape (n,)
-        0 free, 1 sticks, 2 slips.
+        0 free, 1 sticks, 2 slips. The contact ends between nodes: the outermost that carries may lie outside it.
+    contact_radius_mm : float
+        Largest present radius that touches, seen from above; 0 where nothing does. At most the radius of a flat punch:
+        the contact has it once it is at a sharp edge, or at the upright side of a filleted punch. [mm]
     """
 
     node: Array
@@ -39,12 +42,7 @@ class Face:
     pressure_MPa: Array
     shear_MPa: Array
     state: Array
-
-    @property
-    def contact_radius_mm(self) -> float:
-        """Largest present radius that touches; 0 where nothing does. [mm]"""
-        touched = self.state != FREE
-        return float(self.radius_mm[touched].max()) if touched.any() else 0.0
+    contact_radius_mm: float
 
 
 @dataclass(frozen=True)
@@ -99,9 +97,9 @@ class Pressed:
     def contact(self) -> dict[str, Any]:
         """Mean, peak and profile of the contact pressure as plain values; lengths in mm, pressures in kPa.
 
-        The mean is the force over the area that touches. A sharp edge has no finite peak: ``peak_kPa`` is the
-        largest value inside 0.9 of the contact's radius, ``edge_kPa`` the largest outside it, which depends on
-        the fillet or fillet of the edge.
+        The mean is the force over the contact seen from above, pi times the square of ``contact_radius_mm``. A sharp
+        edge has no finite peak: ``peak_kPa`` is the largest value inside 0.9 of the contact's radius, ``edge_kPa`` the
+        largest outside it, which depends on the fillet of the edge.
         """
         face, reach = self.face, self.face.contact_radius_mm
         touched = face.state != FREE
@@ -119,7 +117,7 @@ class Pressed:
             "peak_radius_mm": float(face.radius_mm[at]) if inner.any() else 0.0,
             "edge_kPa": float(pressure[outer].max()) if outer.any() else 0.0,
             "profile": {
-                "radius_mm": face.radius_mm[touched].tolist(),
+                "radius_mm": np.minimum(face.radius_mm[touched], reach).tolist(),
                 "pressure_kPa": pressure[touched].tolist(),
                 "shear_kPa": (1e3 * face.shear_MPa[touched]).tolist(),
                 "state": [STATES[k] for k in face.state[touched]],

@@ -15,11 +15,13 @@ import numpy as np
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.geometry.interface import BASES, FACES, Interface
 from dummydesign.geometry.standard import PAD_EXTENT_MM
+from dummydesign.pad.contact.surface_axisymmetric import FlatPunch
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fields.pressed import FREE, SLIPS, STICKS, Face, Pressed
 from dummydesign.pad.fields.recover import face_tractions, recovered
 from dummydesign.pad.pad import SLAB, Pad, Puck
 from dummydesign.pad.shaped.fold import FoldWatch, RoundFace
+from dummydesign.pad.shaped.paths import radius_touched
 from dummydesign.pad.solve.continuation import Passed, beside_path, follow
 from dummydesign.pad.solve.equilibrium import Problem, Solution
 
@@ -159,7 +161,7 @@ def _follow(
 def _setup(pad: Pad, law: Any, depths: Array, shear: float, coarse: bool) -> Setup:
     """The problem that the pad's own curve is solved by, with one fillet."""
     from dummydesign.pad.contact.resting_base import weight_over_shear
-    from dummydesign.pad.contact.surface_axisymmetric import FlatPunch, ProfilePunch
+    from dummydesign.pad.contact.surface_axisymmetric import ProfilePunch
     from dummydesign.pad.shaped.paths import LARGEST_STEP, first_depth, passed_by
     from dummydesign.pad.shaped.problem import CELLS, Press, shaped_problem
     from dummydesign.pad.slab.indentation import CELLS as PROFILE_CELLS
@@ -222,11 +224,12 @@ def _pressed(problem: Problem, solution: Solution, depth: float, pad: Pad, shear
     used = np.unique(meshes.cell_nodes(mesh))
     number = np.full(mesh.nodes.shape[1], -1)
     number[used] = np.arange(len(used))
-    face = _face(problem, solution, pad)
+    face = _face(problem, solution, depth, pad)
     outline = _outline(problem, depth, pad.radius_mm / h)
     face = Face(
         number[face.node], face.radius_mm * h, (face.height_mm - bottom) * h, face.rest_mm * h,
         face.pressure_MPa * shear, face.shear_MPa * shear, face.state,
+        face.contact_radius_mm * h,
     )  # fmt: skip
     return Pressed(
         depth * h, problem.force(solution.state) * shear * h * h, (mesh.nodes.T - lift)[used] * h, moved[used] * h,
@@ -234,7 +237,7 @@ def _pressed(problem: Problem, solution: Solution, depth: float, pad: Pad, shear
     )  # fmt: skip
 
 
-def _face(problem: Problem, solution: Solution, pad: Pad) -> Face:
+def _face(problem: Problem, solution: Solution, depth: float, pad: Pad) -> Face:
     """The tested face in the problem's own units."""
     solid = problem.solid
     sides = face_sides(problem)
@@ -250,7 +253,10 @@ def _face(problem: Problem, solution: Solution, pad: Pad) -> Face:
         state = np.where(touches & (np.abs(drag) >= limit), SLIPS, state)
     pressure, drag = np.where(touches, pressure, 0.0), np.where(touches, drag, 0.0)
     place = solid.mesh.nodes[:, node] + solution.u.reshape(-1, 2).T[:, node]
-    return Face(node, place[0], place[1], solid.mesh.nodes[0, node], pressure, drag, state)
+    reach, punch = radius_touched(problem, depth, solution), problem.punch
+    if not pad.edge_radius_mm and isinstance(punch, FlatPunch) and reach >= punch.flat_radius:
+        reach = punch.radius  # the fillet stands for a sharp edge, which is reached
+    return Face(node, place[0], place[1], solid.mesh.nodes[0, node], pressure, drag, state, reach)
 
 
 def face_sides(problem: Problem) -> Array:

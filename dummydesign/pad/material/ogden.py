@@ -56,7 +56,7 @@ class Ogden:
         for mu, alpha_p in zip(self.mu_MPa, self.alpha):
             if not (np.isfinite(mu) and np.isfinite(alpha_p) and mu * alpha_p > 0.0):
                 raise InputError(
-                    f"Ogden term mu = {mu} MPa, alpha = {alpha_p}: mu times alpha must be above 0, "
+                    f"Ogden term mu = {mu:g}, alpha = {alpha_p:g}: mu times alpha must be above 0, "
                     "else the solid softens without bound"
                 )
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
+from dummydesign.pad.contact.resting_base import Both
 from dummydesign.pad.material.hyperelastic import Law
 from dummydesign.pad.shaped.fold import FoldWatch, RoundFace
 from dummydesign.pad.shaped.problem import CELLS, RIMS, Press, shaped_problem
@@ -163,11 +165,16 @@ def radius_touched(problem: Problem, depth: float, solution: Solution) -> float:
     Returns
     -------
     float
-        In the mesh's unit of length.
+        Largest deformed radius of the glued nodes and of the face's integration points that touch, in the mesh's unit
+        of length. No point of a flat punch lies outside its radius, upright side included.
     """
-    points = problem.surface._points(solution.u)
+    surface: Any = problem.surface
+    points = surface.face._points(solution.u) if isinstance(surface, Both) else surface._points(solution.u)
+    assert problem.punch is not None
     touching = problem.punch.gap(points, depth)[0] <= 0.0
-    return float(np.max(points[..., 0], where=touching, initial=0.0))
+    glued = np.unique(problem.driven // 2)
+    moved = problem.solid.mesh.nodes[0, glued] + solution.u.reshape(-1, 2)[glued, 0]
+    return float(max(np.max(points[..., 0], where=touching, initial=0.0), np.max(moved, initial=0.0)))
 
 
 def first_depth(depths: Array) -> float:

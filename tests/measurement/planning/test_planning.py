@@ -110,6 +110,19 @@ def test_what_is_pressed_as_planned_is_ready_and_the_loop_reads_it(mine, capsys)
     assert asked(capsys, "check", str(mine))["ready"] is True
 
 
+@pytest.mark.parametrize(("offset", "code"), [(-0.044, None), (0.5, "force_before_contact")])
+def test_an_offset_is_a_problem_beyond_the_noise_only(mine, capsys, offset, code):
+    name = check_campaign(mine).pressed[0]
+    time, x, force = np.loadtxt(mine / name, delimiter=",", skiprows=1).T
+    rows = np.column_stack([time, x, force + offset])
+    np.savetxt(mine / name, rows, "%.4f", ",", header="time_s,displacement_mm,force_N", comments="")
+    found = asked(capsys, "check", str(mine), status=0 if code is None else 1)
+    assert found["ready"] == (code is None)
+    assert [(one["code"], one["file"]) for one in found["wrong"]] == ([] if code is None else [(code, name)])
+    if code:
+        assert found["error"]["message"].startswith("1 problem in ")
+
+
 @pytest.mark.slow
 def test_the_loop_finds_the_modulus_of_a_planned_and_pressed_campaign_and_no_effect(mine, tmp_path, capsys):
     assert run(["loop", str(mine), "--out", str(tmp_path / "out"), "--json"]) == 0

@@ -216,3 +216,28 @@ def test_fields_on_the_way_of_a_followed_path_follow_none(monkeypatch):
     paths.climb(press, Yeoh(1.0), np.array([0.1, 0.15]), 8)
     monkeypatch.setattr(fields_solve, "follow", None)
     assert len(solve_fields(pad, [0.4, 0.63], coarse=True)[0]) == 2
+
+
+WIDE = {"geometry": read_shape("crowned:21.2,2,9.4")}
+
+
+@pytest.mark.parametrize(
+    ("more", "depths"),
+    [
+        (WIDE, [0.2, 1.5, 2.0]), ({}, [0.05, 1.5]), ({"edge_radius_mm": 1.0}, [2.0]),
+        (WIDE | {"edge_radius_mm": 1.0}, [2.0]), ({"base": "friction:0.5"}, [0.4]),
+        ({"condition": "frictionless"}, [0.2]),
+    ],
+)  # fmt: skip
+def test_the_contact_under_a_flat_punch_is_no_wider_than_the_punch(more, depths):
+    radius = 7.8988
+    found = [one.contact() for one in solve_fields(Pad(5.0, YOUNG_MPa, radius, **more), depths, coarse=True)[0]]
+    assert len(found) == len(depths)
+    for one in found:
+        reach = one["contact_radius_mm"]
+        assert 0.0 < reach <= radius * (1.0 + 1e-9) and max(one["profile"]["radius_mm"]) <= reach
+        assert 1e-3 * one["mean_kPa"] * np.pi * reach**2 == pytest.approx(one["force_N"])
+    sharp_edge = "edge_radius_mm" not in more
+    assert (found[-1]["contact_radius_mm"] == pytest.approx(radius, rel=1e-9)) == sharp_edge
+    if more == WIDE:  # inside the face the contact grows as that of a ball on a thin layer, between the two limits
+        assert np.sqrt(21.2 * 0.2) < found[0]["contact_radius_mm"] < np.sqrt(2.0 * 21.2 * 0.2)

@@ -266,8 +266,7 @@ def _by_behaviour(
         guess[rest[0]] = free[0]
     absent = [role for role in missing if role not in guess]
     if absent:
-        named = [f"'{column.short}'" if column.title else f"column {column.index + 1}" for column in columns[:12]]
-        shown = ", ".join(named)
+        shown = ", ".join(f"'{one.short}'" if one.title else f"column {one.index + 1}" for one in columns[:12])
         option = f"--columns {','.join(f'{role}=NAME' for role in absent)}"
         raise InputError(
             f"{layout.file}: no column is {' or '.join(absent)} (there are {shown}); say {option}, or export it"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from dummydesign.core.errors import InputError
+from dummydesign.measurement.importing.core.absent import absent_roles, absent_words
 from dummydesign.measurement.importing.core.units import split_name
 from dummydesign.measurement.importing.core.vocabulary import roles_of_name
 from dummydesign.measurement.importing.text.cells import SEPARATORS, split
@@ -14,13 +15,12 @@ from dummydesign.measurement.importing.text.numbers import is_missing, is_number
 
 def why_no_table(lines: Sequence[str], separator: str) -> str:
     """Say why there is no table."""
-    named = any(
-        len([cell for cell in split(line, sign) if roles_of_name(split_name(cell)[0])]) >= 2
-        for line in lines[:200]
-        for sign in SEPARATORS
-        if sign in line
-    )
-    if named:
+    heads = (split(line, sign) for line in lines[:200] for sign in SEPARATORS if sign in line)
+    head = next((cells for cells in heads if sum(bool(roles_of_name(split_name(cell)[0])) for cell in cells) >= 2), [])
+    absent = absent_roles(head) if head else ()
+    if absent:
+        return absent_words(absent, head)
+    if head:
         return "has a header but no rows of numbers below it; export the test with its data"
     return "holds no table of numbers; export time, displacement and force as columns of text"
 

@@ -1,0 +1,134 @@
+"""``predict``: several forces and speeds, units, what is refused and how, and a pad without relaxation."""
+
+from __future__ import annotations
+
+import csv
+import json
+
+import numpy as np
+import pytest
+
+import dummydesign
+from dummydesign.cli import run
+from dummydesign.core.errors import InputError, NoAnswerError
+
+POURED = ["predict", "--resin", "polyurethane-nagoya", "--ratio", "15", "--thickness", "5"]
+ELASTIC = ["predict", "--young", "30", "--thickness", "10"]
+
+
+def answered(capsys, *words):
+    assert run([*words, "--json"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+def codes(found):
+    return [item["code"] for item in found["warnings"]]
+
+
+def test_several_forces_and_speeds_are_the_single_presses_one_after_the_other(capsys):
+    several = answered(capsys, *POURED, "--force", "5,10N", "--velocity", "10,0.25m/s", "--hold", "2")
+    presses = several["presses"]
+    asked = [(one["steady_force_N"], one["velocity_mm_s"]) for one in presses]
+    assert asked == [(5, 10), (10, 10), (5, 250), (10, 250)]
+    for one in presses:
+        force, speed = f"{one['steady_force_N']:g}", f"{one['velocity_mm_s']:g}"
+        single = answered(capsys, *POURED, "--force", force, "--velocity", speed, "--hold", "2")
+        assert "presses" not in single and single["inputs"]["force_N"] == float(force)
+        assert single["steady_force_N"] == pytest.approx(one["steady_force_N"], rel=1e-6)
+        for name in ("depth_mm", "peak_force_N", "peak_time_s", "time_s", "force_N", "force_low_N", "force_high_N"):
+            assert one[name] == single[name]
+    for name in ("depth_mm", "peak_force_N", "time_s", "displacement_mm", "force_N"):
+        assert several[name] == presses[-1][name]
+
+
+def test_the_call_takes_lists_and_the_curves_of_all_presses_are_written(tmp_path):
+    given = {"resin": "polyurethane-nagoya", "ratio": 15, "out": tmp_path / "c.csv"}
+    found = dummydesign.predict(5, force_N=np.array([5.0, 8.0]), velocity_mm_s=[250], **given).to_dict()
+    with (tmp_path / "c.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == sum(len(one["time_s"]) for one in found["presses"])
+    assert {(float(row["steady_force_N"]), float(row["velocity_mm_s"])) for row in rows} == {(5.0, 250.0), (8.0, 250.0)}
+
+
+def test_a_force_out_of_reach_is_said_of_that_press_and_refused_when_it_is_all(capsys):
+    found = answered(capsys, *POURED, "--force", "5,300", "--velocity", "10")
+    first, second = found["presses"]
+    assert second["depth_mm"] is None and second["peak_force_N"] is None and "300 N" in second["out_of_reach"]
+    assert found["depth_mm"] == first["depth_mm"] and found["steady_force_N"] == pytest.approx(5.0)
+    assert run([*POURED, "--force", "5,300", "--velocity", "10"]) == 0
+    assert len(capsys.readouterr().out.splitlines()) <= 30
+    with pytest.raises(NoAnswerError, match="300 N") as caught:
+        dummydesign.predict(5, resin="polyurethane-nagoya", ratio=15, force_N="300,400", velocity_mm_s=10)
+    assert caught.value.code == "out_of_reach"
+
+
+@pytest.mark.parametrize("what", [["--force", "10", "--velocity", "10"], ["--motion", "m.csv"]])
+def test_a_pad_without_relaxation_that_is_pressed_in_time_is_told_first(what, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "m.csv").write_text("time_s,displacement_mm\n0,0\n0.1,1\n2,1\n", encoding="utf-8")
+    found = answered(capsys, *ELASTIC, *what)
+    assert codes(found)[0] == "no_relaxation" and found["peak_force_N"] == pytest.approx(found["steady_force_N"])
+    assert run([*ELASTIC, *what]) == 0
+    shown = capsys.readouterr().out.splitlines()
+    message = found["warnings"][0]["message"]
+    assert "--prony" in message and "--resin" in message
+    assert message in shown[0] and not any(message in line for line in shown[1:])
+    assert "no_relaxation" not in codes(answered(capsys, *ELASTIC, *what, "--prony", "0.1:0.3"))
+
+
+def test_static_depths_and_resins_with_relaxation_are_not_warned_of(capsys):
+    assert "no_relaxation" not in codes(answered(capsys, *ELASTIC, "--depth", "1"))
+    assert "no_relaxation" not in codes(answered(capsys, *POURED, "--force", "5", "--velocity", "10"))
+
+
+@pytest.mark.parametrize("typed", ["1,2", "1mm,2mm", "0.1cm, 2000um", ["1mm", 2]])
+def test_depths_have_units_as_thicknesses_do(typed):
+    assert dummydesign.predict("1cm", young_kPa=30, depth_mm=typed).to_dict()["depth_mm"] == [1.0, 2.0]
+
+
+def test_units_are_taken_by_edges_studies_and_moulds():
+    from dummydesign.design.sweep.ranges import parse_limits, read_values
+    from dummydesign.mold.several.job import read_thicknesses
+
+    sharp, same = (dummydesign.predict(10, young_kPa=30, depth_mm=1, edge_radius_mm=e).to_dict() for e in (1.0, "1mm"))
+    assert sharp["force_N"] == same["force_N"]
+    assert read_values("5mm,1cm", "thickness in mm") == (5.0, 10.0)
+    assert read_values("5mm:6mm:0.5", "thickness in mm") == (5.0, 5.5, 6.0)
+    assert parse_limits("5mm:1cm", "thickness in mm") == (5.0, 10.0)
+    assert read_thicknesses("5mm,1cm") == (5.0, 10.0)
+    with pytest.raises(InputError, match="thickness in mm = '5N'"):
+        read_values("5N", "thickness in mm")
+
+
+@pytest.mark.parametrize(
+    ("words", "parts"),
+    [
+        (["--young", "-5", "--depth", "1"], ("Young's modulus in kPa = -5 ", "0.01 to 1000000")),
+        (["--young=-0.005MPa", "--depth", "1"], ("Young's modulus in kPa = -5 ", "0.01 to 1000000")),
+        (["--young", "0", "--depth", "1"], ("Young's modulus in kPa = 0 ", "0.01")),
+        (["--young", "30", "--depth", "-1"], ("depth in mm = -1 ", "0 to 6")),
+        (["--young", "30", "--depth", "9"], ("depth in mm = 9 ", "0 to 6")),
+        (["--young", "30", "--depth", "1,,2"], ("depth in mm = ''",)),
+        (["--young", "30", "--depth", "1N"], ("depth in mm = '1N'", "mm")),
+        (["--young", "30", "--force", "-3", "--velocity", "10"], ("force in N = -3 ", "0.0001")),
+        (["--young", "30", "--force", "3,-4", "--velocity", "10"], ("force in N = -4 ", "0.0001")),
+        (["--young", "30", "--force", "3", "--velocity", "0"], ("velocity in mm/s = 0 ", "0.0001")),
+        (["--young", "30", "--force", "3", "--velocity", "9", "--hold", "-1"], ("hold in s = -1 ",)),
+        (["--young", "30", "--force", "3", "--velocity", "9", "--deceleration", "-1"], ("deceleration in mm/s2 = -1",)),
+        (["--young", "30", "--depth", "1", "--law", "ogden:-1,2"], ("mu = -1, alpha = 2",)),
+    ],
+)
+def test_what_is_refused_is_named_as_it_was_typed(words, parts, capsys):
+    assert run(["predict", "--thickness", "10", *words]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and "MPa" not in said.replace("-0.005MPa", "")
+    assert all(part in said for part in parts) and "young_MPa" not in said
+
+
+def test_a_pad_smaller_than_its_punch_and_a_campaign_of_no_modulus_are_refused(tmp_path, capsys):
+    assert run([*ELASTIC, "--depth", "1", "--pad", "slab:10x30"]) == 2
+    assert "smaller than the punch square:14" in capsys.readouterr().err
+    for typed, said in (("-5", "= -5 is outside"), ("0.025", "give 25")):
+        assert run(["campaign", "new", str(tmp_path / "c"), "--young", typed]) == 2
+        assert f"Young's modulus in kPa = {typed}" in (shown := capsys.readouterr().err) and said in shown
+    assert not list(tmp_path.iterdir())

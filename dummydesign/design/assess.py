@@ -11,7 +11,7 @@ from dummydesign.design.assessment.warnings import design_warnings, rests_on
 from dummydesign.design.calibrated import calibration_dict
 from dummydesign.design.inputs import Inputs
 from dummydesign.design.mould import pour_recipe, top_mass_g
-from dummydesign.design.own_test.checks import own_warnings
+from dummydesign.design.own_test.checks import beyond_people, own_warnings
 from dummydesign.design.search.best_of_kinds import Chosen
 from dummydesign.design.search.shape_family import ShapeLaw
 from dummydesign.design.search.slabs import Candidate
@@ -47,7 +47,7 @@ def assess(inputs: Inputs, solved: Solved) -> Suggestion:
         resin=space.resin,
         targets=space.targets,
         found=chosen.found,
-        verdict=verdict_of_design(cast),
+        verdict=verdict_of_design(cast, beyond_people(request, inputs.tissue)),
         castings=cast,
         recommended=recommended,
         alternatives=tuple(

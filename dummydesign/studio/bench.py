@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dummydesign.core.errors import InputError
-from dummydesign.design.own_test.checks import refused_kinds
+from dummydesign.design.own_test.checks import beyond_people, refused_kinds
 from dummydesign.design.own_test.punch import PROFILE, read_punch
 from dummydesign.design.own_test.slab_law import table_alone, why_solved
 from dummydesign.design.request import Request
@@ -124,4 +124,5 @@ def settled(inputs: Inputs, shape: PadShape, pad: OnePad) -> Verdict:
     poured = sum(mass for name, mass in recipe if not name.endswith("(base)"))
     request = inputs.request
     tolerances = Tolerances(poured, request.weighing_g, request.thickness_tolerance_mm)
-    return with_castings(pad, inputs.space, inputs.castings, tolerances)
+    beyond = beyond_people(request, inputs.tissue)
+    return with_castings(pad, inputs.space, inputs.castings, tolerances, beyond)

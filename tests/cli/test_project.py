@@ -10,7 +10,7 @@ from dummydesign.cli import run
 
 @pytest.fixture
 def inside(tmp_path, monkeypatch, capsys):
-    assert run(["init", str(tmp_path / "thumb"), "--tissue", "forefinger", "--shape", "slab"]) == 0
+    assert run(["init", str(tmp_path / "thumb"), "--tissue", "forefinger", "--shape", "crowned"]) == 0
     monkeypatch.chdir(tmp_path / "thumb" / "designs")
     capsys.readouterr()
     return tmp_path / "thumb"
@@ -19,11 +19,11 @@ def inside(tmp_path, monkeypatch, capsys):
 def test_commands_inside_take_tissue_and_place_from_the_project(inside, capsys):
     assert run(["suggest", "--no-cad", "--no-verify", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
-    assert found["inputs"]["tissue"] == "forefinger" and found["inputs"]["shape"] == "slab"
+    assert found["inputs"]["tissue"] == "forefinger" and found["inputs"]["shape"] == "crowned"
     folder = inside / "designs" / "suggest-forefinger"
     manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
     assert manifest["summary"]["thickness_mm"] == found["recommendation"]["thickness_mm"]
-    assert manifest["command_line"].startswith("dummydesign suggest --tissue forefinger --shape slab --no-cad")
+    assert manifest["command_line"].startswith("dummydesign suggest --tissue forefinger --shape crowned --no-cad")
     assert run(["status", "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert told["found"]["designs"][0]["folder"] == "designs/suggest-forefinger"

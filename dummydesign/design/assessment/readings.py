@@ -48,16 +48,19 @@ def limits_that_bind(candidate: Candidate, thickness_mm: NDArray, ratio: NDArray
     return tuple(bound)
 
 
-def verdict_of_design(cast: PadCastings) -> Verdict:
+def verdict_of_design(cast: PadCastings, beyond: float = 1.0) -> Verdict:
     """Verdict on a design: at central estimates, over its castings, and with the limits that bind it.
 
     Parameters
     ----------
     cast : PadCastings
+    beyond : float
+        Largest steady force of the test over the hardest press of people.
     """
     space, candidate = cast.space, cast.candidate
     bound = limits_that_bind(candidate, space.thickness_mm, space.ratio)
     return verdict(
         ranges_of(space.targets), reading_of(candidate), cast.readings(), bound,
         strict=strict_aim(space.targets), measured=cast.readings(RESIN), limits=space.targets.limits,
+        beyond=beyond,
     )  # fmt: skip

@@ -159,6 +159,7 @@ def verdict(
     strict: bool = False,
     measured: Readings | None = None,
     limits: VerdictLimits | None = None,
+    beyond: float = 1.0,
 ) -> Verdict:
     """Judge one pad against the subjects of a tissue.
 
@@ -182,6 +183,9 @@ def verdict(
         Of the castings once modulus and relaxation are known.
     limits : VerdictLimits, optional
         By default those of ``materials/verdict.toml``.
+    beyond : float
+        Largest steady force of the test over the hardest press of people. Above 1 nothing is settled; above the limit
+        no pad is representative.
 
     Returns
     -------
@@ -202,7 +206,11 @@ def verdict(
         own = int(classes(found, limits, strict)[0])
         known = {name: float(own == place) for place, name in enumerate(CLASSES)}
     below, above = outside(plain)
+    if beyond > 1.0 and not unsettled:
+        unsettled = f"the test goes to {beyond:.2g} times the hardest press of people"
     level = _level(found, shares or known, limits, strict, ranges.subjects < 2, unsettled, _inside(below, above))
+    if beyond > limits.beyond_people:
+        level = "not_representative"
     after = None
     if measured is not None:
         known_resin = deviations(ranges, measured, strict)

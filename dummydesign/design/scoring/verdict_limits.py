@@ -14,12 +14,16 @@ from dummydesign.core.quantity import KINDS, line_of, read_quantity
 KIND, NAME = "materials", "verdict"
 NUMBERS = {
     "stands_for": {"shortfall": "stands_shortfall", "over": "stands_over", "inside": "stands_inside"},
-    "usable": {"shortfall": "shortfall", "shortfall_castings": "shortfall_castings", "over": "over"},
+    "usable": {"shortfall": "shortfall", "shortfall_castings": "shortfall_castings", "over": "over",
+               "beyond_people": "beyond_people"},
     "castings": {"share": "share"},
     "bottoming_out": {"gel_compression": "gel_compression"},
     "choice": {"tie": "tie"},
 }
-BOUNDS = {"stands_inside": (0.0, 1.0), "share": (0.5, 0.999), "gel_compression": (0.05, 0.6), "tie": (0.0, 0.1)}
+BOUNDS = {
+    "beyond_people": (1.0, 10.0), "stands_inside": (0.0, 1.0), "share": (0.5, 0.999),
+    "gel_compression": (0.05, 0.6), "tie": (0.0, 0.1),
+}  # fmt: skip
 FACTORS = (1.0, 3.0)
 """Allowed range of shortfalls and over-readings."""
 
@@ -29,7 +33,8 @@ class VerdictLimits:
     """Limits of shortfall and over-reading, of the share of castings, of the gel's compression, and of a tie.
 
     ``stands_*`` are those of green; ``shortfall`` and ``over`` those of amber at central estimates, and
-    ``shortfall_castings`` that for ``share`` of the castings.
+    ``shortfall_castings`` that for ``share`` of the castings. ``beyond_people`` limits the largest steady force of the
+    test over the hardest press of people.
     """
 
     stands_shortfall: float
@@ -38,6 +43,7 @@ class VerdictLimits:
     shortfall: float
     shortfall_castings: float
     over: float
+    beyond_people: float
     share: float
     gel_compression: float
     tie: float

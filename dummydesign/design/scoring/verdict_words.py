@@ -119,7 +119,7 @@ def _castings(of: Findings) -> str:
 
 def _ending(of: Findings) -> str:
     """The correction, or why nothing is settled."""
-    if of.unsettled and of.level == "not_settled":
+    if of.unsettled and of.level in ("not_settled", "not_representative"):
         return of.unsettled
     if of.level == "usable_with_correction" and of.correction.factor is not None:
         if of.correction.factor < 1.0 + tolerance_of(PEAK):

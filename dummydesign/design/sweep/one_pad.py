@@ -107,7 +107,9 @@ def one_pad(law: ForceLaw, space: SearchSpace, thickness_mm: float, ratio: float
     return OnePad(candidate, law, verdict(ranges_of(space.targets), reading_of(candidate), None, bound, strict=strict))
 
 
-def with_castings(pad: OnePad, space: SearchSpace, castings: Castings, tolerances: Tolerances) -> Verdict:
+def with_castings(
+    pad: OnePad, space: SearchSpace, castings: Castings, tolerances: Tolerances, beyond: float = 1.0
+) -> Verdict:
     """The verdict with what the castings of a pad may turn out as; the same as that of ``suggest``.
 
     Parameters
@@ -119,5 +121,7 @@ def with_castings(pad: OnePad, space: SearchSpace, castings: Castings, tolerance
         Of the resin.
     tolerances : Tolerances
         Of weighing and thickness.
+    beyond : float
+        Largest steady force of the test over the hardest press of people.
     """
-    return verdict_of_design(PadCastings(castings, pad.law, pad.candidate, space, tolerances))
+    return verdict_of_design(PadCastings(castings, pad.law, pad.candidate, space, tolerances), beyond)

@@ -18,6 +18,7 @@ from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.files import output_folder
 from dummydesign.core.outputs.manifest import COMMAND_LINE
 from dummydesign.core.threads import ONE_THREAD
+from dummydesign.mold.gauging.points import gauge_points
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.model.validate import validate
 from dummydesign.mold.pour.plan import pour_plan
@@ -43,13 +44,15 @@ class MouldResult:
     warnings: tuple[dict[str, str], ...]
     pour: dict[str, Any]
     spec_hash: str
+    gauge_points: tuple[dict[str, Any], ...] = ()
     seconds: float = field(default=0.0, compare=False)
     memory_MB: float = field(default=0.0, compare=False)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the fields as plain values."""
         plain = asdict(self)
-        return {**plain, "checks": list(plain["checks"]), "warnings": list(plain["warnings"])}
+        listed = {key: list(plain[key]) for key in ("checks", "warnings", "gauge_points")}
+        return {**plain, **listed}
 
 
 def make_mold(
@@ -109,6 +112,7 @@ def without_cad(spec: MouldSpec) -> dict[str, Any]:
         "masses_g": masses_g(plan.to_dict()),
         "pour": plan.to_dict(),
         "spec_hash": spec.hash,
+        "gauge_points": [point.to_dict() for point in gauge_points(spec)],
         "warnings": pour_warnings(spec, plan),
     }
 
@@ -173,6 +177,7 @@ def _result(spec: MouldSpec, found: dict[str, Any], target: Path) -> MouldResult
         warnings=tuple(found["warnings"]),
         pour=found["pour"],
         spec_hash=spec.hash,
+        gauge_points=tuple(point.to_dict() for point in gauge_points(spec)),
         seconds=found["seconds"],
         memory_MB=found["memory_MB"],
     )

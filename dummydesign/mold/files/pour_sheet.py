@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from dummydesign.mold.cad.label import label_text
+from dummydesign.mold.gauging.points import gauge_points, points_rows
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.spec import MouldSpec, Pour
 from dummydesign.mold.pour import shape_notes
@@ -20,6 +21,7 @@ from dummydesign.mold.pour.print_layers import tip_words
 from dummydesign.mold.pour.steps import BLANK
 from dummydesign.mold.printed.notes import demould_steps, mould_steps
 
+PADS_A_TABLE = 4
 WITNESS_DIAMETER_MM, WITNESS_HEIGHT_MM = 50.0, 30.0
 
 
@@ -74,13 +76,30 @@ def pour_sheet(
         *_demould_blocks(spec),
         Block("head", "5. Accept or reject" + (", each pad" if spec.count > 1 else "")),
         Block("table", rows=tuple(acceptance_rows(spec, plan))),
-        Block("text", "Keep it: dummydesign mold record DIR --thickness a,b,c,d,e --mass G [--modulus KPA --level DEG "
-              "--bubbles N]; a campaign then names the record and knows this pad."),
+        Block("text", f"Keep it: {_record_line(spec)}. A campaign then names the record and knows this pad."),
         Block("head", "What is needed"),
         Block("table", rows=tuple(bill_of_materials(spec, plan, printed_mm3))),
         Block("head", "Cautions"),
         Block("list", items=tuple(item["message"] for item in warnings)),
     ]
+
+
+def _record_line(spec: MouldSpec) -> str:
+    """What to type for the readings of the gauge points."""
+    typed = ",".join(f"{point.name}=MM" for point in gauge_points(spec))
+    return f"dummydesign mold record DIR --thickness {typed} --mass G [--modulus KPA --level DEG --bubbles N]"
+
+
+def _gauge_blocks(spec: MouldSpec) -> list[Block]:
+    """Where to gauge the thickness: a table with a free column for each pad."""
+    words = "Gauge the thickness at these points, seen on the tested face; x runs along the length from the middle."
+    words += f" Zero the gauge on {'the plate of the bone' if spec.pad.shape.bone_height_mm else 'a flat base'}."
+    points = gauge_points(spec)
+    tables = [
+        Block("table", rows=tuple(points_rows(points, BLANK, first, min(PADS_A_TABLE, spec.count - first + 1))))
+        for first in range(1, spec.count + 1, PADS_A_TABLE)
+    ]
+    return [Block("text", words), *tables]
 
 
 def _safety(spec: MouldSpec) -> str:
@@ -212,7 +231,7 @@ def _demould_blocks(spec: MouldSpec) -> list[Block]:
         measured_blanks(spec.count),
         f"Age {pour.age_before_test_days:g} days at room temperature before testing; test pad and witness on one day.",
     )
-    return [Block("head", "4. Demould and measure"), Block("list", items=steps)]
+    return [Block("head", "4. Demould and measure"), Block("list", items=steps), *_gauge_blocks(spec)]
 
 
 def to_markdown(blocks: Sequence[Block]) -> str:

@@ -90,8 +90,8 @@ def job_sheet(ordered: Sequence[Ordered], castings: int) -> list[Block]:
     hours = max(one.spec.pour.cure_time_h for one in ordered)
     return [
         Block("head", f"Job: {len(ordered)} moulds, {castings * sum(one.spec.count for one in ordered)} pads"),
-        Block("text", "Every mould has its own folder with its pour sheet; record each cast pad there with dummydesign "
-              "mold record FOLDER --thickness a,b,c,d,e --mass G."),
+        Block("text", "Every mould has its own folder with its pour sheet. Record each cast pad there with dummydesign "
+              "mold record, as its pour sheet says."),
         Block("table", rows=tuple(rows)),
         Block("text", f"A mould is in use for about {hours:g} h a casting: {castings} castings of each take {castings} "
               "cures. Pads of one campaign are best cast of one resin batch; the witness puck goes with every cup."),

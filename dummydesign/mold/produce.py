@@ -31,6 +31,7 @@ from dummydesign.mold.files.step import COLOURS, Material, StepPart, step_text
 from dummydesign.mold.files.view.mould import mould_view
 from dummydesign.mold.gauging.points import gauge_points
 from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.mold.pour.batch import batches_of
 from dummydesign.mold.pour.plan import PourPlan, pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
 
@@ -112,6 +113,7 @@ def _written(
         "checks": [item.to_dict() for item in checks],
         "warnings": warnings,
         "pour": plan.to_dict(),
+        "batch": batches_of(spec, plan),
         "step_sha256": hashlib.sha256((folder / files["assembly"]).read_bytes()).hexdigest(),
     }
 

@@ -143,7 +143,7 @@ def _mould_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
 
 def _gauged(spec: MouldSpec) -> str:
     words = tip_words(spec)
-    return f" There {words}. Height over the flat: {BLANK} mm" if words else ""
+    return f" There {words}. Height over the flat: {BLANK} mm." if words else ""
 
 
 def _plastic(spec: MouldSpec) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from os import PathLike, fspath
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -211,7 +211,7 @@ def _make_job(
 
 def record_pad(
     folder: str | PathLike[str],
-    thicknesses_mm: Iterable[float],
+    thicknesses_mm: Iterable[float] | Mapping[str, float],
     mass_g: float,
     *,
     modulus_kPa: float | None = None,
@@ -227,8 +227,9 @@ def record_pad(
     ----------
     folder : path
         What ``mold`` or ``suggest`` wrote.
-    thicknesses_mm : iterable of float
-        At five places or more. [mm]
+    thicknesses_mm : iterable of float, or mapping of str to float
+        By the names of the pour sheet's gauge points, ``{"tip": 4.51, "shoulder": 2.49, ...}``; of a flat pad also
+        without names at five places or more. [mm]
     mass_g : float
         Of the trimmed pad. [g]
     modulus_kPa : float, optional
@@ -247,7 +248,7 @@ def record_pad(
     Returns
     -------
     Result
-        The same as ``dummydesign mold record --json`` prints.
+        The same as ``dummydesign mold record --json`` prints; the command ends with status 1 unless ``accepted``.
 
     Raises
     ------
@@ -259,17 +260,21 @@ def record_pad(
     from dummydesign._version import __version__
     from dummydesign.core.outputs.records import add_record
     from dummydesign.measurement.pad_record import STEM
-    from dummydesign.mold.pour.record import GAUGE_MM, Measured, read_spec
+    from dummydesign.mold.pour.record import GAUGE_MM, Measured, read_points, read_spec
     from dummydesign.mold.pour.record import record_pad as judged
 
-    places = tuple(float(one) for one in thicknesses_mm)
+    named = thicknesses_mm if isinstance(thicknesses_mm, Mapping) else {}
+    values = named.values() if isinstance(thicknesses_mm, Mapping) else thicknesses_mm
+    places = tuple(float(one) for one in values)
     gauge = GAUGE_MM if gauge_mm is None else gauge_mm
-    found = judged(Measured(places, mass_g, modulus_kPa, level_deg, bubbles, gauge, note), read_spec(fspath(folder)))
+    spec = read_spec(fspath(folder))
+    measured = Measured(places, mass_g, modulus_kPa, level_deg, bubbles, gauge, note, tuple(named))
+    found = judged(measured, spec, read_points(fspath(folder), spec))
     content = {**found.to_dict(), "gauge_mm": gauge, "version": __version__, "date": date.today().isoformat()}
     path = add_record(Path(folder), STEM, content, apart=("date", "version"), replace=replace)
     inputs: dict[str, Any] = {
-        "folder": str(folder), "thicknesses_mm": list(places), "mass_g": mass_g, "modulus_kPa": modulus_kPa,
-        "level_deg": level_deg, "bubbles": bubbles, "gauge_mm": gauge, "note": note,
+        "folder": str(folder), "thicknesses_mm": dict(named) or list(places), "mass_g": mass_g,
+        "modulus_kPa": modulus_kPa, "level_deg": level_deg, "bubbles": bubbles, "gauge_mm": gauge, "note": note,
     }  # fmt: skip
     warnings = [{"code": "limit_missed", "message": text} for text in found.missed]
     plain = {key: value for key, value in found.to_dict().items() if key not in ("schema", *inputs)}

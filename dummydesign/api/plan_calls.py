@@ -12,6 +12,7 @@ from dummydesign.api.questions import question
 from dummydesign.core.errors import InputError
 
 if TYPE_CHECKING:
+    from dummydesign.loop.planning.press_targets import Expected
     from dummydesign.measurement.campaign import Campaign
     from dummydesign.measurement.planning.campaign_text import SetUp
     from dummydesign.measurement.planning.plan import Design, Planned
@@ -66,21 +67,54 @@ def plan_campaign(
     _check_set_up(_empty_campaign(set_up, tables), design.pads_mm)
     told = {key: ", ".join(f"{k} = {v}" for k, v in tables[key].items()) for key in ("pad", "punch", "sensor")}
     with new_folder(folder, question("campaign new", inputs), replace=replace) as output:
+        expected, told["expected"], notes, material = _expected(plan, _empty_campaign(set_up, tables))
         seen, warnings = _power(plan, set_up, tables, design.seed) if power else (None, [])
         output.path(FILE).write_text(campaign_toml(set_up, map(_trial, plan), comments), encoding="utf-8")
         _copy_profile(set_up, output.work)
-        page = sheet_html(set_up.name, plan, told, design.seed)
+        page = sheet_html(set_up.name, plan, told, design.seed, expected)
         output.path("sheet.html").write_text(page, encoding="utf-8")
         result = output.answer(
             {
                 "inputs": {**inputs, "folder": str(output.folder)},
-                "trials": [_trial(row) for row in plan],
+                "trials": [_trial(row) | (expected[i].to_dict() if expected else {}) for i, row in enumerate(plan)],
+                "expected": material,
                 "power": seen,
                 "files": {"campaign": str(output.path(FILE)), "sheet": str(output.path("sheet.html"))},
-                "warnings": warnings,
+                "warnings": [*notes, *warnings],
             }
         )
     return Result(plan, result)
+
+
+def _expected(
+    plan: tuple[Planned, ...], campaign: Campaign
+) -> tuple[tuple[Expected, ...], str, list[dict[str, str]], dict[str, Any] | None]:
+    """Depth or force of each press, what the sheet says of it, warnings, and the material; nothing without a law."""
+    from dummydesign.core.errors import NoAnswerError
+    from dummydesign.core.outputs.progress import tell
+    from dummydesign.loop.planning.press_targets import expected_presses, material_of
+
+    what = "force" if plan[0].by_depth else "depth"
+    try:
+        material = material_of(campaign)
+        found = expected_presses(plan, campaign, material, tell)
+    except (InputError, NoAnswerError) as problem:
+        message = f"no {what} beside the {'depth' if plan[0].by_depth else 'force'} of each press: {problem}"
+        return (), message, [{"code": "no_expected", "message": message}], None
+    known = material.high_kPa > material.low_kPa
+    interval = f" (95 %: {material.low_kPa:.3g} to {material.high_kPa:.3g})" if known else ", its interval not known"
+    arms = "relaxation of the resin" if material.prony else "no relaxation known"
+    words = f"{what} at {material.young_kPa:.3g} kPa{interval}; {arms}; in brackets 95 % of "
+    words += "modulus and force law" if known else "the force law alone"
+    deep = [row.file for row, one in zip(plan, found) if one.beyond]
+    may = [row.file for row, one in zip(plan, found) if one.may_go_beyond and not one.beyond]
+    notes = []
+    for code, files, verb in (("beyond_depth_limit", deep, "goes"), ("may_go_beyond_depth_limit", may, "may go")):
+        if files:
+            listed = f"{len(files)} presses ({files[0]}{', ...' if len(files) > 1 else ''})"
+            message = f"{listed}: the punch {verb} deeper than 0.6 of the pad's thickness, or than the model reaches; "
+            notes.append({"code": code, "message": message + "take a smaller force or a thicker pad"})
+    return found, words, notes, material.to_dict()
 
 
 def _check_set_up(campaign: Campaign, pads_mm: Iterable[float]) -> None:

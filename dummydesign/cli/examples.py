@@ -58,8 +58,8 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("one of them with its sources", "resins show ecoflex-00-30"),
     ),
     "mold record": (
-        ("what was poured, with its thickness at five places",
-         "mold record mould_t5 --thickness 5,5.1,5,4.9,5 --mass 91"),
+        ("what was poured, with its thickness at the gauge points of the pour sheet",
+         "mold record mould_t5 --thickness middle=5,corner1=5.1,corner2=5,corner3=4.9,corner4=5 --mass 91"),
         ("with the modulus of a puck of the same pour",
          "mold record mould_t5 --thickness 5,5.1,5,4.9,5 --mass 91 --modulus 26"),
     ),

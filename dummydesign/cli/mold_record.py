@@ -14,7 +14,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the measured values."""
     parser.add_argument("folder", metavar="DIR", help="folder that mold wrote")
     add = parser.add_argument
-    add("--thickness", metavar="MM,MM,MM,MM,MM", required=True, help="at five places or more")
+    add("--thickness", metavar="NAME=MM,..", required=True,
+        help="at the gauge points of the pour sheet; of a flat pad also five or more numbers")  # fmt: skip
     add("--mass", type=float, metavar="G", required=True, help="of the trimmed pad")
     add("--modulus", type=float, metavar="KPA", help="of the witness puck, from resins add-compression")
     add("--level", type=float, metavar="DEG", help="as read when the mould was filled")
@@ -25,18 +26,48 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
-    """Judge and keep the record."""
+    """Judge and keep the record.
+
+    Raises
+    ------
+    NoAnswerError
+        ``pad_not_accepted`` when a limit is missed; the record is kept and is the error's ``result``.
+    """
     from dummydesign.api import record_pad
+    from dummydesign.core.errors import NoAnswerError
+
+    result = record_pad(
+        options.folder, _readings(options.thickness), options.mass, modulus_kPa=options.modulus,
+        level_deg=options.level, bubbles=options.bubbles, gauge_mm=options.gauge, note=options.note,
+        replace=options.replace,
+    ).to_dict()  # fmt: skip
+    if not result["accepted"]:
+        message = f"the pad is not accepted: {', '.join(result['missed'])}"
+        raise NoAnswerError("pad_not_accepted", message, result)
+    return result
+
+
+def _readings(text: str) -> list[float] | dict[str, float]:
+    """Thicknesses as typed: ``tip=4.51,corner1=2.48`` or numbers alone. [mm]"""
     from dummydesign.core.errors import InputError
 
-    try:
-        places = [float(part) for part in options.thickness.split(",")]
-    except ValueError:
-        raise InputError(f"--thickness {options.thickness} must be numbers parted by commas") from None
-    return record_pad(
-        options.folder, places, options.mass, modulus_kPa=options.modulus, level_deg=options.level,
-        bubbles=options.bubbles, gauge_mm=options.gauge, note=options.note, replace=options.replace,
-    ).to_dict()  # fmt: skip
+    named: dict[str, float] = {}
+    plain: list[float] = []
+    for part in text.split(","):
+        name, sign, value = (one.strip() for one in part.rpartition("="))
+        try:
+            number = float(value)
+        except ValueError:
+            raise InputError(f"--thickness {part.strip()!r} must be a number in mm, or NAME=MM") from None
+        if name in named:
+            raise InputError(f"--thickness {name} is listed twice")
+        if sign:
+            named[name] = number
+        else:
+            plain.append(number)
+    if named and plain:
+        raise InputError(f"--thickness {plain[0]:g} has no name; give NAME=MM for every point or for none")
+    return named or plain
 
 
 def render(result: dict[str, Any]) -> str:

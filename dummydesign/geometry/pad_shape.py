@@ -17,6 +17,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
+from dummydesign.geometry.limits import GAUGE_FOOT_MM, RIM_FREE_MM
 from dummydesign.geometry.pad_block import PadBlock
 from dummydesign.geometry.similarity import Similarity
 from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
@@ -171,6 +172,18 @@ class PadShape:
     def sharp_edge(self) -> str:
         """Why the edge around the tested face cannot be rounded, as ``a ridge must be 0: ...``; empty when it can."""
         return ""
+
+    # The cast pad.
+
+    def gauge_places(self, block: PadBlock) -> dict[str, tuple[float, float]]:
+        """Places by name where the thickness is gauged besides tips (or middle) and corners, from the middle. [mm]"""
+        if not (self.relief_mm and self.lines_mm()):
+            return {}
+        reach = max(self.lines_mm()) + GAUGE_FOOT_MM
+        x, y = max(self.places_mm)
+        if self.runs_out:
+            return {"shoulder": (0.0, min(y + reach, block.width_mm / 2 - RIM_FREE_MM))}
+        return {"shoulder": (min(x + reach, block.length_mm / 2 - RIM_FREE_MM), y)}
 
     # Limits.
 

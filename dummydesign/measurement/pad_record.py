@@ -19,8 +19,10 @@ STEM = "record"
 class PadRecord:
     """A cast pad as measured beside what was designed.
 
-    ``thickness_mm`` is the mean of ``thicknesses_mm``; ``thickness_sd_mm`` the standard error of the thickness at a
-    place between them, :func:`thickness_error`. ``young_kPa`` is the witness's modulus, None where none was tested.
+    ``thickness_mm`` is the thickness as the pad's force law means it: the mean of a flat pad's ``thicknesses_mm``, the
+    reading at the tip of any other. ``thickness_sd_mm`` is the standard error of the thickness at a place between those
+    gauged, :func:`thickness_error`. ``points`` are the names of the gauge points, empty for a plain list.
+    ``young_kPa`` is the witness's modulus, None where none was tested.
     ``missed`` are the limits of acceptance that the pad fails, in words.
     """
 
@@ -44,6 +46,7 @@ class PadRecord:
     missed: tuple[str, ...] = ()
     note: str = ""
     limits: tuple[dict[str, Any], ...] = field(default=(), compare=False)
+    points: tuple[str, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """Return the fields as plain values, with the schema first."""
@@ -105,7 +108,7 @@ def read_record(path: str | Path) -> PadRecord:
             float(data["thickness_sd_mm"]), _length(data, "mass_g"), _optional(data, "design_young_kPa"),
             _optional(data, "young_kPa"), _optional(data, "level_deg"), data.get("bubbles"), bool(data["accepted"]),
             _optional(data, "force_percent"), tuple(str(one) for one in data["missed"]), str(data.get("note", "")),
-            tuple(data.get("limits", ())),
+            tuple(data.get("limits", ())), tuple(str(one) for one in data.get("points", ())),
         )  # fmt: skip
     except (KeyError, TypeError, ValueError) as problem:
         raise InputError(f"pad record '{path}' is damaged at {problem}; record the pad again") from None

@@ -29,7 +29,9 @@ from dummydesign.mold.files.drawings.svg import to_svg
 from dummydesign.mold.files.sheet_pdf import Foot, sheet_pdf
 from dummydesign.mold.files.step import COLOURS, Material, StepPart, step_text
 from dummydesign.mold.files.view.mould import mould_view
+from dummydesign.mold.gauging.points import gauge_points
 from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.mold.pour.batch import batches_of
 from dummydesign.mold.pour.plan import PourPlan, pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
 
@@ -111,26 +113,22 @@ def _written(
         "checks": [item.to_dict() for item in checks],
         "warnings": warnings,
         "pour": plan.to_dict(),
+        "batch": batches_of(spec, plan),
         "step_sha256": hashlib.sha256((folder / files["assembly"]).read_bytes()).hexdigest(),
     }
 
 
 def step_part(made: Parts, name: str) -> StepPart:
     """One part with its material and colour, as a STEP file holds it."""
-    spec, part = made.spec, made.parts[name]
+    spec, part, silicone = made.spec, made.parts[name], made.spec.silicone
     material = {
         "resin": Material(spec.pour.resin, f"ratio {spec.pour.ratio:g}", spec.pour.density_g_per_cm3),
         "resin_base": _base_material(spec),
-        "silicone": _silicone_material(spec),
+        "silicone": silicone and Material(silicone.name, "mould silicone", silicone.density_g_per_cm3),
         "rigid": RIGID,
         "glass": GLASS,
     }[part.material]
     return StepPart(name, part.solid, material, COLOURS[part.material], part.offset_mm)
-
-
-def _silicone_material(spec: MouldSpec) -> Material | None:
-    one = spec.silicone
-    return None if one is None else Material(one.name, "mould silicone", one.density_g_per_cm3)
 
 
 def _base_material(spec: MouldSpec) -> Material | None:
@@ -289,7 +287,8 @@ def _write_papers(
 
 def _write_records(spec: MouldSpec, checks: list[dict[str, Any]], folder: Path) -> dict[str, str]:
     """Specification and checks."""
-    write_json(folder / "spec.json", {"hash": spec.hash, "spec": spec.to_dict()})
+    points = [point.to_dict() for point in gauge_points(spec)]
+    write_json(folder / "spec.json", {"hash": spec.hash, "spec": spec.to_dict(), "gauge_points": points})
     write_json(folder / "checks.json", checks)
     return {"spec": "spec.json", "checks": "checks.json"}
 

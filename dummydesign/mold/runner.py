@@ -18,8 +18,10 @@ from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.files import output_folder
 from dummydesign.core.outputs.manifest import COMMAND_LINE
 from dummydesign.core.threads import ONE_THREAD
+from dummydesign.mold.gauging.points import gauge_points
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.model.validate import validate
+from dummydesign.mold.pour.batch import batches_of
 from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.pour.print_layers import check_layers
 from dummydesign.mold.pour.warnings import pour_warnings
@@ -43,13 +45,16 @@ class MouldResult:
     warnings: tuple[dict[str, str], ...]
     pour: dict[str, Any]
     spec_hash: str
+    batch: dict[str, Any]
+    gauge_points: tuple[dict[str, Any], ...]
     seconds: float = field(default=0.0, compare=False)
     memory_MB: float = field(default=0.0, compare=False)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the fields as plain values."""
         plain = asdict(self)
-        return {**plain, "checks": list(plain["checks"]), "warnings": list(plain["warnings"])}
+        listed = {key: list(plain[key]) for key in ("checks", "warnings", "gauge_points")}
+        return {**plain, **listed}
 
 
 def make_mold(
@@ -108,7 +113,9 @@ def without_cad(spec: MouldSpec) -> dict[str, Any]:
         "files": {},
         "masses_g": masses_g(plan.to_dict()),
         "pour": plan.to_dict(),
+        "batch": batches_of(spec, plan),
         "spec_hash": spec.hash,
+        "gauge_points": [point.to_dict() for point in gauge_points(spec)],
         "warnings": pour_warnings(spec, plan),
     }
 
@@ -173,6 +180,8 @@ def _result(spec: MouldSpec, found: dict[str, Any], target: Path) -> MouldResult
         warnings=tuple(found["warnings"]),
         pour=found["pour"],
         spec_hash=spec.hash,
+        batch=found["batch"],
+        gauge_points=tuple(point.to_dict() for point in gauge_points(spec)),
         seconds=found["seconds"],
         memory_MB=found["memory_MB"],
     )

@@ -145,6 +145,22 @@ def predict_motion(
     if deepest <= 0.0:
         raise InputError(f"largest displacement_mm = {deepest:.4g} never reaches the pad; compression is positive")
     curve = elastic_curve(pad, fidelity, deepest, None, progress, force_law)
+    return motion_on_curve(pad, motion, curve, fidelity, progress)
+
+
+def motion_on_curve(
+    pad: Pad | Puck, motion: Motion, curve: ElasticCurve, fidelity: str = "table",
+    progress: Callable[[float], None] | None = None,
+) -> MotionPrediction:  # fmt: skip
+    """Force along a motion as :func:`predict_motion` gives it, by a long-term force that is there already.
+
+    Parameters
+    ----------
+    pad, motion, fidelity, progress
+        As for :func:`predict_motion`.
+    curve : ElasticCurve
+        Long-term force of the pad.
+    """
     _check_depth(motion.displacement_mm, curve, pad)
     time, place, keep = _divide(motion, 0.005 * pad.thickness_mm)
     elastic = curve.force(place)
@@ -196,8 +212,9 @@ def _finite_strain_ratio(
 
 
 def depth_for_steady_force(
-    pad: Pad | Puck, force_N: float, hold_s: float, motion_to: Callable[[float], Motion], fidelity: str = "table"
-) -> float:
+    pad: Pad | Puck, force_N: float, hold_s: float, motion_to: Callable[[float], Motion], fidelity: str = "table",
+    curve: ElasticCurve | None = None,
+) -> float:  # fmt: skip
     """Depth at which the force at the end of a ramp and hold is the wanted one. [mm]
 
     Parameters
@@ -212,6 +229,8 @@ def depth_for_steady_force(
         Gives the motion to a depth (mm), with a hold of ``hold_s``.
     fidelity : str
         As for :func:`predict_motion`.
+    curve : ElasticCurve, optional
+        Long-term force of the pad; that of the fidelity by default.
 
     Raises
     ------
@@ -220,7 +239,7 @@ def depth_for_steady_force(
     """
     positive("force in N", force_N)
     positive("hold in s", hold_s)
-    curve = elastic_curve(pad, fidelity, None, None, None)
+    curve = curve or elastic_curve(pad, fidelity, None, None, None)
 
     def steady(depth: float) -> float:
         motion = motion_to(depth)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from html import escape
 from itertools import groupby
 
+from dummydesign.loop.planning.press_targets import Expected
 from dummydesign.measurement.planning.plan import FRESH_REST_S, Planned
 
 _STYLE = """
@@ -19,7 +20,9 @@ td.free { min-width: 16mm } .tight td, .tight th { padding: 0.3px 3px; font-size
 """
 
 
-def sheet_html(name: str, plan: Sequence[Planned], set_up: dict[str, str], seed: int) -> str:
+def sheet_html(
+    name: str, plan: Sequence[Planned], set_up: dict[str, str], seed: int, expected: Sequence[Expected] = ()
+) -> str:
     """Write the sheet as one HTML page, to be printed on one side for up to about fifty presses.
 
     Parameters
@@ -32,6 +35,8 @@ def sheet_html(name: str, plan: Sequence[Planned], set_up: dict[str, str], seed:
         What stands above the table, by its heading.
     seed : int
         By which the order was drawn, for the heading.
+    expected : sequence of Expected
+        Depth of each planned force or force of each planned depth; empty leaves the column out.
 
     Returns
     -------
@@ -39,32 +44,58 @@ def sheet_html(name: str, plan: Sequence[Planned], set_up: dict[str, str], seed:
         HTML.
     """
     head = "".join(f"<p><b>{escape(key)}</b> {escape(value)}</p>" for key, value in set_up.items())
-    rows = []
+    rows, beside = [], dict(zip((row.sequence for row in plan), expected))
+    columns = ["", "pad mm", "mm/s", *_targets(plan[0].by_depth, bool(expected)), "hold s", "rest before", "way back",
+               "save as", "°C, remarks"]  # fmt: skip
     for age, day in groupby(plan, key=lambda row: row.age_days):
         rows.append(
-            f'<tr class="day"><td colspan="9">age {age:g} days &nbsp; date ____________ &nbsp; '
+            f'<tr class="day"><td colspan="{len(columns)}">age {age:g} days &nbsp; date ____________ &nbsp; '
             "by ____________</td></tr>"
         )
-        rows += [_row(row) for row in day]
-    target = "depth mm" if plan[0].by_depth else "force N"
-    columns = ("", "pad mm", "mm/s", target, "hold s", "rest before", "way back", "save as", "°C, remarks")
+        rows += [_row(row, beside.get(row.sequence)) for row in day]
     heads = "".join(f"<th>{text}</th>" for text in columns)
+    drive = _hold(plan[0].by_depth, beside.values())
     tight = " class=tight" if len(plan) > 40 else ""
     return (
         f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{escape(name)}</title><style>{_STYLE}</style>'
         f"<h1>{escape(name)}: {len(plan)} presses in this order (seed {seed})</h1>{head}"
-        "<p>Start above the surface and record from there. Hold, do not follow the force. Write down the temperature "
+        f"<p>Start above the surface and record from there. {drive} Write down the temperature "
         "of the pad at every press. A press that failed: strike it out, rest the pad, press it again, say so here.</p>"
         f"<table{tight}><tr>{heads}</tr>{''.join(rows)}</table></html>\n"
     )
 
 
-def _row(row: Planned) -> str:
+def _targets(by_depth: bool, both: bool) -> list[str]:
+    """Headings of what is pressed to, and of what is expected beside it."""
+    planned, other = ("depth mm", "force N (95 %)") if by_depth else ("force N", "depth mm (95 %)")
+    return [planned, other] if both else [planned]
+
+
+def _hold(by_depth: bool, expected: Iterable[Expected]) -> str:
+    """How a press is driven, by force or by position."""
+    found = list(expected)
+    words = "Hold the position; do not control the force."
+    if found and not by_depth:
+        words = f"Press to the force, or to the depth beside it if your machine controls position. {words}"
+    if any(one.beyond or one.may_go_beyond for one in found):
+        words += " <b>!</b> is deeper than 0.6 of the pad's thickness, or than the model reaches: stop at that depth."
+    return words
+
+
+def _row(row: Planned, expected: Expected | None) -> str:
     rest = "fresh, 1 h" if row.rest_s >= FRESH_REST_S else f"{row.rest_s:g} s"
     cells = (
-        f"{row.sequence}", f"{row.thickness_mm:g}", f"{row.velocity_mm_s:g}", f"{row.target:g}", f"{row.hold_s:g}",
-        rest,
-        "record" if row.unload else "",
+        f"{row.sequence}", f"{row.thickness_mm:g}", f"{row.velocity_mm_s:g}", f"{row.target:g}",
+        *([] if expected is None else [_beside(expected)]), f"{row.hold_s:g}", rest, "record" if row.unload else "",
     )  # fmt: skip
     numbers = "".join(f'<td class="n">{cell}</td>' for cell in cells)
     return f'<tr>{numbers}<td>{row.file}</td><td class="free"></td></tr>'
+
+
+def _beside(one: Expected) -> str:
+    """The other quantity with its interval; an end that is out of reach is the limit, marked."""
+    reach = "beyond the model !" if one.by_depth else f"over {one.limit_mm:.3g} !"
+    if one.value is None:
+        return reach if one.low is None else f"{reach} (from {one.low:.3g})"
+    high = f"{one.high:.3g}" if one.high is not None else f"over {one.limit_mm:.3g} !"
+    return f"{one.value:.3g} ({one.low:.3g} to {high})"

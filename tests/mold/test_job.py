@@ -25,6 +25,7 @@ CHILD = """
 import json, pathlib, sys
 asked = json.load(open(sys.argv[1])); folder = pathlib.Path(sys.argv[2])
 from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.mold.pour.batch import batches_of
 from dummydesign.mold.pour.plan import pour_plan
 spec = MouldSpec.from_dict(asked["spec"]); plan = pour_plan(spec)
 (folder / "spec.json").write_text(json.dumps({"hash": spec.hash, "spec": spec.to_dict()}))
@@ -33,7 +34,7 @@ volumes |= {"mould": 1e5, "master": 1.2e5, "tray": 7e4}
 status = "fail" if spec.pad.thickness_mm == 7.0 else "pass"
 checks = [{"id": "a", "value": 1.0, "limit": 1.0, "status": status}]
 found = {"files": {"spec": "spec.json"}, "volumes_mm3": volumes, "checks": checks, "warnings": [],
-         "pour": plan.to_dict(), "step_sha256": "0", "seconds": 1.0, "memory_MB": 1.0}
+         "pour": plan.to_dict(), "batch": batches_of(spec, plan), "step_sha256": "0", "seconds": 1.0, "memory_MB": 1.0}
 (folder / ".result.json").write_text(json.dumps(found))
 """
 

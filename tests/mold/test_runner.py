@@ -124,7 +124,7 @@ def test_the_worker_takes_its_limit_from_the_command_line(tmp_path):
 
 def test_failed_check_keeps_no_file_but_reports_all_checks(monkeypatch, tmp_path):
     found = {
-        "files": {"mould": "mould_t5.step"}, "volumes_mm3": {}, "step_sha256": "0", "warnings": [],
+        "files": {"mould": "mould_t5.step"}, "volumes_mm3": {}, "step_sha256": "0", "warnings": [], "batch": {},
         "checks": [{"id": "draft_cavity", "value": -2.0, "limit": 1.99, "status": "fail"}],
         "pour": {"components": [], "silicone_mass_g": 1.0}, "seconds": 1.0, "memory_MB": 1.0,
     }  # fmt: skip
@@ -143,8 +143,8 @@ def test_failed_check_keeps_no_file_but_reports_all_checks(monkeypatch, tmp_path
 def test_final_name_taken_by_a_folder_is_refused(monkeypatch, tmp_path):
     (tmp_path / "mould_t5.step").mkdir()
     found = {
-        "files": {"mould": "mould_t5.step"}, "volumes_mm3": {}, "step_sha256": "0", "warnings": [], "checks": [],
-        "pour": {"components": [], "silicone_mass_g": 1.0}, "seconds": 1.0, "memory_MB": 1.0,
+        "files": {"mould": "mould_t5.step"}, "volumes_mm3": {}, "step_sha256": "0", "warnings": [], "batch": {},
+        "checks": [], "pour": {"components": [], "silicone_mass_g": 1.0}, "seconds": 1.0, "memory_MB": 1.0,
     }  # fmt: skip
     code = (
         "import sys, pathlib; w = pathlib.Path(sys.argv[2]); (w / 'mould_t5.step').write_text('good'); "

@@ -129,12 +129,13 @@ def render(result: dict[str, Any]) -> str:
         f"Mould ({inputs['preset']}) for {pads} of {size}, specification {result['spec_hash']}",
         "",
     ]
-    first = "upper layer, poured first: " if "base" in pour else ""
-    lines.append(f"Weigh ({first}{inputs['resin']}, ratio {inputs['ratio']:g} {inputs['ratio_meaning']})")
-    lines += _weights(pour, inputs.get("count", 1))
-    if "base" in pour:
-        lines.append(f"Weigh (base layer, poured second: {inputs['resin']}, ratio {inputs['base_ratio']:.4g})")
-        lines += _weights(pour["base"], inputs.get("count", 1))
+    batch = result["batch"]
+    first = "upper layer, poured first: " if "base" in batch else ""
+    lines.append(f"Mix ({first}{inputs['resin']}, ratio {inputs['ratio']:g} {inputs['ratio_meaning']})")
+    lines += _weights(batch, inputs.get("count", 1))
+    if "base" in batch:
+        lines.append(f"Mix (base layer, poured second: {inputs['resin']}, ratio {inputs['base_ratio']:.4g})")
+        lines += _weights(batch["base"], inputs.get("count", 1))
     if pour["silicone_mass_g"]:
         lines.append(f"  {'silicone':<14}{pour['silicone_mass_g']:10.0f} g   for the mould itself")
     volumes = result.get("volumes_mm3", {})
@@ -175,8 +176,12 @@ def _job(result: dict[str, Any]) -> str:
     return "\n".join(lines + [f"warning: {item['message']}" for item in result["warnings"]])
 
 
-def _weights(pour: dict[str, Any], count: int) -> list[str]:
-    lines = [f"  {part['name']:<14}{part['mass_g']:10.1f} g" for part in pour["components"]]
-    ends = f"of which {pour['pad_mass_g']:.1f} g end up in {'the pad' if count == 1 else f'each of {count} pads'}"
-    lines.append(f"  {'total':<14}{pour['batch_mass_g']:10.1f} g   {ends}")
+def _weights(batch: dict[str, Any], count: int) -> list[str]:
+    lines = [f"  {part['name']:<14}{part['mass_g']:10.1f} g" for part in batch["components"]]
+    where = "into the mould" if count == 1 else f"into the {count} cavities"
+    lines.append(f"  {'total':<14}{batch['total_g']:10.1f} g   pour {batch['pour_g']:.1f} g of it {where}")
+    witness = batch["witness"]
+    if witness["total_g"] > batch["total_g"]:
+        masses = " + ".join(f"{part['name']} {part['mass_g']:.1f} g" for part in witness["components"])
+        lines.append(f"  with a witness puck: {masses} = {witness['total_g']:.1f} g")
     return lines

@@ -12,6 +12,8 @@ from dummydesign.core.errors import InputError
 from dummydesign.geometry.conic import Conic, sphere_foot_mm
 from dummydesign.geometry.limits import (
     DEEPEST_POCKET,
+    GAUGE_FOOT_MM,
+    RIM_FREE_MM,
     SMALLEST_HEIGHT_MM,
     STEEPEST_TOP_DEG,
     THINNEST_GEL_MM,
@@ -28,6 +30,8 @@ FOOT_OVER_PITCH = 1.0 / 2.1
 HEIGHT_OVER_FOOT = 0.52
 # Lattice places beyond this distance are never touched by a punch of 14 x 14 mm.
 FIELD_MM = 9.5
+# Radius of a gauge's pin that goes between caps. [mm]
+GAUGE_PIN_MM = 1.5
 # How far caps may lie from those proportions and still be those of the table.
 PROPORTIONS_WITHIN = 0.06
 # Fields that are tried.
@@ -132,6 +136,14 @@ class Bumped(PadShape):
     def top_volume_mm3(self, block: PadBlock) -> float:
         """All caps."""
         return sum(self.cap(height).cap_volume_mm3() for _, _, height in self.caps_mm())
+
+    def gauge_places(self, block: PadBlock) -> dict[str, tuple[float, float]]:
+        """Beside the field of caps, and between four of them where a pin of the gauge reaches the flat. [mm]"""
+        foot, half = self.cap(self.height_mm).foot_mm, self.pitch_mm / 2
+        beside = min(self.rings * self.pitch_mm + foot + GAUGE_FOOT_MM, block.length_mm / 2 - RIM_FREE_MM)
+        free = half * 2.0**0.5 - foot
+        between = {"between": (half, half)} if self.rings and free >= GAUGE_PIN_MM else {}
+        return {**between, "shoulder": (beside, 0.0)}
 
     def check(
         self, thickness_mm: float, length_mm: float = PAD_LENGTH_MM, width_mm: float = PAD_WIDTH_MM

@@ -8,19 +8,21 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from dummydesign.mold.cad.label import label_text
+from dummydesign.mold.gauging.points import gauge_points, points_rows
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.spec import MouldSpec, Pour
 from dummydesign.mold.pour import shape_notes
 from dummydesign.mold.pour.acceptance import acceptance_rows, measured_blanks, when_it_fails
+from dummydesign.mold.pour.batch import WITNESS_DIAMETER_MM, WITNESS_HEIGHT_MM, Batch, batch_of
 from dummydesign.mold.pour.materials_list import bill_of_materials
-from dummydesign.mold.pour.plan import PourPlan, split_batch
+from dummydesign.mold.pour.plan import CUP_FACTOR, PourPlan
 from dummydesign.mold.pour.pour_steps import pour_steps
 from dummydesign.mold.pour.print_fit import print_words
 from dummydesign.mold.pour.print_layers import tip_words
 from dummydesign.mold.pour.steps import BLANK
 from dummydesign.mold.printed.notes import demould_steps, mould_steps
 
-WITNESS_DIAMETER_MM, WITNESS_HEIGHT_MM = 50.0, 30.0
+PADS_A_TABLE = 4
 
 
 @dataclass(frozen=True)
@@ -74,13 +76,30 @@ def pour_sheet(
         *_demould_blocks(spec),
         Block("head", "5. Accept or reject" + (", each pad" if spec.count > 1 else "")),
         Block("table", rows=tuple(acceptance_rows(spec, plan))),
-        Block("text", "Keep it: dummydesign mold record DIR --thickness a,b,c,d,e --mass G [--modulus KPA --level DEG "
-              "--bubbles N]; a campaign then names the record and knows this pad."),
+        Block("text", f"Keep it: {_record_line(spec)}. A campaign then names the record and knows this pad."),
         Block("head", "What is needed"),
         Block("table", rows=tuple(bill_of_materials(spec, plan, printed_mm3))),
         Block("head", "Cautions"),
         Block("list", items=tuple(item["message"] for item in warnings)),
     ]
+
+
+def _record_line(spec: MouldSpec) -> str:
+    """What to type for the readings of the gauge points."""
+    typed = ",".join(f"{point.name}=MM" for point in gauge_points(spec))
+    return f"dummydesign mold record DIR --thickness {typed} --mass G [--modulus KPA --level DEG --bubbles N]"
+
+
+def _gauge_blocks(spec: MouldSpec) -> list[Block]:
+    """Where to gauge the thickness: a table with a free column for each pad."""
+    words = "Gauge the thickness at these points, seen on the tested face; x runs along the length from the middle."
+    words += f" Zero the gauge on {'the plate of the bone' if spec.pad.shape.bone_height_mm else 'a flat base'}."
+    points = gauge_points(spec)
+    tables = [
+        Block("table", rows=tuple(points_rows(points, BLANK, first, min(PADS_A_TABLE, spec.count - first + 1))))
+        for first in range(1, spec.count + 1, PADS_A_TABLE)
+    ]
+    return [Block("text", words), *tables]
 
 
 def _safety(spec: MouldSpec) -> str:
@@ -113,7 +132,7 @@ def _mould_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
         f"pour within {silicone.pot_life_min:g} min from one corner up to the step in the frame; cure it at "
         "room temperature: the print may not bear more.",
         f"Leave {silicone.cure_time_h:g} h, lift the frame off, peel the silicone off the plug. "
-        f"Post-cure, off the print, as the data sheet says: {BLANK}",
+        f"Post-cure, off the print, in a vented oven (warm silicone gives off vapour), as the data sheet says: {BLANK}",
     ]
     if lidded:
         steps.insert(
@@ -124,7 +143,7 @@ def _mould_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
 
 def _gauged(spec: MouldSpec) -> str:
     words = tip_words(spec)
-    return f" There {words}. Height over the flat: {BLANK} mm" if words else ""
+    return f" There {words}. Height over the flat: {BLANK} mm." if words else ""
 
 
 def _plastic(spec: MouldSpec) -> str:
@@ -141,55 +160,63 @@ def _aids(spec: MouldSpec) -> str:
     return f", strike-off plate{carrier}" if spec.base is None else ", strike-off plate, spacer"
 
 
-def witness_mass_g(pour: Pour) -> float:
-    """Liquid for the witness puck. [g]"""
-    volume = math.pi / 4 * WITNESS_DIAMETER_MM**2 * WITNESS_HEIGHT_MM
-    return volume * pour.density_g_per_cm3 * 1e-3
-
-
 def _weight_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
     if plan.base is None:
-        return [Block("head", "2. Weigh the resin"), *_weighing(spec, spec.pour, plan, "pad alone, g")]
+        return [Block("head", "2. Weigh the resin"), *_weighing(spec, spec.pour, plan)]
     return [
         Block("head", "2a. Weigh the resin of the upper layer (poured first)"),
-        *_weighing(spec, spec.pour, plan, "layer alone, g"),
+        *_weighing(spec, spec.pour, plan),
         Block("head", "2b. Weigh the resin of the base layer (poured second, when the first has gelled)"),
-        *_weighing(spec, spec.base.pour, plan.base, "layer alone, g"),
+        *_weighing(spec, spec.base.pour, plan.base),
     ]
 
 
-def _weighing(spec: MouldSpec, pour: Pour, plan: PourPlan, alone: str) -> list[Block]:
-    """Table of one resin's weights, alone and with its witness."""
+def _weighing(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[Block]:
+    """Table of one resin's weights, and how much of the batch goes where."""
     resolution = spec.machines.balance_resolution_g
     digits = max(0, -math.floor(math.log10(resolution)))
-    factor = 1 + pour.extra_percent / 100
-    witness = witness_mass_g(pour)
-    both, error = split_batch(plan.batch_mass_g + factor * witness, pour.components, resolution)
-    rows = [("component", alone, alone.replace(" alone", " and witness puck"), "really weighed, g")]
-    for (name, mass), (_, more) in zip(plan.components, both):
-        rows.append((name, f"{mass:.{digits}f}", f"{more:.{digits}f}", BLANK))
-    total = sum(mass for _, mass in both)
-    rows.append(("total", f"{plan.batch_mass_g:.{digits}f}", f"{total:.{digits}f}", BLANK))
-    cup = plan.cup_mm3 / plan.batch_mass_g * total * 1e-6
+    batch = batch_of(spec, pour, plan)
+    mixes = [batch.mix] if batch.holds_witness else [batch.mix, batch.with_witness]
+    rows = [("component", *("mix, g", "mix with a witness puck, g")[: len(mixes)], "really weighed, g")]
+    for name, *masses in ((parts[0][0], *(mass for _, mass in parts)) for parts in zip(*(m.components for m in mixes))):
+        rows.append((name, *(f"{mass:.{digits}f}" for mass in masses), BLANK))
+    rows.append(("total", *(f"{one.total_g:.{digits}f}" for one in mixes), BLANK))
+    cup = CUP_FACTOR * mixes[-1].total_g / pour.density_g_per_cm3 * 1e-3
     return [
         Block("text", f"{pour.resin}, ratio {pour.ratio:.6g} ({pour.ratio_meaning}); balance step {resolution:g} g."),
         Block("table", rows=tuple(rows)),
-        Block(
-            "text",
-            f"Weighing leaves up to {plan.ratio_error_percent:.2f} % error in a component's share (with the witness "
-            f"{error:.2f} %). The batch holds {pour.film_loss_g:g} g for the film left on cup and stirrer and "
-            f"{pour.extra_percent:g} % besides. Cup of at least {plan.cup_mm3 * 1e-6:.2f} litres ({cup:.2f} with the "
-            "witness): the mix foams to four times its volume under vacuum.",
-        ),
+        Block("text", " ".join((*_batch_words(spec, pour, plan, batch, digits), f"Cup of at least {cup:.2f} litres: "
+              "the mix foams to four times its volume under vacuum."))),
         Block(
             "text",
             f"Witness: a puck of {WITNESS_DIAMETER_MM:g} mm diameter and {WITNESS_HEIGHT_MM:g} mm height from the same "
-            f"cup ({witness:.1f} g). Its mould: dummydesign mold --shape puck --thickness "
+            f"cup ({batch.witness_g:.1f} g). Its mould: dummydesign mold --shape puck --thickness "
             f"{WITNESS_HEIGHT_MM:g} --length {WITNESS_DIAMETER_MM:g} --width {WITNESS_DIAMETER_MM:g}. Compress it on "
             f"the day of the test and read its modulus with: dummydesign resins add-compression TRACE.csv --diameter "
             f"{WITNESS_DIAMETER_MM:g} --height {WITNESS_HEIGHT_MM:g} --name NAME --ratio {pour.ratio:.6g}.",
         ),
-    ]
+    ]  # fmt: skip
+
+
+def _batch_words(spec: MouldSpec, pour: Pour, plan: PourPlan, batch: Batch, digits: int) -> list[str]:
+    """How much to mix, how much of it to pour, why so much, and where the rest goes."""
+    each = f" ({plan.fill_mass_g:.1f} g into each of {spec.count} cavities)" if spec.count > 1 else ""
+    words = [f"Mix {batch.mix.total_g:.{digits}f} g and pour {batch.pour_g:.1f} g of it into the mould{each}."]
+    if batch.raised:
+        words.append(
+            f"The mould would do with {plan.batch_mass_g:.{digits}f} g, but the balance leaves up to "
+            f"{plan.ratio_error_percent:.2f} % error in a component's share of that; here it is "
+            f"{batch.mix.error_percent:.2f} %. A finer balance saves resin."
+        )
+    else:
+        words.append(f"The balance leaves up to {batch.mix.error_percent:.2f} % error in a component's share.")
+    words.append(f"{pour.film_loss_g:g} g stay on cup and stirrer; {pour.extra_percent:g} % of the pour are spare.")
+    if batch.holds_witness:
+        words.append(f"The rest is enough for the witness puck ({batch.witness_g:.1f} g).")
+    else:
+        words.append(f"With a witness puck mix the second column, {batch.with_witness.total_g:.{digits}f} g; pour as "
+                     "much into the mould.")  # fmt: skip
+    return words
 
 
 def _pour_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
@@ -212,7 +239,7 @@ def _demould_blocks(spec: MouldSpec) -> list[Block]:
         measured_blanks(spec.count),
         f"Age {pour.age_before_test_days:g} days at room temperature before testing; test pad and witness on one day.",
     )
-    return [Block("head", "4. Demould and measure"), Block("list", items=steps)]
+    return [Block("head", "4. Demould and measure"), Block("list", items=steps), *_gauge_blocks(spec)]
 
 
 def to_markdown(blocks: Sequence[Block]) -> str:

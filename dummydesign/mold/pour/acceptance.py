@@ -72,12 +72,12 @@ def acceptance_rows(spec: MouldSpec, plan: PourPlan) -> list[tuple[str, ...]]:
     return [
         ("measured", "wanted", "allowed", "the limit costs", "really", "if it is missed"),
         (
-            "thickness, mean of five", f"{h:.2f} mm", f"{h * (1 - limits.thickness_percent / 100):.2f} to "
-            f"{h * (1 + limits.thickness_percent / 100):.2f} mm", costs(limits.thickness_percent), BLANK,
-            "give the campaign the real thickness; beyond twice the limit cast again",
+            "thickness at each gauge point", "its nominal", f"within {h * limits.thickness_percent / 100:.2f} mm",
+            costs(limits.thickness_percent), "table above",
+            "give the campaign the record with the real thickness; beyond twice the limit cast again",
         ),
         (
-            "thickness, largest less smallest", "0 mm", f"{h * limits.spread_percent / 100:.2f} mm",
+            "off nominal, largest less smallest", "0 mm", f"{h * limits.spread_percent / 100:.2f} mm",
             costs(limits.spread_percent / 2.0), BLANK, "level again with the load in the mould, cast again",
         ),
         (
@@ -135,9 +135,8 @@ def when_it_fails(spec: MouldSpec) -> tuple[str, ...]:
 
 
 def measured_blanks(count: int) -> str:
-    """Lines for the thickness at five places and the mass of each pad that came out."""
-    five = " ".join([BLANK] * 5)
+    """Line for the mass of each pad that came out."""
     if count == 1:
-        return f"Measure the thickness at five places: {five} mm. Mass of the pad: {BLANK} g"
-    pads = "; ".join(f"pad {number}: {five} mm, {BLANK} g" for number in range(1, count + 1))
-    return f"Measure each pad's thickness at five places and its mass, by the cavities' order: {pads}"
+        return f"Weigh the trimmed pad: {BLANK} g"
+    pads = "; ".join(f"pad {number}: {BLANK} g" for number in range(1, count + 1))
+    return f"Weigh each trimmed pad, by the cavities' order: {pads}"

@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 from dummydesign.mold.model.face_sheet import sheet_outline
 from dummydesign.mold.model.layout import layout
 from dummydesign.mold.model.spec import MouldSpec
-from dummydesign.mold.pour.plan import PourPlan
+from dummydesign.mold.pour.batch import batch_of
+from dummydesign.mold.pour.plan import CUP_FACTOR, PourPlan
 from dummydesign.mold.printed.layout import DOWEL_MM, parting_mm
 
 # Share of a printed part that is plastic: 4 perimeters and 15 % infill fill plates of 5 to 8 mm by about half
@@ -108,10 +109,12 @@ def materials(
         cut = sheet_outline(spec, layout(spec))
         size = f"{cut.length_mm:g} mm across" if cut.is_circle else f"{cut.length_mm:g} x {cut.width_mm:g} mm"
         needs.append(Need(f"sheet of glass, {box.face_sheet_mm:g} mm, {size}", spec.count, "{:.0f}", "tested face"))
-    for part, name in ((plan, ""), (plan.base, " (base layer)")):
-        if part is not None:
-            needs += [Need(f"{what}{name}", mass, "{:.1f} g", "pad", POUR) for what, mass in part.components]
-    foam = max(part.cup_mm3 for part in (plan, plan.base) if part is not None)
+    mixes = [("", spec.pour, batch_of(spec, spec.pour, plan).with_witness)]
+    if spec.base is not None and plan.base is not None:
+        mixes.append((" (base layer)", spec.base.pour, batch_of(spec, spec.base.pour, plan.base).with_witness))
+    for name, _, mix in mixes:
+        needs += [Need(f"{what}{name}", mass, "{:.1f} g", "pad and witness", POUR) for what, mass in mix.components]
+    foam = max(CUP_FACTOR * mix.total_g / pour.density_g_per_cm3 * 1e3 for _, pour, mix in mixes)
     cups = 2 if plan.base is None else 4
     needs.append(Need(f"cups of {cup_litre(foam):g} l", cups, "{:.0f}", "mixing and pouring over", POUR))
     if spec.body.style != "lidded" and not spec.pad.shape.bone_height_mm:
@@ -121,6 +124,8 @@ def materials(
         needs.append(Need("release agent", 1, "a little", "parting faces; never the tested face", SHARED))
     # The finest level of a job counts.
     needs.append(Need("spirit level or inclinometer", -plan.level_deg, "to {:.2f} deg", "level", SHARED))
+    if spec.pour.cures_warm:
+        needs.append(Need("vented oven", spec.pour.cure_temperature_C, "to {:.0f} C", "cure and drying", SHARED))
     against = "resin" if spec.is_printed else "resin and silicone"
     needs.append(Need("gloves, goggles, extraction", 1, "{:.0f} set", against, SHARED))
     filament = spec.plastic.name.upper() if spec.plastic else "filament"

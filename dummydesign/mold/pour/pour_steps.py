@@ -8,6 +8,7 @@ from dummydesign.mold.pour import shape_notes
 from dummydesign.mold.pour.plan import PourPlan
 from dummydesign.mold.pour.steps import BLANK, CLOSE, CURE, DEGAS, LEVEL, MIX, MOVE, POUR, PREPARE, WAIT, Step
 
+VENTED_OVEN = "vented oven"
 # Drying of a mould for a resin that water foams; silicone gives off what it took up within the hour.
 DRYING_H = 1.0
 
@@ -42,7 +43,7 @@ def pour_steps(spec: MouldSpec, plan: PourPlan) -> list[Step]:
 
 
 def _place(spec: MouldSpec) -> str:
-    return "on the shelf of the oven, switched off and open" if spec.pour.cures_warm else "on a firm bench"
+    return f"on the shelf of the {VENTED_OVEN}, switched off and open" if spec.pour.cures_warm else "on a firm bench"
 
 
 def _drying(spec: MouldSpec) -> list[Step]:
@@ -53,11 +54,19 @@ def _drying(spec: MouldSpec) -> list[Step]:
     wet = "plastic" if spec.is_printed else "silicone"
     return [
         Step(
-            f"Dry the mould {DRYING_H:g} h {at}: water in the {wet} foams the polyurethane. Let it cool below 40 C "
-            "before you pour, else the pot life shortens.",
+            f"Dry the mould {DRYING_H:g} h {at} in a {VENTED_OVEN}: release agent and resin left in it give off "
+            f"vapour. Water in the {wet} would foam the polyurethane. Let it cool below 40 C before you pour, else the "
+            "pot life shortens.",
             (PREPARE, MOVE),
         )
     ]
+
+
+def _vapour(spec: MouldSpec) -> str:
+    """Why a warm cure needs a vent."""
+    if any("isocyanate" in name.lower() for name, _ in spec.pour.components):
+        return "warm isocyanate gives off vapour that harms the airways"
+    return "warm resin and release agent give off vapour"
 
 
 def _levelling(spec: MouldSpec, plan: PourPlan) -> Step:
@@ -168,7 +177,8 @@ def _cure(spec: MouldSpec, plan: PourPlan) -> Step:
     pour = spec.pour
     place = f"Cure {pour.cure_time_h:g} h at room temperature"
     if spec.pour.cures_warm:
-        place = f"Close the oven and cure {pour.cure_time_h:g} h at {pour.cure_temperature_C:g} C"
+        place = f"Close the {VENTED_OVEN} and cure {pour.cure_time_h:g} h at {pour.cure_temperature_C:g} C"
+        place += f" ({_vapour(spec)}; lead the oven's air outdoors or into extraction)"
     carried = "" if spec.is_printed else ", in the tray"
     return Step(
         f"{place}, where it stands{carried}. The hot mould grows by {plan.thermal_growth_mm:.1f} mm; the cavity is "

@@ -8,6 +8,8 @@ from pathlib import Path
 
 from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.measurement.pad_record import PadRecord, thickness_error
+from dummydesign.mold.gauging.points import GaugePoint, gauge_points, points_of
+from dummydesign.mold.gauging.readings import check_readings, example, offsets_mm, pressed_thickness_mm
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.acceptance import force_at_thickness
@@ -20,7 +22,10 @@ GAUGE_MM = 0.05
 
 @dataclass(frozen=True)
 class Measured:
-    """What was measured of a cast pad; None where it was not."""
+    """What was measured of a cast pad; None where it was not.
+
+    ``points`` are the gauge points of ``thicknesses_mm`` by name, empty for a plain list.
+    """
 
     thicknesses_mm: tuple[float, ...]
     mass_g: float
@@ -29,6 +34,12 @@ class Measured:
     bubbles: int | None = None
     gauge_mm: float = GAUGE_MM
     note: str = ""
+    points: tuple[str, ...] = ()
+
+    @property
+    def readings(self) -> dict[str, float]:
+        """Thickness by the name of its gauge point; empty for a plain list. [mm]"""
+        return dict(zip(self.points, self.thicknesses_mm))
 
 
 @dataclass(frozen=True)
@@ -66,18 +77,48 @@ def read_spec(folder: str | Path) -> MouldSpec:
     return spec
 
 
-def check_measured(measured: Measured, spec: MouldSpec) -> None:
-    """Refuse what cannot have been measured on this pad, so that a slip of the pen does not become a pad.
+def read_points(folder: str | Path, spec: MouldSpec) -> tuple[GaugePoint, ...]:
+    """Read the gauge points that the pour sheet of a mould lists; those of today for a folder of an earlier edition.
 
     Raises
     ------
     InputError
-        With the value and what is allowed.
+        When the list is damaged.
+    """
+    path = Path(folder) / "spec.json"
+    listed = json.loads(path.read_text(encoding="utf-8")).get("gauge_points")
+    try:
+        return gauge_points(spec) if listed is None else points_of(listed)
+    except (KeyError, TypeError, AttributeError) as problem:
+        raise InputError(f"'{path}' is damaged at gauge_points ({problem}); make the mould again") from None
+
+
+def check_measured(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ...] | None = None) -> None:
+    """Refuse what cannot have been measured on this pad, so that a slip of the pen does not become a pad.
+
+    Parameters
+    ----------
+    measured : Measured
+    spec : MouldSpec
+        Of its mould.
+    points : tuple of GaugePoint, optional
+        As its pour sheet lists them.
+
+    Raises
+    ------
+    InputError
+        With the value and what is allowed, or the names of gauge points.
     """
     h, count = spec.pad.thickness_mm, len(measured.thicknesses_mm)
-    if count < PLACES:
+    points = points or gauge_points(spec)
+    if measured.points:
+        check_readings(measured.readings, points)
+    elif not spec.pad.shape.flat_top:
+        raise InputError(f"--thickness without names cannot be judged: a {spec.pad.shape.title} is not equally thick "
+                         f"everywhere; give the reading at each gauge point: {example(points)}")  # fmt: skip
+    elif count < PLACES:
         raise InputError(f"--thickness has {count} values; measure at {PLACES} places or more")
-    for one in measured.thicknesses_mm:
+    for one in () if measured.points else measured.thicknesses_mm:
         if not 0.5 * h <= one <= 2.0 * h:
             raise out_of_range("--thickness", f"{one:g} mm", f"{0.5 * h:g}", f"{2 * h:g} mm", f"the pad is of {h:g} mm")
     wanted = _mass_g(spec)
@@ -94,17 +135,22 @@ def check_measured(measured: Measured, spec: MouldSpec) -> None:
             raise out_of_range(name, f"{value:g}", f"{low:g}", f"{high:g}")
 
 
-def record_pad(measured: Measured, spec: MouldSpec) -> PadRecord:
+def record_pad(
+    measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ...] | None = None
+) -> PadRecord:
     """Judge a cast pad.
 
     The force is that at a quarter of the designed thickness by the response table, over that of the designed pad:
-    by the mean thickness and in proportion to the witness's modulus.
+    by the thickness and in proportion to the witness's modulus. The thickness is the mean of a flat pad's readings
+    and the reading at the tip of a pad that is not flat.
 
     Parameters
     ----------
     measured : Measured
     spec : MouldSpec
         Of its mould.
+    points : tuple of GaugePoint, optional
+        As its pour sheet lists them; those of :func:`~dummydesign.mold.gauging.points.gauge_points` by default.
 
     Returns
     -------
@@ -115,17 +161,21 @@ def record_pad(measured: Measured, spec: MouldSpec) -> PadRecord:
     InputError
         See :func:`check_measured`.
     """
-    check_measured(measured, spec)
+    points = points or gauge_points(spec)
+    check_measured(measured, spec, points)
     pad = spec.pad
-    mean = sum(measured.thicknesses_mm) / len(measured.thicknesses_mm)
-    by_thickness = _cost(spec, mean / pad.thickness_mm)
-    limits = judge(measured, spec)
+    evened = _evened_mm(measured, spec, points)
+    thickness = sum(evened) / len(evened)
+    if measured.points:
+        thickness = pressed_thickness_mm(measured.readings, points, pad.thickness_mm)
+    by_thickness = _cost(spec, thickness / pad.thickness_mm)
+    limits = judge(measured, spec, points)
     young, wanted = measured.young_kPa, spec.pour.young_kPa if spec.base is None else None
     stiffer = 1.0 if young is None or wanted is None else young / wanted
     return PadRecord(
         specification=spec.hash, shape=pad.name, length_mm=pad.length_mm, width_mm=pad.width_mm, resin=spec.pour.resin,
         ratio=spec.pour.ratio, design_thickness_mm=pad.thickness_mm, thicknesses_mm=measured.thicknesses_mm,
-        thickness_mm=mean, thickness_sd_mm=thickness_error(measured.thicknesses_mm, measured.gauge_mm),
+        points=measured.points, thickness_mm=thickness, thickness_sd_mm=thickness_error(evened, measured.gauge_mm),
         mass_g=measured.mass_g, design_young_kPa=spec.pour.young_kPa, young_kPa=young, level_deg=measured.level_deg,
         bubbles=measured.bubbles, accepted=not any(one.missed for one in limits),
         force_percent=None if by_thickness is None else 100 * ((1 + by_thickness / 100) * stiffer - 1),
@@ -134,7 +184,16 @@ def record_pad(measured: Measured, spec: MouldSpec) -> PadRecord:
     )  # fmt: skip
 
 
-def judge(measured: Measured, spec: MouldSpec) -> tuple[Judged, ...]:
+def _evened_mm(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ...]) -> tuple[float, ...]:
+    """Readings as a flat pad would have them: designed thickness and offset from the nominal of each point. [mm]"""
+    if not measured.points:
+        return measured.thicknesses_mm
+    return tuple(spec.pad.thickness_mm + off for off in offsets_mm(measured.readings, points).values())
+
+
+def judge(
+    measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ...] | None = None
+) -> tuple[Judged, ...]:
     """Each limit of acceptance with what was measured; those that were not measured are left out.
 
     Parameters
@@ -142,19 +201,26 @@ def judge(measured: Measured, spec: MouldSpec) -> tuple[Judged, ...]:
     measured : Measured
     spec : MouldSpec
         Its ``acceptance`` are the limits; level as on the pour sheet.
+    points : tuple of GaugePoint, optional
+        As its pour sheet lists them; readings by name are held against the limits of each.
 
     Returns
     -------
     tuple of Judged
     """
     limits, pad = spec.acceptance, spec.pad
-    h, values = pad.thickness_mm, measured.thicknesses_mm
+    points = points or gauge_points(spec)
+    h, values = pad.thickness_mm, _evened_mm(measured, spec, points)
     mean, spread = sum(values) / len(values), max(values) - min(values)
     wide = _cost(spec, 1 + spread / 2 / h)
-    found = [
-        _around("thickness, mean", mean, "mm", h, limits.thickness_percent, _cost(spec, mean / h), _thickness(mean, h,
-                limits.thickness_percent)),
-        Judged("thickness, largest less smallest", spread, "mm", None, h * limits.spread_percent / 100,
+    if measured.points:
+        found = [_at(point, measured.readings[point.name], spec) for point in points]
+    else:
+        found = [_around("thickness, mean", mean, "mm", h, limits.thickness_percent, _cost(spec, mean / h),
+                         _thickness(mean, h, limits.thickness_percent))]  # fmt: skip
+    what = "thickness, largest less smallest" if pad.shape.flat_top else "off nominal, largest less smallest"
+    found += [
+        Judged(what, spread, "mm", None, h * limits.spread_percent / 100,
                spread > h * limits.spread_percent / 100, None if wide is None else abs(wide),
                "level again with the load in the mould, cast again; until then press in one place and gauge it there"),
         _mass(measured, spec, mean),
@@ -178,6 +244,15 @@ def judge(measured: Measured, spec: MouldSpec) -> tuple[Judged, ...]:
     return tuple(found)
 
 
+def _at(point: GaugePoint, value: float, spec: MouldSpec) -> Judged:
+    """The thickness at a gauge point; its cost in force where it is the gel under the punch."""
+    h, off = spec.pad.thickness_mm, value - point.nominal_mm
+    cost = _cost(spec, 1 + off / h) if point.pressed else None
+    advice = _thickness(h + off, h, spec.acceptance.thickness_percent)
+    missed = not point.low_mm <= value <= point.high_mm
+    return Judged(f"thickness at {point.name}", value, "mm", point.low_mm, point.high_mm, missed, cost, advice)
+
+
 def _around(
     what: str, value: float, unit: str, wanted: float, percent: float, cost: float | None, advice: str
 ) -> Judged:
@@ -193,13 +268,14 @@ def _thickness(mean: float, h: float, percent: float) -> str:
 
 def _mass(measured: Measured, spec: MouldSpec, mean: float) -> Judged:
     """The mass; its cost is the thickness's, and what thickness does not explain is air or resin outside."""
-    wanted = _mass_g(spec)
-    left = 100 * (measured.mass_g / wanted / (mean / spec.pad.thickness_mm) - 1)
+    wanted, h = _mass_g(spec), spec.pad.thickness_mm
+    grown = mean / h
+    if not spec.pad.shape.flat_top:
+        grown = 1 + pour_plan(spec).gram_per_mm_g * (mean - h) / wanted
+    left = 100 * (measured.mass_g / wanted / grown - 1)
     why = f"{abs(left):.1f} % {'lighter' if left < 0 else 'heavier'} than its thickness explains: "
     if abs(left) <= spec.acceptance.mass_percent:
         why = "as its thickness explains"
-    elif spec.pad.shape.relief_mm:
-        why += "beside a curved face the mass does not follow the thickness; gauge again, then look for air"
     else:
         why += "air inside, hardly to be used" if left < 0 else "resin outside the outline, or the gauge sank in"
     return _around("mass", measured.mass_g, "g", wanted, spec.acceptance.mass_percent, None, why)

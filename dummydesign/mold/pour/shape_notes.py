@@ -127,5 +127,5 @@ def demould_first(spec: MouldSpec) -> str:
 def _where(spec: MouldSpec) -> str:
     pour = spec.pour
     if pour.cures_warm:
-        return f"at {pour.cure_temperature_C:g} C"
+        return f"at {pour.cure_temperature_C:g} C in the vented oven"
     return "at room temperature"

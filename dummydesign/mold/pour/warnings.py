@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.mold.pour.batch import batch_of
 from dummydesign.mold.pour.plan import CARRIER_VENTS, RATIO_ERROR_LIMIT_PERCENT, PourPlan
 from dummydesign.mold.pour.print_layers import layer_words, tip_words
 from dummydesign.mold.printed.notes import release_words
@@ -31,13 +32,17 @@ def pour_warnings(spec: MouldSpec, plan: PourPlan) -> list[dict[str, str]]:
                 f"fill to the sharp step of the brim, no higher, and lower {plate}",
             )
         )
-    small = max([plan, plan.base] if plan.base else [plan], key=lambda part: part.ratio_error_percent)
+    pours = [(spec.pour, plan)] + ([(spec.base.pour, plan.base)] if spec.base and plan.base else [])
+    pour, small = max(pours, key=lambda one: one[1].ratio_error_percent)
     if small.ratio_error_percent > RATIO_ERROR_LIMIT_PERCENT:
+        mix, alone = batch_of(spec, pour, small).mix, small.batch_mass_g
         found.append(
             (
                 "small_batch",
-                f"weighing to {spec.machines.balance_resolution_g:g} g leaves up to {small.ratio_error_percent:.2f} % "
-                f"error in the smaller component; mix at least {small.batch_for_ratio_g:.0f} g or use a finer balance",
+                f"mix {mix.total_g:g} g though {alone:g} g would fill the mould: a balance of "
+                f"{spec.machines.balance_resolution_g:g} g leaves up to {small.ratio_error_percent:.2f} % error in the "
+                f"smaller component of {alone:g} g, {mix.error_percent:.2f} % of {mix.total_g:g} g; a finer balance "
+                "saves resin",
             )
         )
     if plan.wall_deflection_mm > 0.2:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from dummydesign.core.errors import out_of_range
 from dummydesign.mold.files.pour_sheet import Block
 from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.mold.pour.batch import batches_of
 from dummydesign.mold.pour.materials_list import HEAD, Need, materials
 from dummydesign.mold.pour.plan import PourPlan
 from dummydesign.mold.pour.steps import BLANK
@@ -80,9 +81,10 @@ def job_sheet(ordered: Sequence[Ordered], castings: int) -> list[Block]:
     -------
     list of Block
     """
-    rows = [("pad", "specification", "folder", "castings", "resin each, g", "silicone, g", "cast on")]
+    rows = [("pad", "specification", "folder", "castings", "mix each, g", "silicone, g", "cast on")]
     for one in sorted(ordered, key=lambda item: item.spec.pad.thickness_mm):
-        mass = one.plan.batch_mass_g + (one.plan.base.batch_mass_g if one.plan.base else 0.0)
+        batch = batches_of(one.spec, one.plan)
+        mass = batch["total_g"] + batch.get("base", {}).get("total_g", 0.0)
         several = f", {one.spec.count} cavities" if one.spec.count > 1 else ""
         days = " ".join([BLANK] * min(castings, 3))
         rows.append((one.spec.pad.title + several, one.spec.hash, one.folder, f"{castings}", f"{mass:.1f}",
@@ -90,8 +92,8 @@ def job_sheet(ordered: Sequence[Ordered], castings: int) -> list[Block]:
     hours = max(one.spec.pour.cure_time_h for one in ordered)
     return [
         Block("head", f"Job: {len(ordered)} moulds, {castings * sum(one.spec.count for one in ordered)} pads"),
-        Block("text", "Every mould has its own folder with its pour sheet; record each cast pad there with dummydesign "
-              "mold record FOLDER --thickness a,b,c,d,e --mass G."),
+        Block("text", "Every mould has its own folder with its pour sheet. Record each cast pad there with dummydesign "
+              "mold record, as its pour sheet says."),
         Block("table", rows=tuple(rows)),
         Block("text", f"A mould is in use for about {hours:g} h a casting: {castings} castings of each take {castings} "
               "cures. Pads of one campaign are best cast of one resin batch; the witness puck goes with every cup."),

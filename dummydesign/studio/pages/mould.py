@@ -83,7 +83,9 @@ def _design(project: Project, which: str) -> dict[str, Any]:
 def _show(studio: Studio, answer: dict[str, Any]) -> None:
     if "pour" not in answer:
         return
-    poured = [(f"{part['mass_g']:.1f} g", part["name"]) for part in answer["pour"]["components"]]
+    batch = answer.get("batch") or {**answer["pour"], "pour_g": answer["pour"]["fill_mass_g"]}
+    poured = [(f"{part['mass_g']:.1f} g", f"{part['name']}, to mix") for part in batch["components"]]
+    poured.append((f"{batch['pour_g']:.1f} g", "of the mix, into the mould"))
     silicone = answer["pour"]["silicone_mass_g"]
     facts([*poured, *([(f"{silicone:.0f} g", "silicone for the mould")] if silicone else [])])
     checks = answer.get("checks", [])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import pytest
 
@@ -18,11 +19,14 @@ def test_compare_tells_the_pad_as_cast_and_what_it_missed(tmp_path, capsys):
         t, x = motion(velocity, 4.0, 5.0)
         traces.append(str(tmp_path / f"v{velocity:g}.csv"))
         save_trace(tmp_path / f"v{velocity:g}.csv", t, x, five_elements(t, x))
-    record = str(save(tmp_path))
+    # Of a crown the thickness is that of its tip, not the mean of its points.
+    crown = replace(RECORD, shape="crowned:21.2,2,9.4", thickness_mm=4.58, thicknesses_mm=(4.58, 2.5, 2.5, 2.5, 2.5),
+                    points=("tip", "corner1", "corner2", "corner3", "corner4"))  # fmt: skip
+    record = str(save(tmp_path, crown))
     words = ["compare", *traces, "--tissue", "palm", "--out", str(tmp_path / "c")]
     assert cli.run([*words, "--record", record, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
-    assert found["pad"]["thickness_mm"] == RECORD.thickness_mm and found["inputs"]["record"] == record
+    assert found["pad"]["thickness_mm"] == 4.58 and found["inputs"]["record"] == record
     assert "pad_not_accepted" in [one["code"] for one in found["warnings"]]
     read = json.loads((tmp_path / "c/manifest.json").read_text())["files_read"]
     assert "record.json" in [one["file"] for one in read]

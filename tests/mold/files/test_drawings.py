@@ -46,7 +46,8 @@ def sound(made, paper):
             assert wanted in words, (name, wanted)
         for d in drawing.dimensions:
             axis = int(d.vertical)
-            assert abs(d.end[axis] - d.start[axis]) / drawing.scale == pytest.approx(d.value, abs=1e-9)
+            on_paper = drawing.scale * d.enlarged
+            assert abs(d.end[axis] - d.start[axis]) / on_paper == pytest.approx(d.value, abs=1e-9)
         for x, y in (point for line in drawing.lines for point in line.points):
             assert 0 <= x <= drawing.size[0] and 0 <= y <= drawing.size[1]
 

@@ -16,7 +16,8 @@ from dummydesign.mold.files import meshes as mesh
 from dummydesign.mold.files import pour_sheet as sheet
 from dummydesign.mold.files import step
 from dummydesign.mold.files.step_canonical import Header, canonical_step
-from dummydesign.mold.pour.plan import pour_plan
+from dummydesign.mold.pour.batch import batch_of, witness_mass_g
+from dummydesign.mold.pour.plan import CUP_FACTOR, pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
 
 HEADER = Header("x.step", "test", "2000-01-01T00:00:00", "dummydesign")
@@ -182,7 +183,9 @@ def test_pour_sheet_carries_what_the_pour_needs(open_spec, lidded_spec):
         plan = pour_plan(spec)
         blocks = sheet.pour_sheet(spec, plan, pour_warnings(spec, plan))
         text = sheet.to_markdown(blocks)
-        for name, mass in plan.components:
+        batch = batch_of(spec, spec.pour, plan)
+        cup_l = CUP_FACTOR * batch.with_witness.total_g / spec.pour.density_g_per_cm3 * 1e-3
+        for name, mass in batch.mix.components:
             assert re.search(rf"\| {name} \| {mass:.1f} \|", text)
         for needed in (
             "isocyanates harm",
@@ -196,7 +199,7 @@ def test_pour_sheet_carries_what_the_pour_needs(open_spec, lidded_spec):
         for number in (
             f"{plan.level_deg:.2f} deg",
             f"{plan.silicone_mass_g:.0f} g",
-            f"{plan.cup_mm3 * 1e-6:.2f} litres",
+            f"{cup_l:.2f} litres",
         ):
             assert number in text
         tags = _Tags()
@@ -206,7 +209,7 @@ def test_pour_sheet_carries_what_the_pour_needs(open_spec, lidded_spec):
 
 def test_witness_puck_has_the_mass_of_its_cylinder(open_spec):
     volume_cm3 = math.pi * 2.5**2 * 3.0
-    assert sheet.witness_mass_g(open_spec.pour) == pytest.approx(volume_cm3 * open_spec.pour.density_g_per_cm3)
+    assert witness_mass_g(open_spec.pour) == pytest.approx(volume_cm3 * open_spec.pour.density_g_per_cm3)
 
 
 @pytest.mark.slow

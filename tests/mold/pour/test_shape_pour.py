@@ -11,6 +11,7 @@ from dummydesign.mold.cad.pad_solids import cavity_solid, pad_solid
 from dummydesign.mold.checks import process as check_process
 from dummydesign.mold.files import pour_sheet as sheet
 from dummydesign.mold.model.layout import layout
+from dummydesign.mold.pour.batch import batch_of
 from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
 from dummydesign.mold.runner import without_cad
@@ -73,8 +74,8 @@ def test_two_pours_are_weighed_apart_and_in_their_order():
     plan = pour_plan(spec)
     written = sheet.to_markdown(sheet.pour_sheet(spec, plan, pour_warnings(spec, plan)))
     assert written.index("UPPER LAYER FIRST") < written.index("Gelled at") < written.index("BASE LAYER SECOND")
-    for part in (plan, plan.base):
-        for name, mass in part.components:
+    for pour, part in ((spec.pour, plan), (spec.base.pour, plan.base)):
+        for name, mass in batch_of(spec, pour, part).mix.components:
             assert re.search(rf"\| {name} \| {mass:.1f} \|", written)
     assert f"--ratio {spec.base.pour.ratio:.6g}" in written
     light = replace(plan, base=replace(plan.base, components=(("polyol", 1.0), ("isocyanate", 0.2)), batch_mass_g=1.2))

@@ -6,7 +6,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from dummydesign.mold.files.drawings.hatch import hatch
-from dummydesign.mold.files.drawings.sheet import PAPERS, TEXT_MM, Dimension, Drawing, Line, Point, Text, text_width
+from dummydesign.mold.files.drawings.sheet import (
+    PAPERS,
+    TEXT_MM,
+    Dimension,
+    Drawing,
+    Line,
+    Point,
+    Text,
+    ratio,
+    text_width,
+)
 from dummydesign.mold.files.drawings.title_block import HIGH_MM, MARGIN_MM, Title, frame_and_title, notes_height
 
 SCALES = (10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05)
@@ -40,13 +50,19 @@ class Measure:
 
 @dataclass(frozen=True)
 class View:
-    """One view in the part's own coordinates, with what is measured in it and notes that point at places."""
+    """One view in the part's own coordinates, with what is measured in it and notes that point at places.
+
+    A view that is ``enlarged`` has a larger scale than the sheet, which stands in its name. ``marks`` are letters over
+    places of its upper edge. Lines of the layer ``bound``, where there are some, bound what is hatched, else the cut.
+    """
 
     name: str
     runs: tuple[tuple[tuple[Point, ...], str], ...]
     measures: tuple[Measure, ...] = ()
     leaders: tuple[tuple[Point, str], ...] = ()
     filled: bool = False
+    enlarged: bool = False
+    marks: tuple[tuple[Point, str], ...] = ()
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:
@@ -86,8 +102,8 @@ def arrange(views: Sequence[View], title: Title, notes: Sequence[str], paper: st
     w, h = PAPERS[paper]
     low = MARGIN_MM + max(HIGH_MM, notes_height(notes, w)) + 3.0
     room = w - 2 * MARGIN_MM - 4.0, h - MARGIN_MM - 3.0 - low
-    for scale in SCALES:
-        placed = [place(view, scale) for view in views]
+    for scale, larger in _scales(any(view.enlarged for view in views)):
+        placed = [_at_scale(view, scale, larger) for view in views]
         rows = _rows(placed, room[0])
         deep = sum(max(_height(one) for one in row) for row in rows) + GAP_MM * (len(rows) - 1)
         # Views one below the other share the middle line of the part.
@@ -97,7 +113,8 @@ def arrange(views: Sequence[View], title: Title, notes: Sequence[str], paper: st
             break
     for view, one in zip(views, placed):
         if view.filled:
-            closed = [line.points for line in one.lines if line.layer == "cut"]
+            bound = [line.points for line in one.lines if line.layer == "bound"]
+            closed = bound or [line.points for line in one.lines if line.layer == "cut"]
             one.lines += [Line(piece, "hatch") for piece in hatch(closed, HATCH_MM)]
     sheet = Drawing(title.part, scale, paper)
     level = h - MARGIN_MM - 3.0 - (room[1] - deep) / 2
@@ -114,11 +131,33 @@ def arrange(views: Sequence[View], title: Title, notes: Sequence[str], paper: st
     return sheet
 
 
+def _scales(enlarged: bool) -> list[tuple[float, float]]:
+    """Scales of a sheet, the largest first, each with those of its enlarged detail; 1 where there is none."""
+    if not enlarged:
+        return [(scale, scale) for scale in SCALES]
+    return [(scale, larger) for scale in SCALES for larger in SCALES if larger >= 2.0 * scale]
+
+
+def _at_scale(view: View, scale: float, larger: float) -> Placed:
+    """A view at the scale of the sheet, or a detail at its own with its scale in its name."""
+    if not view.enlarged:
+        return place(view, scale)
+    one = place(replace(view, name=f"{view.name} ({ratio(larger)})"), larger)
+    one.dimensions = [replace(d, enlarged=larger / scale) for d in one.dimensions]
+    return one
+
+
 def _rows(placed: list[Placed], room_mm: float) -> list[list[Placed]]:
-    """One view below the other; a third stands beside the first where there is room."""
-    if len(placed) < 3 or _width(placed[0]) + _width(placed[2]) + GAP_MM > room_mm:
-        return [[one] for one in placed]
-    return [[placed[0], placed[2]], [placed[1]], *([one] for one in placed[3:])]
+    """One view below the other; a third and a fourth stand beside the first two where there is room."""
+    rows = [[one] for one in placed[:2]]
+    for one in placed[2:]:
+        wide = [sum(_width(other) + GAP_MM for other in row) for row in rows[:2]]
+        beside = next((row for row, taken in zip(rows, wide) if taken + _width(one) <= room_mm), None)
+        if beside is None:
+            rows.append([one])
+        else:
+            beside.append(one)
+    return rows
 
 
 def _width(one: Placed) -> float:
@@ -168,7 +207,7 @@ def place(view: View, scale: float) -> Placed:
             # A number that has no room between its arrows stands beyond the view's right edge.
             made = _lanes(measures, side, max(other.text.box[2] for other in dimensions) - 2.0)
         dimensions += made
-    texts: list[Text] = []
+    texts = [Text((scale * x, y1 + 1.5), words, TEXT_MM, True) for (x, _), words in view.marks]
     left = min([x0, *(d.text.box[0] for d in dimensions)])
     taken = y1 + 1e9
     for (x, y), words in sorted(view.leaders, key=lambda one: -one[0][1]):

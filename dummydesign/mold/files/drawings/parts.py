@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from dummydesign.mold.cad.parts import Parts
 from dummydesign.mold.files.drawings import projection
+from dummydesign.mold.files.drawings.detail import LETTER, crown_detail
 from dummydesign.mold.files.drawings.layout import Measure, View, arrange
 from dummydesign.mold.files.drawings.projection import Hole, Run, Section
 from dummydesign.mold.files.drawings.sheet import Drawing
@@ -18,6 +19,8 @@ TURNED = ("strike_off", "spacer", "carrier", "lid", "pad")
 """Parts whose interesting side is below: drawn turned over."""
 LEFT_OUT = ("layer_top", "layer_base")
 """Parts that another drawing shows."""
+DETAILED = ("pad", "master")
+"""Parts whose crown is shown enlarged."""
 MOST_WIDTHS, NEAR_MM = 6, 0.3
 NAMES = {"strike_off": "strike-off plate", "lid_master": "master of the lid", "lid_frame": "frame of the lid",
          "face_sheet": "face sheet", "sprue_pin": "sprue pin", "vent_pin": "vent pin"}  # fmt: skip
@@ -151,9 +154,16 @@ def _views(made: Parts, name: str) -> list[View]:
         solid = projection.turned_over(solid)
     rims = projection.holes(solid)
     views = [_section(made, name, solid, rims), _from_above(solid, rims, _sites(made, name))]
-    if name in ("mould", "pad") and made.spec.pad.shape.runs_out:
+    shape = made.spec.pad.shape
+    if name in ("mould", "pad") and shape.runs_out:
         # Along a ridge or a bar the usual section shows a straight line.
         views.append(_section(made, name, solid, rims, across=True))
+    if name in DETAILED and shape.relief_mm:
+        factor = 1.0 if name == "pad" else made.plan.scale * made.plan.silicone_scale
+        views.append(crown_detail(shape, factor))
+        shown = 2 if name == "pad" and shape.runs_out else 0
+        x, _ = min(shape.places_mm, key=lambda place: (abs(place[1]), abs(place[0])))
+        views[shown] = replace(views[shown], marks=(((factor * x, 0.0), LETTER),))
     return views
 
 

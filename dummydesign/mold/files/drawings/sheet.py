@@ -9,7 +9,8 @@ from functools import lru_cache
 Point = tuple[float, float]
 PAPERS = {"A3": (420.0, 297.0), "A4": (297.0, 210.0)}
 """Papers, landscape. [mm]"""
-LAYERS = {"outline": 0.5, "thin": 0.18, "cut": 0.7, "hatch": 0.13, "dimension": 0.18, "text": 0.25, "frame": 0.5}
+LAYERS = {"outline": 0.5, "thin": 0.18, "cut": 0.7, "bound": 0.18, "hatch": 0.13, "dimension": 0.18, "text": 0.25,
+          "frame": 0.5}  # fmt: skip
 """Width of the lines of each layer. [mm]"""
 TEXT_MM, CAP_SHARE = 2.5, 0.718
 """Height of the capital letters of the smallest text [mm], and their share of the font size (Helvetica)."""
@@ -64,8 +65,8 @@ class Text:
 class Dimension:
     """A linear dimension between two points along x or y; ``at`` is the coordinate of its line.
 
-    ``value`` is the true length. [mm] A number that has no room between the arrows stands beyond the upper or right
-    end, or before the other one.
+    ``value`` is the true length [mm], ``enlarged`` the scale of its view over the sheet's. A number that has no room
+    between the arrows stands beyond the upper or right end, or before the other one.
     """
 
     start: Point
@@ -74,6 +75,7 @@ class Dimension:
     vertical: bool
     value: float
     before: bool = False
+    enlarged: float = 1.0
 
     @property
     def line(self) -> tuple[Point, Point]:

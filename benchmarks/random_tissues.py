@@ -18,11 +18,12 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
+from dummydesign.design.scoring.standing import ACCEPTABLE, ACCEPTABLE_AND_STEADY  # noqa: E402
+
 from benchmarks.rows import keep_row, read_rows  # noqa: E402
 from dummydesign.core.errors import NoAnswerError  # noqa: E402
 from dummydesign.design.inputs import resolve  # noqa: E402
 from dummydesign.design.request import Request  # noqa: E402
-from dummydesign.design.scoring.standing import ACCEPTABLE, ACCEPTABLE_AND_STEADY  # noqa: E402
 from dummydesign.design.scoring.targets import make_targets  # noqa: E402
 from dummydesign.design.search.best_of_kinds import best_of_kinds  # noqa: E402
 from dummydesign.design.solve import solve  # noqa: E402

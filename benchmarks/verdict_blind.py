@@ -24,12 +24,13 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
+from dummydesign.design.scoring.standing import ranges_of  # noqa: E402
+
 from benchmarks.rows import keep_row, read_rows  # noqa: E402
 from dummydesign.design.assessment.pour_yield import Tolerances, draw_pours  # noqa: E402
 from dummydesign.design.assessment.verdict_of_traces import verdict_of_traces  # noqa: E402
 from dummydesign.design.inputs import resolve  # noqa: E402
 from dummydesign.design.request import Request  # noqa: E402
-from dummydesign.design.scoring.standing import ranges_of  # noqa: E402
 from dummydesign.design.scoring.verdict import Readings, levels  # noqa: E402
 from dummydesign.design.suggest import suggest  # noqa: E402
 from dummydesign.measurement.trace import Trace  # noqa: E402

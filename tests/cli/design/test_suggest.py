@@ -119,7 +119,7 @@ def test_the_answer_fits_one_screen_and_says_the_verdict_first(more, capsys):
     assert lines[0].startswith({0: ("GREEN", "AMBER"), 1: "RED"}[status])
     labels = [line.split()[0] for line in lines if line[:1].isupper()]
     assert {"PAD", "RESIN", "WEIGH", "VALID", "NEXT", "FILES", "MORE"} <= set(labels)
-    assert labels.count("WARNING") <= 4 and "polyol" in shown.out or "thinner" in shown.out
+    assert (labels.count("WARNING") <= 4 and "polyol" in shown.out) or "thinner" in shown.out
 
 
 def test_details_hold_every_number_of_the_screen(capsys):

@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from dummydesign.design.scoring.standing import ranges_of, safe_side_shortfall
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -11,7 +12,6 @@ from dummydesign.design.assessment.readings import reading_of
 from dummydesign.design.request import RADIUS_MM
 from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves
 from dummydesign.design.scoring.score import evaluate
-from dummydesign.design.scoring.standing import ranges_of, safe_side_shortfall
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.scoring.verdict import LEVELS, Ranges, Readings, levels, verdict
 from dummydesign.design.search.slabs import Candidate

@@ -5,6 +5,7 @@ import re
 
 import numpy as np
 import pytest
+from dummydesign.design.scoring.standing import ranges_of, readings_of
 
 from dummydesign.core.errors import InputError
 from dummydesign.design.assessment.safety import tissue_body
@@ -12,7 +13,6 @@ from dummydesign.design.assessment.verdict_of_traces import verdict_of_traces
 from dummydesign.design.request import Protocol
 from dummydesign.design.scoring.presses import Sampling
 from dummydesign.design.scoring.score import evaluate
-from dummydesign.design.scoring.standing import ranges_of, readings_of
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.scoring.verdict import Ranges, levels
 from dummydesign.measurement.motion import ramp_and_hold

@@ -4,13 +4,13 @@ import dataclasses
 
 import numpy as np
 import pytest
+from dummydesign.design.scoring.standing import ranges_of, readings_of, safe_side_shortfall
 
 from dummydesign.core.errors import InputError
 from dummydesign.design.assessment.safety import impact, tissue_body
 from dummydesign.design.assessment.verdict_of_traces import verdict_of_traces
 from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves
 from dummydesign.design.scoring.score import evaluate, steady_gamma1
-from dummydesign.design.scoring.standing import ranges_of, readings_of, safe_side_shortfall
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.scoring.verdict import levels
 from dummydesign.measurement.motion import ramp_and_hold

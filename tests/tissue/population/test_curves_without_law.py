@@ -4,11 +4,11 @@ import dataclasses
 
 import numpy as np
 import pytest
+from dummydesign.design.scoring.standing import ranges_of, readings_of
 
 from dummydesign.core.errors import InputError
 from dummydesign.design.scoring.presses import Sampling
 from dummydesign.design.scoring.score import evaluate
-from dummydesign.design.scoring.standing import ranges_of, readings_of
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.scoring.verdict import FORCE_TOLERANCE, Readings, levels
 from dummydesign.measurement.motion import ramp_and_hold

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from dummydesign.design.scoring.standing import ranges_of
 
 from dummydesign.core.errors import InputError
 from dummydesign.design.assessment.warnings import _reasons
@@ -14,7 +15,6 @@ from dummydesign.design.request import PAPER, Protocol, Request
 from dummydesign.design.scoring.law_parameters import gamma1_score
 from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves
 from dummydesign.design.scoring.score import evaluate, steady_gamma1
-from dummydesign.design.scoring.standing import ranges_of
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.search.best_of_kinds import Beside
 from dummydesign.design.search.low_force import low_force

@@ -2,7 +2,9 @@
 
 import numpy as np
 
-from dummydesign.design.scoring.deviations import CLASSES, Ranges, Readings
+from dummydesign.design.scoring.deviations import CLASSES, Ranges, Readings, classes, deviations
+from dummydesign.design.scoring.verdict import outside, reads_of, representative
+from dummydesign.design.scoring.verdict_limits import verdict_limits
 
 FORCES = np.array([5.0, 10.0, 15.0, 5.0, 10.0, 15.0])
 SPEEDS = np.repeat([10.0, 250.0], 3)
@@ -46,3 +48,11 @@ def cast(counts):
     lost.peak_N[3] = np.nan
     kinds = [lost if name == "out_of_reach" else away(**SIDES[name]) for name in CLASSES]
     return [one for one, count in zip(kinds, counts) for _ in range(count)]
+
+
+def judged(band, readings):
+    """Of each of n pads whether it may be cast, its class, and how it reads."""
+    found, limits = deviations(band, readings), verdict_limits()
+    kinds, kept = classes(found, limits), representative(found, limits)
+    reads = (reads_of(*outside(found, at)) for at in range(len(kinds)))
+    return [(bool(ok), CLASSES[kind], how) for ok, kind, how in zip(kept, kinds, reads)]

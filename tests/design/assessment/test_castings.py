@@ -188,6 +188,14 @@ def test_a_share_of_1200_castings_scatters_by_at_most_a_point_and_a_half_between
     np.testing.assert_allclose(scatter, np.sqrt(shares * (1 - shares) / COUNT), atol=0.007)
 
 
+def test_a_force_law_that_states_no_error_has_none_and_its_castings_are_pressed(layer_law):
+    space, _, castings = space_of("forefinger")
+    cast = cast_pad(space, layer_law, castings, ("slab", 5.5, 15.3))
+    assert cast.error == 0.0 and np.isfinite(cast.pours().young_MPa).all()
+    stated = cast_pad(*space_of("forefinger"), ("slab", 5.5, 15.3))
+    assert 0.0 < stated.error < 0.2
+
+
 def test_the_band_of_castings_holds_95_percent_of_castings_that_it_was_not_drawn_from(cast):
     force = np.array([2.0, 5.0, 10.0])
     stiff, soft, unreached = cast.depth_band_mm(force)

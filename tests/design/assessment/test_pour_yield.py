@@ -76,7 +76,8 @@ def test_the_same_seed_gives_the_same_pours(layer_law, resin, targets):
     assert first == again and first != other
 
 
+@pytest.mark.slow
 def test_the_share_settles_with_the_number_of_pours(layer_law, resin, targets):
-    few, many = (study(layer_law, resin, targets, Tolerances(100.0), n=n) for n in (2000, 20000))
+    few, many = (study(layer_law, resin, targets, Tolerances(100.0), n=n) for n in (2000, 10000))
     spread = np.sqrt(0.25 / 2000)
     assert few.by_force["10"] == pytest.approx(many.by_force["10"], abs=4 * spread)

@@ -259,7 +259,7 @@ def pad_traces(stiffness, exponent, beta):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("stiffness", "exponent", "beta", "light", "reads"),
-    [(3.4, 2.8, (0.8, 0.5), "green", "inside"), (3.4, 2.8, (0.05, 0.05), "red", "low")],
+    [(3.2, 2.8, (0.8, 0.5), "green", "inside"), (3.4, 2.8, (0.05, 0.05), "red", "low")],
 )
 def test_a_pressed_pad_is_judged_by_the_ranges(people, stiffness, exponent, beta, light, reads):
     found = compare_traces(pad_traces(stiffness, exponent, beta), people)

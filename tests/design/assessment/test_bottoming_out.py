@@ -11,7 +11,7 @@ from dummydesign.design.assessment.verdict_of_pad import gel_limit_mm
 from dummydesign.design.expected.tissue_doubt import kinds_of
 from dummydesign.design.scoring.presses import make_curves
 from dummydesign.design.scoring.verdict_limits import verdict_limits
-from dummydesign.design.search.shape_family import Designs
+from dummydesign.design.search.shape_family import Designs, ShapeLaw
 from dummydesign.design.search.tabulated_shapes import load_family
 from dummydesign.design.suggestion import condition_rows
 from dummydesign.design.sweep.one_pad import law_of_shape, one_pad
@@ -103,6 +103,23 @@ def test_a_shape_of_ones_own_with_a_bone_has_the_gel_over_its_bone():
     parameters = {"height": np.array([1.0, 2.5, 4.0]), "width": np.array([5.0, 6.0, 7.0])}
     np.testing.assert_allclose(Ridged.gel_mm(thickness, parameters), thickness - parameters["height"])
     np.testing.assert_array_equal(Bare.gel_mm(thickness, {"radius": np.ones(3)}), thickness)
+
+
+class Wide:
+    """A law of one's own that holds to any depth."""
+
+    def at_thickness(self, shape, thickness_mm, wanted_mm):
+        return Designs(shape.name, wanted_mm, {name: np.full(len(wanted_mm), v) for name, v in shape.parameters})
+
+    def limit_mm(self, designs, radius_mm):
+        return 0.9 * designs.thickness_mm
+
+
+@pytest.mark.parametrize("cast", [True, False])
+def test_a_law_of_ones_own_that_goes_deeper_is_limited_by_the_gel_over_the_bone(cast):
+    law = ShapeLaw(Wide(), Ridged(2.5, 6.0), 10.0, cast)
+    np.testing.assert_allclose(law.depth_limit_mm(np.array([9.0, 10.0]), 7.9), [SHARE * 6.5, SHARE * 7.5])
+    assert float(law.depth_limit_mm(10.0, 7.9)) == pytest.approx(SHARE * 7.5)
 
 
 def test_the_generic_gel_of_a_boned_pad_is_the_one_it_says_itself():

@@ -12,6 +12,7 @@ from dummydesign.design.inputs import resolve
 from dummydesign.design.own_test.checks import refused_kinds
 from dummydesign.design.own_test.punch import read_punch
 from dummydesign.design.request import PAPER, Protocol, Request
+from dummydesign.design.scoring.acceptability import ranges_of
 from dummydesign.design.scoring.law_parameters import gamma1_score
 from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves
 from dummydesign.design.scoring.score import evaluate, steady_gamma1

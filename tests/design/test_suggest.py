@@ -8,7 +8,7 @@ import pytest
 from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import Quantity
 from dummydesign.design.assessment.pour_yield import pour_yield
-from dummydesign.design.request import RADIUS_MM, Request
+from dummydesign.design.request import Request
 from dummydesign.design.suggest import suggest
 from dummydesign.resin import load_resin
 from dummydesign.resin.model.liquid import Liquid
@@ -61,15 +61,13 @@ def test_a_thinned_silicone_is_designed_with_its_own_components(thinned, layer_l
 @pytest.mark.slow
 def test_a_measured_resin_makes_more_pours_stay_inside(layer_law):
     answer = suggest(Request("forefinger", verify=False, shape="slab"), layer_law)
-    resin, best = answer.resin, answer.best
+    resin = answer.resin
     known = {
         name: dataclasses.replace(q, low=q.value - 0.1 * (q.value - q.low), high=q.value + 0.1 * (q.high - q.value))
         for name, q in resin.numbers.items()
     }
-    narrow = pour_yield(
-        layer_law, dataclasses.replace(resin, numbers=known), answer.targets, best.thickness_mm, best.ratio,
-        RADIUS_MM, answer.pour.tolerances,
-    )  # fmt: skip
+    castings = dataclasses.replace(answer.castings.castings, resin=dataclasses.replace(resin, numbers=known))
+    narrow = pour_yield(dataclasses.replace(answer.castings, castings=castings))
     wide = answer.pour
     assert narrow.making_only_fraction == wide.making_only_fraction
     assert wide.yield_fraction < narrow.yield_fraction <= narrow.making_only_fraction + 0.05
@@ -96,7 +94,8 @@ def test_one_subject_is_said_to_make_no_range_and_has_no_share_of_castings(tmp_p
     answer = suggest(asked, layer_law).to_dict()
     codes = {item["code"] for item in answer["warnings"]}
     assert "one_subject" in codes and not codes & {"low_yield", "outside_steady_range"}
-    assert answer["verdict"]["subjects"] == 1 and answer["verdict"]["level"] != "inside"
+    assert answer["verdict"]["subjects"] == 1 and answer["verdict"]["light"] != "green"
+    assert answer["measure_first"]["group"] is None
 
 
 def test_speeds_and_law_come_from_the_tissue(tmp_path, layer_law):

@@ -165,12 +165,11 @@ class PadCastings:
 
     @cached_property
     def error(self) -> float:
-        """Largest stated error of the force law over the pressed depths."""
+        """Largest stated error of the force law over the pressed depths; 0 where none is stated."""
         depth = self.candidate.evaluation.depth_mm[self.candidate.index]
         known = depth[np.isfinite(depth)]
-        if not len(known):
-            return 0.0
-        return float(np.max(self.law.relative_error(known, self.candidate.thickness_mm, self.space.radius_mm)))
+        stated = np.asarray(self.law.relative_error(known, self.candidate.thickness_mm, self.space.radius_mm))
+        return float(np.max(stated[np.isfinite(stated)], initial=0.0))
 
     def pours(self, known: Collection[str] = (), ratio: float | None = None) -> Pours:
         """See :meth:`Castings.pours`; of another ratio where one is given."""

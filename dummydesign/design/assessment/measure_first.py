@@ -91,14 +91,17 @@ def measure_first(cast: PadCastings) -> MeasureFirst:
     both = kinds_of(cast.pressed(RESIN), targets)
     means = STANDS_FOR if strict or (both == 0).mean() > 0.5 else USABLE
     worst = CLASSES.index(means)
-    now = float((kinds_of(cast.every, targets) <= worst).mean())
+    fit = kinds_of(cast.every, targets) <= worst
+    now = float(fit.mean())
     listed = {group: float((kinds <= worst).mean()) for group, kinds in known.items()}
     gains = {group: share - now for group, share in listed.items()}
     listed["modulus+relaxation"] = resin = float((both <= worst).mean())
     if resin - now >= GAIN and max(gains.values()) < GAIN:
         gains[max(sorted(RESIN), key=lambda group: gains[group])] = resin - now  # only both together help
     over = castings_for_tissues(cast, 0.0, worst=worst)
-    over_tissues = float(over.usable.mean()) if over.tissue_drawn else None
+    # the first castings alone are scored for other tissues: what they lose there is taken off the share of all
+    lost_there = float(fit[: over.usable.shape[1]].mean() - over.usable.mean())
+    over_tissues = min(max(now - lost_there, 0.0), 1.0) if over.tissue_drawn else None
     listed[TISSUE] = now
     group = max(gains, key=lambda name: gains[name])
     if gains[group] < GAIN:

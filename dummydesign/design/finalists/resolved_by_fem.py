@@ -205,7 +205,9 @@ def _nearly(shaped: Shaped, space: SearchSpace) -> bool:
         return True
     one = Readings(*(values[best.index] for values in vars(readings_of(best.evaluation)).values()))
     found = deviations(ranges_of(targets), one, strict_aim(targets))
-    return bool(representative(found, replace(targets.limits, tie=MOVED), strict_aim(targets))[0])
+    # the safe side knows no tie, so its own limit is moved
+    limits = replace(targets.limits, tie=MOVED).moved("stands_shortfall", 1.0 + MOVED)
+    return bool(representative(found, limits, strict_aim(targets))[0])
 
 
 def _solvable(designs: Sequence[Shaped], space: SearchSpace) -> list[Shaped]:

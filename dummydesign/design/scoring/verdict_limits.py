@@ -80,7 +80,7 @@ def _read(path: Path, changed_ns: int) -> VerdictLimits:
         raise InputError(f"{path.name}: schema = {content.get('schema')!r} is not 1")
     for key in content:
         if key not in ("schema", *NUMBERS):
-            raise unknown_name(f"table of {path.name}:{line_of(text, key)}", key, list(NUMBERS))
+            raise unknown_name(f"table of {path.name}:{line_of(text, f'[{key}')}", key, list(NUMBERS))
     values: dict[str, float] = {}
     for name, fields in NUMBERS.items():
         values |= _table(name, content.get(name), fields, path, text)
@@ -105,13 +105,20 @@ def _table(name: str, table: Any, fields: dict[str, str], path: Path, text: str)
             raise unknown_name(f"limit of {path.name}:{line_of(text, f'{name}.{key}')}", key, list(fields))
     values = {}
     for key, field in fields.items():
-        value = read_quantity(table, key, path, text, kinds=(*KINDS, "choice")).value
+        value = read_quantity(table, key, path, _from(text, f"{name}.{key}"), kinds=(*KINDS, "choice")).value
         low, high = BOUNDS.get(field, FACTORS)
         if not low <= value <= high:
             where = f"{path.name}:{line_of(text, f'{name}.{key}')}"
             raise InputError(f"{where}: {name}.{key} = {value:g} is outside {low:g} to {high:g}")
         values[field] = value
     return values
+
+
+def _from(text: str, entry: str) -> str:
+    """The text from an entry on, the lines before it empty: a message names its line, not one that says its name."""
+    lines = text.splitlines()
+    start = next((row for row, line in enumerate(lines) if line.strip().startswith(f"[{entry}]")), 0)
+    return "\n".join([""] * start + lines[start:])
 
 
 def _typed(field: str) -> str:

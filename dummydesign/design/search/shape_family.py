@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError
+from dummydesign.design.scoring.verdict_limits import verdict_limits
 from dummydesign.geometry.shapes import PadShape, make_shape
 from dummydesign.pad.force_law import BaseForceLaw
 
@@ -175,9 +176,10 @@ class ShapeLaw(BaseForceLaw):
         return young * area
 
     def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: float) -> NDArray:
-        """Depth to which the law holds. [mm]"""
-        thickness = np.atleast_1d(np.asarray(thickness_mm, float))
-        limit = self.family.limit_mm(self._designs(thickness.ravel()), radius_mm)
+        """Depth to which the law holds and the gel, over a bone where there is one, is not bottomed out. [mm]"""
+        designs = self._designs(np.atleast_1d(np.asarray(thickness_mm, float)).ravel())
+        gel = self.shape.gel_mm(designs.thickness_mm, designs.parameters)
+        limit = np.minimum(self.family.limit_mm(designs, radius_mm), verdict_limits().gel_compression * gel)
         return limit.reshape(np.shape(thickness_mm))
 
     def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: float) -> NDArray:

@@ -5,17 +5,17 @@ import dataclasses
 import numpy as np
 import pytest
 
-from dummydesign.design.assessment.pour_yield import Tolerances
+from dummydesign.design.assessment.castings import PadCastings, Tolerances
+from dummydesign.design.assessment.readings import verdict_of_design
 from dummydesign.design.expected.expectation import _best_of, by_expectation
-from dummydesign.design.expected.tissue_doubt import Castings, castings_for_tissues, tissue_share
+from dummydesign.design.expected.tissue_doubt import TissueScores, castings_for_tissues, tissue_share, usable
 from dummydesign.design.inputs import resolve
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.score import evaluate, scored_for
 from dummydesign.design.search.best_of_kinds import best_of_kinds, choose, close_to
 from dummydesign.design.suggest import design
-from tests.design.assessment.test_choice import surer
-
-SHARP = Tolerances(1e6, 1e-9, 1e-9)
+from dummydesign.design.sweep.one_pad import one_pad
+from tests.support.cast_pads import SHARP, known, with_tissues
 
 
 @pytest.fixture(scope="module")
@@ -25,35 +25,38 @@ def crowned():
     return inputs, found, choose(found, inputs.space)
 
 
-def known_tissue(space):
-    """The space with a tissue of which nothing else is drawn."""
-    targets = dataclasses.replace(space.targets)
-    targets.__dict__["drawn"] = ()
-    return dataclasses.replace(space, targets=targets)
+def exact(inputs):
+    """Castings of the resin as if it were known."""
+    return dataclasses.replace(inputs.castings, resin=known(inputs.castings.resin))
 
 
 @pytest.mark.slow
 def test_a_resin_and_a_tissue_that_are_known_and_poured_exactly_give_the_choice_by_the_middle(crowned):
     inputs, _, chosen = crowned
-    known = dataclasses.replace(known_tissue(inputs.space), resin=surer(inputs.space.resin))
-    taken, told = by_expectation((chosen,), known, SHARP, known.targets.weights.low_aim)
+    space = with_tissues(inputs.space, ())
+    taken, told = by_expectation((chosen,), space, exact(inputs), SHARP, space.targets.weights.low_aim)
     assert taken is chosen and not told.differs and told.taken == told.middle
     assert told.taken.expected_worth == pytest.approx(told.taken.worth, abs=0.03)
-    assert told.taken.acceptable_fraction == 1.0 and told.taken.tissue_share is None
+    assert told.taken.acceptable_fraction == 1.0 and told.taken.tissue_share is None and told.undecided is None
 
 
 def test_the_doubt_is_all_the_tissues_where_the_pad_is_known_and_none_of_it_where_the_tissue_is(crowned):
     inputs, _, chosen = crowned
-    best, share = chosen.found.best, inputs.space.targets.weights.low_aim
-    exact = dataclasses.replace(inputs.space, resin=surer(inputs.space.resin))
+    share = inputs.space.targets.weights.low_aim
+
+    def cast(castings, tolerances, space=inputs.space):
+        return PadCastings(castings, chosen.cast, chosen.found.best, space, tolerances)
+
     shares = []
-    for space, tolerances in ((exact, SHARP), (inputs.space, Tolerances(110.0)), (inputs.space, Tolerances(1.0, 0.02))):
-        found = castings_for_tissues(chosen.cast, best, space, tolerances, 40, 3, share)
-        assert found.total.shape == (len(space.targets.drawn), 40)
-        shares.append(tissue_share(found.worth))
+    sure = cast(exact(inputs), SHARP)
+    sure.__dict__["error"] = 0.0
+    for one in (sure, cast(inputs.castings, Tolerances(110.0)), cast(inputs.castings, Tolerances(1.0, 0.02))):
+        found = castings_for_tissues(one, share, 40)
+        assert found.total.shape == (len(inputs.space.targets.drawn), 40)
+        shares.append(tissue_share(found.merit))
     assert shares[0] > 0.99 > shares[1] > shares[2] > 0.0
-    alone = castings_for_tissues(chosen.cast, best, known_tissue(inputs.space), Tolerances(110.0), 40, 3, share)
-    assert alone.total.shape == (1, 40) and tissue_share(alone.worth) is None and not alone.tissue_drawn
+    alone = castings_for_tissues(cast(inputs.castings, Tolerances(110.0), with_tissues(inputs.space, ())), share, 40)
+    assert alone.total.shape == (1, 40) and tissue_share(alone.merit) is None and not alone.tissue_drawn
 
 
 def test_presses_scored_for_another_tissue_are_what_pressing_anew_for_it_gives(crowned):
@@ -67,24 +70,38 @@ def test_presses_scored_for_another_tissue_are_what_pressing_anew_for_it_gives(c
 
 
 def test_a_pad_at_the_end_of_a_range_gives_way_to_its_neighbour_one_step_of_the_ratio_away(crowned):
+    """the pad one step softer than the best over castings is offered first"""
     inputs, _, chosen = crowned
-    space = known_tissue(inputs.space)
-    taken, told = by_expectation((chosen,), space, Tolerances(110.0), space.targets.weights.low_aim)
-    best, middle = taken.found.best, chosen.found.best
+    space = with_tissues(inputs.space, ())
+    step = float(np.diff(space.ratio).min())
+    edge = one_pad(chosen.cast, space, chosen.found.best.thickness_mm, chosen.found.best.ratio - 3 * step).candidate
+    assert edge.evaluation.feasible[edge.index]
+    offered = dataclasses.replace(chosen, found=dataclasses.replace(chosen.found, best=edge))
+    low_share = space.targets.weights.low_aim
+    taken, told = by_expectation((offered,), space, inputs.castings, Tolerances(110.0), low_share)
+    best = taken.found.best
     assert told.differs and told.taken.expected_worth > told.middle.expected_worth
-    assert told.taken.acceptable_fraction > told.middle.acceptable_fraction
-    assert told.taken.worth < told.middle.worth and best.standing >= middle.standing
-    step = float(np.diff(inputs.space.ratio).min())
-    assert abs(best.ratio - middle.ratio) == pytest.approx(step) and best.thickness_mm == middle.thickness_mm
+    assert told.taken.acceptable_fraction >= told.middle.acceptable_fraction and best.rank >= edge.rank
+    assert best.ratio - edge.ratio == pytest.approx(step) and best.thickness_mm == edge.thickness_mm
     # the row beside the other kinds is the pad that is recommended, with the tissue's law fitted to it
     row = next(item for item in taken.beside if item.kind == "crowned")
     assert row.candidate is best and best.parameters is not None
-    assert f"ratio {best.ratio:g}" in told.text and f"ratio {middle.ratio:g}" in told.text
+    assert f"ratio {best.ratio:g}" in told.text and f"ratio {edge.ratio:g}" in told.text
 
 
-def castings(worth, as_known):
-    worth, as_known = np.asarray(worth, float), np.asarray(as_known, float)
-    return Castings(worth, worth, worth > 0.5, as_known)
+def test_the_usable_share_of_an_expectation_is_that_of_the_verdict(crowned):
+    inputs, _, chosen = crowned
+    space, tolerances = with_tissues(inputs.space, ()), Tolerances(110.0)
+    taken, told = by_expectation((chosen,), space, inputs.castings, tolerances, space.targets.weights.low_aim)
+    cast = PadCastings(inputs.castings, taken.cast, taken.found.best, space, tolerances)
+    found = verdict_of_design(cast)
+    assert found.usable_share == pytest.approx(told.taken.acceptable_fraction, abs=1e-12)
+    assert told.taken.acceptable_fraction == usable(cast.every, space.targets).mean()
+
+
+def castings(merit, as_known):
+    merit, as_known = np.asarray(merit, float), np.asarray(as_known, float)
+    return TissueScores(merit, merit, merit > 0.5, as_known)
 
 
 def test_the_tissue_as_it_is_known_decides_where_its_doubt_hides_the_difference_and_only_there():

@@ -16,14 +16,16 @@ def test_the_recommended_pad_has_the_presses_and_the_numbers_of_its_suggestion()
     for own, wanted in zip(found["conditions"], best["conditions"]):
         assert own["depth_mm"] == pytest.approx(wanted["depth_mm"], rel=2e-3)
         assert own["peak_force_N"] == pytest.approx(wanted["peak_force_N"], rel=3e-3)
-    same = ("peaks_below", "peaks_above", "peaks", "subjects")
+    same = ("peaks_below", "peaks_above", "peaks", "subjects", "reads", "light", "not_reached")
     assert [found["verdict"][name] for name in same] == [told["verdict"][name] for name in same]
 
 
-def test_a_pad_far_too_soft_is_poor_and_an_elastic_one_reads_low():
+def test_a_pad_far_too_soft_is_out_of_reach_and_an_elastic_one_reads_low_and_both_are_red():
     soft = dummydesign.predict(12, young_kPa=3.0, tissue="palm").to_dict()["verdict"]
     elastic = dummydesign.predict(12, young_kPa=28.0, tissue="palm").to_dict()["verdict"]
-    assert soft["level"] == "poor" and elastic["level"] == "reads_low" and elastic["light"] == "red"
+    assert soft["light"] == "red" and soft["not_reached"] > 0 and soft["castings"]["out_of_reach"] > 0.9
+    assert elastic["light"] == "red" and elastic["reads"] in ("low", "mixed") and elastic["peaks_below"] == 6
+    assert elastic["shortfall"]["central"] > 1.1 and elastic["shortfall"]["quantity"] == "peak"
 
 
 def test_what_goes_with_a_tissue_is_said():

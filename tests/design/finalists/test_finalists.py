@@ -12,6 +12,9 @@ from dummydesign.core.errors import NoAnswerError
 from dummydesign.design.finalists import resolved_by_fem
 from dummydesign.design.finalists.elements_law import ElementsLaw
 from dummydesign.design.finalists.resolved_by_fem import near, solve_leading
+from dummydesign.design.scoring.deviations import Readings
+from dummydesign.design.scoring.verdict_limits import verdict_limits
+from tests.support.judged_pads import away, ranges, stacked
 
 
 @dataclass(frozen=True)
@@ -28,7 +31,7 @@ ELEMENTS = ElementsLaw(Table(), 10.0, np.array([1.0, 4.0]), np.zeros(2), np.zero
 class Pad:
     """Stands for a design: what it is worth by its table, on the coarse grid, solved, and by a neighbour's solve.
 
-    Pads of one radius are nearly the same; without one they differ.
+    Pads of one radius are nearly the same; without one they differ. ``just`` is one that is just beyond a limit.
     """
 
     kind: str
@@ -36,6 +39,7 @@ class Pad:
     rough: float
     full: float
     acceptable: bool = True
+    just: bool = False
     elements: object | None = None
     complete: bool = True
     radius: float = 0.0
@@ -55,7 +59,7 @@ class Pad:
 
     @property
     def found(self):
-        return SimpleNamespace(best=SimpleNamespace(standing=2 * self.acceptable, thickness_mm=10.0))
+        return SimpleNamespace(best=SimpleNamespace(rank=int(self.acceptable), thickness_mm=10.0))
 
 
 @pytest.fixture
@@ -75,6 +79,7 @@ def solved(monkeypatch):
     monkeypatch.setattr(resolved_by_fem, "rough_law", lambda pad, *_: SimpleNamespace(complete=pad.complete))
     monkeypatch.setattr(resolved_by_fem, "with_law", with_law)
     monkeypatch.setattr(resolved_by_fem, "on_elements", on_elements)
+    monkeypatch.setattr(resolved_by_fem, "_nearly", lambda pad, _: pad.acceptable or pad.just)
     return done
 
 
@@ -108,10 +113,47 @@ def test_a_pad_that_cannot_be_solved_falls_away_and_the_next_wins(solved):
     assert [pad.full for pad in found] == [0.6]
 
 
-def test_what_reads_low_by_its_table_is_tried_where_its_merit_could_win(solved):
-    pads = [Pad("boned", 0.4, 0.4, 0.4), Pad("crowned", 0.9, 0.9, 0.9, acceptable=False)]
+@pytest.mark.parametrize("just", [True, False])
+def test_what_is_not_representative_by_its_table_is_pressed_coarsely_where_it_is_just_beyond_a_limit(
+    solved, monkeypatch, just
+):
+    pressed = []
+    monkeypatch.setattr(resolved_by_fem, "rough_law", lambda pad, *_: pressed.append(pad.kind) or SimpleNamespace(
+        complete=True))  # fmt: skip
+    pads = [Pad("boned", 0.4, 0.4, 0.4), Pad("crowned", 0.9, 0.9, 0.9, acceptable=False, just=just)]
     solve_leading(pads, SPACE)
-    assert ("crowned", 0.9) not in solved, "on the coarse grid it reads low too"
+    assert ("crowned" in pressed) == just
+    assert ("crowned", 0.9) not in solved, "on the coarse grid it is not representative either"
+
+
+def test_a_pad_just_beyond_a_limit_by_its_table_wins_where_its_elements_keep_it(solved, monkeypatch):
+    def with_law(pad, law, space):
+        return replace(pad, by_table=pad.rough, acceptable=True)
+
+    monkeypatch.setattr(resolved_by_fem, "with_law", with_law)
+    monkeypatch.setattr(resolved_by_fem, "on_elements", lambda pad, *_: replace(
+        pad, by_table=pad.full, elements=ELEMENTS, acceptable=True))  # fmt: skip
+    pads = [Pad("boned", 0.4, 0.4, 0.4), Pad("crowned", 0.9, 0.9, 0.9, acceptable=False, just=True)]
+    assert best(solve_leading(pads, SPACE)).kind == "crowned"
+
+
+@pytest.mark.parametrize(("aim", "shortfall", "over", "nearly"), [
+    ("average", 1.10 * 1.05, None, True), ("average", 1.10 * 1.07, None, False), ("average", None, 1.25 * 1.05, True),
+    ("average", None, 1.25 * 1.07, False), ("average", 1.0, 1.0, True), ("safe-side", 1.01 * 1.05, None, True),
+    ("safe-side", 1.01 * 1.07, None, False), ("safe-side", None, 2.0, True),
+])  # fmt: skip
+def test_just_beyond_is_within_what_solving_moves_forces(monkeypatch, aim, shortfall, over, nearly):
+    band = ranges()
+    readings = away(shortfall, over)
+    if aim == "safe-side":
+        readings = Readings(1.02 * band.peak_high_N, band.energy_high_mJ, 0.99 * band.stiff_mm)
+        readings.peak_N[1] = band.peak_high_N[1] / (shortfall or 1.0)
+        readings.peak_N[4] = band.peak_high_N[4] * (over or 1.0)
+    monkeypatch.setattr(resolved_by_fem, "ranges_of", lambda _: band)
+    monkeypatch.setattr(resolved_by_fem, "readings_of", lambda _: stacked([readings]))
+    found = SimpleNamespace(best=SimpleNamespace(rank=0, index=0, evaluation=None))
+    space = SimpleNamespace(targets=SimpleNamespace(aim=aim, limits=verdict_limits()))
+    assert resolved_by_fem._nearly(SimpleNamespace(found=found), space) == nearly
 
 
 def test_pads_that_are_nearly_the_same_are_judged_by_the_elements_of_the_first(solved):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.design.assessment.pour_yield import Tolerances
+from dummydesign.design.assessment.castings import Tolerances
 from dummydesign.design.curves import force_grids, steady_curve
 from dummydesign.design.inputs import resolve
 from dummydesign.design.request import Request
@@ -24,7 +24,7 @@ def test_the_recommended_pad_gets_the_verdict_and_the_curve_of_the_suggestion(in
     best = found.best
     poured = sum(mass for _, mass in found.recommended.recipe)
     pad = one_pad(law_of_shape(inputs.slab_law, Slab(), best.thickness_mm), inputs.space, best.thickness_mm, best.ratio)
-    assert with_castings(pad, inputs.space, Tolerances(poured, 0.1, 0.2)) == found.verdict
+    assert with_castings(pad, inputs.space, inputs.castings, Tolerances(poured, 0.1, 0.2)) == found.verdict
     grids = force_grids(found.targets.protocol)
     assert np.array_equal(pad.steady_depth_mm(grids.pad), steady_curve(best, grids), equal_nan=True)
 
@@ -37,9 +37,9 @@ def test_a_softer_pad_is_deeper_at_every_force(inputs):
     assert (soft.steady_depth_mm(force) > stiff.steady_depth_mm(force)).all()
 
 
-def test_a_pad_out_of_reach_is_judged_poor_and_not_refused(inputs):
+def test_a_pad_out_of_reach_is_judged_red_and_not_refused(inputs):
     pad = one_pad(law_of_shape(inputs.slab_law, Slab(), 10.0), inputs.space, 10.0, 14.0)
-    assert pad.verdict.level == "poor" and pad.verdict.not_reached == 6
+    assert pad.verdict.level == "not_representative" and pad.verdict.not_reached == 6
 
 
 def test_a_shape_that_does_not_fit_its_pad_is_refused(inputs):

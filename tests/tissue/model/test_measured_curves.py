@@ -11,10 +11,11 @@ from dummydesign.core.errors import InputError
 from dummydesign.design.assessment.safety import tissue_body
 from dummydesign.design.assessment.verdict_of_traces import verdict_of_traces
 from dummydesign.design.request import Protocol
+from dummydesign.design.scoring.acceptability import ranges_of, readings_of
+from dummydesign.design.scoring.deviations import Ranges
 from dummydesign.design.scoring.presses import Sampling
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.targets import make_targets
-from dummydesign.design.scoring.verdict import Ranges, levels
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue.comparison.compare import compare_traces
@@ -22,6 +23,7 @@ from dummydesign.tissue.model.tissue import Tissue, behind_ranges
 from dummydesign.tissue.model.tissue_file import load_tissue, tissue_toml
 from dummydesign.tissue.population.from_curves import add_curves
 from tests.support.fung_people import PEOPLE, press, write_table
+from tests.support.judged_pads import judged
 from tests.support.power_pads import pads
 
 NEAR = {"peak_low_N": 0.006, "peak_high_N": 0.006, "energy_low_mJ": 0.015, "energy_high_mJ": 0.015, "stiff_mm": 0.003,
@@ -79,7 +81,7 @@ def test_the_verdict_is_what_the_forces_say_directly(people, by_hand):
             slabs = pads(exponent, np.geomspace(0.8, 12.0, 40), beta)
             found = evaluate(slabs, targets, Sampling(), exact=True)
             readings = readings_of(found)
-            mine, its = levels(ranges_of(targets), readings), levels(by_hand, readings)
+            mine, its = judged(ranges_of(targets), readings), judged(by_hand, readings)
             seen |= set(its)
             for number, (a, b) in enumerate(zip(mine, its)):
                 count += 1
@@ -93,9 +95,10 @@ def test_the_verdict_is_what_the_forces_say_directly(people, by_hand):
                     ]  # fmt: skip
                     one = readings.__class__(readings.peak_N[[number]], readings.energy_mJ[[number]],
                                              readings.depth_mm[[number]])  # fmt: skip
-                    assert levels(widened[0], one) != levels(widened[1], one)
+                    assert judged(widened[0], one) != judged(widened[1], one)
                     near += 1
-    assert {"inside", "reads_low", "reads_high"} <= seen
+    assert {ok for ok, _, _ in seen} == {True, False} and {how for _, _, how in seen} >= {"inside", "low", "high"}
+    assert {"stands_for", "usable", "reads_low", "over"} <= {kind for _, kind, _ in seen}
     assert near <= 0.03 * count
 
 
@@ -256,11 +259,12 @@ def pad_traces(stiffness, exponent, beta):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("stiffness", "exponent", "beta", "level"),
-    [(3.4, 2.8, (0.8, 0.5), "inside"), (3.4, 2.8, (0.05, 0.05), "reads_low")],
+    ("stiffness", "exponent", "beta", "light", "reads"),
+    [(3.2, 2.8, (0.8, 0.5), "green", "inside"), (3.4, 2.8, (0.05, 0.05), "red", "low")],
 )
-def test_a_pressed_pad_is_judged_by_the_ranges(people, stiffness, exponent, beta, level):
+def test_a_pressed_pad_is_judged_by_the_ranges(people, stiffness, exponent, beta, light, reads):
     found = compare_traces(pad_traces(stiffness, exponent, beta), people)
     assert found.result["parametric"] == {} and found.result["law"] == "curves"
     assert "measured_curves" in [warning["code"] for warning in found.result["warnings"]]
-    assert verdict_of_traces(found, people).level == level
+    said = verdict_of_traces(found, people)
+    assert (said.light, said.reads) == (light, reads)

@@ -9,16 +9,18 @@ from dummydesign.design.scoring.standing import ranges_of, readings_of, safe_sid
 from dummydesign.core.errors import InputError
 from dummydesign.design.assessment.safety import impact, tissue_body
 from dummydesign.design.assessment.verdict_of_traces import verdict_of_traces
+from dummydesign.design.scoring.acceptability import ranges_of, readings_of
+from dummydesign.design.scoring.deviations import deviations
 from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves
 from dummydesign.design.scoring.score import evaluate, steady_gamma1
 from dummydesign.design.scoring.targets import make_targets
-from dummydesign.design.scoring.verdict import levels
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.measurement.trace import Trace
 from dummydesign.pad.force_law import BaseForceLaw
 from dummydesign.tissue.comparison.compare import compare_traces
 from dummydesign.tissue.fitting.fit import fit_traces
 from dummydesign.tissue.population.from_springs import spring_tissue
+from tests.support.judged_pads import judged
 
 K = 10.0
 
@@ -69,15 +71,18 @@ def test_a_pad_that_is_the_spring_is_inside_and_one_half_as_stiff_reads_low(spri
     slabs = linear_pads([K, 0.5 * K, 2.0 * K])
     np.testing.assert_allclose(steady_gamma1(slabs, power=1.0), [10, 5, 20], rtol=1e-3)
     found = evaluate(slabs, targets)
-    assert levels(ranges_of(targets), readings_of(found))[:2] == ["inside", "reads_low"]
+    own, softer, stiffer = judged(ranges_of(targets), readings_of(found))
+    assert own == (True, "stands_for", "inside")
+    assert softer[0] is False and softer[1] == "reads_low" and stiffer[0] is False and stiffer[1] == "over"
     assert found.aim[0] > 0.99 and found.steady_state_range[0] == 1.0 and found.low_force_range[0] == 1.0
     assert found.steady_state_range[1] == found.steady_state_range[2] == 0.0
 
 
 def test_the_safe_side_of_a_spring_is_a_shortfall_in_proportion_to_stiffness(spring):
     targets = make_targets(spring, "safe-side", Sampling())
-    short = safe_side_shortfall(ranges_of(targets), readings_of(evaluate(linear_pads([12.0, 9.0]), targets)))
-    assert short[0] == pytest.approx(0.0, abs=0.01) and short[1] == pytest.approx(0.25, abs=0.01)
+    pads = readings_of(evaluate(linear_pads([12.0, 9.0]), targets))
+    found = deviations(ranges_of(targets), pads, strict=True)
+    np.testing.assert_allclose(found.shortfall, [1.0, 12.0 / 9.0], rtol=0.01)
 
 
 def test_a_free_mass_is_stopped_by_a_spring_at_v_times_the_root_of_m_k(spring):
@@ -97,10 +102,11 @@ def test_traces_are_compared_with_a_spring_by_ranges_alone_and_no_law_is_fitted_
             traces.append(Trace(f"{v:g}-{force:g}", motion.time_s, motion.displacement_mm, K * motion.displacement_mm))
     found = compare_traces(traces, spring)
     assert found.result["parametric"] == {} and found.result["steady_state_range"]["above_5N_fraction"] == 1.0
-    judged = verdict_of_traces(found, spring)
-    assert judged.level in ("inside", "mixed") and not judged.low and judged.peaks_above == 0
+    said = verdict_of_traces(found, spring)
+    assert said.light != "red" and said.reads == "inside" and said.peaks_below == said.peaks_above == 0
     assert "spring_tissue" in [warning["code"] for warning in found.result["warnings"]]
     softer = [dataclasses.replace(trace, force_N=0.5 * trace.force_N) for trace in traces]
-    assert verdict_of_traces(compare_traces(softer, spring), spring).level == "reads_low"
+    low = verdict_of_traces(compare_traces(softer, spring), spring)
+    assert low.level == "not_representative" and low.shortfall.quantity == "steady" and low.shortfall.central > 1.5
     with pytest.raises(InputError, match="law = spring is not fitted to traces"):
         fit_traces(traces, 5, "spring")

@@ -7,10 +7,11 @@ import pytest
 from dummydesign.design.scoring.standing import ranges_of, readings_of
 
 from dummydesign.core.errors import InputError
+from dummydesign.design.scoring.acceptability import ranges_of, readings_of
+from dummydesign.design.scoring.deviations import TOLERANCE, Readings
 from dummydesign.design.scoring.presses import Sampling
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.targets import make_targets
-from dummydesign.design.scoring.verdict import FORCE_TOLERANCE, Readings, levels
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.tissue import load_tissue
 from dummydesign.tissue.model.laws import law_named
@@ -19,6 +20,7 @@ from dummydesign.tissue.population.from_curves import add_curves
 from dummydesign.tissue.population.from_points import add_points
 from dummydesign.tissue.population.without_law.law_misfit import Misfit
 from tests.support.fung_people import PEOPLE, write_table
+from tests.support.judged_pads import judged
 from tests.support.power_pads import pads
 
 
@@ -63,13 +65,13 @@ def test_curves_of_people_who_follow_the_law_give_the_verdict_that_the_law_gives
     ]
     names = [field.name for field in dataclasses.fields(found[0])]
     readings = Readings(*(np.concatenate([getattr(one, name) for one in found]) for name in names))
-    mine, its = levels(b, readings), levels(a, readings)
+    mine, its = judged(b, readings), judged(a, readings)
     differ = [k for k, (x, y) in enumerate(zip(mine, its)) if x != y]
     assert len(set(its)) >= 3 and len(differ) <= 0.03 * len(its)
     for k in differ:
         # such a pad stands within the tolerance of a force of a border of the ranges
         one = Readings(*(getattr(readings, name)[[k]] for name in names))
-        share = FORCE_TOLERANCE
+        share = TOLERANCE
         wider, narrower = (
             dataclasses.replace(
                 a, peak_low_N=a.peak_low_N * (1 - s), peak_high_N=a.peak_high_N * (1 + s),
@@ -77,7 +79,7 @@ def test_curves_of_people_who_follow_the_law_give_the_verdict_that_the_law_gives
                 stiff_mm=a.stiff_mm * (1 - s / 3), soft_mm=a.soft_mm * (1 + s / 3),
             ) for s in (share, -share)
         )  # fmt: skip
-        assert levels(wider, one) != levels(narrower, one)
+        assert judged(wider, one) != judged(narrower, one)
 
 
 @pytest.mark.slow

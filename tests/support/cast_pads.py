@@ -1,0 +1,54 @@
+"""One pad of a kind with its castings, without a search; and resins of which a part is known exactly."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from dummydesign.core.quantity import Quantity
+from dummydesign.design.assessment.castings import PadCastings, Tolerances
+from dummydesign.design.inputs import resolve
+from dummydesign.design.request import Request
+from dummydesign.design.sweep.one_pad import law_of_shape, one_pad
+from dummydesign.geometry.shapes import read_shape
+
+CROWNED = ("crowned:radius=5.1,height=3.8,foot=7.8", 10.0, 15.3)
+"""Shape, thickness and ratio of a pad for the palm: near the subjects, and mostly uncertain by its resin."""
+SHARP = Tolerances(1e6, 1e-9, 1e-9)
+
+
+def exact(number):
+    """The same number as if it were known."""
+    return Quantity(number.value, number.value, number.value, number.kind, number.source)
+
+
+def known(resin, modulus=True, relaxation=True):
+    """The same resin with its modulus, its relaxation or both known exactly."""
+    changes = {}
+    if modulus:
+        changes["numbers"] = {name: exact(number) for name, number in resin.numbers.items()}
+    if relaxation:
+        changes["arms"] = tuple(
+            dataclasses.replace(arm, tau_s=exact(arm.tau_s), beta=exact(arm.beta)) for arm in resin.arms
+        )
+        changes["softness_exponent"] = exact(resin.softness_exponent)
+    return dataclasses.replace(resin, **changes)
+
+
+def space_of(tissue="palm", **asked):
+    """What a request for a tissue is searched over, and its flat law."""
+    inputs = resolve(Request(tissue, verify=False, **({"shape": "slab"} | asked)))
+    return inputs.space, inputs.slab_law, inputs.castings
+
+
+def cast_pad(space, slab_law, castings, pad=CROWNED, tolerances=Tolerances(60.0)):  # noqa: B008
+    """Castings of one pad: its shape, thickness and ratio."""
+    shape, thickness, ratio = pad
+    law = law_of_shape(slab_law, read_shape(shape), thickness)
+    return PadCastings(castings, law, one_pad(law, space, thickness, ratio).candidate, space, tolerances)
+
+
+def with_tissues(space, drawn):
+    """The space with other tissues drawn beside its own."""
+    targets = dataclasses.replace(space.targets)
+    targets.__dict__["drawn"] = tuple(drawn)
+    return dataclasses.replace(space, targets=targets)

@@ -64,5 +64,30 @@ class Press:
     @cached_property
     def energy_mJ(self) -> NDArray:
         """Integral of F dx from touch to stop, shape (D,); NaN where out of reach."""
-        step = np.diff(self.displacement_mm, axis=-1)
-        return (0.5 * (self.force_N[:, 1:] + self.force_N[:, :-1]) * step).sum(axis=-1)
+        rise = slice(self.stopped + 1)
+        return parabolic_work_mJ(self.displacement_mm[:, rise], self.force_N[:, rise])
+
+
+def parabolic_work_mJ(displacement_mm: NDArray, force_N: NDArray) -> NDArray:
+    """Integral of F dx by parabolas through every three samples, shape (D,). [mJ]
+
+    Straight lines make too much of a force that bends upwards: 1.5 % on the coarse grid. Where a step is zero, and in a
+    last step without a partner, lines are taken.
+
+    Parameters
+    ----------
+    displacement_mm, force_N : ndarray, shape (D, n)
+    """
+    step = np.diff(displacement_mm, axis=-1)
+    lines = 0.5 * (force_N[:, 1:] + force_N[:, :-1]) * step
+    pairs = step.shape[-1] // 2 * 2
+    first, second = step[:, 0:pairs:2], step[:, 1:pairs:2]
+    low, middle, high = (force_N[:, start : start + pairs : 2] for start in range(3))
+    whole = first + second
+    with np.errstate(invalid="ignore", divide="ignore"):
+        curved = (
+            (2.0 - second / first) * low + whole**2 / (first * second) * middle + (2.0 - first / second) * high
+        ) * whole / 6.0  # fmt: skip
+    plain = lines[:, 0:pairs:2] + lines[:, 1:pairs:2]
+    work = np.where((first > 0.0) & (second > 0.0), curved, plain)
+    return np.asarray(work.sum(axis=-1) + lines[:, pairs:].sum(axis=-1))

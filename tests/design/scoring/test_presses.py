@@ -10,6 +10,16 @@ from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
 RADIUS = 7.9
 
 
+class Crown(BaseForceLaw):
+    """F = E (1 mm^-2) d^4: bends upwards as a crowned pad does when its face is in full contact."""
+
+    def force(self, depth_mm, thickness_mm, young_MPa, radius_mm):
+        return np.asarray(young_MPa) * np.asarray(depth_mm) ** 4 * np.ones_like(np.asarray(thickness_mm))
+
+    def depth_limit_mm(self, thickness_mm, radius_mm):
+        return 0.6 * np.asarray(thickness_mm, float)
+
+
 class Linear(BaseForceLaw):
     """F = E (100 mm) d, whatever the thickness."""
 
@@ -140,3 +150,18 @@ def test_weights_of_the_samples_are_half_the_rise_and_half_the_hold_from_five_mi
     assert np.sum(since < 0.005) <= 1 and (weights[1:] > 0.0).all()
     late = weights[~rise][since > np.sqrt(0.005 * 10.0)].sum()
     assert late == pytest.approx(0.25, abs=0.02)
+
+
+@pytest.mark.parametrize("braking", [30_000.0, np.inf])
+@pytest.mark.parametrize("speed", [10.0, 250.0])
+def test_the_energy_of_a_press_on_the_coarse_grid_is_the_integral_of_the_curve(speed, braking):
+    slabs = slabs_of(Crown(), [4.5, 20.0], 0.02)
+    depth = np.array([1.1, 9.0])
+    press = press_to_depth(slabs, depth, speed, Sampling(deceleration_mm_s2=braking).coarse)
+    np.testing.assert_allclose(press.energy_mJ, 0.02 * depth**5 / 5.0, rtol=2e-3)
+
+
+def test_a_press_out_of_reach_has_no_energy():
+    slabs = slabs_of(Crown(), [4.5, 20.0], 0.02)
+    press = press_to_depth(slabs, np.array([np.nan, 9.0]), 250.0, Sampling().coarse)
+    assert np.isnan(press.energy_mJ).tolist() == [True, False]

@@ -4,7 +4,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from dummydesign.design.scoring.standing import ranges_of
 
 from dummydesign.core.errors import InputError
 from dummydesign.design.assessment.warnings import _reasons

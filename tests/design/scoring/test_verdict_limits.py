@@ -45,7 +45,7 @@ def test_the_built_in_limits_are_those_of_the_rule():
     assert (found.stands_shortfall, found.stands_over, found.stands_inside) == (1.01, 1.10, 0.5)
     assert (found.shortfall, found.shortfall_castings, found.over) == (1.10, 1.20, 1.25)
     assert (found.share, found.gel_compression, found.tie) == (0.95, 0.6, 0.01)
-    assert len(re.findall(r'kind = "choice"', BUILT_IN)) == len(re.findall(r"(?m)^value = ", BUILT_IN)) == 9
+    assert len(re.findall(r'kind = "choice"', BUILT_IN)) == len(re.findall(r"(?m)^value = ", BUILT_IN)) == 10
 
 
 def test_a_file_of_ones_own_is_read_and_decides(own_file):

@@ -32,7 +32,7 @@ def test_every_aim_names_a_set_whose_parts_sum_to_one_and_whose_numbers_have_a_s
         weights = weights_of(aim)
         assert sum(weights.parts.values()) == pytest.approx(1.0) and set(weights.parts) == set(PARTS)
         assert min(weights.parts, key=weights.parts.get) == "parametric"
-        assert 0.0 < weights.worth[0] < weights.worth[1] == 1.0
+        assert 0.0 < weights.worth[0] < weights.worth[1] < weights.worth[2] == 1.0
         assert all(number.source and number.low <= number.value <= number.high for _, number in weights.numbers)
 
 
@@ -43,7 +43,7 @@ def test_a_file_of_ones_own_changes_the_total_of_its_aim_alone(own_file, finger)
     for part in PARTS:
         only += f'\n[sets.fit.{part}]\nvalue = {float(part == "parametric")}\nlow = 0\nhigh = 1\nkind = "assumed"\n'
         only += 'source = "mine"\n'
-    for name in ("low_aim", "not_representative", "resolution"):
+    for name in ("low_aim", "not_representative", "borderline", "resolution"):
         only += f'\n[sets.fit.{name}]\nvalue = 0.1\nlow = 0\nhigh = 1\nkind = "assumed"\nsource = "mine"\n'
     own_file(only)
     average, safe = (make_targets(finger, aim, Sampling()) for aim in ("average", "safe-side"))

@@ -5,7 +5,6 @@ import re
 
 import numpy as np
 import pytest
-from dummydesign.design.scoring.standing import ranges_of, readings_of
 
 from dummydesign.core.errors import InputError
 from dummydesign.design.assessment.safety import tissue_body

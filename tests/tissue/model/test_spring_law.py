@@ -4,7 +4,6 @@ import dataclasses
 
 import numpy as np
 import pytest
-from dummydesign.design.scoring.standing import ranges_of, readings_of
 
 from dummydesign.core.errors import InputError
 from dummydesign.design.assessment.safety import impact, tissue_body

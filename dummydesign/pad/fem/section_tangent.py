@@ -5,8 +5,8 @@ U = F_zz A - F_zr B and V = F_rr B - F_rz A, the change of J by radial and axial
 
     dJ_r = F_tt U + c T,  dJ_z = F_tt V,  c = F_rr F_zz - F_rz F_zr
 
-and its second derivative holds T'U + U'T (radial twice), T'V + F_tt (A'B - B'A) (radial and axial), nothing axial twice.
-So nine rows of each of a few slopes stand for the 45 by 45 moduli of an element: a quarter of the products.
+and its second derivative holds T'U + U'T (radial twice), T'V + F_tt (A'B - B'A) (radial and axial), nothing axial
+twice. So nine rows of each of a few slopes stand for the 45 by 45 moduli of an element: a quarter of the products.
 """
 
 from __future__ import annotations
@@ -102,5 +102,5 @@ class SectionTangent:
         coupling = np.empty((elements, nodes, 2, self._basis.shape[-1]))
         coupling[:, :, 0] = self._left[:, : 2 * points].transpose(0, 2, 1) @ load
         coupling[:, :, 1] = self._left_axial[:, :points].transpose(0, 2, 1) @ load[:, points:]
-        coupling = coupling.reshape(elements, 2 * nodes, -1)
-        return coupling, coupling @ self._inverse
+        side_by_side = coupling.reshape(elements, 2 * nodes, -1)
+        return side_by_side, side_by_side @ self._inverse

@@ -83,7 +83,7 @@ def test_cofactor_and_second_derivative_are_those_of_the_determinant(kinematics)
 @pytest.mark.parametrize("law", [neo_hookean(1.0), Yeoh(1.0, 0.3)])
 @pytest.mark.parametrize("poisson", [0.45, 0.5])
 def test_assembled_tangent_is_the_derivative_of_the_residual(law, poisson):
-    """The condensed tangent against central differences of the condensed residual; a neo-Hookean law has its own way."""
+    """The condensed tangent against central differences of the condensed residual; neo-Hookean has its own way."""
     problem = cylinder(law, poisson=poisson, slabs=1)
     solid = problem.solid
     r, z = solid.mesh.nodes

@@ -94,7 +94,7 @@ class _Problem:
             force = np.nan_to_num(np.stack([press.force_N for press in group], axis=1))
             wanted.append((force * self.weight[-1]).reshape(len(depth), -1))
             self.drives.append(law_named(targets.tissue.law).drive(motion))
-        self.rights, self.wanted = wanted, np.concatenate(wanted, axis=1)
+        self.wanted = np.concatenate(wanted, axis=1)
         start = targets.parameters
         rate = np.array([np.divide(start.gamma_N_per_mm3, start.dampers_at(v)) for v in _speeds(targets)])
         self.start = np.broadcast_to(np.log(rate), (len(presses[0].stop_s), *rate.shape)).copy()
@@ -110,16 +110,9 @@ class _Problem:
 
     def fit(self, responses: list[NDArray]) -> tuple[NDArray, NDArray]:
         """Best non-negative springs (D, 1 + arms) for given responses, and weighted residuals (D, n)."""
-        normal, moment = self._normal(responses)
-        springs = _nonnegative(normal.sum(0), moment.sum(0))
-        fitted = [(matrix @ springs[..., None])[..., 0] for matrix in responses]
-        return springs, np.concatenate(fitted, axis=1) - self.wanted
-
-    def _normal(self, responses: list[NDArray]) -> tuple[NDArray, NDArray]:
-        """Normal matrices (speeds, D, 1 + arms, 1 + arms) and right sides (speeds, D, 1 + arms) of each speed."""
-        across = [matrix.transpose(0, 2, 1) for matrix in responses]
-        moment = [(one @ right[..., None])[..., 0] for one, right in zip(across, self.rights)]
-        return np.stack([one @ matrix for one, matrix in zip(across, responses)]), np.stack(moment)
+        matrix = np.concatenate(responses, axis=1)
+        springs = _nonnegative(matrix, self.wanted)
+        return springs, np.einsum("dnk,dk->dn", matrix, springs) - self.wanted
 
     def springs(self, rates: NDArray) -> NDArray:
         """Best springs (D, 1 + arms) for given rates."""
@@ -134,9 +127,9 @@ class _Problem:
         cost = (residual**2).sum(-1)
         damping, moving = np.full(len(x), 1e-2), np.ones(len(x), bool)
         for _ in range(STEPS):
-            jacobian = self._jacobian(x, responses, residual)
-            normal = jacobian.transpose(0, 2, 1) @ jacobian
-            gradient = (jacobian.transpose(0, 2, 1) @ residual[..., None])[..., 0]
+            jacobian = np.stack([self._column(x, k, responses, residual) for k in range(size)], axis=-1)
+            normal = np.einsum("dnk,dnl->dkl", jacobian, jacobian)
+            gradient = np.einsum("dnk,dn->dk", jacobian, residual)
             diagonal = np.einsum("dkk->dk", normal)
             ridge = damping[:, None] * diagonal + 1e-9 * (diagonal.max(-1, keepdims=True) + 1e-30)
             step = -np.linalg.solve(normal + ridge[:, None, :] * np.eye(size), gradient[..., None])[..., 0]
@@ -156,31 +149,15 @@ class _Problem:
                 break
         return np.exp(x)
 
-    def _jacobian(self, x: NDArray, responses: list[NDArray], residual: NDArray) -> NDArray:
-        """Derivatives (D, n, rates) of the residuals by ln rates: only the presses at its speed answer to each.
-
-        The springs of all of them are solved for at once.
-        """
-        normal, moment = self._normal(responses)
-        changed: list[NDArray] = []
-        normals, moments = [], []
-        for speed, matrix in enumerate(responses):
-            moved = np.exp(x[:, speed] + DIFFERENCE).T[..., None]
-            columns = self.drives[speed].arm(moved) * self.weight[speed]
-            others = np.delete(normal, speed, 0).sum(0), np.delete(moment, speed, 0).sum(0)
-            for arm, column in enumerate(columns.reshape(self.arms, len(x), -1)):
-                new = matrix.copy()
-                new[..., 1 + arm] = column
-                changed.append(new)
-                across = new.transpose(0, 2, 1)
-                normals.append(others[0] + across @ new)
-                moments.append(others[1] + (across @ self.rights[speed][..., None])[..., 0])
-        count = len(changed)
-        springs = _nonnegative(np.concatenate(normals), np.concatenate(moments)).reshape(count, len(x), -1)
-        fitted = [(matrix @ springs.transpose(1, 2, 0)) for matrix in responses]
-        for k, new in enumerate(changed):
-            fitted[k // self.arms][..., k] = (new @ springs[k][..., None])[..., 0]
-        return (np.concatenate(fitted, axis=1) - self.wanted[..., None] - residual[..., None]) / DIFFERENCE
+    def _column(self, x: NDArray, k: int, responses: list[NDArray], residual: NDArray) -> NDArray:
+        """Derivative of the residuals by ln rate k: only the presses at its speed answer to it."""
+        speed, arm = divmod(k, self.arms)
+        moved = np.exp(x[:, speed, arm] + DIFFERENCE)
+        changed = list(responses)
+        changed[speed] = changed[speed].copy()
+        column = self.drives[speed].arm(moved[:, None]) * self.weight[speed]
+        changed[speed][..., 1 + arm] = column.reshape(len(x), -1)
+        return (self.fit(changed)[1] - residual) / DIFFERENCE
 
 
 def _weights(time_s: NDArray, stop_s: NDArray) -> NDArray:
@@ -195,11 +172,13 @@ def _speeds(targets: Targets) -> list[float]:
     return list(dict.fromkeys(condition.velocity_mm_s for condition in targets.conditions))
 
 
-def _nonnegative(normal: NDArray, moment: NDArray) -> NDArray:
-    """Least squares of normal matrices (D, k, k) with coefficients kept above zero: every subset of few columns."""
-    size = moment.shape[-1]
-    best = np.full((len(moment), size), 0.0)
-    lowest = np.full(len(moment), np.inf)
+def _nonnegative(matrix: NDArray, right: NDArray) -> NDArray:
+    """Least squares (D, n, k) with coefficients kept above zero by solving every subset of few columns."""
+    normal = np.einsum("dnk,dnl->dkl", matrix, matrix)
+    moment = np.einsum("dnk,dn->dk", matrix, right)
+    size = matrix.shape[-1]
+    best = np.full((len(matrix), size), 0.0)
+    lowest = np.full(len(matrix), np.inf)
     scale = np.maximum(np.einsum("dkk->dk", normal), 1e-300)
     for subset in range(1, 2**size):
         chosen = [k for k in range(size) if subset >> k & 1]

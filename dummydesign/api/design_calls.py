@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager, nullcontext
 from math import isfinite
 from os import PathLike, fspath
 from pathlib import Path
@@ -152,8 +153,6 @@ def suggest(
     """
     from dummydesign.design.request import Request
     from dummydesign.design.sites.layout import parse_sites
-    from dummydesign.loop.effects.own import own_effects
-
     limits_mm, limits_ratio = _pair(thickness_mm, "thickness in mm"), _pair(ratio, "ratio")
     balance_g, thickness_tolerance_mm = read_number(balance_g, BALANCE), read_number(thickness_tolerance_mm, TOLERANCE)
     robot_mass_kg = None if robot_mass_kg is None else read_number(robot_mass_kg, MASS)
@@ -182,8 +181,17 @@ def suggest(
         "limits": None if limits is None else str(limits),
     }
     own = [fspath(path) for path in effects]
-    with own_effects(own):
+    with _effects(own, path):
         return _answer(request, inputs, own, folder, replace, progress or (lambda step: None))
+
+
+def _effects(own: list[str], calibration: str | None) -> AbstractContextManager[None]:
+    """The effects of some files; nothing of the loop is loaded where neither they nor a calibration are given."""
+    if not own and calibration is None:
+        return nullcontext()
+    from dummydesign.loop.effects.own import own_effects
+
+    return own_effects(own)
 
 
 def _answer(

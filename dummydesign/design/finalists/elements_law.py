@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.cache import cached
 from dummydesign.core.errors import NoAnswerError
+from dummydesign.core.monotone import monotone_cubic
 from dummydesign.design.search.shape_family import ShapeLaw
 from dummydesign.design.search.shapes import Shaped
 from dummydesign.design.search.space import SearchSpace
@@ -58,11 +59,9 @@ class ElementsLaw(BaseForceLaw):
 
     def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: float) -> NDArray:
         """Elastic force; see :class:`dummydesign.pad.force_law.ForceLaw`. [N]"""
-        from scipy.interpolate import PchipInterpolator
-
         # without corners, which would be seen in exponents and stiffness
         inside = np.clip(depth_mm, self.depth_mm[0], self.depth_mm[-1])
-        factor = np.exp(PchipInterpolator(self.depth_mm, self.log_factor)(inside))
+        factor = np.exp(monotone_cubic(self.depth_mm, self.log_factor)(inside))
         return factor * self.table.force(depth_mm, thickness_mm, young_MPa, radius_mm)
 
     def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: float) -> NDArray:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from dummydesign.pad.fem.mixed_solid import Discretisation
+from dummydesign.pad.fem.quadratic import POINTS, integrate, nine_nodes
 from dummydesign.pad.material.kinematics import Axisymmetric
 
 Array = np.ndarray
@@ -132,37 +132,30 @@ def discretise(
     move : callable, optional
         Takes all nine nodes of every element, shape (2, n), to where they belong: curved sides.
     """
-    from skfem import Basis, ElementQuad2, MeshQuad, MeshQuad2
-
-    flat = MeshQuad(np.ascontiguousarray(points), np.ascontiguousarray(quads), validate=False)
-    mesh = MeshQuad2.from_mesh(flat)
+    places, node = nine_nodes(points, quads)
     if quarter_points:
-        mesh = MeshQuad2(_to_quarter(mesh, flat.t, centre), mesh.t, validate=False)
+        places = _to_quarter(places, quads, node, centre)
     if move is not None:
-        mesh = MeshQuad2(move(mesh.doflocs), mesh.t, validate=False)
-    basis = Basis(mesh, ElementQuad2(), intorder=4)
-    r = np.asarray(basis.global_coordinates())[0]
-    elements, n_points = basis.dx.shape
+        places = move(places)
+    at = integrate(places, node)
+    r = at.place[0]
+    elements, n_points = r.shape
     gradient = np.zeros((elements, n_points, 5, 18))
-    for i in range(9):
-        shape = basis.basis[i][0]
-        gradient[:, :, 0, 2 * i], gradient[:, :, 1, 2 * i] = shape.grad
-        gradient[:, :, 2, 2 * i + 1], gradient[:, :, 3, 2 * i + 1] = shape.grad
-        gradient[:, :, 4, 2 * i] = np.broadcast_to(np.asarray(shape), r.shape) / r
-    x, y = basis.X
-    node = basis.element_dofs.T
+    gradient[:, :, 0:2, 0::2] = gradient[:, :, 2:4, 1::2] = at.slope
+    gradient[:, :, 4, 0::2] = at.value / r[..., None]
+    x, y = POINTS
     if centre is not None:
         place = points[:, centre[0]]
-        together = np.nonzero(np.all(np.abs(basis.doflocs - place[:, None]) < 1e-12, axis=0))[0]
-        alias = np.arange(basis.N)
+        together = np.nonzero(np.all(np.abs(places - place[:, None]) < 1e-12, axis=0))[0]
+        alias = np.arange(places.shape[1])
         alias[together] = together[0]
         node = alias[node]
     return Discretisation(
         gradient=gradient,
-        weight=basis.dx * 2.0 * np.pi * r,
+        weight=at.area * 2.0 * np.pi * r,
         pressure_basis=np.stack([np.ones(n_points), 2.0 * x - 1.0, 2.0 * y - 1.0], axis=1),
         dofs=np.stack([2 * node, 2 * node + 1], axis=2).reshape(elements, 18),
-        nodes=basis.doflocs,
+        nodes=places,
         kinematics=Axisymmetric,
     )
 
@@ -170,14 +163,14 @@ def discretise(
 SIDES = ((4, 0, 1), (5, 1, 2), (6, 2, 3), (7, 3, 0))
 
 
-def _to_quarter(mesh: Any, quads: Array, centre: Array | None) -> Array:
+def _to_quarter(places: Array, quads: Array, node: Array, centre: Array | None) -> Array:
     if centre is None:
         raise ValueError("quarter points need a centre")
-    places = mesh.doflocs.copy()
+    places = places.copy()
     corner = places[:, centre[0]][:, None]
     at_centre = np.zeros(places.shape[1], dtype=bool)
     at_centre[centre] = True
-    nodes = mesh.dofs.element_dofs
+    nodes = node.T
     for element in np.nonzero(at_centre[quads].sum(axis=0) == 2)[0]:
         vertices = quads[:, element]
         far = vertices[~at_centre[vertices]]

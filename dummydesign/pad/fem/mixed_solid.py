@@ -23,8 +23,9 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.errors import InputError
+from dummydesign.pad.fem.section_tangent import SectionTangent
 from dummydesign.pad.material.hyperelastic import Law, Yeoh
-from dummydesign.pad.material.kinematics import Spatial
+from dummydesign.pad.material.kinematics import Axisymmetric, Spatial
 
 Array = np.ndarray
 
@@ -123,6 +124,9 @@ class Solid:
         if isinstance(law, Yeoh) and not law.c2_MPa:
             # The law's own tangent is the same at every state.
             self._same = self._of_law(law.shear_MPa * mesh.weight)
+        self._section: SectionTangent | None = None
+        if self._same is not None and mesh.kinematics is Axisymmetric:
+            self._section = SectionTangent(self._rows, self._weighted_basis, self.inverse, self._same)
         self._moduli: Array | None = None
         self._work: Array | None = None
         self._flat: Array | None = None
@@ -186,6 +190,10 @@ class Solid:
         """Add the condensed tangent to a state."""
         F, cofactor, slope = state.at
         mesh = self.mesh
+        curvature = (self.law.reference_stress_MPa / state.J**2 + self.stabilisation) * mesh.weight
+        if self._section is not None:
+            state.stiffness, state.coupling, state.half = self._section.at(F, slope * mesh.weight, curvature)
+            return state
         if self._same is not None and mesh.kinematics is Spatial:
             stiffness = self._same.copy()
             self._add_second(stiffness, slope * mesh.weight, F)
@@ -193,14 +201,12 @@ class Solid:
             stiffness = self._by_moduli(F, slope * mesh.weight)
         # What changes J, and what the pressure takes off it, are of low rank in each element.
         dilation = self._dilation(cofactor)
-        curvature = (self.law.reference_stress_MPa / state.J**2 + self.stabilisation) * mesh.weight
         coupling = dilation.transpose(0, 2, 1) @ self._weighted_basis
         half = coupling @ self.inverse
         left = np.concatenate([dilation, coupling.transpose(0, 2, 1)], axis=1)
         right = np.concatenate([dilation * curvature[..., None], -half.transpose(0, 2, 1)], axis=1)
         stiffness += left.transpose(0, 2, 1) @ right
-        state.stiffness, state.coupling = stiffness, coupling
-        state.half = half
+        state.stiffness, state.coupling, state.half = stiffness, coupling, half
         return state
 
     def _by_moduli(self, F: Array, factor: Array) -> Array:

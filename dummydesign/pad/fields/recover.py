@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from dummydesign.pad.fem.mesh_axisymmetric import cell_nodes
 from dummydesign.pad.fem.mixed_solid import Solid
+from dummydesign.pad.fem.quadratic import POINTS
 from dummydesign.pad.solve.equilibrium import Solution
 
 Array = np.ndarray
@@ -136,13 +135,9 @@ def face_tractions(nodes: Array, u: Array, force: Array, sides: Array) -> dict[s
 
 def quadrature_places(points: int) -> Array:
     """Quadrature points of the elements on the unit square, shape (2, points)."""
-    from skfem.quadrature import get_quadrature
-    from skfem.refdom import RefQuad
-
-    places: Any = get_quadrature(RefQuad, 4)[0]
-    if places.shape[1] != points:
+    if POINTS.shape[1] != points:
         raise ValueError(f"{points} quadrature points are not those of the elements")
-    return np.asarray(places)
+    return POINTS
 
 
 def recovered(solid: Solid, solution: Solution, factor: Array) -> tuple[Array, Array]:

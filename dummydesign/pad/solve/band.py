@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -15,28 +15,34 @@ ASYMMETRY = 1e-12
 
 
 class Band:
-    """Places of entries in the lower band of a symmetric matrix, after Cuthill and McKee's ordering.
+    """Places of entries in the lower band of a symmetric matrix, after Cuthill and McKee's ordering or a narrower one.
 
     Parameters
     ----------
     row, column : ndarray of int, shape (entries,)
-        Where the entries stand; several may share a place and are added.
+        Where the entries stand; several may share a place and are added, those with a negative row or column left out.
     n : int
         Rows of the matrix.
+    orders : sequence of ndarray of int, shape (n,)
+        Other orderings to try: columns of a grid one after the other are a third narrower than Cuthill and McKee's
+        levels, which begin in a corner.
     """
 
-    def __init__(self, row: Array, column: Array, n: int) -> None:
+    def __init__(self, row: Array, column: Array, n: int, orders: Sequence[Array] = ()) -> None:
         from scipy.sparse import csr_matrix
         from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-        order = reverse_cuthill_mckee(csr_matrix((np.ones(len(row)), (row, column)), shape=(n, n)), True)
-        self._to = np.empty(n, dtype=np.int64)
-        self._to[order] = np.arange(n)
+        inside = np.nonzero((row >= 0) & (column >= 0))[0]
+        row, column = row[inside], column[inside]
+        levels = reverse_cuthill_mckee(csr_matrix((np.ones(len(row)), (row, column)), shape=(n, n)), True)
+        places = [np.argsort(order) for order in (levels, *orders)]
+        self._to = min(places, key=lambda to: int((to[row] - to[column]).max(initial=0)))
         below = self._to[row] - self._to[column]
         self.width, self._n = int(below.max(initial=0)), n
-        self._lower = np.nonzero(below >= 0)[0]
+        lower = np.nonzero(below >= 0)[0]
+        self._lower = inside[lower]
         # LAPACK's lower band storage, column by column.
-        self._place = self._to[column[self._lower]] * (self.width + 1) + below[self._lower]
+        self._place = self._to[column[lower]] * (self.width + 1) + below[lower]
 
     @property
     def narrow(self) -> bool:

@@ -53,8 +53,8 @@ class Problem:
     carried : ndarray of int, optional
         Free unknowns that lie on the punch's face at first touch; they go down with it at first.
     solver : callable, optional
-        Makes the linear solver from (connectivities, free unknowns, number of unknowns); a sparse
-        factorisation by default.
+        Makes the linear solver from (connectivities, free unknowns, number of unknowns); by default a
+        factorisation in the band, or a sparse one.
     """
 
     def __init__(
@@ -66,7 +66,7 @@ class Problem:
         surface: Contact | None = None,
         punch: Punch | None = None,
         carried: Array | None = None,
-        solver: Callable[[list[Array], Array, int], Any] = Pattern,
+        solver: Callable[[list[Array], Array, int], Any] | None = None,
     ) -> None:
         self.solid, self.driven, self.base, self.surface, self.punch = solid, driven, base, surface, punch
         self.carried = driven if carried is None else np.union1d(driven, carried)
@@ -75,7 +75,8 @@ class Problem:
         used = np.zeros(solid.mesh.size, dtype=bool)
         used[solid.mesh.dofs] = True
         groups = [solid.mesh.dofs] + ([surface.dofs] if surface else [])
-        self.pattern = solver(groups, np.nonzero(used & ~fixed)[0], solid.mesh.size)
+        free, size = np.nonzero(used & ~fixed)[0], solid.mesh.size
+        self.pattern: Any = solver(groups, free, size) if solver else Pattern(groups, free, size, solid.mesh.nodes)
 
     def contact(self, u: Array, depth: float) -> tuple[Array, list[Array]]:
         """Force and matrices of the surface; zero without one."""

@@ -26,13 +26,15 @@ class Pattern:
         Unknowns that are solved for; the others are prescribed.
     size : int
         Number of all unknowns.
+    nodes : ndarray, shape (dimension, nodes), optional
+        Places of the nodes, whose unknowns stand side by side: a grid's band is narrowest along its columns.
     """
 
     # A factorised tangent is used again while that brings the residual below the first share; uses that do not bring it
     # below the second are undone.
     contraction = (0.3, 1.0)
 
-    def __init__(self, groups: list[Array], free: Array, size: int) -> None:
+    def __init__(self, groups: list[Array], free: Array, size: int, nodes: Array | None = None) -> None:
         self.free, self.size, self.n = free, size, len(free)
         moves = np.zeros(size, dtype=bool)
         moves[free] = True
@@ -52,7 +54,8 @@ class Pattern:
         row, column = np.concatenate(rows), np.concatenate(columns)
         self._keep = (row >= 0) & (column >= 0)
         self._row, self._column = row[self._keep], column[self._keep]
-        self._band = Band(self._row, self._column, len(self._kept))
+        orders = [] if nodes is None else _sweeps(nodes[:, self._kept // len(nodes)])
+        self._band = Band(row, column, len(self._kept), orders)
         self._order: Array | None = None
         self._to: Array | None = None
 
@@ -74,9 +77,9 @@ class Pattern:
         self._inner_inverse, coupling = _inverse(whole[:, shared:, shared:]), whole[:, shared:, :shared]
         self._onto = self._inner_inverse @ coupling
         condensed = whole[:, :shared, :shared] - coupling.transpose(0, 2, 1) @ self._onto
-        values = np.concatenate([matrix.ravel() for matrix in [condensed, *matrices[1:]]])[self._keep]
+        values = np.concatenate([matrix.ravel() for matrix in [condensed, *matrices[1:]]])
         factor = self._band.factorise(values) if self._band.narrow and symmetric(matrices[1:]) else None
-        self._factor = factor or self._sparse(values)
+        self._factor = factor or self._sparse(values[self._keep])
         return self.again(load)
 
     def again(self, load: Array) -> Array:
@@ -114,6 +117,12 @@ class Pattern:
             return factor.solve(permuted)[to]
 
         return solve
+
+
+def _sweeps(places: Array) -> list[Array]:
+    """Orderings of places (dimension, n) along each direction, those alike in it along the next one."""
+    alike = np.round(places / np.ptp(places), 9)
+    return [np.lexsort(np.roll(alike, -axis, axis=0)[::-1]) for axis in range(len(places))]
 
 
 def _inverse(blocks: Array) -> Array:

@@ -94,8 +94,10 @@ class CrownResponse:
         """
         at, depth = place.ravel(), np.maximum(x, 0.0).ravel()
         edge, height = self.edge(inputs), inputs[:, 1]
+        deepest = np.zeros(len(inputs))
+        np.maximum.at(deepest, at, depth)
         alone = self.before.at_levels(crown_inputs(inputs))
-        shared = self.after.at_levels(inputs)
+        shared = _levels(self.after, inputs, self._settled(inputs, deepest, edge))
         value, slope = np.empty(len(depth)), np.empty(len(depth))
         (few, jump), (many, bend) = self._kinds(inputs, self.jump, self.bend)
         own = np.empty(len(inputs), dtype=int)
@@ -106,11 +108,16 @@ class CrownResponse:
             (many, bend, np.nonzero(~narrow)[0], self._wide),
         ):
             i = at[wanted]
-            rows = surface.at_levels(inputs[which])
+            rows = _levels(surface, inputs[which], deepest[which] > BEND[0] * edge[which])
             value[wanted], slope[wanted] = piece(
                 alone, rows, shared, i, own[i], depth[wanted], edge[i], height[i]
             )
         return value.reshape(x.shape), slope.reshape(x.shape)
+
+    def _settled(self, inputs: Array, deepest: Array, edge: Array) -> Array:
+        """Which pads are pressed to where what all share has begun."""
+        start = np.maximum(SHARED[0] * edge, self.after.levels[0])
+        return np.where(inputs[:, 2] < np.log(NARROW), deepest - edge > SETTLED[0], deepest > start)
 
     def _narrow(
         self, alone: Array, rows: Array, shared: Array, i: Array, k: Array, x: Array, e: Array, c: Array
@@ -151,6 +158,13 @@ class CrownResponse:
         _mix(value, slope, on, steep, lambda one: _on(self.bend, rows, k[one], x[one], c[one]))
         _mix(value, slope, far, steeper, lambda one: _on(self.after, shared, i[one], x[one], 1.0))
         return value, slope
+
+
+def _levels(surface: Response, inputs: Array, wanted: Array) -> Array:
+    """Values at all levels of those inputs that are asked for them; 0 of the others."""
+    rows = np.zeros((len(inputs), len(surface.levels)))
+    rows[wanted] = surface.at_levels(inputs[wanted])
+    return rows
 
 
 def _on(surface: Response, rows: Array, place: Array, x: Array, unit: Array | float) -> tuple[Array, Array]:

@@ -1,12 +1,15 @@
 import numpy as np
 import pytest
 
+from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
 from dummydesign.pad.material.hyperelastic import Yeoh
+from dummydesign.pad.shaped.problem import Press, shaped_problem
 from dummydesign.pad.slab.problem import Slab, rimmed_problem
 from dummydesign.pad.solve import equilibrium
 from dummydesign.pad.solve.band import Band, symmetric
 from dummydesign.pad.solve.continuation import follow
+from dummydesign.pad.solve.solver_superlu import Pattern
 
 
 def test_a_band_solves_what_a_dense_matrix_solves_whatever_its_numbering():
@@ -20,6 +23,20 @@ def test_a_band_solves_what_a_dense_matrix_solves_whatever_its_numbering():
     band = Band(row, column, n)
     assert band.width < 14
     assert band.factorise(matrix[row, column])(load) == pytest.approx(np.linalg.solve(matrix, load), rel=1e-9)
+
+
+def test_a_grid_is_numbered_along_its_columns_where_that_is_narrower():
+    press = Press(Crowned(10.0, 2.0), 10.0, 0.79, 6.0)
+    problem = shaped_problem(press, Yeoh(1.0))
+    mesh, free = problem.solid.mesh, problem.pattern.free
+    groups = [mesh.dofs, problem.surface.dofs]
+    levels, columns = (Pattern(groups, free, mesh.size, *nodes)._band for nodes in ([], [mesh.nodes]))
+    assert columns.width < 0.6 * levels.width
+    load = np.random.default_rng(2).standard_normal(mesh.size)
+    state = problem.solid.state(*problem.start())
+    matrices = [state.stiffness, *problem.contact(0.0 * load, 0.0)[1]]
+    answers = [Pattern(groups, free, mesh.size, *nodes).solve(matrices, load) for nodes in ([], [mesh.nodes])]
+    assert answers[1] == pytest.approx(answers[0], rel=1e-8, abs=1e-9 * np.abs(answers[0]).max())
 
 
 def test_a_band_says_when_a_matrix_is_not_positive_definite():

@@ -75,11 +75,15 @@ def _mean_survival(rate_step: NDArray, after: NDArray, rise: NDArray, decay: NDA
     panels = 1 if strongest < 0.25 else 2 + int(np.ceil(np.log2(max(strongest, 1.0))))
     edges = np.r_[0.0, 0.5 ** np.arange(panels - 1, -1, -1)]
     linear, square, cubic = rate_step * after**2, rate_step * after * rise, rate_step * rise**2 / 3.0
-    total = np.zeros(decay.shape)
+    total, left = np.zeros(decay.shape), np.empty(decay.shape)
     for low, high in itertools.pairwise(edges):
         for point, weight in zip(_GAUSS_X, _GAUSS_W):
             w = low + (high - low) * point
-            total += (high - low) * weight * np.exp(-w * (linear - w * (square - w * cubic)))
+            # exp(-w (linear - w (square - w cubic))), in place
+            np.subtract(square, np.multiply(cubic, w, out=left), out=left)
+            np.subtract(linear, np.multiply(left, w, out=left), out=left)
+            np.exp(np.multiply(left, -w, out=left), out=left)
+            total += np.multiply(left, (high - low) * weight, out=left)
     return total
 
 

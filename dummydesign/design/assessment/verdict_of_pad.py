@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dummydesign.design.assessment.castings import COUNT
 from dummydesign.design.assessment.readings import reading_of
 from dummydesign.design.request import PAPER, Protocol
 from dummydesign.design.scoring.acceptability import ranges_of, readings_of, strict_aim
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from dummydesign.pad.pad import Pad
     from dummydesign.tissue.model.tissue import Tissue
 
-DRAWS, SEED = 400, 41
+DRAWS, SEED = COUNT, 41
 
 
 def verdict_of_pad(

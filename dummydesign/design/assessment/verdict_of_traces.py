@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.design.assessment.castings import COUNT
 from dummydesign.design.assessment.safety import tissue_press
 from dummydesign.design.scoring.deviations import Ranges, Readings
 from dummydesign.design.scoring.presses import Sampling
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from dummydesign.tissue.model.ranges import ForceRange
     from dummydesign.tissue.model.tissue import Tissue
 
-DRAWS, SEED = 500, 23
+DRAWS, SEED = COUNT, 23
 DEPTH_ERROR_MM = 0.01
 """Standard deviation of where a trace has its zero: half of the 0.02 mm to which a robot is taken to repeat."""
 SMOOTHED = 5

@@ -1,9 +1,11 @@
 """A predicted pad is judged as the same pad of a suggestion is."""
 
+import numpy as np
 import pytest
 
 import dummydesign
 from dummydesign.core.errors import InputError
+from dummydesign.design.assessment import verdict_of_pad, verdict_of_traces
 
 
 @pytest.mark.slow
@@ -26,6 +28,11 @@ def test_a_pad_far_too_soft_is_out_of_reach_and_an_elastic_one_reads_low_and_bot
     assert soft["light"] == "red" and soft["not_reached"] > 0 and soft["castings"]["out_of_reach"] > 0.9
     assert elastic["light"] == "red" and elastic["reads"] in ("low", "mixed") and elastic["peaks_below"] == 6
     assert elastic["shortfall"]["central"] > 1.1 and elastic["shortfall"]["quantity"] == "peak"
+
+
+@pytest.mark.parametrize("module", [verdict_of_pad, verdict_of_traces])
+def test_a_share_of_pads_is_as_certain_as_one_of_castings(module):
+    assert 0.5 / np.sqrt(module.DRAWS) <= 0.015
 
 
 def test_what_goes_with_a_tissue_is_said():

@@ -53,8 +53,7 @@ class Problem:
     carried : ndarray of int, optional
         Free unknowns that lie on the punch's face at first touch; they go down with it at first.
     solver : callable, optional
-        Makes the linear solver from (connectivities, free unknowns, number of unknowns); by default a
-        factorisation in the band, or a sparse one.
+        Makes the linear solver from (connectivities, free unknowns, number of unknowns); else band or sparse matrix.
     """
 
     def __init__(

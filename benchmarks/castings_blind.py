@@ -348,6 +348,13 @@ def covered(rows: list[dict], needed: str, stated: str) -> tuple[int, int]:
     return sum(flags), len(flags)
 
 
+def beyond(rows: list[dict], needed: str, stated: str) -> str:
+    """By how much pads are above what was stated: the 95 % quantile of the ratio, in per cent."""
+    ratios = [max(value, 1.0 if "factor" in stated else 0.0) / row[stated] for row in rows if row[stated] is not None
+              for value in row[needed] if value is not None]  # fmt: skip
+    return f"{100 * (float(np.quantile(ratios, 0.95)) - 1):+.1f} %" if ratios else ""
+
+
 def shares_of(rows: list[dict], name: str) -> tuple[float, float, float, int]:
     """Stated and counted share of a class over designs, standard error of the difference, and the pads."""
     place = CLASSES.index(name)
@@ -378,8 +385,9 @@ def table(rows: list[dict]) -> str:
         "## 95 % figures",
         "",
         "Share of the pads that reach every press; 95 % are expected. In brackets: one standard error of the pads "
-        "drawn. The 1200 castings behind a 95 % figure add 0.6 points, and how far the force law is off is the same for "
-        "all pads of a shape. A factor is never below 1, where it holds more often; the shortfall behind it is not cut.",
+        "drawn. The 1200 castings behind a 95 % figure add 0.6 points, and the force law of a shape is off by the same "
+        "for all its pads. A factor is never below 1, where it holds more often; the shortfall behind it is not cut. "
+        "Last: how far the 95 % quantile of the pads is from what was stated, 0 where 95 % hold.",
         "",
         "| designs | number | factor holds | shortfall holds | over-reading holds | factor after measuring holds |",
         "|---|---|---|---|---|---|",
@@ -391,7 +399,7 @@ def table(rows: list[dict]) -> str:
     groups += [(f"{t}, {s}", [row for row in rows if (row["tissue"], row["shape"]) == (t, s)]) for t, s in shapes]
     for words, own in groups:
         cells = [
-            _share(*covered(own, *names))
+            f"{_share(*covered(own, *names))} {beyond(own, *names)}"
             for names in (("needed", "factor"), ("needed", "shortfall_q95"), ("over", "over_q95"),
                           ("measured_needed", "factor_after_measuring"))
         ]
@@ -441,7 +449,7 @@ def main() -> None:
     """Run what is missing of the study and write the table."""
     parser = argparse.ArgumentParser(description="Blind check of castings.")
     parser.add_argument("--pads", type=int, default=60, help="of each design")
-    parser.add_argument("--seed", type=int, default=14013)
+    parser.add_argument("--seed", type=int, default=68658)
     parser.add_argument("--rows", type=Path, default=ROOT / "benchmarks" / "castings_blind.jsonl")
     parser.add_argument("--out", type=Path, default=ROOT / "docs" / "castings-blind.md")
     parser.add_argument("--table-only", action="store_true")

@@ -1,4 +1,4 @@
-"""For how many tissues a pad is found, by kind of shape: ``python benchmarks/random_tissues.py``; about 10 s each.
+"""For how many tissues a pad is found, by kind of shape: ``python benchmarks/random_tissues.py``; about 8 s each.
 
 Tissues are drawn from the posterior of the built-in ones, one after the other: a draw is five persons. The shapes are
 searched by their tables, without finite elements, with the default resin. The pad that is taken is chosen by what is

@@ -1,4 +1,4 @@
-"""Blind check of the verdict: ``python benchmarks/verdict_blind.py``. Simulated castings only; some 4 s each.
+"""Blind check of the verdict: ``python benchmarks/verdict_blind.py``. Simulated castings only; some 10 s each.
 
 Pads of designs for the built-in tissues are cast with errors of weighing, thickness and what is not known of the
 resin, and pressed by the generator of tests/support (direct finite-element curves and an integrator of its own, which
@@ -147,14 +147,14 @@ def traces_of(casting: dict, depth: np.ndarray, rng: np.random.Generator) -> lis
 
 
 def designs() -> list[tuple]:
-    """Two slabs, two pads of one crown, and the recommended pad of each tissue with the next stiffer ratio.
+    """Three pads that are recommended, of two ratios, a slab, and a pad of another crown, of each tissue.
 
     Each is tissue, shape, thickness, ratio, resin and the thickness of the curves, None for the generator's own.
     """
     found: list[tuple] = []
     for tissue, crowned, middle in CROWNS:
         answer = suggest(Request(tissue, shape=crowned, thickness_mm=(middle, middle), verify=False))
-        found += [(tissue, crowned, middle, answer.best.ratio + step, answer.resin, middle) for step in (0.0, 0.1)]
+        found += [(tissue, crowned, middle, answer.best.ratio + step, answer.resin, middle) for step in (0.0, 0.0, 0.1)]
         for shape in ("slab", CROWN):
             if shape == CROWN and tissue == "forefinger":
                 continue  # as high as this crown is, no pad of it is thin enough for a forefinger
@@ -164,7 +164,7 @@ def designs() -> list[tuple]:
                 thickness = design.candidate.thickness_mm
                 if 5.0 <= thickness <= 20.0 and (shape == "slab" or 6.8 <= thickness <= 14.2):
                     able.append((tissue, shape, thickness, design.candidate.ratio, answer.resin, None))
-            found += able[:2]
+            found += able[:1]
     return found
 
 
@@ -269,8 +269,8 @@ def table(rows: list[dict]) -> str:
 def main() -> None:
     """Run what is missing of the study and write the table."""
     parser = argparse.ArgumentParser(description="Blind check of the verdict.")
-    parser.add_argument("--castings", type=int, default=100)
-    parser.add_argument("--seed", type=int, default=8807)
+    parser.add_argument("--castings", type=int, default=42)
+    parser.add_argument("--seed", type=int, default=76688)
     parser.add_argument("--rows", type=Path, default=ROOT / "benchmarks" / "verdict_blind.jsonl")
     parser.add_argument("--out", type=Path, default=ROOT / "docs" / "verdict-blind.md")
     options = parser.parse_args()

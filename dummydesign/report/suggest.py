@@ -84,11 +84,13 @@ def write_suggestion(
 
 def _castings_fact(result: dict[str, Any]) -> list[tuple[str, str]]:
     """The share of castings that are usable, and the correction."""
-    castings, factor = result["castings"], result["verdict"]["correction"]["factor"]
+    castings, factors = result["castings"], result["verdict"]["correction"]
     share = castings["stands_for"] + castings["usable"]
     facts = [(f"{100 * share:.0f} %", f"of {castings['n']} castings are usable")]
-    if result["verdict"]["light"] == "amber" and factor is not None:
-        facts.append((f"{factor:.2f}", "correction: multiply readings by it (95 % of castings)"))
+    if result["verdict"]["light"] == "amber" and factors["factor"] is not None:
+        facts.append((f"{factors['force']:.2f}", "multiply forces by it (95 % of castings)"))
+        if factors["factor"] - factors["force"] > 0.005:
+            facts.append((f"{factors['factor']:.2f}", "multiply energies by it (95 % of castings)"))
     return facts
 
 

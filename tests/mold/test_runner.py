@@ -49,7 +49,7 @@ def test_text_answer_shows_weights_checks_and_files(lidded_package):
 BAD = [
     (["--thickness", "2"], "thickness_mm = 2"),
     (["--thickness", "31"], "3 to 30"),
-    (["--thickness", "nan"], "thickness_mm"),
+    (["--thickness", "nan"], "thickness in mm"),
     (["--thickness", "five"], "five"),
     ([], "--thickness"),
     (["--thickness", "5", "--length", "400"], "printer bed"),

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 from dummydesign.studies.architecture import ROOMS, House, draw, imported, read_house, room_of, upward
 
 PACKAGE = Path(__file__).parents[2] / "dummydesign"
-LONGEST, FULL = 300, 12
+LONGEST, FULL = 500, 20
 
 
 def test_no_room_takes_from_a_layer_above_it():
@@ -25,7 +25,7 @@ def test_every_folder_of_the_package_is_a_room():
 
 
 def test_a_file_has_one_idea_and_a_folder_is_taken_in_at_a_glance():
-    """At most 300 lines a file, tests included, and twelve modules a folder of the package."""
+    """At most 500 lines a file, tests included, and twenty modules a folder of the package."""
     root = PACKAGE.parent
     files = [path for part in ("dummydesign", "tests", "benchmarks") for path in (root / part).rglob("*.py")]
     assert len(files) > 400

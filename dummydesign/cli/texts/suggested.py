@@ -113,20 +113,28 @@ def _table(result: dict[str, Any]) -> list[str]:
 
 
 def _correct(result: dict[str, Any]) -> list[str]:
-    """By what readings are multiplied: for 95 % of castings, at central estimates, and after measuring."""
+    """By what readings are multiplied: at central estimates, for 95 % of castings, and after measuring."""
     verdict = result["verdict"]
     factors = verdict["correction"]
-    factor, central, after = (factors[name] for name in ("factor", "factor_central", "factor_after_measuring"))
-    if verdict["light"] == "red" or factor is None:
+    if verdict["light"] == "red" or factors["factor"] is None:
         return []
-    if factor <= 1.01:
+    forces, energies = (
+        [factors[f"{name}{when}"] for when in ("_central", "", "_after_measuring")] for name in ("force", "factor")
+    )
+    if max(value for value in (*forces, *energies) if value is not None) <= 1.01:
         return labelled("CORRECT", "no correction needed")
-    now = "none needed at central estimates; " if central is None or central <= 1.01 else (
-        f"multiply readings by {central:.2f}; by ")  # fmt: skip
-    text = f"{now}{factor:.2f} for 95 % of castings"
-    if after is not None and factor - after > 0.005:
-        text += f", {max(after, 1.0):.2f} once the resin is measured"
-    return labelled("CORRECT", text)
+    lines = [_factors("readings", energies)]
+    if any(e is not None and f is not None and e - f > 0.005 for f, e in zip(forces, energies)):
+        lines = [_factors("forces", forces), _factors("energies", energies)]
+    return labelled("CORRECT", "\n".join(lines))
+
+
+def _factors(what: str, values: list[float | None]) -> str:
+    """Factors of forces or energies: central, for 95 % of castings, and once the resin is measured."""
+    central, most, after = values
+    now = "unchanged" if central is None or central <= 1.01 else f"times {central:.2f}"
+    text = f"{what} {now}; for 95 % of castings times {most:.2f}"
+    return text + ("" if after is None else f", {max(after, 1.0):.2f} once the resin is measured")
 
 
 def _why(result: dict[str, Any]) -> list[str]:

@@ -78,6 +78,11 @@ class Deviations:
         return _largest(self.short)
 
     @property
+    def force_shortfall(self) -> NDArray:
+        """The same of peaks and steady forces alone."""
+        return _largest({name: values for name, values in self.short.items() if name != ENERGY})
+
+    @property
     def over(self) -> NDArray:
         """The same of over-reading."""
         return _largest(self.above)

@@ -55,12 +55,16 @@ class Correction:
     """By what readings are multiplied so that none is below the lowest subject's; 1 where none is.
 
     ``factor`` holds for 95 % of the castings that reach every press, ``factor_central`` at central estimates,
-    ``factor_after_measuring`` for 95 % of castings once modulus and relaxation of the resin are measured.
+    ``factor_after_measuring`` for 95 % of castings once modulus and relaxation of the resin are measured. ``force``,
+    ``force_central`` and ``force_after_measuring`` are the same for forces alone: energies may need more.
     """
 
     factor: float | None
     factor_central: float | None
     factor_after_measuring: float | None = None
+    force: float | None = None
+    force_central: float | None = None
+    force_after_measuring: float | None = None
 
 
 @dataclass(frozen=True)
@@ -196,12 +200,14 @@ def verdict(
     limits = verdict_limits() if limits is None else limits
     plain = deviations(ranges, readings)
     found = deviations(ranges, readings, strict) if strict else plain
-    shares, short_95, over_95 = None, None, None
+    shares, short_95, over_95, force_95 = None, None, None, None
     if spread is not None:
         every = deviations(ranges, spread, strict)
         kinds = classes(every, limits, strict)
         shares = {name: float((kinds == place).mean()) for place, name in enumerate(CLASSES)}
-        short_95, over_95 = (_quantile(values[every.reached]) for values in (every.shortfall, every.over))
+        short_95, over_95, force_95 = (
+            _quantile(values[every.reached]) for values in (every.shortfall, every.over, every.force_shortfall)
+        )
     else:
         own = int(classes(found, limits, strict)[0])
         known = {name: float(own == place) for place, name in enumerate(CLASSES)}
@@ -211,13 +217,20 @@ def verdict(
     level = _level(found, shares or known, limits, strict, ranges.subjects < 2, unsettled, _inside(below, above))
     if beyond > limits.beyond_people:
         level = "not_representative"
-    after = None
+    after, force_after = None, None
     if measured is not None:
-        known_resin = deviations(ranges, measured, strict)
-        after = _factor(_quantile(known_resin.shortfall[known_resin.reached]))
+        resin = deviations(ranges, measured, strict)
+        after, force_after = (
+            _factor(_quantile(values[resin.reached])) for values in (resin.shortfall, resin.force_shortfall)
+        )
     shortfall, over = _deviation(found, found.short, short_95), _deviation(found, found.above, over_95)
-    central = _factor(shortfall.central)
-    correction = Correction(central if spread is None else _factor(short_95), central, after)
+    central, own_force = _factor(shortfall.central), float(found.force_shortfall[0])
+    force = _factor(own_force) if np.isfinite(own_force) else None
+    known_exactly = spread is None
+    correction = Correction(
+        central if known_exactly else _factor(short_95), central, after,
+        force if known_exactly else _factor(force_95), force, force_after,
+    )  # fmt: skip
     reads = reads_of(below, above)
     bound = tuple(limits_that_bind)
     words = Findings(found, readings, level, reads, shares, correction, limits, strict, of, unsettled, bound)

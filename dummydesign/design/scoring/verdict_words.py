@@ -63,6 +63,17 @@ def whole_percents(shares: list[float]) -> list[int]:
     return [int(value) for value in whole]
 
 
+def factor_words(force: float | None, every: float | None) -> str:
+    """What readings are multiplied by: forces, and energies where they need more."""
+    if every is None or force is None:
+        return ""
+    if every - force < 0.005:
+        return f"multiply readings by {every:.2f}"
+    if force < 1.0 + tolerance_of(PEAK):
+        return f"multiply energies by {every:.2f}, forces by nothing"
+    return f"multiply forces by {force:.2f}, energies by {every:.2f}"
+
+
 def _readings(of: Findings) -> str:
     """What leaves the subjects most, below before above; else that nothing does."""
     missing = int((~np.isfinite(of.readings.peak_N)).sum())
@@ -124,5 +135,5 @@ def _ending(of: Findings) -> str:
     if of.level == "usable_with_correction" and of.correction.factor is not None:
         if of.correction.factor < 1.0 + tolerance_of(PEAK):
             return "no correction is needed"
-        return f"multiply readings by {of.correction.factor:.2f}"
+        return factor_words(of.correction.force, of.correction.factor)
     return ""

@@ -22,10 +22,10 @@ sys.path.insert(0, str(ROOT))
 
 from benchmarks.rows import keep_row, read_rows  # noqa: E402
 from dummydesign.core.errors import NoAnswerError  # noqa: E402
-from dummydesign.design.assessment.castings import RESIN, PadCastings, Tolerances  # noqa: E402
+from dummydesign.design.assessment.castings import RESIN, PadCastings  # noqa: E402
 from dummydesign.design.assessment.readings import reading_of, verdict_of_design  # noqa: E402
 from dummydesign.design.inputs import Inputs, resolve  # noqa: E402
-from dummydesign.design.mould import pour_recipe, top_mass_g  # noqa: E402
+from dummydesign.design.mould import tolerances_of  # noqa: E402
 from dummydesign.design.request import Request  # noqa: E402
 from dummydesign.design.scoring.acceptability import ACCEPTABLE, ranges_of  # noqa: E402
 from dummydesign.design.scoring.targets import make_targets  # noqa: E402
@@ -74,8 +74,7 @@ def taken_pad(inputs: Inputs, solved: Solved) -> dict[str, object]:
     """The pad that is taken: its verdict, and what it would be once modulus and relaxation are known."""
     space, chosen, request = inputs.space, solved.chosen, inputs.request
     best = chosen.found.best
-    recipe = pour_recipe(space.resin, best, request, chosen.shape)
-    tolerances = Tolerances(top_mass_g(recipe), request.weighing_g, request.thickness_tolerance_mm)
+    tolerances = tolerances_of(space.resin, best, request, chosen.shape)
     cast = PadCastings(inputs.castings, chosen.cast, best, space, tolerances)
     now = verdict_of_design(cast)
     known = verdict(ranges_of(space.targets), reading_of(best), cast.readings(RESIN), limits=space.targets.limits)

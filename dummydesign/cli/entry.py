@@ -147,8 +147,11 @@ def _run(arguments: list[str]) -> int:
                 print(_render_of(module, options)(reason.result))
             print(f"error: {reason}", file=sys.stderr)
             return 1
-        _print_result(name, result, as_json, _render_of(module, options))
-        return 0
+        red = _red(result)
+        _print_result(name, {**result, **red}, as_json, _render_of(module, options))
+        if red:
+            print(f"error: {red['error']['message']}", file=sys.stderr)
+        return 1 if red else 0
     except DummydesignError as problem:
         print("error: " + " ".join(str(problem).split()), file=sys.stderr)
         return 2
@@ -167,6 +170,14 @@ def _run(arguments: list[str]) -> int:
             file=sys.stderr,
         )
         return 1
+
+
+def _red(result: dict[str, Any]) -> dict[str, Any]:
+    """The error of an answer whose verdict is red; nothing of any other."""
+    verdict = result.get("verdict")
+    if not isinstance(verdict, dict) or verdict.get("light") != "red":
+        return {}
+    return {"error": {"code": "not_representative", "message": "the pad is not representative of the tissue"}}
 
 
 def _render_of(module: Any, options: argparse.Namespace) -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dummydesign.design.assessment.castings import PadCastings, Tolerances
+from dummydesign.design.assessment.castings import PadCastings
 from dummydesign.design.assessment.choice import explain
 from dummydesign.design.assessment.measure_first import measure_first
 from dummydesign.design.assessment.pour_yield import pour_yield
@@ -10,7 +10,7 @@ from dummydesign.design.assessment.readings import verdict_of_design
 from dummydesign.design.assessment.warnings import design_warnings, rests_on
 from dummydesign.design.calibrated import calibration_dict
 from dummydesign.design.inputs import Inputs
-from dummydesign.design.mould import pour_recipe, top_mass_g
+from dummydesign.design.mould import pour_batch, pour_recipe, tolerances_of
 from dummydesign.design.own_test.checks import beyond_people, own_warnings
 from dummydesign.design.search.best_of_kinds import Chosen
 from dummydesign.design.search.shape_family import ShapeLaw
@@ -32,7 +32,7 @@ def assess(inputs: Inputs, solved: Solved) -> Suggestion:
     request, space, chosen = inputs.request, inputs.space, solved.chosen
     best = chosen.found.best
     recommended = _design(inputs, best, chosen.shape)
-    tolerances = Tolerances(top_mass_g(recommended.recipe), request.weighing_g, request.thickness_tolerance_mm)
+    tolerances = tolerances_of(space.resin, best, request, chosen.shape)
     cast = PadCastings(inputs.castings, chosen.cast, best, space, tolerances)
     pour = pour_yield(cast)
     own = own_warnings(request, inputs.punch, inputs.tissue, chosen.shape.plain)
@@ -78,4 +78,5 @@ def _shape_at(chosen: Chosen, other: Candidate) -> PadShape:
 
 
 def _design(inputs: Inputs, candidate: Candidate, shape: PadShape) -> Design:
-    return Design(candidate, shape, pour_recipe(inputs.space.resin, candidate, inputs.request, shape))
+    made = inputs.space.resin, candidate, inputs.request, shape
+    return Design(candidate, shape, pour_recipe(*made), pour_batch(*made))

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.core.errors import NoAnswerError
+from dummydesign.design.assessment.castings import Tolerances
 from dummydesign.geometry.shapes import PadShape, Slab
 from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
 
@@ -47,9 +48,35 @@ def pour_recipe(
     return (*plan.components, *((f"{name} (base)", mass) for name, mass in plan.base.components))
 
 
-def top_mass_g(recipe: tuple[tuple[str, float], ...]) -> float:
-    """Mass of the pour that is pressed: all but a base's. [g]"""
-    return sum(mass for name, mass in recipe if not name.endswith("(base)"))
+def pour_batch(
+    resin: Resin, candidate: Candidate, request: Request, shape: PadShape | None = None
+) -> dict[str, Any]:
+    """What to mix and how much of it to pour, in plain values; see :func:`dummydesign.mold.pour.batch.batches_of`.
+
+    Parameters
+    ----------
+    resin, candidate, request, shape
+        As for :func:`pour_recipe`.
+    """
+    from dummydesign.mold.pour.batch import batches_of
+    from dummydesign.mold.pour.plan import pour_plan
+
+    spec = mould_of(resin, candidate, request, shape)
+    return batches_of(spec, pour_plan(spec))
+
+
+def tolerances_of(
+    resin: Resin, candidate: Candidate, request: Request, shape: PadShape | None = None
+) -> Tolerances:
+    """How well a pad of a design is made: the batch that is mixed is what is weighed.
+
+    Parameters
+    ----------
+    resin, candidate, request, shape
+        As for :func:`pour_recipe`.
+    """
+    mixed_g = pour_batch(resin, candidate, request, shape)["total_g"]
+    return Tolerances(mixed_g, request.weighing_g, request.thickness_tolerance_mm)
 
 
 def mould_of(resin: Resin, candidate: Candidate, request: Request, shape: PadShape | None = None) -> MouldSpec:
@@ -120,7 +147,7 @@ def with_mould(result: dict[str, Any], answer: Suggestion, folder: Path) -> dict
     files, warnings = mould.pop("files"), mould.pop("warnings")
     return {
         **result,
-        "recommendation": {**result["recommendation"], "recipe": _recipe(mould["pour"])},
+        "recommendation": {**result["recommendation"], "recipe": _recipe(mould["pour"]), "batch": mould["batch"]},
         "warnings": [*result["warnings"], *warnings],
         "sources": [*result["sources"], *(text for text in spec.sources if text not in result["sources"])],
         "files": files,

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def ratio_error(answer: Suggestion) -> float:
     """Largest error of the ratio when both components are weighed off by the tolerance, in opposite ways."""
-    masses = {name: mass for name, mass in answer.recipe if not name.endswith("(base)")}
+    masses = {item["name"]: item["mass_g"] for item in answer.batch["components"]}
     by_ratio = next(liquid.name for liquid in answer.resin.liquids if liquid.parts is None)
     varied = masses.get(by_ratio, 0.0)
     rest = sum(mass for name, mass in masses.items() if name != by_ratio)

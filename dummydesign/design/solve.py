@@ -6,13 +6,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dummydesign.design.assessment.castings import Tolerances
 from dummydesign.design.assessment.centring import CentringTolerance, centring_tolerance
 from dummydesign.design.assessment.verification import Verification, not_verified, of_shape, verify_design
 from dummydesign.design.expected.expectation import Expectation, by_expectation
 from dummydesign.design.finalists.resolved_by_fem import ElementsLaw, solve_leading
 from dummydesign.design.inputs import Inputs
-from dummydesign.design.mould import pour_recipe, top_mass_g
+from dummydesign.design.mould import tolerances_of
 from dummydesign.design.own_test.checks import standard_press
 from dummydesign.design.own_test.slab_law import asked_pad
 from dummydesign.design.request import Progress, quiet
@@ -93,8 +92,7 @@ def _expected(chosen: Chosen, found: Found, inputs: Inputs) -> tuple[Chosen, Exp
     """Of the designs that the search does not tell apart the one that is expected to be worth most."""
     space, request = inputs.space, inputs.request
     low_share = 0.0 if found.asked.lower() == Slab.name else space.targets.weights.low_aim
-    poured = pour_recipe(space.resin, chosen.found.best, request, chosen.shape)
-    tolerances = Tolerances(top_mass_g(poured), request.weighing_g, request.thickness_tolerance_mm)
+    tolerances = tolerances_of(space.resin, chosen.found.best, request, chosen.shape)
     return by_expectation(close_to(chosen, found, space), space, inputs.castings, tolerances, low_share)
 
 

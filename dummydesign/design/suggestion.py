@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dummydesign.design.assessment.castings import GROUPS
+from dummydesign.design.assessment.castings import GROUPS, TISSUE
 from dummydesign.design.scoring.deviations import TOLERANCE
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.search.low_force import low_force
@@ -37,11 +37,15 @@ LOW_SHARES = (0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
 
 @dataclass(frozen=True)
 class Design:
-    """One pad: what was evaluated (scores, presses, parameters), its shape, and what to weigh, (name, mass in g)."""
+    """One pad: what was evaluated (scores, presses, parameters), its shape, what it takes, and what to mix for it.
+
+    ``recipe`` are (name, mass in g) of the pour, ``batch`` what to mix and how much of it to pour.
+    """
 
     candidate: Candidate
     shape: PadShape
     recipe: tuple[tuple[str, float], ...]
+    batch: dict[str, Any]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,6 +101,11 @@ class Suggestion:
     def recipe(self) -> tuple[tuple[str, float], ...]:
         """What to weigh for the recommended pad. [g]"""
         return self.recommended.recipe
+
+    @property
+    def batch(self) -> dict[str, Any]:
+        """What to mix for the recommended pad, and how much of it to pour."""
+        return self.recommended.batch
 
     @property
     def force_law(self) -> str:
@@ -157,6 +166,7 @@ def design_dict(design: Design, resin: Resin, targets: Targets) -> dict[str, Any
             "components": [{"name": name, "mass_g": mass} for name, mass in recipe],
             "total_g": round(sum(mass for _, mass in recipe), 6),
         },
+        "batch": design.batch,
         "parameters": parameters,
         "parameters_law": targets.tissue.law,
         "scores": {
@@ -175,7 +185,8 @@ def design_dict(design: Design, resin: Resin, targets: Targets) -> dict[str, Any
 
 def castings_dict(castings: Castings, verdict: Verdict) -> dict[str, Any]:
     """The castings of an answer: how many, what they are drawn by and over, and the share of each class."""
-    return {"n": castings.n, "seed": castings.seed, "groups": list(GROUPS), **(verdict.castings or {})}
+    groups = [group for group in GROUPS if group != TISSUE]
+    return {"n": castings.n, "seed": castings.seed, "groups": groups, **(verdict.castings or {})}
 
 
 def condition_rows(candidate: Candidate, targets: Targets, shape: PadShape) -> list[dict[str, Any]]:

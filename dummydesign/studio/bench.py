@@ -117,12 +117,8 @@ def settled(inputs: Inputs, shape: PadShape, pad: OnePad) -> Verdict:
     shape : PadShape
     pad : OnePad
     """
-    from dummydesign.design.assessment.castings import Tolerances
-    from dummydesign.design.mould import pour_recipe
+    from dummydesign.design.mould import tolerances_of
 
-    recipe = pour_recipe(inputs.space.resin, pad.candidate, inputs.request, shape)
-    poured = sum(mass for name, mass in recipe if not name.endswith("(base)"))
-    request = inputs.request
-    tolerances = Tolerances(poured, request.weighing_g, request.thickness_tolerance_mm)
-    beyond = beyond_people(request, inputs.tissue)
+    tolerances = tolerances_of(inputs.space.resin, pad.candidate, inputs.request, shape)
+    beyond = beyond_people(inputs.request, inputs.tissue)
     return with_castings(pad, inputs.space, inputs.castings, tolerances, beyond)

@@ -77,14 +77,22 @@ def _pad(result: dict[str, Any]) -> list[str]:
 def _resin(result: dict[str, Any]) -> list[str]:
     """Resin, ratio and modulus, then what to weigh."""
     best = result["recommendation"]
-    young, recipe = best["young_kPa"], best["recipe"]
+    young = best["young_kPa"]
     meaning = best["ratio_meaning"].replace("isocyanate parts", "isocyanate").removesuffix(" by weight")
-    weigh = " + ".join(f"{item['name']} {item['mass_g']:.1f} g" for item in recipe["components"])
     return [
         *labelled("RESIN", f"{best['resin']}, ratio {best['ratio']:g} ({meaning}), "
                            f"{young['value']:.3g} kPa (95 %: {young['low']:.3g} to {young['high']:.3g})"),
-        *labelled("WEIGH", f"{weigh} = {recipe['total_g']:.1f} g"),
+        *labelled("WEIGH", "\n".join(_batch(best["batch"]))),
     ]  # fmt: skip
+
+
+def _batch(batch: dict[str, Any]) -> list[str]:
+    """What to mix and how much of it to pour; of a layered pad both pours."""
+    lines = []
+    for name, one in (("", batch), *((("base: ", batch["base"]),) if "base" in batch else ())):
+        weigh = " + ".join(f"{item['name']} {item['mass_g']:.1f} g" for item in one["components"])
+        lines.append(f"{name}{weigh} = {one['total_g']:.1f} g; pour {one['pour_g']:.1f} g of it")
+    return lines
 
 
 def _valid(result: dict[str, Any]) -> list[str]:

@@ -122,7 +122,11 @@ def _castings(of: Findings) -> str:
     good = percents[STANDS_FOR] + (0 if of.strict else percents[USABLE])
     lost = [(name, percents[name]) for name in OUTCOMES if percents[name] > 0]
     word = "keep it" if of.strict else "are usable"
-    text = f"{good} % of {of.of} {word}"
+    share = of.shares[STANDS_FOR] + (0.0 if of.strict else of.shares[USABLE])
+    if of.level == "not_settled" and share < of.limits.share <= 0.01 * good:
+        text = f"{np.floor(1000.0 * share) / 10.0:.1f} % of {of.of} {word}"  # not rounded up to the limit
+    else:
+        text = f"{good} % of {of.of} {word}"
     if lost and of.level != "stands_for":
         text += " (" + ", ".join(f"{percent} % {OUTCOMES[name]}" for name, percent in lost) + ")"
     return text

@@ -24,7 +24,6 @@ NOTES = {
     "outside_steady_range": "{message}.",
     "cad_unavailable": "{message}",
     "curved_master": "Print the curved plug in layers of at most 0.1 mm, or machine it: its height sets the force.",
-    "small_batch": "{message}.",
 }
 """Warnings that change what one does, the most pressing first, and their words on the screen."""
 
@@ -192,7 +191,7 @@ def _next(result: dict[str, Any]) -> list[str]:
     first, given = result["measure_first"], result["inputs"]
     if not first["group"]:
         return labelled("NEXT", result["rests_on"]["next_step"], 3)
-    steps = [first["text"], first["protocol"].partition(":")[0], first["command"]]
+    steps = [first["text"], first["protocol"].partition("; this")[0], first["command"]]
     if first["group"] in ("modulus", "relaxation"):
         steps.append(f"dummydesign suggest --tissue {given['tissue']} --resin my-batch")
     return labelled("NEXT", "\n".join(f"{number}. {step}" for number, step in enumerate(steps, 1)), 7)

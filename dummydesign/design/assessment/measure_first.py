@@ -31,7 +31,7 @@ GAIN = 0.03
 NEAR, ROUGH, LEAST = 10, 120, 0.01
 """Steps of the ratio that are tried for two pads, castings of each, and the share below which none is proposed."""
 NAMES = {
-    MODULUS: "the resin's modulus", RELAXATION: "the resin's relaxation", MAKING: "weighing and thickness",
+    MODULUS: "the modulus", RELAXATION: "the relaxation", MAKING: "weighing and thickness",
     FORCE_LAW: "the pad's force law", TISSUE: "the tissue",
 }  # fmt: skip
 PUCK_MM = (50.0, 30.0)
@@ -126,7 +126,7 @@ def _how(group: str, candidate: Candidate, cast: PadCastings) -> tuple[str, str]
         diameter, height = PUCK_MM
         protocol = (
             f"cast a puck ({diameter:g} mm diameter, {height:g} mm high) at ratio {candidate.ratio:g}; "
-            "press it with a ramp and a 10 s hold: "
+            "press it: ramp, then 10 s hold; "
             "this measures modulus and relaxation with one puck in two minutes"
         )
         command = (

@@ -22,6 +22,7 @@ import time
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -60,7 +61,7 @@ GEOMETRIES = (
 )
 """Tissue, shape and thickness of what is pressed; the first three are what ``suggest`` recommends. [mm]"""
 KNOWLEDGE = ("as stated", "modulus known", "measured", "measured, made well")
-MADE_WELL = {"weighing_g": 0.01, "thickness_tolerance_mm": 0.05}
+MADE_WELL: dict[str, Any] = {"weighing_g": 0.01, "thickness_tolerance_mm": 0.05}
 AROUND, TRIED = 9, 28
 """Steps of the ratio to either side that are judged, and depths at which a pad is pressed."""
 CLASSES = ("stands_for", "usable", "reads_low", "over", "out_of_reach")
@@ -289,7 +290,7 @@ def classes_of(lowest: NDArray, highest: NDArray, reached: NDArray, limits) -> N
 
 def designs_of(tissue: str, shape: str, thickness: float, knowledge: str) -> list[tuple]:
     """What ``suggest`` says of a shape, and designs of it: that, and the middle ratio of every level near it."""
-    made = MADE_WELL if knowledge == KNOWLEDGE[-1] else {}
+    made: dict[str, Any] = MADE_WELL if knowledge == KNOWLEDGE[-1] else {}
     inputs = resolve(Request(tissue, shape=shape, thickness_mm=(thickness, thickness), verify=False, **made))
     resin = known_resin(inputs.space.resin, knowledge)
     space = replace(inputs.space, resin=resin, ratio=resin.ratios())

@@ -25,7 +25,7 @@ def test_the_light_set_is_a_part_of_the_whole_in_the_same_versions():
 @pytest.mark.parametrize(
     "words",
     [
-        ["suggest", "--tissue", "forefinger", "--shape", "slab", "--no-cad", "--no-verify", "--out", "a"],
+        ["suggest", "--tissue", "forefinger", "--shape", "crowned", "--no-cad", "--no-verify", "--out", "a"],
         ["whatif", "--thickness", "5,10", "--ratio", "15", "--out", "b"],
         ["campaign", "new", "c", "--young", "25", "--no-power"],
     ],

@@ -145,11 +145,11 @@ def suggest(
     Examples
     --------
     >>> import dummydesign
-    >>> answer = dummydesign.suggest("forefinger", shape="slab", verify=False).to_dict()
+    >>> answer = dummydesign.suggest("forefinger", shape="crowned", verify=False).to_dict()
     >>> answer["recommendation"]["thickness_mm"], answer["recommendation"]["ratio"]
-    (5.0, 15.0)
+    (4.5, 15.5)
     >>> [(part["name"], part["mass_g"]) for part in answer["recommendation"]["recipe"]["components"]]
-    [('polyol', 96.9), ('isocyanate', 14.5)]
+    [('polyol', 54.0), ('isocyanate', 8.4)]
     """
     from dummydesign.design.request import Request
     from dummydesign.design.sites.layout import parse_sites

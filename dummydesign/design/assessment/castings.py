@@ -189,6 +189,11 @@ class PadCastings:
         return readings_of(self.every if not known else self.pressed(known))
 
     @cached_property
+    def over_tissues(self) -> dict[int, tuple[NDArray, ...]]:
+        """Scores of the first castings for every tissue, by how many; filled where they are first wanted."""
+        return {}
+
+    @cached_property
     def every(self) -> Evaluation:
         """Scores and presses of all castings with nothing known."""
         return self.pressed()

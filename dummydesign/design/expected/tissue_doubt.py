@@ -47,7 +47,7 @@ class TissueScores:
 
 
 def castings_for_tissues(cast: PadCastings, low_share: float, pours: int = POURS, worst: int = 1) -> TissueScores:
-    """Press castings of a pad once and score them for every tissue that is drawn; parameters are those of gamma1.
+    """Score castings of a pad for every tissue that is drawn; parameters are those of gamma1.
 
     Parameters
     ----------
@@ -59,17 +59,27 @@ def castings_for_tissues(cast: PadCastings, low_share: float, pours: int = POURS
     worst : int
         The last class that counts as usable, a place in :data:`~dummydesign.design.scoring.deviations.CLASSES`.
     """
-    space = cast.space
-    pressed = evaluate(cast.slabs(cast.pours().first(pours)), space.targets, space.sampling.coarse)
-    gamma1 = evaluated_gamma1(pressed, space.targets.power)
-    rows = []
-    for targets in (space.targets, *space.targets.drawn):
-        found = pressed if targets is space.targets else scored_for(pressed, targets)
-        total = found.total(gamma1_score(gamma1, targets))
-        merit = ((1.0 - low_share) * total + low_share * found.low_aim)
-        rows.append((total, merit, kinds_of(found, targets) <= worst))
-    kept = rows[1:] or rows
-    return TissueScores(*(np.array(values) for values in zip(*kept)), rows[0][1])
+    total, low_aim, kinds = _by_tissue(cast, pours)
+    merit = (1.0 - low_share) * total + low_share * low_aim
+    kept = slice(1, None) if len(total) > 1 else slice(None)
+    return TissueScores(total[kept], merit[kept], (kinds <= worst)[kept], merit[0])
+
+
+def _by_tissue(cast: PadCastings, pours: int) -> tuple[NDArray, NDArray, NDArray]:
+    """Total, closeness below the lowest force and class of the first castings, for the tissue as stated, then each drawn.
+
+    Shapes (1 + tissues, castings). They are kept with the castings: several parts of an answer rest on them.
+    """
+    if pours not in cast.over_tissues:
+        space = cast.space
+        pressed = evaluate(cast.slabs(cast.pours().first(pours)), space.targets, space.sampling.coarse)
+        gamma1 = evaluated_gamma1(pressed, space.targets.power)
+        rows = []
+        for targets in (space.targets, *space.targets.drawn):
+            found = pressed if targets is space.targets else scored_for(pressed, targets)
+            rows.append((found.total(gamma1_score(gamma1, targets)), found.low_aim, kinds_of(found, targets)))
+        cast.over_tissues[pours] = tuple(np.array(values) for values in zip(*rows))
+    return cast.over_tissues[pours]
 
 
 def kinds_of(found: Evaluation, targets: Targets) -> NDArray:

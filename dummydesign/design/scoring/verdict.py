@@ -9,7 +9,7 @@ that judges a pad calls :func:`verdict`.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -164,6 +164,7 @@ def verdict(
     measured: Readings | None = None,
     limits: VerdictLimits | None = None,
     beyond: float = 1.0,
+    cast: bool = False,
 ) -> Verdict:
     """Judge one pad against the subjects of a tissue.
 
@@ -190,6 +191,8 @@ def verdict(
     beyond : float
         Largest steady force of the test over the hardest press of people. Above 1 nothing is settled; above the limit
         no pad is representative.
+    cast : bool
+        Whether the pad exists and was pressed: it is then one casting, and held to the limit of castings.
 
     Returns
     -------
@@ -198,6 +201,8 @@ def verdict(
     from dummydesign.design.scoring.verdict_words import sentence
 
     limits = verdict_limits() if limits is None else limits
+    if cast:
+        limits = replace(limits, shortfall=limits.shortfall_castings)
     plain = deviations(ranges, readings)
     found = deviations(ranges, readings, strict) if strict else plain
     shares, short_95, over_95, force_95 = None, None, None, None

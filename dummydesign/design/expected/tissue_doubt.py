@@ -66,7 +66,7 @@ def castings_for_tissues(cast: PadCastings, low_share: float, pours: int = POURS
 
 
 def _by_tissue(cast: PadCastings, pours: int) -> tuple[NDArray, NDArray, NDArray]:
-    """Total, closeness below the lowest force and class of the first castings, for the tissue as stated, then each drawn.
+    """Total, closeness below the lowest force and class of the first castings: the tissue as stated, then each drawn.
 
     Shapes (1 + tissues, castings). They are kept with the castings: several parts of an answer rest on them.
     """

@@ -43,13 +43,14 @@ def write_suggestion(
         The inside of the pressed pad, or why it is left out.
     """
     best = result["recommendation"]
-    young, recipe = best["young_kPa"], best["recipe"]
+    young, batch = best["young_kPa"], best["batch"]
     facts = [
         (f"{best['thickness_mm']:g} mm", f"thickness of the {_pad_words(answer)}, {_base_words(answer)}"),
         *_shape_fact(answer),
         (f"{best['ratio']:g}", f"ratio: {best['ratio_meaning']}"),
         (f"{young['value']:.3g} kPa", f"long-term modulus (95 %: {young['low']:.3g} to {young['high']:.3g})"),
-        *((f"{item['mass_g']:.1f} g", f"{item['name']} to weigh") for item in recipe["components"]),
+        *((f"{item['mass_g']:.1f} g", f"{item['name']} to weigh") for item in batch["components"]),
+        (f"{batch['pour_g']:.1f} g", f"of these {batch['total_g']:.1f} g to pour into the mould"),
         (f"{best['scores']['total']:.2f}", "score, 0 to 1"),
         *_castings_fact(result),
     ]

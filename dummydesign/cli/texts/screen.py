@@ -24,12 +24,22 @@ def labelled(label: str, text: str, most: int | None = None) -> list[str]:
         return []
     lines: list[str] = []
     for part in text.split("\n"):
+        if _step(part) and part[3:].startswith("dummydesign "):
+            lines += _command(part)
+            continue
         found = textwrap.wrap(part, WIDTH - INDENT, break_long_words=False, break_on_hyphens=False)
         lines += [found[0], *(f"   {line}" for line in textwrap.wrap(" ".join(found[1:]), WIDTH - INDENT - 3,
                                                                   break_on_hyphens=False))] if _step(part) else found
     if most is not None and len(lines) > most:
         lines = [*lines[: most - 1], f"{lines[most - 1][: WIDTH - INDENT - 4].rstrip()} ..."]
     return [f"{label if not row else '':<{INDENT}}{line}" for row, line in enumerate(lines)]
+
+
+def _command(part: str) -> list[str]:
+    """A command over several lines that a shell takes as one."""
+    found = textwrap.wrap(part, WIDTH - INDENT - 5, break_long_words=False, break_on_hyphens=False)
+    ends = [" \\"] * (len(found) - 1) + [""]
+    return [("   " if row else "") + line + end for row, (line, end) in enumerate(zip(found, ends))]
 
 
 def _step(part: str) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from dummydesign.cli.texts.screen import fitted, labelled
-from dummydesign.cli.texts.suggested_details import test_line
+from dummydesign.cli.texts.suggested_details import batch_lines, test_line
 from dummydesign.cli.texts.verdict import verdict_lines
 
 MOST_NOTES = 4
@@ -42,7 +42,7 @@ def render(result: dict[str, Any]) -> str:
 def _basis(result: dict[str, Any]) -> list[str]:
     """The calibration that was used, where one was."""
     used = result["calibration"]
-    return [] if used is None else labelled("USED", used["text"], 2)
+    return [] if used is None else labelled("USED", used["text"], 3)
 
 
 def _pad(result: dict[str, Any]) -> list[str]:
@@ -81,17 +81,8 @@ def _resin(result: dict[str, Any]) -> list[str]:
     return [
         *labelled("RESIN", f"{best['resin']}, ratio {best['ratio']:g} ({meaning}), "
                            f"{young['value']:.3g} kPa (95 %: {young['low']:.3g} to {young['high']:.3g})"),
-        *labelled("WEIGH", "\n".join(_batch(best["batch"]))),
+        *labelled("WEIGH", "\n".join(batch_lines(best["batch"]))),
     ]  # fmt: skip
-
-
-def _batch(batch: dict[str, Any]) -> list[str]:
-    """What to mix and how much of it to pour; of a layered pad both pours."""
-    lines = []
-    for name, one in (("", batch), *((("base: ", batch["base"]),) if "base" in batch else ())):
-        weigh = " + ".join(f"{item['name']} {item['mass_g']:.1f} g" for item in one["components"])
-        lines.append(f"{name}{weigh} = {one['total_g']:.1f} g; pour {one['pour_g']:.1f} g of it")
-    return lines
 
 
 def _valid(result: dict[str, Any]) -> list[str]:
@@ -101,6 +92,8 @@ def _valid(result: dict[str, Any]) -> list[str]:
     text = test_line(given)
     if "inferred_tissue" in codes:
         text += f"; {given['tissue']}: inferred, not measured"
+    if result["verdict"]["limits"]["origin"] != "built-in":
+        text += "; limits of the verdict: your own"
     return labelled("VALID", text, 2)
 
 
@@ -130,18 +123,19 @@ def _correct(result: dict[str, Any]) -> list[str]:
     )
     if max(value for value in (*forces, *energies) if value is not None) <= 1.01:
         return labelled("CORRECT", "no correction needed")
-    lines = [_factors("readings", energies)]
+    reach = " in reach" if result["castings"]["out_of_reach"] >= 0.005 else ""
+    lines = [_factors("readings", energies, reach)]
     if any(e is not None and f is not None and e - f > 0.005 for f, e in zip(forces, energies)):
-        lines = [_factors("forces", forces), _factors("energies", energies)]
+        lines = [_factors("forces", forces, reach), _factors("energies", energies, None)]
     return labelled("CORRECT", "\n".join(lines))
 
 
-def _factors(what: str, values: list[float | None]) -> str:
+def _factors(what: str, values: list[float | None], reach: str | None) -> str:
     """Factors of forces or energies: central, for 95 % of castings, and once the resin is measured."""
     central, most, after = values
-    now = "unchanged" if central is None or central <= 1.01 else f"times {central:.2f}"
-    text = f"{what} {now}; for 95 % of castings times {most:.2f}"
-    return text + ("" if after is None else f", {max(after, 1.0):.2f} once the resin is measured")
+    text = f"multiply {what} by {max(central or 1.0, 1.0):.2f} (central); {most:.2f} covers 95 %"
+    text += "" if reach is None else f" of castings{reach}"
+    return text + ("" if after is None or (most or 1.0) - after < 0.005 else f", {max(after, 1.0):.2f} once measured")
 
 
 def _why(result: dict[str, Any]) -> list[str]:
@@ -188,24 +182,55 @@ def _impact(result: dict[str, Any]) -> list[str]:
 
 def _next(result: dict[str, Any]) -> list[str]:
     """What to do now: measure first, or the step that the answer rests on."""
-    first, given = result["measure_first"], result["inputs"]
+    first = result["measure_first"]
+    if result["verdict"]["light"] == "red":
+        return labelled("NEXT", "do not cast this pad: try another resin, shape or thickness, or a smaller force", 2)
     if not first["group"]:
         return labelled("NEXT", result["rests_on"]["next_step"], 3)
     steps = [first["text"], first["protocol"].partition("; this")[0], first["command"]]
     if first["group"] in ("modulus", "relaxation"):
-        steps.append(f"dummydesign suggest --tissue {given['tissue']} --resin my-batch")
-    return labelled("NEXT", "\n".join(f"{number}. {step}" for number, step in enumerate(steps, 1)), 7)
+        name = first["command"].partition("--name ")[2].split()[0]
+        given = result["inputs"]
+        steps.append(f"dummydesign suggest --tissue {given['tissue']}{_asked(given)} --resin {name}")
+    return labelled("NEXT", "\n".join(f"{number}. {step}" for number, step in enumerate(steps, 1)), 8)
+
+
+ASKED = {
+    "aim": ("--aim", "average"), "shape": ("--shape", "auto"), "punch": ("--punch", "square:14"),
+    "edge_radius_mm": ("--edge-radius", 0.0), "force_N": ("--force", [5.0, 10.0, 15.0]),
+    "velocity_mm_s": ("--velocity", [10.0, 250.0]), "hold_s": ("--hold", 10.0), "base": ("--base", "bonded"),
+    "condition": ("--condition", "bonded"), "preset": ("--preset", "open"), "pad_mm": ("--pad", [150.0, 120.0]),
+    "thickness_mm": ("--thickness", None), "ratio": ("--ratio", None), "sites": ("--sites", None),
+}  # fmt: skip
+PARTED = {"pad_mm": "x", "sites": "x", "thickness_mm": ":", "ratio": ":"}
+
+
+def _asked(given: dict[str, Any]) -> str:
+    """What was asked for beside tissue and resin, as it is typed."""
+    words = ""
+    for key, (option, usual) in ASKED.items():
+        value = given[key]
+        value = list(value) if isinstance(value, tuple) else value
+        if value is None or value == usual:
+            continue
+        if isinstance(value, list):
+            value = PARTED.get(key, ",").join(f"{one:g}" for one in value)
+        words += f" {option} {value:g}" if isinstance(value, float) else f" {option} {value}"
+    return words
 
 
 def _meanwhile(result: dict[str, Any]) -> list[str]:
     """Two ratios to pour before anything is measured, where they help."""
     first = result["measure_first"]
-    if not first["ratios"] or first["either_fraction"] - max(first["each_fraction"]) < 0.03:
+    if result["verdict"]["light"] == "red" or not first["ratios"]:
+        return []
+    if first["either_fraction"] - max(first["each_fraction"]) < 0.03:
         return []
     low, high = first["ratios"]
-    words = "usable" if first["acceptable_means"] == "usable" else "right without a correction"
+    words = "usable" if first["acceptable_means"] == "usable" else "right uncorrected"
     share = 100 * first["either_fraction"]
-    return labelled("", f"or pour the pad at ratios {low:g} and {high:g}: at least one is {words} in {share:.0f} %")
+    text = f"or pour at ratios {low:g} and {high:g}: at least one is {words} with {share:.0f} % probability"
+    return labelled("", text)
 
 
 def _files(result: dict[str, Any]) -> list[str]:

@@ -11,8 +11,7 @@ from dummydesign.design.scoring.verdict_words import OUTCOMES, whole_percents
 def details(result: dict[str, Any]) -> str:
     """Lay all of the answer out as tables."""
     best = result["recommendation"]
-    young, recipe = best["young_kPa"], best["recipe"]
-    weigh = ", ".join(f"{item['name']} {item['mass_g']:.1f} g" for item in recipe["components"])
+    young = best["young_kPa"]
     lines = [
         *verdict_lines(result["verdict"]),
         *tissue_lines(result),
@@ -24,7 +23,7 @@ def details(result: dict[str, Any]) -> str:
         *_sites_line(result),
         f"  test       {test_line(result['inputs'])}",
         f"  resin      {best['resin']}, ratio {best['ratio']:g} ({best['ratio_meaning']})",
-        f"  weigh      {weigh} (total {recipe['total_g']:.1f} g)",
+        *(f"  weigh      {line}" for line in batch_lines(best["batch"])),
         f"  modulus    {young['value']:.3g} kPa long-term (95 %: {young['low']:.3g} to {young['high']:.3g})",
         "",
         "scores, 0 to 1 (more is better):",
@@ -45,6 +44,17 @@ def details(result: dict[str, Any]) -> str:
         lines.append(f"  {row['force_N']:<6g} {depth:<10} {span}")
     lines += _shapes(result) + _parameters(best) + _more(result)
     return "\n".join(lines)
+
+
+def batch_lines(batch: dict[str, Any]) -> list[str]:
+    """What to mix and how much of it to pour; of a layered pad both pours, and what a puck takes besides."""
+    lines = []
+    for name, one in (("", batch), *((("base: ", batch["base"]),) if "base" in batch else ())):
+        weigh = " + ".join(f"{item['name']} {item['mass_g']:.1f} g" for item in one["components"])
+        lines.append(f"{name}{weigh} = {one['total_g']:.1f} g; pour {one['pour_g']:.1f} g of it")
+    if batch["witness"]["total_g"] > batch["total_g"]:
+        lines[0] += f" (with a puck: {batch['witness']['total_g']:.1f} g)"
+    return lines
 
 
 def _small_words(result: dict[str, Any]) -> str:
@@ -191,7 +201,9 @@ def _more(result: dict[str, Any]) -> list[str]:
             f"verified: {checked['fidelity']} finite elements differ by at most "
             f"{checked['max_difference_percent']:.2f} % from the table"
         )
-    lines += ["", result["rests_on"]["text"], f"next: {result['rests_on']['next_step']}"]
+    lines += ["", result["rests_on"]["text"]]
+    if not result["measure_first"]["group"]:
+        lines.append(f"next: {result['rests_on']['next_step']}")
     lines += [f"{role}: {path}" for role, path in result["files"].items() if not role.startswith("report_")]
     return lines + warning_lines(result)
 

@@ -113,6 +113,9 @@ def measure_first(cast: PadCastings) -> MeasureFirst:
     share = now + gains[group] if group != TISSUE else now
     start = now if group != TISSUE else over_tissues or 0.0
     words = "are usable" if means == USABLE else "need no correction"
+    if group == TISSUE:
+        text = f"measure people: for other people that the data allow {_percent(start)} of castings {words}"
+        return MeasureFirst(group, now, means, listed, over_tissues, protocol, command, text)
     text = f"measure {NAMES[group]}: {_percent(start)} of castings {words}, {_percent(share)} once it is known"
     pair = _two_ratios(cast, worst) if group in RESIN else None
     found = MeasureFirst(group, now, means, listed, over_tissues, protocol, command, text)
@@ -124,6 +127,7 @@ def _how(group: str, candidate: Candidate, cast: PadCastings) -> tuple[str, str]
     resin = cast.space.resin
     if group in RESIN:
         diameter, height = PUCK_MM
+        batch = batch_name(resin.name)
         protocol = (
             f"cast a puck ({diameter:g} mm diameter, {height:g} mm high) at ratio {candidate.ratio:g}; "
             "press it: ramp, then 10 s hold; "
@@ -131,7 +135,7 @@ def _how(group: str, candidate: Candidate, cast: PadCastings) -> tuple[str, str]
         )
         command = (
             f"dummydesign resins add-compression puck.csv --diameter {diameter:g} --height {height:g} "
-            f"--ratio {candidate.ratio:g} --name my-batch --resin {resin.name}"
+            f"--ratio {candidate.ratio:g} --name {batch} --resin {resin.name}"
         )
         return protocol, command
     if group == MAKING:
@@ -140,6 +144,11 @@ def _how(group: str, candidate: Candidate, cast: PadCastings) -> tuple[str, str]
     if group == FORCE_LAW:
         return ("cast the pad, press it by a campaign and calibrate", "dummydesign loop CAMPAIGN_DIR")
     return ("press the people themselves, or use published traces of them", "dummydesign tissues add NAME TRACE.csv...")
+
+
+def batch_name(resin: str) -> str:
+    """Name of the resin that a puck's measurement makes of a resin."""
+    return "my-batch" if resin != "my-batch" else "my-batch-2"
 
 
 def _two_ratios(

@@ -83,7 +83,7 @@ def verdict_of_pad(
     known = Slabs(curves, np.zeros(1, int), np.array([pad.young_MPa]), tau, slabs.beta)
     measured = readings_of(evaluate(known, targets, sampling.coarse))
     judged = verdict(
-        ranges_of(targets), reading_of(candidate), spread, bound, of="pads that this may be",
+        ranges_of(targets), reading_of(candidate), spread, bound, of="pads with a modulus in its interval",
         strict=strict_aim(targets), measured=measured, limits=targets.limits,
     )  # fmt: skip
     return judged, candidate, targets

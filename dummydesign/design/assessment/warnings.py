@@ -80,8 +80,8 @@ def _next_step(resin: Resin, best: Candidate, weak: dict[str, int]) -> str:
     if not resin.points and weak["resin"]:
         second = best.ratio + 1.0 if best.ratio + 1.0 <= resin.ratio_max else best.ratio - 1.0
         return (
-            f"pour two test pucks, at ratios {best.ratio:g} and {second:g}, measure their modulus and pass "
-            "both to 'dummydesign resins add'"
+            f"pour two test pucks, at ratios {best.ratio:g} and {second:g}, press each (ramp, then 10 s hold) and pass "
+            "their traces to 'dummydesign resins add-compression'"
         )
     if weak["tissue"]:
         return "replace the inferred tissue by your own traces with 'dummydesign tissues add'"

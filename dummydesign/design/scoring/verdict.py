@@ -94,6 +94,8 @@ class Verdict:
     castings : dict or None
         Share of the castings in each class of :data:`~dummydesign.design.scoring.deviations.CLASSES`; they sum to 1.
     limits_that_bind : tuple of str
+    limits : VerdictLimits
+        By which it was judged.
     """
 
     level: str
@@ -115,6 +117,7 @@ class Verdict:
     subjects: int
     castings: dict[str, float] | None
     limits_that_bind: tuple[str, ...]
+    limits: VerdictLimits
 
     @property
     def light(self) -> str:
@@ -245,7 +248,7 @@ def verdict(
         int(below[PEAK].sum()), int(above[PEAK].sum()), int(np.isfinite(readings.peak_N).sum()),
         *steady, _energy_ratio(ranges, readings),
         int(below[ENERGY].sum()), int(above[ENERGY].sum()), int((~np.isfinite(readings.peak_N)).sum()),
-        ranges.subjects, shares, bound,
+        ranges.subjects, shares, bound, limits,
     )  # fmt: skip
 
 

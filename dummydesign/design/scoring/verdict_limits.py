@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -47,6 +47,11 @@ class VerdictLimits:
     share: float
     gel_compression: float
     tie: float
+    origin: str = "built-in"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return all limits and where they come from."""
+        return asdict(self)
 
     def moved(self, name: str, factor: float) -> VerdictLimits:
         """The limits with one of them multiplied by a factor.
@@ -69,7 +74,7 @@ def verdict_limits() -> VerdictLimits:
         With file and line when the file breaks its form, or limits contradict each other.
     """
     entry = find(KIND, NAME, NAME)
-    return _read(entry.path, entry.path.stat().st_mtime_ns)
+    return replace(_read(entry.path, entry.path.stat().st_mtime_ns), origin=entry.origin)
 
 
 @lru_cache(maxsize=4)

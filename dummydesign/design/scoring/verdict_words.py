@@ -29,7 +29,7 @@ LEVEL_WORDS = {
     "not_settled": "Not settled",
     "not_representative": "Not representative",
 }
-QUANTITIES = {PEAK: "the peak", STEADY: "the steady force", ENERGY: "the energy"}
+QUANTITIES = {PEAK: "the peak", STEADY: "the steady force at equal depth", ENERGY: "the energy"}
 OUTCOMES = {OUT_OF_REACH: "out of reach", READS_LOW: "too low", OVER: "too high"}
 
 
@@ -48,18 +48,23 @@ def sentence(of: Findings) -> str:
     return text
 
 
-def whole_percents(shares: list[float]) -> list[int]:
+def whole_percents(shares: list[float], taken: int | None = None) -> list[int]:
     """Round shares to whole per cent so that they keep their sum.
 
     Parameters
     ----------
     shares : list of float
         They sum to at most 1.
+    taken : int, optional
+        What others have of 100: these then fill it.
     """
     exact = 100.0 * np.array(shares)
     whole = np.floor(exact).astype(int)
-    left = round(float(exact.sum())) - int(whole.sum())
-    whole[np.argsort(whole - exact, kind="stable")[:left]] += 1
+    left = (round(float(exact.sum())) if taken is None else 100 - taken) - int(whole.sum())
+    if left < 0:
+        whole[np.argsort(exact - whole - 1.0 * (whole > 0), kind="stable")[: -left]] -= 1
+    else:
+        whole[np.argsort(whole - exact, kind="stable")[:left]] += 1
     return [int(value) for value in whole]
 
 
@@ -106,7 +111,7 @@ def _worst(of: Findings, ratios: dict[str, NDArray], side: str, who: str) -> str
     # how far the reading is below a subject's is told as a share of the subject's
     percent = 100.0 * (1.0 - 1.0 / value if side == "below" else value - 1.0)
     if name == STEADY:
-        where = f"at {ranges.steady_N[at]:.3g} N"
+        where = f"({ranges.steady_N[at]:.3g} N)"
     else:
         where = f"at {ranges.force_N[at]:.3g} N, {ranges.velocity_mm_s[at]:g} mm/s"
     reading = f" ({of.readings.peak_N[at]:.1f} N)" if name == PEAK else ""
@@ -117,12 +122,10 @@ def _castings(of: Findings) -> str:
     """What becomes of the castings; the classes add up to 100 %."""
     if of.shares is None:
         return ""
-    names = (STANDS_FOR, USABLE, READS_LOW, OVER, OUT_OF_REACH)
-    percents = dict(zip(names, whole_percents([of.shares[name] for name in names])))
-    good = percents[STANDS_FOR] + (0 if of.strict else percents[USABLE])
-    lost = [(name, percents[name]) for name in OUTCOMES if percents[name] > 0]
-    word = "keep it" if of.strict else "are usable"
     share = of.shares[STANDS_FOR] + (0.0 if of.strict else of.shares[USABLE])
+    good, *rest = (round(100.0 * share), *whole_percents([of.shares[name] for name in OUTCOMES], round(100.0 * share)))
+    lost = [(name, percent) for name, percent in zip(OUTCOMES, rest) if percent > 0]
+    word = "keep the safe side" if of.strict else "are usable"
     if of.level == "not_settled" and share < of.limits.share <= 0.01 * good:
         text = f"{np.floor(1000.0 * share) / 10.0:.1f} % of {of.of} {word}"  # not rounded up to the limit
     else:
@@ -139,5 +142,6 @@ def _ending(of: Findings) -> str:
     if of.level == "usable_with_correction" and of.correction.factor is not None:
         if of.correction.factor < 1.0 + tolerance_of(PEAK):
             return "no correction is needed"
-        return factor_words(of.correction.force, of.correction.factor)
+        words = factor_words(of.correction.force, of.correction.factor)
+        return f"{words} for 95 % of them" if of.shares is not None else words
     return ""

@@ -115,6 +115,12 @@ def missing_of(reduced: Sequence[ReducedTrace], test: PressTest, known_mm_s: Seq
         absent = [v for v in known_mm_s if not any(_near(speed, v, 1.5) for _, speed in made)]
         if absent:
             why.append(f"it was not pressed at {' and '.join(f'{v:g}' for v in absent)} mm/s")
+    if test.forces_N is None and made:
+        low, high = test.span_N
+        forces_made = [force for force, _ in made]
+        for wanted, reached, side in ((high, max(forces_made), "above"), (low, min(forces_made), "below")):
+            if not _near(reached, wanted, FORCE_APART) and (reached < wanted) == (side == "above"):
+                why.append(f"it was not pressed {side} {reached:.3g} N")
     if test.forces_N is not None or test.velocities_mm_s is not None:
         speeds = test.velocities_mm_s or tuple(sorted({speed for speed, _, _ in condition_groups(reduced)}))
         forces: tuple[float | None, ...] = test.forces_N or (None,)

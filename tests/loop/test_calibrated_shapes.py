@@ -120,9 +120,9 @@ def test_suggest_takes_a_calibration_for_every_shape_and_says_first_what_it_left
     assert {"slab", "crowned"} <= kinds
     used = answer["calibration"]
     assert used["verdict"] == "unexplained" and used["left_N"]["rise"] == 0.041 and used["noise_floor_N"] == 0.036
-    shown = suggest(known).splitlines()[:6]
-    assert any("verdict unexplained (strain_stiffening)" in line and "0.041 N rise" in line for line in shown)
-    assert any("line at 50 Hz" in line for line in shown)
+    first = " ".join(" ".join(suggest(known).splitlines()[:8]).split()).partition("PAD")[0]
+    for part in ("verdict unexplained (strain_stiffening)", "0.041 N rise", "line at 50 Hz"):
+        assert part in first
 
 
 @pytest.mark.slow

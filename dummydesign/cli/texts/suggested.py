@@ -42,7 +42,10 @@ def render(result: dict[str, Any]) -> str:
 def _basis(result: dict[str, Any]) -> list[str]:
     """The calibration that was used, where one was."""
     used = result["calibration"]
-    return [] if used is None else labelled("USED", used["text"], 3)
+    if used is None:
+        return []
+    left = "".join(f"; unexplained: {reason}" for reason in used["unexplained_because"][:1])
+    return labelled("USED", used["text"] + left, 4)
 
 
 def _pad(result: dict[str, Any]) -> list[str]:

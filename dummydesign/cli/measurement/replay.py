@@ -38,6 +38,8 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
 def render(result: dict[str, Any]) -> str:
     """Make the readable table."""
     lines = verdict_lines(result["verdict"])
+    if len(result["pads"]) > 1:
+        lines.append("verdict of the worst pad; by pad:")
     for pad in result["pads"] if len(result["pads"]) > 1 else ():
         level = pad["reason"] if pad["verdict"] is None else pad["verdict"]["level"].replace("_", " ")
         lines.append(f"{pad['shape']}, {pad['thickness_mm']:g} mm: {level}")

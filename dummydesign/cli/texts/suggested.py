@@ -158,7 +158,9 @@ def _why(result: dict[str, Any]) -> list[str]:
 
 
 def _risk(result: dict[str, Any]) -> list[str]:
-    slope = 100 * result["sensitivity"]["d_ln_young_per_percent_ratio"]
+    slope = abs(100 * result["sensitivity"]["d_ln_young_per_percent_ratio"])
+    if slope < 0.5:
+        return []
     return labelled("RISK", f"1 % of the ratio changes the modulus by {slope:.0f} %")
 
 

@@ -126,7 +126,7 @@ def _banner(verdict: Mapping[str, Any] | None) -> str:
     light = escape(verdict["light"])
     return (
         f'<div class="verdict {light}" role="status"><span class="light" aria-hidden="true"></span>'
-        f"<p><b>{light.upper()}: {escape(word.upper())}</b>{escape(rest)}.</p></div>"
+        f"<p><b>{light.upper()}: {escape(word.upper().rstrip('.'))}.</b> {escape(rest)}</p></div>"
     )
 
 

@@ -57,7 +57,8 @@ def write_suggestion(
     first = result["measure_first"]
     lead = (f"{_sentence(first['text'])} {_sentence(first['protocol'])} " if first["text"] else "") + (
         f"Recommended for {answer.tissue.title} ({answer.tissue.name}), aim {answer.request.aim}, of "
-        f"{answer.resin.title}. {result['rests_on']['text']} Next: {result['rests_on']['next_step']}."
+        f"{answer.resin.title}. {result['rests_on']['text']}"
+        + ("" if first["text"] else f" Next: {result['rests_on']['next_step']}.")
     )
     if answer.tissue.said is not None:
         lead = f"{answer.tissue.said[1]}. {lead}"
@@ -89,9 +90,9 @@ def _castings_fact(result: dict[str, Any]) -> list[tuple[str, str]]:
     share = castings["stands_for"] + castings["usable"]
     facts = [(f"{100 * share:.0f} %", f"of {castings['n']} castings are usable")]
     if result["verdict"]["light"] == "amber" and factors["factor"] is not None:
-        facts.append((f"{factors['force']:.2f}", "multiply forces by it (95 % of castings)"))
+        facts.append((f"{factors['force']:.2f}", "multiply forces by it (95 % of castings in reach)"))
         if factors["factor"] - factors["force"] > 0.005:
-            facts.append((f"{factors['factor']:.2f}", "multiply energies by it (95 % of castings)"))
+            facts.append((f"{factors['factor']:.2f}", "multiply energies by it (95 % of castings in reach)"))
     return facts
 
 

@@ -22,7 +22,7 @@ def inputs():
 def test_the_recommended_pad_gets_the_verdict_and_the_curve_of_the_suggestion(inputs):
     found = design(inputs)
     best = found.best
-    poured = sum(mass for _, mass in found.recommended.recipe)
+    poured = found.batch["total_g"]
     pad = one_pad(law_of_shape(inputs.slab_law, Slab(), best.thickness_mm), inputs.space, best.thickness_mm, best.ratio)
     assert with_castings(pad, inputs.space, inputs.castings, Tolerances(poured, 0.1, 0.2)) == found.verdict
     grids = force_grids(found.targets.protocol)

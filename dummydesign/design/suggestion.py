@@ -200,8 +200,7 @@ def condition_rows(candidate: Candidate, targets: Targets, shape: PadShape) -> l
         Of the pad, for the gel under the punch.
     """
     rows = []
-    parameters = {name: np.array([value]) for name, value in shape.parameters}
-    gel = float(shape.gel_mm(np.array([candidate.thickness_mm]), parameters)[0])
+    gel = candidate.thickness_mm - shape.bone_height_mm
     for column, condition in enumerate(targets.conditions):
         depth = float(candidate.evaluation.depth_mm[candidate.index, column])
         reached = bool(np.isfinite(depth))

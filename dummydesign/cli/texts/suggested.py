@@ -6,7 +6,7 @@ from typing import Any
 
 from dummydesign.cli.texts.screen import fitted, labelled
 from dummydesign.cli.texts.suggested_details import batch_lines, test_line
-from dummydesign.cli.texts.verdict import verdict_lines
+from dummydesign.cli.texts.verdict import impact_of, verdict_lines
 
 MOST_NOTES = 4
 NOTES = {
@@ -175,10 +175,8 @@ def _notes(result: dict[str, Any]) -> list[str]:
 
 def _impact(result: dict[str, Any]) -> list[str]:
     """What a free mass does on pad and people, where one was asked for."""
-    rows = result.get("safety", {}).get("impact", [])
-    pad = next((row for row in rows if row["body"] == "pad"), None)
-    known = [row["peak_force_N"] for row in rows if row["body"] != "pad" and row["peak_force_N"] is not None]
-    if not pad or pad["peak_force_N"] is None or not known:
+    pad, known = impact_of(result)
+    if not pad or not known:
         return []
     span = f"{min(known):.3g} to {max(known):.3g} N" if len(known) > 1 else f"{known[0]:.3g} N"
     return labelled("IMPACT", f"peak {pad['peak_force_N']:.3g} N at {pad['depth_mm']:.3g} mm on the pad, "

@@ -59,10 +59,8 @@ def first_lines(result: dict[str, Any]) -> list[str]:
         The answer of ``suggest``.
     """
     lines = [f"BOTTOMS OUT: {item['message']}" for item in result["warnings"] if item["code"] == "bottoms_out"]
-    rows = result.get("safety", {}).get("impact", [])
-    pad = next((row for row in rows if row["body"] == "pad"), None)
-    known = [row["peak_force_N"] for row in rows if row["body"] != "pad" and row["peak_force_N"] is not None]
-    if pad and pad["peak_force_N"] is not None and known:
+    pad, known = impact_of(result)
+    if pad and known:
         with_ = f"the subjects with {min(known):.3g} to {max(known):.3g} N" if len(known) > 1 else (
             f"the subject with {known[0]:.3g} N")  # fmt: skip
         lines.append(f"impact: the pad stops it with {pad['peak_force_N']:.3g} N at {pad['depth_mm']:.3g} mm, {with_}")
@@ -73,6 +71,13 @@ def first_lines(result: dict[str, Any]) -> list[str]:
     lines += [choice["expectation"]["text"]] if choice and choice["expectation"]["differs"] else []
     lines += [choice["expectation"]["undecided"]] if choice and choice["expectation"]["undecided"] else []
     return [*lines, ""] if lines else []
+
+
+def impact_of(result: dict[str, Any]) -> tuple[dict[str, Any] | None, list[float]]:
+    """The row of a pad that stops a free mass, None where none does, and the peaks of the people who stop it. [N]"""
+    rows = [row for row in result.get("safety", {}).get("impact", []) if row["peak_force_N"] is not None]
+    pad = next((row for row in rows if row["body"] == "pad"), None)
+    return pad, [row["peak_force_N"] for row in rows if row["body"] != "pad"]
 
 
 def _wants_colour() -> bool:

@@ -91,6 +91,4 @@ def verdict_of_pad(
 
 def gel_limit_mm(pad: Pad) -> float:
     """Depth at which the gel under the middle of the punch is compressed as far as the verdict allows. [mm]"""
-    parameters = {name: np.array([value]) for name, value in pad.geometry.parameters}
-    gel = pad.geometry.gel_mm(np.array([pad.thickness_mm]), parameters)
-    return float(verdict_limits().gel_compression * gel[0])
+    return float(verdict_limits().gel_compression * (pad.thickness_mm - pad.geometry.bone_height_mm))

@@ -20,7 +20,7 @@ TEXTS = (".csv", ".txt", ".dat", ".tsv", ".asc", ".xlsx")
 
 
 @dataclass(frozen=True)
-class Found:
+class ProjectFile:
     """Something that lies in a project: an import, a design, a mould, a campaign, a calibration.
 
     Attributes
@@ -47,7 +47,7 @@ class Status:
 
     Attributes
     ----------
-    found : dict of tuple of Found
+    found : dict of tuple of ProjectFile
         By folder of the project.
     next_text, next_command : str
         What to do next, in words and as a command to run in the project folder.
@@ -56,7 +56,7 @@ class Status:
     """
 
     project: Project
-    found: dict[str, tuple[Found, ...]]
+    found: dict[str, tuple[ProjectFile, ...]]
     next_text: str
     next_command: str
     problems: tuple[str, ...] = ()
@@ -78,7 +78,7 @@ def status_of(project: Project) -> Status:
     return Status(project, found, text, command, tuple(problems))
 
 
-def _look(root: Path, room: str, problems: list[str]) -> list[Found]:
+def _look(root: Path, room: str, problems: list[str]) -> list[ProjectFile]:
     folder = root / room
     if not folder.is_dir():
         return []
@@ -93,12 +93,12 @@ def _look(root: Path, room: str, problems: list[str]) -> list[Found]:
         elif path.is_dir():
             told = _manifest(path / MANIFEST)
             if told is not None:
-                rows.append(Found(name, str(told["command"]), str(told.get("date", "")), _summary(told)))
+                rows.append(ProjectFile(name, str(told["command"]), str(told.get("date", "")), _summary(told)))
         elif room == "tissue" and path.suffix == ".toml" and not path.stem.endswith("-manifest"):
             told = _manifest(path.with_name(f"{path.stem}-{MANIFEST}")) or {}
-            rows.append(Found(name, str(told.get("command", "")), str(told.get("date", ""))))
+            rows.append(ProjectFile(name, str(told.get("command", "")), str(told.get("date", ""))))
         elif room == "measured" and path.suffix.lower() in TEXTS:
-            rows.append(Found(name, ""))
+            rows.append(ProjectFile(name, ""))
     return sorted(rows, key=lambda one: one.date)
 
 
@@ -116,18 +116,18 @@ def _manifest(path: Path) -> dict[str, Any] | None:
     return told if isinstance(told, dict) and told.get("command") and told.get("finished") else None
 
 
-def _campaign(path: Path, name: str, problems: list[str]) -> Found:
+def _campaign(path: Path, name: str, problems: list[str]) -> ProjectFile:
     try:
         state = check_campaign(path)
     except InputError as problem:
         problems.append(f"{name}: {problem}")
-        return Found(name, "", "", {"pressed": 0, "missing": 0, "wrong": 1})
+        return ProjectFile(name, "", "", {"pressed": 0, "missing": 0, "wrong": 1})
     told = _manifest(path / MANIFEST) or {}
     counts = {"pressed": len(state.pressed), "missing": len(state.missing), "wrong": len(state.wrong)}
-    return Found(name, str(told.get("command", "")), str(told.get("date", "")), counts)
+    return ProjectFile(name, str(told.get("command", "")), str(told.get("date", "")), counts)
 
 
-def _next(project: Project, found: dict[str, tuple[Found, ...]]) -> tuple[str, str]:
+def _next(project: Project, found: dict[str, tuple[ProjectFile, ...]]) -> tuple[str, str]:
     """The first thing that is not done, in the order of the work."""
     raw = [one for one in found["measured"] if not one.command]
     imported = [one for one in found["measured"] if one.command == "import"]

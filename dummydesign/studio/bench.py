@@ -7,6 +7,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from dummydesign.core.datafiles import find
 from dummydesign.core.errors import InputError
 from dummydesign.design.own_test.checks import beyond_people, refused_kinds
 from dummydesign.design.own_test.punch import PROFILE, read_punch
@@ -38,7 +39,7 @@ class Asked:
 
 
 @lru_cache(maxsize=8)
-def inputs_of(root: Path, asked: Asked, stamp: tuple[float, ...]) -> Inputs:
+def inputs_of(root: Path, asked: Asked, stamp: tuple[tuple[str, int, int], ...]) -> Inputs:
     """Read tissue, resin and calibration; ``stamp`` are the times of the files, so that changed ones are read anew.
 
     Parameters
@@ -46,7 +47,7 @@ def inputs_of(root: Path, asked: Asked, stamp: tuple[float, ...]) -> Inputs:
     root : Path
         The project folder.
     asked : Asked
-    stamp : tuple of float
+    stamp : tuple of (str, int, int)
         From :func:`stamp_of`.
     """
     from dummydesign.design.inputs import resolve
@@ -60,13 +61,25 @@ def inputs_of(root: Path, asked: Asked, stamp: tuple[float, ...]) -> Inputs:
     return resolve(request, None if calibration else table_alone(request, punch))
 
 
-def stamp_of(root: Path, asked: Asked) -> tuple[float, ...]:
-    """Times of the files that stand behind what is chosen; 0 for names of the library."""
-    found = []
-    for name in (asked.tissue, asked.resin, asked.calibration, asked.punch.removeprefix(PROFILE)):
-        path = root / name
-        found.append(path.stat().st_mtime if name and path.is_file() else 0.0)
-    return tuple(found)
+def stamp_of(root: Path, asked: Asked) -> tuple[tuple[str, int, int], ...]:
+    """Path, time and size of the files behind what is chosen, those of the library too; names of nothing are left out.
+
+    Parameters
+    ----------
+    root : Path
+        The project folder.
+    asked : Asked
+    """
+    paths = [root / asked.calibration] if asked.calibration else []
+    if asked.punch.startswith(PROFILE):
+        paths.append(root / asked.punch.removeprefix(PROFILE))
+    for kind, what, name in (("tissues", "tissue", asked.tissue), ("resins", "resin", asked.resin)):
+        try:
+            paths.append(find(f"materials/{kind}", what, _path(root, name)).path)
+        except InputError:
+            continue
+    stamps = [(path, path.stat()) for path in paths if path.is_file()]
+    return tuple((str(path), stat.st_mtime_ns, stat.st_size) for path, stat in stamps)
 
 
 def _path(root: Path, name: str) -> str:

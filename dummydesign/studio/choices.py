@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from dummydesign.core.datafiles import entries
-from dummydesign.project.status import Found
+from dummydesign.project.status import ProjectFile
 
 
 def tissues(root: Path) -> dict[str, str]:
@@ -82,7 +82,7 @@ def free_name(root: Path, room: str, name: str) -> str:
     return found
 
 
-def told(one: Found) -> str:
+def told(one: ProjectFile) -> str:
     """One thing that lies in the project, in a line."""
     name, found = one.folder.partition("/")[2], one.summary or {}
     said = _said(found)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import json
+import time
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from html import escape
@@ -13,6 +15,8 @@ from nicegui import ui
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import FILE, Project, read_project
 from dummydesign.report.html import page as report_page
+from dummydesign.studio.addresses import address
+from dummydesign.studio.state import State, read_state
 from dummydesign.studio.work import jobs
 from dummydesign.studio.work.commands import shown
 
@@ -21,10 +25,19 @@ STEPS = (
     ("/mould", "4 Mould"), ("/campaign", "5 Campaign"), ("/learn", "6 Learn"),
 )  # fmt: skip
 
+# links that carry the state get it when they are used: panels come and go, and the state changes meanwhile
+KEEP_STATE = """
+let stateQuery = QUERY;
+function keepState(query) { stateQuery = query; history.replaceState(history.state, '', query ? '?' + query : '?'); }
+for (const kind of ['pointerdown', 'focusin', 'click']) addEventListener(kind, (event) => {
+  const link = event.target.closest?.('a[data-state]');
+  if (link) link.setAttribute('href', link.getAttribute('href').split('?')[0] + '?' + stateQuery);
+}, true);
+"""
 # on a phone the steps do not fit beside each other: the one that is open is moved into sight
 SHOW_STEP = (
     "addEventListener('load', () => setTimeout(() => document.querySelector('nav [aria-current]')"
-    "?.scrollIntoView({inline: 'center', block: 'nearest'}), 300))"
+    "?.scrollIntoView({inline: 'center', block: 'nearest'}), 300));"
 )
 
 
@@ -54,8 +67,11 @@ def style() -> str:
     return report + own
 
 
+Body = Callable[[Project, State], None]
+
+
 def lay_out(
-    studio: Studio, here: str, title: str, body: Callable[[Project], None], empty: Callable[[], None] | None = None
+    studio: Studio, here: str, title: str, query: Mapping[str, str], body: Body, empty: Callable[[], None] | None = None
 ) -> None:
     """Lay out a page; what is wrong in the folder is said on it.
 
@@ -66,42 +82,69 @@ def lay_out(
         Path of the page.
     title : str
         Heading.
+    query : mapping
+        Of the address: the state that the page shows.
     body : callable
-        Builds the page of a project.
+        Builds the page of a project in a state.
     empty : callable, optional
         Builds it where the folder is no project yet.
     """
     ui.colors(primary="#0b5cad")
     ui.add_head_html(f"<style>{style()}</style><script>document.documentElement.lang = 'en'</script>")
     ui.page_title(f"{title} – dummydesign studio")
-    problem, project = "", None
+    problem, project, state = "", None, None
     try:
         project = studio.project
+        state = read_state(project, query) if project else None
     except InputError as said:
         problem = str(said)
     name = project.name if project else studio.root.name
-    links = "".join(
-        f'<a href="{path}"{" aria-current=page" if path == here else ""}>{escape(words)}</a>' for path, words in STEPS
-    )
+    links = "".join(page_link(path, words, current=path == here) for path, words in STEPS)
     html(
         '<a class="skip" href="#body">to the content</a><div class="top"><div class="bar">'
         f'<span class="name">{escape(name)}</span><nav aria-label="steps">{links}</nav></div></div>'
     )
-    ui.add_body_html(f"<script>{SHOW_STEP}</script>")
+    kept = KEEP_STATE.replace("QUERY", json.dumps(state.query() if state else "").replace("<", "\\u003c"))
+    ui.add_body_html(f"<script>{SHOW_STEP}{kept}</script>")
     with ui.element("div").classes("body").props('id="body" tabindex="-1"'):
         html(f"<h1>{escape(title)}</h1>")
         if problem:
-            tell_problem(f"{problem}. Mend the file with an editor, then load this page again; nothing was changed.")
+            tell_problem(f"{problem}. Fix the file in an editor, then load this page again; nothing was changed.")
             return
         try:
-            if project is not None:
-                body(project)
+            if project is not None and state is not None:
+                for sentence in state.missing:
+                    tell_problem(sentence)
+                body(project, state)
             elif empty is not None:
                 empty()
             else:
-                html('<p class="note">This folder is no project yet: <a href="/">make it one</a> first.</p>')
+                html(f'<p class="note">This folder is no project yet: {page_link("/", "make it one")} first.</p>')
         except InputError as said:
             tell_problem(str(said))
+
+
+def keep_state(state: State) -> None:
+    """Write a state into the address and into all links that carry it; back, reload and other tabs then show it."""
+    ui.run_javascript(f"keepState({json.dumps(state.query())})")
+
+
+def page_link(path: str, words: str, test: str = "", current: bool = False) -> str:
+    """HTML of a link to a page, which shows what is chosen on this one when the link is used."""
+    marked = f' data-test="{escape(test)}"' if test else ""
+    here = " aria-current=page" if current else ""
+    return f'<a data-state{marked}{here} href="{address(path)}">{escape(words)}</a>'
+
+
+def state_link(path: str, words: str, state: State, test: str = "") -> str:
+    """HTML of a link to a page that shows a state of its own, whatever is chosen on this page later."""
+    marked = f' data-test="{escape(test)}"' if test else ""
+    return f'<a{marked} href="{address(path)}?{escape(state.query())}">{escape(words)}</a>'
+
+
+def open_page(path: str, state: State) -> None:
+    """Go to a page in a state."""
+    ui.navigate.to(f"{path}?{state.query()}")
 
 
 def html(text: str) -> ui.html:
@@ -126,14 +169,36 @@ def command_line(words: Sequence[str]) -> None:
 class Work:
     """The panel of a long command: its line, a button, how far it is, and what it found.
 
-    What is shown comes from the newest job of this name in the folder, so that every tab and a restart see the same.
+    What is shown comes from the jobs of this name in the folder, so that every tab and a restart see the same: the
+    newest one that belongs to what is chosen and has an answer. A later one that failed is said over it.
     """
 
     def __init__(
         self, studio: Studio, name: str, label: str, words: Callable[[], list[str]], show: Callable[[jobs.Job], None],
+        belongs: Callable[[jobs.Job], bool] = lambda job: True, ended: Callable[[jobs.Job], None] | None = None,
     ) -> None:
+        """Build it.
+
+        Parameters
+        ----------
+        studio : Studio
+        name : str
+            Of the step.
+        label : str
+            On the button.
+        words : callable
+            The command line of what is chosen.
+        show : callable
+            Shows the answer of a job.
+        belongs : callable
+            Whether a job answers what is chosen on the page.
+        ended : callable, optional
+            Called once with a job that ended while the page was open.
+        """
         self._studio, self._name, self._words, self._show = studio, name, words, show
-        self._seen: tuple[str, str] | None = None
+        self._belongs, self._ended = belongs, ended
+        self._seen: object = None
+        self._watched = ""
         with ui.element("section").classes("work"):
             self._line = ui.element("div")
             with ui.element("div").classes("state"):
@@ -144,17 +209,19 @@ class Work:
             self._problem = ui.element("div")
             self._found = ui.element("div").props(f'data-test="found-{name}"').style("width:100%")
         self.renew_line()
-        self.look()
-        ui.timer(0.5, self.look)
+        self.update()
+        ui.timer(0.5, self.update)
 
     def renew_line(self) -> None:
-        """Write the command line anew, after something was chosen."""
+        """Write the command line anew, after something was chosen, and show what belongs to it."""
         self._line.clear()
         with self._line:
             try:
                 command_line(self._words())
             except InputError as said:
                 html(f'<p class="note">{escape(str(said))}</p>')
+        if self._seen is not None:
+            self.update()
 
     def begin(self) -> None:
         """Start the command as it is shown."""
@@ -165,7 +232,7 @@ class Work:
             with self._problem:
                 tell_problem(str(said))
             return
-        self.look()
+        self.update()
 
     def _end(self) -> None:
         job = jobs.latest(self._studio.root, self._name)
@@ -173,36 +240,62 @@ class Work:
             jobs.stop(job)
             self._said.set_text("stopping …")
 
-    def look(self) -> None:
-        """Show how the newest command of this step stands."""
-        job = jobs.latest(self._studio.root, self._name)
-        running = job is not None and job.state == "running"
+    def update(self) -> None:
+        """Show how the newest command of this step stands, and the newest answer to what is chosen."""
+        every = jobs.named(self._studio.root, self._name)
+        newest = every[-1] if every else None
+        running = newest is not None and newest.state == "running"
         self._button.set_enabled(not running)
         self._stop.set_visibility(running)
         self._spinner.set_visibility(running)
-        if job is None:
+        shown_job = next((one for one in reversed(every) if self._belongs(one) and has_answer(one)), None)
+        if newest is not None and running:
+            self._watched = newest.folder.name
+            self._said.set_text(f"{newest.progress or 'at work'} – {newest.seconds:.0f} s")
+        seen = (newest and (newest.folder.name, newest.state), shown_job and shown_job.folder.name)
+        if seen == self._seen:
             return
-        if running:
-            self._said.set_text(f"{job.progress or 'at work'} – {job.seconds:.0f} s")
-        state = (job.folder.name, job.state)
-        if state == self._seen:
-            return
-        self._seen = state
-        if running:
-            self._problem.clear()
+        self._seen = seen
+        self._state_of(newest)
+        self._found.clear()
+        if shown_job is not None:
+            with self._found:
+                if shown_job is not newest or list(shown_job.words) != self._chosen():
+                    when = time.strftime("%d %b %H:%M", time.localtime(shown_job.started))
+                    html(f'<p class="source">Result of {when}: <code>{escape(shown(shown_job.words))}</code></p>')
+                self._show(shown_job)
+        if newest is not None and not running and newest.folder.name == self._watched:
+            self._watched = ""
+            if self._ended is not None and newest.answer:
+                self._ended(newest)
+
+    def _chosen(self) -> list[str]:
+        try:
+            return self._words()
+        except InputError:
+            return []
+
+    def _state_of(self, job: jobs.Job | None) -> None:
+        """Say how a command ended; one for another choice is said with its line."""
+        self._problem.clear()
+        if job is None or job.state == "running":
             return
         words = {"done": f"done in {job.seconds:.0f} s", "failed": "no result", "stopped": "stopped", "lost": "ended"}
+        mine = self._belongs(job)
+        if not mine:
+            self._said.set_text("")
+            return
         self._said.set_text(words[job.state])
-        self._problem.clear()
         if job.error and job.state != "done":
             with self._problem:
                 tell_problem(job.error)
             if job.state == "failed" and job.answer:
-                self._said.set_text(f"an answer in {job.seconds:.0f} s, but not an acceptable one")
-        self._found.clear()
-        with self._found:
-            if job.answer:
-                self._show(job)
+                self._said.set_text(f"done in {job.seconds:.0f} s, but the answer is not acceptable")
+
+
+def has_answer(job: jobs.Job) -> bool:
+    """Whether a command ended with an answer, also with one that is not acceptable; an error is none."""
+    return job.state in ("done", "failed") and bool(job.answer.keys() - {"error"})
 
 
 def facts(rows: Sequence[tuple[str, str]]) -> None:

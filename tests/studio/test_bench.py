@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from dummydesign.core.datafiles import find
 from dummydesign.core.errors import InputError
 from dummydesign.design.curves import force_grids, steady_curve
 from dummydesign.design.inputs import resolve
@@ -96,3 +97,19 @@ def test_a_ball_over_the_pad_is_round():
     low = outline.y - outline.y.min()
     near = np.abs(outline.x) < 5.0
     assert np.allclose(low[near], 10.0 - np.sqrt(100.0 - outline.x[near] ** 2), atol=0.02)
+
+
+def test_a_resin_of_the_user_that_changed_is_read_anew(tmp_path, monkeypatch):
+    """A library name, whose file lies in the user's folder: 25 kPa, then 40."""
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path / "home"))
+    folder = tmp_path / "home" / "materials" / "resins"
+    folder.mkdir(parents=True)
+    text = find("materials/resins", "resin", "polyurethane-nagoya").path.read_text(encoding="utf-8")
+    own = folder / "mine.toml"
+    own.write_text(text.replace('name = "polyurethane-nagoya"', 'name = "mine"'), encoding="utf-8")
+    asked = bench.Asked("forefinger", "average", "mine")
+    before = bench.inputs_of(tmp_path, asked, bench.stamp_of(tmp_path, asked)).space.resin.young_MPa(15.0)
+    stiffer = "[modulus.young_ref_kPa]\nvalue = 40.0"
+    own.write_text(own.read_text(encoding="utf-8").replace("[modulus.young_ref_kPa]\nvalue = 25.0", stiffer), "utf-8")
+    after = bench.inputs_of(tmp_path, asked, bench.stamp_of(tmp_path, asked)).space.resin.young_MPa(15.0)
+    assert after / before == pytest.approx(1.6, rel=1e-6)

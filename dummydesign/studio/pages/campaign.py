@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from html import escape
-from typing import Any
 
 from nicegui import run, ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.planning.check import Status, check_campaign
 from dummydesign.project.folder import Project
-from dummydesign.project.status import status_of
 from dummydesign.studio import choices
 from dummydesign.studio.frame import (
     Studio,
@@ -19,6 +18,8 @@ from dummydesign.studio.frame import (
     file_links,
     html,
     lay_out,
+    open_page,
+    state_link,
     table,
     tell_problem,
     warnings,
@@ -26,33 +27,33 @@ from dummydesign.studio.frame import (
 )  # fmt: skip
 from dummydesign.studio.pages.measured import uploader
 from dummydesign.studio.server import files
+from dummydesign.studio.state import State
 from dummydesign.studio.work.commands import options
 from dummydesign.studio.work.jobs import Job
 
 
-def build(studio: Studio, which: str) -> None:
+def build(studio: Studio, query: Mapping[str, str]) -> None:
     """Build the page."""
-    lay_out(studio, "/campaign", "Campaign", lambda project: _body(studio, project, which))
+    lay_out(studio, "/campaign", "Campaign", query, lambda project, state: _body(studio, project, state))
 
 
-def _body(studio: Studio, project: Project, which: str) -> None:
+def _body(studio: Studio, project: Project, state: State) -> None:
     html("<p>What to press of the pads that were cast, in a drawn order, so that the model can be held against it.</p>")
-    _plan(studio, project)
+    _plan(studio, project, state)
     html("<h2>The presses</h2>")
     known = choices.folders(studio.root, "campaigns", "campaign.toml")
     if not known:
         html("<p>no campaign yet</p>")
         return
-    start = f"campaigns/{which}" if f"campaigns/{which}" in known else known[-1]
+    start = state.campaign
+    known = known if start in known else [start, *known]
     chosen = ui.select(known, value=start, label="Campaign").props('data-test="campaign"').style("width:100%")
-    chosen.on_value_change(lambda: ui.navigate.to(f"/campaign?which={chosen.value.partition('/')[2]}"))
-    _presses(studio, start)
+    chosen.on_value_change(lambda: open_page("/campaign", state.changed(campaign=chosen.value)))
+    _presses(studio, state)
 
 
-def _plan(studio: Studio, project: Project) -> None:
-    designs = [one.summary for one in status_of(project).found["designs"] if one.summary and "ratio" in one.summary]
-    best: dict[str, Any] = designs[-1] or {} if designs else {}
-    resin, ratio = best.get("resin") or project.resin or "polyurethane-nagoya", best.get("ratio", 15.0)
+def _plan(studio: Studio, project: Project, state: State) -> None:
+    resin, ratio = state.resin, state.ratio
     none_yet = not choices.folders(studio.root, "campaigns", "campaign.toml")
     with ui.expansion("Plan a new campaign", value=none_yet).style("width:100%"):
         with ui.element("div").classes("fields"):
@@ -77,7 +78,7 @@ def _plan(studio: Studio, project: Project) -> None:
             given = {
                 "pads": pads.value, "velocity": speeds.value, "force": forces.value, "repeats": int(repeats.value),
                 "ages": ages.value, "hold": None if hold.value is None else float(hold.value), "resin": material.value,
-                "ratio": float(mixed.value), "punch": project.punch,
+                "ratio": float(mixed.value), "punch": state.punch,
             }  # fmt: skip
             return ["campaign", "new", f"campaigns/{folder}", *options(given)]
 
@@ -91,15 +92,16 @@ def _plan(studio: Studio, project: Project) -> None:
             if power:
                 html(f"<p>Seen at their usual size: {escape(', '.join(power['seen']) or 'nothing')}.</p>")
             warnings(answer)
-            on = f"/campaign?which={escape(folder.partition('/')[2])}"
-            html(f'<p class="note"><a data-test="presses" href="{on}">Go on to the presses</a></p>')
+            on = state_link("/campaign", "Go on to the presses", state.changed(campaign=folder), "presses")
+            html(f'<p class="note">{on}</p>')
 
         work = Work(studio, "campaign", "Plan it", words, show)
         for field in (name, pads, speeds, forces, repeats, ages, hold, material, mixed):
             field.on_value_change(work.renew_line)
 
 
-def _presses(studio: Studio, folder: str) -> None:
+def _presses(studio: Studio, chosen: State) -> None:
+    folder = chosen.campaign
     path = studio.root / folder
     links = [("the sheet to press from", f"{folder}/sheet.html")] if (path / "sheet.html").is_file() else []
     file_links([*links, ("campaign.toml", f"{folder}/campaign.toml")])
@@ -115,7 +117,7 @@ def _presses(studio: Studio, folder: str) -> None:
         state.clear()
         with state:
             command_line(["campaign", "check", folder])
-            _state(found, path.name)
+            _state(found, chosen)
 
     def check(name: str) -> None:
         if name not in names:
@@ -145,7 +147,7 @@ def _presses(studio: Studio, folder: str) -> None:
     show(check_campaign(path))
 
 
-def _state(found: Status, name: str) -> None:
+def _state(found: Status, chosen: State) -> None:
     """How far a campaign is, in words."""
     done, left = len(found.pressed), len(found.missing)
     html(f'<p role="status"><b>{done} of {done + left} presses are there</b></p>')
@@ -156,5 +158,4 @@ def _state(found: Status, name: str) -> None:
     for one in found.warnings:
         html(f'<p class="note">{escape(one["message"])}</p>')
     if found.ready:
-        on = f"/learn?which={escape(name)}"
-        html(f'<p class="note">All is there: <a data-test="learn" href="{on}">learn from it</a>.</p>')
+        html(f'<p class="note">All is there: {state_link("/learn", "learn from it", chosen, "learn")}.</p>')

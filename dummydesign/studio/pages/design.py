@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Mapping
 from html import escape
 from typing import Any
 
@@ -21,11 +22,13 @@ from dummydesign.studio.frame import (
     file_links,
     html,
     lay_out,
+    page_link,
     shown_file,
     table,
     warnings,
 )  # fmt: skip
 from dummydesign.studio.slider import Slider
+from dummydesign.studio.state import State
 from dummydesign.studio.work import commands
 from dummydesign.studio.work.jobs import Job
 
@@ -33,15 +36,15 @@ SETTLE_S = 0.35
 """After this time without a move the verdict counts what castings may turn out as. [s]"""
 
 
-def build(studio: Studio, which: str) -> None:
+def build(studio: Studio, query: Mapping[str, str]) -> None:
     """Build the page."""
-    lay_out(studio, "/design", "Design", lambda project: Page(studio, project, which))
+    lay_out(studio, "/design", "Design", query, lambda project, state: Page(studio, project, state) and None)
 
 
 class Page:
     """The page; what is chosen on it lives in its fields alone until a command is started."""
 
-    def __init__(self, studio: Studio, project: Project, which: str) -> None:
+    def __init__(self, studio: Studio, project: Project, state: State) -> None:
         self.studio, self.root, self.project = studio, studio.root, project
         self.wanted = self.shown = 0
         self.busy = False
@@ -63,7 +66,7 @@ class Page:
                 self.resin = ui.select(resins, value=resin, label="Resin")
                 found = choices.folders(self.root, "calibrations", "calibration.json")
                 calibrations = {"": "none"} | {f"{one}/calibration.json": one for one in reversed(found)}
-                self.calibration = ui.select(calibrations, value=which if which in calibrations else "",
+                self.calibration = ui.select(calibrations, value=state.calibration,
                                              label="Calibration")  # fmt: skip
                 self.punch = ui.input("Punch", value=project.punch or PUNCH).props('data-test="punch"')
                 shape = str(best.get("shape", "slab"))
@@ -252,5 +255,4 @@ class Page:
         warnings(answer)
         if answer.get("files", {}).get("report"):
             file_links([("the whole report", answer["files"]["report"])])
-        folder = answer["inputs"]["out"].rpartition("/")[2]
-        html(f'<p class="note next"><a data-test="mould" href="/mould?which={escape(folder)}">Make its mould</a></p>')
+        html(f'<p class="note next">{page_link("/mould", "Make its mould", "mould")}</p>')

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from html import escape
 from pathlib import Path
 
@@ -10,25 +11,39 @@ from nicegui import ui
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project
 from dummydesign.studio import choices
-from dummydesign.studio.frame import Studio, Work, html, lay_out, shown_file, table, warnings, zip_link
+from dummydesign.studio.frame import (
+    Studio,
+    Work,
+    html,
+    keep_state,
+    lay_out,
+    page_link,
+    shown_file,
+    state_link,
+    table,
+    warnings,
+    zip_link,
+)  # fmt: skip
+from dummydesign.studio.state import State
 from dummydesign.studio.work.commands import options
 from dummydesign.studio.work.jobs import Job
 
 
-def build(studio: Studio, which: str) -> None:
+def build(studio: Studio, query: Mapping[str, str]) -> None:
     """Build the page."""
-    lay_out(studio, "/learn", "Learn", lambda project: _body(studio, project, which))
+    lay_out(studio, "/learn", "Learn", query, lambda project, state: _body(studio, project, state))
 
 
-def _body(studio: Studio, project: Project, which: str) -> None:
+def _body(studio: Studio, project: Project, state: State) -> None:
     html("<p>The model against a pressed campaign: what it lacks, how large that is, and what to measure next.</p>")
     known = choices.folders(studio.root, "campaigns", "campaign.toml")
     if not known:
-        html('<p class="note">No campaign yet: <a href="/campaign">plan one</a>.</p>')
+        html(f'<p class="note">No campaign yet: {page_link("/campaign", "plan one")}.</p>')
         return
-    start = f"campaigns/{which}" if f"campaigns/{which}" in known else known[-1]
+    start = state.campaign
     priors = {"": "none"} | {f"{one}/calibration.json": one for one in
                              choices.folders(studio.root, "calibrations", "calibration.json")}  # fmt: skip
+    known = known if start in known else [start, *known]
     with ui.element("div").classes("fields"):
         chosen = ui.select(known, value=start, label="Campaign").props('data-test="campaign"')
         prior = ui.select(priors, value="", label="Earlier calibration of the same material")
@@ -39,12 +54,20 @@ def _body(studio: Studio, project: Project, which: str) -> None:
         name = chosen.value.partition("/")[2]
         return ["loop", chosen.value, *options({"prior": prior.value}), "--out", f"calibrations/loop-{name}"]
 
-    work = Work(studio, "loop", "Learn from it", words, lambda job: _show(studio, job))
-    for field in (chosen, prior):
-        field.on_value_change(work.renew_line)
+    def belongs(job: Job) -> bool:
+        return job.words[1:2] == (chosen.value,)
+
+    work = Work(studio, "loop", "Learn from it", words, lambda job: _show(studio, state, job), belongs)
+
+    def renew() -> None:
+        keep_state(state.changed(campaign=chosen.value))
+        work.renew_line()
+
+    chosen.on_value_change(renew)
+    prior.on_value_change(work.renew_line)
 
 
-def _show(studio: Studio, job: Job) -> None:
+def _show(studio: Studio, state: State, job: Job) -> None:
     answer = job.answer
     if "answer" not in answer:
         return
@@ -58,7 +81,7 @@ def _show(studio: Studio, job: Job) -> None:
     warnings(answer)
     folder = Path(answer["calibration_file"]).parent.as_posix()
     zip_link(folder)
-    again = f"/design?which={escape(answer['calibration_file'])}"
-    html(f'<p class="note next"><a data-test="again" href="{again}">Design again with what was learned</a></p>')
+    again = state.changed(calibration=answer["calibration_file"], campaign=job.words[1])
+    html(f'<p class="note next">{state_link("/design", "Design again with what was learned", again, "again")}</p>')
     if (studio.root / folder / "report.html").is_file():
         shown_file(f"/files/{folder}/report.html", "report of the loop")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from html import escape
 from pathlib import Path
 
@@ -11,7 +11,7 @@ from nicegui import events, ui
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project
 from dummydesign.project.status import TEXTS
-from dummydesign.studio.frame import Studio, Work, html, lay_out, shown_file, table, tell_problem, warnings
+from dummydesign.studio.frame import Studio, Work, html, lay_out, page_link, shown_file, table, tell_problem, warnings
 from dummydesign.studio.server import files, guard
 from dummydesign.studio.work.commands import options
 from dummydesign.studio.work.jobs import Job
@@ -37,9 +37,9 @@ HEADER = """
 """Of the place for files: a button with words in the place of a plus sign without any; its file field is not in it."""
 
 
-def build(studio: Studio, which: str) -> None:
+def build(studio: Studio, query: Mapping[str, str]) -> None:
     """Build the page."""
-    lay_out(studio, "/measured", "Measured files", lambda project: _body(studio, project))
+    lay_out(studio, "/measured", "Measured files", query, lambda project, state: _body(studio, project))
 
 
 def _body(studio: Studio, project: Project) -> None:
@@ -140,4 +140,4 @@ def _show(studio: Studio, job: Job) -> None:
         table(["press", "samples", "mm/s", "hold s", "depth mm", "peak N", "steady N"], rows)
         rows = [[d["what"], str(d["value"]), d["why"]] for d in one["decisions"]]
         table(["decided", "value", "because"], rows, words=True, under=f"how {len(rows)} things were decided, and why")
-    html('<p class="note">Next: <a href="/tissue">fit a tissue to these presses</a></p>')
+    html(f'<p class="note">Next: {page_link("/tissue", "fit a tissue to these presses")}</p>')

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +11,6 @@ from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project
-from dummydesign.project.status import status_of
 from dummydesign.studio import choices
 from dummydesign.studio.frame import (
     Studio,
@@ -17,36 +18,34 @@ from dummydesign.studio.frame import (
     facts,
     file_links,
     html,
+    keep_state,
     lay_out,
+    page_link,
     shown_file,
     table,
     warnings,
     zip_link,
 )  # fmt: skip
+from dummydesign.studio.state import State, design_summary
 from dummydesign.studio.work.commands import options
 from dummydesign.studio.work.jobs import Job
 
 
-def build(studio: Studio, which: str) -> None:
+def build(studio: Studio, query: Mapping[str, str]) -> None:
     """Build the page."""
-    lay_out(studio, "/mould", "Mould", lambda project: _body(studio, project, which))
+    lay_out(studio, "/mould", "Mould", query, lambda project, state: _body(studio, project, state))
 
 
-def _body(studio: Studio, project: Project, which: str) -> None:
-    best = _design(project, which)
-    if best:
-        html(f"<p>Filled in from the design <b>{best['from']}</b>.</p>")
-    else:
-        html('<p class="note">No design yet: give the pad here, or <a href="/design">design one</a>.</p>')
+def _body(studio: Studio, project: Project, state: State) -> None:
+    source = html("").style("width:100%")
     presets = ["open", "lidded", "printed"]
-    resins = choices.resins()
-    resin = best.get("resin") or project.resin or "polyurethane-nagoya"
+    resins, resin = choices.resins(), state.resin
     with ui.element("div").classes("fields"):
-        thickness = ui.number("Thickness [mm]", value=best.get("thickness_mm", 5.0), min=3, max=30, step=0.5)
+        thickness = ui.number("Thickness [mm]", value=state.thickness_mm, min=3, max=30, step=0.5)
         length = ui.number("Length [mm]", value=150.0, min=20, max=300, step=5)
         width = ui.number("Width [mm]", value=120.0, min=20, max=300, step=5)
-        shape = ui.input("Shape", value=str(best.get("shape", "slab")))
-        ratio = ui.number("Ratio", value=best.get("ratio", 15.0), step=0.1)
+        shape = ui.input("Shape", value=state.shape)
+        ratio = ui.number("Ratio", value=state.ratio, step=0.1)
         material = ui.select(resins if resin in resins else {resin: resin, **resins}, value=resin, label="Resin")
         preset = ui.select(presets, value="open", label="Kind of mould").props('data-test="preset"')
     thickness.props('data-test="thickness"')
@@ -68,16 +67,49 @@ def _body(studio: Studio, project: Project, which: str) -> None:
     def show(job: Job) -> None:
         _show(studio, job.answer)
 
-    work = Work(studio, "mould", "Make the mould", words, show)
+    def chosen() -> State:
+        return state.changed(
+            shape=(shape.value or "slab").strip(), resin=material.value,
+            thickness_mm=float(thickness.value or state.thickness_mm), ratio=float(ratio.value or state.ratio),
+        )  # fmt: skip
+
+    def belongs(job: Job) -> bool:
+        try:
+            return pad_of(job.words) == pad_of(words())
+        except InputError:
+            return False
+
+    work = Work(studio, "mould", "Make the mould", words, show, belongs)
+
+    def renew() -> None:
+        now = chosen()
+        keep_state(now)
+        source.set_content(_source(studio, now))
+        work.renew_line()
+
+    source.set_content(_source(studio, state))
     for field in (thickness, length, width, shape, ratio, material, preset):
-        field.on_value_change(work.renew_line)
+        field.on_value_change(renew)
 
 
-def _design(project: Project, which: str) -> dict[str, Any]:
-    """The design asked for, or the newest."""
-    found = [one for one in status_of(project).found["designs"] if one.summary and "thickness_mm" in one.summary]
-    named = [one for one in found if one.folder.partition("/")[2] == which] or found
-    return {**(named[-1].summary or {}), "from": named[-1].folder} if named else {}
+def pad_of(words: Sequence[str]) -> tuple[str, ...]:
+    """The options of a command line of ``mold`` but for its folder: the pad and the kind of mould."""
+    given = list(words)
+    if "--out" in given:
+        at = given.index("--out")
+        del given[at : at + 2]
+    return tuple(given)
+
+
+def _source(studio: Studio, state: State) -> str:
+    """Where the pad comes from, with the verdict on it."""
+    if not state.design:
+        link = page_link("/design", "design one")
+        return f'<p class="note">This pad is not one of the designs. Check it, or {link}.</p>'
+    summary = design_summary(studio.root, state.design)
+    red = summary.get("verdict") == "not_representative"
+    verdict = f'<p class="problem" role="alert">{escape(str(summary.get("text", "")))} Do not cast this pad.</p>'
+    return f"<p>This pad is the design <b>{escape(state.design)}</b>.</p>{verdict if red else ''}"
 
 
 def _show(studio: Studio, answer: dict[str, Any]) -> None:
@@ -103,4 +135,4 @@ def _show(studio: Studio, answer: dict[str, Any]) -> None:
     if list((studio.root / folder).glob("*.stl")):
         shown_file(f"/solid/mould/{folder}", "pad and mould as solids", "shown solid")
     file_links([(f"{role.replace('_', ' ')}: {Path(path).name}", path) for role, path in answer["files"].items()])
-    html('<p class="note">Next: cast the pads, then <a href="/campaign">plan what to press</a>.</p>')
+    html(f'<p class="note">Next: cast the pads, then {page_link("/campaign", "plan what to press")}.</p>')

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from html import escape
 
 from nicegui import ui
@@ -10,7 +11,8 @@ from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project, make_project
 from dummydesign.project.status import status_of
 from dummydesign.studio import choices
-from dummydesign.studio.frame import Studio, command_line, file_links, html, lay_out, tell_problem
+from dummydesign.studio.addresses import address
+from dummydesign.studio.frame import Studio, command_line, file_links, html, lay_out, page_link, tell_problem
 from dummydesign.studio.work import jobs
 from dummydesign.studio.work.commands import options, shown
 
@@ -27,9 +29,9 @@ PAGES = {
 """Page that a command belongs to."""
 
 
-def build(studio: Studio, which: str) -> None:
+def build(studio: Studio, query: Mapping[str, str]) -> None:
     """Build the page."""
-    lay_out(studio, "/", "Overview", lambda project: _stand(studio, project), lambda: _make(studio))
+    lay_out(studio, "/", "Overview", query, lambda project, state: _stand(studio, project), lambda: _make(studio))
 
 
 def _make(studio: Studio) -> None:
@@ -74,7 +76,7 @@ def _stand(studio: Studio, project: Project) -> None:
     told = status_of(project)
     html(f'<p class="note next">Next: <b>{escape(told.next_text)}</b></p>')
     step = PAGES.get(told.next_command.split()[1], "/design")
-    html(f'<a class="go" data-test="next" href="{step}">Go there</a>')
+    html(f'<a class="go" data-state data-test="next" href="{address(step)}">Go there</a>')
     html(f'<div class="command"><code>{escape(told.next_command)}</code></div>')
     given = ", ".join(f"{name} {value}" for name, value in project.given().items()) or "nothing chosen yet"
     html(f"<p>Chosen for this project: {escape(given)}</p>")
@@ -86,7 +88,7 @@ def _stand(studio: Studio, project: Project) -> None:
         rows = "".join(f"<li>{escape(choices.told(one))}</li>" for one in reversed(found[-8:]))
         more = f"<li>and {len(found) - 8} more</li>" if len(found) > 8 else ""
         listed = f"<ul>{rows}{more}</ul>" if rows else "<p>none yet</p>"
-        cards.append(f'<div><h2><a href="{path}">{words}</a></h2>{listed}</div>')
+        cards.append(f'<div><h2>{page_link(path, words)}</h2>{listed}</div>')
     html(f'<div class="cards">{"".join(cards)}</div>')
     reports = [
         (f"{one.folder.partition('/')[2]}: report", f"{one.folder}/report.html")

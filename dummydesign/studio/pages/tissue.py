@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from html import escape
 
 from nicegui import ui
@@ -16,24 +17,28 @@ from dummydesign.studio.frame import (
     file_links,
     html,
     lay_out,
+    open_page,
+    page_link,
     table,
     tell_problem,
     warnings,
 )
 from dummydesign.studio.server import files
+from dummydesign.studio.state import State
 from dummydesign.studio.work.commands import options
 from dummydesign.studio.work.jobs import Job
 
 
-def build(studio: Studio, which: str) -> None:
+def build(studio: Studio, query: Mapping[str, str]) -> None:
     """Build the page."""
-    lay_out(studio, "/tissue", "Tissue", lambda project: _body(studio, project))
+    lay_out(studio, "/tissue", "Tissue", query, lambda project, state: _body(studio, project, state))
 
 
-def _body(studio: Studio, project: Project) -> None:
+def _body(studio: Studio, project: Project, state: State) -> None:
     known = choices.tissues(studio.root)
     html("<p>The tissue that the dummy stands for. Its band is the range of the subjects that were measured.</p>")
-    start = project.tissue if project.tissue in known else next(iter(known))
+    start = state.tissue
+    known = known if start in known else {start: f"{start} (missing)", **known}
     chosen = ui.select(known, value=start, label="Tissue").props('data-test="tissue"').style("width:100%")
     shown = ui.element("div")
 
@@ -44,7 +49,7 @@ def _body(studio: Studio, project: Project) -> None:
 
     def use() -> None:
         change_project(project, tissue=chosen.value, aim=None)
-        ui.navigate.to("/design")
+        open_page("/design", state.changed(tissue=chosen.value, aim="average"))
 
     chosen.on_value_change(renew)
     ui.button("Use it for this project", on_click=use).props('data-test="use"')
@@ -81,7 +86,7 @@ def _show_tissue(studio: Studio, name: str) -> None:
 def _fit(studio: Studio, chosen: ui.select) -> None:
     found = choices.traces(studio.root)
     if not found:
-        html('<p class="note">No presses yet: <a href="/measured">bring in files</a> first.</p>')
+        html(f'<p class="note">No presses yet: {page_link("/measured", "bring in files")} first.</p>')
         return
     with ui.element("div").classes("fields"):
         picked = ui.select(found, multiple=True, value=list(found), label="Presses of one subject")

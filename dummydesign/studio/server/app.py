@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from fastapi import FastAPI
+from fastapi import FastAPI, Request
 from fastapi.responses import FileResponse, HTMLResponse, PlainTextResponse, Response, StreamingResponse
 from nicegui import ui
 
@@ -79,5 +79,5 @@ def make_app(root: Path) -> FastAPI:
 
 def _add(studio: Studio, path: str, build) -> None:  # type: ignore[no-untyped-def]
     @ui.page(path)
-    def page(which: str = "") -> None:
-        build(studio, which)
+    def page(request: Request) -> None:
+        build(studio, request.query_params)

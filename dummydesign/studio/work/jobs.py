@@ -11,6 +11,7 @@ import sys
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -58,11 +59,11 @@ class Job:
     @property
     def answer(self) -> dict[str, Any]:
         """What the command printed; empty where it printed no answer."""
+        path = self.folder / runner.ANSWER
         try:
-            found = json.loads((self.folder / runner.ANSWER).read_text(encoding="utf-8"))
+            return _answer(path, path.stat().st_mtime_ns)
         except (OSError, ValueError):
             return {}
-        return found if isinstance(found, dict) else {}
 
     @property
     def error(self) -> str:
@@ -77,6 +78,12 @@ class Job:
             return ""
         said = [line.removeprefix("error: ") for line in lines if line.startswith("error: ")]
         return said[-1] if said else (lines[-1] if lines and self.state == "failed" else "")
+
+
+@lru_cache(maxsize=16)
+def _answer(path: Path, stamp: int) -> dict[str, Any]:
+    found = json.loads(path.read_text(encoding="utf-8"))
+    return found if isinstance(found, dict) else {}
 
 
 def start(root: Path, name: str, words: Sequence[str]) -> Job:
@@ -189,6 +196,23 @@ def all_jobs(root: Path) -> list[Job]:
         except (OSError, ValueError, KeyError):
             continue
     return found
+
+
+def named(root: Path, name: str) -> list[Job]:
+    """All commands of a step, the oldest first; pages ask for them twice a second, so those that ended are kept."""
+    found = []
+    for folder in sorted((root / HOME / "jobs").glob(f"[0-9]*-{name}")):
+        try:
+            status = folder / runner.STATUS
+            found.append(_ended_job(folder, status.stat().st_mtime_ns) if status.exists() else read_job(folder))
+        except (OSError, ValueError, KeyError):
+            continue
+    return found
+
+
+@lru_cache(maxsize=512)
+def _ended_job(folder: Path, stamp: int) -> Job:
+    return read_job(folder)
 
 
 def latest(root: Path, name: str) -> Job | None:

@@ -1,0 +1,214 @@
+"""What is chosen: one state for all pages. It stands in the page's address; what that lacks comes from the folder."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlencode
+
+from dummydesign.core.errors import InputError
+from dummydesign.core.outputs.manifest import NAME as MANIFEST
+from dummydesign.geometry.standard import PUNCH
+from dummydesign.project.folder import Project
+from dummydesign.project.status import STANDARD_RESIN, ProjectFile, status_of
+from dummydesign.studio import choices
+
+PAD_FIELDS = ("shape", "thickness_mm", "ratio")
+QUESTION_FIELDS = ("tissue", "aim", "resin", "calibration", "punch")
+"""What a search is asked; the pad under the sliders is judged by the same."""
+
+
+@dataclass(frozen=True)
+class State:
+    """What the pages show.
+
+    Attributes
+    ----------
+    tissue, aim, resin, punch, calibration : str
+        As options of ``suggest``: names, or paths from the project folder on; no calibration is empty.
+    shape, thickness_mm, ratio : str, float, float
+        The pad. [mm, resin's ratio]
+    design : str
+        Folder of the design that the pad comes from; empty once the pad was changed.
+    campaign : str
+        Folder of the campaign; empty without one.
+    missing : tuple of str
+        Sentences about what the address or ``project.toml`` names and the folder does not hold. What is missing
+        stays chosen: nothing else takes its place.
+    """
+
+    tissue: str
+    aim: str = "average"
+    resin: str = STANDARD_RESIN
+    punch: str = PUNCH
+    calibration: str = ""
+    shape: str = "slab"
+    thickness_mm: float = 6.0
+    ratio: float = 15.0
+    design: str = ""
+    campaign: str = ""
+    missing: tuple[str, ...] = ()
+
+    def query(self) -> str:
+        """Return the state as the query of an address."""
+        given = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "missing"}
+        return urlencode({name: f"{value:g}" if isinstance(value, float) else value
+                          for name, value in given.items() if value != ""})  # fmt: skip
+
+    def changed(self, **new: Any) -> State:
+        """Return the state with other values; a pad that is no longer the design's forgets it."""
+        after = replace(self, **new)
+        kept = all(getattr(after, name) == getattr(self, name) for name in (*PAD_FIELDS, *QUESTION_FIELDS))
+        return after if kept or "design" in new else replace(after, design="")
+
+    @property
+    def question(self) -> dict[str, str]:
+        """What a search is asked, without the pad."""
+        return {name: getattr(self, name) for name in QUESTION_FIELDS}
+
+    @property
+    def label(self) -> str:
+        """The pad and what it is compared with, in one line."""
+        taught = f", calibration {Path(self.calibration).parent.name}" if self.calibration else ""
+        aim = "" if self.aim == "average" else f" ({self.aim})"
+        return (f"{self.shape}, {self.thickness_mm:g} mm, ratio {self.ratio:g}, {self.resin}; "
+                f"{self.tissue}{aim}, {self.punch}{taught}")  # fmt: skip
+
+
+def read_state(project: Project, query: Mapping[str, str]) -> State:
+    """Read the state of an address in a project.
+
+    The address wins; then the design that it names; then ``project.toml``, with the newest design for its tissue.
+
+    Parameters
+    ----------
+    project : Project
+    query : mapping
+        Of the address; unknown names are passed over.
+    """
+    given = {name: text for name, text in query.items() if text.strip()}
+    designs = [one for one in status_of(project).found["designs"] if is_design(one)]
+    tissue = given.get("tissue") or project.tissue or ""
+    named = [one for one in designs if one.folder == given.get("design")]
+    newest = [one for one in designs if design_state(project.root, one.folder).get("tissue") == (tissue or None)]
+    # nothing was chosen at all: the newest design says what one worked on
+    newest = newest or ([] if tissue else designs)
+    base: dict[str, Any] = {"tissue": tissue, **_of_project(project)}
+    if named or (newest and "shape" not in given):
+        base |= design_state(project.root, (named or newest)[-1].folder)
+    known = choices.tissues(project.root)
+    for one in fields(State):
+        if one.name in given and one.name != "missing":
+            base[one.name] = _number(given[one.name], base.get(one.name, one.default), one.type == "float")
+    if not base["tissue"]:
+        base["tissue"] = next(iter(known))
+    campaigns = choices.folders(project.root, "campaigns", "campaign.toml")
+    base["campaign"] = base.get("campaign") or (campaigns[-1] if campaigns else "")
+    state = State(**base)
+    if named or (state.design and state.design != given.get("design")):
+        # the address changes what the design was made for: the pad is then no longer that design
+        source = design_state(project.root, state.design)
+        if any(name in given and getattr(state, name) != source.get(name) for name in (*PAD_FIELDS, *QUESTION_FIELDS)):
+            state = replace(state, design="")
+    return replace(state, missing=_missing(project.root, state, known, campaigns, designs, given))
+
+
+def is_design(one: ProjectFile) -> bool:
+    """Whether a folder holds a pad that was designed."""
+    return bool(one.summary) and {"shape", "thickness_mm", "ratio"} <= set(one.summary or {})
+
+
+def design_state(root: Path, folder: str) -> dict[str, Any]:
+    """Read the pad of a design and what it was designed for; empty where its manifest cannot be read.
+
+    Parameters
+    ----------
+    root : Path
+        The project folder.
+    folder : str
+        Such as ``designs/suggest-forefinger``.
+    """
+    try:
+        manifest = json.loads((root / folder / MANIFEST).read_text(encoding="utf-8"))
+        pad, inputs = manifest["summary"], manifest.get("inputs", {})
+        found = {
+            "shape": str(pad["shape"]), "thickness_mm": float(pad["thickness_mm"]), "ratio": float(pad["ratio"]),
+            "resin": str(pad["resin"]), "tissue": str(inputs["tissue"]), "aim": str(inputs.get("aim", "average")),
+            "punch": str(inputs.get("punch") or PUNCH), "calibration": _inside(root, inputs.get("calibration")),
+        }  # fmt: skip
+    except (OSError, ValueError, KeyError, TypeError):
+        return {}
+    return found | {"tissue": _inside(root, found["tissue"]), "design": folder}
+
+
+def design_summary(root: Path, folder: str) -> dict[str, Any]:
+    """The summary of a design's manifest: pad, verdict and its sentence; empty where it cannot be read."""
+    try:
+        found = json.loads((root / folder / MANIFEST).read_text(encoding="utf-8")).get("summary")
+    except (OSError, ValueError, AttributeError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def _inside(root: Path, path: object) -> str:
+    """A path from the project folder on; names of the library and paths elsewhere as they are."""
+    text = str(path or "")
+    try:
+        return Path(text).relative_to(root).as_posix() if Path(text).is_absolute() else text
+    except ValueError:
+        return text
+
+
+def _of_project(project: Project) -> dict[str, Any]:
+    asked = dict(project.asked)
+    named = {"resin": project.resin, "punch": project.punch, "aim": asked.get("aim"),
+             "calibration": asked.get("calibration")}  # fmt: skip
+    if ":" in (shape := asked.get("shape", "")):
+        named["shape"] = shape
+    return {name: value for name, value in named.items() if value}
+
+
+def _number(text: str, before: Any, is_number: bool) -> Any:
+    if not is_number:
+        return text.strip()
+    try:
+        value = float(text)
+    except ValueError:
+        return before
+    return value if 0.0 < value < 1e6 else before
+
+
+def _missing(
+    root: Path, state: State, known: Mapping[str, str], campaigns: list[str], designs: list[ProjectFile],
+    given: Mapping[str, str],
+) -> tuple[str, ...]:  # fmt: skip
+    """What is chosen and not there."""
+    found = []
+    if state.tissue not in known and not (root / state.tissue).is_file():
+        found.append(f"The tissue '{state.tissue}' is not there. Choose another, or bring its file back.")
+    if state.calibration and not (root / state.calibration).is_file():
+        found.append(f"The calibration '{state.calibration}' is not there. Choose another, or none.")
+    if state.resin not in choices.resins() and not (root / state.resin).is_file():
+        found.append(f"The resin '{state.resin}' is not there. Choose another.")
+    if state.campaign and state.campaign not in campaigns:
+        found.append(f"The campaign '{state.campaign}' is not there. Choose another.")
+    wanted = given.get("design")
+    if wanted and wanted not in [one.folder for one in designs]:
+        found.append(f"The design '{wanted}' is not there. The pad comes from the address.")
+    if not found:
+        try:
+            aims = choices.aims(absolute(root, state.tissue))
+        except InputError as problem:
+            found.append(str(problem))
+        else:
+            if state.aim not in aims:
+                found.append(f"The tissue '{state.tissue}' has no aim '{state.aim}'. Choose another aim.")
+    return tuple(found)
+
+
+def absolute(root: Path, name: str) -> str:
+    """A name of the library as it is; a file of the project with its whole path."""
+    return str(root / name) if name.endswith(".toml") else name

@@ -141,6 +141,13 @@ def pad_page(shape: PadShape, thickness_mm: float) -> str:
     return solids_page({"pad": np.concatenate([_faces(nodes), bottom, *walls])})
 
 
+def plot_script() -> str:
+    """Script element for the studio's head: values of plots under the pointer, and zoom."""
+    from dummydesign.report.html.page import plots_js
+
+    return f"<script>{plots_js()}</script>"
+
+
 def _faces(nodes: np.ndarray) -> np.ndarray:
     """Triangles over a grid of points, seen from above; shape (n, 3, 3)."""
     a, b, c, d = nodes[:-1, :-1], nodes[1:, :-1], nodes[1:, 1:], nodes[:-1, 1:]

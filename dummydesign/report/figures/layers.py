@@ -213,9 +213,9 @@ def thin(x: NDArray, log: bool, *others: NDArray) -> list[NDArray]:
     if len(x) <= MOST_POINTS:
         return [x, *others]
     place = np.log(np.maximum(x, 1e-12)) if log else x
-    cells = np.floor((place - place[0]) / max(place[-1] - place[0], 1e-300) * (MOST_POINTS // 2 - 1)).astype(int)
-    first = np.r_[True, np.diff(cells) > 0]
-    kept = first | np.r_[first[1:], True]
+    cells = np.floor((place - place[0]) / max(place[-1] - place[0], 1e-300) * (MOST_POINTS - 1)).astype(int)
+    kept = np.r_[True, np.diff(cells) > 0]
+    kept[-1] = True
     for values in others:
         if np.isfinite(values).any():
             kept[[int(np.nanargmax(values)), int(np.nanargmin(values))]] = True

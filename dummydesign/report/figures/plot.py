@@ -228,7 +228,8 @@ def _band(layer: Band, x: Axis, y: Axis) -> str:
     at, low, high = thin(np.asarray(layer.at, float), log, np.asarray(layer.low, float), np.asarray(layer.high, float))
     at, ends = np.r_[at, at[::-1]], np.r_[low, high[::-1]]
     path = _path(x, y, ends, at) if layer.sideways else _path(x, y, at, ends)
-    return f'<path class="area {layer.style}" {_named(layer.name)} d="{path}Z"/>'
+    sideways = ' data-s="1"' if layer.sideways else ""
+    return f'<path class="area {layer.style}" {_named(layer.name)}{sideways} d="{path}Z"/>'
 
 
 def _bars(layer: Bars, x: Axis, y: Axis) -> str:

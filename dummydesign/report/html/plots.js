@@ -42,7 +42,7 @@
       const area = e.classList.contains("area"), runs = e.getAttribute("d").replace("Z", "").split("M").slice(1)
         .map((run) => run.split("L").map((pair) => at(...pair.split(" ").map(Number))));
       if (area) for (const run of runs) run.push(run[0]);
-      return { name, area, runs };
+      return { name, area, runs, sideways: "s" in e.dataset };
     });
   }
 
@@ -153,11 +153,11 @@
   function reset(s) { s.view = { x: [0, 1], y: [0, 1] }; draw(s); }
 
   // Shares of y at which a polyline meets a share of x. Parts whose ends are cut off give none.
-  function crossings(runs, t) {
+  function crossings(runs, t, level) {
     const found = [];
     for (const run of runs) for (let i = 1; i < run.length; i++) {
       const [[a, p], [b, q]] = [run[i - 1], run[i]];
-      if (t < Math.min(a, b) || t > Math.max(a, b) || ![a, b, p, q].every(within)) continue;
+      if (t < Math.min(a, b) || t > Math.max(a, b) || ![a, b, p, q].every(within) || (!level && p === q)) continue;
       found.push(...(a === b ? [p, q] : [p + (q - p) * (t - a) / (b - a)]));
     }
     return found.sort((a, b) => a - b).filter((v, i, all) => !i || v - all[i - 1] > 0.002);
@@ -176,10 +176,14 @@
           .sort((a, b) => Math.hypot(a[0] - t, a[1] - u) - Math.hypot(b[0] - t, b[1] - u))[0];
         if (near) add(`${y(near[1])}${s.yName.unit} at ${words(value(s.x, near[0]))}${s.xName.unit}`, [near[1]]);
       } else {
-        const meets = crossings(layer.runs, t);
+        const meets = crossings(layer.runs, t, true);
         if (!meets.length || s.bars) continue;
         const ends = [meets[0], meets[meets.length - 1]];
-        if (layer.area) add(`${y(ends[0])} to ${y(ends[1])}${s.yName.unit}`, ends);
+        // a band over the forces ends level at its last force: there it is known to one side only
+        const known = layer.sideways ? crossings(layer.runs, t, false) : ends;
+        const [open, shut] = ends.map((end) => !known.some((v) => Math.abs(v - end) < 0.005));
+        if (open !== shut) add(`${open ? "below" : "above"} ${y(ends[open ? 1 : 0])}${s.yName.unit}`, [ends[open ? 1 : 0]]);
+        else if (layer.area) add(`${y(ends[0])} to ${y(ends[1])}${s.yName.unit}`, ends);
         else add(meets.slice(0, 4).map(y).join(" and ") + s.yName.unit, meets);
       }
     }
@@ -226,6 +230,7 @@
   function hide() {
     if (!shown) return;
     shown.svg.querySelector("g.cross")?.remove();
+    shown.at = null;
     shown = null;
     box.hidden = true;
   }
@@ -265,7 +270,8 @@
       s.view[side] = [start, start + wide];
       drawn = true;
     }
-    if (drawn) draw(s); else if (shown === s) show(s, false);
+    if (drawn) draw(s);
+    follow(event);
   }
 
   const middle = (s, side) => 0.5 * (s.view[side][0] + s.view[side][1]);
@@ -357,6 +363,7 @@
 
   document.addEventListener("pointermove", follow);
   document.addEventListener("pointerdown", (event) => {
+    if (event.target instanceof Element && event.target.closest("[data-zoom]")) return;
     const svg = plotOf(event), s = svg && stateOf(svg), at = s && under(s, event, false);
     if (!at) { hide(); return; }
     s.at = at;
@@ -368,7 +375,7 @@
     show(s, false);
   });
   for (const name of ["pointerup", "pointercancel"]) document.addEventListener(name, release);
-  document.addEventListener("dblclick", (event) => { const svg = plotOf(event); if (svg) reset(stateOf(svg)); });
+  document.addEventListener("dblclick", (event) => { const svg = plotOf(event); if (svg) { reset(stateOf(svg)); follow(event); } });
   document.addEventListener("click", (event) => {
     const button = event.target instanceof Element && event.target.closest("[data-zoom]");
     const svg = button && button.closest("figure")?.querySelector(PLOT);

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -93,7 +94,7 @@ def test_points_that_are_left_out_lie_on_the_line_that_stays():
 def distances(across, along, kept):
     """Of every point from the stretch of the line that took its place."""
     found = np.zeros(len(across))
-    for first, last in zip(kept[:-1], kept[1:]):
+    for first, last in pairwise(kept):
         chord = np.array([across[last] - across[first], along[last] - along[first]])
         for k in range(first, last + 1):
             to = np.array([across[k] - across[first], along[k] - along[first]])
@@ -158,7 +159,8 @@ def number(text):
 
 def ticks(page, index):
     return page.evaluate(
-        "(k) => [...document.querySelectorAll('svg.plot')[k].querySelectorAll('.ticks text')].map((t) => t.textContent)",
+        "(k) => [...document.querySelectorAll('svg.plot')[k].querySelectorAll('.ticks text')]"
+        ".map((t) => t.textContent)",
         index,
     )
 

@@ -272,7 +272,7 @@ def solids_page(parts: dict[str, np.ndarray]) -> str:
     told = solid_section(parts, "Drag or use the arrow keys to turn, scroll to zoom.")
     apart = "" if len(parts) > 1 else ".viewer .controls{display:none}"
     small = (
-        "<style>h1,.lead,footer,h2{display:none}main{padding:0 .5rem}section p{margin:.2rem 0;font-size:.9rem}"
+        "<style>h1,.lead,footer,h2,.terms{display:none}main{padding:0 .5rem}section p{margin:.2rem 0;font-size:.9rem}"
         f".viewer canvas{{height:calc(100vh - 5.5rem)}}{apart}</style>"
     )
     return page("Solids", "", [told], scripts=[viewer_script()], tables="").replace("</head>", f"{small}</head>")

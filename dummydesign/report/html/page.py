@@ -12,6 +12,7 @@ from typing import Any
 from dummydesign._version import __version__
 from dummydesign.core.files import write_text
 from dummydesign.report.figures.plot import Plot
+from dummydesign.report.html.glossary import folded_glossary
 
 # A browser that honours this refuses any request of the page, and says so in its console.
 POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'"
@@ -116,6 +117,7 @@ def page(
         + warned
         + body
         + cited
+        + folded_glossary(f"{lead} {boxes} {warned} {body}")
         + f"<footer>dummydesign {__version__}. Lengths in mm, forces in N, times in s; moduli are long-term "
         f"(relaxed) Young's moduli.{beside}</footer>"
         "</main>" + "".join(f"<script>{script}</script>" for script in scripts) + "</body></html>\n"

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dummydesign.report.figures.axis import Axis
-from dummydesign.report.figures.layers import Band, Bars, Dots, Line, corners
+from dummydesign.report.figures.layers import Band, Bars, Cells, Dots, Line, corners
 from dummydesign.report.figures.plot import Plot
 from dummydesign.report.html.page import POLICY, Section, page
 from tests.support.studio import browser
@@ -131,7 +131,10 @@ def made(tmp_path_factory):
     steady = plot(Band("band", depth**2, 0.9 * depth, 1.1 * depth, sideways=True), Line("steady", depth, depth**2),
                   name="steady", x_range=(0.0, 2.5), y_range=(0.0, 5.0))  # fmt: skip
     bars = plot(Bars("bars", ["modulus", "thickness"], [-3.0, -1.0], [4.0, 2.0]), name="bars", y_range=(0.0, 2.0))
-    text = page("t", "", [Section("s", plots=[press, steady, bars]), Section("e", html='<div style="height:3000px">')])
+    share = np.array([[0.05, 0.37, 0.62], [0.81, np.nan, 1.0]])
+    cells = plot(Cells("map", [1.0, 2.0, 3.0], [1.0, 2.0], 50.0 * share, high=50.0), name="cells")
+    far = Section("e", html='<div style="height:3000px"></div>')
+    text = page("t", "", [Section("s", plots=[press, steady, bars, cells]), far])
     (folder / "page.html").write_text(text, encoding="utf-8")
     return (folder / "page.html").as_uri()
 
@@ -238,7 +241,7 @@ def test_a_plot_is_read_and_enlarged_by_keys_alone(made):
         page.keyboard.press("0")
         assert ticks(page, 0) == before
         named = page.locator("[data-zoom]").evaluate_all("(all) => all.map((e) => e.getAttribute('aria-label'))")
-        assert len(named) == 9 and all(named)
+        assert len(named) == 12 and all(named)
         page.keyboard.press("Tab")
         page.keyboard.press("Enter")
         assert ticks(page, 0) != before
@@ -261,6 +264,30 @@ def test_touch_bars_and_bands_over_force(made):
         page.touchscreen.tap(*place(page, 2, 0.5, 0.75))
         assert number(shown(page)[1]["modulus"]) == pytest.approx([-3.0, 4.0], abs=7 * SCALE)
         assert page.evaluate("document.documentElement.scrollWidth") <= 390
+
+
+@pytest.mark.slow
+def test_a_map_is_read_by_its_colours_also_when_it_is_enlarged(made):
+    with browser(viewport={"width": 1100, "height": 1200}) as page:
+        page.goto(made)
+        page.wait_for_timeout(300)
+        page.locator("svg.plot").nth(3).scroll_into_view_if_needed()
+        page.wait_for_timeout(300)
+        for (across, along), value in (((0.17, 0.25), 2.5), ((0.5, 0.25), 18.5), ((0.83, 0.25), 31.0),
+                                       ((0.17, 0.75), 40.5)):  # fmt: skip
+            page.mouse.move(*place(page, 3, across, along))
+            assert number(shown(page)[1]["map"])[0] == pytest.approx(value, abs=50 * 0.006)
+        page.mouse.move(*place(page, 3, 0.5, 0.75))
+        assert number(shown(page)[1]["map"]) == []
+        page.mouse.move(*place(page, 3, 0.83, 0.75))
+        assert number(shown(page)[1]["map"]) == [50.0]
+        page.mouse.move(*place(page, 3, 0.5, 0.25))
+        page.keyboard.down("Control")
+        page.mouse.wheel(0, -200)
+        page.keyboard.up("Control")
+        page.wait_for_timeout(200)
+        page.mouse.move(*place(page, 3, 0.5, 0.25))
+        assert number(shown(page)[1]["map"])[0] == pytest.approx(18.5, abs=50 * 0.006)
 
 
 @pytest.mark.slow

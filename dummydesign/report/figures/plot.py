@@ -13,13 +13,14 @@ import numpy as np
 
 from dummydesign.report.figures.axis import Axis, span
 from dummydesign.report.figures.layers import Band, Bars, Cells, Dots, Ellipse, Label, Line, corners, edges, thin
-from dummydesign.report.figures.raster import css, png_uri
+from dummydesign.report.figures.raster import STOPS, css, png_uri
 
 WIDTH, HEIGHT = 440.0, 310.0
 WIDE = 720.0
 """Of a figure to scale, which has a line of its own. The unit of all lengths is a pixel at the smallest size."""
 LEFT, RIGHT, TOP, BOTTOM = 58.0, 14.0, 14.0, 48.0
 MAP_RIGHT, BAR_LEFT = 62.0, 170.0
+_STOPS = " ".join(css(k / (len(STOPS) - 1)) for k in range(len(STOPS)))
 LETTER = 6.6  # mean width of a letter of 13 px
 Layer = Line | Dots | Band | Bars | Cells | Ellipse | Label
 
@@ -261,7 +262,8 @@ def _cells(layer: Cells, x: Axis, y: Axis) -> str:
         drawn = "auto" if layer.smooth else "pixelated"
         left, right, top, bottom = x.place(across[0]), x.place(across[-1]), y.place(along[-1]), y.place(along[0])
         return (
-            f'<image href="{png_uri(value)}" x="{left:.1f}" y="{top:.1f}" width="{right - left:.1f}" '
+            f'<image {_named(layer.name)} data-v="{layer.low:g} {layer.high:g}" data-c="{_STOPS}" '
+            f'href="{png_uri(value)}" x="{left:.1f}" y="{top:.1f}" width="{right - left:.1f}" '
             f'height="{bottom - top:.1f}" preserveAspectRatio="none" style="image-rendering:{drawn}"/>'
         )
     parts = []

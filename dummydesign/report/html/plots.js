@@ -26,15 +26,45 @@
     return made;
   }
 
+  // A map: its picture's colours lead back to values between the ends in data-v, along the colours in data-c.
+  function mapOf(e) {
+    const found = { ends: e.dataset.v.split(" ").map(Number), stops: e.dataset.c.split(" ").map((c) =>
+      [1, 3, 5].map((k) => parseInt(c.slice(k, k + 2), 16))), pixels: null }, picture = new Image();
+    picture.src = e.getAttribute("href");
+    picture.decode().then(() => {
+      const sheet = document.createElement("canvas"), { width, height } = picture;
+      Object.assign(sheet, { width, height });
+      const pen = sheet.getContext("2d", { willReadFrequently: true });
+      pen.drawImage(picture, 0, 0);
+      found.pixels = pen.getImageData(0, 0, width, height);
+    }).catch(() => {});
+    return found;
+  }
+  function mapWords({ ends: [low, high], stops, pixels }, across, down) {
+    if (!pixels || !(across >= 0 && across < 1 && down >= 0 && down < 1)) return null;
+    const at = 4 * (Math.floor(down * pixels.height) * pixels.width + Math.floor(across * pixels.width));
+    const colour = pixels.data.slice(at, at + 3);
+    if (pixels.data[at + 3] < 128) return "none";
+    let best = [Infinity, 0];
+    stops.slice(1).forEach((stop, i) => {
+      const way = stop.map((v, k) => v - stops[i][k]), dot = (p, q) => p.reduce((sum, v, k) => sum + v * q[k], 0);
+      const off = (part) => Math.hypot(...way.map((v, k) => stops[i][k] + part * v - colour[k]));
+      const part = Math.min(Math.max(dot([0, 1, 2].map((k) => colour[k] - stops[i][k]), way) / dot(way, way), 0), 1);
+      if (off(part) < best[0]) best = [off(part), (i + part) / (stops.length - 1)];
+    });
+    const text = words(low + Math.round(200 * best[1]) / 200 * (high - low));
+    return text + (best[1] > 0.999 ? " or more" : best[1] < 0.001 ? " or less" : "");
+  }
+
   // Names and points of what is drawn, in shares of both axes.
   function layersOf(svg, x, y) {
     const at = (px, py) => [share(x, px), share(y, py)], number = (e, name) => Number(e.getAttribute(name));
     return [...svg.querySelectorAll("[data-n]")].map((e) => {
       const name = e.dataset.n;
-      if (e.tagName === "rect") {
+      if (e.tagName === "rect" || e.tagName === "image") {
         const [left, top] = at(number(e, "x"), number(e, "y"));
         const [right, bottom] = at(number(e, "x") + number(e, "width"), number(e, "y") + number(e, "height"));
-        return { name, bar: [left, right, bottom, top] };
+        return { name, box: [left, right, bottom, top], map: e.tagName === "image" ? mapOf(e) : null };
       }
       if (e.tagName === "g") {
         return { name, dots: [...e.querySelectorAll("circle")].map((c) => at(number(c, "cx"), number(c, "cy"))) };
@@ -168,8 +198,12 @@
     const [t, u] = s.at, y = (v) => words(value(s.y, v)), found = [];
     for (const layer of s.layers) {
       const add = (text, marks) => found.push({ name: layer.name, text, marks });
-      if (layer.bar) {
-        const [left, right, low, high] = layer.bar;
+      if (layer.map) {
+        const [left, right, low, high] = layer.box;
+        const text = mapWords(layer.map, (t - left) / (right - left), (high - u) / (high - low));
+        if (text) add(text, []);
+      } else if (layer.box) {
+        const [left, right, low, high] = layer.box;
         if (u >= low && u <= high) add(`${words(value(s.x, left))} to ${words(value(s.x, right))}${s.xName.unit}`, []);
       } else if (layer.dots) {
         const near = layer.dots.filter(([a]) => Math.abs(a - t) < 0.02 * (s.view.x[1] - s.view.x[0]))

@@ -16,6 +16,8 @@ from dummydesign.core.errors import InputError
 from dummydesign.project.folder import FILE, Project, read_project
 from dummydesign.report.html import page as report_page
 from dummydesign.studio.addresses import address
+from dummydesign.studio.figures import plot_script
+from dummydesign.studio.glossary import glossary_head
 from dummydesign.studio.state import State, read_state
 from dummydesign.studio.work import jobs
 from dummydesign.studio.work.commands import shown
@@ -91,6 +93,7 @@ def lay_out(
     """
     ui.colors(primary="#0b5cad")
     ui.add_head_html(f"<style>{style()}</style><script>document.documentElement.lang = 'en'</script>")
+    ui.add_head_html(plot_script() + glossary_head())
     ui.page_title(f"{title} – dummydesign studio")
     problem, project, state = "", None, None
     try:
@@ -199,6 +202,7 @@ class Work:
         self._belongs, self._ended = belongs, ended
         self._seen: object = None
         self._watched = ""
+        self.running = self.answered = False
         with ui.element("section").classes("work"):
             self._line = ui.element("div")
             with ui.element("div").classes("state"):
@@ -248,7 +252,9 @@ class Work:
         self._button.set_enabled(not running)
         self._stop.set_visibility(running)
         self._spinner.set_visibility(running)
+        self.running = running
         shown_job = next((one for one in reversed(every) if self._belongs(one) and has_answer(one)), None)
+        self.answered = shown_job is not None
         if newest is not None and running:
             self._watched = newest.folder.name
             self._said.set_text(f"{newest.progress or 'at work'} – {newest.seconds:.0f} s")
@@ -347,7 +353,7 @@ def zip_link(folder: str) -> None:
     html(f'<div class="links">{link}</div>')
 
 
-def shown_file(path: str, title: str, kind: str = "shown") -> None:
+def shown_file(path: str, title: str, kind: str = "shown", **query: str) -> None:
     """A page of the project inside this one.
 
     Parameters
@@ -358,5 +364,8 @@ def shown_file(path: str, title: str, kind: str = "shown") -> None:
         For those who cannot see it.
     kind : str
         ``shown`` or ``shown solid``.
+    query : str
+        Values of the address, by name.
     """
-    html(f'<iframe class="{kind}" src="{escape(path)}" title="{escape(title)}" loading="lazy"></iframe>')
+    source = escape(address(path, **query))
+    html(f'<iframe class="{kind}" src="{source}" title="{escape(title)}" loading="lazy"></iframe>')

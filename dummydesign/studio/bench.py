@@ -137,7 +137,9 @@ def evaluate_pad(inputs: Inputs, shape: PadShape, thickness_mm: float, ratio: fl
 
 
 def first_pad(inputs: Inputs, kind: str, thickness_mm: float, ratio: float, near: PadShape | None = None) -> PadShape:
-    """Return a shape of a kind that the tables hold at a thickness, the nearest to another one where it is given.
+    """Return a shape of a kind that can be pressed at a thickness, the nearest to another one where it is given.
+
+    One that the tables hold is taken; where they hold none, one that can be made and solved.
 
     Parameters
     ----------
@@ -163,9 +165,11 @@ def first_pad(inputs: Inputs, kind: str, thickness_mm: float, ratio: float, near
             return False
         return True
 
-    shape = first_shape(kind, thickness_mm, inputs.punch.radius_mm, solvable, near)
+    radius_mm = inputs.punch.radius_mm
+    shape = first_shape(kind, thickness_mm, radius_mm, solvable, near)
+    shape = shape or first_shape(kind, thickness_mm, radius_mm, lambda shape: True, near)
     if shape is None:
-        raise InputError(f"no {kind} pad {thickness_mm:g} mm thick is in the tables: choose another thickness or shape")
+        raise InputError(f"no {kind} pad {thickness_mm:g} mm thick can be made: choose another thickness or shape")
     return shape
 
 

@@ -227,6 +227,11 @@ class Work:
         if self._seen is not None:
             self.update()
 
+    def show_again(self) -> None:
+        """Show anew what is there, after the panel was hidden."""
+        self._seen = ()
+        self.renew_line()
+
     def begin(self) -> None:
         """Start the command as it is shown."""
         self._problem.clear()

@@ -69,7 +69,7 @@ class Page:
                 self.numbers = ui.element("div").props('data-test="numbers"')
                 self.plots = ui.html("", sanitize=False).props('data-test="plots"').style("width:100%")
                 self.solid = ui.element("div").style("width:100%").props('data-test="solid"')
-                self.solved = search.SolvedPad(studio, lambda: self.state)
+                self.solved = search.SolvedPad(studio, lambda: self.state, self.say_solved)
         html("<h2>This pad by the command line</h2>")
         self.same = ui.element("div").style("width:100%").props('data-test="same"')
         html("<h2 id=search>Find the best pad</h2><p>Searches thickness, ratio and lengths, checks the best by finite "
@@ -279,10 +279,10 @@ class Page:
         self.solved.hide()
         if view.problem:
             self.plots.set_content("")
-            self._say(view, "red", view.problem, "refused")
+            self._say(view.state, "amber" if view.solvable else "red", view.problem, "refused")
             return
         self.plots.set_content(view.plots)
-        self._say(view, view.pad.verdict.light, view.pad.verdict.text, "")
+        self._say(view.state, view.pad.verdict.light, view.pad.verdict.text, "")
         resin = view.inputs.space.resin
         young = 1e3 * float(resin.young_MPa(view.state.ratio))
         with self.numbers:
@@ -306,7 +306,7 @@ class Page:
         verdict = await run.io_bound(bench.verdict_with_castings, view.inputs, view.shape, view.pad)
         if number != self.wanted or verdict is None:
             return
-        self._say(view, verdict.light, verdict.text, "settled")
+        self._say(view.state, verdict.light, verdict.text, "settled")
         with self.solid:
             asked = {"shape": view.state.shape, "thickness": f"{view.state.thickness_mm:g}"}
             shown_file("/solid/pad", f"solid of {asked['shape']}, {asked['thickness']} mm", "shown solid", **asked)
@@ -321,13 +321,17 @@ class Page:
         if view.solvable:
             self.solved.offer()
 
-    def _say(self, view: View, light: str, text: str, state: str) -> None:
-        note = "" if state else " <small>(castings are being counted …)</small>"
+    def say_solved(self, verdict: Mapping[str, Any]) -> None:
+        """The verdict of the pad that was solved."""
+        self._say(self.state, verdict["light"], verdict["text"], "solved")
+
+    def _say(self, state: State, light: str, text: str, stage: str) -> None:
+        note = "" if stage else " <small>(castings are being counted …)</small>"
         self.verdict.clear()
         with self.verdict:
-            html(f'<div class="verdict {light}" data-state="{state}"><span class="light" aria-hidden="true"></span>'
+            html(f'<div class="verdict {light}" data-state="{stage}"><span class="light" aria-hidden="true"></span>'
                  f'<p><span class="hide">{light} light: </span>{escape(text)}{note}'
-                 f'<small class="label">{escape(view.state.label)}</small></p></div>')  # fmt: skip
+                 f'<small class="label">{escape(state.label)}</small></p></div>')  # fmt: skip
 
     def pad_words(self) -> list[str]:
         """The pad under the sliders as a command: a search whose limits are this pad."""

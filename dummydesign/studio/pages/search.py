@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from html import escape
 from typing import Any
 
-from nicegui import ui
+from nicegui import run, ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.geometry.standard import PUNCH
@@ -124,13 +124,38 @@ class Search:
         with ui.row():
             ui.button("Put the sliders at this pad", on_click=lambda: self.take(found), color=None).props("outline")
         table(PRESS_HEAD, press_rows(best["conditions"]))
-        compared = kinds.kinds_compared(answer)
-        html("<h3>Why this pad</h3>" + "".join(f"<p>{escape(one)}</p>" for one in compared.sentences))
-        if len(compared.rows) > 1:
-            table(compared.head, compared.rows)
+        self._compare_kinds(answer)
         warnings(answer)
         if answer.get("files", {}).get("report"):
             file_links([("the whole report", answer["files"]["report"])])
+
+
+    def _compare_kinds(self, answer: dict[str, Any]) -> None:
+        """The best pad of each kind, and why this one; the verdicts of the others come a moment later."""
+        compared = kinds.kinds_compared(answer)
+        html("<h3>Why this pad</h3>" + "".join(f"<p>{escape(one)}</p>" for one in compared.sentences))
+        if len(compared.rows) < 2:
+            return
+        box = ui.element("div").props('data-test="kinds"')
+        with box:
+            table(compared.head, compared.rows)
+        root, asked = self.studio.root, bench.Asked.of(self.state())
+
+        def judge() -> Any:
+            inputs = bench.inputs_of(root, asked, bench.stamp_of(root, asked))
+            return kinds.kinds_compared(answer, kinds.verdicts_of_kinds(inputs, answer))
+
+        async def fill() -> None:
+            try:
+                full = await run.io_bound(judge)
+            except InputError:
+                return
+            if full is not None and not box.is_deleted:
+                box.clear()
+                with box:
+                    table(full.head, full.rows)
+
+        ui.timer(0.1, fill, once=True)
 
 
 class Designs:
@@ -167,7 +192,8 @@ class Designs:
                 rows.append(f"<li>{link}: {escape(opened.label)}: <b>{escape(verdict)}</b></li>")
             html(f"<ul>{''.join(rows)}</ul>" if rows else "<p>none yet</p>")
             folders = [one.folder for one in found]
-            value = [name for name in kept if name in folders] or folders[-2:]
+            kept = [name for name in kept if name in folders]
+            value = kept if len(kept) > 1 else folders[-2:]
             self.chosen = ui.select(folders, multiple=True, value=value, label="Designs to compare")
             self.chosen.props('use-chips data-test="to-compare"').style("width:100%")
             self.chosen.on_value_change(lambda: self.work.renew_line())
@@ -196,8 +222,10 @@ class Designs:
 class SolvedPad:
     """A pad that no table holds, solved in the background; shown while it is the pad that is chosen."""
 
-    def __init__(self, studio: Studio, state: Callable[[], State]) -> None:
-        self.studio, self.state = studio, state
+    def __init__(
+        self, studio: Studio, state: Callable[[], State], judge: Callable[[Mapping[str, Any]], None]
+    ) -> None:
+        self.studio, self.state, self.judge = studio, state, judge
         self.box = ui.element("div").style("width:100%").props('data-test="solved"')
         self.work: Work | None = None
         self.box.set_visibility(False)
@@ -213,7 +241,7 @@ class SolvedPad:
             with self.box:
                 html("<p>No table holds this pad. It is solved by finite elements in the background.</p>")
                 self.work = Work(self.studio, "pad", "Solve this pad", self.words, self.show, self.belongs, self.ended)
-        self.work.renew_line()
+        self.work.show_again()
         if not self.work.answered and not self.work.running:
             self.work.begin()
 
@@ -248,9 +276,7 @@ class SolvedPad:
         verdict = answer.get("verdict")
         if not verdict:
             return
-        label = f'<small class="label">solved: {escape(self.state().label)}</small>'
-        html(f'<div class="verdict {verdict["light"]}"><span class="light" aria-hidden="true"></span>'
-             f"<p>{escape(verdict['text'])}{label}</p></div>")  # fmt: skip
+        self.judge(verdict)
         warnings(answer)
         rows = (answer.get("recommendation") or answer).get("conditions") or []
         table(PRESS_HEAD, press_rows([one for one in rows if "reads" in one]))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,9 +16,10 @@ from nicegui import ui
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import FILE, Project, read_project
 from dummydesign.report.html import page as report_page
+from dummydesign.report.html.glossary import whole_glossary
 from dummydesign.studio.addresses import address
 from dummydesign.studio.figures import plot_script
-from dummydesign.studio.glossary import glossary_head
+from dummydesign.studio.glossary import glossary_head, marked
 from dummydesign.studio.state import State, read_state
 from dummydesign.studio.work import jobs
 from dummydesign.studio.work.commands import shown
@@ -125,6 +127,7 @@ def lay_out(
                 html(f'<p class="note">This folder is no project yet: {page_link("/", "make it one")} first.</p>')
         except InputError as said:
             tell_problem(str(said))
+        html(f'<footer class="glossary">{whole_glossary()}</footer>')
 
 
 def keep_state(state: State) -> None:
@@ -313,14 +316,14 @@ def facts(rows: Sequence[tuple[str, str]]) -> None:
     """Values, large, with what they are."""
     html(
         '<div class="facts">'
-        + "".join(f'<div class="fact"><b>{escape(value)}</b><span>{escape(what)}</span></div>' for value, what in rows)
+        + "".join(f'<div class="fact"><b>{escape(value)}</b><span>{marked(what)}</span></div>' for value, what in rows)
         + "</div>"
     )
 
 
 def warnings(answer: dict) -> None:
     """What a command warned of."""
-    said = "".join(f"<li>{escape(str(one['message']))}</li>" for one in answer.get("warnings", []))
+    said = "".join(f"<li>{marked(str(one['message']))}</li>" for one in answer.get("warnings", []))
     if said:
         html(f'<ul class="warnings">{said}</ul>')
 
@@ -341,6 +344,7 @@ def table(head: Sequence[str], rows: Sequence[Sequence[object]], words: bool = F
     """
     text = f'<div class="words">{report_page.Table(head, rows).html()}</div>' if words else ""
     text = text or report_page.Table(head, rows).html()
+    text = re.sub(r"(<th[^>]*>)([^<&]+)(</th>)", lambda found: found[1] + marked(found[2]) + found[3], text)
     html(f"<details><summary>{escape(under)}</summary>{text}</details>" if under else text)
 
 

@@ -108,7 +108,7 @@ def test_a_tissue_that_is_missing_is_said_and_not_replaced(page, studio):
     page.goto(f"{studio[0].home}design?tissue=tissue/gone.toml")
     page.wait_for_selector(REFUSED)
     assert "tissue/gone.toml" in page.locator(by("verdict")).inner_text()
-    assert "tissue/gone.toml" in page.locator("body").inner_text() and page.locator(f"{by('plots')} figure").count() == 0
+    assert page.locator(f"{by('plots')} figure").count() == 0
 
 
 @pytest.mark.parametrize("kind", ["crowned", "bumped", "layered", "boned"])

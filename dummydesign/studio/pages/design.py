@@ -17,6 +17,7 @@ from dummydesign.geometry.standard import PUNCH
 from dummydesign.project.folder import Project
 from dummydesign.studio import bench, choices, figures
 from dummydesign.studio.frame import Studio, command_line, facts, html, keep_state, lay_out, shown_file, table
+from dummydesign.studio.glossary import marked
 from dummydesign.studio.lengths import lengths_of
 from dummydesign.studio.pages import search
 from dummydesign.studio.slider import Slider
@@ -330,7 +331,7 @@ class Page:
         self.verdict.clear()
         with self.verdict:
             html(f'<div class="verdict {light}" data-state="{stage}"><span class="light" aria-hidden="true"></span>'
-                 f'<p><span class="hide">{light} light: </span>{escape(text)}{note}'
+                 f'<p><span class="hide">{light} light: </span>{marked(text)}{note}'
                  f'<small class="label">{escape(state.label)}</small></p></div>')  # fmt: skip
 
     def pad_words(self) -> list[str]:

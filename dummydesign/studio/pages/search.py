@@ -14,6 +14,7 @@ from dummydesign.project.folder import Project
 from dummydesign.project.status import status_of
 from dummydesign.studio import bench, choices, kinds
 from dummydesign.studio.frame import Studio, Work, facts, file_links, html, shown_file, state_link, table, warnings
+from dummydesign.studio.glossary import marked
 from dummydesign.studio.state import State, design_state, is_design
 from dummydesign.studio.work import commands
 from dummydesign.studio.work.jobs import Job
@@ -133,7 +134,7 @@ class Search:
     def _compare_kinds(self, answer: dict[str, Any]) -> None:
         """The best pad of each kind, and why this one; the verdicts of the others come a moment later."""
         compared = kinds.kinds_compared(answer)
-        html("<h3>Why this pad</h3>" + "".join(f"<p>{escape(one)}</p>" for one in compared.sentences))
+        html("<h3>Why this pad</h3>" + "".join(f"<p>{marked(one)}</p>" for one in compared.sentences))
         if len(compared.rows) < 2:
             return
         box = ui.element("div").props('data-test="kinds"')

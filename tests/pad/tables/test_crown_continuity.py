@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.pad.tables.crown_surface import BEND, LEAST_FADE, SETTLED, SHARED
+from dummydesign.pad.tables.crown_surface import BEND, JOIN, LEAST_FADE, SETTLED, SHARED
 from dummydesign.pad.tables.shape import load_shape_table
 from tests.support.steps import largest_steps
 
@@ -31,7 +31,7 @@ def log_force(table, points):
     return table.log_factor(points[:, :4], np.arange(len(points)), points[:, 4])[0]
 
 
-@pytest.mark.parametrize("foot", [0.66, 0.7, 0.78])
+@pytest.mark.parametrize("foot", [*JOIN, 0.7])
 def test_a_foot_that_grows_past_a_join_does_not_move_the_force(table, foot):
     pads = np.repeat(random_pads(table, 5120, 400), len(DEPTHS), axis=0)
     x = np.tile(DEPTHS, 400)[:, None]

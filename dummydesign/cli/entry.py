@@ -105,10 +105,11 @@ def _print_result(command: str, result: dict[str, Any], as_json: bool, render: A
 
 def run(arguments: list[str]) -> int:
     """Run one command line and return its exit status (0 done, 1 no acceptable answer, 2 bad input)."""
-    kept = loudness.set("")
+    kept, line = loudness.set(""), COMMAND_LINE.set(tuple(arguments))
     try:
         return _run(arguments)
     finally:
+        COMMAND_LINE.reset(line)
         loudness.reset(kept)
 
 
@@ -120,7 +121,6 @@ def _run(arguments: list[str]) -> int:
         print(f"dummydesign {__version__}")
         return 0
     name, as_json = arguments[0], "--json" in arguments
-    COMMAND_LINE.set(tuple(arguments))
     try:
         if name not in COMMANDS:
             raise unknown_name("command", name, COMMANDS)

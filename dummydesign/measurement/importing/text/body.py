@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.importing.core.decisions import Notes
 from dummydesign.measurement.importing.text.cells import is_comment
+from dummydesign.measurement.importing.text.clock import elapsed_seconds, is_date
 from dummydesign.measurement.importing.text.layout import Layout
 from dummydesign.measurement.importing.text.numbers import is_missing, parse, seconds_of_stamp
 
@@ -98,7 +99,7 @@ def _fast(layout: Layout, columns: Sequence[int]) -> Body | None:
 
 def _slow(layout: Layout, columns: Sequence[int], notes: Notes) -> Body:
     """Line by line, with the faults named; lines of text between the numbers part the table."""
-    width, days = len(layout.kinds), _Days()
+    width, date_at = len(layout.kinds), _date_column(layout)
     rows: list[list[Any]] = []
     numbers: list[int] = []
     breaks: list[int] = []
@@ -123,7 +124,8 @@ def _slow(layout: Layout, columns: Sequence[int], notes: Notes) -> Body:
             continue
         if len(cells) != width or not all(good):
             raise _fault(layout, index, cells, columns, wanted, good)
-        rows.append([days.go_on(number) if isinstance(number, tuple) else number for number in read])
+        dated = cells[date_at] if date_at is not None else ""
+        rows.append([(one[0], one[1] or dated) if isinstance(one, tuple) else one for one in read])
         numbers.append(layout.line(index))
     if len(between) > MOST_INTERRUPTIONS:
         raise InputError(
@@ -137,11 +139,21 @@ def _slow(layout: Layout, columns: Sequence[int], notes: Notes) -> Body:
             f"text between the rows, left out; the first is line {layout.line(between[0])}: "
             f"'{layout.lines[between[0]].strip()[:40]}'",
         )
+    for place, column in enumerate(columns):
+        if rows and layout.kinds[column] == "stamp":
+            for row, seconds in zip(rows, elapsed_seconds(layout.file, [row[place] for row in rows], notes)):
+                row[place] = seconds
     values = np.array(rows, float).reshape(-1, len(columns))
     if not np.isfinite(values).all():
         row = int(np.nonzero(~np.isfinite(values).all(axis=1))[0][0])
         raise InputError(f"{layout.file}:{numbers[row]}: a number is too large to be read")
     return Body(values, np.array(numbers, int), tuple(at for at in breaks if at < len(rows)))
+
+
+def _date_column(layout: Layout) -> int | None:
+    """Column of dates beside a column of clock times."""
+    cells = layout.cells(layout.lines[layout.first])
+    return next((at for at, kind in enumerate(layout.kinds) if kind == "text" and is_date(cells[at])), None)
 
 
 def _read(cell: str, kind: str, decimal: str) -> float | tuple[float, str] | None:
@@ -152,20 +164,6 @@ def _read(cell: str, kind: str, decimal: str) -> float | tuple[float, str] | Non
         return seconds_of_stamp(cell)
     except ValueError:
         return None
-
-
-class _Days:
-    """Seconds over midnight: the day goes on where the date changes, or the clock falls back by half a day."""
-
-    def __init__(self) -> None:
-        self.day, self.date, self.clock = 0, "", 0.0
-
-    def go_on(self, stamp: tuple[float, str]) -> float:
-        clock, date = stamp
-        if (self.date and date != self.date) or clock < self.clock - 43200.0:
-            self.day += 1
-        self.date, self.clock = date, clock
-        return 86400.0 * self.day + clock
 
 
 def _fault(

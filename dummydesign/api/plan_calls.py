@@ -157,7 +157,7 @@ def _trial(row: Planned) -> dict[str, Any]:
 def _power(
     plan: tuple[Planned, ...], set_up: SetUp, tables: Mapping[str, Mapping[str, Any]], seed: int
 ) -> tuple[dict[str, Any] | None, list[dict[str, str]]]:
-    """What the plan can see; a set-up without a fast force law is told instead."""
+    """The effects that the plan can detect; a warning for a set-up without a tabulated force."""
     from dummydesign.loop.planning.plan_power import plan_power
     from dummydesign.loop.run import start_young_kPa
 
@@ -165,7 +165,7 @@ def _power(
     try:
         found = plan_power(plan, campaign, 1e-3 * start_young_kPa(campaign), seed)
     except InputError as problem:
-        return None, [{"code": "no_power", "message": f"what this plan can see was not worked out: {problem}"}]
+        return None, [{"code": "no_power", "message": f"the effects that this plan can detect were not computed: {problem}"}]
     return found.to_dict(), []
 
 

@@ -165,7 +165,8 @@ def _power(
     try:
         found = plan_power(plan, campaign, 1e-3 * start_young_kPa(campaign), seed)
     except InputError as problem:
-        return None, [{"code": "no_power", "message": f"the effects that this plan can detect were not computed: {problem}"}]
+        message = f"the effects that this plan can detect were not computed: {problem}"
+        return None, [{"code": "no_power", "message": message}]
     return found.to_dict(), []
 
 

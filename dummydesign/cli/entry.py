@@ -5,8 +5,6 @@ from __future__ import annotations
 import argparse
 import difflib
 import io
-import json
-import math
 import os
 import signal
 import sys
@@ -19,6 +17,7 @@ from dummydesign.cli.registry import COMMANDS, module_of
 from dummydesign.cli.steps import loudness, say, timed
 from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError, unknown_name
 from dummydesign.core.outputs.manifest import COMMAND_LINE
+from dummydesign.core.outputs.plain import json_text
 from dummydesign.core.threads import ONE_THREAD
 
 
@@ -68,7 +67,7 @@ def parser_of(name: str) -> argparse.ArgumentParser:
 
 
 def _overview() -> str:
-    rows = "\n".join(f"  {name:<9} {module_of(name).HELP}" for name in COMMANDS)
+    rows = "\n".join(f"  {name:<15} {module_of(name).HELP}" for name in COMMANDS)
     return (
         "usage: dummydesign COMMAND [options]\n\n"
         "Soft dummies of human hand tissue: resin recipe, pad geometry and mould, from measured parameters.\n\n"
@@ -79,27 +78,9 @@ def _overview() -> str:
     )
 
 
-def _plain(value: Any) -> Any:
-    """Turn numpy scalars and arrays into plain JSON values; a number that is not finite becomes null."""
-    if isinstance(value, dict):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if hasattr(value, "tolist"):
-        return _plain(value.tolist())
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    if isinstance(value, os.PathLike):
-        return os.fspath(value)
-    return value
-
-
 def _print_result(command: str, result: dict[str, Any], as_json: bool, render: Any) -> None:
     if as_json:
-        head = {"schema": f"dummydesign.{command}/1", "version": __version__}
-        for key, empty in (("inputs", {}), ("warnings", []), ("sources", [])):
-            head[key] = result.get(key, empty)
-        print(json.dumps(_plain({**head, **result}), indent=1, allow_nan=False))
+        print(json_text(command, result))
     else:
         print(render(result))
 

@@ -8,6 +8,10 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("the pad for a forefinger, its mould and report", "suggest --tissue forefinger"),
         ("the best slab for a palm, without CAD", "suggest --tissue palm --shape slab --no-cad"),
     ),
+    "compare-designs": (
+        ("two designs side by side", "compare-designs suggest-palm suggest-palm-2"),
+        ("three designs, the report in a folder", "compare-designs a b c --out which-pad"),
+    ),
     "predict": (
         ("force of a 10 mm slab of 30 kPa at three depths", "predict --young 30 --thickness 10 --depth 1,2,3"),
         (

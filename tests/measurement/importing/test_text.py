@@ -280,6 +280,12 @@ def test_dates_in_a_column_of_their_own_count(separator):
     assert seconds_and_notes(text)[0][2] - 86399.0 == pytest.approx(2 * 86400.0 + 1.0)
 
 
+def test_one_date_in_every_row_is_that_of_the_test_and_the_clock_goes_on_over_midnight():
+    text = dated("2026-02-27;", "2026-02-27;").replace("Datum", "Datum;Zeit", 1)
+    seconds, notes = seconds_and_notes(text)
+    assert seconds[2] - seconds[0] == pytest.approx(1.0) and "midnight" in notes
+
+
 def test_an_hour_that_goes_back_on_the_same_date_is_no_day():
     seconds, notes = seconds_and_notes(dated("2026-02-27 ", "2026-02-27 "))
     assert seconds[2] < seconds[1] and not {"days", "midnight"} & set(notes)

@@ -99,7 +99,7 @@ def _fast(layout: Layout, columns: Sequence[int]) -> Body | None:
 
 def _slow(layout: Layout, columns: Sequence[int], notes: Notes) -> Body:
     """Line by line, with the faults named; lines of text between the numbers part the table."""
-    width, date_at = len(layout.kinds), _date_column(layout)
+    width, date_at, dates = len(layout.kinds), _date_column(layout), list[str]()
     rows: list[list[Any]] = []
     numbers: list[int] = []
     breaks: list[int] = []
@@ -124,8 +124,8 @@ def _slow(layout: Layout, columns: Sequence[int], notes: Notes) -> Body:
             continue
         if len(cells) != width or not all(good):
             raise _fault(layout, index, cells, columns, wanted, good)
-        dated = cells[date_at] if date_at is not None else ""
-        rows.append([(one[0], one[1] or dated) if isinstance(one, tuple) else one for one in read])
+        rows.append(read)
+        dates.append("" if date_at is None or not is_date(cells[date_at]) else cells[date_at])
         numbers.append(layout.line(index))
     if len(between) > MOST_INTERRUPTIONS:
         raise InputError(
@@ -139,10 +139,13 @@ def _slow(layout: Layout, columns: Sequence[int], notes: Notes) -> Body:
             f"text between the rows, left out; the first is line {layout.line(between[0])}: "
             f"'{layout.lines[between[0]].strip()[:40]}'",
         )
+    # the same date in every row is that of the test, not of the row
+    dates = dates if len(set(dates)) > 1 else [""] * len(rows)
     for place, column in enumerate(columns):
         if rows and layout.kinds[column] == "stamp":
-            for row, seconds in zip(rows, elapsed_seconds(layout.file, [row[place] for row in rows], notes)):
-                row[place] = seconds
+            stamps = [(one[place][0], one[place][1] or date) for one, date in zip(rows, dates)]
+            for kept, seconds in zip(rows, elapsed_seconds(layout.file, stamps, notes)):
+                kept[place] = seconds
     values = np.array(rows, float).reshape(-1, len(columns))
     if not np.isfinite(values).all():
         row = int(np.nonzero(~np.isfinite(values).all(axis=1))[0][0])
@@ -152,8 +155,8 @@ def _slow(layout: Layout, columns: Sequence[int], notes: Notes) -> Body:
 
 def _date_column(layout: Layout) -> int | None:
     """Column of dates beside a column of clock times."""
-    cells = layout.cells(layout.lines[layout.first])
-    return next((at for at, kind in enumerate(layout.kinds) if kind == "text" and is_date(cells[at])), None)
+    first = zip(layout.cells(layout.lines[layout.first]), layout.kinds)
+    return next((at for at, (cell, kind) in enumerate(first) if kind == "text" and is_date(cell)), None)
 
 
 def _read(cell: str, kind: str, decimal: str) -> float | tuple[float, str] | None:

@@ -71,6 +71,7 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("pads of 25 kPa, presses in random order", "campaign new my-dummy --young 25"),
         ("two pads, two forces, three days, other punch",
          "campaign new my-dummy --young 25 --pads 5,15 --force 3,9 --ages 9,14,29 --punch round:16"),
+        ("the pads of two moulds that were made", "campaign new my-dummy --from-mould moulds/mould_t5,moulds/mould_t8"),
     ),
     "campaign check": (
         ("what is not yet pressed, or looks wrong", "campaign check my-dummy"),

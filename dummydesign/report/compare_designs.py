@@ -36,8 +36,9 @@ def write_designs_report(folder: Path, found: Comparison) -> dict[str, str]:
     facts = [(one["verdict"]["light"].upper(), f"{one['name']}: {_level(one)}") for one in designs]
     sections = [
         *(asked if found.differences else []),
-        Section("Designs", table=Table(head, [[label, *cells] for label, cells in design_rows(designs)])),
-        Section("Verdicts", table=Table(["design", ""], [[one["name"], one["verdict"]["text"]] for one in designs])),
+        Section("Verdicts", "\n\n".join(f"{one['name']}: {one['verdict']['text']}" for one in designs)),
+        Section("Designs", table=Table(head, [[label.replace("  ", "score: "), *cells]
+                                              for label, cells in [*design_rows(designs), *_lengths(designs)]])),
         Section("Peak force against the people's range",
                 "Peak of the pad, then the range of the people's peaks, in N: < below it, in inside it, > above it.",
                 table=Table(head, [[label, *cells] for label, cells in press_rows(designs)])),
@@ -46,6 +47,9 @@ def write_designs_report(folder: Path, found: Comparison) -> dict[str, str]:
                                               _weights(designs))),
     ]  # fmt: skip
     lead = f"{len(designs)} designs of 'dummydesign suggest': {', '.join(one['folder'] for one in designs)}."
+    if found.differences:
+        names = ", ".join(one["name"] for one in found.differences)
+        lead = f"Not comparable as they are: the questions differ in {names}. {lead}"
     return write_report(folder, "Designs side by side", lead, sections, facts, found.warnings, found.sources)
 
 
@@ -89,6 +93,13 @@ def design_rows(designs: Sequence[Mapping[str, Any]]) -> list[Row]:
         ("usable", [f"{100 * one['castings']['usable_fraction']:.0f} % of castings" for one in designs]),
         ("mix", [_mix(one["batch"]) for one in designs]),
     ]
+
+
+def _lengths(designs: Sequence[Mapping[str, Any]]) -> list[Row]:
+    """Size and lengths of the pads, which have no room on a screen."""
+    pads = [one["pad"] for one in designs]
+    size = [f"{pad['length_mm']:g} x {pad['width_mm']:g} mm, {pad['base']}" for pad in pads]
+    return [("shape", [pad["shape"].replace(",", ", ") for pad in pads]), ("size, base", size)]
 
 
 def press_rows(designs: Sequence[Mapping[str, Any]]) -> list[Row]:

@@ -153,6 +153,8 @@ def test_the_report_has_every_design_and_the_steady_curves(designs, capsys):
     page = Cells()
     page.feed(Path("o/report.html").read_text(encoding="utf-8"))
     assert not page.links
+    lead = next(row for row in page.rows if "Designs side by side" in "".join(row))
+    assert "tissue" in "".join(lead).partition("3 designs")[0]
     (score,) = [row[1:] for row in page.rows if row[:1] == ["score"]]
     assert score == [f"{designs[name]['recommendation']['scores']['total']:.2f}" for name in names]
     for name in names:

@@ -7,12 +7,14 @@ from dataclasses import dataclass
 from functools import cache
 from html import escape
 from pathlib import Path
+from urllib.parse import parse_qsl
 
 from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import FILE, Project, read_project
 from dummydesign.report.html import page as report_page
+from dummydesign.studio.addresses import address
 from dummydesign.studio.work import jobs
 from dummydesign.studio.work.commands import shown
 
@@ -243,27 +245,33 @@ def table(head: Sequence[str], rows: Sequence[Sequence[object]], words: bool = F
 def file_links(rows: Sequence[tuple[str, str]]) -> None:
     """Links to files of the project: (words, path from the project folder on)."""
     found = "".join(
-        f'<a href="/files/{escape(path)}" target="_blank" rel="noopener">{escape(words)}</a>' for words, path in rows
+        f'<a href="{address(f"/files/{path}")}" target="_blank" rel="noopener">{escape(words)}</a>'
+        for words, path in rows
     )
     html(f'<div class="links">{found}</div>')
 
 
 def zip_link(folder: str) -> None:
     """A link that downloads a folder of the project as one file."""
-    link = f'<a data-test="zip" href="/zip/{escape(folder)}" download>Download all files (ZIP)</a>'
+    link = f'<a data-test="zip" href="{address(f"/zip/{folder}")}" download>Download all files (ZIP)</a>'
     html(f'<div class="links">{link}</div>')
 
 
-def shown_file(path: str, title: str, kind: str = "shown") -> None:
+def shown_file(path: str, title: str, kind: str = "shown", **query: object) -> None:
     """A page of the project inside this one.
 
     Parameters
     ----------
     path : str
-        From the server's root on.
+        From the server's root on, not quoted.
     title : str
         For those who cannot see it.
     kind : str
         ``shown`` or ``shown solid``.
+    query : object
+        Values by name, as ``address`` takes them.
     """
-    html(f'<iframe class="{kind}" src="{escape(path)}" title="{escape(title)}" loading="lazy"></iframe>')
+    if path.startswith("/solid/pad?"):
+        path, query = "/solid/pad", dict(parse_qsl(path.partition("?")[2]))
+    source = escape(address(path, **query))
+    html(f'<iframe class="{kind}" src="{source}" title="{escape(title)}" loading="lazy"></iframe>')

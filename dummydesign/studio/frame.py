@@ -15,6 +15,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.project.folder import FILE, Project, read_project
 from dummydesign.report.html import page as report_page
 from dummydesign.studio.addresses import address
+from dummydesign.studio.server.reconnect import page_script
 from dummydesign.studio.work import jobs
 from dummydesign.studio.work.commands import shown
 
@@ -75,6 +76,7 @@ def lay_out(
     """
     ui.colors(primary="#0b5cad")
     ui.add_head_html(f"<style>{style()}</style><script>document.documentElement.lang = 'en'</script>")
+    ui.add_head_html(page_script())
     ui.page_title(f"{title} – dummydesign studio")
     problem, project = "", None
     try:

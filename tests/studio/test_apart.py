@@ -15,7 +15,8 @@ pytestmark = pytest.mark.slow
 
 # every way out that a page has, to a server of this machine (OTHER) and to the studio (STUDIO)
 EVIL = """<!doctype html><meta charset="utf-8"><title>evil</title>
-<link rel="stylesheet" href="OTHER/style"><link rel="prefetch" href="OTHER/prefetch"><link rel="icon" href="OTHER/icon">
+<link rel="stylesheet" href="OTHER/style"><link rel="prefetch" href="OTHER/prefetch">
+<link rel="icon" href="OTHER/icon">
 <link rel="preload" as="image" href="OTHER/preload"><img src="OTHER/image"><script src="OTHER/script"></script>
 <iframe src="OTHER/frame"></iframe><object data="OTHER/object"></object><embed src="OTHER/embed">
 <video src="OTHER/video"></video><style>@import "OTHER/import"; body {background: url(OTHER/background)}
@@ -24,7 +25,9 @@ EVIL = """<!doctype html><meta charset="utf-8"><title>evil</title>
 <a id="top" target="_top" href="OTHER/top">a</a><a id="tab" target="_blank" href="OTHER/tab" ping="OTHER/ping">b</a>
 <svg><image href="OTHER/svg"/></svg>
 <script>
-const tried = [], go = (name, way) => { try { Promise.resolve(way()).then(() => tried.push(name), () => {}); } catch {} };
+
+const tried = [], go = (name, way) => { try { Promise.resolve(way()).then(() => tried.push(name), () => {}); } catch
+  {} };
 for (const home of ['OTHER', 'STUDIO', location.href.split('/view/')[0]]) {
   go('fetch', () => fetch(home + '/fetch', {mode: 'no-cors', credentials: 'include'}));
   go('post', () => fetch(home + '/post', {method: 'POST', body: 'x', mode: 'no-cors', credentials: 'include'}));
@@ -34,8 +37,8 @@ for (const home of ['OTHER', 'STUDIO', location.href.split('/view/')[0]]) {
   go('events', () => new Promise((yes, no) => { const s = new EventSource(home + '/events');
     s.onopen = yes; s.onerror = no; }));
   go('import', () => import(home + '/module'));
-  go('worker', () => new Promise((yes, no) => { const s = new Worker(home + '/worker'); s.onmessage = yes; s.onerror = no;
-    setTimeout(no, 1000); }));
+  go('worker', () => new Promise((yes, no) => { const s = new Worker(home + '/worker'); s.onmessage = yes;
+    s.onerror = no; setTimeout(no, 1000); }));
   go('popup', () => open(home + '/popup') || Promise.reject());
   go('image', () => new Promise((yes, no) => { const s = new Image(); s.onload = yes; s.onerror = no;
     s.src = home + '/picture'; }));

@@ -25,9 +25,8 @@ EVIL = """<!doctype html><meta charset="utf-8"><title>evil</title>
 <a id="top" target="_top" href="OTHER/top">a</a><a id="tab" target="_blank" href="OTHER/tab" ping="OTHER/ping">b</a>
 <svg><image href="OTHER/svg"/></svg>
 <script>
-
-const tried = [], go = (name, way) => { try { Promise.resolve(way()).then(() => tried.push(name), () => {}); } catch
-  {} };
+const tried = [];
+const go = (name, way) => { try { Promise.resolve(way()).then(() => tried.push(name), () => {}); } catch {} };
 for (const home of ['OTHER', 'STUDIO', location.href.split('/view/')[0]]) {
   go('fetch', () => fetch(home + '/fetch', {mode: 'no-cors', credentials: 'include'}));
   go('post', () => fetch(home + '/post', {method: 'POST', body: 'x', mode: 'no-cors', credentials: 'include'}));
@@ -197,3 +196,33 @@ def test_links_of_every_page_stay_in_the_studio(tmp_path):
             page.wait_for_timeout(1000)
             links = page.evaluate("[...document.querySelectorAll('a[href]')].map((link) => link.href)")
             assert len(links) >= 7 and all(link.startswith(studio.home) for link in links), links
+
+
+def test_a_report_with_scripts_works_as_a_file_of_the_project(tmp_path):
+    from dummydesign.report.html.page import Section, page as lay_out
+
+    drawn = "const c = document.createElement('canvas'); c.id = 'c'; document.body.append(c);" \
+            "c.getContext('2d').fillRect(0, 0, 9, 9); c.dataset.red = c.getContext('2d').getImageData(1, 1, 1, 1).data[3];"
+    report = lay_out("Report", "lead", [Section("a", "b")], scripts=[drawn])
+    solids = "solid/pad?shape=slab&thickness=9"
+    with project_with(tmp_path, report=report) as (studio, page, _, _):
+        page.set_default_timeout(30_000)
+        page.goto(f"{studio.home}files/designs/evil/report.html")
+        assert page.wait_for_selector("#c", state="attached").get_attribute("data-red") == "255"
+        assert page.evaluate("getComputedStyle(document.querySelector('main')).maxWidth") != "none"
+        page.goto(studio.home + solids)
+        page.wait_for_selector("canvas", state="attached")
+        assert page.broken == [] and page.outside == []
+
+
+def test_a_pdf_opens_in_the_viewer_of_the_browser(tmp_path):
+    content = (
+        b"%PDF-1.4\n1 0 obj<</Type/Catalog/Pages 2 0 R>>endobj\n2 0 obj<</Type/Pages/Kids[3 0 R]/Count 1>>endobj\n"
+        b"3 0 obj<</Type/Page/Parent 2 0 R/MediaBox[0 0 99 99]>>endobj\ntrailer<</Root 1 0 R>>\n%%EOF"
+    )
+    with project_with(tmp_path) as (studio, page, _, _):
+        (tmp_path / "thumb" / "designs" / "evil" / "a.pdf").write_bytes(content)
+        page.set_default_timeout(30_000)
+        assert page.goto(f"{studio.home}files/designs/evil/a.pdf").status == 200
+        page.wait_for_timeout(2000)
+        assert any(frame.url.startswith("chrome-extension://") for frame in page.frames)

@@ -199,10 +199,12 @@ def test_links_of_every_page_stay_in_the_studio(tmp_path):
 
 
 def test_a_report_with_scripts_works_as_a_file_of_the_project(tmp_path):
-    from dummydesign.report.html.page import Section, page as lay_out
+    from dummydesign.report.html.page import Section
+    from dummydesign.report.html.page import page as lay_out
 
-    drawn = "const c = document.createElement('canvas'); c.id = 'c'; document.body.append(c);" \
-            "c.getContext('2d').fillRect(0, 0, 9, 9); c.dataset.red = c.getContext('2d').getImageData(1, 1, 1, 1).data[3];"
+    drawn = """const c = document.createElement('canvas'), pen = c.getContext('2d');
+        c.id = 'c'; document.body.append(c); pen.fillRect(0, 0, 9, 9);
+        c.dataset.red = pen.getImageData(1, 1, 1, 1).data[3]"""
     report = lay_out("Report", "lead", [Section("a", "b")], scripts=[drawn])
     solids = "solid/pad?shape=slab&thickness=9"
     with project_with(tmp_path, report=report) as (studio, page, _, _):

@@ -165,6 +165,16 @@ def test_what_is_not_there_or_makes_no_sense_is_a_plain_line_of_4xx(studio, path
     assert body and b"Traceback" not in body and len(body) < 3000
 
 
+@pytest.mark.parametrize(("which", "taken"), [("a b", "a b"), ("", ""), ("../other", ""), (".studio", "")])
+def test_a_page_is_asked_for_what_lies_in_the_project_only(studio, root, which, taken):
+    from dummydesign.studio.frame import Studio
+    from dummydesign.studio.server import app
+
+    seen = []
+    app._add(Studio(root), f"/probe{len(which)}", lambda _, given: seen.append(given))
+    assert studio.get(f"{studio.path}/probe{len(which)}?which={quote(which)}")[0] == 200 and seen == [taken]
+
+
 def test_no_request_breaks_the_server(studio):
     pieces = ["", "/", "//", ".", "..", "%2e%2e", "%2f", "%5c", "\\", "%00", "%", "%zz", "%ff", "a" * 300, "~", "*",
               ":", "?", "#", ";", "%0d%0a", "%e8%a6%aa", "%F0%9F%98%80", "con", "a.toml",

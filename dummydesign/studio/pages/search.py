@@ -19,6 +19,8 @@ from dummydesign.studio.state import State, design_state, is_design
 from dummydesign.studio.work import commands
 from dummydesign.studio.work.jobs import Job
 
+PATIENCE_S = 2.0
+"""How long a pad must stay chosen before it is solved in the background. [s]"""
 PRESS_HEAD = ("steady N", "mm/s", "depth mm", "pad peak N", "people N", "")
 
 
@@ -236,14 +238,20 @@ class SolvedPad:
         self.box.set_visibility(False)
 
     def offer(self) -> None:
-        """Solve the chosen pad now, unless it is solved or something of this kind is at work."""
+        """Solve the chosen pad, unless it is solved or something of this kind is at work."""
         self.box.set_visibility(True)
         if self.work is None:
             with self.box:
                 html("<p>No table holds this pad. It is solved by finite elements in the background.</p>")
                 self.work = Work(self.studio, "pad", "Solve this pad", self.words, self.show, self.belongs, self.ended)
         self.work.show_again()
-        if not self.work.answered and not self.work.running:
+        chosen = self.state()
+        ui.timer(PATIENCE_S, lambda: self._begin(chosen), once=True)
+
+    def _begin(self, chosen: State) -> None:
+        """Start to solve a pad that is still chosen and not solved yet."""
+        idle = self.work is not None and not self.work.answered and not self.work.running
+        if idle and self.box.visible and self.work is not None and self.state() == chosen:
             self.work.begin()
 
     def ended(self, job: Job) -> None:

@@ -22,7 +22,7 @@ from dummydesign.studio.work.commands import shown
 
 STEPS = (
     ("/", "Overview"), ("/measured", "1 Measured"), ("/tissue", "2 Tissue"), ("/design", "3 Design"),
-    ("/mould", "4 Mould"), ("/campaign", "5 Campaign"), ("/learn", "6 Learn"),
+    ("/mould", "4 Mould"), ("/cast", "5 Cast pad"), ("/campaign", "6 Campaign"), ("/learn", "7 Learn"),
 )  # fmt: skip
 
 # links that carry the state get it when they are used: panels come and go, and the state changes meanwhile

@@ -23,7 +23,7 @@ MARK = "\ufeff"
 
 
 def read_trials(folder: str | Path) -> list[dict[str, Any]]:
-    """Read the file name and the values of each press; None where one is unknown.
+    """Read the file name, the pad's shape and the values of each press; None where one is unknown.
 
     Parameters
     ----------
@@ -36,7 +36,12 @@ def read_trials(folder: str | Path) -> list[dict[str, Any]]:
         When the file cannot be read or has no trials.
     """
     _, data = _content(Path(folder))
-    return [{"file": str(trial.get("file", "")), **{key: trial.get(key) for key in KEYS}} for trial in data["trial"]]
+    pad = data.get("pad")
+    shape = pad.get("shape", "slab") if isinstance(pad, dict) else "slab"
+    return [
+        {"file": str(trial.get("file", "")), "shape": str(trial.get("shape", shape)),
+         **{key: trial.get(key) for key in KEYS}} for trial in data["trial"]
+    ]  # fmt: skip
 
 
 def write_trial_values(folder: str | Path, changes: Mapping[int, Mapping[str, float | None]]) -> None:

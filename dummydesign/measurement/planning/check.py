@@ -62,7 +62,7 @@ def check_campaign(folder: str | Path) -> Status:
         pressed.append(name)
         try:
             trace = read_trace(folder / name, _speed(trial))
-            wrong += [_problem("not_as_planned", name, message) for message in _against_plan(trace, trial)]
+            wrong += [_problem("not_as_planned", name, message) for message in differences_from_plan(trace, trial)]
             traces.append(trace)
         except InputError as problem:
             wrong.append(_problem("not_readable", name, str(problem).removeprefix(f"{name}: ")))
@@ -124,7 +124,7 @@ def _speed(trial: dict[str, Any]) -> float | None:
     return float(value) if isinstance(value, int | float) and not isinstance(value, bool) and value > 0 else None
 
 
-def _against_plan(trace: Trace, trial: dict[str, Any]) -> Iterator[str]:
+def differences_from_plan(trace: Trace, trial: dict[str, Any]) -> Iterator[str]:
     """Differences between a press and what was planned."""
     ramp = find_ramp(trace.time_s, trace.displacement_mm, "slowed")
     held = (trace.time_s >= ramp.hold_end_s - 0.2 * (ramp.hold_end_s - ramp.stop_time_s)) & (

@@ -186,7 +186,7 @@ class _UndoBar:
         with self._content:
             self._area = ui.element("div").classes("undo").props('role="status" aria-live="polite" data-test="undo"')
         newest = next(iter(bin.deleted(studio.root)), None)
-        if newest is not None and time.time() - newest.time < STILL_OFFERED_S:
+        if newest is not None and newest.why != "undone" and time.time() - newest.time < STILL_OFFERED_S:
             self.offer(newest, lambda old, new: ui.navigate.reload(), focus=False)
 
     def say(self, text: str) -> ui.element:
@@ -194,7 +194,10 @@ class _UndoBar:
         self._area.clear()
         with self._area:
             html(f"<p>{escape(text)}</p>")
-        return self._area
+            place = ui.element("div")
+            close = ui.button("Close", on_click=self._area.clear, color=None)
+            close.props('outline dense aria-label="Close this message"')
+        return place
 
     def offer(self, gone: bin.Deleted, then: Then, focus: bool = True) -> None:
         """Show what was deleted, with its button; the button that deleted it is gone, so this one gets the focus."""
@@ -220,7 +223,7 @@ class _UndoBar:
 def _take_back(root: Path, gone: bin.Deleted) -> str:
     """Restore; what took the place of a file goes to the bin first."""
     if gone.why == "replaced" and (root / gone.path).is_file():
-        bin.delete(root, gone.path, "replaced")
+        bin.delete(root, gone.path, "undone")
     return bin.restore(root, gone)
 
 
@@ -272,8 +275,7 @@ def deleted_files(studio: Studio) -> None:
         else:
             with message:
                 html(f'<p class="note">{escape(back)} is back. <a href="">Load the page again</a> to see it.</p>')
-        with area.parent_slot.parent if area.parent_slot else area:
-            renew()
+        renew()
 
     def renew() -> None:
         area.clear()

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 OWN = ("presses", "name")
 """Choices of this panel in the address."""
 SEPARATOR = "\n"
+CONTACT = {"": "as the files were read", "per-press": "fitted for each press"}
 
 
 def fit_panel(page: TissuePage) -> None:
@@ -44,13 +45,15 @@ def fit_panel(page: TissuePage) -> None:
                            label="Presses of one subject")  # fmt: skip
         picked.props('use-chips data-test="traces"')
         name = ui.input("Name of the tissue", value=start_name).props('data-test="fit-name"')
+        contact = ui.select(CONTACT, value="", label="Where each press touched").props('data-test="fit-contact"')
         lowpass = ui.input("Filter of the force, HZ[:ORDER[:PASSES]] (optional)")
 
     def words() -> list[str]:
         if not picked.value:
             raise InputError("Choose the presses to fit.")
+        given = {"contact": contact.value, "lowpass": lowpass.value}
         kept = files.plain_name(f"{(name.value or '').strip() or 'mine'}.toml")
-        return ["fit", *picked.value, *options({"lowpass": lowpass.value}), "--out", f"tissue/{kept}"]
+        return ["fit", *picked.value, *options(given), "--out", f"tissue/{kept}"]
 
     def belongs(job: Job) -> bool:
         """Whether a fit is of the chosen presses and name, and its tissue is still there."""
@@ -77,7 +80,7 @@ def fit_panel(page: TissuePage) -> None:
         page.keep(presses=SEPARATOR.join(picked.value or []), name=name.value or "")
         work.renew_line()
 
-    for field in (picked, name, lowpass):
+    for field in (picked, name, contact, lowpass):
         field.on_value_change(renew)
 
 

@@ -24,7 +24,7 @@ from dummydesign.studio.frame import (
     tell_problem,
     warnings,
 )  # fmt: skip
-from dummydesign.studio.manage import drop_zone, manage, offer_undo
+from dummydesign.studio.manage import drop_zone, manage, undo_bar
 from dummydesign.studio.server import files, guard
 from dummydesign.studio.state import State
 from dummydesign.studio.work import jobs
@@ -232,7 +232,7 @@ def uploader(
         a button offers to replace the earlier one.
     """
     root = next(place for place in (folder, *folder.parents) if (place / FILE).is_file())
-    studio = Studio(root)
+    bar = undo_bar(Studio(root))
 
     def note(text: str, problem: bool = False) -> None:
         with said:
@@ -257,7 +257,7 @@ def uploader(
         else:
             note(stored.text)
         if stored.gone is not None:
-            offer_undo(studio, stored.gone, back)
+            bar.offer(stored.gone, back)
         then(stored.name)
 
     def ask(stored: uploads.Stored) -> None:
@@ -272,11 +272,10 @@ def uploader(
         except InputError as problem:
             note(str(problem), problem=True)
             return
-        with said:
-            row.delete()
+        row.delete()
         note(done.text)
         if done.gone is not None:
-            offer_undo(studio, done.gone, back)
-        then(done.name)
+            bar.offer(done.gone, back)
+        bar.run(lambda: then(done.name))
 
     drop_zone(took, lambda name, why: note(f"{name} was refused: it {why}", problem=True), "choose", said.clear)

@@ -20,7 +20,7 @@ from dummydesign.studio.work.jobs import Job
 if TYPE_CHECKING:
     from dummydesign.studio.pages.tissue import TissuePage
 
-OWN = ("presses", "name")
+OWN = ("presses", "name", "touched")
 """Choices of this panel in the address."""
 SEPARATOR = "\n"
 CONTACT = {"": "as the files were read", "per-press": "fitted for each press"}
@@ -36,16 +36,16 @@ def fit_panel(page: TissuePage) -> None:
     """
     root = page.studio.root
     known = choices.traces(root)
-    start, start_name = _start(page, known)
+    start, start_name, touched = _start(page, known)
     missing = [path for path in start if path not in known]
     for path in missing:
         tell_problem(f"The press '{path}' is not there (any more). Choose others, or bring it back.")
+    picked = ui.select(known, multiple=True, value=[path for path in start if path in known],
+                       label="Presses of one subject")  # fmt: skip
+    picked.props('use-chips data-test="traces"').style("width:100%")
     with ui.element("div").classes("fields"):
-        picked = ui.select(known, multiple=True, value=[path for path in start if path in known],
-                           label="Presses of one subject")  # fmt: skip
-        picked.props('use-chips data-test="traces"')
         name = ui.input("Name of the tissue", value=start_name).props('data-test="fit-name"')
-        contact = ui.select(CONTACT, value="", label="Where each press touched").props('data-test="fit-contact"')
+        contact = ui.select(CONTACT, value=touched, label="Where each press touched").props('data-test="fit-contact"')
         lowpass = ui.input("Filter of the force, HZ[:ORDER[:PASSES]] (optional)")
 
     def words() -> list[str]:
@@ -77,23 +77,23 @@ def fit_panel(page: TissuePage) -> None:
     work = Work(page.studio, "fit", "Fit the tissue", words, show, belongs, ended)
 
     def renew() -> None:
-        page.keep(presses=SEPARATOR.join(picked.value or []), name=name.value or "")
+        page.keep(presses=SEPARATOR.join(picked.value or []), name=name.value or "", touched=contact.value)
         work.renew_line()
 
     for field in (picked, name, contact, lowpass):
         field.on_value_change(renew)
 
 
-def _start(page: TissuePage, known: dict[str, str]) -> tuple[list[str], str]:
-    """Presses and name: of the address, of the fit that made the chosen tissue, or all presses and a free name."""
+def _start(page: TissuePage, known: dict[str, str]) -> tuple[list[str], str, str]:
+    """Presses, name and contact: of the address, of the fit that made the tissue, or all presses and a free name."""
     root, query = page.studio.root, page.query
-    presses, name = query.get("presses", ""), query.get("name", "")
-    if presses:
-        return presses.split(SEPARATOR), name
+    if query.get("presses"):
+        touched = query.get("touched", "")
+        return query["presses"].split(SEPARATOR), query.get("name", ""), touched if touched in CONTACT else ""
     for job in reversed(jobs.named(root, "fit")):
         if job.answer.get("files", {}).get("tissue") == page.tissue:
-            return _presses(job), Path(job.words[-1]).stem
-    return list(known), name or choices.free_name(root, "tissue", "mine")
+            return _presses(job), Path(job.words[-1]).stem, "per-press" if "per-press" in job.words else ""
+    return list(known), query.get("name") or choices.free_name(root, "tissue", "mine"), ""
 
 
 def _presses(job: Job) -> list[str]:

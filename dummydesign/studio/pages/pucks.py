@@ -55,7 +55,7 @@ class _Pucks:
             html(f'<p class="note">No presses yet: {page_link("/measured", "bring in the file of a puck")} first.</p>')
             return
         start = self._start
-        bases = {"": "the usual: NAME itself, or polyurethane-nagoya", **choices.resins()}
+        bases = {"": "default: the batch itself, else polyurethane-nagoya", **choices.resins()}
         with ui.element("div").classes("fields"):
             first = start.get("puck") if start.get("puck") in self._known else next(iter(self._known))
             self._puck = ui.select(self._known, value=first, label="Press of the puck").props('data-test="puck"')
@@ -69,9 +69,11 @@ class _Pucks:
                  "base": self._base}  # fmt: skip
         for name, field in named.items():
             field.props(f'data-test="puck-{name}"')
-        self._work = Work(self._studio, "puck", "Find the modulus", self._words, self._show, self._belongs)
+        self._work = Work(self._studio, "puck", "Find the modulus", self._words, self._show, self._belongs,
+                          lambda job: self._list())  # fmt: skip
         for field in (self._puck, *named.values()):
             field.on_value_change(self._renew)
+        self._own = ui.element("section").style("width:100%")
         self._list()
 
     def _renew(self) -> None:
@@ -131,10 +133,11 @@ class _Pucks:
 
     def _list(self) -> None:
         own = [entry for entry in entries("materials/resins").values() if entry.origin == "user"]
-        if own:
-            html("<h2>Your own resins</h2>")
-            names = ", ".join(f"{one.name}{' (chosen)' if one.name == self._state.resin else ''}" for one in own)
-            html(f"<p>{escape(names)}</p>")
+        self._own.clear()
+        with self._own:
+            if own:
+                names = ", ".join(f"{one.name}{' (chosen)' * (one.name == self._state.resin)}" for one in own)
+                html(f"<h2>Your own resins</h2><p>{escape(names)}</p>")
 
 
 def pucks(root: Path) -> dict[str, str]:

@@ -13,6 +13,7 @@ from dummydesign.studio import choices
 from dummydesign.studio.frame import (
     Studio,
     command_line,
+    file_links,
     html,
     keep_state,
     lay_out,
@@ -72,7 +73,12 @@ class TissuePage:
 
     def choose(self, tissue: str) -> None:
         """Choose a tissue: it is shown, and the address keeps it."""
+        was_missing = self._state.missing
         self._state = self._state.changed(tissue=tissue, aim="average")
+        if was_missing:
+            # what the page says at its top is no longer true
+            open_page("/tissue", self._state)
+            return
         self._list()
         self._renew()
         self.keep()
@@ -106,6 +112,7 @@ class TissuePage:
 
     def _renew(self) -> None:
         self._shown.clear()
+        self._problem.clear()
         with self._shown:
             if self.tissue.startswith("tissue/") and (self.studio.root / self.tissue).is_file():
                 manage(self.studio, self.tissue, "tissue", self._moved)
@@ -127,6 +134,10 @@ def _show_tissue(studio: Studio, name: str) -> None:
     from dummydesign.tissue import load_tissue
 
     command_line(["tissues", "show", name])
+    path = studio.root / name
+    if name.endswith(".toml") and not path.is_file():
+        tell_problem(f"'{name}' is not there. Choose another tissue, or bring its file back.")
+        return
     try:
         tissue = load_tissue(absolute(studio.root, name))
         plot = figures.steady(tissue, make_targets(tissue, "average", Sampling()))
@@ -136,6 +147,9 @@ def _show_tissue(studio: Studio, name: str) -> None:
     people = f"{len(tissue.subjects)} subject{'s' * (len(tissue.subjects) != 1)}"
     html(f"<p><b>{escape(name)}</b>: {escape(tissue.title)}, {people}, law {escape(tissue.law)}</p>")
     html(f'<div class="plots">{plot.html()}</div>')
+    report = f"{name.removesuffix('.toml')}-report.html"
+    if name.endswith(".toml") and (studio.root / report).is_file():
+        file_links([("report of the fit", report)])
     rows = []
     for label, entry in tissue.to_dict()["bands"].items():
         parts = {label: entry} if "value" in entry else {f"{label} at {v} mm/s": one for v, one in entry.items()}

@@ -12,8 +12,8 @@ from typing import Any
 from dummydesign._version import __version__
 
 CALLS = (
-    "calibrate", "close_loop", "compare", "fit", "import_traces", "load_resin", "load_tissue", "make_mould", "predict",
-    "record_pad", "replay", "suggest", "whatif",
+    "calibrate", "close_loop", "compare", "compare_designs", "fit", "import_traces", "load_resin", "load_tissue",
+    "make_mould", "predict", "record_pad", "replay", "suggest", "whatif",
 )  # fmt: skip
 __all__ = ["__version__", *CALLS]
 

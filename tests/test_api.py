@@ -128,6 +128,7 @@ COMMAND_OF = {
     "import_traces": ["import", "a.csv"],
     "fit": ["fit", "a.csv"],
     "compare": ["compare", "a.csv", "--tissue", "palm"],
+    "compare_designs": ["compare-designs", "a", "b"],
     "calibrate": ["loop", "campaign"],
     "close_loop": ["loop", "campaign"],
     "replay": ["replay", "campaign", "--calibration", "c.json"],

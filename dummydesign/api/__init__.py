@@ -10,6 +10,7 @@ imported when a function runs.
 
 from dummydesign.api.answers import Answer, Fitted, Result, Rows
 from dummydesign.api.campaign_calls import calibrate, replay
+from dummydesign.api.comparison_calls import compare_designs
 from dummydesign.api.design_calls import suggest
 from dummydesign.api.import_calls import import_traces
 from dummydesign.api.mould_calls import make_mould, record_pad
@@ -22,6 +23,6 @@ from dummydesign.tissue import load_tissue
 close_loop = calibrate
 
 __all__ = [
-    "Answer", "Fitted", "Result", "Rows", "calibrate", "close_loop", "compare", "fit", "import_traces", "load_resin",
-    "load_tissue", "make_mould", "predict", "record_pad", "replay", "suggest", "whatif",
+    "Answer", "Fitted", "Result", "Rows", "calibrate", "close_loop", "compare", "compare_designs", "fit",
+    "import_traces", "load_resin", "load_tissue", "make_mould", "predict", "record_pad", "replay", "suggest", "whatif",
 ]  # fmt: skip

@@ -271,7 +271,25 @@ def _written(
             missing, result = reason, reason.result
     progress("stress in the pad")
     result["files"] |= write_suggestion(output.work, found, result, curves, safety, press_pictures(found))
+    result["files"]["json"] = str(_write_answer(output, result, curves))
     return output.answer(result), missing
+
+
+def _write_answer(output: Output, result: dict[str, Any], curves: Any) -> Path:
+    """Keep the answer with its steady curve; files are named from the folder, so that it can be moved."""
+    from dummydesign.core.files import write_text
+    from dummydesign.core.outputs.plain import json_text
+    from dummydesign.design.comparison import ANSWER
+
+    low, high = curves.subjects_measured_mm
+    kept = output.settled({key: value for key, value in result.items() if key != "files"})
+    kept["inputs"] = {key: value for key, value in kept["inputs"].items() if key != "out"}
+    kept["files"] = {role: Path(file).relative_to(output.work).as_posix() for role, file in result["files"].items()}
+    kept["steady_curve"] = {
+        "force_N": curves.forces_N.pad, "depth_mm": curves.pad_depth_mm,
+        "subjects": {"force_N": curves.forces_N.measured, "depth_low_mm": low, "depth_high_mm": high},
+    }  # fmt: skip
+    return write_text(output.path(ANSWER), json_text("suggest", kept) + "\n")
 
 
 def _pair(limits: tuple[float, float] | str | None, name: str) -> tuple[float, float] | None:

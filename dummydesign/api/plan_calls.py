@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike, fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -64,19 +64,25 @@ def plan_campaign(
         f"{len(plan)} presses, seed {design.seed}; fill in temperature_C as they are pressed.",
         "'dummydesign campaign check' says what is missing, 'dummydesign loop' reads it when all is there.",
     )
-    _check_set_up(_empty_campaign(set_up, tables), design.pads_mm)
+    by_shape = _by_shape(set_up, tables, design.pads_mm)
+    for campaign, pads_mm in by_shape:
+        _check_set_up(campaign, pads_mm)
     told = {key: ", ".join(f"{k} = {v}" for k, v in tables[key].items()) for key in ("pad", "punch", "sensor")}
+    if set_up.shapes:
+        told["shapes"] = "; ".join(f"{thickness:g} mm: {shape}" for thickness, shape in set_up.shapes)
     with new_folder(folder, question("campaign new", inputs), replace=replace) as output:
-        expected, told["expected"], notes, material = _expected(plan, _empty_campaign(set_up, tables))
-        seen, warnings = _power(plan, set_up, tables, design.seed) if power else (None, [])
-        output.path(FILE).write_text(campaign_toml(set_up, map(_trial, plan), comments), encoding="utf-8")
+        expected, told["expected"], notes, material = _expected(plan, by_shape)
+        # shaped pads last: the power of a plan with one is not computed
+        seen, warnings = _power(plan, by_shape[-1][0], design.seed) if power else (None, [])
+        trials = [_trial(row, set_up) for row in plan]
+        output.path(FILE).write_text(campaign_toml(set_up, trials, comments), encoding="utf-8")
         _copy_profile(set_up, output.work)
         page = sheet_html(set_up.name, plan, told, design.seed, expected)
         output.path("sheet.html").write_text(page, encoding="utf-8")
         result = output.answer(
             {
                 "inputs": {**inputs, "folder": str(output.folder)},
-                "trials": [_trial(row) | (expected[i].to_dict() if expected else {}) for i, row in enumerate(plan)],
+                "trials": [row | (expected[i].to_dict() if expected else {}) for i, row in enumerate(trials)],
                 "expected": material,
                 "power": seen,
                 "files": {"campaign": str(output.path(FILE)), "sheet": str(output.path("sheet.html"))},
@@ -87,7 +93,7 @@ def plan_campaign(
 
 
 def _expected(
-    plan: tuple[Planned, ...], campaign: Campaign
+    plan: tuple[Planned, ...], by_shape: Sequence[tuple[Campaign, tuple[float, ...]]]
 ) -> tuple[tuple[Expected, ...], str, list[dict[str, str]], dict[str, Any] | None]:
     """Depth or force of each press, what the sheet says of it, warnings, and the material; nothing without a law."""
     from dummydesign.core.errors import NoAnswerError
@@ -96,8 +102,12 @@ def _expected(
 
     what = "force" if plan[0].by_depth else "depth"
     try:
-        material = material_of(campaign)
-        found = expected_presses(plan, campaign, material, tell)
+        material = material_of(by_shape[0][0])
+        of_press: dict[int, Expected] = {}
+        for campaign, pads_mm in by_shape:
+            rows = tuple(row for row in plan if row.thickness_mm in pads_mm)
+            of_press.update(zip((row.sequence for row in rows), expected_presses(rows, campaign, material, tell)))
+        found = tuple(of_press[row.sequence] for row in plan)
     except (InputError, NoAnswerError) as problem:
         message = f"no {what} beside the {'depth' if plan[0].by_depth else 'force'} of each press: {problem}"
         return (), message, [{"code": "no_expected", "message": message}], None
@@ -145,9 +155,28 @@ def _copy_profile(set_up: SetUp, folder: Path) -> None:
         shutil.copyfile(set_up.profile, folder / set_up.profile.name)
 
 
-def _trial(row: Planned) -> dict[str, Any]:
+def _by_shape(
+    set_up: SetUp, tables: Mapping[str, Mapping[str, Any]], pads_mm: Iterable[float]
+) -> list[tuple[Campaign, tuple[float, ...]]]:
+    """A campaign without trials for each shape, with the thicknesses of its pads; slabs come first."""
+    groups: dict[str, tuple[float, ...]] = {}
+    for thickness in pads_mm:
+        shape = set_up.shape_of(thickness)
+        groups[shape] = (*groups.get(shape, ()), thickness)
+    if len(groups) == 1:
+        return [(_empty_campaign(set_up, tables), tuple(pads_mm))]
+    made = [
+        (_empty_campaign(set_up, {**tables, "pad": {**tables["pad"], "shape": shape}}), own)
+        for shape, own in groups.items()
+    ]
+    return sorted(made, key=lambda one: not one[0].pad.geometry.plain)
+
+
+def _trial(row: Planned, set_up: SetUp) -> dict[str, Any]:
+    shape = {"shape": set_up.shape_of(row.thickness_mm)} if set_up.shapes else {}
     return {
-        "file": row.file, "thickness_mm": row.thickness_mm, "velocity_mm_s": row.velocity_mm_s, "hold_s": row.hold_s,
+        "file": row.file, "thickness_mm": row.thickness_mm, **shape, "velocity_mm_s": row.velocity_mm_s,
+        "hold_s": row.hold_s,
         ("target_depth_mm" if row.by_depth else "target_force_N"): row.target, "repeat": row.repeat,
         "sequence": row.sequence, "rest_s": row.rest_s, "age_days": row.age_days, "unload": row.unload,
         "temperature_C": None,
@@ -155,17 +184,17 @@ def _trial(row: Planned) -> dict[str, Any]:
 
 
 def _power(
-    plan: tuple[Planned, ...], set_up: SetUp, tables: Mapping[str, Mapping[str, Any]], seed: int
+    plan: tuple[Planned, ...], campaign: Campaign, seed: int
 ) -> tuple[dict[str, Any] | None, list[dict[str, str]]]:
-    """What the plan can see; a set-up without a fast force law is told instead."""
+    """The effects that the plan can detect; a warning for a set-up without a tabulated force."""
     from dummydesign.loop.planning.plan_power import plan_power
     from dummydesign.loop.run import start_young_kPa
 
-    campaign = _empty_campaign(set_up, tables)
     try:
         found = plan_power(plan, campaign, 1e-3 * start_young_kPa(campaign), seed)
     except InputError as problem:
-        return None, [{"code": "no_power", "message": f"what this plan can see was not worked out: {problem}"}]
+        message = f"the effects that this plan can detect were not computed: {problem}"
+        return None, [{"code": "no_power", "message": message}]
     return found.to_dict(), []
 
 

@@ -107,7 +107,7 @@ def predict(
     fidelity : str
         ``table``, ``axisymmetric``, ``3d`` or ``viscoelastic``.
     out : path, optional
-        CSV file of the curve.
+        CSV file of the curve; several presses are written to a file each, named as in ``NAME_5N_10mm_s.csv``.
     fields : path, optional
         ``NAME.vtu`` for displacement, stress and contact at the static depths, with fidelity ``axisymmetric``.
     picture : path, optional
@@ -171,7 +171,7 @@ def predict(
         files = _add_fields(made, result, fields, picture)
     if out:
         columns = STATIC if asked == ["depth_mm"] else MOVED
-        files = {"curve": str(_write(out, columns, result.get("presses", [result]), "presses" in result))} | files
+        files = _write(fspath(out), columns, result) | files
     return Result(found, result | ({"files": files} if files else {}), "predict")
 
 
@@ -268,17 +268,21 @@ def _presses(
     return last.prediction, {"depth_mm": last.depth_mm, **several}
 
 
-def _write(
-    path: str | PathLike[str], columns: tuple[str, ...], curves: list[dict[str, Any]], named: bool
-) -> Path:
-    """Write curves one after the other; each row begins with force and speed of its press where there are several."""
+def _write(path: str, columns: tuple[str, ...], result: dict[str, Any]) -> dict[str, str]:
+    """Write the curve, or one file a press that is in reach; return them by role."""
     from dummydesign.core.files import write_text
 
-    asked = ("steady_force_N", "velocity_mm_s") if named else ()
-    lines = [",".join((*asked, *columns))]
-    for curve in curves:
-        if columns[0] in curve:
-            head = [curve[name] for name in asked]
-            rows = zip(*(curve[name] for name in columns))
-            lines += [",".join(f"{value:.8g}" for value in (*head, *row)) for row in rows]
-    return write_text(fspath(path), "\n".join(lines) + "\n")
+    if "presses" not in result:
+        return {"curve": str(write_text(path, _csv(columns, result)))}
+    files, place = {}, Path(path)
+    for press in result["presses"]:
+        if columns[0] in press:
+            name = f"{press['steady_force_N']:g}N_{press['velocity_mm_s']:g}mm_s"
+            written = write_text(str(place.with_name(f"{place.stem}_{name}{place.suffix}")), _csv(columns, press))
+            files[f"curve_{name}"] = str(written)
+    return files
+
+
+def _csv(columns: tuple[str, ...], curve: dict[str, Any]) -> str:
+    rows = zip(*(curve[name] for name in columns))
+    return "\n".join([",".join(columns), *(",".join(f"{value:.8g}" for value in row) for row in rows)]) + "\n"

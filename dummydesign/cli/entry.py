@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import argparse
 import difflib
-import json
-import math
+import io
 import os
 import signal
 import sys
@@ -18,6 +17,7 @@ from dummydesign.cli.registry import COMMANDS, module_of
 from dummydesign.cli.steps import loudness, say, timed
 from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError, unknown_name
 from dummydesign.core.outputs.manifest import COMMAND_LINE
+from dummydesign.core.outputs.plain import json_text
 from dummydesign.core.threads import ONE_THREAD
 
 
@@ -67,7 +67,7 @@ def parser_of(name: str) -> argparse.ArgumentParser:
 
 
 def _overview() -> str:
-    rows = "\n".join(f"  {name:<9} {module_of(name).HELP}" for name in COMMANDS)
+    rows = "\n".join(f"  {name:<15} {module_of(name).HELP}" for name in COMMANDS)
     return (
         "usage: dummydesign COMMAND [options]\n\n"
         "Soft dummies of human hand tissue: resin recipe, pad geometry and mould, from measured parameters.\n\n"
@@ -78,37 +78,20 @@ def _overview() -> str:
     )
 
 
-def _plain(value: Any) -> Any:
-    """Turn numpy scalars and arrays into plain JSON values; a number that is not finite becomes null."""
-    if isinstance(value, dict):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if hasattr(value, "tolist"):
-        return _plain(value.tolist())
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    if isinstance(value, os.PathLike):
-        return os.fspath(value)
-    return value
-
-
 def _print_result(command: str, result: dict[str, Any], as_json: bool, render: Any) -> None:
     if as_json:
-        head = {"schema": f"dummydesign.{command}/1", "version": __version__}
-        for key, empty in (("inputs", {}), ("warnings", []), ("sources", [])):
-            head[key] = result.get(key, empty)
-        print(json.dumps(_plain({**head, **result}), indent=1, allow_nan=False))
+        print(json_text(command, result))
     else:
         print(render(result))
 
 
 def run(arguments: list[str]) -> int:
     """Run one command line and return its exit status (0 done, 1 no acceptable answer, 2 bad input)."""
-    kept = loudness.set("")
+    kept, line = loudness.set(""), COMMAND_LINE.set(tuple(arguments))
     try:
         return _run(arguments)
     finally:
+        COMMAND_LINE.reset(line)
         loudness.reset(kept)
 
 
@@ -120,7 +103,6 @@ def _run(arguments: list[str]) -> int:
         print(f"dummydesign {__version__}")
         return 0
     name, as_json = arguments[0], "--json" in arguments
-    COMMAND_LINE.set(tuple(arguments))
     try:
         if name not in COMMANDS:
             raise unknown_name("command", name, COMMANDS)
@@ -204,6 +186,10 @@ def main() -> NoReturn:
     """Entry point without arguments; reads ``sys.argv`` and exits with the command's status."""
     # before numpy is loaded, for this process and those it starts
     os.environ.update(ONE_THREAD)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            # names may have letters that the terminal's code page lacks
+            stream.reconfigure(errors="backslashreplace")
     for name in ("SIGTERM", "SIGHUP"):
         if hasattr(signal, name):
             signal.signal(getattr(signal, name), _stop)

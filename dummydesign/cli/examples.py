@@ -8,6 +8,10 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("the pad for a forefinger, its mould and report", "suggest --tissue forefinger"),
         ("the best slab for a palm, without CAD", "suggest --tissue palm --shape slab --no-cad"),
     ),
+    "compare-designs": (
+        ("two designs side by side", "compare-designs suggest-palm suggest-palm-2"),
+        ("three designs, the report in a folder", "compare-designs a b c --out which-pad"),
+    ),
     "predict": (
         ("force of a 10 mm slab of 30 kPa at three depths", "predict --young 30 --thickness 10 --depth 1,2,3"),
         (
@@ -67,6 +71,7 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("pads of 25 kPa, presses in random order", "campaign new my-dummy --young 25"),
         ("two pads, two forces, three days, other punch",
          "campaign new my-dummy --young 25 --pads 5,15 --force 3,9 --ages 9,14,29 --punch round:16"),
+        ("the pads of two moulds that were made", "campaign new my-dummy --from-mould moulds/mould_t5,moulds/mould_t8"),
     ),
     "campaign check": (
         ("what is not yet pressed, or looks wrong", "campaign check my-dummy"),

@@ -7,6 +7,7 @@ from types import ModuleType
 
 MODULES = {
     "suggest": "design.suggest",
+    "compare-designs": "design.compare_designs",
     "predict": "design.predict",
     "whatif": "design.whatif",
     "import": "measurement.import_",

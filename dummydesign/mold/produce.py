@@ -144,10 +144,10 @@ def _write_steps(made: Parts, steps: dict[str, StepPart], folder: Path) -> dict[
     for name, part in steps.items():
         files[name] = f"{name}_{spec.tag}.step"
         text = step_text([part], f"{name}_{spec.tag}", description(spec, name))
-        (folder / files[name]).write_text(text, encoding="ascii")
+        (folder / files[name]).write_text(text, encoding="utf-8")
     files["assembly"] = f"assembly_{spec.tag}.step"
     text = step_text(list(steps.values()), f"assembly_{spec.tag}", description(spec, "assembly"))
-    (folder / files["assembly"]).write_text(text, encoding="ascii")
+    (folder / files["assembly"]).write_text(text, encoding="utf-8")
     return files
 
 

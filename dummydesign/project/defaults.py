@@ -19,8 +19,8 @@ GIVEN: dict[tuple[str, ...], tuple[str, ...]] = {
 }
 """Options that each command takes from the project; ``resin`` and ``young`` of ``predict`` stay with the user."""
 OUT = {
-    "suggest": "designs", "whatif": "designs", "import": "measured", "compare": "designs", "mold": "moulds",
-    "loop": "calibrations",
+    "suggest": "designs", "whatif": "designs", "import": "measured", "compare": "designs",
+    "compare-designs": "designs", "mold": "moulds", "loop": "calibrations",
 }  # fmt: skip
 """Folder of the project into which each command writes when no ``--out`` is typed."""
 WITH_TISSUE = ("aim",)

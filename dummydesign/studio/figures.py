@@ -1,16 +1,19 @@
-"""What the pages draw: steady curve, presses and cross-section of one pad; solids to turn."""
+"""What the pages draw: steady curve, presses and cross-section of one pad; measured presses; solids to turn."""
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dummydesign.design.curves import force_grids
 from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
-from dummydesign.report.figures.layers import Band, Line
-from dummydesign.report.figures.plot import Plot
+from dummydesign.report.figures.layers import Band, Dots, Line
+from dummydesign.report.figures.plot import HEIGHT, WIDTH, Plot
+from dummydesign.report.press_figures import STYLES, log_start
 
 if TYPE_CHECKING:
     from dummydesign.design.own_test.punch import AskedPunch
@@ -51,7 +54,7 @@ def steady(tissue: Tissue, targets: Targets, pad: OnePad | None = None) -> Plot:
                 "force_N", tuple(layers), x_range=(0.0, 1.25 * deepest), y_range=(0.0, 16.0))  # fmt: skip
 
 
-def press(targets: Targets, pad: OnePad, column: int) -> Plot:
+def press(targets: Targets, pad: OnePad, column: int, size: tuple[float, float] = (WIDTH, HEIGHT)) -> Plot:
     """Force over time of one press of the protocol: subjects, aim, pad.
 
     Parameters
@@ -60,6 +63,8 @@ def press(targets: Targets, pad: OnePad, column: int) -> Plot:
     pad : OnePad
     column : int
         Which of the targets' conditions.
+    size : (float, float)
+        Width and height. [px]
     """
     condition = targets.conditions[column]
     band, found = condition.range, pad.candidate.evaluation.presses[column]
@@ -72,7 +77,101 @@ def press(targets: Targets, pad: OnePad, column: int) -> Plot:
     start = 1e-2 if condition.velocity_mm_s < 50 else 1e-3
     title = f"{condition.steady_force_N:g} N at {condition.velocity_mm_s:g} mm/s: {said}"
     return Plot(f"press-{column}", title, f"Force over time, {title}.", "time [s]", "force [N]", "time_s", "force_N",
-                tuple(layers), log_x=True, x_range=(start, float(band.time_s[-1])))  # fmt: skip
+                tuple(layers), log_x=True, x_range=(start, float(band.time_s[-1])), size=size)  # fmt: skip
+
+
+def presses(targets: Targets, pad: OnePad, width_px: float = 300.0) -> list[Plot]:
+    """Force over time of every press of the protocol, small enough to stand in a grid.
+
+    Parameters
+    ----------
+    targets : Targets
+    pad : OnePad
+    width_px : float
+        Width of each. [px]
+    """
+    size = (width_px, round(0.74 * width_px))
+    return [press(targets, pad, column, size) for column in range(len(targets.conditions))]
+
+
+def plots_html(plots: Iterable[Plot], small: bool = False) -> str:
+    """Plots in a grid, as HTML.
+
+    Parameters
+    ----------
+    plots : iterable of Plot
+    small : bool
+        Narrow columns, for :func:`presses`.
+    """
+    return f'<div class="plots{" small" if small else ""}">{"".join(plot.html() for plot in plots)}</div>'
+
+
+def measured_over_fitted(root: Path, answer: Mapping[str, Any]) -> list[Plot]:
+    """Measured force over time with the model's curve, one plot a condition, from the files that the report wrote.
+
+    Parameters
+    ----------
+    root : Path
+        Folder in which the command ran.
+    answer : mapping
+        JSON of ``fit`` (the fitted law) or ``loop`` (the base model and the corrected one).
+
+    Returns
+    -------
+    list of Plot
+        In the order of the report; empty where its files are gone.
+    """
+    files = answer.get("files", {})
+    paths = [root / path for role, path in files.items() if role.startswith("report_press_")]
+    return [_measured(path) for path in paths if path.is_file()]
+
+
+def _measured(path: Path) -> Plot:
+    """One plot from the CSV file of a report's plot: series, time, force."""
+    series = _series(path)
+    layers: list[Dots | Line] = []
+    traces = list(dict.fromkeys(name.partition(", ")[2] for name in series))
+    for name, (time, force) in series.items():
+        kind, _, trace = name.partition(", ")
+        style = STYLES[traces.index(trace) % len(STYLES)]
+        if kind == "measured":
+            layers.append(Dots(name, time, force, "other" if len(traces) == 1 else style))
+        else:
+            layers.append(Line(name, time, force, "aim" if kind == "base" else style))
+    seen = [values for name, values in series.items() if name.startswith("measured")] or list(series.values())
+    peak = max(float(force.max()) for _, force in seen)
+    rise = min(float(time[int(np.argmax(force))]) for time, force in seen)
+    last = max(float(time.max()) for time, _ in series.values())
+    title = _condition_of(path.stem)
+    alt = f"Measured force and the model's over time on a logarithmic axis, {title}; measured peak {peak:.3g} N."
+    name = path.stem.partition("report-")[2]
+    return Plot(name, title, alt, "time since contact [s]", "force [N]", "time_s", "force_N", tuple(layers),
+                log_x=True, x_range=(min(log_start(rise), 0.5 * last), last))  # fmt: skip
+
+
+def _series(path: Path) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Time and force of each series of a plot's CSV file, in its order; bands are left out."""
+    import csv
+
+    found: dict[str, list[tuple[float, float]]] = {}
+    with open(path, newline="", encoding="utf-8") as stream:
+        for name, time, force, *_ in list(csv.reader(stream))[1:]:
+            if time and force:
+                found.setdefault(name, []).append((float(time), float(force)))
+    return {name: (np.array(rows)[:, 0], np.array(rows)[:, 1]) for name, rows in found.items()}
+
+
+def _condition_of(stem: str) -> str:
+    """The condition in the name of a plot's file, in words."""
+    name = stem.partition("report-press-")[2]
+    fitted = re.fullmatch(r"(.+)N-(.+)mm-s(?:-\d+)?", name)
+    if fitted:
+        return f"{fitted[1]} N steady at {fitted[2]} mm/s"
+    looped = re.fullmatch(r"(.+?)mm-(.+?)mm-s-([\d.e+-]+)(N|mmdeep)(?:-\d+)?", name)
+    if looped:
+        level = f"{looped[3]} N" if looped[4] == "N" else f"{looped[3]} mm deep"
+        return f"{looped[1]} mm pad, {looped[2]} mm/s, {level}"
+    return name
 
 
 def section(shape: PadShape, thickness_mm: float, punch: AskedPunch, name: str = "section") -> Plot:
@@ -141,6 +240,13 @@ def pad_page(shape: PadShape, thickness_mm: float) -> str:
     return solids_page({"pad": np.concatenate([_faces(nodes), bottom, *walls])})
 
 
+def plot_script() -> str:
+    """Script element for the studio's head: values of plots under the pointer, and zoom."""
+    from dummydesign.report.html.page import plots_js
+
+    return f"<script>{plots_js()}</script>"
+
+
 def _faces(nodes: np.ndarray) -> np.ndarray:
     """Triangles over a grid of points, seen from above; shape (n, 3, 3)."""
     a, b, c, d = nodes[:-1, :-1], nodes[1:, :-1], nodes[1:, 1:], nodes[:-1, 1:]
@@ -166,7 +272,7 @@ def solids_page(parts: dict[str, np.ndarray]) -> str:
     told = solid_section(parts, "Drag or use the arrow keys to turn, scroll to zoom.")
     apart = "" if len(parts) > 1 else ".viewer .controls{display:none}"
     small = (
-        "<style>h1,.lead,footer,h2{display:none}main{padding:0 .5rem}section p{margin:.2rem 0;font-size:.9rem}"
+        "<style>h1,.lead,footer,h2,.terms{display:none}main{padding:0 .5rem}section p{margin:.2rem 0;font-size:.9rem}"
         f".viewer canvas{{height:calc(100vh - 5.5rem)}}{apart}</style>"
     )
     return page("Solids", "", [told], scripts=[viewer_script()], tables="").replace("</head>", f"{small}</head>")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -16,7 +17,10 @@ from nicegui import ui
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import FILE, Project, read_project
 from dummydesign.report.html import page as report_page
+from dummydesign.report.html.glossary import whole_glossary
 from dummydesign.studio.addresses import address
+from dummydesign.studio.figures import plot_script
+from dummydesign.studio.glossary import glossary_head, marked
 from dummydesign.studio.state import State, read_state
 from dummydesign.studio.work import jobs
 from dummydesign.studio.work.commands import shown
@@ -95,6 +99,7 @@ def lay_out(
     """
     ui.colors(primary="#0b5cad")
     ui.add_head_html(f"<style>{style()}</style><script>document.documentElement.lang = 'en'</script>")
+    ui.add_head_html(plot_script() + glossary_head())
     ui.page_title(f"{title} – dummydesign studio")
     problem, project, state = "", None, None
     try:
@@ -126,6 +131,7 @@ def lay_out(
                 html(f'<p class="note">This folder is no project yet: {page_link("/", "make it one")} first.</p>')
         except InputError as said:
             tell_problem(str(said))
+        html(f'<footer class="glossary">{whole_glossary()}</footer>')
 
 
 LONGEST_ADDRESS = 8000
@@ -216,6 +222,7 @@ class Work:
         self._belongs, self._ended = belongs, ended
         self._seen: object = None
         self._watched = ""
+        self.running = self.answered = False
         with ui.element("section").classes("work"):
             self._line = ui.element("div")
             with ui.element("div").classes("state"):
@@ -239,6 +246,11 @@ class Work:
                 html(f'<p class="note">{escape(str(said))}</p>')
         if self._seen is not None:
             self.update()
+
+    def show_again(self) -> None:
+        """Show anew what is there, after the panel was hidden."""
+        self._seen = ()
+        self.renew_line()
 
     def begin(self) -> None:
         """Start the command as it is shown."""
@@ -265,7 +277,9 @@ class Work:
         self._button.set_enabled(not running)
         self._stop.set_visibility(running)
         self._spinner.set_visibility(running)
+        self.running = running
         shown_job = next((one for one in reversed(every) if self._belongs(one) and has_answer(one)), None)
+        self.answered = shown_job is not None
         if newest is not None and running:
             self._watched = newest.folder.name
             self._said.set_text(f"{newest.progress or 'at work'} – {newest.seconds:.0f} s")
@@ -319,14 +333,14 @@ def facts(rows: Sequence[tuple[str, str]]) -> None:
     """Values, large, with what they are."""
     html(
         '<div class="facts">'
-        + "".join(f'<div class="fact"><b>{escape(value)}</b><span>{escape(what)}</span></div>' for value, what in rows)
+        + "".join(f'<div class="fact"><b>{escape(value)}</b><span>{marked(what)}</span></div>' for value, what in rows)
         + "</div>"
     )
 
 
 def warnings(answer: dict) -> None:
     """What a command warned of."""
-    said = "".join(f"<li>{escape(str(one['message']))}</li>" for one in answer.get("warnings", []))
+    said = "".join(f"<li>{marked(str(one['message']))}</li>" for one in answer.get("warnings", []))
     if said:
         html(f'<ul class="warnings">{said}</ul>')
 
@@ -347,6 +361,7 @@ def table(head: Sequence[str], rows: Sequence[Sequence[object]], words: bool = F
     """
     text = f'<div class="words">{report_page.Table(head, rows).html()}</div>' if words else ""
     text = text or report_page.Table(head, rows).html()
+    text = re.sub(r"(<th[^>]*>)([^<&]+)(</th>)", lambda found: found[1] + marked(found[2]) + found[3], text)
     html(f"<details><summary>{escape(under)}</summary>{text}</details>" if under else text)
 
 
@@ -364,7 +379,7 @@ def zip_link(folder: str) -> None:
     html(f'<div class="links">{link}</div>')
 
 
-def shown_file(path: str, title: str, kind: str = "shown") -> None:
+def shown_file(path: str, title: str, kind: str = "shown", **query: str) -> None:
     """A page of the project inside this one.
 
     Parameters
@@ -375,5 +390,8 @@ def shown_file(path: str, title: str, kind: str = "shown") -> None:
         For those who cannot see it.
     kind : str
         ``shown`` or ``shown solid``.
+    query : str
+        Values of the address, by name.
     """
-    html(f'<iframe class="{kind}" src="{escape(path)}" title="{escape(title)}" loading="lazy"></iframe>')
+    source = escape(address(path, **query))
+    html(f'<iframe class="{kind}" src="{source}" title="{escape(title)}" loading="lazy"></iframe>')

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import re
+import threading
+from concurrent.futures import ThreadPoolExecutor
 from importlib.metadata import EntryPoint
 from pathlib import Path
 
@@ -13,7 +15,7 @@ import pytest
 from dummydesign import cli
 from dummydesign.core.errors import InputError
 from dummydesign.loop import check_effect
-from dummydesign.loop.effects import effect_named, installed_effects, known_effects, own
+from dummydesign.loop.effects import EFFECTS, effect_named, installed_effects, known_effects, own
 from dummydesign.loop.effects.own import own_effects, read_effect
 from dummydesign.loop.model.forward_model import Active, simulate
 from dummydesign.loop.model.parameters import BaseParameters
@@ -136,6 +138,66 @@ def test_the_toy_keeps_the_contract_and_is_known_only_while_it_is_asked_for(toy)
         assert effect_named("crust").belongs_to == "pad"
     with pytest.raises(InputError, match="unknown effect 'crust'"):
         effect_named("crust")
+
+
+def names_known():
+    return [effect.name for effect in known_effects() if effect not in EFFECTS]
+
+
+def test_two_threads_each_know_only_their_own_effects(broken, tmp_path):
+    """Both are inside their call at the same time; neither the other's name nor its effect of the same name counts."""
+    both_inside = threading.Barrier(2, timeout=60)
+
+    def call(name, size):
+        path = tmp_path / name / "own.py"
+        path.parent.mkdir()
+        path.write_text(TOY.replace('"crust"', f'"{name}"').replace("200.0, 5.0", f"200.0, {size}"))
+        with own_effects([path]):
+            both_inside.wait()
+            known = names_known()
+            both_inside.wait()
+            return known, effect_named(name).parameters[0].typical
+
+    with ThreadPoolExecutor(2) as pool:
+        first, second = pool.submit(call, "crust", 4.0), pool.submit(call, "skin", 6.0)
+        assert first.result(120) == (["crust"], 4.0)
+        assert second.result(120) == (["skin"], 6.0)
+    assert names_known() == []
+
+
+def test_two_threads_may_give_the_same_effect(toy):
+    both_inside = threading.Barrier(2, timeout=60)
+
+    def call():
+        with own_effects([toy]):
+            both_inside.wait()
+            known = names_known()
+            both_inside.wait()
+            return known
+
+    with ThreadPoolExecutor(2) as pool:
+        for one in [pool.submit(call) for _ in range(2)]:
+            assert one.result(120) == ["crust"]
+
+
+def test_a_fault_names_the_file_it_is_in_where_two_files_have_one_name(tmp_path):
+    """Files of the same name in two folders are two files; the first is the one that fails."""
+    files = [tmp_path / name / "own.py" for name in ("a", "b")]
+    for path, name in zip(files, ("crust", "skin")):
+        path.parent.mkdir()
+        path.write_text(TOY.replace('"crust"', f'"{name}"'))
+    with pytest.raises(InputError) as caught, own_effects(files):
+        effect_named("crust").law(lambda depth_mm, thickness_mm: 1 / 0, {"skin_mm2": 1.0})(1.0, 2.0)
+    assert "effect 'crust'" in str(caught.value) and str(files[0]) in str(caught.value)
+
+
+def test_a_later_call_knows_nothing_of_the_effects_of_an_earlier_one(toy):
+    with own_effects([toy]):
+        assert names_known() == ["crust"]
+    assert names_known() == []
+    with pytest.raises(RuntimeError), own_effects([toy]):
+        raise RuntimeError("stopped")
+    assert names_known() == []
 
 
 @pytest.mark.parametrize(

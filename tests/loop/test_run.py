@@ -17,6 +17,7 @@ from dummydesign.loop.result import result_dict
 from dummydesign.loop.run import close_loop
 from dummydesign.measurement.campaign_file import read_campaign
 from dummydesign.report.loop import write_loop_report
+from dummydesign.studio.figures import measured_over_fitted
 from tests.support.browser import visit
 
 
@@ -86,7 +87,10 @@ def test_the_report_is_one_page_with_a_figure_a_condition_and_loads_nothing(resu
     presses = [name for name in files if name.startswith("report_press")]
     assert len(presses) == len(np.unique(result.presses.cell))
     assert page.count("<figure>") == len(files) - 1
-    assert "src=" not in page and "href=" not in page and "<script" not in page
+    assert "src=" not in page and "href=" not in page and page.count("<script") == 1
+    drawn = measured_over_fitted(tmp_path, {"files": files})
+    assert len(drawn) == len(presses) and all(" mm pad, " in plot.title for plot in drawn)
+    assert all({"base", "corrected"} <= {layer.name.partition(", ")[0] for layer in plot.layers} for plot in drawn)
     effect = result_dict(result)["effects"][0]
     for part in ("temperature", f"{effect['evidence']:.0f}", "Residual by trial", result.next.text[1:]):
         assert part in page

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+import dummydesign
 from dummydesign import cli
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.mold import runner
@@ -208,3 +209,27 @@ def test_every_corner_of_the_range_builds(thickness, length, width, preset, pad,
     spec = replace(spec, pad=replace(spec.pad, **pad))
     result = runner.make_mold(spec, tmp_path)
     assert no_check_fails(result.checks)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("encoding", ["utf-8", "ascii"])
+def test_names_in_any_script_work_to_the_end(encoding, tmp_path):
+    """Resin, preset and folder; also where the terminal has no such letters."""
+    root, home = Path(dummydesign.__file__).parents[1], tmp_path / "家"
+    (home / "materials/resins").mkdir(parents=True)
+    (home / "molds").mkdir()
+    resin = (root / "materials/resins/polyurethane-nagoya.toml").read_text(encoding="utf-8")
+    resin = resin.replace('name = "polyurethane-nagoya"', 'name = "樹脂-weiß"')
+    (home / "materials/resins/樹脂-weiß.toml").write_text(resin, encoding="utf-8")
+    (home / "molds/型-für.toml").write_bytes((root / "molds/open.toml").read_bytes())
+    command = [sys.executable, "-m", "dummydesign", "mold", "--thickness", "5", "--length", "60", "--width", "60",
+               "--resin", "樹脂-weiß", "--ratio", "15", "--preset", "型-für", "--out", "出力-ö"]  # fmt: skip
+    environment = {**os.environ, "DUMMYDESIGN_HOME": str(home), "PYTHONIOENCODING": encoding, "PYTHONPATH": str(root)}
+    done = subprocess.run(command, capture_output=True, env=environment, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    name = "樹脂-weiß".encode(encoding, "backslashreplace")
+    assert name in done.stdout and b" 0 failed" in done.stdout
+    out = tmp_path / "出力-ö"
+    assert "樹脂-weiß" in (out / "pour_t5.md").read_text(encoding="utf-8")
+    assert r"\X2\6A398102\X0\-wei\X2\00DF\X0" in (out / "assembly_t5.step").read_text(encoding="ascii")
+    assert no_check_fails(json.loads((out / "checks.json").read_text(encoding="utf-8")))

@@ -55,7 +55,7 @@ def test_the_span_holds_everything_and_is_never_empty():
 
 def test_a_line_passes_through_its_points_and_breaks_where_one_is_missing():
     drawn = plot(Line("a", [0, 1, 2, 3, 4], [0, 1, math.nan, 3, 4])).svg()
-    path = re.search(r'class="line main" d="([^"]+)"', drawn)[1]
+    path = re.search(r'class="line main"[^>]* d="([^"]+)"', drawn)[1]
     assert path.count("M") == 2 and path.count("L") == 2
     points = [tuple(map(float, pair)) for pair in re.findall(r"[ML]([\d.]+) ([\d.]+)", path)]
     steps = np.diff([x for x, _ in points])

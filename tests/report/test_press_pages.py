@@ -1,6 +1,7 @@
 """Reports of ``fit`` and ``compare`` in a real browser, and what their figures and tables hold."""
 
 import csv
+import html
 import json
 import re
 import xml.etree.ElementTree as xml
@@ -10,6 +11,7 @@ import pytest
 
 from dummydesign.cli import run
 from dummydesign.measurement.motion import Motion, ramp_and_hold
+from dummydesign.studio.figures import measured_over_fitted
 from dummydesign.tissue.model.tissue_file import load_tissue
 from tests.support.browser import visit
 
@@ -104,6 +106,20 @@ def test_measured_and_fitted_differ_in_the_report_by_the_residual_of_the_fit(mad
     table = rows_of(answer["files"]["residuals"])
     drawn = sorted(float(r["residual_N"]) for r in residual if r["series"] != "three noise floors")
     assert len(drawn) > 80 and drawn[-1] <= max(float(r["residual_N"]) for r in table) * (1 + 1e-5)
+
+
+def test_the_studio_draws_the_presses_that_the_fit_report_wrote(made):
+    path, answer = made["fit"]
+    plots = measured_over_fitted(path.parent, answer)
+    roles = [role for role in answer["files"] if role.startswith("report_press_")]
+    assert [f"report_{plot.name.replace('-', '_')}" for plot in plots] == roles and len(roles) == 4
+    text = path.read_text(encoding="utf-8")
+    for plot in plots:
+        assert " N steady at " in plot.title
+        svg = plot.svg()
+        axis = re.search('data-x="[^"]+"', svg)[0]
+        assert axis in text and svg.count("<circle") >= 20
+        assert all(f'data-n="{html.escape(layer.name)}"' in text for layer in plot.layers)
 
 
 def test_the_fit_report_says_parameters_rivals_and_where_the_law_comes_from(made):

@@ -42,7 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--law", default="neo-hookean", metavar="NAME", help=laws)
     add("--prony", metavar="TAU:BETA,...", help="relaxation, beta relative to the long-term modulus")
     add("--fidelity", default="table", metavar="NAME", help="table (default), axisymmetric, 3d or viscoelastic")
-    add("--out", metavar="FILE.csv", help="write the curve as CSV")
+    add("--out", metavar="FILE.csv", help="write the curve as CSV; several presses to a file each")
     add("--fields", metavar="FILE.vtu", help="stress and contact at the depths, for ParaView (axisymmetric)")
     add("--picture", metavar="FILE.png", help="deformed cross-section with stress and contact pressure (axisymmetric)")
 

@@ -18,8 +18,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     show = actions.add_parser("show", help="one resin, every number with its source", allow_abbrev=False)
     show.add_argument("name", metavar="NAME", help="a known resin or a TOML file")
     show.add_argument("--out", metavar="DIR", help="also write a plot and its CSV")
-    add = actions.add_parser("add", help="keep a resin file, or update a resin by measured points", allow_abbrev=False)
-    add.add_argument("file", metavar="FILE", help="TOML file of a resin, or CSV of points: ratio,young_kPa")
+    told = "keep a resin file, or update a resin by a file of measured points"
+    add = actions.add_parser("add", help=told, allow_abbrev=False)
+    add.add_argument("file", metavar="FILE", help="TOML file of a resin, or of points: base, name and [[point]]s")
     told = "take the place of a resin of your own that has this name"
     add.add_argument("--replace", action="store_true", help=told)
     told = "modulus and relaxation of a batch from its puck's curve"

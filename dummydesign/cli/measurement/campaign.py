@@ -18,6 +18,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     new.add_argument("folder", metavar="DIR", help="folder to make")
     add = new.add_argument
     add("--pads", metavar="MM,...", help="thicknesses of the pads (default 5,15,20)")
+    moulds = "press the pads of these moulds: thickness, shape, outline, resin and ratio of folders of 'mold'"
+    add("--from-mould", metavar="DIR,...", help=moulds)
     add("--velocity", metavar="MM_S,...", help="default 10,250")
     add("--force", metavar="N,...", help="steady forces to press to (default 3,7,12)")
     add("--depth", metavar="MM,...", help="depths to press to, instead of forces")
@@ -47,9 +49,9 @@ def _set_up_options(parser: argparse.ArgumentParser) -> None:
     add("--young", metavar="KPA", help="nominal modulus of the pads")
     add("--resin", metavar="NAME", help="or the resin they are cast of, with --ratio")
     add("--ratio", type=float, metavar="R", help="mixing ratio")
-    add("--pad", default="150x120", metavar="LxW|cylinder:D", help="outline in mm (default 150x120)")
+    add("--pad", metavar="LxW|cylinder:D", help="outline in mm (default 150x120)")
     shape = "of the pads on their base, with its lengths: crowned:radius=20,height=3,foot=11 (default slab)"
-    add("--shape", default="slab", metavar="NAME:P,..", help=shape)
+    add("--shape", metavar="NAME:P,..", help=shape)
     punches = "square:14 (default), round:D, ball:D, profile:FILE.csv or plate"
     add("--punch", default="square:14", metavar="SHAPE", help=punches)
     add("--edge-radius", type=float, default=0.0, metavar="MM", help="fillet of the punch's edge (default 0, sharp)")
@@ -69,7 +71,8 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
             problems = f"{count} problem{'s' if count > 1 else ''} in {options.folder}"
             raise NoAnswerError("campaign_wrong", problems, found)
         return found
-    set_up = _set_up(options)
+    moulded = _moulded(options) if options.action == "new" and options.from_mould is not None else None
+    set_up = _set_up(options, moulded)
     if options.action == "from-files":
         from dummydesign.api.plan_calls import campaign_from_files
 
@@ -79,10 +82,51 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         ).to_dict()  # fmt: skip
     from dummydesign.api.plan_calls import plan_campaign
 
-    design = _design(options)
+    design = _design(options, moulded)
     moulds = _moulds(options, set_up, design) if options.moulds else None
     plan = plan_campaign(options.folder, set_up, design, power=not options.no_power, replace=options.replace).to_dict()
+    if moulded is not None:
+        plan["inputs"]["from_mould"] = list(moulded.folders)
+    elif options.pads is None:
+        plan["warnings"] = [*plan["warnings"], *_unused_moulds()]
     return plan if moulds is None else _with_moulds(plan, moulds)
+
+
+def _moulded(options: argparse.Namespace) -> Any:
+    """The pads of the moulds that are named; what they settle cannot be typed too."""
+    from dummydesign.core.errors import InputError
+    from dummydesign.mold.moulded_pads import moulded_pads
+
+    for name in ("pads", "pad", "shape", "moulds"):
+        if getattr(options, name):
+            raise InputError(f"--from-mould with --{name}: the moulds settle it; leave one of the two out")
+    found = moulded_pads([part for part in options.from_mould.split(",") if part])
+    if options.young is None:
+        # a batch of one's own, or another ratio in the same mould, is typed
+        resin, ratio = found.pour() if options.resin is None or options.ratio is None else (None, None)
+        options.resin = resin if options.resin is None else options.resin
+        options.ratio = ratio if options.ratio is None else options.ratio
+    return found
+
+
+def _unused_moulds() -> list[dict[str, str]]:
+    """A hint in a project that has moulds."""
+    import os
+    import shlex
+
+    from dummydesign.mold.moulded_pads import SPEC
+    from dummydesign.project.folder import find_project
+
+    project = find_project()
+    made = [] if project is None else [
+        folder for room in ("moulds", "designs") for folder in sorted((project.root / room).glob("[!.]*"))
+        if (folder / SPEC).is_file() or any(folder.glob(f"[!.]*/{SPEC}"))
+    ]  # fmt: skip
+    if not made:
+        return []
+    listed = shlex.quote(",".join(os.path.relpath(folder) for folder in made))
+    message = f"the pads are the default ones, not those of the project's moulds; --from-mould {listed} plans these"
+    return [{"code": "moulds_not_used", "message": message}]
 
 
 def _moulds(options: argparse.Namespace, set_up: Any, design: Any) -> dict[str, Any]:
@@ -94,7 +138,7 @@ def _moulds(options: argparse.Namespace, set_up: Any, design: Any) -> dict[str, 
     if options.resin is None or options.ratio is None:
         raise InputError("--moulds: say what is poured, --resin NAME with --ratio R")
     pad = set_up.tables()["pad"]
-    shape = PUCK if "diameter_mm" in pad else options.shape
+    shape = PUCK if "diameter_mm" in pad else set_up.shape
     length, width = (pad.get(name, pad.get("diameter_mm")) for name in ("length_mm", "width_mm"))
     asked = {"length_mm": length, "width_mm": width, "preset": options.preset, "resin": options.resin,
              "ratio": options.ratio}  # fmt: skip
@@ -123,7 +167,7 @@ def _with_moulds(plan: dict[str, Any], asked: dict[str, Any]) -> dict[str, Any]:
             "warnings": [*plan["warnings"], *made["warnings"]]}  # fmt: skip
 
 
-def _set_up(options: argparse.Namespace) -> Any:
+def _set_up(options: argparse.Namespace, moulded: Any = None) -> Any:
     from pathlib import Path
 
     from dummydesign.core.checks import YOUNG, YOUNG_KPA, read_allowed
@@ -138,20 +182,22 @@ def _set_up(options: argparse.Namespace) -> Any:
             material.check_ratio(options.ratio)
     young = None if options.young is None else read_allowed(options.young, YOUNG, *YOUNG_KPA)
     return SetUp(
-        options.name or Path(options.folder).resolve().name, young, options.resin, options.ratio, options.pad,
-        options.punch, options.base, options.contact, parse_lowpass(options.lowpass), shape=options.shape,
-        edge_radius_mm=options.edge_radius,
+        options.name or Path(options.folder).resolve().name, young, options.resin, options.ratio,
+        moulded.outline if moulded else options.pad or "150x120", options.punch, options.base, options.contact,
+        parse_lowpass(options.lowpass), shape=moulded.shape if moulded else options.shape or "slab",
+        edge_radius_mm=options.edge_radius, shapes=moulded.shapes if moulded and moulded.mixed else (),
     )  # fmt: skip
 
 
-def _design(options: argparse.Namespace) -> Any:
+def _design(options: argparse.Namespace, moulded: Any = None) -> Any:
     from dummydesign.core.errors import InputError
     from dummydesign.measurement.planning.plan import Design
 
     if options.force is not None and options.depth is not None:
         raise InputError("--force and --depth: press to the one or to the other")
     given: dict[str, Any] = {
-        "pads_mm": _numbers("pads", options.pads), "velocities_mm_s": _numbers("velocity", options.velocity),
+        "pads_mm": moulded.pads_mm if moulded else _numbers("pads", options.pads),
+        "velocities_mm_s": _numbers("velocity", options.velocity),
         "targets": _numbers("depth", options.depth) or _numbers("force", options.force), "repeats": options.repeats,
         "ages_days": _numbers("ages", options.ages), "rest_s": options.rest, "hold_s": options.hold,
     }  # fmt: skip
@@ -167,7 +213,7 @@ def _numbers(option: str, text: str | None) -> tuple[float, ...] | None:
     try:
         return tuple(float(part) for part in text.split(","))
     except ValueError:
-        raise InputError(f"--{option} {text} must be numbers parted by commas") from None
+        raise InputError(f"--{option} {text} must be numbers separated by commas") from None
 
 
 def render(result: dict[str, Any]) -> str:

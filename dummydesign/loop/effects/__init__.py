@@ -9,6 +9,7 @@ import importlib
 import pkgutil
 from collections.abc import Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import lru_cache
 
 from dummydesign.core.errors import InputError, unknown_name
@@ -29,7 +30,8 @@ def _find() -> tuple[Effect, ...]:
 EFFECTS: tuple[Effect, ...] = _find()
 """The effects of this package."""
 
-_given: list[Effect] = []
+_given: ContextVar[tuple[Effect, ...]] = ContextVar("effects_given_as_files", default=())
+"""Those given as files belong to the call that was given them: other threads do not see them."""
 
 
 @lru_cache(maxsize=1)
@@ -48,12 +50,12 @@ def installed_effects() -> tuple[Effect, ...]:
 
 def known_effects() -> tuple[Effect, ...]:
     """All effects: of this package, installed by others, given as files; in this order."""
-    return (*EFFECTS, *installed_effects(), *_given)
+    return (*EFFECTS, *installed_effects(), *_given.get())
 
 
 def foreign_effects() -> tuple[Effect, ...]:
     """Effects that are not of this package, as far as they have been loaded."""
-    return (*(installed_effects() if installed_effects.cache_info().currsize else ()), *_given)
+    return (*(installed_effects() if installed_effects.cache_info().currsize else ()), *_given.get())
 
 
 @contextmanager
@@ -65,15 +67,15 @@ def also(effects: tuple[Effect, ...]) -> Iterator[None]:
     InputError
         When one has the name of another that is known.
     """
-    before = len(_given)
+    before = _given.get()
     try:
         for effect in effects:
             if any(effect.name == other.name for other in known_effects()):
                 raise InputError(f"effect '{effect.name}' is known already: give another name")
-            _given.append(effect)
+            _given.set((*_given.get(), effect))
         yield
     finally:
-        del _given[before:]
+        _given.set(before)
 
 
 def effect_named(name: str) -> Effect:

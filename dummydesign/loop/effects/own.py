@@ -7,6 +7,7 @@ import sys
 import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from hashlib import sha256
 from importlib.metadata import entry_points
 from pathlib import Path
 
@@ -52,7 +53,8 @@ def read_effect(path: str | Path) -> Effect:
     path = Path(path)
     if not path.is_file():
         raise InputError(f"effect file '{path}' does not exist")
-    name = f"dummydesign_own_effect_{path.stem}"
+    # two files of one name in two folders are two modules
+    name = f"dummydesign_own_effect_{path.stem}_{sha256(str(path.resolve()).encode()).hexdigest()[:12]}"
     spec = importlib.util.spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
         raise InputError(f"effect file '{path}' is not a Python file: its name must end in .py")

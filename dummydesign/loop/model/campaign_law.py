@@ -62,14 +62,16 @@ def _before_any_trial(campaign: Campaign) -> SlabLaw | PuckLaw:
         return PuckLaw(float(pad.diameter_mm))
     if pad.shape == "slab" and pad.geometry.plain and _tabulated(campaign, ()):
         return SlabLaw(load_table(pad.base), punch.radius_mm, punch.shape == "square")
+    shape = pad.shape if pad.geometry.plain else str(pad.geometry)
     raise InputError(
-        f"pad shape = '{pad.shape}', base = '{pad.base}' and punch contact = '{punch.contact}' {_edge(punch)}have no "
-        "fast force law: what a plan of them can show is not known before they are pressed"
+        f"a pad of shape = {shape} on base = {pad.base} under a {_named(punch)} has no tabulated force; "
+        "'dummydesign loop' solves this pad once it is pressed"
     )
 
 
-def _edge(punch: PunchSpec) -> str:
-    return f"with edge_radius_mm = {punch.edge_radius_mm:g} " if punch.edge_radius_mm else ""
+def _named(punch: PunchSpec) -> str:
+    edge = f" with edge_radius_mm = {punch.edge_radius_mm:g}" if punch.edge_radius_mm else ""
+    return f"{punch.shape} punch{edge}, contact = {punch.contact},"
 
 
 def _law(campaign: Campaign, trials: Sequence[Trial], progress: Progress | None) -> SlabLaw | PuckLaw | SolvedLaw:

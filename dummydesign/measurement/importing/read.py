@@ -144,7 +144,7 @@ def _spans(file: str, x: NDArray, load: NDArray, columns: Columns, settings: Set
                 "before contact, or leave it out of the file"
             )
         try:
-            found = find_presses(file, x[part], load[part] - shift, several)
+            found = find_presses(file, x[part], load[part] - shift, several, columns.time_s[part])
         except InputError:
             if len(columns.recordings) == 1:
                 raise

@@ -20,7 +20,8 @@ class SetUp:
 
     ``young_kPa``, or ``resin`` and ``ratio``; ``pad`` is ``150x120`` or ``cylinder:50``; ``shape`` that of a pad on a
     base, as typed; ``punch`` is ``square:14``, ``round:16``, ``ball:12``, ``profile:FILE`` or ``plate``;
-    ``edge_radius_mm`` is the fillet of its edge; ``base`` and ``contact`` as in the campaign format.
+    ``edge_radius_mm`` is the fillet of its edge; ``base`` and ``contact`` as in the campaign format. ``shapes`` are
+    those of the pads by their thickness [mm], where they differ; they stand in each trial.
     """
 
     name: str
@@ -35,6 +36,11 @@ class SetUp:
     force_resolution_N: float = 0.01
     shape: str = "slab"
     edge_radius_mm: float = 0.0
+    shapes: tuple[tuple[float, str], ...] = ()
+
+    def shape_of(self, thickness_mm: float) -> str:
+        """The shape of the pad of this thickness."""
+        return dict(self.shapes).get(thickness_mm, self.shape)
 
     @property
     def profile(self) -> Path | None:

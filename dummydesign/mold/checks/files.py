@@ -75,7 +75,7 @@ def check_step_text(assembly: Path, small: Path, spec_hash: str) -> list[Check]:
     -------
     list of Check
     """
-    text = assembly.read_text(encoding="ascii")
+    text = assembly.read_text(encoding="utf-8")
     head = text[: text.find("DATA;")]
     foreign = re.findall(r"Open CASCADE|translator|'Author'|Unknown|processor", text)
     good = not foreign and f"'{time_stamp()}'" in head and spec_hash in head and "AP242" in head
@@ -89,7 +89,7 @@ def check_step_text(assembly: Path, small: Path, spec_hash: str) -> list[Check]:
 
 
 def _is_canonical(path: Path) -> bool:
-    text = path.read_text(encoding="ascii")
+    text = path.read_text(encoding="utf-8")
     found = re.search(r"FILE_DESCRIPTION\(\('(.*?)'\)", text)
     header = Header(path.name, found.group(1) if found else "", time_stamp(), ORGANISATION)
     return canonical_step(text, header) == text

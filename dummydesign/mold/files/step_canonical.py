@@ -16,6 +16,7 @@ _STRING_OR_REFERENCE = re.compile(r"('(?:[^']|'')*')|#(\d+)")
 _REFERENCE = re.compile(r"#(\d+)")
 _PIECE = re.compile(r"(?:'(?:[^']|'')*'|[^,'])*,?")
 _OCCURRENCE = re.compile(r"NEXT_ASSEMBLY_USAGE_OCCURRENCE\('[^']*',('(?:[^']|'')*')")
+_BEYOND_ASCII = re.compile(r"[^\x00-\x7f]+")
 _LINE = 78
 
 
@@ -44,6 +45,7 @@ def canonical_step(text: str, header: Header) -> str:
     ValueError
         When the text has no data section or an entity refers to one that is not there.
     """
+    text = _in_ascii(text)
     start, schema = text.find("DATA;"), re.search(r"FILE_SCHEMA\s*\(\s*\(\s*('[^']*')", text)
     if start < 0 or schema is None:
         raise ValueError("not a STEP file: no DATA section or no FILE_SCHEMA")
@@ -159,8 +161,19 @@ def _repair_density_unit(entities: dict[int, str]) -> None:
 
 
 def _quoted(text: str) -> str:
-    plain = text.encode("ascii", "replace").decode()
-    return "'" + plain.replace("'", "''") + "'"
+    return "'" + _in_ascii(text).replace("'", "''") + "'"
+
+
+def _in_ascii(text: str) -> str:
+    """Write letters beyond ASCII as ISO 10303-21 does in every edition, which all readers understand."""
+    return _BEYOND_ASCII.sub(_hexadecimal, text)
+
+
+def _hexadecimal(hit: re.Match[str]) -> str:
+    letters = hit.group()
+    if max(letters) > "\uffff":
+        return rf"\X4\{letters.encode('utf-32-be').hex().upper()}\X0" + "\\"
+    return rf"\X2\{letters.encode('utf-16-be').hex().upper()}\X0" + "\\"
 
 
 def _header_lines(header: Header, schema: str) -> list[str]:

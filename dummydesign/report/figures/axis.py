@@ -5,6 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
+LETTER = 7.0
+"""Mean width of a letter of an axis. [px]"""
+
 
 @dataclass(frozen=True)
 class Axis:
@@ -25,11 +31,21 @@ class Axis:
             share = (value - self.low) / (self.high - self.low)
         return self.start + min(max(share, -1.0), 2.0) * (self.stop - self.start)
 
+    def places(self, values: NDArray) -> NDArray:
+        """:meth:`place` of several values; NaN stays."""
+        if self.log:
+            share = np.log(np.maximum(values, 1e-300) / self.low) / math.log(self.high / self.low)
+        else:
+            share = (values - self.low) / (self.high - self.low)
+        return self.start + np.clip(share, -1.0, 2.0) * (self.stop - self.start)
+
     def ticks(self, about: int = 5) -> list[tuple[float, str]]:
         """Round values inside the range and how to write them."""
         if self.log:
             first, last = math.ceil(math.log10(self.low) - 1e-9), math.floor(math.log10(self.high) + 1e-9)
-            return [(10.0**power, _short(10.0**power)) for power in range(first, last + 1)]
+            found = [(10.0**power, _short(10.0**power)) for power in range(first, last + 1)]
+            room = abs(self.stop - self.start) / max(len(found), 1)
+            return found if room > LETTER * max((len(text) for _, text in found), default=0) else found[::2]
         step = round_step((self.high - self.low) / max(about, 1))
         first, last = math.ceil(self.low / step - 1e-9), math.floor(self.high / step + 1e-9)
         return [(index * step, _short(round(index * step, 12))) for index in range(first, last + 1)]

@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 MOST_POINTS = 240
+UNSEEN_PX = 0.04
+"""A point this near the line through its neighbours is left out; enlarged twenty times it is a pixel. [px]"""
 Record = tuple[str, object, object, object, object]
 """One line of a plot's CSV: series, x, y, low, high."""
 
@@ -157,6 +159,40 @@ def edges(centres: NDArray) -> NDArray:
     return np.r_[2 * centres[0] - middle[0], middle, 2 * centres[-1] - middle[-1]]
 
 
+def corners(across: NDArray, along: NDArray, tolerance: float = UNSEEN_PX) -> NDArray:
+    """Positions of the points that a polyline needs to pass all others within a tolerance.
+
+    Neighbours are joined in rounds. The deviations of joined parts add up, so the sum bounds the distance of every
+    point that is left out.
+
+    Parameters
+    ----------
+    across, along : ndarray, shape (n,)
+        Places of the points. [px]
+    tolerance : float
+        Largest distance of a point that is left out from the line. [px]
+    """
+    point = across + 1j * along
+    kept, error = np.arange(len(point)), np.zeros(max(len(point) - 1, 0))
+    first, idle = 1, 0
+    while idle < 2 and len(kept) > 2:
+        middle = np.arange(first, len(kept) - 1, 2)
+        start, chord = point[kept[middle - 1]], point[kept[middle + 1]] - point[kept[middle - 1]]
+        length = np.abs(chord)
+        turned = (point[kept[middle]] - start) * chord.conj() / np.maximum(length, 1e-12)
+        # a turn back along the chord leaves its ends
+        beyond = np.maximum(np.maximum(-turned.real, turned.real - length), 0.0)
+        whole = np.maximum(error[middle - 1], error[middle]) + np.hypot(turned.imag, beyond)
+        whole[length < tolerance] = np.inf
+        dropped = middle[whole <= tolerance]
+        if len(dropped):
+            error[dropped - 1] = whole[whole <= tolerance]
+            kept, error = np.delete(kept, dropped), np.delete(error, dropped)
+        idle = 0 if len(dropped) else idle + 1
+        first = 3 - first
+    return kept
+
+
 def thin(x: NDArray, log: bool, *others: NDArray) -> list[NDArray]:
     """Keep at most :data:`MOST_POINTS` of many points, evenly along the axis, ends and extremes included.
 
@@ -177,9 +213,9 @@ def thin(x: NDArray, log: bool, *others: NDArray) -> list[NDArray]:
     if len(x) <= MOST_POINTS:
         return [x, *others]
     place = np.log(np.maximum(x, 1e-12)) if log else x
-    cells = np.floor((place - place[0]) / max(place[-1] - place[0], 1e-300) * (MOST_POINTS // 2 - 1)).astype(int)
-    first = np.r_[True, np.diff(cells) > 0]
-    kept = first | np.r_[first[1:], True]
+    cells = np.floor((place - place[0]) / max(place[-1] - place[0], 1e-300) * (MOST_POINTS - 1)).astype(int)
+    kept = np.r_[True, np.diff(cells) > 0]
+    kept[-1] = True
     for values in others:
         if np.isfinite(values).any():
             kept[[int(np.nanargmax(values)), int(np.nanargmin(values))]] = True

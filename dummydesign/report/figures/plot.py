@@ -12,14 +12,15 @@ from typing import Any
 import numpy as np
 
 from dummydesign.report.figures.axis import Axis, span
-from dummydesign.report.figures.layers import Band, Bars, Cells, Dots, Ellipse, Label, Line, edges, thin
-from dummydesign.report.figures.raster import css, png_uri
+from dummydesign.report.figures.layers import Band, Bars, Cells, Dots, Ellipse, Label, Line, corners, edges, thin
+from dummydesign.report.figures.raster import STOPS, css, png_uri
 
 WIDTH, HEIGHT = 440.0, 310.0
 WIDE = 720.0
 """Of a figure to scale, which has a line of its own. The unit of all lengths is a pixel at the smallest size."""
 LEFT, RIGHT, TOP, BOTTOM = 58.0, 14.0, 14.0, 48.0
 MAP_RIGHT, BAR_LEFT = 62.0, 170.0
+_STOPS = " ".join(css(k / (len(STOPS) - 1)) for k in range(len(STOPS)))
 LETTER = 6.6  # mean width of a letter of 13 px
 Layer = Line | Dots | Band | Bars | Cells | Ellipse | Label
 
@@ -46,6 +47,8 @@ class Plot:
         A sentence under the figure.
     to_scale : bool
         A unit is as long upwards as across: the figure is as high as that makes it.
+    size : (float, float)
+        Width and height of a figure that is not to scale, in pixels at the size at which letters have 13 px.
     """
 
     name: str
@@ -62,6 +65,7 @@ class Plot:
     note: str = ""
     zero: bool = field(default=True)
     to_scale: bool = False
+    size: tuple[float, float] = (WIDTH, HEIGHT)
 
     def csv_text(self) -> str:
         """All plotted values: ``series``, x, y, and low and high of bands, bars and maps."""
@@ -74,16 +78,16 @@ class Plot:
         return stream.getvalue()
 
     def svg(self) -> str:
-        """The figure as SVG with its alternative text."""
+        """The figure as SVG with its alternative text, and the ends of its axes for the page's script."""
         x, y = self._axes()
         clip = f"clip-{self.name}"
         parts = [
             f'<svg class="plot" viewBox="0 0 {self._width:g} {self._height:g}" role="img" '
-            f'aria-label="{escape(self.alt)}">',
+            f'aria-label="{escape(self.alt)}" data-x="{_ends(x)}" data-y="{_ends(y)}">',
             f"<title>{escape(self.title)}</title><desc>{escape(self.alt)}</desc>",
             f'<clipPath id="{clip}"><rect x="{x.start:g}" y="{y.stop:g}" width="{x.stop - x.start:g}" '
             f'height="{y.start - y.stop:g}"/></clipPath>',
-            self._grid(x, y),
+            f'<g class="ticks">{self._ticks(x, y)}</g>{self._labels(x, y)}',
             f'<g clip-path="url(#{clip})">',
             *(_DRAW[type(layer)](layer, x, y) for layer in self.layers),
             "</g>",
@@ -132,37 +136,41 @@ class Plot:
 
     @property
     def _width(self) -> float:
-        return WIDE if self.to_scale else WIDTH
+        return WIDE if self.to_scale else self.size[0]
 
     @property
     def _height(self) -> float:
         if not self.to_scale or self.x_range is None or self.y_range is None:
-            return HEIGHT
+            return self.size[1]
         right = MAP_RIGHT if any(isinstance(layer, Cells) for layer in self.layers) else RIGHT
         (left_end, right_end), (low, high) = self.x_range, self.y_range
         return TOP + BOTTOM + (self._width - LEFT - right) * (high - low) / (right_end - left_end)
 
-    def _grid(self, x: Axis, y: Axis) -> str:
-        bars = [layer for layer in self.layers if isinstance(layer, Bars)]
+    @property
+    def _bars(self) -> bool:
+        return any(isinstance(layer, Bars) for layer in self.layers)
+
+    def _ticks(self, x: Axis, y: Axis) -> str:
         parts = []
-        for value, text in x.ticks(6):
+        for value, text in x.ticks(round(6 * self._width / WIDTH)):
             at = x.place(value)
             parts.append(f'<line class="grid" x1="{at:.1f}" x2="{at:.1f}" y1="{y.start:g}" y2="{y.stop:g}"/>')
             parts.append(f'<text x="{at:.1f}" y="{y.start + 16:g}" text-anchor="middle">{text}</text>')
-        for value, text in [] if bars else y.ticks(5):
+        for value, text in [] if self._bars else y.ticks(round(5 * min(self._height / HEIGHT, 1.0))):
             at = y.place(value)
             parts.append(f'<line class="grid" x1="{x.start:g}" x2="{x.stop:g}" y1="{at:.1f}" y2="{at:.1f}"/>')
             parts.append(f'<text x="{x.start - 6:g}" y="{at + 4:.1f}" text-anchor="end">{text}</text>')
-        middle, height, foot = 0.5 * (x.start + x.stop), 0.5 * (y.start + y.stop), self._height - 10.0
-        parts.append(
-            f'<text class="label" x="{middle:g}" y="{foot:g}" text-anchor="middle">{escape(x.label)}</text>'
-        )
-        if not bars:
-            parts.append(
-                f'<text class="label" transform="translate(15 {height:g}) rotate(-90)" '
-                f'text-anchor="middle">{escape(y.label)}</text>'
-            )
         return "".join(parts)
+
+    def _labels(self, x: Axis, y: Axis) -> str:
+        middle, height, foot = 0.5 * (x.start + x.stop), 0.5 * (y.start + y.stop), self._height - 10.0
+        across = f'<text class="label" x="{middle:g}" y="{foot:g}" text-anchor="middle">{escape(x.label)}</text>'
+        if self._bars:
+            return across
+        return (
+            f'{across}<text class="label" transform="translate(15 {height:g}) rotate(-90)" '
+            f'text-anchor="middle">{escape(y.label)}</text>'
+        )
 
 
 def _text(value: float) -> str:
@@ -170,29 +178,50 @@ def _text(value: float) -> str:
     return f"{value:.6g}" if math.isfinite(value) else ""
 
 
+def _ends(axis: Axis) -> str:
+    """Values and places of both ends of an axis; ``log`` behind them where it is logarithmic."""
+    return f"{axis.low:.7g} {axis.high:.7g} {axis.start:g} {axis.stop:g}{' log' if axis.log else ''}"
+
+
 def _path(x: Axis, y: Axis, xs: np.ndarray, ys: np.ndarray) -> str:
-    """Path through points, broken where one is missing."""
-    words, pen = [], "M"
-    for a, b in zip(xs.tolist(), ys.tolist()):
-        if a != a or b != b:
-            pen = "M"
-            continue
-        words.append(f"{pen}{x.place(a):.1f} {y.place(b):.1f}")
-        pen = "L"
+    """Path through points, broken where one is missing, without those that no one would see."""
+    across, along = x.places(xs), y.places(ys)
+    words = []
+    for start, stop in _runs(np.isfinite(across) & np.isfinite(along)):
+        kept = corners(across[start:stop], along[start:stop])
+        points = zip(across[start:stop][kept].tolist(), along[start:stop][kept].tolist())
+        words.append("M" + "L".join([f"{_short(a)} {_short(b)}" for a, b in points]))
     return "".join(words)
+
+
+def _runs(known: np.ndarray) -> list[tuple[int, int]]:
+    """Start and stop of each run of points that are there."""
+    steps = np.flatnonzero(np.diff(np.r_[False, known, False])).tolist()
+    return list(zip(steps[::2], steps[1::2]))
+
+
+def _short(place: float) -> str:
+    """Hundredths of a pixel, so that an enlarged curve is smooth."""
+    return f"{place:.2f}".rstrip("0").rstrip(".")
+
+
+def _named(name: str) -> str:
+    """The layer's name for the page's script."""
+    return f'data-n="{escape(name)}"'
 
 
 def _line(layer: Line, x: Axis, y: Axis) -> str:
     xs, ys = thin(np.asarray(layer.x, float), x.log, np.asarray(layer.y, float))
-    return f'<path class="line {layer.style}" d="{_path(x, y, xs, ys)}"/>'
+    return f'<path class="line {layer.style}" {_named(layer.name)} d="{_path(x, y, xs, ys)}"/>'
 
 
 def _dots(layer: Dots, x: Axis, y: Axis) -> str:
-    return "".join(
+    circles = "".join(
         f'<circle class="dot {layer.style}" cx="{x.place(a):.1f}" cy="{y.place(b):.1f}" r="4"/>'
         for a, b in zip(np.asarray(layer.x, float).tolist(), np.asarray(layer.y, float).tolist())
         if a == a and b == b
     )
+    return f"<g {_named(layer.name)}>{circles}</g>"
 
 
 def _band(layer: Band, x: Axis, y: Axis) -> str:
@@ -200,7 +229,8 @@ def _band(layer: Band, x: Axis, y: Axis) -> str:
     at, low, high = thin(np.asarray(layer.at, float), log, np.asarray(layer.low, float), np.asarray(layer.high, float))
     at, ends = np.r_[at, at[::-1]], np.r_[low, high[::-1]]
     path = _path(x, y, ends, at) if layer.sideways else _path(x, y, at, ends)
-    return f'<path class="area {layer.style}" d="{path}Z"/>'
+    sideways = ' data-s="1"' if layer.sideways else ""
+    return f'<path class="area {layer.style}" {_named(layer.name)}{sideways} d="{path}Z"/>'
 
 
 def _bars(layer: Bars, x: Axis, y: Axis) -> str:
@@ -210,8 +240,8 @@ def _bars(layer: Bars, x: Axis, y: Axis) -> str:
         top, bottom = y.place(len(layer.labels) - row - 0.2), y.place(len(layer.labels) - row - 0.8)
         left, right = x.place(low[row]), x.place(high[row])
         parts.append(
-            f'<rect class="bar" x="{left:.1f}" y="{top:.1f}" width="{max(right - left, 1):.1f}" '
-            f'height="{bottom - top:.1f}"/>'
+            f'<rect class="bar" {_named(layer.labels[row])} x="{left:.1f}" y="{top:.1f}" '
+            f'width="{max(right - left, 1):.1f}" height="{bottom - top:.1f}"/>'
         )
     zero = x.place(0.0)
     parts.append(f'<line class="line other" x1="{zero:.1f}" x2="{zero:.1f}" y1="{y.start:g}" y2="{y.stop:g}"/>')
@@ -232,7 +262,8 @@ def _cells(layer: Cells, x: Axis, y: Axis) -> str:
         drawn = "auto" if layer.smooth else "pixelated"
         left, right, top, bottom = x.place(across[0]), x.place(across[-1]), y.place(along[-1]), y.place(along[0])
         return (
-            f'<image href="{png_uri(value)}" x="{left:.1f}" y="{top:.1f}" width="{right - left:.1f}" '
+            f'<image {_named(layer.name)} data-v="{layer.low:g} {layer.high:g}" data-c="{_STOPS}" '
+            f'href="{png_uri(value)}" x="{left:.1f}" y="{top:.1f}" width="{right - left:.1f}" '
             f'height="{bottom - top:.1f}" preserveAspectRatio="none" style="image-rendering:{drawn}"/>'
         )
     parts = []

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ from typing import Any
 from dummydesign._version import __version__
 from dummydesign.core.files import write_text
 from dummydesign.report.figures.plot import Plot
+from dummydesign.report.html.glossary import folded_glossary
 
 # A browser that honours this refuses any request of the page, and says so in its console.
 POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'"
@@ -93,6 +95,9 @@ def page(
         HTML that asks nothing of the outside.
     """
     style = (Path(__file__).parent / "page.css").read_text(encoding="utf-8")
+    body = "".join(section.to_html() for section in sections)
+    if '<svg class="plot"' in body:
+        scripts = [*scripts, plots_js()]
     boxes = "".join(f'<div class="fact"><b>{escape(v)}</b><span>{escape(what)}</span></div>' for v, what in facts)
     said = "".join(f"<li>{escape(item['message'])}</li>" for item in warnings)
     warned = f'<ul class="warnings">{said}</ul>' if said else ""
@@ -110,12 +115,21 @@ def page(
         + f'<h1>{escape(title)}</h1><p class="lead">{escape(lead)}</p>'
         + (f'<div class="facts">{boxes}</div>' if boxes else "")
         + warned
-        + "".join(section.to_html() for section in sections)
+        + body
         + cited
+        + folded_glossary(f"{lead} {boxes} {warned} {body}")
         + f"<footer>dummydesign {__version__}. Lengths in mm, forces in N, times in s; moduli are long-term "
         f"(relaxed) Young's moduli.{beside}</footer>"
         "</main>" + "".join(f"<script>{script}</script>" for script in scripts) + "</body></html>\n"
     )
+
+
+@cache
+def plots_js() -> str:
+    """The script that shows values of plots under the pointer and enlarges them, without indents and comments."""
+    text = (Path(__file__).parent / "plots.js").read_text(encoding="utf-8")
+    lines = (line.strip() for line in text.splitlines())
+    return "\n".join(line for line in lines if line and not line.startswith("//"))
 
 
 def _banner(verdict: Mapping[str, Any] | None) -> str:

@@ -29,14 +29,18 @@
     const d = roundStep((yr[1] - yr[0]) / 5), yt = [];
     for (let k = Math.ceil(yr[0] / d); k * d <= yr[1]; k++) yt.push(k * d);
     const text = (v) => String(Number(v.toPrecision(6)));
+    const named = (l) => `data-n="${l.name}"`;
+    $(id).dataset.x = `${xr[0]} ${xr[1]} ${L} ${W - R}${log ? " log" : ""}`;
+    $(id).dataset.y = `${yr[0]} ${yr[1]} ${H - B} ${T}`;
+    s += '<g class="ticks">';
     for (const v of xt) s += `<line class="grid" x1="${px(v)}" x2="${px(v)}" y1="${T}" y2="${H - B}"/><text x="${px(v)}" y="${H - B + 16}" text-anchor="middle">${text(v)}</text>`;
     for (const v of yt) s += `<line class="grid" y1="${py(v)}" y2="${py(v)}" x1="${L}" x2="${W - R}"/><text x="${L - 6}" y="${py(v) + 4}" text-anchor="end">${text(v)}</text>`;
-    s += `<g clip-path="url(#c-${id})">`;
+    s += `</g><g clip-path="url(#c-${id})">`;
     const join = (xs, ys) => xs.map((x, i) => (i ? "L" : "M") + px(x).toFixed(1) + " " + py(ys[i]).toFixed(1)).join("");
     for (const l of layers) {
-      if (l.low) s += `<path class="area band" d="${join(l.x.concat(l.x.slice().reverse()), l.low.concat(l.high.slice().reverse()))}Z"/>`;
-      else if (l.dot) s += `<circle class="dot ${l.style}" r="4" cx="${px(l.dot[0])}" cy="${py(l.dot[1])}"/>`;
-      else s += `<path class="line ${l.style}" d="${join(l.x, l.y)}"/>`;
+      if (l.low) s += `<path class="area band" ${named(l)} d="${join(l.x.concat(l.x.slice().reverse()), l.low.concat(l.high.slice().reverse()))}Z"/>`;
+      else if (l.dot) s += `<g ${named(l)}><circle class="dot ${l.style}" r="4" cx="${px(l.dot[0])}" cy="${py(l.dot[1])}"/></g>`;
+      else s += `<path class="line ${l.style}" ${named(l)} d="${join(l.x, l.y)}"/>`;
     }
     s += `</g><rect class="frame" x="${L}" y="${T}" width="${W - L - R}" height="${H - B - T}"/>`;
     s += `<text class="label" x="${(L + W - R) / 2}" y="${H - 10}" text-anchor="middle">${xLabel}</text>`;
@@ -70,16 +74,16 @@
     if (data.tissue) {
       const { law, subjects } = data.tissue, x = Array.from({ length: 80 }, (_, i) => deep * i / 79);
       const ends = x.map((v) => subjects.map((s) => Math.min(DD.restForce(law, s, v), 2 * top)));
-      layers.push({ x, low: ends.map((f) => Math.min(...f)), high: ends.map((f) => Math.max(...f)) });
+      layers.push({ name: "subjects", x, low: ends.map((f) => Math.min(...f)), high: ends.map((f) => Math.max(...f)) });
     }
-    if (r.curve) layers.push({ x: r.curve.depth, y: r.curve.force.map((f) => Math.min(f, 2 * top)), style: "main" });
-    if (Number.isFinite(r.depth_mm)) layers.push({ dot: [r.depth_mm, state.force_N], style: "main" });
+    if (r.curve) layers.push({ name: "pad", x: r.curve.depth, y: r.curve.force.map((f) => Math.min(f, 2 * top)), style: "main" });
+    if (Number.isFinite(r.depth_mm)) layers.push({ name: "this press", dot: [r.depth_mm, state.force_N], style: "main" });
     draw("live-depth", "depth [mm]", "relaxed force [N]", layers, [0, deep], [0, top], false);
     const pressLayers = [];
     let highest = 1.2 * state.force_N, last = 10;
-    if (r.range) { pressLayers.push({ x: r.range.grid, low: r.range.low, high: r.range.high }); highest = Math.max(highest, 1.05 * r.range.peak_high); }
+    if (r.range) { pressLayers.push({ name: "subjects", x: r.range.grid, low: r.range.low, high: r.range.high }); highest = Math.max(highest, 1.05 * r.range.peak_high); }
     if (r.press) {
-      pressLayers.push({ x: r.press.t, y: r.press.force, style: "main" });
+      pressLayers.push({ name: "pad", x: r.press.t, y: r.press.force, style: "main" });
       highest = Math.max(highest, 1.05 * r.peak_force_N); last = r.press.t[r.press.t.length - 1];
     }
     draw("live-time", "time since contact [s]", "force [N]", pressLayers, [1e-3, last], [0, highest], true);

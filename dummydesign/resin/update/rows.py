@@ -41,6 +41,11 @@ def add_resin(file: str | Path, replace_own: bool = False) -> tuple[Resin, Path]
     path = Path(file)
     if not path.is_file():
         raise InputError(f"resin file '{file}' does not exist")
+    if path.suffix.lower() == ".csv":
+        raise InputError(
+            f"resin file '{file}' is a CSV, not TOML: give each point as [[point]] with ratio and young_kPa "
+            "(value, low, high, kind, source); of a puck's trace 'dummydesign resins add-compression' makes the point"
+        )
     content, _ = read_toml(path)
     if "modulus" in content or "point" not in content:
         resin = replace(read_resin(Entry(path.stem, path, "user")), origin="user")

@@ -41,13 +41,25 @@ def test_several_forces_and_speeds_are_the_single_presses_one_after_the_other(ca
         assert several[name] == presses[-1][name]
 
 
-def test_the_call_takes_lists_and_the_curves_of_all_presses_are_written(tmp_path):
+def test_several_presses_are_a_file_each_that_compare_reads(tmp_path):
     given = {"resin": "polyurethane-nagoya", "ratio": 15, "out": tmp_path / "c.csv"}
-    found = dummydesign.predict(5, force_N=np.array([5.0, 8.0]), velocity_mm_s=[250], **given).to_dict()
-    with (tmp_path / "c.csv").open() as file:
-        rows = list(csv.DictReader(file))
-    assert len(rows) == sum(len(one["time_s"]) for one in found["presses"])
-    assert {(float(row["steady_force_N"]), float(row["velocity_mm_s"])) for row in rows} == {(5.0, 250.0), (8.0, 250.0)}
+    found = dummydesign.predict(5, force_N=np.array([5.0, 8.5, 300.0]), velocity_mm_s=[250], **given).to_dict()
+    names = {"curve_5N_250mm_s": "c_5N_250mm_s.csv", "curve_8.5N_250mm_s": "c_8.5N_250mm_s.csv"}
+    assert found["files"] == {role: str(tmp_path / name) for role, name in names.items()}
+    assert {path.name for path in tmp_path.iterdir()} == set(names.values())
+    for press, name in zip(found["presses"], names.values()):
+        with (tmp_path / name).open() as file:
+            rows = list(csv.DictReader(file))
+        assert [float(row["force_N"]) for row in rows] == pytest.approx(press["force_N"], rel=1e-7)
+    compared = dummydesign.compare(found["files"].values(), "forefinger").to_dict()
+    assert [row["steady_force_N"] for row in compared["force_variation_range"]] == pytest.approx([5.0, 8.5], rel=0.01)
+
+
+def test_one_press_is_written_to_the_file_that_was_asked_for(tmp_path):
+    given = {"resin": "polyurethane-nagoya", "ratio": 15, "out": tmp_path / "c.csv"}
+    found = dummydesign.predict(5, force_N=[5.0], velocity_mm_s=[250], **given).to_dict()
+    assert found["files"] == {"curve": str(tmp_path / "c.csv")}
+    assert (tmp_path / "c.csv").read_text().startswith("time_s,displacement_mm,force_N,")
 
 
 def test_a_force_out_of_reach_is_said_of_that_press_and_refused_when_it_is_all(capsys):

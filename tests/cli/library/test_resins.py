@@ -105,3 +105,15 @@ def test_bad_input_is_one_line_and_status_2(arguments, message, capsys):
     assert run(arguments) == 2
     error = capsys.readouterr().err.strip()
     assert error.startswith("error: ") and message in error and "\n" not in error
+
+
+def test_points_in_a_csv_are_refused_and_the_help_does_not_promise_them(tmp_path, capsys, monkeypatch):
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path / "home"))
+    points = tmp_path / "points.csv"
+    points.write_text("ratio,young_kPa\n15,30\n")
+    assert run(["resins", "add", str(points)]) == 2
+    assert "[[point]]" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        run(["resins", "add", "--help"])
+    shown = capsys.readouterr().out
+    assert "csv" not in shown.lower() and "[[point]]" in shown

@@ -39,8 +39,9 @@ def tree(folder):
 
 def test_a_manifest_lists_every_file_the_question_what_was_read_and_the_date(tmp_path):
     (tmp_path / "trace.csv").write_text("1,2,3")
-    COMMAND_LINE.set(("suggest", "--tissue", "my palm"))
+    before = COMMAND_LINE.set(("suggest", "--tissue", "my palm"))
     output = write(tmp_path / "o", ask(trace=tmp_path / "trace.csv"), a_csv="a", b_svg="b")
+    COMMAND_LINE.reset(before)
     content = json.loads((tmp_path / "o/manifest.json").read_text())
     assert content["sha256"] == {name: hashlib.sha256(name[:1].encode()).hexdigest() for name in ("a.csv", "b.svg")}
     assert content["command_line"] == "dummydesign suggest --tissue 'my palm'" and content["finished"] is True
@@ -50,6 +51,13 @@ def test_a_manifest_lists_every_file_the_question_what_was_read_and_the_date(tmp
     assert output.answer({"files": {"a": str(output.work / "a.csv")}})["files"] == {
         "a": str(tmp_path / "o/a.csv"), "manifest": str(tmp_path / "o/manifest.json")
     }  # fmt: skip
+
+
+@pytest.mark.parametrize("words", [["tissues", "list"], ["tissues", "show", "no such tissue"], ["--version"]])
+def test_a_call_from_python_records_no_command_line_after_a_command(tmp_path, words, capsys):
+    run(words)
+    write(tmp_path / "o", ask())
+    assert json.loads((tmp_path / "o/manifest.json").read_text())["command_line"] is None
 
 
 def test_the_same_question_takes_its_own_place_and_another_the_next_number(tmp_path):

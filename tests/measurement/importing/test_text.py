@@ -236,6 +236,78 @@ def test_clock_times_go_on_over_midnight():
     assert np.allclose(np.diff(seconds), 0.01)
 
 
+def dated(*dates, last="23:59:59", first="00:00:00", separator=";"):
+    """A table of two rows of each date: at the end of the first day, at the beginning of the others."""
+    lines, head = [], "Datum;Weg;Kraft".replace(";", separator)
+    for place, date in enumerate(dates):
+        for part in range(2):
+            number = str(2 * place + part)
+            lines.append(separator.join([f"{date}{first if place else last}.{part}", number, number]))
+    return head + "\n" + "\n".join(lines) + "\n"
+
+
+def seconds_and_notes(text):
+    layout, notes = layout_of(text), Notes()
+    columns = [at for at, kind in enumerate(layout.kinds) if kind in ("stamp", "number")]
+    return read_body(layout, columns, notes).values[:, 0], {one.what: one for one in notes.decisions}
+
+
+@pytest.mark.parametrize(
+    ("dates", "days"),
+    [
+        (("2026-02-27 ", "2026-03-02 "), [3]),
+        (("2026-02-27 ", "2026-02-28 ", "2026-03-02 "), [1, 3]),
+        (("31.01.2026 ", "03.02.2026 "), [3]),
+        (("3.1.2026 ", "4.1.2026 "), [1]),
+        (("04.03.2026 ", "04.04.2026 "), [31]),
+        (("1/30/2026 ", "2/2/2026 "), [3]),
+        (("03/04/2026 ", "03/05/2026 "), [1]),
+        (("03/04/2026 ", "04/04/2026 "), [1]),
+        (("28/02/26 ", "02/03/26 "), [2]),
+        (("2026/12/31T", "2027/01/01T"), [1]),
+    ],
+)
+def test_a_gap_between_dates_is_as_long_as_the_dates_say(dates, days):
+    seconds, notes = seconds_and_notes(dated(*dates))
+    assert seconds[::2] - seconds[0] == pytest.approx([0.0, *(86400.0 * day - 86399.0 for day in days)])
+    assert notes["days"].value.split()[0] == str(days[-1]) and "midnight" not in notes
+
+
+@pytest.mark.parametrize("separator", [";", " "])
+def test_dates_in_a_column_of_their_own_count(separator):
+    text = dated(f"2026-02-27{separator}", f"2026-03-02{separator}", separator=separator)
+    text = text.replace("Datum", f"Datum{separator}Zeit", 1)
+    assert seconds_and_notes(text)[0][2] - 86399.0 == pytest.approx(2 * 86400.0 + 1.0)
+
+
+def test_one_date_in_every_row_is_that_of_the_test_and_the_clock_goes_on_over_midnight():
+    text = dated("2026-02-27;", "2026-02-27;").replace("Datum", "Datum;Zeit", 1)
+    seconds, notes = seconds_and_notes(text)
+    assert seconds[2] - seconds[0] == pytest.approx(1.0) and "midnight" in notes
+
+
+def test_an_hour_that_goes_back_on_the_same_date_is_no_day():
+    seconds, notes = seconds_and_notes(dated("2026-02-27 ", "2026-02-27 "))
+    assert seconds[2] < seconds[1] and not {"days", "midnight"} & set(notes)
+
+
+def test_a_date_that_goes_back_is_no_day_ahead():
+    seconds, _ = seconds_and_notes(dated("2026-02-27 ", "2026-02-25 "))
+    assert seconds[2] - seconds[0] == pytest.approx(-2 * 86400.0 - 86399.0)
+
+
+def test_a_day_that_is_guessed_is_among_the_decisions():
+    seconds, notes = seconds_and_notes(dated("", ""))
+    assert seconds[2] - seconds[0] == pytest.approx(1.0)
+    assert notes["midnight"].value.startswith("1 ") and "days" not in notes
+    assert "midnight" not in seconds_and_notes(dated("", "", first="23:59:59"))[1]
+
+
+def test_dates_in_no_order_are_refused():
+    with pytest.raises(InputError, match="year-month-day"):
+        seconds_and_notes(dated("31.31.2026 ", "32.31.2026 "))
+
+
 def test_the_quick_and_the_patient_reader_agree():
     quick = values_of(table(";", ","))
     patient = values_of(table(";", ",") + "\nCycle 2\n" + table(";", ",", head=""))

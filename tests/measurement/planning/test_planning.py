@@ -201,3 +201,11 @@ def test_bad_requests_are_one_line_and_status_2(words, said, tmp_path, capsys, m
     assert run(["campaign", *words]) == 2
     error = capsys.readouterr().err
     assert said in error and error.count("\n") == 1 and not list(tmp_path.iterdir())
+
+
+def test_a_crowned_pad_without_a_tabulated_force_keeps_its_name(tmp_path, capsys):
+    crown = "crowned:radius=20,height=3,foot=11"
+    found = asked(capsys, "new", str(tmp_path / "c"), "--pads", "15", "--shape", crown, "--young", "25",
+                  "--repeats", "1", "--force", "3")  # fmt: skip
+    (message,) = [one["message"] for one in found["warnings"] if one["code"] == "no_power"]
+    assert "crowned" in message and "slab" not in message and found["power"] is None

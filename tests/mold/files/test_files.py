@@ -62,6 +62,15 @@ def test_canonical_step_keeps_every_entity_and_sees_a_changed_number(pad_step):
     assert changed != pad_step and canonical_step(changed, HEADER) != again
 
 
+def test_letters_beyond_ascii_are_written_as_step_prescribes(pad_step):
+    name = "樹脂 für 𠮷"
+    text = canonical_step(pad_step, Header(name, name, HEADER.time_stamp, HEADER.organisation))
+    assert text.isascii() and text.count(r"'\X2\6A398102\X0\ f\X2\00FC\X0\r \X4\00020BB7\X0\'") == 2
+    written = text.split("'")[1]
+    again = Header(written, written, HEADER.time_stamp, HEADER.organisation)
+    assert canonical_step(text, again) == text
+
+
 def test_canonical_step_refuses_what_is_not_step():
     with pytest.raises(ValueError, match="not a STEP file"):
         canonical_step("solid cube", HEADER)

@@ -13,6 +13,8 @@ from dummydesign.measurement.importing.press.signs import middle_of_three, noise
 
 LOW, HIGH = 0.01, 0.03
 """Shares of the largest force below which it is zero, and above which it is a press."""
+PAUSE = 0.5
+"""Share of the time between two presses above which one step of it is a pause of the recording."""
 BACK = 0.3
 """Share of its depth that the punch must come back before the next press is one of its own."""
 
@@ -42,7 +44,9 @@ def thresholds(load: NDArray) -> tuple[float, float]:
     return max(6.0 * noise, LOW * peak), max(12.0 * noise, HIGH * peak)
 
 
-def find_presses(file: str, x: NDArray, load: NDArray, several: bool) -> list[Span]:
+def find_presses(
+    file: str, x: NDArray, load: NDArray, several: bool, time: NDArray | None = None
+) -> list[Span]:
     """Find the presses.
 
     Parameters
@@ -53,6 +57,8 @@ def find_presses(file: str, x: NDArray, load: NDArray, several: bool) -> list[Sp
         Compression positive; force less its reading at rest. [mm, N]
     several : bool
         Whether more than one may be found; else all is one press.
+    time : ndarray, shape (n,), optional
+        A pause of the recording between two presses parts them. [s]
 
     Returns
     -------
@@ -79,7 +85,8 @@ def find_presses(file: str, x: NDArray, load: NDArray, several: bool) -> list[Sp
             joined[-1] = (joined[-1][0], run[1])
     if not several:
         joined = [(joined[0][0], joined[-1][1])]
-    cuts = [0, *(_cut(x, before[1], after[0]) for before, after in pairwise(joined)), len(x)]
+    at = np.arange(len(x), dtype=float) if time is None else time
+    cuts = [0, *(_cut(at, x, before[1], after[0]) for before, after in pairwise(joined)), len(x)]
     return [Span(a, b, run[0]) for a, b, run in zip(cuts, cuts[1:], joined)]
 
 
@@ -122,9 +129,15 @@ def _came_back(x: NDArray, before: tuple[int, int], after: tuple[int, int]) -> b
     return deepest - float(x[before[1] : after[0]].min()) >= BACK * (deepest - float(x[before[0]]))
 
 
-def _cut(x: NDArray, leave: int, touch: int) -> int:
-    """Where one press ends and the next begins: the middle of the time for which the punch is farthest out."""
+def _cut(time: NDArray, x: NDArray, leave: int, touch: int) -> int:
+    """Where one press ends and the next begins: at a pause of the recording while the punch is farthest out.
+
+    Without a pause it is the middle of the samples there.
+    """
     gap = x[leave:touch]
     low, high = float(gap.min()), float(max(gap[0], gap[-1]))
     far = np.nonzero(gap <= low + 0.05 * (high - low))[0]
+    steps = np.diff(time[leave + far])
+    if steps.size and steps.max() > PAUSE * (time[leave + far[-1]] - time[leave + far[0]]):
+        return leave + int(far[int(np.argmax(steps)) + 1])
     return leave + int(far[len(far) // 2]) + (1 if len(far) == 1 else 0)

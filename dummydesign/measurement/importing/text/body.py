@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.importing.core.decisions import Notes
 from dummydesign.measurement.importing.text.cells import is_comment
+from dummydesign.measurement.importing.text.clock import elapsed_seconds, is_date
 from dummydesign.measurement.importing.text.layout import Layout
 from dummydesign.measurement.importing.text.numbers import is_missing, parse, seconds_of_stamp
 
@@ -98,7 +99,7 @@ def _fast(layout: Layout, columns: Sequence[int]) -> Body | None:
 
 def _slow(layout: Layout, columns: Sequence[int], notes: Notes) -> Body:
     """Line by line, with the faults named; lines of text between the numbers part the table."""
-    width, days = len(layout.kinds), _Days()
+    width, date_at, dates = len(layout.kinds), _date_column(layout), list[str]()
     rows: list[list[Any]] = []
     numbers: list[int] = []
     breaks: list[int] = []
@@ -123,7 +124,8 @@ def _slow(layout: Layout, columns: Sequence[int], notes: Notes) -> Body:
             continue
         if len(cells) != width or not all(good):
             raise _fault(layout, index, cells, columns, wanted, good)
-        rows.append([days.go_on(number) if isinstance(number, tuple) else number for number in read])
+        rows.append(read)
+        dates.append("" if date_at is None or not is_date(cells[date_at]) else cells[date_at])
         numbers.append(layout.line(index))
     if len(between) > MOST_INTERRUPTIONS:
         raise InputError(
@@ -137,11 +139,24 @@ def _slow(layout: Layout, columns: Sequence[int], notes: Notes) -> Body:
             f"text between the rows, left out; the first is line {layout.line(between[0])}: "
             f"'{layout.lines[between[0]].strip()[:40]}'",
         )
+    # the same date in every row is that of the test, not of the row
+    dates = dates if len(set(dates)) > 1 else [""] * len(rows)
+    for place, column in enumerate(columns):
+        if rows and layout.kinds[column] == "stamp":
+            stamps = [(one[place][0], one[place][1] or date) for one, date in zip(rows, dates)]
+            for kept, seconds in zip(rows, elapsed_seconds(layout.file, stamps, notes)):
+                kept[place] = seconds
     values = np.array(rows, float).reshape(-1, len(columns))
     if not np.isfinite(values).all():
         row = int(np.nonzero(~np.isfinite(values).all(axis=1))[0][0])
         raise InputError(f"{layout.file}:{numbers[row]}: a number is too large to be read")
     return Body(values, np.array(numbers, int), tuple(at for at in breaks if at < len(rows)))
+
+
+def _date_column(layout: Layout) -> int | None:
+    """Column of dates beside a column of clock times."""
+    first = zip(layout.cells(layout.lines[layout.first]), layout.kinds)
+    return next((at for at, (cell, kind) in enumerate(first) if kind == "text" and is_date(cell)), None)
 
 
 def _read(cell: str, kind: str, decimal: str) -> float | tuple[float, str] | None:
@@ -152,20 +167,6 @@ def _read(cell: str, kind: str, decimal: str) -> float | tuple[float, str] | Non
         return seconds_of_stamp(cell)
     except ValueError:
         return None
-
-
-class _Days:
-    """Seconds over midnight: the day goes on where the date changes, or the clock falls back by half a day."""
-
-    def __init__(self) -> None:
-        self.day, self.date, self.clock = 0, "", 0.0
-
-    def go_on(self, stamp: tuple[float, str]) -> float:
-        clock, date = stamp
-        if (self.date and date != self.date) or clock < self.clock - 43200.0:
-            self.day += 1
-        self.date, self.clock = date, clock
-        return 86400.0 * self.day + clock
 
 
 def _fault(

@@ -51,3 +51,22 @@ def test_a_jolt_of_the_robot_in_the_air_is_no_press():
     start = int(np.argmax(np.diff(record.displacement_mm) > 0.01))
     force[start : start + 8] += 0.15 * force.max()
     assert len(find_presses("a.csv", record.displacement_mm, force, True)) == 1
+
+
+def test_presses_of_two_days_are_parted_at_the_pause(tmp_path):
+    """The next press does not begin with the last samples of the day before."""
+    from datetime import datetime, timedelta
+
+    from dummydesign.measurement.importing.read import import_file
+
+    t = np.arange(0.0, 8.0, 0.01)
+    x = np.clip(np.where(t < 5.0, 10.0 * (t - 1.0), 3.0 - 10.0 * (t - 5.0)), -5.0, 3.0)
+    force = 2.0 * np.maximum(x, 0.0) ** 1.3 + 0.002 * np.sin(91.0 * t)
+    lines = ["Zeit;Weg [mm];Kraft [N]"]
+    for start in (datetime(2026, 2, 27, 23, 59, 57), datetime(2026, 3, 2, 9)):
+        stamps = [(start + timedelta(seconds=float(at))).strftime("%Y-%m-%d %H:%M:%S.%f") for at in t]
+        lines += [f"{stamp};{a:.4f};{b:.4f}" for stamp, a, b in zip(stamps, x, force)]
+    (tmp_path / "two.csv").write_text("\n".join(lines) + "\n")
+    first, second = import_file(tmp_path / "two.csv").presses
+    assert len(first.time_s) == len(second.time_s) == len(t)
+    assert first.time_s == pytest.approx(t, abs=1e-5) and second.time_s == pytest.approx(t, abs=1e-5)

@@ -1,0 +1,94 @@
+"""Figures of the studio: every press of the protocol, small and fast; measured presses from a report's files."""
+
+from __future__ import annotations
+
+import re
+import time
+import xml.etree.ElementTree as xml
+
+import numpy as np
+import pytest
+
+from dummydesign.report.figures.layers import Dots, Line
+from dummydesign.report.figures.plot import Plot
+from dummydesign.studio import bench, figures
+
+BUDGET_S = 0.04
+"""Processor time in which a slider's figures are drawn. [s]"""
+
+
+@pytest.fixture(scope="module")
+def looked(tmp_path_factory):
+    """Inputs, shape and pad of a crowned pad."""
+    root = tmp_path_factory.mktemp("project")
+    asked = bench.Asked("forefinger", "average", "polyurethane-nagoya")
+    inputs = bench.inputs_of(root, asked, bench.stamp_of(root, asked))
+    shape = bench.shape_of("crowned:21.2,2,9.4")
+    return inputs, shape, bench.evaluate_pad(inputs, shape, 4.5, 15.4)
+
+
+def test_every_press_of_the_protocol_is_drawn_small(looked):
+    inputs, _, pad = looked
+    targets = inputs.space.targets
+    plots = figures.presses(targets, pad, 280.0)
+    assert [plot.title.partition(":")[0] for plot in plots] == [
+        f"{one.steady_force_N:g} N at {one.velocity_mm_s:g} mm/s" for one in targets.conditions
+    ]
+    assert len({plot.name for plot in plots}) == len(plots) == 6
+    for plot, press in zip(plots, pad.candidate.evaluation.presses):
+        svg = plot.svg()
+        xml.fromstring(svg)
+        width, height = map(float, re.search(r'viewBox="0 0 (\S+) (\S+)"', svg).groups())
+        assert (width, height) == (280.0, 207.0)
+        assert f"{press.force_N[0].max():.1f} N" in plot.title
+        texts = [float(at) for at in re.findall(r'<text x="([\d.]+)"[^>]*text-anchor="middle">[\d.e+-]+<', svg)]
+        assert len(texts) >= 3 and min(np.diff(texts)) > 25.0
+    assert figures.plots_html(plots, small=True).count('<svg class="plot"') == 6
+
+
+def test_the_figures_of_a_slider_are_drawn_in_time(looked):
+    inputs, shape, pad = looked
+    targets = inputs.space.targets
+
+    def draw():
+        start = time.process_time()
+        figures.plots_html([figures.steady(inputs.tissue, targets, pad), figures.section(shape, 4.5, inputs.punch),
+                            *figures.presses(targets, pad)])  # fmt: skip
+        return time.process_time() - start
+
+    draw()
+    assert min(draw() for _ in range(7)) < BUDGET_S
+
+
+@pytest.mark.parametrize(
+    ("name", "title", "series"),
+    [
+        ("press-5N-10mm-s", "5 N steady at 10 mm/s", ("measured", "fitted")),
+        ("press-1.2e+01N-250mm-s-2", "1.2e+01 N steady at 250 mm/s", ("measured, a.csv", "fitted, a.csv",
+                                                                      "measured, b, c.csv", "fitted, b, c.csv")),
+        ("press-5mm-10mm-s-7N", "5 mm pad, 10 mm/s, 7 N", ("measured", "base", "corrected")),
+        ("press-12.5mm-250mm-s-2.1mmdeep", "12.5 mm pad, 250 mm/s, 2.1 mm deep", ("measured", "base", "corrected")),
+    ],
+)  # fmt: skip
+def test_measured_presses_are_read_from_the_files_of_a_report(tmp_path, name, title, series):
+    t = np.geomspace(1e-4, 10.0, 300)
+    force = 5.0 + 3.0 * np.exp(-((np.log(t) - np.log(0.2)) ** 2))
+    layers = tuple((Dots if one.startswith("measured") else Line)(one, t, force + k) for k, one in enumerate(series))
+    made = Plot(name, "t", "a", "time since contact [s]", "force [N]", "time_s", "force_N", layers, log_x=True)
+    (tmp_path / f"mine-report-{name}.csv").write_text(made.csv_text(), encoding="utf-8")
+    role = f"report_{name.replace('-', '_')}"
+    answer = {"files": {"report": "x.html", role: f"mine-report-{name}.csv", "report_press_gone": "gone.csv"}}
+    (plot,) = figures.measured_over_fitted(tmp_path, answer)
+    assert plot.title == title and plot.x_range == (0.01, 10.0)
+    for k, (layer, one) in enumerate(zip(plot.layers, series)):
+        assert layer.name == one and isinstance(layer, Dots) == one.startswith("measured")
+        assert np.allclose(layer.y, force + k, rtol=1e-5) and np.allclose(layer.x, t, rtol=1e-5)
+    xml.fromstring(plot.svg())
+    styles = {layer.name: layer.style for layer in plot.layers}
+    assert len(series) < 4 or styles["measured, a.csv"] == styles["fitted, a.csv"] != styles["fitted, b, c.csv"]
+
+
+def test_the_script_of_the_plots_is_an_element_of_the_head():
+    text = figures.plot_script()
+    assert text.startswith("<script>") and text.endswith("</script>") and text.count("</script") == 1
+    assert "http://" not in text.replace("http://www.w3.org/2000/svg", "")

@@ -19,7 +19,8 @@ QUESTIONS = {
     "edge_radius_mm": "edge radius in mm", "condition": "contact of the punch", "base": "base",
     "force_N": "steady forces in N", "velocity_mm_s": "speeds in mm/s", "hold_s": "hold in s",
     "deceleration_mm_s2": "braking in mm/s2", "pad_mm": "pad size in mm", "weighing_g": "weighing error in g",
-    "thickness_tolerance_mm": "thickness tolerance in mm", "weights": "weights of the score",
+    "thickness_tolerance_mm": "thickness tolerance in mm", "castings": "number of castings",
+    "verify": "check by finite elements", "weights": "weights of the score",
 }  # fmt: skip
 """Inputs that change what a verdict or a score means; limits of the search are left out."""
 LARGEST_FILE = 64_000_000

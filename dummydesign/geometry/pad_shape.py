@@ -53,6 +53,9 @@ class PadShape:
     told: ClassVar[frozenset[str]] = frozenset()
     """Codes of the warnings without which no mould of this shape goes out."""
 
+    sliders: ClassVar[tuple[str, ...]] = ()
+    """Parameters that are moved one by one; all that its candidates vary when it is empty."""
+
     # Outline and profile.
 
     @property
@@ -267,6 +270,10 @@ class PadShape:
         """
         none = np.zeros(0)
         return none, dict.fromkeys(cls.parameter_names(), none)
+
+    def with_length(self, name: str, value: float) -> Self:
+        """Return the shape with one parameter changed; those that the shape's table ties to it follow."""
+        return self.of({**dict(self.parameters), name: value})
 
     @classmethod
     def in_proportion(cls, k: Array) -> dict[str, Array]:

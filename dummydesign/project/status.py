@@ -150,7 +150,8 @@ def _next(project: Project, found: dict[str, tuple[ProjectFile, ...]]) -> tuple[
         return "make the mould", _mould(project, best)
     open_plans = [one for one in found["campaigns"] if one.summary and (one.summary["missing"] or one.summary["wrong"])]
     if not found["campaigns"]:
-        return "cast the pads, then plan what to press", _plan(best)
+        moulds = [one for one in found["moulds"] if one.command == "mold"]
+        return "cast the pads, then plan what to press", _plan(best, moulds[-1].folder if moulds else "")
     ready = [one for one in found["campaigns"] if one not in open_plans]
     done = {str((one.summary or {}).get("campaign", "")) for one in found["calibrations"]}
     for one in ready:
@@ -181,7 +182,9 @@ def _mould(project: Project, best: dict[str, Any]) -> str:
     return f"dummydesign mold --thickness {best['thickness_mm']:g}{shape}{resin} --ratio {best['ratio']:g}"
 
 
-def _plan(best: dict[str, Any]) -> str:
+def _plan(best: dict[str, Any], mould: str) -> str:
+    if mould:
+        return f"dummydesign campaign new campaigns/first --from-mould {_word(mould)}"
     if not {"ratio", "resin"} <= set(best):
         return "dummydesign campaign new campaigns/first --young KPA"
     return f"dummydesign campaign new campaigns/first --resin {_word(str(best['resin']))} --ratio {best['ratio']:g}"

@@ -7,6 +7,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from dummydesign.core.datafiles import find
 from dummydesign.core.errors import InputError
 from dummydesign.design.own_test.checks import beyond_people, refused_kinds
@@ -17,14 +19,18 @@ from dummydesign.design.search.slabs import THICKNESS_MM
 from dummydesign.design.sweep.one_pad import OnePad, law_of_shape, one_pad, with_castings
 from dummydesign.geometry.shapes import PadShape, Slab, read_shape
 from dummydesign.geometry.standard import PUNCH
+from dummydesign.studio.lengths import first_shape
+from dummydesign.studio.state import State, absolute
 
 if TYPE_CHECKING:
     from dummydesign.design.inputs import Inputs
     from dummydesign.design.scoring.verdict import Verdict
 
-LENGTHS = {"crowned": "20,2,9", "bumped": "5,2.91,1.24,0.34", "layered": "3,3", "boned": "10,2,9"}
-"""Lengths that a kind of shape begins with on the page, until a search found better ones."""
-NO_SLIDER = "it is solved by finite elements, which a slider cannot wait for; the search below does"
+NO_SLIDER = "it is solved by finite elements, which takes minutes"
+
+
+class NotTabulated(InputError):
+    """The pad can be made, but no table holds its force: finite elements have to solve it."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +42,11 @@ class Asked:
     resin: str
     calibration: str = ""
     punch: str = PUNCH
+
+    @classmethod
+    def of(cls, state: State) -> Asked:
+        """Without the pad."""
+        return cls(**state.question)
 
 
 @lru_cache(maxsize=8)
@@ -53,11 +64,11 @@ def inputs_of(root: Path, asked: Asked, stamp: tuple[tuple[str, int, int], ...])
     from dummydesign.design.inputs import resolve
 
     calibration = str(root / asked.calibration) if asked.calibration else None
-    request = Request(_path(root, asked.tissue), asked.aim, _path(root, asked.resin), shape="slab", verify=False,
+    request = Request(absolute(root, asked.tissue), asked.aim, absolute(root, asked.resin), shape="slab", verify=False,
                       calibration=calibration, punch=_punch(root, asked.punch))  # fmt: skip
     punch = read_punch(request.punch)
     if punch.profile_mm is not None:
-        raise InputError(f"{why_solved(request, punch, THICKNESS_MM[0])}: {NO_SLIDER}")
+        raise NotTabulated(f"{why_solved(request, punch, THICKNESS_MM[0])}: {NO_SLIDER}")
     return resolve(request, None if calibration else table_alone(request, punch))
 
 
@@ -75,15 +86,11 @@ def stamp_of(root: Path, asked: Asked) -> tuple[tuple[str, int, int], ...]:
         paths.append(root / asked.punch.removeprefix(PROFILE))
     for kind, what, name in (("tissues", "tissue", asked.tissue), ("resins", "resin", asked.resin)):
         try:
-            paths.append(find(f"materials/{kind}", what, _path(root, name)).path)
+            paths.append(find(f"materials/{kind}", what, absolute(root, name)).path)
         except InputError:
             continue
     stamps = [(path, path.stat()) for path in paths if path.is_file()]
     return tuple((str(path), stat.st_mtime_ns, stat.st_size) for path, stat in stamps)
-
-
-def _path(root: Path, name: str) -> str:
-    return str(root / name) if name.endswith(".toml") else name
 
 
 def _punch(root: Path, text: str) -> str:
@@ -95,7 +102,7 @@ def shape_of(text: str) -> PadShape:
     return Slab() if text.strip().lower() == "slab" else read_shape(text.strip())
 
 
-def look(inputs: Inputs, shape: PadShape, thickness_mm: float, ratio: float) -> OnePad:
+def evaluate_pad(inputs: Inputs, shape: PadShape, thickness_mm: float, ratio: float) -> OnePad:
     """Press one pad.
 
     Parameters
@@ -107,6 +114,8 @@ def look(inputs: Inputs, shape: PadShape, thickness_mm: float, ratio: float) -> 
 
     Raises
     ------
+    NotTabulated
+        When finite elements have to solve it.
     InputError
         When the pad cannot be made, or pads of its shape are not designed under this punch.
     """
@@ -115,13 +124,56 @@ def look(inputs: Inputs, shape: PadShape, thickness_mm: float, ratio: float) -> 
     if refused:
         raise InputError(refused)
     if not request.calibration and (why := why_solved(request, inputs.punch, thickness_mm)):
-        raise InputError(f"{why}: {NO_SLIDER}")
+        raise NotTabulated(f"{why}: {NO_SLIDER}")
     space.resin.check_ratio(ratio)
-    law = law_of_shape(inputs.slab_law, shape, thickness_mm, request.pad_mm, space.correct)
+    shape.check(thickness_mm, *request.pad_mm)
+    try:
+        law = law_of_shape(inputs.slab_law, shape, thickness_mm, request.pad_mm, space.correct)
+    except InputError as problem:
+        raise NotTabulated(f"{str(problem).partition('; use --fidelity')[0]}: {NO_SLIDER}") from None
+    if float(law.depth_limit_mm(np.array([thickness_mm]), space.radius_mm)[0]) <= 0.0:
+        raise NotTabulated(f"the proportions of this {shape.name} pad are not in the tables: {NO_SLIDER}")
     return one_pad(law, space, thickness_mm, ratio)
 
 
-def settled(inputs: Inputs, shape: PadShape, pad: OnePad) -> Verdict:
+def first_pad(inputs: Inputs, kind: str, thickness_mm: float, ratio: float, near: PadShape | None = None) -> PadShape:
+    """Return a shape of a kind that can be pressed at a thickness, the nearest to another one where it is given.
+
+    One that the tables hold is taken; where they hold none, one that can be made and solved.
+
+    Parameters
+    ----------
+    inputs : Inputs
+    kind : str
+        Such as ``crowned``.
+    thickness_mm, ratio : float
+        The pad. [mm, resin's ratio]
+    near : PadShape, optional
+
+    Raises
+    ------
+    InputError
+        When no pad of this kind can be made at this thickness.
+    """
+    if kind == Slab.name:
+        return Slab()
+
+    def solvable(shape: PadShape) -> bool:
+        try:
+            evaluate_pad(inputs, shape, thickness_mm, ratio)
+        except InputError:
+            return False
+        return True
+
+    radius_mm = inputs.punch.radius_mm
+    shape = first_shape(kind, thickness_mm, radius_mm, solvable, near)
+    shape = shape or first_shape(kind, thickness_mm, radius_mm, lambda shape: True, near)
+    if shape is None:
+        raise InputError(f"no {kind} pad {thickness_mm:g} mm thick can be made: choose another thickness or shape")
+    return shape
+
+
+def verdict_with_castings(inputs: Inputs, shape: PadShape, pad: OnePad) -> Verdict:
     """The verdict with what castings of the pad may turn out as, by the same tolerances as ``suggest``.
 
     Parameters
@@ -135,3 +187,9 @@ def settled(inputs: Inputs, shape: PadShape, pad: OnePad) -> Verdict:
     tolerances = tolerances_of(inputs.space.resin, pad.candidate, inputs.request, shape)
     beyond = beyond_people(inputs.request, inputs.tissue)
     return with_castings(pad, inputs.space, inputs.castings, tolerances, beyond)
+
+
+def solved_by_predict(state: State) -> bool:
+    """Whether ``predict`` solves the pad of a state: a shape outside its table, under a flat punch on a glued base."""
+    punch = read_punch(state.punch)
+    return state.shape.partition(":")[0] != Slab.name and punch.profile_mm is None

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import json
+import re
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from html import escape
 from pathlib import Path
+from urllib.parse import urlencode
 
 from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import FILE, Project, read_project
 from dummydesign.report.html import page as report_page
+from dummydesign.report.html.glossary import whole_glossary
 from dummydesign.studio.addresses import address
+from dummydesign.studio.figures import plot_script
+from dummydesign.studio.glossary import glossary_head, marked
 from dummydesign.studio.state import State, read_state
 from dummydesign.studio.work import jobs
 from dummydesign.studio.work.commands import shown
@@ -28,7 +33,10 @@ STEPS = (
 # links that carry the state get it when they are used: panels come and go, and the state changes meanwhile
 KEEP_STATE = """
 let stateQuery = QUERY;
-function keepState(query) { stateQuery = query; history.replaceState(history.state, '', query ? '?' + query : '?'); }
+function keepState(query, more) {
+  stateQuery = query;
+  history.replaceState(history.state, '', '?' + [query, more].filter(Boolean).join('&'));
+}
 for (const kind of ['pointerdown', 'focusin', 'click']) addEventListener(kind, (event) => {
   const link = event.target.closest?.('a[data-state]');
   if (link) link.setAttribute('href', link.getAttribute('href').split('?')[0] + '?' + stateQuery);
@@ -91,6 +99,7 @@ def lay_out(
     """
     ui.colors(primary="#0b5cad")
     ui.add_head_html(f"<style>{style()}</style><script>document.documentElement.lang = 'en'</script>")
+    ui.add_head_html(plot_script() + glossary_head())
     ui.page_title(f"{title} – dummydesign studio")
     problem, project, state = "", None, None
     try:
@@ -122,11 +131,25 @@ def lay_out(
                 html(f'<p class="note">This folder is no project yet: {page_link("/", "make it one")} first.</p>')
         except InputError as said:
             tell_problem(str(said))
+        html(f'<footer class="glossary">{whole_glossary()}</footer>')
 
 
-def keep_state(state: State) -> None:
-    """Write a state into the address and into all links that carry it; back, reload and other tabs then show it."""
-    ui.run_javascript(f"keepState({json.dumps(state.query())})")
+LONGEST_ADDRESS = 8000
+"""Characters of what a page keeps in its address besides the state; servers refuse addresses that are too long."""
+
+
+def keep_state(state: State, **more: str) -> None:
+    """Write a state into the address and into all links that carry it; back, reload and other tabs then show it.
+
+    Parameters
+    ----------
+    state : State
+    more : str
+        Choices of this page alone, by name: in its address, not in its links.
+    """
+    own = urlencode({name: text for name, text in more.items() if text})
+    own = own if len(own) <= LONGEST_ADDRESS else ""
+    ui.run_javascript(f"keepState({json.dumps(state.query())}, {json.dumps(own)})")
 
 
 def page_link(path: str, words: str, test: str = "", current: bool = False) -> str:
@@ -199,6 +222,7 @@ class Work:
         self._belongs, self._ended = belongs, ended
         self._seen: object = None
         self._watched = ""
+        self.running = self.answered = False
         with ui.element("section").classes("work"):
             self._line = ui.element("div")
             with ui.element("div").classes("state"):
@@ -222,6 +246,11 @@ class Work:
                 html(f'<p class="note">{escape(str(said))}</p>')
         if self._seen is not None:
             self.update()
+
+    def show_again(self) -> None:
+        """Show anew what is there, after the panel was hidden."""
+        self._seen = ()
+        self.renew_line()
 
     def begin(self) -> None:
         """Start the command as it is shown."""
@@ -248,7 +277,9 @@ class Work:
         self._button.set_enabled(not running)
         self._stop.set_visibility(running)
         self._spinner.set_visibility(running)
+        self.running = running
         shown_job = next((one for one in reversed(every) if self._belongs(one) and has_answer(one)), None)
+        self.answered = shown_job is not None
         if newest is not None and running:
             self._watched = newest.folder.name
             self._said.set_text(f"{newest.progress or 'at work'} – {newest.seconds:.0f} s")
@@ -302,14 +333,14 @@ def facts(rows: Sequence[tuple[str, str]]) -> None:
     """Values, large, with what they are."""
     html(
         '<div class="facts">'
-        + "".join(f'<div class="fact"><b>{escape(value)}</b><span>{escape(what)}</span></div>' for value, what in rows)
+        + "".join(f'<div class="fact"><b>{escape(value)}</b><span>{marked(what)}</span></div>' for value, what in rows)
         + "</div>"
     )
 
 
 def warnings(answer: dict) -> None:
     """What a command warned of."""
-    said = "".join(f"<li>{escape(str(one['message']))}</li>" for one in answer.get("warnings", []))
+    said = "".join(f"<li>{marked(str(one['message']))}</li>" for one in answer.get("warnings", []))
     if said:
         html(f'<ul class="warnings">{said}</ul>')
 
@@ -330,6 +361,7 @@ def table(head: Sequence[str], rows: Sequence[Sequence[object]], words: bool = F
     """
     text = f'<div class="words">{report_page.Table(head, rows).html()}</div>' if words else ""
     text = text or report_page.Table(head, rows).html()
+    text = re.sub(r"(<th[^>]*>)([^<&]+)(</th>)", lambda found: found[1] + marked(found[2]) + found[3], text)
     html(f"<details><summary>{escape(under)}</summary>{text}</details>" if under else text)
 
 
@@ -347,7 +379,7 @@ def zip_link(folder: str) -> None:
     html(f'<div class="links">{link}</div>')
 
 
-def shown_file(path: str, title: str, kind: str = "shown") -> None:
+def shown_file(path: str, title: str, kind: str = "shown", **query: str) -> None:
     """A page of the project inside this one.
 
     Parameters
@@ -358,5 +390,8 @@ def shown_file(path: str, title: str, kind: str = "shown") -> None:
         For those who cannot see it.
     kind : str
         ``shown`` or ``shown solid``.
+    query : str
+        Values of the address, by name.
     """
-    html(f'<iframe class="{kind}" src="{escape(path)}" title="{escape(title)}" loading="lazy"></iframe>')
+    source = escape(address(path, **query))
+    html(f'<iframe class="{kind}" src="{source}" title="{escape(title)}" loading="lazy"></iframe>')

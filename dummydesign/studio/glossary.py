@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from html import escape
 
-from dummydesign.report.html.glossary import terms
+from dummydesign.report.html.glossary import marked_terms, terms
 
 GLOSSARY_CSS = (
     "abbr.term{text-decoration:underline dotted;text-underline-offset:.2em;cursor:help}"
@@ -71,6 +71,19 @@ def term(word: str, text: str | None = None) -> str:
         f'<abbr class="term" tabindex="0" aria-describedby="term-tip" data-term="{escape(found.text)}">'
         f"{escape(word if text is None else text)}</abbr>"
     )
+
+
+def marked(text: str) -> str:
+    """A text as HTML in which the first use of each term opens its definition under the pointer and by touch.
+
+    These are no stops of the Tab key: by keyboard the same lines are at the end of each page.
+    """
+    parts, at = [], 0
+    for start, end, found in marked_terms(text):
+        definition = f'<abbr class="term" data-term="{escape(found.text)}">{escape(text[start:end])}</abbr>'
+        parts += [escape(text[at:start]), definition]
+        at = end
+    return "".join([*parts, escape(text[at:])])
 
 
 def glossary_head() -> str:

@@ -121,8 +121,8 @@ def verdicts_of_kinds(inputs: Inputs, answer: Mapping[str, Any]) -> dict[str, di
             continue
         try:
             shape = bench.shape_of(row["shape"])
-            pad = bench.look(inputs, shape, row["thickness_mm"], row["ratio"])
-            found[row["kind"]] = bench.settled(inputs, shape, pad).to_dict()
+            pad = bench.evaluate_pad(inputs, shape, row["thickness_mm"], row["ratio"])
+            found[row["kind"]] = bench.verdict_with_castings(inputs, shape, pad).to_dict()
         except InputError:
             continue
     return found

@@ -47,7 +47,7 @@ def manage(studio: Studio, path: str, kind: str, then: Then) -> None:
         Called with its path before and its path now, which is empty once it is deleted.
     """
     name = path.rpartition("/")[2]
-    undo_bar(studio)
+    bar = undo_bar(studio)
     with ui.element("div").classes("manage").props(f'role="group" aria-label="change {escape(name)}"'):
         buttons: dict[str, ui.button] = {}
         for word in ("Rename", "Replace", "Delete")[:: 1 if kind == "file" else 2]:
@@ -64,8 +64,8 @@ def manage(studio: Studio, path: str, kind: str, then: Then) -> None:
             with form:
                 tell_problem(str(problem))
             return
-        offer_undo(studio, gone, then)
-        _outside(lambda: then(path, ""))
+        bar.offer(gone, then)
+        bar.run(lambda: then(path, ""))
 
     def ask_name() -> None:
         form.clear()
@@ -87,8 +87,8 @@ def manage(studio: Studio, path: str, kind: str, then: Then) -> None:
                 tell_problem(str(problem))
             return
         form.clear()
-        say(studio, f"{name} is now {now.rpartition('/')[2]}.")
-        _outside(lambda: then(path, now))
+        bar.say(f"{name} is now {now.rpartition('/')[2]}.")
+        bar.run(lambda: then(path, now))
 
     async def take_file(event: events.UploadEventArguments) -> None:
         sent, ending = event.file.name, Path(path).suffix.lower()
@@ -103,10 +103,10 @@ def manage(studio: Studio, path: str, kind: str, then: Then) -> None:
             return
         form.clear()
         if stored.gone is None:
-            say(studio, f"{sent} is the same as {stored.name}, which is there: nothing was changed.")
+            bar.say(f"{sent} is the same as {stored.name}, which is there: nothing was changed.")
             return
-        offer_undo(studio, stored.gone, then)
-        _outside(lambda: then(path, path))
+        bar.offer(stored.gone, then)
+        bar.run(lambda: then(path, path))
 
     def ask_file() -> None:
         form.clear()
@@ -177,7 +177,7 @@ def drop_zone(
     place.on("finish", lambda: place.reset())
 
 
-class _UndoBar:
+class UndoBar:
     """The last change at the foot of a page, with a button that takes it back."""
 
     def __init__(self, studio: Studio) -> None:
@@ -186,15 +186,23 @@ class _UndoBar:
         with self._content:
             self._area = ui.element("div").classes("undo").props('role="status" aria-live="polite" data-test="undo"')
         newest = next(iter(bin.deleted(studio.root)), None)
-        if newest is not None and time.time() - newest.time < STILL_OFFERED_S:
+        if newest is not None and newest.why != "undone" and time.time() - newest.time < STILL_OFFERED_S:
             self.offer(newest, lambda old, new: ui.navigate.reload(), focus=False)
+
+    def run(self, change: Callable[[], None]) -> None:
+        """Run a change of the page that may take away the button that was pressed."""
+        with self._content:
+            change()
 
     def say(self, text: str) -> ui.element:
         """Show a sentence in the place of the last."""
         self._area.clear()
         with self._area:
             html(f"<p>{escape(text)}</p>")
-        return self._area
+            place = ui.element("div")
+            close = ui.button("Close", on_click=self._area.clear, color=None)
+            close.props('outline dense aria-label="Close this message"')
+        return place
 
     def offer(self, gone: bin.Deleted, then: Then, focus: bool = True) -> None:
         """Show what was deleted, with its button; the button that deleted it is gone, so this one gets the focus."""
@@ -207,10 +215,10 @@ class _UndoBar:
                 self.say(f"{problem}.")
                 return
             self.say(f"{gone.path} is back." if back == gone.path else f"It is back as {back}.")
-            _outside(lambda: then(gone.path, back), self._content)
+            self.run(lambda: then(gone.path, back))
 
-        area = self.say(f"The earlier {name} was replaced." if gone.why == "replaced" else f"{name} was deleted.")
-        with area:
+        place = self.say(f"The earlier {name} was replaced." if gone.why == "replaced" else f"{name} was deleted.")
+        with place:
             button = ui.button("Undo", on_click=undo)
             button.props(f'dense data-test="undo-last" aria-label="Undo: bring back {escape(name)}"')
             if focus:
@@ -220,41 +228,17 @@ class _UndoBar:
 def _take_back(root: Path, gone: bin.Deleted) -> str:
     """Restore; what took the place of a file goes to the bin first."""
     if gone.why == "replaced" and (root / gone.path).is_file():
-        bin.delete(root, gone.path, "replaced")
+        bin.delete(root, gone.path, "undone")
     return bin.restore(root, gone)
 
 
-def undo_bar(studio: Studio) -> _UndoBar:
+def undo_bar(studio: Studio) -> UndoBar:
     """The bar of this page, made when it is first wanted."""
     client: Any = ui.context.client
     if not hasattr(client, "undo_bar"):
-        client.undo_bar = _UndoBar(studio)
-    bar: _UndoBar = client.undo_bar
+        client.undo_bar = UndoBar(studio)
+    bar: UndoBar = client.undo_bar
     return bar
-
-
-def offer_undo(studio: Studio, gone: bin.Deleted, then: Then) -> None:
-    """Say at the foot of the page what was deleted or replaced, with an Undo button.
-
-    Parameters
-    ----------
-    studio : Studio
-    gone : Deleted
-    then : callable
-        As for :func:`manage`; called with where it was and where it is now.
-    """
-    undo_bar(studio).offer(gone, then)
-
-
-def say(studio: Studio, text: str) -> None:
-    """Say at the foot of the page what was changed."""
-    undo_bar(studio).say(text)
-
-
-def _outside(change: Callable[[], None], content: ui.element | None = None) -> None:
-    """Run a change of the page that may take the pressed button away."""
-    with content or ui.context.client.content:
-        change()
 
 
 def deleted_files(studio: Studio) -> None:
@@ -272,8 +256,7 @@ def deleted_files(studio: Studio) -> None:
         else:
             with message:
                 html(f'<p class="note">{escape(back)} is back. <a href="">Load the page again</a> to see it.</p>')
-        with area.parent_slot.parent if area.parent_slot else area:
-            renew()
+        renew()
 
     def renew() -> None:
         area.clear()

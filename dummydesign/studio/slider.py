@@ -1,4 +1,4 @@
-"""A slider of the browser's own kind: keyboard, touch and screen reader as one knows them."""
+"""A slider of the browser's own kind with a number field beside it: keyboard, touch and screen reader as usual."""
 
 from __future__ import annotations
 
@@ -9,13 +9,17 @@ from nicegui import events, ui
 
 THROTTLE_S = 0.03
 LONG_UNIT = 8
-TOLD = "(e) => { e.currentTarget.querySelector('output').textContent = e.target.value; emit(e.target.value); }"
+# an input that is typed in half way says nothing; the other one follows in the browser itself
+MOVED = (
+    "(e) => { const t = e.target; if (t.value === '' || !t.validity.valid) return; "
+    "for (const o of e.currentTarget.querySelectorAll('input')) if (o !== t) o.value = t.value; emit(t.value); }"
+)
 
 
 class Slider:
-    """A range with its number beside it, both written by the browser itself as it moves.
+    """A range and a number field that follow each other in the browser.
 
-    While it moves nothing is sent back: an answer to the first of several keys would take the later ones back.
+    While they move nothing is sent back: an answer to the first of several keys would take the later ones back.
 
     Attributes
     ----------
@@ -37,8 +41,8 @@ class Slider:
             Called after each move.
         """
         self.value, self._name, self._moved, self._written = value, name, moved, 0
-        self._label = ui.html("", sanitize=False, tag="label").classes("slide")
-        self._label.on("input", self._take, js_handler=TOLD, throttle=THROTTLE_S)
+        self._box = ui.html("", sanitize=False).classes("slide")
+        self._box.on("input", self._take, js_handler=MOVED, throttle=THROTTLE_S)
         self.limit(low, high, step, unit)
 
     def limit(self, low: float, high: float, step: float, unit: str) -> None:
@@ -51,20 +55,23 @@ class Slider:
         unit : str
             Written over it.
         """
-        self._unit, self._ends = unit, f"min={low:g} max={high:g} step={step:g}"
+        self._unit, self.low, self.high, self._step = unit, low, high, step
         self.set(min(max(self.value, low), high))
 
     def set(self, value: float) -> None:
         """Move it from here, without a call."""
         self.value = float(value)
-        long = len(self._unit) > LONG_UNIT
-        unit, below = ("", f"<small>{escape(self._unit)}</small>") if long else (escape(self._unit), "")
+        short = self._unit if len(self._unit) <= LONG_UNIT else ""
+        named, test = escape(self._name), escape(self._name.lower())
+        ends = f"min={self.low:g} max={self.high:g} step={self._step:g} value={self.value:.6g}"
         # numbered, so that a text written before still replaces what the browser has moved since
         self._written += 1
-        self._label.set_content(
-            f'<span class="row"><span>{escape(self._name)}</span><span><output>{self.value:g}</output> {unit}</span>'
-            f'</span>{below}<input type="range" {self._ends} value="{self.value:g}" '
-            f'data-test="slide-{self._name.lower()}" data-written="{self._written}">'
+        self._box.set_content(
+            f'<div class="row" data-written="{self._written}"><span>{named}</span>'
+            f'<span><input type="number" {ends} aria-label="{named} {escape(short)}" data-test="number-{test}"> '
+            f"{escape(short)}</span></div>"
+            f'<input type="range" {ends} aria-label="{named}, slider" data-test="slide-{test}">'
+            f"<small>{self.low:g} to {self.high:g} {escape(self._unit)}</small>"
         )
 
     def _take(self, event: events.GenericEventArguments) -> None:

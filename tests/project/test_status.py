@@ -39,7 +39,7 @@ def test_each_stage_of_the_work_asks_for_the_next_one(tmp_path):
     wrote(tmp_path / "designs" / "suggest-mine", "suggest", "2026-01-02", **best)
     assert then() == "dummydesign mold --thickness 8 --shape crowned:radius=20,height=2 --ratio 15.4"
     wrote(tmp_path / "moulds" / "mould_t8", "mold", "2026-01-03")
-    assert then().startswith("dummydesign campaign new campaigns/first --resin polyurethane-nagoya --ratio 15.4")
+    assert then().startswith("dummydesign campaign new campaigns/first --from-mould moulds/mould_t8")
     plan(tmp_path, "first", ["a.csv", "b.csv"])
     told = status_of(project)
     assert told.next_command == "dummydesign campaign check campaigns/first" and "2 of 2" in told.next_text

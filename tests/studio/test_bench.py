@@ -23,8 +23,8 @@ CROWN = "crowned:20,2,9"
 def looked(root, shape, thickness_mm, ratio, **asked):
     given = bench.Asked("forefinger", "average", "polyurethane-nagoya", **asked)
     inputs = bench.inputs_of(root, given, bench.stamp_of(root, given))
-    pad = bench.look(inputs, bench.shape_of(shape), thickness_mm, ratio)
-    return inputs, pad, bench.settled(inputs, bench.shape_of(shape), pad)
+    pad = bench.evaluate_pad(inputs, bench.shape_of(shape), thickness_mm, ratio)
+    return inputs, pad, bench.verdict_with_castings(inputs, bench.shape_of(shape), pad)
 
 
 def suggested(shape, thickness_mm, ratio, **more):

@@ -135,7 +135,7 @@ def test_a_file_keeps_its_ending_and_an_import_its_beginning(root):
     assert bin.rename(root, "measured/import-a", "monday") == "measured/import-monday"
 
 
-@pytest.mark.parametrize("name", ["", "../b", "b/c", ".b", "a b\n", "taken"])
+@pytest.mark.parametrize("name", ["", "../b", "b/c", ".b", "a\tb", "taken"])
 def test_a_name_that_is_not_plain_or_is_taken_is_refused_and_nothing_moves(root, name):
     (root / "measured" / "taken.csv").write_text("2")
     before = names(root / "measured")

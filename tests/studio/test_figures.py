@@ -24,7 +24,7 @@ def looked(tmp_path_factory):
     asked = bench.Asked("forefinger", "average", "polyurethane-nagoya")
     inputs = bench.inputs_of(root, asked, bench.stamp_of(root, asked))
     shape = bench.shape_of("crowned:21.2,2,9.4")
-    return inputs, shape, bench.look(inputs, shape, 4.5, 15.4)
+    return inputs, shape, bench.evaluate_pad(inputs, shape, 4.5, 15.4)
 
 
 def test_every_press_of_the_protocol_is_drawn_small(looked):

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
+from html import escape
+
 import pytest
 
 from dummydesign.report.html.glossary import terms
 from dummydesign.studio.frame import style
-from dummydesign.studio.glossary import glossary_head, term
+from dummydesign.studio.glossary import glossary_head, marked, term
 from tests.support.studio import browser
 
 
@@ -77,3 +80,11 @@ def test_a_definition_opens_by_touch_and_closes_by_a_touch_elsewhere(address):
         assert page.locator("#term-tip").inner_text() == terms()["shortfall"].text
         page.locator("#far").tap()
         assert not page.locator("#term-tip").is_visible()
+
+
+def test_the_first_use_of_each_term_in_a_text_is_marked_and_the_rest_is_escaped():
+    plain = "The verdict on a pad <b>: 38 % of castings; the pad again. Steady force, force."
+    text = marked(plain)
+    assert text.count("<abbr") == 4 and "&lt;b&gt;" in text and "<b>" not in text
+    assert ">Steady force</abbr>" in text and text.count(">pad</abbr>") == 1
+    assert re.sub("<[^>]+>", "", text) == escape(plain)

@@ -205,10 +205,18 @@ def test_the_keyboard_moves_a_slider_and_the_verdict_stays_in_sight(studio):
             page.wait_for_timeout(25 * (press % 4))
         slider = "document.querySelector('[data-test=slide-thickness]')"
         assert page.evaluate(f"{slider}.value") == "7.2"
-        assert page.evaluate(f"{slider}.closest('label').querySelector('output').textContent") == "7.2"
+        number = page.locator(by("number-thickness"))
+        assert number.input_value() == "7.2"
         page.wait_for_function("(old) => document.querySelector('[data-test=plots]').innerHTML !== old", arg=before)
         page.wait_for_selector(".facts b >> text='7.2 mm'")
         assert page.evaluate(f"{slider}.value") == "7.2" and page.evaluate(f"document.activeElement === {slider}")
+        number.fill("8.4")
+        page.wait_for_selector(".facts b >> text='8.4 mm'")
+        assert page.evaluate(f"{slider}.value") == "8.4"
+        number.fill("999")
+        page.wait_for_timeout(400)
+        assert page.evaluate(f"{slider}.value") == "8.4"
+        number.fill("8.4")
         page.mouse.wheel(0, 500)
         page.wait_for_selector('[data-test="verdict"] .verdict[data-state="settled"]')
         page.wait_for_timeout(300)

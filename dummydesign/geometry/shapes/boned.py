@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import ClassVar
+from dataclasses import dataclass, replace
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -45,7 +45,15 @@ class Boned(ConicProfile):
         ("thickness over punch radius", "bone height over thickness", "foot over punch radius"),
         (True, False, True), "slab",
     )  # fmt: skip
+    sliders: ClassVar[tuple[str, ...]] = ("height", "foot")
+
     bar: float = 0.0
+
+    def with_length(self, name: str, value: float) -> Self:
+        """The dome stays spherical: its radius follows height and foot."""
+        changed = super().with_length(name, value)
+        sphere = (changed.foot_mm**2 + changed.height_mm**2) / (2.0 * changed.height_mm)
+        return replace(changed, radius_mm=round(sphere, 2)) if name in self.sliders else changed
 
     @property
     def along(self) -> bool:

@@ -55,6 +55,7 @@ class Bumped(PadShape):
         ("thickness over punch radius", "pitch over punch radius", "grade over height of the caps"),
         (True, True, False), "tip",
     )  # fmt: skip
+    sliders: ClassVar[tuple[str, ...]] = ("pitch", "grade")
     pitch_mm: float
     radius_mm: float
     height_mm: float
@@ -74,6 +75,15 @@ class Bumped(PadShape):
         if grade > 0.0:
             reach = min(reach, int(np.sqrt(max(height - SMALLEST_HEIGHT_MM, 0.0) / grade)))
         return cls(pitch_mm, (foot**2 + height**2) / (2.0 * height), height, grade, float(reach))
+
+    def with_length(self, name: str, value: float) -> Self:
+        """The caps keep the table's proportions: radius, height and rings follow pitch and grade."""
+        if name not in self.sliders:
+            return super().with_length(name, value)
+        pitch = value if name == "pitch" else self.pitch_mm
+        height = HEIGHT_OVER_FOOT * FOOT_OVER_PITCH * pitch
+        share = value / height if name == "grade" else self.grade_mm / self.height_mm
+        return self.proportioned(pitch, share).rounded()
 
     @property
     def axisymmetric(self) -> bool:

@@ -55,7 +55,31 @@ def terms_in(page: str) -> list[Term]:
 
 def folded_glossary(page: str) -> str:
     """The terms that a page uses, folded away, as HTML; empty where it uses none."""
-    found = terms_in(page)
+    return _folded(terms_in(page))
+
+
+def whole_glossary() -> str:
+    """All terms, folded away, as HTML."""
+    return _folded(list(dict.fromkeys(terms().values())))
+
+
+def marked_terms(text: str) -> list[tuple[int, int, Term]]:
+    """Where a text uses a term for the first time: start, end and term, in the order of the text."""
+    found: list[tuple[int, int, Term]] = []
+    for term, pattern in _patterns():
+        hit = pattern.search(text)
+        if hit:
+            found.append((hit.start(), hit.end(), term))
+    # of terms that overlap the longest is meant
+    found.sort(key=lambda one: (one[0] - one[1], one[0]))
+    kept: list[tuple[int, int, Term]] = []
+    for one in found:
+        if all(one[1] <= other[0] or one[0] >= other[1] for other in kept):
+            kept.append(one)
+    return sorted(kept, key=lambda one: one[0])
+
+
+def _folded(found: list[Term]) -> str:
     if not found:
         return ""
     rows = "".join(f"<dt>{escape(term.name)}</dt><dd>{escape(term.text)}</dd>" for term in found)

@@ -360,6 +360,7 @@
       for (const [sign, text] of tools ? [["+", "Zoom in"], ["-", "Zoom out"], ["0", "Reset the zoom"]] : []) {
         const button = element("button", "", tools);
         button.type = "button";
+        button.tabIndex = -1;  // the plot has the keys + - 0: one stop of Tab for each plot, not four
         button.dataset.zoom = sign;
         button.textContent = { "+": "+", "-": "\u2212", "0": "\u21ba" }[sign];
         button.setAttribute("aria-label", text);

@@ -10,12 +10,13 @@ from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.studio.frame import Studio
-from dummydesign.studio.pages import campaign, cast, design, learn, measured, mould, overview, tissue
+from dummydesign.studio.pages import campaign, cast, design, learn, measured, mould, overview, pucks, tissue
 from dummydesign.studio.server import files
 
 PAGES = {
     "/": overview.build, "/measured": measured.build, "/tissue": tissue.build, "/design": design.build,
     "/mould": mould.build, "/cast": cast.build, "/campaign": campaign.build, "/learn": learn.build,
+    "/resin": pucks.build,
 }  # fmt: skip
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.geometry.standard import PUNCH_RADIUS_MM
-from dummydesign.pad.tables.crown_surface import NARROW, CrownResponse
+from dummydesign.pad.tables.crown_surface import JOIN, CrownResponse
 from dummydesign.pad.tables.shape import ShapeLaw, load_shape_table
 
 # h/a, c/h, b/a, s: feet that are narrow, a little narrower than the punch, and wide.
@@ -63,7 +63,7 @@ def test_a_narrow_crown_jumps_where_the_flat_is_met_and_a_wide_one_does_not(tabl
     x = edge[:, None] + np.array([-0.03, 0.03])
     value, _ = table.log_factor(PADS, every(x), x)
     rise = np.diff(value, axis=1)[:, 0]
-    assert PADS[0, 2] < NARROW < PADS[2, 2]
+    assert PADS[0, 2] < JOIN[0] < JOIN[1] < PADS[2, 2]
     assert rise[0] > 1.0 and np.all(rise[2:] < 0.5)
 
 

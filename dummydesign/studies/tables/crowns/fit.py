@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dummydesign.pad.tables.crown_surface import NARROW, CrownResponse, crown_inputs
+from dummydesign.pad.tables.crown_surface import CrownResponse, crown_inputs
 from dummydesign.pad.tables.response_surface import Response
 from dummydesign.studies.tables.crowns.edge import MET
 from dummydesign.studies.tables.crowns.levels import fit_by_level
@@ -33,6 +33,8 @@ CARRIES = 0.012
 CLEAR = 0.03, 1.08
 # A level is left out below this depth over thickness: less is not solved.
 LEAST = 0.01
+# Foot over the punch's radius below which the flat around the crown is met at once.
+NARROW = 0.7
 # Feet over the punch's radius that help each piece to its end.
 OF_JUMP, OF_BEND = 0.95, 0.6
 # Curves that reach the last depth are carried on straight to here, so that the bend has no free end, and those of the

@@ -1,0 +1,142 @@
+"""The design page by real clicks: every panel belongs to what is chosen."""
+
+from __future__ import annotations
+
+import pytest
+
+from dummydesign.project.folder import make_project
+from dummydesign.studio.work import jobs
+from tests.support.studio import browser, running
+from tests.support.studio import test_id as by
+
+pytestmark = pytest.mark.slow
+SETTLED = '[data-test="verdict"] .verdict[data-state="settled"]'
+REFUSED = '[data-test="verdict"] .verdict[data-state="refused"]'
+
+
+@pytest.fixture(scope="module")
+def studio(tmp_path_factory):
+    base = tmp_path_factory.mktemp("design")
+    make_project(base / "thumb", tissue="forefinger")
+    with running(base / "thumb", base / "home") as found:
+        yield found, base / "thumb"
+
+
+@pytest.fixture
+def page(studio):
+    with browser(viewport={"width": 1280, "height": 900}) as found:
+        found.goto(studio[0].address)
+        found.wait_for_selector("h1")
+        yield found
+        assert found.broken == [] and found.outside == []
+
+
+def opened(page, studio, query=""):
+    page.goto(f"{studio[0].home}design{query}")
+    page.wait_for_selector(SETTLED)
+
+
+def choose(page, test, name):
+    page.locator(by(test)).click()
+    page.get_by_role("option", name=name, exact=True).click()
+
+
+def slide(page, name, value):
+    page.evaluate(
+        """([name, value]) => { const slider = document.querySelector(`[data-test="slide-${name}"]`);
+            slider.value = value; slider.dispatchEvent(new Event('input', {bubbles: true})); }""", [name, value],
+    )  # fmt: skip
+
+
+def label(page):
+    return page.locator(f"{by('verdict')} small.label").inner_text()
+
+
+def test_after_a_search_of_the_same_kind_every_panel_is_that_of_the_pad_that_was_found(page, studio):
+    opened(page, studio, "?shape=slab&thickness_mm=12&ratio=17")
+    before = page.locator(by("plots")).inner_html()
+    choose(page, "searched", "slab")
+    page.locator(by("run-suggest")).click()
+    page.wait_for_selector(f"{by('found-suggest')} {by('mould')}")
+    best = jobs.latest(studio[1], "suggest").answer["recommendation"]
+    text = f"{best['thickness_mm']:g} mm, ratio {best['ratio']:g}"
+    page.wait_for_function("(text) => document.querySelector('small.label').textContent.includes(text)", arg=text)
+    page.wait_for_selector(SETTLED)
+    page.wait_for_timeout(500)
+    assert page.locator(by("plots")).inner_html() != before
+    assert page.locator(by("slide-thickness")).input_value() == f"{best['thickness_mm']:g}"
+    assert f"thickness={best['thickness_mm']:g}" in page.locator("iframe.solid").get_attribute("src")
+    assert f"--thickness {best['thickness_mm']:g}:" in page.locator(f"{by('same')} code").inner_text()
+    shown = page.locator(f"{by('verdict')} p").inner_text()
+    assert jobs.latest(studio[1], "suggest").answer["verdict"]["text"] in shown
+    assert "design=designs" in page.url
+
+
+def test_a_refused_pad_leaves_no_drawing_of_another_one(page, studio):
+    opened(page, studio, "?shape=crowned:radius=20,height=2,foot=9&thickness_mm=9")
+    assert page.locator(f"{by('plots')} figure").count() == 8
+    slide(page, "thickness", 3)
+    page.wait_for_selector(REFUSED)
+    assert page.locator(f"{by('plots')} figure").count() == 0 and page.locator("iframe.solid").count() == 0
+    assert "3 mm" in label(page)
+    page.locator(by("fit-lengths")).click()
+    page.wait_for_function("document.querySelector('[data-test=slide-height]').max < 2")
+
+
+def test_another_tissue_hides_the_search_for_this_one_and_a_reload_keeps_what_is_chosen(page, studio):
+    opened(page, studio, "?tissue=forefinger")
+    page.wait_for_selector(f"{by('found-suggest')} {by('mould')}")
+    choose(page, "tissue", "palm (built-in)")
+    page.wait_for_selector(SETTLED)
+    page.wait_for_function("document.querySelector('small.label').textContent.includes('palm')")
+    assert page.locator(f"{by('found-suggest')} {by('mould')}").count() == 0
+    slide(page, "thickness", 11)
+    page.wait_for_function("location.search.includes('thickness_mm=11')")
+    chosen = label(page)
+    page.reload()
+    page.wait_for_selector(SETTLED)
+    assert label(page) == chosen and "palm" in chosen and "11 mm" in chosen
+    page.locator("nav a", has_text="Mould").click()
+    page.wait_for_selector("h1 >> text=Mould")
+    assert "thickness_mm=11" in page.url and "tissue=palm" in page.url
+    page.go_back()
+    page.wait_for_selector(SETTLED)
+    assert label(page) == chosen
+
+
+def test_a_tissue_that_is_missing_is_said_and_not_replaced(page, studio):
+    page.goto(f"{studio[0].home}design?tissue=tissue/gone.toml")
+    page.wait_for_selector(REFUSED)
+    assert "tissue/gone.toml" in page.locator(by("verdict")).inner_text()
+    assert page.locator(f"{by('plots')} figure").count() == 0
+
+
+@pytest.mark.parametrize("kind", ["crowned", "bumped", "layered", "boned"])
+def test_every_kind_begins_with_a_pad_that_is_pressed_and_its_lengths_move(page, studio, kind):
+    opened(page, studio, "?shape=slab&thickness_mm=6")
+    choose(page, "kind", kind)
+    page.wait_for_function("(kind) => document.querySelector('small.label').textContent.startsWith(kind)", arg=kind)
+    page.wait_for_selector(SETTLED)
+    before, slider = page.locator(by("plots")).inner_html(), page.locator("input[type=range]").nth(2)
+    slider.focus()
+    page.keyboard.press("ArrowLeft")
+    page.wait_for_function("(old) => document.querySelector('[data-test=plots]').innerHTML !== old", arg=before)
+
+
+def test_a_pad_outside_the_tables_is_solved_in_the_background(page, studio):
+    page.goto(f"{studio[0].home}design?shape=boned:radius=12.6,height=1.8,foot=6.5&thickness_mm=20&ratio=15")
+    page.wait_for_selector('[data-test="verdict"] .verdict[data-state="solved"]')
+    words = jobs.latest(studio[1], "pad").words
+    assert words[0] == "predict" and "axisymmetric" in words
+    assert page.locator(f"{by('found-pad')} table").count() == 1
+
+
+def test_a_search_that_failed_leaves_the_earlier_result_in_sight(page, studio):
+    opened(page, studio, "?tissue=forefinger")
+    page.wait_for_selector(f"{by('found-suggest')} {by('mould')}")
+    page.locator(by("run-suggest")).click()
+    page.wait_for_selector(f"{by('stop-suggest')}:visible")
+    page.locator(by("stop-suggest")).click()
+    page.wait_for_selector(".work .problem")
+    assert page.locator(f"{by('found-suggest')} {by('mould')}").count() == 1
+    assert page.locator(f"{by('found-suggest')} .source").count() == 1

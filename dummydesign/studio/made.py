@@ -12,6 +12,8 @@ from typing import Any
 from dummydesign.core.errors import InputError
 from dummydesign.core.outputs.manifest import NAME as MANIFEST
 from dummydesign.core.outputs.manifest import sha256_of
+from dummydesign.geometry.shapes import read_shape, shape_kinds
+from dummydesign.measurement.campaign_file import FILE as CAMPAIGN
 from dummydesign.studio.state import State, design_state
 
 GROUPS = ("Pour", "Print or machine", "Draw", "Check", "More")
@@ -23,7 +25,7 @@ PRESETS = {
 """Kinds of mould, each in a line."""
 _SOLIDS = {"step": "STEP", "stl": "STL", "3mf": "3MF", "glb": "GLB"}
 _DRAWN = {"svg": "SVG", "dxf": "DXF", "pdf": "PDF"}
-_TAIL = re.compile(r"_(?:[a-z]+_)?t\d+(?:\.\d+)?(?:_(a\d))?$")
+_TAIL = r"_(?:(?:{})_)?t\d+(?:\.\d+)?(?:_(a\d))?$"
 
 
 @dataclass(frozen=True)
@@ -80,6 +82,7 @@ class Calibration:
     date: str
     text: str
     campaign: str
+    prior: str
     sums: tuple[tuple[str, str | None], ...]
 
     @property
@@ -92,10 +95,27 @@ class Calibration:
         return any(sha256_of(root / self.campaign / name) != sha for name, sha in self.sums)
 
 
+_UNITS = ("kPa", "MPa", "N", "mm", "s", "deg", "kg", "g", "K", "C", "um")
+
+
+def unit_of(name: str) -> str:
+    """The unit at the end of a parameter's name, ``mm/N`` of ``compliance_mm_per_N``; empty where there is none."""
+    words = name.split("_")
+    if len(words) > 2 and words[-2] == "per" and words[-1] in _UNITS:
+        upper = words[-3] if words[-3] in _UNITS and len(words) > 3 else "1"
+        return f"{upper}/{words[-1]}"
+    return words[-1] if len(words) > 1 and words[-1] in _UNITS else ""
+
+
+def plain_parameter(name: str) -> str:
+    """A parameter's name without its unit, in words."""
+    unit = unit_of(name)
+    tail = "_" + unit.replace("1/", "per_").replace("/", "_per_") if unit else ""
+    return name.removesuffix(tail).replace("_", " ")
+
+
 def shape_key(text: str) -> str:
     """A shape with its lengths in one form, however it was typed; the text itself where it is none."""
-    from dummydesign.geometry.shapes import read_shape
-
     try:
         return "slab" if text.strip().lower() == "slab" else str(read_shape(text.strip()))
     except InputError:
@@ -129,13 +149,23 @@ def calibrations(root: Path, campaign: str) -> list[Calibration]:
     found = []
     for folder, told in _manifests(root, "calibrations", "loop"):
         path = str(told.get("inputs", {}).get("campaign", ""))
-        if not (root / folder / "calibration.json").is_file() or not _names(root, path, campaign):
-            continue
         read = told.get("files_read") or []
-        sums = tuple((str(one["file"]), one.get("sha256")) for one in read if _names(root, _parent(one), campaign))
+        sums = tuple((str(one["file"]), one.get("sha256")) for one in read if _parent(one) == path.rstrip("/"))
+        if not (root / folder / "calibration.json").is_file():
+            continue
+        if not (_names(root, path, campaign) or _was_renamed(root, path, campaign, dict(sums))):
+            continue
         text = str((told.get("summary") or {}).get("text", ""))
-        found.append(Calibration(folder, str(told.get("date", "")), text, campaign, sums))
+        prior = str(told["inputs"].get("prior") or "")
+        found.append(Calibration(folder, str(told.get("date", "")), text, campaign, prior, sums))
     return found
+
+
+def _was_renamed(root: Path, path: str, campaign: str, sums: dict[str, str | None]) -> bool:
+    """Whether a campaign that is not there any more has the file that the chosen one has."""
+    old = sums.get(CAMPAIGN)
+    gone = not (root / path / CAMPAIGN).is_file()
+    return old is not None and gone and sha256_of(root / campaign / CAMPAIGN) == old
 
 
 def _parent(one: dict[str, Any]) -> str:
@@ -181,7 +211,7 @@ def grouped_files(names: Iterable[str]) -> list[tuple[str, list[tuple[str, str]]
 
 def _group(name: str) -> tuple[str, str]:
     stem, _, ending = name.rpartition(".")
-    tail = _TAIL.search(stem)
+    tail = re.search(_TAIL.format("|".join(shape_kinds())), stem)
     part = stem[: tail.start()] if tail else stem
     paper = f", {tail[1].upper()}" if tail and tail[1] else ""
     words = part.replace("_", " ").capitalize()

@@ -8,7 +8,7 @@ import pytest
 
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import make_project
-from dummydesign.studio import bring_in
+from dummydesign.studio.presses import bring_in
 from dummydesign.studio.work.commands import options
 
 TOML = b'schema = 1\nname = "x"\n[pad]\nyoung_kPa_nominal = 25.0\n[[trial]]\nfile = "t05_v010_f03_1.csv"\n'

@@ -74,24 +74,26 @@ def test_a_mould_is_that_of_the_pad_by_all_that_makes_it(project):
 
 def test_files_of_a_mould_are_grouped_under_plain_names_and_none_is_lost():
     names = [
-        "pad_t6.step", "mould_t6.step", "mould_t6.stl", "master_t6.3mf", "strike_off_t6.stl", "assembly_t6.html",
-        "assembly_t6.glb", "drawing_strike_off_t6.svg", "drawings_t6_a4.pdf", "pour_t6.pdf", "pour_t6_a3.pdf",
+        "pad_t6.step", "mould_t6.step", "mould_t6.stl", "master_t6.3mf", "strike_off_t6.stl",
+        "assembly_t6.html",
+        "assembly_t6.glb", "drawing_strike_off_t6.svg", "drawing_pad_t6.dxf", "drawings_t6_a4.pdf", "pour_t6.pdf", "pour_t6_a3.pdf",
         "pour_t6.html", "pour_t6.md", "mould_t6.png", "checks.json", "manifest.json", "spec.json", "record.json",
         "mine.odt",
     ]  # fmt: skip
     groups = dict(made.grouped_files(names))
     assert sorted(name for rows in groups.values() for _, name in rows) == sorted(names)
     assert groups["Pour"][0][1] == "pour_t6.pdf"
-    assert {name for _, name in groups["Print or machine"]} >= {"pad_t6.step", "mould_t6.stl", "strike_off_t6.stl"}
-    assert {"drawing_strike_off_t6.svg", "drawings_t6_a4.pdf"} <= {name for _, name in groups["Draw"]}
+    assert {"pad_t6.step", "mould_t6.stl", "strike_off_t6.stl"} <= {name for _, name in groups["Print or machine"]}
+    assert {"drawing_strike_off_t6.svg", "drawing_pad_t6.dxf", "drawings_t6_a4.pdf"} <= {name for _, name in groups["Draw"]}
     assert {name for _, name in groups["Check"]} == {"checks.json", "manifest.json", "spec.json", "record.json"}
+    assert [name for _, name in groups["More"]] == ["mine.odt"]
     words = [said for rows in groups.values() for said, _ in rows]
     assert len(set(words)) == len(words) and not any("_" in one for one in words if one != "mine.odt")
 
 
 def test_names_of_a_crowned_mould_are_grouped_too():
-    groups = dict(made.grouped_files(["master_crowned_t4.5.stl", "pour_crowned_t4.5.pdf", "pour_crowned_t4.5.md"]))
-    assert groups["Print or machine"] == [("Master, STL", "master_crowned_t4.5.stl")]
+    groups = dict(made.grouped_files(["strike_off_crowned_t4.5.stl", "pour_crowned_t4.5.pdf", "pour_crowned_t4.5.md"]))
+    assert groups["Print or machine"] == [("Strike off, STL", "strike_off_crowned_t4.5.stl")]
     assert groups["Pour"][0][1] == "pour_crowned_t4.5.pdf"
 
 
@@ -170,3 +172,29 @@ def test_the_next_step_after_learning_chooses_the_calibration(project):
     assert next_page(told) == "/design"
     ready = replace(status, next_command="dummydesign loop campaigns/first")
     assert next_page(ready) == "/learn" and next_state(ready, read_state(project, {})).campaign == "campaigns/first"
+
+
+def test_a_campaign_that_was_renamed_keeps_its_calibration(project):
+    root = project.root
+    from dummydesign.core.outputs.manifest import sha256_of
+
+    plan(project, "first")
+    plan(project, "other")
+    toml = root / "campaigns" / "first" / "campaign.toml"
+    read = [{"name": "campaigns/first/campaign.toml", "file": "campaign.toml", "sha256": sha256_of(toml)}]
+    write(root, "calibrations/a", "loop", {"campaign": "campaigns/first"}, files_read=read)
+    (root / "calibrations" / "a" / "calibration.json").write_text("{}", encoding="utf-8")
+    (root / "campaigns" / "first").rename(root / "campaigns" / "may")
+    assert [one.folder for one in made.calibrations(root, "campaigns/may")] == ["calibrations/a"]
+    assert not made.calibrations(root, "campaigns/may")[0].outdated(root)
+    assert made.calibrations(root, "campaigns/other") == []
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "words"),
+    [("compliance_mm_per_N", "mm/N", "compliance"), ("drift_N_per_s", "N/s", "drift"), ("tau_s", "s", "tau"),
+     ("modulus_loss_per_K", "1/K", "modulus loss"), ("slip_fraction", "", "slip fraction"), ("beta", "", "beta"),
+     ("growth_per_doubling", "", "growth per doubling"), ("offset_mm", "mm", "offset")],
+)  # fmt: skip
+def test_units_are_read_from_the_names_of_parameters(name, unit, words):
+    assert (made.unit_of(name), made.plain_parameter(name)) == (unit, words)

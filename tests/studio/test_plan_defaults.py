@@ -7,9 +7,9 @@ import json
 import pytest
 
 from dummydesign.project.folder import make_project
-from dummydesign.studio import plan_defaults
 from dummydesign.studio.pages.trials import ALL, days_of, rows_of
 from dummydesign.studio.pages.value_table import number_of, table_html
+from dummydesign.studio.presses import plans as plan_defaults
 from dummydesign.studio.state import read_state
 
 

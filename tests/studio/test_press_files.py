@@ -6,7 +6,8 @@ import pytest
 
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import make_project
-from dummydesign.studio import bin, press_files
+from dummydesign.studio import bin
+from dummydesign.studio.presses import incoming as press_files
 
 PLAN = """schema = 1
 name = "first"

@@ -82,7 +82,8 @@ def write_trial_values(folder: str | Path, changes: Mapping[int, Mapping[str, fl
     except tomllib.TOMLDecodeError:
         same = False
     if not same:
-        raise InputError(f"{FILE} is written in another form than [[trial]] with a line a value: change it in an editor")
+        message = "is written in another form than [[trial]] with a line a value: change it in an editor"
+        raise InputError(f"{FILE} {message}")
     write_bytes(path, after.encode())
 
 
@@ -128,7 +129,7 @@ def _write_line(lines: list[str], first: int, last: int, key: str, value: float 
     if at is None:
         if value is None:
             return
-        at = max((at for at in range(first, last) if lines[at].strip() and not lines[at].lstrip().startswith("#")))
+        at = max(at for at in range(first, last) if lines[at].strip() and not lines[at].lstrip().startswith("#"))
         if not lines[at].endswith("\n"):
             lines[at] += end
         lines.insert(at + 1, f"{key} = {value!r}{end}")

@@ -8,10 +8,11 @@ from typing import Any
 from nicegui import ui
 
 from dummydesign.core.errors import InputError
-from dummydesign.studio import bin, bring_in, choices
+from dummydesign.studio import bin, choices
 from dummydesign.studio.frame import Studio, Work, html, open_page, state_link, table, tell_problem, warnings
 from dummydesign.studio.pages.dropping import drop_place
 from dummydesign.studio.pages.value_table import HEADS, number_of, value_table
+from dummydesign.studio.presses import bring_in
 from dummydesign.studio.state import State
 from dummydesign.studio.work.commands import options
 from dummydesign.studio.work.jobs import Job
@@ -28,7 +29,7 @@ class BringIn:
     def __init__(self, studio: Studio, state: State) -> None:
         self.studio, self.root, self.state = studio, studio.root, state
         self.clear = drop_place(self.take, self.show, "Drop all files of the campaign at once: the presses (CSV) and, "
-                                "where there is one, campaign.toml or a table trials.csv.", "drop-campaign")  # fmt: skip
+                                "where there is one, campaign.toml or a table trials.csv.", "campaign")  # fmt: skip
         self.name = ui.input("Name of the campaign", value=choices.free_name(self.root, "campaigns", "earlier"))
         self.name.props('data-test="bring-name"').on_value_change(self.renew)
         self.problem = ui.element("div").style("width:100%")
@@ -87,8 +88,8 @@ class BringIn:
             self.write()
         self.renew()
 
-    def changed(self, row: int, key: str, text: str) -> None:
-        """Take over a value of the table."""
+    def changed(self, row: int, key: str, text: str) -> bool:
+        """Take over a value of the table; return whether it was kept."""
         self.words_of_table.clear()
         file = self.rows[row]["file"]
         try:
@@ -97,6 +98,8 @@ class BringIn:
         except InputError as problem:
             with self.words_of_table:
                 tell_problem(f"Not kept: {problem}")
+            return False
+        return True
 
     def write(self) -> None:
         """Write the table for the command."""

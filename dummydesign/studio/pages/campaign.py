@@ -10,7 +10,7 @@ from nicegui import run, ui
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.planning.check import Status, check_campaign
 from dummydesign.project.folder import Project
-from dummydesign.studio import choices, press_files
+from dummydesign.studio import choices
 from dummydesign.studio.frame import (
     Studio,
     command_line,
@@ -23,11 +23,13 @@ from dummydesign.studio.frame import (
     tell_problem,
     zip_link,
 )  # fmt: skip
+from dummydesign.studio.manage import manage, undo_bar
 from dummydesign.studio.pages.bringing_in import BringIn
 from dummydesign.studio.pages.dropping import drop_place
 from dummydesign.studio.pages.plan import PlanForm
 from dummydesign.studio.pages.trials import TrialTable
-from dummydesign.studio.plan_defaults import plan_of
+from dummydesign.studio.presses import incoming
+from dummydesign.studio.presses.plans import plan_of
 from dummydesign.studio.state import State
 
 
@@ -37,7 +39,7 @@ def build(studio: Studio, query: Mapping[str, str]) -> None:
 
 
 def _body(studio: Studio, project: Project, state: State) -> None:
-    html("<p>What to press of the pads that were cast, in a random order, so that the model can be compared with it.</p>")
+    html("<p>What to press of the pads that were cast, in random order. The model is then compared with it.</p>")
     known = choices.folders(studio.root, "campaigns", "campaign.toml")
     with ui.expansion("Plan a new campaign", value=not known).props('data-test="plan-new"').style("width:100%"):
         PlanForm(studio, state)
@@ -52,6 +54,7 @@ def _body(studio: Studio, project: Project, state: State) -> None:
     chosen = ui.select(known, value=start, label="Campaign").props('data-test="campaign"').style("width:100%")
     chosen.on_value_change(lambda: open_page("/campaign", state.changed(campaign=chosen.value)))
     if (studio.root / start / "campaign.toml").is_file():
+        manage(studio, start, "plan", lambda old, new: open_page("/campaign", state.changed(campaign=new)))
         Presses(studio, state)
 
 
@@ -62,8 +65,8 @@ class Presses:
         self.studio, self.root, self.state, self.campaign = studio, studio.root, state, state.campaign
         self.folder = self.root / self.campaign
         self.wanted, self.at_work = 0, False
-        links = [("the sheet to press from", f"{self.campaign}/sheet.html")]
-        links = links if (self.folder / "sheet.html").is_file() else []
+        links = [("the sheet to press from", f"{self.campaign}/{name}") for name in ("sheet.html", "sheet.csv")
+                 if (self.folder / name).is_file()]  # fmt: skip
         file_links([*links, ("campaign.toml", f"{self.campaign}/campaign.toml")])
         zip_link(self.campaign)
         drop_place(self.take, self.renew, "Drop the presses (CSV). A file with a planned name takes its place; the "
@@ -87,12 +90,12 @@ class Presses:
 
     def take(self, name: str, content: bytes) -> str:
         """Take a file that was dropped."""
-        taken = press_files.take(self.root, self.campaign, name, content)
+        taken = incoming.take(self.root, self.campaign, name, content)
         self._offer_undo(taken)
         self.show_held()
         return taken.text
 
-    def _offer_undo(self, taken: press_files.Taken) -> None:
+    def _offer_undo(self, taken: incoming.Taken) -> None:
         gone = taken.gone
         if gone is None:
             return
@@ -104,7 +107,7 @@ class Presses:
                 line.clear()
                 with line:
                     try:
-                        press_files.undo(self.root, gone)
+                        incoming.undo(self.root, gone)
                         html(f"The earlier {escape(name)} is back. The other one is in the bin.")
                     except InputError as problem:
                         tell_problem(str(problem))
@@ -118,18 +121,18 @@ class Presses:
         """Files without a planned name, each with the presses it may be."""
         self.held.clear()
         with self.held:
-            for name in press_files.held(self.root, self.campaign):
+            for name in incoming.held(self.root, self.campaign):
                 self._held(name)
 
     def _held(self, name: str) -> None:
-        choices_of = press_files.presses_for(self.root, self.campaign, name)
+        choices_of = incoming.presses_for(self.root, self.campaign, name)
         with ui.element("div").classes("fields").props('data-test="held"'):
             pressed = ui.select(choices_of, label=f"{name} is the press").props('data-test="assign-to"')
 
             def assign() -> None:
                 self.undone.clear()
                 try:
-                    taken = press_files.assign(self.root, self.campaign, name, pressed.value or "")
+                    taken = incoming.assign(self.root, self.campaign, name, pressed.value or "")
                 except InputError as problem:
                     with self.undone:
                         tell_problem(str(problem))
@@ -141,8 +144,10 @@ class Presses:
                 self.renew()
 
             def discard() -> None:
-                press_files.discard(self.root, self.campaign, name)
-                self.show_held()
+                gone = incoming.discard(self.root, self.campaign, name)
+                bar = undo_bar(self.studio)
+                bar.offer(gone, lambda old, new: self.show_held())
+                bar.run(self.show_held)
 
             ui.button("Assign", on_click=assign).props(f'data-test="assign" aria-label="assign {escape(name)}"')
             bin_it = ui.button("Move to the bin", on_click=discard, color=None)

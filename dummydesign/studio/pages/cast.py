@@ -14,7 +14,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.geometry.standard import PUNCH
 from dummydesign.project.folder import Project
 from dummydesign.project.status import status_of
-from dummydesign.studio import choices, made, pressed_pads
+from dummydesign.studio import choices, made
 from dummydesign.studio.frame import (
     Studio,
     Work,
@@ -30,7 +30,8 @@ from dummydesign.studio.frame import (
     zip_link,
 )  # fmt: skip
 from dummydesign.studio.pages.dropping import drop_place
-from dummydesign.studio.pressed_pads import PressedPad
+from dummydesign.studio.presses import pads as pressed_pads
+from dummydesign.studio.presses.pads import PressedPad
 from dummydesign.studio.state import State
 from dummydesign.studio.work.commands import options
 from dummydesign.studio.work.jobs import Job
@@ -57,7 +58,7 @@ class Comparison:
         self.studio, self.root, self.project, self.state = studio, studio.root, project, state
         self.pads: list[PressedPad] = []
         drop_place(self.take, self.find_pads, "Drop presses of the pad: CSV with time_s, displacement_mm, force_N. "
-                   "Files in another form: bring them in under Measured first.", "drop-press")  # fmt: skip
+                   "Files in another form: bring them in under Measured first.", "cast")  # fmt: skip
         tissues = choices.tissues(self.root)
         tissues = tissues if state.tissue in tissues else {state.tissue: state.tissue, **tissues}
         self.pad = ui.select({}, label="Pad").props('data-test="pad"').style("width:100%")
@@ -73,7 +74,8 @@ class Comparison:
             found = {"": "none"} | {f"{one}/calibration.json": one for one in
                                     choices.folders(self.root, "calibrations", "calibration.json")}  # fmt: skip
             found = found if state.calibration in found else {state.calibration: state.calibration, **found}
-            self.calibration = ui.select(found, value=state.calibration, label="Calibration").props('data-test="calibration"')
+            self.calibration = ui.select(found, value=state.calibration, label="Calibration")
+            self.calibration.props('data-test="calibration"')
             self.replay = Work(studio, "replay", "Predict its presses and compare", self.replay_words, self.show_replay,
                                self.replay_belongs)  # fmt: skip
         self.earlier = ui.element("div").style("width:100%")
@@ -198,9 +200,9 @@ class Comparison:
 
 def verdict(found: Mapping[str, Any], head: str = "") -> None:
     """A verdict: its light and its sentence."""
-    light = escape(str(found["light"]))
+    light, text = escape(str(found["light"])), escape(head + str(found["text"]))
     html(f'<div class="verdict {light}" data-test="verdict"><span class="light" aria-hidden="true"></span>'
-         f'<p><span class="hide">{light} light: </span>{escape(head)}{escape(str(found["text"]))}</p></div>')  # fmt: skip
+         f'<p><span class="hide">{light} light: </span>{text}</p></div>')  # fmt: skip
 
 
 def correction(found: Mapping[str, Any]) -> str:

@@ -4,22 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from html import escape
-from typing import Any
 
 from nicegui import events, ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.studio.frame import html
-from dummydesign.studio.pages.measured import HEADER
-from dummydesign.studio.server import guard
-
-REJECTED = "(entries) => emit(entries.map((one) => [one.file.name, one.failedPropValidation]))"
+from dummydesign.studio.manage import drop_zone
 
 
 def drop_place(
-    take: Callable[[str, bytes], str], then: Callable[[], None], words: str, test: str = "drop"
+    take: Callable[[str, bytes], str], then: Callable[[], None], words: str, test: str = "presses"
 ) -> Callable[[], None]:
-    """A place to drop files; what became of each file is listed under it.
+    """A place to drop files; what became of each file of the last drop is listed under it.
 
     Parameters
     ----------
@@ -43,29 +39,19 @@ def drop_place(
         try:
             sentence = take(event.file.name, await event.file.read())
         except InputError as problem:
-            _line(listed, f"{event.file.name} was refused: {problem}", "refused")
+            show(f"{event.file.name} was refused: {problem}", "refused")
             return
-        _line(listed, sentence, "taken")
+        show(sentence, "taken")
         then()
 
-    def rejected(event: events.GenericEventArguments) -> None:
-        for name, why in rejections(event.args):
-            _line(listed, f"{name} was refused: {why}", "refused")
+    def show(sentence: str, kind: str) -> None:
+        with listed:
+            style = "problem" if kind == "refused" else "note"
+            html(f'<p class="{style}" data-kind="{kind}">{escape(sentence)}</p>')
 
-    place = ui.upload(on_upload=took, multiple=True, auto_upload=True, max_file_size=guard.LARGEST_BYTES)
-    place.props(f'flat data-test="{test}"').add_slot("header", HEADER)
-    place.on("rejected", rejected, js_handler=REJECTED)
-    listed = ui.element("div").props(f'role="status" aria-live="polite" data-test="{test}-said"').style("width:100%")
+    with ui.element("div").props(f'data-test="drop-{test}"').style("width:100%"):
+        drop_zone(took, lambda name, why: show(f"{name} was refused: it {why}", "refused"), "choose",
+                  lambda: listed.clear())  # fmt: skip
+    listed = ui.element("div").props(f'role="status" aria-live="polite" data-test="drop-{test}-said"')
+    listed.style("width:100%")
     return listed.clear
-
-
-def rejections(given: Any) -> list[tuple[str, str]]:
-    """Name and reason of each file that the browser did not send."""
-    large = f"it is larger than {guard.LARGEST_BYTES // 2**20} MB"
-    return [(str(name), large if why == "max-file-size" else "the browser did not send it") for name, why in given]
-
-
-def _line(listed: ui.element, sentence: str, kind: str) -> None:
-    with listed:
-        style = "problem" if kind == "refused" else "note"
-        html(f'<p class="{style}" data-kind="{kind}">{escape(sentence)}</p>')

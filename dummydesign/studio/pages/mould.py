@@ -21,6 +21,7 @@ from dummydesign.studio.frame import (
     html,
     keep_state,
     lay_out,
+    open_page,
     page_link,
     shown_file,
     state_link,
@@ -28,6 +29,7 @@ from dummydesign.studio.frame import (
     warnings,
     zip_link,
 )  # fmt: skip
+from dummydesign.studio.manage import manage
 from dummydesign.studio.state import State, design_summary
 from dummydesign.studio.work.commands import options
 from dummydesign.studio.work.jobs import Job
@@ -134,9 +136,14 @@ class MouldPage:
         warnings(answer)
         if self.shown:
             html(f"<h2>{escape(self.shown)}</h2>")
+            manage(self.studio, self.shown, "mould", self._moved)
             _files(self.root, self.shown, self.chosen())
         html(f'<p class="note">Next: cast the pads, then {page_link("/cast", "check a cast pad")} or '
              f'{page_link("/campaign", "plan what to press")}.</p>')  # fmt: skip
+
+    def _moved(self, old: str, new: str) -> None:
+        """A mould was renamed, deleted or brought back."""
+        open_page("/mould", self.chosen())
 
     def list_moulds(self) -> None:
         """Further moulds of this pad with their files, and moulds of other pads as links."""
@@ -147,6 +154,7 @@ class MouldPage:
             for one in found:
                 if one.is_of(now):
                     html(f'<h2 data-test="mould-of-this-pad">{escape(one.folder)}</h2><p>{escape(one.label)}</p>')
+                    manage(self.studio, one.folder, "mould", self._moved)
                     _files(self.root, one.folder, now)
             links = [
                 f"<li>{state_link('/mould', one.label, self.state.changed(**one.pad, design=''), 'other-mould')}</li>"

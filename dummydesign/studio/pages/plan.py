@@ -1,4 +1,4 @@
-"""The plan of a campaign: pads of moulds or typed ones, speeds, forces, days; new, or in the place of an earlier one."""
+"""The plan of a campaign: pads of moulds or typed ones, speeds, forces, days; a new one or one that is changed."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from nicegui import ui
 from dummydesign.core.errors import InputError
 from dummydesign.studio import choices, made
 from dummydesign.studio.frame import Studio, Work, html, state_link, warnings
-from dummydesign.studio.plan_defaults import FIELDS, plan_of, plan_options, usual_moulds
+from dummydesign.studio.presses.plans import FIELDS, plan_of, plan_options, usual_moulds
 from dummydesign.studio.server import files
 from dummydesign.studio.state import State
 from dummydesign.studio.work.commands import options

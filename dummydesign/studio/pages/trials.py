@@ -57,13 +57,15 @@ class TrialTable:
             value_table(("sequence", "thickness_mm", "velocity_mm_s", aim, *("age_days", "temperature_C", "rest_s")),
                         self.rows, self.changed)  # fmt: skip
 
-    def changed(self, row: int, key: str, text: str) -> None:
-        """Write one value."""
+    def changed(self, row: int, key: str, text: str) -> bool:
+        """Write one value; return whether it was kept."""
         file = self.rows[row]["file"]
         try:
             self.write({row: {key: number_of(text, f"{file}: {key}")}}, f"{HEADS[key]} of {file} is kept.")
         except InputError as problem:
             self.tell(str(problem))
+            return False
+        return True
 
     def fill(self) -> None:
         """Write one value for all presses of a day."""

@@ -61,7 +61,7 @@ def table_html(keys: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
 
 
 def value_table(
-    keys: Sequence[str], rows: Sequence[Mapping[str, Any]], changed: Callable[[int, str, str], None]
+    keys: Sequence[str], rows: Sequence[Mapping[str, Any]], changed: Callable[[int, str, str], bool]
 ) -> ui.html:
     """Show the table.
 
@@ -72,14 +72,17 @@ def value_table(
     rows : sequence of mapping
         With ``file`` and values.
     changed : callable
-        Called with row, key and text of a field that was changed.
+        Called with row, key and text of a field that was changed; False where it was refused, which marks the field.
     """
     shown = html(table_html(keys, rows)).style("width:100%")
 
     def told(event: events.GenericEventArguments) -> None:
         row, key, text = event.args
         if key in keys and isinstance(row, int) and 0 <= row < len(rows):
-            changed(row, key, str(text))
+            kept = changed(row, key, str(text))
+            mark = "removeAttribute('aria-invalid')" if kept else "setAttribute('aria-invalid', true)"
+            ui.run_javascript(f"""document.querySelector('#{shown.html_id} [data-row="{row}"][data-key="{key}"]')"""
+                              f"?.{mark}")  # fmt: skip
 
     shown.on("change", told, js_handler=CHANGED)
     return shown

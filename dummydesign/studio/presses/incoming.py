@@ -105,9 +105,9 @@ def assign(root: Path, campaign: str, name: str, planned: str) -> Taken:
     return Taken(f"{name} is now {planned}. {taken.text}", taken.gone)
 
 
-def discard(root: Path, campaign: str, name: str) -> None:
+def discard(root: Path, campaign: str, name: str) -> bin.Deleted:
     """Move a held file to the bin."""
-    bin.delete(root, f"{campaign}/{HELD}/{files.plain_name(name)}")
+    return bin.delete(root, f"{campaign}/{HELD}/{files.plain_name(name)}")
 
 
 def undo(root: Path, gone: bin.Deleted) -> None:
@@ -123,7 +123,7 @@ def undo(root: Path, gone: bin.Deleted) -> None:
     if not gone.folder.is_dir():
         raise InputError(f"'{gone.path}' is not in the bin any more")
     if (root / gone.path).is_file():
-        bin.delete(root, gone.path, "replaced")
+        bin.delete(root, gone.path, "undone")
     bin.restore(root, gone)
 
 

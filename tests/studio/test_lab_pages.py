@@ -109,7 +109,7 @@ def test_learn_shows_the_chosen_campaign_alone_also_from_the_terminal_and_after_
     page.wait_for_selector(f"{by('found-loop')} {by('verdict')} >> text=All is described.")
     assert "the disk is full" in page.locator(".work .problem").first.inner_text()
     assert page.locator(by("calibration")).count() == 2
-    assert page.locator(f"{by('found-loop')} {by('curves')} svg").count() == 1
+    assert page.locator(f"{by('found-loop')} {by('curves')} svg[role=img]").count() == 1
     choose(page, "campaign", "campaigns/second")
     page.wait_for_function("document.querySelectorAll('[data-test=calibration]').length === 0")
     assert page.locator(by("verdict")).count() == 0 and page.locator(by("curves")).count() == 0
@@ -149,10 +149,10 @@ def test_a_bad_press_is_replaced_comes_back_and_others_are_assigned_or_refused_e
     page.wait_for_function(f"document.querySelectorAll('{said}').length === 2")
     refused = " ".join(page.locator(said).all_inner_texts())
     assert "bad.csv" in refused and "image.png" in refused
-    page.wait_for_selector(by("undo"))
+    page.wait_for_selector(by("bring-back"))
     assert (folder / first).read_bytes() == longer
-    page.locator(by("undo")).click()
-    page.wait_for_function("document.querySelectorAll('[data-test=undo] button, button[data-test=undo]').length === 0")
+    page.locator(by("bring-back")).click()
+    page.wait_for_function("document.querySelectorAll('[data-test=bring-back]').length === 0")
     assert (folder / first).read_bytes() == before[first]
     page.locator(by("assign-to")).click()
     page.get_by_role("option").filter(has_text=second).click()

@@ -69,7 +69,7 @@ class BringIn:
 
     def show(self) -> None:
         """Show what waits, and the way it goes in."""
-        names = bring_in.waiting(self.root)
+        names = [name for name in bring_in.waiting(self.root) if name != bring_in.TABLE]
         as_it_is = bring_in.has_campaign_file(self.root)
         self.as_it_is.set_visibility(as_it_is)
         # what was made stays in sight once its files are gone

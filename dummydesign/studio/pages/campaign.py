@@ -40,6 +40,7 @@ def build(studio: Studio, query: Mapping[str, str]) -> None:
 
 def _body(studio: Studio, project: Project, state: State) -> None:
     html("<p>What to press of the pads that were cast, in random order. The model is then compared with it.</p>")
+    undo_bar(studio)
     known = choices.folders(studio.root, "campaigns", "campaign.toml")
     with ui.expansion("Plan a new campaign", value=not known).props('data-test="plan-new"').style("width:100%"):
         PlanForm(studio, state)
@@ -115,7 +116,7 @@ class Presses:
 
             with line:
                 html(f"{escape(name)} took the place of an earlier file.")
-                ui.button(f"Bring back the earlier {name}", on_click=undo, color=None).props('outline data-test="undo"')
+                ui.button(f"Bring back the earlier {name}", on_click=undo, color=None).props('outline data-test="bring-back"')
 
     def show_held(self) -> None:
         """Files without a planned name, each with the presses it may be."""

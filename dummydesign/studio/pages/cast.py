@@ -57,7 +57,7 @@ class Comparison:
     def __init__(self, studio: Studio, project: Project, state: State) -> None:
         self.studio, self.root, self.project, self.state = studio, studio.root, project, state
         self.pads: list[PressedPad] = []
-        drop_place(self.take, self.find_pads, "Drop presses of the pad: CSV with time_s, displacement_mm, force_N. "
+        drop_place(self.take, lambda: self.find_pads(dropped=True), "Drop presses of the pad: CSV with time_s, displacement_mm, force_N. "
                    "Files in another form: bring them in under Measured first.", "cast")  # fmt: skip
         tissues = choices.tissues(self.root)
         tissues = tissues if state.tissue in tissues else {state.tissue: state.tissue, **tissues}
@@ -91,14 +91,15 @@ class Comparison:
         """Keep a press that was dropped."""
         return f"{pressed_pads.keep_press(self.root, name, content)} was added."
 
-    def find_pads(self) -> None:
-        """Read which pads were pressed; the one that is chosen stays."""
+    def find_pads(self, dropped: bool = False) -> None:
+        """Read which pads were pressed; the one that is chosen stays, unless presses were dropped."""
         before = self.pad.value
         self.pads = pressed_pads.pads(self.root, self.state)
         named = {one.label: one.label for one in self.pads}
         first = pressed_pads.nearest(self.pads, self.state)
-        dropped = next((one for one in self.pads if before and one.files[0].startswith(pressed_pads.DROPPED)), None)
-        kept = before if before in named else dropped.label if dropped else first.label if first else None
+        if dropped:
+            first, before = next(one for one in self.pads if one.files[0].startswith(pressed_pads.DROPPED)), None
+        kept = before if before in named else first.label if first else None
         self.pad.set_options(named, value=kept)
         self.new_pad()
 

@@ -28,7 +28,7 @@ from dummydesign.studio.frame import (
     warnings,
     zip_link,
 )  # fmt: skip
-from dummydesign.studio.manage import manage
+from dummydesign.studio.manage import manage, undo_bar
 from dummydesign.studio.state import State
 from dummydesign.studio.work.commands import options
 from dummydesign.studio.work.jobs import Job
@@ -41,6 +41,7 @@ def build(studio: Studio, query: Mapping[str, str]) -> None:
 
 def _body(studio: Studio, project: Project, state: State) -> None:
     html("<p>The model against a pressed campaign: what it lacks, how large that is, and what to measure next.</p>")
+    undo_bar(studio)
     if not choices.folders(studio.root, "campaigns", "campaign.toml"):
         html(f'<p class="note">No campaign yet: {page_link("/campaign", "plan one")}.</p>')
         return

@@ -29,7 +29,7 @@ from dummydesign.studio.frame import (
     warnings,
     zip_link,
 )  # fmt: skip
-from dummydesign.studio.manage import manage
+from dummydesign.studio.manage import manage, undo_bar
 from dummydesign.studio.state import State, design_summary
 from dummydesign.studio.work.commands import options
 from dummydesign.studio.work.jobs import Job
@@ -48,6 +48,7 @@ class MouldPage:
     def __init__(self, studio: Studio, project: Project, state: State) -> None:
         self.studio, self.root, self.state = studio, studio.root, state
         self.shown = ""
+        undo_bar(studio)
         self.source = ui.element("div").style("width:100%")
         mine = [one for one in made.moulds(self.root) if one.is_of(state)]
         length_mm, width_mm = (mine[-1].length_mm, mine[-1].width_mm) if mine else OUTLINE_MM

@@ -1,4 +1,4 @@
-"""Mould, cast pad, campaign, learn and overview by real clicks: what is shown is what is chosen; mistakes are mended."""
+"""Mould, cast pad, campaign, learn and overview by real clicks: what is shown is chosen, mistakes are mended."""
 
 from __future__ import annotations
 
@@ -195,7 +195,8 @@ def test_values_of_presses_are_written_and_refused_by_name_by_the_keyboard(page,
 def test_a_campaign_folder_is_brought_in_as_it_is(page, studio):
     root = studio[1]
     folder = root / "campaigns" / "first"
-    files = [sent(path.name, path.read_bytes()) for path in sorted(folder.iterdir()) if path.suffix in (".csv", ".toml")]
+    paths = [path for path in sorted(folder.iterdir()) if path.suffix in (".csv", ".toml")]
+    files = [sent(path.name, path.read_bytes()) for path in paths]
     opened(page, studio, "campaign")
     page.locator(f"{by('bring-in')} .q-item").first.click()
     drop(page, "campaign", *files)

@@ -116,7 +116,8 @@ class Presses:
 
             with line:
                 html(f"{escape(name)} took the place of an earlier file.")
-                ui.button(f"Bring back the earlier {name}", on_click=undo, color=None).props('outline data-test="bring-back"')
+                back = ui.button(f"Bring back the earlier {name}", on_click=undo, color=None)
+                back.props('outline data-test="bring-back"')
 
     def show_held(self) -> None:
         """Files without a planned name, each with the presses it may be."""

@@ -7,7 +7,7 @@ import pytest
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import make_project
 from dummydesign.studio import bin
-from dummydesign.studio.presses import incoming as press_files
+from dummydesign.studio.presses import incoming
 
 PLAN = """schema = 1
 name = "first"
@@ -39,61 +39,61 @@ FOLDER = "campaigns/first"
 
 
 def test_a_press_under_its_planned_name_replaces_the_bad_one_which_can_come_back(root):
-    assert press_files.take(root, FOLDER, "a.csv", trace(2.0)).gone is None
-    taken = press_files.take(root, FOLDER, "a.csv", trace(3.0))
+    assert incoming.take(root, FOLDER, "a.csv", trace(2.0)).gone is None
+    taken = incoming.take(root, FOLDER, "a.csv", trace(3.0))
     place = root / FOLDER / "a.csv"
     assert place.read_bytes() == trace(3.0)
     assert taken.gone is not None and "bin" in taken.text
-    press_files.undo(root, taken.gone)
+    incoming.undo(root, taken.gone)
     assert place.read_bytes() == trace(2.0)
     assert not list((root / FOLDER).glob("a-*"))
     again = [one for one in bin.deleted(root) if one.path == f"{FOLDER}/a.csv"]
-    press_files.undo(root, again[0])
+    incoming.undo(root, again[0])
     assert place.read_bytes() == trace(3.0)
 
 
 @pytest.mark.parametrize("content", [b"", b"no numbers\n", b"time_s,displacement_mm\n0,1\n"])
 def test_a_file_that_is_no_trace_is_refused_and_the_good_one_stays(root, content):
-    press_files.take(root, FOLDER, "a.csv", trace())
+    incoming.take(root, FOLDER, "a.csv", trace())
     with pytest.raises(InputError, match=r"a\.csv"):
-        press_files.take(root, FOLDER, "a.csv", content)
+        incoming.take(root, FOLDER, "a.csv", content)
     with pytest.raises(InputError, match=r"odd\.csv"):
-        press_files.take(root, FOLDER, "odd.csv", content)
+        incoming.take(root, FOLDER, "odd.csv", content)
     assert (root / FOLDER / "a.csv").read_bytes() == trace()
-    assert press_files.held(root, FOLDER) == []
+    assert incoming.held(root, FOLDER) == []
 
 
 def test_a_file_of_another_name_is_held_and_assigned_to_a_planned_press(root):
-    taken = press_files.take(root, FOLDER, "run 7.csv", trace(9.0))
-    assert press_files.held(root, FOLDER) == ["run 7.csv"]
+    taken = incoming.take(root, FOLDER, "run 7.csv", trace(9.0))
+    assert incoming.held(root, FOLDER) == ["run 7.csv"]
     assert not (root / FOLDER / "run 7.csv").exists()
     assert "run 7.csv" in taken.text
-    choices = press_files.presses_for(root, FOLDER, "run 7.csv")
+    choices = incoming.presses_for(root, FOLDER, "run 7.csv")
     assert list(choices) == ["b.csv", "a.csv"]
     assert choices["b.csv"] != choices["a.csv"]
-    press_files.take(root, FOLDER, "b.csv", trace(8.5))
-    assigned = press_files.assign(root, FOLDER, "run 7.csv", "b.csv")
+    incoming.take(root, FOLDER, "b.csv", trace(8.5))
+    assigned = incoming.assign(root, FOLDER, "run 7.csv", "b.csv")
     assert (root / FOLDER / "b.csv").read_bytes() == trace(9.0)
-    assert press_files.held(root, FOLDER) == [] and assigned.gone is not None
-    press_files.undo(root, assigned.gone)
+    assert incoming.held(root, FOLDER) == [] and assigned.gone is not None
+    incoming.undo(root, assigned.gone)
     assert (root / FOLDER / "b.csv").read_bytes() == trace(8.5)
 
 
 def test_the_same_press_is_not_taken_twice(root):
-    press_files.take(root, FOLDER, "a.csv", trace())
+    incoming.take(root, FOLDER, "a.csv", trace())
     with pytest.raises(InputError, match=r"a\.csv"):
-        press_files.take(root, FOLDER, "b.csv", trace())
+        incoming.take(root, FOLDER, "b.csv", trace())
     assert not (root / FOLDER / "b.csv").exists()
-    same = press_files.take(root, FOLDER, "a.csv", trace())
+    same = incoming.take(root, FOLDER, "a.csv", trace())
     assert same.gone is None and not bin.deleted(root)
 
 
 def test_only_planned_presses_can_be_assigned(root):
-    press_files.take(root, FOLDER, "run.csv", trace())
+    incoming.take(root, FOLDER, "run.csv", trace())
     for name in ("c.csv", "../a.csv", "campaign.toml"):
         with pytest.raises(InputError):
-            press_files.assign(root, FOLDER, "run.csv", name)
-    assert press_files.held(root, FOLDER) == ["run.csv"]
-    press_files.discard(root, FOLDER, "run.csv")
-    assert press_files.held(root, FOLDER) == []
+            incoming.assign(root, FOLDER, "run.csv", name)
+    assert incoming.held(root, FOLDER) == ["run.csv"]
+    incoming.discard(root, FOLDER, "run.csv")
+    assert incoming.held(root, FOLDER) == []
     assert bin.deleted(root)[0].path.endswith("run.csv")

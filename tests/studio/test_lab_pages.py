@@ -109,7 +109,7 @@ def test_learn_shows_the_chosen_campaign_alone_also_from_the_terminal_and_after_
     page.wait_for_selector(f"{by('found-loop')} {by('verdict')} >> text=All is described.")
     assert "the disk is full" in page.locator(".work .problem").first.inner_text()
     assert page.locator(by("calibration")).count() == 2
-    assert page.locator(f"{by('found-loop')} {by('curves')} svg[role=img]").count() == 1
+    assert page.locator(f"{by('found-loop')} {by('curves')} figure").count() == 1
     choose(page, "campaign", "campaigns/second")
     page.wait_for_function("document.querySelectorAll('[data-test=calibration]').length === 0")
     assert page.locator(by("verdict")).count() == 0 and page.locator(by("curves")).count() == 0

@@ -57,8 +57,8 @@ class Comparison:
     def __init__(self, studio: Studio, project: Project, state: State) -> None:
         self.studio, self.root, self.project, self.state = studio, studio.root, project, state
         self.pads: list[PressedPad] = []
-        words = ("Drop presses of the pad: CSV with time_s, displacement_mm, force_N. Files in another form: bring them "
-                 "in under Measured first.")  # fmt: skip
+        words = ("Drop presses of the pad: CSV with time_s, displacement_mm, force_N. Bring files in another "
+                 "form in under Measured first.")  # fmt: skip
         drop_place(self.take, lambda: self.find_pads(dropped=True), words, "cast")
         tissues = choices.tissues(self.root)
         tissues = tissues if state.tissue in tissues else {state.tissue: state.tissue, **tissues}

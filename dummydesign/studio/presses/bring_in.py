@@ -33,7 +33,8 @@ def keep(root: Path, name: str, content: bytes) -> str:
     """
     from dummydesign.core.files import write_bytes
 
-    files.plain_name(name)
+    if name != FILE:  # the one file of a meaning of its own that belongs here
+        files.plain_name(name)
     if not name.lower().endswith(ENDINGS):
         raise InputError(f"a campaign has files of the kinds {', '.join(ENDINGS)}")
     (root / FOLDER).mkdir(parents=True, exist_ok=True)

@@ -118,9 +118,10 @@ class BringIn:
         return bring_in.words(self.root, self.name.value or "", options(given))
 
     def belongs(self, job: Job) -> bool:
-        """Whether the campaign that a job made is still there."""
+        """Whether a job made the campaign that is named, and it is still there."""
         folder = str(job.answer.get("inputs", {}).get("folder", ""))
-        return not folder or (self.root / folder).is_dir()
+        same = job.words[2:3] == (f"campaigns/{(self.name.value or '').strip()}",)
+        return same and (not folder or (self.root / folder).is_dir())
 
     def done(self, job: Job) -> None:
         """What was made."""

@@ -65,7 +65,7 @@ class LearnPage:
         self.work = Work(studio, "loop", "Learn from it", self.words, self.show, self.belongs,
                          lambda job: self.list_calibrations())  # fmt: skip
         self.others = ui.element("div").style("width:100%")
-        html("<h2>The next measurement</h2><p>Plans the presses that tell most, as a campaign of their own.</p>")
+        html("<h2 id=next>The next measurement</h2><p>Plans the presses that tell most, as a new campaign.</p>")
         self.next = Work(studio, "next", "Plan the next measurement", self.next_words, self.show_plan,
                          self.next_belongs, lambda job: self.list_calibrations())  # fmt: skip
         self.campaign.on_value_change(self.renew)
@@ -102,13 +102,13 @@ class LearnPage:
 
     def renew(self) -> None:
         """Another campaign was chosen."""
+        self.shown = ""
         keep_state(self.chosen())
         self.renew_lines()
         self.list_calibrations()
 
     def renew_lines(self) -> None:
         """Write both commands anew."""
-        self.shown = ""
         self.work.renew_line()
         self.next.renew_line()
 
@@ -138,10 +138,8 @@ class LearnPage:
         if rows:
             table(["effect", "parameter", "unit", "value", "95 % low", "95 % high"], rows)
         warnings(answer)
-        suggestion = answer.get("next_measurement")
-        if suggestion:
-            html(f"<p>Measure next: {escape(suggestion['text'])}. Plan it below.</p>")
         self._again(answer["calibration_file"])
+        html('<p><a href="#next">Plan the next measurement</a></p>')
         _curves(self.root, folder)
 
     def _again(self, calibration: str) -> None:

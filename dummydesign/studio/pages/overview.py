@@ -23,6 +23,7 @@ from dummydesign.studio.frame import (
     state_link,
     tell_problem,
 )  # fmt: skip
+from dummydesign.studio.manage import deleted_files
 from dummydesign.studio.next_step import next_page, next_state
 from dummydesign.studio.state import State, design_state
 from dummydesign.studio.work import jobs
@@ -106,6 +107,7 @@ def _stand(studio: Studio, project: Project, state: State) -> None:
         html("<h2>Reports</h2>")
         file_links(reports)
     _running(studio)
+    deleted_files(studio)
 
 
 def _list(lines: Sequence[str]) -> str:

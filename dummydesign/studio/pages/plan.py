@@ -104,11 +104,13 @@ class PlanForm:
         return ["campaign", "new", self.folder(), *options(plan_options(given)), *more]
 
     def belongs(self, job: Job) -> bool:
-        """Whether a job made a plan that is still there; one that is changed is that of its folder."""
+        """Whether a job made the plan that is chosen, and it is still there."""
         folder = str(job.answer.get("inputs", {}).get("folder", ""))
-        if self.replaced:
-            return job.words[2:3] == (self.replaced,)
-        return not folder or (self.studio.root / folder).is_dir()
+        try:
+            same = list(job.words) == self.words()
+        except InputError:
+            return False
+        return same and (not folder or (self.studio.root / folder).is_dir())
 
     def show(self, job: Job) -> None:
         """What was planned."""

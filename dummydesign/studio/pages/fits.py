@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -128,7 +129,10 @@ def show_curves(root: Path, answer: Mapping[str, Any]) -> None:
     """
     from dummydesign.studio import figures
 
-    html(figures.plots_html(figures.measured_over_fitted(root, answer)))
+    # several fits on a page have presses of the same name
+    own = Path(answer["files"]["tissue"]).with_suffix("").as_posix().replace("/", "-")
+    plots = figures.measured_over_fitted(root, answer)
+    html(figures.plots_html(replace(one, name=f"{own}-{one.name}") for one in plots))
     report = answer["files"].get("report", "")
     if report and (root / report).is_file():
         file_links([("report of the fit, with its residuals", report)])

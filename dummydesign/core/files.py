@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import tempfile
+from contextlib import suppress
 from pathlib import Path
+from secrets import token_hex
 
 from dummydesign.core.errors import InputError
 
@@ -41,14 +43,17 @@ def write_bytes(path: str | Path, content: bytes) -> Path:
         When the place cannot be written.
     """
     final = Path(path)
-    part = final.with_name(f".{final.name}.part")
+    # a name of its own for each writer: two that shared one renamed each other's half-written file
+    part = final.with_name(f".{final.name[:40]}.{token_hex(8)}.part")
     try:
-        with open(part, "wb") as stream:
+        with open(part, "xb") as stream:
             stream.write(content)
             stream.flush()
             os.fsync(stream.fileno())
         os.replace(part, final)
     except OSError as problem:
-        part.unlink(missing_ok=True)
         raise InputError(f"file '{path}' cannot be written: {problem.strerror or problem}") from None
+    finally:
+        with suppress(OSError):
+            part.unlink()
     return final

@@ -21,6 +21,7 @@ from dummydesign.report.html.glossary import whole_glossary
 from dummydesign.studio.addresses import address
 from dummydesign.studio.figures import plot_script
 from dummydesign.studio.glossary import glossary_head, marked
+from dummydesign.studio.server.reconnect import page_script
 from dummydesign.studio.state import State, read_state
 from dummydesign.studio.work import jobs
 from dummydesign.studio.work.commands import shown
@@ -99,7 +100,7 @@ def lay_out(
     """
     ui.colors(primary="#0b5cad")
     ui.add_head_html(f"<style>{style()}</style><script>document.documentElement.lang = 'en'</script>")
-    ui.add_head_html(plot_script() + glossary_head())
+    ui.add_head_html(page_script() + plot_script() + glossary_head())
     ui.page_title(f"{title} – dummydesign studio")
     problem, project, state = "", None, None
     try:
@@ -167,7 +168,7 @@ def state_link(path: str, words: str, state: State, test: str = "") -> str:
 
 def open_page(path: str, state: State) -> None:
     """Go to a page in a state."""
-    ui.navigate.to(f"{path}?{state.query()}")
+    ui.navigate.to(f"{address(path)}?{state.query()}")
 
 
 def html(text: str) -> ui.html:
@@ -368,30 +369,31 @@ def table(head: Sequence[str], rows: Sequence[Sequence[object]], words: bool = F
 def file_links(rows: Sequence[tuple[str, str]]) -> None:
     """Links to files of the project: (words, path from the project folder on)."""
     found = "".join(
-        f'<a href="/files/{escape(path)}" target="_blank" rel="noopener">{escape(words)}</a>' for words, path in rows
+        f'<a href="{address(f"/files/{path}")}" target="_blank" rel="noopener">{escape(words)}</a>'
+        for words, path in rows
     )
     html(f'<div class="links">{found}</div>')
 
 
 def zip_link(folder: str) -> None:
     """A link that downloads a folder of the project as one file."""
-    link = f'<a data-test="zip" href="/zip/{escape(folder)}" download>Download all files (ZIP)</a>'
+    link = f'<a data-test="zip" href="{address(f"/zip/{folder}")}" download>Download all files (ZIP)</a>'
     html(f'<div class="links">{link}</div>')
 
 
-def shown_file(path: str, title: str, kind: str = "shown", **query: str) -> None:
+def shown_file(path: str, title: str, kind: str = "shown", **query: object) -> None:
     """A page of the project inside this one.
 
     Parameters
     ----------
     path : str
-        From the server's root on.
+        From the server's root on, not quoted.
     title : str
         For those who cannot see it.
     kind : str
         ``shown`` or ``shown solid``.
-    query : str
-        Values of the address, by name.
+    query : object
+        Values by name, as ``address`` takes them.
     """
     source = escape(address(path, **query))
     html(f'<iframe class="{kind}" src="{source}" title="{escape(title)}" loading="lazy"></iframe>')

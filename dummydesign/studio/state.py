@@ -15,6 +15,7 @@ from dummydesign.geometry.standard import PUNCH
 from dummydesign.project.folder import Project
 from dummydesign.project.status import STANDARD_RESIN, ProjectFile, status_of
 from dummydesign.studio import choices
+from dummydesign.studio.server import files
 
 PAD_FIELDS = ("shape", "thickness_mm", "ratio")
 QUESTION_FIELDS = ("tissue", "aim", "resin", "calibration", "punch")
@@ -89,7 +90,7 @@ def read_state(project: Project, query: Mapping[str, str]) -> State:
     query : mapping
         Of the address; unknown names are passed over.
     """
-    given = {name: text for name, text in query.items() if text.strip()}
+    given = {name: text for name, text in query.items() if text.strip() and _in_project(project.root, name, text)}
     designs = [one for one in status_of(project).found["designs"] if is_design(one)]
     tissue = given.get("tissue") or project.tissue or ""
     named = [one for one in designs if one.folder == given.get("design")]
@@ -114,6 +115,17 @@ def read_state(project: Project, query: Mapping[str, str]) -> State:
         if any(name in given and getattr(state, name) != source.get(name) for name in (*PAD_FIELDS, *QUESTION_FIELDS)):
             state = replace(state, design="")
     return replace(state, missing=_missing(project.root, state, known, campaigns, designs, given))
+
+
+def _in_project(root: Path, name: str, text: str) -> bool:
+    """Whether a path of the address stays in the project; names of the library are no paths."""
+    if name not in ("design", "calibration", "campaign") and not text.endswith(".toml"):
+        return True
+    try:
+        files.inside(root, text)
+    except InputError:
+        return False
+    return True
 
 
 def is_design(one: ProjectFile) -> bool:

@@ -1,8 +1,8 @@
 """The door: key, host, origin, size, and files that stay inside the folder."""
 
 import asyncio
-import io
 import zipfile
+from urllib.parse import unquote, urljoin, urlsplit
 
 import pytest
 
@@ -11,8 +11,11 @@ from dummydesign.studio.server import files
 from dummydesign.studio.server.guard import Guard
 
 
-def ask(path="/", query="", head=(), body=(b"",), kind="http", largest=1000):
-    """Send one request through a guard; return status, headers and what reached the server behind it."""
+def ask(path="/", query="", head=(), body=(b"",), kind="http", largest=1000, method="GET", known=False):
+    """Send one request through a guard; return status, headers and what reached the server behind it.
+
+    With ``known`` as a page of the studio sends it: under its path, with its cookie.
+    """
     reached, sent = [], []
 
     async def server(scope, receive, send):
@@ -21,7 +24,7 @@ def ask(path="/", query="", head=(), body=(b"",), kind="http", largest=1000):
             message = await receive()
             if message["type"] == "http.disconnect":
                 reached.append("cut off")
-                return
+                raise RuntimeError("the client went away")
             taken += len(message.get("body", b""))
             if not message.get("more_body"):
                 break
@@ -38,61 +41,148 @@ def ask(path="/", query="", head=(), body=(b"",), kind="http", largest=1000):
     async def send(message):
         sent.append(message)
 
-    head = {"host": "127.0.0.1:8420", **dict(head)}
-    scope = {"type": kind, "path": path, "query_string": query.encode(),
-             "headers": [(name.encode(), value.encode()) for name, value in head.items()]}  # fmt: skip
-    asyncio.run(Guard(server, "sesame", 8420, largest)(scope, receive, send))
-    first = sent[0] if sent else {}
-    return first.get("status", first.get("code")), dict(first.get("headers", [])), reached
+    async def request(guard, path, query, head, kind="http", method="GET"):
+        sent.clear()
+        head = {"host": "127.0.0.1:8420", **dict(head)}
+        scope = {"type": kind, "path": path, "query_string": query.encode(), "method": method,
+                 "headers": [(name.encode(), value.encode()) for name, value in head.items()]}  # fmt: skip
+        await guard(scope, receive, send)
+        first = sent[0] if sent else {}
+        return first.get("status", first.get("code")), dict(first.get("headers", []))
 
+    async def both():
+        guard, more = Guard(server, "sesame", 8420, largest), []
+        place = path
+        if known:
+            _, answer = await request(guard, "/", "key=sesame", ())
+            place = answer[b"location"].decode().rstrip("/") + path
+            more = [("cookie", f"other=1; {answer[b'set-cookie'].decode().partition(';')[0]}")]
+        return await request(guard, place, query, [*more, *head], kind, method)
 
-COOKIE = ("cookie", "dummydesign-studio-8420=sesame")
+    status, headers = asyncio.run(both())
+    return status, headers, reached
 
 
 def test_without_the_key_nothing_is_answered():
-    for head in ([], [("cookie", "dummydesign-studio-8420=simsalabim")], [("cookie", "dummydesign-studio-1=sesame")]):
-        assert ask(head=head)[::2] == (403, [])
-    assert ask(query="key=wrong")[::2] == (403, [])
+    for cookie in ("dummydesign-studio=simsalabim", "dummydesign-studio=sesame", "dummydesign-studio-8420=sesame"):
+        assert ask(head=[("cookie", cookie)])[::2] == (403, [])
+        assert ask("/x/", head=[("cookie", cookie)])[::2] == (403, [])
+    assert ask()[::2] == ask(query="key=wrong")[::2] == ask(query="key=")[::2] == (403, [])
+    assert ask(query="key=sesame", method="POST")[::2] == (403, [])
+    assert ask(known=True)[::2] == (200, [0])
 
 
-def test_the_key_in_the_address_becomes_a_cookie_and_leaves_the_address():
-    status, head, reached = ask("/design", "key=sesame&which=a")
-    assert status == 303 and head[b"location"] == b"/design?which=a" and reached == []
-    assert b"HttpOnly" in head[b"set-cookie"] and b"SameSite=Strict" in head[b"set-cookie"]
-    assert ask(head=[COOKIE])[::2] == (200, [0])
+def test_neither_the_path_without_the_cookie_nor_the_cookie_without_the_path_opens_anything():
+    async def nothing(*_):
+        raise AssertionError
+
+    sent = []
+
+    async def send(message):
+        sent.append(message)
+
+    guard = Guard(nothing, "sesame", 8420)
+    host = (b"host", b"127.0.0.1:8420")
+    scope = {"type": "http", "method": "GET", "path": "/", "query_string": b"key=sesame", "headers": [host]}
+    asyncio.run(guard(scope, nothing, send))
+    given = dict(sent[0]["headers"])
+    cookie = (b"cookie", given[b"set-cookie"].partition(b";")[0])
+    for path, heads in ((given[b"location"].decode(), [host]), ("/", [host, cookie]), ("/design", [host, cookie])):
+        sent.clear()
+        asyncio.run(guard({**scope, "path": path, "query_string": b"", "headers": heads}, nothing, send))
+        assert sent[0]["status"] == 403
 
 
-@pytest.mark.parametrize("head", [("host", "evil.example"), ("host", "127.0.0.1:1"), ("origin", "http://evil.example")])
-def test_pages_of_other_sites_and_names_that_point_here_are_refused_even_with_the_key(head):
-    assert ask(head=[COOKIE, head])[::2] == (403, [])
-    assert ask(head=[COOKIE, head], kind="websocket")[0] == 4403
+def test_the_key_in_the_address_becomes_a_cookie_that_is_not_the_key_and_goes_to_one_path_only():
+    status, head, reached = ask("/design", "key=sesame&which=a&empty=")
+    place, cookie = head[b"location"].decode(), head[b"set-cookie"].decode()
+    secret = place.split("/")[1]
+    assert status == 303 and place == f"/{secret}/design?which=a&empty=" and reached == []
+    assert "HttpOnly" in cookie and "SameSite=Strict" in cookie and cookie.endswith(f"Path=/{secret}/")
+    assert "sesame" not in cookie + place and len(secret) > 20
+    assert cookie.partition("=")[2].partition(";")[0] != secret
+    assert ask("/design", "key=sesame")[1][b"location"] != head[b"location"]
+
+
+@pytest.mark.parametrize("path", ["//evil.example/", "///evil.example/a", "/\t/evil.example", "/\\evil.example/",
+                                  "/a\r\nset-cookie: b=c", "http://evil.example/", "/親指 a?b#c"])  # fmt: skip
+def test_the_key_never_leads_to_another_server(path):
+    status, head, _ = ask(path, "key=sesame")
+    if status == 303:
+        led = urlsplit(urljoin("http://127.0.0.1:8420/", head[b"location"].decode("ascii")))
+        assert led.netloc == "127.0.0.1:8420" and led.path.count("/") >= 2 and not led.path.startswith("//")
+        assert unquote(led.path).endswith(path.lstrip("/"))
+    else:
+        assert status == 404 and "location" not in head
+
+
+FOREIGN = [("host", "evil.example"), ("host", "127.0.0.1:1"), ("host", ""), ("origin", "http://evil.example"),
+           ("origin", "null"), ("origin", "http://localhost:8420"), ("origin", "http://127.0.0.1:1"),
+           ("sec-fetch-site", "cross-site"), ("sec-fetch-site", "same-site")]  # fmt: skip
+
+
+@pytest.mark.parametrize("head", FOREIGN)
+def test_other_sites_ports_and_files_that_run_apart_are_refused_even_with_the_cookie(head):
+    assert ask(head=[head], known=True)[::2] == (403, [])
+    assert ask(head=[head], known=True, kind="websocket")[::2] == (4403, [])
+
+
+@pytest.mark.parametrize("site", ["cross-site", "same-site"])
+def test_a_link_elsewhere_opens_the_studio_with_the_key_in_a_tab_only(site):
+    tab = [("sec-fetch-site", site), ("sec-fetch-mode", "navigate"), ("sec-fetch-dest", "document")]
+    status, head, _ = ask("/", "key=sesame", head=tab)
+    # browsers send no strict cookie on a way that began elsewhere: the page goes on by itself
+    assert status == 200 and b"set-cookie" in head and b"location" not in head
+    for other in (("sec-fetch-dest", "iframe"), ("sec-fetch-mode", "no-cors"), ("origin", "http://evil.example")):
+        assert ask("/", "key=sesame", head=[*tab, other])[0] == 403
+    assert ask("/", head=tab)[0] == 403
+
+
+@pytest.mark.parametrize("site", ["none", "same-origin"])
+def test_the_studio_itself_and_an_address_that_is_typed_are_answered(site):
+    assert ask(head=[("sec-fetch-site", site), ("origin", "http://127.0.0.1:8420")], known=True)[::2] == (200, [0])
 
 
 def test_a_websocket_needs_the_key_too():
-    assert ask(kind="websocket")[::2] == (4403, [])
+    assert ask(kind="websocket")[::2] == ask(kind="websocket", query="key=sesame")[::2] == (4403, [])
+    assert ask(kind="websocket", path="/view/a")[::2] == (4403, [])
 
 
-def test_a_body_that_says_it_is_too_large_never_reaches_the_server():
-    too_large = str(1000 + 64 * 1024 + 1)
-    assert ask(head=[COOKIE, ("content-length", too_large)])[::2] == (413, [])
-    assert ask(head=[COOKIE, ("content-length", "-3")])[::2] == (413, [])
+@pytest.mark.parametrize("length", [str(1000 + 64 * 1024 + 1), "-3", "²", "9" * 5000, "1e3", ""])
+def test_a_body_that_says_it_is_too_large_or_nonsense_never_reaches_the_server(length):
+    assert ask(head=[("content-length", length)], known=True)[::2] == (413, [])
 
 
-def test_a_body_that_says_no_length_is_cut_off():
-    assert ask(head=[COOKIE], body=[b"x" * 40_000] * 3)[2] == ["cut off"]
-    assert ask(head=[COOKIE], body=[b"x" * 500, b"y"])[2] == [501]
+def test_a_body_that_says_no_length_is_cut_off_and_answered():
+    assert ask(body=[b"x" * 40_000] * 3, known=True)[::2] == (413, ["cut off"])
+    assert ask(body=[b"x" * 500, b"y"], known=True)[::2] == (200, [501])
 
 
-def test_a_page_may_ask_this_server_only_and_files_of_the_project_run_apart():
-    policy = ask(head=[COOKIE])[1][b"content-security-policy"].decode()
-    assert "default-src 'self'" in policy and "http" not in policy
-    assert ask("/files/a.html", head=[COOKIE])[1][b"content-security-policy"].startswith(b"sandbox")
-    assert b"allow-same-origin" not in ask("/files/a.html", head=[COOKIE])[1][b"content-security-policy"]
+def directives(path):
+    text = ask(path, known=True)[1][b"content-security-policy"].decode()
+    return {words.split()[0]: words.split()[1:] for words in text.split(";")}
+
+
+def test_a_page_may_ask_this_server_only():
+    policy = directives("/design")
+    assert policy["default-src"] == ["'self'"] and "sandbox" not in policy
+    reached = {word for words in policy.values() for word in words if not word.startswith("'")}
+    assert reached == {"data:", "blob:", "ws://127.0.0.1:8420", "ws://localhost:8420"}
+
+
+@pytest.mark.parametrize("path", ["/files/a.html", "/solid/pad"])
+def test_files_of_the_project_run_apart_and_reach_no_server(path):
+    policy = directives(path)
+    assert policy["default-src"] == ["'none'"] and policy["form-action"] == ["'none'"]
+    assert {"allow-same-origin", "allow-popups", "allow-forms", "allow-top-navigation"}.isdisjoint(policy["sandbox"])
+    reached = {word for name, words in policy.items() if name.endswith("-src") for word in words}
+    assert reached <= {"'none'", "'unsafe-inline'", "data:", "blob:"}
 
 
 @pytest.mark.parametrize(
     "name",
-    ["../a.csv", "a/b.csv", "..", "", ".hidden", "a\\b.csv", "C:a.csv", "con.txt", "a\n.csv", "x" * 300 + ".csv"],
+    ["../a.csv", "a/b.csv", "..", "", ".hidden", "a\\b.csv", "C:a.csv", "con.txt", "a\n.csv", "x" * 300 + ".csv",
+     "project.toml", "Campaign.TOML", "manifest.json", "calibration.json"],
 )
 def test_a_name_that_is_not_plain_is_refused_and_nothing_is_written(tmp_path, name):
     with pytest.raises(InputError, match="not taken"):
@@ -136,8 +226,11 @@ def test_an_archive_holds_the_folder_without_hidden_files(tmp_path):
     (folder / "in").mkdir(parents=True)
     for name in ("x.step", "in/y.stl", ".part"):
         (folder / name).write_text(name, encoding="utf-8")
-    packed = b"".join(files.zipped(tmp_path, folder))
-    with zipfile.ZipFile(io.BytesIO(packed)) as archive:
+    (tmp_path / ".hidden").write_text("theirs", encoding="utf-8")
+    for number, target in enumerate((tmp_path.parent, tmp_path / ".hidden", "/etc/passwd", "nowhere", "self")):
+        (folder / ("self" if target == "self" else f"link{number}")).symlink_to(target)
+    assert files.listed(tmp_path, folder) == ["moulds/a/in/y.stl", "moulds/a/x.step"]
+    with files.zipped(tmp_path, folder) as packed, zipfile.ZipFile(packed) as archive:
         assert sorted(archive.namelist()) == ["a/in/y.stl", "a/x.step"]
     assert [path.name for path in (tmp_path / ".studio").iterdir()] == []
 

@@ -1,9 +1,11 @@
 """Commands the studio starts: a process of their own, that is stopped, outlives the studio, and is known again."""
 
+import json
 import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 
 import pytest
@@ -66,6 +68,71 @@ def test_a_command_whose_process_was_killed_is_lost_and_says_so(tmp_path):
     assert wait_for(again.folder, "done").folder != job.folder
 
 
+@pytest.mark.skipif(os.name == "nt", reason="a lock cannot be handed on there")
+def test_a_command_whose_runner_alone_was_killed_goes_on_is_known_and_can_be_stopped(tmp_path):
+    words = ["suggest", "--tissue", "forefinger", "--no-cad", "--out", "designs/a"]
+    job = jobs.start(tmp_path, "suggest", words)
+    deadline = time.monotonic() + 600
+    while not list(tmp_path.glob("designs/.a.part-*")) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    child = int((job.folder / runner.CHILD).read_text(encoding="utf-8"))
+    os.kill(int((job.folder / runner.PID).read_text(encoding="utf-8")), signal.SIGKILL)
+    jobs._CHILDREN[-1].wait(60)
+    os.kill(child, 0)
+    assert jobs.read_job(job.folder).state == "running"
+    with pytest.raises(InputError, match="still at work"):
+        jobs.start(tmp_path, "suggest", words)
+    jobs.stop(job)
+    wait_for(job.folder, "lost")
+    assert not list(tmp_path.glob("designs/*")) and not list(tmp_path.glob("designs/.a*"))
+    with pytest.raises(ProcessLookupError):
+        for _ in range(600):
+            os.kill(child, 0)
+            time.sleep(0.1)
+
+
+def test_one_who_looks_at_a_lock_never_keeps_it_from_one_who_waits_a_little(tmp_path):
+    path = tmp_path / "lock"
+    take(path).close()
+    stop = threading.Event()
+    looked = []
+
+    def look():
+        while not stop.is_set():
+            looked.append(held(path))
+
+    watchers = [threading.Thread(target=look) for _ in range(3)]
+    for watcher in watchers:
+        watcher.start()
+    try:
+        for _ in range(200):
+            lock = take(path, 60.0)
+            assert lock is not None
+            lock.close()
+    finally:
+        stop.set()
+        for watcher in watchers:
+            watcher.join()
+    assert looked
+
+
+def test_a_lock_that_is_held_is_not_waited_for_beyond_the_time_given(tmp_path):
+    lock = take(tmp_path / "lock")
+    start = time.monotonic()
+    assert take(tmp_path / "lock", 0.3) is None and 0.3 <= time.monotonic() - start < 30.0
+    lock.close()
+
+
+def test_a_job_that_takes_its_lock_itself_begins_although_someone_looks_at_it(tmp_path):
+    """Where a lock cannot be handed on, a look at the lock must not end the job."""
+    (tmp_path / runner.COMMAND).write_text(
+        json.dumps({"words": ["tissues", "list"], "cwd": str(tmp_path), "start": 0.0}), encoding="utf-8"
+    )
+    glance = take(tmp_path / runner.LOCK)
+    threading.Timer(0.3, glance.close).start()
+    assert runner.main(tmp_path) == 0
+
+
 def test_a_lock_is_held_by_one_and_ends_with_its_holder(tmp_path):
     lock = take(tmp_path / "a" / "lock")
     assert lock is not None and take(tmp_path / "a" / "lock") is None and held(tmp_path / "a" / "lock")
@@ -104,19 +171,10 @@ def test_a_command_that_a_full_disk_lets_not_begin_is_refused_in_words_and_holds
 
 
 @pytest.mark.parametrize("name", [".gitignore", "address"])
-def test_a_studio_says_that_the_disk_is_full_and_lets_go_of_the_folder(tmp_path, monkeypatch, name):
-    from pathlib import Path
-
+def test_a_studio_whose_folder_cannot_be_written_is_one_line_and_lets_go_of_the_folder(tmp_path, name):
     from dummydesign.studio.server import serve
 
-    written = Path.write_text
-
-    def full(path, *given, **more):
-        if path.name == name:
-            raise OSError(28, "No space left on device")
-        return written(path, *given, **more)
-
-    monkeypatch.setattr(Path, "write_text", full)
-    with pytest.raises(InputError, match="cannot be written: No space left on device"):
+    (tmp_path / ".studio" / name / "in").mkdir(parents=True)
+    with pytest.raises(InputError, match="cannot be written"):
         serve.run_studio(tmp_path, None, False, lambda line: None)
     assert not held(tmp_path / ".studio" / "lock")

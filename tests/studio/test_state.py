@@ -77,6 +77,13 @@ def test_what_is_missing_stays_chosen_and_is_said(project, query, what):
     assert name == "design" or getattr(state, name) == value
 
 
+@pytest.mark.parametrize("path", ["../secret", "/etc", "designs/../../x", ".studio/jobs"])
+def test_a_path_of_an_address_that_leaves_the_project_is_passed_over(project, path):
+    for name in ("design", "calibration", "campaign"):
+        assert path not in read_state(project, {name: path}).query()
+    assert read_state(project, {"tissue": f"{path}.toml"}).tissue == "forefinger"
+
+
 def test_numbers_of_an_address_that_are_none_are_passed_over(project):
     for text in ("nan", "-5", "inf", "1e9", "x", "0"):
         state = read_state(project, {"thickness_mm": text, "ratio": text})

@@ -71,7 +71,7 @@ def _to_mould(page, studio, base, told):
     page.wait_for_function("document.querySelectorAll('.q-chip').length === 4")
     click(by("run-import"))
     page.wait_for_selector(f"{by('found-import')} iframe", timeout=LONG_MS)
-    click(f'{by("found-import")} a[href="/tissue"]')
+    click(f'{by("found-import")} a[href$="/tissue"]')
     page.wait_for_selector(by("run-fit"))
     click(by("run-fit"))
     page.wait_for_selector(f"{by('found-fit')} table", timeout=LONG_MS)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import http.client
 import os
 import re
 import signal
@@ -12,6 +13,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import pytest
 
@@ -22,11 +24,12 @@ PACKAGE = Path(__file__).parents[2]
 
 @dataclass(frozen=True)
 class Running:
-    """A studio at work."""
+    """A studio at work: the address that it printed, the one its pages lie under, and the cookie they need."""
 
     process: subprocess.Popen[str]
     address: str
     home: str
+    cookie: str
 
     @property
     def key(self) -> str:
@@ -54,7 +57,7 @@ def running(folder: Path, home: Path, *words: str) -> Iterator[Running]:
         found = re.search(r"http://127\.0\.0\.1:\d+/\?key=\S+", line)
         assert found, line + process.stderr.read()
         _answers(found[0])
-        yield Running(process, found[0], found[0].partition("?")[0])
+        yield Running(process, found[0], *welcomed(found[0]))
     finally:
         process.send_signal(signal.SIGTERM)
         try:
@@ -62,6 +65,20 @@ def running(folder: Path, home: Path, *words: str) -> Iterator[Running]:
         except subprocess.TimeoutExpired:
             process.kill()
             process.communicate()
+
+
+def welcomed(address: str) -> tuple[str, str]:
+    """Open the address that a studio printed; return where its pages lie, and the cookie."""
+    parts = urlsplit(address)
+    link = http.client.HTTPConnection(parts.netloc, timeout=60)
+    try:
+        link.request("GET", f"/?{parts.query}")
+        answer = link.getresponse()
+        assert answer.status == 303, answer.status
+        home = f"http://{parts.netloc}{answer.headers['location']}"
+        return home, answer.headers["set-cookie"].partition(";")[0]
+    finally:
+        link.close()
 
 
 def _answers(address: str) -> None:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import os
 import re
+import tempfile
 import zipfile
-from collections.abc import Iterator
 from pathlib import Path
-from secrets import token_hex
+from typing import IO
 
 from dummydesign.core.errors import InputError
 
 _RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
+MEANINGFUL = frozenset({"project.toml", "campaign.toml", "manifest.json", "calibration.json", "study.json"})
+"""A folder with one of these is taken for a project, a campaign or a result."""
 
 
 def plain_name(name: str) -> str:
@@ -20,8 +22,10 @@ def plain_name(name: str) -> str:
     Raises
     ------
     InputError
-        For a name with a folder in it, a hidden one, or one that no file may have.
+        For a name with a folder in it, a hidden one, one that no file may have, or one with a meaning of its own.
     """
+    if name.casefold() in MEANINGFUL:
+        raise InputError(f"file name '{name}' is not taken: commands read a file of this name; rename the file")
     if not name or name != Path(name).name or "\\" in name or ":" in name or name in (".", ".."):
         raise InputError(f"file name '{name}' is not taken: it must be a plain name, without folders")
     if name.startswith(".") or not name.isprintable() or len(name.encode()) > 200 or _RESERVED.fullmatch(name):
@@ -42,12 +46,18 @@ def inside(root: Path, path: str) -> Path:
     Raises
     ------
     InputError
-        When it leads out of the folder, also by a link, or to something hidden.
+        When it leads out of the folder, also by a link, or to something hidden, or is no path at all.
     """
-    parts = path.split("/")
-    found = (root / path).resolve()
-    if any(part.startswith(".") for part in parts) or not found.is_relative_to(root.resolve()):
-        raise InputError(f"'{path}' is not a file of this project")
+    try:
+        home = root.resolve()
+        found = (home / path).resolve()
+        found.exists()
+        parts = [*path.split("/"), *found.relative_to(home).parts]
+    except (OSError, ValueError, RuntimeError):
+        # too long, a zero byte, a link to itself, or outside
+        parts = ["."]
+    if any(part.startswith(".") for part in parts):
+        raise InputError(f"'{path[:200]}' is not a file of this project")
     return found
 
 
@@ -72,24 +82,33 @@ def keep(folder: Path, name: str, content: bytes) -> Path:
 
     stem, ending = os.path.splitext(plain_name(name))
     target, number = folder / name, 1
-    while target.exists() and target.read_bytes() != content:
-        number += 1
-        target = folder / f"{stem}-{number}{ending}"
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        while target.exists() and not (target.is_file() and target.read_bytes() == content):
+            number += 1
+            target = folder / f"{stem}-{number}{ending}"
     except OSError as problem:
-        raise InputError(f"folder '{folder.name}' cannot be made: {problem.strerror or problem}") from None
+        raise InputError(f"folder '{folder.name}' cannot be used: {problem.strerror or problem}") from None
     return target if target.exists() else write_bytes(target, content)
 
 
 def listed(root: Path, folder: Path) -> list[str]:
-    """Files under a folder, from the project folder on, hidden ones left out."""
-    found = (path.relative_to(root) for path in folder.rglob("*") if path.is_file())
-    return sorted(path.as_posix() for path in found if not any(part.startswith(".") for part in path.parts))
+    """Files under a folder, from the project folder on; hidden ones and links that lead out are left out."""
+    found = []
+    for place, folders, names in os.walk(folder):
+        folders[:] = [name for name in folders if not name.startswith(".")]
+        for name in names:
+            path = (Path(place) / name).relative_to(root).as_posix()
+            try:
+                if inside(root, path).is_file():
+                    found.append(path)
+            except InputError:
+                continue
+    return sorted(found)
 
 
-def zipped(root: Path, folder: Path) -> Iterator[bytes]:
-    """All files of a folder as a ZIP archive, in pieces; packed before the first is given out.
+def zipped(root: Path, folder: Path) -> IO[bytes]:
+    """All files of a folder as a ZIP archive, whole and at its start; gone from the disk when it is closed.
 
     Parameters
     ----------
@@ -102,23 +121,19 @@ def zipped(root: Path, folder: Path) -> Iterator[bytes]:
         When there is no room to pack them; nothing is left then.
     """
     home = root / ".studio"
-    packed = home / f"zip-{token_hex(6)}"
     try:
         home.mkdir(exist_ok=True)
-        with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
-            for name in listed(root, folder):
-                archive.write(root / name, (root / name).relative_to(folder.parent).as_posix())
+        # without a name: nothing is left even when the server is killed
+        packed = tempfile.TemporaryFile(dir=home)
+        try:
+            with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, strict_timestamps=False) as archive:
+                for name in listed(root, folder):
+                    inner = (root / name).relative_to(folder.parent).as_posix()
+                    archive.write(root / name, inner.encode("utf-8", "replace").decode("utf-8"))
+            packed.seek(0)
+        except BaseException:
+            packed.close()
+            raise
     except OSError as problem:
-        packed.unlink(missing_ok=True)
         raise InputError(f"the archive of '{folder.name}' cannot be packed: {problem.strerror or problem}") from None
-    return _pieces(packed)
-
-
-def _pieces(packed: Path) -> Iterator[bytes]:
-    """A file in pieces, deleted when all are out or nobody wants them any more."""
-    try:
-        with open(packed, "rb") as stream:
-            while piece := stream.read(1 << 20):
-                yield piece
-    finally:
-        packed.unlink(missing_ok=True)
+    return packed

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import socket
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from secrets import token_urlsafe
 from typing import Any
@@ -41,50 +42,74 @@ def run_studio(folder: str | Path, port: int | None, browser: bool, say: Callabl
     except ImportError as problem:
         raise InputError(f"the studio needs {problem.name}: pip install 'dummydesign[studio]'") from None
     root = Path(folder).resolve()
-    lock = None
+    home = root / ".studio"
+    lock = listening = None
+    key = token_urlsafe(24)
     try:
         root.mkdir(parents=True, exist_ok=True)
-        lock = take(root / ".studio" / "lock")
+        lock = take(home / "lock")
         if lock is None:
-            raise InputError(f"'{root}' is open in another studio{_where(root)}: use that one, or stop it first")
-        (root / ".studio" / ".gitignore").write_text("*\n", encoding="utf-8")
-    except OSError as problem:
-        if lock is not None:
-            lock.close()
+            raise _open_elsewhere(root, browser)
+        _clear(home)
+        listening = _listen(port)
+        found = int(listening.getsockname()[1])
+        address = f"http://{HOST}:{found}/"
+        _write_privately(home / "address", f"{address}?key={key}")
+    except (OSError, InputError) as problem:
+        for opened in (listening, lock):
+            if opened is not None:
+                opened.close()
+        if isinstance(problem, InputError):
+            raise
         raise InputError(f"'{root}' cannot be written: {problem.strerror or problem}") from None
-    listening = _listen(port)
-    found = int(listening.getsockname()[1])
-    key = token_urlsafe(24)
-    address = f"http://{HOST}:{found}/"
-    try:
-        (root / ".studio" / "address").write_text(address, encoding="utf-8")
-    except OSError as problem:
-        listening.close()
-        lock.close()
-        raise InputError(f"'{root}' cannot be written: {problem.strerror or problem}") from None
-    os.environ["NICEGUI_STORAGE_PATH"] = str(root / ".studio" / "page")
+    os.environ["NICEGUI_STORAGE_PATH"] = str(home / "page")
     from dummydesign.studio.server.app import make_app
 
     say(f"studio of '{root.name}': {address}?key={key}")
     if browser:
-        import webbrowser
-
-        webbrowser.open(f"{address}?key={key}")
-    config = uvicorn.Config(Guard(make_app(root), key, found), log_level="warning", server_header=False)
+        _show(f"{address}?key={key}")
+    config = uvicorn.Config(Guard(make_app(root), key, found), log_level="warning", server_header=False,
+                            proxy_headers=False)  # fmt: skip
     try:
         uvicorn.Server(config).run(sockets=[listening])
     finally:
-        (root / ".studio" / "address").unlink(missing_ok=True)
+        (home / "address").unlink(missing_ok=True)
         listening.close()
         lock.close()
     return {"folder": str(root), "address": address}
 
 
-def _where(root: Path) -> str:
+def _open_elsewhere(root: Path, browser: bool) -> InputError:
+    """What to say of a folder that another studio has open; with its address for the user who started that one."""
     try:
-        return f" at {(root / '.studio' / 'address').read_text(encoding='utf-8')}"
+        address = (root / ".studio" / "address").read_text(encoding="utf-8")
     except OSError:
-        return ""
+        return InputError(f"'{root}' is open in another studio: use that one, or stop it first")
+    if browser:
+        _show(address)
+    return InputError(f"'{root}' is open in another studio: open {address} or stop that one first")
+
+
+def _show(address: str) -> None:
+    import webbrowser
+
+    webbrowser.open(address)
+
+
+def _clear(home: Path) -> None:
+    """Keep the folder from others and from Git, and take away what a killed studio left."""
+    with suppress(PermissionError):
+        # the folder of another user, who let us write in it
+        home.chmod(0o700)
+    (home / "address").unlink(missing_ok=True)
+    for left in home.glob("zip-*"):
+        left.unlink(missing_ok=True)
+    (home / ".gitignore").write_text("*\n", encoding="utf-8")
+
+
+def _write_privately(path: Path, text: str) -> None:
+    with open(path, "x", encoding="utf-8", opener=lambda name, flags: os.open(name, flags, 0o600)) as stream:
+        stream.write(text)
 
 
 def _listen(port: int | None) -> socket.socket:

@@ -2,7 +2,7 @@
 
 LOCK is the number of an open file that holds the folder's lock already, handed on by the studio. The process outlives
 page and studio, holds the lock as long as it runs, ends its command when a file ``stop`` appears, and writes
-``status.json`` at the end.
+``status.json`` at the end. Its command holds the lock too, so that one whose runner was killed is still known.
 """
 
 from __future__ import annotations
@@ -21,9 +21,12 @@ from dummydesign.core.files import write_text
 from dummydesign.core.outputs.progress import VARIABLE
 from dummydesign.studio.work.lock import take
 
-COMMAND, ANSWER, ERRORS, PROGRESS, STATUS, LOCK, PID, STOP = (
-    "command.json", "answer.json", "errors.txt", "progress.txt", "status.json", "lock", "pid", "stop",
+COMMAND, ANSWER, ERRORS, PROGRESS, STATUS, LOCK, PID, STOP, CHILD, AWAKE = (
+    "command.json", "answer.json", "errors.txt", "progress.txt", "status.json", "lock", "pid", "stop", "child", "awake",
 )  # fmt: skip
+"""Files of the folder; ``awake`` is a lock of the runner alone."""
+PATIENCE_S = 5.0
+"""How long to wait for a lock that someone only looks at. [s]"""
 GRACE_S = 120.0
 """How long a command that was stopped may take to clear up. [s]"""
 POLL_S = 0.25
@@ -31,9 +34,10 @@ POLL_S = 0.25
 
 def main(folder: Path, handed_on: int | None = None) -> int:
     """Run the command of a folder and write how it ended; return its exit status."""
-    lock = take(folder / LOCK) if handed_on is None else open(handed_on, "a", encoding="utf-8")
+    lock = take(folder / LOCK, PATIENCE_S) if handed_on is None else open(handed_on, "a", encoding="utf-8")
     if lock is None:
         return 2
+    awake = take(folder / AWAKE, PATIENCE_S)
     asked = json.loads((folder / COMMAND).read_text(encoding="utf-8"))
     (folder / PID).write_text(str(os.getpid()), encoding="utf-8")
     stopped = False
@@ -43,7 +47,9 @@ def main(folder: Path, handed_on: int | None = None) -> int:
         child = subprocess.Popen(
             [sys.executable, "-m", "dummydesign", *asked["words"], "--json"], cwd=asked["cwd"], stdout=answer,
             stderr=errors, stdin=subprocess.DEVNULL, env=environment,
+            pass_fds=() if os.name == "nt" else (lock.fileno(),),
         )  # fmt: skip
+        (folder / CHILD).write_text(str(child.pid), encoding="utf-8")
 
         def stop(number: int, frame: FrameType | None) -> None:
             nonlocal stopped
@@ -57,6 +63,8 @@ def main(folder: Path, handed_on: int | None = None) -> int:
     told = {"status": status, "stopped": stopped, "start": start, "end": time.time()}
     write_text(folder / STATUS, json.dumps(told))
     lock.close()
+    if awake is not None:
+        awake.close()
     return status
 
 

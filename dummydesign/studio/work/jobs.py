@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -128,7 +129,7 @@ def _spawn(root: Path, folder: Path) -> None:
     path = os.pathsep.join(filter(None, (package, os.environ.get("PYTHONPATH"))))
     _CHILDREN[:] = [child for child in _CHILDREN if child.poll() is None]
     words = [sys.executable, "-m", "dummydesign.studio.work.job", str(folder)]
-    lock = None if os.name == "nt" else take(folder / runner.LOCK)
+    lock = None if os.name == "nt" else take(folder / runner.LOCK, runner.PATIENCE_S)
     if lock is not None:
         # held from the first moment on, however long a busy machine takes to start the process
         apart["pass_fds"] = (lock.fileno(),)
@@ -193,7 +194,7 @@ def all_jobs(root: Path) -> list[Job]:
     for folder in sorted((root / HOME / "jobs").glob("*-*")):
         try:
             found.append(read_job(folder))
-        except (OSError, ValueError, KeyError):
+        except (OSError, ValueError, KeyError, TypeError):
             continue
     return found
 
@@ -220,7 +221,7 @@ def latest(root: Path, name: str) -> Job | None:
     for folder in sorted((root / HOME / "jobs").glob(f"[0-9]*-{name}"), reverse=True):
         try:
             return read_job(folder)
-        except (OSError, ValueError, KeyError):
+        except (OSError, ValueError, KeyError, TypeError):
             continue
     return None
 
@@ -229,9 +230,16 @@ def stop(job: Job) -> None:
     """Ask a running command to end and to clear up; by a file, which also one that is only starting finds."""
     if not held(job.folder / runner.LOCK):
         return
+    # a command without its runner, which was killed, reads no file
+    number = runner.PID if held(job.folder / runner.AWAKE) else runner.CHILD
     try:
         (job.folder / runner.STOP).touch()
+        if number == runner.PID:
+            return
     except OSError:
         # a full disk
-        number = int((job.folder / runner.PID).read_text(encoding="utf-8"))
-        os.kill(number, signal.SIGTERM)
+        pass
+    with suppress(FileNotFoundError, ProcessLookupError, ValueError):
+        process = int((job.folder / number).read_text(encoding="utf-8"))
+        if held(job.folder / runner.LOCK) and not (job.folder / runner.STATUS).exists():
+            os.kill(process, signal.SIGTERM)

@@ -3,20 +3,32 @@
 from __future__ import annotations
 
 import os
+import time
 from pathlib import Path
 from typing import IO
 
 
-def take(path: Path) -> IO[str] | None:
-    """Lock a file, made when needed; None when another process holds it. Keep what is returned as long as it counts."""
+def take(path: Path, patience_s: float = 0.0) -> IO[str] | None:
+    """Lock a file, made when needed; None when another process holds it. Keep what is returned as long as it counts.
+
+    Parameters
+    ----------
+    path : Path
+    patience_s : float
+        How long to try; ``held`` holds a lock for a moment. [s]
+    """
     path.parent.mkdir(parents=True, exist_ok=True)
+    until = time.monotonic() + patience_s
     stream = open(path, "a+", encoding="utf-8")
-    try:
-        _lock(stream)
-    except OSError:
-        stream.close()
-        return None
-    return stream
+    while True:
+        try:
+            _lock(stream)
+            return stream
+        except OSError:
+            if time.monotonic() >= until:
+                stream.close()
+                return None
+        time.sleep(0.01)
 
 
 def held(path: Path) -> bool:

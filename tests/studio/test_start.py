@@ -1,0 +1,107 @@
+"""How a studio starts: its folder, its address, a second one, what a killed one left."""
+
+from __future__ import annotations
+
+import os
+import stat
+from pathlib import Path
+
+import pytest
+
+from dummydesign.core.errors import InputError
+from dummydesign.studio.server import serve
+from dummydesign.studio.work.lock import held, take
+
+uvicorn = pytest.importorskip("uvicorn", reason="no NiceGUI here: pip install nicegui")
+POSIX = pytest.mark.skipif(os.name == "nt", reason="rights are another matter there")
+
+
+@pytest.fixture
+def start(tmp_path, monkeypatch):
+    """Start a studio whose server does one thing and ends; what it says and what the browser is shown are kept."""
+    from dummydesign.studio.server import app
+
+    shown, said = [], []
+    monkeypatch.setattr(app, "make_app", lambda root: None)
+    monkeypatch.setattr("webbrowser.open", shown.append)
+    monkeypatch.setenv("NICEGUI_STORAGE_PATH", "")
+
+    def run(meanwhile=lambda: None, browser=False, folder=tmp_path):
+        monkeypatch.setattr(uvicorn.Server, "run", lambda server, sockets: meanwhile())
+        serve.run_studio(folder, None, browser, said.append)
+
+    run.shown, run.said = shown, said
+    return run
+
+
+def test_a_folder_open_elsewhere_gives_the_address_that_works_and_opens_it_unless_told_not_to(tmp_path, start):
+    def again():
+        address = start.said[0].rpartition(" ")[2]
+        for browser in (False, True):
+            with pytest.raises(InputError) as problem:
+                serve.run_studio(tmp_path, None, browser, start.said.append)
+            assert address in str(problem.value) and "?key=" in address
+            assert start.shown == [address] * browser
+
+    start(again)
+    assert len(start.said) == 1 and not held(tmp_path / ".studio" / "lock")
+    assert not (tmp_path / ".studio" / "address").exists()
+
+
+def test_a_folder_whose_address_is_not_known_is_refused_all_the_same(tmp_path, start):
+    lock = take(tmp_path / ".studio" / "lock")
+    with pytest.raises(InputError, match="another studio"):
+        start(browser=True)
+    lock.close()
+    assert start.shown == []
+
+
+@POSIX
+def test_the_address_with_the_key_is_for_its_owner_alone(tmp_path, start):
+    (tmp_path / ".studio").mkdir(mode=0o755)
+    (tmp_path / ".studio" / "address").write_text("of a killed one", encoding="utf-8")
+    (tmp_path / ".studio" / "address").chmod(0o644)
+    found = []
+
+    def look():
+        for name in (".studio", ".studio/address"):
+            found.append(stat.S_IMODE((tmp_path / name).stat().st_mode))
+        found.append((tmp_path / ".studio" / "address").read_text(encoding="utf-8"))
+
+    before = os.umask(0)
+    try:
+        start(look)
+    finally:
+        os.umask(before)
+    assert found[:2] == [0o700, 0o600] and start.said[0].endswith(found[2])
+
+
+def test_what_a_killed_studio_left_is_taken_away(tmp_path, start):
+    (tmp_path / ".studio").mkdir()
+    for name in ("zip-0123", "zip-4567"):
+        (tmp_path / ".studio" / name).write_bytes(b"PK")
+    found = []
+    start(lambda: found.extend(path.name for path in (tmp_path / ".studio").iterdir()))
+    assert sorted(found) == [".gitignore", "address", "lock"]
+
+
+@POSIX
+@pytest.mark.skipif(hasattr(os, "geteuid") and os.geteuid() == 0, reason="root may write anywhere")
+def test_a_folder_that_may_not_be_written_is_one_line(tmp_path, start):
+    (tmp_path / "a").mkdir(mode=0o500)
+    with pytest.raises(InputError, match="cannot be written"):
+        start(folder=tmp_path / "a")
+
+
+def test_a_full_disk_is_one_line_and_lets_go_of_the_folder(tmp_path, start, monkeypatch):
+    opened = os.open
+
+    def full(path, *given, **more):
+        if Path(path).name == "address":
+            raise OSError(28, "No space left on device")
+        return opened(path, *given, **more)
+
+    monkeypatch.setattr(os, "open", full)
+    with pytest.raises(InputError, match="No space left"):
+        start()
+    assert not held(tmp_path / ".studio" / "lock") and start.said == []

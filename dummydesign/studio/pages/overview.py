@@ -13,6 +13,7 @@ from dummydesign.project.status import status_of
 from dummydesign.studio import choices
 from dummydesign.studio.addresses import address
 from dummydesign.studio.frame import Studio, command_line, file_links, html, lay_out, page_link, tell_problem
+from dummydesign.studio.manage import deleted_files
 from dummydesign.studio.work import jobs
 from dummydesign.studio.work.commands import options, shown
 
@@ -98,6 +99,7 @@ def _stand(studio: Studio, project: Project) -> None:
     if reports:
         html("<h2>Reports</h2>")
         file_links(reports)
+    deleted_files(studio)
     _running(studio)
 
 

@@ -151,7 +151,7 @@ def drop_zone(
 
     def begun(ms: float) -> None:
         # what is refused and what is taken of one drop come in the same moment of the browser's clock
-        if begins is not None and abs(ms - last["ms"]) > 250.0:
+        if begins is not None and abs(ms - last["ms"]) > 50.0:
             begins()
         last["ms"] = ms
 

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.studio import choices
-from dummydesign.studio.frame import Work, html, shown_file, table, tell_problem, warnings
+from dummydesign.studio.frame import Work, file_links, html, table, tell_problem, warnings
 from dummydesign.studio.server import files
 from dummydesign.studio.work import jobs
 from dummydesign.studio.work.commands import options
@@ -111,10 +113,29 @@ def _show(page: TissuePage, job: Job) -> None:
     )
     page.use_button(tissue)
     warnings(answer)
-    report = answer["files"].get("report")
-    if report and (root / report).is_file():
-        shown_file(f"/files/{report}", f"fit of {tissue}: measured and fitted force")
+    show_curves(root, answer)
     table(["parameter", "value", "95 % low", "95 % high", ""], parameter_rows(answer["parameters"]))
+
+
+def show_curves(root: Path, answer: Mapping[str, Any]) -> None:
+    """Measured force with the fitted curve over it, and the report.
+
+    Parameters
+    ----------
+    root : Path
+        The project folder.
+    answer : mapping
+        JSON of ``fit``.
+    """
+    from dummydesign.studio import figures
+
+    # several fits on a page have presses of the same name
+    own = Path(answer["files"]["tissue"]).with_suffix("").as_posix().replace("/", "-")
+    plots = figures.measured_over_fitted(root, answer)
+    html(figures.plots_html(replace(one, name=f"{own}-{one.name}") for one in plots))
+    report = answer["files"].get("report", "")
+    if report and (root / report).is_file():
+        file_links([("report of the fit, with its residuals", report)])
 
 
 def parameter_rows(parameters: dict) -> list[list[object]]:

@@ -106,8 +106,8 @@ def _stand(studio: Studio, project: Project, state: State) -> None:
     if reports:
         html("<h2>Reports</h2>")
         file_links(reports)
-    _running(studio)
     deleted_files(studio)
+    _running(studio)
 
 
 def _list(lines: Sequence[str]) -> str:

@@ -13,7 +13,8 @@ from dummydesign.core.datafiles import entries
 from dummydesign.core.errors import InputError
 from dummydesign.studio import choices
 from dummydesign.studio.chain import Chain, Steps
-from dummydesign.studio.frame import html, shown_file, table, warnings
+from dummydesign.studio.frame import html, table, warnings
+from dummydesign.studio.pages.fits import show_curves
 from dummydesign.studio.work import jobs
 from dummydesign.studio.work.commands import options
 from dummydesign.studio.work.inputs import changed_inputs
@@ -139,18 +140,15 @@ class _People:
         files = job.answer["files"]
         for path in changed_inputs(self._root, self._root / files.get("manifest", "")):
             html(f'<p class="problem" role="alert">{escape(path)} has changed since the fit. Fit all again.</p>')
-        report = files.get("report", "")
-        if not (self._root / report).is_file() or not report:
-            return
         person = Path(files["tissue"]).stem
         with ui.expansion(f"{person}: measured and fitted force").style("width:100%") as place:
-            place.on_value_change(lambda event: self._open(place, report, person))
+            place.on_value_change(lambda event: self._open(place, job))
 
-    def _open(self, place: ui.expansion, report: str, person: str) -> None:
+    def _open(self, place: ui.expansion, job: Job) -> None:
         place.clear()
         if place.value:
             with place, ui.element("div").style("width:100%"):
-                shown_file(f"/files/{report}", f"fit of {person}")
+                show_curves(self._root, job.answer)
 
     def _ended(self, done: list[Job]) -> None:
         self._page.choose(done[-1].answer["name"])

@@ -22,7 +22,7 @@ from dummydesign.studio.frame import (
     table,
     tell_problem,
 )  # fmt: skip
-from dummydesign.studio.manage import manage
+from dummydesign.studio.manage import manage, undo_bar
 from dummydesign.studio.pages import fits, people
 from dummydesign.studio.state import State, absolute
 
@@ -57,6 +57,7 @@ class TissuePage:
         """Build it."""
         html("<p>The tissue that the dummy imitates. Its band is the range of the subjects that were measured.</p>")
         self._chosen = ui.select({}, label="Tissue").props('data-test="tissue"').style("width:100%")
+        undo_bar(self.studio)
         self._list()
         self._shown = ui.element("div").style("width:100%")
         ui.button("Use it for this project", on_click=lambda: self.use(self.tissue)).props('data-test="use"')

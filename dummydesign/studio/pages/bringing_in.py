@@ -89,7 +89,17 @@ class BringIn:
         self.renew()
 
     def changed(self, row: int, key: str, text: str) -> bool:
-        """Take over a value of the table; return whether it was kept."""
+        """Take over a value of the table; return whether it was kept.
+
+        Parameters
+        ----------
+        row : int
+            Of the table.
+        key : str
+            Of the value.
+        text : str
+            As typed.
+        """
         self.words_of_table.clear()
         file = self.rows[row]["file"]
         try:

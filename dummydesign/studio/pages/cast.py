@@ -240,7 +240,16 @@ def show_comparison(root: Path, answer: Mapping[str, Any]) -> None:
 
 
 def record_form(studio: Studio, state: State, then: Any) -> None:
-    """Fields for what was really cast, and the verdict of the record."""
+    """Fields for what was really cast, and the verdict of the record.
+
+    Parameters
+    ----------
+    studio : Studio
+    state : State
+        What is chosen: the mould of its pad comes first.
+    then : callable
+        Called when a record is shown.
+    """
     root = studio.root
     moulds = {one.folder: f"{one.folder}: {one.label}" for one in reversed(made.moulds(root))
               if pressed_pads.gauge_points(root / one.folder)}  # fmt: skip

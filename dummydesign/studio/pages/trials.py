@@ -58,7 +58,17 @@ class TrialTable:
                         self.rows, self.changed)  # fmt: skip
 
     def changed(self, row: int, key: str, text: str) -> bool:
-        """Write one value; return whether it was kept."""
+        """Write one value; return whether it was kept.
+
+        Parameters
+        ----------
+        row : int
+            Of the table.
+        key : str
+            Of the value.
+        text : str
+            As typed.
+        """
         file = self.rows[row]["file"]
         try:
             self.write({row: {key: number_of(text, f"{file}: {key}")}}, f"{HEADS[key]} of {file} is kept.")

@@ -26,6 +26,15 @@ ENDINGS = (".csv", ".toml", ".txt", ".md", ".json", ".html")
 def keep(root: Path, name: str, content: bytes) -> str:
     """Keep a file that was dropped, in the place of an earlier one of its name; return its name.
 
+    Parameters
+    ----------
+    root : Path
+        The project folder.
+    name : str
+        As sent.
+    content : bytes
+        The whole file.
+
     Raises
     ------
     InputError
@@ -144,6 +153,15 @@ def _text(value: Any) -> str:
 
 def words(root: Path, name: str, more: Sequence[str]) -> list[str]:
     """The command that makes a campaign of presses without ``campaign.toml``.
+
+    Parameters
+    ----------
+    root : Path
+        The project folder.
+    name : str
+        Of the campaign.
+    more : sequence of str
+        Further options.
 
     Raises
     ------

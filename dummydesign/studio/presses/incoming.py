@@ -70,6 +70,7 @@ def presses_for(root: Path, campaign: str, name: str) -> dict[str, str]:
     root : Path
         The project folder.
     campaign : str
+        Its folder.
     name : str
         Of the held file.
     """
@@ -86,6 +87,15 @@ def presses_for(root: Path, campaign: str, name: str) -> dict[str, str]:
 
 def assign(root: Path, campaign: str, name: str, planned: str) -> Taken:
     """Give a held file the name of a planned press; an earlier file of that press goes to the bin.
+
+    Parameters
+    ----------
+    root : Path
+        The project folder.
+    campaign : str
+        Its folder.
+    name, planned : str
+        Of the held file, and of the press.
 
     Raises
     ------
@@ -106,7 +116,17 @@ def assign(root: Path, campaign: str, name: str, planned: str) -> Taken:
 
 
 def discard(root: Path, campaign: str, name: str) -> bin.Deleted:
-    """Move a held file to the bin."""
+    """Move a held file to the bin.
+
+    Parameters
+    ----------
+    root : Path
+        The project folder.
+    campaign : str
+        Its folder.
+    name : str
+        Of the held file.
+    """
     return bin.delete(root, f"{campaign}/{HELD}/{files.plain_name(name)}")
 
 

@@ -95,6 +95,15 @@ def nearest(found: Sequence[PressedPad], state: State) -> PressedPad | None:
 def keep_press(root: Path, name: str, content: bytes) -> str:
     """Keep a trace that was dropped; return its path from the project folder on.
 
+    Parameters
+    ----------
+    root : Path
+        The project folder.
+    name : str
+        As sent.
+    content : bytes
+        The whole file.
+
     Raises
     ------
     InputError

@@ -175,12 +175,12 @@ class Comparison:
         facts([(f"{answer['rmse_N']:.3g} N", "error of the calibrated model (rms)"),
                (f"{answer['base_rmse_N']:.3g} N", "error of the plain model (rms)")])  # fmt: skip
         for one in answer.get("pads") or []:
-            mine = pad.thickness_mm is not None and abs(one["thickness_mm"] - pad.thickness_mm) < 1e-6
-            words = f"{one['shape']}, {one['thickness_mm']:g} mm{' (this pad)' if mine else ''}"
+            if pad.thickness_mm is None or abs(one["thickness_mm"] - pad.thickness_mm) > 1e-6:
+                continue
             if one.get("verdict"):
-                verdict(one["verdict"], f"{words}: ")
+                verdict(one["verdict"])
             else:
-                html(f"<p>{escape(words)}: {escape(str(one.get('reason') or 'no verdict'))}</p>")
+                html(f"<p>{escape(str(one.get('reason') or 'no verdict'))}</p>")
         names = {path.rpartition("/")[2] for path in pad.files}
         rows = [[one["file"], one["rmse_N"], one["base_rmse_N"], one["peak_error_N"]]
                 for one in answer["trials"] if one["file"] in names]  # fmt: skip
@@ -265,7 +265,7 @@ def record_form(studio: Studio, state: State, then: Any) -> None:
         mass = ui.number("Mass, trimmed [g]", min=0, step=0.1).props('data-test="record-mass" hint="of the pad"')
         modulus = ui.number("Witness modulus [kPa]", min=0).props('hint="of the puck; optional"')
         level = ui.number("Level [deg]", min=0, step=0.01).props('hint="when filled; optional"')
-        bubbles = ui.number("Bubbles", min=0, step=1).props('hint="over 1 mm, under the punch; optional"')
+        bubbles = ui.number("Bubbles", min=0, step=1).props('hint="over 1 mm; optional"')
         note = ui.input("Note").props('hint="optional"')
 
     def words() -> list[str]:
@@ -284,7 +284,13 @@ def record_form(studio: Studio, state: State, then: Any) -> None:
         show_record(job.answer)
         then()
 
-    work = Work(studio, "record", "Keep this record", words, show, lambda job: job.words[2:3] == (chosen.value,))
+    def list_records() -> None:
+        kept.clear()
+        with kept:
+            _records(root, chosen.value)
+
+    work = Work(studio, "record", "Keep this record", words, show, lambda job: job.words[2:3] == (chosen.value,),
+                lambda job: list_records())  # fmt: skip
     kept = ui.element("div").style("width:100%")
 
     def new_mould() -> None:
@@ -296,9 +302,7 @@ def record_form(studio: Studio, state: State, then: Any) -> None:
                 field.props(f'data-test="gauge-{one.name}" hint="{one.low_mm:.2f} to {one.high_mm:.2f} mm"')
                 field.on_value_change(work.renew_line)
                 gauged[one.name] = field
-        kept.clear()
-        with kept:
-            _records(root, chosen.value)
+        list_records()
         work.renew_line()
 
     new_mould()

@@ -84,7 +84,10 @@ def _to_mould(page, studio, base, told):
     click(by("mould"))
     page.wait_for_selector(by("run-mould"))
     click(by("run-mould"))
-    page.wait_for_selector(f"{by('found-mould')} {by('zip')}", timeout=LONG_MS)
+    # the best slab for these presses is red: its files are kept for the record alone
+    page.wait_for_selector(f"{by('found-mould')} {by('do-not-cast')}", timeout=LONG_MS)
+    click(f"{by('found-mould')} {by('files-for-the-record')} .q-item")
+    page.wait_for_selector(f"{by('found-mould')} {by('zip')}")
     with page.expect_download() as download:
         click(by("zip"))
     download.value.save_as(base / "mould.zip")

@@ -205,8 +205,9 @@ def _files(root: Path, folder: str, state: State) -> None:
     red = verdict_of(root, state)
     if red:
         html(f'<p class="problem" data-test="do-not-cast">Do not cast. {escape(red)}</p>')
-        with ui.expansion("Files of this mould, for the record").style("width:100%"):
+        with ui.expansion("Files of this mould, for the record").style("width:100%") as kept:
             _links(root, folder)
+        kept.props('data-test="files-for-the-record"')
         return
     _links(root, folder)
 

@@ -20,7 +20,7 @@ from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import read_trace
 
 FILE = "campaign.toml"
-_TRIAL_NUMBERS = {
+TRIAL_NUMBERS = {
     "thickness_mm": (0.5, 200.0),
     "thickness_sd_mm": (0.0, 10.0),
     "velocity_mm_s": (0.001, 5000.0),
@@ -31,9 +31,9 @@ _TRIAL_NUMBERS = {
     "age_days": (0.0, 36500.0),
     "target_depth_mm": (0.0, 200.0),
 }
-_TRIAL_REQUIRED = ("thickness_mm", "velocity_mm_s")
+TRIAL_REQUIRED = ("thickness_mm", "velocity_mm_s")
 PUNCH_KEYS = {"punch", "side_mm", "diameter_mm", "contact", "edge_radius_mm"}
-_TRIAL_KEYS = {"file", "repeat", "sequence", "shape", "unload", "record", *_TRIAL_NUMBERS}
+_TRIAL_KEYS = {"file", "repeat", "sequence", "shape", "unload", "record", *TRIAL_NUMBERS}
 
 
 def read_campaign(folder: str | Path) -> Campaign:
@@ -226,10 +226,10 @@ def _trial(
     if unknown:
         raise InputError(f"{place.trial(index, unknown[0])}: {unknown_name('key', unknown[0], _TRIAL_KEYS)}")
     numbers: dict[str, Any] = {}
-    for key, (low, high) in _TRIAL_NUMBERS.items():
+    for key, (low, high) in TRIAL_NUMBERS.items():
         hint = "; the unit is mm: 0.015 m is 15" if key == "thickness_mm" else ""
         numbers[key] = _number(block, key, place.trial(index, key), low, high, hint)
-    for key in _TRIAL_REQUIRED:
+    for key in TRIAL_REQUIRED:
         if numbers[key] is None:
             raise InputError(f"{place.trial(index)}: trial {index + 1} lacks {key}")
     geometry = _trial_geometry(block, index, place, pad, punch, float(numbers["thickness_mm"] or 0.0))

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import cache
 from html import escape
 from pathlib import Path
+from urllib.parse import urlencode
 
 from nicegui import ui
 
@@ -27,13 +28,16 @@ from dummydesign.studio.work.commands import shown
 
 STEPS = (
     ("/", "Overview"), ("/measured", "1 Measured"), ("/tissue", "2 Tissue"), ("/design", "3 Design"),
-    ("/mould", "4 Mould"), ("/campaign", "5 Campaign"), ("/learn", "6 Learn"),
+    ("/mould", "4 Mould"), ("/cast", "5 Cast pad"), ("/campaign", "6 Campaign"), ("/learn", "7 Learn"),
 )  # fmt: skip
 
 # links that carry the state get it when they are used: panels come and go, and the state changes meanwhile
 KEEP_STATE = """
 let stateQuery = QUERY;
-function keepState(query) { stateQuery = query; history.replaceState(history.state, '', query ? '?' + query : '?'); }
+function keepState(query, more) {
+  stateQuery = query;
+  history.replaceState(history.state, '', '?' + [query, more].filter(Boolean).join('&'));
+}
 for (const kind of ['pointerdown', 'focusin', 'click']) addEventListener(kind, (event) => {
   const link = event.target.closest?.('a[data-state]');
   if (link) link.setAttribute('href', link.getAttribute('href').split('?')[0] + '?' + stateQuery);
@@ -131,9 +135,22 @@ def lay_out(
         html(f'<footer class="glossary">{whole_glossary()}</footer>')
 
 
-def keep_state(state: State) -> None:
-    """Write a state into the address and into all links that carry it; back, reload and other tabs then show it."""
-    ui.run_javascript(f"keepState({json.dumps(state.query())})")
+LONGEST_ADDRESS = 8000
+"""Characters of what a page keeps in its address besides the state; servers refuse addresses that are too long."""
+
+
+def keep_state(state: State, **more: str) -> None:
+    """Write a state into the address and into all links that carry it; back, reload and other tabs then show it.
+
+    Parameters
+    ----------
+    state : State
+    more : str
+        Choices of this page alone, by name: in its address, not in its links.
+    """
+    own = urlencode({name: text for name, text in more.items() if text})
+    own = own if len(own) <= LONGEST_ADDRESS else ""
+    ui.run_javascript(f"keepState({json.dumps(state.query())}, {json.dumps(own)})")
 
 
 def page_link(path: str, words: str, test: str = "", current: bool = False) -> str:

@@ -13,7 +13,7 @@ from tests.support.studio import browser, processor_s, running
 from tests.support.studio import test_id as by
 
 pytestmark = pytest.mark.slow
-PAGES = ("", "measured", "tissue", "design", "mould", "campaign", "learn")
+PAGES = ("", "measured", "tissue", "design", "mould", "cast", "campaign", "learn", "resin")
 
 NAMELESS = """() => [...document.querySelectorAll('input, button, select, textarea, a, iframe, [role=button]')]
     .filter((e) => e.offsetParent !== null && e.type !== 'file' && !e.closest('[aria-hidden=true]'))

@@ -19,6 +19,9 @@ from dummydesign.measurement.trace_checks import copies_among, doubts_of
 FORCE_SHARE, SPEED_SHARE, HOLD_SHARE, DEPTH_SHARE = 0.3, 0.2, 0.8, 0.2
 """Steady force, speed and depth may differ by so much from what was planned; holds may be this share of it."""
 
+OWN_TABLES = ("trials.csv", "sheet.csv")
+"""Tables in the folder of a campaign that are no presses."""
+
 
 @dataclass(frozen=True)
 class Status:
@@ -62,7 +65,7 @@ def check_campaign(folder: str | Path) -> Status:
         pressed.append(name)
         try:
             trace = read_trace(folder / name, _speed(trial))
-            wrong += [_problem("not_as_planned", name, message) for message in _against_plan(trace, trial)]
+            wrong += [_problem("not_as_planned", name, message) for message in differences_from_plan(trace, trial)]
             traces.append(trace)
         except InputError as problem:
             wrong.append(_problem("not_readable", name, str(problem).removeprefix(f"{name}: ")))
@@ -81,7 +84,7 @@ def check_campaign(folder: str | Path) -> Status:
             some = ", ".join(lacking[:3]) + (f" and {len(lacking) - 3} more" if len(lacking) > 3 else "")
             warnings.append({"code": f"no_{key}", "message": f"{key} is not written down for {some}"})
     listed = {trial.get("file") for trial in trials}
-    extra = sorted(path.name for path in folder.glob("*.csv") if path.name not in listed and path.name != "trials.csv")
+    extra = sorted(path.name for path in folder.glob("*.csv") if path.name not in {*listed, *OWN_TABLES})
     if extra:
         message = f"in the folder and in no trial: {', '.join(extra[:5])}{' ...' if len(extra) > 5 else ''}"
         warnings.append({"code": "not_listed", "message": message})
@@ -124,7 +127,7 @@ def _speed(trial: dict[str, Any]) -> float | None:
     return float(value) if isinstance(value, int | float) and not isinstance(value, bool) and value > 0 else None
 
 
-def _against_plan(trace: Trace, trial: dict[str, Any]) -> Iterator[str]:
+def differences_from_plan(trace: Trace, trial: dict[str, Any]) -> Iterator[str]:
     """Differences between a press and what was planned."""
     ramp = find_ramp(trace.time_s, trace.displacement_mm, "slowed")
     held = (trace.time_s >= ramp.hold_end_s - 0.2 * (ramp.hold_end_s - ramp.stop_time_s)) & (

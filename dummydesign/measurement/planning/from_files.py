@@ -61,7 +61,7 @@ def trials_of(
     trials, decisions = [], []
     for path in paths:
         row = rows.get(path.name, {})
-        trace = read_trace(path, row.get("velocity_mm_s", _named(path).get("velocity_mm_s")))
+        trace = read_trace(path, row.get("velocity_mm_s", named_values(path).get("velocity_mm_s")))
         trial, why = _trial(path, trace, row, thickness_mm)
         trials.append(trial)
         decisions.append({"what": path.name, "value": _words(trial), "why": why})
@@ -74,7 +74,7 @@ def trials_of(
 def _trial(
     path: Path, trace: Trace, row: Mapping[str, Any], thickness_mm: float | None
 ) -> tuple[dict[str, Any], str]:
-    named = _named(path)
+    named = named_values(path)
     if thickness_mm is not None:
         named.setdefault("thickness_mm", thickness_mm)
     known = {**named, **row}
@@ -97,7 +97,7 @@ def _trial(
     return trial, ", ".join(sources)
 
 
-def _named(path: Path) -> dict[str, Any]:
+def named_values(path: Path) -> dict[str, Any]:
     """What the name of a file says of its press."""
     named: dict[str, Any] = {}
     for key, pattern in _IN_NAME.items():

@@ -1,22 +1,26 @@
-"""Learn from a campaign: run the loop, read what it found, design again with it."""
+"""Learn from a campaign: run the loop, read what it found, design again with it, plan the next measurement."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from html import escape
 from pathlib import Path
+from typing import Any
 
 from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project
-from dummydesign.studio import choices
+from dummydesign.studio import choices, figures, made
 from dummydesign.studio.frame import (
     Studio,
     Work,
+    facts,
+    file_links,
     html,
     keep_state,
     lay_out,
+    open_page,
     page_link,
     shown_file,
     state_link,
@@ -24,6 +28,7 @@ from dummydesign.studio.frame import (
     warnings,
     zip_link,
 )  # fmt: skip
+from dummydesign.studio.manage import manage, undo_bar
 from dummydesign.studio.state import State
 from dummydesign.studio.work.commands import options
 from dummydesign.studio.work.jobs import Job
@@ -36,52 +41,176 @@ def build(studio: Studio, query: Mapping[str, str]) -> None:
 
 def _body(studio: Studio, project: Project, state: State) -> None:
     html("<p>The model against a pressed campaign: what it lacks, how large that is, and what to measure next.</p>")
-    known = choices.folders(studio.root, "campaigns", "campaign.toml")
-    if not known:
+    undo_bar(studio)
+    if not choices.folders(studio.root, "campaigns", "campaign.toml"):
         html(f'<p class="note">No campaign yet: {page_link("/campaign", "plan one")}.</p>')
         return
-    start = state.campaign
-    priors = {"": "none"} | {f"{one}/calibration.json": one for one in
-                             choices.folders(studio.root, "calibrations", "calibration.json")}  # fmt: skip
-    known = known if start in known else [start, *known]
-    with ui.element("div").classes("fields"):
-        chosen = ui.select(known, value=start, label="Campaign").props('data-test="campaign"')
-        prior = ui.select(priors, value="", label="Earlier calibration of the same material")
+    LearnPage(studio, state)
 
-    def words() -> list[str]:
-        if not chosen.value:
+
+class LearnPage:
+    """The page of one visitor: a campaign, and what was learned from it."""
+
+    def __init__(self, studio: Studio, state: State) -> None:
+        self.studio, self.root, self.state = studio, studio.root, state
+        self.shown = ""
+        known = choices.folders(self.root, "campaigns", "campaign.toml")
+        start = state.campaign
+        known = known if start in known else [start, *known]
+        priors = {"": "none"} | {f"{one}/calibration.json": one for one in
+                                 choices.folders(self.root, "calibrations", "calibration.json")}  # fmt: skip
+        with ui.element("div").classes("fields"):
+            self.campaign = ui.select(known, value=start, label="Campaign").props('data-test="campaign"')
+            self.prior = ui.select(priors, value="", label="Earlier calibration of the same material")
+        self.work = Work(studio, "loop", "Learn from it", self.words, self.show, self.belongs,
+                         lambda job: self.list_calibrations())  # fmt: skip
+        self.others = ui.element("div").style("width:100%")
+        html("<h2 id=next>The next measurement</h2><p>Plans the presses that tell most, as a new campaign.</p>")
+        self.next = Work(studio, "next", "Plan the next measurement", self.next_words, self.show_plan,
+                         self.next_belongs, lambda job: self.list_calibrations())  # fmt: skip
+        self.campaign.on_value_change(self.renew)
+        self.prior.on_value_change(self.renew_lines)
+        self.list_calibrations()
+
+    def words(self) -> list[str]:
+        """The loop as a command."""
+        if not self.campaign.value:
             raise InputError("choose a campaign")
-        name = chosen.value.partition("/")[2]
-        return ["loop", chosen.value, *options({"prior": prior.value}), "--out", f"calibrations/loop-{name}"]
+        name = self.campaign.value.partition("/")[2]
+        prior = options({"prior": self.prior.value})
+        return ["loop", self.campaign.value, *prior, "--out", f"calibrations/loop-{name}"]
 
-    def belongs(job: Job) -> bool:
-        return job.words[1:2] == (chosen.value,)
+    def next_words(self) -> list[str]:
+        """The loop with a plan of what to press next, as a command."""
+        words = self.words()
+        name = self.campaign.value.partition("/")[2]
+        plan = f"campaigns/{choices.free_name(self.root, 'campaigns', f'{name}-next')}"
+        # learned from the same files with the same prior: the same calibration, which needs no second folder
+        same = any(one.folder == words[-1] and one.prior == self.prior.value and not one.outdated(self.root)
+                   for one in made.calibrations(self.root, self.campaign.value))  # fmt: skip
+        return [*words, "--plan", plan, *(["--replace"] if same else [])]
 
-    work = Work(studio, "loop", "Learn from it", words, lambda job: _show(studio, state, job), belongs)
+    def belongs(self, job: Job) -> bool:
+        """Whether a job learned from the campaign that is chosen, and its calibration is still there."""
+        file = str(job.answer.get("calibration_file") or "")
+        return job.words[1:2] == (self.campaign.value,) and (not file or (self.root / file).is_file())
 
-    def renew() -> None:
-        keep_state(state.changed(campaign=chosen.value))
-        work.renew_line()
+    def next_belongs(self, job: Job) -> bool:
+        """Whether a job planned what to press after the campaign that is chosen, and the plan is still there."""
+        plan = _plan_folder(job.answer)
+        return job.words[1:2] == (self.campaign.value,) and (not plan or (self.root / plan).is_dir())
 
-    chosen.on_value_change(renew)
-    prior.on_value_change(work.renew_line)
+    def renew(self) -> None:
+        """Another campaign was chosen."""
+        self.shown = ""
+        keep_state(self.chosen())
+        self.renew_lines()
+        self.list_calibrations()
+
+    def renew_lines(self) -> None:
+        """Write both commands anew."""
+        self.work.renew_line()
+        self.next.renew_line()
+
+    def chosen(self) -> State:
+        """The state with the campaign that is chosen."""
+        return self.state.changed(campaign=self.campaign.value)
+
+    def show(self, job: Job) -> None:
+        """What a command learned."""
+        answer = job.answer
+        if "answer" not in answer:
+            return
+        folder = Path(answer["calibration_file"]).parent.as_posix()
+        self.shown = folder
+        self._outdated(folder)
+        first, *more = answer["answer"] or [""]
+        html(f'<p class="note next" data-test="verdict"><b>{escape(first)}</b></p>')
+        html("".join(f"<p>{escape(text)}</p>" for text in more))
+        errors = answer["after"]["error"]
+        facts([(f"{errors['heldout_rmse_N']:.3g} N", "error on presses that were left out (rms)"),
+               (f"{errors['noise_floor_N']:.3g} N", "noise of the measurement (rms)")])  # fmt: skip
+        rows = [
+            [effect["name"].replace("_", " "), made.plain_parameter(name), made.unit_of(name), value["value"],
+             value["low"], value["high"]]
+            for effect in answer["effects"] for name, value in effect["parameters"].items()
+        ]  # fmt: skip
+        if rows:
+            table(["effect", "parameter", "unit", "value", "95 % low", "95 % high"], rows)
+        warnings(answer)
+        self._again(answer["calibration_file"])
+        html('<p><a href="#next">Plan the next measurement</a></p>')
+        _curves(self.root, folder)
+
+    def _again(self, calibration: str) -> None:
+        again = self.chosen().changed(calibration=calibration)
+        html(f'<p class="note next">{state_link("/design", "Design again with what was learned", again, "again")}</p>')
+
+    def _outdated(self, folder: str) -> None:
+        own = [one for one in made.calibrations(self.root, self.campaign.value) if one.folder == folder]
+        if any(one.outdated(self.root) for one in own):
+            words = "The campaign changed after this was learned. Learn again."
+            html(f'<p class="problem" role="alert" data-test="outdated">{words}</p>')
+
+    def list_calibrations(self) -> None:
+        """Calibrations of this campaign in the folder, also those made on the terminal."""
+        self.others.clear()
+        found = list(reversed(made.calibrations(self.root, self.campaign.value or "")))
+        newest = True
+        with self.others:
+            if found:
+                html("<h2>Calibrations of this campaign</h2>")
+            for one in found:
+                html(f'<h3 data-test="calibration">{escape(one.folder)}</h3>')
+                manage(self.studio, one.folder, "calibration", self._moved)
+                if one.folder == self.shown:
+                    html("<p>It is shown above.</p>")
+                    continue
+                self._outdated(one.folder)
+                html(f"<p>{escape(one.text)}</p>")
+                self._again(one.file)
+                if newest:
+                    _curves(self.root, one.folder)
+                    newest = False
+                else:
+                    zip_link(one.folder)
+                    file_links([("the whole report", f"{one.folder}/report.html")])
+
+    def _moved(self, old: str, new: str) -> None:
+        """A calibration was renamed, deleted or brought back."""
+        file = f"{new}/calibration.json" if new else ""
+        chosen = self.chosen()
+        open_page("/learn", chosen.changed(calibration=file) if chosen.calibration.startswith(f"{old}/") else chosen)
+
+    def show_plan(self, job: Job) -> None:
+        """What was planned."""
+        plan = _plan_folder(job.answer)
+        if not plan:
+            return
+        link = state_link("/campaign", f"Go on to {plan}", self.chosen().changed(campaign=plan), "next-plan")
+        html(f'<p class="note next">The next measurement is planned. {link}</p>')
 
 
-def _show(studio: Studio, state: State, job: Job) -> None:
-    answer = job.answer
-    if "answer" not in answer:
-        return
-    html("".join(f"<p>{escape(text)}</p>" for text in answer["answer"]))
-    rows = [
-        [effect["name"], name, value["value"], value["low"], value["high"]]
-        for effect in answer["effects"] for name, value in effect["parameters"].items()
-    ]  # fmt: skip
-    if rows:
-        table(["effect", "parameter", "value", "95 % low", "95 % high"], rows)
-    warnings(answer)
-    folder = Path(answer["calibration_file"]).parent.as_posix()
+def _plan_folder(answer: Mapping[str, Any]) -> str:
+    """Folder of the plan of an answer; empty without one."""
+    file = str((answer.get("files") or {}).get("plan_campaign") or "")
+    return Path(file).parent.as_posix() if file else ""
+
+
+def _curves(root: Path, folder: str) -> None:
+    """Measured over predicted force of each press; the report where the folder does not have the curves."""
     zip_link(folder)
-    again = state.changed(calibration=answer["calibration_file"], campaign=job.words[1])
-    html(f'<p class="note next">{state_link("/design", "Design again with what was learned", again, "again")}</p>')
-    if (studio.root / folder / "report.html").is_file():
-        shown_file(f"/files/{folder}/report.html", "report of the loop")
+    report = f"{folder}/report.html"
+    there = (root / report).is_file()
+    presses = sorted((root / folder).glob("report-press-*.csv"))
+    roles = {f"report_press_{number}": path.relative_to(root).as_posix() for number, path in enumerate(presses)}
+    try:
+        plots = figures.measured_over_fitted(root, {"files": roles})
+    except (OSError, ValueError, IndexError):
+        plots = []
+    if plots:
+        if there:
+            file_links([("the whole report", report)])
+        html(f'<div data-test="curves">{figures.plots_html(plots, small=True)}</div>')
+    elif there:
+        shown_file(f"/files/{report}", "report of the loop")

@@ -1,7 +1,8 @@
-"""The mould of a pad: its size and preset, the work with its progress, checks, solids, and all files at once."""
+"""The mould of a pad: its size and kind, the work with its progress, checks, solids, and its files by their use."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
@@ -11,7 +12,7 @@ from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project
-from dummydesign.studio import choices
+from dummydesign.studio import choices, made
 from dummydesign.studio.frame import (
     Studio,
     Work,
@@ -20,76 +21,148 @@ from dummydesign.studio.frame import (
     html,
     keep_state,
     lay_out,
+    open_page,
     page_link,
     shown_file,
+    state_link,
     table,
     warnings,
     zip_link,
 )  # fmt: skip
+from dummydesign.studio.manage import manage, undo_bar
 from dummydesign.studio.state import State, design_summary
 from dummydesign.studio.work.commands import options
 from dummydesign.studio.work.jobs import Job
 
+OUTLINE_MM = (150.0, 120.0)
+
 
 def build(studio: Studio, query: Mapping[str, str]) -> None:
     """Build the page."""
-    lay_out(studio, "/mould", "Mould", query, lambda project, state: _body(studio, project, state))
+    lay_out(studio, "/mould", "Mould", query, lambda project, state: MouldPage(studio, project, state))
 
 
-def _body(studio: Studio, project: Project, state: State) -> None:
-    source = html("").style("width:100%")
-    presets = ["open", "lidded", "printed"]
-    resins, resin = choices.resins(), state.resin
-    with ui.element("div").classes("fields"):
-        thickness = ui.number("Thickness [mm]", value=state.thickness_mm, min=3, max=30, step=0.5)
-        length = ui.number("Length [mm]", value=150.0, min=20, max=300, step=5)
-        width = ui.number("Width [mm]", value=120.0, min=20, max=300, step=5)
-        shape = ui.input("Shape", value=state.shape)
-        ratio = ui.number("Ratio", value=state.ratio, step=0.1)
-        material = ui.select(resins if resin in resins else {resin: resin, **resins}, value=resin, label="Resin")
-        preset = ui.select(presets, value="open", label="Kind of mould").props('data-test="preset"')
-    thickness.props('data-test="thickness"')
+class MouldPage:
+    """The page of one visitor: the pad that is chosen, its moulds, and the others of the project."""
 
-    def words() -> list[str]:
-        for name, field in (("thickness", thickness), ("length", length), ("width", width), ("ratio", ratio)):
+    def __init__(self, studio: Studio, project: Project, state: State) -> None:
+        self.studio, self.root, self.state = studio, studio.root, state
+        self.shown = ""
+        undo_bar(studio)
+        self.source = ui.element("div").style("width:100%")
+        mine = [one for one in made.moulds(self.root) if one.is_of(state)]
+        length_mm, width_mm = (mine[-1].length_mm, mine[-1].width_mm) if mine else OUTLINE_MM
+        resins = choices.resins()
+        resins = resins if state.resin in resins else {state.resin: state.resin, **resins}
+        with ui.element("div").classes("fields"):
+            self.thickness = ui.number("Thickness [mm]", value=state.thickness_mm, min=3, max=30, step=0.5)
+            self.length = ui.number("Length [mm]", value=length_mm, min=20, max=300, step=5)
+            self.width = ui.number("Width [mm]", value=width_mm, min=20, max=300, step=5)
+            self.shape = ui.input("Shape", value=state.shape)
+            self.ratio = ui.number("Ratio", value=state.ratio, step=0.1)
+            self.resin = ui.select(resins, value=state.resin, label="Resin")
+            preset = mine[-1].preset if mine and mine[-1].preset in made.PRESETS else "open"
+            self.preset = ui.select(list(made.PRESETS), value=preset, label="Kind of mould")
+            self.preset.props('data-test="preset"')
+        self.thickness.props('data-test="thickness"')
+        self.kind = html("")
+        self.work = Work(studio, "mould", "Make the mould", self.words, self.show, self.belongs,
+                         lambda job: self.list_moulds())  # fmt: skip
+        self.others = ui.element("div").style("width:100%")
+        for field in (self.thickness, self.length, self.width, self.shape, self.ratio, self.resin, self.preset):
+            field.on_value_change(self.renew)
+        self.say()
+
+    def words(self) -> list[str]:
+        """The mould as a command."""
+        fields = (("thickness", self.thickness), ("length", self.length), ("width", self.width), ("ratio", self.ratio))
+        for name, field in fields:
             if field.value is None:
                 raise InputError(f"{name} is empty")
-        kind = (shape.value or "slab").partition(":")[0]
+        kind = (self.shape.value or "slab").partition(":")[0]
+        thickness, length, width = self.thickness.value, self.length.value, self.width.value
         given: dict[str, Any] = {
-            "thickness": float(thickness.value), "length": None if length.value == 150 else float(length.value),
-            "width": None if width.value == 120 else float(width.value),
-            "shape": None if shape.value == "slab" else shape.value, "preset": preset.value, "resin": material.value,
-            "ratio": float(ratio.value),
-            "out": f"moulds/mould_{'' if kind == 'slab' else f'{kind}_'}t{thickness.value:g}",
+            "thickness": float(thickness), "length": None if length == OUTLINE_MM[0] else float(length),
+            "width": None if width == OUTLINE_MM[1] else float(width),
+            "shape": None if self.shape.value == "slab" else self.shape.value, "preset": self.preset.value,
+            "resin": self.resin.value, "ratio": float(self.ratio.value),
+            "out": f"moulds/mould_{'' if kind == 'slab' else f'{kind}_'}t{thickness:g}",
         }  # fmt: skip
         return ["mold", *options(given)]
 
-    def show(job: Job) -> None:
-        _show(studio, job.answer)
-
-    def chosen() -> State:
-        return state.changed(
-            shape=(shape.value or "slab").strip(), resin=material.value,
-            thickness_mm=float(thickness.value or state.thickness_mm), ratio=float(ratio.value or state.ratio),
+    def chosen(self) -> State:
+        """The state with the pad of the fields."""
+        return self.state.changed(
+            shape=(self.shape.value or "slab").strip(), resin=self.resin.value,
+            thickness_mm=float(self.thickness.value or self.state.thickness_mm),
+            ratio=float(self.ratio.value or self.state.ratio),
         )  # fmt: skip
 
-    def belongs(job: Job) -> bool:
+    def belongs(self, job: Job) -> bool:
+        """Whether a job made the mould that is chosen, and its files are still there."""
         try:
-            return pad_of(job.words) == pad_of(words())
+            same = pad_of(job.words) == pad_of(self.words())
         except InputError:
             return False
+        folder = folder_of(job.answer)
+        return same and (not folder or (self.root / folder).is_dir())
 
-    work = Work(studio, "mould", "Make the mould", words, show, belongs)
+    def renew(self) -> None:
+        """Something was chosen."""
+        keep_state(self.chosen())
+        self.say()
 
-    def renew() -> None:
-        now = chosen()
-        keep_state(now)
-        source.set_content(_source(studio, now))
-        work.renew_line()
+    def say(self) -> None:
+        """Where the pad comes from, what kind of mould it gets, and which moulds there are."""
+        now = self.chosen()
+        self.source.clear()
+        with self.source:
+            _source(self.root, now)
+        self.kind.set_content(f'<p class="note">{escape(made.PRESETS[self.preset.value])}</p>')
+        self.shown = ""
+        self.work.renew_line()
+        self.list_moulds()
 
-    source.set_content(_source(studio, state))
-    for field in (thickness, length, width, shape, ratio, material, preset):
-        field.on_value_change(renew)
+    def show(self, job: Job) -> None:
+        """What a command made."""
+        answer = job.answer
+        if "pour" not in answer:
+            return
+        self.shown = folder_of(answer)
+        batch = answer.get("batch") or {**answer["pour"], "pour_g": answer["pour"]["fill_mass_g"]}
+        poured = [(f"{part['mass_g']:.1f} g", f"{part['name']}, to mix") for part in batch["components"]]
+        poured.append((f"{batch['pour_g']:.1f} g", "of the mix, into the mould"))
+        silicone = answer["pour"]["silicone_mass_g"]
+        facts([*poured, *([(f"{silicone:.0f} g", "silicone for the mould")] if silicone else [])])
+        warnings(answer)
+        if self.shown:
+            html(f"<h2>{escape(self.shown)}</h2>")
+            manage(self.studio, self.shown, "mould", self._moved)
+            _files(self.root, self.shown, self.chosen())
+        html(f'<p class="note">Next: cast the pads, then {page_link("/cast", "check a cast pad")} or '
+             f'{page_link("/campaign", "plan what to press")}.</p>')  # fmt: skip
+
+    def _moved(self, old: str, new: str) -> None:
+        """A mould was renamed, deleted or brought back."""
+        open_page("/mould", self.chosen())
+
+    def list_moulds(self) -> None:
+        """Further moulds of this pad with their files, and moulds of other pads as links."""
+        self.others.clear()
+        now = self.chosen()
+        found = [one for one in reversed(made.moulds(self.root)) if one.folder != self.shown]
+        with self.others:
+            for one in found:
+                if one.is_of(now):
+                    html(f'<h2 data-test="mould-of-this-pad">{escape(one.folder)}</h2><p>{escape(one.label)}</p>')
+                    manage(self.studio, one.folder, "mould", self._moved)
+                    _files(self.root, one.folder, now)
+            links = [
+                f"<li>{state_link('/mould', one.label, self.state.changed(**one.pad, design=''), 'other-mould')}</li>"
+                for one in found if not one.is_of(now)
+            ]  # fmt: skip
+            if links:
+                html(f"<h2>Moulds of other pads</h2><ul>{''.join(links)}</ul>")
 
 
 def pad_of(words: Sequence[str]) -> tuple[str, ...]:
@@ -101,38 +174,62 @@ def pad_of(words: Sequence[str]) -> tuple[str, ...]:
     return tuple(given)
 
 
-def _source(studio: Studio, state: State) -> str:
+def folder_of(answer: Mapping[str, Any]) -> str:
+    """Folder of the files of an answer of ``mold``; empty without any."""
+    files = answer.get("files") or {}
+    return Path(next(iter(files.values()))).parent.as_posix() if files else ""
+
+
+def verdict_of(root: Path, state: State) -> str:
+    """Why the pad must not be cast, in a sentence; empty for one that may be, or that was not judged."""
+    design = made.design_of_pad(root, state)
+    summary = design_summary(root, design) if design else {}
+    return str(summary.get("text", "")) if summary.get("verdict") == "not_representative" else ""
+
+
+def _source(root: Path, state: State) -> None:
     """Where the pad comes from, with the verdict on it."""
-    if not state.design:
+    design = made.design_of_pad(root, state)
+    if not design:
         link = page_link("/design", "design one")
-        return f'<p class="note">This pad is not one of the designs. Check it, or {link}.</p>'
-    summary = design_summary(studio.root, state.design)
-    red = summary.get("verdict") == "not_representative"
-    verdict = f'<p class="problem" role="alert">{escape(str(summary.get("text", "")))} Do not cast this pad.</p>'
-    return f"<p>This pad is the design <b>{escape(state.design)}</b>.</p>{verdict if red else ''}"
+        html(f'<p class="note">This pad is not one of the designs. Check it, or {link}.</p>')
+        return
+    html(f"<p>This pad is the design <b>{escape(design)}</b>.</p>")
+    if red := verdict_of(root, state):
+        html(f'<p class="problem" role="alert" data-test="red">Do not cast this pad. {escape(red)}</p>')
 
 
-def _show(studio: Studio, answer: dict[str, Any]) -> None:
-    if "pour" not in answer:
+def _files(root: Path, folder: str, state: State) -> None:
+    """Checks, solids and files of a mould; of a pad that must not be cast, folded away."""
+    _checks(root / folder)
+    red = verdict_of(root, state)
+    if red:
+        html(f'<p class="problem" data-test="do-not-cast">Do not cast. {escape(red)}</p>')
+        with ui.expansion("Files of this mould, for the record").style("width:100%") as kept:
+            _links(root, folder)
+        kept.props('data-test="files-for-the-record"')
         return
-    batch = answer.get("batch") or {**answer["pour"], "pour_g": answer["pour"]["fill_mass_g"]}
-    poured = [(f"{part['mass_g']:.1f} g", f"{part['name']}, to mix") for part in batch["components"]]
-    poured.append((f"{batch['pour_g']:.1f} g", "of the mix, into the mould"))
-    silicone = answer["pour"]["silicone_mass_g"]
-    facts([*poured, *([(f"{silicone:.0f} g", "silicone for the mould")] if silicone else [])])
-    checks = answer.get("checks", [])
-    if checks:
-        count = sum(one["status"] == "pass" for one in checks)
-        html(f"<p><b>{count} of {len(checks)} checks passed</b></p>")
-        rest = [[one["id"], one["status"], str(one.get("note", ""))] for one in checks if one["status"] != "pass"]
-        if rest:
-            table(["check", "", "because"], rest, words=True)
-    warnings(answer)
-    if not answer.get("files"):
-        return
-    folder = Path(next(iter(answer["files"].values()))).parent.as_posix()
+    _links(root, folder)
+
+
+def _links(root: Path, folder: str) -> None:
     zip_link(folder)
-    if list((studio.root / folder).glob("*.stl")):
+    if list((root / folder).glob("*.stl")):
         shown_file(f"/solid/mould/{folder}", "pad and mould as solids", "shown solid")
-    file_links([(f"{role.replace('_', ' ')}: {Path(path).name}", path) for role, path in answer["files"].items()])
-    html(f'<p class="note">Next: cast the pads, then {page_link("/campaign", "plan what to press")}.</p>')
+    names = [path.name for path in (root / folder).iterdir() if path.is_file() and not path.name.startswith(".")]
+    for group, rows in made.grouped_files(names):
+        html(f"<h3>{escape(group)}</h3>")
+        file_links([(words, f"{folder}/{name}") for words, name in rows])
+
+
+def _checks(folder: Path) -> None:
+    """How many checks of the solids passed, and what the others say."""
+    try:
+        checks = json.loads((folder / "checks.json").read_text(encoding="utf-8"))
+        passed = sum(one["status"] == "pass" for one in checks)
+        rest = [[one["id"], one["status"], str(one.get("note", ""))] for one in checks if one["status"] != "pass"]
+    except (OSError, ValueError, KeyError, TypeError):
+        return
+    html(f"<p><b>{passed} of {len(checks)} checks passed</b></p>")
+    if rest:
+        table(["check", "", "because"], rest, words=True)

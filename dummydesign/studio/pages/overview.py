@@ -2,17 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from html import escape
+from pathlib import Path
 
 from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project, make_project
-from dummydesign.project.status import status_of
-from dummydesign.studio import choices
+from dummydesign.project.status import Status, status_of
+from dummydesign.studio import choices, made
 from dummydesign.studio.addresses import address
-from dummydesign.studio.frame import Studio, command_line, file_links, html, lay_out, page_link, tell_problem
+from dummydesign.studio.frame import (
+    Studio,
+    command_line,
+    file_links,
+    html,
+    lay_out,
+    page_link,
+    state_link,
+    tell_problem,
+)  # fmt: skip
+from dummydesign.studio.manage import deleted_files
+from dummydesign.studio.next_step import next_page, next_state
+from dummydesign.studio.state import State, design_state
 from dummydesign.studio.work import jobs
 from dummydesign.studio.work.commands import options, shown
 
@@ -22,16 +35,10 @@ ROOMS = {
     "calibrations": ("/learn", "Calibrations"),
 }  # fmt: skip
 
-PAGES = {
-    "tissues": "/tissue", "import": "/measured", "fit": "/tissue", "suggest": "/design", "mold": "/mould",
-    "campaign": "/campaign", "loop": "/learn", "status": "/design",
-}  # fmt: skip
-"""Page that a command belongs to."""
-
-
 def build(studio: Studio, query: Mapping[str, str]) -> None:
     """Build the page."""
-    lay_out(studio, "/", "Overview", query, lambda project, state: _stand(studio, project), lambda: _make(studio))
+    lay_out(studio, "/", "Overview", query, lambda project, state: _stand(studio, project, state),
+            lambda: _make(studio))
 
 
 def _make(studio: Studio) -> None:
@@ -72,33 +79,70 @@ def _make(studio: Studio) -> None:
     ui.button("Make the project", on_click=make).props('data-test="make"')
 
 
-def _stand(studio: Studio, project: Project) -> None:
-    told = status_of(project)
-    html(f'<p class="note next">Next: <b>{escape(told.next_text)}</b></p>')
-    step = PAGES.get(told.next_command.split()[1], "/design")
-    html(f'<a class="go" data-state data-test="next" href="{address(step)}">Go there</a>')
-    html(f'<div class="command"><code>{escape(told.next_command)}</code></div>')
+def _stand(studio: Studio, project: Project, state: State) -> None:
+    status = status_of(project)
+    html(f'<p class="note next">Next: <b>{escape(status.next_text)}</b></p>')
+    query = next_state(status, state).query()
+    html(f'<a class="go" data-test="next" href="{address(next_page(status))}?{escape(query)}">Go there</a>')
+    html(f'<div class="command"><code>{escape(status.next_command)}</code></div>')
     given = ", ".join(f"{name} {value}" for name, value in project.given().items()) or "nothing chosen yet"
     html(f"<p>Chosen for this project: {escape(given)}</p>")
-    for problem in told.problems:
+    for problem in status.problems:
         tell_problem(problem)
+    links = links_of(studio.root, status, state)
     cards = []
     for room, (path, words) in ROOMS.items():
-        found = told.found[room]
-        rows = "".join(f"<li>{escape(choices.told(one))}</li>" for one in reversed(found[-8:]))
-        more = f"<li>and {len(found) - 8} more</li>" if len(found) > 8 else ""
-        listed = f"<ul>{rows}{more}</ul>" if rows else "<p>none yet</p>"
-        cards.append(f'<div><h2>{page_link(path, words)}</h2>{listed}</div>')
+        found = status.found[room]
+        lines = [links.get(one.folder) or escape(choices.told(one)) for one in reversed(found)]
+        more = f"<details><summary>{len(lines) - 8} more</summary><ul>{_list(lines[8:])}</ul></details>"
+        listed = f"<ul>{_list(lines[:8])}</ul>{more if lines[8:] else ''}" if lines else "<p>none yet</p>"
+        cards.append(f"<div><h2>{page_link(path, words)}</h2>{listed}</div>")
     html(f'<div class="cards">{"".join(cards)}</div>')
     reports = [
         (f"{one.folder.partition('/')[2]}: report", f"{one.folder}/report.html")
-        for room in ("designs", "calibrations") for one in told.found[room]
+        for room in ("designs", "calibrations") for one in status.found[room]
         if (studio.root / one.folder / "report.html").is_file()
     ]  # fmt: skip
     if reports:
         html("<h2>Reports</h2>")
         file_links(reports)
+    deleted_files(studio)
     _running(studio)
+
+
+def _list(lines: Sequence[str]) -> str:
+    return "".join(f"<li>{line}</li>" for line in lines)
+
+
+def links_of(root: Path, status: Status, state: State) -> dict[str, str]:
+    """Links by folder: each opens its page with that design, mould, campaign, calibration, tissue or pad chosen.
+
+    Parameters
+    ----------
+    root : Path
+        The project folder.
+    status : Status
+        Of the project.
+    state : State
+        What is chosen now; what a link does not name stays.
+    """
+    states: dict[str, tuple[str, State]] = {}
+    for one in status.found["designs"]:
+        if one.command == "compare":
+            states[one.folder] = ("/cast", state)
+        elif found := design_state(root, one.folder):
+            states[one.folder] = ("/design", state.changed(**found))
+    for mould in made.moulds(root):
+        states[mould.folder] = ("/mould", state.changed(**mould.pad, design=""))
+    for one in status.found["campaigns"]:
+        states[one.folder] = ("/campaign", state.changed(campaign=one.folder))
+        for learned in made.calibrations(root, one.folder):
+            states[learned.folder] = ("/learn", state.changed(campaign=one.folder, calibration=learned.file))
+    for one in status.found["tissue"]:
+        states[one.folder] = ("/tissue", state.changed(tissue=one.folder, aim="average"))
+    known = {one.folder: one for room in status.found.values() for one in room}
+    return {folder: state_link(path, choices.told(known[folder]), of, f"open-{folder}")
+            for folder, (path, of) in states.items() if folder in known}  # fmt: skip
 
 
 def _ended(job: jobs.Job) -> str:

@@ -24,13 +24,14 @@ from starlette.types import Receive, Scope, Send
 
 from dummydesign.core.errors import InputError
 from dummydesign.studio.frame import Studio
-from dummydesign.studio.pages import campaign, design, learn, measured, mould, overview, tissue
+from dummydesign.studio.pages import campaign, cast, design, learn, measured, mould, overview, pucks, tissue
 from dummydesign.studio.server import files
 from dummydesign.studio.server.guard import VIEW
 
 PAGES = {
     "/": overview.build, "/measured": measured.build, "/tissue": tissue.build, "/design": design.build,
-    "/mould": mould.build, "/campaign": campaign.build, "/learn": learn.build,
+    "/mould": mould.build, "/cast": cast.build, "/campaign": campaign.build, "/learn": learn.build,
+    "/resin": pucks.build,
 }  # fmt: skip
 
 

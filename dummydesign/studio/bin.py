@@ -1,0 +1,283 @@
+"""Taking mistakes back: rename what lies in a project, delete it into a bin inside the project, restore it."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from dummydesign.core.datafiles import toml_text
+from dummydesign.core.errors import InputError
+from dummydesign.core.files import write_text
+from dummydesign.core.outputs.manifest import NAME as MANIFEST
+from dummydesign.core.outputs.manifest import sha256_of
+from dummydesign.project.folder import FILE, FOLDERS, change_project, read_project
+from dummydesign.studio.server.files import inside, plain_name
+from dummydesign.studio.work import jobs
+
+HOME = ".studio/bin"
+ENTRY, CONTENT = "entry.json", "content"
+
+
+@dataclass(frozen=True)
+class Deleted:
+    """Something in the bin.
+
+    Attributes
+    ----------
+    folder : Path
+        In the bin.
+    path : str
+        Where it was, from the project folder on.
+    time : float
+        When it was deleted. [s since 1970]
+    why : str
+        ``deleted`` or ``replaced``.
+    """
+
+    folder: Path
+    path: str
+    time: float
+    why: str
+
+
+def deleted(root: Path) -> list[Deleted]:
+    """What is in the bin of a project, the newest first."""
+    found = []
+    for path in (root / HOME).glob(f"*/{ENTRY}"):
+        try:
+            kept = json.loads(path.read_text(encoding="utf-8"))
+            found.append(Deleted(path.parent, str(kept["path"]), float(kept["time"]), str(kept["why"])))
+        except (OSError, ValueError, KeyError, TypeError):
+            continue
+    return sorted(found, key=lambda one: (one.time, one.folder.name), reverse=True)
+
+
+def delete(root: Path, path: str, why: str = "deleted") -> Deleted:
+    """Move a file or folder of a project into the bin.
+
+    Parameters
+    ----------
+    root : Path
+        The project folder.
+    path : str
+        From the project folder on, such as ``measured/a.csv``. A tissue takes its report with it.
+    why : str
+        ``deleted`` or ``replaced``.
+
+    Raises
+    ------
+    InputError
+        When it is not there, is in use by a running command, or cannot be moved.
+    """
+    parts = parts_of(root, path)
+    check_idle(root, path)
+    now = time.time()
+    entry = Deleted(_new_folder(root / HOME, PurePosixPath(path).name, now), path, now, why)
+    try:
+        write_text(entry.folder / ENTRY, json.dumps({"path": path, "time": now, "why": why}))
+        _move([(part, entry.folder / CONTENT / part.name) for part in parts])
+    except InputError:
+        shutil.rmtree(entry.folder, ignore_errors=True)
+        raise
+    return entry
+
+
+def restore(root: Path, entry: Deleted) -> str:
+    """Move something from the bin back to where it was; return its path from the project folder on.
+
+    Where another thing has its name by now, it gets a number. Nothing is overwritten.
+
+    Raises
+    ------
+    InputError
+        When it was restored already, or the folder it was in is gone.
+    """
+    place = root / entry.path
+    content = entry.folder / CONTENT
+    names = sorted(path.name for path in content.iterdir()) if content.is_dir() else []
+    if place.name not in names:
+        raise InputError(f"'{entry.path}' is not in the bin any more")
+    inside(root, entry.path)
+    check_idle(root, entry.path)
+    if not place.parent.is_dir() and place.parent.parent != root:
+        raise InputError(f"'{place.parent.relative_to(root).as_posix()}' is not there. Restore it first")
+    place.parent.mkdir(exist_ok=True)
+    stem = old = _stem(content / place.name)
+    number = 1
+    while any((place.parent / name).exists() for name in _renamed(names, old, stem)):
+        number += 1
+        stem = f"{old}-{number}"
+    after = _renamed(names, old, stem)
+    _move([(content / name, place.parent / new) for name, new in zip(names, after)])
+    shutil.rmtree(entry.folder, ignore_errors=True)
+    if stem != old:
+        _follow_inside(place.parent, after, old, stem)
+    return f"{place.parent.relative_to(root).as_posix()}/{after[names.index(place.name)]}"
+
+
+def rename(root: Path, path: str, name: str) -> str:
+    """Give a file or folder of a project another name; return its new path from the project folder on.
+
+    ``project.toml`` follows where it names a tissue or calibration that moved.
+
+    Parameters
+    ----------
+    root : Path
+        The project folder.
+    path : str
+        From the project folder on.
+    name : str
+        A plain name. A file keeps its ending, an import its ``import-``.
+
+    Raises
+    ------
+    InputError
+        For a name that is not plain or is taken, or something that is in use by a running command.
+    """
+    parts = parts_of(root, path)
+    check_idle(root, path)
+    place = parts[0]
+    old, wanted = _stem(place), name.strip()
+    if place.is_file() and wanted.lower().endswith(place.suffix.lower()):
+        wanted = wanted[: len(wanted) - len(place.suffix)]
+    if place.is_dir() and is_import(path) and not wanted.startswith("import-"):
+        wanted = f"import-{wanted}" if wanted else ""
+    if _is_tissue(path) and wanted.endswith(MANIFEST.removesuffix(".json")):
+        raise InputError(f"a tissue cannot be called '{wanted}': choose another name")
+    plain_name(wanted)
+    if wanted == old:
+        return path
+    names = [part.name for part in parts]
+    after = [plain_name(one) for one in _renamed(names, old, wanted)]
+    taken = next((one for one in after if (place.parent / one).exists()), None)
+    if taken is not None:
+        raise InputError(f"'{taken}' is there already: choose another name")
+    project = read_project(root) if (root / FILE).is_file() else None
+    _move([(part, place.parent / one) for part, one in zip(parts, after)])
+    _follow_inside(place.parent, after, old, wanted)
+    new = f"{path.rpartition('/')[0]}/{after[0]}"
+    if project is not None:
+        given = project.given()
+        moved = {key: follow(given[key], path, new) for key in ("tissue", "calibration") if key in given}
+        changed = {key: value for key, value in moved.items() if value != given[key]}
+        if changed:
+            change_project(project, **changed)
+    return new
+
+
+def follow(text: str, old: str, new: str) -> str:
+    """A path after something was renamed: the new one for the thing itself and for what lies in it."""
+    return new + text[len(old) :] if text == old or text.startswith(f"{old}/") else text
+
+
+def is_import(path: str) -> bool:
+    """Whether a path is that of a folder of imported presses."""
+    parts = path.split("/")
+    return len(parts) == 2 and parts[0] == "measured" and parts[1].startswith("import-")
+
+
+def check_idle(root: Path, path: str) -> None:
+    """Refuse what a running command reads or writes (InputError)."""
+    target = PurePosixPath(path)
+    for job in jobs.all_jobs(root):
+        if job.state != "running":
+            continue
+        for word in (piece for text in job.words for piece in text.split(",")):
+            place = PurePosixPath(os.path.normpath(os.path.relpath(root / word, root)))
+            if place == target or place in target.parents[:-1] or target in place.parents:
+                raise InputError(f"'{path}' is in use by a running command ({job.name}). Wait for it, or stop it")
+
+
+def parts_of(root: Path, path: str) -> list[Path]:
+    """The files or the folder of a thing of the project, itself first; a tissue has its report and data beside it.
+
+    Raises
+    ------
+    InputError
+        When it is not there, or is no thing of a step.
+    """
+    words = path.split("/")
+    inside(root, path)
+    if len(words) < 2 or words[0] not in FOLDERS or not all(words):
+        raise InputError(f"'{path}' belongs to no step of the project")
+    place = root / path
+    if not (place.exists() or place.is_symlink()):
+        raise InputError(f"'{path}' is not there (any more)")
+    if not _is_tissue(path):
+        return [place]
+    manifest = place.with_name(f"{place.stem}-{MANIFEST}")
+    names = [name for name in _sums(manifest) if name.startswith(place.stem) and "/" not in name]
+    beside = [place.with_name(name) for name in dict.fromkeys([manifest.name, *names]) if name != place.name]
+    return [place, *(one for one in beside if one.is_file())]
+
+
+def _is_tissue(path: str) -> bool:
+    return path.startswith("tissue/") and path.endswith(".toml")
+
+
+def _stem(place: Path) -> str:
+    return place.name if place.is_dir() else place.stem
+
+
+def _renamed(names: Sequence[str], old: str, new: str) -> list[str]:
+    return [new + name[len(old) :] for name in names]
+
+
+def _sums(manifest: Path) -> dict[str, Any]:
+    try:
+        found = json.loads(manifest.read_text(encoding="utf-8"))["sha256"]
+    except (OSError, ValueError, KeyError, TypeError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def _follow_inside(folder: Path, names: Sequence[str], old: str, new: str) -> None:
+    """Write a tissue's new name into its file and its manifest, so that a later fit knows its files again."""
+    tissue, manifest = folder / f"{new}.toml", folder / f"{new}-{MANIFEST}"
+    if folder.name != "tissue" or tissue.name not in names:
+        return
+    head, table, rest = tissue.read_text(encoding="utf-8").partition("\n[")
+    lines = [f"name = {toml_text(new)}" if line.replace(" ", "").startswith("name=") else line
+             for line in head.split("\n")]  # fmt: skip
+    write_text(tissue, "\n".join(lines) + table + rest)
+    if manifest.name not in names or not _sums(manifest):
+        return
+    kept = json.loads(manifest.read_text(encoding="utf-8"))
+    sums = {new + name[len(old) :] if name.startswith(old) else name: sum for name, sum in kept["sha256"].items()}
+    write_text(manifest, json.dumps(kept | {"sha256": sums | {tissue.name: sha256_of(tissue)}}, indent=1) + "\n")
+
+
+def _move(pairs: Sequence[tuple[Path, Path]]) -> None:
+    """Move all, or none."""
+    done: list[tuple[Path, Path]] = []
+    try:
+        for start, end in pairs:
+            end.parent.mkdir(exist_ok=True)
+            shutil.move(start, end)
+            done.append((start, end))
+    except OSError as problem:
+        for start, end in reversed(done):
+            shutil.move(end, start)
+        raise InputError(f"'{pairs[0][0].name}' cannot be moved: {problem.strerror or problem}") from None
+
+
+def _new_folder(home: Path, name: str, now: float) -> Path:
+    stamp, number = time.strftime("%Y%m%d-%H%M%S", time.localtime(now)), 1
+    folder = home / f"{stamp}-{name}"
+    try:
+        home.mkdir(parents=True, exist_ok=True)
+        while True:
+            try:
+                folder.mkdir()
+                return folder
+            except FileExistsError:
+                number += 1
+                folder = home / f"{stamp}-{name}-{number}"
+    except OSError as problem:
+        raise InputError(f"the bin cannot be written: {problem.strerror or problem}") from None

@@ -1,0 +1,1 @@
+"""Presses that come in: plans, files of presses, pads that were pressed, campaigns from elsewhere."""

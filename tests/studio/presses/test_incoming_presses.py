@@ -1,0 +1,99 @@
+"""Presses of a campaign that come in: planned, bad ones replaced, others held until they are assigned, all undone."""
+
+from __future__ import annotations
+
+import pytest
+
+from dummydesign.core.errors import InputError
+from dummydesign.project.folder import make_project
+from dummydesign.studio import bin
+from dummydesign.studio.presses import incoming
+
+PLAN = """schema = 1
+name = "first"
+[pad]
+young_kPa_nominal = 25.0
+[punch]
+side_mm = 14.0
+""" + "".join(
+    f'[[trial]]\nfile = "{name}.csv"\nthickness_mm = 6.0\nvelocity_mm_s = {speed}\ntarget_force_N = {force}\n'
+    for name, speed, force in (("a", 2.0, 3.0), ("b", 2.0, 9.0))
+)  # fmt: skip
+
+
+def trace(force=3.0):
+    rows = (f"{0.01 * k:.2f},{min(0.02 * k, 1.0):.3f},{force * min(0.02 * k, 1.0):.3f}\n" for k in range(200))
+    return ("time_s,displacement_mm,force_N\n" + "".join(rows)).encode()
+
+
+@pytest.fixture
+def root(tmp_path):
+    made = make_project(tmp_path / "thumb", tissue="forefinger").root
+    folder = made / "campaigns" / "first"
+    folder.mkdir(parents=True)
+    (folder / "campaign.toml").write_text(PLAN, encoding="utf-8")
+    return made
+
+
+FOLDER = "campaigns/first"
+
+
+def test_a_press_under_its_planned_name_replaces_the_bad_one_which_can_come_back(root):
+    assert incoming.take(root, FOLDER, "a.csv", trace(2.0)).gone is None
+    taken = incoming.take(root, FOLDER, "a.csv", trace(3.0))
+    place = root / FOLDER / "a.csv"
+    assert place.read_bytes() == trace(3.0)
+    assert taken.gone is not None and "bin" in taken.text
+    incoming.undo(root, taken.gone)
+    assert place.read_bytes() == trace(2.0)
+    assert not list((root / FOLDER).glob("a-*"))
+    again = [one for one in bin.deleted(root) if one.path == f"{FOLDER}/a.csv"]
+    incoming.undo(root, again[0])
+    assert place.read_bytes() == trace(3.0)
+
+
+@pytest.mark.parametrize("content", [b"", b"no numbers\n", b"time_s,displacement_mm\n0,1\n"])
+def test_a_file_that_is_no_trace_is_refused_and_the_good_one_stays(root, content):
+    incoming.take(root, FOLDER, "a.csv", trace())
+    with pytest.raises(InputError, match=r"a\.csv"):
+        incoming.take(root, FOLDER, "a.csv", content)
+    with pytest.raises(InputError, match=r"odd\.csv"):
+        incoming.take(root, FOLDER, "odd.csv", content)
+    assert (root / FOLDER / "a.csv").read_bytes() == trace()
+    assert incoming.held(root, FOLDER) == []
+
+
+def test_a_file_of_another_name_is_held_and_assigned_to_a_planned_press(root):
+    taken = incoming.take(root, FOLDER, "run 7.csv", trace(9.0))
+    assert incoming.held(root, FOLDER) == ["run 7.csv"]
+    assert not (root / FOLDER / "run 7.csv").exists()
+    assert "run 7.csv" in taken.text
+    choices = incoming.presses_for(root, FOLDER, "run 7.csv")
+    assert list(choices) == ["b.csv", "a.csv"]
+    assert choices["b.csv"] != choices["a.csv"]
+    incoming.take(root, FOLDER, "b.csv", trace(8.5))
+    assigned = incoming.assign(root, FOLDER, "run 7.csv", "b.csv")
+    assert (root / FOLDER / "b.csv").read_bytes() == trace(9.0)
+    assert incoming.held(root, FOLDER) == [] and assigned.gone is not None
+    incoming.undo(root, assigned.gone)
+    assert (root / FOLDER / "b.csv").read_bytes() == trace(8.5)
+
+
+def test_the_same_press_is_not_taken_twice(root):
+    incoming.take(root, FOLDER, "a.csv", trace())
+    with pytest.raises(InputError, match=r"a\.csv"):
+        incoming.take(root, FOLDER, "b.csv", trace())
+    assert not (root / FOLDER / "b.csv").exists()
+    same = incoming.take(root, FOLDER, "a.csv", trace())
+    assert same.gone is None and not bin.deleted(root)
+
+
+def test_only_planned_presses_can_be_assigned(root):
+    incoming.take(root, FOLDER, "run.csv", trace())
+    for name in ("c.csv", "../a.csv", "campaign.toml"):
+        with pytest.raises(InputError):
+            incoming.assign(root, FOLDER, "run.csv", name)
+    assert incoming.held(root, FOLDER) == ["run.csv"]
+    incoming.discard(root, FOLDER, "run.csv")
+    assert incoming.held(root, FOLDER) == []
+    assert bin.deleted(root)[0].path.endswith("run.csv")

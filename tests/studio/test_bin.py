@@ -1,0 +1,200 @@
+"""Deleted, renamed, replaced, restored: nothing is lost, nothing is overwritten, the project follows."""
+
+from __future__ import annotations
+
+import json
+import time
+
+import pytest
+
+from dummydesign.core.errors import InputError
+from dummydesign.core.outputs.manifest import sha256_of
+from dummydesign.project.folder import change_project, make_project, read_project
+from dummydesign.studio import bin, uploads
+from dummydesign.studio.work import job as runner
+from dummydesign.studio.work import jobs
+from dummydesign.studio.work.lock import take
+
+
+@pytest.fixture
+def root(tmp_path):
+    made = make_project(tmp_path / "thumb", tissue="tissue/mine.toml").root
+    (made / "measured" / "a.csv").write_text("1")
+    (made / "measured" / "import-a").mkdir()
+    (made / "measured" / "import-a" / "a_1.csv").write_text("press")
+    tissue = made / "tissue" / "mine.toml"
+    tissue.write_text('schema = 1\nname = "mine"\n\n[[subject]]\nname = "mine"\n')
+    (made / "tissue" / "mine-report.html").write_text("report")
+    (made / "tissue" / "minerva.toml").write_text('name = "minerva"\n')
+    sums = {path.name: sha256_of(path) for path in (tissue, made / "tissue" / "mine-report.html")}
+    (made / "tissue" / "mine-manifest.json").write_text(json.dumps({"command": "fit", "sha256": sums}))
+    return made
+
+
+@pytest.fixture
+def running(root):
+    """A command that is at work: its lock is held."""
+    held = []
+
+    def start(*words):
+        folder = root / ".studio" / "jobs" / "0001-step"
+        folder.mkdir(parents=True)
+        asked = {"name": "step", "words": list(words), "cwd": str(root), "start": time.time()}
+        (folder / runner.COMMAND).write_text(json.dumps(asked))
+        held.append(take(folder / runner.LOCK))
+        assert jobs.all_jobs(root)[0].state == "running"
+
+    yield start
+    for lock in held:
+        lock.close()
+
+
+def names(folder):
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_what_is_deleted_lies_in_the_bin_and_comes_back_as_it_was(root):
+    gone = bin.delete(root, "measured/import-a")
+    assert not (root / "measured" / "import-a").exists()
+    assert [one.path for one in bin.deleted(root)] == ["measured/import-a"]
+    assert bin.restore(root, gone) == "measured/import-a"
+    assert (root / "measured" / "import-a" / "a_1.csv").read_text() == "press"
+    assert bin.deleted(root) == [] and names(root / ".studio" / "bin") == []
+
+
+def test_a_tissue_goes_and_comes_back_with_its_report_and_leaves_others_alone(root):
+    gone = bin.delete(root, "tissue/mine.toml")
+    assert names(root / "tissue") == ["minerva.toml"]
+    assert bin.restore(root, gone) == "tissue/mine.toml"
+    assert names(root / "tissue") == ["mine-manifest.json", "mine-report.html", "mine.toml", "minerva.toml"]
+
+
+def test_things_of_one_name_deleted_in_one_second_are_all_kept(root):
+    for text in ("1", "2", "3"):
+        (root / "measured" / "a.csv").write_text(text)
+        bin.delete(root, "measured/a.csv")
+    newest_first = [(one.folder / bin.CONTENT / "a.csv").read_text() for one in bin.deleted(root)]
+    assert newest_first == ["3", "2", "1"]
+
+
+def test_a_restore_overwrites_nothing(root):
+    gone = bin.delete(root, "measured/a.csv")
+    (root / "measured" / "a.csv").write_text("new")
+    assert bin.restore(root, gone) == "measured/a-2.csv"
+    assert (root / "measured" / "a.csv").read_text() == "new" and (root / "measured" / "a-2.csv").read_text() == "1"
+
+
+def test_a_tissue_restored_beside_a_new_one_gets_a_number_inside_and_out(root):
+    gone = bin.delete(root, "tissue/mine.toml")
+    (root / "tissue" / "mine.toml").write_text("new")
+    assert bin.restore(root, gone) == "tissue/mine-2.toml"
+    assert (root / "tissue" / "mine.toml").read_text() == "new"
+    assert 'name = "mine-2"\n\n[[subject]]\nname = "mine"' in (root / "tissue" / "mine-2.toml").read_text()
+
+
+def test_what_was_restored_cannot_be_restored_again(root):
+    gone = bin.delete(root, "measured/a.csv")
+    bin.restore(root, gone)
+    with pytest.raises(InputError):
+        bin.restore(root, gone)
+    assert names(root / "measured") == ["a.csv", "import-a"]
+
+
+def test_a_press_of_a_plan_that_is_gone_waits_for_its_plan(root):
+    plan = root / "campaigns" / "first"
+    plan.mkdir()
+    (plan / "t1.csv").write_text("1")
+    press, whole = bin.delete(root, "campaigns/first/t1.csv"), bin.delete(root, "campaigns/first")
+    with pytest.raises(InputError, match="campaigns/first"):
+        bin.restore(root, press)
+    assert not plan.exists()
+    bin.restore(root, whole)
+    assert bin.restore(root, press) == "campaigns/first/t1.csv"
+
+
+def test_a_tissue_is_renamed_in_its_file_its_manifest_and_the_project(root):
+    assert bin.rename(root, "tissue/mine.toml", "thumb") == "tissue/thumb.toml"
+    assert names(root / "tissue") == ["minerva.toml", "thumb-manifest.json", "thumb-report.html", "thumb.toml"]
+    assert (root / "tissue" / "thumb.toml").read_text().split("\n")[1] == 'name = "thumb"'
+    assert read_project(root).tissue == "tissue/thumb.toml"
+    sums = json.loads((root / "tissue" / "thumb-manifest.json").read_text())["sha256"]
+    assert sums == {name: sha256_of(root / "tissue" / name) for name in ("thumb.toml", "thumb-report.html")}
+
+
+def test_a_calibration_is_renamed_in_the_project(root):
+    (root / "calibrations" / "loop-a").mkdir()
+    change_project(read_project(root), calibration="calibrations/loop-a/calibration.json")
+    bin.rename(root, "calibrations/loop-a", "monday")
+    assert dict(read_project(root).asked)["calibration"] == "calibrations/monday/calibration.json"
+    assert read_project(root).tissue == "tissue/mine.toml"
+
+
+def test_a_file_keeps_its_ending_and_an_import_its_beginning(root):
+    assert bin.rename(root, "measured/a.csv", "b") == "measured/b.csv"
+    assert bin.rename(root, "measured/b.csv", "c.csv") == "measured/c.csv"
+    assert bin.rename(root, "measured/import-a", "monday") == "measured/import-monday"
+
+
+@pytest.mark.parametrize("name", ["", "../b", "b/c", ".b", "a\tb", "taken"])
+def test_a_name_that_is_not_plain_or_is_taken_is_refused_and_nothing_moves(root, name):
+    (root / "measured" / "taken.csv").write_text("2")
+    before = names(root / "measured")
+    with pytest.raises(InputError):
+        bin.rename(root, "measured/a.csv", name)
+    assert names(root / "measured") == before
+
+
+@pytest.mark.parametrize("path", ["project.toml", "measured", "measured/", "../other", ".studio/jobs", "measured/b.csv",
+                                  "measured/../project.toml", "/etc/hosts"])  # fmt: skip
+def test_only_things_of_the_steps_can_be_deleted(root, path):
+    with pytest.raises(InputError):
+        bin.delete(root, path)
+    assert (root / "project.toml").is_file() and bin.deleted(root) == []
+
+
+@pytest.mark.parametrize(
+    ("words", "path"),
+    [(["import", "measured/a.csv", "--out", "measured/import-b"], "measured/a.csv"),
+     (["fit", "measured/import-a/a_1.csv", "--out", "tissue/x.toml"], "measured/import-a"),
+     (["suggest", "--tissue", "tissue/mine.toml", "--out", "designs/a"], "tissue/mine.toml"),
+     (["compare-designs", "designs/b,measured/import-a"], "measured/import-a"),
+     (["loop", "measured"], "measured/a.csv")],
+)  # fmt: skip
+def test_what_a_running_command_reads_or_writes_stays(root, running, words, path):
+    running(*words)
+    for change in (lambda: bin.delete(root, path), lambda: bin.rename(root, path, "other")):
+        with pytest.raises(InputError, match="in use"):
+            change()
+    assert (root / path).exists()
+    # and nothing else is held back: '.' and numbers are no folders of it
+    other = "measured/import-a" if "measured/a.csv" in words else "tissue/minerva.toml"
+    bin.delete(root, other)
+
+
+def test_an_upload_with_the_content_of_another_file_is_not_copied(root):
+    stored = uploads.store(root, root / "measured", "b.csv", b"1")
+    assert (stored.name, stored.outcome) == ("a.csv", "same")
+    assert uploads.store(root, root / "measured", "a.csv", b"1").outcome == "same"
+    assert names(root / "measured") == ["a.csv", "import-a"]
+
+
+def test_an_upload_of_a_name_that_is_there_gets_a_number_and_can_take_its_place(root):
+    stored = uploads.store(root, root / "measured", "a.csv", b"2")
+    assert (stored.name, stored.outcome) == ("a-2.csv", "numbered")
+    done = uploads.take_place(root, root / "measured", "a-2.csv", "a.csv")
+    assert (root / "measured" / "a.csv").read_bytes() == b"2" and not (root / "measured" / "a-2.csv").exists()
+    assert (done.gone.folder / bin.CONTENT / "a.csv").read_bytes() == b"1"
+
+
+def test_an_upload_that_replaces_takes_the_name_and_the_old_file_comes_back_with_a_number(root):
+    stored = uploads.store(root, root / "measured", "a.csv", b"2", replace=True)
+    assert (stored.name, stored.outcome, stored.gone.why) == ("a.csv", "replaced", "replaced")
+    assert bin.restore(root, stored.gone) == "measured/a-2.csv"
+    assert (root / "measured" / "a-2.csv").read_bytes() == b"1"
+
+
+def test_an_upload_does_not_replace_what_a_running_command_reads(root, running):
+    running("import", "measured/a.csv", "--out", "measured/import-b")
+    with pytest.raises(InputError, match="in use"):
+        uploads.store(root, root / "measured", "a.csv", b"2", replace=True)
+    assert (root / "measured" / "a.csv").read_bytes() == b"1"

@@ -1,0 +1,291 @@
+"""Mould, cast pad, campaign, learn and overview by real clicks: what is shown is chosen, mistakes are mended."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from dummydesign.studio import bin
+from tests.support import lab_project as lab
+from tests.support.studio import browser, running
+from tests.support.studio import test_id as by
+
+pytestmark = pytest.mark.slow
+WAIT_MS = 120_000
+"""For what a page does at once, on a busy machine. [ms]"""
+
+
+@pytest.fixture
+def studio(tmp_path):
+    root = lab.lab_project(tmp_path / "thumb")
+    with running(root, tmp_path / "home") as found:
+        yield found, root
+
+
+@pytest.fixture
+def page(studio):
+    with browser(viewport={"width": 1280, "height": 900}) as found:
+        found.set_default_timeout(WAIT_MS)
+        found.goto(studio[0].address)
+        found.wait_for_selector("h1")
+        yield found
+        assert found.broken == [] and found.outside == []
+
+
+def opened(page, studio, path):
+    page.goto(f"{studio[0].home}{path}")
+    page.wait_for_selector("h1")
+
+
+def choose(page, test, name):
+    page.locator(by(test)).click()
+    page.get_by_role("option", name=name, exact=True).click()
+
+
+def sent(name, content):
+    return {"name": name, "mimeType": "text/csv", "buffer": content if isinstance(content, bytes) else content.encode()}
+
+
+def drop(page, place, *files):
+    page.locator(f"{by(f'drop-{place}')} input[type=file]").set_input_files(list(files))
+
+
+def trial(root, campaign, file):
+    with open(root / "campaigns" / campaign / "campaign.toml", "rb") as stream:
+        return next(one for one in tomllib.load(stream)["trial"] if one["file"] == file)
+
+
+def test_go_there_opens_what_the_next_step_is_about_and_links_open_what_they_name(page, studio):
+    opened(page, studio, "?campaign=campaigns/first")
+    page.locator(by("next")).click()
+    page.wait_for_selector(by("state"))
+    assert "campaigns%2Fsecond" in page.url
+    assert page.locator(by("state")).inner_text().count("0 of 8") == 1
+    opened(page, studio, "")
+    page.locator(by("open-designs/good")).click()
+    page.wait_for_selector("h1 >> text=Design")
+    assert "thickness_mm=4.5" in page.url and "design=designs%2Fgood" in page.url
+    opened(page, studio, "?campaign=campaigns/second")
+    page.locator(by("open-calibrations/terminal-first")).click()
+    page.wait_for_selector(by("calibration"))
+    assert "campaign=campaigns%2Ffirst" in page.url
+
+
+def test_a_red_design_is_named_before_the_button_and_its_mould_is_not_handed_out(page, studio):
+    opened(page, studio, "mould?design=designs/red")
+    page.wait_for_selector(by("red"))
+    assert "The verdict of red." in page.locator(by("red")).inner_text()
+    above = page.evaluate("""() => document.querySelector('[data-test="red"]').getBoundingClientRect().bottom
+        < document.querySelector('[data-test="run-mould"]').getBoundingClientRect().top""")
+    assert above
+    assert "mould_t6" in page.locator(by("mould-of-this-pad")).inner_text()
+    page.wait_for_selector(by("do-not-cast"))
+    assert not page.locator(by("zip")).is_visible()
+    page.locator(by("other-mould")).click()
+    page.wait_for_selector(f"{by('mould-of-this-pad')} >> text=mould_t15")
+    assert page.locator(by("red")).count() == 0 and page.locator(by("zip")).is_visible()
+    heads = page.locator("h3").all_inner_texts()
+    assert heads[:3] == ["Pour", "Print or machine", "Draw"]
+    assert page.locator(".links a").nth(1).get_attribute("href").endswith("pour_t15.pdf")
+
+
+def test_another_thickness_takes_the_mould_away(page, studio):
+    opened(page, studio, "mould?design=designs/red")
+    page.wait_for_selector(by("mould-of-this-pad"))
+    page.locator(f"input{by('thickness')}").fill("15")
+    page.wait_for_selector(f"{by('mould-of-this-pad')} >> text=mould_t15")
+    assert page.locator(by("mould-of-this-pad")).count() == 1 and "thickness_mm=15" in page.url
+
+
+def test_learn_shows_the_chosen_campaign_alone_also_from_the_terminal_and_after_a_failure(page, studio):
+    root = studio[1]
+    lab.calibration(root, "loop-first", "first")
+    words = ["loop", "campaigns/first", "--out", "calibrations/loop-first"]
+    lab.job(root, 1, "loop", words, lab.learned("calibrations/loop-first/calibration.json", "All is described."), 0)
+    lab.job(root, 2, "loop", words, {}, 2, "the disk is full")
+    opened(page, studio, "learn?campaign=campaigns/first")
+    page.wait_for_selector(f"{by('found-loop')} {by('verdict')} >> text=All is described.")
+    assert "the disk is full" in page.locator(".work .problem").first.inner_text()
+    assert page.locator(by("calibration")).count() == 2
+    assert page.locator(f"{by('found-loop')} {by('curves')} figure").count() == 1
+    choose(page, "campaign", "campaigns/second")
+    page.wait_for_function("document.querySelectorAll('[data-test=calibration]').length === 0")
+    assert page.locator(by("verdict")).count() == 0 and page.locator(by("curves")).count() == 0
+    choose(page, "campaign", "campaigns/first")
+    page.wait_for_selector(by("calibration"))
+    page.locator(by("again")).last.click()
+    page.wait_for_selector("h1 >> text=Design")
+    assert "calibration=calibrations%2Fterminal-first%2Fcalibration.json" in page.url
+
+
+def test_a_calibration_of_a_changed_campaign_is_marked_and_can_be_deleted_and_brought_back(page, studio):
+    root = studio[1]
+    toml = root / "campaigns" / "first" / "campaign.toml"
+    toml.write_text(toml.read_text(encoding="utf-8") + "# changed\n", encoding="utf-8")
+    opened(page, studio, "learn?campaign=campaigns/first")
+    page.wait_for_selector(by("outdated"))
+    page.locator(by("delete")).click()
+    page.wait_for_selector(by("undo-last"))
+    assert not (root / "calibrations" / "terminal-first").exists()
+    page.locator(by("undo-last")).click()
+    page.wait_for_selector(by("calibration"))
+    assert (root / "calibrations" / "terminal-first" / "calibration.json").is_file()
+
+
+def test_a_bad_press_is_replaced_comes_back_and_others_are_assigned_or_refused_each(page, studio):
+    root = studio[1]
+    folder = root / "campaigns" / "first"
+    names = sorted(path.name for path in folder.glob("*.csv"))
+    first, second = names[0], names[1]
+    before = {name: (folder / name).read_bytes() for name in names}
+    opened(page, studio, "campaign?campaign=campaigns/first")
+    page.wait_for_selector(by("state"))
+    longer, other = before[first] + b"999.0,0.0,0.0\n", before[second] + b"999.0,0.0,0.0\n"
+    drop(page, "presses", sent(first, longer), sent("run 7.csv", other), sent("bad.csv", "no numbers"),
+         sent("image.png", b"\x89PNG"))  # fmt: skip
+    said = f"{by('drop-presses-said')} [data-kind=refused]"
+    page.wait_for_function(f"document.querySelectorAll('{said}').length === 2")
+    refused = " ".join(page.locator(said).all_inner_texts())
+    assert "bad.csv" in refused and "image.png" in refused
+    page.wait_for_selector(by("bring-back"))
+    assert (folder / first).read_bytes() == longer
+    page.locator(by("bring-back")).click()
+    page.wait_for_function("document.querySelectorAll('[data-test=bring-back]').length === 0")
+    assert (folder / first).read_bytes() == before[first]
+    page.locator(by("assign-to")).click()
+    page.get_by_role("option").filter(has_text=second).click()
+    page.locator(by("assign")).click()
+    page.wait_for_function("document.querySelectorAll('[data-test=held]').length === 0")
+    assert (folder / second).read_bytes() == other and not list((folder / "unassigned").glob("*"))
+    assert sum(one.path.endswith(second) for one in bin.deleted(root)) == 1
+
+
+def test_values_of_presses_are_written_and_refused_by_name_by_the_keyboard(page, studio):
+    root = studio[1]
+    opened(page, studio, "campaign?campaign=campaigns/second")
+    page.wait_for_selector(by("state"))
+    page.locator(f"{by('values')} .q-item").first.focus()
+    page.keyboard.press("Enter")
+    page.wait_for_selector(".values input")
+    file = page.locator(".values tbody th").first.inner_text()
+    page.locator('.values input[data-row="0"][data-key="temperature_C"]').focus()
+    page.keyboard.type("21,5")
+    page.keyboard.press("Tab")
+    page.wait_for_selector(f"{by('values-said')} .note")
+    assert trial(root, "second", file)["temperature_C"] == 21.5
+    before = (root / "campaigns" / "second" / "campaign.toml").read_bytes()
+    page.locator('.values input[data-row="0"][data-key="age_days"]').fill("-4")
+    page.keyboard.press("Tab")
+    page.wait_for_selector(f"{by('values-said')} .problem >> text=age_days")
+    page.wait_for_selector('.values input[data-row="0"][data-key="age_days"][aria-invalid=true]')
+    assert (root / "campaigns" / "second" / "campaign.toml").read_bytes() == before
+    page.locator(by("fill-day")).click()
+    page.get_by_role("option").filter(has_text="14").click()
+    page.locator(f"input{by('fill-value')}").fill("23")
+    page.locator(by("fill")).click()
+    page.wait_for_selector(f"{by('values-said')} .note")
+    with open(root / "campaigns" / "second" / "campaign.toml", "rb") as stream:
+        trials = tomllib.load(stream)["trial"]
+    assert {one.get("temperature_C") for one in trials if one["age_days"] == 14.0} == {23.0}
+    assert [one["temperature_C"] for one in trials if one["age_days"] == 9.0 and "temperature_C" in one] == [21.5]
+
+
+def test_a_campaign_folder_is_brought_in_as_it_is(page, studio):
+    root = studio[1]
+    folder = root / "campaigns" / "first"
+    paths = [path for path in sorted(folder.iterdir()) if path.suffix in (".csv", ".toml")]
+    files = [sent(path.name, path.read_bytes()) for path in paths]
+    opened(page, studio, "campaign")
+    page.locator(f"{by('bring-in')} .q-item").first.click()
+    drop(page, "campaign", *files)
+    page.wait_for_selector(by("bring"))
+    page.wait_for_selector(f"{by('waiting')} >> text={len(files)} files")
+    page.locator(f"input{by('bring-name')}").fill("of May")
+    page.locator(by("bring")).click()
+    page.wait_for_url("**campaigns%2Fof+May**")
+    page.wait_for_selector(f"{by('state')} >> text=8 of 8")
+    for one in files:
+        assert (root / "campaigns" / "of May" / one["name"]).read_bytes() == one["buffer"]
+
+
+def test_presses_without_a_campaign_file_become_one_by_a_table(page, studio):
+    root = studio[1]
+    folder = root / "campaigns" / "first"
+    files = [sent(f"run {k}.csv", path.read_bytes()) for k, path in enumerate(sorted(folder.glob("*.csv"))[:4])]
+    opened(page, studio, "campaign")
+    page.locator(f"{by('bring-in')} .q-item").first.click()
+    drop(page, "campaign", *files)
+    page.wait_for_selector(f"{by('waiting')} >> text=4 files")
+    for row in range(4):
+        for key, text in (("thickness_mm", "6"), ("age_days", "9"), ("temperature_C", "22")):
+            page.locator(f'.values input[data-row="{row}"][data-key="{key}"]').fill(text)
+            page.keyboard.press("Tab")
+    page.wait_for_timeout(500)
+    page.locator(by("run-fromfiles")).click()
+    page.wait_for_selector(by("brought"))
+    made = trial(root, "earlier", "run 2.csv")
+    assert (made["thickness_mm"], made["age_days"], made["temperature_C"]) == (6.0, 9.0, 22.0)
+    page.locator(by("bring-remove")).click()
+    page.wait_for_function("document.querySelectorAll('[data-test=waiting]').length === 0")
+    assert not (root / "measured" / "to-bring-in").exists()
+
+
+def test_a_plan_begins_with_the_moulds_and_can_be_changed_until_a_press_is_there(page, studio):
+    root = studio[1]
+    opened(page, studio, "campaign?campaign=campaigns/second&thickness_mm=6&shape=slab&ratio=15")
+    page.locator(f"{by('plan-new')} .q-item").first.click()
+    line = page.locator(f"{by('plan-new')} .command code").inner_text()
+    assert "--from-mould moulds/mould_t6,moulds/mould_t15" in line and "--pads" not in line
+    page.locator(f"{by('replan')} .q-item").first.click()
+    page.locator(f"input{by('replan-forces')}").fill("2,4")
+    page.wait_for_function("document.querySelector('[data-test=replan] code').textContent.includes('--force 2,4')")
+    page.locator(by("run-replan")).click()
+    page.wait_for_selector(f"{by('found-replan')} {by('planned')}")
+    with open(root / "campaigns" / "second" / "campaign.toml", "rb") as stream:
+        assert {one["target_force_N"] for one in tomllib.load(stream)["trial"]} == {2.0, 4.0}
+    assert sorted(path.name for path in (root / "campaigns").iterdir() if path.name[0] != ".") == ["first", "second"]
+    opened(page, studio, "campaign?campaign=campaigns/first")
+    page.wait_for_selector(by("state"))
+    assert page.locator(by("replan")).count() == 0
+
+
+def test_a_campaign_is_renamed_and_keeps_its_calibration(page, studio):
+    root = studio[1]
+    opened(page, studio, "campaign?campaign=campaigns/first")
+    page.locator(by("rename")).click()
+    page.locator(f"input{by('new-name')}").fill("of June")
+    page.locator(by("save-name")).click()
+    page.wait_for_url("**campaigns%2Fof+June**")
+    assert (root / "campaigns" / "of June" / "campaign.toml").is_file()
+    opened(page, studio, "learn?campaign=campaigns/of June")
+    page.wait_for_selector(by("calibration"))
+
+
+def test_a_cast_pad_is_compared_by_its_presses_and_its_record_is_kept(page, studio):
+    root = studio[1]
+    points = [{"name": name, "low_mm": 5.82, "high_mm": 6.18, "nominal_mm": 6.0} for name in ("middle", "corner1")]
+    from json import dumps
+
+    (root / "moulds" / "mould_t6" / "spec.json").write_text(dumps({"gauge_points": points}), encoding="utf-8")
+    opened(page, studio, "cast?thickness_mm=6&shape=slab&ratio=15")
+    page.wait_for_selector(by("run-compare"))
+    page.locator(f"input{by('gauge-middle')}").fill("6.02")
+    page.locator(f"input{by('gauge-corner1')}").fill("5.97")
+    page.locator(f"input{by('record-mass')}").fill("112")
+    page.wait_for_selector("code >> text=middle=6.02,corner1=5.97")
+    press = next((root / "campaigns" / "first").glob("t06*f06*.csv"))
+    drop(page, "cast", sent("mine.csv", press.read_bytes()), sent("odd.csv", "no numbers"))
+    page.wait_for_selector(f"{by('drop-cast-said')} [data-kind=refused] >> text=odd.csv")
+    assert (root / "measured" / "cast-pad" / "mine.csv").is_file()
+    page.wait_for_selector("code >> text=measured/cast-pad/mine.csv")
+    choose(page, "pad", "campaigns/first: slab, 6 mm, 4 presses")
+    page.wait_for_selector("code >> text=compare campaigns/first/")
+    page.locator(by("run-compare")).click()
+    page.wait_for_selector(f"{by('found-compare')} {by('verdict')}")
+    assert page.locator(f"{by('found-compare')} table tbody tr").count() == 4
+    assert page.locator(by("correction")).count() == 1
+    choose(page, "pad", "campaigns/first: slab, 15 mm, 4 presses")
+    page.wait_for_function("!document.querySelector('[data-test=found-compare] [data-test=verdict]')")
+    assert Path(root / "designs" / "compare-forefinger" / "report.html").is_file()

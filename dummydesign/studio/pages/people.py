@@ -59,6 +59,7 @@ class _People:
             self._name = ui.input("Name of the tissue", value=self._start_name).props('data-test="people-name"')
             self._elements = ui.select(ELEMENTS, value="5", label="Elements of the law")
             self._lowpass = ui.input("Filter of the force, HZ[:ORDER[:PASSES]] (optional)")
+            self._lowpass.props('data-test="people-lowpass"')
             self._replace = ui.checkbox("Replace my tissue of this name").props('data-test="people-replace"')
         self._chain = Chain(self._page.studio, "people", "Fit all and make the tissue", self._steps, self._show,
                             self._ended, self._check)  # fmt: skip

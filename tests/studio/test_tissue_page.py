@@ -181,3 +181,23 @@ def test_the_page_with_results_fits_a_phone_and_names_its_controls(page):
     page.wait_for_timeout(800)
     assert page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth") <= 0
     assert page.evaluate(NAMELESS) == [] and page.evaluate(RULES) == []
+
+
+def test_a_person_whose_fit_fails_ends_the_chain_with_the_reason(page, studio):
+    _, root, home = studio
+    page.locator(by("people")).click()
+    page.locator(by("guess-people")).click()
+    page.locator(f"input{by('people-lowpass')}").fill("-3")
+    page.wait_for_selector(".command code >> text=--lowpass -3")
+    page.locator(by("run-people")).click()
+    page.wait_for_selector(".work .problem >> text=-3")
+    page.wait_for_selector(f"{by('run-people')}:not([disabled])")
+    page.wait_for_timeout(1500)
+    assert len(list((root / ".studio" / "jobs").glob("*-people"))) == 1
+    assert not (home / "materials").exists()
+    # mended, it goes to the end
+    page.locator(f"input{by('people-lowpass')}").fill("")
+    page.wait_for_selector(".command code >> text=tissues add people")
+    page.wait_for_function("!document.body.innerText.includes('--lowpass')")
+    page.locator(by("run-people")).click()
+    page.wait_for_selector(f"{by('found-people')} table")

@@ -13,7 +13,7 @@ from dummydesign.core.datafiles import entries
 from dummydesign.core.errors import InputError
 from dummydesign.studio import choices
 from dummydesign.studio.chain import Chain, Steps
-from dummydesign.studio.frame import html, table, warnings
+from dummydesign.studio.frame import html, table, tell_problem, warnings
 from dummydesign.studio.pages.fits import show_curves
 from dummydesign.studio.work import jobs
 from dummydesign.studio.work.commands import options
@@ -45,6 +45,8 @@ class _People:
     def build(self) -> None:
         html("<p>Write the person's name beside each press. A press without a name is left out. "
              "Each person is fitted, then all make one tissue.</p>")  # fmt: skip
+        for path in self._start.keys() - self._traces.keys():
+            tell_problem(f"The press '{path}' is not there (any more). It is left out until you bring it back.")
         ui.button("Take the names from the file names", on_click=self._guess, color=None).props(
             'outline data-test="guess-people"'
         )
@@ -57,6 +59,7 @@ class _People:
             self._name = ui.input("Name of the tissue", value=self._start_name).props('data-test="people-name"')
             self._elements = ui.select(ELEMENTS, value="5", label="Elements of the law")
             self._lowpass = ui.input("Filter of the force, HZ[:ORDER[:PASSES]] (optional)")
+            self._lowpass.props('data-test="people-lowpass"')
             self._replace = ui.checkbox("Replace my tissue of this name").props('data-test="people-replace"')
         self._chain = Chain(self._page.studio, "people", "Fit all and make the tissue", self._steps, self._show,
                             self._ended, self._check)  # fmt: skip
@@ -139,7 +142,7 @@ class _People:
     def _show_fit(self, job: Job) -> None:
         files = job.answer["files"]
         for path in changed_inputs(self._root, self._root / files.get("manifest", "")):
-            html(f'<p class="problem" role="alert">{escape(path)} has changed since the fit. Fit all again.</p>')
+            tell_problem(f"{path} has changed since the fit. Fit all again.")
         person = Path(files["tissue"]).stem
         with ui.expansion(f"{person}: measured and fitted force").style("width:100%") as place:
             place.on_value_change(lambda event: self._open(place, job))

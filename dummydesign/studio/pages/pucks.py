@@ -23,6 +23,7 @@ from dummydesign.studio.frame import (
     open_page,
     page_link,
     table,
+    tell_problem,
     warnings,
 )  # fmt: skip
 from dummydesign.studio.state import State
@@ -55,9 +56,13 @@ class _Pucks:
             html(f'<p class="note">No presses yet: {page_link("/measured", "bring in the file of a puck")} first.</p>')
             return
         start = self._start
+        gone = start.get("puck", "")
+        if gone and gone not in self._known:
+            tell_problem(f"The press '{gone}' is not there (any more). Choose another, or bring it back.")
+            self._known = {gone: f"{gone} (missing)", **self._known}
         bases = {"": "default: the batch itself, else polyurethane-nagoya", **choices.resins()}
         with ui.element("div").classes("fields"):
-            first = start.get("puck") if start.get("puck") in self._known else next(iter(self._known))
+            first = start.get("puck") or next(iter(self._known))
             self._puck = ui.select(self._known, value=first, label="Press of the puck").props('data-test="puck"')
             self._diameter = ui.number("Diameter [mm]", value=_number(start.get("diameter")), min=1, max=500)
             self._height = ui.number("Height [mm]", value=_number(start.get("height")), min=1, max=500)

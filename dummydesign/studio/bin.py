@@ -172,7 +172,15 @@ def rename(root: Path, path: str, name: str) -> str:
 
 
 def follow(text: str, old: str, new: str) -> str:
-    """A path after something was renamed: the new one for the thing itself and for what lies in it."""
+    """A path after something was renamed: the new one for the thing itself and for what lies in it.
+
+    Parameters
+    ----------
+    text : str
+        A path from the project folder on.
+    old, new : str
+        Its names before and after, or those of a folder around it.
+    """
     return new + text[len(old) :] if text == old or text.startswith(f"{old}/") else text
 
 

@@ -154,14 +154,34 @@ def keep_state(state: State, **more: str) -> None:
 
 
 def page_link(path: str, words: str, test: str = "", current: bool = False) -> str:
-    """HTML of a link to a page, which shows what is chosen on this one when the link is used."""
+    """HTML of a link to a page, which shows what is chosen on this one when the link is used.
+
+    Parameters
+    ----------
+    path : str
+        Of the page.
+    words : str
+        Of the link.
+    test : str
+        Name by which tests find it.
+    current : bool
+        Whether it is the page that is open.
+    """
     marked = f' data-test="{escape(test)}"' if test else ""
     here = " aria-current=page" if current else ""
     return f'<a data-state{marked}{here} href="{address(path)}">{escape(words)}</a>'
 
 
 def state_link(path: str, words: str, state: State, test: str = "") -> str:
-    """HTML of a link to a page that shows a state of its own, whatever is chosen on this page later."""
+    """HTML of a link to a page that shows a state of its own, whatever is chosen on this page later.
+
+    Parameters
+    ----------
+    path, words, test : str
+        As for :func:`page_link`.
+    state : State
+        That the page shows.
+    """
     marked = f' data-test="{escape(test)}"' if test else ""
     return f'<a{marked} href="{address(path)}?{escape(state.query())}">{escape(words)}</a>'
 

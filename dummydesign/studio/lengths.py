@@ -60,8 +60,9 @@ def first_shape(
     Parameters
     ----------
     kind : str
+        Such as ``crowned``.
     thickness_mm, radius_mm : float
-        As for :func:`lengths_of`.
+        As for :func:`lengths_of`. [mm]
     solvable : callable
         Whether a shape can be pressed at this thickness.
     near : PadShape, optional

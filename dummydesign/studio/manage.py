@@ -205,7 +205,16 @@ class UndoBar:
         return place
 
     def offer(self, gone: bin.Deleted, then: Then, focus: bool = True) -> None:
-        """Show what was deleted, with its button; the button that deleted it is gone, so this one gets the focus."""
+        """Show what was deleted, with its button; the button that deleted it is gone, so this one gets the focus.
+
+        Parameters
+        ----------
+        gone : Deleted
+        then : callable
+            Called with the old and the new path once it is back.
+        focus : bool
+            Whether the button gets the focus.
+        """
         name = gone.path.rpartition("/")[2]
 
         def undo() -> None:

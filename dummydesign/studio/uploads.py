@@ -75,7 +75,16 @@ def store(root: Path, folder: Path, name: str, content: bytes, replace: bool = F
 
 
 def twin(folder: Path, name: str, content: bytes) -> str | None:
-    """Name of the file of a folder with the same content; the one of this name first."""
+    """Name of the file of a folder with the same content; the one of this name first.
+
+    Parameters
+    ----------
+    folder : Path
+    name : str
+        As sent.
+    content : bytes
+        The whole file.
+    """
     size, sum = len(content), hashlib.sha256(content).hexdigest()
     found = sorted(folder.glob("*"), key=lambda path: (path.name != name, path.name))
     for path in found:

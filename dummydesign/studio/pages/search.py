@@ -62,7 +62,17 @@ def press_rows(presses: Sequence[Mapping[str, Any]]) -> list[list[object]]:
 
 
 def state_of_answer(state: State, answer: dict[str, Any], folder: str) -> State:
-    """The state of the pad that a search recommends."""
+    """The state of the pad that a search recommends.
+
+    Parameters
+    ----------
+    state : State
+        Of the page.
+    answer : dict
+        JSON of ``suggest``.
+    folder : str
+        Of the design, from the project folder on.
+    """
     best = answer["recommendation"]
     return state.changed(shape=best["shape"], thickness_mm=float(best["thickness_mm"]), ratio=float(best["ratio"]),
                          resin=best["resin"] if best["resin"] == state.resin.rpartition("/")[2] else state.resin,

@@ -4,7 +4,7 @@
 (() => {
   if (window.plotsRead) return;
   window.plotsRead = true;
-  const MOST = 20, ROWS = 8, PLOT = "svg.plot[data-x]", SVG = "http://www.w3.org/2000/svg";
+  const MOST = 20, ROWS = 8, PLOT = "svg.plot[data-x]";
   const states = new WeakMap(), kept = new Map();
   let shown = null, drag = null, box = null, spoken = null;
 
@@ -229,7 +229,7 @@
     if (shown && shown !== s) hide();
     shown = s;
     svg.querySelector("g.cross")?.remove();
-    const cross = svg.appendChild(document.createElementNS(SVG, "g"));
+    const cross = svg.appendChild(document.createElementNS(svg.namespaceURI, "g"));
     cross.setAttribute("class", "cross");
     const inside = (p, a) => p >= Math.min(a.start, a.stop) - 0.01 && p <= Math.max(a.start, a.stop) + 0.01;
     let made = inside(px, x) ? `<path d="M${px} ${y.start}L${px} ${y.stop}"/>` : "";

@@ -14,8 +14,8 @@ from dummydesign.report.figures.plot import Plot
 STUDIO = Path(dummydesign.studio.__file__).parent
 ESCAPES = {"escape", "page_link", "state_link", "marked", "address", "len"}
 """Functions that return HTML, or text without a sign that HTML knows."""
-OURS = {"_list", "html", "plots_html", "table_html", "whole_glossary", "style", "_ended", "strftime", "plots_js", "replace",
-        "sub"}  # fmt: skip
+OURS = {"_list", "html", "plots_html", "table_html", "whole_glossary", "style", "_ended", "strftime", "plots_js",
+        "replace", "sub"}  # fmt: skip
 """Functions that put HTML or words of our own together."""
 NUMBERS = {"low", "high", "number", "done", "left", "passed"}
 CONSTANTS = {"key", "stage", "kind", "line", "title", "short", "name"}
@@ -37,6 +37,8 @@ def safe(value: ast.expr, known: dict[str, list[ast.expr]], seen: frozenset[str]
             return same(value.body) and same(value.orelse)
         case ast.BinOp():
             return same(value.left) and same(value.right)
+        case ast.BoolOp():
+            return all(map(same, value.values))
         case ast.List() | ast.Tuple():
             return all(map(same, value.elts))
         case ast.Subscript(slice=ast.Slice()):

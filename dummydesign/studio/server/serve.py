@@ -73,8 +73,8 @@ def run_studio(folder: str | Path, port: int | None, browser: bool, say: Callabl
     say(f"studio of '{root.name}': {address}?key={key}")
     if browser:
         _show(home, address)
-    config = uvicorn.Config(Guard(make_app(root), key, found, once=_once(home)), log_level="warning", server_header=False,
-                            proxy_headers=False)  # fmt: skip
+    guard = Guard(make_app(root), key, found, once=_once(home))
+    config = uvicorn.Config(guard, log_level="warning", server_header=False, proxy_headers=False)
     try:
         uvicorn.Server(config).run(sockets=[listening])
     finally:

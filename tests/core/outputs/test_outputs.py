@@ -265,8 +265,6 @@ def test_a_command_that_is_ended_leaves_nothing(tmp_path):
 
 
 def test_a_manifest_that_two_commands_write_at_once_is_whole(tmp_path, monkeypatch):
-    import os
-
     parts, replace = [], os.replace
 
     def noted(source, target):

@@ -70,6 +70,8 @@ def test_without_the_key_nothing_is_answered():
     assert ask()[::2] == ask(query="key=wrong")[::2] == ask(query="key=")[::2] == (403, [])
     assert ask(query="key=sesame", method="POST")[::2] == (403, [])
     assert ask(known=True)[::2] == (200, [0])
+    # a path that only begins with that of the studio is another one
+    assert ask("x/", known=True)[::2] == (403, [])
 
 
 def test_neither_the_path_without_the_cookie_nor_the_cookie_without_the_path_opens_anything():
@@ -207,7 +209,8 @@ def test_a_disk_that_is_full_is_said_and_leaves_nothing(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("path", ["../x", "designs/../../x", ".studio/lock", "designs/.part/a", "/etc/passwd"])
+@pytest.mark.parametrize("path", ["../x", "designs/../../x", "a/../designs", ".studio/lock", "designs/.part/a",
+                                  "/etc/passwd"])  # fmt: skip
 def test_only_what_lies_in_the_project_is_given_out(tmp_path, path):
     with pytest.raises(InputError, match="not a file of this project"):
         files.inside(tmp_path, path)

@@ -171,3 +171,14 @@ def test_a_link_that_was_deleted_keeps_nobody_out(tmp_path, start):
     (content / "a.csv").symlink_to(tmp_path / "nowhere")
     start()
     assert len(start.said) == 1
+
+
+def test_only_this_machine_reaches_the_server_and_no_header_says_otherwise(tmp_path, start, monkeypatch):
+    seen = []
+
+    def run(server, sockets):
+        seen.extend((socket.getsockname()[0], server.config.proxy_headers) for socket in sockets)
+
+    monkeypatch.setattr(uvicorn.Server, "run", run)
+    serve.run_studio(tmp_path, None, False, start.said.append)
+    assert seen == [("127.0.0.1", False)]

@@ -258,7 +258,7 @@ def test_an_address_that_no_page_has_never_reaches_the_server(path):
     assert ask(path, known=True, kind="websocket")[::2] == (4403, [])
 
 
-@pytest.mark.parametrize("length", ["²", "٣"])
+@pytest.mark.parametrize("length", ["²", "1³"])
 def test_a_length_in_other_digits_is_no_length(length):
     async def nothing(*_):
         raise AssertionError
@@ -269,7 +269,7 @@ def test_a_length_in_other_digits_is_no_length(length):
         sent.append(message)
 
     host = (b"host", b"127.0.0.1:8420")
-    heads = [host, (b"content-length", length.encode("utf-8"))]
+    heads = [host, (b"content-length", length.encode("latin-1"))]
     scope = {"type": "http", "method": "POST", "path": "/view/a", "query_string": b"", "headers": heads}
     asyncio.run(Guard(nothing, "sesame", 8420)(scope, nothing, send))
     assert sent[0]["status"] == 413

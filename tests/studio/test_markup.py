@@ -116,3 +116,24 @@ def test_the_name_of_a_figure_is_no_html():
     name = 'press-"><img src=x>'
     text = Plot(name, "", "", "x", "y", "x", "y", (Line("a", [0.0, 1.0], [0.0, 1.0]),)).html()
     assert "<img" not in text and "<svg" in text
+
+
+@pytest.mark.parametrize("name", ["a\\x.csv", 'b"c', "d\\", "e\nf", "<b>", "g' :onclick=1"])
+def test_a_name_is_the_label_of_its_buttons_whatever_letters_it_has(name, monkeypatch):
+    pytest.importorskip("nicegui", reason="no NiceGUI here: pip install nicegui")
+    from nicegui import ui
+    from nicegui.client import Client
+    from nicegui.page import page
+
+    from dummydesign.studio import manage
+    from dummydesign.studio.frame import Studio
+
+    monkeypatch.setattr(manage, "undo_bar", lambda studio: None)
+    client = Client(page(""), request=None)
+    with client:
+        manage.manage(Studio(Path()), f"designs/{name}", "design", lambda old, new: None)
+    given = [dict(one.props) for one in client.elements.values() if isinstance(one, ui.button)]
+    client.delete()
+    assert {one["data-name"] for one in given} == {name}
+    assert all(set(one) >= {"aria-label", "data-test", "outline", "dense"} and "onclick" not in one for one in given)
+    assert {one["aria-label"] for one in given} == {f"{word} the design {name}" for word in ("Rename", "Delete")}

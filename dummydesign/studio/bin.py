@@ -52,8 +52,10 @@ def deleted(root: Path) -> list[Deleted]:
     for path in (root / HOME).glob(f"*/{ENTRY}"):
         try:
             kept = json.loads(path.read_text(encoding="utf-8"))
-            found.append(Deleted(path.parent, str(kept["path"]), float(kept["time"]), str(kept["why"])))
-        except (OSError, ValueError, KeyError, TypeError):
+            when = float(kept["time"])
+            time.localtime(when)
+            found.append(Deleted(path.parent, str(kept["path"]), when, str(kept["why"])))
+        except (OSError, ValueError, KeyError, TypeError, OverflowError):
             continue
     return sorted(found, key=lambda one: (one.time, one.folder.name), reverse=True)
 

@@ -48,12 +48,14 @@ def manage(studio: Studio, path: str, kind: str, then: Then) -> None:
     """
     name = path.rpartition("/")[2]
     bar = undo_bar(studio)
-    with ui.element("div").classes("manage").props(f'role="group" aria-label="change {escape(name)}"'):
+    with ui.element("div").classes("manage").props("role=group") as row:
+        row.props["aria-label"] = f"change {name}"
         buttons: dict[str, ui.button] = {}
         for word in ("Rename", "Replace", "Delete")[:: 1 if kind == "file" else 2]:
             buttons[word] = ui.button(word, color=None)
-            buttons[word].props(f'outline dense aria-label="{word} the {kind} {escape(name)}"')
-            buttons[word].props(f'data-test="{word.lower()}" data-name="{escape(name)}"')
+            buttons[word].props(f'outline dense data-test="{word.lower()}"')
+            # not in a text of properties: a name with a backslash in it would break off there
+            buttons[word].props.update({"aria-label": f"{word} the {kind} {name}", "data-name": name})
     form = ui.element("div")
 
     def remove() -> None:
@@ -229,7 +231,7 @@ class UndoBar:
         place = self.say(f"The earlier {name} was replaced." if gone.why == "replaced" else f"{name} was deleted.")
         with place:
             button = ui.button("Undo", on_click=undo)
-            button.props(f'dense data-test="undo-last" aria-label="Undo: bring back {escape(name)}"')
+            button.props('dense data-test="undo-last"').props["aria-label"] = f"Undo: bring back {name}"
             if focus:
                 ui.run_javascript(f"setTimeout(() => document.getElementById('{button.html_id}')?.focus(), 100)")
 
@@ -275,8 +277,8 @@ def deleted_files(studio: Studio) -> None:
             for one in found:
                 when = time.strftime("%d %b %H:%M", time.localtime(one.time))
                 with ui.element("div").classes("thing"):
-                    html(f"<span>{escape(one.path)}, {one.why} {when}</span>")
+                    html(f"<span>{escape(one.path)}, {escape(one.why)} {when}</span>")
                     button = ui.button("Restore", on_click=lambda one=one: restore(one), color=None)
-                    button.props(f'outline dense aria-label="Restore {escape(one.path)}" data-test="restore"')
+                    button.props('outline dense data-test="restore"').props["aria-label"] = f"Restore {one.path}"
 
     renew()

@@ -119,7 +119,8 @@ def read_state(project: Project, query: Mapping[str, str]) -> State:
 
 def _in_project(root: Path, name: str, text: str) -> bool:
     """Whether a path of the address stays in the project; names of the library are no paths."""
-    if name not in ("design", "calibration", "campaign") and not text.endswith(".toml"):
+    path = name in ("design", "calibration", "campaign") or text.endswith(".toml")
+    if not (path or (name in ("tissue", "resin") and "/" in text)):
         return True
     try:
         files.inside(root, text)

@@ -64,6 +64,7 @@ def store(root: Path, folder: Path, name: str, content: bytes, replace: bool = F
         For a name that is not plain, a folder that cannot be written, or one that is in use by a running command.
     """
     files.plain_name(name)
+    files.inside(root, folder.relative_to(root).as_posix())
     same = twin(folder, name, content)
     if same is not None:
         return Stored(same, "same", name)

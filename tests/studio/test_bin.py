@@ -198,3 +198,19 @@ def test_an_upload_does_not_replace_what_a_running_command_reads(root, running):
     with pytest.raises(InputError, match="in use"):
         uploads.store(root, root / "measured", "a.csv", b"2", replace=True)
     assert (root / "measured" / "a.csv").read_bytes() == b"1"
+
+
+@pytest.mark.parametrize("when", ["1e300", "NaN", "Infinity", "-1e300", "null"])
+def test_an_entry_of_no_time_is_passed_over(root, when):
+    kept = bin.delete(root, "measured/import-a")
+    odd = bin.delete(root, "measured/a.csv")
+    (odd.folder / bin.ENTRY).write_text(f'{{"path": "measured/a.csv", "why": "deleted", "time": {when}}}')
+    assert bin.deleted(root) == [kept]
+
+
+def test_an_upload_into_a_folder_that_leads_out_of_the_project_is_refused(root, tmp_path):
+    (tmp_path / "theirs").mkdir()
+    (root / "pucks").symlink_to(tmp_path / "theirs")
+    with pytest.raises(InputError):
+        uploads.store(root, root / "pucks", "a.csv", b"1")
+    assert names(tmp_path / "theirs") == []

@@ -70,6 +70,8 @@ def test_without_the_key_nothing_is_answered():
     assert ask()[::2] == ask(query="key=wrong")[::2] == ask(query="key=")[::2] == (403, [])
     assert ask(query="key=sesame", method="POST")[::2] == (403, [])
     assert ask(known=True)[::2] == (200, [0])
+    # a path that only begins with that of the studio is another one
+    assert ask("x/", known=True)[::2] == (403, [])
 
 
 def test_neither_the_path_without_the_cookie_nor_the_cookie_without_the_path_opens_anything():
@@ -207,7 +209,8 @@ def test_a_disk_that_is_full_is_said_and_leaves_nothing(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("path", ["../x", "designs/../../x", ".studio/lock", "designs/.part/a", "/etc/passwd"])
+@pytest.mark.parametrize("path", ["../x", "designs/../../x", "a/../designs", ".studio/lock", "designs/.part/a",
+                                  "/etc/passwd"])  # fmt: skip
 def test_only_what_lies_in_the_project_is_given_out(tmp_path, path):
     with pytest.raises(InputError, match="not a file of this project"):
         files.inside(tmp_path, path)
@@ -247,3 +250,89 @@ def test_an_archive_on_a_full_disk_is_said_before_anything_is_sent_and_leaves_no
     with pytest.raises(InputError, match="archive of 'a' cannot be packed: No space left on device"):
         files.zipped(tmp_path, folder)
     assert list((tmp_path / ".studio").iterdir()) == []
+
+
+@pytest.mark.parametrize("path", ["/" + "a" * 5000, "/a\\b", "/a\nb", "/a\x00b"])
+def test_an_address_that_no_page_has_never_reaches_the_server(path):
+    assert ask(path, known=True)[::2] == (404, [])
+    assert ask(path, known=True, kind="websocket")[::2] == (4403, [])
+
+
+@pytest.mark.parametrize("length", ["²", "1³"])
+def test_a_length_in_other_digits_is_no_length(length):
+    async def nothing(*_):
+        raise AssertionError
+
+    sent = []
+
+    async def send(message):
+        sent.append(message)
+
+    host = (b"host", b"127.0.0.1:8420")
+    heads = [host, (b"content-length", length.encode("latin-1"))]
+    scope = {"type": "http", "method": "POST", "path": "/view/a", "query_string": b"", "headers": heads}
+    asyncio.run(Guard(nothing, "sesame", 8420)(scope, nothing, send))
+    assert sent[0]["status"] == 413
+
+
+def test_what_answers_a_key_or_refuses_is_kept_by_no_browser_and_told_to_no_site():
+    for head in (ask("/", "key=sesame")[1], ask("/")[1], ask(known=True, head=[("host", "evil.example")])[1]):
+        assert head[b"cache-control"] == b"no-store"
+    assert ask("/", "key=sesame")[1][b"referrer-policy"] == b"no-referrer"
+
+
+def test_the_page_that_goes_on_by_itself_holds_no_html_of_the_address():
+    """Nothing else of an address is quoted by then: parts of it are put into an attribute."""
+    sent = []
+
+    async def send(message):
+        sent.append(message)
+
+    tab = {"sec-fetch-site": "cross-site", "sec-fetch-mode": "navigate", "sec-fetch-dest": "document"}
+    heads = [(name.encode(), value.encode()) for name, value in {"host": "127.0.0.1:8420", **tab}.items()]
+    scope = {"type": "http", "method": "GET", "path": '/"><b>', "query_string": b"key=sesame&a=%22%3E%3Cb%3E&c=d",
+             "headers": heads}  # fmt: skip
+    asyncio.run(Guard(None, "sesame", 8420)(scope, None, send))
+    page = sent[1]["body"]
+    assert page.count(b'"') == 4 and page.count(b">") == 2 and b"&amp;c=d" in page
+
+
+@pytest.mark.parametrize("path", ["/design", "/view/a", "/files/a.html", "/solid/pad"])
+def test_every_answer_is_taken_for_what_it_says_and_tells_no_site_where_it_lies(path):
+    head = ask(path, known=True)[1]
+    assert head[b"x-content-type-options"] == b"nosniff" and head[b"referrer-policy"] == b"no-referrer"
+    assert head[b"x-dns-prefetch-control"] == b"off"
+
+
+@pytest.mark.parametrize("path", ["/design", "/files/a.html", "/solid/pad"])
+def test_only_the_studio_frames_its_pages_and_none_moves_its_links_or_runs_plugins(path):
+    policy, apart = directives(path), path != "/design"
+    assert policy["frame-ancestors"] == ["'self'"]
+    assert policy["base-uri"] == policy["form-action"] == ["'none'" if apart else "'self'"]
+    assert policy.get("object-src", policy["default-src"]) == ["'none'"]
+
+
+def of_type(kind, path):
+    """The policy of an answer of a type."""
+    async def server(scope, receive, send):
+        await send({"type": "http.response.start", "status": 200, "headers": [(b"content-type", kind)]})
+        await send({"type": "http.response.body", "body": b""})
+
+    sent = []
+
+    async def send(message):
+        sent.append(message)
+
+    scope = {"type": "http", "method": "GET", "path": path, "query_string": b"",
+             "headers": [(b"host", b"127.0.0.1:8420")]}  # fmt: skip
+    asyncio.run(Guard(server, "sesame", 8420)(scope, None, send))
+    text = dict(sent[0]["headers"])[b"content-security-policy"].decode()
+    return {words.split()[0]: words.split()[1:] for words in text.split(";")}
+
+
+def test_a_pdf_alone_is_shown_without_a_sandbox_and_runs_nothing():
+    policy = of_type(b"application/pdf", "/view/0/a.pdf")
+    assert "sandbox" not in policy and policy["default-src"] == ["'none'"] and "script-src" not in policy
+    assert policy["frame-ancestors"] == ["'self'"] and policy["object-src"] == ["'self'"]
+    for kind in (b"text/html", b"image/svg+xml", b"application/pdf; x", b"text/xml"):
+        assert "sandbox" in of_type(kind, "/view/0/a")

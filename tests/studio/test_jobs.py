@@ -178,3 +178,18 @@ def test_a_studio_whose_folder_cannot_be_written_is_one_line_and_lets_go_of_the_
     with pytest.raises(InputError, match="cannot be written"):
         serve.run_studio(tmp_path, None, False, lambda line: None)
     assert not held(tmp_path / ".studio" / "lock")
+
+
+@pytest.mark.parametrize(
+    "odd",
+    ["null", "[]", '{"name": "a", "words": [1], "start": 1}', '{"name": "a", "words": null, "start": 1}',
+     '{"name": "a", "words": [], "start": 1e300}', '{"name": "a", "words": [], "start": NaN}'],
+)  # fmt: skip
+def test_a_record_that_no_studio_wrote_is_passed_over(tmp_path, odd):
+    for number, text in ((1, odd), (2, '{"name": "a", "words": ["x"], "start": 1}')):
+        folder = tmp_path / ".studio" / "jobs" / f"000{number}-a"
+        folder.mkdir(parents=True)
+        (folder / runner.COMMAND).write_text(text)
+        (folder / runner.STATUS).write_text('{"status": 0, "stopped": false, "end": 2}')
+    for found in (jobs.all_jobs(tmp_path), jobs.named(tmp_path, "a")):
+        assert [job.words for job in found] == [("x",)]

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import io
+import json
 import os
 import re
+import shutil
 import socket
 import time
 import zipfile
@@ -62,6 +64,37 @@ def test_pages_and_files_are_answered(studio):
     assert status == 200 and back.endswith(b"<p>ours</p>") and b"security-policy: sandbox" in back
     for other in (place.replace("report.html", "x.html"), "/view/0/designs/a/report.html", "/view/", "/view//x"):
         assert studio.get(other, known=False)[0] == 404, other
+
+
+def view_of(studio, path):
+    back = studio.get(f"{studio.path}/files/{path}")[1]
+    return back.partition(b"location: ")[2].partition(b"\r\n")[0].decode()
+
+
+def test_the_address_of_a_file_opens_no_other_file_and_none_that_took_its_place(studio, root):
+    folder = root / "designs" / "marks"
+    folder.mkdir()
+    for name in ("a.html", "b.html"):
+        (folder / name).write_text("<p>ours</p>", encoding="utf-8")
+    place = view_of(studio, "designs/marks/a.html")
+    assert studio.get(place, known=False)[0] == 200
+    assert studio.get(place.replace("a.html", "b.html"), known=False)[0] == 404
+    (folder / "a.html").unlink()
+    os.symlink(root.parent / "secret", folder / "a.html")
+    status, back = studio.get(place, known=False)
+    assert status == 404 and b"theirs" not in back
+
+
+def test_what_a_bin_from_elsewhere_says_is_no_html(studio, root):
+    folder = root / ".studio" / "bin" / "1-a"
+    folder.mkdir(parents=True)
+    words = {"path": "measured/<img src=evil>.csv", "time": 1.7e9, "why": "<img src=evil>"}
+    (folder / "entry.json").write_text(json.dumps(words), encoding="utf-8")
+    status, back = studio.get(f"{studio.path}/")
+    # the page holds its pieces of HTML as text that is escaped once more
+    assert status == 200 and back.count(b"&amp;lt;img src=evil") == 2 and back.count(b"img src=evil") == 3
+    assert back.count(b"&lt;img src=evil") == back.count(b'"aria-label":"Restore measured/&lt;img src=evil') == 1
+    shutil.rmtree(folder.parent)
 
 
 def test_a_page_knows_the_path_that_it_lies_under(studio):

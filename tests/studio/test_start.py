@@ -41,7 +41,8 @@ def test_a_folder_open_elsewhere_gives_the_address_that_works_and_opens_it_unles
             with pytest.raises(InputError) as problem:
                 serve.run_studio(tmp_path, None, browser, start.said.append)
             assert address in str(problem.value) and "?key=" in address
-            assert start.shown == [address] * browser
+        (shown,) = start.shown
+        assert shown.partition("key=")[0] == address.partition("key=")[0] and shown != address
 
     start(again)
     assert len(start.said) == 1 and not held(tmp_path / ".studio" / "lock")
@@ -105,3 +106,79 @@ def test_a_full_disk_is_one_line_and_lets_go_of_the_folder(tmp_path, start, monk
     with pytest.raises(InputError, match="No space left"):
         start()
     assert not held(tmp_path / ".studio" / "lock") and start.said == []
+
+
+def test_the_key_of_a_browser_that_is_started_opens_the_studio_once(tmp_path, start, monkeypatch):
+    """All users of a machine see with what address a browser is started."""
+    guards, found = [], []
+    config = uvicorn.Config
+    monkeypatch.setattr(uvicorn, "Config", lambda guard, **more: guards.append(guard) or config(guard, **more))
+
+    def meanwhile():
+        once = guards[0]._once
+        key, lasting = (address.partition("key=")[2] for address in (start.shown[0], start.said[0]))
+        assert stat.S_IMODE((tmp_path / ".studio" / "once").stat().st_mode) & 0o077 == 0 or os.name == "nt"
+        found.extend(once(one) for one in ("", "wrong", lasting, key, key, ""))
+
+    start(meanwhile, browser=True)
+    assert found == [False, False, False, True, False, False]
+    assert not (tmp_path / ".studio" / "once").exists()
+
+
+def _home(root):
+    (root / ".studio").mkdir()
+    return root / ".studio"
+
+
+LINKS = {
+    "the folder": lambda root, out: (root / ".studio").symlink_to(out),
+    "what Git leaves out": lambda root, out: (_home(root) / ".gitignore").symlink_to(out / "theirs"),
+    "the lock": lambda root, out: (_home(root) / "lock").symlink_to(out / "theirs"),
+    "the bin": lambda root, out: (_home(root) / "bin").symlink_to(out),
+    "an answer": lambda root, out: _answer(root).symlink_to("/dev/zero"),
+    "a pipe": lambda root, out: os.mkfifo(_answer(root)),
+}
+
+
+def _answer(root):
+    folder = _home(root) / "jobs" / "0001-suggest"
+    folder.mkdir(parents=True)
+    return folder / "answer.json"
+
+
+@POSIX
+@pytest.mark.parametrize("link", LINKS.values(), ids=LINKS)
+def test_a_folder_whose_studio_files_lead_elsewhere_is_refused_and_nothing_there_changes(tmp_path, start, link):
+    root, out = tmp_path / "root", tmp_path / "out"
+    for folder in (root, out):
+        folder.mkdir()
+    out.chmod(0o755)
+    for name in ("theirs", "zip-theirs", "address"):
+        (out / name).write_text("theirs", encoding="utf-8")
+    link(root, out)
+    with pytest.raises(InputError, match="remove"):
+        start(folder=root)
+    assert start.said == [] and stat.S_IMODE(out.stat().st_mode) == 0o755
+    assert {path.name: path.read_text() for path in out.iterdir()} == dict.fromkeys(
+        ("theirs", "zip-theirs", "address"), "theirs"
+    )
+
+
+@POSIX
+def test_a_link_that_was_deleted_keeps_nobody_out(tmp_path, start):
+    content = tmp_path / ".studio" / "bin" / "1-a" / "content"
+    content.mkdir(parents=True)
+    (content / "a.csv").symlink_to(tmp_path / "nowhere")
+    start()
+    assert len(start.said) == 1
+
+
+def test_only_this_machine_reaches_the_server_and_no_header_says_otherwise(tmp_path, start, monkeypatch):
+    seen = []
+
+    def run(server, sockets):
+        seen.extend((socket.getsockname()[0], server.config.proxy_headers) for socket in sockets)
+
+    monkeypatch.setattr(uvicorn.Server, "run", run)
+    serve.run_studio(tmp_path, None, False, start.said.append)
+    assert seen == [("127.0.0.1", False)]

@@ -130,3 +130,10 @@ def test_lengths_that_a_table_ties_together_follow_each_other():
     assert bumped.pitch_mm == 6.0
     crowned = read_shape("crowned:20,2,9").with_length("height", 2.5)
     assert (crowned.radius_mm, crowned.height_mm, crowned.foot_mm) == (20.0, 2.5, 9.0)
+
+
+@pytest.mark.parametrize("name", ["tissue", "resin"])
+@pytest.mark.parametrize("path", ["/dev/zero", "/etc/passwd", "../../etc/passwd", "/dev/zero.toml"])
+def test_an_address_names_no_file_outside_of_the_project(project, name, path):
+    state = read_state(project, {name: path})
+    assert getattr(state, name) == getattr(read_state(project, {}), name) and state.missing == ()

@@ -14,6 +14,7 @@ from secrets import token_hex
 from typing import Any
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import write_text
 from dummydesign.core.outputs.manifest import Question, manifest_text
 from dummydesign.core.outputs.place import MARKS, Place, choose_files, choose_folder
 from dummydesign.core.outputs.records import KEY, records_of
@@ -140,12 +141,12 @@ def growing_folder(
         _try(place.folder)
         for name in () if go_on else place.old:
             (place.folder / name).unlink(missing_ok=True)
-        _write(place.folder / place.manifest, manifest_text(question, place.folder, None))
+        write_text(place.folder / place.manifest, manifest_text(question, place.folder, None))
         yield output
         # rows of earlier runs are part of the answer
         ours = {*place.old, *MARKS, *(name for name in _names(place.folder) if name not in before)} - {place.manifest}
         names = [name for name in _names(place.folder) if name in ours]
-        _write(place.folder / place.manifest, manifest_text(question, place.folder, names, output.extra))
+        write_text(place.folder / place.manifest, manifest_text(question, place.folder, names, output.extra))
     except BaseException:
         if made and not [name for name in _names(place.folder) if name != place.manifest]:
             (place.folder / place.manifest).unlink(missing_ok=True)
@@ -174,7 +175,7 @@ def _written(place: Place, question: Question) -> Iterator[Output]:
             raise InputError(output.settled(str(problem))) from None
         kept = records_of(place.folder / place.manifest, question)
         extra = {**output.extra, KEY: kept} if kept else output.extra
-        _write(work / place.manifest, manifest_text(question, work, _names(work), extra))
+        write_text(work / place.manifest, manifest_text(question, work, _names(work), extra))
         _settle(work, place)
         made = []
     finally:
@@ -259,12 +260,6 @@ def _try(folder: Path) -> None:
         probe.unlink()
     except OSError as problem:
         raise InputError(f"output folder '{folder}' cannot be written: {_why(problem)}") from None
-
-
-def _write(path: Path, text: str) -> None:
-    part = path.with_name(f".{path.name}.part")
-    part.write_text(text, encoding="utf-8")
-    os.replace(part, path)
 
 
 def _why(problem: OSError) -> str:

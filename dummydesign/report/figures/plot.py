@@ -80,7 +80,7 @@ class Plot:
     def svg(self) -> str:
         """The figure as SVG with its alternative text, and the ends of its axes for the page's script."""
         x, y = self._axes()
-        clip = f"clip-{self.name}"
+        clip = f"clip-{escape(self.name)}"
         parts = [
             f'<svg class="plot" viewBox="0 0 {self._width:g} {self._height:g}" role="img" '
             f'aria-label="{escape(self.alt)}" data-x="{_ends(x)}" data-y="{_ends(y)}">',

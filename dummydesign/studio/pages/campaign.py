@@ -151,9 +151,10 @@ class Presses:
                 bar.offer(gone, lambda old, new: self.show_held())
                 bar.run(self.show_held)
 
-            ui.button("Assign", on_click=assign).props(f'data-test="assign" aria-label="assign {escape(name)}"')
+            assign_it = ui.button("Assign", on_click=assign).props('data-test="assign"')
+            assign_it.props["aria-label"] = f"assign {name}"
             bin_it = ui.button("Move to the bin", on_click=discard, color=None)
-            bin_it.props(f'outline data-test="discard" aria-label="move {escape(name)} to the bin"')
+            bin_it.props('outline data-test="discard"').props["aria-label"] = f"move {name} to the bin"
 
     def show_values(self) -> None:
         """The table of values, once it is opened."""

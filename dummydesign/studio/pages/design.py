@@ -327,7 +327,7 @@ class Page:
         self._say(self.state, verdict["light"], verdict["text"], "solved")
 
     def _say(self, state: State, light: str, text: str, stage: str) -> None:
-        note = "" if stage else " <small>(castings are being counted …)</small>"
+        light, note = escape(light), "" if stage else " <small>(castings are being counted …)</small>"
         self.verdict.clear()
         with self.verdict:
             html(f'<div class="verdict {light}" data-state="{stage}"><span class="light" aria-hidden="true"></span>'

@@ -108,7 +108,7 @@ def _show(page: TissuePage, job: Job) -> None:
     for path in changed_inputs(root, root / answer["files"].get("manifest", "")):
         tell_problem(f"{path} has changed since the fit. Fit the tissue again.")
     html(
-        f"<p><b>{escape(tissue)}</b>: {answer['elements']} elements, {escape(answer['mode'])}. Residual "
+        f"<p><b>{escape(tissue)}</b>: {escape(str(answer['elements']))} elements, {escape(answer['mode'])}. Residual "
         f"{answer['rmse_N']:.3g} N rms, noise {answer['noise_floor_N']:.3g} N.</p>"
     )
     page.use_button(tissue)

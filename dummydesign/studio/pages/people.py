@@ -54,7 +54,8 @@ class _People:
         with ui.element("div").classes("people"):
             for path, words in self._traces.items():
                 field = ui.input(f"Person of {words}", value=self._start.get(path, "")).style("width:100%")
-                self._fields[path] = field.props(f'dense data-test="person" data-press="{escape(words)}"')
+                self._fields[path] = field.props('dense data-test="person"')
+                field.props["data-press"] = words
         with ui.element("div").classes("fields"):
             self._name = ui.input("Name of the tissue", value=self._start_name).props('data-test="people-name"')
             self._elements = ui.select(ELEMENTS, value="5", label="Elements of the law")

@@ -125,7 +125,7 @@ class Search:
         if "recommendation" not in answer:
             return
         best, light = answer["recommendation"], answer["verdict"]["light"]
-        html(f'<div class="verdict {light}"><span class="light" aria-hidden="true"></span>'
+        html(f'<div class="verdict {escape(str(light))}"><span class="light" aria-hidden="true"></span>'
              f"<p>{escape(answer['verdict']['text'])}</p></div>")  # fmt: skip
         mixed = (answer["recommendation"].get("batch") or best["recipe"])["components"]
         facts([(f"{best['thickness_mm']:g} mm", best["shape"]), (f"{best['ratio']:g}", best["ratio_meaning"]),

@@ -46,7 +46,7 @@ def keep(root: Path, name: str, content: bytes) -> str:
         files.plain_name(name)
     if not name.lower().endswith(ENDINGS):
         raise InputError(f"a campaign has files of the kinds {', '.join(ENDINGS)}")
-    (root / FOLDER).mkdir(parents=True, exist_ok=True)
+    files.inside(root, FOLDER).mkdir(parents=True, exist_ok=True)
     return write_bytes(root / FOLDER / name, content).name
 
 

@@ -52,7 +52,7 @@ def take(root: Path, campaign: str, name: str, content: bytes) -> Taken:
     planned = {trial["file"]: trial for trial in read_trials(folder)}
     _read(name, content, planned.get(name, {}).get("velocity_mm_s"))
     if name not in planned:
-        kept = files.keep(folder / HELD, name, content).name
+        kept = files.keep(files.inside(root, f"{campaign}/{HELD}"), name, content).name
         return Taken(f"{kept} is not a planned name. Assign it to a press below.")
     return _put(root, campaign, name, content)
 
@@ -148,7 +148,8 @@ def undo(root: Path, gone: bin.Deleted) -> None:
 
 
 def _put(root: Path, campaign: str, name: str, content: bytes) -> Taken:
-    folder = root / campaign
+    files.plain_name(name)  # a plan can name another file of its folder as a press, such as itself
+    folder = files.inside(root, campaign)
     for trial in read_trials(folder):
         other = folder / trial["file"]
         if trial["file"] != name and other.is_file() and other.read_bytes() == content:

@@ -119,7 +119,7 @@ def keep_press(root: Path, name: str, content: bytes) -> str:
             read_trace(trial)
         except InputError as problem:
             raise InputError(f"{name} is not a trace: {str(problem).removeprefix(f'{name}: ')}") from None
-    return files.keep(root / DROPPED, name, content).relative_to(root).as_posix()
+    return files.keep(files.inside(root, DROPPED), name, content).relative_to(root).as_posix()
 
 
 def records(root: Path, pad: PressedPad) -> list[str]:

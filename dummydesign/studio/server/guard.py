@@ -44,8 +44,11 @@ class Guard:
     its start: a cookie goes to every server of this machine, whatever its port, but only with its path.
     """
 
-    def __init__(self, app: Any, key: str, port: int, largest_bytes: int = LARGEST_BYTES) -> None:
-        self._app, self._key, self._largest = app, key, largest_bytes
+    def __init__(
+        self, app: Any, key: str, port: int, largest_bytes: int = LARGEST_BYTES,
+        once: Callable[[str], bool] = lambda key: False,
+    ) -> None:  # fmt: skip
+        self._app, self._key, self._largest, self._once = app, key, largest_bytes, once
         self._path, self._session = f"/{token_urlsafe(16)}", token_urlsafe(24)
         self._hosts = {f"{name}:{port}" for name in ("127.0.0.1", "localhost")}
         sockets = " ".join(f"ws://{host}" for host in sorted(self._hosts))
@@ -70,8 +73,9 @@ class Guard:
             await _refuse(scope, send, 403, "only for pages of the studio itself")
             return
         given = parse_qs(scope.get("query_string", b"").decode("latin-1"), keep_blank_values=True)
+        key = given.pop("key", [""])[0]
         welcome = scope["type"] == "http" and scope.get("method", "GET") in ("GET", "HEAD")
-        welcome = welcome and _same(given.pop("key", [""])[0], self._key)
+        welcome = welcome and (_same(key, self._key) or (scope.get("method") != "HEAD" and self._once(key)))
         away = head.get("sec-fetch-site", "none") not in ("none", "same-origin")
         if away and not (welcome and _opens_a_tab(head)):
             await _refuse(scope, send, 403, NO_KEY, HTML)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import hmac
 import os
 import socket
+import stat
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
@@ -15,6 +17,8 @@ from dummydesign.studio.server.guard import Guard
 from dummydesign.studio.work.lock import take
 
 HOST, FIRST_PORT, TRIED_PORTS = "127.0.0.1", 8420, 20
+ONCE = "once"
+"""File with the key of a browser that is started: it opens the studio one time."""
 
 
 def run_studio(folder: str | Path, port: int | None, browser: bool, say: Callable[[str], None]) -> dict[str, Any]:
@@ -47,6 +51,7 @@ def run_studio(folder: str | Path, port: int | None, browser: bool, say: Callabl
     key = token_urlsafe(24)
     try:
         root.mkdir(parents=True, exist_ok=True)
+        _refuse_links(home)
         lock = take(home / "lock")
         if lock is None:
             raise _open_elsewhere(root, browser)
@@ -67,13 +72,14 @@ def run_studio(folder: str | Path, port: int | None, browser: bool, say: Callabl
 
     say(f"studio of '{root.name}': {address}?key={key}")
     if browser:
-        _show(f"{address}?key={key}")
-    config = uvicorn.Config(Guard(make_app(root), key, found), log_level="warning", server_header=False,
-                            proxy_headers=False)  # fmt: skip
+        _show(home, address)
+    guard = Guard(make_app(root), key, found, once=_once(home))
+    config = uvicorn.Config(guard, log_level="warning", server_header=False, proxy_headers=False)
     try:
         uvicorn.Server(config).run(sockets=[listening])
     finally:
-        (home / "address").unlink(missing_ok=True)
+        for name in ("address", ONCE):
+            (home / name).unlink(missing_ok=True)
         listening.close()
         lock.close()
     return {"folder": str(root), "address": address}
@@ -86,14 +92,60 @@ def _open_elsewhere(root: Path, browser: bool) -> InputError:
     except OSError:
         return InputError(f"'{root}' is open in another studio: use that one, or stop it first")
     if browser:
-        _show(address)
+        with suppress(OSError):
+            _show(root / ".studio", address.partition("?")[0])
     return InputError(f"'{root}' is open in another studio: open {address} or stop that one first")
 
 
-def _show(address: str) -> None:
+def _show(home: Path, address: str) -> None:
+    """Open a browser with a key that opens the studio once: all users of a machine see how programs are started."""
     import webbrowser
 
-    webbrowser.open(address)
+    key = token_urlsafe(24)
+    (home / ONCE).unlink(missing_ok=True)
+    _write_privately(home / ONCE, key)
+    webbrowser.open(f"{address}?key={key}")
+
+
+def _once(home: Path) -> Callable[[str], bool]:
+    """Whether a key is that of a browser that was started; it is used up then."""
+
+    def take_once(key: str) -> bool:
+        try:
+            right = (home / ONCE).read_text(encoding="utf-8")
+        except OSError:
+            return False
+        if not right or not hmac.compare_digest(key.encode("utf-8", "replace"), right.encode()):
+            return False
+        (home / ONCE).unlink(missing_ok=True)
+        return True
+
+    return take_once
+
+
+def _refuse_links(home: Path) -> None:
+    """Refuse links, pipes and devices among the studio's own files, which a folder from elsewhere may bring.
+
+    Raises
+    ------
+    InputError
+        Else the studio would write through them into files that are not of the project, or read without end.
+    """
+    if not (home.exists() or home.is_symlink()):
+        return
+    if home.is_symlink() or not home.is_dir():
+        raise InputError(f"'{home}' is a link or no folder: remove it; the studio makes its own")
+    for place, folders, names in os.walk(home):
+        for name in (*folders, *names):
+            try:
+                kind = os.lstat(os.path.join(place, name)).st_mode
+            except FileNotFoundError:
+                # another studio of this folder is at work
+                continue
+            if not (stat.S_ISDIR(kind) or stat.S_ISREG(kind)):
+                raise InputError(f"'{os.path.join(place, name)}' is a link or no plain file: remove it")
+        # what was deleted may have links of its own; it is only moved
+        folders[:] = [name for name in folders if name != "content"]
 
 
 def _clear(home: Path) -> None:
@@ -101,7 +153,8 @@ def _clear(home: Path) -> None:
     with suppress(PermissionError):
         # the folder of another user, who let us write in it
         home.chmod(0o700)
-    (home / "address").unlink(missing_ok=True)
+    for name in ("address", ONCE):
+        (home / name).unlink(missing_ok=True)
     for left in home.glob("zip-*"):
         left.unlink(missing_ok=True)
     (home / ".gitignore").write_text("*\n", encoding="utf-8")

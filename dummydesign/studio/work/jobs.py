@@ -163,6 +163,8 @@ def read_job(folder: Path) -> Job:
     """How a command stands."""
     asked = json.loads((folder / runner.COMMAND).read_text(encoding="utf-8"))
     started = float(asked["start"])
+    if not (0.0 <= started < 1e11 and all(isinstance(word, str) for word in [asked["name"], *asked["words"]])):
+        raise ValueError("not written by a studio")
     state, seconds = _state(folder, started)
     progress = ""
     if state == "running":
@@ -206,7 +208,7 @@ def named(root: Path, name: str) -> list[Job]:
         try:
             status = folder / runner.STATUS
             found.append(_ended_job(folder, status.stat().st_mtime_ns) if status.exists() else read_job(folder))
-        except (OSError, ValueError, KeyError):
+        except (OSError, ValueError, KeyError, TypeError):
             continue
     return found
 

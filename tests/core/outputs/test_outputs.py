@@ -262,3 +262,18 @@ def test_a_command_that_is_ended_leaves_nothing(tmp_path):
         child.send_signal(how)
         assert child.communicate(timeout=60)[1] == "error: stopped by the user\n"
         assert child.returncode == 130 and os.listdir(tmp_path) == []
+
+
+def test_a_manifest_that_two_commands_write_at_once_is_whole(tmp_path, monkeypatch):
+    parts, replace = [], os.replace
+
+    def noted(source, target):
+        parts.append(str(source))
+        replace(source, target)
+
+    monkeypatch.setattr(os, "replace", noted)
+    for _ in range(2):
+        with growing_folder(tmp_path / "rows", ask(1)) as output:
+            output.path("row").write_text("1")
+    manifests = [part for part in parts if "manifest" in part]
+    assert len(manifests) == 4 == len(set(manifests))

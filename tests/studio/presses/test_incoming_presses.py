@@ -97,3 +97,32 @@ def test_only_planned_presses_can_be_assigned(root):
     incoming.discard(root, FOLDER, "run.csv")
     assert incoming.held(root, FOLDER) == []
     assert bin.deleted(root)[0].path.endswith("run.csv")
+
+
+def test_a_plan_that_names_itself_as_a_press_stays(root):
+    place = root / FOLDER / "campaign.toml"
+    place.write_text(PLAN.replace("b.csv", "campaign.toml"), encoding="utf-8")
+    before = place.read_bytes()
+    incoming.take(root, FOLDER, "run.csv", trace())
+    with pytest.raises(InputError):
+        incoming.assign(root, FOLDER, "run.csv", "campaign.toml")
+    assert place.read_bytes() == before and not bin.deleted(root)
+
+
+@pytest.mark.parametrize("file", ["../../../theirs.csv", "/tmp/theirs.csv", "in/theirs.csv"])
+def test_a_plan_cannot_name_a_press_in_another_folder(root, file):
+    (root / FOLDER / "campaign.toml").write_text(PLAN.replace("b.csv", file), encoding="utf-8")
+    incoming.take(root, FOLDER, "run.csv", trace())
+    with pytest.raises(InputError):
+        incoming.assign(root, FOLDER, "run.csv", file)
+    assert incoming.held(root, FOLDER) == ["run.csv"] and not (root.parent / "theirs.csv").exists()
+
+
+def test_a_campaign_folder_that_leads_out_takes_no_press(root, tmp_path):
+    (tmp_path / "theirs").mkdir()
+    (tmp_path / "theirs" / "campaign.toml").write_text(PLAN, encoding="utf-8")
+    (root / "campaigns" / "far").symlink_to(tmp_path / "theirs")
+    for name in ("a.csv", "run.csv"):
+        with pytest.raises(InputError):
+            incoming.take(root, "campaigns/far", name, trace())
+    assert [path.name for path in (tmp_path / "theirs").iterdir()] == ["campaign.toml"]

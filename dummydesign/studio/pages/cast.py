@@ -11,7 +11,6 @@ from typing import Any
 from nicegui import ui
 
 from dummydesign.core.errors import InputError
-from dummydesign.geometry.standard import PUNCH
 from dummydesign.project.folder import Project
 from dummydesign.project.status import status_of
 from dummydesign.studio import choices, made
@@ -136,8 +135,7 @@ class Comparison:
             raise InputError("choose the presses of a pad, or drop them above")
         stem = self.tissue.value.rpartition("/")[2].removesuffix(".toml")
         given = {"tissue": self.tissue.value, "lowpass": pad.lowpass, "record": self.record.value,
-                 "punch": "" if pad.punch == PUNCH and self.project.punch in (None, PUNCH) else pad.punch,
-                 "out": f"designs/compare-{stem}"}  # fmt: skip
+                 "punch": pad.punch, "out": f"designs/compare-{stem}"}  # fmt: skip
         return ["compare", *self.files.value, *options(given)]
 
     def belongs(self, job: Job) -> bool:

@@ -16,7 +16,17 @@ from dummydesign.geometry.shapes import read_shape
 from dummydesign.geometry.standard import PUNCH
 from dummydesign.project.folder import Project
 from dummydesign.studio import bench, choices, figures
-from dummydesign.studio.frame import Studio, command_line, facts, html, keep_state, lay_out, shown_file, table
+from dummydesign.studio.frame import (
+    Studio,
+    command_line,
+    facts,
+    html,
+    keep_state,
+    lay_out,
+    open_page,
+    shown_file,
+    table,
+)  # fmt: skip
 from dummydesign.studio.glossary import marked
 from dummydesign.studio.lengths import lengths_of
 from dummydesign.studio.pages import search
@@ -113,7 +123,10 @@ class Page:
         if after.tissue != self.state.tissue:
             aims = self._aims(after.tissue)
             after = after.changed(aim=after.aim if after.aim in aims else "average")
-        if after != self.state:
+        if after != self.state and after.missing:
+            # what the page says at its top may be no longer true
+            open_page("/design", after)
+        elif after != self.state:
             self.take(after)
 
     def moved(self) -> None:
@@ -232,9 +245,9 @@ class Page:
 
     async def follow(self) -> None:
         """Show the newest state until there is no newer one, then settle the verdict."""
-        if self.busy:
+        if self.busy or self.shown == self.wanted:
             return
-        self.busy = True
+        self.busy, view = True, None
         try:
             while self.shown != self.wanted:
                 self.shown = self.wanted
@@ -250,8 +263,6 @@ class Page:
 
     def view_of(self, state: State) -> View:
         """Press the pad of a state and draw it, apart from the page."""
-        if state.missing:
-            return View(state, problem=" ".join(state.missing))
         asked = bench.Asked.of(state)
         try:
             inputs = bench.inputs_of(self.root, asked, bench.stamp_of(self.root, asked))
@@ -337,7 +348,7 @@ class Page:
     def pad_words(self) -> list[str]:
         """The pad under the sliders as a command: a search whose limits are this pad."""
         state, t, r = self.state, f"{self.state.thickness_mm:g}", f"{self.state.ratio:g}"
-        pad = {**search.question_options(self.project, state), "shape": state.shape}
+        pad = {**search.question_options(state), "shape": state.shape}
         if abs(2.0 * state.thickness_mm - round(2.0 * state.thickness_mm)) > 1e-9:
             if state.calibration:
                 raise InputError("with a calibration the command line takes steps of 0.5 mm: choose such a thickness")

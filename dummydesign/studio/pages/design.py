@@ -209,7 +209,10 @@ class Page:
         else:
             self.ratio.value = state.ratio
             self.ratio.limit(resin.ratio_min, resin.ratio_max, resin.ratio_step / 2, resin.ratio_meaning)
-            self.state = state.changed(ratio=self.ratio.value) if self.ratio.value != state.ratio else state
+            if self.ratio.value != state.ratio:
+                words = f"{resin.name} has no ratio {state.ratio:g}. The ratio is now {self.ratio.value:g}."
+                ui.notify(words, type="warning", multi_line=True)
+                self.state = state.changed(ratio=self.ratio.value)
         self._set_lengths()
 
     def _set_lengths(self) -> None:

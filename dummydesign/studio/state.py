@@ -96,7 +96,10 @@ def read_state(project: Project, query: Mapping[str, str]) -> State:
     designs = [one for one in status_of(project).found["designs"] if is_design(one)]
     tissue = given.get("tissue") or project.tissue or ""
     named = [one for one in designs if one.folder == given.get("design")]
-    newest = [one for one in designs if design_state(project.root, one.folder).get("tissue") == (tissue or None)]
+    # what was edited by hand since wins over an older design
+    chosen = {name: text for name, text in _of_project(project).items() if name in QUESTION_FIELDS}
+    chosen |= {"tissue": tissue or None}
+    newest = [one for one in designs if chosen.items() <= design_state(project.root, one.folder).items()]
     # nothing was chosen at all: the newest design says what one worked on
     newest = newest or ([] if tissue else designs)
     base: dict[str, Any] = {"tissue": tissue, **_of_project(project)}

@@ -82,6 +82,19 @@ def test_a_search_is_shown_while_its_tissue_and_its_folder_are_what_they_were(pa
     gone(page, shown)
 
 
+def test_the_verdict_follows_a_tissue_that_changes_on_the_disk(page, studio):
+    own = studio[1] / "tissue" / "own.toml"
+    text = find("materials/tissues", "tissue", "forefinger").path.read_text(encoding="utf-8")
+    own.write_text(text, encoding="utf-8")
+    opened(page, studio, "design?tissue=tissue/own.toml&shape=slab&thickness_mm=6&ratio=15")
+    page.wait_for_selector(SETTLED)
+    own.write_text("damaged", encoding="utf-8")
+    page.wait_for_selector(REFUSED)
+    assert page.locator(f"{by('plots')} figure").count() == 0
+    own.write_text(text, encoding="utf-8")
+    page.wait_for_selector(SETTLED)
+
+
 def test_a_failure_is_said_for_the_tissue_it_was_for_alone(page, studio):
     words = ["suggest", "--tissue", "forefinger", "--aim", "average", "--resin", lab.RESIN, "--punch", "square:14",
              "--shape", "slab", "--no-cad", "--out", "designs/suggest-forefinger"]  # fmt: skip
@@ -171,6 +184,19 @@ def test_a_mould_in_a_folder_that_another_one_took_is_not_shown(page, studio):
     page.wait_for_selector(f"{by('other-mould')} >> nth=0")
     page.wait_for_timeout(1000)
     assert page.locator(f"{by('found-mould')} {by('zip')}").count() == 0
+
+
+@pytest.mark.parametrize("width", [1280, 390])
+def test_a_solid_fits_into_its_frame(page, studio, width):
+    page.set_viewport_size({"width": width, "height": 900})
+    opened(page, studio, "design?tissue=forefinger&shape=slab&thickness_mm=6&ratio=15")
+    page.locator("iframe.solid").scroll_into_view_if_needed()
+    frame = page.frame_locator("iframe.solid").locator("canvas")
+    frame.wait_for()
+    bottom, inner, whole = frame.evaluate(
+        "(one) => [one.getBoundingClientRect().bottom, innerHeight, document.documentElement.scrollHeight]"
+    )
+    assert bottom <= inner and whole <= inner and frame.evaluate("(one) => one.clientHeight") > 140
 
 
 def test_none_as_calibration_survives_a_reload_where_the_project_names_one(page, studio):

@@ -91,6 +91,15 @@ def test_numbers_of_an_address_that_are_none_are_passed_over(project):
         assert 0.0 < state.ratio < 100.0
 
 
+def test_what_project_toml_says_by_now_wins_over_an_older_design(project):
+    design(project, "a", 7.0)
+    asked = change_project(project, punch="round:12")
+    state = read_state(asked, {})
+    assert (state.punch, state.design) == ("round:12", "")
+    design(project, "b", 8.0, date="2026-01-02", punch="round:12")
+    assert read_state(asked, {}).design == "designs/b"
+
+
 def test_no_calibration_is_a_choice_that_an_address_keeps(project):
     asked = change_project(project, calibration="calibrations/x/calibration.json")
     state = read_state(asked, {})

@@ -36,6 +36,8 @@ from dummydesign.studio.work import commands
 
 SETTLE_S = 0.35
 """After this time without a move the verdict counts what castings may turn out as. [s]"""
+WATCH_S = 2.0
+"""How often the files behind the verdict are looked at. [s]"""
 LONGEST_RATIO_UNIT = 8
 
 
@@ -88,7 +90,9 @@ class Page:
         self.search = search.Search(studio, project, lambda: self.state, self.take)
         html("<h2>Designs of this project</h2>")
         search.Designs(studio, lambda: self.state)
+        self.stamp: object = None
         self.take(state)
+        ui.timer(WATCH_S, self.watch)
 
     def _controls(self) -> None:
         """Build the controls, empty of what the state says."""
@@ -243,8 +247,18 @@ class Page:
     def evaluate(self) -> None:
         """Something changed: press the pad anew, once for all moves that came in the meantime."""
         self.wanted += 1
+        self.stamp = self.files()
         if not self.busy:
             ui.timer(0.0, self.follow, once=True)
+
+    def files(self) -> object:
+        """Times of the files behind what is chosen."""
+        return bench.stamp_of(self.root, bench.Asked.of(self.state))
+
+    def watch(self) -> None:
+        """A file was changed on the disk: the verdict is made anew."""
+        if self.files() != self.stamp:
+            self.evaluate()
 
     async def follow(self) -> None:
         """Show the newest state until there is no newer one, then settle the verdict."""

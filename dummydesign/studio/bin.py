@@ -198,7 +198,7 @@ def check_idle(root: Path, path: str) -> None:
     for job in jobs.all_jobs(root):
         if job.state != "running":
             continue
-        for word in (piece for text in job.words for piece in text.split(",")):
+        for word in (piece for text in job.words for piece in {text, *text.split(",")}):
             place = PurePosixPath(os.path.normpath(os.path.relpath(root / word, root)))
             if place == target or place in target.parents[:-1] or target in place.parents:
                 raise InputError(f"'{path}' is in use by a running command ({job.name}). Wait for it, or stop it")

@@ -270,9 +270,13 @@ def solids_page(parts: dict[str, np.ndarray]) -> str:
     from dummydesign.report.html.viewer import solid_section, viewer_script
 
     told = solid_section(parts, "Drag or use the arrow keys to turn, scroll to zoom.")
-    apart = "" if len(parts) > 1 else ".viewer .controls{display:none}"
+    # the view takes what the lines around it leave of the frame; its own style comes later, so "main" outranks it
+    apart = "" if len(parts) > 1 else "main .viewer .controls{display:none}"
     small = (
-        "<style>h1,.lead,footer,h2,.terms{display:none}main{padding:0 .5rem}section p{margin:.2rem 0;font-size:.9rem}"
-        f".viewer canvas{{height:calc(100vh - 5.5rem)}}{apart}</style>"
+        "<style>main h1,main h2,.lead,footer,.terms{display:none}html,body,main,section{height:100%;margin:0}"
+        "main{padding:0 .5rem;box-sizing:border-box}main section p{margin:.2rem 0;font-size:.9rem}"
+        "main section,main .viewer{display:flex;flex-direction:column;min-height:0;padding:0;border:0}"
+        "main .viewer,main .viewer .stage{flex:1 1 0;min-height:0}main .viewer .stage{min-height:140px}"
+        f"main .viewer .stage canvas{{height:100%}}{apart}</style>"
     )
     return page("Solids", "", [told], scripts=[viewer_script()], tables="").replace("</head>", f"{small}</head>")

@@ -220,6 +220,7 @@ class Work:
     def __init__(
         self, studio: Studio, name: str, label: str, words: Callable[[], list[str]], show: Callable[[jobs.Job], None],
         belongs: Callable[[jobs.Job], bool] = lambda job: True, ended: Callable[[jobs.Job], None] | None = None,
+        stamp: Callable[[], object] = lambda: None,
     ) -> None:
         """Build it.
 
@@ -238,9 +239,11 @@ class Work:
             Whether a job answers what is chosen on the page.
         ended : callable, optional
             Called once with a job that ended while the page was open.
+        stamp : callable, optional
+            Of the files behind an answer; it is shown anew when this is another one.
         """
         self._studio, self._name, self._words, self._show = studio, name, words, show
-        self._belongs, self._ended = belongs, ended
+        self._belongs, self._ended, self._stamp = belongs, ended, stamp
         self._seen: object = None
         self._watched = ""
         self.running = self.answered = False
@@ -304,7 +307,9 @@ class Work:
         if newest is not None and running:
             self._watched = newest.folder.name
             self._said.set_text(f"{newest.progress or 'at work'} – {newest.seconds:.0f} s")
-        seen = (newest and (newest.folder.name, newest.state), shown_job and shown_job.folder.name)
+        chosen = self._chosen()
+        seen = (newest and (newest.folder.name, newest.state, self._belongs(newest)),
+                shown_job and (shown_job.folder.name, list(shown_job.words) == chosen), self._stamp())  # fmt: skip
         if seen == self._seen:
             return
         self._seen = seen
@@ -312,7 +317,7 @@ class Work:
         self._found.clear()
         if shown_job is not None:
             with self._found:
-                if shown_job is not newest or list(shown_job.words) != self._chosen():
+                if shown_job is not newest or list(shown_job.words) != chosen:
                     when = time.strftime("%d %b %H:%M", time.localtime(shown_job.started))
                     html(f'<p class="source">Result of {when}: <code>{escape(shown(shown_job.words))}</code></p>')
                 self._show(shown_job)

@@ -62,7 +62,7 @@ class Mould:
 
 
 def design_of_pad(root: Path, state: State) -> str:
-    """Folder of the newest design of the pad that is chosen; that of the state where it names one; else empty."""
+    """Folder of the newest design of the pad that is chosen, one for what is asked before all others; else empty."""
     if state.design:
         return state.design
     found = [
@@ -71,7 +71,14 @@ def design_of_pad(root: Path, state: State) -> str:
         and shape_key(pad["shape"]) == shape_key(state.shape)
         and all(abs(pad[name] - getattr(state, name)) < 1e-6 for name in ("thickness_mm", "ratio"))
     ]  # fmt: skip
-    return found[-1] if found else ""
+    asked = [folder for folder in found if answers(root, folder, state)]
+    return (asked or found or [""])[-1]
+
+
+def answers(root: Path, folder: str, state: State) -> bool:
+    """Whether a design was made for the tissue, aim, resin, calibration and punch that are chosen."""
+    given = design_state(root, folder)
+    return bool(given) and all(given[name] == value for name, value in state.question.items())
 
 
 @dataclass(frozen=True)

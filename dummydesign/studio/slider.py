@@ -16,6 +16,13 @@ MOVED = (
 )
 
 
+# a field that is left empty or with a number that is not allowed shows again the number that is in use
+LEFT = (
+    "(e) => { const t = e.target; if (t.type === 'number' && (t.value === '' || !t.validity.valid)) "
+    "t.value = e.currentTarget.querySelector('input[type=range]').value; }"
+)
+
+
 class Slider:
     """A range and a number field that follow each other in the browser.
 
@@ -43,6 +50,7 @@ class Slider:
         self.value, self._name, self._moved, self._written = value, name, moved, 0
         self._box = ui.html("", sanitize=False).classes("slide")
         self._box.on("input", self._take, js_handler=MOVED, throttle=THROTTLE_S)
+        self._box.on("focusout", lambda: None, js_handler=LEFT)
         self.limit(low, high, step, unit)
 
     def limit(self, low: float, high: float, step: float, unit: str) -> None:

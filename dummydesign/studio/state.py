@@ -57,7 +57,7 @@ class State:
         """Return the state as the query of an address."""
         given = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "missing"}
         return urlencode({name: f"{value:g}" if isinstance(value, float) else value
-                          for name, value in given.items() if value != ""})  # fmt: skip
+                          for name, value in given.items() if value != "" or name == "calibration"})  # fmt: skip
 
     def changed(self, **new: Any) -> State:
         """Return the state with other values; a pad that is no longer the design's forgets it."""
@@ -90,11 +90,16 @@ def read_state(project: Project, query: Mapping[str, str]) -> State:
     query : mapping
         Of the address; unknown names are passed over.
     """
-    given = {name: text for name, text in query.items() if text.strip() and _in_project(project.root, name, text)}
+    # no calibration is a choice too: without it the one of project.toml would come back
+    given = {name: text for name, text in query.items()
+             if (text.strip() or name == "calibration") and _in_project(project.root, name, text)}  # fmt: skip
     designs = [one for one in status_of(project).found["designs"] if is_design(one)]
     tissue = given.get("tissue") or project.tissue or ""
     named = [one for one in designs if one.folder == given.get("design")]
-    newest = [one for one in designs if design_state(project.root, one.folder).get("tissue") == (tissue or None)]
+    # what was edited by hand since wins over an older design
+    chosen = {name: text for name, text in _of_project(project).items() if name in QUESTION_FIELDS}
+    chosen |= {"tissue": tissue or None}
+    newest = [one for one in designs if chosen.items() <= design_state(project.root, one.folder).items()]
     # nothing was chosen at all: the newest design says what one worked on
     newest = newest or ([] if tissue else designs)
     base: dict[str, Any] = {"tissue": tissue, **_of_project(project)}
@@ -114,6 +119,8 @@ def read_state(project: Project, query: Mapping[str, str]) -> State:
         source = design_state(project.root, state.design)
         if any(name in given and getattr(state, name) != source.get(name) for name in (*PAD_FIELDS, *QUESTION_FIELDS)):
             state = replace(state, design="")
+    if state.design not in [one.folder for one in designs]:
+        state = replace(state, design="")
     return replace(state, missing=_missing(project.root, state, known, campaigns, designs, given))
 
 

@@ -14,6 +14,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.studio.work import job as runner
 from dummydesign.studio.work import jobs
 from dummydesign.studio.work.lock import held, take
+from tests.support import lab_project as lab
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -193,3 +194,10 @@ def test_a_record_that_no_studio_wrote_is_passed_over(tmp_path, odd):
         (folder / runner.STATUS).write_text('{"status": 0, "stopped": false, "end": 2}')
     for found in (jobs.all_jobs(tmp_path), jobs.named(tmp_path, "a")):
         assert [job.words for job in found] == [("x",)]
+def test_of_two_commands_that_made_the_same_the_later_one_counts(tmp_path):
+    for number, made in enumerate(("tissue/a.toml", "tissue/b.toml", "tissue/a.toml"), 1):
+        lab.job(tmp_path, number, "fit", ["fit", str(number)], {"files": {"tissue": made}}, 0)
+    lab.job(tmp_path, 4, "fit", ["fit", "4"], {}, 2, "the disk is full")
+    found = jobs.named(tmp_path, "fit")
+    last = [jobs.is_last(tmp_path, one, lambda job: job.answer.get("files", {}).get("tissue", "")) for one in found]
+    assert last == [False, True, True, True]

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from dummydesign.geometry.shapes import read_shape, shape_kinds
-from dummydesign.project.folder import make_project
-from dummydesign.studio import bench
+from dummydesign.project.folder import change_project, make_project
+from dummydesign.studio import bench, made
 from dummydesign.studio.lengths import first_shape, lengths_of
 from dummydesign.studio.pages.search import question_of
 from dummydesign.studio.state import State, read_state
@@ -91,11 +91,54 @@ def test_numbers_of_an_address_that_are_none_are_passed_over(project):
         assert 0.0 < state.ratio < 100.0
 
 
+def test_what_project_toml_says_by_now_wins_over_an_older_design(project):
+    design(project, "a", 7.0)
+    asked = change_project(project, punch="round:12")
+    state = read_state(asked, {})
+    assert (state.punch, state.design) == ("round:12", "")
+    design(project, "b", 8.0, date="2026-01-02", punch="round:12")
+    assert read_state(asked, {}).design == "designs/b"
+
+
+def test_no_calibration_is_a_choice_that_an_address_keeps(project):
+    asked = change_project(project, calibration="calibrations/x/calibration.json")
+    state = read_state(asked, {})
+    assert state.calibration == "calibrations/x/calibration.json"
+    without = state.changed(calibration="")
+    assert read_state(asked, dict(parse_qsl(without.query(), keep_blank_values=True))).calibration == ""
+
+
+def test_a_design_that_is_gone_is_no_longer_the_source_of_the_pad(project):
+    design(project, "a", 7.0)
+    state = read_state(project, {"design": "designs/a"})
+    (project.root / "designs" / "a").rename(project.root / "designs" / "b")
+    later = read_state(project, dict(parse_qsl(state.query())))
+    assert (later.design, later.thickness_mm, len(later.missing)) == ("", 7.0, 1)
+    assert made.design_of_pad(project.root, later) == "designs/b"
+
+
+def test_the_design_for_what_is_asked_says_whether_a_pad_may_be_cast(project):
+    design(project, "mine", 7.0, date="2026-01-01")
+    design(project, "for-another-tissue", 7.0, tissue="palm", date="2026-01-02")
+    state = read_state(project, {"design": "designs/mine"}).changed(design="")
+    assert made.design_of_pad(project.root, state) == "designs/mine"
+    palm = state.changed(tissue="palm")
+    assert made.design_of_pad(project.root, palm) == "designs/for-another-tissue"
+    thigh = state.changed(aim="safe-side")
+    assert not made.answers(project.root, made.design_of_pad(project.root, thigh), thigh)
+
+
+def test_a_search_without_a_punch_is_for_the_one_it_used_not_for_the_one_of_today(project):
+    words = ["suggest", "--tissue", "palm", "--aim", "average", "--resin", "polyurethane-nagoya"]
+    assert question_of(words, {"inputs": {"punch": "round:12"}})["punch"] == "round:12"
+    assert question_of(words, {})["punch"] == State("palm").punch
+
+
 def test_a_search_belongs_to_the_question_it_was_asked(project):
     words = ["suggest", "--tissue", "palm", "--aim", "average", "--resin", "polyurethane-nagoya", "--shape", "auto",
              "--no-cad", "--out", "designs/suggest-palm"]  # fmt: skip
-    assert question_of(words, project) == State("palm").question
-    assert question_of([*words, "--calibration", "calibrations/a/calibration.json"], project) != State("palm").question
+    assert question_of(words, {}) == State("palm").question
+    assert question_of([*words, "--calibration", "calibrations/a/calibration.json"], {}) != State("palm").question
 
 
 @pytest.mark.parametrize("kind", sorted(set(shape_kinds()) - {"slab"}))

@@ -11,7 +11,6 @@ from typing import Any
 from nicegui import ui
 
 from dummydesign.core.errors import InputError
-from dummydesign.geometry.standard import PUNCH
 from dummydesign.project.folder import Project
 from dummydesign.project.status import status_of
 from dummydesign.studio import choices, made
@@ -26,6 +25,7 @@ from dummydesign.studio.frame import (
     page_link,
     shown_file,
     table,
+    tell_problem,
     warnings,
     zip_link,
 )  # fmt: skip
@@ -34,6 +34,7 @@ from dummydesign.studio.presses import pads as pressed_pads
 from dummydesign.studio.presses.pads import PressedPad
 from dummydesign.studio.state import State
 from dummydesign.studio.work.commands import options
+from dummydesign.studio.work.inputs import changed_inputs, changed_since
 from dummydesign.studio.work.jobs import Job
 
 
@@ -136,8 +137,7 @@ class Comparison:
             raise InputError("choose the presses of a pad, or drop them above")
         stem = self.tissue.value.rpartition("/")[2].removesuffix(".toml")
         given = {"tissue": self.tissue.value, "lowpass": pad.lowpass, "record": self.record.value,
-                 "punch": "" if pad.punch == PUNCH and self.project.punch in (None, PUNCH) else pad.punch,
-                 "out": f"designs/compare-{stem}"}  # fmt: skip
+                 "punch": pad.punch, "out": f"designs/compare-{stem}"}  # fmt: skip
         return ["compare", *self.files.value, *options(given)]
 
     def belongs(self, job: Job) -> bool:
@@ -163,9 +163,10 @@ class Comparison:
     def replay_belongs(self, job: Job) -> bool:
         """Whether a job predicted this campaign with this calibration."""
         try:
-            return list(job.words) == self.replay_words()
+            same = list(job.words) == self.replay_words()
         except InputError:
             return False
+        return same and not changed_since([self.root / self.calibration.value], job.started)
 
     def show_replay(self, job: Job) -> None:
         """What the calibration predicts, and each pad against the tissue."""
@@ -223,6 +224,9 @@ def show_comparison(root: Path, answer: Mapping[str, Any]) -> None:
     """Verdict, correction, each press, and the report of a comparison."""
     if "verdict" not in answer or "force_variation_range" not in answer:
         return
+    files = answer.get("files") or {}
+    for name in changed_inputs(root, root / str(files.get("manifest") or "")):
+        tell_problem(f"{name} has changed since this comparison. Compare again.")
     verdict(answer["verdict"])
     html(f'<p data-test="correction">{escape(correction(answer["verdict"]))}</p>')
     if pad := answer.get("pad"):
@@ -233,7 +237,6 @@ def show_comparison(root: Path, answer: Mapping[str, Any]) -> None:
             "inside_fraction")  # fmt: skip
     table(head, [[Path(one["file"]).name, *(one[key] for key in keys)] for one in answer.get("by_trace", [])])
     warnings(answer)
-    files = answer.get("files") or {}
     if files.get("report") and (root / files["report"]).is_file():
         zip_link(Path(files["report"]).parent.as_posix())
         shown_file(f"/files/{files['report']}", "report of the comparison")

@@ -16,7 +16,17 @@ from dummydesign.geometry.shapes import read_shape
 from dummydesign.geometry.standard import PUNCH
 from dummydesign.project.folder import Project
 from dummydesign.studio import bench, choices, figures
-from dummydesign.studio.frame import Studio, command_line, facts, html, keep_state, lay_out, shown_file, table
+from dummydesign.studio.frame import (
+    Studio,
+    command_line,
+    facts,
+    html,
+    keep_state,
+    lay_out,
+    open_page,
+    shown_file,
+    table,
+)  # fmt: skip
 from dummydesign.studio.glossary import marked
 from dummydesign.studio.lengths import lengths_of
 from dummydesign.studio.pages import search
@@ -26,6 +36,8 @@ from dummydesign.studio.work import commands
 
 SETTLE_S = 0.35
 """After this time without a move the verdict counts what castings may turn out as. [s]"""
+WATCH_S = 2.0
+"""How often the files behind the verdict are looked at. [s]"""
 LONGEST_RATIO_UNIT = 8
 
 
@@ -78,7 +90,9 @@ class Page:
         self.search = search.Search(studio, project, lambda: self.state, self.take)
         html("<h2>Designs of this project</h2>")
         search.Designs(studio, lambda: self.state)
+        self.stamp: object = None
         self.take(state)
+        ui.timer(WATCH_S, self.watch)
 
     def _controls(self) -> None:
         """Build the controls, empty of what the state says."""
@@ -113,7 +127,10 @@ class Page:
         if after.tissue != self.state.tissue:
             aims = self._aims(after.tissue)
             after = after.changed(aim=after.aim if after.aim in aims else "average")
-        if after != self.state:
+        if after != self.state and after.missing:
+            # what the page says at its top may be no longer true
+            open_page("/design", after)
+        elif after != self.state:
             self.take(after)
 
     def moved(self) -> None:
@@ -196,7 +213,10 @@ class Page:
         else:
             self.ratio.value = state.ratio
             self.ratio.limit(resin.ratio_min, resin.ratio_max, resin.ratio_step / 2, resin.ratio_meaning)
-            self.state = state.changed(ratio=self.ratio.value) if self.ratio.value != state.ratio else state
+            if self.ratio.value != state.ratio:
+                words = f"{resin.name} has no ratio {state.ratio:g}. The ratio is now {self.ratio.value:g}."
+                ui.notify(words, type="warning", multi_line=True)
+                self.state = state.changed(ratio=self.ratio.value)
         self._set_lengths()
 
     def _set_lengths(self) -> None:
@@ -227,14 +247,24 @@ class Page:
     def evaluate(self) -> None:
         """Something changed: press the pad anew, once for all moves that came in the meantime."""
         self.wanted += 1
+        self.stamp = self.files()
         if not self.busy:
             ui.timer(0.0, self.follow, once=True)
 
+    def files(self) -> object:
+        """Times of the files behind what is chosen."""
+        return bench.stamp_of(self.root, bench.Asked.of(self.state))
+
+    def watch(self) -> None:
+        """A file was changed on the disk: the verdict is made anew."""
+        if self.files() != self.stamp:
+            self.evaluate()
+
     async def follow(self) -> None:
         """Show the newest state until there is no newer one, then settle the verdict."""
-        if self.busy:
+        if self.busy or self.shown == self.wanted:
             return
-        self.busy = True
+        self.busy, view = True, None
         try:
             while self.shown != self.wanted:
                 self.shown = self.wanted
@@ -250,8 +280,6 @@ class Page:
 
     def view_of(self, state: State) -> View:
         """Press the pad of a state and draw it, apart from the page."""
-        if state.missing:
-            return View(state, problem=" ".join(state.missing))
         asked = bench.Asked.of(state)
         try:
             inputs = bench.inputs_of(self.root, asked, bench.stamp_of(self.root, asked))
@@ -337,7 +365,7 @@ class Page:
     def pad_words(self) -> list[str]:
         """The pad under the sliders as a command: a search whose limits are this pad."""
         state, t, r = self.state, f"{self.state.thickness_mm:g}", f"{self.state.ratio:g}"
-        pad = {**search.question_options(self.project, state), "shape": state.shape}
+        pad = {**search.question_options(state), "shape": state.shape}
         if abs(2.0 * state.thickness_mm - round(2.0 * state.thickness_mm)) > 1e-9:
             if state.calibration:
                 raise InputError("with a calibration the command line takes steps of 0.5 mm: choose such a thickness")

@@ -65,7 +65,8 @@ def fit_panel(page: TissuePage) -> None:
             return False
         if set(_presses(job)) != set(picked.value) or job.words[-1] != asked[-1]:
             return False
-        return not job.answer.get("files") or (root / job.answer["files"]["tissue"]).is_file()
+        tissue = _tissue_of(job)
+        return not tissue or ((root / tissue).is_file() and jobs.is_last(root, job, _tissue_of))
 
     def show(job: Job) -> None:
         if "parameters" in job.answer:
@@ -96,6 +97,10 @@ def _start(page: TissuePage, known: dict[str, str]) -> tuple[list[str], str, str
         if job.answer.get("files", {}).get("tissue") == page.tissue:
             return _presses(job), Path(job.words[-1]).stem, "per-press" if "per-press" in job.words else ""
     return list(known), query.get("name") or choices.free_name(root, "tissue", "mine"), ""
+
+
+def _tissue_of(job: Job) -> str:
+    return str(job.answer.get("files", {}).get("tissue") or "")
 
 
 def _presses(job: Job) -> list[str]:

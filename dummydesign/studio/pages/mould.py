@@ -30,8 +30,9 @@ from dummydesign.studio.frame import (
     zip_link,
 )  # fmt: skip
 from dummydesign.studio.manage import manage, undo_bar
-from dummydesign.studio.state import State, design_summary
+from dummydesign.studio.state import State, design_state, design_summary
 from dummydesign.studio.work.commands import options
+from dummydesign.studio.work.inputs import holds_answer
 from dummydesign.studio.work.jobs import Job
 
 OUTLINE_MM = (150.0, 120.0)
@@ -105,7 +106,7 @@ class MouldPage:
         except InputError:
             return False
         folder = folder_of(job.answer)
-        return same and (not folder or (self.root / folder).is_dir())
+        return same and (not folder or holds_answer(self.root, folder, job.answer))
 
     def renew(self) -> None:
         """Something was chosen."""
@@ -195,6 +196,10 @@ def _source(root: Path, state: State) -> None:
         html(f'<p class="note">This pad is not one of the designs. Check it, or {link}.</p>')
         return
     html(f"<p>This pad is the design <b>{escape(design)}</b>.</p>")
+    if not made.answers(root, design, state):
+        words = State(**design_state(root, design)).label.partition("; ")[2]
+        html(f'<p class="note" data-test="other-question">That design was judged for {escape(words)}. '
+             f'For what is chosen, check it on the {page_link("/design", "design page")}.</p>')  # fmt: skip
     if red := verdict_of(root, state):
         html(f'<p class="problem" role="alert" data-test="red">Do not cast this pad. {escape(red)}</p>')
 

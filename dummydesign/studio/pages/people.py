@@ -128,6 +128,9 @@ class _People:
     def _show(self, done: list[Job]) -> None:
         answer = done[-1].answer
         name, fits = answer["name"], done[:-1]
+        if not jobs.is_last(self._root, done[-1], lambda job: " ".join(job.words[:3])):
+            html(f'<p class="note">The tissue {escape(name)} was made anew since, from other presses.</p>')
+            return
         if name not in choices.tissues(self._root):
             html(f'<p class="note">The tissue {escape(name)} is no longer in your library.</p>')
             return

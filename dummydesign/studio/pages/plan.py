@@ -14,6 +14,7 @@ from dummydesign.studio.frame import Studio, Work, html, state_link, warnings
 from dummydesign.studio.presses.plans import FIELDS, plan_of, plan_options, usual_moulds
 from dummydesign.studio.server import files
 from dummydesign.studio.state import State
+from dummydesign.studio.work import jobs
 from dummydesign.studio.work.commands import options
 from dummydesign.studio.work.jobs import Job
 
@@ -105,12 +106,13 @@ class PlanForm:
 
     def belongs(self, job: Job) -> bool:
         """Whether a job made the plan that is chosen, and it is still there."""
-        folder = str(job.answer.get("inputs", {}).get("folder", ""))
+        folder = _folder_of(job)
         try:
             same = list(job.words) == self.words()
         except InputError:
             return False
-        return same and (not folder or (self.studio.root / folder).is_dir())
+        there = not folder or ((self.studio.root / folder).is_dir() and jobs.is_last(self.studio.root, job, _folder_of))
+        return same and there
 
     def show(self, job: Job) -> None:
         """What was planned."""
@@ -125,3 +127,7 @@ class PlanForm:
         warnings(answer)
         on = state_link("/campaign", "Go on to the presses", self.state.changed(campaign=folder), "presses")
         html(f'<p class="note">{on}</p>')
+
+
+def _folder_of(job: Job) -> str:
+    return str(job.answer.get("inputs", {}).get("folder", ""))

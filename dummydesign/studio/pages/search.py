@@ -3,40 +3,57 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from html import escape
+from pathlib import Path
 from typing import Any
 
 from nicegui import run, ui
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.outputs.manifest import NAME as MANIFEST
 from dummydesign.geometry.standard import PUNCH
 from dummydesign.project.folder import Project
 from dummydesign.project.status import status_of
 from dummydesign.studio import bench, choices, kinds
-from dummydesign.studio.frame import Studio, Work, facts, file_links, html, shown_file, state_link, table, warnings
+from dummydesign.studio.frame import (
+    Studio,
+    Work,
+    facts,
+    file_links,
+    html,
+    open_page,
+    shown_file,
+    state_link,
+    table,
+    tell_problem,
+    warnings,
+)  # fmt: skip
 from dummydesign.studio.glossary import marked
+from dummydesign.studio.manage import manage
 from dummydesign.studio.state import State, design_state, is_design
 from dummydesign.studio.work import commands
+from dummydesign.studio.work.inputs import changed_inputs, changed_since, holds_answer
 from dummydesign.studio.work.jobs import Job
 
 PATIENCE_S = 2.0
 """How long a pad must stay chosen before it is solved in the background. [s]"""
+COMPARED = "designs/compared"
 PRESS_HEAD = ("steady N", "mm/s", "depth mm", "pad peak N", "people N", "")
 
 
-def question_options(project: Project, state: State) -> dict[str, str]:
-    """The options of ``suggest`` for what a state asks; empty where the command takes the same by itself."""
-    own = state.punch == PUNCH and project.punch in (None, PUNCH)
-    given = {"tissue": state.tissue, "aim": state.aim, "resin": state.resin, "calibration": state.calibration}
-    return given | {"punch": "" if own else state.punch}
+def question_options(state: State) -> dict[str, str]:
+    """The options of ``suggest`` for what a state asks; project.toml may change, so all are typed."""
+    return state.question
 
 
-def question_of(words: Sequence[str], project: Project) -> dict[str, str]:
-    """What a command line of ``suggest`` or ``predict`` asks, as :attr:`State.question` has it."""
+def question_of(words: Sequence[str], answer: Mapping[str, Any]) -> dict[str, str]:
+    """What a command line of ``suggest`` asked, as :attr:`State.question` has it; what it lacks is in its answer."""
+    used = answer.get("inputs") or {}
     given = {words[i][2:]: words[i + 1] for i in range(len(words) - 1) if words[i].startswith("--")}
-    return {"tissue": given.get("tissue", project.tissue or ""), "aim": given.get("aim", "average"),
+    return {"tissue": given.get("tissue", str(used.get("tissue") or "")), "aim": given.get("aim", "average"),
             "resin": given.get("resin", ""), "calibration": given.get("calibration", ""),
-            "punch": given.get("punch", project.punch or PUNCH)}  # fmt: skip
+            "punch": given.get("punch", str(used.get("punch") or PUNCH))}  # fmt: skip
 
 
 def press_rows(presses: Sequence[Mapping[str, Any]]) -> list[list[object]]:
@@ -96,7 +113,8 @@ class Search:
         wish = asked.get("shape", "auto").partition(":")[0]
         self.kinds = ui.select(known, value=wish if wish in known else "auto", label="Shapes to search")
         self.kinds.props('data-test="searched"').style("max-width:320px;width:100%")
-        self.work = Work(studio, "suggest", "Find the best pad", self.words, self.show, self.belongs, self.ended)
+        self.work = Work(studio, "suggest", "Find the best pad", self.words, self.show, self.belongs, self.ended,
+                         self.stamp)  # fmt: skip
         self.kinds.on_value_change(self.work.renew_line)
 
     def renew(self) -> None:
@@ -107,12 +125,18 @@ class Search:
         """The search as a command."""
         state = self.state()
         stem = state.tissue.rpartition("/")[2].removesuffix(".toml")
-        given = {**question_options(self.project, state), "shape": self.kinds.value}
+        given = {**question_options(state), "shape": self.kinds.value}
         return commands.suggest(given, f"suggest-{stem}{'-calibrated' if state.calibration else ''}")
 
     def belongs(self, job: Job) -> bool:
         """Whether a search was for what is chosen."""
-        return question_of(job.words, self.project) == self.state().question
+        if question_of(job.words, job.answer) != self.state().question:
+            return False
+        return "recommendation" not in job.answer or holds_answer(self.studio.root, _folder(job), job.answer)
+
+    def stamp(self) -> object:
+        """Times of the files behind the question."""
+        return bench.stamp_of(self.studio.root, bench.Asked.of(self.state()))
 
     def ended(self, job: Job) -> None:
         """Put the sliders at the pad that was found, when it is for what is chosen."""
@@ -124,6 +148,8 @@ class Search:
         answer = job.answer
         if "recommendation" not in answer:
             return
+        for name in changed_inputs(self.studio.root, self.studio.root / _folder(job) / MANIFEST):
+            tell_problem(f"The {name} has changed since this search. Search again.")
         best, light = answer["recommendation"], answer["verdict"]["light"]
         html(f'<div class="verdict {escape(str(light))}"><span class="light" aria-hidden="true"></span>'
              f"<p>{escape(answer['verdict']['text'])}</p></div>")  # fmt: skip
@@ -185,7 +211,16 @@ class Designs:
 
     def _found(self) -> list[Any]:
         project = self.studio.project
-        return [one for one in status_of(project).found["designs"] if is_design(one)] if project else []
+        every = status_of(project).found["designs"] if project else []
+        return [one for one in every if is_design(one) and design_state(self.studio.root, one.folder)]
+
+    def moved(self, old: str, new: str) -> None:
+        """Follow a design that was renamed, deleted or brought back; the pad stays under the sliders."""
+        state = self.state()
+        if state.design == old:
+            open_page("/design", replace(state, design=new))
+        else:
+            self.renew()
 
     def renew(self) -> None:
         """List the designs anew when one came or went."""
@@ -197,13 +232,16 @@ class Designs:
         kept = list(self.chosen.value) if self.chosen is not None else []
         self.box.clear()
         with self.box:
-            rows = []
+            if not found:
+                html("<p>none yet</p>")
             for one in reversed(found):
                 opened = self.state().changed(**{**design_state(self.studio.root, one.folder), "missing": ()})
                 verdict = str((one.summary or {}).get("verdict", "")).replace("_", " ")
                 link = state_link("/design", opened.design.partition("/")[2], opened)
-                rows.append(f"<li>{link}: {escape(opened.label)}: <b>{escape(verdict)}</b></li>")
-            html(f"<ul>{''.join(rows)}</ul>" if rows else "<p>none yet</p>")
+                with ui.element("div").classes("thing").props('data-test="design"'):
+                    html(f"<span>{link}: {escape(opened.label)}: <b>{escape(verdict)}</b></span>")
+                    with ui.element("div"):
+                        manage(self.studio, one.folder, "design", self.moved)
             folders = [one.folder for one in found]
             kept = [name for name in kept if name in folders]
             value = kept if len(kept) > 1 else folders[-2:]
@@ -218,17 +256,21 @@ class Designs:
         chosen = list(self.chosen.value or [])
         if len(chosen) < 2:
             raise InputError("choose two designs or more to compare them")
-        return ["compare-designs", *chosen, "--out", "designs/compared", "--replace"]
+        return ["compare-designs", *chosen, "--out", COMPARED, "--replace"]
 
     def belongs(self, job: Job) -> bool:
         """Whether a comparison is of the designs that are chosen."""
-        compared = {word for word in job.words if word.startswith("designs/")} - {"designs/compared"}
-        return compared == set(self.chosen.value or ())
+        compared = {word for word in job.words if word.startswith("designs/")} - {COMPARED}
+        same = compared == set(self.chosen.value or ())
+        # each comparison takes the place of the one before
+        return same and (not job.answer or holds_answer(self.studio.root, COMPARED, job.answer))
 
     def show(self, job: Job) -> None:
         """The page of the comparison."""
         report = job.answer.get("files", {}).get("report")
         if report:
+            for name in changed_inputs(self.studio.root, self.studio.root / COMPARED / MANIFEST):
+                tell_problem(f"{name} has changed since this comparison. Compare again.")
             shown_file(f"/files/{report}", "designs side by side")
 
 
@@ -272,10 +314,8 @@ class SolvedPad:
     def words(self) -> list[str]:
         """The pad as a command that solves it."""
         state = self.state()
-        project = self.studio.project
-        assert project is not None
         t, r = f"{state.thickness_mm:g}", f"{state.ratio:g}"
-        given = {**question_options(project, state), "shape": state.shape}
+        given = {**question_options(state), "shape": state.shape}
         if bench.solved_by_predict(state):
             shape = bench.shape_of(state.shape)
             return ["predict", *commands.options({**given, "thickness": t, "ratio": r, "fidelity": shape.fidelity})]
@@ -285,9 +325,11 @@ class SolvedPad:
     def belongs(self, job: Job) -> bool:
         """Whether a job solved the pad that is chosen."""
         try:
-            return list(job.words) == self.words()
+            same = list(job.words) == self.words()
         except InputError:
             return False
+        stamp = bench.stamp_of(self.studio.root, bench.Asked.of(self.state()))
+        return same and not changed_since([Path(path) for path, *_ in stamp], job.started)
 
     def show(self, job: Job) -> None:
         """The verdict and the presses of the solved pad."""

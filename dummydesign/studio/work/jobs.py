@@ -9,7 +9,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
@@ -226,6 +226,21 @@ def latest(root: Path, name: str) -> Job | None:
         except (OSError, ValueError, KeyError, TypeError):
             continue
     return None
+
+
+def is_last(root: Path, job: Job, made: Callable[[Job], str]) -> bool:
+    """Whether no later command of the step made the same file or folder, which took the place of this one's.
+
+    Parameters
+    ----------
+    root : Path
+        The project folder.
+    job : Job
+    made : callable
+        What a job made, from the project folder on; empty for nothing.
+    """
+    same = [one for one in named(root, job.name) if made(one) == made(job)]
+    return not same or same[-1].folder == job.folder
 
 
 def stop(job: Job) -> None:

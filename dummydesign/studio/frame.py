@@ -21,6 +21,7 @@ from dummydesign.report.html.glossary import whole_glossary
 from dummydesign.studio.addresses import address
 from dummydesign.studio.figures import plot_script
 from dummydesign.studio.glossary import glossary_head, marked
+from dummydesign.studio.screen_reader import reader_script
 from dummydesign.studio.server.reconnect import page_script
 from dummydesign.studio.state import State, read_state
 from dummydesign.studio.work import jobs
@@ -100,7 +101,7 @@ def lay_out(
     """
     ui.colors(primary="#0b5cad")
     ui.add_head_html(f"<style>{style()}</style><script>document.documentElement.lang = 'en'</script>")
-    ui.add_head_html(page_script() + plot_script() + glossary_head())
+    ui.add_head_html(page_script() + reader_script() + plot_script() + glossary_head())
     ui.page_title(f"{title} – dummydesign studio")
     problem, project, state = "", None, None
     try:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -72,7 +73,7 @@ class Job:
         if self.state == "stopped":
             return "stopped before it was done; nothing half-written is left"
         if self.state == "lost":
-            return "the process ended without a word (machine switched off, disk full?): run it again"
+            return "the process stopped unexpectedly (machine switched off, disk full?): run it again"
         try:
             lines = (self.folder / runner.ERRORS).read_text(encoding="utf-8", errors="replace").strip().splitlines()
         except OSError:
@@ -110,13 +111,18 @@ def start(root: Path, name: str, words: Sequence[str]) -> Job:
     if len(running) >= MOST_AT_ONCE:
         raise InputError(f"{len(running)} commands are at work: wait for one, or stop one")
     home = root / HOME / "jobs"
+    folder = None
     try:
         home.mkdir(parents=True, exist_ok=True)
         folder = _new_folder(home, name)
         asked = {"name": name, "words": list(words), "cwd": str(root), "start": time.time()}
         write_text(folder / runner.COMMAND, json.dumps(asked))
         _spawn(root, folder)
-    except OSError as problem:
+    except (OSError, InputError) as problem:
+        if folder is not None:
+            shutil.rmtree(folder, ignore_errors=True)
+        if isinstance(problem, InputError):
+            raise
         raise InputError(f"'{home}' cannot be written: {problem.strerror or problem}") from None
     return read_job(folder)
 

@@ -107,8 +107,8 @@ def lay_out(
     try:
         project = studio.project
         state = read_state(project, query) if project else None
-    except InputError as said:
-        problem = str(said)
+    except (InputError, OSError) as said:
+        problem = problem_text(said)
     name = project.name if project else studio.root.name
     links = "".join(page_link(path, words, current=path == here) for path, words in STEPS)
     html(
@@ -119,6 +119,7 @@ def lay_out(
     ui.add_body_html(f"<script>{SHOW_STEP}{kept}</script>")
     with ui.element("div").classes("body").props('id="body" tabindex="-1"'):
         html(f"<h1>{escape(title)}</h1>")
+        _tell_failures()
         if problem:
             tell_problem(f"{problem}. Fix the file in an editor, then load this page again; nothing was changed.")
             return
@@ -131,8 +132,8 @@ def lay_out(
                 empty()
             else:
                 html(f'<p class="note">This folder is no project yet: {page_link("/", "make it one")} first.</p>')
-        except InputError as said:
-            tell_problem(str(said))
+        except (InputError, OSError) as said:
+            tell_problem(problem_text(said))
         html(f'<footer class="glossary">{whole_glossary()}</footer>')
 
 
@@ -200,6 +201,33 @@ def html(text: str) -> ui.html:
 def tell_problem(text: str) -> None:
     """Say on the page what is wrong."""
     html(f'<div class="problem" role="alert">{escape(text)}</div>')
+
+
+def problem_text(problem: Exception) -> str:
+    """What went wrong in a sentence: refused by a command or the system, or unexpected."""
+    if isinstance(problem, InputError):
+        return str(problem)
+    if isinstance(problem, OSError):
+        file = f"'{Path(str(problem.filename)).name}': " if problem.filename else ""
+        return f"{file}{problem.strerror or problem}. Mend this, then try again"
+    return f"This failed unexpectedly ({type(problem).__name__}: {problem}). Load this page again"
+
+
+def _tell_failures() -> None:
+    """Show on the page what a click or a timer could not do, wherever the code is that did not expect it."""
+    place, shown_texts = ui.element("div").style("width:100%"), [""]
+
+    def tell(problem: Exception) -> None:
+        text = problem_text(problem)
+        if text == shown_texts[0] and isinstance(problem, OSError):
+            return  # a timer asks again and again
+        shown_texts[0] = text
+        place.clear()
+        with place:
+            tell_problem(text)
+        ui.run_javascript(f"document.getElementById('{place.html_id}')?.scrollIntoView({{block: 'center'}})")
+
+    ui.on_exception(tell)
 
 
 def command_line(words: Sequence[str]) -> None:

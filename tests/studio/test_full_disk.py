@@ -15,6 +15,8 @@ from dummydesign.studio.presses import bring_in, incoming
 from dummydesign.studio.work import jobs
 from dummydesign.studio.work.lock import held, take
 from tests.support import lab_project as lab
+from tests.support.studio import browser, running
+from tests.support.studio import test_id as by
 
 
 @pytest.fixture
@@ -143,3 +145,24 @@ def test_what_runs_is_known_in_a_folder_that_cannot_be_written(tmp_path, monkeyp
     assert held(tmp_path / "lock")
     lock.close()
     assert not held(tmp_path / "lock")
+
+
+@pytest.mark.slow
+def test_a_project_file_that_cannot_be_written_is_told_on_the_page_and_the_same_click_works_later(tmp_path):
+    root = make_project(tmp_path / "thumb", tissue="forefinger").root
+    with running(root, tmp_path / "home") as studio, browser() as page:
+        page.set_default_timeout(120_000)
+        page.goto(studio.address)
+        page.wait_for_selector("h1")
+        page.goto(f"{studio.home}tissue")
+        page.wait_for_selector(by("use"))
+        (root / "project.toml").rename(root / "kept.toml")
+        (root / "project.toml").mkdir()
+        page.locator(by("use")).click()
+        page.wait_for_selector(".problem >> text=project.toml")
+        (root / "project.toml").rmdir()
+        (root / "kept.toml").rename(root / "project.toml")
+        page.locator(by("use")).click()
+        page.wait_for_selector("h1 >> text=Design")
+        studio.process.terminate()
+        assert "Traceback" not in studio.process.stderr.read()

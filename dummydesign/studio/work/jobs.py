@@ -27,6 +27,7 @@ MOST_AT_ONCE = 2
 """Commands that may run at once: each may fill a processor."""
 STARTING_S = 120.0
 """On systems where a lock cannot be handed on: a command that did not begin within this time never will. [s]"""
+UNEXPECTED = "the process stopped unexpectedly (machine switched off, disk or memory full?): run it again"
 _CHILDREN: list[subprocess.Popen[bytes]] = []
 """Processes that this one started; looked at now and then, so that those that ended are let go."""
 
@@ -73,13 +74,15 @@ class Job:
         if self.state == "stopped":
             return "stopped before it was done; nothing half-written is left"
         if self.state == "lost":
-            return "the process stopped unexpectedly (machine switched off, disk full?): run it again"
+            return UNEXPECTED
         try:
             lines = (self.folder / runner.ERRORS).read_text(encoding="utf-8", errors="replace").strip().splitlines()
         except OSError:
             return ""
         said = [line.removeprefix("error: ") for line in lines if line.startswith("error: ")]
-        return said[-1] if said else (lines[-1] if lines and self.state == "failed" else "")
+        if said or self.state != "failed":
+            return said[-1] if said else ""
+        return lines[-1] if lines else "" if self.answer else UNEXPECTED
 
 
 @lru_cache(maxsize=16)

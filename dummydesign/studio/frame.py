@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -213,15 +214,21 @@ def problem_text(problem: Exception) -> str:
     return f"This failed unexpectedly ({type(problem).__name__}: {problem}). Load this page again"
 
 
+TIMER_S = 5.0
+"""Longer than the time between two calls of any timer of a page. [s]"""
+
+
 def _tell_failures() -> None:
     """Show on the page what a click or a timer could not do, wherever the code is that did not expect it."""
-    place, shown_texts = ui.element("div").style("width:100%"), [""]
+    place = ui.element("div").style("width:100%")
+    seen_s: dict[str, float] = {}
 
     def tell(problem: Exception) -> None:
-        text = problem_text(problem)
-        if text == shown_texts[0] and isinstance(problem, OSError):
-            return  # a timer asks again and again
-        shown_texts[0] = text
+        text, now = problem_text(problem), time.monotonic()
+        again = now - seen_s.get(text, -math.inf) < TIMER_S
+        seen_s[text] = now
+        if again:
+            return  # a timer that fails again and again
         place.clear()
         with place:
             tell_problem(text)
@@ -272,6 +279,7 @@ class Work:
         self._belongs, self._ended = belongs, ended
         self._seen: object = None
         self._watched = ""
+        self._pressed = False
         self.running = self.answered = False
         with ui.element("section").classes("work"):
             self._line = ui.element("div")
@@ -311,7 +319,9 @@ class Work:
             with self._problem:
                 tell_problem(str(said))
             return
+        self._pressed = True
         self.update()
+        _move_focus(self._button, self._stop)
 
     def _end(self) -> None:
         job = jobs.latest(self._studio.root, self._name)
@@ -328,6 +338,9 @@ class Work:
         self._stop.set_visibility(running)
         self._spinner.set_visibility(running)
         self.running = running
+        if self._pressed and not running:
+            self._pressed = False
+            _move_focus(self._stop, self._button)
         shown_job = next((one for one in reversed(every) if self._belongs(one) and has_answer(one)), None)
         self.answered = shown_job is not None
         if newest is not None and running:
@@ -372,6 +385,15 @@ class Work:
                 tell_problem(job.error)
             if job.state == "failed" and job.answer:
                 self._said.set_text(f"done in {job.seconds:.0f} s, but the answer is not acceptable")
+
+
+def _move_focus(gone: ui.button, stays: ui.button) -> None:
+    """Hand the focus on from a button that cannot be used any more, unless the user went elsewhere."""
+    ui.run_javascript(
+        "setTimeout(() => { const at = document.activeElement; "
+        f"if (at === document.body || at.id === '{gone.html_id}') "
+        f"document.getElementById('{stays.html_id}')?.focus({{preventScroll: true}}); }}, 200)"
+    )
 
 
 def has_answer(job: jobs.Job) -> bool:

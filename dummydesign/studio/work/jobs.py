@@ -126,7 +126,8 @@ def start(root: Path, name: str, words: Sequence[str]) -> Job:
             shutil.rmtree(folder, ignore_errors=True)
         if isinstance(problem, InputError):
             raise
-        raise InputError(f"'{home}' cannot be written: {problem.strerror or problem}") from None
+        place = problem.filename or home
+        raise InputError(f"'{place}' cannot be written or run: {problem.strerror or problem}") from None
     return read_job(folder)
 
 

@@ -126,8 +126,9 @@ def start(root: Path, name: str, words: Sequence[str]) -> Job:
             shutil.rmtree(folder, ignore_errors=True)
         if isinstance(problem, InputError):
             raise
-        place = problem.filename or home
-        raise InputError(f"'{place}' cannot be written or run: {problem.strerror or problem}") from None
+        refused = problem.filename == sys.executable
+        what = f"'{sys.executable}' cannot be run" if refused else f"'{home}' cannot be written"
+        raise InputError(f"{what}: {problem.strerror or problem}") from None
     return read_job(folder)
 
 

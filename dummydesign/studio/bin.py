@@ -6,17 +6,18 @@ import json
 import os
 import shutil
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
 
 from dummydesign.core.datafiles import toml_text
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import write_text
+from dummydesign.core.files import write_bytes, write_text
 from dummydesign.core.outputs.manifest import NAME as MANIFEST
 from dummydesign.core.outputs.manifest import sha256_of
-from dummydesign.project.folder import FILE, FOLDERS, change_project, read_project
+from dummydesign.project.folder import FILE, FOLDERS, Project, change_project, read_project
 from dummydesign.studio.server.files import inside, plain_name
 from dummydesign.studio.work import jobs
 
@@ -109,7 +110,6 @@ def restore(root: Path, entry: Deleted) -> str:
     check_idle(root, entry.path)
     if not place.parent.is_dir() and place.parent.parent != root:
         raise InputError(f"'{place.parent.relative_to(root).as_posix()}' is not there. Restore it first")
-    place.parent.mkdir(exist_ok=True)
     stem = old = _stem(content / place.name)
     number = 1
     while any((place.parent / name).exists() for name in _renamed(names, old, stem)):
@@ -121,6 +121,25 @@ def restore(root: Path, entry: Deleted) -> str:
     if stem != old:
         _follow_inside(place.parent, after, old, stem)
     return f"{place.parent.relative_to(root).as_posix()}/{after[names.index(place.name)]}"
+
+
+@contextmanager
+def undone_if_refused(root: Path, entry: Deleted | None) -> Iterator[None]:
+    """Restore what was replaced when what takes its place is refused, so that a full disk changes nothing.
+
+    Parameters
+    ----------
+    root : Path
+        The project folder.
+    entry : Deleted, optional
+        What was replaced.
+    """
+    try:
+        yield
+    except InputError:
+        if entry is not None:
+            restore(root, entry)
+        raise
 
 
 def rename(root: Path, path: str, name: str) -> str:
@@ -161,16 +180,29 @@ def rename(root: Path, path: str, name: str) -> str:
     if taken is not None:
         raise InputError(f"'{taken}' is there already: choose another name")
     project = read_project(root) if (root / FILE).is_file() else None
-    _move([(part, place.parent / one) for part, one in zip(parts, after)])
-    _follow_inside(place.parent, after, old, wanted)
+    moves = [(part, place.parent / one) for part, one in zip(parts, after)]
+    before = {part: part.read_bytes() for part in parts if _is_tissue(path)}
     new = f"{path.rpartition('/')[0]}/{after[0]}"
-    if project is not None:
-        given = project.given()
-        moved = {key: follow(given[key], path, new) for key in ("tissue", "calibration") if key in given}
-        changed = {key: value for key, value in moved.items() if value != given[key]}
-        if changed:
-            change_project(project, **changed)
+    _move(moves)
+    try:
+        _follow_inside(place.parent, after, old, wanted)
+        if project is not None:
+            _follow_in_project(project, path, new)
+    except InputError:
+        _move([(now, part) for part, now in moves])
+        for part, content in before.items():
+            if part.read_bytes() != content:
+                write_bytes(part, content)
+        raise
     return new
+
+
+def _follow_in_project(project: Project, old: str, new: str) -> None:
+    given = project.given()
+    moved = {key: follow(given[key], old, new) for key in ("tissue", "calibration") if key in given}
+    changed = {key: value for key, value in moved.items() if value != given[key]}
+    if changed:
+        change_project(project, **changed)
 
 
 def follow(text: str, old: str, new: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -21,6 +22,7 @@ from dummydesign.report.html.glossary import whole_glossary
 from dummydesign.studio.addresses import address
 from dummydesign.studio.figures import plot_script
 from dummydesign.studio.glossary import glossary_head, marked
+from dummydesign.studio.screen_reader import reader_script
 from dummydesign.studio.server.reconnect import page_script
 from dummydesign.studio.state import State, read_state
 from dummydesign.studio.work import jobs
@@ -100,14 +102,14 @@ def lay_out(
     """
     ui.colors(primary="#0b5cad")
     ui.add_head_html(f"<style>{style()}</style><script>document.documentElement.lang = 'en'</script>")
-    ui.add_head_html(page_script() + plot_script() + glossary_head())
+    ui.add_head_html(page_script() + reader_script() + plot_script() + glossary_head())
     ui.page_title(f"{title} – dummydesign studio")
     problem, project, state = "", None, None
     try:
         project = studio.project
         state = read_state(project, query) if project else None
-    except InputError as said:
-        problem = str(said)
+    except (InputError, OSError) as said:
+        problem = problem_text(said)
     name = project.name if project else studio.root.name
     links = "".join(page_link(path, words, current=path == here) for path, words in STEPS)
     html(
@@ -118,6 +120,7 @@ def lay_out(
     ui.add_body_html(f"<script>{SHOW_STEP}{kept}</script>")
     with ui.element("div").classes("body").props('id="body" tabindex="-1"'):
         html(f"<h1>{escape(title)}</h1>")
+        _tell_failures()
         if problem:
             tell_problem(f"{problem}. Fix the file in an editor, then load this page again; nothing was changed.")
             return
@@ -130,8 +133,8 @@ def lay_out(
                 empty()
             else:
                 html(f'<p class="note">This folder is no project yet: {page_link("/", "make it one")} first.</p>')
-        except InputError as said:
-            tell_problem(str(said))
+        except (InputError, OSError) as said:
+            tell_problem(problem_text(said))
         html(f'<footer class="glossary">{whole_glossary()}</footer>')
 
 
@@ -201,6 +204,39 @@ def tell_problem(text: str) -> None:
     html(f'<div class="problem" role="alert">{escape(text)}</div>')
 
 
+def problem_text(problem: Exception) -> str:
+    """What went wrong in a sentence: refused by a command or the system, or unexpected."""
+    if isinstance(problem, InputError):
+        return str(problem)
+    if isinstance(problem, OSError):
+        file = f"'{Path(str(problem.filename)).name}': " if problem.filename else ""
+        return f"{file}{problem.strerror or problem}. Mend this, then try again"
+    return f"This failed unexpectedly ({type(problem).__name__}: {problem}). Load this page again"
+
+
+TIMER_S = 5.0
+"""Longer than the time between two calls of any timer of a page. [s]"""
+
+
+def _tell_failures() -> None:
+    """Show on the page what a click or a timer could not do, wherever the code is that did not expect it."""
+    place = ui.element("div").style("width:100%")
+    seen_s: dict[str, float] = {}
+
+    def tell(problem: Exception) -> None:
+        text, now = problem_text(problem), time.monotonic()
+        again = now - seen_s.get(text, -math.inf) < TIMER_S
+        seen_s[text] = now
+        if again:
+            return  # a timer that fails again and again
+        place.clear()
+        with place:
+            tell_problem(text)
+        ui.run_javascript(f"document.getElementById('{place.html_id}')?.scrollIntoView({{block: 'center'}})")
+
+    ui.on_exception(tell)
+
+
 def command_line(words: Sequence[str]) -> None:
     """The command that does the same as the page, to copy."""
     text = shown(words)
@@ -246,6 +282,7 @@ class Work:
         self._belongs, self._ended, self._stamp = belongs, ended, stamp
         self._seen: object = None
         self._watched = ""
+        self._pressed = False
         self.running = self.answered = False
         with ui.element("section").classes("work"):
             self._line = ui.element("div")
@@ -285,7 +322,9 @@ class Work:
             with self._problem:
                 tell_problem(str(said))
             return
+        self._pressed = True
         self.update()
+        _move_focus(self._button, self._stop)
 
     def _end(self) -> None:
         job = jobs.latest(self._studio.root, self._name)
@@ -302,6 +341,9 @@ class Work:
         self._stop.set_visibility(running)
         self._spinner.set_visibility(running)
         self.running = running
+        if self._pressed and not running:
+            self._pressed = False
+            _move_focus(self._stop, self._button)
         shown_job = next((one for one in reversed(every) if self._belongs(one) and has_answer(one)), None)
         self.answered = shown_job is not None
         if newest is not None and running:
@@ -348,6 +390,15 @@ class Work:
                 tell_problem(job.error)
             if job.state == "failed" and job.answer:
                 self._said.set_text(f"done in {job.seconds:.0f} s, but the answer is not acceptable")
+
+
+def _move_focus(gone: ui.button, stays: ui.button) -> None:
+    """Hand the focus on from a button that cannot be used any more, unless the user went elsewhere."""
+    ui.run_javascript(
+        "setTimeout(() => { const at = document.activeElement; "
+        f"if (at === document.body || at.id === '{gone.html_id}') "
+        f"document.getElementById('{stays.html_id}')?.focus({{preventScroll: true}}); }}, 200)"
+    )
 
 
 def has_answer(job: jobs.Job) -> bool:

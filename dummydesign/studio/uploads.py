@@ -70,7 +70,9 @@ def store(root: Path, folder: Path, name: str, content: bytes, replace: bool = F
         return Stored(same, "same", name)
     if replace and (folder / name).is_file():
         gone = bin.delete(root, (folder / name).relative_to(root).as_posix(), "replaced")
-        return Stored(files.keep(folder, name, content).name, "replaced", name, gone)
+        with bin.undone_if_refused(root, gone):
+            files.keep(folder, name, content)
+        return Stored(name, "replaced", name, gone)
     kept = files.keep(folder, name, content).name
     return Stored(kept, "new" if kept == name else "numbered", name)
 
@@ -107,5 +109,6 @@ def take_place(root: Path, folder: Path, kept: str, name: str) -> Stored:
     place = folder.relative_to(root).as_posix()
     bin.check_idle(root, f"{place}/{kept}")
     gone = bin.delete(root, f"{place}/{name}", "replaced")
-    bin.rename(root, f"{place}/{kept}", name)
+    with bin.undone_if_refused(root, gone):
+        bin.rename(root, f"{place}/{kept}", name)
     return Stored(name, "replaced", name, gone)

@@ -57,6 +57,16 @@ def test_a_command_can_be_stopped_and_leaves_no_half_written_folder(tmp_path):
     assert not list(tmp_path.glob("designs/*")) and not list(tmp_path.glob("designs/.a*"))
 
 
+def test_a_command_that_was_killed_while_its_runner_lives_says_so(tmp_path):
+    job = jobs.start(tmp_path, "suggest", ["suggest", "--tissue", "forefinger", "--no-cad", "--out", "designs/a"])
+    deadline = time.monotonic() + 600
+    while not (job.folder / runner.CHILD).exists() or not (job.folder / runner.CHILD).read_text(encoding="utf-8"):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    os.kill(int((job.folder / runner.CHILD).read_text(encoding="utf-8")), signal.SIGKILL)
+    assert "run it again" in wait_for(job.folder, "failed").error
+
+
 def test_a_command_whose_process_was_killed_is_lost_and_says_so(tmp_path):
     job = jobs.start(tmp_path, "suggest", ["suggest", "--tissue", "forefinger", "--no-cad", "--out", "designs/a"])
     deadline = time.monotonic() + 600

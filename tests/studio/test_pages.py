@@ -63,6 +63,16 @@ RULES = """() => {
         && !e.getAttribute('aria-label')).forEach((e) => say('file field without a name', e));
     for (const e of all('[role]')) { const role = e.getAttribute('role');
         if (!KNOWN.includes(role)) say('unknown role ' + role, e); }
+    all('thead th').filter((e) => !e.textContent.trim()).forEach((e) => say('empty head of a column', e));
+    all('[role=listbox] > [tabindex]:not([role=option])').forEach((e) => say('no option in a list', e));
+    all('[role=combobox][aria-expanded=true]').filter((e) => !document.getElementById(e.getAttribute('aria-controls')))
+        .forEach((e) => say('list without choices', e));
+    all('[role=progressbar]').filter((e) => !e.getAttribute('aria-label') && !e.closest('[aria-hidden=true]'))
+        .forEach((e) => say('progress without a name', e));
+    const marks = 'main, header, nav, aside, footer, [role=region][aria-label], [role=alert], [role=status], '
+        + '[aria-live], [aria-hidden=true], script, style, template, .skip';
+    all('body *').filter((e) => !e.closest(marks) && !e.querySelector(marks) && e.textContent.trim())
+        .forEach((e) => say('outside the landmarks', e));
     let level = 0;
     for (const e of all('h1, h2, h3, h4').filter(shown)) { const now = Number(e.tagName[1]);
         if (now > level + 1) say('a level of headings left out', e); level = now; }
@@ -126,6 +136,12 @@ def test_every_page_keeps_the_rules_for_screen_readers(studio):
     with browser(viewport={"width": 1280, "height": 900}) as page:
         for path in every_page(page, found):
             assert page.evaluate(RULES) == [], path
+            for choice in page.locator(".q-select:not(.disabled):visible").all()[:4]:
+                choice.click()
+                page.wait_for_timeout(400)
+                assert page.evaluate(RULES) == [], path
+                page.keyboard.press("Escape")
+                page.wait_for_timeout(400)
 
 
 def test_the_rules_find_what_is_wrong():
@@ -134,12 +150,14 @@ def test_the_rules_find_what_is_wrong():
         page.set_content(
             "<h1>a</h1><h1>b</h1><h3>c</h3><div id=x></div><div id=x></div><a href=#><input></a><img src=data:,>"
             "<iframe></iframe><p tabindex=3>d</p><p role=buton>e</p><input type=file>"
-            "<b aria-hidden=true><button>f</button></b>"
+            "<b aria-hidden=true><button>f</button></b><table><thead><tr><th></table><p role=progressbar></p>"
+            "<p role=listbox><b tabindex=-1></b></p><p role=combobox aria-expanded=true aria-controls=gone></p>"
         )
         told = page.evaluate(RULES)
     for fault in ("no language", "not one main heading", "no title", "no named navigation", "id twice",
                   "order of its own", "frame without", "picture without", "hidden but reached",
-                  "a control in a control", "file field", "unknown role", "a level of headings"):  # fmt: skip
+                  "a control in a control", "file field", "unknown role", "a level of headings",
+                  "empty head", "no option", "list without", "progress without", "outside the landmarks"):  # fmt: skip
         assert any(one.startswith(fault) for one in told), fault
 
 
@@ -148,7 +166,7 @@ def test_the_keyboard_reaches_every_control_and_shows_where_it_is(studio):
     with browser(viewport={"width": 1280, "height": 900}) as page:
         for path in every_page(page, found):
             places = []
-            for _ in range(80):
+            for _ in range(600):
                 page.keyboard.press("Tab")
                 here = page.evaluate(WHERE)
                 if here is None:

@@ -49,3 +49,76 @@ def test_from_an_empty_folder_to_the_files_of_a_mould(tmp_path):
         names = [name.rpartition("/")[2] for name in archive.namelist()]
     assert any(name.endswith(".step") for name in names) and any(name.endswith(".pdf") for name in names)
     assert clicks <= MOST_CLICKS
+
+
+def test_the_short_way_goes_by_the_keyboard_alone(tmp_path):
+    """Tab, Enter and arrows from the empty folder to the archive; the focus is never lost, and no control keeps it."""
+    with running(tmp_path / "thumb", tmp_path / "home") as studio, browser() as page:
+
+        def focused():
+            return page.evaluate("document.activeElement !== document.body && document.activeElement.isConnected")
+
+        def tab_to(selector):
+            page.wait_for_selector(selector)
+            for _ in range(600):
+                page.keyboard.press("Tab")
+                if page.evaluate("(words) => document.activeElement.matches(words)", selector):
+                    return
+            raise AssertionError(f"Tab does not reach {selector}")
+
+        def opened(title):
+            page.wait_for_selector(f"h1 >> text={title}")
+            page.wait_for_timeout(1500)
+            page.keyboard.press("Tab")
+            assert page.evaluate("document.activeElement.textContent") == "to the content", title
+            page.keyboard.press("Enter")
+            assert page.evaluate("document.activeElement.id") == "body", title
+
+        page.goto(studio.address)
+        opened("Overview")
+        tab_to(f"{by('tissue')}, {by('tissue')} input, label:has({by('tissue')}) input")
+        page.keyboard.press("Enter")
+        for _ in range(20):
+            if "forefinger (built-in)" in page.locator('[role="option"].q-manual-focusable--focused').all_inner_texts():
+                break
+            page.keyboard.press("ArrowDown")
+            page.wait_for_timeout(200)
+        page.keyboard.press("Enter")
+        page.wait_for_timeout(700)
+        assert focused()
+        tab_to(by("make"))
+        page.keyboard.press("Enter")
+        page.wait_for_selector(by("next"))
+        opened("Overview")
+        tab_to(by("next"))
+        page.keyboard.press("Enter")
+        page.wait_for_selector('[data-test="verdict"] .verdict')
+        opened("Design")
+        tab_to(by("number-thickness"))
+        page.keyboard.press("ArrowUp")
+        page.wait_for_timeout(2000)
+        assert page.evaluate("(words) => document.activeElement.matches(words)", by("number-thickness"))
+        tab_to(by("run-suggest"))
+        page.keyboard.press("Enter")
+        page.wait_for_selector(f"{by('found-suggest')} {by('mould')}")
+        page.wait_for_timeout(2000)
+        assert focused()
+        tab_to(f"{by('found-suggest')} {by('mould')}")
+        page.keyboard.press("Enter")
+        opened("Mould")
+        tab_to(by("run-mould"))
+        page.keyboard.press("Enter")
+        page.wait_for_selector(f"{by('found-mould')} {by('zip')}")
+        page.wait_for_timeout(1000)
+        assert focused()
+        tab_to(f"{by('found-mould')} {by('zip')}")
+        with page.expect_download() as download:
+            page.keyboard.press("Enter")
+        assert download.value.suggested_filename.endswith(".zip")
+        wide = "document.documentElement.scrollWidth - document.documentElement.clientWidth"
+        for path in ("design", "mould"):
+            page.set_viewport_size({"width": 390, "height": 844})
+            page.goto(f"{studio.home}{path}")
+            page.wait_for_selector("h1")
+            page.wait_for_timeout(2500)
+            assert page.evaluate(wide) <= 0, path

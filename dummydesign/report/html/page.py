@@ -27,7 +27,7 @@ class Table:
 
     def html(self) -> str:
         """The table, scrolling sideways by itself on a narrow screen."""
-        head = "".join(f'<th scope="col">{escape(text)}</th>' for text in self.head)
+        head = "".join(f'<th scope="col">{escape(text)}</th>' if text else "<td></td>" for text in self.head)
         rows = "".join("<tr>" + "".join(f"<td>{escape(cell(v))}</td>" for v in row) + "</tr>" for row in self.rows)
         return f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>'
 

@@ -375,9 +375,10 @@
     box = element("div", "reading", document.body);
     box.setAttribute("aria-hidden", "true");
     box.hidden = true;
-    spoken = element("div", "spoken", document.body);
+    const content = document.querySelector("main") || document.body;
+    spoken = element("div", "spoken", content);
     spoken.setAttribute("aria-live", "polite");
-    const keys = element("div", "spoken", document.body);
+    const keys = element("div", "spoken", content);
     keys.id = "plot-keys";
     keys.textContent = "Arrow keys read values. Plus, minus and 0 zoom.";
   }

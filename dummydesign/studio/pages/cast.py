@@ -103,6 +103,7 @@ class Comparison:
             first, before = next(one for one in self.pads if one.files[0].startswith(pressed_pads.DROPPED)), None
         kept = before if before in named else first.label if first else None
         self.pad.set_options(named, value=kept)
+        self.pad.set_enabled(bool(named))
         self.new_pad()
 
     def chosen(self) -> PressedPad | None:
@@ -114,6 +115,7 @@ class Comparison:
         pad = self.chosen()
         names = {path: path.rpartition("/")[2] for path in pad.files} if pad else {}
         self.files.set_options(names, value=list(names))
+        self.files.set_enabled(bool(names))
         records = pressed_pads.records(self.root, pad) if pad else []
         kept = self.record.value if self.record.value in records else ""
         self.record.set_options({"": "none"} | {one: one for one in records}, value=kept)

@@ -44,7 +44,7 @@ def fit_panel(page: TissuePage) -> None:
         tell_problem(f"The press '{path}' is not there (any more). Choose others, or bring it back.")
     picked = ui.select(known, multiple=True, value=[path for path in start if path in known],
                        label="Presses of one subject")  # fmt: skip
-    picked.props('use-chips data-test="traces"').style("width:100%")
+    picked.props('use-chips data-test="traces"').style("width:100%").set_enabled(bool(known))
     with ui.element("div").classes("fields"):
         name = ui.input("Name of the tissue", value=start_name).props('data-test="fit-name"')
         contact = ui.select(CONTACT, value=touched, label="Where each press touched").props('data-test="fit-contact"')

@@ -93,6 +93,7 @@ class _Measured:
     def _choose(self, names: list[str]) -> None:
         found = self._names()
         self._chosen.set_options(found, value=[name for name in names if name in found])
+        self._chosen.set_enabled(bool(found))
         self._work.renew_line()
 
     def _add(self, name: str) -> None:

@@ -46,7 +46,10 @@ def keep(root: Path, name: str, content: bytes) -> str:
         files.plain_name(name)
     if not name.lower().endswith(ENDINGS):
         raise InputError(f"a campaign has files of the kinds {', '.join(ENDINGS)}")
-    files.inside(root, FOLDER).mkdir(parents=True, exist_ok=True)
+    try:
+        files.inside(root, FOLDER).mkdir(parents=True, exist_ok=True)
+    except OSError as problem:
+        raise InputError(f"folder '{FOLDER}' cannot be made: {problem.strerror or problem}") from None
     return write_bytes(root / FOLDER / name, content).name
 
 

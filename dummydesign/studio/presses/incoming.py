@@ -111,7 +111,10 @@ def assign(root: Path, campaign: str, name: str, planned: str) -> Taken:
     except OSError:
         raise InputError(f"'{name}' is not there (any more)") from None
     taken = _put(root, campaign, planned, content)
-    place.unlink()
+    try:
+        place.unlink()
+    except OSError as problem:
+        raise InputError(f"{planned} was added; '{name}' stays: {problem.strerror or problem}") from None
     return Taken(f"{name} is now {planned}. {taken.text}", taken.gone)
 
 
@@ -159,18 +162,21 @@ def _put(root: Path, campaign: str, name: str, content: bytes) -> Taken:
         if place.read_bytes() == content:
             return Taken(f"{name} is there already.")
         gone = bin.delete(root, f"{campaign}/{name}", "replaced")
-    files.keep(folder, name, content)
+    with bin.undone_if_refused(root, gone):
+        files.keep(folder, name, content)
     return Taken(f"{name} was added." + (" The earlier one is in the bin." if gone else ""), gone)
 
 
 def _read(name: str, content: bytes, speed: Any) -> Trace:
-    with TemporaryDirectory() as away:
-        path = Path(away) / name
-        path.write_bytes(content)
-        try:
+    try:
+        with TemporaryDirectory() as away:
+            path = Path(away) / name
+            path.write_bytes(content)
             return read_trace(path, speed if isinstance(speed, int | float) and speed > 0 else None)
-        except InputError as problem:
-            raise InputError(f"{name} is no press: {str(problem).removeprefix(f'{name}: ')}") from None
+    except OSError as problem:
+        raise InputError(f"{name} cannot be read: {problem.strerror or problem}") from None
+    except InputError as problem:
+        raise InputError(f"{name} is no press: {str(problem).removeprefix(f'{name}: ')}") from None
 
 
 def _read_or_none(path: Path) -> Trace | None:

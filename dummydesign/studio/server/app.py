@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hmac
+import logging
 import os
 from pathlib import Path
 from secrets import token_bytes
@@ -37,6 +38,7 @@ PAGES = {
 
 def make_app(root: Path) -> FastAPI:
     """The server of a folder; the guard goes around it."""
+    logging.getLogger("nicegui").addFilter(_unexpected)
     app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
     root = root.resolve()
     studio = Studio(root)
@@ -104,6 +106,11 @@ def make_app(root: Path) -> FastAPI:
     ui.run_with(app, title="dummydesign studio", dark=None, tailwind=False, unocss=None, storage_secret=None,
                 reconnect_timeout=30.0, show_welcome_message=False)  # fmt: skip
     return app
+
+
+def _unexpected(record: logging.LogRecord) -> bool:
+    """Whether a failure is for the terminal: what the folder or the disk refused is shown on the page."""
+    return not (record.exc_info and isinstance(record.exc_info[1], InputError | OSError))
 
 
 def _add(studio: Studio, path: str, build) -> None:  # type: ignore[no-untyped-def]

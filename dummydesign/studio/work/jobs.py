@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -26,6 +27,7 @@ MOST_AT_ONCE = 2
 """Commands that may run at once: each may fill a processor."""
 STARTING_S = 120.0
 """On systems where a lock cannot be handed on: a command that did not begin within this time never will. [s]"""
+UNEXPECTED = "the process stopped unexpectedly (machine switched off, disk or memory full?): run it again"
 _CHILDREN: list[subprocess.Popen[bytes]] = []
 """Processes that this one started; looked at now and then, so that those that ended are let go."""
 
@@ -72,13 +74,15 @@ class Job:
         if self.state == "stopped":
             return "stopped before it was done; nothing half-written is left"
         if self.state == "lost":
-            return "the process ended without a word (machine switched off, disk full?): run it again"
+            return UNEXPECTED
         try:
             lines = (self.folder / runner.ERRORS).read_text(encoding="utf-8", errors="replace").strip().splitlines()
         except OSError:
             return ""
         said = [line.removeprefix("error: ") for line in lines if line.startswith("error: ")]
-        return said[-1] if said else (lines[-1] if lines and self.state == "failed" else "")
+        if said or self.state != "failed":
+            return said[-1] if said else ""
+        return lines[-1] if lines else "" if self.answer else UNEXPECTED
 
 
 @lru_cache(maxsize=16)
@@ -110,14 +114,21 @@ def start(root: Path, name: str, words: Sequence[str]) -> Job:
     if len(running) >= MOST_AT_ONCE:
         raise InputError(f"{len(running)} commands are at work: wait for one, or stop one")
     home = root / HOME / "jobs"
+    folder = None
     try:
         home.mkdir(parents=True, exist_ok=True)
         folder = _new_folder(home, name)
         asked = {"name": name, "words": list(words), "cwd": str(root), "start": time.time()}
         write_text(folder / runner.COMMAND, json.dumps(asked))
         _spawn(root, folder)
-    except OSError as problem:
-        raise InputError(f"'{home}' cannot be written: {problem.strerror or problem}") from None
+    except (OSError, InputError) as problem:
+        if folder is not None:
+            shutil.rmtree(folder, ignore_errors=True)
+        if isinstance(problem, InputError):
+            raise
+        refused = problem.filename == sys.executable
+        what = f"'{sys.executable}' cannot be run" if refused else f"'{home}' cannot be written"
+        raise InputError(f"{what}: {problem.strerror or problem}") from None
     return read_job(folder)
 
 

@@ -35,10 +35,12 @@ def held(path: Path) -> bool:
     """Whether another process holds the lock of a file."""
     if not path.exists():
         return False
-    stream = take(path)
-    if stream is None:
-        return True
-    stream.close()
+    # for reading alone: a folder that cannot be written any more still tells what runs in it
+    with open(path, encoding="utf-8") as stream:
+        try:
+            _lock(stream)
+        except OSError:
+            return True
     return False
 
 

@@ -76,7 +76,17 @@ def design_of_pad(root: Path, state: State) -> str:
 
 
 def answers(root: Path, folder: str, state: State) -> bool:
-    """Whether a design was made for the tissue, aim, resin, calibration and punch that are chosen."""
+    """Whether a design was made for the tissue, aim, resin, calibration and punch that are chosen.
+
+    Parameters
+    ----------
+    root : Path
+        The project folder.
+    folder : str
+        Of the design, from the project folder on.
+    state : State
+        Of the page.
+    """
     given = design_state(root, folder)
     return bool(given) and all(given[name] == value for name, value in state.question.items())
 

@@ -74,7 +74,7 @@ def _make(studio: Studio) -> None:
             with problem:
                 tell_problem(str(said))
             return
-        ui.navigate.to("/")
+        ui.navigate.to(address("/"))
 
     ui.button("Make the project", on_click=make).props('data-test="make"')
 

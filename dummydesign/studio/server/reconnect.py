@@ -1,4 +1,4 @@
-"""The script that every page of the studio has: tells a tab of an ended studio what to do, and keeps links inside."""
+"""The script that every page of the studio has: it tells a tab of an ended studio what to do."""
 
 from __future__ import annotations
 
@@ -7,9 +7,6 @@ RESTARTED = "The studio was restarted. Open the address that it printed on the t
 _SCRIPT = """
 (() => {
   const home = '/' + location.pathname.split('/')[1];
-  const keepInside = () => document.querySelectorAll(`a[href^="/"]:not([href^="${home}/"])`)
-    .forEach((link) => link.setAttribute('href', home + link.getAttribute('href')));
-  new MutationObserver(keepInside).observe(document, {subtree: true, childList: true});
   const asking = setInterval(async () => {
     if (!window.did_handshake || window.socket.connected) return;
     let answer;
@@ -31,10 +28,7 @@ _SCRIPT = """
 
 
 def page_script() -> str:
-    """Return the script, as an element of a page's head.
-
-    Pages lie under a path that only this start of the studio knows; a link such as ``/design`` is led there.
-    """
+    """Return the script, as an element of a page's head."""
     from json import dumps
 
     return f"<script>{_SCRIPT.replace('TEXT', dumps(RESTARTED))}</script>"

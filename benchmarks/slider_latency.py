@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -33,7 +34,8 @@ def main(moves: int = 60, seed: int = 20261123) -> None:
     every: list[float] = []
     with tempfile.TemporaryDirectory() as base:
         make_project(Path(base) / "thumb", tissue="forefinger")
-        with running(Path(base) / "thumb", Path(base) / "home") as studio, browser() as page:
+        with running(Path(base) / "thumb", Path(base) / "home") as studio, browser() as opened:
+            page: Any = opened
             page.goto(studio.address)
             for kind, shape in PADS.items():
                 page.goto(f"{studio.home}design?shape={shape}&thickness_mm=9&ratio=15")

@@ -18,6 +18,7 @@ from dummydesign.cli.steps import loudness, say, timed
 from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError, unknown_name
 from dummydesign.core.outputs.manifest import COMMAND_LINE
 from dummydesign.core.outputs.plain import json_text
+from dummydesign.core.outputs.progress import STOP
 from dummydesign.core.threads import ONE_THREAD
 
 
@@ -179,6 +180,7 @@ def _loudness(options: argparse.Namespace) -> str:
 
 def _stop(*_: object) -> NoReturn:
     """End as by Ctrl-C, so that half-written folders are cleared away."""
+    STOP.set()
     raise KeyboardInterrupt
 
 
@@ -190,8 +192,8 @@ def main() -> NoReturn:
         if isinstance(stream, io.TextIOWrapper):
             # names may have letters that the terminal's code page lacks
             stream.reconfigure(errors="backslashreplace")
-    for name in ("SIGTERM", "SIGHUP"):
-        if hasattr(signal, name):
+    for name in ("SIGTERM", "SIGHUP", "SIGINT"):
+        if hasattr(signal, name) and signal.getsignal(getattr(signal, name)) != signal.SIG_IGN:
             signal.signal(getattr(signal, name), _stop)
     try:
         status = run(sys.argv[1:])

@@ -17,6 +17,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_text
 from dummydesign.core.outputs.manifest import Question, manifest_text
 from dummydesign.core.outputs.place import MARKS, Place, choose_files, choose_folder
+from dummydesign.core.outputs.progress import check_stop
 from dummydesign.core.outputs.records import KEY, records_of
 
 
@@ -176,6 +177,7 @@ def _written(place: Place, question: Question) -> Iterator[Output]:
         kept = records_of(place.folder / place.manifest, question)
         extra = {**output.extra, KEY: kept} if kept else output.extra
         write_text(work / place.manifest, manifest_text(question, work, _names(work), extra))
+        check_stop()
         _settle(work, place)
         made = []
     finally:

@@ -9,13 +9,15 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
 import pytest
 
-from dummydesign.cli import run
+from dummydesign.cli import entry, run
 from dummydesign.core.errors import InputError
+from dummydesign.core.outputs import progress
 from dummydesign.core.outputs.manifest import COMMAND_LINE, Question, read_manifest
 from dummydesign.core.outputs.write import growing_folder, new_files, new_folder
 
@@ -262,6 +264,20 @@ def test_a_command_that_is_ended_leaves_nothing(tmp_path):
         child.send_signal(how)
         assert child.communicate(timeout=60)[1] == "error: stopped by the user\n"
         assert child.returncode == 130 and os.listdir(tmp_path) == []
+
+
+def test_an_interrupt_that_was_lost_ends_the_command_at_its_next_step_and_leaves_nothing(tmp_path):
+    """While a C library loads an exception of a signal's handler can be dropped; the wish to end is kept."""
+    try:
+        with pytest.raises(KeyboardInterrupt), new_folder(tmp_path / "o", ask(1)) as output:
+            output.path("a.csv").write_text("1")
+            with suppress(KeyboardInterrupt):
+                entry._stop()
+        with pytest.raises(KeyboardInterrupt):
+            progress.tell("step 1 of 2")
+    finally:
+        progress.STOP.clear()
+    assert os.listdir(tmp_path) == []
 
 
 def test_a_manifest_that_two_commands_write_at_once_is_whole(tmp_path, monkeypatch):

@@ -70,6 +70,28 @@ class Status:
         }  # fmt: skip
 
 
+def things_in(root: Path, room: str) -> list[ProjectFile]:
+    """List what lies in one folder of a project, the oldest first; only a list of campaigns reads their presses.
+
+    Parameters
+    ----------
+    root : Path
+        The project folder.
+    room : str
+        Such as ``designs``.
+    """
+    return _look(root, room, [])
+
+
+def finished_manifest(path: Path) -> dict[str, Any] | None:
+    """Return the content of a finished manifest; None where there is none that can be read."""
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    return content if isinstance(content, dict) and content.get("command") and content.get("finished") else None
+
+
 def status_of(project: Project) -> Status:
     """Look at every folder of a project, and say what comes next."""
     problems: list[str] = []
@@ -91,11 +113,11 @@ def _look(root: Path, room: str, problems: list[str]) -> list[ProjectFile]:
             if (path / CAMPAIGN).is_file():
                 rows.append(_campaign(path, name, problems))
         elif path.is_dir():
-            told = _manifest(path / MANIFEST)
+            told = finished_manifest(path / MANIFEST)
             if told is not None:
                 rows.append(ProjectFile(name, str(told["command"]), str(told.get("date", "")), _summary(told)))
         elif room == "tissue" and path.suffix == ".toml" and not path.stem.endswith("-manifest"):
-            told = _manifest(path.with_name(f"{path.stem}-{MANIFEST}")) or {}
+            told = finished_manifest(path.with_name(f"{path.stem}-{MANIFEST}")) or {}
             rows.append(ProjectFile(name, str(told.get("command", "")), str(told.get("date", ""))))
         elif room == "measured" and path.suffix.lower() in TEXTS:
             rows.append(ProjectFile(name, ""))
@@ -107,22 +129,13 @@ def _summary(told: dict[str, Any]) -> dict[str, Any] | None:
     return found if isinstance(found, dict) else None
 
 
-def _manifest(path: Path) -> dict[str, Any] | None:
-    """A finished manifest's content; None where there is none that can be read."""
-    try:
-        told = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return None
-    return told if isinstance(told, dict) and told.get("command") and told.get("finished") else None
-
-
 def _campaign(path: Path, name: str, problems: list[str]) -> ProjectFile:
     try:
         state = check_campaign(path)
     except InputError as problem:
         problems.append(f"{name}: {problem}")
         return ProjectFile(name, "", "", {"pressed": 0, "missing": 0, "wrong": 1})
-    told = _manifest(path / MANIFEST) or {}
+    told = finished_manifest(path / MANIFEST) or {}
     counts = {"pressed": len(state.pressed), "missing": len(state.missing), "wrong": len(state.wrong)}
     return ProjectFile(name, str(told.get("command", "")), str(told.get("date", "")), counts)
 

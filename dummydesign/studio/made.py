@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -14,6 +13,7 @@ from dummydesign.core.outputs.manifest import NAME as MANIFEST
 from dummydesign.core.outputs.manifest import sha256_of
 from dummydesign.geometry.shapes import read_shape, shape_kinds
 from dummydesign.measurement.campaign_file import FILE as CAMPAIGN
+from dummydesign.project.status import finished_manifest
 from dummydesign.studio.state import State, design_state
 
 GROUPS = ("Pour", "Print or machine", "Draw", "Check", "More")
@@ -201,11 +201,8 @@ def _names(root: Path, path: str, folder: str) -> bool:
 def _manifests(root: Path, room: str, command: str) -> list[tuple[str, dict[str, Any]]]:
     rows = []
     for path in (root / room).glob(f"*/{MANIFEST}"):
-        try:
-            told = json.loads(path.read_text(encoding="utf-8"))
-        except (OSError, ValueError):
-            continue
-        if isinstance(told, dict) and told.get("command") == command and told.get("finished"):
+        told = finished_manifest(path)
+        if told is not None and told["command"] == command:
             rows.append((path.parent.relative_to(root).as_posix(), told))
     return sorted(rows, key=lambda row: (str(row[1].get("date", "")), row[0]))
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
@@ -13,7 +12,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.outputs.manifest import NAME as MANIFEST
 from dummydesign.geometry.standard import PUNCH
 from dummydesign.project.folder import Project
-from dummydesign.project.status import STANDARD_RESIN, ProjectFile, status_of
+from dummydesign.project.status import STANDARD_RESIN, ProjectFile, finished_manifest, things_in
 from dummydesign.studio import choices
 from dummydesign.studio.server import files
 
@@ -93,7 +92,7 @@ def read_state(project: Project, query: Mapping[str, str]) -> State:
     # no calibration is a choice too: without it the one of project.toml would come back
     given = {name: text for name, text in query.items()
              if (text.strip() or name == "calibration") and _in_project(project.root, name, text)}  # fmt: skip
-    designs = [one for one in status_of(project).found["designs"] if is_design(one)]
+    designs = [one for one in things_in(project.root, "designs") if is_design(one)]
     tissue = given.get("tissue") or project.tissue or ""
     named = [one for one in designs if one.folder == given.get("design")]
     # what was edited by hand since wins over an older design
@@ -152,24 +151,21 @@ def design_state(root: Path, folder: str) -> dict[str, Any]:
         Such as ``designs/suggest-forefinger``.
     """
     try:
-        manifest = json.loads((root / folder / MANIFEST).read_text(encoding="utf-8"))
+        manifest = finished_manifest(root / folder / MANIFEST) or {}
         pad, inputs = manifest["summary"], manifest.get("inputs", {})
         found = {
             "shape": str(pad["shape"]), "thickness_mm": float(pad["thickness_mm"]), "ratio": float(pad["ratio"]),
             "resin": str(pad["resin"]), "tissue": str(inputs["tissue"]), "aim": str(inputs.get("aim", "average")),
             "punch": str(inputs.get("punch") or PUNCH), "calibration": _inside(root, inputs.get("calibration")),
         }  # fmt: skip
-    except (OSError, ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError, AttributeError):
         return {}
     return found | {"tissue": _inside(root, found["tissue"]), "design": folder}
 
 
 def design_summary(root: Path, folder: str) -> dict[str, Any]:
     """The summary of a design's manifest: pad, verdict and its sentence; empty where it cannot be read."""
-    try:
-        found = json.loads((root / folder / MANIFEST).read_text(encoding="utf-8")).get("summary")
-    except (OSError, ValueError, AttributeError):
-        return {}
+    found = (finished_manifest(root / folder / MANIFEST) or {}).get("summary")
     return found if isinstance(found, dict) else {}
 
 

@@ -180,3 +180,19 @@ def test_lengths_that_a_table_ties_together_follow_each_other():
 def test_an_address_names_no_file_outside_of_the_project(project, name, path):
     state = read_state(project, {name: path})
     assert getattr(state, name) == getattr(read_state(project, {}), name) and state.missing == ()
+
+
+def test_a_state_is_read_without_reading_the_presses_of_campaigns(project, monkeypatch):
+    """A page and its timers ask for the designs: five pressed campaigns took 5 s each time."""
+    (project.root / "campaigns" / "a").mkdir(parents=True)
+    (project.root / "campaigns" / "a" / "campaign.toml").write_text("", encoding="utf-8")
+
+    def read(path):
+        raise AssertionError(f"{path} was read")
+
+    monkeypatch.setattr(status, "check_campaign", read)
+    design(project, "b", 7.0)
+    state = read_state(project, {})
+    assert (state.design, state.campaign) == ("designs/b", "campaigns/a")
+    with pytest.raises(AssertionError):
+        status.status_of(project)

@@ -12,7 +12,7 @@ from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project
-from dummydesign.project.status import status_of
+from dummydesign.project.status import things_in
 from dummydesign.studio import choices, made
 from dummydesign.studio.frame import (
     Studio,
@@ -192,7 +192,7 @@ class Comparison:
 
     def _list_earlier(self) -> None:
         """Comparisons in the folder, also those made on the terminal."""
-        found = [one for one in status_of(self.project).found["designs"] if one.command == "compare"]
+        found = [one for one in things_in(self.root, "designs") if one.command == "compare"]
         if not found:
             return
         with self.earlier:

@@ -14,7 +14,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.outputs.manifest import NAME as MANIFEST
 from dummydesign.geometry.standard import PUNCH
 from dummydesign.project.folder import Project
-from dummydesign.project.status import status_of
+from dummydesign.project.status import things_in
 from dummydesign.studio import bench, choices, kinds
 from dummydesign.studio.frame import (
     Studio,
@@ -211,7 +211,7 @@ class Designs:
 
     def _found(self) -> list[Any]:
         project = self.studio.project
-        every = status_of(project).found["designs"] if project else []
+        every = things_in(project.root, "designs") if project else []
         return [one for one in every if is_design(one) and design_state(self.studio.root, one.folder)]
 
     def moved(self, old: str, new: str) -> None:

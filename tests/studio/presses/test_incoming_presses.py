@@ -109,7 +109,7 @@ def test_a_plan_that_names_itself_as_a_press_stays(root):
     assert place.read_bytes() == before and not bin.deleted(root)
 
 
-@pytest.mark.parametrize("file", ["../../../theirs.csv", "/tmp/theirs.csv", "in/theirs.csv"])
+@pytest.mark.parametrize("file", ["../../../theirs.csv", "/elsewhere/theirs.csv", "in/theirs.csv"])
 def test_a_plan_cannot_name_a_press_in_another_folder(root, file):
     (root / FOLDER / "campaign.toml").write_text(PLAN.replace("b.csv", file), encoding="utf-8")
     incoming.take(root, FOLDER, "run.csv", trace())

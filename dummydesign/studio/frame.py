@@ -237,6 +237,27 @@ def _tell_failures() -> None:
     ui.on_exception(tell)
 
 
+def tell_verdict(light: str, text: str, stage: str = "", note: str = "", label: str = "", test: str = "") -> None:
+    """A verdict: its light, also for those who cannot see it, and its sentence.
+
+    Parameters
+    ----------
+    light, text : str
+        green, amber or red; the sentence.
+    stage : str
+        How far it is worked out, for tests.
+    note, label : str
+        Small behind it, and under it.
+    test : str
+        Name by which tests find it.
+    """
+    light, marks = escape(light), f' data-test="{escape(test)}"' if test else ""
+    more = f" <small>{escape(note)}</small>" if note else ""
+    more += f'<small class="label">{escape(label)}</small>' if label else ""
+    html(f'<div class="verdict {light}" data-state="{escape(stage)}"{marks}><span class="light" aria-hidden="true">'
+         f'</span><p><span class="hide">{light} light: </span>{marked(text)}{more}</p></div>')  # fmt: skip
+
+
 def command_line(words: Sequence[str]) -> None:
     """The command that does the same as the page, to copy."""
     text = shown(words)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from dummydesign.geometry.shapes import read_shape, shape_kinds
+from dummydesign.project import status
 from dummydesign.project.folder import change_project, make_project
 from dummydesign.studio import bench, made
 from dummydesign.studio.lengths import first_shape, lengths_of

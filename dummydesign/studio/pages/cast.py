@@ -26,6 +26,7 @@ from dummydesign.studio.frame import (
     shown_file,
     table,
     tell_problem,
+    tell_verdict,
     warnings,
     zip_link,
 )  # fmt: skip
@@ -181,7 +182,7 @@ class Comparison:
             if pad.thickness_mm is None or abs(one["thickness_mm"] - pad.thickness_mm) > 1e-6:
                 continue
             if one.get("verdict"):
-                verdict(one["verdict"])
+                show_verdict(one["verdict"])
             else:
                 html(f"<p>{escape(str(one.get('reason') or 'no verdict'))}</p>")
         names = {path.rpartition("/")[2] for path in pad.files}
@@ -203,11 +204,9 @@ class Comparison:
                     file_links([(f"report of {one.folder}", f"{one.folder}/report.html")])
 
 
-def verdict(found: Mapping[str, Any], head: str = "") -> None:
-    """A verdict: its light and its sentence."""
-    light, text = escape(str(found["light"])), escape(head + str(found["text"]))
-    html(f'<div class="verdict {light}" data-test="verdict"><span class="light" aria-hidden="true"></span>'
-         f'<p><span class="hide">{light} light: </span>{text}</p></div>')  # fmt: skip
+def show_verdict(found: Mapping[str, Any]) -> None:
+    """The verdict of an answer."""
+    tell_verdict(str(found["light"]), str(found["text"]), test="verdict")
 
 
 def correction(found: Mapping[str, Any]) -> str:
@@ -229,7 +228,7 @@ def show_comparison(root: Path, answer: Mapping[str, Any]) -> None:
     files = answer.get("files") or {}
     for name in changed_inputs(root, root / str(files.get("manifest") or "")):
         tell_problem(f"{name} has changed since this comparison. Compare again.")
-    verdict(answer["verdict"])
+    show_verdict(answer["verdict"])
     html(f'<p data-test="correction">{escape(correction(answer["verdict"]))}</p>')
     if pad := answer.get("pad"):
         state = "accepted" if pad["accepted"] else "not accepted"
@@ -344,7 +343,7 @@ def show_record(answer: Mapping[str, Any]) -> None:
     text = "Accepted: the pad keeps all limits." if result["accepted"] else f"Not accepted. It misses {missed}."
     force = result.get("force_percent")
     more = "" if force is None else f" Its force at a given depth is {force:+.1f} % off the designed pad's."
-    verdict({"light": light, "text": text + more})
+    show_verdict({"light": light, "text": text + more})
     rows = [
         [one["what"], one["value"], one["unit"],
          f"at most {one['high']:.4g}" if one["low"] is None else f"{one['low']:.4g} to {one['high']:.4g}",

@@ -26,8 +26,8 @@ from dummydesign.studio.frame import (
     open_page,
     shown_file,
     table,
+    tell_verdict,
 )  # fmt: skip
-from dummydesign.studio.glossary import marked
 from dummydesign.studio.lengths import lengths_of
 from dummydesign.studio.pages import search
 from dummydesign.studio.slider import Slider
@@ -355,12 +355,10 @@ class Page:
         self._say(self.state, verdict["light"], verdict["text"], "solved")
 
     def _say(self, state: State, light: str, text: str, stage: str) -> None:
-        light, note = escape(light), "" if stage else " <small>(castings are being counted …)</small>"
+        note = "" if stage else "(castings are being counted …)"
         self.verdict.clear()
         with self.verdict:
-            html(f'<div class="verdict {light}" data-state="{stage}"><span class="light" aria-hidden="true"></span>'
-                 f'<p><span class="hide">{light} light: </span>{marked(text)}{note}'
-                 f'<small class="label">{escape(state.label)}</small></p></div>')  # fmt: skip
+            tell_verdict(light, text, stage, note, state.label)
 
     def pad_words(self) -> list[str]:
         """The pad under the sliders as a command: a search whose limits are this pad."""

@@ -27,6 +27,7 @@ from dummydesign.studio.frame import (
     state_link,
     table,
     tell_problem,
+    tell_verdict,
     warnings,
 )  # fmt: skip
 from dummydesign.studio.glossary import marked
@@ -151,8 +152,7 @@ class Search:
         for name in changed_inputs(self.studio.root, self.studio.root / _folder(job) / MANIFEST):
             tell_problem(f"The {name} has changed since this search. Search again.")
         best, light = answer["recommendation"], answer["verdict"]["light"]
-        html(f'<div class="verdict {escape(str(light))}"><span class="light" aria-hidden="true"></span>'
-             f"<p>{escape(answer['verdict']['text'])}</p></div>")  # fmt: skip
+        tell_verdict(str(light), str(answer["verdict"]["text"]))
         mixed = (answer["recommendation"].get("batch") or best["recipe"])["components"]
         facts([(f"{best['thickness_mm']:g} mm", best["shape"]), (f"{best['ratio']:g}", best["ratio_meaning"]),
                *((f"{part['mass_g']:.1f} g", f"{part['name']}, to mix") for part in mixed)])  # fmt: skip

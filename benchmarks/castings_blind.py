@@ -33,19 +33,25 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from benchmarks.rows import keep_row, read_rows  # noqa: E402
-from dummydesign.design.assessment.castings import Castings  # noqa: E402
-from dummydesign.design.assessment.readings import verdict_of_design  # noqa: E402
+from dummydesign.design.assessment.castings import (  # noqa: E402
+    Castings,
+    verdict_of_design,
+)
 from dummydesign.design.inputs import resolve  # noqa: E402
 from dummydesign.design.request import Request  # noqa: E402
-from dummydesign.design.scoring.acceptability import acceptability_rank, ranges_of  # noqa: E402
 from dummydesign.design.scoring.presses import make_curves  # noqa: E402
 from dummydesign.design.scoring.score import evaluate  # noqa: E402
-from dummydesign.design.scoring.verdict import LEVELS  # noqa: E402
-from dummydesign.design.search.slabs import Candidate, make_slabs  # noqa: E402
+from dummydesign.design.scoring.verdict import (  # noqa: E402
+    LEVELS,
+    acceptability_rank,
+    ranges_of,
+)
+from dummydesign.design.search.slabs import DesignCandidate, make_slabs  # noqa: E402
 from dummydesign.design.suggest import design  # noqa: E402
-from dummydesign.geometry.shapes import read_shape  # noqa: E402
-from dummydesign.pad.shaped.axisymmetric import solve_shaped_pad  # noqa: E402
-from dummydesign.pad.slab.sharp_edge import solve_curve  # noqa: E402
+from dummydesign.geometry.shape_registry import read_shape  # noqa: E402
+from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad  # noqa: E402
+from dummydesign.pad.axisymmetric.sharp_edge import solve_curve  # noqa: E402
+from dummydesign.pad.specimen import Pad  # noqa: E402
 
 RADIUS_MM = 14.0 / np.sqrt(np.pi)
 BRAKING_MM_S2, HOLD_S = 30_000.0, 10.0
@@ -100,10 +106,10 @@ def solve_curves() -> list[dict]:
                 continue
             depth = SHARES * thickness
             if shape == "slab":
-                curve = solve_curve(thickness, RADIUS_MM, 1.0, depth, extent_mm=75.7)
+                curve = solve_curve(Pad(thickness, 1.0, RADIUS_MM, extent_mm=75.7), depth)
             else:
-                curve = solve_shaped_pad(read_shape(shape), thickness, RADIUS_MM, 1.0, depth, extent_mm=75.7,
-                                         cells=CELLS)  # fmt: skip
+                pad = Pad(thickness, 1.0, RADIUS_MM, extent_mm=75.7, geometry=read_shape(shape))
+                curve = solve_shaped_pad(pad, depth, cells=CELLS)
             rows.append({
                 "shape": shape, "thickness_mm": thickness, "depth_mm": [round(float(d), 5) for d in curve.depth_mm],
                 "force_over_young_mm2": [float(f"{f:.6g}") for f in curve.force_N],
@@ -305,7 +311,7 @@ def designs_of(tissue: str, shape: str, thickness: float, knowledge: str) -> lis
     ranks = acceptability_rank(found, space.targets)
     levels: dict[str, list[tuple]] = {}
     for at, ratio in enumerate(ratios):
-        one = Candidate(best.thickness_mm, float(ratio), at, found, None, 0.0, 0.0, int(ranks[at]))
+        one = DesignCandidate(best.thickness_mm, float(ratio), at, found, None, 0.0, 0.0, int(ranks[at]))
         judged = verdict_of_design(replace(answer.castings, candidate=one))
         levels.setdefault(judged.level, []).append((answer, float(ratio), judged, False))
     kept = {best.ratio: (answer, best.ratio, answer.verdict, True)}

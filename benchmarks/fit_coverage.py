@@ -13,10 +13,10 @@ from dataclasses import replace
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from dummydesign.inference.profile import profile_interval
+from dummydesign.inference.likelihood import profile_interval
 from dummydesign.measurement.motion import contact_velocity
 from dummydesign.measurement.trace import Trace
-from dummydesign.tissue.fitting.problem import Problem, largest_slow
+from dummydesign.tissue.fitting.problem import TissueProblem, largest_slow
 from dummydesign.tissue.fitting.reduction import reduce_trace
 
 GAMMA1, GAMMA, DAMPER = 0.09, np.array([0.03, 0.11]), np.array([1.2, 0.08])
@@ -73,7 +73,7 @@ def coverage(draws, seed, slow_N, white_N=0.03, life_s=1.0, forces=(5.0, 10.0, 1
     rng = np.random.default_rng(seed)
     clean = [press(v, np.cbrt(f / GAMMA1)) for v in speeds for f in forces]
     reduced = [reduce_trace(trace) for trace in clean]
-    problem = Problem("ode", [reduced], None)
+    problem = TissueProblem("ode", [reduced], None)
     held = np.zeros(5)
     for _ in range(draws):
         parts, noisy = [], []

@@ -15,13 +15,15 @@ from dummydesign.core.errors import InputError  # noqa: E402
 from dummydesign.inference.noise import Noise  # noqa: E402
 from dummydesign.loop.calibration import Calibration, calibration_of  # noqa: E402
 from dummydesign.loop.data.trials import make_presses  # noqa: E402
-from dummydesign.loop.fitting.fit import Problem  # noqa: E402
 from dummydesign.loop.fitting.noise import make_whitener  # noqa: E402
-from dummydesign.loop.judging.assessed import effect_intervals  # noqa: E402
+from dummydesign.loop.fitting.problem import CampaignProblem  # noqa: E402
 from dummydesign.loop.model.campaign_law import law_of  # noqa: E402
-from dummydesign.loop.replay import replay  # noqa: E402
 from dummydesign.loop.result import LoopResult  # noqa: E402
-from dummydesign.loop.run import close_loop  # noqa: E402
+from dummydesign.loop.run import (  # noqa: E402
+    close_loop,
+    replay,
+)
+from dummydesign.loop.selection.cross_validation import effect_intervals  # noqa: E402
 from dummydesign.measurement.campaign import Campaign  # noqa: E402
 from dummydesign.measurement.campaign_file import read_campaign  # noqa: E402
 from tests.support import campaign_generator as generator  # noqa: E402
@@ -141,7 +143,7 @@ def beyond_pads_N(campaign: Campaign, calibration: Calibration, total_N: float, 
     sizes that the generator draws from, and count up to :data:`USUAL` of them: more is not of the pads.
     """
     presses, model = make_presses(campaign), calibration.after
-    problem = Problem(presses, law_of(campaign), tuple(one.effect for one in model.active))
+    problem = CampaignProblem(presses, law_of(campaign), tuple(one.effect for one in model.active))
     sizes = [p.to_coordinate(one.values[p.name]) for one in model.active for p in one.effect.parameters]
     error = model.law_error(problem.thicknesses)
     vector = np.r_[model.base.to_logs(), sizes, error.level, error.slope, error.curve]

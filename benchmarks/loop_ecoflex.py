@@ -16,9 +16,8 @@ from pathlib import Path
 import numpy as np
 
 from dummydesign.loop.calibration import calibration_of
-from dummydesign.loop.replay import replay
 from dummydesign.loop.result import result_dict
-from dummydesign.loop.run import close_loop
+from dummydesign.loop.run import close_loop, replay
 from dummydesign.measurement.campaign import Campaign
 from dummydesign.measurement.campaign_file import read_campaign
 

@@ -25,7 +25,7 @@ import dummydesign  # noqa: E402
 from benchmarks.rows import keep_row, read_rows, scratch  # noqa: E402
 from dummydesign.core.errors import NoAnswerError  # noqa: E402
 from dummydesign.loop.calibration_file import read_calibration  # noqa: E402
-from dummydesign.loop.replay import replay  # noqa: E402
+from dummydesign.loop.run import replay  # noqa: E402
 from dummydesign.measurement.campaign_file import read_campaign  # noqa: E402
 from tests.support import campaign_generator as generator  # noqa: E402
 

@@ -15,10 +15,11 @@ from functools import partial
 import numpy as np
 
 from dummydesign.geometry.shapes.crowned import Crowned
-from dummydesign.pad.shaped.axisymmetric import solve_shaped_pad
-from dummydesign.pad.slab.filleted import solve_filleted
-from dummydesign.pad.slab.problem import PadCurve
-from dummydesign.pad.slab.sharp_edge import solve_curve
+from dummydesign.pad.axisymmetric.friction import solve_under_fillet
+from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad
+from dummydesign.pad.axisymmetric.sharp_edge import solve_curve
+from dummydesign.pad.force_law import PadCurve
+from dummydesign.pad.specimen import Pad
 from dummydesign.pad.tables.slab import equal_area_radius_mm, load_table
 
 RADIUS_MM = equal_area_radius_mm(14.0 * 14.0)
@@ -35,7 +36,7 @@ def main() -> None:
     for thickness in (5.0, 10.0, 15.0, 20.0):
         depth = thickness * SHARES
         began = time.process_time()
-        solved = solve_curve(thickness, RADIUS_MM, 0.025, depth)
+        solved = solve_curve(Pad(thickness, 0.025, RADIUS_MM), depth)
         seconds = time.process_time() - began
         began = time.process_time()
         for _ in range(100):
@@ -50,9 +51,12 @@ def main() -> None:
     print("pad                      seconds  newton_iterations_a_depth")
     for thickness in (5.0, 10.0, 20.0):
         depth = thickness * SHARES
-        _row(f"{thickness:g} mm, fillet {FILLET_MM:g} mm",
-             partial(solve_filleted, thickness, RADIUS_MM, FILLET_MM, 0.025, depth))  # fmt: skip
-    _row(f"{CROWN_MM:g} mm, crowned", lambda: solve_shaped_pad(CROWN, CROWN_MM, RADIUS_MM, 0.025, CROWN_MM * SHARES))
+        pad = Pad(thickness, 0.025, RADIUS_MM, edge_radius_mm=FILLET_MM)
+        _row(f"{thickness:g} mm, fillet {FILLET_MM:g} mm", partial(solve_under_fillet, pad, depth))
+    _row(
+        f"{CROWN_MM:g} mm, crowned",
+        lambda: solve_shaped_pad(Pad(CROWN_MM, 0.025, RADIUS_MM, geometry=CROWN), CROWN_MM * SHARES),
+    )
 
 
 def _row(name: str, solve: Callable[[], PadCurve]) -> None:

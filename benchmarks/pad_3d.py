@@ -20,10 +20,8 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign.core.threads import one_blas_thread
-from dummydesign.pad.material.hyperelastic import neo_hookean
-from dummydesign.pad.slab.square_sharp import Block, Cells, block_problem, lattice_of
-from dummydesign.pad.solve.solver_multifrontal import elimination_order
+from dummydesign.core.process import one_blas_thread
+from dummydesign.pad.spatial.square_punch import Block, Cells, block_problem
 
 THICKNESSES_MM = (5.0, 10.0, 20.0)
 
@@ -42,18 +40,20 @@ def solvers(corner: float) -> None:
     from scipy.sparse.linalg import splu
 
     block, cells = Block((0.7, 0.7), (7.5, 6.0)), Cells(corner)
-    problem = block_problem(block, neo_hookean(1.0), 0.5, cells)
+    problem = block_problem(block, cells)
     solid, free = problem.solid, problem.pattern.free
-    spent, state = clock(lambda: solid.state(*problem.start()))
+    state = solid.state(*problem.start())
+    assert state is not None
+    spent, tangent = clock(lambda: solid.linearise(state))
     print(f"{len(free)} unknowns, {len(solid.mesh.dofs)} cells; residual and tangent {spent:.2f} s")
     load = np.random.default_rng(1).standard_normal(solid.mesh.size)
-    spent, dense = clock(lambda: problem.pattern.solve([state.stiffness], load))
+    spent, dense = clock(lambda: problem.pattern.solve([tangent.stiffness], load))
     print(f"nested dissection, dense fronts   {spent:8.2f} s")
     dofs = solid.mesh.dofs
     row, column = np.repeat(dofs, 81, axis=1).ravel(), np.tile(dofs, (1, 81)).ravel()
-    whole = coo_matrix((state.stiffness.ravel(), (row, column)), shape=(solid.mesh.size,) * 2).tocsc()
+    whole = coo_matrix((tangent.stiffness.ravel(), (row, column)), shape=(solid.mesh.size,) * 2).tocsc()
     matrix = whole[free][:, free]
-    order = elimination_order(dofs, lattice_of(block, cells), free, solid.mesh.size)
+    order = problem.pattern.order
     choices = {
         "nested dissection, SuperLU": (matrix[order][:, order], "NATURAL"),
         "SuperLU, minimum degree": (matrix, "MMD_AT_PLUS_A"),

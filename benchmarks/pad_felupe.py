@@ -33,7 +33,8 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign.core.threads import ONE_THREAD
+from dummydesign.core.process import ONE_THREAD
+from dummydesign.pad.specimen import Pad
 
 RADIUS_MM = 7.9
 SLABS = {5.0: 0.3, 10.0: 0.3, 20.0: 0.2}
@@ -142,8 +143,8 @@ def ours_slab(ratio: float, extent: float, depth: np.ndarray, corner: float = CO
 
 def ours_puck() -> dict[str, Any]:
     """Forces, seconds and the mesh lines of the bonded puck."""
+    from dummydesign.pad.axisymmetric.puck import UnitPuck, puck_problem
     from dummydesign.pad.material.hyperelastic import neo_hookean
-    from dummydesign.pad.puck import UnitPuck, puck_problem
     from dummydesign.pad.solve.continuation import follow
     from dummydesign.pad.solve.equilibrium import Problem
 
@@ -206,12 +207,12 @@ def slab_task(thickness_mm: float, depth: np.ndarray, corner: float, repeat: int
 
 def limits(python: str) -> float:
     """FElupe carried on to a corner cell of 0, against the reported sharp-edge limit; the largest difference."""
-    from dummydesign.pad.slab.sharp_edge import solve_curve
+    from dummydesign.pad.axisymmetric.sharp_edge import solve_curve
 
     depth, worst = np.array(LIMIT_DEPTH), 0.0
     print("sharp-edge limit: FElupe's last two corner cells and their extrapolation, and the reported force")
     for thickness in SLABS:
-        curve = solve_curve(thickness, RADIUS_MM, 0.003, depth * thickness, extent_mm=EXTENT_MM)
+        curve = solve_curve(Pad(thickness, 0.003, RADIUS_MM, extent_mm=EXTENT_MM), depth * thickness)
         found = [theirs(python, slab_task(thickness, depth, corner, 1)[1]) for corner in FINE_CORNERS]
         if any(len(run.get("force", ())) < len(depth) for run in found):
             print(f"  {thickness:g} mm: FElupe did not arrive: {found[-1].get('failed', '')}")
@@ -227,7 +228,7 @@ def limits(python: str) -> float:
 
 def whole_curves(repeat: int, single: dict[float, float]) -> None:
     """Time of the default curve, its ladder of beads included, against FElupe's one mesh."""
-    from dummydesign.pad.slab.sharp_edge import solve_curve
+    from dummydesign.pad.axisymmetric.sharp_edge import solve_curve
 
     print("12-point default curve (ladder of beads and limit), against FElupe's single sharp-edged mesh")
     for thickness, deepest in SLABS.items():
@@ -237,7 +238,7 @@ def whole_curves(repeat: int, single: dict[float, float]) -> None:
         seconds = float("inf")
         for _ in range(repeat):
             began = time.process_time()
-            solve_curve(thickness, RADIUS_MM, 0.003, depth, extent_mm=EXTENT_MM)
+            solve_curve(Pad(thickness, 0.003, RADIUS_MM, extent_mm=EXTENT_MM), depth)
             seconds = min(seconds, time.process_time() - began)
         print(f"  {thickness:4g} mm: {seconds:.2f} s, {single[thickness] / seconds:.1f} times as fast")
 

@@ -14,15 +14,13 @@ import argparse
 
 import numpy as np
 
-from dummydesign.geometry.shapes import PadShape
+from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shapes.bumped import Bumped
 from dummydesign.geometry.shapes.crowned import Crowned
-from dummydesign.pad.material.hyperelastic import Yeoh
-from dummydesign.pad.shaped.axisymmetric import climb
-from dummydesign.pad.shaped.problem import Press
-from dummydesign.pad.shaped.spatial import shaped_problem
-from dummydesign.pad.shaped.spatial_mesh import Grid, Load
+from dummydesign.pad.axisymmetric.case import Case
+from dummydesign.pad.axisymmetric.shaped_problem import solve_path
 from dummydesign.pad.solve.continuation import follow
+from dummydesign.pad.spatial.shaped_pad import Grid, Load, shaped_problem
 
 SHARES = np.array([0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5])
 SIDE_MM = 7.0
@@ -45,7 +43,7 @@ def force(shape: PadShape, thickness_mm: float, offset_mm: float, cells: int) ->
         shape, h, (SIDE_MM / h,) * 2, (75.0 / h, 60.0 / h), False, (offset_mm / h, 0.0), "bonded", "bonded", 0.5,
         float(SHARES[0]),
     )  # fmt: skip
-    problem = shaped_problem(load, Yeoh(1.0), Grid(cells))
+    problem = shaped_problem(load, Grid(cells))
     path = follow(problem, SHARES, 0.25 * SHARES[0], 0.05 * load.scale, SHARES[0] / 256.0)
     found = np.full(len(SHARES), np.nan)
     found[: len(path.force)] = load.multiplicity * path.force * h**2 / 3.0
@@ -76,8 +74,8 @@ def main() -> None:
         if options.study == "square":
             extent = np.sqrt(150.0 * 120.0 / np.pi) / h
             for cells in (8, 16):
-                press = Press(shape, h, RADIUS_MM / h, extent, "bonded", "bonded", 0.5, SHARES[0])
-                path = climb(press, Yeoh(1.0), SHARES, cells, 0.1)
+                press = Case(RADIUS_MM / h, extent, shape=shape, thickness_mm=h, first=SHARES[0])
+                path = solve_path(press, SHARES, cells, 0.1)
                 show(f"square over round ({cells} cells)", centred[: len(path.force)] / (path.force * h**2 / 3.0))
         elif options.study == "offset":
             for offset in OFFSETS_MM:

@@ -8,12 +8,18 @@ the processor time of the five slabs that ``suggest --punch ball:12`` solves.
 from __future__ import annotations
 
 import os
+import sys
 import time
+from pathlib import Path
 
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
 from dummydesign.core.errors import NoAnswerError
-from dummydesign.pad.slab.indentation import CELLS, profile, solve_shaped, sphere
+from dummydesign.pad.axisymmetric.profile_punch import CELLS, profile, solve_profile
+from dummydesign.pad.specimen import Pad
+from tests.support.ball_punch import sphere
 
 SHARES = np.array([0.03, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5])
 AT = np.linspace(0.0, 8.0, 33)
@@ -35,7 +41,8 @@ def main() -> None:
             depth = thickness * SHARES
             try:
                 fine, own = (
-                    solve_shaped(punch, thickness, 0.04, depth, reach, condition, cells=n) for n in (2 * CELLS, CELLS)
+                    solve_profile(Pad(thickness, 0.04, reach, condition=condition), depth, punch, cells=n)
+                    for n in (2 * CELLS, CELLS)
                 )
             except NoAnswerError as reason:
                 print(f"{name}, {condition}: {reason}")
@@ -48,7 +55,9 @@ def main() -> None:
     print(f"{outside} of {count} values change by more than is stated")
     began = time.process_time()
     for thickness in np.geomspace(3.0, 23.5, 5):
-        solve_shaped(sphere(6.0), thickness, 1.0, thickness * np.linspace(0.06, 0.54, 9), 5.88)
+        solve_profile(
+            Pad(thickness, 1.0, 5.88, condition="frictionless"), thickness * np.linspace(0.06, 0.54, 9), sphere(6.0)
+        )
     print(f"five slabs of 3 to 23.5 mm under a ball of 12 mm: {time.process_time() - began:.1f} s")
 
 

@@ -15,9 +15,10 @@ from functools import lru_cache
 import numpy as np
 
 from dummydesign.measurement.landmarks import find_holds
-from dummydesign.pad.material.ogden import Ogden
-from dummydesign.pad.puck import solve_puck
-from dummydesign.pad.tables.pucks.proportions import table_for
+from dummydesign.pad.axisymmetric.puck import solve_puck
+from dummydesign.pad.material.hyperelastic import Ogden
+from dummydesign.pad.specimen import Puck
+from dummydesign.pad.tables.puck import table_for
 from dummydesign.resin.puck_test.reduction import reduce_press
 from dummydesign.resin.puck_test.relaxation_fit import fit_relaxation
 
@@ -28,9 +29,8 @@ YOUNG_KPA = 30.0
 def elastic_curve(diameter_mm, height_mm, alpha, plates):
     """Compressions and forces of a puck of 1 kPa by finite elements."""
     at = np.r_[0.002, 0.01, 0.03, np.arange(0.06, 0.43, 0.03)]
-    curve = solve_puck(
-        diameter_mm, height_mm, 1e-3, height_mm * at, plates=plates, law=Ogden([2.0 / alpha], [alpha])
-    )
+    puck = Puck(height_mm, 1e-3, diameter_mm, plates=plates, law=Ogden([2.0 / alpha], [alpha]))
+    curve = solve_puck(puck, height_mm * at)
     return np.r_[0.0, curve.depth_mm / height_mm], np.r_[0.0, curve.force_N]
 
 

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from dummydesign.pad.material.ogden import Ogden
-from dummydesign.pad.puck import solve_puck
-from dummydesign.pad.tables.pucks.proportions import table_for
-from dummydesign.pad.tables.pucks.response import SHAPE_STEP, grip, load_shapes, uniaxial
+from dummydesign.pad.axisymmetric.puck import solve_puck
+from dummydesign.pad.material.hyperelastic import Ogden
+from dummydesign.pad.specimen import Puck
+from dummydesign.pad.tables.puck import SHAPE_STEP, grip, load_shapes, table_for, uniaxial
 
 COMPRESSION = np.array([0.02, 0.1, 0.2, 0.3, 0.4, 0.5])
 
@@ -22,7 +22,7 @@ def error(diameter_over_height, alpha, plates):
     friction = np.inf if plates == "bonded" else float(plates.split(":")[1])
     wanted = COMPRESSION[COMPRESSION <= table.compression[-1]]
     law = Ogden([2.0 / alpha], [alpha])
-    curve = solve_puck(diameter_over_height, 1.0, 3.0, wanted, plates=plates, law=law)
+    curve = solve_puck(Puck(1.0, 3.0, diameter_over_height, plates=plates, law=law), wanted)
     area = 0.25 * np.pi * diameter_over_height**2
     free = 3.0 * area * uniaxial(alpha, curve.depth_mm)
     return free * table.factor(alpha, float(grip(friction)), curve.depth_mm) / curve.force_N - 1.0

@@ -22,17 +22,15 @@ sys.path.insert(0, str(ROOT))
 
 from benchmarks.rows import keep_row, read_rows  # noqa: E402
 from dummydesign.core.errors import NoAnswerError  # noqa: E402
-from dummydesign.design.assessment.castings import RESIN, PadCastings  # noqa: E402
-from dummydesign.design.assessment.readings import reading_of, verdict_of_design  # noqa: E402
+from dummydesign.design.assessment.castings import RESIN, PadCastings, verdict_of_design  # noqa: E402
 from dummydesign.design.inputs import Inputs, resolve  # noqa: E402
 from dummydesign.design.mould import tolerances_of  # noqa: E402
 from dummydesign.design.request import Request  # noqa: E402
-from dummydesign.design.scoring.acceptability import ACCEPTABLE, ranges_of  # noqa: E402
 from dummydesign.design.scoring.targets import make_targets  # noqa: E402
-from dummydesign.design.scoring.verdict import LEVELS, verdict  # noqa: E402
+from dummydesign.design.scoring.verdict import ACCEPTABLE, LEVELS, ranges_of, readings_of, verdict  # noqa: E402
 from dummydesign.design.search.best_of_kinds import best_of_kinds  # noqa: E402
-from dummydesign.design.solve import Solved, solve  # noqa: E402
-from dummydesign.tissue.population.posterior import COLUMNS, read_draws, subject_of  # noqa: E402
+from dummydesign.design.suggest import SolvedDesign, solve  # noqa: E402
+from dummydesign.tissue.model.posterior import COLUMNS, read_draws, subject_of  # noqa: E402
 
 SITES = ("forefinger", "palm", "thenar")
 
@@ -70,14 +68,15 @@ def study_one(number: int, seed: int) -> dict[str, object]:
     return {**row, "cpu_seconds": round(time.process_time() - started, 1)}
 
 
-def taken_pad(inputs: Inputs, solved: Solved) -> dict[str, object]:
+def taken_pad(inputs: Inputs, solved: SolvedDesign) -> dict[str, object]:
     """The pad that is taken: its verdict, and what it would be once modulus and relaxation are known."""
     space, chosen, request = inputs.space, solved.chosen, inputs.request
     best = chosen.found.best
     tolerances = tolerances_of(space.resin, best, request, chosen.shape)
     cast = PadCastings(inputs.castings, chosen.cast, best, space, tolerances)
     now = verdict_of_design(cast)
-    known = verdict(ranges_of(space.targets), reading_of(best), cast.readings(RESIN), limits=space.targets.limits)
+    own = readings_of(best.evaluation, best.index)
+    known = verdict(ranges_of(space.targets), own, cast.readings(RESIN), limits=space.targets.limits)
     return {
         "kind": chosen.shape.name, "shape": str(chosen.shape), "thickness_mm": best.thickness_mm, "ratio": best.ratio,
         "rank": best.rank, "total": round(best.total, 4), "differs": solved.expectation.differs,

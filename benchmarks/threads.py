@@ -25,7 +25,7 @@ LIBRARY = """
 import json
 import numpy, scipy.linalg
 from dummydesign.pad.material.hyperelastic import neo_hookean
-from dummydesign.pad.slab.square_sharp import Block, Cells, solve_ratios
+from dummydesign.pad.spatial.square_punch import Block, Cells, solve_ratios
 found = solve_ratios(Block((0.7, 0.7), (7.5, 6.0)), neo_hookean(1.0), 0.5, [0.1], Cells(0.14))
 print(json.dumps({"ratio": found.ratio.tolist()}))
 """

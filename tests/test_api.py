@@ -5,6 +5,7 @@ import json
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import MISSING, fields
 from html import escape
 from pathlib import Path
 
@@ -12,11 +13,15 @@ import numpy as np
 import pytest
 
 import dummydesign
-from dummydesign.cli import run
-from dummydesign.cli.entry import parser_of
+from dummydesign.cli.common_options import option_of
+from dummydesign.cli.entry import parser_of, run
 from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.core.options import options_of
+from dummydesign.design.options import SuggestOptions
+from dummydesign.design.request import Request
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.tissue.model.laws import law_named
+from tests.support.refusal import raises_code
 
 ROOT = Path(__file__).parent.parent
 
@@ -92,7 +97,7 @@ def test_without_cad_both_name_the_same_next_command_and_keep_the_recipe(capsys,
 
 
 def test_a_mould_needs_a_folder():
-    with pytest.raises(InputError, match="out"):
+    with raises_code("missing", "out"):
         dummydesign.suggest("palm", cad=True, verify=False)
 
 
@@ -112,15 +117,6 @@ def test_whatif_is_the_answer_of_the_command_with_its_warnings(capsys, tmp_path,
     assert unwritten["warnings"] == mine["warnings"] and unwritten["files"] == {}
 
 
-OPTION_OF = {
-    "thickness_mm": "thickness", "length_mm": "length", "width_mm": "width", "depth_mm": "depth", "young_kPa": "young",
-    "force_N": "force", "velocity_mm_s": "velocity", "hold_s": "hold", "deceleration_mm_s2": "deceleration",
-    "robot_mass_kg": "robot_mass", "robot_velocity_mm_s": "robot_velocity", "effects": "effect",
-    "balance_g": "balance", "thickness_tolerance_mm": "thickness_tolerance",
-    "edge_radius_mm": "edge_radius", "thicknesses_mm": "thickness", "mass_g": "mass", "modulus_kPa": "modulus",
-    "level_deg": "level", "gauge_mm": "gauge", "face_sheet_mm": "face_sheet", "bone_height_mm": "bone_height",
-    "bone_turn_deg": "bone_turn", "bone_at_mm": "bone_at",
-}  # fmt: skip
 COMMAND_OF = {
     "suggest": ["suggest", "--tissue", "palm"],
     "predict": ["predict", "--thickness", "5"],
@@ -142,29 +138,39 @@ FOR_SCRIPTS = {"executor", "progress"}
 def test_every_call_has_the_defaults_and_all_options_of_its_command(call):
     name, *words = COMMAND_OF[call]
     options = vars(parser_of(name).parse_args(words))
-    if call == "suggest":
-        options["verify"] = not options.pop("no_verify")
-        # with a folder, which the command always has
-        assert options.pop("no_cad") is False and options.pop("cad") is False
-        options["cad"] = None
     if name == "mold":
         assert options.pop("action") == {"make_mould": None, "record_pad": "record"}[call]
     if call == "record_pad":
-        for key in set(vars(parser_of("mold").parse_args([]))) & set(options) - {"thickness", "replace"}:
+        for key in set(vars(parser_of("mold").parse_args([]))) & set(options) - {"replace"}:
             del options[key]
     if call == "import_traces":
         assert options.pop("list") is False
     for parameter in inspect.signature(getattr(dummydesign, call)).parameters.values():
         if parameter.name in FOR_SCRIPTS:
             continue
-        typed = options.pop(OPTION_OF.get(parameter.name, parameter.name))
+        typed = options.pop(option_of(parameter.name))
         if parameter.default is not inspect.Parameter.empty:
             assert same(typed, parameter.default), parameter.name
     assert not options
 
 
+def test_the_call_of_suggest_has_the_arguments_and_defaults_of_its_table_of_options():
+    parameters = inspect.signature(dummydesign.suggest).parameters
+    table = {spec.argument or name: (default, spec) for name, (default, spec) in options_of(SuggestOptions).items()}
+    assert set(table) < set(parameters)
+    for name, (default, spec) in table.items():
+        stated = parameters[name].default
+        if default is MISSING:
+            assert stated is inspect.Parameter.empty
+        else:
+            assert (stated if stated is None or spec.read is None else spec.read(stated)) == default, name
+    assert {field.name for field in fields(Request)} == set(options_of(SuggestOptions))
+
+
 def same(typed, default):
     """Whether an option's text means the default: numbers and lists may be typed."""
+    if isinstance(typed, tuple) and isinstance(default, str):
+        return "x".join(f"{one:g}" for one in typed) == default
     if isinstance(typed, str) and isinstance(default, (tuple, float)):
         return tuple(map(float, typed.split(","))) == (default if isinstance(default, tuple) else (default,))
     return (list(typed), []) == (list(default), []) if isinstance(default, tuple) else typed == default
@@ -229,7 +235,7 @@ def test_whatif_takes_numbers_lists_and_text_alike(tmp_path):
 
 def test_tables_without_pandas_say_what_to_do(monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
-    with pytest.raises(InputError, match="pip install pandas"):
+    with raises_code("program_missing", "pandas"):
         dummydesign.whatif(5).to_frame()
 
 

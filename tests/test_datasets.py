@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import dummydesign
-from dummydesign.core.errors import InputError
+from tests.support.refusal import raises_code
 
 
 def test_a_sweep_is_a_dataset_over_what_was_varied(monkeypatch):
@@ -25,5 +25,5 @@ def test_a_sweep_is_a_dataset_over_what_was_varied(monkeypatch):
             float(at.depth_mm_at_N.sel(force_N=10.0)) == depth
         )
     monkeypatch.setitem(sys.modules, "xarray", None)
-    with pytest.raises(InputError, match="pip install xarray"):
+    with raises_code("program_missing", "xarray"):
         found.to_xarray()

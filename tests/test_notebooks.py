@@ -52,7 +52,7 @@ def ran(name, folder):
 @pytest.mark.slow
 def test_the_design_notebook_gives_the_slab_of_the_command(tmp_path):
     texts = ran("design", tmp_path)
-    assert "".join(texts[3].split()).startswith("(5.0,15.0,[{'name':'polyol'")
+    assert "".join(texts[3].split()).startswith("(5.5,15.3,[{'name':'polyol'")
     assert len(texts[1]) < 3000 and "score.total" in texts[6]
 
 

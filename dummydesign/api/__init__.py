@@ -4,25 +4,28 @@
     answer = dummydesign.suggest("forefinger")
     answer.to_dict()["recommendation"]["thickness_mm"]
 
-The command line calls these functions, with the same defaults, and prints what they return. Heavy packages are
-imported when a function runs.
+The command line calls these functions, with the same defaults, and prints what they return. A module is imported
+when one of its calls is asked for, heavy packages when a function runs.
 """
 
-from dummydesign.api.answers import Answer, Fitted, Result, Rows
-from dummydesign.api.campaign_calls import calibrate, replay
-from dummydesign.api.comparison_calls import compare_designs
-from dummydesign.api.design_calls import suggest
-from dummydesign.api.import_calls import import_traces
-from dummydesign.api.mould_calls import make_mould, record_pad
-from dummydesign.api.predict_calls import predict
-from dummydesign.api.sweep_calls import whatif
-from dummydesign.api.trace_calls import compare, fit
-from dummydesign.resin import load_resin
-from dummydesign.tissue import load_tissue
+from __future__ import annotations
 
-close_loop = calibrate
+import importlib
+from typing import Any
 
-__all__ = [
-    "Answer", "Fitted", "Result", "Rows", "calibrate", "close_loop", "compare", "compare_designs", "fit",
-    "import_traces", "load_resin", "load_tissue", "make_mould", "predict", "record_pad", "replay", "suggest", "whatif",
-]  # fmt: skip
+_MODULES = {
+    "Answer": "api.answers", "Fitted": "api.answers", "Result": "api.answers", "Rows": "api.answers",
+    "calibrate": "api.campaigns", "replay": "api.campaigns", "compare_designs": "api.designs",
+    "suggest": "api.designs", "make_mould": "api.moulds", "record_pad": "api.moulds", "predict": "api.predictions",
+    "whatif": "api.sweeps", "compare": "api.traces", "fit": "api.traces", "import_traces": "api.traces",
+    "load_resin": "resin", "load_tissue": "tissue",
+}  # fmt: skip
+__all__ = sorted([*_MODULES, "close_loop"])
+
+
+def __getattr__(name: str) -> Any:
+    if name == "close_loop":
+        name = "calibrate"
+    if name in _MODULES:
+        return getattr(importlib.import_module(f"dummydesign.{_MODULES[name]}"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

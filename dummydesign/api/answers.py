@@ -1,17 +1,308 @@
-"""What the calls for scripts return: the same objects that the commands print, with tables."""
+"""What the calls for scripts return: values as attributes, tables, plots, datasets."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from copy import deepcopy
 from dataclasses import dataclass, field
+from html import escape
+from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any
 
-from dummydesign.api.display.values import Values, frame_of
+import numpy as np
+
+from dummydesign.core.errors import InputError
+from dummydesign.core.manifest import Question
+from dummydesign.core.serialise import parameter_rows
 
 if TYPE_CHECKING:
+    from dummydesign.core.outputs import Output
     from dummydesign.design.suggestion import Suggestion
     from dummydesign.design.sweep.spec import Study
-    from dummydesign.tissue.fitting.fit import Fit
+    from dummydesign.tissue.fitting.fit import TissueFit
+
+
+# A repr names so many values and is never longer than this.
+SHOWN, LONGEST = 12, 900
+
+
+class Values:
+    """An answer in values: ``answer.force_N`` is ``answer.to_dict()["force_N"]``, a list of numbers as an array.
+
+    Subclasses have ``call``, the name of the call, and ``values()``, the whole answer as plain values.
+    """
+
+    @property
+    def call(self) -> str:
+        """Name of the call."""
+        return "answer"
+
+    def values(self) -> Mapping[str, Any]:
+        """The whole answer, not copied."""
+        raise NotImplementedError
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        known = self.values()
+        if name in known:
+            return _as_array(known[name])
+        raise AttributeError(f"{self.call} has no '{name}'; it has {', '.join(sorted(known))}")
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *self.values()})
+
+    def __repr__(self) -> str:
+        parts = [f"{name}={_short(value)}" for name, value in self.values().items() if name != "inputs"]
+        more = [] if len(parts) <= SHOWN else [f"and {len(parts) - SHOWN} more"]
+        text = f"{self.call}({', '.join(parts[:SHOWN] + more)})"
+        return text if len(text) <= LONGEST else text[: LONGEST - 4] + "...)"
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><th style='text-align:left'>{escape(str(name))}</th><td style='text-align:left'>"
+            f"{escape(_short(value, 90))}</td></tr>"
+            for name, value in self.values().items()
+        )
+        return f"<table><caption>{escape(self.call)}</caption>{rows}</table>"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the answer of the command with ``--json``, without its ``schema`` and ``version``."""
+        return deepcopy(dict(self.values()))
+
+    def to_frame(self) -> Any:
+        """Return the answer's table as a DataFrame (needs pandas): its columns of equal length, or its records.
+
+        Raises
+        ------
+        InputError
+            When pandas is not installed, or nothing in the answer is a table.
+        """
+        return frame_of(self.records())
+
+    def records(self) -> list[dict[str, Any]]:
+        """Rows of the answer's table as plain values.
+
+        Raises
+        ------
+        InputError
+            When nothing in the answer is a table.
+        """
+        known = self.values()
+        columns = {name: value for name, value in known.items() if _is_column(value)}
+        if columns:
+            length = max(len(value) for value in columns.values())
+            same = {name: value for name, value in columns.items() if len(value) == length}
+            return [dict(zip(same, row)) for row in zip(*same.values())]
+        lists = {name: value for name, value in known.items() if _is_records(value) and name != "warnings"}
+        if not lists:
+            raise InputError(f"{self.call} has no table; use to_dict", "nothing_found", "table")
+        return [dict(one) for one in max(lists.values(), key=len)]
+
+
+def frame_of(records: Sequence[dict[str, Any]]) -> Any:
+    """Make a pandas DataFrame; nested values become columns such as ``depth_mm_at_N.10``.
+
+    Raises
+    ------
+    InputError
+        When pandas is not installed.
+    """
+    try:
+        from pandas import json_normalize
+    except ImportError:
+        message = "to_frame needs pandas, which is not installed; pip install pandas, or use to_dict"
+        raise InputError(message, "program_missing", "pandas") from None
+    return json_normalize(list(records))
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _is_column(value: Any) -> bool:
+    return isinstance(value, list | tuple) and len(value) > 0 and all(_is_number(one) for one in value)
+
+
+def _is_records(value: Any) -> bool:
+    return isinstance(value, list | tuple) and len(value) > 0 and all(isinstance(one, Mapping) for one in value)
+
+
+def _as_array(value: Any) -> Any:
+    return np.asarray(value, dtype=float) if _is_column(value) else deepcopy(value)
+
+
+def _short(value: Any, longest: int = 60) -> str:
+    if _is_number(value):
+        return f"{value:.4g}"
+    if _is_column(value):
+        low, high = min(value), max(value)
+        return f"[{len(value)} from {low:.4g} to {high:.4g}]" if len(value) > 1 else f"[{low:.4g}]"
+    if isinstance(value, Mapping):
+        text = "{" + ", ".join(str(key) for key in value) + "}"
+    elif isinstance(value, list | tuple):
+        text = f"[{len(value)}]"
+    else:
+        text = repr(value)
+    return text if len(text) <= longest else text[: longest - 3] + "..."
+
+
+LABELS = {"depth_mm": "depth in mm", "time_s": "time in s"}
+
+
+def force_curve(call: str, result: Mapping[str, Any], axes: Any = None) -> Any:
+    """Draw a force with its interval over depth or time.
+
+    Parameters
+    ----------
+    call : str
+        Name of the call, for the message.
+    result : mapping
+        With ``force_N``, its low and high, and ``depth_mm`` or ``time_s``.
+    axes : matplotlib.axes.Axes, optional
+        New ones without it.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    InputError
+        When there is no such curve in the result.
+    """
+    along = next((name for name in ("time_s", "depth_mm") if isinstance(result.get(name), list)), None)
+    if along is None or "force_low_N" not in result:
+        message = f"plot draws force curves, which {call} has none of; use to_frame"
+        raise InputError(message, "nothing_found", "force_N")
+    if axes is None:
+        from matplotlib.figure import Figure
+
+        axes = Figure(figsize=(6.0, 3.8), layout="constrained").subplots()
+    at = result[along]
+    axes.fill_between(at, result["force_low_N"], result["force_high_N"], color="#1f4e79", alpha=0.2, linewidth=0)
+    axes.plot(at, result["force_N"], color="#1f4e79")
+    axes.set(xlabel=LABELS[along], ylabel="force in N")
+    return axes
+
+
+VARIED = ("thickness_mm", "ratio", "shape", "punch", "edge_radius_mm", "condition", "base")
+INNER = {"_at_N": "force_N", "peak_over_steady": "velocity_mm_s"}
+"""Values that hold one number a force or a speed, by how their names end, and the dimension of that number."""
+
+
+def dataset_of(rows: Sequence[Mapping[str, Any]]) -> Any:
+    """Make a Dataset of rows; combinations that were not worked out are NaN.
+
+    Parameters
+    ----------
+    rows : sequence of mapping
+        As ``whatif`` gives them.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimensions thickness_mm, ratio, shape, punch, edge_radius_mm, condition, base, and force_N or velocity_mm_s
+        where a value depends on it; parts of the score are ``score_total`` and so on, ``limit`` is text.
+
+    Raises
+    ------
+    InputError
+        When xarray is not installed.
+    """
+    try:
+        import xarray
+    except ImportError:
+        message = "to_xarray needs xarray, which is not installed; pip install xarray, or use to_dict"
+        raise InputError(message, "program_missing", "xarray") from None
+    axes = {name: list(dict.fromkeys(row[name] for row in rows)) for name in VARIED}
+    for name in ("thickness_mm", "ratio"):
+        axes[name].sort()
+    shape = tuple(len(values) for values in axes.values())
+    place = {name: {value: k for k, value in enumerate(values)} for name, values in axes.items()}
+    found: dict[str, tuple[tuple[str, ...], np.ndarray]] = {}
+    inner: dict[str, list[float]] = {}
+    for row in rows:
+        at = tuple(place[name][row[name]] for name in VARIED)
+        for name, value in _flat(row):
+            if isinstance(value, Mapping):
+                along = next(axis for ending, axis in INNER.items() if name.endswith(ending))
+                inner.setdefault(along, [float(key) for key in value])
+                if name not in found:
+                    found[name] = ((*VARIED, along), np.full((*shape, len(value)), np.nan))
+                found[name][1][at] = [np.nan if one is None else one for one in value.values()]
+            elif name == "limit":
+                found.setdefault(name, (VARIED, np.full(shape, "", dtype=object)))[1][at] = value or ""
+            else:
+                found.setdefault(name, (VARIED, np.full(shape, np.nan)))[1][at] = np.nan if value is None else value
+    return xarray.Dataset(found, coords={**axes, **inner})
+
+
+def _flat(row: Mapping[str, Any]) -> list[tuple[str, Any]]:
+    """Values of a row without what was varied; parts of the score by names of their own."""
+    found = []
+    for name, value in row.items():
+        if name == "score" and isinstance(value, Mapping):
+            found += [(f"score_{part}", one) for part, one in value.items() if not isinstance(one, str)]
+        elif name not in VARIED:
+            found.append((name, value))
+    return [(name, value) for name, value in found if name == "limit" or not isinstance(value, str | list | tuple)]
+
+
+IGNORED_INPUTS = ("out", "workers", "scheduler", "resume", "replace", "save_profile")
+"""Inputs that an answer does not depend on."""
+
+
+def question(
+    command: str,
+    inputs: Mapping[str, Any],
+    *,
+    tissue: str | None = None,
+    resin: str | None = None,
+    preset: str | None = None,
+    files: Iterable[str | PathLike[str] | None] = (),
+) -> Question:
+    """Make the question of a call.
+
+    Parameters
+    ----------
+    command : str
+        Name of the command, as it is typed.
+    inputs : mapping
+        All values used, as the answer names them.
+    tissue, resin, preset : str, optional
+        Names of the library or paths.
+    files : iterable of path
+        Other files that are read; None is left out.
+    """
+    from dummydesign.core.library import find
+
+    named = (("materials/tissues", "tissue", tissue), ("materials/resins", "resin", resin),
+             ("molds", "mould preset", preset))  # fmt: skip
+    read: dict[str, str | PathLike[str]] = {
+        f"{what} {name}": find(kind, what, name).path for kind, what, name in named if name is not None
+    }
+    read |= {fspath(path): path for path in files if path is not None}
+    return Question(command, {key: value for key, value in inputs.items() if key not in IGNORED_INPUTS}, read)
+
+
+def answer_folder(
+    out: str | PathLike[str] | None, asked: Question, replace: bool
+) -> AbstractContextManager[Output | None]:
+    """Open the folder of an answer; None where nothing is to be written.
+
+    Parameters
+    ----------
+    out : path, optional
+        The folder that is asked for.
+    asked : Question
+    replace : bool
+        Take the place of another answer.
+    """
+    from dummydesign.core.outputs import new_folder
+
+    return nullcontext() if out is None else new_folder(out, asked, replace=replace)
 
 
 @dataclass(frozen=True, repr=False)
@@ -44,8 +335,6 @@ class Result(Values):
         InputError
             For an answer that holds no force curve.
         """
-        from dummydesign.api.display.plots import force_curve
-
         return force_curve(self.call, self.result, axes)
 
 
@@ -67,16 +356,13 @@ class Answer(Result):
 class Fitted(Result):
     """What ``fit`` found. ``found`` is the fit with all its objects, ``result`` the whole answer in values."""
 
-    found: Fit
+    found: TissueFit
     name: str = "fit"
 
     def to_frame(self) -> Any:
         """Return the parameters with their intervals as a DataFrame, one row a parameter (needs pandas)."""
-        records = []
-        for name, entry in self.found.to_dict()["parameters"].items():
-            parts = {name: entry} if "value" in entry else {f"{name} at {v} mm/s": e for v, e in entry.items()}
-            records += [{"parameter": label, **one} for label, one in parts.items()]
-        return frame_of(records)
+        rows = parameter_rows(self.found.to_dict()["parameters"])
+        return frame_of([{"parameter": label, **one} for label, one in rows])
 
 
 @dataclass(frozen=True, repr=False)
@@ -103,21 +389,15 @@ class Rows(Values):
     def values(self) -> Mapping[str, Any]:
         """The whole answer as plain values."""
         return {
-            "inputs": dict(self.inputs),
-            "warnings": [dict(item) for item in self.warnings],
-            "sources": list(self.sources),
-            "rows": [dict(row) for row in self.rows],
-            "seconds": self.seconds,
-            "resumed_rows": self.resumed_rows,
-            "files": dict(self.files),
-        }
+            "inputs": dict(self.inputs), "warnings": [dict(item) for item in self.warnings],
+            "sources": list(self.sources), "rows": self.records(), "seconds": self.seconds,
+            "resumed_rows": self.resumed_rows, "files": dict(self.files),
+        }  # fmt: skip
 
     def records(self) -> list[dict[str, Any]]:
         """One row a design."""
         return [dict(row) for row in self.rows]
 
     def to_xarray(self) -> Any:
-        """Return an xarray Dataset over what was varied, see :func:`dummydesign.api.display.datasets.dataset_of`."""
-        from dummydesign.api.display.datasets import dataset_of
-
+        """Return an xarray Dataset over what was varied, see :func:`dummydesign.api.answers.dataset_of`."""
         return dataset_of(self.rows)

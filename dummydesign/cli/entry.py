@@ -1,25 +1,70 @@
-"""The command line: reads arguments, calls one function, prints what it returns. Nothing is computed here."""
+"""The command line: find the command, read its arguments, call one function, print what it returns."""
 
 from __future__ import annotations
 
 import argparse
-import difflib
+import importlib
 import io
 import os
+import re
 import signal
 import sys
-from typing import Any, NoReturn
+from collections.abc import Sequence
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from dummydesign._version import __version__
-from dummydesign.cli.every_command import epilog_of, finish
-from dummydesign.cli.in_project import project_here, settle_out, with_defaults
-from dummydesign.cli.registry import COMMANDS, module_of
-from dummydesign.cli.steps import loudness, say, timed
-from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError, unknown_name
-from dummydesign.core.outputs.manifest import COMMAND_LINE
-from dummydesign.core.outputs.plain import json_text
-from dummydesign.core.outputs.progress import STOP
-from dummydesign.core.threads import ONE_THREAD
+from dummydesign.cli.help import epilog_of, finish
+from dummydesign.cli.progress import loudness, say, timed
+from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError, quantity_name, unknown_name
+from dummydesign.core.process import COMMAND_LINE, ONE_THREAD, STOP
+
+if TYPE_CHECKING:
+    from dummydesign.project.folder import Project
+
+
+COMMANDS = (
+    "suggest", "compare-designs", "predict", "whatif", "import", "fit", "mold", "campaign", "loop", "replay", "compare",
+    "tissues", "resins", "init", "status", "studio",
+)  # fmt: skip
+"""The commands in the order of the overview; each is a module of its own in ``cli/commands``."""
+
+
+def module_of(command: str) -> ModuleType:
+    """The module of a command (``HELP``, ``add_arguments``, ``run``, ``render``); importing it loads nothing heavy."""
+    return importlib.import_module(
+        "dummydesign.cli.commands." + {"import": "import_"}.get(command, command.replace("-", "_"))
+    )
+
+
+def project_here(arguments: Sequence[str]) -> Project | None:
+    """The project that a command is run in; None for a command that takes nothing from one, and for its help."""
+    if any(word in ("-h", "--help") for word in arguments):
+        return None
+    from dummydesign.project.folder import GIVEN, OUT, command_of, find_project
+
+    asked = command_of(arguments)
+    return find_project() if asked in GIVEN or asked[0] in OUT else None
+
+
+def with_defaults(project: Project | None, arguments: Sequence[str]) -> list[str]:
+    """The command line with what the project adds, right after the command, so that what is typed wins."""
+    if project is None:
+        return list(arguments)
+    from dummydesign.project.folder import command_of, words_for
+
+    place = len(command_of(arguments))
+    return [*arguments[:place], *words_for(project, arguments), *arguments[place:]]
+
+
+def settle_out(project: Project | None, command: str, module: ModuleType, options: argparse.Namespace) -> None:
+    """Name the folder of an answer without ``--out``; in a project it lies in the folder for the command."""
+    from dummydesign.project.folder import OUT, place_for
+
+    if command not in OUT or options.out is not None or (project is None and not hasattr(module, "default_out")):
+        return
+    name = (module.default_out if hasattr(module, "default_out") else module.default_in_project)(options)
+    options.out = name if project is None or name is None else place_for(project, command, name)
 
 
 class _Parser(argparse.ArgumentParser):
@@ -33,7 +78,8 @@ class _Parser(argparse.ArgumentParser):
         return super().format_help()
 
     def error(self, message: str) -> NoReturn:
-        raise InputError(message)
+        found = re.match(r"argument ([^\s:/]+)", message)
+        raise InputError(message, "bad_arguments", quantity_name(found[1]) if found else "arguments")
 
 
 def _check_options(parser: argparse.ArgumentParser, name: str, words: list[str]) -> None:
@@ -42,11 +88,14 @@ def _check_options(parser: argparse.ArgumentParser, name: str, words: list[str])
     for word in words:
         option = word.partition("=")[0]
         if option.startswith("--") and " " not in option and option not in known | {"--"}:
+            import difflib
+
             near = difflib.get_close_matches(option, known, n=1, cutoff=0.7)
             hint = f"did you mean '{near[0]}'? " if near else ""
             others = [one for one in COMMANDS if one != name and option in _options(parser_of(one))]
             theirs = f"it is an option of {', '.join(others)}; " if others and not near else ""
-            raise InputError(f"unknown option '{option}': {hint}{theirs}'dummydesign {name} --help' lists them")
+            message = f"unknown option '{option}': {hint}{theirs}'dummydesign {name} --help' lists them"
+            raise InputError(message, "unknown_option", quantity_name(option), option, sorted(known))
 
 
 def _options(parser: argparse.ArgumentParser) -> set[str]:
@@ -77,13 +126,6 @@ def _overview() -> str:
         "  dummydesign --version        version\n\n"
         "example: dummydesign suggest --tissue forefinger"
     )
-
-
-def _print_result(command: str, result: dict[str, Any], as_json: bool, render: Any) -> None:
-    if as_json:
-        print(json_text(command, result))
-    else:
-        print(render(result))
 
 
 def run(arguments: list[str]) -> int:
@@ -119,23 +161,30 @@ def _run(arguments: list[str]) -> int:
             say(f"from project '{project.name}': {' '.join(added)}")
         settle_out(project, name, module, options)
         COMMAND_LINE.set(tuple(words))
+        problem: NoAnswerError | None = None
         try:
             with timed():
                 result = module.run(options)
+            verdict = result.get("verdict")
+            if isinstance(verdict, dict) and verdict.get("light") == "red":
+                message = "the pad is not representative of the tissue"
+                problem = NoAnswerError("not_representative", message, quantity="verdict")
         except NoAnswerError as reason:
-            if as_json:
-                problem = {"code": reason.code, "message": str(reason)}
-                _print_result(name, {**reason.result, "error": problem}, True, None)
-            elif reason.result:
-                print(_render_of(module, options)(reason.result))
-            print(f"error: {reason}", file=sys.stderr)
-            return 1
-        red = _red(result)
-        _print_result(name, {**result, **red}, as_json, _render_of(module, options))
-        if red:
-            print(f"error: {red['error']['message']}", file=sys.stderr)
-        return 1 if red else 0
+            result, problem = reason.result, reason
+        if as_json:
+            from dummydesign.core.serialise import json_text
+
+            print(json_text(name, {**result, **({} if problem is None else {"error": problem.to_dict()})}))
+        elif result:
+            print(_render_of(module, options)(result))
+        if problem is not None:
+            print(f"error: {problem}", file=sys.stderr)
+        return 0 if problem is None else 1
     except DummydesignError as problem:
+        if as_json:
+            import json
+
+            print(json.dumps({"error": problem.to_dict()}, indent=2))
         print("error: " + " ".join(str(problem).split()), file=sys.stderr)
         return 2
     except KeyboardInterrupt:
@@ -155,26 +204,16 @@ def _run(arguments: list[str]) -> int:
         return 1
 
 
-def _red(result: dict[str, Any]) -> dict[str, Any]:
-    """The error of an answer whose verdict is red; nothing of any other."""
-    verdict = result.get("verdict")
-    if not isinstance(verdict, dict) or verdict.get("light") != "red":
-        return {}
-    return {"error": {"code": "not_representative", "message": "the pad is not representative of the tissue"}}
-
-
 def _render_of(module: Any, options: argparse.Namespace) -> Any:
     """What lays the answer out: one screen, or all of it with --details."""
-    if getattr(options, "details", False):
-        return getattr(module, "render_details", module.render)
-    return module.render
+    return getattr(module, "render_details" if getattr(options, "details", False) else "render", module.render)
 
 
 def _loudness(options: argparse.Namespace) -> str:
     """How much is told of the work: by -v ``verbose``, by -q ``quiet``."""
     verbose, quiet = getattr(options, "verbose", False), getattr(options, "quiet", False)
     if verbose and quiet:
-        raise InputError("--verbose and --quiet: the one or the other")
+        raise InputError("--verbose and --quiet: the one or the other", "conflict", "verbose")
     return "verbose" if verbose else "quiet" if quiet else ""
 
 

@@ -28,8 +28,8 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign.core.datafiles import data_folder
-from dummydesign.core.threads import one_blas_thread
+from dummydesign.core.library import data_folder
+from dummydesign.core.process import one_blas_thread
 
 VARIABLE = "DUMMYDESIGN_CACHE"
 MOST_BYTES = 200_000_000
@@ -61,25 +61,7 @@ def folder() -> Path | None:
 
 
 def cached(kind: str, inputs: Mapping[str, Any], compute: Callable[[], dict[str, Any]]) -> dict[str, Any]:
-    """Return what ``compute()`` returns, from the cache if it was computed before.
-
-    Parameters
-    ----------
-    kind : str
-        Name of the kind of result, a plain word that can be part of a file name.
-    inputs : mapping
-        Everything the result depends on: plain values, arrays, lists, tuples, mappings, and frozen dataclasses
-        of this package. With anything else in it (a law from elsewhere, a function) nothing is kept, because its
-        meaning could change unseen.
-    compute : callable
-        Makes the result: a dict of plain values, tuples, dicts and numpy arrays. A raised error is passed on
-        and not kept.
-
-    Returns
-    -------
-    dict
-        Equal to the last bit whether it was kept or made now.
-    """
+    """Return what ``compute()`` returns, from the cache if it was computed before."""
     compute = one_blas_thread()(compute)
     place = folder()
     if place is None:
@@ -109,11 +91,6 @@ def code_version() -> str:
 
     All sources count, not only those that solve: which ones a result depends on is not known here, and a list
     would be wrong with the next module that moves. Reading them takes some 10 ms.
-
-    Raises
-    ------
-    OSError
-        When sources or tables cannot be read, as in an installation as a zip file.
     """
     from importlib.metadata import PackageNotFoundError, version
 
@@ -135,13 +112,7 @@ def package_folder() -> Path:
 
 
 def sources() -> list[Path]:
-    """All files that results depend on: the package's sources and the shipped tables, at any depth.
-
-    Raises
-    ------
-    FileNotFoundError
-        When there are no sources or no tables.
-    """
+    """All files that results depend on: the package's sources and the shipped tables, at any depth."""
     found = []
     for root, ending in ((package_folder(), ".py"), (data_folder() / "materials" / "tables", ".json")):
         files = sorted(root.rglob(f"*{ending}"))

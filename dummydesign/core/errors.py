@@ -2,13 +2,102 @@
 
 from __future__ import annotations
 
-import difflib
+import math
+import re
 from collections.abc import Iterable
 from typing import Any
 
+CODES: dict[str, str] = {
+    "out_of_range": "A number is outside its allowed range, or not finite.",
+    "not_a_number": "A number is needed; the text or value is none.",
+    "malformed": "A text or table does not have the form that is needed.",
+    "unknown_name": "A name is not in the library, or a word is not among the choices.",
+    "unknown_key": "A key, column or parameter that nothing reads.",
+    "unknown_option": "An option that the command does not have.",
+    "unknown_unit": "A unit that is not known, or not for this quantity.",
+    "implausible_unit": "A number that only makes sense in another unit.",
+    "missing": "A value, option, key or column that is needed is not given.",
+    "conflict": "Two things are given that exclude each other.",
+    "not_applicable": "An option or key is given that does not apply here.",
+    "inconsistent": "Values contradict each other, or a file contradicts what is declared of it.",
+    "duplicate": "A name, key or row is listed twice.",
+    "bad_name": "A name has characters that are not allowed, or is reserved.",
+    "not_enough_data": "Too few or too short data for what is asked.",
+    "nothing_found": "No press, contact, table or file of the kind that is needed was found.",
+    "no_source": "A number has no source.",
+    "file_not_found": "A file or folder does not exist.",
+    "file_unreadable": "A file cannot be read, or is not what its name says.",
+    "file_unwritable": "A file or folder cannot be written.",
+    "file_exists": "A file, folder or name exists already and is not replaced.",
+    "changed_meanwhile": "A file or result changed while it was in use.",
+    "cannot_be_made": "A pad or mould cannot be made.",
+    "unsupported": "What is asked is understood, but no method here can do it.",
+    "not_tabulated": "The pad is outside the tables; finite elements can solve it.",
+    "needs_decision": "A file can be read in more than one way; an option settles it.",
+    "program_missing": "A package or program that is needed is not installed.",
+    "program_failed": "A program or module from outside failed.",
+    "too_large": "A file, list or study is larger than the limit.",
+    "busy": "Something else is at work on it.",
+    "not_allowed": "It is not permitted.",
+    "bad_arguments": "The command line has a wrong shape: argparse refused it.",
+    # no acceptable answer: exit status 1
+    "no_feasible_design": "No pad inside the limits reaches the presses.",
+    "no_acceptable_pad": "No pad is acceptable.",
+    "not_representative": "The verdict on the pad is red.",
+    "pad_not_accepted": "The cast pad is not the one that was designed.",
+    "no_convergence": "A solution by finite elements stopped.",
+    "out_of_reach": "A press cannot be reached.",
+    "table_unavailable": "A table that is needed cannot be read.",
+    "cad_unavailable": "The CAD kernel cannot be loaded.",
+    "cad_failed": "The solids of a mould could not be made.",
+    "check_failed": "A mould was made and one of its checks failed.",
+    "campaign_wrong": "The presses of a campaign contradict its plan.",
+    "worker_lost": "A process of a study stopped unexpectedly.",
+    "not_specified": "An error raised outside this package, without a code.",
+}
+"""Codes of errors; they never change. docs/errors.md lists them with the quantities each is raised for."""
+
 
 class DummydesignError(Exception):
-    """Base of all errors raised on purpose by this package."""
+    """Base of all errors raised on purpose by this package.
+
+    Parameters
+    ----------
+    message : str
+        What was wrong, what is allowed, what to type; one line.
+    code : str
+        Stable name of the fault, one of :data:`CODES`.
+    quantity : str
+        What the fault is about, with its unit: ``thickness_mm``, ``tissue``.
+    value, allowed : object, optional
+        What was given and what is allowed, where these are plain values.
+    """
+
+    def __init__(
+        self, message: str, code: str = "not_specified", quantity: str = "", value: object = None,
+        allowed: object = None,
+    ) -> None:  # fmt: skip
+        super().__init__(message)
+        self.code, self.quantity, self.value, self.allowed = code, quantity, value, allowed
+
+    def within(self, place: str) -> InputError:
+        """Return the same fault with the place it was found at in front: a file, a line, a subject."""
+        return InputError(f"{place}: {self}", self.code, self.quantity, self.value, self.allowed)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the error as ``--json`` prints it."""
+        return {
+            "code": self.code, "quantity": self.quantity, "value": _plain(self.value),
+            "allowed": _plain(self.allowed), "message": " ".join(str(self).split()),
+        }  # fmt: skip
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, bool | int | str | None):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else str(value)
+    return [_plain(one) for one in value] if isinstance(value, list | tuple) else str(value)
 
 
 class InputError(DummydesignError):
@@ -21,20 +110,26 @@ class NoAnswerError(DummydesignError):
     Parameters
     ----------
     code : str
-        Short stable name of the reason, for scripts: ``"no_feasible_design"``, ``"cad_unavailable"``, ...
+        One of :data:`CODES`.
     message : str
         The reason and what to try.
     result : dict, optional
-        What was found all the same; printed with ``--json``.
+        What was found; printed with ``--json``.
+    quantity : str
+        What has no answer.
     """
 
-    def __init__(self, code: str, message: str, result: dict[str, Any] | None = None) -> None:
-        super().__init__(message)
-        self.code = code
+    def __init__(self, code: str, message: str, result: dict[str, Any] | None = None, quantity: str = "") -> None:
+        super().__init__(message, code, quantity)
         self.result = result if result is not None else {}
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.code, str(self), self.result, self.quantity)
 
-def out_of_range(quantity: str, value: object, low: object, high: object, advice: str = "") -> InputError:
+
+def out_of_range(
+    quantity: str, value: object, low: object, high: object, advice: str = "", name: str = ""
+) -> InputError:
     """Make the error for a number outside its allowed range, both ends included.
 
     Parameters
@@ -45,6 +140,8 @@ def out_of_range(quantity: str, value: object, low: object, high: object, advice
         The number given and the ends allowed, as they are to be printed, with their unit where they have one.
     advice : str
         What to do instead; put after a semicolon.
+    name : str
+        Stable name of the quantity, where ``quantity`` also names a file or a person.
 
     Returns
     -------
@@ -52,10 +149,13 @@ def out_of_range(quantity: str, value: object, low: object, high: object, advice
         To be raised by the caller.
     """
     tail = f"; {advice}" if advice else ""
-    return InputError(f"{quantity} = {value} is outside the allowed range {low} to {high}{tail}")
+    message = f"{quantity} = {value} is outside the allowed range {low} to {high}{tail}"
+    return InputError(message, "out_of_range", name or quantity_name(quantity), value, (low, high))
 
 
-def unknown_name(kind: str, name: str, known: Iterable[str]) -> InputError:
+def unknown_name(
+    kind: str, name: str, known: Iterable[str], code: str = "unknown_name", quantity: str = ""
+) -> InputError:
     """Make the error for a name that is not in the list, with the nearest known name.
 
     Parameters
@@ -66,16 +166,27 @@ def unknown_name(kind: str, name: str, known: Iterable[str]) -> InputError:
         The name as it was typed.
     known : iterable of str
         All names that are accepted.
+    code, quantity : str
+        Code and stable name of the quantity, where they differ from ``unknown_name`` and ``kind``.
 
     Returns
     -------
     InputError
         To be raised by the caller.
     """
+    import difflib
+
     names = sorted(known)
     near = difflib.get_close_matches(name.lower(), [n.lower() for n in names], n=1, cutoff=0.5)
     hint = ""
     if near:
         match = next(n for n in names if n.lower() == near[0])
         hint = f"did you mean '{match}'? "
-    return InputError(f"unknown {kind} '{name}': {hint}known names are {', '.join(names) or 'none'}")
+    message = f"unknown {kind} '{name}': {hint}known names are {', '.join(names) or 'none'}"
+    return InputError(message, code, quantity or quantity_name(kind), name, names)
+
+
+def quantity_name(words: str) -> str:
+    """Return the words of a message as a name: ``--robot-mass`` and ``robot mass in kg`` as ``robot_mass_kg``."""
+    plain = words.replace("Young's modulus", "young").replace(" in ", " ").replace("%", "percent")
+    return re.sub(r"\W+", "_", plain).strip("_")

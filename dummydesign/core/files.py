@@ -1,31 +1,33 @@
-"""Write files so that a half-written one never stands under its final name."""
+"""Write files so that a half-written one never has its final name; hold a lock on a file."""
 
 from __future__ import annotations
 
 import os
-import tempfile
+import time
 from contextlib import suppress
 from pathlib import Path
 from secrets import token_hex
+from typing import IO
 
 from dummydesign.core.errors import InputError
 
 
-def output_folder(path: str | Path) -> Path:
-    """Make the output folder if needed and try that it can be written, before any work starts.
+def unwritable(what: str, path: str | Path, problem: OSError, quantity: str) -> InputError:
+    """Make the error for a file or folder that the system refuses to write."""
+    reason = problem.strerror or problem
+    return InputError(f"{what} '{path}' cannot be written: {reason}", "file_unwritable", quantity, str(path))
 
-    Raises
-    ------
-    InputError
-        When the folder cannot be made or written to.
-    """
+
+def output_folder(path: str | Path) -> Path:
+    """Make the output folder if needed and try that it can be written, before any work starts."""
     folder = Path(path)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile(dir=folder, prefix=".try-"):
-            pass
+        probe = folder / f".try-{token_hex(8)}"
+        probe.touch(exist_ok=False)
+        probe.unlink()
     except OSError as problem:
-        raise InputError(f"output folder '{path}' cannot be written: {problem.strerror or problem}") from None
+        raise unwritable("output folder", path, problem, "out") from None
     return folder
 
 
@@ -35,13 +37,7 @@ def write_text(path: str | Path, text: str) -> Path:
 
 
 def write_bytes(path: str | Path, content: bytes) -> Path:
-    """Write ``content`` under a dotted temporary name beside ``path`` and rename it when complete.
-
-    Raises
-    ------
-    InputError
-        When the place cannot be written.
-    """
+    """Write ``content`` under a dotted temporary name beside ``path`` and rename it when complete."""
     final = Path(path)
     # a name of its own for each writer: two that shared one renamed each other's half-written file
     part = final.with_name(f".{final.name[:40]}.{token_hex(8)}.part")
@@ -52,8 +48,50 @@ def write_bytes(path: str | Path, content: bytes) -> Path:
             os.fsync(stream.fileno())
         os.replace(part, final)
     except OSError as problem:
-        raise InputError(f"file '{path}' cannot be written: {problem.strerror or problem}") from None
+        raise unwritable("file", path, problem, "file") from None
     finally:
         with suppress(OSError):
             part.unlink()
     return final
+
+
+def take(path: Path, patience_s: float = 0.0) -> IO[str] | None:
+    """Lock a file, made when needed; None when another process holds it. Keep what is returned as long as it counts.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    until = time.monotonic() + patience_s
+    stream = open(path, "a+", encoding="utf-8")
+    while True:
+        try:
+            _lock(stream)
+            return stream
+        except OSError:
+            if time.monotonic() >= until:
+                stream.close()
+                return None
+        time.sleep(0.01)
+
+
+def held(path: Path) -> bool:
+    """Whether another process holds the lock of a file."""
+    if not path.exists():
+        return False
+    # for reading alone: a folder that cannot be written any more still tells what runs in it
+    with open(path, encoding="utf-8") as stream:
+        try:
+            _lock(stream)
+        except OSError:
+            return True
+    return False
+
+
+def _lock(stream: IO[str]) -> None:
+    if os.name == "nt":
+        import msvcrt
+
+        stream.seek(0)
+        msvcrt.locking(stream.fileno(), msvcrt.LK_NBLCK, 1)  # type: ignore[attr-defined,unused-ignore]
+        return
+    import fcntl
+
+    fcntl.flock(stream.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -1,13 +1,16 @@
-"""A number from outside with its interval, kind and source; no number enters without them."""
+"""A number from outside with interval, kind and source, and as a distribution."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dummydesign.core.errors import InputError
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
 
 KINDS = ("measured", "fitted", "digitised", "inferred", "assumed")
 _FIELDS = {"value", "low", "high", "kind", "source"}
@@ -68,25 +71,86 @@ def read_quantity(
         With file and line when the entry is missing, has unknown keys, or low <= value <= high fails.
     """
     where = f"{path.name}:{line_of(text, key)}: " if text else f"{path.name}: "
+
+    def wrong(code: str, message: str, quantity: str = key) -> InputError:
+        return InputError(f"{where}'{key}' {message}", code, quantity)
+
     if key not in table:
-        raise InputError(f"{path.name}: '{key}' is missing; it needs value, low, high, kind and source")
+        message = f"{path.name}: '{key}' is missing; it needs value, low, high, kind and source"
+        raise InputError(message, "missing", key)
     entry = table[key]
     if not isinstance(entry, dict):
-        raise InputError(f"{where}'{key}' = {entry!r} is a bare number; give value, low, high, kind and source")
+        raise wrong("malformed", f"= {entry!r} is a bare number; give value, low, high, kind and source")
     unknown = sorted(set(entry) - _FIELDS)
     missing = sorted(_FIELDS - set(entry))
     if unknown:
-        raise InputError(f"{where}'{key}' has unknown key '{unknown[0]}'; known are {', '.join(sorted(_FIELDS))}")
+        message = f"has unknown key '{unknown[0]}'; known are {', '.join(sorted(_FIELDS))}"
+        raise wrong("unknown_key", message, f"{key}.{unknown[0]}")
     if missing:
-        raise InputError(f"{where}'{key}' lacks {', '.join(missing)}")
+        raise wrong("missing", f"lacks {', '.join(missing)}", f"{key}.{missing[0]}")
     if entry["kind"] not in kinds:
-        raise InputError(f"{where}'{key}' has kind '{entry['kind']}'; known kinds are {', '.join(kinds)}")
+        message = f"has kind '{entry['kind']}'; known kinds are {', '.join(kinds)}"
+        raise wrong("unknown_name", message, f"{key}.kind")
     if not str(entry["source"]).strip():
-        raise InputError(f"{where}'{key}' has an empty source; say where the number was read")
+        raise wrong("no_source", "has an empty source; say where the number was read", f"{key}.source")
     try:
         value, low, high = (float(entry[name]) for name in ("value", "low", "high"))
     except (TypeError, ValueError):
-        raise InputError(f"{where}'{key}' needs numbers for value, low and high") from None
+        raise wrong("not_a_number", "needs numbers for value, low and high") from None
     if not all(math.isfinite(number) for number in (value, low, high)) or not low <= value <= high:
-        raise InputError(f"{where}'{key}' needs finite low <= value <= high, given {low}, {value}, {high}")
+        raise wrong("inconsistent", f"needs finite low <= value <= high, given {low}, {value}, {high}")
     return Quantity(value, low, high, str(entry["kind"]), str(entry["source"]))
+
+
+PAPER = (
+    "Development of Dummy Based on Impedance Properties of Human Soft Tissue Using a Nonlinear Viscoelastic Model, "
+    "IEEE Access (Nagoya University)"
+)
+"""What code and documents call "the paper"."""
+
+ISO_TS_15066 = "ISO/TS 15066:2016, Robots and robotic devices - Collaborative robots"
+
+HAND_STIFFNESS = (
+    f"{ISO_TS_15066}, annex A: spring constant of hands and fingers 75 N/mm, second-hand as in the published code of "
+    "V. Gupta, human_robot_collision_RL (the standard itself was not at hand)"
+)
+
+
+HALF_WIDTH = 1.959963984540054
+"""Standard deviations from the median to either end of a 95 % interval."""
+
+
+def value_at(quantity: Quantity, z: ArrayLike) -> NDArray:
+    """Map standard normal deviates to values of a quantity, so that its ``value`` is the median.
+
+    Measured, fitted, digitised and inferred numbers: low and high are the ends of a 95 % interval, each
+    side with its own width (two-piece normal; of the logarithm when low > 0, since moduli and times
+    scatter by factors). Assumed numbers: low and high are the ends of the plausible range; half of the
+    probability lies evenly between low and value, half between value and high.
+
+    Parameters
+    ----------
+    quantity : Quantity
+        Value with interval and kind.
+    z : array_like, any shape
+        Standard normal deviates.
+
+    Returns
+    -------
+    ndarray, shape of ``z``
+        Values in the unit of the quantity.
+    """
+    import numpy as np
+
+    z = np.asarray(z, dtype=float)
+    value, low, high = quantity.value, quantity.low, quantity.high
+    if low == high:
+        return np.full(z.shape, value)
+    if quantity.kind == "assumed":
+        share = 0.5 * (1.0 + np.vectorize(math.erf, otypes=[float])(z / math.sqrt(2.0)))
+        return np.where(share < 0.5, low + (value - low) * 2.0 * share, value + (high - value) * (2.0 * share - 1.0))
+    if low > 0:
+        width = np.where(z > 0, math.log(high / value), math.log(value / low)) / HALF_WIDTH
+        return value * np.exp(width * z)
+    width = np.where(z > 0, high - value, value - low) / HALF_WIDTH
+    return value + width * z

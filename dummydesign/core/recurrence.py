@@ -14,17 +14,6 @@ def linear_recurrence(factor: ArrayLike, addend: ArrayLike, start: ArrayLike = 0
 
     Many curves are stepped through side by side. For few the axis is cut into about sqrt(n) blocks that are run
     side by side and then joined, so that the cost in Python is two loops of sqrt(n) steps.
-
-    Parameters
-    ----------
-    factor, addend : array_like, shapes (..., n) that broadcast
-        Coefficients, real or complex. |factor| <= 1 for a stable result.
-    start : array_like, shape (...)
-        Value before the first entry.
-
-    Returns
-    -------
-    ndarray, shape (..., n)
     """
     factor, addend = np.asarray(factor), np.asarray(addend)
     count = max(factor.shape[-1], addend.shape[-1])

@@ -1,4 +1,4 @@
-"""Design with what a measured campaign taught: the batch's modulus and relaxation, and the corrected force laws."""
+"""What a measured campaign changes in a design: modulus, relaxation, correction, families of shapes."""
 
 from __future__ import annotations
 
@@ -6,45 +6,56 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import Quantity
-from dummydesign.geometry.standard import PUNCH
-from dummydesign.resin.model.relaxation_given_modulus import RelaxationGivenModulus
+from dummydesign.design.search.shape_family import Designs, Family
+from dummydesign.geometry.dimensions import PUNCH
+from dummydesign.geometry.shape_registry import read_shape
+from dummydesign.pad.tables.slab import load_compressibility
+from dummydesign.resin.model.resin import RelaxationGivenModulus
 
 if TYPE_CHECKING:
     from dummydesign.loop.calibration import Calibration
-    from dummydesign.loop.corrected_law import CorrectedLaw
+    from dummydesign.loop.corrected_law import CorrectedLaw, Correction
     from dummydesign.resin.model.resin import Resin
 
+
+# Half widths of the 95 % intervals of modulus and strengths of calibrations that carry none: assumed.
 YOUNG_SPREAD, BETA_SPREAD = 0.03, 0.1
-"""Half widths of the 95 % intervals of modulus and strengths of calibrations of earlier versions, which carry none:
-assumed."""
+# A half width is not more than this share of the value, which is positive.
 LARGEST_SHARE = 0.9
-"""A half width is not more than this share of the value, which is positive."""
+# What holds the base and the face of the pads that are designed.
 BASE, CONTACT = "bonded", "bonded"
-"""What holds the base and the face of the pads that are designed."""
+OTHER = "another"
 
 
 @dataclass(frozen=True)
 class Calibrated:
-    """What a design is made with when it has a calibration.
-
-    Attributes
-    ----------
-    resin : Resin
-        With the campaign's modulus and relaxation.
-    law : CorrectedLaw
-        Of slabs.
-    calibration : Calibration
-    warnings : tuple of {code, message}
-        Where the campaign was of something else than what is designed.
-    """
+    """What a design is made with when it has a calibration."""
 
     resin: Resin
     law: CorrectedLaw
     calibration: Calibration
     warnings: tuple[dict[str, str], ...]
+    path: str
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """What an answer says first of the calibration it uses: verdict, effects, and what was left."""
+        used, left = self.calibration, self.calibration.remainder_N
+        names = [one.effect.name for one in used.after.active]
+        effects = f" ({', '.join(names)})" if names else ""
+        text = f"calibration {self.path}: verdict {used.verdict}{effects}"
+        if left:
+            parts = ", ".join(f"{value:.3g} N {phase.replace('_', ' ')}" for phase, value in left.items())
+            text += f"; left {parts}; noise floor {used.noise_floor_N:.3g} N"
+        return {
+            "file": self.path, "verdict": used.verdict, "effects": names,
+            "unexplained_because": list(used.unexplained_because), "left_N": dict(left),
+            "noise_floor_N": used.noise_floor_N, "text": text,
+        }  # fmt: skip
 
 
 def with_calibration(resin: Resin, path: str, punch: str = PUNCH, square: bool = True) -> Calibrated:
@@ -54,28 +65,12 @@ def with_calibration(resin: Resin, path: str, punch: str = PUNCH, square: bool =
     Intervals and what ties the strengths to the modulus come from the calibration's posterior; the modulus is that
     of a pad that was not pressed, which has a factor of its own. The force law carries the effects that belong to
     the pad; what belongs to the rig or the sensor does not change a design.
-
-    Parameters
-    ----------
-    resin : Resin
-        The resin that is designed with.
-    path : str
-        File written by ``dummydesign loop``.
-    punch : str
-        Flat punch with sharp edges that the design is pressed with, as typed.
-    square : bool
-        Whether it is square; another one counts as the circle of its area.
-
-    Raises
-    ------
-    InputError
-        When the file is not a calibration, or its ratio is outside the resin's range.
     """
     from dummydesign.loop.calibration_file import read_calibration
     from dummydesign.loop.corrected_law import CorrectedLaw
-    from dummydesign.loop.posterior import NORMAL_95
-    from dummydesign.resin.model.resin import Arm
-    from dummydesign.resin.update.modulus import Point, update_resin
+    from dummydesign.loop.fitting.fit import NORMAL_95
+    from dummydesign.resin.model.resin import Arm, Point
+    from dummydesign.resin.update.modulus import update_resin
 
     calibration = read_calibration(path)
     ratio, pressed = calibration.pad.get("ratio") or resin.relaxation_ratio_ref, calibration.pad.get("resin")
@@ -83,8 +78,8 @@ def with_calibration(resin: Resin, path: str, punch: str = PUNCH, square: bool =
         raise InputError(
             f"calibration {path} is of {pressed} at ratio {ratio:g}, which {resin.name} does not have "
             f"({resin.ratio_min:g} to {resin.ratio_max:g}): design with --resin {pressed}, or without it "
-            "(--calibration none)"
-        )
+            "(--calibration none)", "inconsistent", "calibration.ratio", ratio, (resin.ratio_min, resin.ratio_max),
+        )  # fmt: skip
     warnings = _differences(calibration, resin, ratio, punch)
     source = f"calibration {path} of a measured campaign"
     young = 1e3 * float(calibration.after.base.young_MPa)
@@ -97,12 +92,11 @@ def with_calibration(resin: Resin, path: str, punch: str = PUNCH, square: bool =
         own = calibration.strength_spread(term)
         share = BETA_SPREAD if own is None else min(NORMAL_95 * own, LARGEST_SHARE)
         arms.append(Arm(_around(term.tau_s, 0.0, source), _around(term.beta, share, source)))
-    told = (*resin.references, source)
     resin = replace(
-        updated, arms=tuple(arms), relaxation_ratio_ref=float(ratio), references=told,
+        updated, arms=tuple(arms), relaxation_ratio_ref=float(ratio), references=(*resin.references, source),
         joint_relaxation=_joint(calibration),
     )  # fmt: skip
-    return Calibrated(resin, CorrectedLaw(calibration, square, BASE, punch), calibration, warnings)
+    return Calibrated(resin, CorrectedLaw(calibration, square, BASE, punch), calibration, warnings, path)
 
 
 def _joint(calibration: Calibration) -> RelaxationGivenModulus | None:
@@ -122,6 +116,7 @@ def _differences(calibration: Calibration, resin: Resin, ratio: float, punch: st
     """Where the campaign differs from what is designed: resin, ratio, base, contact and punch."""
     pad = calibration.pad
     said = []
+    carried = "modulus, relaxation and effects are carried over, what was found of the force law is not"
     if pad.get("resin") not in (None, resin.name):
         said.append(("calibration_resin", f"the calibration's campaign pressed pads of {pad['resin']}; this design is "
                      f"of {resin.name}, and takes its modulus and relaxation all the same"))
@@ -132,37 +127,60 @@ def _differences(calibration: Calibration, resin: Resin, ratio: float, punch: st
         for name, own, designed in (("base", pad.get("base"), BASE), ("contact", pad.get("contact"), CONTACT)):
             if own not in (None, designed):
                 said.append((f"calibration_{name}", f"the calibration's campaign had {name} = {own}, the pad that is "
-                             f"designed has {designed}: modulus, relaxation and effects are carried over, what "
-                             "was found of the force law is not"))
+                             f"designed has {designed}: {carried}"))
         if (own := pad.get("punch") or PUNCH) != punch:
             said.append(("calibration_punch", f"the calibration's campaign pressed with punch {own}, this design is "
-                         f"for {punch}: modulus, relaxation and effects are carried over, what was found of the force "
-                         "law is not"))
+                         f"for {punch}: {carried}"))
     return tuple({"code": code, "message": message} for code, message in said)
-
-
-def calibration_dict(calibration: Calibration, path: str) -> dict[str, Any]:
-    """What an answer says first of the calibration it uses: verdict, effects, and what was left.
-
-    Parameters
-    ----------
-    calibration : Calibration
-    path : str
-        Of its file.
-    """
-    left = calibration.remainder_N
-    names = [one.effect.name for one in calibration.after.active]
-    found = f" ({', '.join(names)})" if names else ""
-    text = f"calibration {path}: verdict {calibration.verdict}{found}"
-    if left:
-        parts = ", ".join(f"{value:.3g} N {phase.replace('_', ' ')}" for phase, value in left.items())
-        text += f"; left {parts}; noise floor {calibration.noise_floor_N:.3g} N"
-    return {
-        "file": path, "verdict": calibration.verdict, "effects": names,
-        "unexplained_because": list(calibration.unexplained_because), "left_N": dict(left),
-        "noise_floor_N": calibration.noise_floor_N, "text": text,
-    }  # fmt: skip
 
 
 def _around(value: float, share: float, source: str) -> Quantity:
     return Quantity(value, value * (1.0 - share), value * (1.0 + share), "fitted", source)
+
+
+@dataclass(frozen=True)
+class CalibratedFamily:
+    """Shapes of one kind as a calibration corrects them; all but the force is the plain family's."""
+
+    plain: Family
+    correction: Correction
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.__dict__["plain"], name)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader of the design must know of the effects in it."""
+        return self.correction.notes(shaped=True)
+
+    def area_mm2(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
+        """Force over modulus; see :class:`~dummydesign.design.search.shape_family.Family`. [mm2]"""
+        depth, thickness = np.atleast_2d(np.asarray(depth_mm, float)), designs.thickness_mm[:, None]
+        limit = self.plain.limit_mm(designs, radius_mm)[:, None]
+        law = _PlainForce(self.plain, designs, radius_mm)
+        return self.correction.apply(law, depth, thickness, limit, self._pressed(designs))
+
+    def _pressed(self, designs: Designs) -> list[str]:
+        """For each pad the shape of the campaign that it has, or a word that no pad has."""
+        found = np.full(len(designs.thickness_mm), OTHER, dtype=object)
+        for text in set(self.correction.calibration.after.shapes) - {""}:
+            shape = read_shape(text)
+            if shape.name == self.plain.kind:
+                same = [np.isclose(designs.parameters[name], value, rtol=1e-6) for name, value in shape.parameters]
+                found[np.logical_and.reduce(same)] = text
+        return list(found)
+
+
+@dataclass(frozen=True)
+class _PlainForce:
+    """F / E of M pads, and how a compressible bulk changes it: as on slabs."""
+
+    family: Family
+    designs: Designs
+    radius_mm: float
+
+    def __call__(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
+        return self.family.area_mm2(self.designs, depth_mm, self.radius_mm)
+
+    def compressibility_coefficient(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
+        return load_compressibility().coefficient(depth_mm / thickness_mm, self.radius_mm / thickness_mm)

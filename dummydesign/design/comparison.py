@@ -10,10 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.serialise import Serialised
+from dummydesign.design.request import ANSWER
 
-ANSWER = "suggest.json"
 SCHEMA = "dummydesign.suggest/1"
 MANIFEST = "manifest.json"
+# Inputs that change what a verdict or a score means; limits of the search are left out.
 QUESTIONS = {
     "tissue": "tissue", "aim": "aim", "resin": "resin", "calibration": "calibration", "punch": "punch",
     "edge_radius_mm": "edge radius in mm", "condition": "contact of the punch", "base": "base",
@@ -22,59 +24,29 @@ QUESTIONS = {
     "thickness_tolerance_mm": "thickness tolerance in mm", "castings": "number of castings",
     "verify": "check by finite elements", "weights": "weights of the score",
 }  # fmt: skip
-"""Inputs that change what a verdict or a score means; limits of the search are left out."""
 LARGEST_FILE = 64_000_000
 
 
 @dataclass(frozen=True)
-class Comparison:
-    """Designs in the order given, and in what their questions differ.
-
-    Attributes
-    ----------
-    designs : tuple of dict
-    differences : tuple of dict
-        ``input``, ``name`` and ``values``, one a design.
-    warnings : tuple of dict
-    sources : tuple of str
-    """
+class Comparison(Serialised):
+    """Designs in the order given, and in what their questions differ."""
 
     designs: tuple[dict[str, Any], ...]
     differences: tuple[dict[str, Any], ...]
     warnings: tuple[dict[str, str], ...]
     sources: tuple[str, ...]
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain values."""
-        return {
-            "differences": list(self.differences), "designs": list(self.designs), "warnings": list(self.warnings),
-            "sources": list(self.sources),
-        }  # fmt: skip
-
 
 def compare_designs(folders: Iterable[str | PathLike[str]]) -> Comparison:
-    """Read the designs of two or more folders of ``suggest``.
-
-    Parameters
-    ----------
-    folders : iterable of path
-
-    Returns
-    -------
-    Comparison
-
-    Raises
-    ------
-    InputError
-        For fewer than two folders, for one that is named twice, and for one that holds no design.
-    """
+    """Read the designs of two or more folders of ``suggest``."""
     paths = [Path(fspath(folder)) for folder in folders]
     if len(paths) < 2:
-        raise InputError(f"folders = {len(paths)}: give two or more folders of 'dummydesign suggest'")
+        message = f"folders = {len(paths)}: give two or more folders of 'dummydesign suggest'"
+        raise InputError(message, "not_enough_data", "folders", len(paths))
     seen: dict[Path, Path] = {}
     for path in paths:
         if (first := seen.setdefault(path.resolve(), path)) is not path:
-            raise InputError(f"folder '{path}' is listed twice (as '{first}')")
+            raise InputError(f"folder '{path}' is listed twice (as '{first}')", "duplicate", "folders", str(path))
     answers = [read_design(path) for path in paths]
     designs = tuple(_design(path, name, answer) for path, name, answer in zip(paths, _names(paths), answers))
     sources = dict.fromkeys(text for answer in answers for text in answer["sources"])
@@ -83,37 +55,22 @@ def compare_designs(folders: Iterable[str | PathLike[str]]) -> Comparison:
 
 
 def read_design(folder: Path) -> dict[str, Any]:
-    """Read the answer that ``suggest`` left in a folder.
-
-    Parameters
-    ----------
-    folder : Path
-
-    Returns
-    -------
-    dict
-        The answer, with the content hashes of the files it was made from as ``files_read``.
-
-    Raises
-    ------
-    InputError
-        When the folder holds no design, or one that was changed or not finished.
-    """
+    """Read the answer that ``suggest`` left in a folder."""
     if not folder.is_dir():
-        raise InputError(f"folder '{folder}' does not exist")
+        raise InputError(f"folder '{folder}' does not exist", "file_not_found", "folder", str(folder))
     manifest = _json(folder / MANIFEST) or {}
     if not (folder / ANSWER).is_file():
-        if manifest.get("command") == "suggest":
-            line = manifest.get("command_line") or "dummydesign suggest"
-            raise InputError(f"folder '{folder}' has no {ANSWER}: an earlier version wrote it; run again: {line}")
-        raise InputError(f"folder '{folder}' holds no design: give folders of 'dummydesign suggest'")
+        message = f"folder '{folder}' holds no design: give folders of 'dummydesign suggest'"
+        raise InputError(message, "nothing_found", "folder", str(folder))
     answer = _json(folder / ANSWER)
     if answer is None or answer.get("schema") != SCHEMA:
-        raise InputError(f"file '{folder / ANSWER}' is not an answer of 'dummydesign suggest'")
+        message = f"file '{folder / ANSWER}' is not an answer of 'dummydesign suggest'"
+        raise InputError(message, "file_unreadable", "design_file")
     try:
         _design(folder, "", answer)
     except (KeyError, TypeError, ValueError, AttributeError, IndexError) as problem:
-        raise InputError(f"file '{folder / ANSWER}' is damaged: {problem}; run 'dummydesign suggest' again") from None
+        message = f"file '{folder / ANSWER}' is damaged: {problem}; run 'dummydesign suggest' again"
+        raise InputError(message, "malformed", "design_file") from None
     read = manifest.get("files_read")
     answer["files_read"] = [one for one in read if isinstance(one, dict)] if isinstance(read, list) else []
     return answer
@@ -150,17 +107,13 @@ def _design(path: Path, name: str, answer: Mapping[str, Any]) -> dict[str, Any]:
         "resin": best["resin"], "ratio": float(best["ratio"]), "ratio_meaning": best["ratio_meaning"],
         "young_kPa": {key: float(best["young_kPa"][key]) for key in ("value", "low", "high")},
         "scores": {"total": best["scores"]["total"], **best["scores"]},
-        "shortfall": _ends(verdict["shortfall"]), "over": _ends(verdict["over"]),
+        **{side: {key: verdict[side][key] for key in ("central", "q95", "press")} for side in ("shortfall", "over")},
         "correction": {key: verdict["correction"][key] for key in ("factor_central", "factor")},
         "castings": {**castings, "usable_fraction": castings["stands_for"] + castings["usable"]},
         "batch": _batch(best["batch"]),
         "conditions": [{key: row[key] for key in steps} for row in best["conditions"]],
         "steady_curve": answer["steady_curve"],
     }  # fmt: skip
-
-
-def _ends(reading: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: reading[key] for key in ("central", "q95", "press")}
 
 
 def _batch(batch: Mapping[str, Any]) -> dict[str, Any]:

@@ -4,22 +4,28 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from dummydesign.core.errors import InputError
 from dummydesign.design.assessment.castings import Castings
-from dummydesign.design.own_test.checks import check_test, standard_press
-from dummydesign.design.own_test.punch import AskedPunch, read_punch
-from dummydesign.design.own_test.slab_law import check_calibrated, check_mould, own_slab_law, tabulated
 from dummydesign.design.request import Request
-from dummydesign.design.scoring.presses import ForceLaw, Sampling
+from dummydesign.design.scoring.presses import Sampling
+from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.scoring.targets import make_targets
-from dummydesign.design.scoring.verdict_limits import verdict_limits
 from dummydesign.design.search.best_of_kinds import kinds_of
-from dummydesign.design.search.calibrated_family import CalibratedFamily
-from dummydesign.design.search.slabs import THICKNESS_MM, thickness_steps
-from dummydesign.design.search.space import SearchSpace
-from dummydesign.geometry.shapes import Slab
+from dummydesign.design.search.slabs import Correct, SearchSpace, thickness_steps
+from dummydesign.design.test_setup import (
+    check_calibrated,
+    check_mould,
+    check_test,
+    own_slab_law,
+    standard_press,
+    tabulated,
+)
+from dummydesign.geometry.dimensions import THICKNESS_MM
+from dummydesign.geometry.punch import Punch, read_punch
+from dummydesign.geometry.shapes.slab import Slab
+from dummydesign.pad.force_law import ForceLaw
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -31,46 +37,19 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Inputs:
-    """A request with what it names.
-
-    Attributes
-    ----------
-    request : Request
-    tissue : Tissue
-    space : SearchSpace
-        Resin (with what a calibration taught), targets, thicknesses and ratios to search.
-    slab_law : ForceLaw
-        Elastic force of flat slabs under the punch.
-    punch : AskedPunch
-    castings : Castings
-        Drawn once for everything that is said of castings.
-    calibrated : Calibrated or None
-        What a calibration taught, where one was given.
-    """
+    """A request with what it names."""
 
     request: Request
     tissue: Tissue
     space: SearchSpace
     slab_law: ForceLaw
-    punch: AskedPunch
+    punch: Punch
     castings: Castings
     calibrated: Calibrated | None = None
 
 
 def resolve(request: Request, law: ForceLaw | None = None) -> Inputs:
-    """Read tissue, resin, calibration and force law, and lay out what is searched.
-
-    Parameters
-    ----------
-    request : Request
-    law : ForceLaw, optional
-        Elastic force of slabs; the response table of the bonded slab by default.
-
-    Raises
-    ------
-    InputError
-        For unknown names or ranges outside what is allowed.
-    """
+    """Read tissue, resin, calibration and force law, and lay out what is searched."""
     from dummydesign.resin import load_resin
     from dummydesign.tissue.model.tissue_file import load_tissue
 
@@ -84,17 +63,17 @@ def resolve(request: Request, law: ForceLaw | None = None) -> Inputs:
     thickness = tabulated(thickness_steps(*(request.thickness_mm or THICKNESS_MM)), request, punch)
     ratios = _ratios(resin, request.ratio)
     targets = make_targets(tissue, request.aim, sampling, request.protocol)
-    calibrated = None
+    calibrated, correct = None, None
     if request.calibration is not None:
-        from dummydesign.design.calibrated import with_calibration
+        from dummydesign.design.calibrated import CalibratedFamily, with_calibration
 
         if not standard_press(request):
             check_calibrated(request, punch, thickness)
         calibrated = with_calibration(resin, request.calibration, request.punch, punch.square)
-        resin, law = calibrated.resin, calibrated.law
+        resin, law = calibrated.resin, cast(ForceLaw, calibrated.law)
+        correct = cast(Correct, partial(CalibratedFamily, correction=calibrated.law.correction))
     if law is None:
         law = own_slab_law(request, punch, thickness)
-    correct = None if calibrated is None else partial(CalibratedFamily, correction=calibrated.law.correction)
     castings = Castings(resin, request.castings)
     verdict_limits()
     check_mould(request, resin, float(thickness[0]), float(ratios[0]))
@@ -113,7 +92,7 @@ def _ratios(resin: Resin, wanted: tuple[float, float] | None) -> NDArray:
     if not len(ratios):
         raise InputError(
             f"ratio range {wanted[0]:g}:{wanted[1]:g} holds no step of {resin.ratio_step:g}; "
-            f"{resin.name} allows {resin.ratio_min:g} to {resin.ratio_max:g}"
-        )
+            f"{resin.name} allows {resin.ratio_min:g} to {resin.ratio_max:g}",
+            "out_of_range", "ratio", wanted, (resin.ratio_min, resin.ratio_max),
+        )  # fmt: skip
     return ratios
-

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM, PUNCH, PUNCH_RADIUS_MM
+from dummydesign.design.options import SuggestOptions
+from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM
 
 Progress = Callable[[str], None]
 """Is told each step of the work as it begins, in words."""
@@ -26,19 +27,13 @@ RADIUS_MM = PUNCH_RADIUS_MM
 LOW_SHARES = (0.1, 0.2)
 """Forces below the lowest of the test at which exponents are given, over that force."""
 FINE, COARSE = 41, 10
+# File of the answer in the folder of `suggest`.
+ANSWER = "suggest.json"
 
 
 @dataclass(frozen=True)
 class Protocol:
-    """Presses of a test: every steady force at every speed.
-
-    Attributes
-    ----------
-    forces_N : tuple of float
-        Force at the end of the hold, rising. [N]
-    velocities_mm_s : tuple of float
-        Speeds of the ramp, rising. [mm/s]
-    """
+    """Presses of a test: every steady force at every speed."""
 
     forces_N: tuple[float, ...] = (5.0, 10.0, 15.0)
     velocities_mm_s: tuple[float, ...] = (10.0, 250.0)
@@ -100,7 +95,7 @@ def face_of(punch: str, condition: str | None) -> str:
 
 
 @dataclass(frozen=True)
-class Request:
+class Request(SuggestOptions):
     """What is asked for. Ranges are (low, high) with both ends included, None for all that is allowed.
 
     ``punch``, ``force_N``, ``velocity_mm_s``, ``hold_s``, ``pad_mm``, ``base``, ``edge_radius_mm`` and ``condition``
@@ -108,31 +103,6 @@ class Request:
     are of its mould, None for what the preset names. ``sites`` are how many crowns stand along and across the pad,
     ``castings`` how many castings are drawn.
     """
-
-    tissue: str
-    aim: str = "average"
-    resin: str = "polyurethane-nagoya"
-    thickness_mm: tuple[float, float] | None = None
-    ratio: tuple[float, float] | None = None
-    shape: str = "auto"
-    verify: bool = True
-    hold_s: float = 10.0
-    deceleration_mm_s2: float = 30_000.0
-    weighing_g: float = 0.1
-    thickness_tolerance_mm: float = 0.2
-    calibration: str | None = None
-    punch: str = PUNCH
-    force_N: tuple[float, ...] = PAPER.forces_N
-    velocity_mm_s: tuple[float, ...] = PAPER.velocities_mm_s
-    pad_mm: tuple[float, float] = (PAD_LENGTH_MM, PAD_WIDTH_MM)
-    base: str = "bonded"
-    edge_radius_mm: float = 0.0
-    condition: str | None = None
-    preset: str = "open"
-    machine: str | None = None
-    silicone: str | None = None
-    sites: tuple[int, int] | None = None
-    castings: int = 1200
 
     @property
     def kind(self) -> str:

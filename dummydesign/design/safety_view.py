@@ -3,17 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dummydesign.core.errors import InputError
-from dummydesign.design.assessment.curves_impact import WORDS as CURVES_WORDS
-from dummydesign.design.assessment.curves_impact import CurvesImpact, curves_impact
-from dummydesign.design.assessment.limits import N_PER_CM2, Limits, against_limits
-from dummydesign.design.assessment.safety import Contact, impact, pad_body, pad_press, tissue_body, tissue_press
-from dummydesign.design.scoring.presses import Sampling
+from dummydesign.core.serialise import Serialised, to_plain
+from dummydesign.design.assessment.safety import (
+    N_PER_CM2,
+    Limits,
+    SafetyContact,
+    against_limits,
+    curves_impact,
+    impact,
+    pad_body,
+    pad_press,
+    tissue_body,
+    tissue_press,
+)
+from dummydesign.design.assessment.safety import WORDS as CURVES_WORDS
 from dummydesign.measurement.motion import work_mJ
 
 if TYPE_CHECKING:
@@ -42,7 +51,7 @@ class PressRow:
 
 
 @dataclass(frozen=True)
-class SafetyView:
+class SafetyView(Serialised):
     """Presses, and when asked for the impact of a mass and the comparison with limits, as plain rows."""
 
     presses: tuple[PressRow, ...]
@@ -53,32 +62,13 @@ class SafetyView:
     text: str = ""
     warnings: tuple[dict[str, str], ...] = ()
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return all rows as plain values."""
-        plain = asdict(self)
-        rows = {name: list(getattr(self, name)) for name in ("impact", "limits", "warnings")}
-        return {**plain, "presses": list(plain["presses"]), **rows}
-
 
 def safety_view(
-    answer: Suggestion,
-    robot_mass_kg: float | None = None,
-    robot_velocity_mm_s: float = 250.0,
+    answer: Suggestion, robot_mass_kg: float | None = None, robot_velocity_mm_s: float = 250.0,
     limits: Limits | None = None,
-) -> SafetyView:
-    """Work out the safety view of a suggestion.
-
-    Parameters
-    ----------
-    answer : Suggestion
-    robot_mass_kg : float, optional
-        Effective mass of a robot that runs into the clamped tissue or pad without drive. [kg]
-    robot_velocity_mm_s : float
-        Its speed at touch. [mm/s]
-    limits : Limits, optional
-        A user's limits of force and pressure.
-    """
-    sampling = Sampling(hold_s=answer.request.hold_s, deceleration_mm_s2=answer.request.deceleration_mm_s2)
+) -> SafetyView:  # fmt: skip
+    """Work out the safety view of a suggestion."""
+    sampling = answer.targets.sampling
     slabs = answer.best.evaluation.slabs.take(np.array([answer.best.index]))
     presses, checked = [], []
     area = answer.punch.area_mm2
@@ -87,43 +77,37 @@ def safety_view(
         force, speed = condition.steady_force_N, condition.velocity_mm_s
         tissue = tissue_press(condition.range, answer.tissue.law, sampling)
         pad = pad_press(slabs, depths[[column]], speed, sampling)
-        pressure = tissue.peak_force_N * N_PER_CM2 / area
-        presses.append(
-            PressRow(
-                force, speed, _ends(tissue.energy_mJ), _one(pad.energy_mJ), _ends(pressure),
-                _one(pad.peak_force_N * N_PER_CM2 / area),
-            )
-        )  # fmt: skip
+        people, own = (contact.peak_force_N * N_PER_CM2 / area for contact in (tissue, pad))
+        energies = _ends(tissue.energy_mJ), to_plain(pad.energy_mJ)[0]
+        presses.append(PressRow(force, speed, *energies, _ends(people), to_plain(own)[0]))
         checked += [("tissue", f"{force:g} N, {speed:g} mm/s", tissue), ("pad", f"{force:g} N, {speed:g} mm/s", pad)]
     rows: list[dict[str, Any]] = []
     warned: list[dict[str, str]] = []
     words = ""
     if robot_mass_kg is not None:
-        bodies = {"pad": pad_body(slabs)}
         words = (
             f"A free mass of {robot_mass_kg:g} kg touches at {robot_velocity_mm_s:g} mm/s and is stopped by the "
             "clamped body alone; the energy is that of the mass, so the bodies differ in force and depth."
         )
-        people, hit = answer.targets.tissue.parameter_sets, (robot_mass_kg, robot_velocity_mm_s)
-        by_energy: CurvesImpact | None = None
+        subjects, hit = answer.targets.tissue.parameter_sets, (robot_mass_kg, robot_velocity_mm_s)
+        contacts: dict[str, tuple[SafetyContact, tuple[str, ...]]] = {"pad": (impact(pad_body(slabs), *hit), ())}
         try:
             if answer.tissue.measured:
-                by_energy = curves_impact(people, *hit)
+                by_energy = curves_impact(subjects, *hit)
+                contacts["tissue"] = by_energy.contact, by_energy.notes
                 words += f" {CURVES_WORDS}."
             else:
-                bodies["tissue"] = tissue_body(people, robot_velocity_mm_s)
+                contacts["tissue"] = impact(tissue_body(subjects, robot_velocity_mm_s), *hit), ()
         except InputError as problem:
             words += f" Tissue: {problem}."
             warned.append({"code": "no_subjects_in_impact", "message": f"subjects beside the free mass: {problem}"})
-        contacts = {name: (impact(body, *hit), ()) for name, body in bodies.items()}
-        if by_energy is not None:
-            contacts["tissue"] = by_energy.contact, by_energy.notes
         for name, (contact, notes) in contacts.items():
             rows += _impact_rows(name, contact, area, notes)
             if name == "pad" and not np.isfinite(contact.peak_force_N).all():
                 warned.append(_bottoming(slabs, robot_mass_kg, robot_velocity_mm_s))
             checked.append((name, f"{robot_mass_kg:g} kg at {robot_velocity_mm_s:g} mm/s", contact))
-    held, source = (), ""
+    held: tuple[dict[str, Any], ...] = ()
+    source = ""
     if limits is not None:
         held = tuple(
             {"body": name, "case": case, **row}
@@ -150,26 +134,20 @@ def _bottoming(slabs: Slabs, mass_kg: float, velocity_mm_s: float) -> dict[str, 
     return {"code": "bottoms_out", "message": message}
 
 
-def _impact_rows(name: str, contact: Contact, area: float, notes: Sequence[str] = ()) -> list[dict[str, Any]]:
-    rows = []
-    for index in range(len(contact.depth_mm)):
-        peak = _one(contact.peak_force_N[index : index + 1])
-        rows.append(
-            {
-                "body": name if len(contact.depth_mm) == 1 else f"{name}, subject {index + 1}",
-                "depth_mm": _one(contact.depth_mm[index : index + 1]),
-                "peak_force_N": peak,
-                "energy_mJ": _one(contact.energy_mJ[index : index + 1]),
-                "mean_pressure_N_per_cm2": None if peak is None else peak * N_PER_CM2 / area,
-                "note": notes[index] if notes else ("" if peak is not None else BEYOND),
-            }
-        )
-    return rows
+def _impact_rows(name: str, contact: SafetyContact, area: float, notes: Sequence[str] = ()) -> list[dict[str, Any]]:
+    columns = to_plain([contact.depth_mm, contact.peak_force_N, contact.energy_mJ])
+    return [
+        {
+            "body": name if len(contact.depth_mm) == 1 else f"{name}, subject {index + 1}",
+            "depth_mm": depth,
+            "peak_force_N": peak,
+            "energy_mJ": energy,
+            "mean_pressure_N_per_cm2": None if peak is None else peak * N_PER_CM2 / area,
+            "note": notes[index] if notes else ("" if peak is not None else BEYOND),
+        }
+        for index, (depth, peak, energy) in enumerate(zip(*columns))
+    ]
 
 
 def _ends(values: np.ndarray) -> tuple[float, float]:
     return float(values.min()), float(values.max())
-
-
-def _one(values: np.ndarray) -> float | None:
-    return float(values[0]) if np.isfinite(values[0]) else None

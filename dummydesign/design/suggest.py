@@ -1,50 +1,173 @@
-"""The main job: from a tissue and an aim to ratio, thickness, recipe and reasons, step by step.
-
-The steps hand on plain frozen objects: ``Request`` -> resolve -> ``Inputs`` -> search -> ``Found`` -> solve ->
-``Solved`` -> assess -> ``Suggestion``. None calls one before it. The calls for scripts and the command line write
-it (:mod:`dummydesign.api`).
-"""
+"""From a tissue and an aim to ratio, thickness, recipe and reasons, step by step."""
 
 from __future__ import annotations
 
-from dummydesign.core.threads import one_blas_thread
-from dummydesign.design.assess import assess
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dummydesign.core.process import one_blas_thread
+from dummydesign.design.assessment.castings import PadCastings, pour_yield, verdict_of_design
+from dummydesign.design.assessment.choice import Expectation, by_expectation, explain, measure_first
+from dummydesign.design.assessment.verification import (
+    CentringTolerance,
+    Verification,
+    centring_tolerance,
+    not_verified,
+    of_shape,
+    verify_design,
+)
+from dummydesign.design.assessment.warnings import count_unmeasured, design_warnings
 from dummydesign.design.inputs import Inputs, resolve
-from dummydesign.design.own_test.checks import refused_kinds
+from dummydesign.design.mould import mould_of, recipe_and_batch, tolerances_of
 from dummydesign.design.request import Progress, Request, quiet
-from dummydesign.design.scoring.presses import ForceLaw
-from dummydesign.design.search.best_of_kinds import best_of_kinds
-from dummydesign.design.solve import solve
-from dummydesign.design.suggestion import Suggestion
+from dummydesign.design.scoring.presses import make_curves
+from dummydesign.design.search.best_of_kinds import Chosen, SearchOutcome, best_of_kinds, choose, close_to
+from dummydesign.design.search.shape_family import FamilyLaw
+from dummydesign.design.search.slabs import DesignCandidate
+from dummydesign.design.suggestion import RecommendedDesign, Suggestion
+from dummydesign.design.test_setup import beyond_people, own_warnings, pad_of_request, refused_kinds, standard_press
+from dummydesign.geometry.pad_shape import PadShape
+from dummydesign.geometry.shapes.slab import Slab
+from dummydesign.pad.force_law import ForceLaw
+from dummydesign.pad.tables.square import circle_of
+
+if TYPE_CHECKING:
+    from dummydesign.design.sites import Sites
+
+CALIBRATED = "designed with a calibration: the correction is based on the campaign, the table on finite elements"
+
+
+@dataclass(frozen=True)
+class SolvedDesign:
+    """The chosen design, how it was chosen by expectation, its verification, a crown's centring tolerance and sites."""
+
+    chosen: Chosen
+    expectation: Expectation
+    verification: Verification
+    centring: CentringTolerance | None = None
+    sites: Sites | None = None
+
+
+def solve(inputs: Inputs, found: SearchOutcome, progress: Progress = quiet) -> SolvedDesign:
+    """Solve the leading shaped designs, choose the best, and compare a recommended slab with its table.
+
+    Designs that the search does not tell apart are chosen from by what is expected of their castings. Nothing is
+    solved when the request has ``verify = False``; a slab with a calibration is not compared.
+    """
+    request, space = inputs.request, inputs.space
+    if request.verify and found.designs:
+        from dummydesign.design.search.finalists import solve_leading
+
+        found = replace(found, designs=solve_leading(found.designs, space, progress))
+    chosen = choose(found, space)
+    low_share = 0.0 if found.asked.lower() == Slab.name else space.targets.weights.low_aim
+    tolerances = tolerances_of(space.resin, chosen.found.best, request, chosen.shape)
+    chosen, expected = by_expectation(close_to(chosen, found, space), space, inputs.castings, tolerances, low_share)
+    if request.calibration is not None and chosen.shape.plain:
+        return SolvedDesign(chosen, expected, not_verified(CALIBRATED))
+    if not request.verify:
+        return SolvedDesign(chosen, expected, not_verified("not asked for"))
+    best, forces = chosen.found.best, (space.targets.protocol.low_grid_N[1], *space.targets.protocol.forces_N)
+    centring = centring_tolerance(
+        best, chosen.shape, space.radius_mm, inputs.punch.half_width_mm, forces, space.extent_mm,
+        getattr(chosen.cast, "touch", None),
+    )  # fmt: skip
+    verification, sites = _verify(chosen, inputs), None
+    if request.sites is not None:
+        from dummydesign.design.sites import lay_out_sites
+
+        progress("neighbouring sites")
+        sites = lay_out_sites(chosen.shape, best, space, inputs.punch, request.sites)
+        chosen = replace(chosen, shape=sites.on(chosen.shape))
+    return SolvedDesign(chosen, expected, verification, centring, sites)
+
+
+def _verify(chosen: Chosen, inputs: Inputs) -> Verification:
+    """Solve the depths of the slow conditions by finite elements; the fast ones differ by micrometres.
+
+    Compared are the forces of the circle of the punch's area, which is what is solved. A design with a shape has
+    been worked out on its elements already; what the table was off is reported.
+    """
+    from dummydesign.design.search.finalists import ElementsLaw
+
+    best, space = chosen.found.best, inputs.space
+    young, thickness, radius = space.resin.young_MPa(best.ratio), best.thickness_mm, space.radius_mm
+    if isinstance(chosen.cast, ElementsLaw):
+        return of_shape(chosen.cast, young, radius)
+    if chosen.shape != Slab():
+        text = f"{chosen.shape} was designed with its response table; predict --fidelity 3d solves it in minutes"
+        return not_verified(text)
+    law = circle_of(chosen.cast)
+    depth = best.evaluation.depth_mm[best.index, : len(space.targets.protocol.forces_N)]
+    depth = depth[np.isfinite(depth)]
+    depth = depth[depth <= make_curves(law, [thickness], radius).limit_mm[0]]
+    forces = young * np.asarray(law.force(depth, thickness, 1.0, radius))
+    standard = standard_press(inputs.request)
+    own = None if standard else pad_of_request(inputs.request, inputs.punch, thickness, young)
+    return verify_design(thickness, young, radius, depth, forces, own)
+
+
+def assess(inputs: Inputs, solved: SolvedDesign) -> Suggestion:
+    """Judge the chosen design and lay the whole answer together."""
+    request, space, chosen, calibrated = inputs.request, inputs.space, solved.chosen, inputs.calibrated
+    best, kind = chosen.found.best, chosen.shape.name
+    recommended = _recommended(inputs, best, chosen.shape)
+    tolerances = tolerances_of(space.resin, best, request, chosen.shape)
+    cast = PadCastings(inputs.castings, chosen.cast, best, space, tolerances)
+    pour = pour_yield(cast)
+    warnings = own_warnings(request, inputs.punch, inputs.tissue, chosen.shape.plain)
+    solves = solved.verification, solved.centring, request.verify
+    warnings += design_warnings(chosen, space, inputs.tissue, pour, *solves)
+    listed = [{"code": code, "message": text} for code, text in warnings]
+    return Suggestion(
+        request=request,
+        tissue=inputs.tissue,
+        resin=space.resin,
+        targets=space.targets,
+        found=chosen.found,
+        verdict=verdict_of_design(cast, beyond_people(request, inputs.tissue)),
+        castings=cast,
+        recommended=recommended,
+        alternatives=tuple(_recommended(inputs, one, _shape_at(chosen, one)) for one in chosen.found.alternatives),
+        law=chosen.law,
+        cast=chosen.cast,
+        beside=chosen.beside,
+        pour=pour,
+        verification=solved.verification,
+        centring=solved.centring,
+        sites=solved.sites,
+        rests_on=count_unmeasured(space.resin, inputs.tissue, best),
+        warnings=(*listed, *(() if calibrated is None else calibrated.warnings)),
+        punch=inputs.punch,
+        choice=explain(cast, kind, chosen.beside),
+        expectation=solved.expectation,
+        measure_first=measure_first(cast),
+        calibration=None if calibrated is None else calibrated.summary,
+    )
+
+
+def _shape_at(chosen: Chosen, other: DesignCandidate) -> PadShape:
+    """Shape of an alternative: the best design's, in proportion to the thickness."""
+    if other is chosen.found.best or not isinstance(chosen.law, FamilyLaw):
+        return chosen.shape
+    return chosen.law.shape_at(other.thickness_mm)
+
+
+def _recommended(inputs: Inputs, candidate: DesignCandidate, shape: PadShape) -> RecommendedDesign:
+    spec = mould_of(inputs.space.resin, candidate, inputs.request, shape)
+    return RecommendedDesign(candidate, shape, *recipe_and_batch(spec))
 
 
 def suggest(request: Request, law: ForceLaw | None = None) -> Suggestion:
-    """Find ratio, thickness and, if asked for, shape of a pad for a tissue, with tolerance study and verification.
-
-    Parameters
-    ----------
-    request : Request
-        Tissue, aim, resin and limits.
-    law : ForceLaw, optional
-        Elastic force of slabs; the response table of the bonded slab by default.
-
-    Returns
-    -------
-    Suggestion
-
-    Raises
-    ------
-    InputError
-        For unknown names or ranges outside what is allowed.
-    NoAnswerError
-        ``no_feasible_design`` when no pad reaches 10 N steady.
-    """
+    """Find ratio, thickness and, if asked for, shape of a pad for a tissue, with tolerance study and verification."""
     return design(resolve(request, law))
 
 
 @one_blas_thread()
 def design(inputs: Inputs, progress: Progress = quiet) -> Suggestion:
-    """The same from inputs that are already read, with word of each step as it begins; see :func:`suggest`."""
+    """Run the search on resolved inputs and report progress."""
     progress("search")
     refused = refused_kinds(inputs.request, inputs.punch)
     found = best_of_kinds(inputs.request.kind, inputs.slab_law, inputs.space, refused)

@@ -7,44 +7,42 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dummydesign.core.serialise import to_plain
 from dummydesign.design.assessment.castings import GROUPS, TISSUE
 from dummydesign.design.scoring.deviations import TOLERANCE
 from dummydesign.design.scoring.targets import Targets
-from dummydesign.design.search.low_force import low_force
-from dummydesign.geometry.shapes import PadShape
+from dummydesign.design.search.best_of_kinds import low_force
+from dummydesign.geometry.pad_shape import PadShape
 
 if TYPE_CHECKING:
-    from dummydesign.design.assessment.castings import Castings, PadCastings
-    from dummydesign.design.assessment.centring import CentringTolerance
-    from dummydesign.design.assessment.choice import Choice
-    from dummydesign.design.assessment.measure_first import MeasureFirst
-    from dummydesign.design.assessment.pour_yield import PourYield
-    from dummydesign.design.assessment.verification import Verification
-    from dummydesign.design.expected.expectation import Expectation
-    from dummydesign.design.own_test.punch import AskedPunch
+    from dummydesign.design.assessment.castings import PadCastings, PourYield
+    from dummydesign.design.assessment.choice import Choice, Expectation, MeasureFirst
+    from dummydesign.design.assessment.verification import CentringTolerance, Verification
     from dummydesign.design.request import Request
-    from dummydesign.design.scoring.presses import ForceLaw
+    from dummydesign.design.safety_view import SafetyView
     from dummydesign.design.scoring.verdict import Verdict
-    from dummydesign.design.search.best_of_kinds import Beside
-    from dummydesign.design.search.slabs import Candidate, SearchResult
-    from dummydesign.design.sites.layout import Sites
+    from dummydesign.design.search.best_of_kinds import ShapeComparison
+    from dummydesign.design.search.slabs import DesignCandidate, SearchResult
+    from dummydesign.design.sites import Sites
+    from dummydesign.geometry.punch import Punch
+    from dummydesign.pad.force_law import ForceLaw
     from dummydesign.resin.model.resin import Resin
     from dummydesign.tissue.model.tissue import Tissue
 
+# Forces below the lowest of the test at which depths are listed, over that force.
 LOW_SHARES = (0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
-"""Forces below the lowest of the test at which depths are listed, over that force."""
 
 
 @dataclass(frozen=True)
-class Design:
+class RecommendedDesign:
     """One pad: what was evaluated (scores, presses, parameters), its shape, what it takes, and what to mix for it.
 
-    ``recipe`` are (name, mass in g) of the pour, ``batch`` what to mix and how much of it to pour.
+    ``recipe`` are the masses of the pour, ``batch`` what to mix and how much of it to pour; plain values. [g]
     """
 
-    candidate: Candidate
+    candidate: DesignCandidate
     shape: PadShape
-    recipe: tuple[tuple[str, float], ...]
+    recipe: dict[str, Any]
     batch: dict[str, Any]
 
 
@@ -65,17 +63,17 @@ class Suggestion:
     found: SearchResult
     verdict: Verdict
     castings: PadCastings
-    recommended: Design
-    alternatives: tuple[Design, ...]
+    recommended: RecommendedDesign
+    alternatives: tuple[RecommendedDesign, ...]
     law: ForceLaw
     cast: ForceLaw
-    beside: tuple[Beside, ...]
+    beside: tuple[ShapeComparison, ...]
     pour: PourYield
     verification: Verification
     centring: CentringTolerance | None
     rests_on: dict[str, Any]
     warnings: tuple[dict[str, str], ...]
-    punch: AskedPunch
+    punch: Punch
     choice: Choice
     expectation: Expectation
     measure_first: MeasureFirst
@@ -88,7 +86,7 @@ class Suggestion:
         return self.punch.radius_mm
 
     @property
-    def best(self) -> Candidate:
+    def best(self) -> DesignCandidate:
         """The recommended design as it was evaluated."""
         return self.recommended.candidate
 
@@ -97,28 +95,23 @@ class Suggestion:
         """Shape of the recommended pad."""
         return self.recommended.shape
 
-    @property
-    def recipe(self) -> tuple[tuple[str, float], ...]:
-        """What to weigh for the recommended pad. [g]"""
-        return self.recommended.recipe
+    def to_dict(
+        self, inputs: dict[str, Any] | None = None, safety: SafetyView | None = None,
+        mould: dict[str, Any] | None = None,
+    ) -> dict[str, Any]:  # fmt: skip
+        """Return the answer in the form of the ``suggest`` contract.
 
-    @property
-    def batch(self) -> dict[str, Any]:
-        """What to mix for the recommended pad, and how much of it to pour."""
-        return self.recommended.batch
-
-    @property
-    def force_law(self) -> str:
-        """Where the elastic forces come from, in words; empty for a law of the user's own."""
+        With inputs and safety view it is the whole answer. The recipe is that of the mould's volumes where it was made.
+        """
         made_by = self.law.provenance.get("command", "")
-        return f"response table of {self.shape.name} pads, made by {made_by}" if made_by else ""
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the answer in the form of the ``suggest`` contract."""
-        slope = self.resin.log_slope(self.best.ratio)
-        return {
-            "verdict": self.verdict.to_dict(),
-            "castings": castings_dict(self.castings.castings, self.verdict),
+        force_law = [f"response table of {self.shape.name} pads, made by {made_by}"] if made_by else []
+        sources = [*self.tissue.sources, *self.resin.references, *force_law]
+        groups = [group for group in GROUPS if group != TISSUE]
+        castings, verdict = self.castings.castings, self.verdict.to_dict()
+        recommendation = design_dict(self.recommended, self.resin, self.targets)
+        found: dict[str, Any] = {
+            "verdict": verdict,
+            "castings": {"n": castings.n, "seed": castings.seed, "groups": groups, **(verdict["castings"] or {})},
             "measure_first": self.measure_first.to_dict(),
             "choice": {
                 **self.choice.to_dict(),
@@ -126,34 +119,41 @@ class Suggestion:
                 "weights": self.targets.weights.to_dict(),
             },
             "calibration": self.calibration,
-            "recommendation": design_dict(self.recommended, self.resin, self.targets),
+            "recommendation": recommendation,
             "alternatives": [design_dict(other, self.resin, self.targets) for other in self.alternatives],
-            "sensitivity": {"d_ln_young_per_percent_ratio": 0.01 * slope, **self.pour.to_dict()},
+            "sensitivity": {
+                "d_ln_young_per_percent_ratio": 0.01 * self.resin.log_slope(self.best.ratio), **self.pour.to_dict()
+            },
             "verification": self.verification.to_dict(),
             "shapes": [item.to_dict() for item in self.beside],
             "tissue_exponent": self.targets.power,
             "landing": self.centring.to_dict() if self.centring else None,
             "sites": self.sites.to_dict(self.shape) if self.sites else None,
-            "rests_on": dict(self.rests_on),
-            "warnings": [dict(item) for item in self.warnings],
-            "sources": [*self.tissue.sources, *self.resin.references, *filter(None, [self.force_law])],
+            "rests_on": self.rests_on,
+            "warnings": [*(safety.warnings if safety else ()), *self.warnings],
+            "sources": sources,
+        }  # fmt: skip
+        if inputs is None or safety is None:
+            return found
+        whole = {"inputs": inputs, **found, "safety": safety.to_dict(), "files": {}}
+        if mould is None:
+            return whole
+        apart = ("files", "warnings", "sources")
+        return {
+            **whole,
+            "recommendation": {**recommendation, "recipe": _recipe_of_pour(mould["pour"]), "batch": mould["batch"]},
+            "warnings": [*whole["warnings"], *mould["warnings"]],
+            "sources": [*sources, *(text for text in mould["sources"] if text not in sources)],
+            "files": mould["files"],
+            "mold": {key: value for key, value in mould.items() if key not in apart},
         }
 
 
-def design_dict(design: Design, resin: Resin, targets: Targets) -> dict[str, Any]:
-    """Return one design as plain values.
-
-    Parameters
-    ----------
-    design : Design
-    resin, targets
-        What it was made for.
-    """
-    candidate, recipe = design.candidate, design.recipe
-    index, evaluation = candidate.index, candidate.evaluation
-    parameters = None
-    if candidate.parameters is not None:
-        parameters = {name: _plain(value) for name, value in candidate.parameters.to_dict().items() if name != "law"}
+def design_dict(design: RecommendedDesign, resin: Resin, targets: Targets) -> dict[str, Any]:
+    """Return one design as plain values."""
+    candidate = design.candidate
+    at, one = candidate.index, candidate.evaluation
+    fitted = {} if candidate.parameters is None else to_plain(candidate.parameters.to_dict())
     return {
         "resin": resin.name,
         "ratio": candidate.ratio,
@@ -162,20 +162,17 @@ def design_dict(design: Design, resin: Resin, targets: Targets) -> dict[str, Any
         "thickness_mm": candidate.thickness_mm,
         "young_kPa": resin.modulus_kPa(candidate.ratio).to_dict(),
         "prony": [term.to_dict() for term in resin.prony(candidate.ratio)],
-        "recipe": {
-            "components": [{"name": name, "mass_g": mass} for name, mass in recipe],
-            "total_g": round(sum(mass for _, mass in recipe), 6),
-        },
+        "recipe": design.recipe,
         "batch": design.batch,
-        "parameters": parameters,
+        "parameters": {name: value for name, value in fitted.items() if name != "law"} or None,
         "parameters_law": targets.tissue.law,
         "scores": {
             "total": candidate.total,
-            "steady_state_range": float(evaluation.steady_state_range[index]),
-            "force_variation_range": float(evaluation.force_variation_range[index]),
-            "aim": float(evaluation.aim[index]),
+            "steady_state_range": float(one.steady_state_range[at]),
+            "force_variation_range": float(one.force_variation_range[at]),
+            "aim": float(one.aim[at]),
             "parametric": candidate.parametric if targets.parametric else None,
-            "low_force_range": float(evaluation.low_force_range[index]),
+            "low_force_range": float(one.low_force_range[at]),
         },
         "conditions": condition_rows(candidate, targets, design.shape),
         "low_force": _low_force(candidate, targets),
@@ -183,47 +180,36 @@ def design_dict(design: Design, resin: Resin, targets: Targets) -> dict[str, Any
     }
 
 
-def castings_dict(castings: Castings, verdict: Verdict) -> dict[str, Any]:
-    """The castings of an answer: how many, what they are drawn by and over, and the share of each class."""
-    groups = [group for group in GROUPS if group != TISSUE]
-    return {"n": castings.n, "seed": castings.seed, "groups": groups, **(verdict.castings or {})}
-
-
-def condition_rows(candidate: Candidate, targets: Targets, shape: PadShape) -> list[dict[str, Any]]:
-    """One row a condition; a condition out of reach has no depth and gives the reason.
-
-    Parameters
-    ----------
-    candidate : Candidate
-    targets : Targets
-    shape : PadShape
-        Of the pad, for the gel under the punch.
-    """
-    rows = []
-    gel = candidate.thickness_mm - shape.bone_height_mm
+def condition_rows(candidate: DesignCandidate, targets: Targets, shape: PadShape) -> list[dict[str, Any]]:
+    """One row a condition; a condition out of reach has no depth and gives the reason."""
+    rows, at, thickness = [], candidate.index, candidate.thickness_mm
+    gel = thickness - shape.bone_height_mm
+    slabs = candidate.evaluation.slabs
+    limit = float(slabs.curves.limit_mm[slabs.slab[at]])
     for column, condition in enumerate(targets.conditions):
-        depth = float(candidate.evaluation.depth_mm[candidate.index, column])
-        reached = bool(np.isfinite(depth))
-        press = candidate.evaluation.presses[column]
-        peak = float(press.peak_N[candidate.index]) if reached else None
+        found = float(candidate.evaluation.depth_mm[at, column])
+        depth = found if np.isfinite(found) else None
+        peak = None if depth is None else float(candidate.evaluation.presses[column].peak_N[at])
         low, high = condition.range.peak_low_N, condition.range.peak_high_N
         reads, outside = _reads(peak, low, high)
-        rows.append(
-            {
-                "steady_force_N": condition.steady_force_N,
-                "velocity_mm_s": condition.velocity_mm_s,
-                "depth_mm": depth if reached else None,
-                "depth_over_thickness": depth / candidate.thickness_mm if reached else None,
-                "gel_compression": depth / gel if reached else None,
-                "peak_force_N": peak,
-                "target_peak_low_N": low,
-                "target_peak_high_N": high,
-                "reads": reads,
-                "percent_outside": outside,
-                "inside_fraction": float(candidate.evaluation.inside[candidate.index, column]),
-                "out_of_reach": None if reached else _why(candidate, condition.steady_force_N),
-            }
-        )
+        why = None if depth is not None else (
+            f"{condition.steady_force_N:g} N steady needs more than {limit:.1f} mm, {limit / thickness:.2f} of the "
+            "thickness; the gel bottoms out"
+        )  # fmt: skip
+        rows.append({
+            "steady_force_N": condition.steady_force_N,
+            "velocity_mm_s": condition.velocity_mm_s,
+            "depth_mm": depth,
+            "depth_over_thickness": None if depth is None else depth / thickness,
+            "gel_compression": None if depth is None else depth / gel,
+            "peak_force_N": peak,
+            "target_peak_low_N": low,
+            "target_peak_high_N": high,
+            "reads": reads,
+            "percent_outside": outside,
+            "inside_fraction": float(candidate.evaluation.inside[at, column]),
+            "out_of_reach": why,
+        })  # fmt: skip
     return rows
 
 
@@ -238,32 +224,20 @@ def _reads(peak_N: float | None, low_N: float, high_N: float) -> tuple[str | Non
     return "inside", 0.0
 
 
-def _why(candidate: Candidate, force_N: float) -> str:
-    slabs = candidate.evaluation.slabs
-    limit = float(slabs.curves.limit_mm[slabs.slab[candidate.index]])
-    share = limit / candidate.thickness_mm
-    return f"{force_N:g} N steady needs more than {limit:.1f} mm, {share:.2f} of the thickness; the gel bottoms out"
-
-
-def _low_force(candidate: Candidate, targets: Targets) -> list[dict[str, Any]]:
+def _low_force(candidate: DesignCandidate, targets: Targets) -> list[dict[str, Any]]:
     """Depths at small steady forces beside the tissue's extrapolated range."""
-    grid = targets.protocol.low_grid_N
     forces = [float(f"{share * targets.protocol.forces_N[0]:.6g}") for share in LOW_SHARES]
+    columns = [int(np.argmin(np.abs(targets.protocol.low_grid_N - force))) for force in forces]
+    depths = candidate.evaluation.low_depth_mm[candidate.index, columns]
+    names = ("force_N", "depth_mm", "tissue_depth_low_mm", "tissue_depth_high_mm")
     stiff, soft = targets.depth_range_mm(np.array(forces))
-    rows = []
-    for force, low, high in zip(forces, stiff, soft):
-        column = int(np.argmin(np.abs(grid - force)))
-        depth = float(candidate.evaluation.low_depth_mm[candidate.index, column])
-        rows.append(
-            {
-                "force_N": force,
-                "depth_mm": depth if np.isfinite(depth) else None,
-                "tissue_depth_low_mm": float(low),
-                "tissue_depth_high_mm": float(high),
-            }
-        )
-    return rows
+    return [to_plain(dict(zip(names, row))) for row in zip(forces, depths, stiff, soft)]
 
 
-def _plain(value: Any) -> Any:
-    return {key: float(item) for key, item in value.items()} if isinstance(value, dict) else float(value)
+def _recipe_of_pour(pour: dict[str, Any]) -> dict[str, Any]:
+    """Masses to weigh of one or, for a layered pad, both pours of a mould that was made. [g]"""
+    pours = [("", pour)] + ([(" (base)", pour["base"])] if "base" in pour else [])
+    return {
+        "components": [{**item, "name": item["name"] + layer} for layer, one in pours for item in one["components"]],
+        "total_g": sum(one["batch_mass_g"] for _, one in pours),
+    }

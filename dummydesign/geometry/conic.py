@@ -1,8 +1,4 @@
-"""Caps and ridges with a conic profile: heights, slope, volumes in closed form, and what can be cast of them.
-
-A conic profile of apex radius R has r^2 = 2 R z - e z^2 at depth z below its apex (sphere e = 1, paraboloid
-e = 0), which is all that the volumes need.
-"""
+"""Caps and ridges with a conic profile: heights, slope, volumes in closed form, limits."""
 
 from __future__ import annotations
 
@@ -12,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from dummydesign.core.errors import InputError
-from dummydesign.geometry.limits import SMALLEST_HEIGHT_MM, SMALLEST_TIP_MM
+from dummydesign.geometry.dimensions import SMALLEST_HEIGHT_MM, SMALLEST_TIP_MM
+from dummydesign.geometry.pad_shape import Array, PadBlock, PadShape
 
-Array = np.ndarray
 GAUSS_POINTS = 40
 
 
@@ -57,21 +53,7 @@ class Conic:
         return math.pi * (self.radius_mm * self.height_mm**2 - self.factor * self.height_mm**3 / 3)
 
     def ridge_volume_mm3(self, half_length_mm: float, slope: float) -> float:
-        """Volume of the profile drawn out along a line whose ends lean outwards. [mm3]
-
-        Parameters
-        ----------
-        half_length_mm : float
-            Half the length at the apex. [mm]
-        slope : float
-            Growth of the half length per depth below the apex.
-
-        Returns
-        -------
-        float
-            Integral of 2 r(z) 2 (half + slope z) over the depth z, by Gauss-Legendre quadrature in sqrt(z), where
-            the integrand is smooth; exact to rounding.
-        """
+        """Volume of the profile drawn out along a line whose ends lean outwards. [mm3]"""
         place, weight = np.polynomial.legendre.leggauss(GAUSS_POINTS)
         root = (place + 1) / 2
         z = self.height_mm * root**2
@@ -80,39 +62,100 @@ class Conic:
         return float(np.sum(grown * self.height_mm * root * weight))
 
     def check(self, what: str, steepest_deg: float) -> None:
-        """Refuse what is no cap or too steep.
-
-        Parameters
-        ----------
-        what : str
-            Name of the part, for the message.
-        steepest_deg : float
-            Largest slope at the foot. [deg]
-
-        Raises
-        ------
-        InputError
-            Naming the quantity, its value and what is allowed.
-        """
+        """Refuse what is no cap or too steep."""
         if not all(np.isfinite(value) for value in (self.radius_mm, self.height_mm, self.foot_mm)):
-            raise InputError(f"{what}: radius, height and foot must be finite numbers")
-        if self.radius_mm < SMALLEST_TIP_MM:
-            raise InputError(f"{what} radius = {self.radius_mm:g} mm is below {SMALLEST_TIP_MM:g} mm, the sharpest tip")
-        if self.height_mm < SMALLEST_HEIGHT_MM:
-            raise InputError(f"{what} height = {self.height_mm:g} mm is below {SMALLEST_HEIGHT_MM:g} mm")
+            raise InputError(f"{what}: radius, height and foot must be finite numbers", "out_of_range", what)
+        sharpest = ("radius", self.radius_mm, SMALLEST_TIP_MM), ("height", self.height_mm, SMALLEST_HEIGHT_MM)
+        for name, value, least in sharpest:
+            if value < least:
+                message = f"{what} {name} = {value:g} mm is below {least:g} mm"
+                raise InputError(message, "out_of_range", f"{what}_{name}_mm", value, (least, None))
         # On the lower half of an ellipse: past it the profile would turn inwards.
         if self.foot_mm <= 0.0 or self.factor * self.height_mm > self.radius_mm * (1.0 - 1e-9):
-            raise InputError(
-                f"{what}: radius {self.radius_mm:g}, height {self.height_mm:g} and foot {self.foot_mm:g} mm "
-                "make no cap that widens downwards; take a lower height or a wider foot"
-            )
-        if self.foot_slope_deg > steepest_deg:
-            raise InputError(
-                f"{what} slope at its foot = {self.foot_slope_deg:.0f} deg is above {steepest_deg:g} deg; "
-                "take a lower height, a larger radius or a wider foot"
-            )
+            sizes = f"radius {self.radius_mm:g}, height {self.height_mm:g} and foot {self.foot_mm:g} mm"
+            message = f"{what}: {sizes} make no cap that widens downwards; take a lower height or a wider foot"
+            raise InputError(message, "cannot_be_made", what)
+        slope = self.foot_slope_deg
+        if slope > steepest_deg:
+            advice = "take a lower height, a larger radius or a wider foot"
+            message = f"{what} slope at its foot = {slope:.0f} deg is above {steepest_deg:g} deg; {advice}"
+            raise InputError(message, "out_of_range", f"{what}_foot_slope_deg", slope, (None, steepest_deg))
 
 
 def sphere_foot_mm(radius_mm: float, height_mm: float) -> float:
     """Foot radius of a spherical cap, sqrt(2 R c - c^2); 0 when the cap is higher than the sphere."""
     return float(np.sqrt(max(2.0 * radius_mm * height_mm - height_mm**2, 0.0)))
+
+
+# Feet that are tried in a search, over the punch's radius.
+FOOT_SHARES = np.geomspace(0.4, 1.7, 9)
+
+
+@dataclass(frozen=True)
+class ConicProfile(PadShape):
+    """A conic profile of apex radius, height and foot radius (0: that of a sphere)."""
+
+    radius_mm: float
+    height_mm: float
+    foot_mm: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.foot_mm:
+            object.__setattr__(self, "foot_mm", sphere_foot_mm(self.radius_mm, self.height_mm))
+
+    def _implied(self, key: str) -> bool:
+        """The foot of a sphere need not be typed."""
+        sphere = key == "foot_mm" and self.foot_mm == sphere_foot_mm(self.radius_mm, self.height_mm)
+        return sphere or super()._implied(key)
+
+    @property
+    def along(self) -> bool:
+        """Whether the profile runs along the whole length instead of round."""
+        return False
+
+    @property
+    def axisymmetric(self) -> bool:
+        """Round unless it runs along the length."""
+        return not self.along
+
+    @property
+    def runs_out(self) -> bool:
+        """What runs along the length goes on into the end walls."""
+        return self.along
+
+    @property
+    def conic(self) -> Conic:
+        """The profile."""
+        return Conic(self.radius_mm, self.height_mm, self.foot_mm)
+
+    @property
+    def steepest_deg(self) -> float:
+        """The slope at the foot."""
+        return self.conic.foot_slope_deg
+
+    def lines_mm(self) -> tuple[float, ...]:
+        """The foot."""
+        return (self.foot_mm,)
+
+    def ends(self, block: PadBlock) -> tuple[float, float]:
+        """Half length at the apex [mm] and its growth per depth, of a profile along a block with drafted walls."""
+        raise NotImplementedError
+
+    def volume_mm3(self, block: PadBlock) -> float:
+        """Volume under the profile. [mm3]"""
+        return self.conic.ridge_volume_mm3(*self.ends(block)) if self.along else self.conic.cap_volume_mm3()
+
+    def sag_mm(self, x_mm: Array, y_mm: Array) -> Array:
+        """Drop below the apex. [mm]"""
+        across = np.hypot(0.0 * np.asarray(x_mm), y_mm) if self.along else np.hypot(x_mm, y_mm)
+        return self.conic.sag_mm(across)
+
+    @classmethod
+    def in_proportion(cls, k: Array) -> dict[str, Array]:
+        """Heights go with the thickness, feet stay, and so does the form of the cap."""
+        return {"height": k, "radius": 1.0 / k}
+
+
+def wall_slope(block: PadBlock) -> float:
+    """How far a drafted wall moves outwards per height."""
+    return math.tan(math.radians(block.draft_deg))

@@ -20,15 +20,7 @@ LARGEST_FRICTION = 5.0
 
 @dataclass(frozen=True)
 class Interface:
-    """One interface as it is typed: a name, or ``friction`` with its coefficient.
-
-    Attributes
-    ----------
-    name : str
-        ``bonded``, ``sliding``, ``frictionless`` or ``friction``.
-    coulomb : float or None
-        Coefficient of friction MU of ``friction:MU``, None of the others.
-    """
+    """One interface as it is typed: a name, or ``friction`` with its coefficient."""
 
     name: str
     coulomb: float | None = None
@@ -50,20 +42,6 @@ class Interface:
     def parse(text: str, quantity: str, known: Sequence[str]) -> Interface:
         """Read an interface.
 
-        Parameters
-        ----------
-        text : str
-            One of ``known``, or ``friction:MU``.
-        quantity : str
-            What is read, for the message: ``base``, ``condition``, ...
-        known : sequence of str
-            The words that are allowed here beside ``friction:MU``: ``bonded``, ``sliding``, ...
-
-        Raises
-        ------
-        InputError
-            For anything else, and MU outside 0 to 5.
-
         Examples
         --------
         >>> Interface.parse("friction:0.3", "base", BASES).coulomb
@@ -74,8 +52,9 @@ class Interface:
         found = Interface.find(text, known)
         if found is None:
             raise InputError(
-                f"{quantity} '{text}' is not {', '.join(known)} or {FRICTION} with MU from 0 to {LARGEST_FRICTION:g}"
-            )
+                f"{quantity} '{text}' is not {', '.join(known)} or {FRICTION} with MU from 0 to {LARGEST_FRICTION:g}",
+                "unknown_name", quantity, text, (*known, FRICTION),
+            )  # fmt: skip
         return found
 
     @staticmethod

@@ -13,16 +13,69 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, fields
-from typing import ClassVar, Self
+from typing import ClassVar, Protocol, Self
 
 import numpy as np
 
-from dummydesign.geometry.limits import GAUGE_FOOT_MM, RIM_FREE_MM
-from dummydesign.geometry.pad_block import PadBlock
-from dummydesign.geometry.similarity import Similarity
-from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
+from dummydesign.geometry.dimensions import GAUGE_FOOT_MM, PAD_LENGTH_MM, PAD_WIDTH_MM, RIM_FREE_MM
+
+
+class PadBlock(Protocol):
+    """The block a shape is cut into: what its volumes and words depend on beside its own lengths."""
+
+    @property
+    def thickness_mm(self) -> float:
+        """Thickness at the highest point. [mm]"""
+
+    @property
+    def length_mm(self) -> float:
+        """Length of the tested face's flat. [mm]"""
+
+    @property
+    def width_mm(self) -> float:
+        """Width of the tested face's flat. [mm]"""
+
+    @property
+    def draft_deg(self) -> float:
+        """How far the walls lean outwards, towards the free face. [deg]"""
+
 
 Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Similarity:
+    """Which dimensionless numbers the force of a kind of shape is a function of, for response tables.
+
+    Attributes
+    ----------
+    names : tuple of str
+        The numbers, in words; the first is thickness over punch radius.
+    logarithms : tuple of bool
+        Which of them enter a table by their logarithm.
+    over : str
+        What the force is divided by: ``tip``, Hertz's force of the highest tip, or ``slab``, the force of the slab
+        of the upper resin.
+    """
+
+    names: tuple[str, ...]
+    logarithms: tuple[bool, ...]
+    over: str
+
+    @property
+    def over_tip(self) -> bool:
+        """Whether the force is counted against Hertz's force of the highest tip."""
+        return self.over == "tip"
+
+
+def grid(*axes: Array) -> list[Array]:
+    """Return all combinations of values, one flat array an axis."""
+    return [axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")]
+
+
+def stack(*numbers: Array) -> Array:
+    """Return the numbers of a response table as the columns of one array."""
+    return np.stack(np.broadcast_arrays(*numbers), axis=-1)
 
 
 @dataclass(frozen=True)
@@ -43,7 +96,11 @@ class PadShape:
 
     name: ClassVar[str] = ""
     order: ClassVar[int] = 100
-    """Place in lists of shapes; equal ones by name."""
+    """Rank in lists of shapes; equal ones by name."""
+    plain: ClassVar[bool] = False
+    """Whether this is the flat slab of one resin."""
+    flat_top: ClassVar[bool] = True
+    """Whether the punch touches the whole face at once."""
     similarity: ClassVar[Similarity | None] = None
     """Numbers of the kind's response table; None without one."""
     closed_form: ClassVar[str] = ""
@@ -59,11 +116,6 @@ class PadShape:
     # Outline and profile.
 
     @property
-    def plain(self) -> bool:
-        """Whether this is the flat slab of one resin."""
-        return False
-
-    @property
     def axisymmetric(self) -> bool:
         """Whether the shape is round about its highest point."""
         return True
@@ -72,11 +124,6 @@ class PadShape:
     def fidelity(self) -> str:
         """The finite elements that solve it: ``axisymmetric``, or ``3d`` when it is not round."""
         return "axisymmetric" if self.axisymmetric else "3d"
-
-    @property
-    def flat_top(self) -> bool:
-        """Whether the punch touches the whole face at once."""
-        return True
 
     @property
     def first_exponent(self) -> float:
@@ -190,9 +237,7 @@ class PadShape:
 
     # Limits.
 
-    def check(
-        self, thickness_mm: float, length_mm: float = PAD_LENGTH_MM, width_mm: float = PAD_WIDTH_MM
-    ) -> None:
+    def check(self, thickness_mm: float, length_mm: float = PAD_LENGTH_MM, width_mm: float = PAD_WIDTH_MM) -> None:
         """Refuse a shape that does not fit its pad or cannot be cast.
 
         Parameters

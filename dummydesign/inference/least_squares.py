@@ -12,11 +12,9 @@ from numpy.typing import NDArray
 Model = Callable[[NDArray], tuple[NDArray, NDArray]]
 """Maps parameters (p,) to whitened residuals (n,) and their Jacobian (n, p)."""
 
-Residual = Callable[[NDArray], NDArray]
-"""Maps parameters (p,) to whitened residuals (n,)."""
+Residual = Callable[[NDArray], NDArray]  # maps parameters (p,) to whitened residuals (n,)
 
-LONGEST_STEP = 1.5
-"""Largest change of a parameter, a logarithm, in one step of :func:`solve_marquardt`."""
+LONGEST_STEP = 1.5  # largest change of a parameter, a logarithm, in one step of :func:`solve_marquardt`
 
 
 @dataclass(frozen=True)
@@ -38,21 +36,7 @@ class Solution:
 def solve(
     model: Model, starts: Sequence[NDArray], low: NDArray, high: NDArray, tolerance: float = 1e-9, most: int = 400
 ) -> Solution:
-    """Minimise the sum of squares inside a box by the trust-region method of scipy, from every start.
-
-    Parameters
-    ----------
-    model : callable
-        Residuals and Jacobian.
-    starts : sequence of ndarray (p,)
-        At least one; those on or outside the box are moved inside.
-    low, high : ndarray (p,)
-        The box.
-    tolerance : float
-        Relative tolerance on cost, step and gradient.
-    most : int
-        Evaluations of the residuals from each start.
-    """
+    """Minimise the sum of squares inside a box by the trust-region method of scipy, from every start."""
     results = []
     for start in starts:
         memory = _Memory(model)
@@ -64,17 +48,7 @@ def solve_by_differences(
     residual: Residual, starts: Sequence[NDArray], low: NDArray, high: NDArray, tolerance: float = 1e-8,
     most: int = 400, scale: NDArray | str = "jac",
 ) -> Solution:  # fmt: skip
-    """As :func:`solve`, with the Jacobian by forward differences.
-
-    Parameters
-    ----------
-    residual : callable
-        Residuals.
-    starts, low, high, tolerance, most
-        As for :func:`solve`.
-    scale : ndarray, shape (p,), or "jac"
-        Usual size of a step in each parameter; by default that of the Jacobian.
-    """
+    """As :func:`solve`, with the Jacobian by forward differences."""
     return _best([_descend(residual, "2-point", start, low, high, tolerance, most, scale) for start in starts])
 
 
@@ -127,27 +101,6 @@ def solve_marquardt(
     Levenberg-Marquardt with the parameters on a bound held there while the gradient points outward: the Jacobian
     is made once a step that is taken, the search ends at an absolute gain, and what lies on a bound lies on it
     exactly. (:func:`solve` scales steps by the distance to the box and only nears a bound.)
-
-    Parameters
-    ----------
-    residual, jacobian : callable
-        Whitened residuals (n,), and their derivatives (n, p); the latter is asked for at the point at which
-        the former was asked last, or a former one when no step was found.
-    start, low, high : ndarray, shape (p,)
-        A start outside the box is brought inside.
-    fixed : sequence of int
-        Parameters that stay as they are.
-    iterations : int
-        Most steps.
-    enough : float
-        Gain in the sum of squares below which the search ends.
-    trusted : float
-        Share of the gain a step promised from which on its Jacobian serves for the next step as well; by default
-        each step has its own. The search never ends on a Jacobian of an earlier step.
-
-    Returns
-    -------
-    ndarray, shape (p,)
 
     References
     ----------

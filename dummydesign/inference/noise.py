@@ -1,33 +1,22 @@
-"""Noise of binned traces: its covariance, and its sizes by restricted maximum likelihood.
-
-Samples at 1 kHz are not independent: a slow part that lives for a second does not average away in a bin, and an
-error of the contact position moves a whole press. Sizes are estimated from residuals by restricted maximum
-likelihood, so that parameters that were fitted do not count as knowledge of the noise. What a wrong law leaves is
-the user's to add: each knows along what its law misfits.
-
-References
-----------
-Patterson and Thompson, Biometrika 58 (1971) 545 (restricted maximum likelihood);
-Uhlenbeck and Ornstein, Phys. Rev. 36 (1930) 823 (the slow part).
-"""
+"""Noise of binned traces: covariance, sizes by restricted maximum likelihood, noise floor."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-REACH = 7.4
-"""Factor by which a size may change before the search looks around again."""
-BOXES = 12
-"""Boxes of the search: together they span any bounds in use."""
+from dummydesign.core.serialise import Serialised
+
+REACH = 7.4  # factor by which a size may change before the search looks around again
+BOXES = 12  # boxes of the search: together they span any bounds in use
 
 
 @dataclass(frozen=True)
-class Noise:
+class Noise(Serialised):
     """Sizes: white and slow standard deviation [N], time of the slow one [s], zero [mm], misfit over peak."""
 
     white_N: float
@@ -35,10 +24,6 @@ class Noise:
     slow_time_s: float
     position_mm: float
     misfit_fraction: float = 0.0
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the five sizes."""
-        return asdict(self)
 
 
 class Binned(Protocol):
@@ -92,16 +77,7 @@ class Bins:
         return slow
 
     def covariance(self, noise: Noise, slope: NDArray, level: NDArray | None = None) -> NDArray:
-        """Covariance of the bins, shape (traces, longest, longest), identity in the padding. [N2]
-
-        Parameters
-        ----------
-        noise : Noise
-        slope : ndarray, shape (traces, longest)
-            dF / dx of each bin, for the contact position. [N/mm]
-        level : ndarray, shape (traces, longest), optional
-            Measured peak force of the press of each bin, needed when the noise has misfit. [N]
-        """
+        """Covariance of the bins, shape (traces, longest, longest), identity in the padding. [N2]"""
         total = noise.slow_N**2 * self.slow(noise.slow_time_s)
         if noise.position_mm > 0:
             total += noise.position_mm**2 * slope[:, :, None] * slope[:, None, :]
@@ -119,22 +95,7 @@ def whitener(covariance: NDArray) -> NDArray:
 
 
 def minus_two_log_likelihood(bins: Bins, factor: NDArray, residual: NDArray) -> float:
-    """Minus twice the Gaussian log likelihood of stacked residuals (traces, longest) under a whitening.
-
-    Parameters
-    ----------
-    bins : Bins
-        The bins of all traces; what pads the shorter ones does not count.
-    factor : ndarray, shape (traces, longest, longest)
-        Inverse Cholesky factors of the covariances, see :func:`whitener`. [1/N]
-    residual : ndarray, shape (traces, longest)
-        Measured minus modelled force of the bins, 0 in the padding. [N]
-
-    Returns
-    -------
-    float
-        Minus twice the logarithm of the Gaussian density.
-    """
+    """Minus twice the Gaussian log likelihood of stacked residuals (traces, longest) under a whitening."""
     white = (factor @ residual[..., None])[..., 0]
     diagonal = np.diagonal(factor, axis1=1, axis2=2)
     count = int(bins.used.sum())
@@ -147,20 +108,6 @@ def restricted_likelihood(
     """Minus twice the restricted log likelihood of residuals, up to a constant.
 
     r' V^-1 r + ln det V + ln det(X' V^-1 X), summed over the traces.
-
-    Parameters
-    ----------
-    covariance : ndarray, shape (traces, n, n)
-        V, identity in the padding.
-    residual : ndarray, shape (traces, n)
-        r, zero in the padding.
-    columns : ndarray, shape (traces, n, p)
-        X, sensitivity to what was fitted.
-    shared : bool
-        Whether the parameters are common to all traces; else each trace has its own, and the third term is summed.
-    refitted : bool
-        Whether the fit is repeated for this covariance, which takes r' V^-1 X (X' V^-1 X)^-1 X' V^-1 r off. For the
-        residuals of a law that misfits this is no: the noise must not be made likely by moving the fit away.
     """
     lower = np.linalg.cholesky(covariance)
     white = np.linalg.solve(lower, np.concatenate([residual[..., None], columns], axis=-1))
@@ -186,22 +133,6 @@ def likeliest(
     a likelihood is flat where a size is too small to be seen, and the first step of a quasi-Newton method, or a
     simplex pressed flat against a bound, would end there.
 
-    Parameters
-    ----------
-    cost : callable
-        Minus twice a log likelihood of sizes of shape (k,), smooth.
-    start, low, high : ndarray, shape (k,)
-        Above 0; a start outside is brought inside.
-    gradient : bool
-        Whether ``cost`` returns (value, derivatives in the logarithms of the sizes), which saves most of its calls.
-
-    Returns
-    -------
-    ndarray, shape (k,)
-        To 1e-6 of the cost.
-    float
-        Its cost.
-
     References
     ----------
     Byrd, Lu, Nocedal and Zhu, SIAM J. Sci. Comput. 16 (1995) 1190 (L-BFGS-B).
@@ -224,3 +155,34 @@ def likeliest(
             break
     # exp(log(bound)) may lie an ulp beyond it
     return np.clip(np.exp(at), low, high), value
+
+
+ROBUST = 1.4826  # standard deviation of a normal variable over the median of its absolute value
+
+
+def white_noise(second_differences_N: NDArray, robust: bool = False) -> float:
+    """Standard deviation of white noise from second differences F(k+1) - 2 F(k) + F(k-1), 0 without any. [N]
+
+    Second differences of independent errors have six times their variance. ``robust`` takes the median of
+    their absolute values, which a few jumps do not move; without it rounding to the resolution counts as noise.
+    """
+    if not second_differences_N.size:
+        return 0.0
+    if robust:
+        return float(ROBUST * np.median(np.abs(second_differences_N)) / np.sqrt(6.0))
+    return float(np.sqrt(np.mean(second_differences_N**2) / 6.0))
+
+
+def noise_floor(holds: Iterable[tuple[NDArray, NDArray]]) -> float:
+    """Rms of what a smooth curve in the logarithm of time cannot follow of holds. [N]"""
+    squares, count = 0.0, 0
+    for time, force_N in holds:
+        late = time > 0.05 * time[-1]
+        if late.sum() < 20:
+            continue
+        at = np.log(time[late])
+        at = 2.0 * (at - at[0]) / (at[-1] - at[0]) - 1.0
+        smooth = np.polynomial.chebyshev.Chebyshev.fit(at, force_N[late], 6)
+        squares += float(((force_N[late] - smooth(at)) ** 2).sum())
+        count += int(late.sum()) - 7
+    return float(np.sqrt(squares / count)) if count > 0 else 0.0

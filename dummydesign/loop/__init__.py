@@ -12,7 +12,7 @@ _FACE = {
     "Parameter": "dummydesign.loop.model.effect",
     "Arm": "dummydesign.loop.model.effect",
     "wrap": "dummydesign.loop.model.base_law",
-    "check_effect": "dummydesign.loop.effects.check",
+    "check_effect": "dummydesign.loop.effects.contract_check",
 }
 
 __all__ = ["Arm", "Effect", "Parameter", "check_effect", "wrap"]

@@ -1,4 +1,4 @@
-"""The calibration file: base and corrected model of a campaign, for ``replay`` and for designing."""
+"""The calibration of a campaign: base and corrected model, joint estimate, covariance, scatter of pads."""
 
 from __future__ import annotations
 
@@ -11,35 +11,77 @@ from numpy.typing import NDArray
 
 from dummydesign.loop.data.reduction import HOLD, PRE, RISE, UNLOADING
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.fitting.fit import Fit
+from dummydesign.loop.effects.learned import Learned
+from dummydesign.loop.fitting.fit import NORMAL_95, CampaignFit
 from dummydesign.loop.fitting.noise import LAW_TERMS
-from dummydesign.loop.learned.effect import Learned
+from dummydesign.loop.fitting.problem import BASE
 from dummydesign.loop.model.base_law import SetupLaw
-from dummydesign.loop.model.expected import start_young_kPa
-from dummydesign.loop.model.forward_model import Active, LawError, simulate
-from dummydesign.loop.model.parameters import BaseParameters
-from dummydesign.loop.posterior import Posterior, posterior_of
+from dummydesign.loop.model.campaign_law import start_young_kPa
+from dummydesign.loop.model.forward_model import NAMES, Active, BaseParameters, LawError, parameter_names, simulate
 from dummydesign.loop.prior import carried_law
 from dummydesign.loop.result import LoopResult
+from dummydesign.loop.selection.cross_validation import pad_spreads, widened
 from dummydesign.pad.material.relaxation import PronyTerm
+
+PADS = ("level", "slope", "curve")
+
+
+@dataclass(frozen=True)
+class Posterior:
+    """Normal distribution of the parameters of a model."""
+
+    names: tuple[str, ...]
+    mean: NDArray
+    covariance: NDArray
+    pads: tuple[float, ...]
+
+    def spread(self, name: str) -> float:
+        """Standard deviation of one parameter."""
+        place = self.names.index(name)
+        return float(np.sqrt(self.covariance[place, place]))
+
+    def interval(self, name: str) -> tuple[float, float]:
+        """95 % interval of one parameter, in its unit where the logarithm was kept."""
+        middle, half = self.mean[self.names.index(name)], NORMAL_95 * self.spread(name)
+        low, high = middle - half, middle + half
+        return (float(np.exp(low)), float(np.exp(high))) if name.startswith("log ") else (float(low), float(high))
+
+    @property
+    def young_spread(self) -> float:
+        """Standard deviation of the logarithm of the long-term modulus of the material."""
+        return self.spread(f"log {NAMES[0]}")
+
+    @property
+    def new_pad_spread(self) -> float:
+        """The same as a pad shows it that was not pressed, with its own level."""
+        return float(np.hypot(self.young_spread, self.pads[0]))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values, with the 95 % intervals spelt out."""
+        return {
+            "names": list(self.names), "mean": self.mean.tolist(), "covariance": self.covariance.tolist(),
+            "intervals_95": {name.removeprefix("log "): list(self.interval(name)) for name in self.names},
+            "pad_to_pad": dict(zip(PADS, self.pads)),
+        }  # fmt: skip
+
+
+def posterior_of(fit: CampaignFit, lack_ratio: float | None = None) -> Posterior:
+    """Posterior of the base and effect parameters of a fit, law errors and contact shifts integrated out."""
+    found = [(p, one.values[p.name]) for one in fit.active for p in one.effect.parameters]
+    mean = np.r_[fit.vector[:BASE], [np.log(value) if p.log else value for p, value in found]]
+    mean[0] += np.log(1e3)  # MPa to kPa
+    scale = np.r_[np.ones(BASE), [1.0 if p.log else p.typical for p, _ in found]]
+    own = widened(fit, lack_ratio)[: len(mean), : len(mean)] * np.outer(scale, scale)
+    names = parameter_names([one.effect for one in fit.active])
+    return Posterior(tuple(names), mean, own, pad_spreads(fit))
+
 
 _PHASES = {PRE: "before_contact", RISE: "rise", HOLD: "hold", UNLOADING: "unloading"}
 
 
 @dataclass(frozen=True)
 class Model:
-    """A fitted model: base parameters, effects, and the law error found on each thickness.
-
-    Attributes
-    ----------
-    base : BaseParameters
-    active : tuple of Active
-    thickness_mm : ndarray, shape (h,)
-    law : ndarray, shape (3, h)
-        Level, slope and curvature of the law error.
-    shapes : tuple of str
-        Shape of each of these pads as typed, empty for slabs and pucks; empty altogether when all are.
-    """
+    """A fitted model: base parameters, effects, and the law error found on each thickness."""
 
     base: BaseParameters
     active: tuple[Active, ...]
@@ -47,18 +89,21 @@ class Model:
     law: NDArray
     shapes: tuple[str, ...] = ()
 
+    @property
+    def pads(self) -> tuple[tuple[str, float], ...]:
+        """Shape as typed (empty for a slab) and thickness of each pad. [mm]"""
+        return tuple(zip(self.shapes or ("",) * len(self.thickness_mm), self.thickness_mm.tolist()))
+
+    def parameter_names(self) -> list[str]:
+        """Names of the parameters in a posterior; see :func:`parameter_names`."""
+        return parameter_names([one.effect for one in self.active])
+
     def law_error(self, thickness_mm: NDArray, shapes: Sequence[str] = ()) -> LawError:
         """Law error of pads (T,): of one's own shape, linear in the logarithm of thickness between the known and
         constant outside; none for a shape that was not measured.
-
-        Parameters
-        ----------
-        thickness_mm : ndarray, shape (T,)
-        shapes : sequence of str
-            Shapes of the pads as typed; slabs when none are given.
         """
         at, wanted = np.log(thickness_mm), np.array(list(shapes) or [""] * len(thickness_mm))
-        own = np.array(self.shapes or ("",) * len(self.thickness_mm))
+        own = np.array([shape for shape, _ in self.pads])
         terms = np.zeros((len(self.law), len(at)))
         for shape in set(wanted.tolist()) & set(own.tolist()):
             rows, known = wanted == shape, own == shape
@@ -89,23 +134,7 @@ class Model:
 
 @dataclass(frozen=True)
 class Calibration:
-    """Base and corrected model, and how far a prediction is to be trusted.
-
-    Attributes
-    ----------
-    base, after : Model
-    verdict : str
-    remainder_N : dict
-        Root mean square of what the corrected model leaves, by phase of the press: a warning band.
-    noise_floor_N : float
-    pad : dict
-        Set-up of the campaign: young_kPa_expected, resin, ratio, base, shape, contact of the punch or plates,
-        punch as typed (absent in files of earlier versions).
-    unexplained_because : tuple of str
-        Why the verdict is ``unexplained``; empty otherwise, and in files of earlier versions.
-    posterior : Posterior or None
-        Of the corrected model; None in files of earlier versions.
-    """
+    """Base and corrected model, and how far a prediction is to be trusted."""
 
     base: Model
     after: Model
@@ -155,7 +184,7 @@ class Calibration:
         return self.pad.get("shape", "slab") == "cylinder"
 
 
-def model_of(fit: Fit) -> Model:
+def model_of(fit: CampaignFit) -> Model:
     """Take the model out of a fit."""
     law = np.array(np.split(fit.vector[fit.problem.fixed :], LAW_TERMS))
     shapes = tuple(shape for shape, _ in fit.problem.presses.pads)
@@ -163,14 +192,7 @@ def model_of(fit: Fit) -> Model:
 
 
 def calibration_of(result: LoopResult, prior: Calibration | None = None) -> Calibration:
-    """Make the calibration of a loop's result, whatever its verdict; with a prior, it knows the pads of both.
-
-    Parameters
-    ----------
-    result : LoopResult
-    prior : Calibration, optional
-        That the loop was run with; passed over where it contradicted the campaign.
-    """
+    """Make the calibration of a loop's result, whatever its verdict; with a prior, it knows the pads of both."""
     prior = prior if result.joined is not None and result.joined.used else None
     presses, fit = result.presses, result.after.fit
     left = {}
@@ -199,8 +221,7 @@ def _with_earlier_pads(model: Model, prior: Calibration | None) -> Model:
     """The model with the law errors of pads that only the prior's campaign pressed."""
     if prior is None:
         return model
-    own = dict.fromkeys(zip(model.shapes or ("",) * len(model.thickness_mm), model.thickness_mm.tolist()))
-    pads, law = carried_law(prior, tuple(own), model.law)
+    pads, law = carried_law(prior, model.pads, model.law)
     shapes = tuple(shape for shape, _ in pads)
     return replace(
         model, thickness_mm=np.array([h for _, h in pads]), law=law, shapes=shapes if any(shapes) else ()

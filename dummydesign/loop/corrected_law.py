@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dummydesign.geometry.standard import PUNCH
+from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.loop.calibration import Calibration
-from dummydesign.loop.learned.effect import Learned
+from dummydesign.loop.effects.learned import Learned
 from dummydesign.loop.model.base_law import SlabLaw, UnitForce
 from dummydesign.loop.model.effect import SETUP
 from dummydesign.loop.model.forward_model import Active
@@ -27,14 +27,6 @@ class Correction:
     Effects of the rig and the sensor are left out: they are of the laboratory. Effects that depend on a state of the
     pad are taken where they are absent, see ``Effect.designed_for`` and :meth:`notes`. The law error is that of pads
     of the same shape, base and contact; what a campaign of pucks found wrong with the law of pucks stays out.
-
-    Attributes
-    ----------
-    calibration : Calibration
-    base : str
-        Base of the pads that are designed, whose faces are glued.
-    punch : str
-        That they are pressed with, as typed; flat, with sharp edges.
     """
 
     calibration: Calibration
@@ -58,22 +50,7 @@ class Correction:
         self, law: UnitForce, depth_mm: NDArray, thickness_mm: NDArray, limit_mm: NDArray,
         shapes: Sequence[str] | None = None,
     ) -> NDArray:  # fmt: skip
-        """F / E with all that was found of the pad.
-
-        Parameters
-        ----------
-        law : callable
-            F / E of the plain pads, which also knows how a bulk that gives changes it (``give``). [mm2]
-        depth_mm, thickness_mm, limit_mm : ndarray, shapes (M, n), (M, 1) and (M, 1)
-            Depths on M pads, and how deep the law holds. [mm]
-        shapes : sequence of str, optional
-            Shape of each pad as typed; slabs without it.
-
-        Returns
-        -------
-        ndarray, shape (M, n)
-            [mm2]
-        """
+        """F / E with all that was found of the pad. [mm2]"""
         acting = law
         for one in self.effects(shaped=shapes is not None):
             acting = one.effect.law(acting, one.values)
@@ -94,25 +71,24 @@ class Correction:
 
     def notes(self, shaped: bool) -> tuple[str, ...]:
         """What a reader of the design must know of the effects in it."""
-        said = [self.calibration.caution] if self.calibration.caution else []
+        lines = [self.calibration.caution] if self.calibration.caution else []
         for one in self.calibration.design_effects():
             unfit = self._unfit(one, shaped)
             if unfit:
-                said.append(f"the calibration holds {one.effect.name}, which is not in this design: {unfit}")
+                lines.append(f"the calibration holds {one.effect.name}, which is not in this design: {unfit}")
             elif one.effect.designed_for:
-                said.append(f"the calibration holds {one.effect.name}: the design is for {one.effect.designed_for}")
+                lines.append(f"the calibration holds {one.effect.name}: the design is for {one.effect.designed_for}")
             elif self.calibration.on_pucks() and not one.effect.adds_terms(one.values):
-                said.append(
+                lines.append(
                     f"{one.effect.name} was found on pucks between plates and acts here at the same depth over "
                     "thickness, where the strain under a punch is another: press a pad to be sure"
                 )
             elif shaped and BULK in one.effect.needs:
-                said.append(f"{one.effect.name} acts on the shaped pad as on a slab as thick, at the same depth")
+                lines.append(f"{one.effect.name} acts on the shaped pad as on a slab as thick, at the same depth")
         for one in self.calibration.after.active:
             if isinstance(one.effect, Learned) and one.effect.belongs_to != "pad":
-                said.append(f"the calibration holds {one.effect.name}, which is taken for the load cell's: not in this "
-                            "design")  # fmt: skip
-        return tuple(said)
+                lines.append(f"the calibration holds {one.effect.name}, an effect of the load cell: not in this design")
+        return tuple(lines)
 
 
 @dataclass(frozen=True)
@@ -130,25 +106,27 @@ class CorrectedLaw(BaseForceLaw):
         return Correction(self.calibration, self.base, self.punch)
 
     @property
-    def notes(self) -> tuple[str, ...]:
+    def notes(self) -> tuple[str, ...]:  # type: ignore[override]
         """What a reader of the design must know of the effects in it."""
         return self.correction.notes(shaped=False)
 
-    def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: float) -> NDArray:
+    def force(
+        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
+    ) -> NDArray:
         """Static force, NaN beyond the table; see :class:`dummydesign.pad.force_law.ForceLaw`. [N]"""
         depth, thickness, young = np.broadcast_arrays(
             *(np.asarray(value, dtype=float) for value in (depth_mm, thickness_mm, young_MPa))
         )
-        law = SlabLaw(load_table(self.base), float(radius_mm), self.square)
+        law = SlabLaw(load_table(self.base), np.asarray(radius_mm, float).item(), self.square)
         x, h = depth.reshape(-1, 1), thickness.reshape(-1, 1)
         limit = law.limit(h)
         unit = self.correction.apply(law, x, h, limit)
         unit = np.where(x > limit * (1.0 + 1e-9), np.nan, unit)
         return young * unit.reshape(depth.shape)
 
-    def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: float) -> NDArray:
+    def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
         """Depth to which the table holds. [mm]"""
-        return load_table(self.base).depth_limit_mm(np.asarray(thickness_mm, dtype=float), radius_mm)
+        return load_table(self.base).depth_limit_mm(np.asarray(thickness_mm, float), np.asarray(radius_mm, float))
 
 
 def young_factor(calibration: Calibration) -> float:

@@ -8,20 +8,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.geometry.shapes import PadShape
-from dummydesign.loop.data.history import History
+from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.loop.data.trials import Presses, stack
-from dummydesign.loop.fitting.fit import Fit
+from dummydesign.loop.fitting.fit import CampaignFit
 from dummydesign.loop.fitting.noise import LAW_TERMS
-from dummydesign.loop.fitting.problem import BASE, Problem
+from dummydesign.loop.fitting.problem import BASE, CampaignProblem
 from dummydesign.loop.model.base_law import SlabLaw
 from dummydesign.measurement.campaign import Trial
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
 
-HOLD_S = 10.0
-"""Hold of every planned press. [s]"""
+HOLD_S = 10.0  # of every planned press
+BACK_MM_S = 10.0
 
 
 @dataclass(frozen=True)
@@ -113,65 +112,54 @@ def options(presses: Presses, law: object) -> list[Option]:
     return out
 
 
-def planned_presses(presses: Presses, lowpass: Lowpass | None, chosen: list[Option]) -> Presses:
-    """Presses of the options, each as if it were the next after the campaign.
+def planned_trace(name: str, velocity_mm_s: float, depth_mm: float, hold_s: float, unloading: bool) -> Trace:
+    """Make the motion of a press without its force: from before contact, through the hold, and back where wanted."""
+    press = ramp_and_hold(velocity_mm_s, depth_mm, hold_s)
+    stop = float(press.time_s[-1]) - hold_s
+    fine = np.arange(-min(0.1, 20.0 / velocity_mm_s), stop + 0.4, max(1e-3, stop / 500.0))
+    hold = np.arange(fine[-1] + 0.02, stop + hold_s, 0.02)
+    end = float(hold[-1]) if len(hold) else float(fine[-1])
+    away = np.arange(end + 4e-3, end + (depth_mm + 2.0) / BACK_MM_S, 4e-3) if unloading else np.zeros(0)
+    time = np.r_[fine, hold, away]
+    x = np.interp(time, press.time_s, press.displacement_mm)
+    x = np.where(time < 0, velocity_mm_s * time, x)
+    x = np.where(time > end, depth_mm - BACK_MM_S * (time - end), x)
+    return Trace(name, time, x, np.zeros_like(time))
 
-    Parameters
-    ----------
-    presses : Presses
-        Of the campaign, whose history the planned ones go on.
-    lowpass : Lowpass or None
-        The declared sensor filter.
-    chosen : list of Option
-        What is to be pressed.
-    """
+
+def planned_presses(presses: Presses, lowpass: Lowpass | None, chosen: list[Option]) -> Presses:
+    """Presses of the options, each as if it were the next after the campaign."""
     trials = []
     for number, option in enumerate(chosen):
         depth = option.depth_share * option.thickness_mm
-        press = ramp_and_hold(option.velocity_mm_s, depth, HOLD_S)
-        hold_start = float(press.time_s[-1]) - HOLD_S
-        lead = min(0.1, 20.0 / option.velocity_mm_s)
-        fine = np.arange(-lead, hold_start + 0.4, 1e-3 if hold_start < 0.5 else hold_start / 500.0)
-        hold = np.arange(fine[-1] + 0.02, hold_start + HOLD_S, 0.02)
-        away = np.arange(hold[-1] + 4e-3, hold[-1] + (depth + 2.0) / 10.0, 4e-3) if option.unloading else np.zeros(0)
-        time = np.r_[fine, hold, away]
-        x = np.interp(time, press.time_s, press.displacement_mm)
-        x = np.where(time < 0, option.velocity_mm_s * time, x)
-        x = np.where(time > hold[-1], depth - 10.0 * (time - hold[-1]), x)
-        trace = Trace(f"planned-{number}", time, x, np.zeros_like(time))
+        trace = planned_trace(f"planned-{number}", option.velocity_mm_s, depth, HOLD_S, option.unloading)
         trials.append(
             Trial(trace.name, option.thickness_mm, option.velocity_mm_s, HOLD_S, None, 1, number + 1, option.rest_s,
                   option.temperature_C, option.age_days, trace, option.geometry)
         )  # fmt: skip
     made = stack(tuple(trials), lowpass)
-    old = presses.history
     count = len(presses.trials)
-    depth, elapsed = np.zeros((len(chosen), count)), np.full((len(chosen), count), np.inf)
+    earlier, elapsed = np.zeros((len(chosen), count)), np.full((len(chosen), count), np.inf)
     for row, option in enumerate(chosen):
         same = np.array([trial.pad == option.pad for trial in presses.trials])
-        depth[row, same] = presses.depth_mm[same]
+        earlier[row, same] = presses.depth_mm[same]
         elapsed[row, same] = option.rest_s
-    own = made.history
-    return replace(
-        made,
-        history=History(
-            depth, elapsed, old.sequence.max() + own.sequence, own.repeat, own.rest_s, own.temperature_C, own.age_days
-        ),
-    )
+    sequence = presses.history.sequence.max() + made.history.sequence
+    history = replace(made.history, earlier_depth_mm=earlier, elapsed_s=elapsed, sequence=sequence)
+    return replace(made, history=history)
 
 
-def _prediction(found: Fit, planned: Presses) -> tuple[NDArray, NDArray]:
+def _prediction(found: CampaignFit, planned: Presses) -> tuple[NDArray, NDArray]:
     """Bins (T, B) of the planned presses and a square root (T, B, n) of their parameter covariance."""
-    problem = Problem(planned, found.problem.law, found.problem.effects)
+    problem = replace(found.problem, presses=planned)
     fixed, old, new = problem.fixed, found.problem.presses.pads, planned.pads
     vector = np.r_[found.vector[:fixed], np.zeros(LAW_TERMS * len(new))]
     spread = np.zeros((len(vector),) * 2)
     source = np.r_[np.arange(fixed), np.full(LAW_TERMS * len(new), -1)]
     for term in range(LAW_TERMS):
-        for place, pad in enumerate(new):
-            at = fixed + term * len(new) + place
+        for at, pad in enumerate(new, problem.law_entries(term).start):
             if pad in old:
-                source[at] = fixed + term * len(old) + old.index(pad)
+                source[at] = found.problem.law_entries(term).start + old.index(pad)
                 vector[at] = found.vector[source[at]]
             else:
                 spread[at, at] = found.sizes.law[term] ** 2
@@ -183,20 +171,13 @@ def _prediction(found: Fit, planned: Presses) -> tuple[NDArray, NDArray]:
     return forces, problem.jacobian(vector, forces) @ root
 
 
-def next_measurement(first: Fit, second: Fit, names: tuple[str, ...], lowpass: Lowpass | None) -> NextMeasurement:
+def next_measurement(
+    first: CampaignFit, second: CampaignFit, names: tuple[str, ...], lowpass: Lowpass | None
+) -> NextMeasurement:
     """Find the press with the largest expected gap in chi2 between two fitted explanations.
 
     gap = d' (C + S1 + S2)^-1 d with d the difference of their predictions, C the noise, S their parameter
     uncertainty (law error of new pads included).
-
-    Parameters
-    ----------
-    first, second : Fit
-        The two explanations, both fitted to the campaign.
-    names : tuple of str
-        What the two are called.
-    lowpass : Lowpass or None
-        The declared sensor filter.
     """
     presses = first.problem.presses
     chosen = [o for o in options(presses, first.problem.law) if o.depth_share * o.thickness_mm > 0.2]
@@ -205,7 +186,7 @@ def next_measurement(first: Fit, second: Fit, names: tuple[str, ...], lowpass: L
     other, other_root = _prediction(second, planned)
     noise = first.sizes.noise
     gaps = np.zeros(len(chosen))
-    slope = Problem(planned, first.problem.law).slope(
+    slope = CampaignProblem(planned, first.problem.law).slope(
         np.r_[first.vector[:BASE], np.zeros(LAW_TERMS * len(planned.pads))], forces
     )
     cover = planned.bins.covariance(noise, np.where(planned.used, slope, 0.0))
@@ -218,5 +199,5 @@ def next_measurement(first: Fit, second: Fit, names: tuple[str, ...], lowpass: L
         gaps[row] = float(difference @ np.linalg.solve(total, difference))
     best = np.argsort(-gaps)
     listed = tuple((chosen[i].text, float(gaps[i])) for i in best[1:4])
-    first = tuple(chosen[i] for i in best[:4])
-    return NextMeasurement(first[0].text, names, float(gaps[best[0]]), listed, first)
+    presses_to_make = tuple(chosen[i] for i in best[:4])
+    return NextMeasurement(presses_to_make[0].text, names, float(gaps[best[0]]), listed, presses_to_make)

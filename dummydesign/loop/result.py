@@ -1,66 +1,38 @@
-"""What the loop found, and the JSON of ``loop``."""
+"""What the loop found: the JSON of `loop`, and the answer in words."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
+from dummydesign.core.serialise import to_plain
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.fitting.candidates import Candidate
+from dummydesign.loop.fitting.candidates import EffectCandidate
 from dummydesign.loop.fitting.screening import Screened
-from dummydesign.loop.judging.acceptance import Found
-from dummydesign.loop.judging.assessed import Stage, effect_intervals
-from dummydesign.loop.judging.lack_of_fit import lack_of_fit
-from dummydesign.loop.judging.residual_checks import Check
-from dummydesign.loop.judging.residual_dependence import Dependence
-from dummydesign.loop.judging.verdict import Remainder, gain_threshold
-from dummydesign.loop.learned.learn import Learnt
+from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.next_measurement import NextMeasurement
 from dummydesign.loop.prior import Joined
+from dummydesign.loop.selection.cross_validation import AssessedModel, effect_intervals, lack_of_fit
+from dummydesign.loop.selection.learn_effect import Learnt
+from dummydesign.loop.selection.residuals import Check, Dependence
+from dummydesign.loop.selection.verdict import AcceptedEffect, Remainder, gain_threshold
 from dummydesign.measurement.campaign import Campaign
 
 
 @dataclass(frozen=True)
 class LoopResult:
-    """All that the loop found.
-
-    Attributes
-    ----------
-    campaign, presses
-    base, after : Stage
-        Without and with the accepted effects; the same when there are none.
-    verdict : str
-        ``effect``, ``none`` or ``unexplained``.
-    effects : tuple of Found
-    screened : tuple of Screened
-        Scores of all effects at the base.
-    ranking : tuple of Candidate
-        Joint fits at the base, best first.
-    remainder : Remainder
-    where, where_after : tuple of Dependence
-        What the residual of the base and of the corrected model depends on.
-    checks : tuple of Check
-        Of the corrected model.
-    next : NextMeasurement or None
-    untested : dict
-        Effects that this campaign cannot test, with the reason.
-    warnings : tuple of dict
-    learnt : Learnt or None
-        What the remainder of the named effects was learned to be; it is in ``after``.
-    joined : Joined or None
-        How the prior met the data, if one was given.
-    """
+    """All that the loop found."""
 
     campaign: Campaign
     presses: Presses
-    base: Stage
-    after: Stage
+    base: AssessedModel
+    after: AssessedModel
     verdict: str
-    effects: tuple[Found, ...]
+    effects: tuple[AcceptedEffect, ...]
     screened: tuple[Screened, ...]
-    ranking: tuple[Candidate, ...]
+    ranking: tuple[EffectCandidate, ...]
     remainder: Remainder
     where: tuple[Dependence, ...]
     where_after: tuple[Dependence, ...]
@@ -74,50 +46,46 @@ class LoopResult:
 
 def result_dict(result: LoopResult) -> dict[str, Any]:
     """Return the result in the form of the ``loop`` contract."""
-    trials = result.presses.trials
-    rows = zip(
-        trials, result.base.errors.by_trial_N, result.after.errors.by_trial_N, result.after.errors.heldout_by_trial_N
-    )
+    effects = [found.candidate.effect for found in result.effects]
+    errors = (result.base.errors.by_trial_N, result.after.errors.by_trial_N, result.after.errors.heldout_by_trial_N)
+    lack = lack_of_fit(result.ranking[0].fit).ratio if result.ranking else None
     return {
+        "answer": answer_of(result),
+        "worth": [asdict(worth_of(result, effect)) for effect in effects],
         "base": result.base.to_dict(),
         "verdict": result.verdict,
         "effects": [_effect(found, result) for found in result.effects],
         "after": result.after.to_dict(),
         "residual": {
-            "where": [one.to_dict() for one in result.where],
-            "where_after": [one.to_dict() for one in result.where_after],
+            "where": to_plain(result.where),
+            "where_after": to_plain(result.where_after),
             "unexplained_because": list(result.remainder.reasons),
             "heldout_over_noise_floor": result.remainder.over_floor,
             "expected_over_noise_floor": result.remainder.expected,
-            "checks": [check.to_dict() for check in result.checks],
+            "checks": to_plain(result.checks),
             "by_trial": [
                 {
                     "file": trial.file, "thickness_mm": trial.thickness_mm, "velocity_mm_s": trial.velocity_mm_s,
                     "base_rmse_N": float(base), "rmse_N": float(after),
                     "heldout_rmse_N": float(left) if np.isfinite(left) else None,
                 }
-                for trial, base, after, left in rows
+                for trial, base, after, left in zip(result.presses.trials, *errors)
             ],
         },
-        "threshold": _threshold(result),
+        # evidence that a first effect needs in this campaign
+        "threshold": gain_threshold(list(result.screened), lack),
         "ranking": [{"name": c.effect.name, "evidence": c.gain} for c in result.ranking],
         "screening": [{"name": one.effect.name, "z": one.z} for one in result.screened],
-        "learned": None if result.learnt is None else result.learnt.to_dict(),
+        "learned": to_plain(result.learnt),
         "untested": result.untested,
-        "prior": None if result.joined is None else result.joined.to_dict(),
-        "next_measurement": None if result.next is None else result.next.to_dict(),
+        "prior": to_plain(result.joined),
+        "next_measurement": to_plain(result.next),
         "warnings": list(result.warnings),
-        "sources": sorted({found.candidate.effect.reference for found in result.effects}),
+        "sources": sorted({effect.reference for effect in effects}),
     }  # fmt: skip
 
 
-def _threshold(result: LoopResult) -> float:
-    """Evidence that a first effect needs in this campaign."""
-    ratio = lack_of_fit(result.ranking[0].fit).ratio if result.ranking else None
-    return gain_threshold(list(result.screened), ratio)
-
-
-def _effect(found: Found, result: LoopResult) -> dict[str, Any]:
+def _effect(found: AcceptedEffect, result: LoopResult) -> dict[str, Any]:
     effect = found.candidate.effect
     return {
         "name": effect.name,
@@ -131,3 +99,86 @@ def _effect(found: Found, result: LoopResult) -> dict[str, Any]:
         "confounded_with": list(found.confounded_with),
         "family": list(found.family),
     }
+
+
+@dataclass(frozen=True)
+class Worth:
+    """What an effect changes at the largest force of the campaign."""
+
+    name: str
+    change_N: float
+    force_N: float
+    file: str
+
+
+def worth_of(result: LoopResult, effect: Effect) -> Worth:
+    """What an effect of the corrected model is worth at the largest force that was measured."""
+    fit, presses = result.after.fit, result.presses
+    vector = fit.vector.copy()
+    vector[fit.problem.entries[effect.name]] = [p.to_coordinate(p.null) for p in effect.parameters]
+    measured = np.where(presses.used, presses.force_N, -np.inf)
+    row, column = np.unravel_index(int(np.argmax(measured)), measured.shape)
+    force, without = float(fit.forces[row, column]), float(fit.problem.predict(vector)[row, column])
+    return Worth(effect.name, force - without, force, presses.trials[row].file)
+
+
+def answer_of(result: LoopResult) -> list[str]:
+    """The answer in sentences, the most important first."""
+    after, joined = result.after, result.joined
+    names = [named(found.candidate.effect.name) for found in result.effects]
+    if result.verdict == "none":
+        first = "Nothing is missing: the model describes the campaign down to its noise."
+    elif result.verdict == "effect":
+        them = "it" if len(names) == 1 else "them"
+        first = f"The model lacked {listed(names)}; with {them} what is left is noise."
+    else:
+        used = "is" if len(names) == 1 else "are"
+        found = f" beyond {listed(names)}, which {used} used all the same" if names else ""
+        first = f"Something is missing that no known effect explains{found}: {result.remainder.reasons[0]}."
+    # what the fit did not see is said first
+    unseen = "".join(f"{one['message']}. " for one in result.warnings if one["code"] == "beyond_table")
+    lines = [unseen + first]
+    lines += [_effect_text(result, found.candidate.effect, found.confounded_with) for found in result.effects]
+    before, left = result.base.errors.heldout_N, after.errors.heldout_N
+    if left is not None and before is not None:
+        change = f"falls from {before:.3g} to {left:.3g} N" if result.effects else f"is {left:.3g} N"
+        floor = after.fit.sizes.floor_N
+        lines.append(f"The error on left-out conditions {change}; the noise floor is {floor:.2g} N.")
+    young = after.to_dict()["parameters"]["young_kPa"]
+    lines.append(
+        f"The long-term modulus is {young['value']:.3g} kPa (95 %: {young['low']:.4g} to {young['high']:.4g})."
+    )
+    if joined is not None and joined.used:
+        lines.append("The prior agrees with this campaign: modulus, relaxation and their intervals come from both.")
+    elif joined is not None:
+        lines.append(f"The prior contradicts this campaign, which stands alone: {'; '.join(joined.conflicts)}.")
+    if result.next is not None:
+        lines.append(f"Next: {result.next.text}.")
+    return lines
+
+
+def _effect_text(result: LoopResult, effect: Effect, rivals: tuple[str, ...]) -> str:
+    size = effect.parameters[0]
+    value, worth = effect_intervals(result.after, effect)[size.name], worth_of(result, effect)
+    unit = "" if size.unit == "1" else f" {size.unit}"
+    text = (
+        f"{named(effect.name).capitalize()}: {size.name} = {value['value']:.3g}{unit} (95 %: {value['low']:.3g} to "
+        f"{value['high']:.3g}), worth {worth.change_N:+.2g} N at the largest force, {worth.force_N:.3g} N."
+    )
+    if rivals:
+        text += f" {listed([named(name) for name in rivals], 'or').capitalize()} would explain it as well."
+    if effect.cause:
+        text += f" As a rule: {effect.cause}."
+    if effect.remedy:
+        text += f" {effect.remedy[0].upper()}{effect.remedy[1:]}."
+    return text
+
+
+def named(name: str) -> str:
+    """The name of an effect in words."""
+    return name.replace("_", " ")
+
+
+def listed(names: list[str], last: str = "and") -> str:
+    """Names in a sentence."""
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {last} {names[-1]}"

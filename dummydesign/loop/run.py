@@ -1,154 +1,173 @@
-"""The whole loop: campaign in, verdict, corrected model and its errors out."""
+"""The whole loop: campaign in, verdict, corrected model and its errors out; and replay of a campaign."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import Any
 
-from dummydesign.core.threads import one_blas_thread
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.core.errors import InputError
+from dummydesign.core.process import Progress, one_blas_thread, quiet
+from dummydesign.loop.calibration import Calibration
 from dummydesign.loop.data.trials import Presses, make_presses
-from dummydesign.loop.effects import known_effects
-from dummydesign.loop.effects.own import refuse_unsound
-from dummydesign.loop.fitting.base_fit import fit_base
-from dummydesign.loop.fitting.candidates import Candidate
+from dummydesign.loop.effects.registry import known_effects, refuse_unsound
+from dummydesign.loop.fitting.candidates import EffectCandidate
+from dummydesign.loop.fitting.fit import fit_base
 from dummydesign.loop.fitting.noise import repeat_pairs
-from dummydesign.loop.judging.acceptance import Found
-from dummydesign.loop.judging.assessed import Stage, make_stage
-from dummydesign.loop.judging.residual_checks import run_checks
-from dummydesign.loop.judging.residual_dependence import dependences
-from dummydesign.loop.judging.search import search
-from dummydesign.loop.judging.verdict import Remainder, remainder
-from dummydesign.loop.learned.learn import can_be_learned, learn
 from dummydesign.loop.model.base_law import SetupLaw
-from dummydesign.loop.model.campaign_law import law_of
+from dummydesign.loop.model.campaign_law import law_of, start_young_kPa, within_reach
 from dummydesign.loop.model.effect import Effect
-from dummydesign.loop.model.expected import start_young_kPa
-from dummydesign.loop.model.reach import within_reach
 from dummydesign.loop.next_measurement import NextMeasurement, next_measurement
 from dummydesign.loop.prior import Joined, check_prior, join, with_prior_effects
 from dummydesign.loop.result import LoopResult
+from dummydesign.loop.selection.cross_validation import AssessedModel, assess
+from dummydesign.loop.selection.learn_effect import can_be_learned, learn
+from dummydesign.loop.selection.residuals import dependences, run_checks
+from dummydesign.loop.selection.search import search
+from dummydesign.loop.selection.verdict import AcceptedEffect, remainder
 from dummydesign.measurement.campaign import Campaign
 
-if TYPE_CHECKING:
-    from dummydesign.loop.calibration import Calibration
 
-Progress = Callable[[str], None]
+@dataclass(frozen=True)
+class Replayed:
+    """A campaign predicted with a calibration: errors per trial and over all samples. [N]"""
+
+    files: tuple[str, ...]
+    rmse_N: NDArray
+    base_rmse_N: NDArray
+    peak_error_N: NDArray
+    total_rmse_N: float
+    total_base_rmse_N: float
+    left_out: str = ""
+    """Presses deeper than the force law of their pad, in words; empty where there are none."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON of ``replay``."""
+        rows = zip(self.files, self.rmse_N, self.base_rmse_N, self.peak_error_N)
+        return {
+            "trials": [
+                {"file": file, "rmse_N": float(own), "base_rmse_N": float(base), "peak_error_N": float(peak)}
+                for file, own, base, peak in rows
+            ],
+            "rmse_N": self.total_rmse_N,
+            "base_rmse_N": self.total_base_rmse_N,
+        }
+
+
+@one_blas_thread()
+def replay(campaign: Campaign, calibration: Calibration, progress: Progress = quiet) -> Replayed:
+    """Predict a campaign with the corrected and with the base model, nothing fitted.
+
+    ``peak_error_N`` is modelled minus measured largest force, both smoothed over five samples.
+    """
+    law = law_of(campaign, progress)
+    progress("presses")
+    campaign, presses, left_out = within_reach(campaign, make_presses(campaign), law, least=1)
+    effects = [one.effect for one in calibration.after.active]
+    for effect in effects:
+        reason = effect.undefined(presses, law)
+        if reason:
+            message = f"the calibration holds {effect.name}, which this campaign cannot take: {reason}"
+            raise InputError(message, "not_applicable", "effect", effect.name)
+    refuse_unsound(effects, presses, law)
+    progress("with what was found")
+    after = presses.at_samples(calibration.after.nodes(presses, law))
+    progress("with the base model")
+    base = presses.at_samples(calibration.base.nodes(presses, law))
+    measured = [trial.trace.force_N for trial in campaign.trials]
+    weight = [len(force) for force in measured]
+    smooth = np.ones(5) / 5.0
+    peaks = [np.array([np.convolve(f, smooth, "valid").max() for f in forces]) for forces in (after, measured)]
+    squares, base_squares = (
+        np.array([float(np.mean((f - m) ** 2)) for f, m in zip(forces, measured)]) for forces in (after, base)
+    )
+    own, plain = (float(np.sqrt(np.average(one, weights=weight))) for one in (squares, base_squares))
+    return Replayed(
+        tuple(trial.file for trial in campaign.trials), np.sqrt(squares), np.sqrt(base_squares), peaks[0] - peaks[1],
+        own, plain, left_out,
+    )  # fmt: skip
 
 
 @one_blas_thread()
 def close_loop(
-    campaign: Campaign,
-    progress: Progress | None = None,
-    young_MPa: float | None = None,
-    prior: Calibration | None = None,
+    campaign: Campaign, progress: Progress = quiet, young_MPa: float | None = None, prior: Calibration | None = None
 ) -> LoopResult:
-    """Run the loop on a campaign.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        What was measured.
-    prior : Calibration, optional
-        Of an earlier campaign of the same material; see :mod:`dummydesign.loop.prior`.
-    progress : callable, optional
-        Called with a word for each step.
-    young_MPa : float, optional
-        Where to start the modulus; by default the nominal one of the campaign. [MPa]
-
-    Raises
-    ------
-    InputError
-        When the campaign declares a set-up without a fast force law.
-    """
-
-    def tell(word: str) -> None:
-        if progress is not None:
-            progress(word)
-
+    """Run the loop on a campaign."""
     if prior is not None:
         check_prior(prior, campaign)
     law = law_of(campaign, progress)
     campaign, presses, beyond = within_reach(campaign, make_presses(campaign), law)
-    start = young_MPa or 1e-3 * start_young_kPa(campaign)
-    base_fit = fit_base(presses, law, start, progress)
-    base = make_stage(base_fit)
+    base = assess(fit_base(presses, law, young_MPa or 1e-3 * start_young_kPa(campaign), progress))
     available, untested = _available(presses, law)
     found = search(base, available, progress)
     after, effects = found.after, found.effects
-    tell("remainder")
-    where_after = dependences(after.fit)
-    checks = run_checks(after.fit)
+    progress("remainder")
+    where_after, checks = dependences(after.fit), run_checks(after.fit)
     left = remainder(base, after, where_after, checks)
     verdict = "unexplained" if left.reasons else "effect" if effects else "none"
     learnt = None
     if left.reasons and can_be_learned(checks, where_after):
-        tell("learning what is left")
+        progress("learning what is left")
         learnt = learn(after.fit)
     if learnt is not None:
-        after = make_stage(learnt.fit)
+        after = assess(learnt.fit)
         where_after, checks = dependences(after.fit), run_checks(after.fit)
         still = remainder(base, after, where_after, checks)
-        left = Remainder((learnt.text, *still.reasons), still.over_floor, still.expected)
+        left = replace(still, reasons=(learnt.text, *still.reasons))
     joined = None
     if prior is not None:
-        tell("prior")
+        progress("prior")
         fit, joined = join(with_prior_effects(after.fit, prior, presses, law), prior, after.lack.ratio)
-        after = make_stage(fit) if joined.used else after
-    tell("next measurement")
+        after = assess(fit) if joined.used else after
+    progress("next measurement")
     following = _next(campaign, base, effects, found.ranking)
     return LoopResult(
         campaign, presses, base, after, verdict, effects, tuple(found.screened), tuple(found.ranking), left,
         tuple(dependences(base.fit)), tuple(where_after), tuple(checks), following, untested,
-        (*_warnings(campaign, presses, beyond), *_contradicted(joined)), learnt, joined,
+        _warnings(campaign, presses, beyond, joined), learnt, joined,
     )  # fmt: skip
 
 
-def _contradicted(joined: Joined | None) -> tuple[dict[str, str], ...]:
-    if joined is None or joined.used:
-        return ()
-    text = f"the prior contradicts this campaign and was not used: {'; '.join(joined.conflicts)}"
-    return ({"code": "prior_conflict", "message": text},)
-
-
 def _available(presses: Presses, law: SetupLaw) -> tuple[tuple[Effect, ...], dict[str, str]]:
+    """Effects that can be fitted to these presses, and why each of the others cannot."""
     known = known_effects()
     reasons = {effect.name: effect.unavailable(presses, law) for effect in known}
     if presses.elastic_only:
-        relaxing = [effect.name for effect in known if effect.relaxes]
-        reasons.update({name: "needs holds or two speeds" for name in relaxing})
+        reasons |= {effect.name: "needs holds or two speeds" for effect in known if effect.relaxes}
     usable = tuple(effect for effect in known if not reasons[effect.name])
     refuse_unsound(usable, presses, law)
     return usable, {name: reason for name, reason in reasons.items() if reason}
 
 
 def _next(
-    campaign: Campaign, base: Stage, effects: tuple[Found, ...], ranking: list[Candidate]
+    campaign: Campaign, base: AssessedModel, effects: tuple[AcceptedEffect, ...], ranking: list[EffectCandidate]
 ) -> NextMeasurement | None:
     """Separate the two likeliest explanations: effect and runner-up, or nothing and the best candidate."""
-    if effects:
-        found = effects[0]
-        other = found.ranking[1] if len(found.ranking) > 1 else None
-        pair = (found.candidate.fit, base.fit if other is None else other.fit)
-        names = (found.candidate.effect.name, "none" if other is None else other.effect.name)
-    elif ranking:
-        pair, names = (ranking[0].fit, base.fit), (ranking[0].effect.name, "none")
-    else:
+    if not effects and not ranking:
         return None
-    return next_measurement(*pair, names, campaign.lowpass)
+    first, *others = (effects[0].candidate, *effects[0].ranking[1:2]) if effects else ranking[:1]
+    fit, name = (others[0].fit, others[0].effect.name) if others else (base.fit, "none")
+    return next_measurement(first.fit, fit, (first.effect.name, name), campaign.lowpass)
 
 
-def _warnings(campaign: Campaign, presses: Presses, beyond: str) -> tuple[dict[str, str], ...]:
+def _warnings(
+    campaign: Campaign, presses: Presses, beyond: str, joined: Joined | None
+) -> tuple[dict[str, str], ...]:
     # what a fit does not see is said first
     out = [{"code": "beyond_table", "message": beyond}] if beyond else []
     out += campaign.warnings
     if not repeat_pairs(presses):
-        out.append(
-            {"code": "no_repeats", "message": "no condition is repeated: lack of fit cannot be tested against pure "
-             "error, and the slow noise is taken from the residuals, where model error counts as noise"}
-        )  # fmt: skip
+        message = (
+            "no condition is repeated: lack of fit cannot be tested against pure error, and the slow noise is taken "
+            "from the residuals, where model error counts as noise"
+        )
+        out.append({"code": "no_repeats", "message": message})
     if presses.elastic_only:
-        out.append(
-            {"code": "elastic_only", "message": "no trial holds and all have one speed: relaxation is not fitted, the "
-             "modulus is that of this speed"}
-        )  # fmt: skip
+        message = "no trial holds and all have one speed: relaxation is not fitted, the modulus is that of this speed"
+        out.append({"code": "elastic_only", "message": message})
+    if joined is not None and not joined.used:
+        message = f"the prior contradicts this campaign and was not used: {'; '.join(joined.conflicts)}"
+        out.append({"code": "prior_conflict", "message": message})
     return tuple(out)

@@ -1,21 +1,32 @@
-"""Reader of a campaign folder: ``campaign.toml`` and one trace file per trial, read and checked."""
+"""Read and write a campaign folder: campaign.toml and one trace file per trial."""
 
 from __future__ import annotations
 
-import math
 import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError, unknown_name
+from dummydesign.core.library import toml_text
+from dummydesign.core.toml_schema import Table
+from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.interface import BASES, CONDITIONS, FRICTION, Interface
-from dummydesign.geometry.punch_profile import ball_profile, read_profile
-from dummydesign.geometry.shapes import PadShape, Slab, read_shape, shape_kinds
-from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
-from dummydesign.measurement.campaign import Campaign, PadSpec, PunchSpec, Trial
-from dummydesign.measurement.campaign_checks import check_against_declared, check_edge, check_set
-from dummydesign.measurement.campaign_lines import CampaignLines
-from dummydesign.measurement.pad_record import PadRecord, Records, pad_with_record
+from dummydesign.geometry.pad_shape import PadShape
+from dummydesign.geometry.punch import ball_profile, read_profile
+from dummydesign.geometry.shape_registry import read_shape, shape_kinds
+from dummydesign.geometry.shapes.slab import Slab
+from dummydesign.measurement.campaign import (
+    Campaign,
+    PadSpec,
+    PunchSpec,
+    Trial,
+    check_against_declared,
+    check_edge,
+    check_set,
+)
+from dummydesign.measurement.pad_record import Records, pad_with_record, trial_with_record
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import read_trace
 
@@ -32,8 +43,32 @@ TRIAL_NUMBERS = {
     "target_depth_mm": (0.0, 200.0),
 }
 TRIAL_REQUIRED = ("thickness_mm", "velocity_mm_s")
+PUNCHES = ("square", "round", "ball", "profile", "plate")
 PUNCH_KEYS = {"punch", "side_mm", "diameter_mm", "contact", "edge_radius_mm"}
 _TRIAL_KEYS = {"file", "repeat", "sequence", "shape", "unload", "record", *TRIAL_NUMBERS}
+
+
+def read_campaign_toml(folder: Path) -> Table:
+    """Read the campaign file of a folder, unchecked."""
+    try:
+        text = (folder / FILE).read_text(encoding="utf-8-sig")
+        return Table(tomllib.loads(text), folder / FILE, text)
+    except FileNotFoundError:
+        message = f"campaign folder '{folder}' has no {FILE}; 'dummydesign campaign new' makes one"
+        raise InputError(message, "file_not_found", "campaign") from None
+    except (OSError, UnicodeDecodeError) as problem:
+        message = f"{FILE}: cannot be read as UTF-8 text: {problem}"
+        raise InputError(message, "file_unreadable", "campaign") from None
+    except tomllib.TOMLDecodeError as problem:
+        raise InputError(f"{FILE}: not valid TOML: {problem}", "malformed", "campaign") from None
+
+
+def trial_tables(top: Table) -> list[Table]:
+    """Return the table of each trial of a campaign file."""
+    trials = top.data.get("trial")
+    if not isinstance(trials, list) or not trials or not all(isinstance(trial, dict) for trial in trials):
+        raise InputError(f"{FILE}: has no [[trial]]", "missing", "campaign.trials")
+    return top.tables("trial")
 
 
 def read_campaign(folder: str | Path) -> Campaign:
@@ -57,74 +92,38 @@ def read_campaign(folder: str | Path) -> Campaign:
     """
     folder = Path(folder)
     if not folder.is_dir():
-        raise InputError(f"campaign folder '{folder}' does not exist")
-    path = folder / FILE
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-        data = tomllib.loads(text)
-    except FileNotFoundError:
-        raise InputError(f"campaign folder '{folder}' has no {FILE}") from None
-    except (OSError, UnicodeDecodeError) as problem:
-        raise InputError(f"{FILE}: cannot be read as UTF-8 text: {problem}") from None
-    except tomllib.TOMLDecodeError as problem:
-        raise InputError(f"{FILE}: not valid TOML: {problem}") from None
-    place = CampaignLines(FILE, text)
-    if data.get("schema") != 1:
-        raise InputError(f"{FILE}: schema = {data.get('schema')!r}; this version reads schema = 1")
+        raise InputError(f"campaign folder '{folder}' does not exist", "file_not_found", "campaign")
+    top = read_campaign_toml(folder)
+    if top.data.get("schema") != 1:
+        raise top.fault("schema", "is not known; this version reads schema = 1", "unsupported", 1)
+    for name in ("pad", "punch", "sensor"):
+        if isinstance(top.data.get(name), list):
+            message = f"{top.where(name)}: a campaign has one [{name}]; make a campaign of each"
+            raise InputError(message, "malformed", name)
     records = Records(folder)
-    own = records.of(_section(data, "pad"), place.section("pad", "record"))
-    pad, punch = _pad(data, place, own), _punch(data, place, folder)
+    pad_table, punch_table, sensor = (top.table(name, required=False) for name in ("pad", "punch", "sensor"))
+    own = records.of(pad_table)
+    pad = _read_pad(pad_table if own is None else pad_with_record(pad_table, own))
+    punch = _read_punch(punch_table, folder)
     if (pad.shape == "cylinder") != (punch.shape == "plate"):
-        raise InputError(
-            f"{place.section('punch', 'shape')}: punch '{punch.shape}' with pad shape '{pad.shape}'; "
-            "a cylinder is pressed by a plate, any other pad by a square, round, ball or profile punch"
+        words = f"with pad shape '{pad.shape}'; a plate presses a cylinder, any other punch any other pad"
+        raise punch_table.fault("shape", words, "conflict")
+    lowpass, resolution = _read_sensor(sensor)
+    tables = trial_tables(top)
+    if len(tables) < 2:
+        message = (
+            f"{tables[0].where()}: a single trial; a modulus and two relaxation arms need at least two trials (two "
+            "depths or speeds), and repeats to know the noise"
         )
-    lowpass, resolution = _sensor(data, place)
-    blocks = data.get("trial")
-    if not isinstance(blocks, list) or not blocks:
-        raise InputError(f"{FILE}: has no [[trial]]")
-    if len(blocks) < 2:
-        raise InputError(
-            f"{place.trial(0)}: a single trial; a modulus and two relaxation arms need at least two trials "
-            "(two depths or speeds), and repeats to know the noise"
-        )
-    warnings: list[dict[str, str]] = []
-    blocks = [records.trial(block, own, place, i) for i, block in enumerate(blocks)]
-    trials = tuple(_trial(block, i, place, folder, pad, punch) for i, block in enumerate(blocks))
-    check_edge(pad, punch, [trial.geometry for trial in trials], f"{place.section('punch', 'edge_radius_mm')}: ")
-    check_set(trials, blocks, place, warnings)
-    warnings += records.warnings()
-    return Campaign(
-        str(data.get("name", folder.name)), folder, pad, punch, lowpass, resolution, trials, tuple(warnings),
-        tuple(records.read),
-    )  # fmt: skip
-
-
-def _number(table: dict[str, Any], key: str, where: str, low: float, high: float, hint: str = "") -> float | None:
-    """Read an optional number within its range."""
-    if key not in table:
-        return None
-    value = table[key]
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise InputError(f"{where}: {key} = {value!r} is not a number")
-    if not low <= value <= high:
-        raise InputError(f"{where}: {key} = {value:g} is outside the allowed range {low:g} to {high:g}{hint}")
-    return float(value)
-
-
-def _choice(table: dict[str, Any], key: str, where: str, known: tuple[str, ...], default: str) -> str:
-    value = str(table.get(key, default))
-    if value in known or (FRICTION in known and Interface.names_friction(value)):
-        return value
-    raise InputError(f"{where}: {unknown_name(key, value, known)}")
-
-
-def _section(data: dict[str, Any], name: str) -> dict[str, Any]:
-    table = data.get(name, {})
-    if not isinstance(table, dict):
-        several = "; a campaign has one, make a campaign of each" if isinstance(table, list) else ""
-        raise InputError(f"{FILE}: [{name}] must be a table{several}")
-    return table
+        raise InputError(message, "not_enough_data", "campaign.trials", 1)
+    measured = [records.of(table) or own for table in tables]
+    tables = [trial_with_record(table, one) if one else table for table, one in zip(tables, measured)]
+    trials = tuple(_read_trial(table, index, folder, pad, punch) for index, table in enumerate(tables, 1))
+    shapes = [trial.geometry for trial in trials]
+    check_edge(pad, punch, shapes, f"{punch_table.where('edge_radius_mm')}: ")
+    warnings = (*check_set(trials, tables), *records.warnings())
+    name = str(top.data.get("name", folder.name))
+    return Campaign(name, folder, pad, punch, lowpass, resolution, trials, warnings, tuple(records.read))
 
 
 def geometry_of(text: str, where: str) -> PadShape:
@@ -135,151 +134,259 @@ def geometry_of(text: str, where: str) -> PadShape:
     kinds = shape_kinds()
     name = text.partition(":")[0].lower()
     if name not in kinds:
-        raise InputError(f"{where}: {unknown_name('shape', text, ('cylinder', *kinds))}")
+        raise unknown_name("shape", text, ("cylinder", *kinds)).within(where)
     if name != Slab.name and ":" not in text:
         wanted = ",".join(f"{one}=.." for one in kinds[name].needed())
-        raise InputError(f"{where}: shape = '{text}' has no lengths; give shape = \"{name}:{wanted}\"")
+        message = f"{where}: shape = '{text}' has no lengths; give shape = \"{name}:{wanted}\""
+        raise InputError(message, "missing", "shape", text)
     try:
         return read_shape(text)
     except InputError as problem:
-        raise InputError(f"{where}: {problem}") from None
+        raise problem.within(where) from None
 
 
-def _pad(data: dict[str, Any], place: CampaignLines, record: PadRecord | None) -> PadSpec:
-    table = _section(data, "pad")
-    if record is not None:
-        table = pad_with_record(table, record, place.section("pad", "record"))
-
-    def number(key: str, low: float, high: float, hint: str = "") -> float | None:
-        return _number(table, key, place.section("pad", key), low, high, hint)
-
-    young = number("young_kPa_nominal", 0.5, 5000.0, "; the unit is kPa: give 25 kPa as 25.0 (not 0.025 or 25000)")
-    resin = table.get("resin")
+def _read_pad(table: Table) -> PadSpec:
+    young = table.number("young_kPa_nominal", None, low=0.5, high=5000.0)
+    resin = table.data.get("resin")
     if young is None and resin is None:
-        raise InputError(f"{place.section('pad')}: [pad] needs young_kPa_nominal, or resin and ratio")
-    where = place.section("pad", "shape")
-    text = str(table.get("shape", Slab.name))
+        raise table.fault("young_kPa_nominal", "is missing: give it, or resin and ratio", "missing")
+    text = str(table.data.get("shape", Slab.name))
     shape = text if text == "cylinder" else "slab"
-    geometry = geometry_of(text, where) if shape == "slab" else Slab()
-    diameter = number("diameter_mm", 2.0, 500.0)
+    geometry = geometry_of(text, table.where("shape")) if shape == "slab" else Slab()
+    diameter = table.number("diameter_mm", None, low=2.0, high=500.0)
     if shape == "cylinder" and diameter is None:
-        raise InputError(f"{place.section('pad')}: a cylinder needs diameter_mm")
-    base = _choice(table, "base", place.section("pad", "base"), (*BASES, FRICTION), "bonded")
-    return PadSpec(
-        young, None if resin is None else str(resin), number("ratio", 0.0, 1000.0), shape,
-        number("length_mm", 5.0, 2000.0), number("width_mm", 5.0, 2000.0), diameter, base, geometry,
-    )  # fmt: skip
+        raise table.fault("diameter_mm", "is missing: a cylinder needs it", "missing")
+    base = _read_interface(table, "base", (*BASES, FRICTION))
+    ratio = table.number("ratio", None, low=0.0, high=1000.0)
+    length, width = (table.number(key, None, low=5.0, high=2000.0) for key in ("length_mm", "width_mm"))
+    return PadSpec(young, None if resin is None else str(resin), ratio, shape, length, width, diameter, base, geometry)
 
 
-def _punch(data: dict[str, Any], place: CampaignLines, folder: Path) -> PunchSpec:
-    table = _section(data, "punch")
-    where = place.section("punch", "shape")
-    shape = _choice(table, "shape", where, ("square", "round", "ball", "profile", "plate"), "square")
-    side = _number(table, "side_mm", place.section("punch", "side_mm"), 1.0, 200.0)
-    diameter = _number(table, "diameter_mm", place.section("punch", "diameter_mm"), 1.0, 200.0)
-    if shape == "square" and side is None:
-        raise InputError(f"{where}: a square punch needs side_mm")
-    if shape in ("round", "ball") and diameter is None:
-        raise InputError(f"{where}: a {shape}{' punch' if shape == 'round' else ''} needs diameter_mm")
-    profile = ball_profile(diameter) if shape == "ball" and diameter else None
-    if shape == "profile":
-        place_of_file = place.section("punch", "file")
-        profile = read_profile(folder / _inside(table.get("file"), "a profile needs file", place_of_file, folder))
-    contact = _choice(
-        table, "contact", place.section("punch", "contact"), (*CONDITIONS, FRICTION), "bonded"
-    )
-    edge = _number(table, "edge_radius_mm", place.section("punch", "edge_radius_mm"), 0.0, 100.0)
-    return PunchSpec(shape, side, diameter, contact, profile, edge or 0.0)
-
-
-def _sensor(data: dict[str, Any], place: CampaignLines) -> tuple[Lowpass | None, float]:
-    table = _section(data, "sensor")
-    where = place.section("sensor", "lowpass_hz")
-    cutoff = _number(table, "lowpass_hz", where, 0.1, 1e5)
-    resolution = _number(table, "force_resolution_N", place.section("sensor", "force_resolution_N"), 0.0, 10.0)
-    if cutoff is None:
-        return None, resolution or 0.0
-    try:
-        lowpass = Lowpass(cutoff, int(table.get("lowpass_order", 2)), int(table.get("lowpass_passes", 1)))
-    except (InputError, ValueError, TypeError) as problem:
-        raise InputError(f"{where}: {problem}") from None
-    return lowpass, resolution or 0.0
-
-
-def _whole(block: dict[str, Any], key: str, where: str, default: int) -> int:
-    value = block.get(key, default)
-    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-        raise InputError(f"{where}: {key} = {value!r} must be a whole number from 1")
+def _read_interface(table: Table, key: str, known: tuple[str, ...]) -> str:
+    value = str(table.data.get(key, "bonded"))
+    if value not in known and not Interface.names_friction(value):
+        raise unknown_name(key, value, known, quantity=f"{table.name}.{key}").within(table.where(key))
     return value
 
 
-def _trial(
-    block: dict[str, Any], index: int, place: CampaignLines, folder: Path, pad: PadSpec, punch: PunchSpec
-) -> Trial:
-    unknown = sorted(set(block) - _TRIAL_KEYS)
-    if PUNCH_KEYS & set(unknown):
-        key = next(key for key in unknown if key in PUNCH_KEYS)
-        raise InputError(
-            f"{place.trial(index, key)}: {key} in a trial: a campaign has one punch, that of [punch]; make a campaign "
-            "of each, and join them with 'dummydesign loop --prior'"
-        )
+def _read_punch(table: Table, folder: Path) -> PunchSpec:
+    shape = str(table.data.get("shape", "square"))
+    if shape not in PUNCHES:
+        raise unknown_name("shape", shape, PUNCHES, quantity="punch.shape").within(table.where("shape"))
+    side, diameter = (table.number(key, None, low=1.0, high=200.0) for key in ("side_mm", "diameter_mm"))
+    needed = {"square": "side_mm", "round": "diameter_mm", "ball": "diameter_mm"}.get(shape)
+    if needed and needed not in table:
+        raise table.fault(needed, f"is missing: the punch is {shape}", "missing")
+    profile = ball_profile(diameter) if shape == "ball" else None
+    if shape == "profile":
+        profile = read_profile(folder / _read_file_name(table, folder))
+    contact = _read_interface(table, "contact", (*CONDITIONS, FRICTION))
+    edge = table.number("edge_radius_mm", 0.0, low=0.0, high=100.0)
+    return PunchSpec(shape, side, diameter, contact, profile, edge)
+
+
+def _read_sensor(table: Table) -> tuple[Lowpass | None, float]:
+    cutoff = table.number("lowpass_hz", None, low=0.1, high=1e5)
+    resolution = table.number("force_resolution_N", 0.0, low=0.0, high=10.0)
+    if cutoff is None:
+        return None, resolution
+    where = table.where("lowpass_hz")
+    try:
+        order, passes = (int(table.data.get(f"lowpass_{key}", usual)) for key, usual in (("order", 2), ("passes", 1)))
+        return Lowpass(cutoff, order, passes), resolution
+    except InputError as problem:
+        raise problem.within(where) from None
+    except (ValueError, TypeError) as problem:
+        raise InputError(f"{where}: {problem}", "not_a_number", "sensor.lowpass") from None
+
+
+def _read_trial(table: Table, number: int, folder: Path, pad: PadSpec, punch: PunchSpec) -> Trial:
+    unknown = sorted(set(table.data) - _TRIAL_KEYS)
+    for key in unknown:
+        if key in PUNCH_KEYS:
+            words = "in a trial: a campaign has one [punch]; join campaigns by 'dummydesign loop --prior'"
+            raise table.fault(key, words, "not_applicable")
     if unknown:
-        raise InputError(f"{place.trial(index, unknown[0])}: {unknown_name('key', unknown[0], _TRIAL_KEYS)}")
-    numbers: dict[str, Any] = {}
-    for key, (low, high) in TRIAL_NUMBERS.items():
-        hint = "; the unit is mm: 0.015 m is 15" if key == "thickness_mm" else ""
-        numbers[key] = _number(block, key, place.trial(index, key), low, high, hint)
+        raise unknown_name("key", unknown[0], _TRIAL_KEYS, "unknown_key", "trial").within(table.where(unknown[0]))
+    numbers = {key: table.number(key, None, low=low, high=high) for key, (low, high) in TRIAL_NUMBERS.items()}
     for key in TRIAL_REQUIRED:
-        if numbers[key] is None:
-            raise InputError(f"{place.trial(index)}: trial {index + 1} lacks {key}")
-    geometry = _trial_geometry(block, index, place, pad, punch, float(numbers["thickness_mm"] or 0.0))
-    name = _file_name(block, index, place, folder)
+        if key not in table:
+            raise table.fault(key, "is missing", "missing")
+    geometry = _trial_geometry(table, pad, punch)
+    name = _read_file_name(table, folder)
+    if not (folder / name).is_file():
+        raise table.fault("file", "does not exist in the campaign folder", "file_not_found")
     trace = read_trace(folder / name, numbers["velocity_mm_s"])
-    trial = Trial(
-        name, **{k: numbers[k] for k in ("thickness_mm", "velocity_mm_s", "hold_s", "target_force_N")},
-        repeat=_whole(block, "repeat", place.trial(index, "repeat"), 1),
-        sequence=_whole(block, "sequence", place.trial(index, "sequence"), index + 1),
-        rest_s=numbers["rest_s"], temperature_C=numbers["temperature_C"], age_days=numbers["age_days"], trace=trace,
-        geometry=geometry, thickness_sd_mm=numbers["thickness_sd_mm"],
-    )  # fmt: skip
-    check_against_declared(trial, index, place)
+    declared = {key: value for key, value in numbers.items() if key != "target_depth_mm"}
+    repeat, sequence = _read_count(table, "repeat", 1), _read_count(table, "sequence", number)
+    trial = Trial(file=name, repeat=repeat, sequence=sequence, trace=trace, geometry=geometry, **declared)
+    check_against_declared(trial, table)
     return trial
 
 
-def _trial_geometry(
-    block: dict[str, Any], index: int, place: CampaignLines, pad: PadSpec, punch: PunchSpec, thickness_mm: float
-) -> PadShape:
+def _read_count(table: Table, key: str, usual: int) -> int:
+    value = table.data.get(key, usual)
+    if type(value) is not int or value < 1:
+        raise table.fault(key, "must be a whole number from 1", "out_of_range")
+    return value
+
+
+def _trial_geometry(table: Table, pad: PadSpec, punch: PunchSpec) -> PadShape:
     """The shape of a trial's pad, its own or that of [pad], fitting its thickness."""
-    where = place.trial(index, "shape")
-    geometry = pad.geometry
-    if "shape" in block:
+    where, geometry = table.where("shape"), pad.geometry
+    if "shape" in table:
         if pad.shape == "cylinder":
-            raise InputError(f"{where}: shape = {block['shape']!r} in a campaign of pucks, which have diameter_mm only")
-        geometry = geometry_of(str(block["shape"]), where)
+            raise table.fault("shape", "in a campaign of pucks, which have diameter_mm only", "not_applicable")
+        geometry = geometry_of(str(table.data["shape"]), where)
     if geometry.plain:
         return geometry
     if punch.profile_mm is not None:
-        raise InputError(f"{where}: shape {geometry} is pressed by a flat punch, not by a {punch.shape}")
+        message = f"{where}: shape {geometry} is pressed by a flat punch, not by a {punch.shape}"
+        raise InputError(message, "conflict", "trial.shape", str(geometry))
     try:
-        geometry.check(thickness_mm, pad.length_mm or PAD_LENGTH_MM, pad.width_mm or PAD_WIDTH_MM)
+        geometry.check(table.data["thickness_mm"], pad.length_mm or PAD_LENGTH_MM, pad.width_mm or PAD_WIDTH_MM)
     except InputError as problem:
-        raise InputError(f"{where}: {problem}") from None
+        raise problem.within(where) from None
     return geometry
 
 
-def _file_name(block: dict[str, Any], index: int, place: CampaignLines, folder: Path) -> str:
-    where = place.trial(index, "file")
-    name = _inside(block.get("file"), f"trial {index + 1} lacks file", where, folder)
-    if not (folder / name).is_file():
-        raise InputError(f"{where}: trace file '{name}' does not exist in the campaign folder")
-    return name
-
-
-def _inside(name: Any, lacking: str, where: str, folder: Path) -> str:
-    """A plain file name inside the campaign folder."""
+def _read_file_name(table: Table, folder: Path) -> str:
+    """Read ``file``, a plain file name inside the campaign folder."""
+    name = table.data.get("file")
     if not isinstance(name, str) or not name.strip():
-        raise InputError(f"{where}: {lacking}")
+        raise InputError(f"{table.where('file')}: 'file' is missing", "missing", f"{table.name}.file")
     outside = "/" in name or "\\" in name or name in (".", "..") or Path(name).is_absolute() or "\0" in name
     if outside or not (folder / name).resolve().is_relative_to(folder.resolve()):
-        raise InputError(f"{where}: file = '{name}' leaves the campaign folder; give a plain file name inside it")
+        raise table.fault("file", "leaves the campaign folder; give a plain file name inside it", "not_allowed")
     return name
+
+
+@dataclass(frozen=True)
+class SetUp:
+    """Pad, punch and sensor of a campaign.
+
+    ``young_kPa``, or ``resin`` and ``ratio``; ``pad`` is ``150x120`` or ``cylinder:50``; ``shape`` that of a pad on a
+    base, as typed; ``punch`` is ``square:14``, ``round:16``, ``ball:12``, ``profile:FILE`` or ``plate``;
+    ``edge_radius_mm`` is the fillet of its edge; ``base`` and ``contact`` as in the campaign format. ``shapes`` are
+    those of the pads by their thickness [mm], where they differ; they stand in each trial.
+    """
+
+    name: str
+    young_kPa: float | None = None
+    resin: str | None = None
+    ratio: float | None = None
+    pad: str = "150x120"
+    punch: str = "square:14"
+    base: str = "bonded"
+    contact: str = "bonded"
+    lowpass: Lowpass | None = None
+    force_resolution_N: float = 0.01
+    shape: str = "slab"
+    edge_radius_mm: float = 0.0
+    shapes: tuple[tuple[float, str], ...] = ()
+
+    def shape_of(self, thickness_mm: float) -> str:
+        """The shape of the pad of this thickness."""
+        return dict(self.shapes).get(thickness_mm, self.shape)
+
+    @property
+    def profile(self) -> Path | None:
+        """File of the punch's profile, to be copied into the campaign; None for other punches."""
+        kind, _, name = self.punch.partition(":")
+        return Path(name) if kind == "profile" else None
+
+    def tables(self) -> dict[str, dict[str, Any]]:
+        """``pad``, ``punch`` and ``sensor`` as the file holds them.
+
+        Raises
+        ------
+        InputError
+            Where one of them has another form.
+        """
+        if self.young_kPa is None and (self.resin is None or self.ratio is None):
+            raise InputError("say what the pads are: --young KPA, or --resin NAME with --ratio R", "missing", "young")
+        material = {"young_kPa_nominal": self.young_kPa, "resin": self.resin, "ratio": self.ratio}
+        pad: dict[str, Any] = {key: value for key, value in material.items() if value is not None}
+        kind, _, size = self.pad.partition(":")
+        cylinder = kind == "cylinder"
+        if cylinder:
+            pad |= {"shape": "cylinder", "diameter_mm": _sizes(size, 1, "pad", self.pad, "cylinder:50")[0]}
+        else:
+            length, width = _sizes(self.pad.removeprefix("slab:"), 2, "pad", self.pad, "150x120")
+            pad |= {"length_mm": length, "width_mm": width}
+        for key, name, known in (("base", self.base, BASES), ("contact", self.contact, CONDITIONS)):
+            if name not in known and not Interface.names_friction(name):
+                message = f"{key} '{name}' is not one of {', '.join((*known, FRICTION))}"
+                raise InputError(message, "unknown_name", key, name, (*known, FRICTION))
+        pad["base"] = self.base
+        if not cylinder and self.shape != "slab":
+            pad["shape"] = str(geometry_of(self.shape, "shape"))
+        sensor: dict[str, Any] = {"force_resolution_N": self.force_resolution_N}
+        if self.lowpass is not None:
+            low = self.lowpass
+            sensor |= {"lowpass_hz": low.cutoff_hz, "lowpass_order": low.order, "lowpass_passes": low.passes}
+        return {"pad": pad, "punch": self._punch(cylinder), "sensor": sensor}
+
+    def _punch(self, cylinder: bool) -> dict[str, Any]:
+        shape, _, size = ("plate" if cylinder and self.punch == "square:14" else self.punch).partition(":")
+        if shape not in PUNCHES or (shape == "plate") != cylinder:
+            message = "a pad is pressed by square:SIDE, round:DIAMETER, ball:DIAMETER or profile:FILE, a puck by plate"
+            raise InputError(f"punch '{self.punch}': {message}", "malformed", "punch", self.punch)
+        if cylinder and self.shape != "slab":
+            message = f"shape {self.shape} with a cylinder: a puck has a diameter only"
+            raise InputError(message, "conflict", "shape", self.shape)
+        punch: dict[str, Any] = {"shape": shape}
+        if shape == "profile":
+            if not size:
+                message = f"punch '{self.punch}': give the file, profile:FILE with columns r_mm,z_mm"
+                raise InputError(message, "missing", "punch", self.punch)
+            punch["file"] = Path(size).name
+        elif shape != "plate":
+            key = "side_mm" if shape == "square" else "diameter_mm"
+            punch[key] = _sizes(size, 1, "punch", self.punch, f"{shape}:14")[0]
+        punch["contact"] = self.contact
+        return punch | ({"edge_radius_mm": self.edge_radius_mm} if self.edge_radius_mm else {})
+
+
+def campaign_toml(set_up: SetUp, trials: Iterable[Mapping[str, Any]], comments: Iterable[str] = ()) -> str:
+    """Write a campaign file; a trial's value of None becomes a commented line to fill in.
+
+    Parameters
+    ----------
+    set_up : SetUp
+        Name, pad, punch and sensor.
+    trials : iterable of mapping
+        Keys and values of each trial.
+    comments : iterable of str
+        Lines at the top of the file.
+
+    Returns
+    -------
+    str
+        TOML.
+    """
+    lines = [f"# {text}" for text in comments]
+    lines += ["schema = 1", f"name = {toml_text(set_up.name)}"]
+    for table, entries in set_up.tables().items():
+        lines += ["", f"[{table}]", *(f"{key} = {_value(value)}" for key, value in entries.items())]
+    for trial in trials:
+        lines += ["", "[[trial]]"]
+        for key, value in trial.items():
+            lines.append(f"# {key} =" if value is None else f"{key} = {_value(value)}")
+    return "\n".join(lines) + "\n"
+
+
+def _sizes(text: str, count: int, what: str, given: str, form: str) -> list[float]:
+    try:
+        sizes = [float(part) for part in text.lower().split("x")]
+    except ValueError:
+        sizes = []
+    if len(sizes) != count or not all(1.0 <= size <= 2000.0 for size in sizes):
+        raise InputError(f"{what} '{given}' must have the form {form}, in mm", "malformed", what, given)
+    return sizes
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return toml_text(value) if isinstance(value, str) else repr(value)

@@ -1,9 +1,9 @@
-"""Landmarks of measured presses: contact, stop and end of hold of one ramp, and all holds of a stepped loading."""
+"""Landmarks of measured presses: contact, stop, holds; speed, depth and forces of a press."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -35,9 +35,7 @@ class Hold:
         return self.end_s - self.start_s
 
 
-def find_ramp(
-    time_s: ArrayLike, displacement_mm: ArrayLike, stop: Literal["reached", "slowed"] = "reached"
-) -> Ramp:
+def find_ramp(time_s: ArrayLike, displacement_mm: ArrayLike, stop: Literal["reached", "slowed"] = "reached") -> Ramp:
     """Find contact, stop, held depth and end of hold in one measured ramp and hold.
 
     The depth is the median near the largest displacement. Two rules for the stop:
@@ -47,30 +45,15 @@ def find_ramp(
     - ``slowed``: where the speed, over a window that steps of 5 um do not disturb, falls to a tenth of that
       between contact and 60 % of the depth. It does not move when the robot creeps by hundredths of a millimetre
       afterwards, and the hold may wander by 0.06 mm. A motion that ends while it presses has its stop there.
-
-    Parameters
-    ----------
-    time_s, displacement_mm : array_like, shape (n,)
-        One motion, compression positive. [s, mm]
-    stop : str
-        ``reached`` or ``slowed``.
-
-    Returns
-    -------
-    Ramp
-
-    Raises
-    ------
-    InputError
-        When the motion contains no compression, or already presses at its first sample.
     """
     time, x = np.asarray(time_s, float), np.asarray(displacement_mm, float)
     largest = float(x.max())
     if largest <= 0:
         text = f"the motion contains no compression: largest displacement_mm = {largest:g}; compression is positive"
-        raise InputError(text)
+        raise InputError(text, "nothing_found", "displacement_mm", largest)
     if x[0] > 0.1 * largest:
-        raise InputError(f"the motion starts pressed at displacement_mm = {x[0]:g}; it must begin at or before contact")
+        text = f"the motion starts pressed at displacement_mm = {x[0]:g}; it must begin at or before contact"
+        raise InputError(text, "not_enough_data", "displacement_mm", float(x[0]))
     depth = float(np.median(x[x >= largest - max(0.05, 0.03 * largest)]))
     below = np.nonzero(x[: int(np.argmax(x >= 0.2 * depth)) + 1] <= 0)[0]
     start = int(below[-1]) if below.size else 0
@@ -129,18 +112,6 @@ def approach_velocity(time: NDArray, x: NDArray, ramp: Ramp) -> float:
     """Speed the robot was sent with: the fastest stretch of 0.4 depths before the stop, the approach included.
 
     A shallow press at 250 mm/s brakes all the way from the surface, so its mean speed says little.
-
-    Parameters
-    ----------
-    time, x : ndarray, shape (n,)
-        Times and displacements of the trace. [s, mm]
-    ramp : Ramp
-        Contact and stop that were found in it.
-
-    Returns
-    -------
-    float
-        [mm/s]
     """
     before = time <= ramp.stop_time_s
     climb = np.maximum.accumulate(x[before])
@@ -160,16 +131,6 @@ def find_holds(time_s: NDArray, displacement_mm: NDArray) -> tuple[Hold, ...]:
     The speed of the ramps is the median over a hundred even steps of displacement, so that it does not depend
     on how long was held. Still is a tenth of it over the time in which the ramp goes 2 %. A curve that only
     loads, or loads and unloads, has no hold.
-
-    Parameters
-    ----------
-    time_s, displacement_mm : ndarray, shape (n,)
-        One motion, compression positive. [s, mm]
-
-    Returns
-    -------
-    tuple of Hold
-        By rising displacement.
     """
     time, x = np.asarray(time_s, float), np.asarray(displacement_mm, float)
     top = np.maximum.accumulate(x)
@@ -209,3 +170,45 @@ def _stretch(x: NDArray, first: int, last: int, place: float, reach: float) -> t
     while end < len(x) - 1 and abs(x[end + 1] - place) <= reach:
         end += 1
     return begin, end
+
+
+SHORTEST_HOLD_S = 0.3
+SHALLOWEST_MM = 0.02
+
+
+@dataclass(frozen=True)
+class Summary:
+    """Numbers of one press; ``steady_force_N`` is the mean of the last twentieth of the hold, None without one."""
+
+    velocity_mm_s: float
+    hold_s: float
+    depth_mm: float
+    peak_force_N: float
+    steady_force_N: float | None
+    stop_time_s: float
+    hold_end_s: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the numbers of the press, without its times."""
+        kept = ("velocity_mm_s", "hold_s", "depth_mm", "peak_force_N", "steady_force_N")
+        return {key: getattr(self, key) for key in kept}
+
+
+def summarise(file: str, time: NDArray, x: NDArray, force: NDArray) -> Summary:
+    """Summarise one press, zero at contact and compression positive."""
+    if x.max() < SHALLOWEST_MM:
+        advice = "is the displacement that of the punch? (--columns displacement=NAME, --contact N)"
+        message = f"{file}: presses {x.max():.3g} mm deep only, counted from contact; {advice}"
+        raise InputError(message, "nothing_found", "depth_mm", float(x.max()))
+    try:
+        ramp = find_ramp(time, x, "slowed")
+    except InputError as problem:
+        message = f"{file}: {problem}; record from before contact, or say --contact N"
+        raise InputError(message, problem.code, problem.quantity, problem.value, problem.allowed) from None
+    hold = max(ramp.hold_end_s - ramp.stop_time_s, 0.0)
+    steady = None
+    if hold >= SHORTEST_HOLD_S:
+        late = (time >= ramp.hold_end_s - 0.05 * hold) & (time <= ramp.hold_end_s)
+        steady = float(np.mean(force[late])) if late.any() else None
+    speed, held = approach_velocity(time, x, ramp), 0.0 if steady is None else hold
+    return Summary(speed, held, ramp.depth_mm, float(force.max()), steady, ramp.stop_time_s, ramp.hold_end_s)

@@ -1,14 +1,15 @@
-"""Motions of the punch: ramp and hold with a finite deceleration, and what a measured motion did."""
+"""Motions of the punch: ramp and hold with a finite deceleration, measured and planned motions."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dummydesign.core.errors import out_of_range
+from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.core.serialise import Serialised
 
 DECELERATION_MM_S2 = 30_000.0
 """Default braking of the robot, 30 m/s2: 250 mm/s are stopped in 8.3 ms and 1.04 mm."""
@@ -17,7 +18,7 @@ HOLD_S = 10.0
 
 
 @dataclass(frozen=True)
-class Motion:
+class Motion(Serialised):
     """Displacement of the punch over time, piecewise linear between its samples.
 
     ``time_s`` and ``displacement_mm`` have shape (n,) or (..., n) for many motions at once; compression
@@ -26,10 +27,6 @@ class Motion:
 
     time_s: NDArray
     displacement_mm: NDArray
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return both arrays as lists."""
-        return {"time_s": self.time_s.tolist(), "displacement_mm": self.displacement_mm.tolist()}
 
 
 @dataclass(frozen=True)
@@ -52,35 +49,12 @@ class Ramp:
 
 
 def work_mJ(displacement_mm: NDArray, force_N: NDArray) -> NDArray:
-    """Integral of F dx along a press, by trapezoids. [mJ]
-
-    Parameters
-    ----------
-    displacement_mm, force_N : ndarray, shape (..., n), broadcast
-        Samples of one or more presses. [mm, N]
-
-    Returns
-    -------
-    ndarray, shape (...)
-    """
+    """Integral of F dx along a press, by trapezoids. [mJ]"""
     return (0.5 * (force_N[..., 1:] + force_N[..., :-1]) * np.diff(displacement_mm, axis=-1)).sum(axis=-1)
 
 
 def contact_velocity(velocity_mm_s: ArrayLike, depth_mm: ArrayLike, deceleration_mm_s2: float) -> NDArray:
-    """Speed at first touch: as commanded, or sqrt(2 a depth) if braking begins above the surface.
-
-    Parameters
-    ----------
-    velocity_mm_s, depth_mm : array_like, broadcast
-        Commanded speed, and depth of the stop. [mm/s, mm]
-    deceleration_mm_s2 : float
-        Constant braking a. [mm/s2]
-
-    Returns
-    -------
-    ndarray
-        [mm/s]
-    """
+    """Speed at first touch: as commanded, or sqrt(2 a depth) if braking begins above the surface. [mm/s]"""
     fastest = np.sqrt(2.0 * deceleration_mm_s2 * np.asarray(depth_mm, float))
     return np.minimum(np.asarray(velocity_mm_s, float), fastest)
 
@@ -100,27 +74,6 @@ def ramp_and_hold(
     has to begin braking above the surface to end at the depth: it then touches at the lower speed
     sqrt(2 a depth) and brakes all the way (see :func:`contact_velocity`). An infinite deceleration
     gives the ideal ramp of the paper.
-
-    Parameters
-    ----------
-    velocity_mm_s, depth_mm : float or arrays that broadcast
-        Commanded speed and final depth, above 0. [mm/s, mm]
-    hold_s : float
-        Time after the stop. [s]
-    deceleration_mm_s2 : float
-        Braking, above 0, may be ``inf``. [mm/s2]
-    ramp_points, brake_points, hold_points : int
-        Samples of the three parts: even in time, even in time, and spaced as a growing series from the stop.
-
-    Returns
-    -------
-    Motion
-        Arrays of shape (..., n), n the same for all motions.
-
-    Raises
-    ------
-    InputError
-        When a value is not a positive finite number.
     """
     velocity, depth = np.broadcast_arrays(np.asarray(velocity_mm_s, float), np.asarray(depth_mm, float))
     for name, value in (("velocity_mm_s", velocity), ("depth_mm", depth), ("hold_s", np.asarray(hold_s))):
@@ -145,3 +98,25 @@ def ramp_and_hold(
     held = np.broadcast_to(stop, (*depth.shape, hold_points))
     displacement = np.concatenate([(stop - distance) * share, stop - distance * left**2, held], axis=-1)
     return Motion(time, displacement)
+
+
+_COLUMNS = ("time_s", "displacement_mm")
+
+
+def read_motion(path: str | Path) -> Motion:
+    """Read the columns time_s and displacement_mm of a CSV file; other columns are ignored."""
+    from dummydesign.measurement.trace import open_csv, read_cell
+
+    path = Path(path)
+    _, places, rows = open_csv(path, _COLUMNS, "motion_file")
+    values: list[list[float]] = []
+    for line, row in rows:
+        where, cells = f"{path.name}:{line}", [row[at] if at < len(row) else None for at in places]
+        values.append([read_cell(cell, name, where) for name, cell in zip(_COLUMNS, cells)])
+        time = values[-1][0]
+        if len(values) > 1 and time <= values[-2][0]:
+            raise InputError(f"{where}: time_s = {time} does not increase", "malformed", "time_s", time)
+    if len(values) < 2:
+        message = f"{path.name}: {len(values)} rows; a motion needs at least 2"
+        raise InputError(message, "not_enough_data", "motion_file", len(values))
+    return Motion(*np.array(values).T)

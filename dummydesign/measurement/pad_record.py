@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError
-from dummydesign.measurement.campaign_lines import CampaignLines
+from dummydesign.core.toml_schema import Table
 
 SCHEMA = "dummydesign.pad/1"
 STEM = "record"
@@ -71,13 +71,6 @@ def thickness_error(thicknesses_mm: tuple[float, ...], gauge_mm: float) -> float
     """Standard error of the thickness at a place of the pad that was not gauged. [mm]
 
     ``s sqrt(1 + 1/n)`` of n places with sample standard deviation s, together with the gauge's own error.
-
-    Parameters
-    ----------
-    thicknesses_mm : tuple of float, at least two
-        Readings. [mm]
-    gauge_mm : float
-        Standard error of the gauge on a soft pad. [mm]
     """
     n = len(thicknesses_mm)
     mean = sum(thicknesses_mm) / n
@@ -86,20 +79,16 @@ def thickness_error(thicknesses_mm: tuple[float, ...], gauge_mm: float) -> float
 
 
 def read_record(path: str | Path) -> PadRecord:
-    """Read the record of a pad.
-
-    Raises
-    ------
-    InputError
-        When the file cannot be read, is no record, or lacks a value.
-    """
+    """Read the record of a pad."""
     path = Path(path)
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as problem:
-        raise InputError(f"pad record '{path}' cannot be read: {problem}") from None
+        code = "file_not_found" if isinstance(problem, FileNotFoundError) else "file_unreadable"
+        raise InputError(f"pad record '{path}' cannot be read: {problem}", code, "record") from None
     if not isinstance(data, dict) or data.get("schema") != SCHEMA:
-        raise InputError(f"'{path}' is not a pad's record; 'dummydesign mold record' writes one")
+        message = f"'{path}' is not a pad's record; 'dummydesign mold record' writes one"
+        raise InputError(message, "file_unreadable", "record")
     try:
         record = PadRecord(
             str(data["specification"]), str(data["shape"]), _length(data, "length_mm"), _length(data, "width_mm"),
@@ -111,10 +100,12 @@ def read_record(path: str | Path) -> PadRecord:
             tuple(data.get("limits", ())), tuple(str(one) for one in data.get("points", ())),
         )  # fmt: skip
     except (KeyError, TypeError, ValueError) as problem:
-        raise InputError(f"pad record '{path}' is damaged at {problem}; record the pad again") from None
+        message = f"pad record '{path}' is damaged at {problem}; record the pad again"
+        raise InputError(message, "malformed", "record") from None
     if not (record.thicknesses_mm and 0 <= record.thickness_sd_mm < record.thickness_mm):
-        raise InputError(f"pad record '{path}' is damaged: thickness {record.thickness_mm:g} mm with an error of "
-                         f"{record.thickness_sd_mm:g} mm; record the pad again")  # fmt: skip
+        sizes = f"thickness {record.thickness_mm:g} mm with an error of {record.thickness_sd_mm:g} mm"
+        message = f"pad record '{path}' is damaged: {sizes}; record the pad again"
+        raise InputError(message, "inconsistent", "record.thickness_sd_mm", record.thickness_sd_mm)
     return record
 
 
@@ -133,63 +124,41 @@ NEAR = 0.1
 """A thickness that is declared beside a record is as designed or as measured to this share, else of another pad."""
 
 
-def pad_with_record(table: dict[str, Any], record: PadRecord, where: str) -> dict[str, Any]:
-    """The table of a campaign's pad with what it leaves out taken from the record.
-
-    Parameters
-    ----------
-    table : dict
-        ``[pad]`` of the campaign.
-    record : PadRecord
-        The pad as it was cast.
-    where : str
-        File and line, for messages.
-
-    Raises
-    ------
-    InputError
-        When the table says otherwise than the record.
-    """
-    puck = record.shape == "puck"
+def pad_with_record(table: Table, record: PadRecord) -> Table:
+    """Fill the table of a campaign's pad with what it leaves out, from the record."""
+    puck, data = record.shape == "puck", table.data
     known: dict[str, Any] = {"shape": "cylinder" if puck else record.shape}
     known |= {"diameter_mm": record.length_mm} if puck else {"length_mm": record.length_mm, "width_mm": record.width_mm}
     for key, value in known.items():
-        if key in table and table[key] != value:
-            raise InputError(f"{where}: {key} = {table[key]!r}, but the record is of a pad with {value!r}; remove one")
-    if "young_kPa_nominal" not in table and "resin" not in table:
+        if key in data and data[key] != value:
+            message = f"{table.where('record')}: {key} = {data[key]!r}, but the record is of a pad with {value!r}"
+            raise InputError(f"{message}; remove one", "inconsistent", f"pad.{key}", data[key], value)
+    if "young_kPa_nominal" not in data and "resin" not in data:
         young = record.young_kPa or record.design_young_kPa
         known |= {"resin": record.resin, "ratio": record.ratio}
         known |= {} if young is None else {"young_kPa_nominal": young}
-    return {**table, **known}
+    return replace(table, data={**data, **known})
 
 
-def trial_with_record(block: dict[str, Any], record: PadRecord, where: str) -> dict[str, Any]:
-    """The table of a trial with thickness and its error as the record has them.
-
-    Parameters
-    ----------
-    block : dict
-        ``[[trial]]`` of the campaign.
-    record : PadRecord
-        The pad as it was cast.
-    where : str
-        File and line, for messages.
-
-    Raises
-    ------
-    InputError
-        When the trial names the thickness or the shape of another pad.
-    """
-    said, wanted = block.get("thickness_mm"), (record.thickness_mm, record.design_thickness_mm)
-    if said is not None and not (isinstance(said, int | float) and any(abs(said / one - 1) <= NEAR for one in wanted)):
-        raise InputError(
-            f"{where}: thickness_mm = {said!r}, but the record is of a pad of {wanted[0]:.4g} mm (designed "
-            f"{wanted[1]:g}); name the record of this pad"
+def trial_with_record(table: Table, record: PadRecord) -> Table:
+    """Fill the table of a trial with thickness and its error as the record has them."""
+    given, where = table.data.get("thickness_mm"), table.where("record")
+    near = [record.thickness_mm, record.design_thickness_mm]
+    if given is not None and not (
+        isinstance(given, int | float) and any(abs(given / thickness - 1) <= NEAR for thickness in near)
+    ):
+        message = (
+            f"{where}: thickness_mm = {given!r}, but the record is of a pad of {near[0]:.4g} mm (designed "
+            f"{near[1]:g}); name the record of this pad"
         )
-    if "shape" in block and block["shape"] != record.shape:
-        raise InputError(f"{where}: shape = {block['shape']!r}, but the record is of shape {record.shape!r}")
+        raise InputError(message, "inconsistent", "trial.thickness_mm", given)
+    shape = table.data.get("shape", record.shape)
+    if shape != record.shape:
+        message = f"{where}: shape = {shape!r}, but the record is of shape {record.shape!r}"
+        raise InputError(message, "inconsistent", "trial.shape", shape, record.shape)
     own = {} if record.shape in ("slab", "puck") else {"shape": record.shape}
-    return {**block, **own, "thickness_mm": record.thickness_mm, "thickness_sd_mm": record.thickness_sd_mm}
+    measured = {"thickness_mm": record.thickness_mm, "thickness_sd_mm": record.thickness_sd_mm}
+    return replace(table, data={**table.data, **own, **measured})
 
 
 class Records:
@@ -199,41 +168,22 @@ class Records:
         self.folder = folder
         self.read: dict[Path, PadRecord] = {}
 
-    def of(self, table: dict[str, Any], where: str) -> PadRecord | None:
-        """The record that a table names with ``record``; None when it names none."""
-        name = table.get("record")
+    def of(self, table: Table) -> PadRecord | None:
+        """Return the record that a table names with ``record``; None when it names none."""
+        name = table.data.get("record")
         if name is None:
             return None
         if not isinstance(name, str) or not name.strip():
-            raise InputError(f"{where}: record = {name!r} must be the path of a pad's record")
+            message = f"{table.where('record')}: record = {name!r} must be the path of a pad's record"
+            raise InputError(message, "malformed", "record", name)
         path = self.folder / name
         if path not in self.read:
             try:
                 self.read[path] = read_record(path)
             except InputError as problem:
-                raise InputError(f"{where}: {problem}") from None
+                raise problem.within(table.where("record")) from None
         return self.read[path]
 
-    def trial(self, block: Any, pad: PadRecord | None, place: CampaignLines, index: int) -> Any:
-        """A trial's table with its own record's values, else with those of the campaign's pad.
-
-        Parameters
-        ----------
-        block : dict
-            ``[[trial]]`` of the campaign; what is no table is left as it is.
-        pad : PadRecord, optional
-            The record that ``[pad]`` names.
-        place : CampaignLines
-            Finds lines for messages.
-        index : int
-            Number of the trial, from 0.
-        """
-        if not isinstance(block, dict):
-            return block
-        where = place.trial(index, "record")
-        record = self.of(block, where) or pad
-        return block if record is None else trial_with_record(block, record, where)
-
     def warnings(self) -> list[dict[str, str]]:
-        """One of each pad that missed a limit of acceptance."""
+        """Return one warning of each pad that missed a limit of acceptance."""
         return [warning for record in self.read.values() for warning in record.warnings()]

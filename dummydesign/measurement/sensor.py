@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.core.recurrence import linear_recurrence
+from dummydesign.core.serialise import Serialised
 
 
 @dataclass(frozen=True)
-class Lowpass:
+class Lowpass(Serialised):
     """A Butterworth low-pass: cut-off [Hz] of one pass, order, and 1 pass (causal) or 2 (there and back)."""
 
     cutoff_hz: float
@@ -29,22 +29,30 @@ class Lowpass:
             raise out_of_range("low-pass passes", self.passes, 1, 2, "2 is there and back without delay")
 
     def apply(self, time_s: ArrayLike, force_N: ArrayLike) -> NDArray:
-        """Filter a force; see :func:`lowpass`."""
-        return lowpass(time_s, force_N, self.cutoff_hz, self.order, self.passes)
+        """Filter a force on any, also uneven, sampling.
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return cut-off, order and passes."""
-        return asdict(self)
+        The analogue filter is solved exactly for a force that is linear between its samples: each pole p
+        with residue q gives y' = p y + q u. Before the first sample the force is taken as constant.
+        Two passes run there and back (no delay); the cut-off is that of one pass, so that the sum is
+        6 dB down there.
+
+        References
+        ----------
+        S. Butterworth, Experimental Wireless 7 (1930) 536. The paper's own filter is "second-order ... 35 Hz"
+        (section II-C); its kind and number of passes are not stated.
+        """
+        time, force = np.asarray(time_s, float), np.asarray(force_N, float)
+        step = np.diff(time, axis=-1)
+        if np.any(step <= 0):
+            raise InputError("time_s must increase strictly", "malformed", "time_s")
+        once = _one_pass(step, force, self.cutoff_hz, self.order)
+        if self.passes == 1:
+            return once
+        return _one_pass(step[..., ::-1], once[..., ::-1], self.cutoff_hz, self.order)[..., ::-1]
 
 
 def parse_lowpass(text: str | None) -> Lowpass | None:
-    """Read ``HZ[:ORDER[:PASSES]]`` as given on the command line; None stays None.
-
-    Raises
-    ------
-    InputError
-        When the text is not of this form or a number is out of range.
-    """
+    """Read ``HZ[:ORDER[:PASSES]]`` as given on the command line; None stays None."""
     if text is None:
         return None
     parts = text.split(":")
@@ -53,46 +61,8 @@ def parse_lowpass(text: str | None) -> Lowpass | None:
             raise ValueError
         return Lowpass(float(parts[0]), *(int(part) for part in parts[1:]))
     except ValueError:
-        raise InputError(f"low-pass '{text}' is not HZ[:ORDER[:PASSES]], such as 35 or 35:2:1") from None
-
-
-def lowpass(time_s: ArrayLike, force_N: ArrayLike, cutoff_hz: float = 35.0, order: int = 2, passes: int = 1) -> NDArray:
-    """Butterworth low-pass of a force on any, also uneven, sampling.
-
-    The analogue filter is solved exactly for a force that is linear between its samples: each pole p
-    with residue q gives y' = p y + q u. Before the first sample the force is taken as constant.
-    Two passes run there and back (no delay); the cut-off is that of one pass, so that the sum is
-    6 dB down there.
-
-    Parameters
-    ----------
-    time_s : array_like, shape (n,) or (..., n)
-        Increasing times. [s]
-    force_N : array_like, shape (..., n)
-        Force, one row per curve. [N]
-    cutoff_hz : float
-        Frequency at which one pass is 3 dB down. [Hz]
-    order, passes : int
-        Order of the filter (1 to 8), passes 1 or 2.
-
-    Returns
-    -------
-    ndarray, shape (..., n)
-        Filtered force. [N]
-
-    References
-    ----------
-    S. Butterworth, Experimental Wireless 7 (1930) 536. The paper's own filter is "second-order ... 35 Hz"
-    (section II-C); its kind and number of passes are not said.
-    """
-    Lowpass(cutoff_hz, order, passes)
-    time, force = np.asarray(time_s, float), np.asarray(force_N, float)
-    if np.any(np.diff(time, axis=-1) <= 0):
-        raise InputError("time_s must increase strictly")
-    once = _one_pass(np.diff(time, axis=-1), force, cutoff_hz, order)
-    if passes == 1:
-        return once
-    return _one_pass(np.diff(time, axis=-1)[..., ::-1], once[..., ::-1], cutoff_hz, order)[..., ::-1]
+        message = f"low-pass '{text}' is not HZ[:ORDER[:PASSES]], such as 35 or 35:2:1"
+        raise InputError(message, "malformed", "lowpass", text) from None
 
 
 def _one_pass(step: NDArray, force: NDArray, cutoff_hz: float, order: int) -> NDArray:

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 import shlex
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.measurement.importing.core.absent import absent_roles, absent_words
+from dummydesign.measurement.importing.vocabulary import absent_roles, absent_words
 
 COLUMNS = ("time_s", "displacement_mm", "force_N")
 SECONDS = "time_is_in_seconds"
@@ -61,29 +64,27 @@ def read_trace(path: str | Path, velocity_mm_s: float | None = None) -> Trace:
         too few samples, or magnitudes that show another unit (m, um, mN, kN, ms) or sign.
     """
     path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise InputError(f"trace file '{path}' does not exist") from None
-    except IsADirectoryError:
-        raise InputError(f"'{path}' is a folder; give the traces in it, such as {path}/*.csv") from None
-    except UnicodeDecodeError:
-        raise InputError(f"{path.name}: is not UTF-8 text{import_first(path)}") from None
-    except OSError as problem:
-        raise InputError(f"{path.name}: cannot be read: {problem.strerror}") from None
-    values, lines, seconds = _read_columns(path, text)
-    time, displacement, force = values.T
-    if len(time) < MIN_SAMPLES:
-        raise InputError(f"{path.name}: {len(time)} samples; at least {MIN_SAMPLES} are needed")
-    back = np.nonzero(np.diff(time) <= 0)[0]
+    header, places, rows = open_csv(path, COLUMNS, "trace")
+    values, lines = [], []
+    for line, row in rows:
+        if len(row) <= max(places):
+            message = f"{path.name}:{line}: has {len(row)} cells, the header has {len(header)}"
+            raise InputError(message, "malformed", "trace", len(row), len(header))
+        values.append([read_cell(row[at], name, f"{path.name}:{line}") for name, at in zip(COLUMNS, places)])
+        lines.append(line)
+    if len(values) < MIN_SAMPLES:
+        message = f"{path.name}: {len(values)} samples; at least {MIN_SAMPLES} are needed"
+        raise InputError(message, "not_enough_data", "trace", len(values))
+    time, displacement, force = np.array(values).T
+    back = np.flatnonzero(np.diff(time) <= 0)
     if back.size:
         at = int(back[0])
-        raise InputError(
-            f"{path.name}:{lines[at + 1]}: time_s = {time[at + 1]:g} does not increase (line before: {time[at]:g})"
-        )
-    fault = magnitude_fault(time, displacement, force, velocity_mm_s, seconds)
+        before, after = float(time[at]), float(time[at + 1])
+        message = f"{path.name}:{lines[at + 1]}: time_s = {after:g} does not increase (line before: {before:g})"
+        raise InputError(message, "malformed", "time_s", after)
+    fault = magnitude_fault(time, displacement, force, velocity_mm_s, SECONDS in header)
     if fault:
-        raise InputError(f"{path.name}: {fault}{import_first(path)}")
+        raise InputError(f"{path.name}: {fault.message}{import_first(path)}", fault.code, fault.column)
     _check_one_press(path, displacement, force)
     return Trace(path.name, time, displacement, force)
 
@@ -93,74 +94,101 @@ def import_first(path: str | Path) -> str:
     return f"; import it first: dummydesign import {shlex.quote(str(path))}"
 
 
-def _read_columns(path: Path, text: str) -> tuple[NDArray, list[int], bool]:
-    """Return the three columns as an array (n, 3), the file line of each row, and whether time is said to be in s."""
-    name = path.name
+def open_csv(
+    path: Path, names: Sequence[str], quantity: str
+) -> tuple[list[str], list[int], Iterator[tuple[int, list[str]]]]:
+    """Read a CSV file: its header, the columns of the names, and the rows that are not blank, each with its line.
+
+    Parameters
+    ----------
+    path : Path
+    names : sequence of str
+        Columns that are needed, such as ``time_s``.
+    quantity : str
+        What the file is, for errors: ``trace`` or ``motion_file``.
+    """
+    what = f"{quantity.removesuffix('_file')} file '{path}'"
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        raise InputError(f"{what} does not exist", "file_not_found", quantity) from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path.name}: is not UTF-8 text{import_first(path)}", "file_unreadable", quantity) from None
+    except OSError as problem:
+        hint = f"; give the files in it, such as {path}/*.csv" if path.is_dir() else ""
+        raise InputError(f"{what} cannot be read: {problem.strerror}{hint}", "file_unreadable", quantity) from None
     rows = csv.reader(io.StringIO(text))
     header = [cell.strip() for cell in next(rows, [])]
-    missing = [column for column in COLUMNS if column not in header]
-    absent = absent_roles(header) if len(header) > 1 else ()
-    if absent:
-        raise InputError(f"{name}:1: {absent_words(absent, header)}")
+    missing = next((name for name in names if name not in header), "")
     if missing:
-        advice = _header_advice(missing[0], header) + (import_first(path) if any(header) else "")
-        raise InputError(f"{name}:1: column '{missing[0]}' is missing{advice}")
-    places = [header.index(column) for column in COLUMNS]
-    values, lines = [], []
-    for row in rows:
-        if not row or all(not cell.strip() for cell in row):
-            continue
-        line = rows.line_num
-        if len(row) <= max(places):
-            raise InputError(f"{name}:{line}: has {len(row)} cells, the header has {len(header)}")
-        try:
-            numbers = [float(row[place]) for place in places]
-        except ValueError:
-            bad = next((c, row[p]) for c, p in zip(COLUMNS, places) if not _is_number(row[p]))
-            raise InputError(f"{name}:{line}: {bad[0]} = '{bad[1].strip()}' is not a number (dot decimals)") from None
-        if not all(np.isfinite(numbers)):
-            at = int(np.argmin(np.isfinite(numbers)))
-            raise InputError(f"{name}:{line}: {COLUMNS[at]} = {numbers[at]} is not finite")
-        values.append(numbers)
-        lines.append(line)
-    return np.array(values, dtype=float).reshape(-1, 3), lines, SECONDS in header
+        roles = [name.partition("_")[0] for name in names]
+        absent = absent_roles(header, roles) if len(header) > 1 else ()
+        if absent:
+            message = f"{path.name}:1: {absent_words(absent, header, roles)}"
+            raise InputError(message, "missing", names[roles.index(absent[0])])
+        advice = _header_advice(missing, header, names) + (import_first(path) if any(header) else "")
+        raise InputError(f"{path.name}:1: column '{missing}' is missing{advice}", "missing", missing)
+    filled = ((rows.line_num, row) for row in rows if any(cell.strip() for cell in row))
+    return header, [header.index(name) for name in names], filled
 
 
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True
-
-
-def _header_advice(missing: str, header: list[str]) -> str:
-    """Say what may stand in the header instead of the missing column."""
+def _header_advice(missing: str, header: list[str], names: Sequence[str]) -> str:
+    """What may stand in the header instead of the missing column."""
     if len(header) == 1 and (";" in header[0] or "\t" in header[0]):
         return "; the columns must be separated by commas"
-    stem = missing.split("_")[0]
-    alike = [column for column in header if column.lower().startswith(stem)]
+    alike = [column for column in header if column.lower().startswith(missing.split("_")[0])]
     if alike:
         return f"; found '{alike[0]}': convert it to the unit in the name '{missing}'"
-    return f"; the header must be {','.join(COLUMNS)} (found {','.join(header) or 'nothing'})"
+    return f"; the header must be {','.join(names)} (found {','.join(header) or 'nothing'})"
+
+
+def read_cell(cell: str | None, name: str, where: str) -> float:
+    """Read a cell as a finite number.
+
+    Parameters
+    ----------
+    cell : str or None
+        As it is written; None where the row ends before it.
+    name : str
+        Its column.
+    where : str
+        Its file and line, for errors.
+    """
+    try:
+        number = float(cell or "")
+    except ValueError:
+        message = f"{where}: {name} = '{(cell or '').strip()}' is not a number (dot decimals)"
+        raise InputError(message, "not_a_number", name, cell and cell.strip()) from None
+    if not math.isfinite(number):
+        raise InputError(f"{where}: {name} = {number} is not finite", "out_of_range", name, number)
+    return number
 
 
 def _check_one_press(path: Path, displacement: NDArray, force: NDArray) -> None:
     """Refuse several presses in one file: they would be read as one long hold."""
-    from dummydesign.measurement.importing.press.split import find_presses
+    from dummydesign.measurement.importing.signs import find_presses
 
     try:
         count = len(find_presses(path.name, displacement, force - np.median(force[:3]), True))
     except InputError:
         return  # too little force to tell; whoever uses the trace says so
     if count > 1:
-        raise InputError(f"{path.name}: holds {count} presses; a trace is one{import_first(path)}")
+        message = f"{path.name}: holds {count} presses; a trace is one{import_first(path)}"
+        raise InputError(message, "malformed", "trace", count, 1)
+
+
+class MagnitudeFault(NamedTuple):
+    """What shows another unit or sign: code and column of the error, and the message, which begins with the column."""
+
+    code: str
+    column: str
+    message: str
 
 
 def magnitude_fault(
     time: NDArray, displacement: NDArray, force: NDArray, velocity_mm_s: float | None = None, seconds: bool = False
-) -> str:
-    """What can only be another unit or sign, and which one it looks like; empty where all is plausible.
+) -> MagnitudeFault | None:
+    """Find what can only be another unit or sign, and which one it looks like; None where all is plausible.
 
     Parameters
     ----------
@@ -169,35 +197,32 @@ def magnitude_fault(
     velocity_mm_s : float, optional
         Speed that was declared. [mm/s]
     seconds : bool
-        Whether it was said that time is in seconds.
-
-    Returns
-    -------
-    str
-        A sentence for the message of an error.
+        Whether it was declared that time is in seconds.
     """
     sticks = pulls_more(displacement, force)
     strongest_at = int(np.argmax(force)) if sticks else int(np.argmax(np.abs(force)))
     strongest, pressed = float(np.abs(force[strongest_at])), float(displacement[strongest_at])
     deepest = float(displacement.max()) if pressed > 0 else float(np.max(np.abs(displacement)))
     step = float(np.median(np.diff(time)))
-    x, f = f"largest displacement_mm = {deepest:g}", f"largest force_N = {strongest:g}"
     slow = not seconds and _milliseconds(time, displacement, velocity_mm_s)
     way, there = _deepest_loaded(displacement, np.maximum(force, 0.0) if sticks else force)
-    guesses = [
-        (not np.any(displacement), "displacement_mm is zero throughout"),
-        (strongest == 0, "force_N is zero throughout"),
-        (deepest < 0.05, f"{x} looks like metres; multiply by 1000"),
-        (deepest > 300, f"{x} looks like micrometres; divide by 1000"),
-        (strongest > 2000, f"{f} looks like millinewtons; divide by 1000"),
-        (strongest < 0.03, f"{f} looks like kilonewtons; multiply by 1000"),
-        (slow, f"time_s has steps of {step:g}; it looks like milliseconds ({MILLISECONDS})"),
-        (force[strongest_at] < 0, "force_N is negative at its largest; compression must be positive"),
-        (way > 0 > there, "force_N is negative where it is deepest; compression must be positive"),
-        (way < 0, "displacement_mm is negative under the largest load; compression must be positive"),
-        (pressed <= 0, "displacement_mm is not positive at the largest force; compression must be positive"),
-    ]
-    return next((message for wrong, message in guesses if wrong), "")
+    x, f, positive = "displacement_mm", "force_N", "compression must be positive"
+    for wrong, code, column, words in (
+        (not np.any(displacement), "nothing_found", x, "is zero throughout"),
+        (strongest == 0, "nothing_found", f, "is zero throughout"),
+        (deepest < 0.05, "implausible_unit", x, f"= {deepest:g} at most looks like metres; multiply by 1000"),
+        (deepest > 300, "implausible_unit", x, f"= {deepest:g} at most looks like micrometres; divide by 1000"),
+        (strongest > 2000, "implausible_unit", f, f"= {strongest:g} at most looks like millinewtons; divide by 1000"),
+        (strongest < 0.03, "implausible_unit", f, f"= {strongest:g} at most looks like kilonewtons; multiply by 1000"),
+        (slow, "implausible_unit", "time_s", f"has steps of {step:g}; it looks like milliseconds ({MILLISECONDS})"),
+        (force[strongest_at] < 0, "out_of_range", f, f"is negative at its largest; {positive}"),
+        (way > 0 > there, "out_of_range", f, f"is negative where it is deepest; {positive}"),
+        (way < 0, "out_of_range", x, f"is negative under the largest load; {positive}"),
+        (pressed <= 0, "out_of_range", x, f"is not positive at the largest force; {positive}"),
+    ):
+        if wrong:
+            return MagnitudeFault(code, column, f"{column} {words}")
+    return None
 
 
 def _deepest_loaded(displacement: NDArray, force: NDArray) -> tuple[float, float]:

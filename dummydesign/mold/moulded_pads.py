@@ -18,19 +18,7 @@ SPEC = "spec.json"
 
 @dataclass(frozen=True)
 class MouldedPads:
-    """Pads of one campaign.
-
-    Attributes
-    ----------
-    shapes : tuple of (float, str)
-        Thickness and shape of each pad, by thickness. [mm, -]
-    outline : str
-        ``150x120`` or ``cylinder:50``, as a campaign has it.
-    pours : tuple of (str, float)
-        Resins and ratios of the moulds, each once.
-    folders : tuple of str
-        Of the moulds, in the order of ``shapes``.
-    """
+    """Pads of one campaign."""
 
     shapes: tuple[tuple[float, str], ...]
     outline: str
@@ -53,41 +41,21 @@ class MouldedPads:
         return len({shape for _, shape in self.shapes}) > 1
 
     def pour(self) -> tuple[str, float]:
-        """Return resin and ratio of all pads.
-
-        Raises
-        ------
-        InputError
-            When the moulds differ in them.
-        """
+        """Return resin and ratio of all pads."""
         if len(self.pours) > 1:
             listed = ", ".join(f"{resin} at ratio {ratio:g}" for resin, ratio in self.pours)
-            raise InputError(f"the moulds differ in resin or ratio ({listed}): a campaign has one; plan one for each")
+            message = f"the moulds differ in resin or ratio ({listed}): a campaign has one; plan one for each"
+            raise InputError(message, "inconsistent", "resin")
         return self.pours[0]
 
 
 def moulded_pads(folders: Sequence[str | PathLike[str]]) -> MouldedPads:
-    """Read the pads of some moulds.
-
-    Parameters
-    ----------
-    folders : sequence of path
-        Folders of ``mold`` or ``suggest``; the folder of several moulds stands for all of them.
-
-    Returns
-    -------
-    MouldedPads
-
-    Raises
-    ------
-    InputError
-        For a folder without a mould, and for moulds whose pads one campaign cannot have.
-    """
+    """Read the pads of some moulds."""
     from dummydesign.mold.pour.record import read_spec
 
     places = [place for folder in folders for place in mould_folders(Path(folder))]
     if not places:
-        raise InputError("give the folder of at least one mould")
+        raise InputError("give the folder of at least one mould", "missing", "from_mould")
     known: dict[float, Path] = {}
     pads: list[tuple[float, str, str, Path]] = []
     pours: dict[tuple[str, float], None] = {}
@@ -97,8 +65,9 @@ def moulded_pads(folders: Sequence[str | PathLike[str]]) -> MouldedPads:
         if (other := known.setdefault(thickness, place)) is not place:
             raise InputError(
                 f"moulds '{other}' and '{place}' both have {thickness:g} mm: a campaign tells pads by their thickness; "
-                "plan one for each"
-            )
+                "plan one for each",
+                "duplicate", "thickness_mm", thickness,
+            )  # fmt: skip
         pads.append((thickness, spec.pad.name, _outline(spec, place), place))
         pours.setdefault((spec.pour.resin, float(spec.pour.ratio)))
     pads.sort(key=lambda one: one[0])
@@ -106,25 +75,21 @@ def moulded_pads(folders: Sequence[str | PathLike[str]]) -> MouldedPads:
         if outline != pads[0][2]:
             raise InputError(
                 f"moulds '{pads[0][3]}' ({pads[0][2]}) and '{place}' ({outline}) differ in outline: a campaign has "
-                "one; plan one for each"
-            )
+                "one; plan one for each",
+                "inconsistent", "outline", outline, pads[0][2],
+            )  # fmt: skip
     shapes = tuple((h, "slab" if outline.startswith("cylinder") else shape) for h, shape, outline, _ in pads)
     return MouldedPads(shapes, pads[0][2], tuple(pours), tuple(str(place) for *_, place in pads))
 
 
 def mould_folders(folder: Path) -> list[Path]:
-    """The folder itself where it holds a mould, else the moulds directly in it.
-
-    Raises
-    ------
-    InputError
-        When there is none.
-    """
+    """The folder itself where it holds a mould, else the moulds directly in it."""
     if (folder / SPEC).is_file():
         return [folder]
     found = sorted(path.parent for path in folder.glob(f"*/{SPEC}") if not path.parent.name.startswith("."))
     if not found:
-        raise InputError(f"folder '{folder}' holds no mould: give folders that 'dummydesign mold' wrote")
+        message = f"folder '{folder}' holds no mould: give folders that 'dummydesign mold' wrote"
+        raise InputError(message, "nothing_found", "from_mould", str(folder))
     return found
 
 
@@ -133,5 +98,6 @@ def _outline(spec: MouldSpec, place: Path) -> str:
     if not pad.is_puck:
         return f"{pad.length_mm:g}x{pad.width_mm:g}"
     if pad.length_mm != pad.width_mm:
-        raise InputError(f"mould '{place}': a puck of {pad.length_mm:g} x {pad.width_mm:g} mm is not round")
+        message = f"mould '{place}': a puck of {pad.length_mm:g} x {pad.width_mm:g} mm is not round"
+        raise InputError(message, "inconsistent", "outline")
     return f"cylinder:{pad.length_mm:g}"

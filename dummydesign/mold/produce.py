@@ -9,30 +9,28 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from dummydesign.core.outputs.progress import tell
+import numpy as np
+
+from dummydesign.core.process import write_progress
 from dummydesign.mold.cad.build import build
 from dummydesign.mold.cad.parts import Parts
 from dummydesign.mold.checks import files as check_files
-from dummydesign.mold.checks import mesh as check_mesh
-from dummydesign.mold.checks import process as check_process
-from dummydesign.mold.checks import shape as check_shape
-from dummydesign.mold.checks import solids as check
-from dummydesign.mold.checks.holes import genera
-from dummydesign.mold.checks.second_reader import check_second_reader
-from dummydesign.mold.files import meshes as mesh
+from dummydesign.mold.checks import release
+from dummydesign.mold.checks.check import genera
+from dummydesign.mold.checks.process import check_process
+from dummydesign.mold.checks.solids import check_shape, check_solids
 from dummydesign.mold.files import picture as view
-from dummydesign.mold.files import pour_sheet as sheet
-from dummydesign.mold.files.drawings.dxf import to_dxf
-from dummydesign.mold.files.drawings.parts import NO_PAPERS, Papers, part_views, sheets
-from dummydesign.mold.files.drawings.pdf import to_pdf
-from dummydesign.mold.files.drawings.svg import to_svg
-from dummydesign.mold.files.sheet_pdf import Foot, sheet_pdf
+from dummydesign.mold.files.drawings.export import to_dxf, to_pdf, to_svg
+from dummydesign.mold.files.drawings.parts import NO_PAPERS, DocumentInfo, part_views, sheets
+from dummydesign.mold.files.meshes import coloured_scene, tessellate, write_3mf, write_glb, write_stl
+from dummydesign.mold.files.picture import turned_over
+from dummydesign.mold.files.pour_sheet import pour_sheet, to_html, to_markdown
+from dummydesign.mold.files.pour_sheet_pdf import Foot, sheet_pdf
+from dummydesign.mold.files.solid_view import mould_view
 from dummydesign.mold.files.step import COLOURS, Material, StepPart, step_text
-from dummydesign.mold.files.view.mould import mould_view
-from dummydesign.mold.gauging.points import gauge_points
 from dummydesign.mold.model.spec import MouldSpec
-from dummydesign.mold.pour.batch import batches_of
-from dummydesign.mold.pour.plan import PourPlan, pour_plan
+from dummydesign.mold.pour.acceptance import gauge_points
+from dummydesign.mold.pour.plan import PourPlan, batches_of, pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
 
 GLASS = Material("glass or acrylic sheet", "cut to size, density of float glass", 2.5)
@@ -42,33 +40,16 @@ PICTURE_S = 600
 
 
 def produce(
-    spec: MouldSpec, folder: Path, papers: Papers = NO_PAPERS, bone_file: Path | None = None
+    spec: MouldSpec, folder: Path, papers: DocumentInfo = NO_PAPERS, bone_file: Path | None = None
 ) -> dict[str, Any]:
-    """Build, write, read again and check; return what the parent turns into a result.
-
-    Parameters
-    ----------
-    spec : MouldSpec
-    folder : Path
-        An empty folder; nothing in it counts until the parent has renamed it.
-    papers : Papers
-        What drawings and sheet carry besides: project, date, command line.
-    bone_file : Path, optional
-        Placed solid of a bone from a file.
-
-    Returns
-    -------
-    dict
-        ``files`` {role: file name}, ``volumes_mm3``, ``checks``, ``warnings``, ``sha256`` {role: ...},
-        ``step_sha256`` of the assembly, ``pour``.
-    """
-    tell("step 1 of 5: building the solids")
+    """Build, write, read again and check; return what the parent turns into a result."""
+    write_progress("step 1 of 5: building the solids")
     made = build(spec, bone_file)
-    tell("step 2 of 5: meshes and STEP files")
-    meshes = {name: mesh.tessellate(part.solid) for name, part in made.parts.items()}
+    write_progress("step 2 of 5: meshes and STEP files")
+    meshes = {name: tessellate(part.solid) for name, part in made.parts.items()}
     picture = _start_picture(made, meshes, folder)
     try:
-        return _written(made, meshes, folder, papers, picture)
+        return _write_and_check(made, meshes, folder, papers, picture)
     finally:
         if picture.poll() is None:
             # A check failed or the user stopped: nobody waits for it any more.
@@ -76,78 +57,72 @@ def produce(
             picture.wait()
 
 
-def _written(
-    made: Parts, meshes: dict[str, Any], folder: Path, papers: Papers, picture: subprocess.Popen[bytes]
+def _write_and_check(
+    made: Parts, meshes: dict[str, Any], folder: Path, papers: DocumentInfo, picture: subprocess.Popen[bytes]
 ) -> dict[str, Any]:
     spec = made.spec
     steps = {name: step_part(made, name) for name in made.parts}
-    files = _write_steps(made, steps, folder)
+    files = _write_steps(spec, steps, folder)
     mesh_files = _write_meshes(made, meshes, folder)
-    volumes = _volumes(made)
+    volumes = {"cavity": made.cavity.Volume(), "pad_nominal": made.pad_nominal.Volume(),
+               "pad_compensated": made.parts["pad"].volume_mm3,
+               **{name: part.volume_mm3 for name, part in made.parts.items() if name != "pad"}}  # fmt: skip
     plan = pour_plan(spec, volumes["pad_compensated"], volumes["mould"] + volumes.get("lid", 0.0))
-    tell("step 3 of 5: checking the solids")
-    tool = meshes["mould"] if made.whole is None else mesh.tessellate(made.mould)
-    checks = check.check_solids(made, {**meshes, "mould": tool}) + check_shape.check_shape(made)
-    fine = mesh.tessellate(made.core, *check_mesh.FINE)
-    checks += check_mesh.check_mould_mesh(made, tool, fine)
-    tell("step 4 of 5: reading the files again")
-    checks += check_files.check_step(steps, {name: folder / files[name] for name in steps}, folder / files["assembly"])
-    checks += check_files.check_step_text(folder / files["assembly"], folder / files["pad"], spec.hash)
+    write_progress("step 3 of 5: checking the solids")
+    tool = meshes["mould"] if made.whole is None else tessellate(made.mould)
+    checks = check_solids(made, {**meshes, "mould": tool}) + check_shape(made)
+    checks += release.check_mould_mesh(made, tool, tessellate(made.core, *release.FINE))
+    write_progress("step 4 of 5: reading the files again")
+    assembly = folder / files["assembly"]
+    checks += check_files.check_step(steps, {name: folder / files[name] for name in steps}, assembly)
+    checks += check_files.check_step_text(assembly, folder / files["pad"], spec.hash)
     total = sum(part.volume_mm3 for part in made.parts.values())
-    checks.append(check_second_reader(folder / files["assembly"], total, len(made.parts)))
+    checks.append(check_files.check_second_reader(assembly, total, len(made.parts)))
     scales = {name: print_scale(made, name) for name in mesh_files}
     paths = {name: list(found.values()) for name, found in mesh_files.items()}
     checks += check_files.check_meshes(steps, genera(spec), paths, scales)
-    tell("step 5 of 5: drawings, picture and pour sheet")
+    write_progress("step 5 of 5: drawings, picture and pour sheet")
     warnings = pour_warnings(spec, plan)
-    checks += check_process.check_process(spec, plan, warnings)
-    for name, paths in mesh_files.items():
-        files |= {f"{name}_{kind}": path.name for kind, path in paths.items()}
+    checks += check_process(spec, plan, warnings)
+    files |= {f"{name}_{kind}": path.name for name, found in mesh_files.items() for kind, path in found.items()}
     files |= _write_views(made, meshes, folder)
     files |= _write_papers(made, plan, warnings, folder, papers)
     files |= finish_picture(picture, folder, spec, warnings)
-    files |= _write_records(spec, [item.to_dict() for item in checks], folder)
+    files |= {"spec": "spec.json", "checks": "checks.json"}
+    listed = [item.to_dict() for item in checks]
+    points = [point.to_dict() for point in gauge_points(spec)]
+    write_json(folder / files["spec"], {"hash": spec.hash, "spec": spec.to_dict(), "gauge_points": points})
+    write_json(folder / files["checks"], listed)
     return {
-        "files": files,
-        "volumes_mm3": volumes,
-        "checks": [item.to_dict() for item in checks],
-        "warnings": warnings,
-        "pour": plan.to_dict(),
-        "batch": batches_of(spec, plan),
-        "step_sha256": hashlib.sha256((folder / files["assembly"]).read_bytes()).hexdigest(),
-    }
+        "files": files, "volumes_mm3": volumes, "checks": listed, "warnings": warnings, "pour": plan.to_dict(),
+        "batch": batches_of(spec, plan), "step_sha256": hashlib.sha256(assembly.read_bytes()).hexdigest(),
+    }  # fmt: skip
 
 
 def step_part(made: Parts, name: str) -> StepPart:
     """One part with its material and colour, as a STEP file holds it."""
-    spec, part, silicone = made.spec, made.parts[name], made.spec.silicone
-    material = {
-        "resin": Material(spec.pour.resin, f"ratio {spec.pour.ratio:g}", spec.pour.density_g_per_cm3),
-        "resin_base": _base_material(spec),
-        "silicone": silicone and Material(silicone.name, "mould silicone", silicone.density_g_per_cm3),
-        "rigid": RIGID,
-        "glass": GLASS,
-    }[part.material]
-    return StepPart(name, part.solid, material, COLOURS[part.material], part.offset_mm)
+    part = made.parts[name]
+    return StepPart(name, part.solid, _material(made.spec, part.material), COLOURS[part.material], part.offset_mm)
 
 
-def _base_material(spec: MouldSpec) -> Material | None:
-    if spec.base is None:
-        return None
-    pour = spec.base.pour
-    return Material(f"{pour.resin} base", f"ratio {pour.ratio:.4g}", pour.density_g_per_cm3)
+def _material(spec: MouldSpec, kind: str) -> Material:
+    if kind == "resin":
+        return Material(spec.pour.resin, f"ratio {spec.pour.ratio:g}", spec.pour.density_g_per_cm3)
+    if kind == "resin_base" and spec.base is not None:
+        pour = spec.base.pour
+        return Material(f"{pour.resin} base", f"ratio {pour.ratio:.4g}", pour.density_g_per_cm3)
+    if kind == "silicone" and spec.silicone is not None:
+        return Material(spec.silicone.name, "mould silicone", spec.silicone.density_g_per_cm3)
+    return {"rigid": RIGID, "glass": GLASS}[kind]
 
 
-def _write_steps(made: Parts, steps: dict[str, StepPart], folder: Path) -> dict[str, str]:
+def _write_steps(spec: MouldSpec, steps: dict[str, StepPart], folder: Path) -> dict[str, str]:
     """One STEP file per part and one assembly; return role to file name."""
-    spec, files = made.spec, {}
-    for name, part in steps.items():
+    files = {}
+    for name, parts in {**{name: [part] for name, part in steps.items()}, "assembly": list(steps.values())}.items():
         files[name] = f"{name}_{spec.tag}.step"
-        text = step_text([part], f"{name}_{spec.tag}", description(spec, name))
+        text = step_text(parts, f"{name}_{spec.tag}", description(spec, name))
         (folder / files[name]).write_text(text, encoding="utf-8")
-    files["assembly"] = f"assembly_{spec.tag}.step"
-    text = step_text(list(steps.values()), f"assembly_{spec.tag}", description(spec, "assembly"))
-    (folder / files["assembly"]).write_text(text, encoding="utf-8")
     return files
 
 
@@ -168,19 +143,12 @@ def _write_meshes(made: Parts, meshes: dict[str, Any], folder: Path) -> dict[str
         if (scale := print_scale(made, name)) != 1.0:
             part = part.copy()
             part.apply_scale(scale)
-        stem = folder / f"{name}_{made.spec.tag}"
-        found[name] = {"stl": stem.with_name(stem.name + ".stl")}
-        mesh.write_stl(part, found[name]["stl"])
+        found[name] = {"stl": folder / f"{name}_{made.spec.tag}.stl"}
+        write_stl(part, found[name]["stl"])
         if made.parts[name].material == "rigid":
-            found[name]["3mf"] = stem.with_name(stem.name + ".3mf")
-            mesh.write_3mf(part, found[name]["3mf"])
+            found[name]["3mf"] = folder / f"{name}_{made.spec.tag}.3mf"
+            write_3mf(part, found[name]["3mf"])
     return found
-
-
-def _volumes(made: Parts) -> dict[str, float]:
-    volumes = {"cavity": made.cavity.Volume(), "pad_nominal": made.pad_nominal.Volume()}
-    volumes["pad_compensated"] = made.parts["pad"].volume_mm3
-    return {**volumes, **{name: part.volume_mm3 for name, part in made.parts.items() if name != "pad"}}
 
 
 def _start_picture(made: Parts, meshes: dict[str, Any], folder: Path) -> subprocess.Popen[bytes]:
@@ -195,15 +163,17 @@ def _start_picture(made: Parts, meshes: dict[str, Any], folder: Path) -> subproc
 
 def _shown(made: Parts, meshes: dict[str, Any]) -> tuple[dict[str, Any], dict[str, tuple[float, float, float]]]:
     """Meshes as pictures show them and their colours: turned over where what matters is below, and named so."""
-    pad = made.spec.pad
-    upside = {"carrier": "carrier, bone up"} if pad.shape.bone_height_mm else {}
-    upside |= {} if not pad.shape.relief_mm else {"pad": "pad, tested face up"}
-    shown, colours = {}, {}
+    shape, shown, colours = made.spec.pad.shape, {}, {}
+    upside = {"carrier": "carrier, bone up"} if shape.bone_height_mm else {}
+    upside |= {"pad": "pad, tested face up"} if shape.relief_mm else {}
     for name, part in meshes.items():
         if name == "pad" and "layer_top" in meshes:
-            # Its two layers stand for it.
+            # Its two layers are shown instead.
             continue
-        shown[upside.get(name, name)] = view.turned(part) if name in upside else part
+        if name in upside:
+            part = part.copy()
+            part.vertices = turned_over(np.asarray(part.vertices))
+        shown[upside.get(name, name)] = part
         colours[upside.get(name, name)] = COLOURS[made.parts[name].material]
     return shown, colours
 
@@ -211,24 +181,7 @@ def _shown(made: Parts, meshes: dict[str, Any]) -> tuple[dict[str, Any], dict[st
 def finish_picture(
     process: subprocess.Popen[bytes], folder: Path, spec: MouldSpec, warnings: list[dict[str, str]]
 ) -> dict[str, str]:
-    """Wait for the picture; without one the mould is as good, and a warning says so.
-
-    Parameters
-    ----------
-    process : subprocess.Popen
-        The renderer, started before the checks.
-    folder : Path
-        Where it writes.
-    spec : MouldSpec
-        The mould; its tag is part of the file name.
-    warnings : list of dict
-        A warning is appended when there is no picture.
-
-    Returns
-    -------
-    dict
-        ``{"picture": file name}``, empty without one.
-    """
+    """Wait for the picture; without one the mould is as good, and a warning says so."""
     try:
         process.wait(PICTURE_S)
     except subprocess.TimeoutExpired:
@@ -250,7 +203,7 @@ def _write_views(made: Parts, meshes: dict[str, Any], folder: Path) -> dict[str,
     for name, part in joined.items():
         part.apply_translation(made.parts[name].offset_mm)
     files = {"glb": f"assembly_{made.spec.tag}.glb", "view": f"assembly_{made.spec.tag}.html"}
-    mesh.write_glb(mesh.coloured_scene(joined, colours, 1e-3), folder / files["glb"])
+    write_glb(coloured_scene(joined, colours, 1e-3), folder / files["glb"])
     shown, shown_colours = _shown(made, meshes)
     page = mould_view(shown, shown_colours, f"Mould {made.spec.tag}, specification {made.spec.hash}")
     (folder / files["view"]).write_text(page, encoding="utf-8")
@@ -258,39 +211,33 @@ def _write_views(made: Parts, meshes: dict[str, Any], folder: Path) -> dict[str,
 
 
 def _write_papers(
-    made: Parts, plan: PourPlan, warnings: list[dict[str, str]], folder: Path, papers: Papers
+    made: Parts, plan: PourPlan, warnings: list[dict[str, str]], folder: Path, papers: DocumentInfo
 ) -> dict[str, str]:
     """Drawings as DXF, SVG and, all in one, as PDF; the pour sheet as Markdown, HTML and PDF."""
-    tag, files = made.spec.tag, {}
+    spec, tag = made.spec, made.spec.tag
     views = part_views(made)
     drawn = {paper: sheets(made, views, papers, paper) for paper in ("A3", "A4")}
-    for name, paper in drawn["A3"].items():
-        for kind, text in (("svg", to_svg(paper)), ("dxf", to_dxf(paper))):
-            files[f"drawing_{name}_{kind}"] = f"drawing_{name}_{tag}.{kind}"
-            (folder / files[f"drawing_{name}_{kind}"]).write_text(text, encoding="utf-8")
     printed = {name: part.volume_mm3 for name, part in made.parts.items() if part.material == "rigid"}
-    blocks = sheet.pour_sheet(made.spec, plan, warnings, printed)
-    foot = Foot(made.spec.hash, papers.command, papers.date)
+    blocks = pour_sheet(spec, plan, warnings, printed)
+    foot = Foot(spec.hash, papers.command, papers.date)
+    files: dict[str, str] = {}
+
+    def write(role: str, name: str, content: str | bytes) -> None:
+        files[role] = name
+        (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
+
+    for name, drawing in drawn["A3"].items():
+        write(f"drawing_{name}_svg", f"drawing_{name}_{tag}.svg", to_svg(drawing))
+        write(f"drawing_{name}_dxf", f"drawing_{name}_{tag}.dxf", to_dxf(drawing))
     for paper, end in (("A3", "_a3"), ("A4", "")):
         small, pages = paper.lower(), drawn[paper]
-        files[f"drawings_{small}"], files[f"pour_sheet_{small}"] = f"drawings_{tag}_{small}.pdf", f"pour_{tag}{end}.pdf"
-        bound = to_pdf(list(pages.values()), f"Drawings, specification {made.spec.hash}")
-        (folder / files[f"drawings_{small}"]).write_bytes(bound)
+        bound = to_pdf(list(pages.values()), f"Drawings, specification {spec.hash}")
+        write(f"drawings_{small}", f"drawings_{tag}_{small}.pdf", bound)
         shown = [pages[name] for name in ("pad", "mould")]
-        (folder / files[f"pour_sheet_{small}"]).write_bytes(sheet_pdf(blocks, foot, shown, paper))
-    files["pour_sheet"], files["pour_sheet_html"] = f"pour_{tag}.md", f"pour_{tag}.html"
-    (folder / files["pour_sheet"]).write_text(sheet.to_markdown(blocks), encoding="utf-8")
-    page = sheet.to_html(blocks, to_svg(drawn["A3"]["mould"]))
-    (folder / files["pour_sheet_html"]).write_text(page, encoding="utf-8")
+        write(f"pour_sheet_{small}", f"pour_{tag}{end}.pdf", sheet_pdf(blocks, foot, shown, paper))
+    write("pour_sheet", f"pour_{tag}.md", to_markdown(blocks))
+    write("pour_sheet_html", f"pour_{tag}.html", to_html(blocks, to_svg(drawn["A3"]["mould"])))
     return files
-
-
-def _write_records(spec: MouldSpec, checks: list[dict[str, Any]], folder: Path) -> dict[str, str]:
-    """Specification and checks."""
-    points = [point.to_dict() for point in gauge_points(spec)]
-    write_json(folder / "spec.json", {"hash": spec.hash, "spec": spec.to_dict(), "gauge_points": points})
-    write_json(folder / "checks.json", checks)
-    return {"spec": "spec.json", "checks": "checks.json"}
 
 
 def write_json(path: Path, content: Any) -> None:

@@ -1,7 +1,8 @@
-"""Make a mould from outside: a child process does the CAD, checked files are renamed into place."""
+"""Run the CAD child from outside: place a bone, make a mould; checked files are renamed into place."""
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import shlex
@@ -9,6 +10,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
@@ -16,16 +18,76 @@ from typing import Any
 
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.files import output_folder
-from dummydesign.core.outputs.manifest import COMMAND_LINE
-from dummydesign.core.threads import ONE_THREAD
-from dummydesign.mold.gauging.points import gauge_points
-from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.core.manifest import COMMAND_LINE
+from dummydesign.core.process import HUNG_S, ONE_THREAD, ran_out
+from dummydesign.core.serialise import Serialised
+from dummydesign.geometry.dimensions import RIM_FREE_MM
+from dummydesign.mold.model.spec import Insert, MouldSpec, Placing
 from dummydesign.mold.model.validate import validate
-from dummydesign.mold.pour.batch import batches_of
-from dummydesign.mold.pour.plan import pour_plan
-from dummydesign.mold.pour.print_layers import check_layers
+from dummydesign.mold.pour.acceptance import GaugePoint, gauge_points
+from dummydesign.mold.pour.plan import batches_of, pour_plan
+from dummydesign.mold.pour.printing import check_layers
 from dummydesign.mold.pour.warnings import pour_warnings
-from dummydesign.mold.processor_time import HUNG_S, ran_out
+
+SUFFIXES = (".stl", ".step", ".stp")
+TIMEOUT_S = 300.0
+BONE_WORKER = ("-m", "dummydesign.mold.cad.bone")
+
+
+def place_bone(
+    file: Path, placing: Placing, thickness_mm: float, length_mm: float, width_mm: float, solid: Path
+) -> tuple[Insert, tuple[tuple[str, float], ...]]:
+    """Read a bone, set it into a pad and find the dome that stands for it."""
+    placing.check(thickness_mm)
+    if file.suffix.lower() not in SUFFIXES:
+        message = f"bone '{file.name}': a name that ends in {', '.join(SUFFIXES)} is needed"
+        raise InputError(message, "unsupported", "bone", file.suffix, SUFFIXES)
+    try:
+        content = file.read_bytes()
+    except OSError as problem:
+        code = "file_not_found" if isinstance(problem, FileNotFoundError) else "file_unreadable"
+        raise InputError(f"bone '{file}': cannot be read: {problem.strerror}", code, "bone", str(file)) from None
+    room = min(length_mm, width_mm) / 2 - RIM_FREE_MM
+    found = _measured({"file": str(file), "solid": str(solid), "placing": asdict(placing), "thickness_mm": thickness_mm,
+                       "room_mm": room})  # fmt: skip
+    dome = (("radius", round(found.pop("tip_mm"), 2)), ("height", placing.height_mm),
+            ("foot", round(found.pop("foot_mm"), 2)))  # fmt: skip
+    insert = Insert(file.name, hashlib.sha256(content).hexdigest(), placing, **found)
+    insert.check(length_mm, width_mm)
+    return insert, dome
+
+
+def _measured(asked: dict[str, Any]) -> dict[str, Any]:
+    """What the child measured of a bone; its error as ours."""
+    with tempfile.TemporaryDirectory(prefix="dummydesign-bone-") as work:
+        question, answer = Path(work) / "asked.json", Path(work) / "answer.json"
+        question.write_text(json.dumps(asked), encoding="utf-8")
+        done = _run_module([*BONE_WORKER, str(question), str(answer)], TIMEOUT_S)
+        if done is None:
+            raise NoAnswerError("cad_failed", f"the bone was not read within {TIMEOUT_S:g} s", {}, "bone")
+        if not answer.is_file():
+            last = (done.stderr.strip().splitlines() or [f"exit status {done.returncode}"])[-1]
+            raise NoAnswerError("cad_failed", f"the bone could not be read: {last}", {}, "bone")
+        found: dict[str, Any] = json.loads(answer.read_text(encoding="utf-8"))
+    if "error" not in found:
+        return found
+    code, message = found["error"]["code"], found["error"]["message"]
+    if code == "input":
+        raise InputError(message, *found["error"]["fault"])
+    raise NoAnswerError(code, message, {}, "bone")
+
+
+def _run_module(words: Sequence[str], timeout_s: float) -> subprocess.CompletedProcess[str] | None:
+    """Run this Python with one thread and this package; None when it did not end in time."""
+    package = str(Path(__file__).resolve().parents[2])
+    path = os.pathsep.join(filter(None, (package, os.environ.get("PYTHONPATH"))))
+    environment = {**os.environ, **ONE_THREAD, "PYTHONPATH": path}
+    try:
+        return subprocess.run([sys.executable, *words], capture_output=True, text=True, timeout=timeout_s,
+                              env=environment)  # fmt: skip
+    except subprocess.TimeoutExpired:
+        return None
+
 
 PROCESSOR_S = 900.0
 """Processor time after which the CAD kernel is given up; the largest moulds take a tenth of it. [s]"""
@@ -34,73 +96,48 @@ WORKER = ("-m", "dummydesign.mold.worker")
 
 
 @dataclass(frozen=True)
-class MouldResult:
+class MouldResult(Serialised):
     """What was made: files by role, volumes, masses to weigh, all checks, and the hash of the assembly."""
 
     files: dict[str, str]
     volumes_mm3: dict[str, float]
     masses_g: dict[str, float]
-    checks: tuple[dict[str, Any], ...]
+    checks: list[dict[str, Any]]
     step_sha256: str
-    warnings: tuple[dict[str, str], ...]
+    warnings: list[dict[str, str]]
     pour: dict[str, Any]
     spec_hash: str
     batch: dict[str, Any]
-    gauge_points: tuple[dict[str, Any], ...]
+    gauge_points: tuple[GaugePoint, ...]
     seconds: float = field(default=0.0, compare=False)
     memory_MB: float = field(default=0.0, compare=False)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the fields as plain values."""
-        plain = asdict(self)
-        listed = {key: list(plain[key]) for key in ("checks", "warnings", "gauge_points")}
-        return {**plain, **listed}
 
 
 def make_mold(
     spec: MouldSpec, folder: Path, processor_s: float = PROCESSOR_S, bone_file: Path | None = None
 ) -> MouldResult:
-    """Build the mould of a specification with all its files into a folder.
-
-    Parameters
-    ----------
-    spec : MouldSpec
-        From :func:`dummydesign.mold.model.preset.mould_spec`.
-    folder : Path
-        Made when needed; files of the same name are replaced, and only when everything has been checked.
-    processor_s : float
-        Processor time after which the child process is ended, whatever the clock says. [s]
-    bone_file : Path, optional
-        Placed solid of a bone from a file, as :func:`dummydesign.mold.bone.place.place_bone` writes it.
-
-    Returns
-    -------
-    MouldResult
-
-    Raises
-    ------
-    InputError
-        When the specification or the folder cannot be used.
-    NoAnswerError
-        ``cad_unavailable`` when CadQuery or a system library is missing, ``cad_failed`` when the kernel
-        failed, crashed or took too long, ``check_failed`` when a check failed. What is known without CAD
-        (weights, warnings) or was found (checks) is in its ``result``; no file is left under a final name.
-    """
+    """Build the mould of a specification with all its files into a folder."""
     validate(spec)
     check_layers(spec)
     if spec.insert is not None and bone_file is None:
-        raise InputError(f"the bone of this mould comes from {spec.insert.file}; give the file again")
+        message = f"the bone of this mould comes from {spec.insert.file}; give the file again"
+        raise InputError(message, "missing", "bone")
     target = output_folder(folder)
     work = Path(tempfile.mkdtemp(prefix=".mould-", dir=target))
     try:
         found = _run_child(spec, work, processor_s, bone_file)
-        result = _result(spec, found, target)
+        files = found["files"]
+        result = MouldResult(
+            **{**found, "files": {role: str(target / name) for role, name in files.items()}},
+            masses_g=masses_g(found["pour"]), spec_hash=spec.hash, gauge_points=gauge_points(spec),
+        )  # fmt: skip
         failed = [item for item in result.checks if item["status"] == "fail"]
         if failed:
             names = "; ".join(f"{item['id']} = {item['value']} (limit {item['limit']})" for item in failed)
             partial = {**result.to_dict(), "files": {}}
-            raise NoAnswerError("check_failed", f"the mould was built but failed {names}; no file was kept", partial)
-        _move(work, target, found["files"])
+            message = f"the mould was built but failed {names}; no file was kept"
+            raise NoAnswerError("check_failed", message, partial, "mould")
+        _move(work, target, files)
     finally:
         shutil.rmtree(work, ignore_errors=True)
     return result
@@ -130,35 +167,29 @@ def masses_g(pour: dict[str, Any]) -> dict[str, float]:
 
 def _run_child(spec: MouldSpec, work: Path, processor_s: float, bone_file: Path | None = None) -> dict[str, Any]:
     """Start the child, wait, and turn every way it can end into a result or a named error."""
-    spec_file = work / ".spec.json"
+    spec_file, answer = work / ".spec.json", work / RESULT
     asked = {"spec": spec.to_dict(), "papers": papers(), "bone": str(bone_file) if bone_file else None}
     spec_file.write_text(json.dumps(asked), encoding="utf-8")
-    package = str(Path(__file__).resolve().parents[2])
-    path = os.pathsep.join(filter(None, (package, os.environ.get("PYTHONPATH"))))
-    environment = {**os.environ, **ONE_THREAD, "PYTHONPATH": path}
-    command = [sys.executable, *WORKER, str(spec_file), str(work), f"{processor_s:g}"]
-    what = f"preset {spec.preset}, {spec.pad.title}, specification {spec.hash}"
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=HUNG_S, env=environment)
-    except subprocess.TimeoutExpired:
-        message = f"the CAD kernel did not end within {HUNG_S:g} s ({what}); nothing was written"
-        raise NoAnswerError("cad_failed", message, without_cad(spec)) from None
-    if ran_out(done.returncode):
-        took = f"{processor_s:g} s of processor time"
-        message = f"the CAD kernel did not finish within {took} ({what}); nothing was written"
-        raise NoAnswerError("cad_failed", message, without_cad(spec))
-    answer = work / RESULT
-    if not answer.is_file():
+    done = _run_module([*WORKER, str(spec_file), str(work), f"{processor_s:g}"], HUNG_S)
+    code, how = "cad_failed", ""
+    if done is None:
+        how = f"did not end within {HUNG_S:g} s"
+    elif ran_out(done.returncode):
+        how = f"did not finish within {processor_s:g} s of processor time"
+    elif not answer.is_file():
         last = (done.stderr.strip().splitlines() or ["no message"])[-1]
-        how = f"signal {-done.returncode}" if done.returncode < 0 else f"exit status {done.returncode}: {last}"
-        message = f"the CAD kernel ended without an answer ({how}; {what}); nothing was written"
-        raise NoAnswerError("cad_failed", message, without_cad(spec))
-    found = json.loads(answer.read_text(encoding="utf-8"))
-    if "error" in found:
-        code, text = found["error"]["code"], found["error"]["message"]
-        message = text if code == "cad_unavailable" else f"the CAD kernel failed: {text} ({what}); nothing was written"
-        raise NoAnswerError(code, message, without_cad(spec))
-    return found
+        status = f"signal {-done.returncode}" if done.returncode < 0 else f"exit status {done.returncode}: {last}"
+        how = f"ended without an answer ({status})"
+    else:
+        found: dict[str, Any] = json.loads(answer.read_text(encoding="utf-8"))
+        if "error" not in found:
+            return found
+        code, how = found["error"]["code"], f"failed: {found['error']['message']}"
+    what = f"preset {spec.preset}, {spec.pad.title}, specification {spec.hash}"
+    message = f"the CAD kernel {how} ({what}); nothing was written"
+    if code == "cad_unavailable":
+        message = found["error"]["message"]
+    raise NoAnswerError(code, message, without_cad(spec), "mould")
 
 
 def papers() -> dict[str, str]:
@@ -170,36 +201,15 @@ def papers() -> dict[str, str]:
     return {"command": command, "date": day.date().isoformat()}
 
 
-def _result(spec: MouldSpec, found: dict[str, Any], target: Path) -> MouldResult:
-    return MouldResult(
-        files={role: str(target / name) for role, name in found["files"].items()},
-        volumes_mm3=found["volumes_mm3"],
-        masses_g=masses_g(found["pour"]),
-        checks=tuple(found["checks"]),
-        step_sha256=found["step_sha256"],
-        warnings=tuple(found["warnings"]),
-        pour=found["pour"],
-        spec_hash=spec.hash,
-        batch=found["batch"],
-        gauge_points=tuple(point.to_dict() for point in gauge_points(spec)),
-        seconds=found["seconds"],
-        memory_MB=found["memory_MB"],
-    )
-
-
 def _move(work: Path, target: Path, files: dict[str, str]) -> None:
-    """Rename the checked files into place.
-
-    Raises
-    ------
-    InputError
-        When a final name is taken by a folder or cannot be written.
-    """
+    """Rename the checked files into place."""
     for name in files.values():
         if (target / name).is_dir():
-            raise InputError(f"'{target / name}' is a folder; a file of that name has to be written")
+            message = f"'{target / name}' is a folder; a file of that name has to be written"
+            raise InputError(message, "file_exists", "out", str(target / name))
     try:
         for name in files.values():
             os.replace(work / name, target / name)
     except OSError as problem:
-        raise InputError(f"output folder '{target}' cannot be written: {problem.strerror or problem}") from None
+        message = f"output folder '{target}' cannot be written: {problem.strerror or problem}"
+        raise InputError(message, "file_unwritable", "out", str(target)) from None

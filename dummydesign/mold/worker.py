@@ -12,22 +12,9 @@ import time
 from pathlib import Path
 from typing import Any
 
-from dummydesign.mold.light_imports import load_cadquery, load_trimesh
+from dummydesign.mold.cad.kernel import cad_problem, load_trimesh
 
 RESULT = ".result.json"
-LIBRARIES = "apt-get install libgl1 libx11-6"
-
-
-def cad_problem() -> str | None:
-    """Say why CadQuery cannot be loaded and how to mend it, or None when it can."""
-    try:
-        load_cadquery()
-    except ModuleNotFoundError as problem:
-        return f"CadQuery is not installed ({problem.name} is missing): pip install cadquery"
-    except ImportError as problem:
-        text = " ".join(str(problem).split())
-        return f"CadQuery cannot load a system library ({text}): {LIBRARIES}"
-    return None
 
 
 def run(spec_file: Path, folder: Path) -> dict[str, Any]:
@@ -35,13 +22,13 @@ def run(spec_file: Path, folder: Path) -> dict[str, Any]:
     problem = cad_problem()
     if problem:
         return {"error": {"code": "cad_unavailable", "message": problem}}
-    from dummydesign.mold.files.drawings.parts import Papers
+    from dummydesign.mold.files.drawings.parts import DocumentInfo
     from dummydesign.mold.model.spec import MouldSpec
     from dummydesign.mold.produce import produce
 
     load_trimesh()
     asked = json.loads(spec_file.read_text(encoding="utf-8"))
-    spec, papers = MouldSpec.from_dict(asked["spec"]), Papers(**asked["papers"])
+    spec, papers = MouldSpec.from_dict(asked["spec"]), DocumentInfo(**asked["papers"])
     start = time.perf_counter()
     try:
         result = produce(spec, folder, papers, Path(asked["bone"]) if asked.get("bone") else None)
@@ -65,7 +52,7 @@ def peak_memory_MB() -> float:
 
 def main() -> None:
     """Entry point of the child; the last word is the processor time that it may use. [s]"""
-    from dummydesign.mold.processor_time import limit_processor_time
+    from dummydesign.core.process import limit_processor_time
 
     limit_processor_time(float(sys.argv[3]))
     # Nothing that is made here lives in cycles: looking for them over and over takes a tenth of the time.

@@ -1,19 +1,17 @@
-"""The contract of a force law: long-term elastic force of pads over depth, how deep it holds and how sure it is.
-
-A law is asked for many pads at once: depth, thickness, modulus and punch radius broadcast. A curve is a law at one
-pad. Your own laws inherit :class:`BaseForceLaw`, give ``force`` and ``depth_limit_mm``, and go wherever a
-response table goes: ``predict_static(..., force_law=...)``, ``whatif(..., law=...)``, ``suggest(..., law=...)``.
-"""
+"""The contract of a force law over depth, and the force curve of one pad."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from dummydesign.core.errors import NoAnswerError
+from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 
 NOTHING_KNOWN: Mapping[str, Any] = MappingProxyType({})
 ANY_RATIO = (1e-6, 1e6)
@@ -129,7 +127,7 @@ class BaseForceLaw:
     ...         return young_MPa * np.pi * np.square(radius_mm) * np.asarray(depth_mm) / thickness_mm
     ...     def depth_limit_mm(self, thickness_mm, radius_mm):
     ...         return 0.5 * np.asarray(thickness_mm)
-    >>> pad = AtThickness(Foam(), thickness_mm=10.0, young_MPa=0.1, radius_mm=14.0)
+    >>> pad = curve_at(Foam(), thickness_mm=10.0, young_MPa=0.1, radius_mm=14.0)
     >>> f"{pad.force(1.0):.2f} N, {pad.stiffness(1.0):.2f} N/mm, to {pad.limit_mm:g} mm"
     '6.16 N, 6.16 N/mm, to 5 mm'
     """
@@ -162,19 +160,41 @@ class BaseForceLaw:
         return np.full(shape, np.nan)
 
 
-@dataclass(frozen=True)
-class TimesFactor(BaseForceLaw):
+class ForceAndStiffness:
+    """Force and stiffness of a law that works out both at once."""
+
+    def force_and_stiffness(
+        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
+    ) -> tuple[NDArray, NDArray]:
+        """Elastic force [N] and tangent stiffness [N/mm]; see :meth:`ForceLaw.force`."""
+        raise NotImplementedError
+
+    def force(
+        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
+    ) -> NDArray:
+        """Elastic force; see :class:`ForceLaw`. [N]"""
+        return self.force_and_stiffness(depth_mm, thickness_mm, young_MPa, radius_mm)[0]
+
+    def stiffness(
+        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
+    ) -> NDArray:
+        """Tangent stiffness dF/dd; see :class:`ForceLaw`. [N/mm]"""
+        return self.force_and_stiffness(depth_mm, thickness_mm, young_MPa, radius_mm)[1]
+
+
+class ScaledLaw(BaseForceLaw):
     """A law times a factor that states its own error; the errors add up, all else is the law's.
 
-    Attributes
+    Parameters
     ----------
     law : ForceLaw
     factor : callable
         See ``Factor``.
     """
 
-    law: ForceLaw
-    factor: Factor
+    def __init__(self, law: ForceLaw, factor: Factor) -> None:
+        self.law, self.factor = law, factor
+        self.ratio_range, self.provenance, self.notes = law.ratio_range, law.provenance, law.notes
 
     def force(
         self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
@@ -192,95 +212,113 @@ class TimesFactor(BaseForceLaw):
         _, error = self.factor(depth_mm, thickness_mm, radius_mm)
         return error + self.law.relative_error(depth_mm, thickness_mm, radius_mm)
 
-    @property
-    def ratio_range(self) -> tuple[float, float]:  # type: ignore[override]
-        """The law's range of radius over thickness."""
-        return self.law.ratio_range
 
-    @property
-    def provenance(self) -> Mapping[str, Any]:  # type: ignore[override]
-        """Where the law comes from."""
-        return self.law.provenance
-
-    @property
-    def notes(self) -> tuple[str, ...]:  # type: ignore[override]
-        """The law's notes."""
-        return self.law.notes
-
-
-@runtime_checkable
-class ForceCurve(Protocol):
-    """A force law at one pad, or the solve of one: a function of depth alone."""
-
-    @property
-    def provenance(self) -> Mapping[str, Any]:
-        """How it was made; empty where it has none of its own."""
-        ...
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What a reader of its forces must know."""
-        ...
-
-    @property
-    def limit_mm(self) -> float:
-        """Depth to which it holds. [mm]"""
-        ...
-
-    @property
-    def force(self) -> Callable[[NDArray], NDArray]:
-        """Elastic force of depths. [mm -> N]"""
-        ...
-
-    def stiffness(self, depth_mm: NDArray) -> NDArray:
-        """Tangent stiffness dF/dd. [N/mm]"""
-        ...
-
-    @property
-    def relative_error(self) -> Callable[[NDArray], NDArray]:
-        """Stated error of the force over the force, of depths."""
-        ...
+# Depths at which a finite-element curve is solved before it is followed along a motion.
+CURVE_POINTS = 16
+NO_COST: dict[str, float] = {"unknowns": 0, "load_steps": 0, "newton_iterations": 0, "seconds": 0.0}
+"""What a solve counts; this of a force that was not solved."""
 
 
 @dataclass(frozen=True)
-class AtThickness:
-    """One pad of a force law: its force as a function of depth alone.
+class PadCurve:
+    """Static force of one pad at depths, with its error; ``solved_error_N`` is that of the elements alone."""
 
-    Attributes
+    depth_mm: NDArray
+    force_N: NDArray
+    error_N: NDArray
+    solver: dict[str, Any]
+    notes: tuple[str, ...] = ()
+    solved_error_N: NDArray | None = None
+
+
+@dataclass(frozen=True)
+class ForceCurve:
+    """Long-term elastic force of one pad as a function of depth, and its relative error.
+
+    ``provenance`` is that of the law or table, empty where the pad was solved.
+    """
+
+    force: Callable[[NDArray], NDArray]
+    relative_error: Callable[[NDArray], NDArray]
+    limit_mm: float
+    solver: dict[str, Any]
+    notes: tuple[str, ...] = ()
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+
+    def stiffness(self, depth_mm: NDArray) -> NDArray:
+        """Tangent stiffness dF/dd, by a central difference. [N/mm]"""
+        return slope_of(self.force, depth_mm, SLOPE_STEP * self.limit_mm, self.limit_mm)
+
+
+def curve_at(law: ForceLaw, thickness_mm: float, young_MPa: float, radius_mm: float) -> ForceCurve:
+    """Force of a law at one pad; beyond the law's depths it has the error of the nearest end.
+
+    Parameters
     ----------
     law : ForceLaw
     thickness_mm, young_MPa, radius_mm : float
         Of the pad and of the punch. [mm, MPa, mm]
     """
+    limit = float(np.squeeze(law.depth_limit_mm(thickness_mm, radius_mm)))
+    return ForceCurve(
+        lambda depth: law.force(depth, thickness_mm, young_MPa, radius_mm),
+        lambda depth: law.relative_error(np.clip(depth, 0.0, limit), thickness_mm, radius_mm),
+        limit, dict(NO_COST), law.notes, law.provenance,
+    )  # fmt: skip
 
-    law: ForceLaw
-    thickness_mm: float
-    young_MPa: float
-    radius_mm: float
 
-    @property
-    def provenance(self) -> Mapping[str, Any]:
-        """How the law was made."""
-        return self.law.provenance
+def depth_grid(thickness_mm: float, deepest_mm: float | None, depths_mm: NDArray | None) -> tuple[NDArray, float]:
+    """Depths that are solved, the wanted ones among them, and the deepest. [mm]
 
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """The law's notes."""
-        return self.law.notes
+    Parameters
+    ----------
+    thickness_mm : float
+        Of the pad, or height of the puck. [mm]
+    deepest_mm : float, optional
+        Deepest that is wanted; by default what is valid. [mm]
+    depths_mm : ndarray, shape (n,), optional
+        Depths to be met exactly. [mm]
+    """
+    limit = MAX_DEPTH_OVER_THICKNESS * thickness_mm
+    deepest = limit if deepest_mm is None else min(max(deepest_mm, 0.02 * thickness_mm), limit)
+    grid = np.linspace(0.0, deepest, CURVE_POINTS + 1)[1:]
+    if depths_mm is not None:
+        grid = np.union1d(grid[::2], depths_mm[(depths_mm > 0.0) & (depths_mm <= limit)])
+    return grid, deepest
 
-    @property
-    def limit_mm(self) -> float:
-        """Depth to which the law holds on this pad. [mm]"""
-        return float(np.squeeze(self.law.depth_limit_mm(self.thickness_mm, self.radius_mm)))
 
-    def force(self, depth_mm: NDArray) -> NDArray:
-        """Elastic force. [N]"""
-        return self.law.force(depth_mm, self.thickness_mm, self.young_MPa, self.radius_mm)
+def interpolate_curve(power: float, solved: PadCurve) -> ForceCurve:
+    """A curve through solved depths of a force that begins as depth to a power (1 of a flat, 1.5 of a rounded tip).
 
-    def stiffness(self, depth_mm: NDArray) -> NDArray:
-        """Tangent stiffness dF/dd. [N/mm]"""
-        return self.law.stiffness(depth_mm, self.thickness_mm, self.young_MPa, self.radius_mm)
+    Raises
+    ------
+    NoAnswerError
+        When fewer than two were reached.
+    """
+    from scipy.interpolate import PchipInterpolator
 
-    def relative_error(self, depth_mm: NDArray) -> NDArray:
-        """Stated error of the force over the force; outside the law's depths that of the nearest end."""
-        return self.law.relative_error(np.clip(depth_mm, 0.0, self.limit_mm), self.thickness_mm, self.radius_mm)
+    depth, force = solved.depth_mm, solved.force_N
+    if len(depth) < 2:
+        message = f"the pad could be solved at {len(depth)} depth only: {solved.notes[0]}"
+        raise NoAnswerError("no_convergence", message, quantity="force_N")
+    # F / d (under a rounded tip F / d^1.5) varies little; between solved depths lies a monotone cubic through it.
+    stiffness = PchipInterpolator(depth, np.log(force / depth**power), extrapolate=True)
+    error = solved.error_N / force
+
+    def value(at: NDArray) -> NDArray:
+        at = np.asarray(at, dtype=float)
+        inside = np.clip(at, 0.0, depth[-1])
+        return np.where(at > 0.0, inside**power * np.exp(stiffness(inside)), 0.0)
+
+    return ForceCurve(
+        value, lambda at: np.interp(at, depth, error), float(depth[-1]), solved.solver, solved.notes
+    )
+
+
+def scale_curve(curve: ForceCurve, factor: Callable[[NDArray], tuple[NDArray, NDArray]]) -> ForceCurve:
+    """Multiply a curve by a factor that gives its own relative error; the errors add up."""
+    return replace(
+        curve,
+        force=lambda depth: curve.force(depth) * factor(depth)[0],
+        relative_error=lambda depth: curve.relative_error(depth) + factor(depth)[1],
+    )

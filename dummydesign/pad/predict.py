@@ -8,17 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign.core.checks import positive
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
+from dummydesign.core.parsing import positive
+from dummydesign.core.serialise import Serialised
+from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.geometry.interface import BASES
-from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS, PAD_EXTENT_MM
-from dummydesign.measurement.motion import Motion
-from dummydesign.pad.curve import ElasticCurve
-from dummydesign.pad.elastic import elastic_curve
-from dummydesign.pad.force_law import ForceLaw
+from dummydesign.measurement.motion import Motion, ramp_and_hold
+from dummydesign.pad.elastic_force import elastic_curve
+from dummydesign.pad.force_law import ForceCurve, ForceLaw
 from dummydesign.pad.material.relaxation import relaxed_force
-from dummydesign.pad.pad import SLAB, Pad, Puck
-from dummydesign.pad.tables.separability import allowance
+from dummydesign.pad.specimen import SLAB, Pad, Puck
+from dummydesign.pad.tables.quasi_linear_error import allowance
 
 Array = np.ndarray
 __all__ = [
@@ -26,16 +26,8 @@ __all__ = [
 ]  # fmt: skip
 
 
-class _Prediction:
-    """What both kinds of prediction have in common."""
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the fields as plain values."""
-        return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in self.__dict__.items()}
-
-
 @dataclass(frozen=True)
-class StaticPrediction(_Prediction):
+class StaticPrediction(Serialised):
     """Force at static depths with the model's own uncertainty; arrays of one length."""
 
     depth_mm: Array
@@ -49,7 +41,7 @@ class StaticPrediction(_Prediction):
 
 
 @dataclass(frozen=True)
-class MotionPrediction(_Prediction):
+class MotionPrediction(Serialised):
     """Force under a motion with the model's own uncertainty; arrays of one length."""
 
     time_s: Array
@@ -69,33 +61,13 @@ def predict_static(
     pad: Pad | Puck, depth_mm: Sequence[float], fidelity: str = "table",
     progress: Callable[[float], None] | None = None, force_law: ForceLaw | None = None,
 ) -> StaticPrediction:  # fmt: skip
-    """Long-term force at static depths.
-
-    Parameters
-    ----------
-    pad : Pad or Puck
-        Pad, punch and modulus.
-    depth_mm : sequence of float
-        Depths >= 0 within the validity of the model. [mm]
-    fidelity : str
-        ``table`` (bonded or sliding base, glued punch, neo-Hookean), or ``axisymmetric`` or ``3d`` (solved now).
-    progress : callable, optional
-        Called with each solved depth over thickness.
-    force_law : ForceLaw, optional
-        Takes the place of the response table.
-
-    Raises
-    ------
-    InputError
-        For a depth outside the validity, or a case the table does not hold.
-    NoAnswerError
-        When the finite elements do not reach a wanted depth.
-    """
+    """Long-term force at static depths."""
     if fidelity == "viscoelastic":
-        raise InputError("fidelity = viscoelastic needs a motion; static depths are long-term: table or axisymmetric")
+        message = "fidelity = viscoelastic needs a motion; static depths are long-term: table or axisymmetric"
+        raise InputError(message, "not_applicable", "fidelity", fidelity)
     depth = np.asarray(depth_mm, dtype=float)
     if depth.ndim != 1 or not len(depth) or not np.isfinite(depth).all():
-        raise InputError(f"depth_mm = {depth_mm} must be a list of finite numbers")
+        raise InputError(f"depth_mm = {depth_mm} must be a list of finite numbers", "malformed", "depth_mm")
     curve = elastic_curve(pad, fidelity, float(depth.max()), depth, progress, force_law)
     if depth.min() < 0.0:
         raise out_of_range("depth in mm", f"{depth.min():g}", 0, f"{curve.limit_mm:.4g}")
@@ -122,45 +94,20 @@ def predict_motion(
     A finite-strain pad is not separable: how far its force may lie from this one was measured (see
     ``separability``) and widens ``force_low_N`` and ``force_high_N``. With fidelity ``viscoelastic`` the
     motion is solved at finite strain, and the force is multiplied by the ratio found (``finite_strain_ratio``).
-
-    Parameters
-    ----------
-    pad : Pad or Puck
-        Pad, punch, modulus and relaxation.
-    motion : Motion
-        Depth of the punch over time.
-    fidelity : str
-        ``table``, ``axisymmetric``, ``3d`` or ``viscoelastic``.
-    progress : callable, optional
-        Called with each solved depth over thickness.
-    force_law : ForceLaw, optional
-        Takes the place of the response table.
-
-    Raises
-    ------
-    InputError, NoAnswerError
-        As :func:`predict_static`.
     """
     deepest = float(np.max(motion.displacement_mm))
     if deepest <= 0.0:
-        raise InputError(f"largest displacement_mm = {deepest:.4g} never reaches the pad; compression is positive")
+        message = f"largest displacement_mm = {deepest:.4g} never reaches the pad; compression is positive"
+        raise InputError(message, "out_of_range", "displacement_mm", deepest)
     curve = elastic_curve(pad, fidelity, deepest, None, progress, force_law)
     return motion_on_curve(pad, motion, curve, fidelity, progress)
 
 
 def motion_on_curve(
-    pad: Pad | Puck, motion: Motion, curve: ElasticCurve, fidelity: str = "table",
+    pad: Pad | Puck, motion: Motion, curve: ForceCurve, fidelity: str = "table",
     progress: Callable[[float], None] | None = None,
 ) -> MotionPrediction:  # fmt: skip
-    """Force along a motion as :func:`predict_motion` gives it, by a long-term force that is there already.
-
-    Parameters
-    ----------
-    pad, motion, fidelity, progress
-        As for :func:`predict_motion`.
-    curve : ElasticCurve
-        Long-term force of the pad.
-    """
+    """Force along a motion as :func:`predict_motion` gives it, by a long-term force that is there already."""
     _check_depth(motion.displacement_mm, curve, pad)
     time, place, keep = _divide(motion, 0.005 * pad.thickness_mm)
     elastic = curve.force(place)
@@ -169,7 +116,7 @@ def motion_on_curve(
     error = force * curve.relative_error(deepest_yet)
     solver, viscous = curve.solver, np.abs(force - np.maximum(elastic[keep], 0.0))
     if fidelity == "viscoelastic" and isinstance(pad, Pad):
-        from dummydesign.pad.slab.finite_strain_ratio import ratio_error
+        from dummydesign.pad.axisymmetric.finite_strain import ratio_error
 
         over, cost = _finite_strain_ratio(pad, motion, progress)
         force, below = force * over, ratio_error(cost["rim_over_scale"]) * viscous
@@ -194,49 +141,19 @@ def _finite_strain_ratio(
     pad: Pad, motion: Motion, progress: Callable[[float], None] | None
 ) -> tuple[Array, dict[str, Any]]:
     """Finite-strain force over separable force at the motion's times, and what it cost."""
-    from dummydesign.pad.shaped.motion import solve_shaped_ratio
-    from dummydesign.pad.shaped.problem import Press
-    from dummydesign.pad.slab.finite_strain_ratio import nodes_of_motion, solve_ratio
-    from dummydesign.pad.slab.problem import Slab
+    from dummydesign.pad.axisymmetric.case import Case
+    from dummydesign.pad.axisymmetric.finite_strain import nodes_of_motion, solve_ratio
 
-    h = pad.thickness_mm
-    extent = PAD_EXTENT_MM if pad.extent_mm is None else pad.extent_mm
-    nodes = nodes_of_motion(motion.time_s, motion.displacement_mm / h, pad.prony)
-    if pad.geometry == SLAB:
-        slab = Slab(pad.radius_mm / h, extent / h, pad.base, pad.condition)
-        path = solve_ratio(slab, pad.shape, pad.prony, *nodes, poisson=pad.poisson, progress=progress)
-    else:
-        press = Press(pad.geometry, h, pad.radius_mm / h, extent / h, pad.base, pad.condition, pad.poisson)
-        path = solve_shaped_ratio(press, pad.shape, pad.prony, *nodes, progress=progress)
+    nodes = nodes_of_motion(motion.time_s, motion.displacement_mm / pad.thickness_mm, pad.prony)
+    path = solve_ratio(Case.of(pad), pad.prony, *nodes, progress=progress)
     return np.interp(motion.time_s, path.time_s, path.ratio), path.solver
 
 
 def depth_for_steady_force(
     pad: Pad | Puck, force_N: float, hold_s: float, motion_to: Callable[[float], Motion], fidelity: str = "table",
-    curve: ElasticCurve | None = None,
+    curve: ForceCurve | None = None,
 ) -> float:  # fmt: skip
-    """Depth at which the force at the end of a ramp and hold is the wanted one. [mm]
-
-    Parameters
-    ----------
-    pad : Pad or Puck
-        Pad, punch, modulus and relaxation.
-    force_N : float
-        Wanted at the end of the hold, above 0. [N]
-    hold_s : float
-        Hold after the stop, above 0. [s]
-    motion_to : callable
-        Gives the motion to a depth (mm), with a hold of ``hold_s``.
-    fidelity : str
-        As for :func:`predict_motion`.
-    curve : ElasticCurve, optional
-        Long-term force of the pad; that of the fidelity by default.
-
-    Raises
-    ------
-    NoAnswerError
-        When the force is out of reach within the depth limit; the message says what is reached.
-    """
+    """Depth at which the force at the end of a ramp and hold is the wanted one. [mm]"""
     positive("force in N", force_N)
     positive("hold in s", hold_s)
     curve = curve or elastic_curve(pad, fidelity, None, None, None)
@@ -253,17 +170,19 @@ def depth_for_steady_force(
             "out_of_reach",
             f"steady force = {force_N:g} N is out of reach: the pad of {pad.thickness_mm:g} mm carries {most:.3g} N "
             f"at its depth limit {high:.3g} mm; take a stiffer resin or a thinner pad",
+            quantity="force_N",
         )
     if steady(low) > force_N:
         raise InputError(
-            f"force in N = {force_N:g} is below {steady(low):.3g}, the force at 0.1 % of the thickness: press deeper"
-        )
+            f"force in N = {force_N:g} is below {steady(low):.3g}, the force at 0.1 % of the thickness: press deeper",
+            "out_of_range", "force_N", force_N,
+        )  # fmt: skip
     from scipy.optimize import brentq
 
     return float(brentq(lambda depth: steady(depth) - force_N, low, high, xtol=1e-9))
 
 
-def _check_depth(depth: Array, curve: ElasticCurve, pad: Pad | Puck) -> None:
+def _check_depth(depth: Array, curve: ForceCurve, pad: Pad | Puck) -> None:
     worst, limit = float(np.max(depth)), curve.limit_mm
     if worst <= limit * (1.0 + 1e-9):
         return
@@ -275,8 +194,8 @@ def _check_depth(depth: Array, curve: ElasticCurve, pad: Pad | Puck) -> None:
         f"(d/h = {limit / pad.thickness_mm:.3g} for a pad of {pad.thickness_mm:g} mm); {reason}"
     )
     if stopped and worst <= MAX_DEPTH_OVER_THICKNESS * pad.thickness_mm * (1.0 + 1e-9):
-        raise NoAnswerError("no_convergence", message)
-    raise InputError(message)
+        raise NoAnswerError("no_convergence", message, quantity="depth_mm")
+    raise InputError(message, "out_of_range", "depth_mm", worst, (0.0, limit))
 
 
 def _divide(motion: Motion, largest_mm: float) -> tuple[Array, Array, Array]:
@@ -286,3 +205,51 @@ def _divide(motion: Motion, largest_mm: float) -> tuple[Array, Array, Array]:
     at = np.concatenate([[0], np.cumsum(parts)])
     fine = np.arange(at[-1] + 1)
     return np.interp(fine, at, time), np.interp(fine, at, place), at
+
+
+@dataclass(frozen=True)
+class RampPress:
+    """One ramp and hold."""
+
+    steady_force_N: float
+    velocity_mm_s: float
+    depth_mm: float | None
+    prediction: MotionPrediction | None
+    out_of_reach: str = ""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return force, speed, depth and, where the force is in reach, the curves and their peak as plain values."""
+        asked = {"steady_force_N": self.steady_force_N, "velocity_mm_s": self.velocity_mm_s, "depth_mm": self.depth_mm}
+        if self.prediction is None:
+            return {**asked, "peak_force_N": None, "out_of_reach": self.out_of_reach}
+        found = self.prediction.to_dict()
+        curves = ("peak_force_N", "peak_time_s", "time_s", "displacement_mm", "force_N", "force_low_N", "force_high_N")
+        return {**asked, **{name: found[name] for name in curves}}
+
+
+def press_to_forces(
+    pad: Pad | Puck, force_N: Sequence[float], velocity_mm_s: Sequence[float], hold_s: float,
+    deceleration_mm_s2: float, fidelity: str = "table", progress: Callable[[float], None] | None = None,
+) -> tuple[RampPress, ...]:  # fmt: skip
+    """Press a pad to every force at every speed."""
+    presses: list[RampPress] = []
+    out_of_reach: NoAnswerError | None = None
+    for velocity in velocity_mm_s:
+
+        def motion_to(depth: float, velocity: float = velocity) -> Motion:
+            return ramp_and_hold(velocity, depth, hold_s, deceleration_mm_s2)
+
+        for force in force_N:
+            try:
+                depth = depth_for_steady_force(pad, force, hold_s, motion_to, fidelity)
+            except NoAnswerError as problem:
+                if problem.code != "out_of_reach":
+                    raise
+                out_of_reach = out_of_reach or problem
+                presses.append(RampPress(force, velocity, None, None, str(problem)))
+                continue
+            prediction = predict_motion(pad, motion_to(depth), fidelity, progress)
+            presses.append(RampPress(force, velocity, depth, prediction))
+    if out_of_reach is not None and all(press.prediction is None for press in presses):
+        raise out_of_reach
+    return tuple(presses)

@@ -1,15 +1,17 @@
-"""The project folder: ``project.toml`` and one folder a step; found from inside as git finds its own."""
+"""The project folder: project.toml, one folder a step, and what it gives to commands inside it."""
 
 from __future__ import annotations
 
+import os
 import tomllib
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from dummydesign.core.datafiles import toml_text
 from dummydesign.core.errors import InputError, unknown_name
-from dummydesign.core.files import write_text
+from dummydesign.core.files import unwritable, write_text
+from dummydesign.core.library import toml_text
 
 FILE = "project.toml"
 SCHEMA = 1
@@ -27,18 +29,7 @@ _HELP = {
 
 @dataclass(frozen=True)
 class Project:
-    """A project folder and what its ``project.toml`` says.
-
-    Attributes
-    ----------
-    root : Path
-        The folder.
-    name : str
-    tissue, resin, punch : str or None
-        Defaults of the options of the same name.
-    asked : tuple of (name, text)
-        Further defaults of ``suggest``: aim, shape, thickness, ratio, calibration.
-    """
+    """A project folder and what its ``project.toml`` says."""
 
     root: Path
     name: str
@@ -70,11 +61,6 @@ def find_project(start: str | Path = ".") -> Project | None:
     """The project that a folder lies in: the nearest ``project.toml`` upwards; None without one.
 
     A file of that name without ``schema`` belongs to something else and is passed over.
-
-    Raises
-    ------
-    InputError
-        When the file is damaged, with what is wrong.
     """
     here = Path(start).resolve()
     for folder in (here, *here.parents):
@@ -93,60 +79,48 @@ def _ours(path: Path) -> bool:
 
 
 def read_project(folder: str | Path) -> Project:
-    """Read the ``project.toml`` of a folder.
-
-    Raises
-    ------
-    InputError
-        When there is none, or it is damaged: unknown entries, wrong types, not TOML.
-    """
+    """Read the ``project.toml`` of a folder."""
     root = Path(folder).resolve()
     path = root / FILE
     if not path.is_file():
-        raise InputError(f"'{folder}' is no project folder: it holds no {FILE} ('dummydesign init {folder}' makes one)")
+        message = f"'{folder}' is no project folder: it holds no {FILE} ('dummydesign init {folder}' makes one)"
+        raise InputError(message, "file_not_found", "project", str(folder))
     try:
         data = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as problem:
-        raise InputError(f"{path}: cannot be read: {problem.strerror}") from None
+        raise _unreadable(path, f"cannot be read: {problem.strerror}") from None
     except UnicodeDecodeError:
-        raise InputError(f"{path}: is not UTF-8 text") from None
+        raise _unreadable(path, "is not UTF-8 text") from None
     except tomllib.TOMLDecodeError as problem:
-        raise InputError(f"{path}: not valid TOML: {problem}") from None
+        raise _unreadable(path, f"not valid TOML: {problem}") from None
     if data.get("schema") != SCHEMA:
-        raise InputError(f"{path}: schema = {data.get('schema')} is not {SCHEMA}, the one this version reads")
+        message = f"{path}: schema = {data.get('schema')} is not {SCHEMA}, the one this version reads"
+        raise InputError(message, "unsupported", "schema", data.get("schema"), SCHEMA)
     asked = data.get("asked", {})
     if not isinstance(asked, dict):
-        raise InputError(f"{path}: asked must be a table, [asked]")
+        raise InputError(f"{path}: asked must be a table, [asked]", "malformed", "asked")
     for place, entries, known in (("", data, ("schema", "name", "asked", *NAMES)), ("asked.", asked, ASKED)):
         for key, value in entries.items():
             if key not in known:
-                raise InputError(f"{path}: {unknown_name('entry', key, known)}")
+                message = f"{path}: {unknown_name('entry', key, known)}"
+                raise InputError(message, "unknown_key", f"{place}{key}", key, known)
             if key not in ("schema", "asked") and not (isinstance(value, str) and value.strip()):
-                raise InputError(f"{path}: {place}{key} = {value!r} must be text that is not empty")
+                message = f"{path}: {place}{key} = {value!r} must be text that is not empty"
+                raise InputError(message, "malformed", f"{place}{key}", value)
     named = {name: data.get(name) for name in NAMES}
     return Project(root, data.get("name", root.name), **named, asked=tuple(sorted(asked.items())))
 
 
+def _unreadable(path: Path, reason: str) -> InputError:
+    return InputError(f"{path}: {reason}", "file_unreadable", "project", str(path))
+
+
 def make_project(folder: str | Path, name: str | None = None, **given: str | None) -> Project:
-    """Make a project folder, or complete the folders of one that has none of them.
-
-    Parameters
-    ----------
-    folder : path
-        Made when needed; what lies in it stays.
-    name : str, optional
-        By default the folder's.
-    **given : str, optional
-        tissue, resin, punch, aim, shape, thickness, ratio, calibration.
-
-    Raises
-    ------
-    InputError
-        When it is a project already, or cannot be written.
-    """
+    """Make a project folder, or complete the folders of one that has none of them."""
     root = Path(folder)
     if (root / FILE).exists():
-        raise InputError(f"'{root / FILE}' exists: the folder is a project; edit the file to change what it says")
+        message = f"'{root / FILE}' exists: the folder is a project; edit the file to change what it says"
+        raise InputError(message, "file_exists", "project", str(root))
     kept = {key: value for key, value in given.items() if value is not None}
     asked = tuple(sorted((key, kept[key]) for key in ASKED if key in kept))
     title = name or root.resolve().name or "project"
@@ -156,23 +130,68 @@ def make_project(folder: str | Path, name: str | None = None, **given: str | Non
         for part in FOLDERS:
             (root / part).mkdir(parents=True, exist_ok=True)
     except OSError as problem:
-        raise InputError(f"project folder '{root}' cannot be written: {problem.strerror or problem}") from None
+        raise unwritable("project folder", root, problem, "project") from None
     write_text(root / FILE, project.toml())
     return project
 
 
 def change_project(project: Project, **given: Any) -> Project:
-    """Write new values into ``project.toml``; None takes one away. Comments of one's own are not kept.
-
-    Parameters
-    ----------
-    project : Project
-    **given : str or None
-        As for :func:`make_project`.
-    """
+    """Write new values into ``project.toml``; None takes one away. Comments of one's own are not kept."""
     own = {key: value for key, value in given.items() if key in ("name", *NAMES)}
     asked = {**dict(project.asked), **{key: value for key, value in given.items() if key in ASKED}}
     kept = tuple(sorted((key, value) for key, value in asked.items() if value is not None))
     changed = replace(project, **own, asked=kept)
     write_text(project.root / FILE, changed.toml())
     return changed
+
+
+GIVEN: dict[tuple[str, ...], tuple[str, ...]] = {
+    ("suggest",): ("tissue", "resin", "aim", "shape", "thickness", "ratio", "calibration", "punch"),
+    ("predict",): ("punch",),
+    ("whatif",): ("tissue", "resin", "aim", "punch"),
+    ("compare",): ("tissue", "punch"),
+    ("mold",): ("resin",),
+    ("campaign", "new"): ("punch",),
+    ("campaign", "from-files"): ("punch",),
+}
+"""Options that each command takes from the project; ``resin`` and ``young`` of ``predict`` stay with the user."""
+OUT = {
+    "suggest": "designs", "whatif": "designs", "import": "measured", "compare": "designs",
+    "compare-designs": "designs", "mold": "moulds", "loop": "calibrations",
+}  # fmt: skip
+"""Folder of the project into which each command writes when no ``--out`` is typed."""
+WITH_TISSUE = ("aim",)
+"""Defaults that hold for the project's own tissue alone, as the name of a subject does."""
+WITH_RESIN = ("ratio", "calibration")
+"""Defaults that hold for the project's own resin alone."""
+PATHS = {"tissue": ".toml", "resin": ".toml", "calibration": ".json"}
+"""Options that may be files: with this ending they are meant from the project folder on."""
+
+
+def words_for(project: Project, arguments: Sequence[str], start: str | Path = ".") -> list[str]:
+    """Options that a project adds to a command line."""
+    typed = {word.partition("=")[0] for word in arguments}
+    given, words = project.given(), []
+    apart = (WITH_TISSUE if "--tissue" in typed else ()) + (WITH_RESIN if "--resin" in typed else ())
+    for name in GIVEN.get(command_of(arguments), ()):
+        if name in given and f"--{name}" not in typed and name not in apart:
+            words += [f"--{name}", _from_here(project, name, given[name], start)]
+    return words
+
+
+def command_of(arguments: Sequence[str]) -> tuple[str, ...]:
+    """The command, with its action where the table knows one, such as ``("campaign", "new")``."""
+    two = tuple(arguments[:2])
+    return two if two in GIVEN else two[:1]
+
+
+def _from_here(project: Project, name: str, value: str, start: str | Path) -> str:
+    ending = PATHS.get(name)
+    if ending is None or not value.lower().endswith(ending) or os.path.isabs(value):
+        return value
+    return os.path.relpath(project.root / value, Path(start).resolve())
+
+
+def place_for(project: Project, command: str, name: str, start: str | Path = ".") -> str:
+    """Where a command writes in a project: ``designs/NAME``, seen from the folder it is run in."""
+    return os.path.relpath(project.root / OUT[command] / name, Path(start).resolve())

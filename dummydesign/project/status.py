@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.outputs.manifest import NAME as MANIFEST
+from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.measurement.campaign_file import FILE as CAMPAIGN
-from dummydesign.measurement.planning.check import check_campaign
+from dummydesign.measurement.campaign_status import check_campaign
 from dummydesign.project.folder import FOLDERS, Project
 
 STANDARD_RESIN = "polyurethane-nagoya"
@@ -21,19 +21,7 @@ TEXTS = (".csv", ".txt", ".dat", ".tsv", ".asc", ".xlsx")
 
 @dataclass(frozen=True)
 class ProjectFile:
-    """Something that lies in a project: an import, a design, a mould, a campaign, a calibration.
-
-    Attributes
-    ----------
-    folder : str
-        From the project folder on, with ``/``.
-    command : str
-        That wrote it; empty for files of one's own.
-    date : str
-        ISO, empty where unknown.
-    summary : dict
-        What the answer said, in a few values.
-    """
+    """Something that lies in a project: an import, a design, a mould, a campaign, a calibration."""
 
     folder: str
     command: str
@@ -42,18 +30,8 @@ class ProjectFile:
 
 
 @dataclass(frozen=True)
-class Status:
-    """How far a project is.
-
-    Attributes
-    ----------
-    found : dict of tuple of ProjectFile
-        By folder of the project.
-    next_text, next_command : str
-        What to do next, in words and as a command to run in the project folder.
-    problems : tuple of str
-        What could not be read.
-    """
+class ProjectStatus:
+    """How far a project is."""
 
     project: Project
     found: dict[str, tuple[ProjectFile, ...]]
@@ -71,15 +49,7 @@ class Status:
 
 
 def things_in(root: Path, room: str) -> list[ProjectFile]:
-    """List what lies in one folder of a project, the oldest first; only a list of campaigns reads their presses.
-
-    Parameters
-    ----------
-    root : Path
-        The project folder.
-    room : str
-        Such as ``designs``.
-    """
+    """List what lies in one folder of a project, the oldest first; only a list of campaigns reads their presses."""
     return _look(root, room, [])
 
 
@@ -92,12 +62,12 @@ def finished_manifest(path: Path) -> dict[str, Any] | None:
     return content if isinstance(content, dict) and content.get("command") and content.get("finished") else None
 
 
-def status_of(project: Project) -> Status:
+def status_of(project: Project) -> ProjectStatus:
     """Look at every folder of a project, and say what comes next."""
     problems: list[str] = []
     found = {room: tuple(_look(project.root, room, problems)) for room in FOLDERS}
     text, command = _next(project, found)
-    return Status(project, found, text, command, tuple(problems))
+    return ProjectStatus(project, found, text, command, tuple(problems))
 
 
 def _look(root: Path, room: str, problems: list[str]) -> list[ProjectFile]:

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from itertools import groupby
 
-from dummydesign.loop.planning.press_targets import Expected
-from dummydesign.measurement.planning.plan import FRESH_REST_S, Planned
+from dummydesign.loop.planning import Expected
+from dummydesign.measurement.campaign_plan import FRESH_REST_S, Planned
 
 _STYLE = """
 @page { size: A4; margin: 9mm }
@@ -23,26 +23,7 @@ td.free { min-width: 16mm } .tight td, .tight th { padding: 0.3px 3px; font-size
 def sheet_html(
     name: str, plan: Sequence[Planned], set_up: dict[str, str], seed: int, expected: Sequence[Expected] = ()
 ) -> str:
-    """Write the sheet as one HTML page, to be printed on one side for up to about fifty presses.
-
-    Parameters
-    ----------
-    name : str
-        Of the campaign.
-    plan : sequence of Planned
-        The presses, in their order.
-    set_up : dict of str
-        What stands above the table, by its heading.
-    seed : int
-        By which the order was drawn, for the heading.
-    expected : sequence of Expected
-        Depth of each planned force or force of each planned depth; empty leaves the column out.
-
-    Returns
-    -------
-    str
-        HTML.
-    """
+    """Write the sheet as one HTML page, to be printed on one side for up to about fifty presses."""
     head = "".join(f"<p><b>{escape(key)}</b> {escape(value)}</p>" for key, value in set_up.items())
     rows, beside = [], dict(zip((row.sequence for row in plan), expected))
     columns = ["", "pad mm", "mm/s", *_targets(plan[0].by_depth, bool(expected)), "hold s", "rest before", "way back",

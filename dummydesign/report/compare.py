@@ -1,62 +1,50 @@
-"""Report of a comparison: a measured dummy in the tissue's two ranges, and its parameters in their bands."""
+"""Report of a comparison: a measured pad in the tissue's ranges, its parameters, its files."""
 
 from __future__ import annotations
 
+import io
+import json
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from dummydesign.report.figures.layers import Band, Bars, Dots, Line
-from dummydesign.report.figures.plot import Plot
-from dummydesign.report.html.page import Section, Table, write_report
-from dummydesign.report.press_figures import STYLES, digits, log_start, unique
+from dummydesign.core.files import write_bytes, write_text
+from dummydesign.report.page import STYLES, Section, Table, digits, log_start, unique, write_report
+from dummydesign.report.plot import Plot, press_plot, steady_plot
+from dummydesign.report.plot_layers import Band, Bars, Dots, Layer, Line
+from dummydesign.tissue.comparison import Comparison
+from dummydesign.tissue.model.ranges import interpolate_rows
+from dummydesign.tissue.model.tissue import Tissue
 
-if TYPE_CHECKING:
-    from dummydesign.tissue.comparison.compare import Comparison
-    from dummydesign.tissue.model.tissue import Tissue
-
+PARAMETERS = (
+    "The same law fitted to the dummy, speed by speed, beside the band of the subjects: 0 and 1 are the ends of the "
+    "band on a logarithmic scale, bars are the dummy's 95 % intervals. A slab does not follow the law, so its "
+    "parameters are a compromise over the forces."
+)
 FARTHEST = 3.0
 """Parameters are drawn up to this many widths of the band beside it."""
 
 
 def write_compare_report(
-    folder: Path, found: Comparison, tissue: Tissue, sources: Sequence[str], verdict: dict[str, Any] | None = None
+    folder: Path, found: Comparison, tissue: Tissue, verdict: dict[str, Any] | None = None
 ) -> dict[str, str]:
-    """Write the report of a comparison; see :func:`dummydesign.report.html.page.write_report`.
-
-    Parameters
-    ----------
-    folder : Path
-        Made when it is not there.
-    found : Comparison
-        What was compared.
-    tissue : Tissue
-        With whom.
-    sources : sequence of str
-        Where the tissue's numbers come from, for the foot of the page.
-    verdict : dict, optional
-        ``light`` and ``text``, the first thing on the page.
-
-    Returns
-    -------
-    dict
-        Paths by role: ``report`` and one ``report_NAME`` a plot.
-    """
-    data = found.result
+    """Write the report of a comparison; see :func:`dummydesign.report.page.write_report`."""
+    data, fit = found.result, found.result["fit"]
     steady, rows = data["steady_state_range"], data["force_variation_range"]
     low, high = steady["span_N"]
     known = [row["inside"] for row in data["parametric"].values() if row["inside"] is not None]
     mean = float(np.mean([row["inside_fraction"] for row in rows]))
+    unknown = ", where there are no data on people" if tissue.origin == "built-in" and low <= 5.0 else ""
     facts = [
         (_percent(steady["above_5N_fraction"]), f"of the steady-state curve inside, {low:g} to {high:g} N"),
-        (_percent(steady["below_5N_fraction"]), _below_words(tissue, low)),
+        (_percent(steady["below_5N_fraction"]), f"of it in range below {low:g} N{unknown}"),
         (_percent(mean), "of force over time inside, mean of the conditions"),
         *([(f"{sum(known)} of {len(known)}", "parameters inside their bands")] if data["parametric"] else []),
     ]
-    lead = "" if tissue.said is None else f"{tissue.said[1]}. "
+    lead = "" if tissue.notice is None else f"{tissue.notice[1]}. "
     lead += (
         f"Measured dummy against {tissue.title} ({tissue.name}), {len(tissue.subjects)} subjects, "
         f"{'no law' if tissue.measured else 'law ' + data['law']}. "
@@ -66,11 +54,13 @@ def write_compare_report(
         Section("Steady force", _steady_words(data), [_steady(found, tissue)]),
         Section("Force over time", "Repeats of a condition share a figure; the range is that of the first.",
                 _presses(found, data), _conditions(rows)),
-        *_parameter_sections(data),
-        Section("Fit behind the parameters", _fit_words(data), table=_traces(data)),
+        *([Section("Parameters", PARAMETERS, _parameters(data), _parametric(data))] if data["parametric"] else []),
+        Section("Fit behind the parameters", f"Rms residual {fit['rmse_N']:.3g} N, noise floor "
+                f"{fit['noise_floor_N']:.3g} N, largest residual {fit['max_residual_N']:.3g} N.", table=_traces(data)),
     ]  # fmt: skip
     title = f"Dummy against {tissue.name}"
-    return write_report(folder, title, lead, sections, facts, data["warnings"], sources, verdict=verdict)
+    return write_report(folder, title, lead, sections, facts=facts, warnings=data["warnings"], sources=tissue.sources,
+                        verdict=verdict)  # fmt: skip
 
 
 def _test_words(data: dict[str, Any]) -> str:
@@ -93,11 +83,6 @@ def _percent(share: float | None) -> str:
     return "not reached" if share is None else f"{100 * share:.0f} %"
 
 
-def _below_words(tissue: Tissue, low: float) -> str:
-    known = ", where there are no data on people" if tissue.origin == "built-in" and low <= 5.0 else ""
-    return f"of it in range below {low:g} N{known}"
-
-
 def _steady_words(data: dict[str, Any]) -> str:
     reached, low = data["steady_state_range"]["reached_N"], data["steady_state_range"]["span_N"][0]
     carried = "their slowest rise, scaled to their steady force" if data["law"] == "curves" else "their law carried on"
@@ -112,8 +97,8 @@ def _steady(found: Comparison, tissue: Tissue) -> Plot:
     below, among = ([np.interp(part, np.r_[0.0, found.grid_N], np.r_[0.0, edge]) for edge in found.range_mm]
                     for part in parts)  # fmt: skip
     layers = (
-        Band("subjects, extrapolated", parts[0], *below, sideways=True, style="extra"),
-        Band(f"subjects of {tissue.name}", parts[1], *among, sideways=True),
+        Band("subjects, extrapolated", parts[0], below[0], below[1], sideways=True, style="extra"),
+        Band(f"subjects of {tissue.name}", parts[1], among[0], among[1], sideways=True),
         Line("dummy", found.steady, found.grid_N),
         Dots("measured at the end of the hold", found.points[:, 0], found.points[:, 1], "aim"),
     )
@@ -122,27 +107,27 @@ def _steady(found: Comparison, tissue: Tissue) -> Plot:
         f"Steady force over depth: the dummy against the subjects' range; {_percent(share)} inside from {low:g} to "
         f"{high:g} N. Measured points at {', '.join(f'{x:.2f} mm {f:.1f} N' for x, f in found.points)}."
     )
-    return Plot("steady", "Steady force over depth", alt, "depth [mm]", "steady force [N]", "depth_mm", "force_N",
-                layers)  # fmt: skip
+    return steady_plot(alt, layers)
 
 
 def _presses(found: Comparison, data: dict[str, Any]) -> list[Plot]:
     """One figure a condition, in the order of the rows of the force variation range."""
-    from dummydesign.tissue.fitting.groups import condition_groups
+    from dummydesign.tissue.fitting.reduction import condition_groups
 
     bands = {id(trace): band for trace, band in found.presses}
     groups = condition_groups([trace for trace, _ in found.presses])
-    plots, names = [], set()
+    plots: list[Plot] = []
+    names: set[str] = set()
     for (_, _, traces), row in zip(groups, data["force_variation_range"]):
         speed = row["velocity_mm_s"]
         band, force = bands[id(traces[0])], row["steady_force_N"]
-        layers: list[Band | Line] = [Band(f"subjects of {data['tissue']}", band.time_s, band.low_N, band.high_N)]
+        layers: list[Layer] = [Band(f"subjects of {data['tissue']}", band.time_s, band.low_N, band.high_N)]
         for number, trace in enumerate(traces):
             time = trace.trace.time_s[trace.inside] - trace.ramp.contact_time_s
             keep = time > 0
             name = "dummy" if len(traces) == 1 else f"dummy, {trace.trace.name}"
-            layers.append(Line(name, *_thin(time[keep], trace.trace.force_N[trace.inside][keep]),
-                               STYLES[number % len(STYLES)]))  # fmt: skip
+            seen = _thin(time[keep], trace.trace.force_N[trace.inside][keep])
+            layers.append(Line(name, *seen, STYLES[number % len(STYLES)]))
         share = row["inside_fraction"]
         title = f"{force:.3g} N at {speed:g} mm/s: {_percent(share)} inside"
         alt = (
@@ -150,12 +135,8 @@ def _presses(found: Comparison, data: dict[str, Any]) -> list[Plot]:
             f"{row['peak_force_N']:.1f} N, the subjects between {row['range_peak_low_N']:.1f} and "
             f"{row['range_peak_high_N']:.1f} N; {_percent(share)} of the press lies inside."
         )
-        start = log_start(min(trace.ramp.rise_time_s for trace in traces))
-        plots.append(
-            Plot(unique(f"press-{force:.2g}N-{speed:g}mm-s", names), title, alt, "time since contact [s]",
-                 "force [N]", "time_s", "force_N", tuple(layers), log_x=True,
-                 x_range=(start, float(band.time_s[-1])))
-        )  # fmt: skip
+        ends = (log_start(min(trace.ramp.rise_time_s for trace in traces)), float(band.time_s[-1]))
+        plots.append(press_plot(unique(f"press-{force:.2g}N-{speed:g}mm-s", names), title, alt, layers, ends))
     return plots
 
 
@@ -176,21 +157,6 @@ def _conditions(rows: list[dict[str, Any]]) -> Table:
         for row in rows
     ]  # fmt: skip
     return Table(head, body)
-
-
-def _parameter_sections(data: dict[str, Any]) -> list[Section]:
-    """Parameters beside their bands, where the tissue has a law."""
-    if not data["parametric"]:
-        return []
-    return [Section("Parameters", _parameter_words(data), _parameters(data), _parametric(data))]
-
-
-def _parameter_words(data: dict[str, Any]) -> str:
-    text = (
-        "The same law fitted to the dummy, speed by speed, beside the band of the subjects: 0 and 1 are the ends of "
-        "the band on a logarithmic scale, bars are the dummy's 95 % intervals."
-    )
-    return text + " A slab does not follow the law, so its parameters are a compromise over the forces."
 
 
 def _parameters(data: dict[str, Any]) -> list[Plot]:
@@ -234,14 +200,6 @@ def _parametric(data: dict[str, Any]) -> Table:
     return Table(["parameter", "dummy", "95 % low", "95 % high", "band low", "band high", "", ""], body)
 
 
-def _fit_words(data: dict[str, Any]) -> str:
-    fit = data["fit"]
-    return (
-        f"Rms residual {fit['rmse_N']:.3g} N, noise floor {fit['noise_floor_N']:.3g} N, largest residual "
-        f"{fit['max_residual_N']:.3g} N."
-    )
-
-
 def _traces(data: dict[str, Any]) -> Table:
     body = [
         [row["file"], f"{row['velocity_mm_s']:g}", row["steady_force_N"], row["depth_mm"], row["peak_force_N"],
@@ -249,3 +207,84 @@ def _traces(data: dict[str, Any]) -> Table:
         for row in data["by_trace"]
     ]  # fmt: skip
     return Table(["file", "mm/s", "steady N", "depth mm", "peak N", "inside"], body)
+
+
+def write_comparison(
+    found: Comparison, tissue: Tissue, folder: Path, verdict: dict[str, Any] | None = None
+) -> dict[str, str]:
+    """Write parametric.csv, steady_state.csv, force_variation.csv, ranges.png, compare.json and the report."""
+    files = {
+        "parametric": write_text(folder / "parametric.csv", _parametric_file(found)),
+        "steady_state": write_text(folder / "steady_state.csv", _steady_file(found)),
+        "force_variation": write_text(folder / "force_variation.csv", _force_variation(found)),
+        "picture": write_bytes(folder / "ranges.png", _picture(found, tissue)),
+        "json": write_text(folder / "compare.json", json.dumps({"verdict": verdict, **found.result}, indent=1) + "\n"),
+    }
+    report = write_compare_report(folder, found, tissue, verdict)
+    return {role: str(path) for role, path in files.items()} | report
+
+
+def _parametric_file(found: Comparison) -> str:
+    keys = ("value", "low", "high", "band_low", "band_high", "inside")
+    return _csv(("parameter", *keys), [(name, *("" if row[key] is None else str(row[key]) for key in keys))
+                                       for name, row in found.result["parametric"].items()])  # fmt: skip
+
+
+def _csv(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
+    return "".join(",".join(row) + "\n" for row in (head, *rows))
+
+
+def _steady_file(found: Comparison) -> str:
+    rows = zip(found.grid_N, found.steady, *found.range_mm)
+    return _csv(("force_N", "depth_mm", "range_low_mm", "range_high_mm"), [
+        (f"{force:.4g}", "" if np.isnan(depth) else f"{depth:.5g}", f"{least:.5g}", f"{most:.5g}")
+        for force, depth, least, most in rows
+    ])  # fmt: skip
+
+
+def _force_variation(found: Comparison) -> str:
+    lines: list[tuple[str, ...]] = []
+    for trace, band in found.presses:
+        time = trace.trace.time_s[trace.inside] - trace.ramp.contact_time_s
+        force = trace.trace.force_N[trace.inside]
+        at = band.time_s[:: max(len(band.time_s) // 300, 1)]
+        seen = interpolate_rows(at[None], time[None], force[None])[0]
+        low, high = np.interp(at, band.time_s, band.low_N), np.interp(at, band.time_s, band.high_N)
+        for row in zip(at, seen, low, high):
+            lines.append((trace.trace.name, *(f"{number:.6g}" for number in row)))
+    return _csv(("file", "time_s", "force_N", "range_low_N", "range_high_N"), lines)
+
+
+def _picture(found: Comparison, tissue: Tissue) -> bytes:
+    """PNG: the steady-state range with the dummy's points, and F(t) in its range per condition."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib.figure import Figure
+
+    shown: dict[tuple[float, int], tuple] = {}
+    for trace, band in found.presses:
+        shown.setdefault((band.velocity_mm_s, round(band.steady_force_N)), (trace, band))
+    count = len(shown) + 1
+    columns = min(count, 4)
+    figure = Figure(figsize=(3.6 * columns, 3.2 * -(-count // columns)), layout="constrained")
+    axes = np.ravel(figure.subplots(-(-count // columns), columns, squeeze=False))
+    low, high = found.range_mm
+    axes[0].fill_betweenx(found.grid_N, low, high, color="0.85", label=tissue.name)
+    axes[0].plot(found.steady, found.grid_N, lw=1.2, label="dummy")
+    axes[0].plot(found.points[:, 0], found.points[:, 1], "o", ms=4, label="measured")
+    axes[0].set(xlabel="depth [mm]", ylabel="steady force [N]", title="steady state")
+    axes[0].legend(fontsize=7)
+    for place, (trace, band) in zip(axes[1:], shown.values()):
+        time = trace.trace.time_s[trace.inside] - trace.ramp.contact_time_s
+        place.fill_between(np.maximum(band.time_s, 1e-4), band.low_N, band.high_N, color="0.85")
+        place.semilogx(np.maximum(time, 1e-4), trace.trace.force_N[trace.inside], lw=1.0)
+        place.set(
+            xlabel="time since contact [s]", ylabel="force [N]", xlim=(0.1 * trace.ramp.rise_time_s, time[-1]),
+            title=f"{band.velocity_mm_s:g} mm/s, {band.steady_force_N:.1f} N",
+        )  # fmt: skip
+    for place in axes[count:]:
+        place.set_visible(False)
+    stream = io.BytesIO()
+    figure.savefig(stream, format="png", dpi=110)
+    return stream.getvalue()

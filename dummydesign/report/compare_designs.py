@@ -6,10 +6,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dummydesign.report.figures.layers import Band, Line
-from dummydesign.report.figures.plot import Plot
-from dummydesign.report.html.page import Section, Table, write_report
-from dummydesign.report.press_figures import STYLES
+from dummydesign.report.page import STYLES, Section, Table, write_report
+from dummydesign.report.plot import Plot, steady_plot
+from dummydesign.report.plot_layers import Band, Layer, Line
 
 if TYPE_CHECKING:
     from dummydesign.design.comparison import Comparison
@@ -23,13 +22,7 @@ TERMS = {
 
 
 def write_designs_report(folder: Path, found: Comparison) -> dict[str, str]:
-    """Write the report of a comparison of designs; see :func:`dummydesign.report.html.page.write_report`.
-
-    Parameters
-    ----------
-    folder : Path
-    found : Comparison
-    """
+    """Write the report of a comparison of designs; see :func:`dummydesign.report.page.write_report`."""
     designs = found.designs
     head = ["", *(one["name"] for one in designs)]
     asked = [Section("Different questions", "", table=Table(head, difference_rows(found.differences)))]
@@ -50,7 +43,8 @@ def write_designs_report(folder: Path, found: Comparison) -> dict[str, str]:
     if found.differences:
         names = ", ".join(one["name"] for one in found.differences)
         lead = f"Not comparable as they are: the questions differ in {names}. {lead}"
-    return write_report(folder, "Designs side by side", lead, sections, facts, found.warnings, found.sources)
+    return write_report(folder, "Designs side by side", lead, sections, facts=facts, warnings=found.warnings,
+                        sources=found.sources)  # fmt: skip
 
 
 def difference_rows(differences: Sequence[Mapping[str, Any]]) -> list[list[str]]:
@@ -149,7 +143,7 @@ def _weights(designs: Sequence[Mapping[str, Any]]) -> list[list[Any]]:
 
 def _steady(designs: Sequence[Mapping[str, Any]]) -> Plot:
     """Steady force over depth of all pads, and each tissue's range."""
-    layers: list[Band | Line] = []
+    layers: list[Layer] = []
     for tissue, one in {one["tissue"]: one for one in reversed(designs)}.items():
         people = one["steady_curve"]["subjects"]
         layers.append(Band(f"subjects of {tissue}", people["force_N"], people["depth_low_mm"], people["depth_high_mm"],
@@ -159,5 +153,4 @@ def _steady(designs: Sequence[Mapping[str, Any]]) -> Plot:
         depth = [float("nan") if value is None else value for value in curve["depth_mm"]]
         layers.append(Line(one["name"], depth, curve["force_N"], STYLES[number % len(STYLES)]))
     alt = f"Steady force over depth of {', '.join(one['name'] for one in designs)}, and the subjects' range."
-    return Plot("steady", "Steady force over depth", alt, "depth [mm]", "steady force [N]", "depth_mm", "force_N",
-                tuple(layers))  # fmt: skip
+    return steady_plot(alt, layers)

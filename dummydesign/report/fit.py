@@ -1,4 +1,4 @@
-"""Report of a fit: measured against fitted at each force and speed, what is left, parameters, rivals."""
+"""Report of a fit: measured against fitted, residuals, parameters, its files."""
 
 from __future__ import annotations
 
@@ -8,17 +8,26 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dummydesign.report.figures.layers import Band, Dots, Line
-from dummydesign.report.figures.plot import Plot
-from dummydesign.report.html.page import Section, Table, write_report
-from dummydesign.report.press_figures import STYLES, log_start, table_of_parameters, unique
+from dummydesign.core.errors import InputError
+from dummydesign.core.files import write_bytes, write_text
+from dummydesign.report.page import STYLES, Section, Table, log_start, table_of_parameters, unique, write_report
+from dummydesign.report.plot import Plot, press_plot
+from dummydesign.report.plot_layers import Band, Dots, Layer, Line
+from dummydesign.tissue.fitting.fit import TissueFit, subject_from_fit
+from dummydesign.tissue.fitting.residuals import residual_plot, residual_table
 from dummydesign.tissue.model.laws import law_named
+from dummydesign.tissue.model.tissue import Tissue
+from dummydesign.tissue.model.tissue_file import tissue_toml
 
 if TYPE_CHECKING:
-    from dummydesign.tissue.fitting.fit import Fit
     from dummydesign.tissue.fitting.reduction import ReducedTrace
 
+
 MOST_PLOTS = 24
+RIVALS = (
+    "AICc is counted under one and the same noise, that of seven elements; lower is better, and more elements must "
+    "earn six. The left-out error is that of speeds and depths that were not fitted."
+)
 MODES = {
     "joint": "one set of parameters for all traces",
     "per-speed": "springs common to all traces, dampers of each speed by themselves",
@@ -26,20 +35,8 @@ MODES = {
 }
 
 
-def write_fit_report(folder: Path, stem: str, fit: Fit, sources: Sequence[str]) -> dict[str, str]:
-    """Write ``STEM-report.html`` and its CSV files; see :func:`dummydesign.report.html.page.write_report`.
-
-    Parameters
-    ----------
-    folder : Path
-        Where the files go.
-    stem : str
-        Name of the tissue file without ending.
-    fit : Fit
-        What was fitted.
-    sources : sequence of str
-        Files of the traces, for the foot of the page.
-    """
+def write_fit_report(folder: Path, stem: str, fit: TissueFit, sources: Sequence[str]) -> dict[str, str]:
+    """Write ``STEM-report.html`` and its CSV files; see :func:`dummydesign.report.page.write_report`."""
     data = fit.result
     facts = [
         (str(data["elements"]), f"elements ({(data['elements'] - 1) // 2} relaxing arms)"),
@@ -52,21 +49,23 @@ def write_fit_report(folder: Path, stem: str, fit: Fit, sources: Sequence[str]) 
         f"Nonlinear law of {data['elements']} elements fitted to traces: {law_named(fit.law).words}; "
         f"{MODES[fit.mode]}. Low and high are the ends of 95 % intervals."
     )
+    more = len(_groups(fit)) - MOST_PLOTS
+    left_out = f" {more} more conditions are in the residual table." if more > 0 else ""
     sections = [
-        Section("Force over time", _words(fit), _presses(fit)),
+        Section("Force over time", "Dots are means over the bins that were fitted, the line is the fit along the "
+                f"measured motion.{left_out}", _presses(fit)),
         Section("What is left", "Measured minus fitted, in bins. The area is three times the noise floor, up and down.",
                 _residuals(fit)),
         Section("Parameters", _notes(data), table=table_of_parameters(data["parameters"])),
         *_by_condition(data),
-        Section("3, 5 and 7 elements", _rivals_words(data), table=_rivals(data)),
+        Section("3, 5 and 7 elements", f"{data['elements']} elements are reported. {RIVALS}", table=_rivals(data)),
         Section("Traces", "", table=_traces(data)),
     ]  # fmt: skip
-    stem = f"{stem}-report"
-    return write_report(folder, f"Fit {stem.removesuffix('-report')}", lead, sections, facts, data["warnings"],
-                        sources, stem=stem)  # fmt: skip
+    return write_report(folder, f"Fit {stem}", lead, sections, f"{stem}-report", facts=facts,
+                        warnings=data["warnings"], sources=sources)  # fmt: skip
 
 
-def _series(fit: Fit) -> Iterable[tuple[ReducedTrace, np.ndarray, np.ndarray, np.ndarray]]:
+def _series(fit: TissueFit) -> Iterable[tuple[ReducedTrace, np.ndarray, np.ndarray, np.ndarray]]:
     """Each trace with its fitted force in bins, and the fitted curve at its nodes with times since contact."""
     from dummydesign.tissue.fitting.residuals import fitted_force
 
@@ -80,9 +79,9 @@ def _series(fit: Fit) -> Iterable[tuple[ReducedTrace, np.ndarray, np.ndarray, np
             at += count
 
 
-def _groups(fit: Fit) -> list[tuple[float, float, list[tuple[Any, ...]]]]:
+def _groups(fit: TissueFit) -> list[tuple[float, float, list[tuple[Any, ...]]]]:
     """Speed, mean steady force and series of each condition, repeats together."""
-    from dummydesign.tissue.fitting.groups import condition_groups
+    from dummydesign.tissue.fitting.reduction import condition_groups
 
     series = {id(row[0]): row for row in _series(fit)}
     traces: list[ReducedTrace] = [row[0] for row in series.values()]
@@ -93,16 +92,11 @@ def _groups(fit: Fit) -> list[tuple[float, float, list[tuple[Any, ...]]]]:
     return found
 
 
-def _words(fit: Fit) -> str:
-    text = "Dots are means over the bins that were fitted, the line is the fit along the measured motion."
-    more = len(_groups(fit)) - MOST_PLOTS
-    return text + (f" {more} more conditions are in the residual table." if more > 0 else "")
-
-
-def _presses(fit: Fit) -> list[Plot]:
-    plots, names = [], set()
+def _presses(fit: TissueFit) -> list[Plot]:
+    plots: list[Plot] = []
+    names: set[str] = set()
     for speed, force, rows in _groups(fit)[:MOST_PLOTS]:
-        layers: list[Dots | Line] = []
+        layers: list[Layer] = []
         for number, (trace, _, time, curve) in enumerate(rows):
             middle = 0.5 * (trace.start_s + trace.end_s) - trace.ramp.contact_time_s
             shown, style = middle > 0, STYLES[number % len(STYLES)]
@@ -121,14 +115,11 @@ def _presses(fit: Fit) -> list[Plot]:
         )
         name = unique(f"press-{force:.2g}N-{speed:g}mm-s", names)
         rise = min(trace.ramp.rise_time_s for trace, *_ in rows)
-        plots.append(
-            Plot(name, title, alt, "time since contact [s]", "force [N]", "time_s", "force_N", tuple(layers),
-                 log_x=True, x_range=(log_start(rise), max(ends)))
-        )  # fmt: skip
+        plots.append(press_plot(name, title, alt, layers, (log_start(rise), max(ends))))
     return plots
 
 
-def _residuals(fit: Fit) -> list[Plot]:
+def _residuals(fit: TissueFit) -> list[Plot]:
     rise: list[Line] = []
     hold: list[Line] = []
     for number, (speed, force, rows) in enumerate(_groups(fit)):
@@ -141,7 +132,7 @@ def _residuals(fit: Fit) -> list[Plot]:
             rise.append(Line(name, depth[~after], left[~after], style))
             hold.append(Line(name, middle[after] - trace.ramp.stop_time_s, left[after], style))
     floor, plots = 3.0 * fit.result["noise_floor_N"], []
-    largest = max(float(np.max(np.abs(line.y))) for line in (*rise, *hold) if len(line.y))
+    largest = max(float(np.max(np.abs(line.y))) for line in (*rise, *hold) if np.size(line.y))
     reach = 1.08 * max(largest, 1.5 * floor)
     for name, lines, label, column, log in (
         ("residual-rise", rise, "depth in the rise [mm]", "depth_mm", False),
@@ -186,14 +177,6 @@ def _by_condition(data: dict[str, Any]) -> list[Section]:
     return [Section("Condition by condition", text, table=Table(["mm/s", "depth mm", "steady N", *names], body))]
 
 
-def _rivals_words(data: dict[str, Any]) -> str:
-    return (
-        f"{data['elements']} elements are reported. AICc is counted under one and the same noise, that of seven "
-        "elements; lower is better, and more elements must earn six. The left-out error is that of speeds and depths "
-        "that were not fitted."
-    )
-
-
 def _rivals(data: dict[str, Any]) -> Table:
     lowest = min(row["aicc"] for row in data["comparison"].values())
     rows = [
@@ -209,3 +192,24 @@ def _traces(data: dict[str, Any]) -> Table:
     keys = ("velocity_mm_s", "depth_mm", "steady_force_N", "peak_force_N", "fitted_peak_force_N", "rmse_N",
             "max_residual_N", "max_residual_time_s")  # fmt: skip
     return Table(head, [[row["file"], *(row[key] for key in keys)] for row in data["by_trace"]])
+
+
+def write_fit(fit: TissueFit, out: str, sources: Sequence[str] = ()) -> dict[str, str]:
+    """Write ``out`` (a tissue TOML of one subject) and beside it the residuals as CSV and PNG, and the report."""
+    path = Path(out)
+    if path.suffix.lower() != ".toml":
+        message = f"--out '{out}' must end in .toml: a tissue file is written there"
+        raise InputError(message, "bad_name", "out", str(out))
+    subject = subject_from_fit(path.stem, fit)
+    notes = tuple(warning["message"] for warning in fit.result["warnings"])
+    tissue = Tissue(path.stem, f"fit of {path.stem}", fit.law, (subject,), (), notes, "file")
+    files = {
+        "tissue": path,
+        "residuals": path.with_name(f"{path.stem}_residuals.csv"),
+        "residual_plot": path.with_name(f"{path.stem}_residuals.png"),
+    }
+    write_text(files["tissue"], tissue_toml(tissue))
+    write_text(files["residuals"], residual_table(fit.problems))
+    write_bytes(files["residual_plot"], residual_plot(fit.problems, f"{path.stem}, law {fit.law}, {fit.mode}"))
+    report = write_fit_report(path.parent, path.stem, fit, sources)
+    return {role: str(place) for role, place in files.items()} | report

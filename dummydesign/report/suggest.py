@@ -1,52 +1,185 @@
-"""Report of a suggestion: what is recommended, how it lies in the tissue's ranges, and what it rests on."""
+"""Report of a suggestion, and its figures; every number was worked out before."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dummydesign.design.curves import SuggestionCurves
+import numpy as np
+
+from dummydesign.design.options import base_words
+from dummydesign.design.plot_data import THICKNESS_GRID_MM, SuggestionCurves
+from dummydesign.design.press_pictures import PressPictures
 from dummydesign.design.safety_view import SafetyView
-from dummydesign.design.shown.press_pictures import PressPictures
-from dummydesign.report.html.page import Section, Table, write_report
-from dummydesign.report.html.viewer import box, read_stl, solid_section, viewer_script
-from dummydesign.report.sections.pressed import pressed_section
-from dummydesign.report.sections.safety import safety_section
-from dummydesign.report.suggest_figures import (
-    exponent_plot,
-    press_plots,
-    relative_force_plot,
-    score_maps,
-    sensitivity_bars,
-    steady_plot,
-)
+from dummydesign.mold.files.solid_view import box, read_stl, view_script
+from dummydesign.report.page import STYLES, Section, Table, solid_section, write_report
+from dummydesign.report.plot import Plot, press_plot, steady_plot
+from dummydesign.report.plot_layers import Band, Bars, Cells, Dots, Ellipse, Layer, Line
+from dummydesign.report.suggest_sections import pressed_section, safety_section
 
 if TYPE_CHECKING:
     from dummydesign.design.suggestion import Suggestion
+
+
+def relative_force_plot(answer: Suggestion, curves: SuggestionCurves) -> Plot:
+    """Force of each kind's best pad over the aim's, at the aim's depth."""
+    force = curves.forces_N.relative
+    layers: list[Layer] = [Line(f"aim: {answer.request.aim}", force, np.ones_like(force), "aim")]
+    words = []
+    for item, relative, style in zip(answer.beside, curves.relative_forces, STYLES[:5]):
+        if relative is None:
+            continue
+        layers.append(Line(str(item.shape), force, relative, style))
+        misfit = None if item.low_force is None else item.low_force.misfit_rms_ln_force
+        words.append(f"{item.shape}: misfit {'not reached' if misfit is None else f'{misfit:.2f}'}")
+    alt = f"Steady force of each pad over the tissue's at the same depth; 1 is the tissue. {'; '.join(words)}."
+    return Plot("shapes", "Force of each pad over the tissue's, at equal depth", alt, "steady force of the tissue [N]",
+                "force / tissue's force", "tissue_force_N", "force_ratio", layers, log_x=True,
+                x_range=(float(force[0]), float(force[-1])), y_range=(0.0, 4.0),
+                note="1 is the tissue; above 4 is cut off")  # fmt: skip
+
+
+def steady_figure(answer: Suggestion, curves: SuggestionCurves) -> Plot:
+    """Steady force over depth: subjects, aim, the recommended pad and the alternatives."""
+    grids, protocol = curves.forces_N, answer.targets.protocol
+    below = curves.subjects_extrapolated_mm
+    layers: list[Layer] = [
+        Band("subjects, extrapolated", grids.extrapolated, *below, sideways=True, style="extra"),
+        Band(f"subjects of {answer.tissue.name}", grids.measured, *curves.subjects_measured_mm, sideways=True),
+        Line(f"aim: {answer.request.aim}", curves.aim_depth_mm, grids.aim, "aim"),
+    ]
+    stiff, soft, unreached = curves.castings_mm
+    # where the softest castings do not reach a force, the band ends at the depth at which the gel bottoms out
+    known, soft = np.isfinite(stiff), np.where(np.isfinite(soft), soft, curves.limit_mm)
+    note = ""
+    if unreached[-1] > 0.005:
+        note = (
+            f"{100 * unreached[-1]:.0f} % of castings do not reach {grids.pad[-1]:g} N: the gel bottoms out at "
+            f"{curves.limit_mm:.1f} mm, where the band ends"
+        )
+    if known.any():
+        layers.append(Band("95 % of the pad's castings", grids.pad[known], stiff[known], soft[known], sideways=True,
+                           style="cast"))  # fmt: skip
+    for other, depth, style in zip(answer.found.alternatives, curves.other_depths_mm, STYLES[1:5]):
+        layers.append(Line(f"{other.thickness_mm:g} mm, ratio {other.ratio:g}", depth, grids.pad, style))
+    layers.append(Line("recommended pad", curves.pad_depth_mm, grids.pad))
+    inside = float(answer.best.evaluation.steady_state_range[answer.best.index])
+    alt = (
+        f"Steady force over depth. The recommended pad lies inside the subjects' range for {100 * inside:.0f} % of "
+        f"{protocol.words}; at {protocol.needed_N:g} N it is {curves.pad_depth_at_needed_mm:.2f} mm deep."
+    )
+    return steady_plot(alt, layers, note)
+
+
+def press_plots(answer: Suggestion) -> list[Plot]:
+    """Force over time of each condition: subjects, aim, recommended pad."""
+    plots, best = [], answer.best
+    for column, condition in enumerate(answer.targets.conditions):
+        band, press = condition.range, best.evaluation.presses[column]
+        force, speed = condition.steady_force_N, condition.velocity_mm_s
+        layers: list[Layer] = [Band("subjects", band.time_s, band.low_N, band.high_N),
+                               Line("aim", condition.aim.time_s, condition.aim.curves_N[0], "aim")]  # fmt: skip
+        words = "out of the pad's reach"
+        if np.isfinite(press.depth_mm[best.index]):
+            curve = press.force_N[best.index]
+            layers.append(Line("recommended pad", press.time_s[best.index], curve))
+            share = float(best.evaluation.inside[best.index, column])
+            words = f"peak {curve.max():.1f} N, {100 * share:.0f} % inside"
+        title = f"{force:g} N at {speed:g} mm/s: {words}"
+        alt = (
+            f"Force over time on a logarithmic axis, {force:g} N steady at {speed:g} mm/s. Pad: {words}; "
+            f"subjects peak between {band.peak_low_N:.1f} and {band.peak_high_N:.1f} N."
+        )
+        ends = (1e-2 if speed < 50 else 1e-3, float(band.time_s[-1]))
+        plots.append(press_plot(f"press-{force:g}N-{speed:g}mm-s", title, alt, layers, ends))
+    return plots
+
+
+def score_maps(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]:
+    """The whole map, and its surroundings of the recommended design, where the ellipse can be seen."""
+    found, best, needed = answer.found.score_map, answer.best, answer.targets.protocol.needed_N
+    value = np.where(found.feasible, found.total, np.nan)
+    rests = answer.rests_on
+    layers: list[Layer] = [
+        Cells("total score", found.ratio, found.thickness_mm, value),
+        Line("ratio that gives the modulus, 95 %", [rests["ratio_low"], rests["ratio_high"]],
+             [best.thickness_mm] * 2, "other"),
+    ]  # fmt: skip
+    off, thick = curves.ratio_error, answer.request.thickness_tolerance_mm
+    layers.append(Ellipse("tolerance of weighing and thickness", best.ratio, best.thickness_mm, off, thick))
+    others = answer.found.alternatives
+    if others:
+        layers.append(Dots("alternatives", [o.ratio for o in others], [o.thickness_mm for o in others], "other"))
+    layers.append(Dots("recommended", [best.ratio], [best.thickness_mm], "aim"))
+    alt = (
+        f"Map of the score over ratio and thickness; the recommended {best.thickness_mm:g} mm and ratio "
+        f"{best.ratio:g} score {best.total:.2f}. Designs that do not reach {needed:g} N are left out."
+    )
+    ends = [float(found.ratio[0]), float(found.ratio[-1])]
+    wide = None if len(found.ratio) < 2 else (ends[0], ends[1])
+    label = f"ratio ({answer.resin.ratio_meaning})"
+    whole = Plot("score-map", "Score over ratio and thickness", alt, label, "thickness [mm]", "ratio", "thickness_mm",
+                 tuple(layers), x_range=wide, note=f"1 is best; empty: {needed:g} N out of reach")  # fmt: skip
+    if wide is None or off == 0.0:
+        return [whole]
+    columns = np.abs(found.ratio - best.ratio) <= 8 * off + 0.1
+    rows = np.abs(found.thickness_mm - best.thickness_mm) <= 8 * thick + 0.5
+    layers[0] = Cells("total score", found.ratio[columns], found.thickness_mm[rows], value[rows][:, columns])
+    close = Plot("score-map-near", "The same around the recommended design", f"{alt} The ellipse is {off:.3g} parts "
+                 f"and {thick:g} mm in half.", label, "thickness [mm]", "ratio", "thickness_mm", tuple(layers),
+                 x_range=(best.ratio - 6 * off, best.ratio + 6 * off),
+                 y_range=(best.thickness_mm - 6 * thick, best.thickness_mm + 6 * thick))  # fmt: skip
+    return [whole, close]
+
+
+def exponent_plot(answer: Suggestion, curves: SuggestionCurves) -> Plot:
+    """Local exponent over thickness at several forces."""
+    here = list(curves.exponent_here)
+    layers = [
+        *(Line(f"{force:g} N", THICKNESS_GRID_MM, curves.exponent[:, column], style)
+          for column, (force, style) in enumerate(zip(curves.forces_N.exponent_at, STYLES[:5]))),
+        Dots("recommended", [answer.best.thickness_mm] * len(here), here, "aim"),
+    ]  # fmt: skip
+    alt = f"Local exponent over thickness at ratio {answer.best.ratio:g}; the tissue's law has 3 everywhere."
+    return Plot("exponent", f"Local exponent over thickness, ratio {answer.best.ratio:g}", alt, "thickness [mm]",
+                "d ln F / d ln x", "thickness_mm", "exponent", layers, zero=False,
+                note="1 is linear; the tissue's law has 3")  # fmt: skip
+
+
+def sensitivity_bars(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]:
+    """Change of depth and of peak between both ends of each uncertainty."""
+    found = curves.reactions
+    names = [item.name for item in found]
+    plots = []
+    force, protocol = answer.targets.protocol.needed_N, answer.targets.protocol
+    note = f"* at one end {force:g} N is out of reach" if any(name.endswith("*") for name in names) else ""
+    depths, peaks = [item.depth_percent for item in found], [item.peak_percent for item in found]
+    for name, title, pairs in (
+        ("sensitivity-depth", f"Change of depth at {force:g} N, {protocol.slow_mm_s:g} mm/s", depths),
+        ("sensitivity-peak", f"Change of peak at {force:g} N, {protocol.fast_mm_s:g} mm/s", peaks),
+    ):
+        low, high = np.array(pairs).T
+        words = "; ".join(f"{label} {a:.1f} to {b:.1f} %" for label, (a, b) in zip(names, pairs))
+        plots.append(Plot(name, title, f"{title}: {words}.", "change [%]", "", "change_percent", "none",
+                          (Bars("change", names, low, high),), y_range=(0.0, float(len(names))),
+                          note=note))  # fmt: skip
+    return plots
 
 
 def write_suggestion(
     folder: Path, answer: Suggestion, result: dict[str, Any], curves: SuggestionCurves, safety: SafetyView,
     pictures: PressPictures,
 ) -> dict[str, str]:
-    """Write the report of a suggestion into a folder; see :func:`dummydesign.report.html.page.write_report`.
-
-    Parameters
-    ----------
-    folder : Path
-    answer : Suggestion
-    result : dict
-        The answer as printed, with the files of the mould when there is one.
-    curves : SuggestionCurves
-    safety : SafetyView
-    pictures : PressPictures
-        The inside of the pressed pad, or why it is left out.
-    """
+    """Write the report of a suggestion into a folder; see :func:`dummydesign.report.page.write_report`."""
     best = result["recommendation"]
     young, batch = best["young_kPa"], best["batch"]
+    size, base = "{:g} x {:g} mm".format(*answer.request.pad_mm), base_words(answer.request.base)
+    numbers = str(answer.shape).partition(":")[2]
+    # with places where a narrow box may break the line
+    lengths = [] if answer.shape.plain else [(answer.shape.name, f"{numbers.replace(',', ', ')} (mm)")]
     facts = [
-        (f"{best['thickness_mm']:g} mm", f"thickness of the {_pad_words(answer)}, {_base_words(answer)}"),
-        *_shape_fact(answer),
+        (f"{best['thickness_mm']:g} mm", f"thickness of the {size} {answer.shape.title}, {base}"),
+        *lengths,
         (f"{best['ratio']:g}", f"ratio: {best['ratio_meaning']}"),
         (f"{young['value']:.3g} kPa", f"long-term modulus (95 %: {young['low']:.3g} to {young['high']:.3g})"),
         *((f"{item['mass_g']:.1f} g", f"{item['name']} to weigh") for item in batch["components"]),
@@ -60,12 +193,12 @@ def write_suggestion(
         f"{answer.resin.title}. {result['rests_on']['text']}"
         + ("" if first["text"] else f" Next: {result['rests_on']['next_step']}.")
     )
-    if answer.tissue.said is not None:
-        lead = f"{answer.tissue.said[1]}. {lead}"
+    if answer.tissue.notice is not None:
+        lead = f"{answer.tissue.notice[1]}. {lead}"
     if result["calibration"] is not None:
         lead = f"{result['calibration']['text']}. {lead}"
     sections = [
-        Section("Steady force", _steady_words(answer), [steady_plot(answer, curves)], _low_table(best)),
+        Section("Steady force", _steady_words(answer), [steady_figure(answer, curves)], _low_table(best)),
         *_shapes(answer, result, curves),
         Section("Force over time", _press_words(answer),
                 press_plots(answer), _conditions(best)),
@@ -73,15 +206,15 @@ def write_suggestion(
         Section("Why this design", _why(result),
                 [*score_maps(answer, curves), exponent_plot(answer, curves), *sensitivity_bars(answer, curves)],
                 _alternatives(result)),
-        Section("Recipe", "", table=_recipe(best)),
+        Section("Recipe", "", table=Table(["component", "weigh g"], [
+            *([item["name"], f"{item['mass_g']:.1f}"] for item in best["recipe"]["components"]),
+            ["total", f"{best['recipe']['total_g']:.1f}"]])),
         _solids(best, result.get("files", {}), answer.request.pad_mm),
         safety_section(safety),
     ]  # fmt: skip
     title = f"Dummy for the {answer.tissue.name}"
-    return write_report(
-        folder, title, lead, sections, facts, result["warnings"], result["sources"], [viewer_script()],
-        verdict=result["verdict"],
-    )
+    return write_report(folder, title, lead, sections, facts=facts, scripts=[view_script()],
+                        **{name: result[name] for name in ("warnings", "sources", "verdict")})  # fmt: skip
 
 
 def _castings_fact(result: dict[str, Any]) -> list[tuple[str, str]]:
@@ -103,28 +236,16 @@ def _steady_words(answer: Suggestion) -> str:
             f"Below {answer.request.protocol.forces_N[0]:g} N the subjects' range is their slowest rise, scaled to "
             "their steady force, and drawn paler."
         )
+    top = "The pad's top is touched gradually, so it starts soft."
+    if answer.shape.flat_top:
+        # a straight line it can follow, a cube not
+        steep = answer.targets.power > 1.0
+        top = "A flat pad starts nearly linear, so it crosses the tissue's curve and cannot follow it." if steep else ""
     return (
         f"The relaxed pad and the subjects. {low} The band of the pad holds 95 % of its castings, by what is not known "
         "of the resin and the errors of weighing and thickness. "
-        + (_flat_words(answer) if answer.shape.flat_top else "The pad's top is touched gradually, so it starts soft.")
+        + top
     )
-
-
-def _flat_words(answer: Suggestion) -> str:
-    """A flat pad cannot follow a cube; a straight line it can."""
-    return _FLAT if answer.targets.power > 1.0 else ""
-
-
-_FLAT = "A flat pad starts nearly linear, so it crosses the tissue's curve and cannot follow it."
-
-
-def _pad_words(answer: Suggestion) -> str:
-    return "{:g} x {:g} mm ".format(*answer.request.pad_mm) + answer.shape.title
-
-
-def _base_words(answer: Suggestion) -> str:
-    base = answer.request.base
-    return {"bonded": "glued to a rigid base", "sliding": "sliding on a rigid base"}.get(base, f"resting, {base}")
 
 
 def _press_words(answer: Suggestion) -> str:
@@ -135,13 +256,6 @@ def _press_words(answer: Suggestion) -> str:
         f"Each press of the punch ({request.punch}{edge}) is held for {request.hold_s:g} s at the depth that gives the "
         "steady force at its end."
     )
-
-
-def _shape_fact(answer: Suggestion) -> list[tuple[str, str]]:
-    """The shape's lengths, with places where a narrow box may break the line."""
-    if answer.shape.plain:
-        return []
-    return [(answer.shape.name, str(answer.shape).partition(":")[2].replace(",", ", ") + " (mm)")]
 
 
 def _shapes(answer: Suggestion, result: dict[str, Any], curves: SuggestionCurves) -> list[Section]:
@@ -239,12 +353,6 @@ def _alternatives(result: dict[str, Any]) -> Table | None:
         for d in designs
     ]
     return Table(["design (first: recommended)", "ratio", "E kPa", *(name.replace("_", " ") for name in names)], rows)
-
-
-def _recipe(best: dict[str, Any]) -> Table:
-    recipe = best["recipe"]
-    rows = [[item["name"], f"{item['mass_g']:.1f}"] for item in recipe["components"]]
-    return Table(["component", "weigh g"], [*rows, ["total", f"{recipe['total_g']:.1f}"]])
 
 
 def _solids(best: dict[str, Any], files: dict[str, str], pad_mm: tuple[float, float]) -> Section:

@@ -1,26 +1,91 @@
-"""Report of a what-if study: the live page, how thickness shapes the curve, the score map, the rows."""
+"""Report of a what-if study, and its live page."""
 
 from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dummydesign.report.figures.layers import Cells, Dots, Line
-from dummydesign.report.figures.plot import Plot
-from dummydesign.report.html.live import FORCES_N, SIZES_MM, live_scripts, live_section
-from dummydesign.report.html.page import Section, Table, write_report
+from dummydesign.report.page import STYLES, Section, Table, script_json, write_report
+from dummydesign.report.plot import Plot
+from dummydesign.report.plot_layers import Cells, Dots, Layer, Line
 
 if TYPE_CHECKING:
     from dummydesign.design.sweep.spec import Study
     from dummydesign.resin.model.resin import Resin
     from dummydesign.tissue.model.tissue import Tissue
 
+
+FORCES_N, VELOCITIES_MM_S, SIZES_MM = (0.5, 15.0), (1.0, 500.0), (8.0, 24.0)
+
+
+def live_section(data: dict[str, Any], resin: Resin, tissue: Tissue | None, start: dict[str, Any]) -> Section:
+    """Sliders, numbers and two figures."""
+    from dummydesign.geometry.dimensions import THICKNESS_MM
+
+    step = resin.ratio_step / 2
+    sliders: list[tuple[str, str, float, float, float | str, float]] = [
+        ("ratio", f"ratio ({resin.ratio_meaning})", resin.ratio_min, resin.ratio_max, step, start["ratio"]),
+        ("thickness", "thickness", *THICKNESS_MM, 0.1, start["thickness_mm"]),
+        ("size", "punch side or diameter", *SIZES_MM, 0.5, start["size_mm"]),
+        ("velocity", "speed", *np.log10(VELOCITIES_MM_S), "any", math.log10(start["velocity_mm_s"])),
+        ("force", "steady force", *FORCES_N, 0.1, start["force_N"]),
+    ]
+    controls = "".join(
+        f'<label>{escape(text)} <output id="out-{name}"></output><input type="range" id="in-{name}" min="{low:.6g}" '
+        f'max="{high:.6g}" step="{step if isinstance(step, str) else f"{step:.6g}"}" value="{value:.6g}"></label>'
+        for name, text, low, high, step, value in sliders
+    )
+    controls += _select("shape", "punch", ("square", "round"), start["shape"])
+    controls += _select("base", "base", ("bonded", "sliding"), start["base"])
+    numbers = {"young_kPa": "modulus", "depth_mm": "relaxed depth", "depth_over_thickness": "depth over thickness",
+               "stiffness_N_per_mm": "tangent stiffness", "exponent": "local exponent d ln F / d ln x",
+               "peak_force_N": "peak force", "peak_over_steady": "peak over steady"}  # fmt: skip
+    if tissue is not None and data["tissue"] is not None:
+        numbers |= {"inside_fraction": f"fraction of the press in the range of {tissue.name}",
+                    "tissue_depth": f"depth of {tissue.name}", "tissue_peak": f"peak of {tissue.name}"}  # fmt: skip
+    boxes = "".join(
+        f'<div class="fact"><b id="v-{name}">–</b><span>{escape(text)}</span></div>' for name, text in numbers.items()
+    )
+    press = data["protocol"]
+    held = f"braking at {press['deceleration_mm_s2'] / 1e3:g} m/s2, hold of {press['hold_s']:g} s"
+    figures = "".join(
+        f'<figure><svg class="plot" id="live-{name}" viewBox="0 0 440 310" role="img" aria-label="{title}"></svg>'
+        f"<figcaption><strong>{title}</strong><small>{note}</small></figcaption></figure>"
+        for name, title, note in (
+            ("depth", "Relaxed force over depth", "blue: pad; area: subjects of the tissue, where one is given"),
+            ("time", "Force over time", f"ramp, {held}; area: subjects"),
+        )
+    )
+    html = (
+        f'<div class="controls noprint">{controls}</div><p id="live-limit" role="status"></p>'
+        f'<div class="facts">{boxes}</div><div class="plots">{figures}</div>'
+        f'<script type="application/json" id="live-data">{script_json(data)}</script>'
+    )
+    text = (
+        "Everything here is computed in this page from the response table and the tissue's numbers inside it, by "
+        "the formulas of the package."
+    )
+    return Section("Try it", text, html=html)
+
+
+def _select(name: str, text: str, options: tuple[str, ...], chosen: str) -> str:
+    items = "".join(f"<option{' selected' if item == chosen else ''}>{item}</option>" for item in options)
+    return f'<label>{text}<select id="in-{name}">{items}</select></label>'
+
+
+def live_scripts() -> list[str]:
+    """The page's computing and its controls."""
+    folder = Path(__file__).parent
+    return [(folder / name).read_text(encoding="utf-8") for name in ("live.js", "sliders.js")]
+
+
 SHOWN, SERIES = 200, 6
-STYLES = ("main", "alt1", "alt2", "alt3", "alt4", "alt5")
 STATEMENT = (
     "The paper calls its dummy II (20 mm, the thickest) the most curved and gives its thickness as the reason. "
     "For slabs of one resin under one punch the finite elements say the opposite: at equal depth and at equal "
@@ -40,47 +105,20 @@ Rows = list[dict[str, Any]]
 
 
 def write_whatif(
-    folder: Path,
-    study: Study,
-    rows: Rows,
-    resin: Resin,
-    tissue: Tissue | None,
-    data: dict[str, Any],
+    folder: Path, study: Study, rows: Rows, resin: Resin, tissue: Tissue | None, data: dict[str, Any],
     warnings: list[dict[str, str]],
-) -> dict[str, str]:
-    """Write the report of a study into a folder; see :func:`dummydesign.report.html.page.write_report`.
-
-    Parameters
-    ----------
-    folder : Path
-        Where the files go.
-    study : Study
-        What was asked.
-    rows : list of dict
-        The answers, in the study's order.
-    resin : Resin
-        Gives ratios their moduli in the live page.
-    tissue : Tissue or None
-        Whose ranges are shown; None without scores.
-    data : dict
-        What the live page computes from, see :func:`dummydesign.design.sweep.live_data.live_data`.
-    warnings : list of {code, message}
-        Listed at the top.
-    """
-    sections = [
-        live_section(data, resin, tissue, _start(study, rows)),
-        _thickness(study, rows),
-        *_map(study, rows),
-        _table(study, rows),
-    ]
+) -> dict[str, str]:  # fmt: skip
+    """Write the report of a study into a folder; see :func:`dummydesign.report.page.write_report`."""
+    live = live_section(data, resin, tissue, _start(study, rows))
+    sections = [live, _thickness(study, rows), *_map(study, rows), _table(study, rows)]
     lead = (
         f"{study.size} pads of {resin.title}: {_span(study.thickness_mm)} mm thick, ratio {_span(study.ratio)}, "
         f"{', '.join(name for name, _ in study.punches)}, by {study.fidelity}."
     )
-    if tissue is not None and tissue.said is not None:
-        lead = f"{tissue.said[1]}. {lead}"
+    if tissue is not None and tissue.notice is not None:
+        lead = f"{tissue.notice[1]}. {lead}"
     sources = [*resin.references, *([] if tissue is None else tissue.sources)]
-    return write_report(folder, "What if", lead, sections, (), warnings, sources, live_scripts())
+    return write_report(folder, "What if", lead, sections, warnings=warnings, sources=sources, scripts=live_scripts())
 
 
 def _span(values: tuple[float, ...]) -> str:
@@ -99,14 +137,11 @@ def _start(study: Study, rows: Rows) -> dict[str, Any]:
     side = size * math.sqrt(math.pi) if square else 2.0 * size
     force = study.forces_N[len(study.forces_N) // 2]
     return {
-        "ratio": best["ratio"],
-        "thickness_mm": best["thickness_mm"],
-        "size_mm": min(max(side, SIZES_MM[0]), SIZES_MM[1]),
-        "shape": "square" if square else "round",
-        "base": best["base"],
+        "ratio": best["ratio"], "thickness_mm": best["thickness_mm"], "base": best["base"],
+        "size_mm": min(max(side, SIZES_MM[0]), SIZES_MM[1]), "shape": "square" if square else "round",
         "velocity_mm_s": min(max(study.velocities_mm_s[-1], 1.0), 500.0),
         "force_N": min(max(force, FORCES_N[0]), FORCES_N[1]),
-    }
+    }  # fmt: skip
 
 
 def _groups(study: Study, rows: Rows) -> list[tuple[str, Rows]]:
@@ -115,18 +150,11 @@ def _groups(study: Study, rows: Rows) -> list[tuple[str, Rows]]:
     groups = []
     each = itertools.product(study.setups, study.pads, ratios)
     for ((punch, _), condition, base), (shape, edge), ratio in itertools.islice(each, SERIES):
-        words = [
-            text
-            for text, many in (
-                (f"ratio {ratio:g}", len(study.ratio) > 1),
-                (punch, len(study.punches) > 1),
-                (f"{condition} face", len(study.conditions) > 1),
-                (f"{base} base", len(study.bases) > 1),
-                (shape, len(study.shapes) > 1),
-                (f"edge {edge:g} mm", len(study.edge_radii_mm) > 1),
-            )
-            if many
-        ]
+        varied: dict[str, Sequence[Any]] = {
+            f"ratio {ratio:g}": study.ratio, punch: study.punches, f"{condition} face": study.conditions,
+            f"{base} base": study.bases, shape: study.shapes, f"edge {edge:g} mm": study.edge_radii_mm,
+        }  # fmt: skip
+        words = [text for text, values in varied.items() if len(values) > 1]
         wanted = (punch, condition, base, shape, edge)
         chosen = [row for row in rows if row["ratio"] == ratio and _setup(row) == wanted]
         groups.append((", ".join(words) or f"ratio {ratio:g}", chosen))
@@ -143,27 +171,21 @@ def _thickness(study: Study, rows: Rows) -> Section:
     middle = min(study.forces_N, key=lambda force: abs(force - 10.0))
     groups = _groups(study, rows)
     first, one = groups[len(groups) // 2]
-    by_force = tuple(
-        mark(f"{force:g} N", *_series(one, "exponent_at_N", force), style)
-        for force, style in zip(study.forces_N, STYLES)
-    )
-    by_group = tuple(
-        mark(name, *_series(chosen, "exponent_at_N", middle), style) for (name, chosen), style in zip(groups, STYLES)
-    )
-    depths = tuple(
-        mark(name, *_series(chosen, "depth_mm_at_N", middle), style) for (name, chosen), style in zip(groups, STYLES)
-    )
-    common = {"x_label": "thickness [mm]", "x_name": "thickness_mm"}
-    exponent = {"y_label": "local exponent d ln F / d ln x", "y_name": "exponent", "zero": False}
+    def curves(name: str, force: float) -> list[Layer]:
+        return [mark(words, *_series(chosen, name, force), style) for (words, chosen), style in zip(groups, STYLES)]
+
+    by_force = [mark(f"{force:g} N", *_series(one, "exponent_at_N", force), style)
+                for force, style in zip(study.forces_N, STYLES)]  # fmt: skip
+    exponent = ("thickness [mm]", "local exponent d ln F / d ln x", "thickness_mm", "exponent")
     plots = [
         Plot("exponent-by-force", f"Exponent against thickness at equal force, {first}",
-             f"Local exponent over thickness at equal forces, {first}.", layers=by_force, **common, **exponent),
+             f"Local exponent over thickness at equal forces, {first}.", *exponent, by_force, zero=False),
         Plot("exponent-by-design", f"Exponent against thickness at {middle:g} N",
-             f"Local exponent over thickness at {middle:g} N for several designs.", layers=by_group, **common,
-             **exponent),
+             f"Local exponent over thickness at {middle:g} N for several designs.", *exponent,
+             curves("exponent_at_N", middle), zero=False),
         Plot("depth", f"Relaxed depth against thickness at {middle:g} N",
-             f"Relaxed depth over thickness at {middle:g} N for several designs.", y_label="depth [mm]",
-             y_name="depth_mm", layers=depths, **common),
+             f"Relaxed depth over thickness at {middle:g} N for several designs.", "thickness [mm]", "depth [mm]",
+             "thickness_mm", "depth_mm", curves("depth_mm_at_N", middle)),
     ]  # fmt: skip
     return Section("Thickness and nonlinearity", STATEMENT, plots)
 
@@ -182,17 +204,13 @@ def _map(study: Study, rows: Rows) -> list[Section]:
     shape, edge = study.pads[0]
     thickness, ratio = sorted(study.thickness_mm), sorted(study.ratio)
     value = np.full((len(thickness), len(ratio)), np.nan)
+    shown = [row for row in rows if _setup(row) == (punch, condition, base, shape, edge)]
     at = [{design: place for place, design in enumerate(steps)} for steps in (thickness, ratio)]
-    best = None
-    for row in rows:
-        if _setup(row) == (punch, condition, base, shape, edge):
-            value[at[0][row["thickness_mm"]], at[1][row["ratio"]]] = row["score"]["total"]
-            if best is None or row["score"]["total"] > best["score"]["total"]:
-                best = row
-    layers = (
-        Cells("total score", ratio, thickness, value),
-        Dots("best of this study", [best["ratio"]], [best["thickness_mm"]], "aim"),
-    )
+    for row in shown:
+        value[at[0][row["thickness_mm"]], at[1][row["ratio"]]] = row["score"]["total"]
+    best = max(shown, key=lambda row: row["score"]["total"])
+    layers = (Cells("total score", ratio, thickness, value),
+              Dots("best of this study", [best["ratio"]], [best["thickness_mm"]], "aim"))  # fmt: skip
     alt = (
         f"Map of the total score for {study.tissue} over ratio and thickness; best {best['score']['total']:.2f} at "
         f"{best['thickness_mm']:g} mm and ratio {best['ratio']:g}."

@@ -16,17 +16,10 @@ ROWS, CURVE = 9, 61
 
 
 def explain(resin: Resin) -> dict[str, Any]:
-    """Return the resin's file, its curve over the ratio, its numbers by name, and warnings.
-
-    Returns
-    -------
-    dict
-        ``name``, ``resin`` (the whole file), ``curve`` (rows of ratio, young_kPa, slope, Prony terms),
-        ``numbers`` {name: {value, low, high, kind, source}}, ``warnings``.
-    """
+    """Return the resin's file, its curve over the ratio, its numbers by name, and warnings."""
     ratios = np.linspace(resin.ratio_min, resin.ratio_max, ROWS)
     numbers = {
-        **{f"{name}": quantity for name, quantity in resin.numbers.items()},
+        **resin.numbers,
         **{f"beta_at_{arm.tau_s.value:g}_s": arm.beta for arm in resin.arms},
         "softness_exponent": resin.softness_exponent,
         **{name: resin.property(name, resin.relaxation_ratio_ref) for name in resin.property_names()},
@@ -85,10 +78,10 @@ def _draw(resin: Resin, ratios: np.ndarray, young: np.ndarray, beta: np.ndarray,
     top, bottom = figure.subplots(2, 1, sharex=True)
     top.fill_between(ratios, young[:, 0], young[:, 2], alpha=0.25, label="95 % interval")
     top.plot(ratios, young[:, 1], label=f"law {resin.law.name}")
-    for item in resin.points:
-        q = item["young_kPa"]
+    for point in resin.points:
+        q = point.young_kPa
         error = [[q.value - q.low], [q.high - q.value]]
-        top.errorbar(item["ratio"], q.value, yerr=error, fmt="o", color="black", label=f"point, {q.kind}")
+        top.errorbar(point.ratio, q.value, yerr=error, fmt="o", color="black", label=f"point, {q.kind}")
     if {"ratio_ref", "young_ref_kPa"} <= set(resin.numbers):
         anchor = resin.numbers["young_ref_kPa"]
         top.plot(resin.numbers["ratio_ref"].value, anchor.value, "ks", label=f"reference, {anchor.kind}")

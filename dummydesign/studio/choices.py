@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from dummydesign.core.datafiles import entries
+from dummydesign.core.errors import InputError
+from dummydesign.core.library import entries
 from dummydesign.project.status import ProjectFile
+from dummydesign.studio.file_transfer import numbered
 
 
 def tissues(root: Path) -> dict[str, str]:
@@ -26,7 +29,7 @@ def resins() -> dict[str, str]:
 
 def shapes() -> dict[str, str]:
     """Kinds of pads that can be searched."""
-    from dummydesign.design.search.tabulated_shapes import designable_kinds
+    from dummydesign.design.search.shape_family import designable_kinds
 
     return {"auto": "auto (the best of all)", "slab": "slab"} | {kind: kind for kind in designable_kinds()}
 
@@ -47,49 +50,58 @@ def traces(root: Path) -> dict[str, str]:
 
 
 def folders(root: Path, room: str, holding: str) -> list[str]:
-    """Folders of a room that hold a file of this name, from the project folder on, the newest last.
-
-    Parameters
-    ----------
-    root : Path
-        The project folder.
-    room : str
-        Such as ``campaigns``.
-    holding : str
-        Such as ``campaign.toml``.
-    """
+    """Folders of a room that hold a file of this name, from the project folder on, the newest last."""
     found = [path for path in (root / room).glob(f"*/{holding}") if not path.parent.name.startswith(".")]
     found.sort(key=lambda path: path.stat().st_mtime)
     return [path.parent.relative_to(root).as_posix() for path in found]
 
 
 def free_name(root: Path, room: str, name: str) -> str:
-    """A name that no folder or TOML file of a room has: ``name``, ``name-2``, ...
-
-    Parameters
-    ----------
-    root : Path
-        The project folder.
-    room : str
-        Such as ``campaigns``.
-    name : str
-        The name that is wished for.
-    """
-    number, found = 1, name
-    while (root / room / found).exists() or (root / room / f"{found}.toml").exists():
-        number += 1
-        found = f"{name}-{number}"
-    return found
+    """A name that no folder or TOML file of a room has: ``name``, ``name-2``, ..."""
+    folder = root / room
+    return next(one for one in numbered(name) if not ((folder / one).exists() or (folder / f"{one}.toml").exists()))
 
 
-def told(one: ProjectFile) -> str:
+def free_library_name(what: str, name: str) -> str:
+    """A name that no ``tissue`` or ``resin`` of the library has."""
+    known = entries(f"materials/{what}s")
+    return next(one for one in numbered(name) if one not in known)
+
+
+def check_name(what: str, name: str, replace: bool = True) -> None:
+    """Refuse the name of a ``tissue`` or ``resin`` that is not the user's own, or that is not to be replaced."""
+    known = entries(f"materials/{what}s").get(name.strip().lower())
+    if known is not None and known.origin != "user":
+        message = f"'{known.name}' is a {what} of the library: choose another name."
+        raise InputError(message, "file_exists", what, known.name)
+    if known is not None and not replace:
+        message = f"You have a {what} '{known.name}': choose another name, or tick Replace."
+        raise InputError(message, "file_exists", what, known.name)
+
+
+def offered(known: Mapping[str, str], value: str, words: str = "") -> dict[str, str]:
+    """What can be chosen, with what is chosen now at its head when it is not there any more."""
+    return dict(known) if value in known else {value: words or value, **known}
+
+
+def calibrations(root: Path) -> dict[str, str]:
+    """Calibrations of the project, the newest first; value for ``--calibration`` to words."""
+    found = reversed(folders(root, "calibrations", "calibration.json"))
+    return {"": "none"} | {f"{one}/calibration.json": one for one in found}
+
+
+def campaigns(root: Path) -> dict[str, str]:
+    """Campaigns of the project by folder, the newest last."""
+    return {one: one for one in folders(root, "campaigns", "campaign.toml")}
+
+
+def file_line(one: ProjectFile) -> str:
     """One thing that lies in the project, in a line."""
-    name, found = one.folder.partition("/")[2], one.summary or {}
-    said = _said(found)
-    return f"{name}: {said}" if said else name
+    name, summary = one.folder.partition("/")[2], _summary_line(one.summary or {})
+    return f"{name}: {summary}" if summary else name
 
 
-def _said(found: dict[str, Any]) -> str:
+def _summary_line(found: dict[str, Any]) -> str:
     if "pressed" in found:
         left = f", {found['wrong']} problem{'s' * (found['wrong'] > 1)}" if found["wrong"] else ""
         return f"{found['pressed']} of {found['pressed'] + found['missing']} presses are there{left}"

@@ -1,41 +1,39 @@
-"""What the pages draw: steady curve, presses and cross-section of one pad; measured presses; solids to turn."""
+"""What the pages draw: curves, presses, cross-sections, kinds of pads side by side."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dummydesign.design.curves import force_grids
-from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
-from dummydesign.report.figures.layers import Band, Dots, Line
-from dummydesign.report.figures.plot import HEIGHT, WIDTH, Plot
-from dummydesign.report.press_figures import STYLES, log_start
+from dummydesign.core.errors import InputError
+from dummydesign.design.assessment.choice import TELLS, WORDS
+from dummydesign.design.plot_data import force_grids
+from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
+from dummydesign.geometry.shape_registry import read_shape
+from dummydesign.report.page import STYLES, log_start
+from dummydesign.report.plot import Plot
+from dummydesign.report.plot_layers import Band, Dots, Line
 
 if TYPE_CHECKING:
-    from dummydesign.design.own_test.punch import AskedPunch
+    from dummydesign.design.pad_evaluator import EvaluatedPad, PadEvaluator
     from dummydesign.design.scoring.targets import Targets
-    from dummydesign.design.sweep.one_pad import OnePad
-    from dummydesign.geometry.shapes import PadShape
+    from dummydesign.geometry.pad_shape import PadShape
+    from dummydesign.geometry.punch import Punch
     from dummydesign.tissue.model.tissue import Tissue
+
 
 ABOVE_MM, TALL_MM = 0.4, 3.6
 """How far over the pad the punch is drawn, and how much of it. [mm]"""
 
 
-def steady(tissue: Tissue, targets: Targets, pad: OnePad | None = None) -> Plot:
-    """Steady force over depth: the subjects, the aim, and a pad where one is given.
-
-    Parameters
-    ----------
-    tissue : Tissue
-    targets : Targets
-        Of that tissue.
-    pad : OnePad, optional
-    """
+def steady(tissue: Tissue, targets: Targets, pad: EvaluatedPad | None = None) -> Plot:
+    """Steady force over depth: the subjects, the aim, and a pad where one is given."""
     grids = force_grids(targets.protocol)
     layers: list[Band | Line] = [
         Band("subjects, extrapolated", grids.extrapolated, *targets.depth_range_mm(grids.extrapolated), sideways=True,
@@ -54,73 +52,35 @@ def steady(tissue: Tissue, targets: Targets, pad: OnePad | None = None) -> Plot:
                 "force_N", tuple(layers), x_range=(0.0, 1.25 * deepest), y_range=(0.0, 16.0))  # fmt: skip
 
 
-def press(targets: Targets, pad: OnePad, column: int, size: tuple[float, float] = (WIDTH, HEIGHT)) -> Plot:
-    """Force over time of one press of the protocol: subjects, aim, pad.
-
-    Parameters
-    ----------
-    targets : Targets
-    pad : OnePad
-    column : int
-        Which of the targets' conditions.
-    size : (float, float)
-        Width and height. [px]
-    """
+def _press(targets: Targets, pad: EvaluatedPad, column: int, size: tuple[float, float]) -> Plot:
+    """Force over time of one press of the protocol: subjects, aim, pad."""
     condition = targets.conditions[column]
     band, found = condition.range, pad.candidate.evaluation.presses[column]
-    layers: list[Band | Line] = [Band("subjects", band.time_s, band.low_N, band.high_N)]
-    layers.append(Line("aim", condition.aim.time_s, condition.aim.curves_N[0], "aim"))
-    said = "out of the pad's reach"
+    layers: list[Band | Line] = [Band("subjects", band.time_s, band.low_N, band.high_N),
+                                 Line("aim", condition.aim.time_s, condition.aim.curves_N[0], "aim")]  # fmt: skip
+    reached = "out of the pad's reach"
     if np.isfinite(found.depth_mm[0]):
         layers.append(Line("this pad", found.time_s[0], found.force_N[0]))
-        said = f"peak {found.force_N[0].max():.1f} N"
+        reached = f"peak {found.force_N[0].max():.1f} N"
     start = 1e-2 if condition.velocity_mm_s < 50 else 1e-3
-    title = f"{condition.steady_force_N:g} N at {condition.velocity_mm_s:g} mm/s: {said}"
+    title = f"{condition.steady_force_N:g} N at {condition.velocity_mm_s:g} mm/s: {reached}"
     return Plot(f"press-{column}", title, f"Force over time, {title}.", "time [s]", "force [N]", "time_s", "force_N",
                 tuple(layers), log_x=True, x_range=(start, float(band.time_s[-1])), size=size)  # fmt: skip
 
 
-def presses(targets: Targets, pad: OnePad, width_px: float = 300.0) -> list[Plot]:
-    """Force over time of every press of the protocol, small enough to stand in a grid.
-
-    Parameters
-    ----------
-    targets : Targets
-    pad : OnePad
-    width_px : float
-        Width of each. [px]
-    """
+def presses(targets: Targets, pad: EvaluatedPad, width_px: float = 300.0) -> list[Plot]:
+    """Force over time of every press of the protocol, small enough to stand in a grid."""
     size = (width_px, round(0.74 * width_px))
-    return [press(targets, pad, column, size) for column in range(len(targets.conditions))]
+    return [_press(targets, pad, column, size) for column in range(len(targets.conditions))]
 
 
 def plots_html(plots: Iterable[Plot], small: bool = False) -> str:
-    """Plots in a grid, as HTML.
-
-    Parameters
-    ----------
-    plots : iterable of Plot
-    small : bool
-        Narrow columns, for :func:`presses`.
-    """
+    """Plots in a grid, as HTML."""
     return f'<div class="plots{" small" if small else ""}">{"".join(plot.html() for plot in plots)}</div>'
 
 
 def measured_over_fitted(root: Path, answer: Mapping[str, Any]) -> list[Plot]:
-    """Measured force over time with the model's curve, one plot a condition, from the files that the report wrote.
-
-    Parameters
-    ----------
-    root : Path
-        Folder in which the command ran.
-    answer : mapping
-        JSON of ``fit`` (the fitted law) or ``loop`` (the base model and the corrected one).
-
-    Returns
-    -------
-    list of Plot
-        In the order of the report; empty where its files are gone.
-    """
+    """Measured force over time with the model's curve, one plot a condition, from the files that the report wrote."""
     files = answer.get("files", {})
     paths = [root / path for role, path in files.items() if role.startswith("report_press_")]
     return [_measured(path) for path in paths if path.is_file()]
@@ -164,29 +124,16 @@ def _series(path: Path) -> dict[str, tuple[np.ndarray, np.ndarray]]:
 def _condition_of(stem: str) -> str:
     """The condition in the name of a plot's file, in words."""
     name = stem.partition("report-press-")[2]
-    fitted = re.fullmatch(r"(.+)N-(.+)mm-s(?:-\d+)?", name)
-    if fitted:
+    if fitted := re.fullmatch(r"(.+)N-(.+)mm-s(?:-\d+)?", name):
         return f"{fitted[1]} N steady at {fitted[2]} mm/s"
-    looped = re.fullmatch(r"(.+?)mm-(.+?)mm-s-([\d.e+-]+)(N|mmdeep)(?:-\d+)?", name)
-    if looped:
+    if looped := re.fullmatch(r"(.+?)mm-(.+?)mm-s-([\d.e+-]+)(N|mmdeep)(?:-\d+)?", name):
         level = f"{looped[3]} N" if looped[4] == "N" else f"{looped[3]} mm deep"
         return f"{looped[1]} mm pad, {looped[2]} mm/s, {level}"
     return name
 
 
-def section(shape: PadShape, thickness_mm: float, punch: AskedPunch, name: str = "section") -> Plot:
-    """Cross-section through the middle of a pad, with the punch over it.
-
-    Parameters
-    ----------
-    shape : PadShape
-    thickness_mm : float
-        At the highest point. [mm]
-    punch : AskedPunch
-        Drawn at its shorter side; the foot of one with a profile as it is, cut off where it leaves the picture.
-    name : str
-        Of the figure.
-    """
+def section(shape: PadShape, thickness_mm: float, punch: Punch, name: str = "section") -> Plot:
+    """Cross-section through the middle of a pad, with the punch over it."""
     half = 32.0
     y = np.linspace(-half, half, 257)
     top = thickness_mm - np.asarray(shape.drop_mm(np.zeros_like(y), y), float)
@@ -194,8 +141,7 @@ def section(shape: PadShape, thickness_mm: float, punch: AskedPunch, name: str =
     layers: list[Band | Line] = [Band("pad", y, bone, top)]
     if float(bone.max()) > 0.0:
         layers.append(Band("rigid bone", y, np.zeros_like(y), bone, style="extra"))
-    parts = shape.layers()
-    if parts is not None:
+    if (parts := shape.layers()) is not None:
         layers.append(Line("between the layers", y, np.full_like(y, thickness_mm - parts[0]), "other"))
     layers.append(Line("tested face", y, top))
     layers.append(Line(f"punch, {punch.text}", *_outline(punch, thickness_mm + ABOVE_MM), "aim"))
@@ -204,7 +150,7 @@ def section(shape: PadShape, thickness_mm: float, punch: AskedPunch, name: str =
                 tuple(layers), x_range=(-half, half), y_range=(0.0, thickness_mm + 5.0))  # fmt: skip
 
 
-def _outline(punch: AskedPunch, foot_mm: float) -> tuple[np.ndarray, np.ndarray]:
+def _outline(punch: Punch, foot_mm: float) -> tuple[np.ndarray, np.ndarray]:
     """Half of a punch and its mirror image over a height, from the left; closed at no end."""
     half = punch.half_width_mm
     across, height = np.array([0.0, half]), np.zeros(2)
@@ -217,14 +163,7 @@ def _outline(punch: AskedPunch, foot_mm: float) -> tuple[np.ndarray, np.ndarray]
 
 
 def pad_page(shape: PadShape, thickness_mm: float) -> str:
-    """A page of its own with a pad as a solid to turn.
-
-    Parameters
-    ----------
-    shape : PadShape
-    thickness_mm : float
-        At the highest point. [mm]
-    """
+    """A page of its own with a pad as a solid to turn."""
     half = 0.5 * np.array([PAD_LENGTH_MM, PAD_WIDTH_MM])
     fine = np.linspace(-32.0, 32.0, 65)
     x, y = (np.unique(np.r_[-h, fine[np.abs(fine) < h], h]) for h in half)
@@ -240,13 +179,6 @@ def pad_page(shape: PadShape, thickness_mm: float) -> str:
     return solids_page({"pad": np.concatenate([_faces(nodes), bottom, *walls])})
 
 
-def plot_script() -> str:
-    """Script element for the studio's head: values of plots under the pointer, and zoom."""
-    from dummydesign.report.html.page import plots_js
-
-    return f"<script>{plots_js()}</script>"
-
-
 def _faces(nodes: np.ndarray) -> np.ndarray:
     """Triangles over a grid of points, seen from above; shape (n, 3, 3)."""
     a, b, c, d = nodes[:-1, :-1], nodes[1:, :-1], nodes[1:, 1:], nodes[:-1, 1:]
@@ -255,28 +187,98 @@ def _faces(nodes: np.ndarray) -> np.ndarray:
 
 def mould_page(folder: Path) -> str | None:
     """A page of its own with pad and mould of a folder as solids; None where there are no STL files."""
-    from dummydesign.report.html.viewer import read_stl
+    from dummydesign.mold.files.solid_view import read_stl
 
-    parts = {}
-    for name in ("mould", "pad"):
-        for path in sorted(folder.glob(f"{name}_*.stl"))[:1]:
-            parts[name] = read_stl(path)
+    parts = {name: read_stl(path) for name in ("mould", "pad") for path in sorted(folder.glob(f"{name}_*.stl"))[:1]}
     return solids_page(parts) if parts else None
 
 
 def solids_page(parts: dict[str, np.ndarray]) -> str:
     """A page with solids and the script that turns them."""
-    from dummydesign.report.html.page import page
-    from dummydesign.report.html.viewer import solid_section, viewer_script
+    from dummydesign.mold.files.solid_view import view_script
+    from dummydesign.report.page import page, solid_section
 
-    told = solid_section(parts, "Drag or use the arrow keys to turn, scroll to zoom.")
+    section = solid_section(parts, "Drag or use the arrow keys to turn, scroll to zoom.")
     # the view takes what the lines around it leave of the frame; its own style comes later, so "main" outranks it
-    apart = "" if len(parts) > 1 else "main .viewer .controls{display:none}"
+    alone = "" if len(parts) > 1 else "main .viewer .controls{display:none}"
     small = (
         "<style>main h1,main h2,.lead,footer,.terms{display:none}html,body,main,section{height:100%;margin:0}"
         "main{padding:0 .5rem;box-sizing:border-box}main section p{margin:.2rem 0;font-size:.9rem}"
         "main section,main .viewer{display:flex;flex-direction:column;min-height:0;padding:0;border:0}"
         "main .viewer,main .viewer .stage{flex:1 1 0;min-height:0}main .viewer .stage{min-height:140px}"
-        f"main .viewer .stage canvas{{height:100%}}{apart}</style>"
+        f"main .viewer .stage canvas{{height:100%}}{alone}</style>"
     )
-    return page("Solids", "", [told], scripts=[viewer_script()], tables="").replace("</head>", f"{small}</head>")
+    return page("Solids", "", [section], scripts=[view_script()], tables="").replace("</head>", f"{small}</head>")
+
+
+HEAD = ("pad", "verdict", "score", "combined score", "shortfall", "over", "thickness mm", "ratio")
+
+
+@dataclass(frozen=True)
+class KindsCompared:
+    """A table with one row a kind, the recommended first, and sentences on the choice."""
+
+    head: tuple[str, ...]
+    rows: tuple[tuple[Any, ...], ...]
+    sentences: tuple[str, ...]
+
+
+def kinds_compared(answer: Mapping[str, Any], verdicts: Mapping[str, Mapping[str, Any]] | None = None) -> KindsCompared:
+    """Compare the best pad of each kind."""
+    best, choice = answer["recommendation"], answer["choice"]
+    kind = best["shape"].partition(":")[0]
+    known = {**(verdicts or {}), kind: answer["verdict"]}
+    rows, missing = [], []
+    for row in answer["shapes"]:
+        if row["shape"] is None:
+            missing.append(f"No {row['kind']} pad: {row['reason']}.")
+            continue
+        verdict = known.get(row["kind"], {})
+        pad, total = (best, best["scores"]["total"]) if row["kind"] == kind else (row, row["total"])
+        central = (verdict.get(side, {}).get("central") for side in ("shortfall", "over"))
+        size = pad["thickness_mm"], pad["ratio"]
+        rows.append((row["kind"], verdict.get("light"), total, row["merit"], *central, *size))
+    rows.sort(key=lambda row: (row[0] != kind, -row[3]))
+    return KindsCompared(HEAD, tuple(rows), tuple([*_why(answer, best, choice, kind), *missing]))
+
+
+def _why(answer: Mapping[str, Any], best: Mapping[str, Any], choice: Mapping[str, Any], kind: str) -> list[str]:
+    """Sentences on the choice, from the numbers of the answer."""
+    lowest = min(row["steady_force_N"] for row in best["conditions"])
+    words = {term: text.format(low=lowest) for term, text in WORDS.items()}
+    terms, decided = choice["terms"], choice["decided_by"]
+    pad = f"the {kind} pad, {best['thickness_mm']:g} mm, ratio {best['ratio']:g}"
+    if choice["next_best"] is None:
+        sentences = [f"No other kind was compared with {pad}."]
+    elif decided == "verdict":
+        sentences = [f"Chosen: {pad}.", f"The next best is {choice['next_best']}. It is not representative."]
+    else:
+        share_of_choice = f"{terms[decided]:+.2f} of {sum(terms.values()):+.2f}"
+        sentences = [f"Chosen: {pad}.", f"The next best is {choice['next_best']}.",
+                     f"The choice is mainly for {words[decided]}: {share_of_choice}."]  # fmt: skip
+    weaker = [f"{words[term]} ({gain:+.2f})" for term, gain in terms.items() if gain < -TELLS]
+    if weaker and decided != "verdict":
+        sentences.append(f"It is weaker in {' and '.join(weaker)}.")
+    share = choice["weights"]["low_aim"]
+    sentences.append(
+        f"The combined score is {100 * (1 - share):.0f} % score and {100 * share:.0f} % match below {lowest:g} N."
+    )
+    if choice["expectation"]["differs"]:
+        middle = choice["expectation"]["middle"]
+        size = f"{middle['thickness_mm']:g} mm, ratio {middle['ratio']:g}"
+        sentences.append(f"At central estimates the {middle['kind']} pad, {size}, scores more.")
+    total, low = choice["expected_total"], choice["total_low"]
+    return [*sentences, f"Score with all uncertainties: {total:.2f} (5 % of castings below {low:.2f})."]
+
+
+def verdicts_of_kinds(evaluator: PadEvaluator, answer: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """Judge the best pad of each other kind, with its castings; a kind that the tables cannot press is left out."""
+    own, found = answer["recommendation"]["shape"].partition(":")[0], {}
+    for row in answer["shapes"]:
+        if row["shape"] is None or row["kind"] == own:
+            continue
+        with suppress(InputError):
+            shape = read_shape(row["shape"])
+            pad = evaluator.evaluate(shape, row["thickness_mm"], row["ratio"])
+            found[row["kind"]] = evaluator.with_castings(pad, shape).to_dict()
+    return found

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.outputs.manifest import NAME as MANIFEST
-from dummydesign.core.outputs.manifest import sha256_of
-from dummydesign.geometry.shapes import read_shape, shape_kinds
+from dummydesign.core.manifest import NAME as MANIFEST
+from dummydesign.core.manifest import sha256_of
+from dummydesign.geometry.shape_registry import read_shape, shape_kinds
 from dummydesign.measurement.campaign_file import FILE as CAMPAIGN
 from dummydesign.project.status import finished_manifest
 from dummydesign.studio.state import State, design_state
@@ -23,24 +23,14 @@ PRESETS = {
     "printed": "printed: no silicone; the pad is cast in the print, which is taken apart",
 }
 """Kinds of mould, each in a line."""
-_SOLIDS = {"step": "STEP", "stl": "STL", "3mf": "3MF", "glb": "GLB"}
-_DRAWN = {"svg": "SVG", "dxf": "DXF", "pdf": "PDF"}
+CHECKED = {"checks.json": "Checks of the solids", "manifest.json": "What was asked, and sums of all files",
+           "spec.json": "All dimensions and settings"}  # fmt: skip
 _TAIL = r"_(?:(?:{})_)?t\d+(?:\.\d+)?(?:_(a\d))?$"
 
 
 @dataclass(frozen=True)
 class Mould:
-    """A mould in the project.
-
-    Attributes
-    ----------
-    folder : str
-        From the project folder on.
-    pad : dict
-        shape, thickness_mm, ratio, resin: as in the state.
-    length_mm, width_mm : float
-    preset : str
-    """
+    """A mould in the project."""
 
     folder: str
     pad: dict[str, Any]
@@ -50,8 +40,7 @@ class Mould:
 
     def is_of(self, state: State) -> bool:
         """Whether it is a mould of the pad that is chosen, of any outline and kind."""
-        same = all(abs(self.pad[name] - getattr(state, name)) < 1e-6 for name in ("thickness_mm", "ratio"))
-        return same and self.pad["resin"] == state.resin and shape_key(self.pad["shape"]) == shape_key(state.shape)
+        return same_pad(self.pad, vars(state))
 
     @property
     def label(self) -> str:
@@ -65,28 +54,14 @@ def design_of_pad(root: Path, state: State) -> str:
     """Folder of the newest design of the pad that is chosen, one for what is asked before all others; else empty."""
     if state.design:
         return state.design
-    found = [
-        folder for folder, _ in _manifests(root, "designs", "suggest")
-        if (pad := design_state(root, folder)) and pad["resin"] == state.resin
-        and shape_key(pad["shape"]) == shape_key(state.shape)
-        and all(abs(pad[name] - getattr(state, name)) < 1e-6 for name in ("thickness_mm", "ratio"))
-    ]  # fmt: skip
+    found = [folder for folder, _ in _manifests(root, "designs", "suggest")
+             if (pad := design_state(root, folder)) and same_pad(pad, vars(state))]  # fmt: skip
     asked = [folder for folder in found if answers(root, folder, state)]
     return (asked or found or [""])[-1]
 
 
 def answers(root: Path, folder: str, state: State) -> bool:
-    """Whether a design was made for the tissue, aim, resin, calibration and punch that are chosen.
-
-    Parameters
-    ----------
-    root : Path
-        The project folder.
-    folder : str
-        Of the design, from the project folder on.
-    state : State
-        Of the page.
-    """
+    """Whether a design was made for the tissue, aim, resin, calibration and punch that are chosen."""
     given = design_state(root, folder)
     return bool(given) and all(given[name] == value for name, value in state.question.items())
 
@@ -112,39 +87,41 @@ class Calibration:
         return any(sha256_of(root / self.campaign / name) != sha for name, sha in self.sums)
 
 
-_UNITS = ("kPa", "MPa", "N", "mm", "s", "deg", "kg", "g", "K", "C", "um")
+_UNITS = "kPa|MPa|N|mm|s|deg|kg|g|K|C|um"
 
 
-def unit_of(name: str) -> str:
-    """The unit at the end of a parameter's name, ``mm/N`` of ``compliance_mm_per_N``; empty where there is none."""
-    words = name.split("_")
-    if len(words) > 2 and words[-2] == "per" and words[-1] in _UNITS:
-        upper = words[-3] if words[-3] in _UNITS and len(words) > 3 else "1"
-        return f"{upper}/{words[-1]}"
-    return words[-1] if len(words) > 1 and words[-1] in _UNITS else ""
-
-
-def plain_parameter(name: str) -> str:
-    """A parameter's name without its unit, in words."""
-    unit = unit_of(name)
-    tail = "_" + unit.replace("1/", "per_").replace("/", "_per_") if unit else ""
-    return name.removesuffix(tail).replace("_", " ")
+def name_and_unit(parameter: str) -> tuple[str, str]:
+    """A parameter's name in words, and its unit: ``compliance`` and ``mm/N`` of ``compliance_mm_per_N``."""
+    found = re.fullmatch(rf"(.+?)(?:_({_UNITS}))?(?:_per_({_UNITS}))?", parameter)
+    name, over, under = found.groups() if found else (parameter, None, None)
+    return name.replace("_", " "), f"{over or 1}/{under}" if under else over or ""
 
 
 def shape_key(text: str) -> str:
     """A shape with its lengths in one form, however it was typed; the text itself where it is none."""
     try:
-        return "slab" if text.strip().lower() == "slab" else str(read_shape(text.strip()))
+        return str(read_shape(text.strip()))
     except InputError:
         return text.strip()
+
+
+def same_pad(
+    one: Mapping[str, Any], other: Mapping[str, Any], keys: Sequence[str] = ("shape", "thickness_mm", "ratio", "resin")
+) -> bool:
+    """Whether two pads are the same in these keys: lengths within 1e-6, shapes however they were typed."""
+
+    def same(first: Any, second: Any) -> bool:
+        return bool(first == second) if isinstance(first, str) else abs(first - second) < 1e-6
+
+    return all(same(*(shape_key(pad[key]) if key == "shape" else pad[key] for pad in (one, other))) for key in keys)
 
 
 def moulds(root: Path) -> list[Mould]:
     """Moulds of a project, the newest last; those whose manifest cannot be read are left out."""
     found = []
-    for folder, told in _manifests(root, "moulds", "mold"):
+    for folder, manifest in _manifests(root, "moulds", "mold"):
         try:
-            given = told["inputs"]
+            given = manifest["inputs"]
             pad = {"shape": str(given["shape"]), "thickness_mm": float(given["thickness_mm"]),
                    "ratio": float(given["ratio"]), "resin": str(given["resin"])}  # fmt: skip
             found.append(Mould(folder, pad, float(given["length_mm"]), float(given["width_mm"]), str(given["preset"])))
@@ -154,27 +131,19 @@ def moulds(root: Path) -> list[Mould]:
 
 
 def calibrations(root: Path, campaign: str) -> list[Calibration]:
-    """Calibrations learned from a campaign, the newest last, also those made on the terminal.
-
-    Parameters
-    ----------
-    root : Path
-        The project folder.
-    campaign : str
-        Its folder, from the project folder on.
-    """
+    """Calibrations learned from a campaign, the newest last, also those made on the terminal."""
     found = []
-    for folder, told in _manifests(root, "calibrations", "loop"):
-        path = str(told.get("inputs", {}).get("campaign", ""))
-        read = told.get("files_read") or []
+    for folder, manifest in _manifests(root, "calibrations", "loop"):
+        path = str(manifest.get("inputs", {}).get("campaign", ""))
+        read = manifest.get("files_read") or []
         sums = tuple((str(one["file"]), one.get("sha256")) for one in read if _parent(one) == path.rstrip("/"))
         if not (root / folder / "calibration.json").is_file():
             continue
         if not (_names(root, path, campaign) or _was_renamed(root, path, campaign, dict(sums))):
             continue
-        text = str((told.get("summary") or {}).get("text", ""))
-        prior = str(told["inputs"].get("prior") or "")
-        found.append(Calibration(folder, str(told.get("date", "")), text, campaign, prior, sums))
+        text = str((manifest.get("summary") or {}).get("text", ""))
+        prior = str(manifest["inputs"].get("prior") or "")
+        found.append(Calibration(folder, str(manifest.get("date", "")), text, campaign, prior, sums))
     return found
 
 
@@ -201,20 +170,14 @@ def _names(root: Path, path: str, folder: str) -> bool:
 def _manifests(root: Path, room: str, command: str) -> list[tuple[str, dict[str, Any]]]:
     rows = []
     for path in (root / room).glob(f"*/{MANIFEST}"):
-        told = finished_manifest(path)
-        if told is not None and told["command"] == command:
-            rows.append((path.parent.relative_to(root).as_posix(), told))
+        manifest = finished_manifest(path)
+        if manifest is not None and manifest["command"] == command:
+            rows.append((path.parent.relative_to(root).as_posix(), manifest))
     return sorted(rows, key=lambda row: (str(row[1].get("date", "")), row[0]))
 
 
 def grouped_files(names: Iterable[str]) -> list[tuple[str, list[tuple[str, str]]]]:
-    """Files of a mould by what one does with them: group, then (words, file name); empty groups are left out.
-
-    Parameters
-    ----------
-    names : iterable of str
-        File names.
-    """
+    """Files of a mould by what one does with them: group, then (words, file name); empty groups are left out."""
     rows: dict[str, list[tuple[str, str]]] = {group: [] for group in GROUPS}
     for name in sorted(names):
         group, words = _group(name)
@@ -230,26 +193,21 @@ def _group(name: str) -> tuple[str, str]:
     paper = f", {tail[1].upper()}" if tail and tail[1] else ""
     words = part.replace("_", " ").capitalize()
     if part == "pour":
-        first = "Pour sheet (PDF): start here"
-        kinds = {"pdf": f"Pour sheet (PDF{paper})" if paper else first, "html": "Pour sheet (web page)",
-                 "md": "Pour sheet (text)"}  # fmt: skip
-        return "Pour", kinds.get(ending, f"Pour sheet ({ending})")
+        if ending == "pdf" and not paper:
+            return "Pour", "Pour sheet (PDF): start here"
+        kind = {"pdf": f"PDF{paper}", "html": "web page", "md": "text"}.get(ending, ending)
+        return "Pour", f"Pour sheet ({kind})"
     if part == "drawings":
         return "Draw", f"All drawings (PDF{paper})"
-    if part.startswith("drawing_") and ending in _DRAWN:
-        return "Draw", f"Drawing of the {part.removeprefix('drawing_').replace('_', ' ')}, {_DRAWN[ending]}"
-    if part == "assembly":
-        parts = {"html": "All parts, to turn (web page)", "step": "All parts, STEP", "glb": "All parts, GLB"}
-        return ("Print or machine", parts[ending]) if ending in parts else ("More", name)
-    if tail and ending in _SOLIDS:
-        return "Print or machine", f"{words}, {_SOLIDS[ending]}"
-    if tail and ending == "png":
+    if part.startswith("drawing_") and ending in ("svg", "dxf", "pdf"):
+        return "Draw", f"Drawing of the {part.removeprefix('drawing_').replace('_', ' ')}, {ending.upper()}"
+    if part == "assembly" and ending in ("html", "step", "glb"):
+        kind = ", to turn (web page)" if ending == "html" else f", {ending.upper()}"
+        return "Print or machine", f"All parts{kind}"
+    if part != "assembly" and tail and ending in ("step", "stl", "3mf", "glb"):
+        return "Print or machine", f"{words}, {ending.upper()}"
+    if part != "assembly" and tail and ending == "png":
         return "Draw", f"Picture of the {words.lower()}"
-    known = {"checks.json": "Checks of the solids", "manifest.json": "What was asked, and sums of all files",
-             "spec.json": "All dimensions and settings"}  # fmt: skip
-    if name in known:
-        return "Check", known[name]
-    if re.fullmatch(r"record(-\d+)?\.json", name):
-        number = stem.partition("-")[2]
-        return "Check", f"Record of the cast pad{' ' + number if number else ''}"
-    return "More", name
+    if record := re.fullmatch(r"record(?:-(\d+))?\.json", name):
+        return "Check", f"Record of the cast pad {record[1] or ''}".rstrip()
+    return ("Check", CHECKED[name]) if name in CHECKED else ("More", name)

@@ -1,20 +1,23 @@
-"""What is chosen: one state for all pages. It stands in the page's address; what that lacks comes from the folder."""
+"""The state of all pages: it is in the page's address; links and addresses."""
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
+from html import escape
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
-from urllib.parse import urlencode
+from urllib.parse import quote, urlencode
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.outputs.manifest import NAME as MANIFEST
-from dummydesign.geometry.standard import PUNCH
+from dummydesign.core.manifest import NAME as MANIFEST
+from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.project.folder import Project
-from dummydesign.project.status import STANDARD_RESIN, ProjectFile, finished_manifest, things_in
+from dummydesign.project.status import STANDARD_RESIN, ProjectFile, ProjectStatus, finished_manifest, things_in
 from dummydesign.studio import choices
-from dummydesign.studio.server import files
+from dummydesign.studio import file_transfer as files
 
 PAD_FIELDS = ("shape", "thickness_mm", "ratio")
 QUESTION_FIELDS = ("tissue", "aim", "resin", "calibration", "punch")
@@ -23,22 +26,7 @@ QUESTION_FIELDS = ("tissue", "aim", "resin", "calibration", "punch")
 
 @dataclass(frozen=True)
 class State:
-    """What the pages show.
-
-    Attributes
-    ----------
-    tissue, aim, resin, punch, calibration : str
-        As options of ``suggest``: names, or paths from the project folder on; no calibration is empty.
-    shape, thickness_mm, ratio : str, float, float
-        The pad. [mm, resin's ratio]
-    design : str
-        Folder of the design that the pad comes from; empty once the pad was changed.
-    campaign : str
-        Folder of the campaign; empty without one.
-    missing : tuple of str
-        Sentences about what the address or ``project.toml`` names and the folder does not hold. What is missing
-        stays chosen: nothing else takes its place.
-    """
+    """What the pages show."""
 
     tissue: str
     aim: str = "average"
@@ -65,6 +53,11 @@ class State:
         return after if kept or "design" in new else replace(after, design="")
 
     @property
+    def kind(self) -> str:
+        """The kind of the shape, without its lengths."""
+        return self.shape.partition(":")[0].lower()
+
+    @property
     def question(self) -> dict[str, str]:
         """What a search is asked, without the pad."""
         return {name: getattr(self, name) for name in QUESTION_FIELDS}
@@ -82,12 +75,6 @@ def read_state(project: Project, query: Mapping[str, str]) -> State:
     """Read the state of an address in a project.
 
     The address wins; then the design that it names; then ``project.toml``, with the newest design for its tissue.
-
-    Parameters
-    ----------
-    project : Project
-    query : mapping
-        Of the address; unknown names are passed over.
     """
     # no calibration is a choice too: without it the one of project.toml would come back
     given = {name: text for name, text in query.items()
@@ -110,7 +97,7 @@ def read_state(project: Project, query: Mapping[str, str]) -> State:
             base[one.name] = _number(given[one.name], base.get(one.name, one.default), one.type == "float")
     if not base["tissue"]:
         base["tissue"] = next(iter(known))
-    campaigns = choices.folders(project.root, "campaigns", "campaign.toml")
+    campaigns = list(choices.campaigns(project.root))
     base["campaign"] = base.get("campaign") or (campaigns[-1] if campaigns else "")
     state = State(**base)
     if named or (state.design and state.design != given.get("design")):
@@ -141,15 +128,7 @@ def is_design(one: ProjectFile) -> bool:
 
 
 def design_state(root: Path, folder: str) -> dict[str, Any]:
-    """Read the pad of a design and what it was designed for; empty where its manifest cannot be read.
-
-    Parameters
-    ----------
-    root : Path
-        The project folder.
-    folder : str
-        Such as ``designs/suggest-forefinger``.
-    """
+    """Read the pad of a design and what it was designed for; empty where its manifest cannot be read."""
     try:
         manifest = finished_manifest(root / folder / MANIFEST) or {}
         pad, inputs = manifest["summary"], manifest.get("inputs", {})
@@ -202,18 +181,16 @@ def _missing(
     given: Mapping[str, str],
 ) -> tuple[str, ...]:  # fmt: skip
     """What is chosen and not there."""
-    found = []
-    if state.tissue not in known and not (root / state.tissue).is_file():
-        found.append(f"The tissue '{state.tissue}' is not there. Choose another, or bring its file back.")
-    if state.calibration and not (root / state.calibration).is_file():
-        found.append(f"The calibration '{state.calibration}' is not there. Choose another, or none.")
-    if state.resin not in choices.resins() and not (root / state.resin).is_file():
-        found.append(f"The resin '{state.resin}' is not there. Choose another.")
-    if state.campaign and state.campaign not in campaigns:
-        found.append(f"The campaign '{state.campaign}' is not there. Choose another.")
-    wanted = given.get("design")
-    if wanted and wanted not in [one.folder for one in designs]:
-        found.append(f"The design '{wanted}' is not there. The pad comes from the address.")
+    design = given.get("design", "")
+    there = (
+        ("tissue", state.tissue, known, "Choose another, or bring its file back."),
+        ("calibration", state.calibration, [""], "Choose another, or none."),
+        ("resin", state.resin, choices.resins(), "Choose another."),
+        ("campaign", state.campaign, ["", *campaigns], "Choose another."),
+        ("design", design, ["", *(one.folder for one in designs)], "The pad comes from the address."),
+    )
+    found = [f"The {what} '{name}' is not there. {advice}" for what, name, names, advice in there
+             if name not in names and not (root / name).is_file()]  # fmt: skip
     if not found:
         try:
             aims = choices.aims(absolute(root, state.tissue))
@@ -228,3 +205,60 @@ def _missing(
 def absolute(root: Path, name: str) -> str:
     """A name of the library as it is; a file of the project with its whole path."""
     return str(root / name) if name.endswith(".toml") else name
+
+
+def address(path: str, **query: object) -> str:
+    """Return the address of a page or file for a link of a page, quoted.
+
+    The address is relative. The studio lies under a path that changes at each start, and every page is one step below.
+    """
+    filled = {name: value for name, value in query.items() if value is not None}
+    given = urlencode(filled, quote_via=quote, errors="surrogateescape")
+    return "./" + quote(path.lstrip("/"), safe="/", errors="surrogateescape") + (f"?{given}" if given else "")
+
+
+def page_link(path: str, words: str, test: str = "", current: bool = False) -> str:
+    """Return HTML of a link to a page, which shows what is chosen on this one when the link is used."""
+    mark = f' data-test="{escape(test)}"' if test else ""
+    here = " aria-current=page" if current else ""
+    return f'<a data-state{mark}{here} href="{address(path)}">{escape(words)}</a>'
+
+
+def state_link(path: str, words: str, state: State, test: str = "") -> str:
+    """Return HTML of a link to a page that shows a state of its own, whatever is chosen on this page later."""
+    mark = f' data-test="{escape(test)}"' if test else ""
+    return f'<a{mark} href="{address(path)}?{escape(state.query())}">{escape(words)}</a>'
+
+
+PAGES = {
+    "tissues": "/tissue", "import": "/measured", "fit": "/tissue", "suggest": "/design", "mold": "/mould",
+    "campaign": "/campaign", "loop": "/learn", "status": "/design",
+}  # fmt: skip
+"""Page that a command belongs to."""
+_NUMBERS = {"thickness": "thickness_mm", "ratio": "ratio"}
+
+
+def next_page(status: ProjectStatus) -> str:
+    """The page on which the next step is done."""
+    return PAGES.get(shlex.split(status.next_command)[1], "/design")
+
+
+def next_state(status: ProjectStatus, state: State) -> State:
+    """What the next step is about: its campaign, calibration, tissue and design."""
+    words = shlex.split(status.next_command)[1:]
+    command = words[0] if words else ""
+    new: dict[str, object] = {}
+    designs = [one for one in status.found["designs"] if is_design(one) and one.command == "suggest"]
+    if designs and (command in ("mold", "status") or words[:2] == ["campaign", "new"]):
+        new |= design_state(status.project.root, designs[-1].folder)
+    for name, value in pairwise(words):
+        option = name.removeprefix("--")
+        if name.startswith("--") and option in ("tissue", "calibration", "resin", "shape", "ratio", "thickness"):
+            if command == "suggest" and option in ("shape", "ratio", "thickness"):
+                continue  # what is searched, not a pad
+            new[_NUMBERS.get(option, option)] = float(value) if option in _NUMBERS else value
+    campaigns = {one.folder for one in status.found["campaigns"]}
+    named = next((word.rstrip("/") for word in words if word.rstrip("/") in campaigns), None)
+    if named:
+        new["campaign"] = named
+    return state.changed(**new) if new else state

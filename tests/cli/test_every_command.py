@@ -12,11 +12,10 @@ import time
 import pytest
 
 from dummydesign import cli
-from dummydesign.cli.choices import MEANINGS, meanings_of
 from dummydesign.cli.entry import parser_of
-from dummydesign.cli.examples import EXAMPLES
-from dummydesign.cli.steps import Count, Steps, Watch, loudness
-from dummydesign.core.outputs.progress import VARIABLE, tell
+from dummydesign.cli.help import help_texts, meanings_of
+from dummydesign.cli.progress import Count, Steps, Watch, loudness
+from dummydesign.core.process import VARIABLE, write_progress
 
 
 def below(parser, name):
@@ -29,6 +28,7 @@ def below(parser, name):
 
 ALL = [pair for command in cli.COMMANDS for pair in below(parser_of(command), command)]
 NAMES = [name for name, _ in ALL]
+EXAMPLES = help_texts()["examples"]
 
 
 @pytest.fixture(params=ALL, ids=NAMES)
@@ -73,7 +73,7 @@ def test_every_word_that_can_be_chosen_is_explained(asked):
 
 def test_no_meaning_is_left_that_no_command_shows():
     used = {word for name, parser in ALL for action in parser._actions for word in meanings_of(name, action)}
-    assert {word for words in MEANINGS.values() for word in words} <= used
+    assert {word for words in help_texts()["choices"].values() for word in words} <= used
 
 
 def test_json_verbose_and_quiet_are_options_of_each_before_and_after_the_action(asked):
@@ -157,7 +157,7 @@ def test_steps_of_another_process_are_shown_with_the_time_left(monkeypatch):
     with Watch(stream, lambda: now[0]):
         for number, word in enumerate(("solids", "meshes")):
             now[0] = 10.0 * number
-            tell(f"step {number + 1} of 5: {word}")
+            write_progress(f"step {number + 1} of 5: {word}")
             deadline = time.monotonic() + 60
             while word not in stream.getvalue() and time.monotonic() < deadline:
                 time.sleep(0.01)
@@ -170,6 +170,6 @@ def test_whoever_watches_from_outside_keeps_the_line(monkeypatch, tmp_path):
     monkeypatch.setenv(VARIABLE, str(tmp_path / "progress"))
     stream = Terminal()
     with Watch(stream):
-        tell("step 1 of 5: solids")
+        write_progress("step 1 of 5: solids")
     assert stream.getvalue() == "" and (tmp_path / "progress").read_text() == "step 1 of 5: solids"
     assert sys.stderr is not stream

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from dummydesign.cli import run
+from dummydesign.cli.entry import run
 
 
 @pytest.fixture

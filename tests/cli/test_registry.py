@@ -1,20 +1,16 @@
-"""The list of commands: every module of a room is a command, every command has the four things it needs."""
+"""The list of commands: every module of the folder is a command, every command has the four things it needs."""
 
 import pkgutil
 
 import pytest
 
-from dummydesign.cli import design, library, measurement, project
-from dummydesign.cli.registry import COMMANDS, MODULES, module_of
+from dummydesign.cli import commands
+from dummydesign.cli.entry import COMMANDS, module_of
 
 
-def test_every_module_of_a_room_is_a_command():
-    rooms = (design, measurement, library, project)
-    found = []
-    for room in rooms:
-        name = room.__name__.removeprefix("dummydesign.cli.")
-        found += [f"{name}.{module.name}" for module in pkgutil.iter_modules(room.__path__)]
-    assert sorted(found) == sorted(MODULES.values())
+def test_every_module_of_the_folder_is_a_command():
+    found = {module.name for module in pkgutil.iter_modules(commands.__path__)}
+    assert found == {module_of(command).__name__.rpartition(".")[2] for command in COMMANDS}
 
 
 @pytest.mark.parametrize("command", COMMANDS)

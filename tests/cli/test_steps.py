@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 
-from dummydesign.cli.steps import Steps
+from dummydesign.cli.progress import Steps
 
 
 class Terminal(io.StringIO):

@@ -1,6 +1,6 @@
 """What a terminal shows first: the verdict, then what the tissue is not known for, then the impact."""
 
-from dummydesign.cli.texts.verdict import first_lines, tissue_lines, warning_lines
+from dummydesign.cli.text import first_lines, tissue_lines, warning_lines
 
 
 def warned(*codes):

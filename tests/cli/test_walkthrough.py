@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from dummydesign.cli.entry import parser_of
-from dummydesign.measurement.planning.check import check_campaign
+from dummydesign.measurement.campaign_status import check_campaign
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "from-machine-to-design.md"

@@ -2,8 +2,9 @@
 
 import pytest
 
-from dummydesign.core.checks import FORCE, UNITS, VELOCITY, YOUNG, Purpose, read_number, read_numbers, read_size
 from dummydesign.core.errors import InputError
+from dummydesign.core.parsing import FORCE, UNITS, VELOCITY, YOUNG, Purpose, read_number, read_numbers, read_size
+from tests.support.refusal import raises_code
 
 
 @pytest.mark.parametrize(
@@ -21,11 +22,11 @@ def test_every_unit_reads_back_its_own_size(unit):
         assert read_number(f"3{name}", Purpose("x", unit, (0.0, 1e9))) == pytest.approx(3.0 * size)
 
 
-@pytest.mark.parametrize(("value", "purpose", "words"), [(0.25, VELOCITY, "looks like m/s: give 250"),
-                                                         ("0.025", YOUNG, "looks like MPa: give 25"),
-                                                         (25000.0, YOUNG, "looks like Pa: give 25")])  # fmt: skip
-def test_a_bare_number_off_by_a_thousand_is_refused_with_the_likely_unit(value, purpose, words):
-    with pytest.raises(InputError, match=words):
+@pytest.mark.parametrize(("value", "purpose", "code"), [(0.25, VELOCITY, "implausible_unit"),
+                                                         ("0.025", YOUNG, "implausible_unit"),
+                                                         (25000.0, YOUNG, "implausible_unit")])  # fmt: skip
+def test_a_bare_number_off_by_a_thousand_is_refused_with_the_likely_unit(value, purpose, code):
+    with raises_code(code):
         read_number(value, purpose)
 
 
@@ -40,5 +41,5 @@ def test_lists_and_sizes_are_read_however_they_are_given():
     assert read_numbers("0.01m/s,250", VELOCITY) == (10.0, 250.0)
     assert read_numbers([5, "10"], FORCE) == (5.0, 10.0) and read_numbers(5.0, FORCE) == (5.0,)
     assert read_size("40x50", "pad") == read_size((40, 50), "pad") == (40.0, 50.0)
-    with pytest.raises(InputError, match="LENGTHxWIDTH"):
+    with raises_code("malformed", "pad"):
         read_size("40", "pad")

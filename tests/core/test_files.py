@@ -7,6 +7,7 @@ import pytest
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_bytes
+from tests.support.refusal import raises_code
 
 
 def test_two_that_write_one_file_at_once_both_succeed_and_one_of_them_stands(tmp_path):
@@ -47,7 +48,7 @@ def test_an_unfinished_file_is_hidden(tmp_path, monkeypatch):
 def test_a_place_that_cannot_be_written_is_one_line(tmp_path, place):
     (tmp_path / "file").write_text("x", encoding="utf-8")
     (tmp_path / "folder").mkdir()
-    with pytest.raises(InputError, match="cannot be written"):
+    with raises_code("file_unwritable", "file"):
         write_bytes(tmp_path / place, b"1")
     assert sorted(os.listdir(tmp_path)) == ["file", "folder"]
 

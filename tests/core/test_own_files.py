@@ -6,8 +6,8 @@ import json
 
 import pytest
 
-from dummydesign.cli import run
-from dummydesign.core.datafiles import data_folder
+from dummydesign.cli.entry import run
+from dummydesign.core.library import data_folder
 from dummydesign.resin import load_resin
 from dummydesign.tissue.model.tissue_file import load_tissue
 

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from dummydesign.core.references import HAND_STIFFNESS, ISO_TS_15066, PAPER
+from dummydesign.core.quantity import HAND_STIFFNESS, ISO_TS_15066, PAPER
 from dummydesign.resin import load_resin
-from dummydesign.studies.tissues.infer import SOURCES
 from dummydesign.tissue.model.tissue_file import load_tissue
+from studies.tissues.infer import SOURCES
 
 ROOT = Path(__file__).parents[2]
 

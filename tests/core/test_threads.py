@@ -14,10 +14,9 @@ import pytest
 import scipy.linalg  # noqa: F401
 from threadpoolctl import ThreadpoolController, threadpool_limits
 
-from dummydesign.core.threads import ONE_THREAD, one_blas_thread
+from dummydesign.core.process import ONE_THREAD, one_blas_thread
 from dummydesign.design.suggest import design
-from dummydesign.loop.replay import replay
-from dummydesign.loop.run import close_loop
+from dummydesign.loop.run import close_loop, replay
 from dummydesign.tissue.fitting.fit import fit_traces
 
 ROOT = Path(__file__).parents[2]
@@ -34,12 +33,11 @@ def threads():
 
 SOLVE = COUNT + """
 import numpy
-from dummydesign.pad.material.hyperelastic import neo_hookean
-from dummydesign.pad.slab.square_sharp import Block, Cells, solve_ratios
+from dummydesign.pad.spatial.square_punch import Block, Cells, solve_ratios
 
 seen, before = [], threads()
 found = solve_ratios(
-    Block((0.7, 0.7), (3.0, 3.0)), neo_hookean(1.0), 0.5, [0.05, 0.1], Cells(0.2), lambda _: seen.append(threads())
+    Block((0.7, 0.7), (3.0, 3.0)), [0.05, 0.1], Cells(0.2), progress=lambda _: seen.append(threads())
 )
 forces = [number.hex() for name in vars(found) for number in numpy.ravel(vars(found)[name]) if name != "solver"
           and isinstance(number, float)]
@@ -48,7 +46,7 @@ print(json.dumps({"before": before, "seen": seen, "after": threads(), "forces": 
 
 COMMAND = COUNT + """
 from dummydesign import cli
-from dummydesign.cli.library import tissues
+from dummydesign.cli.commands import tissues
 
 def run(options):
     import scipy.linalg

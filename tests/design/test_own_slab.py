@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from dummydesign.design.own_test.over_table import OwnSlabLaw, Solved, near_rim, own_slab_law, solve_over_table
-from dummydesign.pad.pad import Pad
+from dummydesign.pad.axisymmetric.friction import solve_under_fillet
+from dummydesign.pad.solved_law import OwnSlabLaw, Solved, near_rim, own_slab_law, solve_over_table
+from dummydesign.pad.specimen import Pad
 from dummydesign.pad.tables.slab import load_table
 
 RADIUS = 7.9
@@ -34,12 +35,12 @@ def test_only_a_rim_that_is_felt_is_solved():
 
 @pytest.mark.slow
 def test_a_small_pad_is_softer_by_what_the_whole_solve_says():
-    from dummydesign.pad.slab.sharp_edge import solve_curve
+    from dummydesign.pad.axisymmetric.sharp_edge import solve_curve
 
     table, small = load_table("bonded"), pad(extent_mm=2.2 * RADIUS)
     found = solve_over_table(table, small, 8.0)
     depth = np.array([0.15, 0.3]) * 8.0
-    own, large = (solve_curve(8.0, RADIUS, 1.0, depth, extent_mm=e).force_N for e in (2.2 * RADIUS, 75.7))
+    own, large = (solve_curve(Pad(8.0, 1.0, RADIUS, extent_mm=e), depth).force_N for e in (2.2 * RADIUS, 75.7))
     factor = np.exp(np.interp(np.log([0.15, 0.3]), np.log(found.share), found.log_factor))
     np.testing.assert_allclose(factor, own / large, rtol=0.004)
     assert factor[0] < 0.97
@@ -56,17 +57,16 @@ def test_what_a_near_rim_takes_is_smooth_in_depth_and_its_error_counts_the_table
 
 @pytest.mark.slow
 def test_a_fillet_between_solved_thicknesses_is_that_of_a_direct_solve():
-    from dummydesign.pad.slab.filleted import solve_filleted
 
     law = own_slab_law(load_table("bonded"), pad(edge_radius_mm=0.5), np.array([4.0, 12.0]))
     depth = np.array([1.0, 2.0])
-    direct = solve_filleted(6.4, RADIUS, 0.5, 1.0, depth).force_N
+    direct = solve_under_fillet(Pad(6.4, 1.0, RADIUS, edge_radius_mm=0.5), depth).force_N
     np.testing.assert_allclose(law.force(depth, 6.4, 1.0, RADIUS), direct, rtol=0.01)
 
 
 @pytest.mark.slow
 def test_a_ball_starts_softer_than_a_flat_punch_of_its_width():
-    from dummydesign.design.own_test.punch import read_punch
+    from dummydesign.geometry.punch import read_punch
 
     ball = read_punch("ball:20")
     table = load_table("bonded")
@@ -79,7 +79,7 @@ def test_a_ball_starts_softer_than_a_flat_punch_of_its_width():
 
 @pytest.mark.slow
 def test_a_face_that_slides_under_a_fillet_is_that_of_a_direct_solve_and_softer_than_a_glued_one():
-    from dummydesign.pad.elastic import solve_points
+    from dummydesign.pad.elastic_force import solve_points
 
     table, h, depth = load_table("bonded"), 6.4, np.array([0.6, 1.5, 2.6])
     slides = pad(edge_radius_mm=0.7, condition="frictionless")

@@ -5,15 +5,14 @@ import dataclasses
 import numpy as np
 import pytest
 
-from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import Quantity
-from dummydesign.design.assessment.pour_yield import pour_yield
+from dummydesign.design.assessment.castings import pour_yield
 from dummydesign.design.request import Request
 from dummydesign.design.suggest import suggest
 from dummydesign.resin import load_resin
-from dummydesign.resin.model.liquid import Liquid
 from dummydesign.resin.model.modulus_laws import LAWS
-from dummydesign.resin.model.resin_writer import save_resin
+from dummydesign.resin.model.resin import Liquid, save_resin
+from tests.support.refusal import raises_code
 from tests.support.slab_by_formula import make_tissue
 
 
@@ -106,7 +105,8 @@ def test_speeds_and_law_come_from_the_tissue(tmp_path, layer_law):
 
 @pytest.mark.slow
 def test_contradictory_points_reach_the_answer(tmp_path, layer_law):
-    from dummydesign.resin.update.modulus import Point, update_resin
+    from dummydesign.resin.model.resin import Point
+    from dummydesign.resin.update.modulus import update_resin
 
     resin = update_resin(load_resin(), [Point(15.0, number(50.0)), Point(16.0, number(35.0))], "mine")
     path = str(save_resin(resin, tmp_path / "mine.toml"))
@@ -116,7 +116,8 @@ def test_contradictory_points_reach_the_answer(tmp_path, layer_law):
 
 @pytest.mark.slow
 def test_measured_points_narrow_the_ratio_that_is_recommended(tmp_path, layer_law):
-    from dummydesign.resin.update.modulus import Point, update_resin
+    from dummydesign.resin.model.resin import Point
+    from dummydesign.resin.update.modulus import update_resin
 
     resin = update_resin(load_resin(), [Point(15.0, number(26.0)), Point(16.0, number(65.0))], "mine")
     path = str(save_resin(resin, tmp_path / "mine.toml"))
@@ -128,5 +129,5 @@ def test_measured_points_narrow_the_ratio_that_is_recommended(tmp_path, layer_la
 
 
 def test_unknown_shapes_are_refused(layer_law):
-    with pytest.raises(InputError, match="unknown shape 'cube'"):
+    with raises_code("unknown_name", "shape"):
         suggest(Request("palm", shape="cube"), layer_law)

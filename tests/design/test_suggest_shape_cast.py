@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
-from dummydesign.design.curves import suggestion_curves
+from dummydesign.design.plot_data import reactions, suggestion_curves
+from dummydesign.design.press_pictures import press_pictures
 from dummydesign.design.request import RADIUS_MM, Request
 from dummydesign.design.safety_view import safety_view
-from dummydesign.design.search.shape_family import ShapeLaw
-from dummydesign.design.sensitivity import reactions
-from dummydesign.design.shown.press_pictures import press_pictures
+from dummydesign.design.search.shape_family import FamilyLaw
 from dummydesign.design.suggest import suggest
 from dummydesign.report.suggest import write_suggestion
 
@@ -26,8 +25,8 @@ def bars(found):
 
 @pytest.mark.slow
 def test_the_law_of_the_cast_pad_comes_with_the_answer(crowned):
-    assert isinstance(crowned.law, ShapeLaw) and not crowned.law.cast
-    assert isinstance(crowned.cast, ShapeLaw) and crowned.cast.cast and crowned.cast.shape == crowned.shape
+    assert isinstance(crowned.law, FamilyLaw) and not crowned.law.cast
+    assert isinstance(crowned.cast, FamilyLaw) and crowned.cast.cast and crowned.cast.shape == crowned.shape
     thicker = crowned.best.thickness_mm + 0.2
     depth = 0.3 * crowned.best.thickness_mm
     force = [float(law.force(depth, thicker, 0.04, RADIUS_MM)) for law in (crowned.law, crowned.cast)]

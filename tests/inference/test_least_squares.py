@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dummydesign.inference.least_squares import Solution, solve, solve_by_differences, solve_marquardt
-from dummydesign.inference.profile import profile_interval
+from dummydesign.inference.likelihood import profile_interval
 
 WIDE = np.full(2, 50.0)
 

@@ -8,12 +8,19 @@ import numpy as np
 import pytest
 from scipy.linalg import block_diag, null_space
 
-from dummydesign.inference.noise import Bins, Noise, likeliest, restricted_likelihood, whitener
-from dummydesign.inference.noise_floor import noise_floor, white_noise
-from dummydesign.inference.reduction import hold_edges
+from dummydesign.inference.binning import hold_edges
+from dummydesign.inference.noise import (
+    Bins,
+    Noise,
+    likeliest,
+    noise_floor,
+    restricted_likelihood,
+    white_noise,
+    whitener,
+)
 from dummydesign.measurement.landmarks import Hold
-from dummydesign.resin.puck_test.noise import PuckNoise, covariance, estimate
-from dummydesign.tissue.fitting.noise import LARGEST_POSITION_MM, estimate_noise
+from dummydesign.resin.puck_test.reduction import PuckNoise, covariance, estimate
+from dummydesign.tissue.fitting.problem import LARGEST_POSITION_MM, estimate_noise
 
 
 @dataclass(frozen=True)

@@ -44,9 +44,9 @@ def changed(folder, old, new):
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("[[trial]]\n", '[[trial]]\npunch = "round:12"\n', "one punch"),
-        ("[[trial]]\n", "[[trial]]\nside_mm = 20.0\n", "one punch"),
-        ("[[trial]]\n", '[[trial]]\ncontact = "frictionless"\n', "one punch"),
+        ("[[trial]]\n", '[[trial]]\npunch = "round:12"\n', "one [punch]"),
+        ("[[trial]]\n", "[[trial]]\nside_mm = 20.0\n", "one [punch]"),
+        ("[[trial]]\n", '[[trial]]\ncontact = "frictionless"\n', "one [punch]"),
         ("[punch]\n", "[[punch]]\n", "make a campaign of each"),
         ('shape = "square"', 'shape = "hammer"', "hammer"),
         ('base = "bonded"', 'base = "velcro"', "velcro"),

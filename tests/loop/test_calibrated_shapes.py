@@ -10,16 +10,14 @@ import numpy as np
 import pytest
 
 from dummydesign import cli
-from dummydesign.design.finalists import elements_law
-from dummydesign.design.search.calibrated_family import CalibratedFamily
-from dummydesign.design.search.shape_family import ShapeLaw
-from dummydesign.design.search.tabulated_shapes import load_family
-from dummydesign.geometry.shapes import read_shape
-from dummydesign.geometry.standard import PAD_EXTENT_MM
+from dummydesign.design.calibrated import CalibratedFamily
+from dummydesign.design.search import finalists as elements_law
+from dummydesign.design.search.shape_family import FamilyLaw, load_family
+from dummydesign.geometry.dimensions import PAD_EXTENT_MM
+from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.loop.calibration_file import write_calibration
 from dummydesign.loop.corrected_law import Correction
-from dummydesign.loop.learned.effect import Learned
-from dummydesign.loop.learned.effect import Shape as Curve
+from dummydesign.loop.effects.learned import Learned, SmoothChange
 from dummydesign.loop.model.forward_model import Active
 from tests.support.made_calibration import calibration, effect
 
@@ -30,7 +28,7 @@ SPACE = SimpleNamespace(radius_mm=RADIUS, base="bonded", extent_mm=PAD_EXTENT_MM
 def law_of(*active, shape=CROWN, **options):
     plain = load_family(read_shape(shape).name)
     family = CalibratedFamily(plain, Correction(calibration(*active, **options)))
-    return ShapeLaw(family, read_shape(shape), 10.0, cast=True)
+    return FamilyLaw(family, read_shape(shape), 10.0, cast=True)
 
 
 D, H = np.array([0.5, 1.5, 3.0]), np.full(3, 10.0)
@@ -68,8 +66,8 @@ def test_a_bulk_that_gives_softens_a_shaped_pad_as_a_slab_and_says_so():
 
 
 def test_what_was_learned_is_used_where_it_follows_depth_and_named_where_it_does_not():
-    rise = Active(Learned(Curve("depth_mm", (0.0, 6.0), (0.1, 0.1))), {"size": 1.0})
-    cell = Active(Learned(Curve("force_N", (0.0, 12.0), (0.0, -0.1))), {"size": 1.0})
+    rise = Active(Learned(SmoothChange(("depth_mm",), ((0.0, 6.0),), (0.1, 0.1))), {"size": 1.0})
+    cell = Active(Learned(SmoothChange(("force_N",), ((0.0, 12.0),), (0.0, -0.1))), {"size": 1.0})
     law = law_of(rise, cell)
     np.testing.assert_allclose(law.force(D, H, 1.0, RADIUS), 1.1 * law.plain.force(D, H, 1.0, RADIUS))
     said = "; ".join(law.notes)

@@ -14,12 +14,12 @@ from dummydesign.core.errors import InputError
 from dummydesign.design.calibrated import with_calibration
 from dummydesign.loop.calibration import Calibration, Model
 from dummydesign.loop.calibration_file import read_calibration, write_calibration
-from dummydesign.loop.effects import EFFECTS
-from dummydesign.loop.model.forward_model import Active
-from dummydesign.loop.model.parameters import HIGH, LOW, BaseParameters
-from dummydesign.loop.replay import replay
+from dummydesign.loop.effects.registry import EFFECTS
+from dummydesign.loop.model.forward_model import HIGH, LOW, Active, BaseParameters
+from dummydesign.loop.run import replay
 from dummydesign.measurement.campaign_file import read_campaign
 from dummydesign.resin import load_resin
+from tests.support.refusal import raises_code
 
 JUNK = [
     None, True, 0, -1, 1e300, -1e-300, 10**400, float("nan"), float("inf"), "", "junk", "\ud800", [], [[]], {},
@@ -94,13 +94,13 @@ def test_a_fault_is_named_with_its_place_and_what_is_allowed(place, value, said,
         spot = spot[key]
     spot[place[-1]] = value
     path.write_text(json.dumps(data))
-    with pytest.raises(InputError, match=f"'c.json' is damaged: .*{said}"):
+    with raises_code("malformed", "calibration"):
         read_calibration(path)
 
 
 def test_an_effect_that_stands_twice_is_refused(tmp_path):
     path = write_calibration(made((made().after.active[0],) * 2), tmp_path / "c.json")
-    with pytest.raises(InputError, match=f"{EFFECTS[0].name} stands there twice"):
+    with raises_code("malformed", "calibration"):
         read_calibration(path)
 
 
@@ -197,7 +197,7 @@ def test_commands_refuse_damaged_files_in_one_line_and_status_two(tmp_path, caps
 
 def test_replay_refuses_pads_on_which_an_effect_has_no_value(campaigns):
     campaign = read_campaign(campaigns("none", 401))
-    with pytest.raises(InputError, match="plate_friction, which this campaign cannot take: for pucks between plates"):
+    with raises_code("not_applicable", "effect"):
         replay(campaign, made())
 
 
@@ -207,6 +207,6 @@ def test_replay_refuses_a_campaign_that_does_not_declare_what_an_effect_needs(co
     silent = replace(campaign, trials=tuple(replace(trial, **{column: None}) for trial in campaign.trials))
     needy = [one for one in made().after.active if column in one.effect.needs]
     assert len(needy) == 1
-    with pytest.raises(InputError, match=f"{needy[0].effect.name}.*needs {column} of every trial"):
+    with raises_code("not_applicable", "effect"):
         replay(silent, made(tuple(needy)))
     assert np.isfinite(replay(campaign, made(tuple(needy))).total_rmse_N)

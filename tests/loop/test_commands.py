@@ -53,7 +53,7 @@ def test_bad_input_ends_in_one_line_and_status_two(small, tmp_path, capsys):
 
 
 def test_a_campaign_may_name_resin_and_ratio_instead_of_a_modulus(small, tmp_path):
-    from dummydesign.loop.model.expected import start_young_kPa
+    from dummydesign.loop.model.campaign_law import start_young_kPa
     from dummydesign.measurement.campaign_file import read_campaign
 
     for path in small.iterdir():

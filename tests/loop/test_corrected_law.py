@@ -12,9 +12,8 @@ from dummydesign import cli
 from dummydesign.loop.calibration import Calibration, Model
 from dummydesign.loop.calibration_file import write_calibration
 from dummydesign.loop.corrected_law import CorrectedLaw, young_factor
-from dummydesign.loop.effects import EFFECTS, effect_named
-from dummydesign.loop.model.forward_model import Active
-from dummydesign.loop.model.parameters import BaseParameters
+from dummydesign.loop.effects.registry import EFFECTS, effect_named
+from dummydesign.loop.model.forward_model import Active, BaseParameters
 from dummydesign.pad.tables.slab import load_table
 
 QUICK = ["--no-cad", "--no-verify"]

@@ -9,19 +9,16 @@ import pytest
 
 from dummydesign.core.errors import InputError
 from dummydesign.loop import check_effect
-from dummydesign.loop.calibration import Calibration, model_of
+from dummydesign.loop.calibration import Calibration, model_of, posterior_of
 from dummydesign.loop.calibration_file import read_calibration, write_calibration
 from dummydesign.loop.data.trials import make_presses
-from dummydesign.loop.fitting.base_fit import fit_base
-from dummydesign.loop.judging.left_out import errors
-from dummydesign.loop.judging.residual_checks import Check
-from dummydesign.loop.judging.residual_dependence import Dependence
-from dummydesign.loop.learned.closed_form import closed_form
-from dummydesign.loop.learned.effect import FADE, Learned, Shape
-from dummydesign.loop.learned.learn import can_be_learned, learn
+from dummydesign.loop.effects.learned import FADE, Learned, SmoothChange
+from dummydesign.loop.fitting.fit import fit_base
 from dummydesign.loop.model.campaign_law import law_of
-from dummydesign.loop.posterior import posterior_of
-from dummydesign.loop.replay import replay
+from dummydesign.loop.run import replay
+from dummydesign.loop.selection.cross_validation import errors
+from dummydesign.loop.selection.learn_effect import can_be_learned, closed_form, learn
+from dummydesign.loop.selection.residuals import Check, Dependence
 from dummydesign.measurement.campaign_file import read_campaign
 
 
@@ -79,12 +76,12 @@ def test_what_was_learned_survives_its_file_and_lowers_the_error_on_new_pads(lea
 
 @pytest.mark.parametrize("follows", ["depth_mm", "depth_share", "force_N", "since_stop_s", "temperature_C", "age_days"])
 def test_a_learned_effect_keeps_the_contract_of_effects(follows):
-    learned = Learned(Shape(follows, (0.01, 1.0, 30.0), (0.1, -0.05, 0.02)))
+    learned = Learned(SmoothChange((follows,), ((0.01, 1.0, 30.0),), (0.1, -0.05, 0.02)))
     assert check_effect(learned) == ()
 
 
 def test_a_curve_is_used_in_the_range_seen_and_fades_out_beyond():
-    shape = Shape("depth_mm", (1.0, 3.0), (0.2, 0.4))
+    shape = SmoothChange(("depth_mm",), ((1.0, 3.0),), (0.2, 0.4))
     far = FADE * 2.0
     np.testing.assert_allclose(shape(np.array([1.0, 2.0, 3.0])), [0.2, 0.3, 0.4])
     np.testing.assert_allclose(shape(np.array([3.0 + 0.5 * far, 3.0 + far, 9.0, 1.0 - far])), [0.2, 0.0, 0.0, 0.0])
@@ -134,4 +131,4 @@ def test_lines_steps_noise_and_single_trials_are_not_learned():
 def test_a_load_cell_that_saturates_is_learned_though_the_modulus_has_imitated_it(campaigns):
     campaign = read_campaign(campaigns("saturation", 419))
     found = learn(fit_base(make_presses(campaign), law_of(campaign), 0.03))
-    assert found.effect.shape.follows == "force_N" and found.left_out < 0.25
+    assert found.effect.shape.name == "force_N" and found.left_out < 0.25

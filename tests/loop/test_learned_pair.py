@@ -7,24 +7,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dummydesign.core.errors import InputError
 from dummydesign.loop import check_effect
 from dummydesign.loop.calibration import Calibration, Model
 from dummydesign.loop.calibration_file import read_calibration, write_calibration
 from dummydesign.loop.data.trials import make_presses
-from dummydesign.loop.fitting.base_fit import fit_base
-from dummydesign.loop.fitting.fit import settle
-from dummydesign.loop.fitting.problem import Problem
-from dummydesign.loop.judging.residual_checks import run_checks
-from dummydesign.loop.learned.effect import FADE
-from dummydesign.loop.learned.learn import learn
-from dummydesign.loop.learned.pair import LearnedPair, Surface, followed_by
+from dummydesign.loop.effects.learned import FADE, Learned, SmoothChange, followed_by
+from dummydesign.loop.fitting.fit import fit_base, fit_with_noise
+from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.campaign_law import law_of
-from dummydesign.loop.model.forward_model import Active
-from dummydesign.loop.model.parameters import BaseParameters
+from dummydesign.loop.model.forward_model import Active, BaseParameters
+from dummydesign.loop.selection.learn_effect import learn
+from dummydesign.loop.selection.residuals import run_checks
 from dummydesign.measurement.campaign_file import read_campaign
+from tests.support.refusal import raises_code
 
-SEEN = Surface(("depth_mm", "since_stop_s"), ((1.0, 3.0), (0.1, 1.1, 2.1)), ((0.0, 0.1, 0.2), (0.4, 0.3, 0.2)))
+SEEN = SmoothChange(("depth_mm", "since_stop_s"), ((1.0, 3.0), (0.1, 1.1, 2.1)), ((0.0, 0.1, 0.2), (0.4, 0.3, 0.2)))
 
 
 def test_a_surface_is_bilinear_where_it_was_seen_and_fades_out_beyond():
@@ -36,7 +33,7 @@ def test_a_surface_is_bilinear_where_it_was_seen_and_fades_out_beyond():
 
 def test_its_roughness_is_zero_for_planes_and_not_for_bends():
     rows, columns = np.meshgrid(np.arange(4.0), np.arange(5.0), indexing="ij")
-    made = Surface(("depth_mm", "age_days"), (tuple(range(4)), tuple(range(5))), ((0.0,) * 5,) * 4)
+    made = SmoothChange(("depth_mm", "age_days"), (tuple(range(4)), tuple(range(5))), ((0.0,) * 5,) * 4)
     rough = made.roughness()
     np.testing.assert_allclose(rough @ (2.0 + rows - 3.0 * columns).ravel(), 0.0, atol=1e-12)
     np.testing.assert_allclose(np.unique(rough @ (rows**2).ravel()), [0.0, 2.0])
@@ -50,7 +47,7 @@ def test_its_roughness_is_zero_for_planes_and_not_for_bends():
      ("thickness_mm", "since_stop_s")],
 )  # fmt: skip
 def test_a_learned_pair_keeps_the_contract_of_effects(follows):
-    learned = LearnedPair(Surface(follows, ((0.01, 1.0, 30.0),) * 2, ((0.1, -0.05, 0.02),) * 3))
+    learned = Learned(SmoothChange(follows, ((0.01, 1.0, 30.0),) * 2, ((0.1, -0.05, 0.02),) * 3))
     assert check_effect(learned) == () and followed_by(learned.name) == follows
 
 
@@ -61,7 +58,7 @@ def test_names_of_learned_effects_say_what_they_follow():
 
 def test_a_learned_pair_survives_its_file_and_damage_is_refused(tmp_path):
     model = Model(
-        BaseParameters(0.03, (0.05, 1.2), (0.3, 0.2)), (Active(LearnedPair(SEEN), {"size": 1.0}),), np.array([5.0]),
+        BaseParameters(0.03, (0.05, 1.2), (0.3, 0.2)), (Active(Learned(SEEN), {"size": 1.0}),), np.array([5.0]),
         np.zeros((3, 1)),
     )  # fmt: skip
     pad = {"young_kPa_expected": 30.0, "resin": None, "ratio": 15.0, "base": "bonded", "shape": "slab"}
@@ -69,7 +66,7 @@ def test_a_learned_pair_survives_its_file_and_damage_is_refused(tmp_path):
     assert read_calibration(path).after.active[0].effect.shape == SEEN
     for old, new in ((" 1.1,", " 0.01,"), (" 0.4,", ' "much",')):
         (tmp_path / "d.json").write_text(path.read_text().replace(old, new))
-        with pytest.raises(InputError, match="damaged"):
+        with raises_code("malformed", "calibration"):
             read_calibration(tmp_path / "d.json")
 
 
@@ -86,8 +83,8 @@ def test_a_stiffening_that_depends_on_depth_and_temperature_together_is_learned(
     share = np.maximum(presses.measure(presses.displacement_mm), 0.0) / presses.thickness_mm[:, None]
     force = presses.force_N * (1.0 + np.where(share > 0.0, change(share, warm[:, None]), 0.0))
     clean = fit_base(presses, law, 0.03)
-    made = Problem(replace(presses, force_N=np.where(presses.used, force, 0.0)), law)
-    base = settle(made, clean.vector, clean.sizes, 2, 8)
+    made = CampaignProblem(replace(presses, force_N=np.where(presses.used, force, 0.0)), law)
+    base = fit_with_noise(made, clean.vector, clean.sizes, 2, 8)
     found = learn(base)
     assert set(found.effect.shape.follows) == {"depth_share", "temperature_C"} and found.left_out < 0.7
     at = np.linspace(0.06, 0.28, 8)[:, None], warm.mean() + np.array([-2.0, 0.0, 2.0])[None]

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import pytest
 
-from dummydesign.api.plan_calls import _empty_campaign
-from dummydesign.loop.planning.plan_power import plan_power
-from dummydesign.measurement.planning.campaign_text import SetUp
-from dummydesign.measurement.planning.plan import Design, make_plan
+from dummydesign.api.campaigns import _empty_campaign
+from dummydesign.loop.planning import plan_power
+from dummydesign.measurement.campaign_file import SetUp
+from dummydesign.measurement.campaign_plan import PlanSettings, make_plan
 from dummydesign.measurement.sensor import Lowpass
 
 SET_UP = SetUp("drawn", 25.0, lowpass=Lowpass(35.0))
@@ -21,7 +21,7 @@ def power(design, set_up=SET_UP):
 
 
 def test_the_default_plan_sees_most_effects_and_says_which_it_hides():
-    found = power(Design())
+    found = power(PlanSettings())
     assert "base_slip" in found.hidden
     assert len(found.seen) >= 18 and "plate_friction" in found.untested
     assert ("sensor_lag", "time_skew") in {pair[:2] for pair in found.alike}
@@ -29,15 +29,15 @@ def test_the_default_plan_sees_most_effects_and_says_which_it_hides():
 
 @pytest.mark.slow
 def test_one_speed_one_pad_and_one_day_leave_their_effects_out():
-    narrow = power(Design(pads_mm=(10.0,), velocities_mm_s=(10.0,), ages_days=(9.0,)))
-    whole = power(Design())
+    narrow = power(PlanSettings(pads_mm=(10.0,), velocities_mm_s=(10.0,), ages_days=(9.0,)))
+    whole = power(PlanSettings())
     assert "ageing" in narrow.untested or "ageing" in narrow.hidden
     assert len(narrow.seen) < len(whole.seen)
-    doubled = power(Design(repeats=4))
+    doubled = power(PlanSettings(repeats=4))
     assert all(doubled.seen.get(name, 0.0) > size for name, size in whole.seen.items())
 
 
 def test_no_way_back_hides_adhesion():
-    plan = tuple(replace(row, unload=False) for row in make_plan(Design()))
+    plan = tuple(replace(row, unload=False) for row in make_plan(PlanSettings()))
     found = plan_power(plan, _empty_campaign(SET_UP, SET_UP.tables()), 0.025)
     assert "adhesion" not in found.seen

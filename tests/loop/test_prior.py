@@ -10,22 +10,20 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.loop.calibration import Calibration, calibration_of, model_of
+from dummydesign.loop.calibration import Calibration, calibration_of, model_of, posterior_of
 from dummydesign.loop.calibration_file import read_calibration, write_calibration
 from dummydesign.loop.data.trials import make_presses
-from dummydesign.loop.effects import effect_named
-from dummydesign.loop.fitting.base_fit import fit_base
-from dummydesign.loop.fitting.fit import settle
-from dummydesign.loop.fitting.problem import Problem
+from dummydesign.loop.effects.registry import effect_named
+from dummydesign.loop.fitting.fit import fit_base, fit_with_noise
+from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.next_measurement import next_measurement
-from dummydesign.loop.planning.plan import REPEATS, plan_of, write_plan
-from dummydesign.loop.posterior import posterior_of
+from dummydesign.loop.planning import REPEATS, plan_of, write_plan
 from dummydesign.loop.prior import carried_law, check_prior, join
-from dummydesign.loop.replay import replay
-from dummydesign.loop.run import close_loop
+from dummydesign.loop.run import close_loop, replay
 from dummydesign.measurement.campaign_file import read_campaign
 from tests.support import campaign_generator as generator
+from tests.support.refusal import raises_code
 
 PAD = {"young_kPa_expected": 25.0, "resin": None, "ratio": None, "base": "bonded", "shape": "slab"}
 
@@ -88,7 +86,7 @@ def test_a_prior_that_contradicts_is_named_and_not_averaged(fits):
 def test_a_prior_of_another_material_or_of_an_earlier_version_is_refused(fits, campaigns):
     campaign, prior = read_campaign(campaigns("none", 401)), known(fits[0])
     check_prior(prior, campaign)
-    with pytest.raises(InputError, match="earlier version"):
+    with raises_code("missing", "prior.posterior"):
         check_prior(replace(prior, posterior=None), campaign)
     cast = replace(campaign, pad=replace(campaign.pad, resin="polyurethane", ratio=15.0))
     for other, said in (({"resin": "ecoflex-0030"}, "resin = ecoflex-0030"), ({"ratio": 12.0}, "ratio = 12.0")):
@@ -111,8 +109,8 @@ def test_the_plan_is_a_campaign_to_press(campaigns, tmp_path):
     few = only(campaign, 15.0)
     presses, law = make_presses(few), law_of(few)
     base = fit_base(presses, law, 0.03)
-    problem = Problem(presses, law, (effect_named("contact_offset"),))
-    other = settle(problem, np.insert(base.vector, 5, 0.1), base.sizes)
+    problem = CampaignProblem(presses, law, (effect_named("contact_offset"),))
+    other = fit_with_noise(problem, np.insert(base.vector, 5, 0.1), base.sizes)
     following = next_measurement(other, base, ("contact_offset", "none"), few.lowpass)
     result = SimpleNamespace(next=following, after=SimpleNamespace(fit=base), presses=presses)
     planned = plan_of(result)

@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from dummydesign.cli import run
+from dummydesign.cli.entry import run
 from tests.support.pressed_set_up import press_set_up
 
 CROWN = "crowned:radius=20,height=3,foot=11"
@@ -81,7 +81,7 @@ def test_what_is_not_solved_is_refused_before_it_is_pressed(words, said, tmp_pat
     ("line", "said"),
     [
         ("edge_radius_mm = 3.0", "0 to 2.1"),
-        ('edge_radius_mm = "sharp"', "not a number"),
+        ('edge_radius_mm = "sharp"', "finite number"),
     ],
 )
 def test_a_campaign_file_with_a_fillet_that_is_not_solved_is_refused_with_its_line(line, said, tmp_path, capsys):

@@ -12,18 +12,17 @@ from dummydesign.loop.calibration import Calibration, Model, calibration_of
 from dummydesign.loop.calibration_file import read_calibration, write_calibration
 from dummydesign.loop.corrected_law import CorrectedLaw
 from dummydesign.loop.data.trials import make_presses
-from dummydesign.loop.effects import effect_named
-from dummydesign.loop.fitting.base_fit import fit_base
-from dummydesign.loop.fitting.fit import settle
-from dummydesign.loop.fitting.problem import Problem
-from dummydesign.loop.judging import acceptance, search, verdict
-from dummydesign.loop.judging.backward import without
-from dummydesign.loop.judging.left_out import LARGEST_POSITION_MM, expected_heldout_N, repeat_scatter_mm
-from dummydesign.loop.judging.verdict import Needed, remainder
+from dummydesign.loop.effects.registry import effect_named
+from dummydesign.loop.fitting.fit import fit_base, fit_with_noise
+from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.campaign_law import law_of
-from dummydesign.loop.model.parameters import BaseParameters
-from dummydesign.loop.replay import replay
-from dummydesign.loop.run import close_loop
+from dummydesign.loop.model.forward_model import BaseParameters
+from dummydesign.loop.run import close_loop, replay
+from dummydesign.loop.selection import search, verdict
+from dummydesign.loop.selection import verdict as acceptance
+from dummydesign.loop.selection.cross_validation import LARGEST_POSITION_MM, expected_heldout_N, repeat_scatter_mm
+from dummydesign.loop.selection.search import without
+from dummydesign.loop.selection.verdict import Needed, remainder
 from dummydesign.measurement.campaign_file import read_campaign
 from tests.support import campaign_generator as generator
 
@@ -76,9 +75,9 @@ def test_an_effect_that_is_taken_out_again_leaves_the_model_without_it(campaigns
     presses, law = make_presses(campaign), law_of(campaign)
     base = fit_base(presses, law, 0.03)
     offset = effect_named("contact_offset")
-    problem = Problem(presses, law, (offset, effect_named("force_bias")))
-    both = settle(problem, np.insert(base.vector, 5, [0.1, 0.1]), base.sizes)
-    one = settle(Problem(presses, law, (offset,)), np.insert(base.vector, 5, [0.1]), base.sizes)
+    problem = CampaignProblem(presses, law, (offset, effect_named("force_bias")))
+    both = fit_with_noise(problem, np.insert(base.vector, 5, [0.1, 0.1]), base.sizes)
+    one = fit_with_noise(CampaignProblem(presses, law, (offset,)), np.insert(base.vector, 5, [0.1]), base.sizes)
     reduced = without(both, effect_named("force_bias"))
     assert [effect.name for effect in reduced.problem.effects] == ["contact_offset"]
     assert reduced.score == pytest.approx(one.score, abs=0.5) and reduced.score > both.score - 0.5
@@ -139,7 +138,7 @@ def doubtful(share, monkeypatch):
     jacobian = np.zeros((1, 100, 7))
     jacobian[0, :50, 5] = 1.0
     jacobian[0, round(50 * (1.0 - share)) : round(50 * (2.0 - share)), 6] = 1.0
-    problem = SimpleNamespace(presses=None, effects=effects)
+    problem = CampaignProblem(None, None, effects)
     sizes = SimpleNamespace(noise=None)
     fit = SimpleNamespace(problem=problem, sizes=sizes, slope=None, jacobian=jacobian)
     monkeypatch.setattr(verdict, "make_whitener", lambda *args: lambda values: values)

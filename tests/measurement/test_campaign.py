@@ -123,7 +123,7 @@ def test_other_units_are_seen_by_magnitude(tmp_path, scales, word):
         ("thickness_mm = 15.0", "thickness_mm = 0.015", ("campaign.toml:14", "thickness_mm", "0.5")),
         ("velocity_mm_s = 10.0", "velocity_mm_s = 0.01", ("campaign.toml:15", "m/s")),
         ("young_kPa_nominal = 25.0", "young_kPa_nominal = 25000.0", ("campaign.toml:4", "kPa")),
-        ("thickness_mm = 15.0", 'thickness_mm = "thick"', ("campaign.toml:14", "not a number")),
+        ("thickness_mm = 15.0", 'thickness_mm = "thick"', ("campaign.toml:14", "finite number")),
         ("repeat = 1", "repeat = 0", ("campaign.toml:17", "repeat")),
         ("sequence = 2", "sequence = 1", ("campaign.toml:28", "already used by trial 1")),
         ('file = "t1.csv"', 'file = "t0.csv"', ("campaign.toml:23", "already used by trial 1")),

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from dummydesign.core.errors import InputError
 from dummydesign.measurement.landmarks import find_holds, find_ramp
+from tests.support.refusal import raises_code
 
 
 def ramp(creep_mm=0.0):
@@ -39,7 +39,7 @@ def test_the_hold_of_a_ramp_is_the_one_hold_that_is_found():
 @pytest.mark.parametrize("stop", ["reached", "slowed"])
 def test_what_is_no_press_is_refused_by_either_rule(stop):
     time = np.arange(0.0, 1.0, 0.01)
-    with pytest.raises(InputError, match="contains no compression"):
+    with raises_code("nothing_found", "displacement_mm"):
         find_ramp(time, -1.0 - time, stop)
-    with pytest.raises(InputError, match="starts pressed"):
+    with raises_code("not_enough_data", "displacement_mm"):
         find_ramp(time, np.full(100, 3.0), stop)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from dummydesign.core.errors import DummydesignError
 from dummydesign.measurement.campaign_file import read_campaign
-from dummydesign.measurement.motion_file import read_motion
+from dummydesign.measurement.motion import read_motion
 from dummydesign.measurement.trace import read_trace
 
 MANY = settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])

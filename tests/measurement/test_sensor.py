@@ -5,7 +5,11 @@ import pytest
 from scipy.signal import butter, lfilter, lsim
 
 from dummydesign.core.errors import InputError
-from dummydesign.measurement.sensor import Lowpass, lowpass, parse_lowpass
+from dummydesign.measurement.sensor import Lowpass, parse_lowpass
+
+
+def lowpass(time, force, cutoff_hz=35.0, order=2, passes=1):
+    return Lowpass(cutoff_hz, order, passes).apply(time, force)
 
 
 def _uneven(seconds, seed):

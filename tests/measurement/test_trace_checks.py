@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from dummydesign.measurement.importing.press_checks import allowed_offset, copies_among, doubts_of, subjects_among
 from dummydesign.measurement.trace import Trace
-from dummydesign.measurement.trace_checks import allowed_offset, copies_among, doubts_of, subjects_among
 from tests.support.machine_presses import _slow, recording
 
 

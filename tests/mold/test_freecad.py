@@ -9,7 +9,7 @@ import subprocess
 
 import pytest
 
-from dummydesign.mold.checks.second_reader import check_second_reader
+from dummydesign.mold.checks.files import check_second_reader
 from dummydesign.mold.files.step import step_text
 from dummydesign.mold.produce import step_part
 from tests.support.mould_checks import shape_spec

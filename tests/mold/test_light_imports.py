@@ -18,7 +18,7 @@ def _run(code: str) -> str:
 def test_cadquery_is_loaded_without_vtk_and_vtk_can_be_loaded_afterwards():
     assert _run(
         "import sys\n"
-        "from dummydesign.mold.light_imports import load_cadquery\n"
+        "from dummydesign.mold.cad.kernel import load_cadquery\n"
         "load_cadquery()\n"
         "assert not any(name.startswith(('vtkmodules', 'casadi', 'nlopt')) for name in sys.modules)\n"
         "import cadquery as cq\n"
@@ -31,7 +31,7 @@ def test_cadquery_is_loaded_without_vtk_and_vtk_can_be_loaded_afterwards():
 def test_trimesh_is_loaded_without_scipy_and_scipy_can_be_loaded_afterwards():
     assert _run(
         "import sys\n"
-        "from dummydesign.mold.light_imports import load_trimesh\n"
+        "from dummydesign.mold.cad.kernel import load_trimesh\n"
         "load_trimesh()\n"
         "assert 'scipy' not in sys.modules\n"
         "import trimesh, scipy.spatial\n"

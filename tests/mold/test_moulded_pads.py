@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from dummydesign import cli
-from dummydesign.api.mould_calls import make_mould
+from dummydesign.api.moulds import make_mould
 from dummydesign.measurement.campaign_file import read_campaign
 from dummydesign.mold import runner
 from tests.mold.test_job import CHILD

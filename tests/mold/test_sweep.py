@@ -6,19 +6,18 @@ from itertools import product
 
 import pytest
 
-from dummydesign.core.errors import InputError
 from dummydesign.mold.checks import solids as check
-from dummydesign.mold.checks.second_reader import volumes_by_gmsh
-from dummydesign.mold.checks.shape import check_shape
-from dummydesign.mold.files.drawings.parts import Papers, part_views, sheets
+from dummydesign.mold.checks.files import volumes_by_gmsh
+from dummydesign.mold.checks.solids import check_shape
+from dummydesign.mold.files.drawings.parts import DocumentInfo, part_views, sheets
 from dummydesign.mold.files.drawings.sheet import TEXT_MM
 from dummydesign.mold.files.step import step_text
 from dummydesign.mold.pour.plan import pour_plan
-from dummydesign.mold.pour.pour_steps import pour_steps
-from dummydesign.mold.pour.steps import order_faults
+from dummydesign.mold.pour.steps import order_faults, pour_steps
 from dummydesign.mold.produce import step_part
 from tests.mold.files.test_drawings import meeting
 from tests.support.mould_checks import failed, shape_spec
+from tests.support.refusal import raises_code
 
 THICKNESSES = (3.0, 5.0, 12.5, 20.0, 30.0)
 PRESETS = ("open", "lidded", "printed")
@@ -43,7 +42,7 @@ def test_only_layers_and_bones_under_a_lid_are_refused():
         if (kind, preset, h) in MADE:
             shape_spec(shapes(h)[kind], h, preset=preset)
         else:
-            with pytest.raises(InputError, match="--preset open"):
+            with raises_code("conflict", "preset"):
                 shape_spec(shapes(h)[kind], h, preset=preset)
 
 
@@ -62,7 +61,7 @@ def test_every_mould_is_sound_its_drawings_readable_and_its_step_read_by_another
     assert failed([*check.check_solids(made), *check_shape(made)]) == []
     views = part_views(made)
     for paper in ("A3", "A4"):
-        for name, drawing in sheets(made, views, Papers("project", "2026-01-01"), paper).items():
+        for name, drawing in sheets(made, views, DocumentInfo("project", "2026-01-01"), paper).items():
             assert meeting(drawing) == [], (paper, name, meeting(drawing))
             assert min(text.height for text in drawing.texts) >= TEXT_MM
     text = step_text([step_part(made, name) for name in made.parts], "assembly", "sweep")

@@ -5,8 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from dummydesign.report.html.glossary import folded_glossary, glossary_page, terms, terms_in
-from dummydesign.report.html.page import Section, page
+from dummydesign.report.page import Section, folded_glossary, glossary_page, page, terms, terms_in
 
 ROOT = Path(__file__).parents[2]
 NEEDED = (

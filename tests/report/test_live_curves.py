@@ -8,11 +8,11 @@ import pytest
 
 from dummydesign.design.scoring.presses import Sampling
 from dummydesign.design.sweep.live_data import live_data
-from dummydesign.report.html.live import live_scripts
-from dummydesign.report.html.page import script_json
+from dummydesign.report.page import script_json
+from dummydesign.report.whatif import live_scripts
 from dummydesign.resin import load_resin
 from dummydesign.tissue import load_tissue
-from dummydesign.tissue.population.from_curves import add_curves
+from dummydesign.tissue.adding.from_curves import add_curves
 from tests.support.browser import visit
 from tests.support.fung_people import PEOPLE, write_table
 

@@ -10,10 +10,11 @@ import pytest
 from dummydesign.design.scoring.presses import Sampling, make_curves, press_to_depth, steady_depth
 from dummydesign.design.search.slabs import make_slabs
 from dummydesign.design.sweep.live_data import live_data
-from dummydesign.pad.tables.punch import equal_area_radius_mm, punch_law
+from dummydesign.geometry.punch import equal_area_radius_mm
 from dummydesign.pad.tables.slab import load_table
-from dummydesign.report.html.live import live_scripts
-from dummydesign.report.html.page import script_json
+from dummydesign.pad.tables.square import punch_law
+from dummydesign.report.page import script_json
+from dummydesign.report.whatif import live_scripts
 from dummydesign.resin import load_resin
 from dummydesign.tissue.model.laws import law_named
 from dummydesign.tissue.model.ranges import force_range

@@ -12,12 +12,10 @@ import zlib
 import numpy as np
 import pytest
 
-from dummydesign.core.errors import InputError
-from dummydesign.report.figures.axis import Axis, round_step, span
-from dummydesign.report.figures.layers import Band, Bars, Cells, Dots, Ellipse, Line, edges, thin
-from dummydesign.report.figures.plot import HEIGHT, WIDTH, Plot
-from dummydesign.report.figures.raster import colours, png_uri
-from dummydesign.report.html.viewer import box, pack, read_stl
+from dummydesign.mold.files.solid_view import box, pack, read_stl
+from dummydesign.report.plot import HEIGHT, WIDTH, Axis, Plot, colours, png_uri, round_step, span
+from dummydesign.report.plot_layers import Band, Bars, Cells, Dots, Ellipse, Line, edges, thin
+from tests.support.refusal import raises_code
 
 
 def plot(*layers, **more):
@@ -150,7 +148,7 @@ def test_stl_files_of_another_library_are_read(tmp_path):
     assert volume(read_stl(tmp_path / "ball.stl")) == pytest.approx(ball.volume, rel=1e-5)
     for content in (b"solid x\nendsolid", b"", b"\0" * 84 + b"x"):
         (tmp_path / "bad.stl").write_bytes(content)
-        with pytest.raises(InputError, match="not a binary STL"):
+        with raises_code("file_unreadable", "stl_file"):
             read_stl(tmp_path / "bad.stl")
-    with pytest.raises(InputError, match="cannot be read"):
+    with raises_code("file_not_found", "stl_file"):
         read_stl(tmp_path / "none.stl")

@@ -8,10 +8,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from dummydesign.report.figures.axis import Axis
-from dummydesign.report.figures.layers import Band, Bars, Cells, Dots, Line, corners
-from dummydesign.report.figures.plot import Plot
-from dummydesign.report.html.page import POLICY, Section, page
+from dummydesign.report.page import POLICY, Section, page
+from dummydesign.report.plot import Axis, Plot
+from dummydesign.report.plot_layers import Band, Bars, Cells, Dots, Line, corners
 from tests.support.studio import browser
 
 

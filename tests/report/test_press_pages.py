@@ -9,7 +9,7 @@ import xml.etree.ElementTree as xml
 import numpy as np
 import pytest
 
-from dummydesign.cli import run
+from dummydesign.cli.entry import run
 from dummydesign.measurement.motion import Motion, ramp_and_hold
 from dummydesign.studio.figures import measured_over_fitted
 from dummydesign.tissue.model.tissue_file import load_tissue
@@ -134,7 +134,7 @@ def test_the_fit_report_says_parameters_rivals_and_where_the_law_comes_from(made
 
 
 def test_what_is_not_identifiable_is_said_beside_its_parameter():
-    from dummydesign.report.press_figures import table_of_parameters
+    from dummydesign.report.page import table_of_parameters
 
     entry = {"value": 2.0, "low": None, "high": 3.0, "at_bound": True, "reason": "not identifiable: no bound below"}
     row = table_of_parameters({"c2": {"10": entry}, "gamma1": entry | {"at_bound": False, "reason": ""}}).rows

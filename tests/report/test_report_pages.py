@@ -8,8 +8,8 @@ from html.parser import HTMLParser
 
 import pytest
 
-from dummydesign.cli import run
-from dummydesign.report.html.page import Section, page
+from dummydesign.cli.entry import run
+from dummydesign.report.page import Section, page
 from tests.support.browser import visit
 
 PHONE = 390

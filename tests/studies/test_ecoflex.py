@@ -9,7 +9,7 @@ import pytest
 
 from dummydesign.resin import load_resin
 from dummydesign.resin.puck_test.loading_fit import PuckFit
-from dummydesign.studies.resins.ecoflex import (
+from studies.resins.ecoflex import (
     FAMILIES,
     Mixture,
     fit_family,
@@ -57,8 +57,8 @@ def made_mixture(thinner, young, spread=0.03, open_friction=False):
     return Mixture(
         "EF10", thinner,
         PuckFit(
-            young, young * np.exp(-1.96 * spread), young * np.exp(1.96 * spread), 2.0, 2.0, 2.0, np.inf, 0.0, np.inf,
-            {}, {}, 1.4 * young, young, 0.01, 0.02, 0.01, profile,
+            young, young * np.exp(-1.96 * spread), young * np.exp(1.96 * spread), 2.0, np.inf, 0.0, np.inf,
+            {}, 1.4 * young, young, 0.01, 0.02, 0.01, profile,
         ),
     )  # fmt: skip
 

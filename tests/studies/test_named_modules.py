@@ -11,19 +11,20 @@ from pathlib import Path
 import pytest
 
 import dummydesign
-from dummydesign.core.datafiles import data_folder
+from dummydesign.core.library import data_folder
 
 PACKAGE = Path(dummydesign.__file__).parent
 PROJECT = PACKAGE.parent
-NAME = re.compile(r"(?<![\w./-])dummydesign(?:\.[A-Za-z_]\w*+)++(?![-/])")  # not schemas, dummydesign.loop/1
-RUN = re.compile(r"python -m (dummydesign(?:\.\w+)+)")
+# not schemas, dummydesign.loop/1
+NAME = re.compile(r"(?<![\w./-])(?:dummydesign|studies)(?:\.[A-Za-z_]\w*+)++(?![-/])")
+RUN = re.compile(r"python -m ((?:dummydesign|studies)(?:\.\w+)+)")
 
 
 def texts() -> list[Path]:
     """Sources, shipped data and, in a checkout, the documents and benchmarks."""
     shipped = [path for folder in ("materials", "molds") for path in (data_folder() / folder).rglob("*")]
     documents = [*PROJECT.glob("docs/**/*.md"), *PROJECT.glob("*.md"), *PROJECT.glob("benchmarks/*.py")]
-    kept = [*PACKAGE.rglob("*.py"), *shipped, *documents]
+    kept = [*PACKAGE.rglob("*.py"), *PROJECT.glob("studies/**/*.py"), *shipped, *documents]
     return sorted(p for p in kept if p.suffix in (".py", ".md", ".toml", ".json") and p.name != "CHANGELOG.md")
 
 

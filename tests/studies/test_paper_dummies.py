@@ -5,17 +5,17 @@ import math
 import numpy as np
 import pytest
 
-from dummydesign.core.errors import InputError
 from dummydesign.design.scoring.presses import make_curves
 from dummydesign.pad.force_law import BaseForceLaw
 from dummydesign.pad.material.relaxation import PronyTerm
-from dummydesign.studies.paper_dummies import dummies
-from dummydesign.studies.paper_dummies import presses as study
-from dummydesign.studies.paper_dummies.in_time import bow, half_time_s
-from dummydesign.studies.paper_dummies.statements import statements
-from dummydesign.studies.paper_dummies.study import main
-from dummydesign.studies.paper_dummies.tables import needed_exponents, verdict
 from dummydesign.tissue.model.tissue_file import load_tissue
+from studies.paper_dummies import dummies
+from studies.paper_dummies import presses as study
+from studies.paper_dummies.in_time import bow, half_time_s
+from studies.paper_dummies.statements import statements
+from studies.paper_dummies.study import main
+from studies.paper_dummies.tables import needed_exponents, verdict
+from tests.support.refusal import raises_code
 
 PRONY = (PronyTerm(0.05, 0.8), PronyTerm(1.0, 0.3))
 
@@ -33,7 +33,8 @@ class CubicLaw(BaseForceLaw):
 
 def test_a_press_ends_its_hold_at_the_wanted_force_and_agrees_with_the_pad_model():
     from dummydesign.measurement.motion import ramp_and_hold
-    from dummydesign.pad.predict import Pad, predict_motion
+    from dummydesign.pad.predict import predict_motion
+    from dummydesign.pad.specimen import Pad
 
     law = study.force_laws([])["bonded", 0.0]
     dummy = study.press_dummy("III", law, 0.025, PRONY)
@@ -117,6 +118,6 @@ def test_a_verdict_says_where_a_statement_holds():
 
 
 def test_the_command_refuses_a_folder_without_the_page(tmp_path):
-    with pytest.raises(InputError, match=r"dummies\.md"):
+    with raises_code("missing", "page"):
         main(["--repository", str(tmp_path)])
     assert not list(tmp_path.iterdir())

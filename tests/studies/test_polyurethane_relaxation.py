@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dummydesign.resin import load_resin
-from dummydesign.studies.resins.polyurethane_relaxation import STEADY_N, _weight, infer
+from studies.resins.polyurethane_relaxation import STEADY_N, _weight, infer
 
 
 @pytest.fixture(scope="module")

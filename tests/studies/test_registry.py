@@ -12,8 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dummydesign.studies.registry import PACKAGE, STUDIES
-from dummydesign.studies.tables.common import Build, sources_hash, write_table
+from dummydesign.pad.specimen import Pad
+from studies.registry import PACKAGE, STUDIES
+from studies.tables.common import Build, sources_hash, write_table
 
 ROOT = Path(__file__).parents[2]
 NAMED = re.compile(rf"python -m ({re.escape(PACKAGE)}(?:\.\w+)+)")
@@ -65,8 +66,8 @@ def test_a_table_says_how_it_was_made(tmp_path):
 
 @pytest.mark.slow
 def test_one_row_of_the_tables_of_pucks_is_found_again():
-    from dummydesign.pad.tables.pucks.response import load_shapes
-    from dummydesign.studies.tables.puck import build
+    from dummydesign.pad.tables.puck import load_shapes
+    from studies.tables.puck import build
 
     table = load_shapes()[0]
     alpha, friction = float(table.alpha[1]), 0.3
@@ -80,7 +81,7 @@ def test_one_row_of_the_tables_of_pucks_is_found_again():
 
 @pytest.mark.slow
 def test_one_value_of_the_error_of_the_quick_prediction_is_found_again():
-    from dummydesign.studies.tables.separability import measure_single
+    from studies.tables.separability import measure_single
 
     rows = json.loads((ROOT / "materials" / "tables" / "quick-error.json").read_text())["single"]
     row = next(r for r in rows if (r["base"], r["thickness_mm"], r["relative_depth"]) == ("bonded", 10.0, 0.2))
@@ -90,11 +91,11 @@ def test_one_value_of_the_error_of_the_quick_prediction_is_found_again():
 
 @pytest.mark.slow
 def test_one_row_of_the_table_of_compressible_slabs_is_found_again():
-    from dummydesign.pad.slab.sharp_edge import solve_curve
-    from dummydesign.pad.tables.compressibility import load_compressibility
+    from dummydesign.pad.axisymmetric.sharp_edge import solve_curve
+    from dummydesign.pad.tables.slab import load_compressibility
 
     table, ratio, depths = load_compressibility(), 0.79, np.array([0.1, 0.2])
-    soft, hard = (solve_curve(1.0, ratio, 1.0, depths, poisson=p, extent_mm=ratio + 8.0) for p in (0.48, 0.5))
+    soft, hard = (solve_curve(Pad(1.0, 1.0, ratio, poisson=p, extent_mm=ratio + 8.0), depths) for p in (0.48, 0.5))
     found = (np.asarray(hard.force_N) / np.asarray(soft.force_N) - 1.0) / 0.04
     stored = table.coefficient(depths[:, None], np.full((2, 1), ratio))[:, 0]
     assert found == pytest.approx(stored, rel=0.03)

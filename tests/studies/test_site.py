@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 import dummydesign
-from dummydesign.cli import COMMANDS
-from dummydesign.studies import site
+from dummydesign.cli.entry import COMMANDS
+from studies import site
 
 TOP = Path(__file__).parents[2]
 

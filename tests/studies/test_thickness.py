@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dummydesign.design.search.solved_slabs import SlabCase, SolvedSlab
+from dummydesign.pad.solved_law import SlabCase, SolvedSlab
 from dummydesign.pad.tables.slab import load_table
-from dummydesign.studies import thickness as module
+from studies import thickness as module
 
 ROOT = Path(__file__).parents[2]
 

@@ -4,21 +4,13 @@ import numpy as np
 import pytest
 
 from dummydesign.measurement.motion import ramp_and_hold
-from dummydesign.studies.tissues.anchors import judge, propose
-from dummydesign.studies.tissues.dummy_curves import (
-    RADIUS_MM,
-    SITES,
-    THICKNESS_MM,
-    Unknowns,
-    depth_at,
-    slab_force,
-    steady_curves,
-)
-from dummydesign.studies.tissues.infer import infer_site, main, subjects_of
-from dummydesign.studies.tissues.statements import BROKEN, Statement, conflicts, report, sample_steady, weights
 from dummydesign.tissue.model.laws import law_named
+from dummydesign.tissue.model.posterior import read_draws
 from dummydesign.tissue.model.tissue_file import load_tissue
-from dummydesign.tissue.population.posterior import read_draws
+from studies.tissues.anchors import judge, propose
+from studies.tissues.dummy_curves import RADIUS_MM, SITES, THICKNESS_MM, Unknowns, depth_at, slab_force, steady_curves
+from studies.tissues.infer import infer_site, main, subjects_of
+from studies.tissues.statements import BROKEN, Statement, conflicts, report, sample_steady, weights
 
 
 def one(young=25.0, slip=0.0, grip=1.0, stiffening=0.0):

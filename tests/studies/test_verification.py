@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from dummydesign.studies.verification.check import Check
-from dummydesign.studies.verification.document import document, run
+from studies.verification.check import Check
+from studies.verification.document import document, run
 
 DOCUMENT = Path(__file__).parents[2] / "VERIFICATION.md"
 

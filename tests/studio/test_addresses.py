@@ -4,7 +4,7 @@ from urllib.parse import parse_qs, unquote, urljoin, urlsplit
 
 import pytest
 
-from dummydesign.studio.addresses import address
+from dummydesign.studio.state import address
 
 NAMES = ["plain", "親指 パッド", "50% & more?", 'a"b\'<i>#x', "a+b;c=d", "http:x", "caf\udce9"]
 

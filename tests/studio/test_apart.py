@@ -199,8 +199,8 @@ def test_links_of_every_page_stay_in_the_studio(tmp_path):
 
 
 def test_a_report_with_scripts_works_as_a_file_of_the_project(tmp_path):
-    from dummydesign.report.html.page import Section
-    from dummydesign.report.html.page import page as lay_out
+    from dummydesign.report.page import Section
+    from dummydesign.report.page import page as lay_out
 
     drawn = """const c = document.createElement('canvas'), pen = c.getContext('2d');
         c.id = 'c'; document.body.append(c); pen.fillRect(0, 0, 9, 9);

@@ -5,26 +5,27 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.core.datafiles import find
-from dummydesign.core.errors import InputError
-from dummydesign.design.curves import force_grids, steady_curve
+from dummydesign.core.library import find
 from dummydesign.design.inputs import resolve
-from dummydesign.design.own_test.punch import read_punch
+from dummydesign.design.plot_data import force_grids, steady_curve
 from dummydesign.design.request import Request
 from dummydesign.design.suggest import design
-from dummydesign.geometry.shapes import read_shape
+from dummydesign.geometry.punch import read_punch
+from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.loop.calibration_file import write_calibration
-from dummydesign.studio import bench, figures
+from dummydesign.studio import figures
+from dummydesign.studio.slider_model import evaluator_of
+from dummydesign.studio.state import State
 from tests.support.made_calibration import calibration, effect
+from tests.support.refusal import raises_code
 
 CROWN = "crowned:20,2,9"
 
 
 def looked(root, shape, thickness_mm, ratio, **asked):
-    given = bench.Asked("forefinger", "average", "polyurethane-nagoya", **asked)
-    inputs = bench.inputs_of(root, given, bench.stamp_of(root, given))
-    pad = bench.evaluate_pad(inputs, bench.shape_of(shape), thickness_mm, ratio)
-    return inputs, pad, bench.verdict_with_castings(inputs, bench.shape_of(shape), pad)
+    evaluator = evaluator_of(root, State("forefinger", **asked))
+    pad = evaluator.evaluate(read_shape(shape), thickness_mm, ratio)
+    return evaluator.inputs, pad, evaluator.with_castings(pad, read_shape(shape))
 
 
 def suggested(shape, thickness_mm, ratio, **more):
@@ -68,19 +69,19 @@ def test_a_calibration_is_in_the_pad_of_every_shape_as_suggest_has_it(tmp_path, 
 
 
 def test_what_no_table_has_under_a_punch_is_refused_by_name_before_anything_is_solved(tmp_path):
-    with pytest.raises(InputError, match="bumped pads are tabulated under the square:14"):
+    with raises_code("unsupported", "shape"):
         looked(tmp_path, "bumped:5,2.91,1.24,0.34", 9.0, 15.0, punch="round:16")
-    with pytest.raises(InputError, match="under the punch ball:20 are not in the tables: it is solved"):
+    with raises_code("not_tabulated", "punch"):
         looked(tmp_path, "slab", 9.0, 15.0, punch="ball:20")
-    with pytest.raises(InputError, match="rim of a pad 30 mm thick is felt under the punch round:20: it is solved"):
+    with raises_code("not_tabulated", "punch"):
         looked(tmp_path, "slab", 30.0, 15.0, punch="round:20")
 
 
 def test_a_punch_from_a_file_of_the_project_is_read_from_its_folder(tmp_path):
     (tmp_path / "tip.csv").write_text("r_mm,z_mm\n0,0\n3,0.5\n6,2\n8,5\n", encoding="utf-8")
-    with pytest.raises(InputError, match="not in the tables"):
+    with raises_code("not_tabulated", "punch"):
         looked(tmp_path, "slab", 9.0, 15.0, punch="profile:tip.csv")
-    with pytest.raises(InputError, match=r"other\.csv' cannot be read"):
+    with raises_code("file_not_found", "punch_profile"):
         looked(tmp_path, "slab", 9.0, 15.0, punch="profile:other.csv")
 
 
@@ -92,7 +93,7 @@ def test_the_cross_section_shows_the_punch_that_presses(punch, half):
 
 
 def test_a_ball_over_the_pad_is_round():
-    drawn = figures.section(bench.shape_of("slab"), 9.0, read_punch("ball:20"))
+    drawn = figures.section(read_shape("slab"), 9.0, read_punch("ball:20"))
     outline = next(layer for layer in drawn.layers if layer.name == "punch, ball:20")
     low = outline.y - outline.y.min()
     near = np.abs(outline.x) < 5.0
@@ -107,9 +108,9 @@ def test_a_resin_of_the_user_that_changed_is_read_anew(tmp_path, monkeypatch):
     text = find("materials/resins", "resin", "polyurethane-nagoya").path.read_text(encoding="utf-8")
     own = folder / "mine.toml"
     own.write_text(text.replace('name = "polyurethane-nagoya"', 'name = "mine"'), encoding="utf-8")
-    asked = bench.Asked("forefinger", "average", "mine")
-    before = bench.inputs_of(tmp_path, asked, bench.stamp_of(tmp_path, asked)).space.resin.young_MPa(15.0)
+    state = State("forefinger", resin="mine")
+    before = evaluator_of(tmp_path, state).inputs.space.resin.young_MPa(15.0)
     stiffer = "[modulus.young_ref_kPa]\nvalue = 40.0"
     own.write_text(own.read_text(encoding="utf-8").replace("[modulus.young_ref_kPa]\nvalue = 25.0", stiffer), "utf-8")
-    after = bench.inputs_of(tmp_path, asked, bench.stamp_of(tmp_path, asked)).space.resin.young_MPa(15.0)
+    after = evaluator_of(tmp_path, state).inputs.space.resin.young_MPa(15.0)
     assert after / before == pytest.approx(1.6, rel=1e-6)

@@ -8,12 +8,14 @@ import time
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.outputs.manifest import sha256_of
+from dummydesign.core.files import take
+from dummydesign.core.manifest import sha256_of
 from dummydesign.project.folder import change_project, make_project, read_project
-from dummydesign.studio import bin, uploads
-from dummydesign.studio.work import job as runner
-from dummydesign.studio.work import jobs
-from dummydesign.studio.work.lock import take
+from dummydesign.studio import job_process as runner
+from dummydesign.studio import jobs
+from dummydesign.studio import project_files as bin
+from dummydesign.studio import project_files as uploads
+from tests.support.refusal import raises_code
 
 
 @pytest.fixture
@@ -105,7 +107,7 @@ def test_a_press_of_a_plan_that_is_gone_waits_for_its_plan(root):
     plan.mkdir()
     (plan / "t1.csv").write_text("1")
     press, whole = bin.delete(root, "campaigns/first/t1.csv"), bin.delete(root, "campaigns/first")
-    with pytest.raises(InputError, match="campaigns/first"):
+    with raises_code("file_not_found", "folder"):
         bin.restore(root, press)
     assert not plan.exists()
     bin.restore(root, whole)
@@ -163,7 +165,7 @@ def test_only_things_of_the_steps_can_be_deleted(root, path):
 def test_what_a_running_command_reads_or_writes_stays(root, running, words, path):
     running(*words)
     for change in (lambda: bin.delete(root, path), lambda: bin.rename(root, path, "other")):
-        with pytest.raises(InputError, match="in use"):
+        with raises_code("busy", "path"):
             change()
     assert (root / path).exists()
     # and nothing else is held back: '.' and numbers are no folders of it
@@ -195,7 +197,7 @@ def test_an_upload_that_replaces_takes_the_name_and_the_old_file_comes_back_with
 
 def test_an_upload_does_not_replace_what_a_running_command_reads(root, running):
     running("import", "measured/a.csv", "--out", "measured/import-b")
-    with pytest.raises(InputError, match="in use"):
+    with raises_code("busy", "path"):
         uploads.store(root, root / "measured", "a.csv", b"2", replace=True)
     assert (root / "measured" / "a.csv").read_bytes() == b"1"
 

@@ -7,46 +7,17 @@ import shutil
 
 import pytest
 
-from dummydesign.core.datafiles import find
+from dummydesign.core.library import find
 from dummydesign.project.folder import change_project, read_project
-from dummydesign.studio.work import jobs
+from dummydesign.studio import jobs
 from tests.support import lab_project as lab
-from tests.support.studio import browser, running
+from tests.support.studio import choose, opened
 from tests.support.studio import test_id as by
 
 pytestmark = pytest.mark.slow
-WAIT_MS = 120_000
-"""For what a page does at once, on a busy machine. [ms]"""
 SETTLED = '[data-test="verdict"] .verdict[data-state="settled"]'
 REFUSED = '[data-test="verdict"] .verdict[data-state="refused"]'
 ODD = 'a "b" #1 %日本 <b>'
-
-
-@pytest.fixture
-def studio(tmp_path):
-    root = lab.lab_project(tmp_path / "thumb")
-    with running(root, tmp_path / "home") as found:
-        yield found, root
-
-
-@pytest.fixture
-def page(studio):
-    with browser(viewport={"width": 1280, "height": 900}) as found:
-        found.set_default_timeout(WAIT_MS)
-        found.goto(studio[0].address)
-        found.wait_for_selector("h1")
-        yield found
-        assert found.broken == [] and found.outside == []
-
-
-def opened(page, studio, path):
-    page.goto(f"{studio[0].home}{path}")
-    page.wait_for_selector("h1")
-
-
-def choose(page, test, name):
-    page.locator(by(test)).click()
-    page.get_by_role("option", name=name, exact=True).click()
 
 
 def gone(page, selector):

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 
-from dummydesign.core.outputs.manifest import sha256_of
+from dummydesign.core.manifest import sha256_of
+from dummydesign.studio.jobs import changed_inputs
 from dummydesign.studio.pages.pucks import pucks
-from dummydesign.studio.work.inputs import changed_inputs
 
 HEAD = "time_s,displacement_mm,force_N\n"
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from dummydesign.project.folder import make_project
-from dummydesign.studio.work import jobs
-from tests.support.studio import browser, running
+from dummydesign.studio import jobs
+from tests.support.studio import browser, choose, running
 from tests.support.studio import test_id as by
 
 pytestmark = pytest.mark.slow
@@ -34,11 +34,6 @@ def page(studio):
 def opened(page, studio, query=""):
     page.goto(f"{studio[0].home}design{query}")
     page.wait_for_selector(SETTLED)
-
-
-def choose(page, test, name):
-    page.locator(by(test)).click()
-    page.get_by_role("option", name=name, exact=True).click()
 
 
 def slide(page, name, value):

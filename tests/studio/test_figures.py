@@ -9,9 +9,14 @@ import xml.etree.ElementTree as xml
 import numpy as np
 import pytest
 
-from dummydesign.report.figures.layers import Dots, Line
-from dummydesign.report.figures.plot import Plot
-from dummydesign.studio import bench, figures
+from dummydesign.geometry.shape_registry import read_shape
+from dummydesign.report.page import plots_js
+from dummydesign.report.plot import Plot
+from dummydesign.report.plot_layers import Dots, Line
+from dummydesign.studio import figures
+from dummydesign.studio.page_frame import page_head
+from dummydesign.studio.slider_model import evaluator_of
+from dummydesign.studio.state import State
 
 BUDGET_S = 0.04
 """Processor time in which a slider's figures are drawn. [s]"""
@@ -20,11 +25,9 @@ BUDGET_S = 0.04
 @pytest.fixture(scope="module")
 def looked(tmp_path_factory):
     """Inputs, shape and pad of a crowned pad."""
-    root = tmp_path_factory.mktemp("project")
-    asked = bench.Asked("forefinger", "average", "polyurethane-nagoya")
-    inputs = bench.inputs_of(root, asked, bench.stamp_of(root, asked))
-    shape = bench.shape_of("crowned:21.2,2,9.4")
-    return inputs, shape, bench.evaluate_pad(inputs, shape, 4.5, 15.4)
+    evaluator = evaluator_of(tmp_path_factory.mktemp("project"), State("forefinger"))
+    shape = read_shape("crowned:21.2,2,9.4")
+    return evaluator.inputs, shape, evaluator.evaluate(shape, 4.5, 15.4)
 
 
 def test_every_press_of_the_protocol_is_drawn_small(looked):
@@ -89,6 +92,7 @@ def test_measured_presses_are_read_from_the_files_of_a_report(tmp_path, name, ti
 
 
 def test_the_script_of_the_plots_is_an_element_of_the_head():
-    text = figures.plot_script()
-    assert text.startswith("<script>") and text.endswith("</script>") and text.count("</script") == 1
+    text = page_head()
+    assert f"<script>{plots_js()}</script>" in text
+    assert text.count("<script>") == text.count("</script") == 3 and text.count("</style") == 1
     assert "http://" not in text.replace("http://www.w3.org/2000/svg", "")

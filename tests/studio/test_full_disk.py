@@ -8,13 +8,16 @@ import os
 import pytest
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import held, take
 from dummydesign.core.files import os as files_os
 from dummydesign.project.folder import make_project
-from dummydesign.studio import bin, uploads
-from dummydesign.studio.presses import bring_in, incoming
-from dummydesign.studio.work import jobs
-from dummydesign.studio.work.lock import held, take
+from dummydesign.studio import file_transfer, jobs
+from dummydesign.studio import incoming_presses as bring_in
+from dummydesign.studio import incoming_presses as incoming
+from dummydesign.studio import project_files as bin
+from dummydesign.studio import project_files as uploads
 from tests.support import lab_project as lab
+from tests.support.refusal import raises_code
 from tests.support.studio import browser, running
 from tests.support.studio import test_id as by
 
@@ -109,8 +112,8 @@ def test_no_room_to_read_a_press_is_a_sentence(tmp_path, monkeypatch):
     def refuse(*words, **more):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr(incoming, "TemporaryDirectory", refuse)
-    with pytest.raises(InputError, match="cannot be read"):
+    monkeypatch.setattr(file_transfer.tempfile, "TemporaryDirectory", refuse)
+    with raises_code("file_unreadable", "trace"):
         incoming.take(root, "campaigns/second", name, b"1,2,3\n")
 
 
@@ -121,12 +124,12 @@ def test_a_file_in_the_place_of_a_folder_is_a_sentence(tmp_path):
     (root / "measured").rmdir()
     (root / "measured").write_text("no folder")
     with pytest.raises(InputError):
-        bring_in.keep(root, "b.csv", b"1")
+        bring_in.save_waiting_file(root, "b.csv", b"1")
     with pytest.raises(InputError):
         bin.restore(root, gone)
     (root / "measured").unlink()
     assert bin.restore(root, gone) == "measured/a.csv"
-    assert bring_in.keep(root, "b.csv", b"1") == "b.csv"
+    assert bring_in.save_waiting_file(root, "b.csv", b"1") == "b.csv"
 
 
 def test_what_runs_is_known_in_a_folder_that_cannot_be_written(tmp_path, monkeypatch):

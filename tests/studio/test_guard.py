@@ -7,8 +7,9 @@ from urllib.parse import unquote, urljoin, urlsplit
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.studio.server import files
-from dummydesign.studio.server.guard import Guard
+from dummydesign.studio import file_transfer as files
+from dummydesign.studio.access import Guard
+from tests.support.refusal import raises_code
 
 
 def ask(path="/", query="", head=(), body=(b"",), kind="http", largest=1000, method="GET", known=False):
@@ -187,15 +188,15 @@ def test_files_of_the_project_run_apart_and_reach_no_server(path):
      "project.toml", "Campaign.TOML", "manifest.json", "calibration.json"],
 )
 def test_a_name_that_is_not_plain_is_refused_and_nothing_is_written(tmp_path, name):
-    with pytest.raises(InputError, match="not taken"):
-        files.keep(tmp_path / "measured", name, b"1")
+    with raises_code("bad_name", "file_name"):
+        files.save_upload(tmp_path / "measured", name, b"1")
     assert not (tmp_path / "measured").exists() and not (tmp_path / "a.csv").exists()
 
 
 def test_a_file_of_the_same_name_is_never_written_over(tmp_path):
-    assert files.keep(tmp_path, "a.csv", b"1").name == "a.csv"
-    assert files.keep(tmp_path, "a.csv", b"1").name == "a.csv"
-    assert files.keep(tmp_path, "a.csv", b"2").name == "a-2.csv"
+    assert files.save_upload(tmp_path, "a.csv", b"1").name == "a.csv"
+    assert files.save_upload(tmp_path, "a.csv", b"1").name == "a.csv"
+    assert files.save_upload(tmp_path, "a.csv", b"2").name == "a-2.csv"
     assert (tmp_path / "a.csv").read_bytes() == b"1"
 
 
@@ -204,15 +205,15 @@ def test_a_disk_that_is_full_is_said_and_leaves_nothing(tmp_path, monkeypatch):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("os.fsync", full)
-    with pytest.raises(InputError, match="No space left on device"):
-        files.keep(tmp_path, "a.csv", b"1")
+    with raises_code("file_unwritable", "file"):
+        files.save_upload(tmp_path, "a.csv", b"1")
     assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("path", ["../x", "designs/../../x", "a/../designs", ".studio/lock", "designs/.part/a",
                                   "/etc/passwd"])  # fmt: skip
 def test_only_what_lies_in_the_project_is_given_out(tmp_path, path):
-    with pytest.raises(InputError, match="not a file of this project"):
+    with raises_code("not_allowed", "path"):
         files.inside(tmp_path, path)
 
 
@@ -247,7 +248,7 @@ def test_an_archive_on_a_full_disk_is_said_before_anything_is_sent_and_leaves_no
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(zipfile.ZipFile, "write", full)
-    with pytest.raises(InputError, match="archive of 'a' cannot be packed: No space left on device"):
+    with raises_code("file_unwritable", "archive"):
         files.zipped(tmp_path, folder)
     assert list((tmp_path / ".studio").iterdir()) == []
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 import shutil
 
-from dummydesign.core.datafiles import find
-from dummydesign.core.outputs.manifest import sha256_of
-from dummydesign.studio.work.inputs import changed_inputs, changed_since, holds_answer
+from dummydesign.core.library import find
+from dummydesign.core.manifest import sha256_of
+from dummydesign.studio.jobs import changed_inputs, changed_since, holds_answer
 
 
 def manifest(root, inputs, *read):

@@ -10,11 +10,11 @@ import time
 
 import pytest
 
-from dummydesign.core.errors import InputError
-from dummydesign.studio.work import job as runner
-from dummydesign.studio.work import jobs
-from dummydesign.studio.work.lock import held, take
+from dummydesign.core.files import held, take
+from dummydesign.studio import job_process as runner
+from dummydesign.studio import jobs
 from tests.support import lab_project as lab
+from tests.support.refusal import raises_code
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -46,7 +46,7 @@ def test_what_is_wrong_is_the_line_of_the_command(tmp_path):
 def test_a_command_can_be_stopped_and_leaves_no_half_written_folder(tmp_path):
     words = ["suggest", "--tissue", "forefinger", "--no-cad", "--out", "designs/a"]
     job = jobs.start(tmp_path, "suggest", words)
-    with pytest.raises(InputError, match="still at work"):
+    with raises_code("busy", "step"):
         jobs.start(tmp_path, "suggest", words)
     deadline = time.monotonic() + 600
     while not list(tmp_path.glob("designs/.a.part-*")) and time.monotonic() < deadline:
@@ -91,7 +91,7 @@ def test_a_command_whose_runner_alone_was_killed_goes_on_is_known_and_can_be_sto
     jobs._CHILDREN[-1].wait(60)
     os.kill(child, 0)
     assert jobs.read_job(job.folder).state == "running"
-    with pytest.raises(InputError, match="still at work"):
+    with raises_code("busy", "step"):
         jobs.start(tmp_path, "suggest", words)
     jobs.stop(job)
     wait_for(job.folder, "lost")
@@ -153,7 +153,8 @@ def test_a_lock_is_held_by_one_and_ends_with_its_holder(tmp_path):
 
 def test_a_command_that_starts_late_is_running_meanwhile_and_hears_that_it_is_to_stop(tmp_path, monkeypatch):
     """A busy machine takes its time to start a process: it is neither lost nor deaf."""
-    slow = "import time, sys; time.sleep(2.5); from dummydesign.studio.work import job; from pathlib import Path;"
+    slow = "import time, sys; time.sleep(2.5); from pathlib import Path;"
+    slow += "from dummydesign.studio import job_process as job;"
     words = [sys.executable, "-c", f"{slow} sys.exit(job.main(Path(sys.argv[1]), *map(int, sys.argv[2:])))"]
     made = subprocess.Popen
 
@@ -175,7 +176,7 @@ def test_a_command_that_a_full_disk_lets_not_begin_is_refused_in_words_and_holds
 
     with monkeypatch.context() as patched:
         patched.setattr(jobs, "write_text", full)
-        with pytest.raises(InputError, match="cannot be written: No space left on device"):
+        with raises_code("file_unwritable", "folder"):
             jobs.start(tmp_path, "list", ["tissues", "list"])
     assert jobs.all_jobs(tmp_path) == []
     assert wait_for(jobs.start(tmp_path, "list", ["tissues", "list"]).folder, "done").answer
@@ -183,10 +184,10 @@ def test_a_command_that_a_full_disk_lets_not_begin_is_refused_in_words_and_holds
 
 @pytest.mark.parametrize("name", [".gitignore", "address"])
 def test_a_studio_whose_folder_cannot_be_written_is_one_line_and_lets_go_of_the_folder(tmp_path, name):
-    from dummydesign.studio.server import serve
+    from dummydesign.studio import app as serve
 
     (tmp_path / ".studio" / name / "in").mkdir(parents=True)
-    with pytest.raises(InputError, match="cannot be written"):
+    with raises_code("file_unwritable", "folder"):
         serve.run_studio(tmp_path, None, False, lambda line: None)
     assert not held(tmp_path / ".studio" / "lock")
 
@@ -202,12 +203,12 @@ def test_a_record_that_no_studio_wrote_is_passed_over(tmp_path, odd):
         folder.mkdir(parents=True)
         (folder / runner.COMMAND).write_text(text)
         (folder / runner.STATUS).write_text('{"status": 0, "stopped": false, "end": 2}')
-    for found in (jobs.all_jobs(tmp_path), jobs.named(tmp_path, "a")):
+    for found in (jobs.all_jobs(tmp_path), jobs.all_jobs(tmp_path, "a")):
         assert [job.words for job in found] == [("x",)]
 def test_of_two_commands_that_made_the_same_the_later_one_counts(tmp_path):
     for number, made in enumerate(("tissue/a.toml", "tissue/b.toml", "tissue/a.toml"), 1):
         lab.job(tmp_path, number, "fit", ["fit", str(number)], {"files": {"tissue": made}}, 0)
     lab.job(tmp_path, 4, "fit", ["fit", "4"], {}, 2, "the disk is full")
-    found = jobs.named(tmp_path, "fit")
+    found = jobs.all_jobs(tmp_path, "fit")
     last = [jobs.is_last(tmp_path, one, lambda job: job.answer.get("files", {}).get("tissue", "")) for one in found]
     assert last == [False, True, True, True]

@@ -6,9 +6,10 @@ import json
 
 import pytest
 
-from dummydesign.cli import run
-from dummydesign.studio import bench
-from dummydesign.studio.kinds import HEAD, kinds_compared, verdicts_of_kinds
+from dummydesign.cli.entry import run
+from dummydesign.studio.figures import HEAD, kinds_compared, verdicts_of_kinds
+from dummydesign.studio.slider_model import evaluator_of
+from dummydesign.studio.state import State
 
 SHAPES = [
     {"kind": "slab", "shape": "slab", "thickness_mm": 6.0, "ratio": 15.0, "total": 0.5, "merit": 0.3},
@@ -66,15 +67,14 @@ def test_other_kinds_are_judged_as_suggest_judges(tmp_path, capsys):
     words = ["suggest", "--tissue", "forefinger", "--no-cad", "--no-verify", "--out", str(tmp_path / "out"), "--json"]
     assert run(words) == 0
     given = json.loads(capsys.readouterr().out)
-    asked = bench.Asked("forefinger", "average", "polyurethane-nagoya")
-    inputs = bench.inputs_of(tmp_path, asked, bench.stamp_of(tmp_path, asked))
-    found = verdicts_of_kinds(inputs, given)
+    evaluator = evaluator_of(tmp_path, State("forefinger"))
+    found = verdicts_of_kinds(evaluator, given)
     kinds = {row["kind"] for row in given["shapes"]}
     own = given["recommendation"]["shape"].partition(":")[0]
     assert set(found) == kinds - {own}
     assert all(row[1] in ("green", "amber", "red") and row[4] > 0 for row in kinds_compared(given, found).rows)
     # the recommended pad judged this way is judged as the answer judges it
     turned = {**given, "recommendation": {**given["recommendation"], "shape": "none"}}
-    again = verdicts_of_kinds(inputs, turned)[own]
+    again = verdicts_of_kinds(evaluator, turned)[own]
     assert again["text"] == given["verdict"]["text"]
     assert again["shortfall"]["central"] == pytest.approx(given["verdict"]["shortfall"]["central"], rel=1e-9)

@@ -10,8 +10,7 @@ import pytest
 from dummydesign.project.folder import make_project
 from dummydesign.project.status import status_of
 from dummydesign.studio import made
-from dummydesign.studio.next_step import next_page, next_state
-from dummydesign.studio.state import read_state
+from dummydesign.studio.state import next_page, next_state, read_state
 
 
 def write(folder, name, command, inputs, date="2026-01-01T00:00:00+00:00", **more):
@@ -120,7 +119,7 @@ def test_a_calibration_of_a_campaign_that_changed_since_is_known(project):
     root = project.root
     plan(project, "first")
     toml = root / "campaigns" / "first" / "campaign.toml"
-    from dummydesign.core.outputs.manifest import sha256_of
+    from dummydesign.core.manifest import sha256_of
 
     read = [{"name": "campaigns/first/campaign.toml", "file": "campaign.toml", "sha256": sha256_of(toml)}]
     write(root, "calibrations/a", "loop", {"campaign": "campaigns/first"}, files_read=read)
@@ -177,7 +176,7 @@ def test_the_next_step_after_learning_chooses_the_calibration(project):
 
 def test_a_campaign_that_was_renamed_keeps_its_calibration(project):
     root = project.root
-    from dummydesign.core.outputs.manifest import sha256_of
+    from dummydesign.core.manifest import sha256_of
 
     plan(project, "first")
     plan(project, "other")
@@ -198,4 +197,4 @@ def test_a_campaign_that_was_renamed_keeps_its_calibration(project):
      ("growth_per_doubling", "", "growth per doubling"), ("offset_mm", "mm", "offset")],
 )  # fmt: skip
 def test_units_are_read_from_the_names_of_parameters(name, unit, words):
-    assert (made.unit_of(name), made.plain_parameter(name)) == (unit, words)
+    assert made.name_and_unit(name) == (words, unit)

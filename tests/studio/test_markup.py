@@ -8,14 +8,14 @@ from pathlib import Path
 import pytest
 
 import dummydesign.studio
-from dummydesign.report.figures.layers import Line
-from dummydesign.report.figures.plot import Plot
+from dummydesign.report.plot import Plot
+from dummydesign.report.plot_layers import Line
 
 STUDIO = Path(dummydesign.studio.__file__).parent
 ESCAPES = {"escape", "page_link", "state_link", "marked", "address", "len"}
 """Functions that return HTML, or text without a sign that HTML knows."""
 OURS = {"_list", "html", "plots_html", "table_html", "whole_glossary", "style", "_ended", "strftime", "plots_js",
-        "replace", "sub"}  # fmt: skip
+        "replace", "sub", "_file"}  # fmt: skip
 """Functions that put HTML or words of our own together."""
 NUMBERS = {"low", "high", "number", "done", "left", "passed"}
 CONSTANTS = {"key", "stage", "kind", "line", "title", "short", "name"}
@@ -126,7 +126,7 @@ def test_a_name_is_the_label_of_its_buttons_whatever_letters_it_has(name, monkey
     from nicegui.page import page
 
     from dummydesign.studio import manage
-    from dummydesign.studio.frame import Studio
+    from dummydesign.studio.page_frame import Studio
 
     monkeypatch.setattr(manage, "undo_bar", lambda studio: None)
     client = Client(page(""), request=None)

@@ -8,7 +8,7 @@ import time
 import pytest
 
 from dummydesign.project.folder import make_project
-from dummydesign.studio.work import jobs
+from dummydesign.studio import jobs
 from tests.support.studio import browser, processor_s, running
 from tests.support.studio import test_id as by
 

@@ -78,7 +78,7 @@ def test_a_damaged_project_is_said_on_every_page_and_nothing_is_changed(tmp_path
 
 
 def test_a_command_goes_on_when_the_studio_ends_and_the_next_one_knows_it(tmp_path):
-    from dummydesign.studio.work import jobs
+    from dummydesign.studio import jobs
 
     make_project(tmp_path / "thumb", tissue="forefinger")
     words = ["suggest", "--tissue", "forefinger", "--shape", "slab", "--no-cad", "--out", "designs/a"]

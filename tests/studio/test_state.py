@@ -8,12 +8,13 @@ from urllib.parse import parse_qsl
 import numpy as np
 import pytest
 
-from dummydesign.geometry.shapes import read_shape, shape_kinds
+from dummydesign.design.pad_evaluator import NotTabulated
+from dummydesign.geometry.shape_registry import read_shape, shape_kinds
 from dummydesign.project import status
 from dummydesign.project.folder import change_project, make_project
-from dummydesign.studio import bench, made
-from dummydesign.studio.lengths import first_shape, lengths_of
+from dummydesign.studio import made
 from dummydesign.studio.pages.search import question_of
+from dummydesign.studio.slider_model import evaluator_of, first_pad, first_shape, lengths_of
 from dummydesign.studio.state import State, read_state
 
 
@@ -154,15 +155,14 @@ def test_every_kind_begins_with_lengths_that_can_be_made(kind, thickness_mm):
 @pytest.mark.parametrize("thickness_mm", [3.0, 4.5, 9.0, 20.0])
 @pytest.mark.parametrize("kind", ["crowned", "bumped", "layered", "boned"])
 def test_the_start_of_a_kind_is_pressed_by_the_tables_as_far_as_they_reach(tmp_path, kind, thickness_mm):
-    asked = bench.Asked("forefinger", "average", "polyurethane-nagoya")
-    inputs = bench.inputs_of(tmp_path, asked, bench.stamp_of(tmp_path, asked))
-    shape = bench.first_pad(inputs, kind, thickness_mm, 15.0)
+    state = State("forefinger", thickness_mm=thickness_mm)
+    evaluator, shape = evaluator_of(tmp_path, state), first_pad(tmp_path, state, kind)
     shape.check(thickness_mm)
     if thickness_mm / 7.9 < 0.5 or (kind == "bumped" and thickness_mm / 7.9 > 2.1):  # where the tables end
-        with pytest.raises(bench.NotTabulated):
-            bench.evaluate_pad(inputs, shape, thickness_mm, 15.0)
+        with pytest.raises(NotTabulated):
+            evaluator.evaluate(shape, thickness_mm, 15.0)
         return
-    pad = bench.evaluate_pad(inputs, shape, thickness_mm, 15.0)
+    pad = evaluator.evaluate(shape, thickness_mm, 15.0)
     assert np.isfinite(pad.steady_depth_mm(np.array([0.5]))).all()
 
 

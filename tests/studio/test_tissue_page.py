@@ -8,9 +8,9 @@ import time
 
 import pytest
 
+from dummydesign.core.files import take
 from dummydesign.project.folder import change_project, make_project, read_project
-from dummydesign.studio.work import job as runner
-from dummydesign.studio.work.lock import take
+from dummydesign.studio import job_process as runner
 from dummydesign.tissue import load_tissue
 from tests.studio.test_measured import drop, visit, wait_for_chips
 from tests.studio.test_pages import NAMELESS, RULES

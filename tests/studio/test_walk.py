@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from dummydesign.measurement.planning.check import check_campaign
+from dummydesign.measurement.campaign_status import check_campaign
 from tests.support.pressed_plan import press_campaign
 from tests.support.studio import browser, processor_s, running, surroundings
 from tests.support.studio import test_id as by

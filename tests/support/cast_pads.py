@@ -7,9 +7,9 @@ import dataclasses
 from dummydesign.core.quantity import Quantity
 from dummydesign.design.assessment.castings import PadCastings, Tolerances
 from dummydesign.design.inputs import resolve
+from dummydesign.design.pad_evaluator import law_of_shape, one_pad
 from dummydesign.design.request import Request
-from dummydesign.design.sweep.one_pad import law_of_shape, one_pad
-from dummydesign.geometry.shapes import read_shape
+from dummydesign.geometry.shape_registry import read_shape
 
 CROWNED = ("crowned:radius=5.1,height=3.8,foot=7.8", 10.0, 15.3)
 """Shape, thickness and ratio of a pad for the palm: near the subjects, and mostly uncertain by its resin."""

@@ -2,7 +2,7 @@
 
 import json
 
-from dummydesign.cli import run
+from dummydesign.cli.entry import run
 
 
 def answer(capsys, *arguments):

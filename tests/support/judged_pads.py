@@ -3,8 +3,8 @@
 import numpy as np
 
 from dummydesign.design.scoring.deviations import CLASSES, Ranges, Readings, classes, deviations
+from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.scoring.verdict import outside, reads_of, representative
-from dummydesign.design.scoring.verdict_limits import verdict_limits
 
 FORCES = np.array([5.0, 10.0, 15.0, 5.0, 10.0, 15.0])
 SPEEDS = np.repeat([10.0, 250.0], 3)

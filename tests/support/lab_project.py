@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from dummydesign.api.plan_calls import plan_campaign
-from dummydesign.core.outputs.manifest import sha256_of
-from dummydesign.measurement.planning.campaign_text import SetUp
-from dummydesign.measurement.planning.plan import Design
+from dummydesign.api.campaigns import plan_campaign
+from dummydesign.core.manifest import sha256_of
+from dummydesign.measurement.campaign_file import SetUp
+from dummydesign.measurement.campaign_plan import PlanSettings
 from dummydesign.project.folder import make_project
 from tests.support.pressed_plan import press_campaign
 
@@ -49,7 +49,7 @@ def mould(root: Path, name: str, thickness: float, shape: str = "slab") -> None:
 def plan(root: Path, name: str, pads: tuple[float, ...] = (6.0, 15.0), pressed: bool = True) -> Path:
     """A campaign of 8 presses, planned as ``campaign new`` plans it."""
     folder = root / "campaigns" / name
-    presses = Design(pads, (10.0,), (3.0, 6.0), repeats=2, ages_days=(9.0, 14.0))
+    presses = PlanSettings(pads, (10.0,), (3.0, 6.0), repeats=2, ages_days=(9.0, 14.0))
     plan_campaign(folder, SetUp(name, resin=RESIN, ratio=15.0), presses, power=False)
     if pressed:
         press_campaign(folder, 3, 25.0, coarse=True)

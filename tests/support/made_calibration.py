@@ -6,11 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from dummydesign.loop.calibration import Calibration, Model
-from dummydesign.loop.effects import effect_named
-from dummydesign.loop.model.forward_model import Active
-from dummydesign.loop.model.parameters import BaseParameters
-from dummydesign.loop.posterior import Posterior
+from dummydesign.loop.calibration import Calibration, Model, Posterior
+from dummydesign.loop.effects.registry import effect_named
+from dummydesign.loop.model.forward_model import Active, BaseParameters
 
 PAD = {"young_kPa_expected": 30.0, "resin": "polyurethane-nagoya", "ratio": 15.0, "base": "bonded", "shape": "slab",
        "contact": "bonded"}  # fmt: skip

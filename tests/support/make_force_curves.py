@@ -12,9 +12,10 @@ from pathlib import Path
 
 import numpy as np
 
-from dummydesign.geometry.shapes import read_shape
-from dummydesign.pad.shaped.axisymmetric import solve_shaped_pad
-from dummydesign.pad.slab.sharp_edge import solve_curve
+from dummydesign.geometry.shape_registry import read_shape
+from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad
+from dummydesign.pad.axisymmetric.sharp_edge import solve_curve
+from dummydesign.pad.specimen import Pad
 
 RADIUS_MM = 14.0 / np.sqrt(np.pi)
 SHARES = np.array([0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5])
@@ -34,7 +35,7 @@ def main() -> None:
             if (base, poisson, thickness) in done:
                 continue
             curve = solve_curve(
-                thickness, RADIUS_MM, 1.0, SHARES * thickness, base=base, poisson=poisson, extent_mm=75.7
+                Pad(thickness, 1.0, RADIUS_MM, base=base, poisson=poisson, extent_mm=75.7), SHARES * thickness
             )
             rows.append(
                 {
@@ -57,7 +58,9 @@ def crowned() -> None:
         if thickness in done:
             continue
         curve = solve_shaped_pad(
-            read_shape(CROWN), thickness, RADIUS_MM, 1.0, CROWN_SHARES * thickness, extent_mm=75.7, cells=CROWN_CELLS
+            Pad(thickness, 1.0, RADIUS_MM, extent_mm=75.7, geometry=read_shape(CROWN)),
+            CROWN_SHARES * thickness,
+            cells=CROWN_CELLS,
         )
         rows.append(_crowned_row(thickness, curve.depth_mm, curve.force_N))
         CROWNED.write_text(json.dumps(rows, indent=1) + "\n")

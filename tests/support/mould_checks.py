@@ -2,9 +2,8 @@
 
 from typing import Any
 
-from dummydesign.mold.model.pad_kind import read_kind
 from dummydesign.mold.model.preset import mould_spec
-from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.mold.model.spec import MouldSpec, read_kind
 
 MAY_SKIP = {"label_reads_right", "label_not_mirrored", "fits_oven", "fits_vacuum_chamber", "step_second_reader"}
 """Without room for a label, oven, vacuum, FreeCAD or gmsh there is nothing to check; all others are worked out."""

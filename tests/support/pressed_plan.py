@@ -13,13 +13,14 @@ from pathlib import Path
 
 import numpy as np
 
-from dummydesign.api.plan_calls import _empty_campaign
+from dummydesign.api.campaigns import _empty_campaign
 from dummydesign.loop.data.trials import make_presses
-from dummydesign.loop.fitting.fit import Problem, start_vector
+from dummydesign.loop.fitting.fit import start_vector
+from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.campaign_law import law_of
-from dummydesign.loop.planning.plan_power import planned_trials
-from dummydesign.measurement.planning.campaign_text import SetUp
-from dummydesign.measurement.planning.plan import Planned
+from dummydesign.loop.planning import planned_trials
+from dummydesign.measurement.campaign_file import SetUp
+from dummydesign.measurement.campaign_plan import Planned
 from dummydesign.measurement.sensor import parse_lowpass
 
 
@@ -45,7 +46,7 @@ def press_campaign(folder: Path, seed: int = 1, young_kPa: float | None = None, 
     if coarse:
         trials = tuple(replace(t, trace=_thinned(t)) for t in trials)
     presses = make_presses(replace(campaign, trials=trials))
-    problem = Problem(presses, law)
+    problem = CampaignProblem(presses, law)
     nodes = problem.nodes(start_vector(problem, young))
     for trial, force in zip(trials, presses.at_samples(nodes)):
         trace = trial.trace

@@ -59,8 +59,8 @@ def raw_studio(folder: Path) -> Iterator[RawStudio]:
     import uvicorn
 
     os.environ["NICEGUI_STORAGE_PATH"] = str(folder / ".studio" / "page")
-    from dummydesign.studio.server.app import make_app
-    from dummydesign.studio.server.guard import Guard
+    from dummydesign.studio.access import Guard
+    from dummydesign.studio.app import make_app
 
     listening = socket.create_server(("127.0.0.1", 0))
     port = listening.getsockname()[1]

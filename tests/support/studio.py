@@ -133,3 +133,15 @@ def test_id(name: str) -> str:
 
 
 test_id.__test__ = False
+
+
+def opened(page, studio, path):
+    """Open a page of a studio and its root."""
+    page.goto(f"{studio[0].home}{path}")
+    page.wait_for_selector("h1")
+
+
+def choose(page, test, name):
+    """Choose what a field offers."""
+    page.locator(test_id(test)).click()
+    page.get_by_role("option", name=name, exact=True).click()

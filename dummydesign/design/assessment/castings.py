@@ -1,14 +1,9 @@
-"""The castings of an answer: drawn once, in named groups, for every share, quantile and factor that is given.
-
-Groups are the resin's modulus, its relaxation, the making (weighing and thickness), the error of the force law, and the
-tissue. The same deviates serve every pad and every group that is taken as known, so that figures of one answer agree
-and differ only by what they are about.
-"""
+"""The castings of an answer: drawn once, in named groups, for every fraction and quantile."""
 
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -16,26 +11,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.design.scoring.acceptability import readings_of
+from dummydesign.core.quantity import HALF_WIDTH
+from dummydesign.core.serialise import Serialised
 from dummydesign.design.scoring.deviations import Readings
-from dummydesign.design.scoring.presses import ForceLaw, Slabs, make_curves, steady_depth
+from dummydesign.design.scoring.presses import Slabs, make_curves, steady_depth
 from dummydesign.design.scoring.score import Evaluation, evaluate
-from dummydesign.resin.model.distribution import HALF_WIDTH
+from dummydesign.design.scoring.targets import Targets
+from dummydesign.design.scoring.verdict import Verdict, ranges_of, readings_of, verdict
+from dummydesign.pad.force_law import ForceLaw
 
 if TYPE_CHECKING:
-    from dummydesign.design.search.slabs import Candidate
-    from dummydesign.design.search.space import SearchSpace
+    from dummydesign.design.search.slabs import DesignCandidate, SearchSpace
     from dummydesign.resin.model.resin import Resin
+
 
 MODULUS, RELAXATION, MAKING, FORCE_LAW, TISSUE = GROUPS = ("modulus", "relaxation", "making", "force_law", "tissue")
 RESIN = frozenset((MODULUS, RELAXATION))
+# Castings: a share of 1200 has a standard error of at most 1.45 points.
 COUNT, SEED, MOST = 1200, 11, 100_000
-"""Castings: a share of 1200 has a standard error of at most 1.45 points."""
-NODES = 41
+NODES, AT_LIMIT = 41, 0.99
 
 
 @dataclass(frozen=True)
-class Tolerances:
+class Tolerances(Serialised):
     """How well a pad is made. Errors are even within plus and minus these limits.
 
     ``pour_g`` is the whole mass that is weighed in.
@@ -44,10 +42,6 @@ class Tolerances:
     pour_g: float
     weighing_g: float = 0.1
     thickness_mm: float = 0.2
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the limits."""
-        return asdict(self)
 
 
 @dataclass(frozen=True)
@@ -65,14 +59,7 @@ class Pours:
 
 @dataclass(frozen=True)
 class Castings:
-    """Deviates of n castings of a resin; see :meth:`of_pad`.
-
-    Attributes
-    ----------
-    resin : Resin
-    n, seed : int
-        How many, and what they are drawn by.
-    """
+    """Deviates of n castings of a resin; see :meth:`of_pad`."""
 
     resin: Resin
     n: int = COUNT
@@ -80,50 +67,30 @@ class Castings:
 
     def __post_init__(self) -> None:
         if not COUNT <= self.n <= MOST:
-            raise InputError(f"castings = {self.n} is outside {COUNT} to {MOST}: fewer leave percentages too uncertain")
-
-    @cached_property
-    def _streams(self) -> dict[str, np.random.Generator]:
-        """A stream of its own for each group, so that none depends on another."""
-        return dict(zip((MODULUS, MAKING, FORCE_LAW), np.random.default_rng(self.seed).spawn(3)))
+            message = f"castings = {self.n} is outside {COUNT} to {MOST}: fewer leave percentages too uncertain"
+            raise InputError(message, "out_of_range", "castings", self.n, (COUNT, MOST))
 
     @cached_property
     def _drawn(self) -> dict[str, Any]:
-        rng = self._streams[MAKING]
-        weighed = {liquid.name: rng.uniform(-1.0, 1.0, self.n) for liquid in self.resin.liquids}
-        thickness = rng.uniform(-1.0, 1.0, self.n)
-        law = self._streams[FORCE_LAW].standard_normal(self.n)
-        resin = self.resin.draw(self.n, self._streams[MODULUS])
+        # a stream of its own for each group, so that none depends on another
+        of_resin, of_making, of_law = np.random.default_rng(self.seed).spawn(3)
+        weighed = {liquid.name: of_making.uniform(-1.0, 1.0, self.n) for liquid in self.resin.liquids}
+        thickness, law = of_making.uniform(-1.0, 1.0, self.n), of_law.standard_normal(self.n)
+        resin = self.resin.draw(self.n, of_resin)
         central = {name: np.full(self.n, value) for name, value in self.resin.central.items()}
-        stated = replace(
-            resin,
-            numbers=central,
-            beta_ref=np.tile([arm.beta.value for arm in self.resin.arms], (self.n, 1)),
-            softness_exponent=np.full(self.n, self.resin.softness_exponent.value),
-        )
+        beta = np.tile([arm.beta.value for arm in self.resin.arms], (self.n, 1))
+        softness = np.full(self.n, self.resin.softness_exponent.value)
+        stated = replace(resin, numbers=central, beta_ref=beta, softness_exponent=softness)
         return {"weighed": weighed, "thickness": thickness, "law": law, "resin": resin, "central": stated}
 
     def pours(
-        self, thickness_mm: float, ratio: float, tolerances: Tolerances, error: float = 0.0,
-        known: Collection[str] = (),
+        self, thickness_mm: float, ratio: float, tolerances: Tolerances, error: float = 0.0, known: Collection[str] = ()
     ) -> Pours:
-        """Pads that may come out of one design.
-
-        Parameters
-        ----------
-        thickness_mm, ratio : float
-            The design. [mm, resin's ratio]
-        tolerances : Tolerances
-        error : float
-            Of the force law over the force, 95 %.
-        known : collection of str
-            Groups taken as known: their deviates stay at the centre.
-        """
+        """Pads that may come out of one design."""
         drawn, making = self._drawn, MAKING not in known
         weighed = self._weighed_ratio(ratio, tolerances) if making else np.full(self.n, ratio)
         thickness = thickness_mm + (tolerances.thickness_mm * drawn["thickness"] if making else np.zeros(self.n))
-        modulus = drawn["central" if MODULUS in known else "resin"]
-        relaxation = drawn["central" if RELAXATION in known else "resin"]
+        modulus, relaxation = (drawn["central" if group in known else "resin"] for group in (MODULUS, RELAXATION))
         off = np.zeros(self.n) if FORCE_LAW in known else error / HALF_WIDTH * drawn["law"]
         kept = np.clip(weighed, self.resin.ratio_min, self.resin.ratio_max)
         young = np.maximum(modulus.young_MPa(weighed), 1e-9) * np.exp(off)
@@ -145,21 +112,11 @@ class Castings:
 
 @dataclass(frozen=True)
 class PadCastings:
-    """The castings of one pad, pressed by the test.
-
-    Attributes
-    ----------
-    castings : Castings
-    law : ForceLaw
-        Of the pad as cast.
-    candidate : Candidate
-    space : SearchSpace
-    tolerances : Tolerances
-    """
+    """The castings of one pad, pressed by the test."""
 
     castings: Castings
     law: ForceLaw
-    candidate: Candidate
+    candidate: DesignCandidate
     space: SearchSpace
     tolerances: Tolerances
 
@@ -199,19 +156,7 @@ class PadCastings:
         return self.pressed()
 
     def depth_band_mm(self, force_N: NDArray) -> tuple[NDArray, NDArray, NDArray]:
-        """Depths between which 95 % of the castings are at steady forces, and the share that is out of reach.
-
-        Parameters
-        ----------
-        force_N : ndarray, shape (m,)
-
-        Returns
-        -------
-        stiff, soft : ndarray, shape (m,)
-            NaN where that casting does not reach the force. [mm]
-        unreached : ndarray, shape (m,)
-            Share of castings that do not reach each force.
-        """
+        """Depths between which 95 % of the castings are at steady forces, and the share that is out of reach."""
         slow = self.space.targets.protocol.slow_mm_s
         depth = steady_depth(self.slabs(self.pours()), np.asarray(force_N, float), slow, self.space.sampling.coarse)
         # a casting out of reach is deeper than those in reach
@@ -225,13 +170,6 @@ def poured_slabs(law: ForceLaw, pours: Pours, space: SearchSpace) -> Slabs:
     """Pours as designs to press; their thicknesses are taken at the nearest of 41 even steps.
 
     These are a hundredth of a millimetre apart for 0.2 mm either way.
-
-    Parameters
-    ----------
-    law : ForceLaw
-        Of the pad as cast.
-    pours : Pours
-    space : SearchSpace
     """
     smallest, largest = law.ratio_range
     thickness = np.clip(pours.thickness_mm, space.radius_mm / largest, space.radius_mm / smallest)
@@ -240,3 +178,69 @@ def poured_slabs(law: ForceLaw, pours: Pours, space: SearchSpace) -> Slabs:
     place = np.rint((thickness - low) / max(high - low, 1e-12) * (len(nodes) - 1)).astype(int)
     tau = tuple(arm.tau_s.value for arm in space.resin.arms)
     return Slabs(make_curves(law, nodes, space.radius_mm), place, pours.young_MPa, tau, pours.beta)
+
+
+def limits_that_bind(candidate: DesignCandidate, thickness_mm: NDArray, ratio: NDArray) -> tuple[str, ...]:
+    """Which limits a design lies at: depth over thickness, and the ends of what was searched."""
+    depth = candidate.evaluation.depth_mm[candidate.index]
+    slabs = candidate.evaluation.slabs
+    limit = float(slabs.curves.limit_mm[slabs.slab[candidate.index]])
+    bound = []
+    if not np.isfinite(depth).all() or np.nanmax(depth) >= AT_LIMIT * limit:
+        bound.append(f"depth over thickness (at most {limit / candidate.thickness_mm:.2f})")
+    for name, value, steps, unit in (
+        ("thickness", candidate.thickness_mm, thickness_mm, " mm"),
+        ("ratio", candidate.ratio, ratio, ""),
+    ):
+        if len(steps) > 1 and value in (steps[0], steps[-1]):
+            bound.append(f"{name} ({steps[0]:g} to {steps[-1]:g}{unit})")
+    return tuple(bound)
+
+
+def verdict_of_design(cast: PadCastings, beyond: float = 1.0) -> Verdict:
+    """Verdict on a design: at central estimates, over its castings, and with the limits that bind it."""
+    space, candidate = cast.space, cast.candidate
+    bound = limits_that_bind(candidate, space.thickness_mm, space.ratio)
+    own = readings_of(candidate.evaluation, candidate.index)
+    return verdict(
+        ranges_of(space.targets), own, cast.readings(), bound, measured=cast.readings(RESIN),
+        limits=space.targets.limits, beyond=beyond,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class PourYield(Serialised):
+    """Share of castings inside the steady-state range."""
+
+    yield_fraction: float
+    judged_at_N: tuple[float, ...]
+    making_only_fraction: float
+    by_force: dict[str, float]
+    by_force_making_only: dict[str, float]
+    young_spread_percent: float
+    pours: int
+    tolerances: Tolerances
+
+
+def pour_yield(cast: PadCastings) -> PourYield:
+    """Share of the castings of a pad whose steady depths at the slowest speed lie among the subjects'."""
+    targets, best = cast.space.targets, cast.candidate
+    known = (MODULUS, RELAXATION, FORCE_LAW)
+    inside, making = (_inside(found, targets) for found in (cast.every, cast.pressed(known)))
+    nominal = _inside(best.evaluation, targets)[best.index]
+    forces = targets.protocol.forces_N
+    # shares inside wherever the nominal pad is
+    stays = [float(one[:, nominal].all(axis=-1).mean()) if nominal.any() else 0.0 for one in (inside, making)]
+    every, made = (dict(zip((f"{f:g}" for f in forces), one.mean(axis=0).tolist())) for one in (inside, making))
+    spread = 100.0 * float(np.std(np.log(cast.pours(known).young_MPa)))
+    judged = tuple(float(force) for force in np.array(forces)[nominal])
+    return PourYield(stays[0], judged, stays[1], every, made, spread, cast.castings.n, cast.tolerances)
+
+
+def _inside(found: Evaluation, targets: Targets) -> NDArray:
+    """Whether each pad is inside the steady-state range at each force of the slowest speed, shape (pads, forces)."""
+    forces = np.array(targets.protocol.forces_N)
+    depth = found.depth_mm[:, : len(forces)]
+    stiff, soft = targets.depth_range_mm(forces)
+    with np.errstate(invalid="ignore"):
+        return np.asarray((depth >= stiff) & (depth <= soft))

@@ -1,36 +1,34 @@
-"""Energy of the rise, mean pressure, and a robot of finite mass: tissue against dummy.
-
-The form is that of ISO/TS 15066:2016, annex A: force and pressure, each quasi-static and transient.
-
-Peak pressure is not given: under a sharp-edged glued punch the contact pressure grows without bound towards
-the edge as the mesh is refined, so a value would depend on the mesh. It needs the edge radius of the real part.
-"""
+"""Energy, mean pressure, a robot of finite mass, and a user's limits of force and pressure."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.errors import out_of_range
+from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.core.quantity import Quantity
+from dummydesign.core.serialise import Serialised
+from dummydesign.core.toml_schema import read_table
 from dummydesign.design.scoring.presses import Sampling, Slabs, press_to_depth
-from dummydesign.design.scoring.targets import subjects_press
+from dummydesign.design.scoring.targets import press_subjects
 from dummydesign.measurement.motion import work_mJ
+from dummydesign.tissue.model.measured_curves import MeasuredPerson
 
 if TYPE_CHECKING:
     from dummydesign.tissue.model.parameters import Parameters
     from dummydesign.tissue.model.ranges import ForceRange
 
+
+# ISO/TS 15066: contact below 0.5 s is transient, what lasts longer quasi-static (second-hand, docs/references.md).
 QUASI_STATIC_AFTER_S = 0.5
-"""ISO/TS 15066: contact below 0.5 s is transient, what lasts longer quasi-static (second-hand, docs/references.md)."""
-STEPS, LONGEST_MM = 1000, 40.0
-
-
+STEPS, LONGEST_MM, FINE, N_PER_CM2 = 1000, 40.0, 600, 100.0
 @dataclass(frozen=True)
-class Contact:
+class SafetyContact(Serialised):
     """What one contact does; arrays over bodies (subjects, or pads).
 
     ``energy_mJ`` is the integral of F dx from touch to stop, ``peak_force_N`` the largest force,
@@ -44,62 +42,32 @@ class Contact:
     held_force_N: NDArray
     stop_s: NDArray
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return all arrays as lists, None where there is no number."""
-        return {key: [v if v == v else None for v in value.tolist()] for key, value in asdict(self).items()}
+    def where(self, known: NDArray) -> SafetyContact:
+        """The same with NaN for bodies that are not known."""
+        return SafetyContact(*(np.where(known, value, np.nan) for value in vars(self).values()))
 
 
-def _of_press(time_s: NDArray, displacement_mm: NDArray, force_N: NDArray, stop_s: NDArray) -> Contact:
+def _of_press(time_s: NDArray, displacement_mm: NDArray, force_N: NDArray, stop_s: NDArray) -> SafetyContact:
     """Contact of presses (bodies, n); nothing moves after the stop, so all samples may be summed."""
     energy = work_mJ(displacement_mm, force_N)
     late = np.where(time_s >= QUASI_STATIC_AFTER_S, force_N, -np.inf).max(axis=-1)
     late = np.where(np.isfinite(late), late, np.nan)
-    return Contact(displacement_mm[:, -1], energy, force_N.max(axis=-1), late, stop_s)
+    return SafetyContact(displacement_mm[:, -1], energy, force_N.max(axis=-1), late, stop_s)
 
 
-def pad_press(slabs: Slabs, depth_mm: NDArray, velocity_mm_s: float, sampling: Sampling | None = None) -> Contact:
-    """Ramp and hold on pads, each to its own depth (NaN for out of reach); see :class:`Contact`.
-
-    Parameters
-    ----------
-    slabs : Slabs
-        D designs.
-    depth_mm : ndarray, shape (D,)
-        Depth of each; NaN for out of reach. [mm]
-    velocity_mm_s : float
-        Speed of the ramp. [mm/s]
-    sampling : Sampling, optional
-        Hold and braking; those of the measurements by default.
-
-    Returns
-    -------
-    Contact
-        Arrays of shape (D,), NaN where out of reach.
-    """
+def pad_press(slabs: Slabs, depth_mm: NDArray, velocity_mm_s: float, sampling: Sampling | None = None) -> SafetyContact:
+    """Ramp and hold on pads, each to its own depth (NaN for out of reach); see :class:`Contact`."""
     sampling = sampling or Sampling()
     press = press_to_depth(slabs, depth_mm, velocity_mm_s, sampling)
     reached = np.isfinite(depth_mm)
     motion = sampling.motion(velocity_mm_s, np.where(reached, depth_mm, 1.0))
-    found = _of_press(press.time_s, motion.displacement_mm, press.force_N, press.stop_s)
-    return Contact(*(np.where(reached, value, np.nan) for value in found.__dict__.values()))
+    return _of_press(press.time_s, motion.displacement_mm, press.force_N, press.stop_s).where(reached)
 
 
-def tissue_press(band: ForceRange, law: str = "ode", sampling: Sampling | None = None) -> Contact:
-    """Ramp and hold on the subjects of a force range, each to its own depth; see :class:`Contact`.
-
-    Parameters
-    ----------
-    band : ForceRange
-        From :func:`dummydesign.tissue.model.ranges.force_range` with the hold and braking of ``sampling``.
-    law : str
-        Law of the subjects. For one that knows an ideal ramp only the energy is that of the ideal
-        ramp. A subject that is still moving when the range ends has NaN.
-    sampling : Sampling, optional
-        Hold and braking; those of the measurements by default.
-    """
-    found = _of_press(*subjects_press(band, law, sampling or Sampling()), band.stop_s)
-    followed = band.stop_s <= band.time_s[-1]
-    return Contact(*(np.where(followed, value, np.nan) for value in found.__dict__.values()))
+def tissue_press(band: ForceRange, law: str = "ode", sampling: Sampling | None = None) -> SafetyContact:
+    """Ramp and hold on the subjects of a force range, each to its own depth; see :class:`Contact`."""
+    found = _of_press(*press_subjects([band], law, sampling or Sampling()), band.stop_s)
+    return found.where(band.stop_s <= band.time_s[-1])
 
 
 @dataclass(frozen=True)
@@ -107,15 +75,6 @@ class Body:
     """Bodies of one kind with relaxing arms, for a mass that runs into them.
 
     Each arm obeys q' = gain(x) x' - decay(x) q.
-
-    Attributes
-    ----------
-    count, arms : int
-        Bodies, and arms of each.
-    force : callable
-        (x (count,), q (count, arms)) -> force (count,), NaN beyond the law. [N]
-    rates : callable
-        x (count,) -> gain and decay [1/s], each (count, arms).
     """
 
     count: int
@@ -141,15 +100,9 @@ def pad_body(slabs: Slabs) -> Body:
 
 
 def tissue_body(subjects: Sequence[Parameters], velocity_mm_s: float) -> Body:
-    """Subjects by the arms of their law, q' = gain x' - decay q, and F = gamma1 x^3 + sum gamma x^2 q.
-
-    Raises
-    ------
-    InputError
-        For a law that knows ideal ramps only.
-    """
+    """Subjects by the arms of their law, q' = gain x' - decay q, and F = gamma1 x^3 + sum gamma x^2 q."""
     from dummydesign.tissue.model.laws import law_named
-    from dummydesign.tissue.model.subjects_law import stack
+    from dummydesign.tissue.model.maxwell_law import stack
 
     law, gamma1, gamma, dampers = stack(tuple(subjects), velocity_mm_s)
     form = law_named(law)
@@ -164,30 +117,18 @@ def tissue_body(subjects: Sequence[Parameters], velocity_mm_s: float) -> Body:
     return Body(len(gamma1), gamma.shape[-1], force, rates)
 
 
-def impact(body: Body, mass_kg: float, velocity_mm_s: float, longest_mm: float = LONGEST_MM) -> Contact:
+def impact(body: Body, mass_kg: float, velocity_mm_s: float, longest_mm: float = LONGEST_MM) -> SafetyContact:
     """A free mass runs into bodies that rest on a rigid support, until it stops.
 
     m x'' = -F, x(0) = 0, x'(0) = v, by the midpoint rule with the arms' decay integrated exactly, so that a
     fast arm needs no short step; about 1000 steps to the stop. The energy of the rise is that of the mass,
     m v^2 / 2, whatever the body; force and depth distinguish bodies.
 
-    Parameters
-    ----------
-    body : Body
-    mass_kg : float
-        Effective mass of the robot, above 0. [kg]
-    velocity_mm_s : float
-        Speed at touch, above 0. [mm/s]
-    longest_mm : float
-        No stop within this depth counts as none. [mm]
-
     References
     ----------
     ISO/TS 15066:2016, annex A (effective mass of the robot); here the body does not give way.
     """
-    for name, value in (("mass_kg", mass_kg), ("velocity_mm_s", velocity_mm_s)):
-        if not (np.isfinite(value) and value > 0):
-            raise out_of_range(name, value, "above 0", "any finite value")
+    _check_impact(mass_kg, velocity_mm_s)
     guess = stop = _elastic_stop_s(body, 1e-3 * mass_kg, velocity_mm_s, longest_mm)
     for _ in range(8):
         found = _run(body, 1e-3 * mass_kg, velocity_mm_s, stop / STEPS, longest_mm)
@@ -197,6 +138,12 @@ def impact(body: Body, mass_kg: float, velocity_mm_s: float, longest_mm: float =
             break
         stop = new
     return found
+
+
+def _check_impact(mass_kg: float, velocity_mm_s: float) -> None:
+    for name, value in (("mass_kg", mass_kg), ("velocity_mm_s", velocity_mm_s)):
+        if not (np.isfinite(value) and value > 0):
+            raise out_of_range(name, value, "above 0", "any finite value")
 
 
 def _elastic_stop_s(body: Body, mass: float, velocity: float, longest: float) -> NDArray:
@@ -209,7 +156,7 @@ def _elastic_stop_s(body: Body, mass: float, velocity: float, longest: float) ->
     return 2.0 * np.where(enough.any(axis=0), depth[np.argmax(enough, axis=0)], longest) / velocity
 
 
-def _run(body: Body, mass: float, velocity: float, step: NDArray, longest: float) -> Contact:
+def _run(body: Body, mass: float, velocity: float, step: NDArray, longest: float) -> SafetyContact:
     """Run until every mass has stopped; the stop itself is where the speed passes zero within a step."""
     x, v, q = np.zeros(body.count), np.full(body.count, velocity), np.zeros((body.count, body.arms))
     time, peak, energy = np.zeros(body.count), np.zeros(body.count), np.zeros(body.count)
@@ -240,4 +187,100 @@ def _run(body: Body, mass: float, velocity: float, step: NDArray, longest: float
             x, v, time = np.where(going, new_x, x), np.where(going, new_v, v), np.where(going, time + step, time)
     known = np.isfinite(stop)
     none = np.full(body.count, np.nan)
-    return Contact(depth, np.where(known, energy, np.nan), np.where(known, peak, np.nan), none, stop)
+    return SafetyContact(depth, np.where(known, energy, np.nan), np.where(known, peak, np.nan), none, stop)
+
+
+WORDS = (
+    "Tissue: each subject stops it where the force measured at this speed, over depth, has taken its energy. A mass "
+    "slows down, so subjects are deeper than that, and at most as deep as their steady curve makes them"
+)
+
+
+@dataclass(frozen=True)
+class CurvesImpact:
+    """Contact of every person, and in words how deep it may be, or why it is not known."""
+
+    contact: SafetyContact
+    notes: tuple[str, ...]
+
+
+def curves_impact(subjects: Sequence[Parameters], mass_kg: float, velocity_mm_s: float) -> CurvesImpact:
+    """Stop a free mass on every person by the energy under the force-depth curve measured at its speed."""
+    _check_impact(mass_kg, velocity_mm_s)
+    people = [cast(MeasuredPerson, one) for one in subjects]
+    wanted = 0.5e-3 * mass_kg * velocity_mm_s**2
+    rows, notes = [], []
+    for person in people:
+        curve = person.rise_at(velocity_mm_s)
+        if curve is None:
+            speeds = sorted(set.intersection(*(set(one.velocities_mm_s) for one in people)))
+            raise InputError(
+                f"robot_velocity_mm_s = {velocity_mm_s:g} is outside the speeds that were pressed, and measured curves "
+                f"say nothing of others: all were pressed at {', '.join(f'{v:g}' for v in speeds)} mm/s",
+                "out_of_range", "robot_velocity_mm_s", velocity_mm_s, speeds,
+            )  # fmt: skip
+        depth, peak, taken = _stopped(*curve, wanted)
+        rows.append((depth, wanted if np.isfinite(depth) else np.nan, peak))
+        if not np.isfinite(depth):
+            end = f"{taken:.3g} mJ to {curve[0][-1]:.2f} mm"
+            notes.append(f"not stopped: it brings {wanted:.3g} mJ, the deepest press took {end}")
+            continue
+        at = np.linspace(0.0, curve[0][-1], FINE)
+        rest = np.r_[0.0, person.steady_N(at[1:], np.inf)]
+        most = _stopped(at, rest, wanted)[0]
+        notes.append(f"at most {most:.2f} mm" if np.isfinite(most) else f"at rest deeper than {at[-1]:.2f} mm")
+    depth, energy, peak = np.array(rows).T
+    none = np.full(len(people), np.nan)
+    return CurvesImpact(SafetyContact(depth, energy, peak, none, none), tuple(notes))
+
+
+def _stopped(depth_mm: NDArray, force_N: NDArray, energy_mJ: float) -> tuple[float, float, float]:
+    """Depth at which a curve has taken an energy, the largest force up to there, and all that it takes; NaN beyond."""
+    x = np.linspace(0.0, depth_mm[-1], FINE)
+    force = np.interp(x, depth_mm, force_N)
+    taken = np.r_[0.0, np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(x))]
+    if taken[-1] < energy_mJ:
+        return np.nan, np.nan, float(taken[-1])
+    stop = float(np.interp(energy_mJ, taken, x))
+    return stop, float(max(np.interp(stop, x, force), force[x <= stop].max())), float(taken[-1])
+
+
+@dataclass(frozen=True)
+class Limits(Serialised):
+    """A user's limits at one site, each with source: force [N] and pressure [N/cm2], and the transient factor."""
+
+    name: str
+    force_N: Quantity
+    pressure_N_per_cm2: Quantity
+    transient_factor: Quantity
+
+
+def read_limits(path: str | Path) -> Limits:
+    """Read a limits file: ``name`` and the three numbers, each with value, low, high, kind, source."""
+    names = ("force_N", "pressure_N_per_cm2", "transient_factor")
+    table = read_table(Path(path), ("schema", "name", *names), schema=None)
+    return Limits(str(table.data.get("name", Path(path).stem)), *(table.quantity(name) for name in names))
+
+
+def against_limits(contact: SafetyContact, area_mm2: float, limits: Limits) -> list[dict[str, Any]]:
+    """Compare contacts with limits: one row a criterion, with the largest value over the bodies.
+
+    Pressure is the mean over the punch, F / A.
+    """
+    rows = []
+    criteria = (
+        ("force_N", limits.force_N.value, 1.0),
+        ("mean_pressure_N_per_cm2", limits.pressure_N_per_cm2.value, N_PER_CM2 / area_mm2),
+    )
+    contacts = (
+        ("quasi-static", contact.held_force_N, 1.0),
+        ("transient", contact.peak_force_N, limits.transient_factor.value),
+    )
+    for criterion, limit, factor in criteria:
+        for kind, values, scale in contacts:
+            known = values[np.isfinite(values)]
+            value = float(known.max()) * factor if len(known) else None
+            allowed = limit * scale
+            within = None if value is None else value <= allowed
+            rows.append({"criterion": criterion, "contact": kind, "value": value, "limit": allowed, "within": within})
+    return rows

@@ -9,60 +9,45 @@ import numpy as np
 from dummydesign.tissue.model.laws import law_named
 
 if TYPE_CHECKING:
-    from dummydesign.design.assessment.centring import CentringTolerance
-    from dummydesign.design.assessment.pour_yield import PourYield
-    from dummydesign.design.assessment.verification import Verification
+    from dummydesign.design.assessment.castings import PourYield
+    from dummydesign.design.assessment.verification import CentringTolerance, Verification
     from dummydesign.design.search.best_of_kinds import Chosen
-    from dummydesign.design.search.slabs import Candidate
-    from dummydesign.design.search.space import SearchSpace
+    from dummydesign.design.search.slabs import DesignCandidate, SearchSpace
     from dummydesign.resin.model.resin import Resin
     from dummydesign.tissue.model.tissue import Tissue
 
 WEAK = ("inferred", "assumed")
 DRAWS = 2000
+Warnings = list[tuple[str, str]]
 
 
-def rests_on(resin: Resin, tissue: Tissue, best: Candidate) -> dict[str, Any]:
+def count_unmeasured(resin: Resin, tissue: Tissue, best: DesignCandidate) -> dict[str, Any]:
     """Say how much of an answer rests on inferred or assumed numbers, and what that does to the ratio.
 
     Counted are the numbers that decide the design: the tissue's parameters, the modulus law and the
     relaxation of the resin. ``ratio_low`` and ``ratio_high`` bound (95 %) the ratio that really gives the
     wanted modulus, over what is not known of the resin; None where that lies outside the resin's range.
-
-    Parameters
-    ----------
-    resin : Resin
-        With the kind of each number.
-    tissue : Tissue
-        With the kind of each number.
-    best : Candidate
-        The recommended design.
-
-    Returns
-    -------
-    dict
-        Counts, ``ratio_low``, ``ratio_high``, and ``text`` and ``next_step`` for the reader.
     """
-    tissue_kinds = [quantity.kind for subject in tissue.subjects for quantity in _leaves(subject.numbers)]
-    resin_numbers = [*resin.numbers.values(), *(arm.beta for arm in resin.arms), resin.softness_exponent]
-    resin_kinds = [quantity.kind for quantity in resin_numbers]
-    weak = {name: sum(kind in WEAK for kind in kinds) for name, kinds in _both(tissue_kinds, resin_kinds)}
+    numbers = {
+        "tissue": [quantity for subject in tissue.subjects for quantity in _leaves(subject.numbers)],
+        "resin": [*resin.numbers.values(), *(arm.beta for arm in resin.arms), resin.softness_exponent],
+    }
+    weak = {name: sum(quantity.kind in WEAK for quantity in listed) for name, listed in numbers.items()}
+    count = {name: len(listed) for name, listed in numbers.items()}
     wanted = resin.young_MPa(best.ratio) * 1e3
     with np.errstate(invalid="ignore"):
         ratios = resin.law.ratio(wanted, resin.draw(DRAWS).numbers)
     low, high = (float(end) for end in np.percentile(ratios, [2.5, 97.5]))
-    total = len(tissue_kinds) + len(resin_kinds)
     text = (
-        f"{sum(weak.values())} of the {total} numbers that decide this design are inferred or assumed "
-        f"(tissue {weak['tissue']} of {len(tissue_kinds)}, resin {weak['resin']} of {len(resin_kinds)}). "
+        f"{sum(weak.values())} of the {sum(count.values())} numbers that decide this design are inferred or assumed "
+        f"(tissue {weak['tissue']} of {count['tissue']}, resin {weak['resin']} of {count['resin']}). "
         f"The design needs {wanted:.3g} kPa; given the uncertainty of the resin, the ratio that gives it "
         f"lies between {low:.2f} and {high:.2f} (95 %)."
     )
     return {
-        "numbers": total,
+        "numbers": sum(count.values()),
         "inferred_or_assumed": sum(weak.values()),
-        "tissue": {"numbers": len(tissue_kinds), "inferred_or_assumed": weak["tissue"]},
-        "resin": {"numbers": len(resin_kinds), "inferred_or_assumed": weak["resin"]},
+        **{name: {"numbers": count[name], "inferred_or_assumed": weak[name]} for name in numbers},
         "wanted_young_kPa": wanted,
         "ratio_low": low,
         "ratio_high": high,
@@ -71,11 +56,7 @@ def rests_on(resin: Resin, tissue: Tissue, best: Candidate) -> dict[str, Any]:
     }
 
 
-def _both(tissue_kinds: list[str], resin_kinds: list[str]) -> list[tuple[str, list[str]]]:
-    return [("tissue", tissue_kinds), ("resin", resin_kinds)]
-
-
-def _next_step(resin: Resin, best: Candidate, weak: dict[str, int]) -> str:
+def _next_step(resin: Resin, best: DesignCandidate, weak: dict[str, int]) -> str:
     """The measurement that would help most."""
     if not resin.points and weak["resin"]:
         second = best.ratio + 1.0 if best.ratio + 1.0 <= resin.ratio_max else best.ratio - 1.0
@@ -89,40 +70,15 @@ def _next_step(resin: Resin, best: Candidate, weak: dict[str, int]) -> str:
 
 
 def _leaves(numbers: dict[str, Any]) -> list[Any]:
-    found: list[Any] = []
-    for value in numbers.values():
-        found += list(value.values()) if isinstance(value, dict) else [value]
-    return found
+    return [one for value in numbers.values() for one in (value.values() if isinstance(value, dict) else [value])]
 
 
 def design_warnings(
-    chosen: Chosen,
-    space: SearchSpace,
-    tissue: Tissue,
-    pour: PourYield,
-    verification: Verification,
-    centring: CentringTolerance | None,
-    verify: bool,
-    own: list[tuple[str, str]] | None = None,
-) -> list[dict[str, str]]:
-    """List what is out of reach, at an edge, doubtful or contradictory, as {code, message}.
-
-    Parameters
-    ----------
-    chosen : Chosen
-        The recommended design and the best of each kind.
-    space : SearchSpace
-    tissue : Tissue
-    pour : PourYield
-    verification : Verification
-    centring : CentringTolerance or None
-    verify : bool
-        Whether a verification was asked for: then its notes are warnings.
-    own : list of (code, message), optional
-        What is said of one's own test.
-    """
-    resin = space.resin
-    said = [*(own or []), *_of_forces(chosen, space)]
+    chosen: Chosen, space: SearchSpace, tissue: Tissue, pour: PourYield, verification: Verification,
+    centring: CentringTolerance | None, verify: bool,
+) -> Warnings:  # fmt: skip
+    """List what is out of reach, at an edge, doubtful or contradictory, as (code, message)."""
+    said = _of_forces(chosen, space)
     said += [("off_centre", centring.text)] if centring else []
     said += [("no_shape", reason) for reason in _reasons(chosen)]
     said += _edges(chosen, space)
@@ -140,15 +96,15 @@ def design_warnings(
     if missed and not alone:
         where = " and ".join(f"{force:g}" for force in missed)
         said.append(("outside_steady_range", f"the steady curve is outside the tissue's range at {where} N"))
-    said += _of_data(resin, tissue)
+    said += _of_data(space.resin, tissue)
     off = verification.max_difference_percent
     if off is not None and off > 1.0 and chosen.shape.plain:
         said.append(("table_error", f"the table differs by {off:.1f} % from the finite-element solution"))
     said += [("verification", note) for note in verification.notes if verify]
-    return [{"code": code, "message": message} for code, message in said]
+    return said
 
 
-def _of_forces(chosen: Chosen, space: SearchSpace) -> list[tuple[str, str]]:
+def _of_forces(chosen: Chosen, space: SearchSpace) -> Warnings:
     """Conditions out of reach, and a start that is too stiff."""
     best = chosen.found.best
     said = []
@@ -164,9 +120,9 @@ def _of_forces(chosen: Chosen, space: SearchSpace) -> list[tuple[str, str]]:
     return said
 
 
-def _of_speeds(space: SearchSpace, tissue: Tissue) -> list[tuple[str, str]]:
+def _of_speeds(space: SearchSpace, tissue: Tissue) -> Warnings:
     """Speeds that are designed for and at which no subject was measured."""
-    said = [] if tissue.said is None else [tissue.said]
+    said = [] if tissue.notice is None else [tissue.notice]
     asked = sorted({condition.velocity_mm_s for condition in space.targets.conditions})
     if tissue.measured:
         between = [v for v in asked if all(max(v / known, known / v) > 1.15 for known in tissue.velocities_mm_s)]
@@ -185,7 +141,7 @@ def _of_speeds(space: SearchSpace, tissue: Tissue) -> list[tuple[str, str]]:
     return [("speed_not_in_band", f"{text}, not a measurement")]
 
 
-def _of_data(resin: Resin, tissue: Tissue) -> list[tuple[str, str]]:
+def _of_data(resin: Resin, tissue: Tissue) -> Warnings:
     """Numbers that contradict each other, and those that nobody measured."""
     said = [("contradictory_points", text) for text in resin.contradictions]
     weak_tissue = [kind for kind in tissue.kinds if kind in WEAK]
@@ -218,7 +174,7 @@ def _reasons(chosen: Chosen) -> list[str]:
     return [f"{', '.join(names)} {reason}".strip() for reason, names in kinds.items()]
 
 
-def _edges(chosen: Chosen, space: SearchSpace) -> list[tuple[str, str]]:
+def _edges(chosen: Chosen, space: SearchSpace) -> Warnings:
     """A best design at the end of a range: more might be had outside."""
     best = chosen.found.best
     said = []

@@ -7,34 +7,22 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.scoring.verdict_limits import VerdictLimits
+from dummydesign.design.scoring.settings import VerdictLimits
 
-TOLERANCE = 0.01
-"""A reading within 1 % of the outermost subject counts as inside: a steady force is not set finer."""
-ENERGY_TOLERANCE = 0.02
-"""The same for energies, which go with force times depth."""
+# A reading within 1 % of the outermost subject counts as inside: a steady force is not set finer. Energies go with
+# force times depth.
+TOLERANCE, ENERGY_TOLERANCE = 0.01, 0.02
 PEAK, STEADY, ENERGY = "peak", "steady", "energy"
-STANDS_FOR, USABLE, READS_LOW, OVER, OUT_OF_REACH = CLASSES = (
-    "stands_for", "usable", "reads_low", "over", "out_of_reach",
-)  # fmt: skip
-"""Exclusive classes of castings, in the order of their numbers."""
+# Exclusive classes of castings, in the order of their numbers.
+CLASSES = ("stands_for", "usable", "reads_low", "over", "out_of_reach")
+STANDS_FOR, USABLE, READS_LOW, OVER, OUT_OF_REACH = CLASSES
 
 
 @dataclass(frozen=True)
 class Ranges:
     """What the subjects do in each of c presses, and their depths at g steady forces.
 
-    Attributes
-    ----------
-    force_N, velocity_mm_s : ndarray, shape (c,)
-        Steady force and speed of each press.
-    peak_low_N, peak_high_N, energy_low_mJ, energy_high_mJ : ndarray, shape (c,)
-        Outermost subjects; NaN energies are not judged.
-    steady_N, stiff_mm, soft_mm : ndarray, shape (g,)
-        Steady forces, and the depths of the stiffest and the softest subject there.
-    subjects : int
-    power : float
-        Exponent of their steady force over depth.
+    With ``strict`` (the aim safe-side) nothing may be below any subject.
     """
 
     force_N: NDArray
@@ -48,6 +36,7 @@ class Ranges:
     soft_mm: NDArray
     subjects: int
     power: float = 3.0
+    strict: bool = False
 
 
 @dataclass(frozen=True)
@@ -88,15 +77,7 @@ class Deviations:
         return _largest(self.above)
 
     def worst(self, ratios: dict[str, NDArray], pad: int = 0) -> tuple[float, str, int]:
-        """Largest ratio of one pad, its quantity and the place of its press or steady force.
-
-        Parameters
-        ----------
-        ratios : dict
-            ``short`` or ``above``.
-        pad : int
-            Which of the pads.
-        """
+        """Largest ratio of one pad, its quantity and the place of its press or steady force."""
         best = (np.nan, PEAK, 0)
         for name, values in ratios.items():
             row = values[pad]
@@ -107,43 +88,27 @@ class Deviations:
         return best
 
 
-def deviations(ranges: Ranges, readings: Readings, strict: bool = False) -> Deviations:
-    """Compare pads with the subjects; one pad counts as n = 1.
-
-    Parameters
-    ----------
-    ranges : Ranges
-    readings : Readings
-    strict : bool
-        For the safe side: the shortfall is that below the highest subject, and energies are not judged.
-    """
+def deviations(ranges: Ranges, readings: Readings) -> Deviations:
+    """Compare pads with the subjects; one pad counts as n = 1."""
     peak, energy, depth = (np.atleast_2d(values) for values in (readings.peak_N, readings.energy_mJ, readings.depth_mm))
     reached = np.isfinite(peak).all(axis=-1)
     with np.errstate(invalid="ignore", divide="ignore"):
         above = {PEAK: peak / ranges.peak_high_N, STEADY: (ranges.stiff_mm / depth) ** ranges.power}
-        if strict:
+        if ranges.strict:
             return Deviations(ranges, {name: 1.0 / ratio for name, ratio in above.items()}, above, reached)
         short = {PEAK: ranges.peak_low_N / peak, STEADY: (depth / ranges.soft_mm) ** ranges.power}
         short[ENERGY], above[ENERGY] = ranges.energy_low_mJ / energy, energy / ranges.energy_high_mJ
     return Deviations(ranges, short, above, reached)
 
 
-def classes(found: Deviations, limits: VerdictLimits, strict: bool = False) -> NDArray:
+def classes(found: Deviations, limits: VerdictLimits) -> NDArray:
     """Class of each pad as it is, shape (n,), as places in :data:`CLASSES`.
 
     A casting that both falls short and over-reads counts by the larger excess over its limit.
-
-    Parameters
-    ----------
-    found : Deviations
-    limits : VerdictLimits
-    strict : bool
-        For the safe side: a pad stands for the subjects when nothing is below any, whatever is above.
     """
     short, over = np.nan_to_num(found.shortfall), np.nan_to_num(found.over)
-    if strict:
-        kinds = [~found.reached, short <= limits.stands_shortfall]
-        return np.asarray(np.select(kinds, [4, 0], 2))
+    if found.ranges.strict:
+        return np.asarray(np.select([~found.reached, short <= limits.stands_shortfall], [4, 0], 2))
     stands = (short <= limits.stands_shortfall) & (over <= limits.stands_over)
     usable = (short <= limits.shortfall_castings) & (over <= limits.over)
     low = short / limits.shortfall_castings >= over / limits.over

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.scoring.press import Press
-from dummydesign.design.scoring.presses import Sampling, Slabs, press_to_depth
+from dummydesign.design.scoring.presses import Sampling, SimulatedPress, Slabs, press_to_depth
 from dummydesign.design.scoring.score import halving, steady_gamma1
 from dummydesign.design.scoring.targets import NARROWEST, Targets
 from dummydesign.tissue.model.laws import law_named
@@ -19,33 +18,17 @@ if TYPE_CHECKING:
 STEPS, TOLERANCE, DIFFERENCE = 40, 1e-4, 1e-5
 _FIT_SAMPLING = (16, 8, 24)
 FIRST_HOLD_S = 0.002
+# Bounds of gamma / c; a faster arm is a plain damper at the speeds of the protocol. [1/(mm2 s)]
 RATES = (1e-6, 1e4)
-"""Bounds of gamma / c; a faster arm is a plain damper at the speeds of the protocol. [1/(mm2 s)]"""
 
 
-def fit_presses(slabs: Slabs, targets: Targets, depth_mm: NDArray, sampling: Sampling) -> list[Parameters]:
+def fit_presses(slabs: Slabs, targets: Targets, depth_mm: NDArray, sampling: Sampling) -> list[Parameters | None]:
     """Fit the law of the tissue to the simulated presses of each design.
 
     All conditions together, springs shared, dampers per speed (as the paper reports them and as bands
     and scores use them); residuals count evenly in the rise in time and in the hold in the logarithm of
     time. Levenberg-Marquardt in the logarithms of the rates c / gamma with the springs, in which the law
     is linear, solved exactly at each step (variable projection), all designs side by side.
-
-    Parameters
-    ----------
-    slabs : Slabs
-        D designs.
-    targets : Targets
-        Names law, number of arms and conditions.
-    depth_mm : ndarray, shape (D, conditions)
-        Depth of each press; NaN where out of reach, which leaves that press out. [mm]
-    sampling : Sampling
-        Hold and braking.
-
-    Returns
-    -------
-    list of Parameters or None
-        One a design, None when no condition of some speed is reached.
 
     References
     ----------
@@ -68,7 +51,7 @@ def fit_presses(slabs: Slabs, targets: Targets, depth_mm: NDArray, sampling: Sam
     problem = _Problem(presses, fine, targets, speed_of)
     rates = problem.solve()
     springs = problem.springs(rates)
-    found: list[Any] = [None] * len(usable)
+    found: list[Parameters | None] = [None] * len(usable)
     for row, design in enumerate(np.nonzero(usable)[0]):
         gamma, per_speed = springs[row, 1:], springs[row, 1:] / rates[row]
         order = np.argsort(-(per_speed / gamma).mean(axis=0))
@@ -80,7 +63,7 @@ def fit_presses(slabs: Slabs, targets: Targets, depth_mm: NDArray, sampling: Sam
 class _Problem:
     """Presses of D designs as one weighted least-squares problem in ln rate (D, speeds, arms)."""
 
-    def __init__(self, presses: list[Press], sampling: Sampling, targets: Targets, speed_of: NDArray) -> None:
+    def __init__(self, presses: list[SimulatedPress], sampling: Sampling, targets: Targets, speed_of: NDArray) -> None:
         self.arms = (targets.tissue.elements - 1) // 2
         wanted: list[NDArray] = []
         self.weight, self.drives = [], []
@@ -195,7 +178,7 @@ def _nonnegative(matrix: NDArray, right: NDArray) -> NDArray:
     return np.maximum(best, 1e-9 * best.max(-1, keepdims=True))
 
 
-def parametric_score(found: list[Parameters], targets: Targets) -> NDArray:
+def parametric_score(found: list[Parameters | None], targets: Targets) -> NDArray:
     """Closeness of fitted parameters to the aim: mean over all of 1/2 to the distance in half-widths.
 
     Distances are in the logarithm; the half-width of each parameter is half its band over the subjects.
@@ -230,16 +213,7 @@ def gamma1_score(gamma1_N_per_mm3: NDArray, targets: Targets) -> NDArray:
 
 
 def rough_parametric(slabs: Slabs, targets: Targets, sampling: Sampling) -> NDArray:
-    """The :func:`gamma1_score` of designs from their steady forces in the test of the targets, shape (D,).
-
-    Parameters
-    ----------
-    slabs : Slabs
-        D designs.
-    targets : Targets
-    sampling : Sampling
-        Of the test; its coarse one is used.
-    """
+    """The :func:`gamma1_score` of designs from their steady forces in the test of the targets, shape (D,)."""
     return gamma1_score(steady_gamma1(slabs, targets.protocol, sampling.coarse, targets.power), targets)
 
 

@@ -1,38 +1,107 @@
-"""Force-depth curves of many slabs at once, per unit modulus, ready to be inverted and pressed."""
+"""Force-depth curves and presses of many designs at once."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dummydesign.design.scoring.press import Press
-from dummydesign.design.scoring.verdict_limits import verdict_limits
-from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS
+from dummydesign.design.scoring.settings import verdict_limits
+from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.measurement.motion import DECELERATION_MM_S2, HOLD_S, Motion, ramp_and_hold
 from dummydesign.pad.force_law import ForceLaw
 from dummydesign.pad.material.relaxation import arms_in_ramp_and_hold
 
+# Time after the stop from which the hold counts, as in the tissue's own definition. [s]
+FIRST_HOLD_S = 0.005
+# Largest depth over thickness that is designed for, as in the contract of the commands.
 DEPTH_SHARE = MAX_DEPTH_OVER_THICKNESS
-"""Largest depth over thickness that is designed for, as in the contract of the commands."""
-
 SAMPLES = 481
 
 
 @dataclass(frozen=True)
-class Curves:
-    """Elastic force per unit modulus of T slabs on even depth grids.
+class SimulatedPress:
+    """Presses of D designs at one condition: arrays (D, n) over time, NaN where out of reach.
 
-    Attributes
-    ----------
-    thickness_mm : ndarray, shape (T,)
-    limit_mm : ndarray, shape (T,)
-        Largest depth: the smaller of 0.6 of the thickness and what the force law allows. [mm]
-    area_mm2 : ndarray, shape (T, n)
-        F / E at depths 0 .. limit, even steps. [mm2]
+    Sample ``stopped`` is the stop of each, and from there on all have the same times.
     """
+
+    time_s: NDArray
+    force_N: NDArray
+    stop_s: NDArray
+    depth_mm: NDArray
+    displacement_mm: NDArray
+    stopped: int
+
+    @cached_property
+    def peak_N(self) -> NDArray:
+        """Largest force of each press, shape (D,); NaN where out of reach. [N]"""
+        return self.force_N.max(axis=-1)
+
+    @cached_property
+    def _hold(self) -> NDArray:
+        """ln of the time since the stop, at least of 5 ms, in the hold of all presses, shape (n - stopped,)."""
+        return np.log(np.maximum(self.time_s[0, self.stopped :] - self.stop_s[0], FIRST_HOLD_S))
+
+    @cached_property
+    def counted(self) -> NDArray:
+        """Which samples count in a share of the press: not the first 5 ms of the hold. Indices, shape (m,)."""
+        first = int(np.argmax(self._hold > np.log(FIRST_HOLD_S))) - 1
+        return np.r_[: self.stopped + 1, self.stopped + max(first, 1) : self.time_s.shape[-1]]
+
+    @cached_property
+    def in_order(self) -> tuple[NDArray, NDArray]:
+        """Order (D, m) of the counted samples of all presses in time, flat places, and these times (D m,). [s]"""
+        times = self.time_s[:, self.counted]
+        order = np.argsort(times, axis=None, kind="stable")
+        return order.reshape(times.shape), times.ravel()[order]
+
+    @cached_property
+    def sample_weights(self) -> NDArray:
+        """What counted samples (D, m) weigh in a share of the press: half the rise in time, half the hold in ln t."""
+        weights = np.zeros_like(self.time_s)
+        rise = np.diff(self.time_s[:, : self.stopped + 1], axis=-1)
+        parts = weights[:, : self.stopped + 1], weights[:, self.stopped :]
+        for own, step in zip(parts, (rise, np.diff(self._hold)[None])):
+            step = step * (0.25 / step.sum(-1, keepdims=True))
+            own[:, 1:] += step
+            own[:, :-1] += step
+        return weights[:, self.counted]
+
+    @cached_property
+    def energy_mJ(self) -> NDArray:
+        """Integral of F dx from touch to stop, shape (D,); NaN where out of reach."""
+        rise = slice(self.stopped + 1)
+        return parabolic_work_mJ(self.displacement_mm[:, rise], self.force_N[:, rise])
+
+
+def parabolic_work_mJ(displacement_mm: NDArray, force_N: NDArray) -> NDArray:
+    """Integral of F dx by parabolas through every three samples, shape (D,). [mJ]
+
+    Straight lines make too much of a force that bends upwards: 1.5 % on the coarse grid. Where a step is zero, and in a
+    last step without a partner, lines are taken.
+    """
+    step = np.diff(displacement_mm, axis=-1)
+    lines = 0.5 * (force_N[:, 1:] + force_N[:, :-1]) * step
+    pairs = step.shape[-1] // 2 * 2
+    first, second = step[:, 0:pairs:2], step[:, 1:pairs:2]
+    low, middle, high = (force_N[:, start : start + pairs : 2] for start in range(3))
+    whole = first + second
+    with np.errstate(invalid="ignore", divide="ignore"):
+        curved = (
+            (2.0 - second / first) * low + whole**2 / (first * second) * middle + (2.0 - first / second) * high
+        ) * whole / 6.0  # fmt: skip
+    plain = lines[:, 0:pairs:2] + lines[:, 1:pairs:2]
+    work = np.where((first > 0.0) & (second > 0.0), curved, plain)
+    return np.asarray(work.sum(axis=-1) + lines[:, pairs:].sum(axis=-1))
+
+
+@dataclass(frozen=True)
+class Curves:
+    """Elastic force per unit modulus of T slabs on even depth grids."""
 
     thickness_mm: NDArray
     limit_mm: NDArray
@@ -78,22 +147,8 @@ def _lookup(table: NDArray, slab: NDArray, position: NDArray) -> NDArray:
     return np.where(np.isnan(position), np.nan, table[rows, left] * (1.0 - share) + table[rows, left + 1] * share)
 
 
-def make_curves(
-    law: ForceLaw, thickness_mm: ArrayLike, radius_mm: float, depth_share: float | None = None
-) -> Curves:
-    """Sample the force law for slabs of the given thicknesses (T,).
-
-    Parameters
-    ----------
-    law : ForceLaw
-        Response table, or any other of that contract.
-    thickness_mm : array_like, shape (T,)
-        Thicknesses inside the law's range. [mm]
-    radius_mm : float
-        Radius of the punch, or of the circle of equal area. [mm]
-    depth_share : float, optional
-        Largest depth over thickness, by default the verdict's limit of the gel's compression.
-    """
+def make_curves(law: ForceLaw, thickness_mm: ArrayLike, radius_mm: float, depth_share: float | None = None) -> Curves:
+    """Sample the force law for slabs of the given thicknesses (T,)."""
     depth_share = verdict_limits().gel_compression if depth_share is None else depth_share
     thickness = np.atleast_1d(np.asarray(thickness_mm, float))
     limit = np.minimum(depth_share * thickness, law.depth_limit_mm(thickness, radius_mm))
@@ -104,8 +159,7 @@ def make_curves(
 
 def join_curves(curves: Sequence[Curves]) -> Curves:
     """Curves of several force laws as one set, in their order."""
-    names = ("thickness_mm", "limit_mm", "area_mm2")
-    return Curves(*(np.concatenate([getattr(one, name) for one in curves]) for name in names))
+    return Curves(*(np.concatenate(columns) for columns in zip(*(vars(one).values() for one in curves))))
 
 
 @dataclass(frozen=True)
@@ -125,15 +179,8 @@ class Sampling:
 
     def motion(self, velocity_mm_s: ArrayLike, depth_mm: NDArray) -> Motion:
         """Ramp and hold to depths (D,)."""
-        return ramp_and_hold(
-            velocity_mm_s,
-            depth_mm,
-            self.hold_s,
-            self.deceleration_mm_s2,
-            self.ramp_points,
-            self.brake_points,
-            self.hold_points,
-        )
+        points = self.ramp_points, self.brake_points, self.hold_points
+        return ramp_and_hold(velocity_mm_s, depth_mm, self.hold_s, self.deceleration_mm_s2, *points)
 
     @property
     def stopped(self) -> int:
@@ -174,25 +221,8 @@ def join_slabs(slabs: Sequence[Slabs]) -> Slabs:
     return Slabs(join_curves(curves), np.arange(len(young)), young, slabs[0].tau_s, beta)
 
 
-def press_to_depth(slabs: Slabs, depth_mm: NDArray, velocity_mm_s: ArrayLike, sampling: Sampling) -> Press:
-    """Press every design to its depth (D,), brake, hold: elastic curve with Prony relaxation on top.
-
-    Parameters
-    ----------
-    slabs : Slabs
-        D designs.
-    depth_mm : ndarray, shape (D,)
-        Depth of each; NaN for out of reach. [mm]
-    velocity_mm_s : array_like, shape () or (D,)
-        Speed of the ramp. [mm/s]
-    sampling : Sampling
-        Hold and braking.
-
-    Returns
-    -------
-    Press
-        Rows of NaN force where out of reach.
-    """
+def press_to_depth(slabs: Slabs, depth_mm: NDArray, velocity_mm_s: ArrayLike, sampling: Sampling) -> SimulatedPress:
+    """Press every design to its depth (D,), brake, hold: elastic curve with Prony relaxation on top."""
     reachable = np.isfinite(depth_mm)
     depth = np.where(reachable, depth_mm, slabs.curves.limit_mm[slabs.slab])
     motion = sampling.motion(velocity_mm_s, depth)
@@ -209,33 +239,16 @@ def press_to_depth(slabs: Slabs, depth_mm: NDArray, velocity_mm_s: ArrayLike, sa
     relative *= slabs.young_MPa
     relative[:, ~reachable] = np.nan
     force, reached = np.ascontiguousarray(relative.T), np.where(reachable, depth_mm, np.nan)
-    return Press(time, force, braked, reached, motion.displacement_mm, stop)
+    return SimulatedPress(time, force, braked, reached, motion.displacement_mm, stop)
 
 
 def steady_depth(
-    slabs: Slabs,
-    steady_force_N: ArrayLike,
-    velocity_mm_s: ArrayLike,
-    sampling: Sampling = COARSE,
-    exact: bool = False,
+    slabs: Slabs, steady_force_N: ArrayLike, velocity_mm_s: ArrayLike, sampling: Sampling = COARSE, exact: bool = False
 ) -> NDArray:
     """Depth whose force at the end of the hold is the given one, shape (D,) or (D, n); NaN out of reach.
 
     Slow arms have not died out by then: beside the relaxed force a share sum beta_i exp(-hold / tau_i) m_i
     is left, m_i = (tau_i / t_p) (1 - exp(-t_p / tau_i)) for a rise at constant rate (t_p = depth / speed).
-
-    Parameters
-    ----------
-    slabs : Slabs
-        D designs.
-    steady_force_N : array_like, shape () or (n,)
-        Force at the end of the hold. [N]
-    velocity_mm_s : array_like, shape () or (n,)
-        Speed of the ramp, for all forces or one each. [mm/s]
-    sampling : Sampling
-        Hold and braking.
-    exact : bool
-        Take the share from simulated presses instead of the rise at constant rate.
     """
     forces = np.atleast_1d(np.asarray(steady_force_N, float))
     speeds = np.broadcast_to(np.asarray(velocity_mm_s, float), forces.shape)
@@ -252,7 +265,7 @@ def steady_depth(
             # a depth that has settled stays, so that no design depends on which others are worked out with it
             depth[rows] = np.where(settled, before, new)
             settled |= np.abs(np.nan_to_num(new / tried, nan=1.0) - 1.0) < 1e-6
-            going = ~settled.all(axis=-1)
+            going = np.logical_not(settled.all(axis=-1))
             if not going.any():
                 break
             rows, settled, some = rows[going], settled[going], some.take(going)

@@ -1,23 +1,22 @@
 """Scores of many designs at once: fraction in range the tissue's ranges, closeness to the aim, parameters.
 
 Every part lies between 0 and 1 and more is better; the total is their mean by the weights of the aim
-(:mod:`dummydesign.design.scoring.weights`), so it rises whenever a part rises and the others stay. A condition out of
+(:mod:`dummydesign.design.scoring.settings`), so it rises whenever a part rises and the others stay. A condition out of
 reach counts as 0, never as missing.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.design.request import PAPER, Protocol
-from dummydesign.design.scoring.press import Press
-from dummydesign.design.scoring.presses import COARSE, Sampling, Slabs, press_to_depth, steady_depth
+from dummydesign.design.scoring.presses import COARSE, Sampling, SimulatedPress, Slabs, press_to_depth, steady_depth
+from dummydesign.design.scoring.settings import Weights
 from dummydesign.design.scoring.targets import Targets
-from dummydesign.design.scoring.weights import Weights
 from dummydesign.tissue.model.ranges import STEADY_TOLERANCE, ForceRange
 
 
@@ -42,26 +41,23 @@ class Evaluation:
     depth_mm: NDArray
     low_depth_mm: NDArray
     steady_depth_mm: NDArray
-    presses: tuple[Press, ...]
+    presses: tuple[SimulatedPress, ...]
     protocol: Protocol
     sampling: Sampling
     weights: Weights
 
     def total(self, parametric: NDArray) -> NDArray:
         """Weighted mean of the parts, shape (D,)."""
-        parts = {
-            "steady_state_range": self.steady_state_range,
-            "force_variation_range": self.force_variation_range,
-            "aim": self.aim,
-            "parametric": parametric,
-        }
-        return sum(weight * parts[name] for name, weight in self.weights.parts.items())
+        weighted = [
+            weight * (parametric if name == "parametric" else getattr(self, name))
+            for name, weight in self.weights.parts.items()
+        ]
+        return np.sum(weighted, axis=0)
 
     def take(self, chosen: NDArray) -> Evaluation:
         """Keep the designs chosen by index or mask (without their presses)."""
-        own = ("steady_state_range", "low_force_range", "force_variation_range", "aim", "low_aim", "inside")
-        parts = [getattr(self, name)[chosen] for name in (*own, "depth_mm", "low_depth_mm", "steady_depth_mm")]
-        return Evaluation(self.slabs.take(chosen), *parts, (), self.protocol, self.sampling, self.weights)
+        arrays = {name: value[chosen] for name, value in vars(self).items() if isinstance(value, np.ndarray)}
+        return replace(self, slabs=self.slabs.take(chosen), presses=(), **arrays)
 
     @property
     def feasible(self) -> NDArray:
@@ -88,55 +84,34 @@ def closeness(distance: NDArray) -> NDArray:
 
 
 def evaluate(slabs: Slabs, targets: Targets, sampling: Sampling | None = None, exact: bool = False) -> Evaluation:
-    """Score designs against a tissue by the ranges and the aim.
-
-    Parameters
-    ----------
-    slabs : Slabs
-        D designs.
-    targets : Targets
-        Ranges and aim.
-    sampling : Sampling, optional
-        Sampling of the presses; the coarse default, with the hold and braking of the targets, serves the map.
-    exact : bool
-        Use the tissue's own definition of the fraction in range a force range (slower) instead of the same
-        share taken at the samples.
-
-    Returns
-    -------
-    Evaluation
-    """
+    """Score designs against a tissue by the ranges and the aim."""
     protocol = targets.protocol
     sampling = sampling or targets.sampling.coarse
     forces = np.concatenate([protocol.low_grid_N, protocol.steady_grid_N])
     pressed = np.array([(one.steady_force_N, one.velocity_mm_s) for one in targets.conditions])
     # one inversion of the curves for all, but where the presses are to be exact
     wanted = np.r_[[(force, protocol.slow_mm_s) for force in forces], pressed]
-    depth = steady_depth(slabs, *(wanted[: len(forces)] if exact else wanted).T, sampling)
+    depth = steady_depth(slabs, *_columns(wanted[: len(forces)] if exact else wanted), sampling)
     reached = depth[:, : len(forces)]
-    depth = steady_depth(slabs, *pressed.T, sampling, exact) if exact else depth[:, len(forces) :]
+    depth = steady_depth(slabs, *_columns(pressed), sampling, exact) if exact else depth[:, len(forces) :]
     presses = [press_to_depth(slabs, *at, sampling) for at in zip(depth.T, pressed[:, 1].tolist())]
     share = _inside_exact if exact else _inside_at_samples
     return _scored(slabs, targets, sampling, reached, tuple(presses), share)
 
 
-def scored_for(found: Evaluation, targets: Targets) -> Evaluation:
-    """The same presses scored against other targets of the same test; see :func:`evaluate`.
+def _columns(presses: NDArray) -> tuple[NDArray, NDArray]:
+    return presses[:, 0], presses[:, 1]
 
-    Parameters
-    ----------
-    found : Evaluation
-        With its presses.
-    targets : Targets
-        Of the same protocol.
-    """
+
+def scored_for(found: Evaluation, targets: Targets) -> Evaluation:
+    """The same presses scored against other targets of the same test; see :func:`evaluate`."""
     reached = np.concatenate([found.low_depth_mm, found.steady_depth_mm], axis=-1)
     return _scored(found.slabs, targets, found.sampling, reached, found.presses, _inside_in_order)
 
 
 def _scored(
-    slabs: Slabs, targets: Targets, sampling: Sampling, reached: NDArray, presses: tuple[Press, ...],
-    share: Callable[[Press, ForceRange], NDArray],
+    slabs: Slabs, targets: Targets, sampling: Sampling, reached: NDArray, presses: tuple[SimulatedPress, ...],
+    share: Callable[[SimulatedPress, ForceRange], NDArray],
 ) -> Evaluation:
     """Scores of designs by their depths at the steady forces, low ones first, and by their presses."""
     protocol = targets.protocol
@@ -150,24 +125,14 @@ def _scored(
         peaks.append(np.log(press.peak_N / condition.aim_peak_N) / condition.peak_half_width)
     close.append(closeness(np.stack(peaks, axis=-1)))
     return Evaluation(
-        slabs,
-        targets.steady_inside(protocol.steady_grid_N, reached[:, lows:]),
-        targets.steady_inside(low_N, reached[:, :lows]),
-        np.mean(inside, axis=0),
-        0.5 * (close[0] + close[1]),
-        closeness(away[:, :lows]),
-        np.stack(inside, axis=-1),
-        np.stack([press.depth_mm for press in presses], axis=-1),
-        reached[:, :lows],
-        reached[:, lows:],
-        presses,
-        protocol,
-        sampling,
-        targets.weights,
-    )
+        slabs, targets.steady_inside(protocol.steady_grid_N, reached[:, lows:]),
+        targets.steady_inside(low_N, reached[:, :lows]), np.mean(inside, axis=0), 0.5 * (close[0] + close[1]),
+        closeness(away[:, :lows]), np.stack(inside, axis=-1), np.stack([press.depth_mm for press in presses], axis=-1),
+        reached[:, :lows], reached[:, lows:], presses, protocol, sampling, targets.weights,
+    )  # fmt: skip
 
 
-def _inside_exact(press: Press, band: ForceRange) -> NDArray:
+def _inside_exact(press: SimulatedPress, band: ForceRange) -> NDArray:
     """Share of each press inside a force range as the tissue defines it; 0 where out of reach."""
     share = np.zeros(len(press.stop_s))
     known = np.isfinite(press.depth_mm)
@@ -177,12 +142,12 @@ def _inside_exact(press: Press, band: ForceRange) -> NDArray:
     return share
 
 
-def _inside_at_samples(press: Press, band: ForceRange) -> NDArray:
+def _inside_at_samples(press: SimulatedPress, band: ForceRange) -> NDArray:
     """The same share taken at the samples: rise even in time, hold even in the logarithm from 5 ms on."""
     return _share_within(press, band, np.interp(press.time_s[:, press.counted], band.time_s, _both_ends(band)))
 
 
-def _inside_in_order(press: Press, band: ForceRange) -> NDArray:
+def _inside_in_order(press: SimulatedPress, band: ForceRange) -> NDArray:
     """The same for presses that are held against many ranges: looked up in the order of time, which is quick."""
     order, times = press.in_order
     ends = np.empty(order.shape, complex)
@@ -195,7 +160,7 @@ def _both_ends(band: ForceRange) -> NDArray:
     return band.low_N + 1j * band.high_N
 
 
-def _share_within(press: Press, band: ForceRange, ends: NDArray) -> NDArray:
+def _share_within(press: SimulatedPress, band: ForceRange, ends: NDArray) -> NDArray:
     force, near = press.force_N[:, press.counted], STEADY_TOLERANCE * band.steady_force_N
     with np.errstate(invalid="ignore"):
         within = (force >= ends.real - near) & (force <= ends.imag + near)
@@ -203,35 +168,16 @@ def _share_within(press: Press, band: ForceRange, ends: NDArray) -> NDArray:
     return np.where(np.isfinite(press.depth_mm), share, 0.0)
 
 
-def steady_gamma1(
-    slabs: Slabs, protocol: Protocol = PAPER, sampling: Sampling = COARSE, power: float = 3.0
-) -> NDArray:
+def steady_gamma1(slabs: Slabs, protocol: Protocol = PAPER, sampling: Sampling = COARSE, power: float = 3.0) -> NDArray:
     """Least-squares gamma1 of F = gamma1 x^power over the steady forces of the protocol, shape (D,). [N/mm^power]
 
     It is what a fit of the five-element law settles for in the hold of all presses; NaN when none is reached.
-
-    Parameters
-    ----------
-    slabs : Slabs
-        D designs.
-    protocol : Protocol
-        Forces and speeds.
-    sampling : Sampling
-        Hold and braking.
-    power : float
-        Of the tissue's law at rest.
     """
     return _gamma1(steady_depth(slabs, np.array(protocol.forces_N), protocol.slow_mm_s, sampling), protocol, power)
 
 
 def evaluated_gamma1(found: Evaluation, power: float = 3.0) -> NDArray:
     """The :func:`steady_gamma1` of designs whose evaluation is not exact, from its depths at the slowest ramp, (D,).
-
-    Parameters
-    ----------
-    found : Evaluation
-    power : float
-        Of the tissue's law at rest.
     """
     return _gamma1(found.depth_mm[:, : len(found.protocol.forces_N)], found.protocol, power)
 

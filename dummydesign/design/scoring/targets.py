@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,23 +13,22 @@ from numpy.typing import NDArray
 
 from dummydesign.design.request import PAPER, Protocol
 from dummydesign.design.scoring.presses import Sampling
-from dummydesign.design.scoring.verdict_limits import VerdictLimits, verdict_limits
-from dummydesign.design.scoring.weights import Weights, weights_of
+from dummydesign.design.scoring.settings import VerdictLimits, Weights, verdict_limits, weights_of
 from dummydesign.measurement.motion import work_mJ
 from dummydesign.tissue.model.laws import law_named
-from dummydesign.tissue.model.subjects_law import SETTLED_S
+from dummydesign.tissue.model.maxwell_law import SETTLED_S
 
 if TYPE_CHECKING:
     from dummydesign.tissue.model.parameters import Parameters
     from dummydesign.tissue.model.ranges import ForceRange
     from dummydesign.tissue.model.tissue import Tissue
 
+# Half-widths of bands are never taken below 15 %: a single subject has no band, but distances from it need
+# a scale on which a slab's unavoidable misfit still distinguishes better from worse.
 NARROWEST = 0.15
-"""Half-widths of bands are never taken below 15 %: a single subject has no band, but distances from it need
-a scale on which a slab's unavoidable misfit still distinguishes better from worse."""
 HELD_FORCES = 60
+# Tissues that are drawn for what is not known of one.
 DRAWN = 49
-"""Tissues that stand for what is not known of one."""
 
 
 @dataclass(frozen=True)
@@ -39,8 +39,8 @@ class Condition:
     velocity_mm_s: float
     range: ForceRange
     aim: ForceRange
+    # Energy of the rise, lowest and highest subject; NaN where a subject still moves when the range ends.
     energy_mJ: tuple[float, float] = (np.nan, np.nan)
-    """Energy of the rise, lowest and highest subject; NaN where a subject still moves when the range ends."""
 
     @property
     def aim_peak_N(self) -> float:
@@ -55,22 +55,7 @@ class Condition:
 
 @dataclass(frozen=True)
 class Targets:
-    """A tissue, an aim, and the conditions of the protocol.
-
-    Attributes
-    ----------
-    tissue : Tissue
-    aim : str
-        ``average``, ``safe-side`` or ``subject:NAME``.
-    parameters : Parameters
-        Of the aim.
-    conditions : tuple of Condition
-        Forces times speeds.
-    protocol : Protocol
-        These forces and speeds.
-    sampling : Sampling
-        Hold and braking of the presses.
-    """
+    """A tissue, an aim, and the conditions of the protocol."""
 
     tissue: Tissue
     aim: str
@@ -109,7 +94,7 @@ class Targets:
 
         One who is named is followed as he was measured: nothing is drawn.
         """
-        from dummydesign.tissue.population.doubt import drawn_tissues
+        from dummydesign.tissue.model.posterior import drawn_tissues
 
         if self.aim.lower().startswith("subject:"):
             return ()
@@ -149,15 +134,7 @@ class Targets:
         return float((cube * forces).sum() / (cube**2).sum())
 
     def steady_inside(self, force_N: NDArray, depth_mm: NDArray) -> NDArray:
-        """Fraction of steady curves (..., n) that lies between the subjects, even over the forces (n,).
-
-        Parameters
-        ----------
-        force_N : ndarray, shape (n,)
-            Steady forces. [N]
-        depth_mm : ndarray, shape (..., n)
-            Depths there; NaN where out of reach, which counts as outside. [mm]
-        """
+        """Fraction of steady curves (..., n) that lies between the subjects, even over the forces (n,)."""
         stiff, soft = self.depth_range_mm(force_N)
         with np.errstate(invalid="ignore"):
             return ((depth_mm >= stiff - 1e-9) & (depth_mm <= soft + 1e-9)).mean(axis=-1)
@@ -170,10 +147,9 @@ class Targets:
             return law.held_depths(everyone, np.asarray(force_N, float), *motion)
         known, depth = self._held_curves
         wanted = np.log(np.maximum(np.asarray(force_N, float), 1e-12))
+        below = np.minimum(wanted - known[0], 0.0)
         slope = np.diff(depth[:, :2], axis=-1)[:, 0] / (known[1] - known[0])
-        found = [np.exp(np.interp(wanted, known, row) + s * np.minimum(wanted - known[0], 0.0))
-                 for row, s in zip(depth, slope)]  # fmt: skip
-        return np.array(found)
+        return np.array([np.exp(np.interp(wanted, known, row) + s * below) for row, s in zip(depth, slope)])
 
     @cached_property
     def _held_curves(self) -> tuple[NDArray, NDArray]:
@@ -188,39 +164,12 @@ class Targets:
 
 
 def make_targets(tissue: Tissue, aim: str, sampling: Sampling, protocol: Protocol = PAPER) -> Targets:
-    """Compute the ranges of a tissue at every condition of the protocol.
-
-    Parameters
-    ----------
-    tissue : Tissue
-        Loaded tissue.
-    aim : str
-        ``average``, ``safe-side`` or ``subject:NAME``.
-    sampling : Sampling
-        Hold and braking of the robot.
-    protocol : Protocol
-        Steady forces and speeds; the paper's by default.
-
-    Raises
-    ------
-    InputError
-        For an unknown aim or subject.
-    """
+    """Compute the ranges of a tissue at every condition of the protocol."""
     return make_each((tissue,), aim, sampling, protocol)[0]
 
 
-def make_each(
-    tissues: Sequence[Tissue], aim: str, sampling: Sampling, protocol: Protocol = PAPER
-) -> tuple[Targets, ...]:
-    """The :func:`make_targets` of several tissues of one law, all subjects pressed at once.
-
-    Parameters
-    ----------
-    tissues : sequence of Tissue
-        All of one law.
-    aim, sampling, protocol
-        As for :func:`make_targets`.
-    """
+def make_each(tissues: Sequence[Tissue], aim: str, sampling: Sampling, protocol: Protocol) -> tuple[Targets, ...]:
+    """The :func:`make_targets` of several tissues of one law, all subjects pressed at once."""
     from dummydesign.tissue.model.ranges import force_ranges
 
     if not tissues:
@@ -228,37 +177,21 @@ def make_each(
     aims = [tissue.target(aim) for tissue in tissues]
     groups = [(*tissue.parameter_sets, parameters) for tissue, parameters in zip(tissues, aims)]
     conditions: list[list[Condition]] = [[] for _ in tissues]
-    for velocity in protocol.velocities_mm_s:
-        for force in protocol.forces_N:
-            bands = force_ranges(groups, force, velocity, sampling.hold_s, sampling.deceleration_mm_s2)
-            subjects = [_part(band, slice(-1)) for band in bands]
-            energies = _energies(subjects, tissues[0].law, sampling)
-            for band, own, part, energy in zip(bands, conditions, subjects, energies):
-                ends = float(energy.min()), float(energy.max())
-                own.append(Condition(force, velocity, part, _part(band, slice(-1, None)), ends))
+    for velocity, force in product(protocol.velocities_mm_s, protocol.forces_N):
+        bands = force_ranges(groups, force, velocity, sampling.hold_s, sampling.deceleration_mm_s2)
+        subjects = [_part(band, slice(-1)) for band in bands]
+        energies = _energies(subjects, tissues[0].law, sampling)
+        for band, own, part, energy in zip(bands, conditions, subjects, energies):
+            ends = float(energy.min()), float(energy.max())
+            own.append(Condition(force, velocity, part, _part(band, slice(-1, None)), ends))
     return tuple(
         Targets(tissue, aim, parameters, tuple(own), protocol, sampling)
         for tissue, parameters, own in zip(tissues, aims, conditions)
     )
 
 
-def subjects_press(band: ForceRange, law: str, sampling: Sampling) -> tuple[NDArray, NDArray, NDArray]:
-    """Times, displacements and forces (subjects, n) of the subjects of a force range in their ramp and hold.
-
-    Parameters
-    ----------
-    band : ForceRange
-        Made with the hold and braking of ``sampling``.
-    law : str
-        Of the subjects; for one that knows ideal ramps only the displacement is that of the ideal ramp.
-    sampling : Sampling
-    """
-    return _each_press([band], law, sampling)
-
-
-def _each_press(bands: Sequence[ForceRange], law: str, sampling: Sampling) -> tuple[NDArray, NDArray, NDArray]:
-    """The same of the subjects of several ranges of one speed, one after the other."""
-    from dummydesign.tissue.model.laws import law_named
+def press_subjects(bands: Sequence[ForceRange], law: str, sampling: Sampling) -> tuple[NDArray, NDArray, NDArray]:
+    """Times, displacements and forces (subjects, n) of the subjects of force ranges of one speed in ramp and hold."""
     from dummydesign.tissue.model.laws.ideal_ramp import ramps_of
 
     motion = sampling.motion(bands[0].velocity_mm_s, np.concatenate([band.depth_mm for band in bands]))
@@ -273,7 +206,7 @@ def _each_press(bands: Sequence[ForceRange], law: str, sampling: Sampling) -> tu
 
 def _energies(bands: Sequence[ForceRange], law: str, sampling: Sampling) -> list[NDArray]:
     """Energy of the rise of each subject of several ranges of one speed. [mJ]"""
-    _, displacement, force = _each_press(bands, law, sampling)
+    _, displacement, force = press_subjects(bands, law, sampling)
     energy = work_mJ(displacement, force)
     parts = np.split(energy, np.cumsum([len(band.stop_s) for band in bands])[:-1])
     return [np.where(band.stop_s <= band.time_s[-1], part, np.nan) for band, part in zip(bands, parts)]
@@ -281,14 +214,6 @@ def _energies(bands: Sequence[ForceRange], law: str, sampling: Sampling) -> list
 
 def _part(band: ForceRange, chosen: slice) -> ForceRange:
     """Some curves of a range with their own envelope: the aim's is no part of the subjects'."""
-    from dataclasses import replace
-
     curves = band.curves_N[chosen]
-    return replace(
-        band,
-        low_N=curves.min(axis=0),
-        high_N=curves.max(axis=0),
-        curves_N=curves,
-        depth_mm=band.depth_mm[chosen],
-        stop_s=band.stop_s[chosen],
-    )
+    ends = {"low_N": curves.min(axis=0), "high_N": curves.max(axis=0)}
+    return replace(band, curves_N=curves, depth_mm=band.depth_mm[chosen], stop_s=band.stop_s[chosen], **ends)

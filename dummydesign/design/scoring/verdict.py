@@ -1,24 +1,22 @@
-"""May this pad be used in place of people? A level, a light, one sentence, and the numbers behind them.
-
-A robot is cleared by what it does to a pad. A pad below every subject clears robots that would hurt the person; a pad
-far above every subject fails good robots. Both are judged by ratios (:mod:`dummydesign.design.scoring.deviations`) at
-central estimates and over the castings of the design, against the limits of ``materials/verdict.toml``. Every command
-that judges a pad calls :func:`verdict`.
-"""
+"""Whether a pad may be used in place of people: a level, a light, one sentence."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.core.serialise import Serialised
 from dummydesign.design.scoring.deviations import (
     CLASSES,
     ENERGY,
+    OUT_OF_REACH,
+    OVER,
     PEAK,
+    READS_LOW,
     STANDS_FOR,
     STEADY,
     USABLE,
@@ -29,11 +27,22 @@ from dummydesign.design.scoring.deviations import (
     deviations,
     tolerance_of,
 )
-from dummydesign.design.scoring.verdict_limits import VerdictLimits, verdict_limits
+from dummydesign.design.scoring.score import Evaluation
+from dummydesign.design.scoring.settings import VerdictLimits, verdict_limits
+from dummydesign.design.scoring.targets import Targets
 
-LEVELS = ("stands_for", "usable_with_correction", "not_settled", "not_representative")
+LEVEL_WORDS = {
+    "stands_for": "Stands for the subjects",
+    "usable_with_correction": "Usable with a correction",
+    "not_settled": "Not settled",
+    "not_representative": "Not representative",
+}
+LEVELS = tuple(LEVEL_WORDS)
 LIGHTS = dict(zip(LEVELS, ("green", "amber", "amber", "red")))
-QUANTILE = 0.95
+QUANTITIES = {PEAK: "the peak", STEADY: "the steady force at equal depth", ENERGY: "the energy"}
+OUTCOMES = {OUT_OF_REACH: "out of reach", READS_LOW: "too low", OVER: "too high"}
+SAFE_SIDE, QUANTILE = "safe-side", 0.95
+NOT_ACCEPTABLE, BORDERLINE, ACCEPTABLE = 0, 1, 2
 
 
 @dataclass(frozen=True)
@@ -68,35 +77,10 @@ class Correction:
 
 
 @dataclass(frozen=True)
-class Verdict:
-    """The verdict on one pad.
+class Verdict(Serialised):
+    """The verdict on one pad."""
 
-    Attributes
-    ----------
-    level : str
-        One of :data:`LEVELS`.
-    reads : str
-        ``inside``, ``low``, ``high`` or ``mixed``, at central estimates.
-    text : str
-    shortfall, over : Deviation
-    correction : Correction
-    peaks_below, peaks_above, peaks : int
-        Presses whose peak is below or above every subject's, of all that were judged.
-    steady_fraction, steady_below_fraction, steady_above_fraction : float or None
-        Share of the steady curve among the subjects, softer than all of them, and stiffer.
-    energy_ratio : float or None
-        Energy of the rise over the middle of the subjects', geometric mean over the presses.
-    energy_below, energy_above : int
-        Presses whose energy is below or above every subject's.
-    not_reached : int
-        Presses out of the pad's reach.
-    subjects : int
-    castings : dict or None
-        Share of the castings in each class of :data:`~dummydesign.design.scoring.deviations.CLASSES`; they sum to 1.
-    limits_that_bind : tuple of str
-    limits : VerdictLimits
-        By which it was judged.
-    """
+    also: ClassVar[tuple[str, ...]] = ("light",)
 
     level: str
     reads: str
@@ -134,27 +118,6 @@ class Verdict:
         """Share of the castings that may be used, as they are or with a correction."""
         return None if self.castings is None else self.castings[STANDS_FOR] + self.castings[USABLE]
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return all fields and the light as plain values."""
-        return {**asdict(self), "light": self.light, "limits_that_bind": list(self.limits_that_bind)}
-
-
-@dataclass(frozen=True)
-class Findings:
-    """What the sentence is made of: deviations of the pad, its level, shares of castings, and what is left open."""
-
-    found: Deviations
-    readings: Readings
-    level: str
-    reads: str
-    shares: dict[str, float] | None
-    correction: Correction
-    limits: VerdictLimits
-    strict: bool
-    of: str
-    unsettled: str
-    bound: tuple[str, ...]
-
 
 def verdict(
     ranges: Ranges,
@@ -163,7 +126,6 @@ def verdict(
     limits_that_bind: Sequence[str] = (),
     of: str = "castings",
     unsettled: str = "",
-    strict: bool = False,
     measured: Readings | None = None,
     limits: VerdictLimits | None = None,
     beyond: float = 1.0,
@@ -171,117 +133,78 @@ def verdict(
 ) -> Verdict:
     """Judge one pad against the subjects of a tissue.
 
-    Parameters
-    ----------
-    ranges : Ranges
-    readings : Readings
-        Of the pad at central estimates, shapes (c,) and (g,).
-    spread : Readings, optional
-        Of n pads that may come out of the same design, or that may be behind the same measurement, shapes (n, c) and
-        (n, g). Without it the pad is taken as exactly known.
-    limits_that_bind : sequence of str
-        Limits that keep a better pad out, in words.
-    of : str
-        What the members of the spread are, for the sentence.
-    unsettled : str
-        Why the readings leave the verdict open, in words; empty where they do not.
-    strict : bool
-        For the aim safe-side: nothing may be below any subject, and what is above is stated, not limited.
-    measured : Readings, optional
-        Of the castings once modulus and relaxation are known.
-    limits : VerdictLimits, optional
-        By default those of ``materials/verdict.toml``.
-    beyond : float
-        Largest steady force of the test over the hardest press of people. Above 1 nothing is settled; above the limit
-        no pad is representative.
-    cast : bool
-        Whether the pad exists and was pressed: it is then one casting, and held to the limit of castings.
-
-    Returns
-    -------
-    Verdict
+    ``spread`` are the readings of its castings, ``measured`` those once the resin is measured, ``beyond`` the largest
+    force of the test over the hardest press of people. A pad that is ``cast`` is held to the limits of castings.
     """
-    from dummydesign.design.scoring.verdict_words import sentence
-
     limits = verdict_limits() if limits is None else limits
     if cast:
         limits = replace(limits, shortfall=limits.shortfall_castings)
-    plain = deviations(ranges, readings)
-    found = deviations(ranges, readings, strict) if strict else plain
-    shares, short_95, over_95, force_95 = None, None, None, None
-    if spread is not None:
-        every = deviations(ranges, spread, strict)
-        kinds = classes(every, limits, strict)
-        shares = {name: float((kinds == place).mean()) for place, name in enumerate(CLASSES)}
-        short_95, over_95, force_95 = (
-            _quantile(values[every.reached]) for values in (every.shortfall, every.over, every.force_shortfall)
-        )
-    else:
-        own = int(classes(found, limits, strict)[0])
-        known = {name: float(own == place) for place, name in enumerate(CLASSES)}
-    below, above = outside(plain)
+    found = deviations(ranges, readings)
+    below, above = outside(deviations(replace(ranges, strict=False), readings))
+    every = found if spread is None else deviations(ranges, spread)
+    kinds = classes(every, limits)
+    shares = {name: float((kinds == place).mean()) for place, name in enumerate(CLASSES)}
+    short_95, over_95, force_95 = (
+        None if spread is None else _quantile(values[every.reached])
+        for values in (every.shortfall, every.over, every.force_shortfall)
+    )
     if beyond > 1.0 and not unsettled:
         unsettled = f"the test goes to {beyond:.2g} times the hardest press of people"
-    level = _level(found, shares or known, limits, strict, ranges.subjects < 2, unsettled, _inside(below, above))
+    inside = [float(1.0 - (below[name] | above[name]).mean()) for name in (PEAK, STEADY) if below[name].size]
+    level = _level(found, shares, limits, not unsettled, min(inside, default=0.0))
     if beyond > limits.beyond_people:
         level = "not_representative"
     after, force_after = None, None
     if measured is not None:
-        resin = deviations(ranges, measured, strict)
+        known = deviations(ranges, measured)
         after, force_after = (
-            _factor(_quantile(values[resin.reached])) for values in (resin.shortfall, resin.force_shortfall)
+            _factor(_quantile(values[known.reached])) for values in (known.shortfall, known.force_shortfall)
         )
     shortfall, over = _deviation(found, found.short, short_95), _deviation(found, found.above, over_95)
     central, own_force = _factor(shortfall.central), float(found.force_shortfall[0])
     force = _factor(own_force) if np.isfinite(own_force) else None
-    known_exactly = spread is None
-    correction = Correction(
-        central if known_exactly else _factor(short_95), central, after,
-        force if known_exactly else _factor(force_95), force, force_after,
-    )  # fmt: skip
-    reads = reads_of(below, above)
+    factors = (central, force) if spread is None else (_factor(short_95), _factor(force_95))
+    correction = Correction(factors[0], central, after, factors[1], force, force_after)
+    castings = None if spread is None else shares
     bound = tuple(limits_that_bind)
-    words = Findings(found, readings, level, reads, shares, correction, limits, strict, of, unsettled, bound)
-    steady = _steady(ranges, readings, below, above)
+    parts = [
+        _reading_words(found, readings, level),
+        "" if castings is None else _casting_words(castings, level, limits, ranges.strict, of),
+        _ending(level, correction, unsettled, castings is not None),
+    ]
+    reached = np.isfinite(readings.peak_N)
     return Verdict(
-        level, reads, sentence(words), shortfall, over, correction,
-        int(below[PEAK].sum()), int(above[PEAK].sum()), int(np.isfinite(readings.peak_N).sum()),
-        *steady, _energy_ratio(ranges, readings),
-        int(below[ENERGY].sum()), int(above[ENERGY].sum()), int((~np.isfinite(readings.peak_N)).sum()),
-        ranges.subjects, shares, bound, limits,
+        level, reads_of(below, above), _sentence(level, parts, bound), shortfall, over, correction,
+        int(below[PEAK].sum()), int(above[PEAK].sum()), int(reached.sum()),
+        *_steady_shares(ranges, readings, below, above), _energy_ratio(ranges, readings),
+        int(below[ENERGY].sum()), int(above[ENERGY].sum()), int((~reached).sum()),
+        ranges.subjects, castings, bound, limits,
     )  # fmt: skip
 
 
-def representative(
-    found: Deviations, limits: VerdictLimits, strict: bool = False, slack: float | None = None
-) -> NDArray:
-    """Whether pads may be cast by their central estimates, shape (n,).
+def _level(found: Deviations, shares: dict[str, float], limits: VerdictLimits, settled: bool, inside: float) -> str:
+    strict, several = found.ranges.strict, found.ranges.subjects > 1
+    if not representative(found, limits)[0]:
+        return "not_representative"
+    enough = settled and several and shares[STANDS_FOR] >= limits.share
+    if enough and (strict or inside >= limits.stands_inside):
+        return "stands_for"
+    if settled and not strict and shares[STANDS_FOR] + shares[USABLE] >= limits.share:
+        return "usable_with_correction"
+    return "not_settled"
 
-    Parameters
-    ----------
-    found : Deviations
-    limits : VerdictLimits
-    strict : bool
-        For the safe side.
-    slack : float, optional
-        Share by which the limits are taken wider, by default their tie: a reading is not known finer.
-    """
+
+def representative(found: Deviations, limits: VerdictLimits, slack: float | None = None) -> NDArray:
+    """Whether pads may be cast by their central estimates, shape (n,)."""
     short, over = np.nan_to_num(found.shortfall), np.nan_to_num(found.over)
-    if strict:
+    if found.ranges.strict:
         return np.asarray(found.reached & (short <= limits.stands_shortfall))
     near = 1.0 + (limits.tie if slack is None else slack)
     return np.asarray(found.reached & (short <= limits.shortfall * near) & (over <= limits.over * near))
 
 
 def outside(found: Deviations, pad: int = 0) -> tuple[dict[str, NDArray], dict[str, NDArray]]:
-    """What of one pad is below and above every subject, by quantity.
-
-    Parameters
-    ----------
-    found : Deviations
-        Not of the safe side.
-    pad : int
-    """
+    """What of one pad is below and above every subject, by quantity."""
     below, above = (
         {name: ratios[name][pad] > 1.0 + tolerance_of(name) for name in ratios} for ratios in (found.short, found.above)
     )
@@ -294,27 +217,7 @@ def reads_of(below: dict[str, NDArray], above: dict[str, NDArray]) -> str:
     return {(False, False): "inside", (True, False): "low", (False, True): "high", (True, True): "mixed"}[low, high]
 
 
-def _level(
-    found: Deviations, shares: dict[str, float], limits: VerdictLimits, strict: bool, alone: bool, unsettled: str,
-    inside: float,
-) -> str:
-    if not representative(found, limits, strict)[0]:
-        return "not_representative"
-    enough = shares[STANDS_FOR] >= limits.share and not alone and not unsettled
-    if enough and (strict or inside >= limits.stands_inside):
-        return "stands_for"
-    if not strict and shares[STANDS_FOR] + shares[USABLE] >= limits.share and not unsettled:
-        return "usable_with_correction"
-    return "not_settled"
-
-
-def _inside(below: dict[str, NDArray], above: dict[str, NDArray]) -> float:
-    """The smaller of the shares of peaks and of the steady curve that lie among the subjects."""
-    return min((float(1.0 - (below[name] | above[name]).mean()) for name in (PEAK, STEADY) if below[name].size),
-               default=0.0)  # fmt: skip
-
-
-def _steady(
+def _steady_shares(
     ranges: Ranges, readings: Readings, below: dict[str, NDArray], above: dict[str, NDArray]
 ) -> tuple[float | None, float | None, float | None]:
     """Shares of the steady curve inside, below and above the subjects."""
@@ -338,10 +241,9 @@ def _deviation(found: Deviations, ratios: dict[str, NDArray], q95: float | None)
     value, name, at = found.worst(ratios)
     if not np.isfinite(value):
         return Deviation(None, q95, None, None)
-    force, speed = found.ranges.force_N, found.ranges.velocity_mm_s
-    place = (found.ranges.steady_N[at], speed.min()) if name == STEADY else (force[at], speed[at])
-    press = {"steady_force_N": float(place[0]), "velocity_mm_s": float(place[1])}
-    return Deviation(value, q95, press, name)
+    ranges, speed = found.ranges, found.ranges.velocity_mm_s
+    force, velocity = (ranges.steady_N[at], speed.min()) if name == STEADY else (ranges.force_N[at], speed[at])
+    return Deviation(value, q95, {"steady_force_N": float(force), "velocity_mm_s": float(velocity)}, name)
 
 
 def _energy_ratio(ranges: Ranges, readings: Readings) -> float | None:
@@ -350,3 +252,137 @@ def _energy_ratio(ranges: Ranges, readings: Readings) -> float | None:
         away = np.log(readings.energy_mJ) - 0.5 * np.log(ranges.energy_low_mJ * ranges.energy_high_mJ)
     known = np.isfinite(away)
     return float(np.exp(away[known].mean())) if known.any() else None
+
+
+def _sentence(level: str, parts: Sequence[str], bound: Sequence[str]) -> str:
+    """Write the verdict: level, worst reading, castings, limits that bind."""
+    words = "; ".join(part for part in parts if part)
+    text = f"{LEVEL_WORDS[level]}. {words[0].upper()}{words[1:]}." if words else f"{LEVEL_WORDS[level]}."
+    return f"{text} At the limit of {' and of '.join(bound)}." if bound and level != "stands_for" else text
+
+
+def whole_percents(shares: list[float], taken: int | None = None) -> list[int]:
+    """Round shares to whole per cent so that they keep their sum."""
+    exact = 100.0 * np.array(shares)
+    whole = np.floor(exact).astype(int)
+    left = (round(float(exact.sum())) if taken is None else 100 - taken) - int(whole.sum())
+    if left < 0:
+        whole[np.argsort(exact - whole - 1.0 * (whole > 0), kind="stable")[: -left]] -= 1
+    else:
+        whole[np.argsort(whole - exact, kind="stable")[:left]] += 1
+    return [int(value) for value in whole]
+
+
+def _reading_words(found: Deviations, readings: Readings, level: str) -> str:
+    """What leaves the subjects most, below before above; else that nothing does."""
+    presses, ranges = len(readings.peak_N), found.ranges
+    if missing := int((~np.isfinite(readings.peak_N)).sum()):
+        return f"{missing} of {presses} presses are out of reach"
+    who = "the one subject" if ranges.subjects < 2 else "all subjects"
+    above = _worst_words(found, readings, found.above, "above", who)
+    if ranges.strict:
+        below = _worst_words(found, readings, found.short, "below", "the highest subject")
+        kept = below or "no peak and no steady force is below the highest subject"
+        return f"{kept}; price of the safe side: {above}" if above else kept
+    below = _worst_words(found, readings, found.short, "below", who)
+    if below and above:
+        below_first = found.worst(found.short)[0] >= found.worst(found.above)[0] or level != "not_representative"
+        return f"{below}, and {above}" if below_first else f"{above}, and {below}"
+    if below or above:
+        return below or above
+    if ranges.subjects < 2:
+        return "all readings are as near to the one subject as can be set"
+    return f"all {presses} peaks and the steady curve are among the subjects"
+
+
+def _worst_words(found: Deviations, readings: Readings, ratios: dict[str, NDArray], side: str, who: str) -> str:
+    """The largest ratio in words; empty where it is within tolerance."""
+    value, name, at = found.worst(ratios)
+    if not value > 1.0 + tolerance_of(name):
+        return ""
+    ranges = found.ranges
+    # a reading below a subject's is given as a share of the subject's
+    percent = 100.0 * (1.0 - 1.0 / value if side == "below" else value - 1.0)
+    if name == STEADY:
+        where = f"({ranges.steady_N[at]:.3g} N)"
+    else:
+        where = f"at {ranges.force_N[at]:.3g} N, {ranges.velocity_mm_s[at]:g} mm/s"
+    reading = f" ({readings.peak_N[at]:.1f} N)" if name == PEAK else ""
+    return f"{QUANTITIES[name]} {where}{reading} is {percent:.0f} % {side} {who}"
+
+
+def _casting_words(shares: dict[str, float], level: str, limits: VerdictLimits, strict: bool, of: str) -> str:
+    """What becomes of the castings; the classes add up to 100 %."""
+    share = shares[STANDS_FOR] + (0.0 if strict else shares[USABLE])
+    good = round(100.0 * share)
+    rest = whole_percents([shares[name] for name in OUTCOMES], good)
+    lost = [f"{percent} % {words}" for words, percent in zip(OUTCOMES.values(), rest) if percent > 0]
+    word = "keep the safe side" if strict else "are usable"
+    if level == "not_settled" and share < limits.share <= 0.01 * good:
+        text = f"{np.floor(1000.0 * share) / 10.0:.1f} % of {of} {word}"  # not rounded up to the limit
+    else:
+        text = f"{good} % of {of} {word}"
+    return f"{text} ({', '.join(lost)})" if lost and level != "stands_for" else text
+
+
+def _ending(level: str, correction: Correction, unsettled: str, over_castings: bool) -> str:
+    """The correction, or why nothing is settled."""
+    if unsettled and level in ("not_settled", "not_representative"):
+        return unsettled
+    force, every = correction.force, correction.factor
+    if level != "usable_with_correction" or every is None:
+        return ""
+    if every < 1.0 + tolerance_of(PEAK):
+        return "no correction is needed"
+    if force is None:
+        words = ""
+    elif every - force < 0.005:
+        words = f"multiply readings by {every:.2f}"
+    elif force < 1.0 + tolerance_of(PEAK):
+        words = f"multiply energies by {every:.2f}, forces by nothing"
+    else:
+        words = f"multiply forces by {force:.2f}, energies by {every:.2f}"
+    return f"{words} for 95 % of them" if over_castings else words
+
+
+def acceptability_rank(evaluation: Evaluation, targets: Targets, tighter: bool = False) -> NDArray:
+    """Rank designs by their verdict at central estimates, shape (D,).
+
+    2 may be cast; 1 as well, but is beyond a limit by less than the limits' tie; 0 is not representative.
+    """
+    found = deviations_of(evaluation, targets)
+    slack = -targets.limits.tie if tighter else 0.0
+    kept, near = (representative(found, targets.limits, one) for one in (slack, None))
+    return np.where(kept, ACCEPTABLE, np.where(near, BORDERLINE, NOT_ACCEPTABLE))
+
+
+def ranges_of(targets: Targets) -> Ranges:
+    """Peaks and energies of the outermost subjects in every press of a protocol, and their depths from 5 to 15 N."""
+    rows = [
+        (one.steady_force_N, one.velocity_mm_s, one.range.peak_low_N, one.range.peak_high_N, *one.energy_mJ)
+        for one in targets.conditions
+    ]
+    force, speed, low, high, least, most = (np.array(column) for column in zip(*rows))
+    grid_N, subjects = targets.protocol.steady_grid_N, len(targets.tissue.subjects)
+    stiff, soft = targets.depth_range_mm(grid_N)
+    strict = targets.aim.lower() == SAFE_SIDE
+    return Ranges(force, speed, low, high, least, most, grid_N, stiff, soft, subjects, targets.power, strict)
+
+
+def readings_of(evaluation: Evaluation, index: int | None = None) -> Readings:
+    """Readings of all designs of an evaluation, shapes (D, c) and (D, g); with an index of that one, (c,) and (g,)."""
+    at = slice(None) if index is None else index
+    peak, energy = (
+        np.stack([getattr(press, name) for press in evaluation.presses], axis=-1) for name in ("peak_N", "energy_mJ")
+    )
+    return Readings(peak[at], energy[at], evaluation.steady_depth_mm[at])
+
+
+def deviations_of(evaluation: Evaluation, targets: Targets) -> Deviations:
+    """Compare all designs of an evaluation with the subjects of its targets."""
+    return deviations(ranges_of(targets), readings_of(evaluation))
+
+
+def classes_of(evaluation: Evaluation, targets: Targets) -> NDArray:
+    """Class of each pad for a tissue, shape (n,), as places in ``CLASSES``."""
+    return classes(deviations_of(evaluation, targets), targets.limits)

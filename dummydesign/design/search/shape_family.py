@@ -1,17 +1,24 @@
-"""Families of shaped pads: what the search over shapes asks of each kind."""
+"""Families of shaped pads: what the search asks of each kind, and those over response tables."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Protocol
+from functools import lru_cache
+from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dummydesign.core.errors import InputError
-from dummydesign.design.scoring.verdict_limits import verdict_limits
-from dummydesign.geometry.shapes import PadShape, make_shape
+from dummydesign.core.errors import InputError, unknown_name
+from dummydesign.design.scoring.settings import verdict_limits
+from dummydesign.geometry.pad_shape import PadShape
+from dummydesign.geometry.shape_registry import make_shape, part_of, shape_kind, shape_kinds
 from dummydesign.pad.force_law import BaseForceLaw
+from dummydesign.pad.tables.slab import load_table
+
+if TYPE_CHECKING:
+    from dummydesign.pad.tables.shape import ShapeTable
 
 
 @dataclass(frozen=True)
@@ -125,7 +132,7 @@ class Family(Protocol):
 
 
 @dataclass(frozen=True)
-class ShapeLaw(BaseForceLaw):
+class FamilyLaw(BaseForceLaw):
     """Force law (:class:`~dummydesign.pad.force_law.ForceLaw`) of one shape on pads near its own thickness.
 
     Without ``cast`` the shape's heights go in proportion with the thickness, as in a study of thickness. With it
@@ -143,7 +150,7 @@ class ShapeLaw(BaseForceLaw):
         return getattr(self.family, "notes", ())
 
     @property
-    def plain(self) -> ShapeLaw:
+    def plain(self) -> FamilyLaw:
         """The same without what a calibration changed."""
         return replace(self, family=getattr(self.family, "plain", self.family))
 
@@ -157,37 +164,141 @@ class ShapeLaw(BaseForceLaw):
         """Shape of a pad of another thickness, with lengths in tenths of a millimetre."""
         return self._designs(np.array([float(thickness_mm)])).shape(0).rounded()
 
-    def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: float) -> NDArray:
+    def force(
+        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
+    ) -> NDArray:
         """Elastic force; zero above the surface, NaN beyond the law's depth; see
         :class:`dummydesign.pad.force_law.ForceLaw`. [N]
         """
-        given = [np.asarray(value, float) for value in (depth_mm, thickness_mm, young_MPa)]
-        if given[0].ndim == 2 and given[1].shape == (len(given[0]), 1):
+        depth, thickness, young = (np.asarray(value, float) for value in (depth_mm, thickness_mm, young_MPa))
+        if depth.ndim == 2 and thickness.shape == (len(depth), 1):
             # a row a pad, as curves are sampled: all pads at once
-            return given[2] * self.family.area_mm2(self._designs(given[1][:, 0]), given[0], radius_mm)
-        depth, thickness, young = np.broadcast_arrays(*given)
-        known, row = np.unique(thickness, return_inverse=True)
-        row = row.reshape(thickness.shape)
-        area = np.empty(depth.shape)
-        designs = self._designs(known)
-        for index in range(len(known)):
-            here = row == index
-            area[here] = self.family.area_mm2(designs.take(np.array([index])), depth[here][None], radius_mm)[0]
-        return young * area
+            return young * self.family.area_mm2(self._designs(thickness[:, 0]), depth, cast(float, radius_mm))
+        return young * self._of_each(self.family.area_mm2, depth, thickness, radius_mm)
 
-    def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: float) -> NDArray:
+    def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
         """Depth to which the law holds and the gel, over a bone where there is one, is not bottomed out. [mm]"""
         designs = self._designs(np.atleast_1d(np.asarray(thickness_mm, float)).ravel())
-        gel = self.shape.gel_mm(designs.thickness_mm, designs.parameters)
-        limit = np.minimum(self.family.limit_mm(designs, radius_mm), verdict_limits().gel_compression * gel)
-        return limit.reshape(np.shape(thickness_mm))
+        gel = verdict_limits().gel_compression * self.shape.gel_mm(designs.thickness_mm, designs.parameters)
+        return np.minimum(self.family.limit_mm(designs, cast(float, radius_mm)), gel).reshape(np.shape(thickness_mm))
 
-    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: float) -> NDArray:
+    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
         """Stated error of the force over the force; see :class:`dummydesign.pad.force_law.ForceLaw`."""
+        return self._of_each(self.family.relative_error, depth_mm, thickness_mm, radius_mm)
+
+    def _of_each(
+        self, quantity: Callable[[Designs, NDArray, float], NDArray], depth_mm: ArrayLike, thickness_mm: ArrayLike,
+        radius_mm: ArrayLike,
+    ) -> NDArray:  # fmt: skip
+        """A quantity of the family, one pad after the other."""
         depth, thickness = np.broadcast_arrays(np.asarray(depth_mm, float), np.asarray(thickness_mm, float))
-        error = np.empty(depth.shape)
+        found = np.empty(depth.shape)
         for value in np.unique(thickness):
-            here = thickness == value
-            designs = self._designs(np.array([float(value)]))
-            error[here] = self.family.relative_error(designs, depth[here][None], radius_mm)[0]
-        return error
+            here, pad = thickness == value, self._designs(np.array([float(value)]))
+            found[here] = quantity(pad, depth[here][None], cast(float, radius_mm))[0]
+        return found
+
+
+ROLE = "FAMILY"
+BEYOND_END = 0.06
+
+
+class TableFamily:
+    """Shapes of one kind on their response table (:mod:`dummydesign.pad.tables.shape`)."""
+
+    source = "table"
+
+    def __init__(self, kind: str) -> None:
+        from dummydesign.pad.tables.shape import load_shape_table
+
+        self.kind = kind
+        self._shape = shape_kind(kind)
+        self.table: ShapeTable = load_shape_table(kind)
+
+    @property
+    def provenance(self) -> dict[str, object]:
+        """How the table was made."""
+        return self.table.provenance
+
+    def candidates(self, thickness_mm: NDArray, radius_mm: float) -> Designs:
+        """Pads in practical steps inside the table's range; not yet judged by castability."""
+        thickness, parameters = self._shape.candidates(np.asarray(thickness_mm, float), radius_mm)
+        designs = Designs(self.kind, thickness, parameters)
+        return designs.take(self.table.inside(self._raw(designs, radius_mm)))
+
+    def check(self, shape: PadShape) -> None:
+        """Refuse a shape that is not of the kind's tabulated form (``InputError``)."""
+        from dummydesign.pad.tables.shape import TabulatedShapeLaw
+
+        TabulatedShapeLaw(shape)
+
+    def at_thickness(self, shape: PadShape, thickness_mm: float, wanted_mm: NDArray) -> Designs:
+        """The same shape in the proportion of its kind (:meth:`PadShape.in_proportion`); see :class:`Family`."""
+        wanted = np.asarray(wanted_mm, float)
+        grows = self._shape.in_proportion(wanted / thickness_mm)
+        scaled = {name: value * grows.get(name, np.ones_like(wanted)) for name, value in shape.parameters}
+        return Designs(self.kind, wanted, scaled)
+
+    def area_mm2(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
+        """Force over modulus; NaN where the table does not reach; see :class:`Family`. [mm2]"""
+        inputs = self._inputs(designs, radius_mm)
+        h = designs.thickness_mm[:, None]
+        depth = np.maximum(np.asarray(depth_mm, float), 0.0)
+        limit = (self.limit_mm(designs, radius_mm) if designs.limit_mm is None else designs.limit_mm)[:, None]
+        held = np.minimum(depth, limit)
+        place = np.broadcast_to(np.arange(len(inputs))[:, None], depth.shape)
+        value, _ = self.table.log_factor(inputs, place, held / h)
+        if self.table.similarity.over_tip:
+            base = 16.0 / 9.0 * np.sqrt(designs.parameters["radius"])[:, None] * held**1.5
+        else:
+            base = load_table("bonded").force(held, h, 1.0, radius_mm)
+        return np.where((depth <= limit * (1.0 + 1e-9)) & (limit > 0.0), base * np.exp(value), np.nan)
+
+    def limit_mm(self, designs: Designs, radius_mm: float) -> NDArray:
+        """Depth to which the table holds and the gel is not bottomed out, shape (M,); 0 outside its range. [mm]"""
+        inputs = self._inputs(designs, radius_mm)
+        limit, inside = self.table.depth_limit(inputs), self.table.inside(inputs)
+        if not self.table.similarity.over_tip:
+            slab = load_table("bonded")
+            low, high = slab.ratio_range
+            ratio = radius_mm / designs.thickness_mm
+            inside &= (ratio >= low) & (ratio <= high)
+            limit = np.minimum(limit, slab.depth_limit(np.clip(ratio, low, high)))
+        bottom_mm = verdict_limits().gel_compression * self._shape.gel_mm(designs.thickness_mm, designs.parameters)
+        return np.where(inside, np.minimum(limit * designs.thickness_mm, bottom_mm), 0.0)
+
+    def relative_error(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
+        """Stated error of the force over the force; see :class:`Family`."""
+        return self.table.relative_error(depth_mm / designs.thickness_mm[:, None])
+
+    def _inputs(self, designs: Designs, radius_mm: float) -> NDArray:
+        """Inputs of the table, shape (M, k); those a little outside, as of a pad poured too thin, are at its end."""
+        raw = self._raw(designs, radius_mm)
+        held = np.clip(raw, self.table.low, self.table.high)
+        return np.where(np.abs(raw - held) <= BEYOND_END * np.abs(raw), held, raw)
+
+    def _raw(self, designs: Designs, radius_mm: float) -> NDArray:
+        """Inputs as :func:`dummydesign.pad.tables.shape.ratios` gives them for one shape."""
+        return self._shape.numbers(designs.parameters, designs.thickness_mm, np.asarray(radius_mm, float))
+
+
+def designable_kinds() -> tuple[str, ...]:
+    """Kinds of shapes that a search can take: those with a response table or a family of their own."""
+    kinds, room = shape_kinds().items(), __package__
+    return tuple(name for name, kind in kinds if kind.similarity is not None or part_of(name, ROLE, room))
+
+
+def load_family(kind: str) -> Family:
+    """Load the family of one kind: its own (``FAMILY`` of a module here of its name), else that of its table.
+
+    Raises
+    ------
+    InputError
+        For a kind without either.
+    """
+    if kind not in designable_kinds():
+        raise unknown_name("family of shapes", kind, designable_kinds())
+    return part_of(kind, ROLE, __package__) or _table_family(kind)
+
+
+_table_family = lru_cache(TableFamily)

@@ -2,8 +2,8 @@
 
 The first sieve is elastic and free of the resin's steps: at the depths where the aim carries 0.5 to 15 N
 every shape's force is known up to its modulus, whose best value in ln F is a mean. What is left is the
-misfit (:mod:`dummydesign.design.search.low_force`). The best of it, one a thickness, go through the same search over
-ratio and thickness as slabs do.
+misfit (:mod:`dummydesign.design.search.best_of_kinds`). The best of it, one a thickness, go through the same
+search over ratio and thickness as slabs do.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError, NoAnswerError
-from dummydesign.design.scoring.presses import DEPTH_SHARE, ForceLaw
+from dummydesign.design.scoring.presses import DEPTH_SHARE
 from dummydesign.design.scoring.targets import Targets
-from dummydesign.design.search.shape_family import Designs, Family, ShapeLaw
-from dummydesign.design.search.slabs import THICKNESS_STEP_MM, SearchResult, search, search_each
-from dummydesign.design.search.space import SearchSpace
-from dummydesign.geometry.shapes import PadShape
-from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
+from dummydesign.design.search.shape_family import Designs, Family, FamilyLaw
+from dummydesign.design.search.slabs import THICKNESS_STEP_MM, SearchResult, SearchSpace, search, search_each
+from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
+from dummydesign.geometry.pad_shape import PadShape
+from dummydesign.pad.force_law import ForceLaw
 
 if TYPE_CHECKING:
     from dummydesign.resin.model.resin import Resin
@@ -32,7 +32,7 @@ SIEVE_STEP = 3
 
 
 @dataclass(frozen=True)
-class Sieved:
+class Prescreened:
     """Castable designs that reach the aim's depth at 15 N, by rising misfit, with their best modulus (M,)."""
 
     designs: Designs
@@ -45,7 +45,7 @@ class Shaped:
     """A design with a shape; ``elements`` is its force law once it has been solved by finite elements."""
 
     shape: PadShape
-    law: ShapeLaw
+    law: FamilyLaw
     found: SearchResult
     elements: ForceLaw | None = None
 
@@ -56,37 +56,14 @@ class Shaped:
 
     @property
     def worth(self) -> float:
-        """By what designs with a shape are chosen; see :meth:`Candidate.worth`."""
+        """By what designs with a shape are chosen; see :meth:`DesignCandidate.worth`."""
         return self.found.best.worth()
 
 
-def sieve(family: Family, targets: Targets, thickness_mm: NDArray, young_MPa: tuple[float, float], radius_mm: float,
+def prescreen(family: Family, targets: Targets, thickness_mm: NDArray, young_MPa: tuple[float, float], radius_mm: float,
           count: int = 400, pad_mm: tuple[float, float] = (PAD_LENGTH_MM, PAD_WIDTH_MM),
-          thicknesses: int | None = None) -> Sieved:  # fmt: skip
-    """Misfit of every candidate of a family with its best modulus inside a range.
-
-    Parameters
-    ----------
-    family : Family
-    targets : Targets
-    thickness_mm : ndarray
-        Thicknesses to combine with the family's shapes. [mm]
-    young_MPa : (float, float)
-        Moduli the resin can have. [MPa]
-    radius_mm : float
-        Radius of the circle of the punch's area. [mm]
-    count : int
-        How many of the best are judged by castability and kept.
-    pad_mm : (float, float)
-        Length and width of the pads. [mm]
-    thicknesses : int, optional
-        Keep the best of each thickness only, and of no more thicknesses than these.
-
-    Raises
-    ------
-    NoAnswerError
-        ``no_feasible_design`` when no candidate reaches the depth of 15 N within its limit.
-    """
+          thicknesses: int | None = None) -> Prescreened:  # fmt: skip
+    """Misfit of every candidate of a family with its best modulus inside a range."""
     forces = targets.protocol.misfit_N[::SIEVE_STEP]
     depth = targets.aim_depth_mm(forces)
     designs = family.candidates(thickness_mm, radius_mm)
@@ -113,24 +90,13 @@ def sieve(family: Family, targets: Targets, thickness_mm: NDArray, young_MPa: tu
             "no_feasible_design",
             f"no {family.kind} pad of {thickness_mm[0]:g} to {thickness_mm[-1]:g} mm reaches {depth[-1]:.2f} mm, the "
             f"tissue's depth at {forces[-1]:g} N, within {DEPTH_SHARE:g} of its thickness; allow thicker pads",
+            quantity="pad",
         )
-    return Sieved(designs.take(kept), misfit[kept], best[kept])
+    return Prescreened(designs.take(kept), misfit[kept], best[kept])
 
 
 def search_shape(family: Family, space: SearchSpace) -> list[Shaped]:
-    """Find shape, thickness and ratio of one family; designs of several thicknesses, the best first.
-
-    Parameters
-    ----------
-    family : Family
-    space : SearchSpace
-        Resin, targets and the steps that may be taken.
-
-    Raises
-    ------
-    NoAnswerError
-        ``no_feasible_design`` as :func:`sieve`.
-    """
+    """Find shape, thickness and ratio of one family; designs of several thicknesses, the best first."""
     found = search_shapes([family], space)[0]
     if isinstance(found, NoAnswerError):
         raise found
@@ -144,7 +110,7 @@ def search_shapes(families: Sequence[Family], space: SearchSpace) -> list[list[S
     starts: list[list[tuple[Family, PadShape, float]] | NoAnswerError] = []
     for family in families:
         try:
-            sieved = sieve(family, space.targets, space.thickness_mm, moduli, space.radius_mm, pad_mm=space.pad_mm,
+            sieved = prescreen(family, space.targets, space.thickness_mm, moduli, space.radius_mm, pad_mm=space.pad_mm,
                            thicknesses=TRIED)  # fmt: skip
         except NoAnswerError as problem:
             starts.append(problem)
@@ -160,59 +126,31 @@ def search_shapes(families: Sequence[Family], space: SearchSpace) -> list[list[S
         able = [shaped for shaped in (next(around) for _ in each) if shaped is not None]
         why = f"no {family.kind} pad reaches {space.targets.protocol.needed_N:g} N within its depth limit"
         best_first = sorted(able, key=lambda shaped: shaped.worth, reverse=True)
-        found.append(best_first if able else NoAnswerError("no_feasible_design", why))
+        found.append(best_first if able else NoAnswerError("no_feasible_design", why, quantity="pad"))
     return found
 
 
 def search_fixed(family: Family, shape: PadShape, space: SearchSpace) -> Shaped:
-    """Find thickness and ratio of a shape whose lengths are given: only what lies under it changes.
-
-    Parameters
-    ----------
-    family : Family
-        Of the shape's kind.
-    shape : PadShape
-        With all its lengths.
-    space : SearchSpace
-        Tissue, resin, punch, and the thicknesses and ratios that may be taken.
-
-    Returns
-    -------
-    Shaped
-
-    Raises
-    ------
-    InputError
-        When the family's surface is not made for the shape, or no thickness of the range can hold it.
-    NoAnswerError
-        ``no_feasible_design`` when none reaches 10 N within its depth limit.
-    """
+    """Find thickness and ratio of a shape whose lengths are given: only what lies under it changes."""
     family.check(shape)
     fitting = [float(thickness) for thickness in space.thickness_mm if _accepts(shape, float(thickness), space.pad_mm)]
     if not fitting:
         shape.check(float(space.thickness_mm[-1]), *space.pad_mm)
-    law = ShapeLaw(family, shape, fitting[0], cast=True)
+    law = FamilyLaw(family, shape, fitting[0], cast=True)
     steps = np.array(fitting)[law.depth_limit_mm(np.array(fitting), space.radius_mm) > 0.0]
     if not len(steps):
         raise NoAnswerError(
             "no_feasible_design",
             f"{shape} lies outside the response surface of {family.kind} pads at every thickness from {fitting[0]:g} "
             f"to {fitting[-1]:g} mm; press it with 'dummydesign predict --shape {shape} --fidelity {shape.fidelity}'",
+            quantity="shape",
         )
     found = search(law, replace(space, thickness_mm=steps), space.targets.weights.low_aim, fitted=0)
     return Shaped(shape, law, found)
 
 
 def mixable(shape: PadShape, ratio: float, resin: Resin) -> bool:
-    """Whether the second resin of a layered shape can be mixed where the first has a ratio; others need none.
-
-    Parameters
-    ----------
-    shape : PadShape
-    ratio : float
-        Of the resin on top.
-    resin : Resin
-    """
+    """Whether the second resin of a layered shape can be mixed where the first has a ratio; others need none."""
     layers = shape.layers()
     if layers is None:
         return True
@@ -231,31 +169,33 @@ def _accepts(shape: PadShape, thickness_mm: float, pad_mm: tuple[float, float]) 
 def _around(starts: Sequence[tuple[Family, PadShape, float]], space: SearchSpace) -> list[Shaped | None]:
     """Search ratio and the thicknesses near each start, in proportion; then its own, rounded shape exactly."""
     near = [_near(*start, space) for start in starts]
-    laws = [(ShapeLaw(*start), steps) for start, steps in zip(starts, near) if len(steps)]
+    laws: list[tuple[ForceLaw, NDArray]] = [(FamilyLaw(*one), steps) for one, steps in zip(starts, near) if len(steps)]
     results = iter(search_each(laws, space, space.targets.weights.low_aim, REFINED, 0))
     rough = [next(results) if len(steps) else None for steps in near]
-    own: list[ShapeLaw | None] = []
+    own: list[FamilyLaw | None] = []
     for (family, shape, thickness), found in zip(starts, rough):
         own.append(None)
         if isinstance(found, SearchResult):
             chosen = found.best.thickness_mm
             rounded = family.at_thickness(shape, thickness, np.array([chosen])).shape(0).rounded()
             if _accepts(rounded, chosen, space.pad_mm):
-                own[-1] = ShapeLaw(family, rounded, chosen)
+                own[-1] = FamilyLaw(family, rounded, chosen)
     laws = [(law, np.array([law.made_for_mm])) for law in own if law is not None]
     results = iter(search_each(laws, space, space.targets.weights.low_aim, REFINED, 0, others=False))
     made: list[Shaped | None] = []
     for law, found in zip(own, rough):
-        exact = None if law is None else next(results)
-        done = isinstance(exact, SearchResult)
-        made.append(Shaped(law.shape, law, replace(found, best=exact.best)) if done else None)
+        made.append(None)
+        if law is not None and isinstance(found, SearchResult):
+            exact = next(results)
+            if isinstance(exact, SearchResult):
+                made[-1] = Shaped(law.shape, law, replace(found, best=exact.best))
     return made
 
 
 def _near(family: Family, shape: PadShape, thickness: float, space: SearchSpace) -> NDArray:
     """Thicknesses of the space near that of a start at which the shape in proportion is known and can be cast."""
     near = space.thickness_mm[np.abs(space.thickness_mm - thickness) <= AROUND_STEPS * THICKNESS_STEP_MM + 1e-9]
-    known = ShapeLaw(family, shape, thickness).depth_limit_mm(near, space.radius_mm) > 0.0
+    known = FamilyLaw(family, shape, thickness).depth_limit_mm(near, space.radius_mm) > 0.0
     return near[known & family.at_thickness(shape, thickness, near).castable(space.pad_mm)]
 
 

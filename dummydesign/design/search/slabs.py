@@ -1,33 +1,130 @@
-"""Search over ratio and thickness: the whole map first, then the best of it exactly, then alternatives."""
+"""Search over ratio and thickness: the whole map first, then the best exactly, then alternatives."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import product
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import NoAnswerError, out_of_range
-from dummydesign.design.scoring.acceptability import acceptability_rank
+from dummydesign.core.serialise import Serialised
 from dummydesign.design.scoring.law_parameters import fit_presses, gamma1_score, parametric_score, rough_parametric
-from dummydesign.design.scoring.presses import Curves, ForceLaw, Slabs, join_curves, join_slabs, make_curves
+from dummydesign.design.scoring.presses import Curves, Sampling, Slabs, join_curves, join_slabs, make_curves
 from dummydesign.design.scoring.score import Evaluation, evaluate, evaluated_gamma1
-from dummydesign.design.search.alternatives import alternatives_to, pareto
-from dummydesign.design.search.expected_map import averaging
-from dummydesign.design.search.space import SearchSpace
+from dummydesign.design.scoring.targets import Targets
+from dummydesign.design.scoring.verdict import acceptability_rank
+from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM, THICKNESS_MM
+from dummydesign.pad.force_law import ForceLaw
 from dummydesign.resin.model.resin import Resin
 
-THICKNESS_MM = (3.0, 30.0)
-"""Slabs that can be cast. [mm]"""
-THICKNESS_STEP_MM = 0.5
-REFINED, FITTED = 24, 6
+if TYPE_CHECKING:
+    from dummydesign.design.search.shape_family import Family
+
+# What a calibration makes of a family of shapes.
+Correct = Callable[["Family"], "Family"]
 
 
 @dataclass(frozen=True)
-class ScoreMap:
+class SearchSpace:
+    """Every combination of the steps of thickness and ratio, of one resin, for one set of targets."""
+
+    resin: Resin
+    targets: Targets
+    thickness_mm: NDArray
+    ratio: NDArray
+    radius_mm: float
+    sampling: Sampling = field(default_factory=Sampling)
+    pad_mm: tuple[float, float] = (PAD_LENGTH_MM, PAD_WIDTH_MM)
+    base: str = "bonded"
+    correct: Correct | None = None
+
+    @property
+    def extent_mm(self) -> float:
+        """Radius of the circle of the pad's area. [mm]"""
+        return float(np.sqrt(self.pad_mm[0] * self.pad_mm[1] / np.pi))
+
+
+QUANTILES = (np.arange(9) + 0.5) / 9.0
+DRAWS, ALTERNATIVES = 400, 4
+THICKNESS_STEP_MM = 0.5
+REFINED, FITTED = 24, 6
+# What a user may weigh differently: measured steady range, force range, aim, low forces.
+OBJECTIVES = ("steady_state_range", "force_variation_range", "aim", "low_force_range")
+
+
+def averaging(resin: Resin, ratio: NDArray) -> NDArray:
+    """Weights (R, R) of the ratios whose modulus the castings of each ratio may have; every row sums to 1.
+
+    Moduli beyond the ends count at the ends.
+    """
+    count = len(ratio)
+    if count < 2:
+        return np.eye(count)
+    drawn = resin.draw(DRAWS)
+    moduli = np.array([np.log(np.maximum(drawn.young_MPa(value), 1e-12)) for value in ratio])
+    spread = np.quantile(moduli, QUANTILES, axis=1).T
+    central = np.log(resin.young_MPa(ratio))
+    # the draws' median may lie off the central law: what counts here is their spread about it
+    spread += (central - np.median(moduli, axis=1))[:, None]
+    order = np.argsort(central)
+    place = np.interp(spread, central[order], np.arange(count)[order].astype(float))
+    left = np.minimum(place.astype(int), count - 2)
+    share = place - left
+    weights = np.zeros((count, count))
+    rows = np.arange(count)[:, None]
+    np.add.at(weights, (rows, left), (1.0 - share) / len(QUANTILES))
+    np.add.at(weights, (rows, left + 1), share / len(QUANTILES))
+    return weights
+
+
+def alternatives_to(candidates: list[DesignCandidate], best: DesignCandidate) -> tuple[DesignCandidate, ...]:
+    """From all that were worked out exactly, those that no other beats, by falling total."""
+    values = np.array([[getattr(c.evaluation, name)[c.index] for name in OBJECTIVES] for c in candidates])
+    kept = [best]
+    for index in sorted(range(len(candidates)), key=lambda i: -candidates[i].total):
+        candidate = candidates[index]
+        others = np.delete(values, index, axis=0)
+        beaten = np.all(others >= values[index], axis=1) & np.any(others > values[index], axis=1)
+        here = candidate.thickness_mm, candidate.ratio
+        if candidate is not best and not beaten.any() and _far(here, [(one.thickness_mm, one.ratio) for one in kept]):
+            kept.append(candidate)
+    return tuple(kept[1 : ALTERNATIVES + 1])
+
+
+def _far(here: tuple[float, float], others: Sequence[tuple[float, float]]) -> bool:
+    """Whether a thickness and ratio differ from all others by more than 1 mm or 0.3 parts."""
+    return all(abs(here[0] - thickness) > 1.0 or abs(here[1] - ratio) > 0.3 for thickness, ratio in others)
+
+
+def pareto(score_map: ScoreMap, best: int) -> NDArray:
+    """Feasible designs of the map that no other beats in every objective, the far ones from each other.
+
+    From those with at least half of the best total, the highest is taken again and again, leaving out what
+    lies within 1 mm and 0.3 parts of one already taken.
+    """
+    values = np.stack([getattr(score_map, name).ravel() for name in OBJECTIVES], axis=-1)
+    total = score_map.total.ravel()
+    able = np.nonzero(score_map.feasible.ravel() & (total >= 0.5 * total[best]))[0]
+    order = able[np.argsort(-values[able].sum(axis=-1), kind="stable")]
+    front: list[int] = []
+    for index in order:
+        if not np.all(values[front] >= values[index] - 1e-12, axis=-1).any():
+            front.append(index)
+    pads = list(product(score_map.thickness_mm, score_map.ratio))
+    kept: list[int] = []
+    for index in np.argsort(-total[front], kind="stable"):
+        if _far(pads[front[index]], [pads[one] for one in (best, *kept)]):
+            kept.append(front[index])
+    return np.array(kept[:ALTERNATIVES], dtype=int)
+
+
+@dataclass(frozen=True)
+class ScoreMap(Serialised):
     """Scores over thickness (T,) and ratio (R,): arrays (T, R); ``feasible`` reaches 10 N steady."""
 
     thickness_mm: NDArray
@@ -39,13 +136,9 @@ class ScoreMap:
     low_force_range: NDArray
     feasible: NDArray
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return all arrays as lists."""
-        return {name: getattr(self, name).tolist() for name in self.__dataclass_fields__}
-
 
 @dataclass(frozen=True)
-class Candidate:
+class DesignCandidate:
     """One design worked out exactly: its place in the evaluation, parameters and scores."""
 
     thickness_mm: float
@@ -55,10 +148,9 @@ class Candidate:
     parameters: Any
     parametric: float
     total: float
+    # Whether it may be cast, by its verdict; what its castings are expected to lose of the merit.
     rank: int = 0
-    """Whether it may be cast, :mod:`dummydesign.design.scoring.acceptability`."""
     loss: float = 0.0
-    """What its castings are expected to lose of the merit, by :mod:`dummydesign.design.search.expected_map`."""
 
     def merit(self, low_share: float | None = None) -> float:
         """By what designs are ranked: the total, with a share (by default the weights') of the closeness below 5 N."""
@@ -74,52 +166,26 @@ class Candidate:
 class SearchResult:
     """What a search found: best design, Pareto alternatives, and the map."""
 
-    best: Candidate
-    alternatives: tuple[Candidate, ...]
+    best: DesignCandidate
+    alternatives: tuple[DesignCandidate, ...]
     score_map: ScoreMap
 
 
 def thickness_steps(low_mm: float, high_mm: float) -> NDArray:
-    """Thicknesses in steps of 0.5 mm inside a range, both ends included. [mm]
-
-    Raises
-    ------
-    InputError
-        When the range leaves what can be cast (3 to 30 mm) or holds no step.
-    """
+    """Thicknesses in steps of 0.5 mm inside a range, both ends included. [mm]"""
     for value in (low_mm, high_mm):
         if not (math.isfinite(value) and THICKNESS_MM[0] <= value <= THICKNESS_MM[1]):
             raise out_of_range("thickness in mm", value, *THICKNESS_MM, "slabs that can be cast")
     first = math.ceil(low_mm / THICKNESS_STEP_MM - 1e-9)
     last = math.floor(high_mm / THICKNESS_STEP_MM + 1e-9)
     if last < first:
-        raise out_of_range(
-            "thickness range in mm",
-            f"{low_mm:g}:{high_mm:g}",
-            *THICKNESS_MM,
-            f"it holds no step of {THICKNESS_STEP_MM} mm",
-        )
+        advice = f"it holds no step of {THICKNESS_STEP_MM} mm"
+        raise out_of_range("thickness range in mm", f"{low_mm:g}:{high_mm:g}", *THICKNESS_MM, advice)
     return np.arange(first, last + 1) * THICKNESS_STEP_MM
 
 
 def make_slabs(curves: Curves, slab: NDArray, resin: Resin, ratio: NDArray) -> Slabs:
-    """Designs with the central numbers of a resin.
-
-    Parameters
-    ----------
-    curves : Curves
-        Elastic curves of the slabs, per modulus.
-    slab : ndarray of int, shape (D,)
-        Which of the curves each design has.
-    resin : Resin
-        Gives modulus and relaxation at a ratio.
-    ratio : ndarray, shape (D,)
-        Mixing ratio of each, in the resin's own definition.
-
-    Returns
-    -------
-    Slabs
-    """
+    """Designs with the central numbers of a resin."""
     known, back = np.unique(ratio, return_inverse=True)
     beta = np.array([[term.beta for term in resin.prony(float(value))] for value in known])
     tau = tuple(arm.tau_s.value for arm in resin.arms)
@@ -135,27 +201,6 @@ def search(
     Every combination is scored on a coarse time grid (the map); the best of it are worked out on a fine
     one, with the tissue's law fitted to their simulated presses, and ranked again. The map has no fitted
     parameters: there the parametric part is that of gamma1 alone.
-
-    Parameters
-    ----------
-    law : ForceLaw
-        Elastic force of slabs.
-    space : SearchSpace
-        Resin, targets and the steps to combine.
-    low_share : float
-        Weight, in the choice of the best, of the closeness to the aim below 5 N beside the total.
-    refined, fitted : int
-        How many of the map's best are worked out on the fine grid, and to how many of these the law is fitted; with
-        no fit the parametric part is that of gamma1 and ``parameters`` are None (:func:`with_parameters`).
-
-    Returns
-    -------
-    SearchResult
-
-    Raises
-    ------
-    NoAnswerError
-        ``no_feasible_design`` when none reaches 10 N steady within its depth limit.
     """
     found = search_each([(law, space.thickness_mm)], space, low_share, refined, fitted)[0]
     if isinstance(found, NoAnswerError):
@@ -164,28 +209,10 @@ def search(
 
 
 def search_each(
-    laws: Sequence[tuple[ForceLaw, NDArray]],
-    space: SearchSpace,
-    low_share: float = 0.0,
-    refined: int = REFINED,
-    fitted: int = FITTED,
-    others: bool = True,
-) -> list[SearchResult | NoAnswerError]:
+    laws: Sequence[tuple[ForceLaw, NDArray]], space: SearchSpace, low_share: float = 0.0, refined: int = REFINED,
+    fitted: int = FITTED, others: bool = True,
+) -> list[SearchResult | NoAnswerError]:  # fmt: skip
     """Make the search of :func:`search` for several force laws, each on thicknesses of its own, all designs at once.
-
-    Parameters
-    ----------
-    laws : sequence of (ForceLaw, ndarray of shape (T,))
-        Force laws with the thicknesses to combine with every ratio of the space. [mm]
-    space, low_share, refined, fitted
-        As for :func:`search`; the thicknesses of the space are not used.
-    others : bool
-        Whether designs that no other beats are worked out beside the best ones.
-
-    Returns
-    -------
-    list of SearchResult or NoAnswerError
-        One a law; ``no_feasible_design`` where none reaches 10 N steady within its depth limit.
     """
     if not laws:
         return []
@@ -204,7 +231,9 @@ def search_each(
     maps, groups, end = [], [], 0
     for _, thickness in laws:
         start, end = end, end + len(thickness) * len(ratio)
-        score_map = _score_map(rough, total, thickness, ratio, slice(start, end))
+        columns = (total, *(getattr(rough, name) for name in OBJECTIVES), rough.feasible)
+        parts = (values[start:end].reshape(len(thickness), len(ratio)) for values in columns)
+        score_map = ScoreMap(thickness, ratio, *parts)
         maps.append(score_map)
         able = int(score_map.feasible.sum())
         ranked = np.argsort(-order[start:end], kind="stable")[: min(refined, able)]
@@ -213,36 +242,26 @@ def search_each(
     chosen = np.concatenate([index for group in groups for index in group])
     if len(chosen):
         counts = [(len(ranked), len(unbeaten)) for ranked, unbeaten in groups]
-        worked = _work_out(
-            slabs.take(chosen), ratio[column[chosen]], space, counts, fitted, low_share, loss[chosen]
-        )
+        worked = _work_out(slabs.take(chosen), ratio[column[chosen]], space, counts, fitted, low_share, loss[chosen])
     for place, score_map in enumerate(maps):
         if not score_map.feasible.any():
-            why = _why_none(resin, score_map.thickness_mm, ratio, targets.protocol.needed_N)
-            found.append(NoAnswerError("no_feasible_design", why))
+            thickness = score_map.thickness_mm
+            why = (
+                f"no slab of {thickness[0]:g} to {thickness[-1]:g} mm and ratio {ratio[0]:g} to {ratio[-1]:g} of "
+                f"{resin.name} reaches {targets.protocol.needed_N:g} N within its depth limit; allow stiffer ratios or "
+                "thinner pads"
+            )
+            found.append(NoAnswerError("no_feasible_design", why, quantity="pad"))
             continue
         best = max(worked[place], key=lambda candidate: candidate.worth(low_share))
         found.append(SearchResult(best, alternatives_to(worked[place], best), score_map))
     return found
 
 
-def _score_map(rough: Evaluation, total: NDArray, thickness: NDArray, ratio: NDArray, rows: slice) -> ScoreMap:
-    parts = (total, rough.steady_state_range, rough.force_variation_range, rough.aim, rough.low_force_range)
-    shape = (len(thickness), len(ratio))
-    return ScoreMap(
-        thickness, ratio, *(np.asarray(values[rows]).reshape(shape) for values in (*parts, rough.feasible))
-    )
-
-
 def _work_out(
-    slabs: Slabs,
-    ratio: NDArray,
-    space: SearchSpace,
-    counts: Sequence[tuple[int, int]],
-    fitted: int,
-    low_share: float,
+    slabs: Slabs, ratio: NDArray, space: SearchSpace, counts: Sequence[tuple[int, int]], fitted: int, low_share: float,
     loss: NDArray,
-) -> list[list[Candidate]]:
+) -> list[list[DesignCandidate]]:  # fmt: skip
     """Evaluate groups of designs on the fine grid; fit the best of each group's ranked ones and all its others."""
     targets = space.targets
     exact = evaluate(slabs, targets, space.sampling, exact=True)
@@ -270,20 +289,14 @@ def _work_out(
             found[index] = fit
     columns = (slabs.thickness_mm, ratio, parametric, total, ranks, loss)
     candidates = [
-        Candidate(thickness, at, index, exact, found[index], score, sum_, int(rank), lost)
+        DesignCandidate(thickness, at, index, exact, found[index], score, sum_, int(rank), lost)
         for index, (thickness, at, score, sum_, rank, lost) in enumerate(zip(*(one.tolist() for one in columns)))
     ]
     return [[candidates[index] for index in kept] for kept in groups]
 
 
-def with_parameters(candidates: Sequence[Candidate], space: SearchSpace) -> tuple[Candidate, ...]:
-    """Designs with the tissue's law fitted to their presses, and the total that goes with it, where it was not yet.
-
-    Parameters
-    ----------
-    candidates : sequence of Candidate
-    space : SearchSpace
-    """
+def with_parameters(candidates: Sequence[DesignCandidate], space: SearchSpace) -> tuple[DesignCandidate, ...]:
+    """Designs with the tissue's law fitted to their presses, and the total that goes with it, where it was not yet."""
     arms = space.targets.parameters.gamma_N_per_mm3
     lacking = [candidate for candidate in candidates if candidate.parameters is None] if arms else []
     if not lacking:
@@ -300,10 +313,3 @@ def with_parameters(candidates: Sequence[Candidate], space: SearchSpace) -> tupl
             candidate = replace(candidate, parameters=fit, parametric=float(score), total=float(total[0]))
         done.append(candidate)
     return tuple(done)
-
-
-def _why_none(resin: Resin, thickness_mm: NDArray, ratio: NDArray, force_N: float) -> str:
-    return (
-        f"no slab of {thickness_mm[0]:g} to {thickness_mm[-1]:g} mm and ratio {ratio[0]:g} to {ratio[-1]:g} of "
-        f"{resin.name} reaches {force_N:g} N within its depth limit; allow stiffer ratios or thinner pads"
-    )

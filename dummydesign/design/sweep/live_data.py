@@ -18,34 +18,19 @@ def live_data(resin: Resin, tissue: Tissue | None, sampling: Sampling | None = N
     """What the page computes from: both response tables, the resin on a fine grid of ratios, the subjects.
 
     ln E and the strengths of the arms are linear between 401 ratios, which is within 0.01 % of the law.
-
-    Parameters
-    ----------
-    resin : Resin
-    tissue : Tissue or None
-    sampling : Sampling, optional
-        Hold and braking of the presses; by default those of the paper.
     """
     from dummydesign.design.scoring.presses import Sampling
     from dummydesign.geometry.interface import BASES
     from dummydesign.pad.tables.slab import load_table
+    from dummydesign.pad.tables.square import load_square
 
     sampling = sampling or Sampling()
     ratio = np.linspace(resin.ratio_min, resin.ratio_max, RATIOS)
     strengths = [[term.beta for term in resin.prony(float(value))] for value in ratio]
-    tables = {}
-    for base in BASES:
-        table = load_table(base)
-        tables[base] = {
-            "coefficients": table.coefficients.tolist(),
-            "ratio_range": list(table.ratio_range),
-            "depth_range": list(table.depth_range),
-            "limit_ratio": table.limit_ratio.tolist(),
-            "limit_depth": table.limit_depth.tolist(),
-        }
+    names = ("coefficients", "ratio_range", "depth_range")
     return {
-        "tables": tables,
-        "squares": {base: _square(base) for base in BASES},
+        "tables": {base: _listed(load_table(base), *names, "limit_ratio", "limit_depth") for base in BASES},
+        "squares": {base: _listed(load_square(base), *names, "reach_ratio", "reach_depth") for base in BASES},
         "resin": {
             "name": resin.name,
             "ratio": ratio.tolist(),
@@ -62,12 +47,8 @@ def live_data(resin: Resin, tissue: Tissue | None, sampling: Sampling | None = N
     }
 
 
-def _square(base: str) -> dict[str, Any]:
-    """Factors of a square punch over the circle of its area."""
-    from dummydesign.pad.tables.square import load_square
-
-    table = load_square(base)
-    names = ("coefficients", "ratio_range", "depth_range", "reach_ratio", "reach_depth")
+def _listed(table: object, *names: str) -> dict[str, Any]:
+    """Arrays of a table as lists."""
     return {name: np.asarray(getattr(table, name)).tolist() for name in names}
 
 
@@ -94,9 +75,8 @@ def _tissue(tissue: Tissue, hold_s: float) -> dict[str, Any] | None:
 
 def _curves(tissue: Tissue, hold_s: float) -> dict[str, Any]:
     """People as measured curves: steady curve at the end of the hold, and every press over its steady force."""
-    from dummydesign.tissue.model.held_press import FORCE_APART, SHARES, SPEED_APART, hold_times
     from dummydesign.tissue.model.laws.curves import known_words
-    from dummydesign.tissue.model.measured_curves import MeasuredPerson
+    from dummydesign.tissue.model.measured_curves import FORCE_APART, SHARES, SPEED_APART, MeasuredPerson, hold_times
 
     people = [cast(MeasuredPerson, one) for one in tissue.parameter_sets]
     law = {

@@ -1,49 +1,49 @@
-"""Rows of a what-if study: one design each, worked out many at once."""
+"""Rows of a what-if study: slabs, shaped pads and filleted punches, many at once."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.scoring.presses import Sampling, Slabs, press_to_depth, steady_depth
-from dummydesign.geometry.shapes import Slab
+from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.design.scoring.presses import (
+    DEPTH_SHARE,
+    SAMPLES,
+    Curves,
+    Sampling,
+    Slabs,
+    join_curves,
+    make_curves,
+    press_to_depth,
+    steady_depth,
+)
+from dummydesign.design.search.shape_family import Designs
+from dummydesign.design.sweep.spec import why_not_cast
+from dummydesign.geometry.punch import punch_sides_mm
+from dummydesign.geometry.shape_registry import read_shape
+from dummydesign.geometry.shapes.slab import Slab
+from dummydesign.pad.force_law import ForceLaw
+from dummydesign.pad.tables.square import punch_law
 
 if TYPE_CHECKING:
     from dummydesign.design.scoring.targets import Targets
 
+
+# Steady force at which peak over steady is given, that of the paper's force-time figures. [N]
 PEAK_FORCE_N = 10.0
-"""Steady force at which peak over steady is given, that of the paper's force-time figures. [N]"""
+SCORES = ("total", "steady_state_range", "force_variation_range", "aim", "parametric", "low_force_range")
+BY_FORCE = ("exponent_at_N", "depth_mm_at_N", "depth_over_thickness_at_N", "stiffness_N_per_mm_at_N")
+SOLVED_SHARES = DEPTH_SHARE * np.linspace(0.04, 1.0, 16)
 
 
 @dataclass(frozen=True)
 class Task:
-    """Some designs of one punch, condition and base with all that is needed to work them out anywhere.
-
-    Attributes
-    ----------
-    fidelity, punch, condition, base : str
-    radius_mm : float
-        Radius of the circle of the punch's area. [mm]
-    thickness_mm, ratio, young_MPa : ndarray, shape (D,)
-    tau_s : tuple of float
-        Times of the resin's arms. [s]
-    beta : ndarray, shape (D, arms)
-        Their strengths, relative to the long-term modulus.
-    forces_N, velocities_mm_s : tuple of float
-    targets : Targets or None
-        What to score against.
-    shapes : tuple of str
-    shape : ndarray of int, shape (D,), optional
-        Which of the shapes each design has; the first by default.
-    edge_radius_mm : float
-        Fillet of the punch's edge. [mm]
-    sampling : Sampling
-        Hold and braking of the presses.
-    """
+    """Some designs of one punch, condition and base with all that is needed to work them out anywhere."""
 
     fidelity: str
     punch: str
@@ -68,88 +68,58 @@ class Task:
         arrays = {name: getattr(self, name)[chosen] for name in ("thickness_mm", "ratio", "young_MPa", "beta")}
         return replace(self, **arrays, shape=None if self.shape is None else self.shape[chosen])
 
+    @cached_property
+    def keys(self) -> tuple[list[str], list[str]]:
+        """Names of the forces and of the speeds in rows."""
+        return [f"{force:g}" for force in self.forces_N], [f"{speed:g}" for speed in self.velocities_mm_s]
+
     def shape_of(self, index: int) -> str:
         """Shape of one design, as its text."""
         return self.shapes[0 if self.shape is None else int(self.shape[index])]
 
 
 def rows_of(task: Task, slabs: Slabs, error: Callable[[NDArray], NDArray]) -> list[dict[str, Any]]:
-    """Work out all designs at once and lay them out as rows.
-
-    Parameters
-    ----------
-    task : Task
-    slabs : Slabs
-        Its designs, in its order.
-    error : callable
-        Relative error of the force at depths (D, n).
-    """
+    """Work out all designs at once and lay them out as rows."""
     forces = np.array(task.forces_N)
     depth = slabs.curves.depth_at(slabs.slab, forces / slabs.young_MPa[:, None])
     slope = slabs.curves.slope_at(slabs.slab, depth) * slabs.young_MPa[:, None]
     with np.errstate(invalid="ignore"):
-        columns = {
-            "exponent_at_N": slope * depth / forces,
-            "depth_mm_at_N": depth,
-            "depth_over_thickness_at_N": depth / slabs.thickness_mm[:, None],
-            "stiffness_N_per_mm_at_N": slope,
-        }
-    scores = _scores(slabs, task.targets)
-    force_keys, speed_keys = _keys(task.forces_N), _keys(task.velocities_mm_s)
-    plain = {name: _plain(values) for name, values in columns.items()}
+        columns = (slope * depth / forces, depth, depth / slabs.thickness_mm[:, None], slope)
+    by_force = [_plain(values) for values in columns]
+    scores = None if task.targets is None else _plain(_scores(slabs, task.targets))
     peaks, limits = _plain(_peaks(slabs, task.velocities_mm_s, task.sampling)), _limits(slabs, depth, task.forces_N)
     errors = _plain(_errors(depth, error)[:, None])
-    rows = []
-    for index in range(len(task.ratio)):
-        row = {
-            **_head(task, index),
-            **{name: dict(zip(force_keys, values[index])) for name, values in plain.items()},
-            "peak_over_steady": dict(zip(speed_keys, peaks[index])),
-            "force_error_percent": errors[index][0],
-            "limit": limits[index],
-        }
-        if scores is not None:
-            own = {name: float(values[index]) for name, values in scores.items()}
-            row["score"] = {name: None if value != value else value for name, value in own.items()}
-        rows.append(row)
-    return rows
+    return [
+        _row(task, index, [values[index] for values in by_force], peaks[index], errors[index][0], limits[index],
+             None if scores is None else scores[index])
+        for index in range(len(task.ratio))
+    ]  # fmt: skip
 
 
-def _head(task: Task, index: int) -> dict[str, Any]:
-    return {
-        "thickness_mm": float(task.thickness_mm[index]),
-        "ratio": float(task.ratio[index]),
-        "punch": task.punch,
-        "condition": task.condition,
-        "base": task.base,
-        "shape": task.shape_of(index),
-        "edge_radius_mm": task.edge_radius_mm,
-        "young_kPa": float(1e3 * task.young_MPa[index]),
-    }
+def _row(
+    task: Task, index: int, by_force: Sequence[Sequence[float | None]], peaks: Sequence[float | None],
+    error: float | None, limit: str | None, scores: Sequence[float | None] | None,
+) -> dict[str, Any]:  # fmt: skip
+    forces, speeds = task.keys
+    row = {
+        "thickness_mm": float(task.thickness_mm[index]), "ratio": float(task.ratio[index]), "punch": task.punch,
+        "condition": task.condition, "base": task.base, "shape": task.shape_of(index),
+        "edge_radius_mm": task.edge_radius_mm, "young_kPa": float(1e3 * task.young_MPa[index]),
+        **{name: dict(zip(forces, values)) for name, values in zip(BY_FORCE, by_force)},
+        "peak_over_steady": dict(zip(speeds, peaks)), "force_error_percent": error, "limit": limit,
+    }  # fmt: skip
+    return row if scores is None else row | {"score": dict(zip(SCORES, scores))}
 
 
 def empty_row(task: Task, index: int, why: str) -> dict[str, Any]:
-    """A row without values for a pad that could not be solved or cast.
-
-    Parameters
-    ----------
-    task : Task
-    index : int
-        Of the design.
-    why : str
-        Said in ``limit``.
-    """
-    nothing = dict.fromkeys(_keys(task.forces_N))
-    names = ("exponent_at_N", "depth_mm_at_N", "depth_over_thickness_at_N", "stiffness_N_per_mm_at_N")
-    row = {**_head(task, index), **{name: dict(nothing) for name in names}}
-    row |= {"peak_over_steady": dict.fromkeys(_keys(task.velocities_mm_s)), "force_error_percent": None, "limit": why}
-    if task.targets is not None:
-        row["score"] = dict.fromkeys(SCORES, 0.0)
-    return row
+    """A row without values for a pad that could not be solved or cast."""
+    by_force, peaks = [[None] * len(task.forces_N)] * len(BY_FORCE), [None] * len(task.velocities_mm_s)
+    return _row(task, index, by_force, peaks, None, why, None if task.targets is None else [0.0] * len(SCORES))
 
 
-def _keys(values: Sequence[float]) -> list[str]:
-    return [f"{value:g}" for value in values]
+def empty_rows(task: Task, why: str) -> list[dict[str, Any]]:
+    """The same for all pads of a task."""
+    return [empty_row(task, index, why) for index in range(len(task.ratio))]
 
 
 def _peaks(slabs: Slabs, velocities: Sequence[float], sampling: Sampling) -> NDArray:
@@ -161,26 +131,16 @@ def _peaks(slabs: Slabs, velocities: Sequence[float], sampling: Sampling) -> NDA
     return np.stack(columns, axis=-1)
 
 
-SCORES = ("total", "steady_state_range", "force_variation_range", "aim", "parametric", "low_force_range")
-
-
-def _scores(slabs: Slabs, targets: Targets | None) -> dict[str, NDArray] | None:
-    """Scores for a tissue as in the map of the search: the parametric part is that of gamma1."""
-    if targets is None:
-        return None
+def _scores(slabs: Slabs, targets: Targets) -> NDArray:
+    """Scores for a tissue as in the map of the search, shape (D, SCORES): the parametric part is that of gamma1."""
     from dummydesign.design.scoring.law_parameters import gamma1_score
     from dummydesign.design.scoring.score import evaluate, evaluated_gamma1
 
     found = evaluate(slabs, targets)
     parametric = gamma1_score(evaluated_gamma1(found, targets.power), targets)
-    return {
-        "total": found.total(parametric),
-        "steady_state_range": found.steady_state_range,
-        "force_variation_range": found.force_variation_range,
-        "aim": found.aim,
-        "parametric": parametric if targets.parametric else np.full(len(parametric), np.nan),
-        "low_force_range": found.low_force_range,
-    }
+    shown = parametric if targets.parametric else np.full(len(parametric), np.nan)
+    parts = (found.steady_state_range, found.force_variation_range, found.aim, shown, found.low_force_range)
+    return np.stack([found.total(parametric), *parts], axis=-1)
 
 
 def _limits(slabs: Slabs, depth: NDArray, forces: Sequence[float]) -> list[str | None]:
@@ -211,3 +171,132 @@ def _plain(values: NDArray) -> list[list[float | None]]:
     if np.isnan(values).any():
         return [[None if value != value else value for value in row] for row in plain]
     return plain
+
+
+def _by_tables(task: Task) -> list[dict[str, Any]]:
+    """Pads of each kind on its table, all at once."""
+    from dummydesign.design.search.shape_family import load_family
+
+    chosen = np.zeros(len(task.ratio), int) if task.shape is None else task.shape
+    pads, place = np.unique(np.stack([chosen, task.thickness_mm]), axis=1, return_inverse=True)
+    place = place.reshape(-1)
+    shapes = [read_shape(task.shapes[int(index)]) for index in pads[0]]
+    why: list[str | None] = [why_not_cast(str(shape), float(mm)) for shape, mm in zip(shapes, pads[1])]
+    groups, curves, order = [], [], []
+    for kind in dict.fromkeys(shape.name for shape in shapes):
+        family = load_family(kind)
+        candidates = [n for n, shape in enumerate(shapes) if shape.name == kind and why[n] is None]
+        for n in candidates:
+            try:
+                family.check(shapes[n])
+            except InputError as problem:
+                why[n] = str(problem)
+        own = np.array([n for n in candidates if why[n] is None], dtype=int)
+        if not len(own):
+            continue
+        lengths = [dict(shapes[n].parameters) for n in own]
+        designs = Designs(kind, pads[1][own], {name: np.array([one[name] for one in lengths]) for name in lengths[0]})
+        limit = np.minimum(family.limit_mm(designs, task.radius_mm), DEPTH_SHARE * designs.thickness_mm)
+        for n in own[limit <= 0.0]:
+            why[n] = f"outside the response table of {kind} pads; --fidelity {shapes[n].fidelity} solves it"
+        designs, limit, own = designs.take(limit > 0.0), limit[limit > 0.0], own[limit > 0.0]
+        if not len(own):
+            continue
+        area = family.area_mm2(designs, limit[:, None] * np.linspace(0.0, 1.0, SAMPLES), task.radius_mm)
+        curves.append(Curves(designs.thickness_mm, limit, area))
+        groups.append((family, designs))
+        order.append(own)
+    rows = [empty_row(task, index, why[pad] or "") if why[pad] else {} for index, pad in enumerate(place)]
+    if not groups:
+        return rows
+    joined, known = join_curves(curves), np.concatenate(order)
+    curve_of = np.full(pads.shape[1], -1)
+    curve_of[known] = np.arange(len(known))
+    able = np.nonzero(curve_of[place] >= 0)[0]
+    part = task.take(able)
+    slabs = Slabs(joined, curve_of[place[able]], part.young_MPa, part.tau_s, part.beta)
+    starts = np.cumsum([0, *(len(own) for own in order)])
+
+    def error(depth_mm: NDArray) -> NDArray:
+        found = np.empty_like(depth_mm)
+        for (family, designs), start, stop in zip(groups, starts, starts[1:]):
+            here = (slabs.slab >= start) & (slabs.slab < stop)
+            own = designs.take(slabs.slab[here] - start)
+            found[here] = family.relative_error(own, depth_mm[here], task.radius_mm)
+        return found
+
+    for index, row in zip(able, rows_of(part, slabs, error)):
+        rows[index] = row
+    return rows
+
+
+def _solved(task: Task) -> list[dict[str, Any]]:
+    """One pad by finite elements, for all its ratios."""
+    from scipy.interpolate import PchipInterpolator
+
+    from dummydesign.pad.elastic_force import elastic_curve
+    from dummydesign.pad.specimen import Pad
+
+    shape, thickness = task.shape_of(0), float(task.thickness_mm[0])
+    refused = why_not_cast(shape, thickness)
+    if refused:
+        return empty_rows(task, refused)
+    wanted = SOLVED_SHARES * thickness
+    # corners are known of a glued square on a slab; all other punches are the circle of their area
+    sides = punch_sides_mm(task.punch) if task.edge_radius_mm else None
+    if sides is not None and sides[0] != sides[1]:
+        sides = None
+    pad = Pad(
+        thickness, 1.0, task.radius_mm, base=task.base, condition=task.condition, sides_mm=sides,
+        edge_radius_mm=task.edge_radius_mm, geometry=read_shape(shape),
+    )  # fmt: skip
+    try:
+        found = elastic_curve(pad, task.fidelity, float(wanted[-1]), wanted, None)
+    except NoAnswerError as problem:
+        return empty_rows(task, str(problem))
+    depth = wanted[wanted <= found.limit_mm * (1.0 + 1e-9)]
+    if len(depth) < 3:
+        return empty_rows(task, "could not be solved to a useful depth")
+    area, error = found.force(depth), found.relative_error(depth)
+    # ln F over ln d without overshoot; before the first depth the power that the first two have
+    spline = PchipInterpolator(np.log(depth), np.log(area))
+    first = np.log(area[1] / area[0]) / np.log(depth[1] / depth[0])
+    grid = float(depth[-1]) * np.linspace(0.0, 1.0, SAMPLES)[1:]
+    below = area[0] * (grid / depth[0]) ** first
+    inside = np.exp(spline(np.log(np.clip(grid, depth[0], depth[-1]))))
+    curve = np.concatenate([[0.0], np.where(grid < depth[0], below, inside)])
+    curves = Curves(np.array([thickness]), depth[-1:], curve[None])
+    slabs = Slabs(curves, np.zeros(len(task.ratio), int), task.young_MPa, task.tau_s, task.beta)
+    return rows_of(task, slabs, lambda at: np.interp(at, depth, error))
+
+
+def work(task: Task, law: ForceLaw | None = None) -> list[dict[str, Any]]:
+    """Work out the rows of a task (runs in this process, in another, or on a cluster)."""
+    if task.shapes != (Slab.name,) or (task.edge_radius_mm and task.fidelity != "table"):
+        return _by_tables(task) if task.fidelity == "table" else _solved(task)
+    thickness, place = np.unique(task.thickness_mm, return_inverse=True)
+    try:
+        law = law or force_law(task, thickness)
+        curves = make_curves(law, thickness, task.radius_mm)
+    except NoAnswerError as problem:
+        return empty_rows(task, str(problem))
+    slabs = Slabs(curves, place, task.young_MPa, task.tau_s, task.beta)
+
+    def error(depth_mm: NDArray) -> NDArray:
+        return law.relative_error(depth_mm, slabs.thickness_mm[:, None], task.radius_mm)
+
+    return rows_of(task, slabs, error)
+
+
+def force_law(task: Task, thickness_mm: NDArray) -> ForceLaw:
+    """The force law of the task's fidelity, punch, condition and base."""
+    if task.fidelity == "table":
+        from dummydesign.pad.tables.filleted import slab_table
+
+        table = slab_table(task.base, task.edge_radius_mm, task.radius_mm)
+        return punch_law(table, task.punch, task.base, bool(task.edge_radius_mm))
+    from dummydesign.pad.solved_law import solve_law
+
+    sides = punch_sides_mm(task.punch)
+    solved = solve_law(thickness_mm.tolist(), task.radius_mm, None, task.base, task.condition, sides, task.fidelity)
+    return cast(ForceLaw, solved)

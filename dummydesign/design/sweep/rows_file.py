@@ -16,11 +16,8 @@ from dummydesign.design.sweep.rows import SCORES
 from dummydesign.design.sweep.spec import Key, Study
 
 ROWS, SETTINGS = "rows.csv", "study.json"
+_NAMED = ("thickness_mm", "ratio", "punch", "condition", "base", "shape", "edge_radius_mm")
 _TEXT = ("punch", "condition", "base", "shape", "limit")
-_ADDED = {"shape": "slab", "edge_radius_mm": "0.0"}
-"""Columns that files of earlier versions lack, and what their rows have."""
-OF_OLD = {"hold_s": 10.0, "deceleration_mm_s2": 30_000.0}
-"""Settings that studies of earlier versions do not name, and what theirs were."""
 _BY_FORCE = ("exponent", "depth_mm", "depth_over_thickness", "stiffness_N_per_mm")
 
 
@@ -28,23 +25,17 @@ class RowFormat:
     """Columns of a study's rows; nested values become one column a key, such as ``depth_mm_at_5_N``."""
 
     def __init__(self, study: Study) -> None:
-        head = ("thickness_mm", "ratio", "punch", "condition", "base", *_ADDED, "young_kPa")
-        self.places: list[tuple[str, ...]] = [(name,) for name in head]
-        self.columns = list(head)
+        # where each column's value is in a row
+        self.paths: dict[str, tuple[str, ...]] = {name: (name,) for name in (*_NAMED, "young_kPa")}
         for name in _BY_FORCE:
             for force in study.forces_N:
-                self._add(f"{name}_at_{force:g}_N", f"{name}_at_N", f"{force:g}")
+                self.paths[f"{name}_at_{force:g}_N"] = (f"{name}_at_N", f"{force:g}")
         for speed in study.velocities_mm_s:
-            self._add(f"peak_over_steady_at_{speed:g}_mm_s", "peak_over_steady", f"{speed:g}")
-        self._add("force_error_percent", "force_error_percent")
-        self._add("limit", "limit")
+            self.paths[f"peak_over_steady_at_{speed:g}_mm_s"] = ("peak_over_steady", f"{speed:g}")
+        self.paths |= {name: (name,) for name in ("force_error_percent", "limit")}
         if study.tissue is not None:
-            for name in SCORES:
-                self._add(f"score_{name}", "score", name)
-
-    def _add(self, column: str, *place: str) -> None:
-        self.columns.append(column)
-        self.places.append(place)
+            self.paths |= {f"score_{name}": ("score", name) for name in SCORES}
+        self.columns = list(self.paths)
 
     def header(self) -> str:
         """First line of the file, with its end."""
@@ -54,7 +45,7 @@ class RowFormat:
         """Lines of the given rows; numbers in full, so that what is read back is what was worked out."""
         lines = []
         for row in rows:
-            values = (row[place[0]] if len(place) == 1 else row[place[0]][place[1]] for place in self.places)
+            values = (row[at[0]] if len(at) == 1 else row[at[0]][at[1]] for at in self.paths.values())
             lines.append(["" if v is None else repr(v) if isinstance(v, float) else v for v in values])
         return _line(*lines)
 
@@ -64,17 +55,15 @@ class RowFormat:
             return None
         row: dict[str, Any] = {}
         try:
-            for place, field in zip(self.places, fields):
-                value = (field or None) if place[0] in _TEXT else (float(field) if field else None)
-                if len(place) == 1:
-                    row[place[0]] = value
+            for at, field in zip(self.paths.values(), fields):
+                value = (field or None) if at[0] in _TEXT else (float(field) if field else None)
+                if len(at) == 1:
+                    row[at[0]] = value
                 else:
-                    row.setdefault(place[0], {})[place[1]] = value
+                    row.setdefault(at[0], {})[at[1]] = value
         except ValueError:
             return None
-        named = ("thickness_mm", "ratio", "punch", "condition", "base", *_ADDED)
-        known = all(row[name] is not None for name in named)
-        return row if known else None
+        return row if all(row[name] is not None for name in _NAMED) else None
 
 
 def _line(*rows: list[Any]) -> str:
@@ -90,29 +79,12 @@ def key_of(row: dict[str, Any]) -> Key:
 
 
 class RowsFile:
-    """Rows of a sweep on disk and in memory.
-
-    Parameters
-    ----------
-    folder : Path
-        Holds ``rows.csv`` and ``study.json`` (the settings, so that rows of two studies never mix).
-    study : Study
-    settings : dict
-        What two rows must share to stand in one file, see :func:`settings_of`.
-    resume : bool
-        Keep the rows that are there; a torn last line and damaged lines are dropped and worked out again.
-
-    Raises
-    ------
-    InputError
-        When the rows that are there were made with other settings.
-    """
+    """Rows of a sweep on disk and in memory."""
 
     def __init__(self, folder: Path, study: Study, settings: dict[str, Any], resume: bool) -> None:
         self.path, self.format = folder / ROWS, RowFormat(study)
         self.rows: dict[Key, dict[str, Any]] = {}
         self.order = study.keys()
-        self._tidy = True
         if resume and self.path.is_file():
             _same_settings(folder / SETTINGS, settings)
             self._read()
@@ -122,18 +94,13 @@ class RowsFile:
 
     def _read(self) -> None:
         text = self.path.read_text(encoding="utf-8", errors="replace")
-        whole = text[: text.rfind("\n") + 1]
-        lines = list(csv.reader(io.StringIO(whole)))
-        if lines and lines[0] == [name for name in self.format.columns if name not in _ADDED]:
-            at = self.format.columns.index("shape")
-            added = [list(_ADDED), *([list(_ADDED.values())] * (len(lines) - 1))]
-            lines = [[*fields[:at], *more, *fields[at:]] for fields, more in zip(lines, added)]
+        lines = list(csv.reader(io.StringIO(text[: text.rfind("\n") + 1])))
         if lines and lines[0] != self.format.columns:
             odd = next((a for a, b in zip(lines[0], self.format.columns) if a != b), lines[0][-1])
             raise InputError(
                 f"{self.path.name}: its columns are those of another study (first difference: '{odd}'); "
-                "use the same forces, speeds and tissue, or another --out"
-            )
+                "use the same forces, speeds and tissue, or another --out", "inconsistent", "rows_file", odd,
+            )  # fmt: skip
         for fields in lines[1:]:
             row = self.format.row(fields)
             if row is not None:
@@ -150,7 +117,8 @@ class RowsFile:
             self._stream.write(self.format.text(new))
             self._stream.flush()
         except OSError as problem:
-            raise InputError(f"file '{self.path}' cannot be written: {problem.strerror or problem}") from None
+            message = f"file '{self.path}' cannot be written: {problem.strerror or problem}"
+            raise InputError(message, "file_unwritable", "rows_file", str(self.path)) from None
 
     def close(self) -> None:
         """End writing; what is there stays and can be resumed."""
@@ -167,21 +135,7 @@ class RowsFile:
 
 
 def settings_of(study: Study, resin: Any, tissue: Any) -> dict[str, Any]:
-    """Settings that rows in one file share: all but the lists that name designs; data by their hash.
-
-    Parameters
-    ----------
-    study : Study
-        What was asked.
-    resin : Resin
-        Entered by name and hash.
-    tissue : Tissue or None
-        Likewise; None without scores.
-
-    Returns
-    -------
-    dict
-    """
+    """Settings that rows in one file share: all but the lists that name designs; data by their hash."""
     from dummydesign._version import __version__
 
     settings = {
@@ -212,12 +166,12 @@ def _same_settings(path: Path, settings: dict[str, Any]) -> None:
     except (OSError, ValueError):
         raise InputError(
             f"--resume: {path.name} beside {ROWS} cannot be read, so its rows cannot be trusted; "
-            "run without --resume or into another --out"
-        ) from None
+            "run without --resume or into another --out", "file_unreadable", "resume",
+        ) from None  # fmt: skip
     for name, value in settings.items():
-        was = before.get(name, OF_OLD.get(name))
+        was = before.get(name)
         if was != value:
             raise InputError(
                 f"--resume: {ROWS} was made with {name} = {was}, now {value}; "
-                "run without --resume or into another --out"
-            )
+                "run without --resume or into another --out", "inconsistent", name, value, was,
+            )  # fmt: skip

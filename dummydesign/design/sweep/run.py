@@ -1,72 +1,111 @@
-"""What-if studies: every combination of slabs, ratios, punches and supports, here or side by side."""
+"""What-if studies: every combination, here, in processes or on a cluster."""
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Executor
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dummydesign.design.scoring.presses import ForceLaw
-from dummydesign.design.sites.pressed_alone import pressed_alone
-from dummydesign.design.sweep.executors import completed
-from dummydesign.design.sweep.rows import Task
+from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError, out_of_range
+from dummydesign.design.sites import pressed_alone
+from dummydesign.design.sweep.rows import Task, work
 from dummydesign.design.sweep.spec import Key, Study
-from dummydesign.design.sweep.work import work
-from dummydesign.geometry.shapes import Slab, read_shape
+from dummydesign.geometry.shape_registry import read_shape
+from dummydesign.geometry.shapes.slab import Slab
+from dummydesign.pad.force_law import ForceLaw
 
 if TYPE_CHECKING:
-    from concurrent.futures import Executor
-
     from dummydesign.design.scoring.targets import Targets
     from dummydesign.design.sweep.rows_file import RowsFile
     from dummydesign.resin.model.resin import Resin
 
-CHUNK = 4096
+
+# How often a cluster tries a task again whose worker was lost.
+RETRIES = 3
+CONNECT_S, CHUNK = 10, 4096
+# Numerical error of a force above which a study warns. [%]
 ROUGH_PERCENT = 2.0
-"""Numerical error of a force above which a study warns. [%]"""
-__all__ = ["Study", "study_warnings", "targets_of", "tasks_of", "whatif"]
+
+
+@contextmanager
+def open_executor(workers: int = 1, scheduler: str | None = None) -> Iterator[Executor | None]:
+    """Open what runs the tasks; None stands for this process."""
+    if workers < 1:
+        raise out_of_range("workers", workers, 1, "any number of processes")
+    if scheduler is not None:
+        with _dask(scheduler) as executor:
+            yield executor
+    elif workers == 1:
+        yield None
+    else:
+        import multiprocessing
+        from concurrent.futures import ProcessPoolExecutor
+
+        # spawned, not forked: a fork copies the threads of numerical libraries in any state they are in
+        with ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn")) as pool:
+            yield pool
+
+
+@contextmanager
+def _dask(address: str) -> Iterator[Executor]:
+    # Dask's client leaves a thread and a traceback behind when it is given what is no address
+    if not re.fullmatch(r"([a-z]+://)?[^/\s]+:\d+", address):
+        message = f"--scheduler '{address}' is not an address such as tcp://host:8786"
+        raise InputError(message, "malformed", "scheduler", address)
+    try:
+        from distributed import Client
+    except ImportError:
+        message = f"--scheduler {address}: Dask is not installed; pip install 'dummydesign[cluster]'"
+        raise InputError(message, "program_missing", "scheduler", address) from None
+    try:
+        client = Client(address, timeout=CONNECT_S, set_as_default=False)
+    except (OSError, ValueError, TypeError) as problem:
+        text = str(problem).split("\n")[0] or type(problem).__name__
+        message = f"--scheduler {address} does not answer within {CONNECT_S} s: {text}"
+        raise InputError(message, "program_failed", "scheduler", address) from None
+    try:
+        with client.get_executor(pure=False, retries=RETRIES) as executor:
+            yield executor
+    finally:
+        client.close()
+
+
+def completed(function: Callable[[Any], Any], tasks: Iterable[Any], executor: Executor | None) -> Iterator[Any]:
+    """Yield results as they are done; each task's exactly once."""
+    if executor is None:
+        yield from map(function, tasks)
+        return
+    from concurrent.futures import as_completed
+
+    waiting = [executor.submit(function, task) for task in tasks]
+    try:
+        for future in as_completed(waiting):
+            try:
+                yield future.result()
+            except (DummydesignError, GeneratorExit):
+                raise
+            except Exception as problem:
+                raise NoAnswerError(
+                    "worker_lost",
+                    f"a worker failed ({type(problem).__name__}: {problem}); what was done is kept: "
+                    "run the same command with --resume",
+                    quantity="workers",
+                ) from problem
+    finally:
+        for future in waiting:
+            future.cancel()
 
 
 def whatif(
-    study: Study,
-    law: ForceLaw | None = None,
-    executor: Executor | None = None,
-    file: RowsFile | None = None,
-    progress: Callable[[int, int], None] | None = None,
-    targets: Targets | None = None,
-) -> dict[str, Any]:
-    """Work out every design of a study.
-
-    Parameters
-    ----------
-    study : Study
-        What is varied.
-    law : ForceLaw, optional
-        Elastic force of slabs; by default what the study's fidelity names. Works in this process only.
-    executor : concurrent.futures.Executor, optional
-        Runs tasks side by side; the rows do not depend on it.
-    file : RowsFile, optional
-        Takes the rows as they are done; the designs it already holds are not worked out again.
-    progress : callable, optional
-        Called with the number of designs that are done and the number of all, whenever some are done.
-    targets : Targets, optional
-        Those of the study, where they are known; made by default.
-
-    Returns
-    -------
-    dict
-        ``rows`` (see :func:`dummydesign.design.sweep.work.work`) in the study's order, ``seconds`` of work, and
-        ``warnings``, {code, message} each.
-
-    Raises
-    ------
-    InputError
-        For names, ranges or a number of designs that are not allowed.
-    NoAnswerError
-        ``worker_lost`` when a worker died and nobody could take over.
-    """
+    study: Study, law: ForceLaw | None = None, executor: Executor | None = None, file: RowsFile | None = None,
+    progress: Callable[[int, int], None] | None = None, targets: Targets | None = None,
+) -> dict[str, Any]:  # fmt: skip
+    """Work out every design of a study."""
     from dummydesign.resin import load_resin
 
     start = time.perf_counter()
@@ -93,7 +132,9 @@ def whatif(
             file.close()
             raise
         ordered = file.finish()
-    warnings = [*_tissue_said(targets), *study_warnings(study, ordered)]
+    said = None if targets is None else targets.tissue.notice
+    warnings = [] if said is None else [{"code": said[0], "message": said[1]}]
+    warnings += study_warnings(study, ordered)
     return {"rows": ordered, "seconds": time.perf_counter() - start, "warnings": warnings}
 
 
@@ -106,12 +147,6 @@ def _counted(
         done += len(rows)
         progress(done, size)
         yield rows
-
-
-def _tissue_said(targets: Targets | None) -> list[dict[str, str]]:
-    """What must be said of the tissue's law."""
-    said = None if targets is None else targets.tissue.said
-    return [] if said is None else [{"code": said[0], "message": said[1]}]
 
 
 def study_warnings(study: Study, rows: list[dict[str, Any]]) -> list[dict[str, str]]:
@@ -137,21 +172,6 @@ def tasks_of(study: Study, resin: Resin, targets: Targets | None, done: Iterable
 
     By the table a task is a few thousand designs of one punch, condition and base; by finite elements it is
     one slab, solved once for all its ratios.
-
-    Parameters
-    ----------
-    study : Study
-        What was asked.
-    resin : Resin
-        Gives modulus and relaxation at a ratio.
-    targets : Targets or None
-        What to score against.
-    done : iterable of Key
-        Designs that need not be worked out again.
-
-    Yields
-    ------
-    Task
     """
     done = set(done)
     ratios = np.array(study.ratio)
@@ -167,7 +187,12 @@ def tasks_of(study: Study, resin: Resin, targets: Targets | None, done: Iterable
                 for column, ratio in enumerate(study.ratio)
                 if (punch, condition, base, shape, edge, thickness, ratio) not in done
             ]
-            for part in _parts(designs, study.fidelity):
+            if study.fidelity == "table":
+                parts = [designs[first : first + CHUNK] for first in range(0, len(designs), CHUNK)]
+            else:
+                order = dict.fromkeys(value for _, value, _ in designs)
+                parts = [[design for design in designs if design[1] == thickness] for thickness in order]
+            for part in parts:
                 which, thickness, columns = (np.array(values) for values in zip(*part))
                 yield Task(
                     study.fidelity, punch, condition, base, radius, thickness, ratios[columns], young[columns], tau,
@@ -187,18 +212,6 @@ def _groups(study: Study) -> Iterator[tuple[tuple[str, ...], float]]:
         elif study.fidelity != "table":
             for shape in others:
                 yield (shape,), edge
-
-
-Part = list[tuple[int, float, int]]
-
-
-def _parts(designs: Part, fidelity: str) -> Iterator[Part]:
-    if fidelity == "table":
-        for first in range(0, len(designs), CHUNK):
-            yield designs[first : first + CHUNK]
-        return
-    for thickness in dict.fromkeys(value for _, value, _ in designs):
-        yield [design for design in designs if design[1] == thickness]
 
 
 def targets_of(study: Study) -> Targets | None:

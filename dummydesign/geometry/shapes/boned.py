@@ -9,19 +9,18 @@ from typing import ClassVar, Self
 import numpy as np
 
 from dummydesign.core.errors import InputError
-from dummydesign.geometry.conic_profile import FOOT_SHARES, ConicProfile, wall_slope
-from dummydesign.geometry.limits import (
+from dummydesign.geometry.conic import FOOT_SHARES, ConicProfile, wall_slope
+from dummydesign.geometry.dimensions import (
     BAR_END_GAP_MM,
+    PAD_LENGTH_MM,
+    PAD_WIDTH_MM,
     STEEPEST_BONE_DEG,
     THINNEST_COVER_MM,
     check_flag,
     check_inside,
     check_left,
 )
-from dummydesign.geometry.pad_block import PadBlock
-from dummydesign.geometry.pad_shape import Array
-from dummydesign.geometry.similarity import Similarity, grid
-from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
+from dummydesign.geometry.pad_shape import Array, PadBlock, Similarity, grid, stack
 
 # Heights of bones that are tried, over the thickness.
 BONE_SHARES = np.linspace(0.2, 0.7, 6)
@@ -73,9 +72,7 @@ class Boned(ConicProfile):
         """Volume of dome or bar."""
         return self.volume_mm3(block)
 
-    def check(
-        self, thickness_mm: float, length_mm: float = PAD_LENGTH_MM, width_mm: float = PAD_WIDTH_MM
-    ) -> None:
+    def check(self, thickness_mm: float, length_mm: float = PAD_LENGTH_MM, width_mm: float = PAD_WIDTH_MM) -> None:
         """Refuse bones that are too steep for the mesh and covers too thin to last."""
         check_flag("bar", self.bar)
         self.conic.check("bone", STEEPEST_BONE_DEG)
@@ -111,14 +108,12 @@ class Boned(ConicProfile):
     @classmethod
     def numbers(cls, parameters: Mapping[str, Array], thickness_mm: Array, radius_mm: Array) -> Array:
         """h / a, c / h and b / a."""
-        columns = (thickness_mm / radius_mm, parameters["height"] / thickness_mm, parameters["foot"] / radius_mm)
-        return np.stack(np.broadcast_arrays(*columns), axis=-1)
+        return stack(thickness_mm / radius_mm, parameters["height"] / thickness_mm, parameters["foot"] / radius_mm)
 
     def check_tabulated(self) -> None:
         """The table is of spherical domes."""
         sphere = (self.foot_mm**2 + self.height_mm**2) / (2.0 * self.height_mm)
         if abs(self.radius_mm / sphere - 1.0) > SPHERE_WITHIN:
-            raise InputError(
-                f"bone radius = {self.radius_mm:g} mm is not near {sphere:.4g} mm, that of a sphere with its "
-                f"height and foot, for which the table is made; use --fidelity {self.fidelity}"
-            )
+            table = f"that of a sphere with its height and foot, as in the table; use --fidelity {self.fidelity}"
+            message = f"bone radius = {self.radius_mm:g} mm is not near {sphere:.4g} mm, {table}"
+            raise InputError(message, "not_tabulated", "bone_radius_mm", self.radius_mm)

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import product
 from typing import ClassVar, Self
 
 import numpy as np
 
 from dummydesign.core.errors import InputError
 from dummydesign.geometry.conic import Conic, sphere_foot_mm
-from dummydesign.geometry.limits import (
+from dummydesign.geometry.dimensions import (
     DEEPEST_POCKET,
     GAUGE_FOOT_MM,
+    PAD_LENGTH_MM,
+    PAD_WIDTH_MM,
     RIM_FREE_MM,
     SMALLEST_HEIGHT_MM,
     STEEPEST_TOP_DEG,
@@ -20,10 +23,7 @@ from dummydesign.geometry.limits import (
     check_inside,
     check_left,
 )
-from dummydesign.geometry.pad_block import PadBlock
-from dummydesign.geometry.pad_shape import Array, PadShape
-from dummydesign.geometry.similarity import Similarity, grid
-from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
+from dummydesign.geometry.pad_shape import Array, PadBlock, PadShape, Similarity, grid, stack
 
 # The proportions that the mould allows at most: feet that nearly meet and a height of 0.26 of the diameter.
 FOOT_OVER_PITCH = 1.0 / 2.1
@@ -49,6 +49,7 @@ class Bumped(PadShape):
 
     name: ClassVar[str] = "bumped"
     order: ClassVar[int] = 2
+    flat_top: ClassVar[bool] = False
     closed_form: ClassVar[str] = ", caps of spheres"
     told: ClassVar[frozenset[str]] = frozenset({"curved_master", "thickness_varies", "air_pockets"})
     similarity: ClassVar[Similarity | None] = Similarity(
@@ -96,11 +97,6 @@ class Bumped(PadShape):
         return True
 
     @property
-    def flat_top(self) -> bool:
-        """Caps are touched one after another."""
-        return False
-
-    @property
     def relief_mm(self) -> float:
         """Height of the middle cap."""
         return self.height_mm
@@ -126,14 +122,12 @@ class Bumped(PadShape):
 
     def caps_mm(self) -> tuple[tuple[float, float, float], ...]:
         """Places and heights (x, y, height) of the caps, the highest first."""
-        rings = int(self.rings)
-        found = []
-        for i in range(-rings, rings + 1):
-            for j in range(-rings, rings + 1):
-                height = self.height_mm - self.grade_mm * (i * i + j * j)
-                if height >= SMALLEST_HEIGHT_MM - 1e-9:
-                    found.append((i * self.pitch_mm, j * self.pitch_mm, height))
-        return tuple(sorted(found, key=lambda cap: (-cap[2], cap)))
+        places = range(-int(self.rings), int(self.rings) + 1)
+        caps = [
+            (i * self.pitch_mm, j * self.pitch_mm, self.height_mm - self.grade_mm * (i * i + j * j))
+            for i, j in product(places, places)
+        ]
+        return tuple(sorted((c for c in caps if c[2] >= SMALLEST_HEIGHT_MM - 1e-9), key=lambda cap: (-cap[2], cap)))
 
     def drop_mm(self, x_mm: Array, y_mm: Array) -> Array:
         """How far the caps, or the flat between them, lie below the highest tip."""
@@ -155,23 +149,25 @@ class Bumped(PadShape):
         between = {"between": (half, half)} if self.rings and free >= GAUGE_PIN_MM else {}
         return {**between, "shoulder": (beside, 0.0)}
 
-    def check(
-        self, thickness_mm: float, length_mm: float = PAD_LENGTH_MM, width_mm: float = PAD_WIDTH_MM
-    ) -> None:
+    def check(self, thickness_mm: float, length_mm: float = PAD_LENGTH_MM, width_mm: float = PAD_WIDTH_MM) -> None:
         """Refuse caps that overlap, keep air or leave the pad."""
         cap = self.cap(self.height_mm)
         cap.check("cap", STEEPEST_TOP_DEG)
-        if self.height_mm > 2.0 * DEEPEST_POCKET * cap.foot_mm:
-            raise InputError(
-                f"cap height = {self.height_mm:g} mm is above {2.0 * DEEPEST_POCKET * cap.foot_mm:.3g} mm, "
-                f"{DEEPEST_POCKET:g} of its diameter: its pocket in the mould keeps its air"
-            )
-        if not self.pitch_mm >= 2.0 * cap.foot_mm:
-            raise InputError(f"pitch = {self.pitch_mm:g} mm is below {2.0 * cap.foot_mm:.3g} mm: caps overlap")
+        width = 2.0 * cap.foot_mm
+        most = 2.0 * DEEPEST_POCKET * cap.foot_mm
+        if self.height_mm > most:
+            pocket = f"{DEEPEST_POCKET:g} of its diameter: its pocket in the mould keeps its air"
+            message = f"cap height = {self.height_mm:g} mm is above {most:.3g} mm, {pocket}"
+            raise InputError(message, "out_of_range", "cap_height_mm", self.height_mm, (None, most))
+        if not self.pitch_mm >= width:
+            message = f"pitch = {self.pitch_mm:g} mm is below {width:.3g} mm: caps overlap"
+            raise InputError(message, "out_of_range", "pitch_mm", self.pitch_mm, (width, None))
         if not (np.isfinite(self.grade_mm) and self.grade_mm >= 0.0):
-            raise InputError(f"grade = {self.grade_mm:g} mm is below 0: the middle cap must be the highest")
+            message = f"grade = {self.grade_mm:g} mm is below 0: the middle cap must be the highest"
+            raise InputError(message, "out_of_range", "grade_mm", self.grade_mm, (0, None))
         if not 0 <= self.rings <= 10 or self.rings != int(self.rings):
-            raise InputError(f"rings = {self.rings:g} is not a whole number from 0 to 10")
+            message = f"rings = {self.rings:g} is not a whole number from 0 to 10"
+            raise InputError(message, "out_of_range", "rings", self.rings, (0, 10))
         check_left("cap", self.height_mm, thickness_mm, THINNEST_GEL_MM)
         check_inside("field of caps", self.rings * self.pitch_mm + cap.foot_mm, min(length_mm, width_mm))
 
@@ -195,19 +191,19 @@ class Bumped(PadShape):
     def numbers(cls, parameters: Mapping[str, Array], thickness_mm: Array, radius_mm: Array) -> Array:
         """h / a, pitch / a and grade over height."""
         pitch, height, grade = (parameters[name] for name in ("pitch", "height", "grade"))
-        columns = (thickness_mm / radius_mm, pitch / radius_mm, grade / height)
-        return np.stack(np.broadcast_arrays(*columns), axis=-1)
+        return stack(thickness_mm / radius_mm, pitch / radius_mm, grade / height)
 
     def check_tabulated(self) -> None:
         """The table is of caps of one form."""
         wanted = self.proportioned(self.pitch_mm, self.grade_mm / self.height_mm)
         off = max(abs(self.radius_mm / wanted.radius_mm - 1.0), abs(self.height_mm / wanted.height_mm - 1.0))
         if off > PROPORTIONS_WITHIN or self.rings < wanted.rings:
-            raise InputError(
+            message = (
                 f"{self}: the table of bumped pads holds, at a pitch of {self.pitch_mm:g} mm, caps of radius "
                 f"{wanted.radius_mm:.2f} and height {wanted.height_mm:.2f} mm, {wanted.rings:g} rings; use --fidelity "
                 f"{self.fidelity}"
             )
+            raise InputError(message, "not_tabulated", "shape", str(self))
 
     @classmethod
     def digits(cls, name: str) -> int:

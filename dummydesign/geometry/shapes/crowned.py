@@ -9,12 +9,17 @@ from typing import ClassVar
 import numpy as np
 
 from dummydesign.core.errors import InputError
-from dummydesign.geometry.conic_profile import FOOT_SHARES, ConicProfile, wall_slope
-from dummydesign.geometry.limits import STEEPEST_TOP_DEG, THINNEST_GEL_MM, check_flag, check_inside, check_left
-from dummydesign.geometry.pad_block import PadBlock
-from dummydesign.geometry.pad_shape import Array
-from dummydesign.geometry.similarity import Similarity, grid
-from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
+from dummydesign.geometry.conic import FOOT_SHARES, ConicProfile, wall_slope
+from dummydesign.geometry.dimensions import (
+    PAD_LENGTH_MM,
+    PAD_WIDTH_MM,
+    STEEPEST_TOP_DEG,
+    THINNEST_GEL_MM,
+    check_flag,
+    check_inside,
+    check_left,
+)
+from dummydesign.geometry.pad_shape import Array, PadBlock, Similarity, grid, stack
 
 # Crowns that are tried: height over thickness, and R c / b^2, by which a cap is a point (0.1) or blunt (0.65).
 HEIGHT_SHARES = np.linspace(0.2, 0.74, 10)
@@ -31,11 +36,12 @@ class Crowned(ConicProfile):
     One pad may have several such crowns, ``sites_along`` its length times ``sites_across`` its width, their tips
     ``pitch_along`` and ``pitch_across`` apart about the pad's middle. One is pressed at a time, and the origin of
     ``drop_mm`` is its tip; how little the others change the force is solved where sites are asked for
-    (:mod:`dummydesign.design.sites.layout`).
+    (:mod:`dummydesign.design.sites`).
     """
 
     name: ClassVar[str] = "crowned"
     order: ClassVar[int] = 1
+    flat_top: ClassVar[bool] = False
     closed_form: ClassVar[str] = ", its crown by the conic's integral"
     told: ClassVar[frozenset[str]] = frozenset({"curved_master", "thickness_varies"})
     similarity: ClassVar[Similarity | None] = Similarity(
@@ -71,11 +77,6 @@ class Crowned(ConicProfile):
         return bool(self.ridge)
 
     @property
-    def flat_top(self) -> bool:
-        """A crown is touched gradually."""
-        return False
-
-    @property
     def relief_mm(self) -> float:
         """The crown's height."""
         return self.height_mm
@@ -103,9 +104,7 @@ class Crowned(ConicProfile):
         """Volume of the crowns or the ridge."""
         return len(self.places_mm) * self.volume_mm3(block)
 
-    def check(
-        self, thickness_mm: float, length_mm: float = PAD_LENGTH_MM, width_mm: float = PAD_WIDTH_MM
-    ) -> None:
+    def check(self, thickness_mm: float, length_mm: float = PAD_LENGTH_MM, width_mm: float = PAD_WIDTH_MM) -> None:
         """Refuse tips, slopes and rests that cannot be cast."""
         check_flag("ridge", self.ridge)
         self.conic.check("crown", STEEPEST_TOP_DEG)
@@ -119,33 +118,31 @@ class Crowned(ConicProfile):
             ("across", self.sites_across, self.pitch_across_mm, width_mm),
         ):
             if not (count == int(count) and 1 <= count <= MOST_SITES):
-                raise InputError(f"sites_{name} = {count:g} is not a whole number from 1 to {MOST_SITES}")
+                message = f"sites_{name} = {count:g} is not a whole number from 1 to {MOST_SITES}"
+                raise InputError(message, "out_of_range", f"sites_{name}", count, (1, MOST_SITES))
             if count == 1:
                 if not (self.ridge and name == "along"):
                     check_inside("crown", self.foot_mm, across)
                 continue
             if self.ridge:
-                raise InputError(f"sites_{name} = {count:g}: a ridge has one site; leave the sites or the ridge out")
+                message = f"sites_{name} = {count:g}: a ridge has one site; leave the sites or the ridge out"
+                raise InputError(message, "conflict", f"sites_{name}", count)
             if not pitch >= 2.0 * self.foot_mm:
-                raise InputError(f"pitch_{name} = {pitch:g} mm: crowns with their foot at {self.foot_mm:.4g} mm meet; "
-                                 f"at least {2.0 * self.foot_mm:.4g} mm")  # fmt: skip
+                least = 2.0 * self.foot_mm
+                message = f"pitch_{name} = {pitch:g} mm is below {least:.4g} mm: the crowns meet at their feet"
+                raise InputError(message, "out_of_range", f"pitch_{name}_mm", pitch, (least, None))
             check_inside("the outermost crown", 0.5 * (count - 1) * pitch + self.foot_mm, across)
 
     def mark(self, block: PadBlock, scale: float) -> str:
         """Tip, height and foot."""
         what = "ridge along the length" if self.ridge else "crown"
-        where = "the middle" if self.sites == (1, 1) else "each tip"
-        return (
-            f"{what}: tip radius {self.radius_mm:g}, height {self.height_mm:g}, foot at {self.foot_mm:.4g} mm from "
-            f"{where}{'; edges of the tested face stay sharp' if self.ridge else ''}{self._sites_words()}"
-        )
-
-    def _sites_words(self) -> str:
-        if self.sites == (1, 1):
-            return ""
-        (n, m), pitches = self.sites, (self.pitch_along_mm, self.pitch_across_mm)
-        apart = " x ".join(f"{pitch:g}" for count, pitch in zip((n, m), pitches) if count > 1)
-        return f"; {n} x {m} of them, {apart} mm apart about the pad's middle"
+        where = "the middle; edges of the tested face stay sharp" if self.ridge else "the middle"
+        if self.sites != (1, 1):
+            pitches = zip(self.sites, (self.pitch_along_mm, self.pitch_across_mm))
+            apart = " x ".join(f"{pitch:g}" for count, pitch in pitches if count > 1)
+            where = f"each tip; {self.sites[0]} x {self.sites[1]} of them, {apart} mm apart about the pad's middle"
+        sizes = f"tip radius {self.radius_mm:g}, height {self.height_mm:g}, foot at {self.foot_mm:.4g} mm"
+        return f"{what}: {sizes} from {where}"
 
     @classmethod
     def candidates(cls, thickness_mm: Array, radius_mm: float) -> tuple[Array, dict[str, Array]]:
@@ -158,7 +155,4 @@ class Crowned(ConicProfile):
     def numbers(cls, parameters: Mapping[str, Array], thickness_mm: Array, radius_mm: Array) -> Array:
         """h / a, c / h, b / a and R c / b^2."""
         radius, height, foot = (parameters[name] for name in ("radius", "height", "foot"))
-        columns = (
-            thickness_mm / radius_mm, height / thickness_mm, foot / radius_mm, radius * height / foot**2
-        )  # fmt: skip
-        return np.stack(np.broadcast_arrays(*columns), axis=-1)
+        return stack(thickness_mm / radius_mm, height / thickness_mm, foot / radius_mm, radius * height / foot**2)

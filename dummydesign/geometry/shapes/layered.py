@@ -9,11 +9,8 @@ from typing import ClassVar
 import numpy as np
 
 from dummydesign.core.errors import out_of_range
-from dummydesign.geometry.limits import MODULUS_RATIO, THINNEST_GEL_MM
-from dummydesign.geometry.pad_block import PadBlock
-from dummydesign.geometry.pad_shape import Array, PadShape
-from dummydesign.geometry.similarity import Similarity, grid
-from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
+from dummydesign.geometry.dimensions import MODULUS_RATIO, PAD_LENGTH_MM, PAD_WIDTH_MM, THINNEST_GEL_MM
+from dummydesign.geometry.pad_shape import Array, PadBlock, PadShape, Similarity, grid, stack
 
 # Upper layers that are tried, over the thickness, and moduli of the lower over that of the upper.
 TOP_SHARES = np.linspace(0.2, 0.8, 7)
@@ -42,9 +39,7 @@ class Layered(PadShape):
         """The thinner layer."""
         return min(self.top_mm, block.thickness_mm - self.top_mm)
 
-    def check(
-        self, thickness_mm: float, length_mm: float = PAD_LENGTH_MM, width_mm: float = PAD_WIDTH_MM
-    ) -> None:
+    def check(self, thickness_mm: float, length_mm: float = PAD_LENGTH_MM, width_mm: float = PAD_WIDTH_MM) -> None:
         """Refuse layers that are too thin to pour and moduli no pair of resins has."""
         most = thickness_mm - THINNEST_GEL_MM
         if not THINNEST_GEL_MM <= self.top_mm <= most:
@@ -73,5 +68,4 @@ class Layered(PadShape):
     @classmethod
     def numbers(cls, parameters: Mapping[str, Array], thickness_mm: Array, radius_mm: Array) -> Array:
         """h / a, upper layer over h and the ratio of moduli."""
-        columns = (thickness_mm / radius_mm, parameters["top"] / thickness_mm, parameters["modulus_ratio"])
-        return np.stack(np.broadcast_arrays(*columns), axis=-1)
+        return stack(thickness_mm / radius_mm, parameters["top"] / thickness_mm, parameters["modulus_ratio"])

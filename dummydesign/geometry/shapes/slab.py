@@ -15,10 +15,7 @@ class Slab(PadShape):
     name: ClassVar[str] = "slab"
     order: ClassVar[int] = 0
 
-    @property
-    def plain(self) -> bool:
-        """This is the flat slab."""
-        return True
+    plain: ClassVar[bool] = True
 
     @property
     def title(self) -> str:

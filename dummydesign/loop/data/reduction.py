@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.inference.noise_floor import white_noise
-from dummydesign.inference.reduction import cut, distinct, mean_around, repeatable_hold_edges
+from dummydesign.inference.binning import cut, distinct, mean_around, repeatable_hold_edges
+from dummydesign.inference.noise import white_noise
 from dummydesign.measurement.landmarks import find_ramp
 from dummydesign.measurement.motion import Ramp
 from dummydesign.measurement.sensor import Lowpass
@@ -22,46 +22,23 @@ from dummydesign.measurement.trace import Trace
 FAST_RISE_S = 0.06
 SLOW_BINS = 17
 SHORTEST_HOLD_S = 0.05
-LOADING_BINS = 40
-"""Bins of a press that ends while it loads."""
+LOADING_BINS = 40  # bins of a press that ends while it loads
 UNLOADING_BINS = 20
 RISE_NODES = 80
 AWAY_NODES = 45
 NODE_GROWTH, NODE_CAP_S = 1.2, 0.4
 NEAR_S = 0.01
 EARLY_S = (0.06, 0.005)
-EARLY_NODES = 16
-"""Nodes before contact, closer towards it: a tilted punch and an early force clock are seen there."""
+EARLY_NODES = 16  # nodes before contact, closer towards it: a tilted punch and an early force clock are seen there
 QUARTIC = np.array([-13.0, 67.0, -19.0, -70.0, -19.0, 67.0, -13.0]) / 132.0
 """Weights of seven even samples, over their step squared, for the second derivative in the middle."""
-UNEVEN = 0.05
-"""Relative difference of steps up to which samples count as even."""
-PRE, RISE, HOLD, UNLOADING = 0, 1, 2, 3
-"""Phases of a press; a bin's label is 100 times its phase plus its place."""
+UNEVEN = 0.05  # relative difference of steps up to which samples count as even
+PRE, RISE, HOLD, UNLOADING = 0, 1, 2, 3  # phases of a press; a bin's label is 100 times its phase plus its place
 
 
 @dataclass(frozen=True)
 class ReducedPress:
-    """Bins and nodes of one trial.
-
-    Attributes
-    ----------
-    ramp : Ramp
-    start_s, end_s, samples, force_N : ndarray, shape (bins,)
-        Edges, raw samples and mean force of each bin.
-    label : ndarray of int, shape (bins,)
-        100 phase + place.
-    scatter : ndarray, shape (bins,)
-        Sum of squared deviations of the raw force from the mean of its bin. [N2]
-    time_s, displacement_mm, acceleration_mm_s2 : ndarray, shape (nodes,)
-        Measured motion where the model is evaluated.
-    filtered : ndarray, shape (nodes, nodes)
-        Takes a piecewise-linear force to the declared sensor's output at the nodes.
-    operator : ndarray, shape (bins, nodes)
-        Takes a piecewise-linear force to the sensor's output averaged over the samples of each bin.
-    white_N : float
-        White noise per sample, from second differences of the fast-sampled force.
-    """
+    """Bins and nodes of one trial."""
 
     ramp: Ramp
     start_s: NDArray
@@ -79,17 +56,11 @@ class ReducedPress:
 
 
 def reduce_press(trace: Trace, lowpass: Lowpass | None) -> ReducedPress:
-    """Reduce one trial.
-
-    Raises
-    ------
-    InputError
-        With the file name when it holds no press.
-    """
+    """Reduce one trial."""
     try:
         ramp = find_ramp(trace.time_s, trace.displacement_mm, "slowed")
     except InputError as problem:
-        raise InputError(f"{trace.name}: {problem}") from None
+        raise problem.within(trace.name) from None
     edges, labels = _bin_edges(trace.time_s, ramp)
     binning = cut(trace.time_s, edges, labels < 0)
     nodes, x = _nodes(trace, ramp)
@@ -166,15 +137,13 @@ def _nodes(trace: Trace, ramp: Ramp) -> tuple[NDArray, NDArray]:
     hold = [max(late, rise[-1] if len(rise) else late)]
     while hold[-1] < end:
         hold.append(hold[-1] + min(max((hold[-1] - stop) * (NODE_GROWTH - 1.0), 2e-3), NODE_CAP_S))
-    hold = np.array(hold[1:-1])
     away = time[time >= end]
     if len(away) > AWAY_NODES:
         away = away[:: int(np.ceil(len(away) / AWAY_NODES))]
-    nodes = np.unique(np.r_[start, rise, hold, end, away, time[-1]])
-    nodes = nodes[(nodes >= time[0]) & (nodes <= time[-1])]
-    nodes = distinct(nodes, 1e-5)
-    near = np.diff(time).min() > 0 and len(time) > 3
-    placed = CubicSpline(time, x)(nodes) if near else np.interp(nodes, time, x)
+    nodes = np.unique(np.r_[start, rise, hold[1:-1], end, away, time[-1]])
+    nodes = distinct(nodes[(nodes >= time[0]) & (nodes <= time[-1])], 1e-5)
+    rising = np.diff(time).min() > 0 and len(time) > 3
+    placed = CubicSpline(time, x)(nodes) if rising else np.interp(nodes, time, x)
     linear, mean = np.interp(nodes, time, x), mean_around(nodes, time, x)
     held = (nodes > late) & (nodes < end - 0.02)
     smooth = (nodes >= contact) & (nodes <= late)

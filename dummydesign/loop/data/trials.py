@@ -1,7 +1,8 @@
-"""All trials of a campaign as padded stacks, ready for one vectorised simulation."""
+"""All trials of a campaign as stacks for one vectorised simulation, with each pad's history."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -10,32 +11,76 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.inference.noise import Bins
-from dummydesign.loop.data.history import History, make_history
 from dummydesign.loop.data.reduction import UNLOADING, ReducedPress, has_hold, reduce_press
-from dummydesign.loop.data.remembering import remembering
 from dummydesign.measurement.campaign import Campaign, Trial
 from dummydesign.measurement.sensor import Lowpass
+
+DAY_S = 86400.0
+
+
+@dataclass(frozen=True)
+class History:
+    """Earlier presses on the same pad. A pad is known by its shape and thickness."""
+
+    earlier_depth_mm: NDArray
+    elapsed_s: NDArray
+    sequence: NDArray
+    repeat: NDArray
+    rest_s: NDArray
+    temperature_C: NDArray
+    age_days: NDArray
+
+
+def make_history(trials: tuple[Trial, ...], depth_mm: NDArray) -> History:
+    """Collect the history of every trial from sequence, rest and age."""
+
+    def column(name: str) -> NDArray:
+        return np.array([np.nan if getattr(t, name) is None else getattr(t, name) for t in trials], dtype=float)
+
+    count = len(trials)
+    sequence, rest, age = column("sequence"), column("rest_s"), column("age_days")
+    depth, elapsed = np.zeros((count, count)), np.full((count, count), np.inf)
+    pads: dict[tuple[str, float], list[int]] = {}
+    for index in np.argsort(sequence, kind="stable"):
+        before = pads.setdefault(trials[index].pad, [])
+        since, later = 0.0, index
+        for earlier in reversed(before):
+            since += float(rest[later]) if np.isfinite(rest[later]) else 60.0
+            days = age[index] - age[earlier]
+            gap = max(since, days * DAY_S) if np.isfinite(days) else since
+            depth[index, earlier], elapsed[index, earlier] = depth_mm[earlier], gap
+            trace = trials[earlier].trace
+            since += float(trace.time_s[-1] - trace.time_s[0])
+            later = earlier
+        before.append(int(index))
+    return History(depth, elapsed, sequence, column("repeat"), rest, column("temperature_C"), age)
+
+
+KEPT = 6  # depths of which the values are kept: a fit asks for those of the trials, and for the same a little less deep
+
+
+def memoised_law(law: Callable[[NDArray, NDArray], NDArray]) -> Callable[[NDArray, NDArray], NDArray]:
+    """A law that gives the same values, from memory where it was asked for the same depths a short time ago."""
+    kept: dict[tuple[bytes, bytes], NDArray] = {}
+
+    def remembered(depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
+        key = depth_mm.tobytes(), thickness_mm.tobytes()
+        values = kept.pop(key, None)
+        if values is None:
+            values = law(depth_mm, thickness_mm)
+            values.flags.writeable = False
+        kept[key] = values
+        if len(kept) > KEPT:
+            del kept[next(iter(kept))]
+        return values
+
+    remembered.__wrapped__ = law  # type: ignore[attr-defined]
+    return remembered
 
 
 @dataclass(frozen=True)
 class Presses:
-    """T trials with up to N nodes and B bins; padding repeats the last node and has no bins.
-
-    Attributes
-    ----------
-    trials : tuple of Trial
-    presses : tuple of ReducedPress
-    time_s, displacement_mm, acceleration_mm_s2 : ndarray, shape (T, N)
-    thickness_mm, contact_s, stop_s, hold_end_s, depth_mm, velocity_mm_s : ndarray, shape (T,)
-        Declared thickness; contact, stop, end of hold, held depth and mean speed as measured.
-    force_N, samples, label : ndarray, shape (T, B)
-    operator : ndarray, shape (T, B, N)
-    bins : Bins
-        Edges and mask, with the covariance of the noise.
-    cell : ndarray of int, shape (T,)
-        Number of the condition (thickness x speed x force).
-    history : History
-    """
+    """T trials with up to N nodes and B bins; padding repeats the last node and has no bins."""
 
     trials: tuple[Trial, ...]
     presses: tuple[ReducedPress, ...]
@@ -75,15 +120,10 @@ class Presses:
         """The law of these trials, with its values at the depths that were asked last.
 
         A fit asks for the same depths again and again: only effects of the motion change them.
-
-        Parameters
-        ----------
-        law : callable
-            F / E [mm2] of depths (T, N) and thicknesses (T, 1), or what gives it by ``on(trials)``.
         """
         if id(law) not in self._laws:
             own = law.on(self.trials) if hasattr(law, "on") else law
-            self._laws[id(law)] = law, remembering(own)
+            self._laws[id(law)] = law, memoised_law(own)
         return self._laws[id(law)][1]
 
     @property
@@ -159,12 +199,11 @@ def _cells(trials: tuple[Trial, ...], depth: NDArray) -> NDArray:
     keys: list[tuple[tuple[str, float], float, float]] = []
     numbers = []
     for trial, reached in zip(trials, depth):
-        declared = trial.target_force_N is not None
-        level = trial.target_force_N if declared else float(reached)
-        slack = 1e-9 if declared else 0.04 * level
-        place = (trial.pad, trial.velocity_mm_s)
-        match = [i for i, key in enumerate(keys) if key[:2] == place and abs(key[2] - level) <= slack]
+        target = trial.target_force_N
+        level, slack = (float(reached), 0.04 * float(reached)) if target is None else (target, 1e-9)
+        pad, speed = trial.pad, trial.velocity_mm_s
+        match = [i for i, key in enumerate(keys) if key[:2] == (pad, speed) and abs(key[2] - level) <= slack]
         if not match:
-            keys.append((*place, level))
+            keys.append((pad, speed, level))
         numbers.append(match[0] if match else len(keys) - 1)
     return np.array(numbers)

@@ -16,15 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.inference.noise import Bins, Noise, likeliest, restricted_likelihood, whitener
-from dummydesign.loop.data.reduction import UNLOADING
+from dummydesign.loop.data.reduction import HOLD, UNLOADING
 from dummydesign.loop.data.trials import Presses
 
 POSITION_PRIOR_MM = (0.008, 1.0)
 """Median and spread (of the logarithm) of the contact scatter; that of the law's error belongs to the law."""
-LAW_TERMS = 3
-"""Level, slope and curvature in depth over thickness."""
-SLOW_BOUNDS = np.array([[1e-4, 0.05], [5.0, 20.0]])
-"""Lowest and highest slow noise [N] and time of it [s]."""
+LAW_TERMS = 3  # level, slope and curvature in depth over thickness
+SLOW_BOUNDS = np.array([[1e-4, 0.05], [5.0, 20.0]])  # lowest and highest slow noise [N] and time of it [s]
 SIZE_BOUNDS = np.array([[3e-4, 3e-4, 3e-4, 3e-4], [0.5, 0.2, 0.3, 0.3]])
 """Lowest and highest contact scatter [mm] and law error in level, slope and curvature."""
 Priors = tuple[tuple[float, float], ...]
@@ -81,21 +79,14 @@ class _Part:
 
 
 def contrasts(presses: Presses, residual: NDArray) -> tuple[list[_Part], list[tuple[int, int, NDArray, NDArray]]]:
-    """Differences of repeats over sqrt 2 on bins that both have, before the unloading.
-
-    Returns
-    -------
-    parts : list
-        One per pair, with the difference as ``force_N``.
-    places : list of (trial, trial, bins of the first, bins of the second)
-    """
+    """Differences of repeats over sqrt 2 on bins that both have, before the unloading."""
     parts, places = [], []
     for first, second in repeat_pairs(presses):
         labels = []
         for trial in (first, second):
             use = presses.used[trial] & (presses.label[trial] < 100 * UNLOADING)
             labels.append(np.where(use, presses.label[trial], -1 - trial))
-        _, a, b = np.intersect1d(*labels, return_indices=True)
+        _, a, b = np.intersect1d(labels[0], labels[1], return_indices=True)
         if len(a) < 10:
             continue
         press = presses.presses[first]
@@ -112,14 +103,6 @@ def estimate_slow_noise(presses: Presses, residual: NDArray, slope: NDArray, for
     """Size and time of the slow noise by restricted maximum likelihood of repeat differences.
 
     Without repeats the residuals of the holds themselves are used: then model error counts as noise.
-
-    Parameters
-    ----------
-    presses : Presses
-    residual, slope, force : ndarray, shape (T, B)
-        Residual of the base model, dF/dx and modelled force of the bins.
-    start : Noise
-        White noise and contact scatter are taken from it unchanged.
     """
     parts, places = contrasts(presses, residual)
     if parts:
@@ -127,17 +110,17 @@ def estimate_slow_noise(presses: Presses, residual: NDArray, slope: NDArray, for
     else:
         parts, nuisance = [], []
         for row, press in enumerate(presses.presses):
-            use = (press.label >= 300 - 100) & (press.label < 100 * UNLOADING)
-            part, *columns = (values[row, : len(use)][use] for values in (residual, slope, force))
-            parts.append(_Part(press.start_s[use], press.end_s[use], press.samples[use], part))
-            nuisance.append(np.stack(columns, axis=1))
+            use = (press.label >= 100 * HOLD) & (press.label < 100 * UNLOADING)
+            left, *changes = (values[row, : len(use)][use] for values in (residual, slope, force))
+            parts.append(_Part(press.start_s[use], press.end_s[use], press.samples[use], left))
+            nuisance.append(np.stack(changes, axis=1))
     bins = Bins(parts)
     values = bins.stacked(np.concatenate([part.force_N for part in parts]))
     columns = bins.stacked(np.concatenate(nuisance))
     zero = np.zeros_like(values)
 
     def cost(sizes: NDArray) -> float:
-        cover = bins.covariance(Noise(start.white_N, *sizes.tolist(), 0.0), zero)
+        cover = bins.covariance(Noise(start.white_N, float(sizes[0]), float(sizes[1]), 0.0), zero)
         weak = np.log(sizes[1]) ** 2  # the time is hardly seen in short holds: 1 s within a factor of e
         return restricted_likelihood(cover, values, columns, shared=False, refitted=True) + weak
 
@@ -146,8 +129,7 @@ def estimate_slow_noise(presses: Presses, residual: NDArray, slope: NDArray, for
     return Noise(start.white_N, slow, time, start.position_mm)
 
 
-Whitener = Callable[[NDArray], NDArray]
-"""Takes (T, B) or (T, B, p) to its whitened form."""
+Whitener = Callable[[NDArray], NDArray]  # takes (T, B) or (T, B, p) to its whitened form
 
 
 @lru_cache(maxsize=6)
@@ -156,27 +138,11 @@ def _factor(bins: Bins, white_N: float, slow_N: float, slow_time_s: float) -> ND
     return whitener(bins.covariance(Noise(white_N, slow_N, slow_time_s, 0.0), np.zeros(bins.used.shape)))
 
 
-def make_whitener(presses: Presses, noise: Noise, slope: NDArray, with_position: bool) -> Whitener:
+def make_whitener(presses: Presses, noise: Noise, slope: NDArray, with_position: bool = True) -> Whitener:
     """Whitening by the noise, with or without the scatter of the contact position.
 
     The scatter p is one direction u = L^-1 dF/dx of each trial's whitened bins:
     (1 + p^2 u u')^(-1/2) = 1 - (1 - (1 + p^2 u'u)^(-1/2)) u u' / u'u.
-
-    Parameters
-    ----------
-    presses : Presses
-        T trials with their bins.
-    noise : Noise
-        Its sizes.
-    slope : ndarray, shape (T, bins)
-        dF / dx of each bin. [N/mm]
-    with_position : bool
-        Whether the scatter of the contact position counts as noise.
-
-    Returns
-    -------
-    callable
-        Maps residuals (T, bins) or columns (T, bins, k) to whitened ones.
     """
     factor = _factor(presses.bins, noise.white_N, noise.slow_N, noise.slow_time_s)
     shift = (factor @ np.where(presses.used, slope, 0.0)[..., None])[..., 0]

@@ -1,26 +1,92 @@
-"""A campaign with a force law and effects as a function of one vector: forces, their slopes and sensitivities."""
+"""A campaign with a force law and effects as a function of one vector, with its slopes."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.fitting.noise import LAW_TERMS
-from dummydesign.loop.fitting.sensitivities import base_and_law_columns, shares_the_law
-from dummydesign.loop.model.base_law import SetupLaw
-from dummydesign.loop.model.effect import Effect
-from dummydesign.loop.model.forward_model import Active, LawError, given_way, simulate
-from dummydesign.loop.model.parameters import HIGH, LOW, BaseParameters
+from dummydesign.loop.model.base_law import REFERENCE_DEPTH, SetupLaw
+from dummydesign.loop.model.effect import Arm, Effect
+from dummydesign.loop.model.forward_model import (
+    HIGH,
+    LOW,
+    Active,
+    BaseParameters,
+    LawError,
+    arm_forces,
+    arms_of,
+    at_the_surface,
+    before_the_pad,
+    loaded,
+    sensor_signal,
+    simulate_yielding,
+)
 
+BASE = 5  # number of logarithms of the base, with which the vector begins
+ARMS = (1, 2, 3, 4)  # entries of the arms' logarithms in the vector
 STEP = 4e-3
-BASE = 5
+
+
+def base_and_law_columns(problem: CampaignProblem, vector: NDArray, step: float) -> tuple[NDArray, NDArray]:
+    """Forward differences with respect to the base logarithms, and to the law error of each trial's pad."""
+    presses, logs = problem.presses, vector[:BASE]
+    acting = [one for one in problem.active_of(vector) if not one.absent]
+    law, depth = before_the_pad(presses, problem.law, acting)
+    thickness = presses.thickness_mm[:, None]
+    unit = law(depth, thickness)
+    for one in acting:
+        unit = unit * one.effect.scale(presses, depth, one.values)
+    share = np.maximum(depth, 0.0) / thickness / REFERENCE_DEPTH
+    base, error = problem.base_of(vector), problem.law_error_of(vector)
+    level, slope, curve = (term[:, None] for term in (error.level, error.slope, error.curve))
+    arms = arms_of(presses, base, acting, depth)
+    plain = base.young_MPa * unit
+    powers = np.stack([plain, plain * share, plain * share**2])
+    weights = np.stack([1.0 + level, slope, curve])
+    elastic = (weights * powers).sum(axis=0)
+    held = arm_forces(presses.time_s, powers, arms)
+    shapes = [loaded(power, arms, held[:, k]) for k, power in enumerate(powers)]
+    force = (weights * np.stack(shapes)).sum(axis=0)
+    moved = [force, force * np.exp(step), *(force + step * one for one in shapes)]
+    total = (weights * held).sum(axis=1)
+    for place in ARMS:
+        other = logs.copy()
+        other[place] += step
+        changed = arms_of(presses, BaseParameters.from_logs(other), acting, depth)
+        moved.append(_with_arms(presses, elastic, arms, total, changed))
+    shown = [sensor_signal(presses, at_the_surface(presses, one, acting, depth), acting) for one in moved]
+    bins = presses.measured(np.stack(shown, axis=-1))
+    change = (bins[..., 1:] - bins[..., :1]) / step
+    return change[..., [0, 4, 5, 6, 7]], change[..., 1:4]
+
+
+def _with_arms(
+    presses: Presses, elastic_N: NDArray, arms: Sequence[Arm], held_N: NDArray, changed: Sequence[Arm]
+) -> NDArray:
+    """Force (T, N) with other arms; what those with an old time and weight hold (arms, T, N) is known. [N]"""
+    known = []
+    for place, arm in enumerate(changed):
+        old = arms[place] if place < len(arms) else None
+        if old is not None and np.array_equal(old.tau_s, arm.tau_s) and _same(old.weight, arm.weight):
+            known.append(held_N[place])
+        else:
+            known.append(arm_forces(presses.time_s, elastic_N[None], [arm])[0, 0])
+    return loaded(elastic_N, changed, np.stack(known))
+
+
+def _same(one: NDArray | None, other: NDArray | None) -> bool:
+    return one is other if one is None or other is None else np.array_equal(one, other)
 
 
 @dataclass(frozen=True)
-class Problem:
+class CampaignProblem:
     """A campaign with a force law and the effects that are fitted beside the base.
 
     The vector is [5 logarithms | coordinates of the effects' parameters | law level, slope, curvature per
@@ -30,6 +96,10 @@ class Problem:
     presses: Presses
     law: SetupLaw
     effects: tuple[Effect, ...] = ()
+
+    def plus(self, *effects: Effect) -> CampaignProblem:
+        """Return the problem with further effects."""
+        return replace(self, effects=(*self.effects, *effects))
 
     @property
     def thicknesses(self) -> NDArray:
@@ -41,25 +111,28 @@ class Problem:
         """Number of base and effect parameters."""
         return BASE + sum(len(effect.parameters) for effect in self.effects)
 
+    @cached_property
+    def entries(self) -> dict[str, range]:
+        """Entries of the vector that hold the parameters of each effect, by its name."""
+        ends = BASE + np.cumsum([len(effect.parameters) for effect in self.effects], dtype=int)
+        return {one.name: range(end - len(one.parameters), end) for one, end in zip(self.effects, ends.tolist())}
+
+    def law_entries(self, term: int) -> slice:
+        """Entries of the vector that hold a term of the law error, one a pad."""
+        count = len(self.presses.pads)
+        return slice(self.fixed + term * count, self.fixed + (term + 1) * count)
+
     def frozen(self) -> list[int]:
         """Entries of the vector that are not fitted: the arms, without holds and with one speed, and held effects."""
-        out, place = [1, 2, 3, 4] if self.presses.elastic_only else [], BASE
-        for effect in self.effects:
-            count = len(effect.parameters)
-            out += range(place, place + count) if effect.held else ()
-            place += count
-        return out
+        held = [entry for effect in self.effects if effect.held for entry in self.entries[effect.name]]
+        return [*(ARMS if self.presses.elastic_only else ()), *held]
 
     def bounds(self) -> tuple[NDArray, NDArray]:
         """Bounds of the vector."""
-        low, high = [*LOW], [*HIGH]
-        for effect in self.effects:
-            for p in effect.parameters:
-                ends = sorted((p.to_coordinate(p.low), p.to_coordinate(p.high)))
-                low.append(ends[0])
-                high.append(ends[1])
-        free = np.full(LAW_TERMS * len(self.thicknesses), 0.5)
-        return np.r_[low, -free], np.r_[high, free]
+        parameters = [p for effect in self.effects for p in effect.parameters]
+        ends = np.sort([(p.to_coordinate(p.low), p.to_coordinate(p.high)) for p in parameters]).reshape(-1, 2)
+        free = np.full(LAW_TERMS * len(self.presses.pads), 0.5)
+        return np.r_[LOW, ends[:, 0], -free], np.r_[HIGH, ends[:, 1], free]
 
     def base_of(self, vector: NDArray) -> BaseParameters:
         """The base parameters in a vector."""
@@ -67,52 +140,26 @@ class Problem:
 
     def active_of(self, vector: NDArray) -> tuple[Active, ...]:
         """The effects with their values in a vector."""
-        out, place = [], BASE
-        for effect in self.effects:
-            values = {}
-            for parameter in effect.parameters:
-                values[parameter.name] = parameter.to_value(vector[place])
-                place += 1
-            out.append(Active(effect, values))
-        return tuple(out)
+        return tuple(
+            Active(one, {p.name: p.to_value(vector[at]) for p, at in zip(one.parameters, self.entries[one.name])})
+            for one in self.effects
+        )
 
     def law_error_of(self, vector: NDArray) -> LawError:
         """The law error per trial in a vector."""
-        place = self.presses.pad
-        return LawError(*(term[place] for term in np.split(vector[self.fixed :], LAW_TERMS)))
+        return LawError(*(term[self.presses.pad] for term in np.split(vector[self.fixed :], LAW_TERMS)))
 
-    def nodes(
-        self, vector: NDArray, offset_mm: NDArray | float = 0.0, near_mm: NDArray | None = None
-    ) -> NDArray:
-        """Force at the nodes before the sensor filter (T, N). [N]
+    def nodes(self, vector: NDArray, offset_mm: NDArray | float = 0.0, near_mm: NDArray | None = None) -> NDArray:
+        """Force at the nodes before the sensor filter (T, N). [N]"""
+        return self._simulate(vector, offset_mm, near_mm)[0]
 
-        Parameters
-        ----------
-        vector : ndarray, shape (n,)
-            See :class:`Problem`.
-        offset_mm : ndarray, shape (T,), or float
-            Contact position of each trial. [mm]
-        near_mm : ndarray, shape (T, N), optional
-            Where to start looking for how much the set-up gives way. [mm]
-        """
-        base, active, error = self.base_of(vector), self.active_of(vector), self.law_error_of(vector)
-        return simulate(self.presses, self.law, base, active, error, offset_mm, near_mm)
+    def _simulate(self, vector: NDArray, *changes: Any) -> tuple[NDArray, NDArray]:
+        model = self.base_of(vector), self.active_of(vector), self.law_error_of(vector)
+        return simulate_yielding(self.presses, self.law, *model, *changes)
 
-    def predict(
-        self, vector: NDArray, offset_mm: NDArray | float = 0.0, near_mm: NDArray | None = None
-    ) -> NDArray:
-        """Bin means (T, B). [N]
-
-        Parameters
-        ----------
-        vector : ndarray, shape (n,)
-            See :class:`Problem`.
-        offset_mm : ndarray, shape (T,), or float
-            Contact position of each trial. [mm]
-        near_mm : ndarray, shape (T, N), optional
-            Where to start looking for how much the set-up gives way. [mm]
-        """
-        return self.presses.measure(self.nodes(vector, offset_mm, near_mm))
+    def predict(self, vector: NDArray, offset_mm: NDArray | float = 0.0) -> NDArray:
+        """Bin means (T, B). [N]"""
+        return self.presses.measure(self.nodes(vector, offset_mm))
 
     def slope(self, vector: NDArray, forces: NDArray) -> NDArray:
         """Change of the bins with the contact position (T, B). [N/mm]"""
@@ -123,34 +170,30 @@ class Problem:
         """Sensitivities (T, B, len(vector)) by forward differences."""
         _low, high = self.bounds()
         out = np.zeros((*forces.shape, len(vector)))
-        shared, near = shares_the_law(self, vector), None
-        if not shared:
-            base, active, error = self.base_of(vector), self.active_of(vector), self.law_error_of(vector)
-            near = given_way(self.presses, self.law, base, active, error)
-        frozen, steps, moved = set(self.frozen()), [], []
-        for column in range(BASE if shared else 0, self.fixed):
-            if column in frozen:
-                continue
-            steps.append((column, STEP if vector[column] + STEP <= high[column] else -STEP))
-            moved.append(vector.copy())
-            moved[-1][column] += steps[-1][1]
-        count = len(self.thicknesses)
-        place = self.presses.pad
-        rows = np.arange(len(place))
-        if not shared:
-            for part in range(LAW_TERMS):
+        # where the depth does not depend on the force, one evaluation of the law serves base and law error
+        shared = not any(one.effect.feeds_back for one in self.active_of(vector) if not one.absent)
+        near = None if shared else self._simulate(vector)[1]
+        frozen, steps, moved = self.frozen(), [], []
+        for entry in range(BASE if shared else 0, self.fixed):
+            if entry not in frozen:
+                steps.append((entry, STEP if vector[entry] + STEP <= high[entry] else -STEP))
                 moved.append(vector.copy())
-                moved[-1][self.fixed + part * count : self.fixed + (part + 1) * count] += STEP
+                moved[-1][entry] += steps[-1][1]
+        if not shared:
+            for term in range(LAW_TERMS):
+                moved.append(vector.copy())
+                moved[-1][self.law_entries(term)] += STEP
         if moved:
             shown = np.stack([self.nodes(one, near_mm=near) for one in moved], axis=-1)
             change = self.presses.measured(shown) - forces[..., None]
-        for number, (column, step) in enumerate(steps):
-            out[..., column] = change[..., number] / step
+        for number, (entry, step) in enumerate(steps):
+            out[..., entry] = change[..., number] / step
         if shared:
             out[..., :BASE], by_pad = base_and_law_columns(self, vector, STEP)
         else:
             by_pad = change[..., len(steps) :] / STEP
-        for part in range(LAW_TERMS):
-            out[rows, :, self.fixed + part * count + place] = by_pad[..., part]
-        out[..., self.frozen()] = 0.0
+        rows = np.arange(len(self.presses.pad))
+        for term in range(LAW_TERMS):
+            out[rows, :, self.law_entries(term).start + self.presses.pad] = by_pad[..., term]
+        out[..., frozen] = 0.0
         return out

@@ -8,29 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.loop.fitting.fit import Fit, extend, prior_precision
+from dummydesign.loop.fitting.fit import CampaignFit, prior_precision, rough_columns
 from dummydesign.loop.fitting.noise import Whitener, make_whitener
-from dummydesign.loop.fitting.problem import Problem
-from dummydesign.loop.fitting.roughness import rough_columns
 from dummydesign.loop.model.effect import Effect
 
 
 @dataclass(frozen=True)
 class Screened:
-    """One effect after screening.
-
-    Attributes
-    ----------
-    effect : Effect
-    z : float
-        Signed score in standard deviations; 0 when it points outside the bounds.
-    coordinate : float
-        First-order estimate of the size.
-    signature : ndarray, shape (T B + law rows,)
-        Unit vector of what the effect adds beyond base and law error, whitened.
-    start : ndarray
-        Coordinates of all its parameters at which it scored.
-    """
+    """One effect after screening."""
 
     effect: Effect
     z: float
@@ -55,14 +40,14 @@ class Projection:
         return vector - self.basis @ (self.basis.T @ vector)
 
 
-def project(found: Fit, law_free: bool = False) -> tuple[Projection, Whitener]:
+def project(found: CampaignFit, law_free: bool = False) -> tuple[Projection, Whitener]:
     """Whiten a fit's residual with its prior rows and orthonormalise its sensitivities.
 
     ``law_free`` drops the prior rows of level, slope and curvature: then whatever such a law error of any size could
     do is taken out. The roughness of a solved law keeps its prior.
     """
     problem = found.problem
-    whiten = make_whitener(problem.presses, found.sizes.noise, found.slope, True)
+    whiten = make_whitener(problem.presses, found.sizes.noise, found.slope)
     scale = np.sqrt(prior_precision(problem, found.sizes)[problem.fixed :]) * (0.0 if law_free else 1.0)
     turned = whiten(found.jacobian).reshape(-1, len(found.vector))
     rough = rough_columns(found)
@@ -80,7 +65,7 @@ def project(found: Fit, law_free: bool = False) -> tuple[Projection, Whitener]:
     return Projection(basis, residual, len(prior)), whiten
 
 
-def screen(found: Fit, candidates: tuple[Effect, ...]) -> list[Screened]:
+def screen(found: CampaignFit, candidates: tuple[Effect, ...]) -> list[Screened]:
     """Score all candidates at a fit, best first.
 
     One simulation per starting value of each effect; z = a . r / |a| with a the whitened change, base and
@@ -90,15 +75,15 @@ def screen(found: Fit, candidates: tuple[Effect, ...]) -> list[Screened]:
     clean = projection.remove(projection.residual)
     out = []
     for effect in candidates:
-        problem = Problem(found.problem.presses, found.problem.law, (*found.problem.effects, effect))
-        at = found.problem.fixed
+        problem, at = found.problem.plus(effect), found.problem.fixed
         best: Screened | None = None
         for start in starts_of(effect):
             vector = np.insert(found.vector, at, start)
             change = np.where(problem.presses.used, problem.predict(vector) - found.forces, 0.0)
             if not np.all(np.isfinite(change)):
                 values = ", ".join(f"{k} = {v:g}" for k, v in problem.active_of(vector)[-1].values.items())
-                raise InputError(f"effect '{effect.name}' gives a force that is not finite at {values} on these trials")
+                message = f"effect '{effect.name}' gives a force that is not finite at {values} on these trials"
+                raise InputError(message, "out_of_range", "effect", effect.name)
             column = projection.remove(np.r_[whiten(change).ravel(), np.zeros(projection.rows)])
             length = float(np.linalg.norm(column))
             if length < 1e-6:
@@ -124,15 +109,7 @@ def starts_of(effect: Effect) -> list[NDArray]:
     first = effect.parameters[0]
     size = 1.0 if first.to_value(1.0) != first.null else -1.0
     rest = [(p.typical, *p.starts) for p in effect.parameters[1:]]
-    grid = [[]]
+    grid: list[list[float]] = [[]]
     for parameter, values in zip(effect.parameters[1:], rest):
         grid = [[*g, parameter.to_coordinate(v)] for g in grid for v in values]
     return [np.r_[size, g] for g in grid]
-
-
-def extended(found: Fit, effect: Effect) -> tuple[Problem, NDArray]:
-    """The problem with one effect more, and the fit's vector with it at null."""
-    problem = Problem(found.problem.presses, found.problem.law, (*found.problem.effects, effect))
-    law = found.vector[found.problem.fixed :]
-    null = extend(Problem(problem.presses, problem.law, (effect,)), np.zeros(5), law)[5 : 5 + len(effect.parameters)]
-    return problem, np.r_[found.vector[: found.problem.fixed], null, law]

@@ -17,8 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.campaign import Trial
 from dummydesign.pad.force_law import BaseForceLaw
-from dummydesign.pad.tables.compressibility import load_compressibility
-from dummydesign.pad.tables.slab import ResponseTable, load_table
+from dummydesign.pad.tables.slab import ResponseTable, load_compressibility, load_table
 from dummydesign.pad.tables.square import load_square, square_factor
 
 SLAB_ERROR = ((0.005, 0.35), (0.015, 0.35), (0.008, 0.4))
@@ -52,6 +51,10 @@ class SetupLaw(Protocol):
 
     def on(self, trials: Sequence[Trial]) -> UnitForce:
         """The law of these trials, row by row."""
+        ...
+
+    def limit_of(self, trials: Sequence[Trial]) -> NDArray:
+        """Depth to which the law of each trial's pad holds, shape (T,). [mm]"""
         ...
 
 
@@ -119,12 +122,17 @@ class _OneFace(BaseForceLaw):
             For another radius than the law's.
         """
         if not np.allclose(radius_mm, self.face_radius_mm):
-            raise InputError(f"radius_mm = {radius_mm}: this law is that of {self.face_radius_mm:.6g} mm alone")
+            message = f"radius_mm = {np.asarray(radius_mm)}: this law is that of {self.face_radius_mm:.6g} mm alone"
+            raise InputError(message, "out_of_range", "radius_mm")
         depth, thickness, young, _ = np.broadcast_arrays(
             *(np.asarray(value, float) for value in (depth_mm, thickness_mm, young_MPa, radius_mm))
         )
         unit = self(depth.reshape(-1, 1), thickness.reshape(-1, 1))
         return young * unit.reshape(depth.shape)
+
+    def limit_of(self, trials: Sequence[Trial]) -> NDArray:
+        """Depth to which the law of each trial's pad holds, shape (T,). [mm]"""
+        return self.limit(np.array([trial.thickness_mm for trial in trials]))
 
     def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
         """Depth to which the law holds. [mm]"""
@@ -161,9 +169,9 @@ class SlabLaw(_OneFace):
 
     def sliding(self) -> SlabLaw:
         """The same punch on a base that slides."""
-        return sliding_law(self)
+        return SlabLaw(load_table("sliding"), self.radius_mm, self.square)
 
-    def give(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
+    def compressibility_coefficient(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
         """c of a compressible slab, F / (1 + (1 - 2 nu) c), tabulated from finite elements."""
         return load_compressibility().coefficient(depth_mm / thickness_mm, self.radius_mm / thickness_mm)
 
@@ -239,13 +247,6 @@ class PuckLaw(_OneFace):
         return 0.5 * self.diameter_mm
 
 
-def depth_limits(law: Any, trials: Sequence[Trial]) -> NDArray:
-    """Depth to which the law of each trial's pad holds, shape (T,). [mm]"""
-    if hasattr(law, "limit_of"):
-        return law.limit_of(trials)
-    return law.limit(np.array([trial.thickness_mm for trial in trials]))
-
-
 def wrap(law: UnitForce, changed: UnitForce) -> UnitForce:
     """A law that an effect made of another one, marked so that :func:`root_law` finds what lies under it.
 
@@ -260,13 +261,8 @@ def wrap(law: UnitForce, changed: UnitForce) -> UnitForce:
     return changed
 
 
-def root_law(law: UnitForce) -> Any:
+def root_law(law: Any) -> Any:
     """The base law under all that effects have wrapped around it."""
     while hasattr(law, "__wrapped__"):
         law = law.__wrapped__
     return law
-
-
-def sliding_law(law: SlabLaw) -> SlabLaw:
-    """The same punch on a base that slides."""
-    return SlabLaw(load_table("sliding"), law.radius_mm, law.square)

@@ -1,27 +1,67 @@
-"""Choose the force law of a campaign: the response table where it holds, else finite elements for each pad."""
+"""The force law of a campaign, how deep it reaches, and the modulus expected before a fit."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.process import Progress, quiet
+from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.geometry.interface import BASES
-from dummydesign.geometry.shapes import PadShape
-from dummydesign.geometry.standard import MAX_DEPTH_OVER_THICKNESS
-from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
-from dummydesign.loop.model.expected import start_young_kPa
-from dummydesign.loop.model.solved_curve import SolvedCurve
-from dummydesign.loop.model.solved_law import ROUGHNESS, MixedLaw, SolvedLaw, error_priors
+from dummydesign.geometry.pad_shape import PadShape
+from dummydesign.loop.data.trials import Presses, stack
+from dummydesign.loop.model.base_law import PuckLaw, SetupLaw, SlabLaw
+from dummydesign.loop.model.solved_law import ROUGHNESS, SolvedCurve, SolvedLaw, error_priors
 from dummydesign.measurement.campaign import Campaign, PunchSpec, Trial
-from dummydesign.pad.elastic import has_square_factor
-from dummydesign.pad.pad import Pad, Puck
+from dummydesign.pad.elastic_force import has_square_factor
+from dummydesign.pad.specimen import Pad, Puck
 from dummydesign.pad.tables.shape import load_shape_table
 from dummydesign.pad.tables.slab import load_table
+
+
+def start_young_kPa(campaign: Campaign) -> float:
+    """Nominal modulus of a campaign, or that of its resin at its ratio. [kPa]"""
+    pad = campaign.pad
+    if pad.young_kPa_nominal is not None:
+        return pad.young_kPa_nominal
+    if pad.resin is None or pad.ratio is None:
+        message = "campaign.toml: [pad] needs young_kPa_nominal, or resin and ratio"
+        raise InputError(message, "missing", "pad.young_kPa_nominal")
+    from dummydesign.resin import load_resin
+
+    resin = load_resin(pad.resin)
+    resin.check_ratio(pad.ratio)
+    return float(resin.modulus_kPa(pad.ratio).value)
+
+
+# A press may end so much deeper than its law: the last secant is good for that.
+BEYOND = 1.02
+LEAST_LEFT = 2
+
+
+def within_reach(
+    campaign: Campaign, presses: Presses, law: SetupLaw, least: int = LEAST_LEFT
+) -> tuple[Campaign, Presses, str]:
+    """A campaign without the presses that go deeper than their law."""
+    limit = law.limit_of(presses.trials)
+    deep = presses.depth_mm > BEYOND * limit
+    if not deep.any():
+        return campaign, presses, ""
+    files = ", ".join(trial.file for trial, out in zip(presses.trials, deep) if out)
+    depth, end = float(presses.depth_mm[deep].max()), float(np.min(limit[deep]))
+    why = f"up to {depth:.3g} mm, where the force law of the pad is known to {end:.3g} mm"
+    kept = tuple(trial for trial, out in zip(presses.trials, deep) if not out)
+    if len(kept) < least:
+        message = f"presses go deeper than can be modelled, {why}: {files}; press less deep, or a thicker pad"
+        raise InputError(message, "out_of_range", "displacement_mm", depth, (0.0, end))
+    own = replace(campaign, trials=kept)
+    return own, stack(kept, campaign.lowpass), f"{int(deep.sum())} of {len(deep)} presses are left out, {why}: {files}"
+
 
 ONE_PAD = 0.06
 """Thicknesses that differ by less than this share of them are on one solved curve, whose change is solved too."""
@@ -29,44 +69,35 @@ DEPTHS = (0.3, 0.45, MAX_DEPTH_OVER_THICKNESS)
 """Depths over thickness to which pads are solved: the first that covers what was pressed."""
 MARGIN = 1.1
 
-Progress = Callable[[str], None]
-
-
-def law_of(campaign: Campaign, progress: Progress | None = None) -> SlabLaw | PuckLaw | SolvedLaw | MixedLaw:
-    """Choose the force law that a campaign declares.
-
-    Parameters
-    ----------
-    campaign : Campaign
-    progress : callable, optional
-        Called with a word for each pad that is solved.
-
-    Raises
-    ------
-    InputError
-        For a shape that is not solved round.
-    NoAnswerError
-        When a pad cannot be solved.
-    """
+def law_of(campaign: Campaign, progress: Progress = quiet) -> SlabLaw | PuckLaw | SolvedLaw:
+    """Choose the force law that a campaign declares."""
     if not campaign.trials:
-        return _before_any_trial(campaign)
-    kinds = dict.fromkeys(trial.pad[0] for trial in campaign.trials)
-    laws = {kind: _law(campaign, [t for t in campaign.trials if t.pad[0] == kind], progress) for kind in kinds}
-    return next(iter(laws.values())) if len(laws) == 1 else MixedLaw(laws)
+        return tabulated_law(campaign)
+    by_shape: dict[str, list[Trial]] = {}
+    for trial in campaign.trials:
+        by_shape.setdefault(trial.pad[0], []).append(trial)
+    laws = {shape: _law(campaign, trials, progress) for shape, trials in by_shape.items()}
+    if len(laws) == 1:
+        return laws.popitem()[1]
+    pads: dict[tuple[str, float], Any] = {}
+    for trial in campaign.trials:
+        law = laws[trial.pad[0]]
+        pads[trial.pad] = law.law_of(trial.pad) if isinstance(law, SolvedLaw) else law
+    return SolvedLaw(pads, "shaped", tuple(max(terms) for terms in zip(*(law.error_priors for law in laws.values()))))
 
 
-def _before_any_trial(campaign: Campaign) -> SlabLaw | PuckLaw:
+def tabulated_law(campaign: Campaign) -> SlabLaw | PuckLaw:
     """The law of a campaign that is only planned: one that needs no solve."""
     pad, punch = campaign.pad, campaign.punch
     if pad.shape == "cylinder" and punch.contact == "frictionless":
-        return PuckLaw(float(pad.diameter_mm))
+        return PuckLaw(pad.diameter_mm or 0.0)
     if pad.shape == "slab" and pad.geometry.plain and _tabulated(campaign, ()):
         return SlabLaw(load_table(pad.base), punch.radius_mm, punch.shape == "square")
     shape = pad.shape if pad.geometry.plain else str(pad.geometry)
     raise InputError(
         f"a pad of shape = {shape} on base = {pad.base} under a {_named(punch)} has no tabulated force; "
-        "'dummydesign loop' solves this pad once it is pressed"
-    )
+        "'dummydesign loop' solves this pad once it is pressed", "not_tabulated", "pad",
+    )  # fmt: skip
 
 
 def _named(punch: PunchSpec) -> str:
@@ -74,13 +105,13 @@ def _named(punch: PunchSpec) -> str:
     return f"{punch.shape} punch{edge}, contact = {punch.contact},"
 
 
-def _law(campaign: Campaign, trials: Sequence[Trial], progress: Progress | None) -> SlabLaw | PuckLaw | SolvedLaw:
+def _law(campaign: Campaign, trials: Sequence[Trial], progress: Progress) -> SlabLaw | PuckLaw | SolvedLaw:
     pad, punch, geometry = campaign.pad, campaign.punch, trials[0].geometry
     measured = [(t.thickness_sd_mm or 0.0) / t.thickness_mm for t in trials]
     thickness_error = float(np.sqrt(np.mean(np.square(measured))))
     if pad.shape == "cylinder":
         if punch.contact == "frictionless":
-            return _widened(PuckLaw(float(pad.diameter_mm)), thickness_error)
+            return _widened(PuckLaw(pad.diameter_mm or 0.0), thickness_error)
         return _solved(campaign, trials, "cylinder", thickness_error, progress)
     if geometry.plain and _tabulated(campaign, trials):
         return _widened(SlabLaw(load_table(pad.base), punch.radius_mm, punch.shape == "square"), thickness_error)
@@ -89,12 +120,7 @@ def _law(campaign: Campaign, trials: Sequence[Trial], progress: Progress | None)
 
 
 def check_round(geometry: PadShape) -> None:
-    """Refuse a shape whose force is not solved round.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a shape whose force is not solved round."""
     if geometry.axisymmetric:
         return
     rough = ""
@@ -104,8 +130,9 @@ def check_round(geometry: PadShape) -> None:
     raise InputError(
         f"shape = {geometry} is not round: {rough}its force under a punch is solved in space, minutes for each pad and "
         "for each change of it that an effect asks for, which the loop does not do; press a crowned, layered or "
-        f"boned pad, or compare its traces with 'dummydesign predict --shape {geometry} --fidelity 3d'"
-    )
+        f"boned pad, or compare its traces with 'dummydesign predict --shape {geometry} --fidelity 3d'",
+        "unsupported", "shape", str(geometry),
+    )  # fmt: skip
 
 
 def _widened(law: Any, thickness_error: float) -> Any:
@@ -124,39 +151,34 @@ def _tabulated(campaign: Campaign, trials: Sequence[Trial]) -> bool:
 
 
 def _solved(
-    campaign: Campaign, trials: Sequence[Trial], shape: str, thickness_error: float, progress: Progress | None
+    campaign: Campaign, trials: Sequence[Trial], shape: str, thickness_error: float, progress: Progress
 ) -> SolvedLaw:
-    """The law of one shape, solved for every thickness of it."""
+    """The law of the pads of one shape, solved for every thickness."""
     pad, punch, geometry = campaign.pad, campaign.punch, trials[0].geometry
-    curves: dict[float, SolvedCurve] = {}
+    offers: set[str] = set()
+    grows = False
+    if shape == "shaped":
+        flat, glued = punch.profile_mm is None, pad.base == "bonded" and punch.contact == "bonded"
+        if flat and glued:
+            offers = {"bulk_that_gives"} if geometry.bone_height_mm else {"base_that_can_slip", "bulk_that_gives"}
+        if flat and geometry.flat_top:
+            offers.add("flat_faces")
+        grows = not (flat and geometry.flat_top and pad.base in BASES and punch.contact == "bonded")
+    curves: dict[tuple[str, float], SolvedCurve] = {}
     groups = _groups(sorted({trial.thickness_mm for trial in trials}))
     for number, group in enumerate(groups):
         own = [trial for trial in trials if trial.thickness_mm in group]
         made = _pad(campaign, own, float(np.mean(group)) if len(group) > 1 else group[0])
-        if progress is not None:
-            what = "puck" if isinstance(made, Puck) else f"{geometry} pad"
-            progress(f"force law of the {what} of {made.thickness_mm:g} mm ({number + 1} of {len(groups)})")
+        what = "puck" if isinstance(made, Puck) else f"{geometry} pad"
+        progress(f"force law of the {what} of {made.thickness_mm:g} mm ({number + 1} of {len(groups)})")
         share = MARGIN * max(float(t.trace.displacement_mm.max()) / t.thickness_mm for t in own)
-        deepest = next((depth for depth in DEPTHS if depth >= share), DEPTHS[-1])
-        curve = SolvedCurve(made, deepest * made.thickness_mm)
-        curves |= dict.fromkeys(group, curve)
-    glued = pad.base == "bonded" and punch.contact == "bonded" and punch.profile_mm is None and shape == "shaped"
-    offers = {"base_that_can_slip", "bulk_that_gives"} if glued and geometry.bone_height_mm == 0.0 else set()
-    if glued and geometry.bone_height_mm:
-        offers = {"bulk_that_gives"}
-    if geometry.flat_top and punch.profile_mm is None and shape == "shaped":
-        offers.add("flat_faces")
+        deepest = next((depth for depth in DEPTHS if depth >= share), DEPTHS[-1]) * made.thickness_mm
+        curve = SolvedCurve(made, deepest, frozenset(offers), ROUGHNESS if grows else 0.0)
+        curves |= {trial.pad: curve for trial in own}
     error = max(curve.relative_error for curve in curves.values())
-    as_circle = punch.shape == "square" and not all(_has_corners(curve.pad) for curve in curves.values())
-    priors = error_priors(SlabLaw.error_priors, error, as_circle, thickness_error)
-    grows = not geometry.flat_top or punch.profile_mm is not None or pad.base not in BASES
-    grows = shape == "shaped" and (grows or punch.contact != "bonded")
-    return SolvedLaw(curves, shape, frozenset(offers), priors, ROUGHNESS if grows else 0.0)
-
-
-def _has_corners(pad: Pad | Puck) -> bool:
-    """Whether the factor of the square is in the curve of a pad."""
-    return isinstance(pad, Pad) and has_square_factor(pad)
+    corners = all(isinstance(curve.pad, Pad) and has_square_factor(curve.pad) for curve in curves.values())
+    priors = error_priors(SlabLaw.error_priors, error, punch.shape == "square" and not corners, thickness_error)
+    return SolvedLaw(dict(curves), shape, priors)
 
 
 def _groups(thickness_mm: list[float]) -> list[list[float]]:
@@ -174,7 +196,7 @@ def _pad(campaign: Campaign, trials: Sequence[Trial], thickness_mm: float) -> Pa
     """The pad of some trials as the pad model takes it, with unit modulus; with its own where the base rubs."""
     pad, punch = campaign.pad, campaign.punch
     if pad.shape == "cylinder":
-        return Puck(thickness_mm, 1.0, float(pad.diameter_mm), plates=punch.contact)
+        return Puck(thickness_mm, 1.0, pad.diameter_mm or 0.0, plates=punch.contact)
     young = 1.0 if pad.base in BASES else 1e-3 * start_young_kPa(campaign)
     extent = math.sqrt(pad.length_mm * pad.width_mm / math.pi) if pad.length_mm and pad.width_mm else None
     return Pad(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,8 +44,6 @@ class Parameter:
         Fitted as a logarithm (times).
     starts : tuple of float
         Further values to start from.
-    added_later : bool
-        At its null value where a calibration of an earlier version lacks it.
     """
 
     name: str
@@ -56,7 +54,6 @@ class Parameter:
     typical: float
     log: bool = False
     starts: tuple[float, ...] = ()
-    added_later: bool = False
 
     def to_coordinate(self, value: float) -> float:
         """Value as a number of order one."""
@@ -76,7 +73,7 @@ class Arm:
     beta: float | NDArray
     weight: NDArray | None = None
 
-    def changed(self, **values: object) -> Arm:
+    def changed(self, **values: Any) -> Arm:
         """Return a copy with other values."""
         return replace(self, **values)
 

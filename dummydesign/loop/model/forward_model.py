@@ -1,18 +1,84 @@
-"""The forward model: motion, pad, sensor, in a plain order; effects act at their hook."""
+"""The forward model: motion, pad, relaxation, sensor; effects act at their hook."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.core.recurrence import linear_recurrence
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.base_law import REFERENCE_DEPTH, UnitForce
+from dummydesign.loop.model.base_law import REFERENCE_DEPTH, SetupLaw, UnitForce
 from dummydesign.loop.model.effect import Arm, Effect, Values
-from dummydesign.loop.model.parameters import BaseParameters
-from dummydesign.loop.model.relaxing import relax
+
+NAMES = ("young_kPa", "tau_1_s", "beta_1", "tau_2_s", "beta_2")
+LOW = np.log([0.2e-3, 2e-3, 1e-3, 0.05, 1e-3])
+HIGH = np.log([20.0, 3.0, 20.0, 100.0, 20.0])
+"""Bounds of the logarithms of modulus [MPa], tau_1 [s], beta_1, tau_2 [s], beta_2."""
+
+
+def parameter_names(effects: Sequence[Effect]) -> list[str]:
+    """Names of the parameters of base and effects in a posterior: ``log`` where the logarithm is kept; modulus in kPa.
+    """
+    own = [f"{'log ' if p.log else ''}{effect.name}.{p.name}" for effect in effects for p in effect.parameters]
+    return [*(f"log {name}" for name in NAMES), *own]
+
+
+@dataclass(frozen=True)
+class BaseParameters:
+    """Long-term modulus [MPa] and two arms (tau [s], beta relative to the long-term modulus), fast arm first."""
+
+    young_MPa: float
+    tau_s: tuple[float, float]
+    beta: tuple[float, float]
+
+    @classmethod
+    def from_logs(cls, logs: NDArray) -> BaseParameters:
+        """Build from the logarithms in the order of :data:`NAMES`."""
+        young, tau1, beta1, tau2, beta2 = (float(v) for v in np.exp(logs))
+        return cls(young, (tau1, tau2), (beta1, beta2))
+
+    def to_logs(self) -> NDArray:
+        """Return the logarithms in the order of :data:`NAMES` (modulus in MPa)."""
+        return np.log([self.young_MPa, self.tau_s[0], self.beta[0], self.tau_s[1], self.beta[1]])
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return named values, modulus in kPa."""
+        values = np.exp(self.to_logs()) * [1e3, 1, 1, 1, 1]
+        return dict(zip(NAMES, (float(v) for v in values)))
+
+
+def relax(time_s: NDArray, elastic_N: NDArray, arms: Sequence[Arm]) -> NDArray:
+    """Quasi-linear force of elastic forces, piecewise linear in time, with arms that may differ by trial.
+
+    The same law as :func:`dummydesign.pad.material.relaxation.relaxed_force`, with an optional weight on what
+    each arm is loaded with.
+    """
+    return loaded(elastic_N, arms, arm_forces(time_s, elastic_N[None], arms)[:, 0])
+
+
+def arm_forces(time_s: NDArray, elastic_N: NDArray, arms: Sequence[Arm]) -> NDArray:
+    """Force that each arm holds of several elastic forces, per unit strength, shape (arms, K, T, N). [N]"""
+    step, rise = np.diff(time_s, axis=1), np.diff(elastic_N, axis=-1)
+    ratio = np.stack([np.broadcast_to(step / arm.tau_s, step.shape) for arm in arms])[:, None]
+    lost = -np.expm1(-ratio)
+    middle = [1.0 if arm.weight is None else 0.5 * (arm.weight[:, 1:] + arm.weight[:, :-1]) for arm in arms]
+    fed = np.stack([rise * weight for weight in middle])
+    first = np.stack([elastic_N[..., 0] * (1.0 if arm.weight is None else arm.weight[:, 0]) for arm in arms])
+    state = linear_recurrence(1.0 - lost, fed * (lost / ratio), first)
+    return np.concatenate([first[..., None], state], axis=-1)
+
+
+def loaded(elastic_N: NDArray, arms: Sequence[Arm], held_N: NDArray) -> NDArray:
+    """Elastic force (T, N) and what the arms add to it. [N]"""
+    force = elastic_N.copy()
+    for arm, held in zip(arms, held_N):
+        force += arm.beta * held
+    return force
+
 
 FEEDBACK_TOLERANCE_MM = 3e-7
 FEEDBACK_STEPS = 15
@@ -47,82 +113,35 @@ class LawError:
 
 
 def simulate(
-    presses: Presses,
-    law: UnitForce,
-    base: BaseParameters,
-    active: Sequence[Active] = (),
-    error: LawError | None = None,
-    offset_mm: NDArray | float = 0.0,
-    near_mm: NDArray | None = None,
-) -> NDArray:
+    presses: Presses, law: SetupLaw, base: BaseParameters, active: Sequence[Active] = (), error: LawError | None = None,
+    offset_mm: NDArray | float = 0.0, near_mm: NDArray | None = None,
+) -> NDArray:  # fmt: skip
     """Force before the declared sensor filter at the nodes.
 
     depth = displacement - offset (- effects); F_inf = E law(depth) (x effects);
     F = F_inf + sum beta_i integral exp(-(t - s) / tau_i) dF_inf(s), not below zero; then the sensor.
-
-    Parameters
-    ----------
-    presses : Presses
-    law : callable
-        F / E of the base. [mm2]
-    base : BaseParameters
-    active : sequence of Active
-        Effects with values; those at their null value are left out.
-    error : LawError, optional
-    offset_mm : float or ndarray, shape (T,)
-        Contact position of each trial. [mm]
-    near_mm : ndarray, shape (T, N), optional
-        Where to start looking for how much the set-up gives way, see :func:`given_way`. [mm]
-
-    Returns
-    -------
-    ndarray, shape (T, N)
-        [N]
     """
-    return _simulate(presses, law, base, active, error, offset_mm, near_mm)[0]
+    return simulate_yielding(presses, law, base, active, error, offset_mm, near_mm)[0]
 
 
-def given_way(
-    presses: Presses,
-    law: UnitForce,
-    base: BaseParameters,
-    active: Sequence[Active] = (),
-    error: LawError | None = None,
-) -> NDArray:
-    """How much the set-up gives way (T, N) under the force of :func:`simulate`. [mm]
-
-    Parameters
-    ----------
-    presses : Presses
-        T trials.
-    law : callable
-        F / E of the base. [mm2]
-    base : BaseParameters
-        Modulus and arms.
-    active : sequence of Active
-        Effects with values.
-    error : LawError, optional
-        Relative error of the law per trial.
-    """
-    return _simulate(presses, law, base, active, error, 0.0, None)[1]
-
-
-def _simulate(
-    presses: Presses,
-    law: UnitForce,
-    base: BaseParameters,
-    active: Sequence[Active],
-    error: LawError | None,
-    offset_mm: NDArray | float,
-    near_mm: NDArray | None,
-) -> tuple[NDArray, NDArray]:
+def simulate_yielding(
+    presses: Presses, law: SetupLaw, base: BaseParameters, active: Sequence[Active] = (), error: LawError | None = None,
+    offset_mm: NDArray | float = 0.0, near_mm: NDArray | None = None,
+) -> tuple[NDArray, NDArray]:  # fmt: skip
+    """Return the force of :func:`simulate`, and how much the set-up gives way under it, both (T, N). [N, mm]"""
     acting = [one for one in active if not one.absent]
     thickness = presses.thickness_mm[:, None]
-    law, start = before_the_pad(presses, law, acting, offset_mm)
+    unit, start = before_the_pad(presses, law, acting, offset_mm)
     loops = [one for one in acting if one.effect.feeds_back]
 
     def pressed(depth: NDArray) -> NDArray:
-        return _pad_force(presses, law, thickness, base, acting, error, depth)
+        elastic = base.young_MPa * unit(depth, thickness)
+        if error is not None:
+            elastic = elastic * error.factor(np.maximum(depth, 0.0) / thickness)
+        for one in acting:
+            elastic = elastic * one.effect.scale(presses, depth, one.values)
+        force = relax(presses.time_s, elastic, arms_of(presses, base, acting, depth))
+        return at_the_surface(presses, force, acting, depth)
 
     def yielded(force: NDArray) -> NDArray:
         return start - sum(one.effect.yielding(presses, force, one.values) for one in loops)
@@ -131,46 +150,24 @@ def _simulate(
         depth, force = _balance(pressed, yielded, start if near_mm is None else start - near_mm)
     else:
         depth, force = start, pressed(start)
-    return sensed(presses, force, acting), start - depth
+    return sensor_signal(presses, force, acting), start - depth
 
 
 def before_the_pad(
-    presses: Presses, law: UnitForce, acting: Sequence[Active], offset_mm: NDArray | float = 0.0
+    presses: Presses, law: SetupLaw, acting: Sequence[Active], offset_mm: NDArray | float = 0.0
 ) -> tuple[UnitForce, NDArray]:
-    """The law with all that effects change of it, and the depth (T, N) before the set-up gives way. [mm]
-
-    Parameters
-    ----------
-    presses : Presses
-        T trials.
-    law : callable
-        F / E of the base. [mm2]
-    acting : sequence of Active
-        Effects that are not at their null value.
-    offset_mm : ndarray, shape (T,), or float
-        Contact position of each trial. [mm]
-    """
-    law = presses.remembered(law)
+    """Return the law with all that effects change of it, and the depth (T, N) before the set-up gives way. [mm]"""
+    unit: UnitForce = presses.remembered(law)
     for one in acting:
-        law = one.effect.law(law, one.values)
+        unit = one.effect.law(unit, one.values)
     start = presses.displacement_mm - np.broadcast_to(offset_mm, presses.thickness_mm.shape)[:, None]
     for one in acting:
         start = one.effect.depth(presses, start, one.values)
-    return law, start
+    return unit, start
 
 
-def sensed(presses: Presses, force_N: NDArray, acting: Sequence[Active]) -> NDArray:
-    """The signal that a force on the punch (T, N) gives. [N]
-
-    Parameters
-    ----------
-    presses : Presses
-        T trials.
-    force_N : ndarray, shape (T, N)
-        Force on the punch. [N]
-    acting : sequence of Active
-        Effects that are not at their null value.
-    """
+def sensor_signal(presses: Presses, force_N: NDArray, acting: Sequence[Active]) -> NDArray:
+    """The signal that a force on the punch (T, N) gives. [N]"""
     for one in acting:
         force_N = one.effect.sensor(presses, force_N, one.values)
     return force_N
@@ -192,39 +189,8 @@ def _balance(pressed: Callable, yielded: Callable, depth: NDArray) -> tuple[NDAr
     return depth, pressed(depth)
 
 
-def _pad_force(
-    presses: Presses,
-    law: UnitForce,
-    thickness: NDArray,
-    base: BaseParameters,
-    acting: Sequence[Active],
-    error: LawError | None,
-    depth: NDArray,
-) -> NDArray:
-    """Force of the pad on the punch (T, N). [N]"""
-    elastic = base.young_MPa * law(depth, thickness)
-    if error is not None:
-        elastic = elastic * error.factor(np.maximum(depth, 0.0) / thickness)
-    for one in acting:
-        elastic = elastic * one.effect.scale(presses, depth, one.values)
-    force = relax(presses.time_s, elastic, arms_of(presses, base, acting, depth))
-    return at_the_surface(presses, force, acting, depth)
-
-
 def arms_of(presses: Presses, base: BaseParameters, acting: Sequence[Active], depth_mm: NDArray) -> tuple[Arm, ...]:
-    """The relaxing arms of the base with all that effects change of them.
-
-    Parameters
-    ----------
-    presses : Presses
-        T trials.
-    base : BaseParameters
-        Modulus and arms.
-    acting : sequence of Active
-        Effects that are not at their null value.
-    depth_mm : ndarray, shape (T, N)
-        Depth of the punch in the pad. [mm]
-    """
+    """The relaxing arms of the base with all that effects change of them."""
     arms = tuple(Arm(tau, beta) for tau, beta in zip(base.tau_s, base.beta))
     for one in acting:
         arms = one.effect.arms(presses, arms, depth_mm, one.values)
@@ -232,19 +198,7 @@ def arms_of(presses: Presses, base: BaseParameters, acting: Sequence[Active], de
 
 
 def at_the_surface(presses: Presses, force_N: NDArray, acting: Sequence[Active], depth_mm: NDArray) -> NDArray:
-    """Force on the punch (T, N): the contact cannot pull, but for what effects change of it. [N]
-
-    Parameters
-    ----------
-    presses : Presses
-        T trials.
-    force_N : ndarray, shape (T, N)
-        Force of the pad. [N]
-    acting : sequence of Active
-        Effects that are not at their null value.
-    depth_mm : ndarray, shape (T, N)
-        Depth of the punch in the pad. [mm]
-    """
+    """Force on the punch (T, N): the contact cannot pull, but for what effects change of it. [N]"""
     floor = np.zeros((1, 1))
     for one in acting:
         floor = one.effect.floor(presses, floor, one.values)

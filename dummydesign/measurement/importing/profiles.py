@@ -8,56 +8,54 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
-from dummydesign.core.datafiles import find, read_toml, toml_text, user_folder
 from dummydesign.core.errors import InputError, unknown_name
-from dummydesign.core.files import write_text
-from dummydesign.measurement.importing.core.decisions import Settings
-from dummydesign.measurement.importing.core.vocabulary import ROLES
-from dummydesign.measurement.importing.profile_names import KIND
+from dummydesign.core.files import unwritable, write_text
+from dummydesign.core.library import Entry, entries, find, read_toml, toml_text, user_folder
+from dummydesign.measurement.importing.decisions import Settings
 from dummydesign.measurement.importing.read import Imported
+from dummydesign.measurement.importing.vocabulary import ROLES
+
+KIND = "profiles"
+"""Folder of the profiles in the user's own one."""
+
+
+def list_profiles() -> list[Entry]:
+    """The profiles that are known, by name."""
+    return [entry for _, entry in sorted(entries(KIND).items())]
+
 
 _KEYS = {field.name for field in fields(Settings)}
 _PLAIN = Settings()
 
 
 def load_profile(name: str) -> Settings:
-    """Read a profile by name, or from a file that ends in ``.toml``.
-
-    Raises
-    ------
-    InputError
-        When it is not known, or holds something that is no setting of an import.
-    """
-    entry = find(KIND, "profile", name)
-    data, _ = read_toml(entry.path)
-    return _settings(data, entry.path.name)
+    """Read a profile by name, or from a file that ends in ``.toml``."""
+    return _read(find(KIND, "profile", name).path)
 
 
-def _settings(data: dict[str, Any], file: str) -> Settings:
-    data = dict(data)
+def _read(path: Path) -> Settings:
+    data, _ = read_toml(path)
     if data.pop("schema", 1) != 1:
-        raise InputError(f"{file}: schema is not 1, the one that this version reads")
-    for key in data:
-        if key not in _KEYS:
-            raise InputError(f"{file}: {unknown_name('key', key, _KEYS)}")
+        raise InputError(f"{path.name}: schema is not 1, the one that this version reads", "unsupported", "schema")
     values: dict[str, Any] = {}
     for key, value in data.items():
+        if key not in _KEYS:
+            raise unknown_name("key", key, _KEYS, "unknown_key", "profile").within(path.name)
         if key in ("columns", "units"):
-            if not isinstance(value, dict) or set(value) - set(ROLES):
-                raise InputError(f"{file}: {key} must give a text for some of {', '.join(ROLES)}")
-            values[key] = {role: str(text) for role, text in value.items()}
+            valid, form = isinstance(value, dict) and not set(value) - set(ROLES), f"texts for {', '.join(ROLES)}"
         elif key == "skip":
-            if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-                raise InputError(f"{file}: skip = {value!r} must be a whole number from 0")
-            values[key] = value
+            valid, form = type(value) is int and value >= 0, "a whole number from 0"
         elif key == "flip":
-            if not isinstance(value, list) or set(map(str, value)) - {"displacement", "force"}:
-                raise InputError(f"{file}: flip must be a list of 'displacement' and 'force', which may be empty")
-            values[key] = frozenset(value)
-        elif not isinstance(value, str):
-            raise InputError(f"{file}: {key} = {value!r} must be a text in quotes")
+            valid = isinstance(value, list) and not set(map(str, value)) - {"displacement", "force"}
+            form = "a list of 'displacement' and 'force', which may be empty"
         else:
-            values[key] = value
+            valid, form = isinstance(value, str), "a text in quotes"
+        if not valid:
+            code = "out_of_range" if key == "skip" else "malformed"
+            raise InputError(f"{path.name}: {key} = {value!r} must be {form}", code, key, value)
+        values[key] = frozenset(value) if key == "flip" else value
+        if isinstance(value, dict):
+            values[key] = {role: str(text) for role, text in value.items()}
     return Settings(**values)
 
 
@@ -83,38 +81,18 @@ def learned(given: Settings, found: Iterable[Imported]) -> Settings:
 
 
 def save_profile(name: str, settings: Settings, overwrite: bool = False) -> Path:
-    """Keep a profile in the user's folder.
-
-    Parameters
-    ----------
-    name : str
-        Of the profile; letters, digits, ``-``, ``_`` and ``.``.
-    settings : Settings
-        What is kept.
-    overwrite : bool
-        Whether another profile of the name may be replaced.
-
-    Returns
-    -------
-    Path
-        The file.
-
-    Raises
-    ------
-    InputError
-        For a name that cannot be a file's, or one that is taken.
-    """
+    """Keep a profile in the user's folder."""
     if not re.fullmatch(r"[\w][\w .-]{0,60}", name) or name.lower().endswith(".toml"):
-        raise InputError(f"--save-profile '{name}': a profile's name is made of letters, digits, '-', '_' and '.'")
+        message = f"--save-profile '{name}': a profile's name is made of letters, digits, '-', '_' and '.'"
+        raise InputError(message, "bad_name", "save_profile", name)
     path = user_folder() / KIND / f"{name}.toml"
-    if path.exists() and not overwrite and _settings(read_toml(path)[0], path.name) != settings:
-        raise InputError(
-            f"--save-profile '{name}': exists already with other settings; add --replace to put this in its place"
-        )
+    if path.exists() and not overwrite and _read(path) != settings:
+        message = f"--save-profile '{name}': exists already with other settings; add --replace to replace it"
+        raise InputError(message, "file_exists", "save_profile", name)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as problem:
-        raise InputError(f"folder '{path.parent}' cannot be made: {problem.strerror or problem}") from None
+        raise unwritable("folder", path.parent, problem, "folder") from None
     return write_text(path, _toml(settings))
 
 

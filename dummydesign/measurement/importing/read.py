@@ -1,10 +1,11 @@
-"""One file to its presses: zero at contact, tared, compression positive, each from before contact to its end."""
+"""Files to presses and traces: zero at contact, tared, compression positive."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,21 +13,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.measurement.importing.core.decisions import Decision, Notes, Settings, question
-from dummydesign.measurement.importing.core.units import BASE, known_units, scaled_unit
-from dummydesign.measurement.importing.press.contact import LEAST_LEAD_IN, Contact, find_contact
-from dummydesign.measurement.importing.press.sanity import check_press
-from dummydesign.measurement.importing.press.signs import Signs, find_signs
-from dummydesign.measurement.importing.press.split import HIGH, Span, find_presses
-from dummydesign.measurement.importing.press.summary import SHALLOWEST_MM, Summary, summarise
-from dummydesign.measurement.importing.press.zero import find_contacts, find_tares
+from dummydesign.core.files import write_bytes
+from dummydesign.measurement.importing import contact as contact_zero
+from dummydesign.measurement.importing.decisions import Decision, ImportLog, NoTableError, Settings
+from dummydesign.measurement.importing.press_checks import check_press, fingerprint
+from dummydesign.measurement.importing.signs import HIGH, Span, find_presses, find_signs
 from dummydesign.measurement.importing.table import Columns, read_columns
-from dummydesign.measurement.trace import magnitude_fault
+from dummydesign.measurement.importing.vocabulary import BASE, USUAL_UNITS, scaled_unit
+from dummydesign.measurement.landmarks import SHALLOWEST_MM, Summary, summarise
+from dummydesign.measurement.trace import COLUMNS, SECONDS, magnitude_fault
 
 
 @dataclass(frozen=True)
-class Press:
-    """One press as it is written, and where it stood in the file.
+class ImportedPress:
+    """One press as it is written, and where it is in the file.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class Press:
         Time from 0 at the first sample; zero at contact; tared; compression positive.
     summary : Summary
     contact_low_mm, contact_high_mm : float
-        95 % interval of the contact that the force alone gives, about the zero that was taken.
+        95 % interval of the contact by the force alone, about the zero that was taken.
     begins_s : float
         Time of the file at the first sample.
     """
@@ -56,7 +56,7 @@ class Imported:
     """A file that was read: its presses, what was decided, what looks wrong, and the layout for a profile."""
 
     source: Path
-    presses: tuple[Press, ...]
+    presses: tuple[ImportedPress, ...]
     decisions: tuple[Decision, ...]
     warnings: tuple[dict[str, Any], ...]
     columns: Columns
@@ -79,177 +79,299 @@ def import_file(path: str | Path, settings: Settings | None = None) -> Imported:
     QuestionError
         Where the file leaves a decision open, with the option that settles it.
     """
-    settings = settings or Settings()
-    path, notes = Path(path), Notes()
-    columns = read_columns(path, settings, notes)
-    file = columns.file
-    tare = _reading("tare", settings.tare, "force", columns)
-    given = _reading("contact", settings.contact, "displacement", columns)
-    signs = find_signs(file, columns.displacement_mm, columns.force_N, settings, tare, notes)
+    path = Path(path)
+    log = ImportLog(path.name, settings or Settings())
+    columns = read_columns(path, log)
+    tare = _read_option("tare", log.settings.tare, "force")
+    zero = _read_option("contact", log.settings.contact, "length")
+    signs = find_signs(columns.displacement_mm, columns.force_N, tare, log)
     time, x = columns.time_s, signs.displacement * columns.displacement_mm
-    load = signs.force * (columns.force_N - signs.rest_force_N)
-    spans = _spans(file, x, load, columns, settings, notes)
-    _magnitudes(file, time, x, load, spans, settings)
-    contacts = [_contact(file, time, x, load, span, signs, settings, tare) for span in spans]
-    rest = signs.force * signs.rest_force_N
-    tares = _tares(file, contacts, rest, signs, settings, tare, notes)
-    zeros = _zeros(file, contacts, x, spans, signs, settings, given, notes)
+    rest, load = signs.force * signs.rest_force_N, signs.force * (columns.force_N - signs.rest_force_N)
+    spans = _find_spans(time, x, load, columns.recordings, log)
+    _check_magnitudes(time, x, load, spans, log)
+    contacts = [_find_contact(time, x, load, span, rest, tare, log) for span in spans]
+    tares = contact_zero.find_tares(contacts, rest, signs.force, log, tare)
+    depths = [float(x[s.start : s.stop].max()) - c.position_mm for s, c in zip(spans, contacts)]
+    zeros = contact_zero.find_contacts(contacts, depths, float(x[spans[0].start]), signs.displacement, log, zero)
     presses = []
-    for number, (span, contact, zero, level) in enumerate(zip(spans, contacts, zeros, tares), 1):
+    for number, (span, contact, at, level) in enumerate(zip(spans, contacts, zeros, tares), 1):
         part = slice(span.start, span.stop)
-        name = file if len(spans) == 1 else f"{file} press {number}"
-        t, way = time[part] - time[span.start], x[part] - zero + 0.0
+        name = log.file if len(spans) == 1 else f"{log.file} press {number}"
+        t, way = time[part] - time[span.start], x[part] - at + 0.0
         force = load[part] + rest - level + 0.0
         summary = summarise(name, t, way, force)
-        fault = magnitude_fault(t, way, force, seconds="time" in settings.units)
+        fault = magnitude_fault(t, way, force, seconds="time" in log.settings.units)
         if fault:
-            raise question(name, fault, "--units time=.., displacement=.. or force=.. with the unit that it is in")
-        check_press(name, t, way, force, contact, summary, notes.warn)
-        presses.append(
-            Press(
-                number, t, way, force, summary, contact.low_mm - zero, contact.high_mm - zero, float(time[span.start])
-            )
-        )
-    return Imported(path, tuple(presses), tuple(notes.decisions), tuple(notes.warnings), columns)
+            option = "--units time=.., displacement=.. or force=.. with the unit that it is in"
+            raise log.question(f"press {number}: {fault.message}", option)
+        check_press(t, way, force, contact, summary, partial(log.warn, name=name))
+        interval = contact.low_mm - at, contact.high_mm - at
+        presses.append(ImportedPress(number, t, way, force, summary, *interval, float(time[span.start])))
+    return Imported(path, tuple(presses), tuple(log.decisions), tuple(log.warnings), columns)
 
 
-def _reading(option: str, word: str, role: str, columns: Columns) -> float | None:
+def _read_option(option: str, word: str, kind: str) -> float | None:
     """A reading given by the user, as the file counts it, in N or mm; None for auto and none."""
     if word in ("auto", "none"):
         return None
-    kind = "force" if role == "force" else "length"
     parts = re.fullmatch(r"\s*([+-]?[0-9.]+(?:[eE][+-]?\d+)?)\s*(\S*)\s*", word)
     unit = scaled_unit(parts[2] or BASE[kind], kind) if parts else None
     try:
-        value = float(parts[1]) if parts else None
+        if parts and unit:
+            return float(parts[1]) * unit.factor
     except ValueError:
-        value = None
-    if value is None or unit is None:
-        raise InputError(
-            f"--{option} {word} is not auto, none or a reading in {BASE[kind]} (or with a unit: {known_units(kind)})"
-        )
-    return value * unit.factor
+        pass
+    form = f"a reading in {BASE[kind]} (or with a unit: {USUAL_UNITS[kind]})"
+    raise InputError(f"--{option} {word} is not auto, none or {form}", "not_a_number", option, word)
 
 
-def _spans(file: str, x: NDArray, load: NDArray, columns: Columns, settings: Settings, notes: Notes) -> list[Span]:
+def _find_spans(
+    time: NDArray, x: NDArray, load: NDArray, recordings: Sequence[tuple[int, int]], log: ImportLog
+) -> list[Span]:
     """Presses of all recordings of the file."""
-    several, spans = settings.split == "auto", []
-    for first, stop in columns.recordings:
+    several, spans = log.settings.split == "auto", []
+    for first, stop in recordings:
         part = slice(first, stop)
         shift = float(np.median(load[part][:5])) if first else 0.0
+        where = f"the recording that begins at sample {first + 1}"
         if abs(shift) > HIGH * float(load.max()):
-            raise InputError(
-                f"{file}: the recording that begins at sample {first + 1} begins pressed, with {shift:.3g} N; "
-                "record from "
-                "before contact, or leave it out of the file"
-            )
+            message = f"{where} begins pressed, with {shift:.3g} N; record from before contact, or leave it out"
+            raise log.fault(message, "not_enough_data", "force_N", shift)
         try:
-            found = find_presses(file, x[part], load[part] - shift, several, columns.time_s[part])
+            found = find_presses(log.file, x[part], load[part] - shift, several, time[part])
         except InputError:
-            if len(columns.recordings) == 1:
+            if len(recordings) == 1:
                 raise
-            notes.warn(
-                "nothing_pressed",
-                f"{file}: nothing is pressed in the recording that begins at sample {first + 1}; it is left out",
-            )
+            log.warn("nothing_pressed", f"nothing is pressed in {where}; it is left out")
             continue
         spans += [Span(span.start + first, span.stop + first, span.onset + first) for span in found]
     if not spans:
-        raise InputError(f"{file}: nothing is pressed in any of its {len(columns.recordings)} recordings")
-    why = (
-        "force and depth return to zero between them"
-        if len(spans) > 1
-        else ("force and depth do not return to zero and rise again" if several else "--split none")
-    )
-    notes.decide("presses", str(len(spans)), why)
+        raise log.fault(f"nothing is pressed in any of its {len(recordings)} recordings", "nothing_found", "force_N")
+    why = "force and depth do not return to zero and rise again" if several else "--split none"
+    why = "force and depth return to zero between them" if len(spans) > 1 else why
+    log.decide("presses", str(len(spans)), why)
     return spans
 
 
-def _contact(
-    file: str,
-    time: NDArray,
-    x: NDArray,
-    load: NDArray,
-    span: Span,
-    signs: Signs,
-    settings: Settings,
-    tare: float | None,
-) -> Contact:
-    """Contact of one press; where nothing was recorded before it, with the force counted from zero.
+def _check_magnitudes(time: NDArray, x: NDArray, load: NDArray, spans: Sequence[Span], log: ImportLog) -> None:
+    """Ask for the unit where a press would be beyond what any such machine does."""
+    depths = [float(x[s.start : s.stop].max() - x[s.onset]) for s in spans]
+    ways = [float(x[s.onset : s.stop].max() - x[s.onset]) for s in spans]
+    rises = [time[s.start + int(np.argmax(x[s.start : s.stop]))] - time[s.onset] for s in spans]
+    step, units = float(np.median(np.diff(time))), log.settings.units
+    force = max(float(load[s.start : s.stop].max()) for s in spans)
+    speed = max(way / max(rise, step) for way, rise in zip(ways, rises))
+    for role, value, words, unit, low, high, if_low, if_high in (
+        ("force", force, "the largest force would be", "N", 0.03, 2000.0, "kN", "mN"),
+        ("displacement", max(depths), "the punch would press", "mm deep", 0.03, 300.0, "m", "um"),
+        ("time", speed, "the punch would move at", "mm/s", 0.0, 5000.0, "s", "s"),
+    ):
+        if low <= value <= high:
+            continue
+        limit = f"above {high:g}" if value > high else f"below {low:g}"
+        text = f"{words} {value:.4g} {unit}, {limit} {unit.split()[0]}"
+        if role in units:
+            message = f"with --units {role}={units[role]} {text}; check the unit"
+            raise log.fault(message, "implausible_unit", "units", units[role])
+        guess = if_high if value > high else if_low
+        raise log.question(text, f"--units {role}={guess} (or the unit that it is in)")
+
+
+def _find_contact(
+    time: NDArray, x: NDArray, load: NDArray, span: Span, rest: float, tare: float | None, log: ImportLog
+) -> contact_zero.ContactEstimate:
+    """Contact of one press; where nothing was recorded before it, with the force counted from zero."""
+    way = x[span.onset : span.stop]
+    if float(way.max() - x[span.start : span.onset + 1].min()) < SHALLOWEST_MM:
+        message = (
+            f"the force rises to {load[span.start : span.stop].max():.3g} N while the position stands at "
+            f"{x[span.onset]:.4g} mm; does the recording begin pressed, or is this another column? "
+            "(--columns displacement=NAME)"
+        )
+        raise log.fault(message, "inconsistent", "displacement_mm", float(x[span.onset]))
+    found = contact_zero.find_contact(time, x, load, span, None if tare is None else 0.0)
+    if tare is None and found.lead_in < contact_zero.LEAST_LEAD_IN:
+        return contact_zero.find_contact(time, x, load, span, -rest if log.settings.tare == "none" else 0.0)
+    return found
+
+
+ENDINGS = (".csv", ".txt", ".dat", ".tsv", ".asc", ".tra", ".log", ".lst", ".prn", ".lvm", ".xlsx", ".xls")
+_ROWS = 50_000
+Planned = tuple[Imported, ImportedPress, str]
+"""A press, the file it comes from, and the name of its trace."""
+
+
+def files_of(paths: Iterable[str | Path]) -> list[tuple[Path, bool]]:
+    """List the files that are meant, each with whether it is from a folder: of one, those with the usual endings.
 
     Raises
     ------
     InputError
-        When the punch stands still while the force rises.
+        When a path does not exist, or a folder holds no such file.
     """
-    way = x[span.onset : span.stop]
-    if float(way.max() - x[span.start : span.onset + 1].min()) < SHALLOWEST_MM:
-        raise InputError(
-            f"{file}: the force rises to {load[span.start : span.stop].max():.3g} N while the position stands at "
-            f"{x[span.onset]:.4g} mm; does the recording begin pressed, or is this another column? "
-            "(--columns displacement=NAME)"
-        )
-    if tare is not None:
-        return find_contact(time, x, load, span, 0.0)
-    contact = find_contact(time, x, load, span)
-    if contact.lead_in < LEAST_LEAD_IN:
-        rest = signs.force * signs.rest_force_N
-        return find_contact(time, x, load, span, -rest if settings.tare == "none" else 0.0)
-    return contact
+    found: dict[Path, tuple[Path, bool]] = {}
+    for path in map(Path, paths):
+        if not path.exists():
+            raise InputError(f"file '{path}' does not exist", "file_not_found", "file")
+        inside = [path]
+        if path.is_dir():
+            try:
+                inside = sorted(p for p in path.iterdir() if p.is_file() and not p.name.startswith("."))
+            except OSError as problem:
+                message = f"folder '{path}' cannot be read: {problem.strerror or problem}"
+                raise InputError(message, "file_unreadable", "folder") from None
+            inside = [p for p in inside if p.suffix.lower() in ENDINGS]
+            if not inside:
+                message = f"folder '{path}' holds no file that may be a trace ({', '.join(ENDINGS)})"
+                raise InputError(message, "nothing_found", "folder")
+        for one in inside:
+            found.setdefault(one.resolve(), (one, path.is_dir()))
+    return list(found.values())
 
 
-def _tares(
-    file: str,
-    contacts: Sequence[Contact],
-    rest: float,
-    signs: Signs,
-    settings: Settings,
-    tare: float | None,
-    notes: Notes,
-) -> list[float]:
-    if settings.tare == "none":
-        notes.decide("tare", "none", "given by --tare")
-        return [0.0] * len(contacts)
-    if tare is not None:
-        notes.decide("tare", f"{signs.force * tare:.6g} N", "given by --tare (compression positive)")
-        return [signs.force * tare] * len(contacts)
-    return find_tares(file, contacts, rest, signs.force < 0, notes)
+def import_files(
+    paths: Sequence[str | Path], settings: Settings | None = None
+) -> tuple[list[Imported], list[dict[str, Any]]]:
+    """Read several files and folders.
+
+    Returns
+    -------
+    imported : list of Imported
+    warnings : list of {code, message}
+        Of all of them together: files of a folder that hold no table, presses that two files share.
+
+    Raises
+    ------
+    InputError, QuestionError
+        The first one that a file gives, with the number of other files that have one too. Nothing is left out
+        silently.
+    """
+    imported: list[Imported] = []
+    warnings: list[dict[str, Any]] = []
+    problems: list[InputError] = []
+    listed = files_of(paths)
+    for path, in_folder in listed:
+        try:
+            imported.append(import_file(path, settings))
+        except InputError as problem:
+            if in_folder and isinstance(problem, NoTableError):
+                message = f"{path.name} is left out: it holds no table of numbers"
+                warnings.append({"code": "skipped", "message": message})
+            else:
+                problems.append(problem)
+    if problems:
+        more = f" (and {len(problems) - 1} of {len(listed)} files more have such a doubt)" if len(problems) > 1 else ""
+        first = problems[0]
+        raise type(first)(f"{first}{more}", first.code, first.quantity, first.value, first.allowed)
+    if not imported:
+        message = f"none of the {len(listed)} files holds a table of numbers"
+        raise InputError(message, "nothing_found", "table")
+    seen: dict[str, tuple[Path, int]] = {}
+    for one in imported:
+        for press in one.presses:
+            key = fingerprint(press.displacement_mm, press.force_N)
+            source, number = seen.setdefault(key, (one.source, press.number))
+            if source != one.source:
+                message = (
+                    f"{one.source.name} press {press.number} is the same recording as {source.name} press {number}: "
+                    "one subject under two names, or a copy? take one of them out"
+                )
+                warnings.append({"code": "same_press", "message": message})
+    return imported, warnings
 
 
-def _zeros(
-    file: str,
-    contacts: Sequence[Contact],
-    x: NDArray,
-    spans: Sequence[Span],
-    signs: Signs,
-    settings: Settings,
-    given: float | None,
-    notes: Notes,
-) -> list[float]:
-    if settings.contact == "none" or given is not None:
-        zero = 0.0 if given is None else signs.displacement * given
-        notes.decide("contact", f"{zero:.6g} mm" if given is not None else "the file's own zero", "given by --contact")
-        return [zero] * len(spans)
-    depths = [float(x[s.start : s.stop].max()) - c.position_mm for s, c in zip(spans, contacts)]
-    return find_contacts(file, contacts, depths, float(x[spans[0].start]), signs.displacement, notes)
+def plan_traces(imported: Sequence[Imported], folder: Path | None) -> list[Planned]:
+    """Choose the file name of every press.
+
+    Raises
+    ------
+    InputError
+        When a trace would take the place of a file that was read: nothing of a source is changed.
+    """
+    sources = {one.source.resolve() for one in imported}
+    taken: set[str] = set()
+    planned = []
+    for one in imported:
+        for press in one.presses:
+            name = _name(one.source, press.number, taken)
+            if folder is not None and (folder / name).resolve() in sources:
+                message = f"trace '{name}' would take the place of a file that is read; give another --out"
+                raise InputError(message, "file_exists", "out", name)
+            planned.append((one, press, name))
+    return planned
 
 
-def _magnitudes(file: str, time: NDArray, x: NDArray, load: NDArray, spans: Sequence[Span], settings: Settings) -> None:
-    """Ask for the unit where a press would be beyond what any such machine does."""
-    force = max(float(load[s.start : s.stop].max()) for s in spans)
-    depth = max(float(x[s.start : s.stop].max() - x[s.onset]) for s in spans)
-    step = float(np.median(np.diff(time)))
-    speed = max(float(x[s.onset : s.stop].max() - x[s.onset]) / max(time[s.start + int(np.argmax(x[s.start : s.stop]))]
-                - time[s.onset], step) for s in spans)  # fmt: skip
-    doubts = (
-        ("force", force > 2000.0, f"the largest force would be {force:.4g} N, above 2000 N", "mN"),
-        ("force", force < 0.03, f"the largest force would be {force:.4g} N, below 0.03 N", "kN"),
-        ("displacement", depth > 300.0, f"the punch would press {depth:.4g} mm deep, above 300 mm", "um"),
-        ("displacement", depth < 0.03, f"the punch would press {depth:.4g} mm deep, below 0.03 mm", "m"),
-        ("time", speed > 5000.0, f"the punch would move at {speed:.4g} mm/s, above 5000 mm/s", "s"),
-    )
-    for role, wrong, text, guess in doubts:
-        if wrong and role in settings.units:
-            raise InputError(f"{file}: with --units {role}={settings.units[role]} {text}; check the unit")
-        if wrong:
-            raise question(file, text, f"--units {role}={guess} (or the unit that it is in)")
+def write_traces(planned: Sequence[Planned], folder: Path) -> None:
+    """Write one canonical CSV a press into a folder."""
+    for _, press, name in planned:
+        columns = press.time_s, press.displacement_mm, press.force_N
+        # a doubt that is left was settled by the user
+        write_bytes(folder / name, trace_bytes(*columns, settled=magnitude_fault(*columns) is not None))
+
+
+def describe(imported: Sequence[Imported], planned: Sequence[Planned]) -> list[dict[str, Any]]:
+    """Return what became of each file: ``source``, ``traces`` (without their folder), ``decisions``, ``warnings``."""
+    return [
+        {
+            "source": str(one.source),
+            "traces": [
+                {"file": name, "press": press.number, "samples": len(press.time_s), **press.summary.to_dict()}
+                for owner, press, name in planned if owner is one
+            ],
+            "decisions": [decision.to_dict() for decision in one.decisions],
+            "warnings": list(one.warnings),
+        }
+        for one in imported
+    ]  # fmt: skip
+
+
+def _name(source: Path, number: int, taken: set[str]) -> str:
+    """A plain name: the source's, and the number of the press; another count behind it where two sources share one."""
+    stem = re.sub(r"[^\w.-]+", "_", source.stem).strip("._") or "trace"
+    name, count = f"{stem[:100]}_{number}.csv", 1
+    while name.lower() in taken:
+        count += 1
+        name = f"{stem[:100]}-{count}_{number}.csv"
+    taken.add(name.lower())
+    return name
+
+
+def trace_bytes(time_s: NDArray, displacement_mm: NDArray, force_N: NDArray, settled: bool = False) -> bytes:
+    """The canonical CSV, to a microsecond, a nanometre and a micronewton.
+
+    Parameters
+    ----------
+    time_s, displacement_mm, force_N : ndarray, shape (n,)
+        A press in the project's units. [s, mm, N]
+    settled : bool
+        Whether a column is added that says that time is in seconds, however slow the press.
+
+    Returns
+    -------
+    bytes
+    """
+    rows = np.stack([time_s, displacement_mm, force_N, *([np.ones_like(time_s)] if settled else [])], axis=1)
+    parts = [_digits(rows[start : start + _ROWS]) for start in range(0, len(rows), _ROWS)]
+    header = ",".join((*COLUMNS, SECONDS) if settled else COLUMNS)
+    return f"{header}\n".encode("ascii") + b"".join(parts)
+
+
+def _digits(rows: NDArray) -> bytes:
+    """Numbers with six decimals, separated by commas and line ends; in arrays, four times faster than ``%``."""
+    counts = np.rint(rows * 1e6).astype(np.int64)
+    size = np.abs(counts)
+    places = max(len(str(int(size.max()))), 7)
+    text = np.zeros((*rows.shape, places + 3), np.uint8)
+    text[..., 0] = np.where(counts < 0, ord("-"), 0)
+    at = places + 1
+    for place in range(places):
+        if place == 6:
+            text[..., at] = ord(".")
+            at -= 1
+        # A zero before the first digit stays a zero byte, which is taken out below.
+        text[..., at] = np.where((size > 0) | (place <= 6), size % 10 + ord("0"), 0)
+        size = size // 10
+        at -= 1
+    text[..., -1] = ord(",")
+    text[:, -1, -1] = ord("\n")
+    return text[text > 0].tobytes()

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
-from dummydesign.mold.cad.prisms import drafted_prism, rough_bounds, single_solid
-from dummydesign.mold.model.layout import layout
+from dummydesign.mold.cad.kernel import cq
+from dummydesign.mold.cad.parts import Parts
+from dummydesign.mold.cad.solids import cylinders, drafted_prism, rough_bounds, single_solid
+from dummydesign.mold.model.layout import Point, layout, recess_outline, sheet_outline
 from dummydesign.mold.model.outline import Outline
 from dummydesign.mold.model.spec import MouldSpec
 
@@ -17,24 +20,7 @@ def to_casting(solid: Any, parting_mm: float, turned: bool, scale: float) -> Any
     """Bring a silicone part into its casting frame: parting face on z = 0, silicone above, scaled.
 
     The pivot is the same for everything that is brought over: the middle of the parting face.
-
-    Parameters
-    ----------
-    solid : cadquery.Shape
-        Part in the mould's frame.
-    parting_mm : float
-        Height of the parting face in the mould's frame. [mm]
-    turned : bool
-        Turned over about the x axis: a part that is used face up is cast face down.
-    scale : float
-        Casting size over finished size, for the shrinkage of the silicone; at least 1.
-
-    Returns
-    -------
-    cadquery.Shape
     """
-    import cadquery as cq
-
     moved = solid.translate(cq.Vector(0, 0, -parting_mm))
     if turned:
         moved = moved.rotate(cq.Vector(), cq.Vector(1, 0, 0), 180)
@@ -44,29 +30,7 @@ def to_casting(solid: Any, parting_mm: float, turned: bool, scale: float) -> Any
 def casting_box(
     spec: MouldSpec, part: Any, hull: Any, parting_mm: float, turned: bool, sockets: tuple[Any, ...] = ()
 ) -> tuple[Any, Any]:
-    """Make master and frame for a silicone part.
-
-    Parameters
-    ----------
-    spec : MouldSpec
-    part : Solid
-        The silicone part in the mould's frame, holes that loose pins make filled.
-    hull : Solid
-        The drafted block the part was cut from; what is in it but not in the part becomes the plug.
-    parting_mm : float
-        Height of the parting face in the mould's frame. [mm]
-    turned : bool
-        Cast upside down.
-    sockets : tuple of Solid
-        Further holes in the base plate, in the casting frame.
-
-    Returns
-    -------
-    master, frame : Solid
-        In the casting frame (base plate below z = 0).
-    """
-    import cadquery as cq
-
+    """Make master and frame for a silicone part."""
     plan = layout(spec)
     box, grow = spec.box, plan.silicone_scale
     cast_part = to_casting(part, parting_mm, turned, grow)
@@ -84,39 +48,32 @@ def casting_box(
     walls = drafted_prism(inner.grown(box.frame_wall_mm), high + box.rim_mm, 0.0)
     flange = drafted_prism(plan.flange, min(box.flange_thickness_mm, high + box.rim_mm), 0.0)
     # The step at the fill height is the mark to pour the silicone to.
-    rim = drafted_prism(
-        _narrow(inner, high * math.tan(math.radians(spec.body.outer_draft_deg))).grown(box.rim_step_mm),
-        box.rim_mm + 1.0,
-        0.0,
-        high,
-    )
+    narrower = inner.grown(-high * math.tan(math.radians(spec.body.outer_draft_deg)))
+    rim = drafted_prism(narrower.grown(box.rim_step_mm), box.rim_mm + 1.0, 0.0, high)
     frame = walls.fuse(flange).cut(cast_hull, rim, *holes)
     return single_solid(master), single_solid(cq.Shape.cast(frame.wrapped))
 
 
-def _narrow(outline: Outline, by_mm: float) -> Outline:
-    return outline.grown(-by_mm)
-
-
 def bolt_holes(spec: MouldSpec, flange: Outline, z_mm: float, height_mm: float) -> list[Any]:
-    """Eight bolts through base and flange: corners and middles of the sides.
-
-    Parameters
-    ----------
-    spec : MouldSpec
-        Diameter, and width of the flange.
-    flange : Outline
-        Its outer edge.
-    z_mm, height_mm : float
-        Lower end and length of the tools. [mm]
-    """
-    import cadquery as cq
-
+    """Eight bolts through base and flange: corners and middles of the sides."""
     inset = spec.box.flange_mm / 2
     x, y = flange.length_mm / 2 - inset, flange.width_mm / 2 - inset
     # On a rounded corner the flange's middle line runs at 45 degrees inside the square one.
     cut = (1 - math.sqrt(0.5)) * (flange.radius_mm - inset)
-    corners = [(sx * (x - cut), sy * (y - cut)) for sx in (1, -1) for sy in (1, -1)]
-    places = [*corners, (x, 0), (-x, 0), (0, y), (0, -y)]
-    radius = spec.box.bolt_hole_mm / 2
-    return [cq.Solid.makeCylinder(radius, height_mm, cq.Vector(px, py, z_mm)) for px, py in places]
+    corners = [Point(sx * (x - cut), sy * (y - cut)) for sx in (1, -1) for sy in (1, -1)]
+    places = [*corners, Point(x, 0), Point(-x, 0), Point(0, y), Point(0, -y)]
+    return cylinders(places, spec.box.bolt_hole_mm / 2, height_mm, z_mm)
+
+
+def let_in_sheet(
+    made: Parts, part: Any, places: Sequence[tuple[float, float, float]], top_mm: float,
+    offset_mm: tuple[float, float, float] = (0.0, 0.0, 0.0),
+) -> Any:  # fmt: skip
+    """Add the sheet that is the tested face, flush with ``top_mm``; return the part with a pocket for each."""
+    box = made.spec.box
+    deep = box.face_sheet_mm + box.sheet_bond_mm
+    pocket = drafted_prism(recess_outline(made.spec, made.plan), deep, 0.0, top_mm - deep)
+    sheet = drafted_prism(sheet_outline(made.spec, made.plan), box.face_sheet_mm, 0.0, top_mm - box.face_sheet_mm)
+    made.tools["face_recess"] = [pocket.translate(place) for place in places]
+    made.add("face_sheet", sheet.translate(places[0]), "glass", offset_mm)
+    return single_solid(part.cut(*made.tools["face_recess"]))

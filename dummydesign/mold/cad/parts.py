@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from dummydesign.mold.cad.prisms import drafted_prism, single_solid
+from dummydesign.mold.cad.solids import drafted_prism, single_solid
 from dummydesign.mold.model.layout import Layout
 from dummydesign.mold.model.spec import MouldSpec
 
@@ -74,20 +74,8 @@ class Parts:
         return [self.cavity.translate(move) if any(move) else self.cavity for move in moves]
 
     def add(self, name: str, solid: Any, material: str, offset_mm: tuple[float, float, float] = (0, 0, 0)) -> None:
-        """Add one part.
-
-        Parameters
-        ----------
-        name : str
-            Its name in files and checks: ``pad``, ``mould``, ``lid``, ...
-        solid : cadquery.Solid
-            The part in its own frame. [mm]
-        material : str
-            ``resin``, ``resin_base``, ``silicone``, ``rigid`` or ``glass``.
-        offset_mm : (float, float, float)
-            Where it goes in the assembly. [mm]
-        """
-        self.parts[name] = Part(name, solid, material, tuple(float(x) for x in offset_mm))
+        """Add one part."""
+        self.parts[name] = Part(name, solid, material, offset_mm)
 
     def solid(self, name: str) -> Any:
         """Solid of a part in its own frame."""

@@ -3,36 +3,77 @@
 from __future__ import annotations
 
 import re
+import shutil
+import subprocess
+import tempfile
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
-from dummydesign.mold.cad.prisms import rough_bounds
-from dummydesign.mold.checks.result import Check, below, equal
-from dummydesign.mold.files.step import ORGANISATION, StepPart, read_step, time_stamp
-from dummydesign.mold.files.step_canonical import Header, canonical_step
+from dummydesign.mold.cad.solids import rough_bounds
+from dummydesign.mold.checks.check import Check, below, equal, skipped
+from dummydesign.mold.files.step import StepPart, canonical_step, read_step, time_stamp
+
+READER_LIMIT_S = 120
+VOLUME_REL = 1e-6
+# FreeCAD has its own kernel's exact volumes; gmsh prints what Open CASCADE integrates, in its own script language.
+_GMSH = """SetFactory("OpenCASCADE");
+v() = ShapeFromFile("{path}");
+For i In {{0:#v()-1}}
+  m = Mass Volume{{v(i)}};
+  Printf("RESULT %.12g", m);
+EndFor
+"""
+
+
+def volumes_by_gmsh(path: Path) -> list[float] | None:
+    """Volumes of the solids of a STEP file as gmsh reads them; None without gmsh, or without an answer. [mm3]"""
+    program = shutil.which("gmsh")
+    if program is None:
+        return None
+    with tempfile.TemporaryDirectory(prefix="dummydesign-gmsh-") as folder:
+        script = Path(folder) / "read.geo"
+        script.write_text(_GMSH.format(path=path.resolve().as_posix()), encoding="utf-8")
+        return [float(hit) for hit in re.findall(r"RESULT (\S+)", _run([program, str(script), "-"]))] or None
+
+
+def check_second_reader(assembly: Path, volume_mm3: float, count: int) -> Check:
+    """Read the assembly with FreeCAD or gmsh, whichever is installed; otherwise say that this was skipped."""
+    name, limit = "step_second_reader", VOLUME_REL
+    program = shutil.which("FreeCADCmd") or shutil.which("freecadcmd")
+    if program is not None:
+        script = (
+            f"import Part; s = Part.Shape(); s.read({str(assembly)!r}); "
+            "print('RESULT', len(s.Solids), sum(x.Volume for x in s.Solids), all(x.isValid() for x in s.Solids))"
+        )
+        hit = re.search(r"RESULT (\d+) (\S+) (\w+)", _run([program, "-c", script]))
+        if hit is not None:
+            error = abs(float(hit[2]) / volume_mm3 - 1) if int(hit[1]) == count and hit[3] == "True" else 1.0
+            return below(name, error, limit, f"FreeCAD: {hit[1]} solids, valid {hit[3]}")
+    volumes = volumes_by_gmsh(assembly)
+    if volumes is not None:
+        error = abs(sum(volumes) / volume_mm3 - 1) if len(volumes) == count else 1.0
+        return below(name, error, limit, f"gmsh: {len(volumes)} solids")
+    there = "did not answer" if program or shutil.which("gmsh") else "is installed on this machine"
+    return skipped(name, f"neither FreeCAD nor gmsh {there}")
+
+
+def _run(command: list[str]) -> str:
+    """What a program prints; nothing when it cannot be run or takes too long."""
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=READER_LIMIT_S)
+    except (OSError, subprocess.TimeoutExpired):
+        return ""
+    return done.stdout
+
 
 # Volumes of solids with splines are integrals to some 2e-9 of themselves.
 STEP_VOLUME_REL, STEP_BOUNDS_MM, COLOUR_ABS, DENSITY_REL = 1e-8, 1e-5, 1e-6, 1e-6
 MESH_VOLUME_REL = 1e-3
-SECOND_READER_S = 600
 
 
 def check_step(parts: Mapping[str, StepPart], files: Mapping[str, Path], assembly: Path) -> list[Check]:
-    """Read all STEP files again: names, solids, volumes, bounds, colours, materials, declared volumes.
-
-    Parameters
-    ----------
-    parts : mapping of str to StepPart
-        What was written, by name of the part.
-    files : mapping of str to Path
-        The single STEP file of each part.
-    assembly : Path
-        The STEP file with all parts.
-
-    Returns
-    -------
-    list of Check
-    """
+    """Read all STEP files again: names, solids, volumes, bounds, colours, materials, declared volumes."""
     volume = bounds = colour = density = 0.0
     wrong: list[str] = []
     names = 0
@@ -60,21 +101,7 @@ def check_step(parts: Mapping[str, StepPart], files: Mapping[str, Path], assembl
 
 
 def check_step_text(assembly: Path, small: Path, spec_hash: str) -> list[Check]:
-    """Header without translator names, millimetres, fixed stamp, the hash; a file already in canonical order.
-
-    Parameters
-    ----------
-    assembly : Path
-        The STEP file with all parts; its header and units are read.
-    small : Path
-        A short STEP file, which is brought to canonical order again.
-    spec_hash : str
-        Hash of the specification that the header must name.
-
-    Returns
-    -------
-    list of Check
-    """
+    """Header without translator names, millimetres, fixed stamp, the hash; a file already in canonical order."""
     text = assembly.read_text(encoding="utf-8")
     head = text[: text.find("DATA;")]
     foreign = re.findall(r"Open CASCADE|translator|'Author'|Unknown|processor", text)
@@ -91,31 +118,14 @@ def check_step_text(assembly: Path, small: Path, spec_hash: str) -> list[Check]:
 def _is_canonical(path: Path) -> bool:
     text = path.read_text(encoding="utf-8")
     found = re.search(r"FILE_DESCRIPTION\(\('(.*?)'\)", text)
-    header = Header(path.name, found.group(1) if found else "", time_stamp(), ORGANISATION)
-    return canonical_step(text, header) == text
+    return canonical_step(text, path.name, found.group(1) if found else "") == text
 
 
 def check_meshes(
     parts: Mapping[str, StepPart], genus: Mapping[str, int], files: Mapping[str, list[Path]],
     scales: Mapping[str, float] | None = None,
 ) -> list[Check]:
-    """Load every mesh file again: watertight, wound outwards, the solid's volume, the expected Euler number.
-
-    Parameters
-    ----------
-    parts : mapping of str to StepPart
-        The exact solids, by name.
-    genus : mapping of str to int
-        Number of through holes of each part.
-    files : mapping of str to list of Path
-        Mesh files of each part (STL, 3MF).
-    scales : mapping of str to float, optional
-        Size of a part's print files over the part, where they are enlarged for the shrinkage of the print.
-
-    Returns
-    -------
-    list of Check
-    """
+    """Load every mesh file again: watertight, wound outwards, the solid's volume, the expected Euler number."""
     import trimesh
 
     loose: list[str] = []
@@ -123,7 +133,7 @@ def check_meshes(
     worst = 0.0
     for name, paths in files.items():
         for path in paths:
-            mesh = trimesh.load(path, force="mesh")
+            mesh: Any = trimesh.load(path, force="mesh")
             if not (mesh.is_watertight and mesh.is_winding_consistent and mesh.is_volume):
                 loose.append(path.name)
             if mesh.euler_number != 2 - 2 * genus[name]:

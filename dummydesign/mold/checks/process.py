@@ -6,58 +6,37 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from dummydesign.mold.checks.result import Check, above, below, equal, skipped
-from dummydesign.mold.model import formulas as formula
-from dummydesign.mold.model.layout import Layout, layout
+from dummydesign.mold.checks.check import Check, above, below, equal, skipped
+from dummydesign.mold.model.layout import layout
 from dummydesign.mold.model.spec import MouldSpec, Pour
-from dummydesign.mold.model.validate import footprint
-from dummydesign.mold.pour.plan import CUP_FACTOR, PourPlan
-from dummydesign.mold.pour.pour_steps import pour_steps
-from dummydesign.mold.pour.steps import order_faults
+from dummydesign.mold.model.validate import bed_mm, chamber_spare_mm, footprint, spare_mm
+from dummydesign.mold.pour.plan import CUP_FACTOR, PourPlan, pours_of
+from dummydesign.mold.pour.steps import order_faults, pour_steps
 
 # The free face may end a hundredth larger at the most, both walls taken together.
 BULGE_SHARE = 0.005
 
 
 def check_process(spec: MouldSpec, plan: PourPlan, warnings: Sequence[Mapping[str, str]]) -> list[Check]:
-    """Check machines, tray, walls, weights, cup, pot life, and that level and meniscus are warned of.
-
-    Parameters
-    ----------
-    spec : MouldSpec
-        The mould.
-    plan : PourPlan
-        Weights and times of its pours.
-    warnings : sequence of mapping
-        ``code`` and ``message`` of each warning that goes out with it.
-
-    Returns
-    -------
-    list of Check
-    """
-    place = layout(spec)
-    found = [*_machines(spec, place), *_walls(spec, place, plan), *_weights(spec, spec.pour, plan)]
-    if spec.base is not None and plan.base is not None:
-        base = _weights(spec, spec.base.pour, plan.base)
-        found += [replace(item, id=f"{item.id}_base") for item in base]
+    """Check machines, tray, walls, weights, cup, pot life, and that level and meniscus are warned of."""
+    found = [*_machines(spec), *_walls(spec, plan)]
+    for end, one in zip(("", "_base"), pours_of(spec, plan)):
+        found += [replace(item, id=item.id + end) for item in _weights(spec, *one)]
     faults = order_faults(pour_steps(spec, plan))
-    return [*found, equal("sheet_order", len(faults), 0, "; ".join(faults)), _told(spec, warnings)]
+    return [*found, equal("sheet_order", len(faults), 0, "; ".join(faults)), _check_warnings(spec, warnings)]
 
 
-def _machines(spec: MouldSpec, place: Layout) -> list[Check]:
-    m = spec.machines
-    bed = sorted((m.bed_x_mm - 2 * m.bed_margin_mm, m.bed_y_mm - 2 * m.bed_margin_mm))
-    size = sorted((place.flange.length_mm, place.flange.width_mm))
-    spare = min(bed[0] - size[0], bed[1] - size[1])
-    found = [above("fits_printer", spare, 0.0, "mm to spare beside the master on the bed, margin kept")]
-    bolt = math.floor(spec.box.bolt_hole_mm)
-    hole = spec.box.bolt_hole_mm - 2 * m.elephant_foot_mm
-    found.append(above("bolts_pass", hole - bolt, 0.0, f"mm of play for M{bolt} where the print's first layer spreads"))
+def _machines(spec: MouldSpec) -> list[Check]:
+    m, bolt = spec.machines, math.floor(spec.box.bolt_hole_mm)
+    play = spec.box.bolt_hole_mm - 2 * m.elephant_foot_mm - bolt
+    found = [
+        above("fits_printer", spare_mm(layout(spec).flange, bed_mm(m)), 0.0,
+              "mm to spare beside the master on the bed, margin kept"),
+        above("bolts_pass", play, 0.0, f"mm of play for M{bolt} where the print's first layer spreads"),
+    ]  # fmt: skip
     if spec.pour.cures_warm:
-        size = footprint(spec, place)
-        shelf = sorted((m.shelf_x_mm, m.shelf_y_mm))
-        low, high = sorted((size.length_mm, size.width_mm))
-        found.append(above("fits_oven", min(shelf[0] - low, shelf[1] - high), 0.0, "mm to spare on the shelf"))
+        shelf = spare_mm(footprint(spec), (m.shelf_x_mm, m.shelf_y_mm))
+        found.append(above("fits_oven", shelf, 0.0, "mm to spare on the shelf"))
     else:
         found.append(skipped("fits_oven", "cures at room temperature"))
     if spec.plastic is None:
@@ -66,29 +45,21 @@ def _machines(spec: MouldSpec, place: Layout) -> list[Check]:
         spare = spec.plastic.service_temperature_C - spec.pour.cure_temperature_C
         found.append(above("plastic_bears_oven", spare, 0.0, f"K to spare for {spec.plastic.name} in the oven"))
     if spec.pour.degas == "mould":
-        tall = place.height_mm + formula.collar_height_mm(place.depth_mm, spec.pour.foam_factor)
-        spare = min(m.chamber_diameter_mm - place.top.diagonal_mm, m.chamber_height_mm - tall)
-        found.append(above("fits_vacuum_chamber", spare, 0.0, "mm to spare, mould with collar"))
+        found.append(above("fits_vacuum_chamber", chamber_spare_mm(spec), 0.0, "mm to spare, mould with collar"))
     else:
         found.append(skipped("fits_vacuum_chamber", "the resin is degassed in its cup"))
     return found
 
 
-def _walls(spec: MouldSpec, place: Layout, plan: PourPlan) -> list[Check]:
+def _walls(spec: MouldSpec, plan: PourPlan) -> list[Check]:
     limit = BULGE_SHARE * min(spec.pad.length_mm, spec.pad.width_mm)
-    room = spec.aids.tray_clearance_mm - plan.thermal_growth_mm / 2
-    found = [
-        below(
-            "wall_deflection",
-            plan.wall_deflection_mm,
-            limit,
-            "mm, cantilever strip under the liquid, against 0.5 % of the shorter side",
-        ),
-    ]
+    note = "mm, cantilever strip under the liquid, against 0.5 % of the shorter side"
+    bulge = below("wall_deflection", plan.wall_deflection_mm, limit, note)
     if spec.surface is not None:
         spare, deep = spec.pad.draft_deg - spec.surface.draft_needed_deg, spec.surface.depth_mm
-        return [*found, above("draft_for_surface", spare, 0.0, f"deg to spare, valleys of {deep:g} mm")]
-    return [*found, above("tray_growth_room", room, 0.1, "mm left on each side of the mould in its tray when hot")]
+        return [bulge, above("draft_for_surface", spare, 0.0, f"deg to spare, valleys of {deep:g} mm")]
+    room = spec.aids.tray_clearance_mm - plan.thermal_growth_mm / 2
+    return [bulge, above("tray_growth_room", room, 0.1, "mm left on each side of the mould in its tray when hot")]
 
 
 def _weights(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[Check]:
@@ -103,20 +74,15 @@ def _weights(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[Check]:
     return [
         equal("weights_sum", whole and math.isclose(total, plan.batch_mass_g, abs_tol=1e-9), True),
         above("batch_covers_cavity", plan.batch_mass_g - pour.film_loss_g, filled, "g after film loss"),
-        below(
-            "weighing_error", plan.ratio_error_percent, 100 * resolution / lightest, "%, what one balance step allows"
-        ),
-        below(
-            "cup_fits_chamber",
-            cup,
-            min(spec.machines.chamber_diameter_mm, spec.machines.chamber_height_mm),
-            f"mm, cup of {CUP_FACTOR:g} times the liquid, as high as wide",
-        ),
+        below("weighing_error", plan.ratio_error_percent, 100 * resolution / lightest,
+              "%, what one balance step allows"),
+        below("cup_fits_chamber", cup, min(spec.machines.chamber_diameter_mm, spec.machines.chamber_height_mm),
+              f"mm, cup of {CUP_FACTOR:g} times the liquid, as high as wide"),
         above("pot_life", pour.pot_life_min, needed, "min against degassing, pouring and levelling"),
-    ]
+    ]  # fmt: skip
 
 
-def _told(spec: MouldSpec, warnings: Sequence[Mapping[str, str]]) -> Check:
+def _check_warnings(spec: MouldSpec, warnings: Sequence[Mapping[str, str]]) -> Check:
     """Level tolerance, and for an open mould the meniscus, must be among what the answer and the sheet say."""
     needed = {"level", "meniscus"} if spec.body.style != "lidded" else {"level"}
     needed |= spec.pad.shape.told

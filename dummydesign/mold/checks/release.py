@@ -1,4 +1,4 @@
-"""Can it be taken out? Draft on the exact faces, rays and wall thickness on the mesh, a swept pull. CAD child only."""
+"""Whether the pad can be taken out: draft on exact faces, rays and wall thickness on the mesh."""
 
 from __future__ import annotations
 
@@ -6,7 +6,13 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from dummydesign.mold.cad.prisms import corners_of, rough_bounds
+import numpy as np
+
+from dummydesign.mold.cad.kernel import cq
+from dummydesign.mold.cad.parts import Parts
+from dummydesign.mold.cad.solids import corners_of, heights_over, rough_bounds
+from dummydesign.mold.checks.check import Check, above, equal
+from dummydesign.mold.model.layout import Layout
 from dummydesign.mold.model.outline import Outline
 
 FLAT = 0.9999
@@ -14,21 +20,7 @@ SAMPLES = 7
 
 
 def faces_within(solid: Any, outline: Outline, low_mm: float, high_mm: float, slack_mm: float = 0.02) -> list[Any]:
-    """Faces of a solid whose bounding box lies inside an outline's rectangle and between two heights.
-
-    Parameters
-    ----------
-    solid : cadquery.Solid
-        The part, centred on the z axis. [mm]
-    outline : Outline
-        Its rectangle counts, about the z axis.
-    low_mm, high_mm, slack_mm : float
-        Heights between which the face lies, and how far it may stand out of the region. [mm]
-
-    Returns
-    -------
-    list of cadquery.Face
-    """
+    """Faces of a solid whose bounding box lies inside an outline's rectangle and between two heights."""
     found = []
     across, along = outline.length_mm / 2 + slack_mm, outline.width_mm / 2 + slack_mm
     for face in solid.Faces():
@@ -43,23 +35,7 @@ def faces_within(solid: Any, outline: Outline, low_mm: float, high_mm: float, sl
 
 
 def minimum_draft_deg(faces: Sequence[Any], up: float = 1.0) -> float:
-    """Smallest draft of faces against a pull along z, from the normals of the exact surfaces.
-
-    Parameters
-    ----------
-    faces : sequence of Face
-        Faces that touch what is pulled out.
-    up : float
-        +1 when it leaves along +z, -1 along -z.
-
-    Returns
-    -------
-    float
-        min asin(n . pull) over a grid on each face, flat faces across the pull left out; negative is an
-        undercut. [deg]
-    """
-    import numpy as np
-
+    """Smallest draft of faces against a pull along z, from the normals of the exact surfaces. [deg]"""
     worst = 90.0
     for face in faces:
         u0, u1, v0, v1 = face._uvBounds()
@@ -67,10 +43,8 @@ def minimum_draft_deg(faces: Sequence[Any], up: float = 1.0) -> float:
         steps = np.linspace(1e-6, 1.0 - 1e-6, SAMPLES)
         grid = [(u0 + (u1 - u0) * s, v0 + (v1 - v0) * t) for s in steps for t in steps]
         normals, _ = face.normals([u for u, _ in grid], [v for _, v in grid])
-        for normal in normals:
-            rise = normal.z * up
-            if rise < FLAT:
-                worst = min(worst, math.degrees(math.asin(max(-1.0, rise))))
+        rises = (normal.z * up for normal in normals)
+        worst = min([worst, *(math.degrees(math.asin(max(-1.0, rise))) for rise in rises if rise < FLAT)])
     return worst
 
 
@@ -79,22 +53,7 @@ def surface_samples(mesh: Any, chosen: Any, count: int) -> tuple[Any, Any]:
 
     Large triangles are split until their edges are shorter than the spacing, so that no patch of a flat
     wall stays unseen; points are the centroids.
-
-    Parameters
-    ----------
-    mesh : trimesh.Trimesh
-        The surface. [mm]
-    chosen : ndarray of int, shape (k,)
-        Triangles to sample.
-    count : int
-        Points wanted.
-
-    Returns
-    -------
-    ndarray, ndarray
-        Points and outward unit normals, each of shape (n, 3). [mm]
     """
-    import numpy as np
     import trimesh
 
     if len(chosen) == 0:
@@ -112,75 +71,23 @@ def ray_hits(mesh: Any, outline: Outline, low_mm: float, high_mm: float, count: 
 
     Rays start 1e-3 mm in front of points spread over the faces; a face that looks down counts as well. A ray
     that is in the open can only enter material through a face that looks down, so only those are searched.
-
-    Parameters
-    ----------
-    mesh : trimesh.Trimesh
-        A closed surface. [mm]
-    outline : Outline
-        Rays start within its rectangle, about the z axis.
-    low_mm, high_mm : float
-        Heights between which they start. [mm]
-    count : int
-        How many rays, about.
-
-    Returns
-    -------
-    int
-        0 when the part can be drawn straight up.
     """
-    import numpy as np
-
     centres, normals = mesh.triangles_center, mesh.face_normals
-    inside = (np.abs(centres[:, 0]) < outline.length_mm / 2) & (np.abs(centres[:, 1]) < outline.width_mm / 2)
+    inside = _within(centres, outline)
     inside &= (centres[:, 2] > low_mm - 1e-6) & (centres[:, 2] < high_mm + 1e-6)
     chosen = np.flatnonzero(inside & (mesh.area_faces > 1e-6))
     points, ways = surface_samples(mesh, chosen, count)
     down = int(np.count_nonzero(ways[:, 2] < -1e-3))
     looking_down = mesh.triangles[(normals[:, 2] < -1e-6) & (centres[:, 2] > low_mm)]
-    return down + _vertical_hits(points + 1e-3 * ways, looking_down)
-
-
-def _vertical_hits(points: Any, triangles: Any) -> int:
-    """How many points have one of the triangles straight above them."""
-    import numpy as np
-
-    a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
-    area = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
-    seen = np.abs(area) > 1e-9
-    a, b, c, area = a[seen], b[seen], c[seen], area[seen]
-    hits = 0
-    for chunk in np.array_split(points, max(1, len(points) // 200)):
-        x, y = chunk[:, :1], chunk[:, 1:2]
-        v = ((x - a[:, 0]) * (c[:, 1] - a[:, 1]) - (y - a[:, 1]) * (c[:, 0] - a[:, 0])) / area
-        w = ((b[:, 0] - a[:, 0]) * (y - a[:, 1]) - (b[:, 1] - a[:, 1]) * (x - a[:, 0])) / area
-        height = a[:, 2] + v * (b[:, 2] - a[:, 2]) + w * (c[:, 2] - a[:, 2])
-        above = (v > 1e-9) & (w > 1e-9) & (v + w < 1 - 1e-9) & (height > chunk[:, 2:3] + 1e-6)
-        hits += int(np.count_nonzero(above.any(axis=1)))
-    return hits
+    met = (heights > start[:, 2:3] + 1e-6 for start, heights in heights_over(points + 1e-3 * ways, looking_down, 1e-9))
+    return down + sum(int(np.count_nonzero(hit.any(axis=1))) for hit in met)
 
 
 def thicknesses_mm(triangles: Any, points: Any, normals: Any) -> tuple[Any, Any]:
     """Material behind points of a surface, along the inward normal, and where the ray leaves it.
 
     Ray against triangle by Moeller and Trumbore, J. Graphics Tools 2 (1997) 21.
-
-    Parameters
-    ----------
-    triangles : ndarray, shape (k, 3, 3)
-        Corners of the triangles of a closed surface. [mm]
-    points : ndarray, shape (n, 3)
-        Points on the surface. [mm]
-    normals : ndarray, shape (n, 3)
-        Outward unit normals there.
-
-    Returns
-    -------
-    ndarray, ndarray
-        Thickness, shape (n,), infinite without an exit, and exit points, shape (n, 3). [mm]
     """
-    import numpy as np
-
     a = triangles[:, 0]
     e1, e2 = triangles[:, 1] - a, triangles[:, 2] - a
     outward = np.cross(e1, e2)
@@ -203,26 +110,9 @@ def thicknesses_mm(triangles: Any, points: Any, normals: Any) -> tuple[Any, Any]
 
 
 def sweep_interference_mm3(moving: Any, still: Any, offsets_mm: Sequence[float]) -> float:
-    """Largest common volume while one solid is pulled along +z through given offsets. [mm3]
-
-    Parameters
-    ----------
-    moving, still : cadquery.Shape
-        The part that is pulled, in its first position, and the one it is pulled out of.
-    offsets_mm : sequence of float
-        Heights at which the common volume is taken. [mm]
-
-    Returns
-    -------
-    float
-        0 when nothing is in the way. [mm3]
-    """
-    import cadquery as cq
-
-    worst = 0.0
-    for offset in offsets_mm:
-        worst = max(worst, common_volume_mm3(moving.translate(cq.Vector(0, 0, offset)), still))
-    return worst
+    """Largest common volume while one solid is pulled along +z through given offsets. [mm3]"""
+    pulled = (moving.translate(cq.Vector(0, 0, offset)) for offset in offsets_mm)
+    return max(common_volume_mm3(one, still) for one in pulled)
 
 
 def common_volume_mm3(one: Any, other: Any) -> float:
@@ -231,3 +121,48 @@ def common_volume_mm3(one: Any, other: Any) -> float:
     if any(a[axis] > b[axis + 3] or b[axis] > a[axis + 3] for axis in range(3)):
         return 0.0
     return abs(one.intersect(other).Volume())
+
+
+WALL_SLACK_MM, RAYS = 0.06, 400
+# Upward part of a floor's normal, up to slopes of 72 degrees: steeper is wall.
+UPWARD = 0.3
+# On a coarser mesh the facets of a drafted corner may lean over by more than the draft.
+FINE = (0.02, 0.1)
+
+
+def check_mould_mesh(made: Parts, mould: Any, fine: Any) -> list[Check]:
+    """No ray leaves the cavity blocked; wall and floor are as thick as specified."""
+    spec, plan = made.spec, made.plan
+    hits = ray_hits(fine, plan.openings, -0.01, plan.land_mm)
+    found = [equal("rays_blocked", hits, 0, "upward rays from the cavity that meet the mould")]
+    centres, normals = mould.triangles_center, mould.face_normals
+    inside = _within(centres, plan.openings)
+    # A pocket that is too deep must not escape, so the floor is looked for down to the underside.
+    inside &= (centres[:, 2] < plan.land_mm - 1e-3) & (mould.area_faces > 1e-4)
+    side = np.flatnonzero(inside & (centres[:, 2] > -0.01) & (np.abs(normals[:, 2]) < 0.2))
+    floor = np.flatnonzero(inside & (normals[:, 2] > UPWARD) & (centres[:, 2] < plan.depth_mm - 0.5))
+    # A ray that leaves below all that is cut into the land met the outside; those cuts have checks of their own, and
+    # what lies above them is left out: the label alone is most of the mesh.
+    keys = 0.0 if spec.closure is None else spec.closure.key_radius_mm + 1.0
+    cut = plan.land_mm - max(keys, spec.body.label_depth_mm + 0.05)
+    met = mould.triangles[(mould.triangles[..., 2].min(axis=1) < cut) | _near_side(centres, plan)]
+    walls, exits = thicknesses_mm(met, *surface_samples(mould, side, RAYS))
+    outside = np.isfinite(walls) & ((exits[:, 2] < cut) | _near_side(exits, plan))
+    least = float(walls[outside].min()) if outside.any() else 0.0
+    found.append(above("wall_thickness", least, spec.body.wall_mm - WALL_SLACK_MM, f"mm, {outside.sum()} rays"))
+    # Straight down: under a curved floor the normal would lead past the thinnest place.
+    places, ways = surface_samples(mould, floor, RAYS)
+    floors, _ = thicknesses_mm(mould.triangles, places, np.tile((0.0, 0.0, 1.0), (len(ways), 1)))
+    least = float(floors.min()) if len(floors) else 0.0
+    found.append(above("floor_thickness", least, spec.body.floor_mm - WALL_SLACK_MM, f"mm, {len(floors)} rays"))
+    return found
+
+
+def _near_side(points: Any, plan: Layout) -> Any:
+    """Which points lie on the outer side of the block."""
+    return ~_within(points, plan.top.grown(-1.0))
+
+
+def _within(points: Any, outline: Outline) -> Any:
+    """Which points lie inside an outline's rectangle."""
+    return (np.abs(points[:, 0]) < outline.length_mm / 2) & (np.abs(points[:, 1]) < outline.width_mm / 2)

@@ -1,19 +1,64 @@
-"""Checks of the solids: each measures something on what was built and compares it with a limit. CAD child only."""
+"""Checks of the solids: dimensions, the shape's own, the label."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from itertools import combinations
 from typing import Any
 
+import numpy as np
+
+from dummydesign.geometry.dimensions import RIM_FREE_MM
 from dummydesign.mold.cad.casting_box import to_casting
+from dummydesign.mold.cad.kernel import cq
+from dummydesign.mold.cad.label import label_bars
 from dummydesign.mold.cad.parts import CORE_MM, Parts
-from dummydesign.mold.cad.prisms import drafted_prism, rough_bounds
-from dummydesign.mold.checks import release as demould
-from dummydesign.mold.checks.label import check_label
-from dummydesign.mold.checks.result import Check, above, below, equal
-from dummydesign.mold.model import volumes as contents
-from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.mold.cad.solids import drafted_prism, heights_over, rough_bounds
+from dummydesign.mold.checks import release
+from dummydesign.mold.checks.check import Check, above, below, equal, skipped
+from dummydesign.mold.files.meshes import tessellate
+from dummydesign.mold.model import layout as dimensions
+from dummydesign.mold.model.outline import Outline
+from dummydesign.mold.model.spec import PadGeometry
+
+OFF_MM = 1e-4
+
+
+def check_label(made: Parts, meshes: Mapping[str, Any] | None = None) -> list[Check]:
+    """The label reads right on the mould (void along its strokes) and mirrored on the master (proud there)."""
+    bars = label_bars(made.spec)
+    if not bars:
+        return [skipped("label_reads_right", "no room for a label on this land")]
+    plan, grow = made.plan, made.plan.silicone_scale
+    meshes = meshes or {"mould": tessellate(made.mould), **(
+        {} if made.spec.is_printed else {"master": tessellate(made.solid("master"))})}
+    depth = plan.land_mm - made.spec.body.label_depth_mm / 2
+    places = np.array([(*bar.middle, depth) for bar in bars])
+    right = ~inside_mesh(meshes["mould"], places)
+    wrong = ~inside_mesh(meshes["mould"], places * (-1.0, 1.0, 1.0))
+    if not made.spec.is_printed:
+        # Turned over about x: y changes sign, heights count from the land downwards.
+        turned = (places - (0.0, 0.0, plan.land_mm)) * (grow, -grow, -grow)
+        right = right & inside_mesh(meshes["master"], turned)
+    note = "share of strokes cut in the mould and proud on the master"
+    found = [equal("label_reads_right", float(right.mean()), 1.0, note)]
+    # A mirrored label would share all strokes only if the text were its own mirror image.
+    if (shared := float(wrong.mean())) == 1.0:
+        return [*found, skipped("label_not_mirrored", "the label is its own mirror image")]
+    note = "share of strokes that a mirrored label would share"
+    return [*found, below("label_not_mirrored", shared, 0.99, note)]
+
+
+def inside_mesh(mesh: Any, points: Any) -> Any:
+    """Which points lie inside a closed mesh: an odd number of its triangles is above them."""
+    # Off the edges of triangles, which the middle of a stroke may lie on.
+    moved, corners = points + (OFF_MM, 0.7 * OFF_MM, 0.0), mesh.triangles
+    low, high = corners.min(axis=1)[:, :2], corners.max(axis=1)[:, :2]
+    near = np.all((low <= moved.max(axis=0)[:2]) & (high >= moved.min(axis=0)[:2]), axis=1)
+    over = [np.count_nonzero(heights > some[:, 2:], axis=1) for some, heights in heights_over(moved, corners[near])]
+    return np.concatenate(over) % 2 == 1
+
 
 VOLUME_REL, INTERFERENCE_MM3, SILICONE_REL, DRAFT_SLACK_DEG = 1e-9, 0.01, 2e-4, 0.01
 APART_MM = 0.8
@@ -22,7 +67,7 @@ APART_MM = 0.8
 def check_solids(made: Parts, meshes: Mapping[str, Any] | None = None) -> list[Check]:
     """Check all solids: validity, volumes, interference, silicone in the box, draft, sweep, features, label.
 
-    ``meshes`` are those that :func:`~dummydesign.mold.checks.label.check_label` reads the label from.
+    ``meshes`` are those that :func:`~dummydesign.mold.checks.solids.check_label` reads the label from.
     """
     found = [*check_validity(made), *check_volumes(made), *check_interference(made), *check_boxes(made)]
     found += [*check_drafts(made), _sweep(made), *check_distances(made), *check_label(made, meshes), *check_sheet(made)]
@@ -51,34 +96,37 @@ def check_volumes(made: Parts) -> list[Check]:
     filled = made.cavity.Volume()
     what = "against pad" if made.with_bone is None else "against pad and bone"
     off = max(abs(one / filled - 1) for one in cavities)
-    exact = contents.resin_volume_mm3(spec, plan)
+    exact = dimensions.resin_volume_mm3(spec)
+    added = spec.pad.shape.closed_form if spec.insert is None else ", less the placed bone as measured"
     return [
         below("cavity_volume", off, VOLUME_REL, f"cavity to the fill plane {what}"),
         below("compensation", abs(pad.Volume() / (nominal * plan.scale**3) - 1), VOLUME_REL),
-        below("closed_form", abs(pad.Volume() / exact - 1), VOLUME_REL, _closed_form(spec)),
+        below("closed_form", abs(pad.Volume() / exact - 1), VOLUME_REL,
+              f"drafted slab by Steiner and Pappus{added}"),
     ]
 
 
-def _closed_form(spec: MouldSpec) -> str:
-    if spec.insert is not None:
-        return "drafted slab by Steiner and Pappus, less the placed bone as measured"
-    return "drafted slab by Steiner and Pappus" + spec.pad.shape.closed_form
+TOUCHING = (
+    ("mould", "pad"), ("master", "frame"), ("tray", "mould"), ("lid", "mould"), ("lid", "pad"), ("backer", "lid"),
+    ("lid_master", "lid_frame"), ("strike_off", "mould"), ("strike_off", "pad"), ("collar", "mould"),
+    ("spacer", "mould"), ("carrier", "mould"), ("carrier", "pad"), ("face_sheet", "master"),
+)  # fmt: skip
+TOUCHING_PRINTED = (
+    ("frame", "mould"), ("frame", "pad"), ("strike_off", "frame"), ("carrier", "frame"), ("spacer", "frame"),
+    ("face_sheet", "mould"), ("face_sheet", "pad"),
+)  # fmt: skip
 
 
 def check_interference(made: Parts) -> list[Check]:
     """Parts that touch in use or in the casting box must not overlap."""
-    pairs = [("mould", "pad"), ("master", "frame"), ("tray", "mould"), ("lid", "mould"), ("lid", "pad")]
-    pairs += [("backer", "lid"), ("lid_master", "lid_frame"), ("strike_off", "mould"), ("strike_off", "pad")]
-    pairs += [("collar", "mould"), ("spacer", "mould"), ("carrier", "mould"), ("carrier", "pad")]
-    pairs += [("face_sheet", "master")]
+    pairs = list(TOUCHING)
     if made.spec.is_printed:
         # Here the ring stands where it is used; a silicone mould's frame stands in its casting box.
-        pairs += [("frame", "mould"), ("frame", "pad"), ("strike_off", "frame"), ("carrier", "frame")]
-        pairs += [("spacer", "frame"), ("face_sheet", "mould"), ("face_sheet", "pad")]
+        pairs += TOUCHING_PRINTED
     found = []
     for one, other in pairs:
         if one in made.parts and other in made.parts:
-            common = demould.common_volume_mm3(_met(made, one, other), _met(made, other, one))
+            common = release.common_volume_mm3(_met(made, one, other), _met(made, other, one))
             found.append(below(f"interference_{one}_{other}", common, INTERFERENCE_MM3, "mm3"))
     return found
 
@@ -94,7 +142,8 @@ def check_boxes(made: Parts) -> list[Check]:
     found = []
     boxes = [] if spec.is_printed else [("mould", "master", "frame", made.solid("mould"), plan.land_mm, True)]
     if "lid" in made.parts:
-        whole = made.solid("lid").fuse(*[tool.intersect(made.tools["lid_hull"][0]) for tool in _funnels(made)])
+        funnels = [*made.tools["sprue"], *made.tools["vents"]]
+        whole = made.solid("lid").fuse(*[tool.intersect(made.tools["lid_hull"][0]) for tool in funnels])
         boxes.append(("lid", "lid_master", "lid_frame", whole, plan.land_mm, False))
     for name, master, frame, part, parting, turned in boxes:
         cast = to_casting(part, parting, turned, plan.silicone_scale)
@@ -110,26 +159,21 @@ def check_boxes(made: Parts) -> list[Check]:
         if name == "lid":
             volume -= sum(tool.Volume() for tool in made.tools.get("sockets", []))
         found.append(below(f"silicone_in_box_{name}", abs(volume / cast.Volume() - 1), SILICONE_REL))
-        overlap = demould.common_volume_mm3(made.solid(master), cast)
+        overlap = release.common_volume_mm3(made.solid(master), cast)
         found.append(below(f"interference_{master}_{name}", overlap, INTERFERENCE_MM3, "mm3"))
     return found
 
 
 def _without_pocket(made: Parts) -> Any:
     """The master with its sheet bonded in, as silicone and pad see it."""
-    return made.solid("master").fuse(*made.tools["face_recess"]).clean() if "face_sheet" in made.parts else made.solid(
-        "master"
-    )
-
-
-def _funnels(made: Parts) -> list[Any]:
-    return [*made.tools.get("sprue", []), *made.tools.get("vents", [])]
+    master = made.solid("master")
+    return master.fuse(*made.tools["face_recess"]).clean() if "face_sheet" in made.parts else master
 
 
 def cavity_draft_deg(mould: Any, made: Parts) -> float:
     """Smallest draft of a mould's cavity faces, pulled along +z. [deg]"""
     plan = made.plan
-    return demould.minimum_draft_deg(demould.faces_within(mould, plan.openings, -0.01, plan.land_mm))
+    return release.minimum_draft_deg(release.faces_within(mould, plan.openings, -0.01, plan.land_mm))
 
 
 def check_drafts(made: Parts) -> list[Check]:
@@ -140,14 +184,14 @@ def check_drafts(made: Parts) -> list[Check]:
     if spec.is_printed:
         return found
     high = plan.height_mm * grow
-    plug = demould.faces_within(_without_pocket(made), plan.openings.scaled(grow), 0.0, high)
-    found.append(above("draft_plug", demould.minimum_draft_deg(plug), spec.pad.draft_deg - DRAFT_SLACK_DEG))
+    plug = release.faces_within(_without_pocket(made), plan.openings.scaled(grow), 0.0, high)
+    found.append(above("draft_plug", release.minimum_draft_deg(plug), spec.pad.draft_deg - DRAFT_SLACK_DEG))
     frames = [("frame", high)]
     if "lid_frame" in made.parts:
-        frames.append(("lid_frame", spec.closure.lid_mm * grow))
+        frames.append(("lid_frame", spec.lid.lid_mm * grow))
     for name, top in frames:
-        inner = demould.faces_within(made.solid(name), plan.top.scaled(grow), 0.0, top)
-        found.append(above(f"draft_{name}", demould.minimum_draft_deg(inner, -1.0), outer - DRAFT_SLACK_DEG))
+        inner = release.faces_within(made.solid(name), plan.top.scaled(grow), 0.0, top)
+        found.append(above(f"draft_{name}", release.minimum_draft_deg(inner, -1.0), outer - DRAFT_SLACK_DEG))
     return found
 
 
@@ -170,37 +214,29 @@ def sweep_offsets_mm(depth_mm: float) -> list[float]:
 
 def _sweep(made: Parts) -> Check:
     offsets = sweep_offsets_mm(made.plan.depth_mm)
-    worst = max(demould.sweep_interference_mm3(pad, made.core, offsets) for pad in made.cavities)
+    worst = max(release.sweep_interference_mm3(pad, made.core, offsets) for pad in made.cavities)
     return below("sweep_cavity", worst, INTERFERENCE_MM3, "mm3, pad pulled straight out at six offsets")
 
 
 def lid_one_way(lid: Any, mould: Any) -> Check:
     """The lid turned round by 180 degrees must collide with the mould."""
-    import cadquery as cq
-
     turned = lid.rotate(cq.Vector(), cq.Vector(0, 0, 1), 180)
-    common = demould.common_volume_mm3(turned, mould)
+    common = release.common_volume_mm3(turned, mould)
     return above("lid_one_way", common, 50.0, "mm3 of collision when the lid is turned round")
 
 
 def check_distances(made: Parts) -> list[Check]:
     """Key, gutter, label, sprue and vents keep apart; the gutter keeps off the cavity."""
-    import cadquery as cq
-
     tools = {name: made.tools.get(name, []) for name in ("keys", "gutter", "label", "sprue", "vents")}
     flat = [(name, tool) for name, group in tools.items() for tool in group]
     if not flat:
         return []
-    pairs = [
-        (f"{name} and {other_name}", tool, other)
-        for i, (name, tool) in enumerate(flat)
-        for other_name, other in flat[i + 1 :]
-        if not name == other_name == "label"
-    ]
+    pairs = [(f"{name} and {other_name}", tool, other) for (name, tool), (other_name, other) in combinations(flat, 2)
+             if not name == other_name == "label"]  # fmt: skip
     least, where = _nearest(pairs)
     found = [above("features_apart", least, APART_MM, f"mm, nearest: {where}")] if where else []
     if tools["gutter"]:
-        c = made.spec.closure
+        c = made.spec.lid
         gap = made.solid("pad").distance(tools["gutter"][0])
         found.append(above("gutter_to_cavity", gap, c.gutter_distance_mm - c.gutter_radius_mm - 1e-3, "mm"))
     if tools["label"]:
@@ -226,3 +262,92 @@ def _box_gap_mm(one: Any, other: Any) -> float:
     """Distance of two bounding boxes, a lower bound of the distance of what is in them. [mm]"""
     a, b = rough_bounds(one), rough_bounds(other)
     return math.hypot(*(max(0.0, a[axis] - b[axis + 3], b[axis] - a[axis + 3]) for axis in range(3)))
+
+
+PROFILE_MM, HEIGHT_MM, LEAST_POINTS = 1e-5, 1e-5, 12
+# The box round the splines of a bone from a file is known to a few thousandths; 0.005 mm are 0.1 % of 5 mm of gel.
+PLACED_MM = 0.005
+
+
+def check_shape(made: Parts) -> list[Check]:
+    """Check what the slab does not have; nothing for a slab."""
+    pad = made.spec.pad
+    found = []
+    if (pad.shape.relief_mm or pad.shape.bone_height_mm) and made.spec.insert is None:
+        found.append(face_profile(made))
+    if pad.shape.bone_height_mm:
+        found += _bone(made)
+    if pad.shape.layers():
+        found += _layers(made)
+    return found
+
+
+def face_profile(made: Parts) -> Check:
+    """Heights of the curved faces, tested face or bone, against those that the finite-element model uses.
+
+    Looked at are the corners of a mesh, which lie on the exact faces however coarse it is.
+    """
+    pad, shape = made.spec.pad, made.spec.pad.shape
+    turn = math.radians(shape.steepest_deg) / 3
+    tall = max(shape.relief_mm, shape.bone_height_mm)
+    corners = [
+        point.toTuple()
+        for face in _inner_faces(made.pad_nominal.copy(), pad)
+        for point in face.tessellate(0.05 * tall, turn)[0]
+    ]
+    if len(corners) < LEAST_POINTS:
+        return below("face_profile", math.inf, PROFILE_MM, "no curved face was found")
+    x, y, z = np.array(corners).T
+    if shape.bone_height_mm:
+        height = pad.thickness_mm - shape.bone_mm(x, y)
+    else:
+        height = np.min([shape.drop_mm(x - at, y - across) for at, across in shape.places_mm], axis=0)
+    worst = float(np.abs(z - height).max())
+    return below("face_profile", worst, PROFILE_MM, f"mm off the shape's formula at {len(corners)} points of its faces")
+
+
+def _inner_faces(solid: Any, pad: PadGeometry) -> list[Any]:
+    """Faces that keep off the pad's rim: those of its curves and no other."""
+    reach = pad.length_mm / 2 - (-pad.thickness_mm if pad.shape.runs_out else RIM_FREE_MM) + 1e-3
+    room = Outline(2 * reach, pad.width_mm - 2 * RIM_FREE_MM + 2e-3, 0.0)
+    found = release.faces_within(solid, room, 0.0, pad.thickness_mm)
+    # A bar's end faces lean as the walls do.
+    return [face for face in found if abs(face.normalAt().z) > 0.2]
+
+
+def _bone(made: Parts) -> list[Check]:
+    """The bone fills what the gel leaves free and keeps its cover over the tested face."""
+    spec, plan = made.spec, made.plan
+    exact = plan.scale**3 * dimensions.bone_volume_mm3(spec)
+    what = "closed form" if spec.insert is None else "the placed file"
+    bone = _below(made.solid("carrier"), made, plan.depth_mm)
+    whole = made.parts["pad"].volume_mm3 + bone
+    cover = plan.scale * (spec.pad.thickness_mm - spec.pad.shape.bone_height_mm)
+    lowest = made.solid("carrier").BoundingBox().zmin
+    near = HEIGHT_MM if spec.insert is None else PLACED_MM
+    return [
+        below("bone_volume", abs(bone / exact - 1), VOLUME_REL, f"carrier below the fill plane against {what}"),
+        below("gel_and_bone", abs(whole / made.cavity.Volume() - 1), VOLUME_REL, "together against the cavity"),
+        below("bone_cover", abs(lowest - cover), near, f"mm off the cover of {cover:.3f} mm under the bone"),
+    ]
+
+
+def _below(solid: Any, made: Parts, height_mm: float) -> float:
+    """Volume of a solid between the mould's underside and a height. [mm3]"""
+    floor = made.spec.body.floor_mm
+    return solid.intersect(drafted_prism(made.plan.top.grown(5.0), height_mm + floor, 0.0, -floor)).Volume()
+
+
+def _layers(made: Parts) -> list[Check]:
+    """Both layers are the cavity, the first has its closed form, and the spacer ends where it does."""
+    plan, spacer = made.plan, made.solid("spacer")
+    top, base = (made.parts[name].volume_mm3 for name in ("layer_top", "layer_base"))
+    exact, _ = dimensions.layer_volumes_mm3(made.spec)
+    common = release.common_volume_mm3(spacer, made.solid("layer_top"))
+    dip = spacer.BoundingBox().zmin
+    return [
+        below("layers_fill_cavity", abs((top + base) / made.cavity.Volume() - 1), VOLUME_REL),
+        below("layer_closed_form", abs(top / exact - 1), VOLUME_REL, "layer poured first, by Steiner and Pappus"),
+        below("interference_spacer_layer_top", common, INTERFERENCE_MM3, "mm3"),
+        below("spacer_height", abs(dip - plan.interface_mm), HEIGHT_MM, "mm off the interface, seated on the land"),
+    ]

@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from dummydesign.mold.cad.kernel import occ
+
 TOLERANCE_MM, ANGLE_RAD, VOLUME_REL, MOST_HALVINGS = 0.05, 0.2, 3e-4, 4
 _UUID = re.compile(r"[0-9a-f]{8}(?:-[0-9a-f]{4}){3}-[0-9a-f]{12}")
 
@@ -16,20 +18,6 @@ def tessellate(solid: Any, tolerance_mm: float | None = None, angle_rad: float |
 
     Without a tolerance it is refined until the mesh holds the solid's volume to ``VOLUME_REL``, so that
     small round parts come out as true as large flat ones.
-
-    Parameters
-    ----------
-    solid : cadquery.Shape
-        Exact solid. [mm]
-    tolerance_mm : float, optional
-        Largest distance of a triangle from the surface; found by itself when not given. [mm]
-    angle_rad : float, optional
-        Largest angle between neighbouring triangles of a curved face. [rad]
-
-    Returns
-    -------
-    trimesh.Trimesh
-        Watertight, in mm.
     """
     if tolerance_mm is not None:
         return _mesh(solid, tolerance_mm, angle_rad or ANGLE_RAD)
@@ -58,21 +46,14 @@ def _kernel_triangles(
     solid: Any, tolerance_mm: float, angle_rad: float
 ) -> tuple[list[tuple[float, float, float]], list[tuple[int, int, int]]]:
     """Points and triangles of all faces, straight from the kernel: a vector object for each point takes longer."""
-    from OCP.BRep import BRep_Tool
-    from OCP.BRepMesh import BRepMesh_IncrementalMesh
-    from OCP.TopAbs import TopAbs_FACE, TopAbs_REVERSED
-    from OCP.TopExp import TopExp_Explorer
-    from OCP.TopLoc import TopLoc_Location
-    from OCP.TopoDS import TopoDS
-
-    BRepMesh_IncrementalMesh(solid.wrapped, tolerance_mm, True, angle_rad, False)
+    occ.BRepMesh_IncrementalMesh(solid.wrapped, tolerance_mm, True, angle_rad, False)
     points: list[tuple[float, float, float]] = []
     triangles: list[tuple[int, int, int]] = []
-    faces = TopExp_Explorer(solid.wrapped, TopAbs_FACE)
+    faces = occ.TopExp_Explorer(solid.wrapped, occ.TopAbs_FACE)
     while faces.More():
-        face, place = TopoDS.Face_s(faces.Current()), TopLoc_Location()
+        face, place = occ.TopoDS.Face_s(faces.Current()), occ.TopLoc_Location()
         faces.Next()
-        one = BRep_Tool.Triangulation_s(face, place)
+        one = occ.BRep_Tool.Triangulation_s(face, place)
         if one is None:
             continue
         first, move = len(points) - 1, place.Transformation()
@@ -80,7 +61,7 @@ def _kernel_triangles(
         moved = nodes if place.IsIdentity() else (node.Transformed(move) for node in nodes)
         points += [(node.X(), node.Y(), node.Z()) for node in moved]
         corners = (one.Triangle(i).Get() for i in range(1, one.NbTriangles() + 1))
-        if face.Orientation() == TopAbs_REVERSED:
+        if face.Orientation() == occ.TopAbs_REVERSED:
             triangles += [(first + a, first + c, first + b) for a, b, c in corners]
         else:
             triangles += [(first + a, first + b, first + c) for a, b, c in corners]
@@ -115,21 +96,7 @@ def write_3mf(mesh: Any, path: Path) -> None:
 
 
 def coloured_scene(meshes: Mapping[str, Any], colours: Mapping[str, tuple[float, float, float]], unit: float) -> Any:
-    """Put meshes in one scene, lengths times ``unit``; z up is turned to y up as GLB viewers expect.
-
-    Parameters
-    ----------
-    meshes : mapping of str to trimesh.Trimesh
-        The parts by name. [mm]
-    colours : mapping of str to (float, float, float)
-        Red, green and blue of each, from 0 to 1.
-    unit : float
-        Length of a millimetre in the scene: 1e-3 for metres.
-
-    Returns
-    -------
-    trimesh.Scene
-    """
+    """Put meshes in one scene, lengths times ``unit``; z up is turned to y up as GLB viewers expect."""
     import numpy as np
     import trimesh
 

@@ -6,10 +6,12 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from dummydesign.mold.light_imports import load_pyvista
+import numpy as np
+from numpy.typing import NDArray
 
 WIDTH = 1600
 GAP_SHARE, LABEL_SHARE = 0.22, 0.55
@@ -19,23 +21,12 @@ VIEW = (-0.42, -1.0, 0.95)
 # From the lowest to the highest.
 STACK = ("tray", "mould", "pad", "layer_top", "spacer", "layer_base", "lid", "backer", "strike_off", "carrier")
 
+BOXES = (("master", "face_sheet", "frame"), ("lid_master", "lid_frame"), ("sprue_pin",), ("vent_pin",), ("collar",))
+"""Parts that stand beside those in use, one over the other."""
+
 
 def pack(meshes: dict[str, Any], colours: dict[str, tuple[float, float, float]], title: str, path: Path) -> None:
-    """Write what the picture needs into one file: vertices, faces, colour and place of each part shown.
-
-    Parameters
-    ----------
-    meshes : dict of str to trimesh.Trimesh
-        The parts by name. [mm]
-    colours : dict of str to (float, float, float)
-        Red, green and blue of each, from 0 to 1.
-    title : str
-        Line over the picture.
-    path : Path
-        The ``.npz`` file that is written.
-    """
-    import numpy as np
-
+    """Write what the picture needs into one file: vertices, faces, colour and place of each part shown."""
     arrays: dict[str, Any] = {"title": np.array(title)}
     for name, mesh in meshes.items():
         arrays[f"{name}/vertices"] = np.asarray(mesh.vertices)
@@ -50,29 +41,16 @@ def stacked(names: list[str]) -> list[str]:
     return sorted(known, key=lambda name: ("," in name, STACK.index(name.split(",")[0])))
 
 
-def turned(mesh: Any) -> Any:
-    """Return a copy turned upside down about the middle of its height."""
-    import numpy as np
-
-    low, high = mesh.bounds[0][2], mesh.bounds[1][2]
-    copy = mesh.copy()
-    copy.vertices = np.asarray(mesh.vertices) * (1.0, -1.0, -1.0) + (0.0, 0.0, low + high)
-    return copy
+def turned_over(points: NDArray) -> NDArray:
+    """Points turned by half a turn about the x axis, at the same heights; shape (..., 3). [mm]"""
+    low, high = points[..., 2].min(), points[..., 2].max()
+    return points * (1.0, -1.0, -1.0) + (0.0, 0.0, low + high)
 
 
-def exploded(bounds: dict[str, tuple[float, float]], order: list[str], gap_mm: float) -> dict[str, float]:
-    """Heights by which stacked parts are lifted so that each stands clear above the one before it.
-
-    Parameters
-    ----------
-    bounds : dict
-        Lowest and highest z of each part. [mm]
-    order : list of str
-        From the lowest to the highest.
-    gap_mm : float
-        Clear height between two parts. [mm]
-    """
-    lifts, level = {}, None
+def exploded(bounds: Mapping[str, tuple[float, float]], order: Sequence[str], gap_mm: float) -> dict[str, float]:
+    """Heights by which stacked parts are lifted so that each stands clear above the one before it."""
+    lifts: dict[str, float] = {}
+    level = None
     for name in order:
         low, high = bounds[name]
         lifts[name] = 0.0 if level is None else max(0.0, level + gap_mm - low)
@@ -82,37 +60,35 @@ def exploded(bounds: dict[str, tuple[float, float]], order: list[str], gap_mm: f
 
 def draw(source: Path, picture: Path) -> None:
     """Draw the packed meshes: the parts in use stacked with gaps, the casting box beside them."""
-    import numpy as np
     import pyvista
 
     data = np.load(source)
     names = list(dict.fromkeys(key.split("/")[0] for key in data.files if "/" in key))
-    meshes = {name: _surface(pyvista, np, data, name) for name in names}
-    stacks = [
-        stacked(names),
-        [name for name in ("master", "face_sheet", "frame") if name in names],
-        [name for name in ("lid_master", "lid_frame") if name in names],
-    ]
+    meshes = {name: _surface(pyvista, data, name) for name in names}
+    stacks = [stacked(names), *([name for name in box if name in names] for box in BOXES[:2])]
     # Stacks stand side by side along the picture's own horizontal, so that their feet are level.
-    away, right, up = _view_axes(np)
-    shown, labels, corners, side = [], [], [], 0.0
+    away, right, up = _view_axes()
+    shown: list[tuple[Any, Any]] = []
+    labels: list[tuple[Any, str]] = []
+    corners: list[Any] = []
+    side = 0.0
     size = max(mesh.bounds[1] - mesh.bounds[0] for mesh in meshes.values())
     gap, label_room = GAP_SHARE * size, LABEL_SHARE * size
     for stack in filter(None, stacks):
         bounds = {name: (meshes[name].bounds[4], meshes[name].bounds[5]) for name in stack}
         lifts = exploded(bounds, stack, gap)
-        half = max(np.ptp(_corners(np, meshes[name]) @ right) for name in stack) / 2
+        half = max(np.ptp(_corners(meshes[name]) @ right) for name in stack) / 2
         side += half if labels else 0.0
         for name in stack:
             mesh = meshes[name].translate(side * right + np.array((0, 0, lifts[name])), inplace=False)
-            shown.append((mesh, tuple(float(c) for c in data[f"{name}/colour"])))
-            places = _corners(np, mesh)
+            shown.append((mesh, data[f"{name}/colour"].tolist()))
+            places = _corners(mesh)
             left = places[np.argmin(places @ right + 1e-3 * (places @ up))]
             labels.append((left, name))
             corners += [*places, left - label_room * right]
         side += half + label_room
-    window, scale, middle = _frame(np, np.array(corners), right, up)
-    plot = pyvista.Plotter(off_screen=True, window_size=window, lighting="none")
+    window, scale, middle = _frame(np.array(corners), right, up)
+    plot: Any = pyvista.Plotter(off_screen=True, window_size=list(window), lighting="none")
     plot.set_background("#ffffff", top="#e8edf2")
     for mesh, colour in shown:
         _add(plot, mesh, colour)
@@ -127,7 +103,7 @@ def draw(source: Path, picture: Path) -> None:
     plot.close()
 
 
-def _view_axes(np: Any) -> tuple[Any, Any, Any]:
+def _view_axes() -> tuple[Any, Any, Any]:
     """Unit vectors towards the viewer, to the right and up in the picture."""
     away = np.array(VIEW) / np.linalg.norm(VIEW)
     right = np.cross((0.0, 0.0, 1.0), away)
@@ -135,12 +111,12 @@ def _view_axes(np: Any) -> tuple[Any, Any, Any]:
     return away, right, np.cross(away, right)
 
 
-def _corners(np: Any, mesh: Any) -> Any:
+def _corners(mesh: Any) -> Any:
     x0, x1, y0, y1, z0, z1 = mesh.bounds
     return np.array([(x, y, z) for x in (x0, x1) for y in (y0, y1) for z in (z0, z1)])
 
 
-def _frame(np: Any, corners: Any, right: Any, up: Any) -> tuple[tuple[int, int], float, Any]:
+def _frame(corners: Any, right: Any, up: Any) -> tuple[tuple[int, int], float, Any]:
     """Picture size, parallel scale and focal point that fit the corners with a margin and a line for the title."""
     across, along = corners @ right, corners @ up
     wide, high = 1.06 * np.ptp(across), 1.14 * np.ptp(along)
@@ -150,13 +126,13 @@ def _frame(np: Any, corners: Any, right: Any, up: Any) -> tuple[tuple[int, int],
     return (WIDTH, height), scale, right * (across.max() + across.min()) / 2 + up * level
 
 
-def _surface(pyvista: Any, np: Any, data: Any, name: str) -> Any:
+def _surface(pyvista: Any, data: Any, name: str) -> Any:
     faces = data[f"{name}/faces"]
     cells = np.hstack([np.full((len(faces), 1), 3), faces]).ravel()
     return pyvista.PolyData(data[f"{name}/vertices"], cells)
 
 
-def _add(plot: Any, mesh: Any, colour: tuple[float, float, float]) -> None:
+def _add(plot: Any, mesh: Any, colour: Sequence[float]) -> None:
     """Add one part with its edges drawn, which makes flat faces readable and shows where a shallow crown begins."""
     # Every triangle has its own normal: one shared with a crown would shade the flat beside it as if it were bent.
     plot.add_mesh(mesh, color=colour, smooth_shading=False, ambient=0.25, diffuse=0.75, specular=0.15)
@@ -180,6 +156,8 @@ def _light_and_look(plot: Any, pyvista: Any, middle: Any, away: Any, scale: floa
 
 def main() -> None:
     """Draw the picture named on the command line."""
+    from dummydesign.mold.cad.kernel import load_pyvista
+
     load_pyvista()
     part = Path(sys.argv[2]).with_suffix(".part.png")
     draw(Path(sys.argv[1]), part)

@@ -1,12 +1,10 @@
-"""Write and read STEP AP242 with names, colours, materials and validation properties. CAD child only.
-
-The kernel's writer is not reproducible (time stamp, counters, order of colours), so what it writes goes
-through :func:`dummydesign.mold.files.step_canonical.canonical_step`.
-"""
+"""Write and read STEP AP242, the same text for the same model."""
 
 from __future__ import annotations
 
+import hashlib
 import os
+import re
 import tempfile
 import time
 from collections.abc import Sequence
@@ -15,10 +13,169 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from dummydesign.mold.cad.prisms import rough_bounds
-from dummydesign.mold.files.step_canonical import Header, canonical_step
+from dummydesign.mold.cad.kernel import cq, occ
+from dummydesign.mold.cad.solids import rough_bounds
+
+_STATEMENT = re.compile(r"#(\d+)\s*=\s*((?:[^;']++|'(?:[^']|'')*')*);")
+_STRING_OR_SPACE = re.compile(r"('(?:[^']|'')*')|\s+")
+_STRING_OR_REFERENCE = re.compile(r"('(?:[^']|'')*')|#(\d+)")
+_REFERENCE = re.compile(r"#(\d+)")
+_PIECE = re.compile(r"(?:'(?:[^']|'')*'|[^,'])*,?")
+_OCCURRENCE = re.compile(r"NEXT_ASSEMBLY_USAGE_OCCURRENCE\('[^']*',('(?:[^']|'')*')")
+_BEYOND_ASCII = re.compile(r"[^\x00-\x7f]+")
+_LINE = 78
+
 
 ORGANISATION = "dummydesign"
+
+
+def canonical_step(text: str, name: str, description: str) -> str:
+    """Return the same model with a fixed header, in an order and a numbering that depend on content alone."""
+    text = _in_ascii(text)
+    start, schema = text.find("DATA;"), re.search(r"FILE_SCHEMA\s*\(\s*\(\s*('[^']*')", text)
+    if start < 0 or schema is None:
+        raise ValueError("not a STEP file: no DATA section or no FILE_SCHEMA")
+    entities = {int(number): _without_spaces(body) for number, body in _STATEMENT.findall(text, start)}
+    _repair_density_unit(entities)
+    for number, body in entities.items():
+        if body.startswith("NEXT_ASSEMBLY_USAGE_OCCURRENCE"):
+            entities[number] = _OCCURRENCE.sub(r"NEXT_ASSEMBLY_USAGE_OCCURRENCE(\1,\1", body)
+    parts = {number: _split(body) for number, body in entities.items()}
+    digests = _digests(parts)
+    for number, body in entities.items():
+        if body.startswith("MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION"):
+            parts[number] = _split(_sorted_items(body, digests))
+    renumbered = {old: f"#{new}" for new, old in enumerate(_depth_first(parts, digests), 1)}
+    lines = [_wrapped(f"{new}={_joined(parts[old], renumbered)};") for old, new in renumbered.items()]
+    name, description, who = _quoted(name), _quoted(description), _quoted(ORGANISATION)
+    head = [
+        "ISO-10303-21;",
+        "HEADER;",
+        f"FILE_DESCRIPTION(({description}),'2;1');",
+        f"FILE_NAME({name},{_quoted(time_stamp())},({who}),({who}),{who},{who},'');",
+        f"FILE_SCHEMA(({schema.group(1)}));",
+        "ENDSEC;",
+        "DATA;",
+    ]
+    return "\n".join([*head, *lines, "ENDSEC;", "END-ISO-10303-21;", ""])
+
+
+def _is_plain(body: str) -> bool:
+    """Whether all strings of an entity are empty, as most are: nothing in it has to be left alone."""
+    return "'" not in body.replace("''", "")
+
+
+def _without_spaces(body: str) -> str:
+    if _is_plain(body):
+        return "".join(body.split())
+    return _STRING_OR_SPACE.sub(lambda hit: hit.group(1) or "", body)
+
+
+def _split(body: str) -> tuple[list[str], list[int]]:
+    """What stands before, between and after the references of an entity, and the numbers they refer to."""
+    if _is_plain(body):
+        pieces = _REFERENCE.split(body)
+        return pieces[::2], [int(number) for number in pieces[1::2]]
+    texts, refers, start = [], [], 0
+    for hit in _STRING_OR_REFERENCE.finditer(body):
+        if hit.group(2):
+            texts.append(body[start : hit.start()])
+            refers.append(int(hit.group(2)))
+            start = hit.end()
+    return [*texts, body[start:]], refers
+
+
+def _joined(parts: tuple[list[str], list[int]], names: dict[int, str]) -> str:
+    """An entity with a name for each number that it refers to."""
+    texts, refers = parts
+    if not refers:
+        return texts[0]
+    return texts[0] + "".join([names[number] + text for number, text in zip(refers, texts[1:])])
+
+
+def _digests(parts: dict[int, tuple[list[str], list[int]]]) -> dict[int, str]:
+    """Content hash of every entity, children first."""
+    found: dict[int, str] = {}
+    for first in parts:
+        stack = [first]
+        while stack:
+            number = stack[-1]
+            if number in found:
+                stack.pop()
+                continue
+            if number not in parts:
+                raise ValueError(f"entity #{number} is referred to but not in the file")
+            missing = [child for child in parts[number][1] if child not in found]
+            if missing:
+                stack.extend(missing)
+                continue
+            found[number] = hashlib.blake2b(_joined(parts[number], found).encode(), digest_size=12).hexdigest()
+            stack.pop()
+    return found
+
+
+def _sorted_items(body: str, digests: dict[int, str]) -> str:
+    """Sort the list of styled items, whose order means nothing, by hash."""
+
+    def ordered(hit: re.Match[str]) -> str:
+        return f"'',({','.join(sorted(hit.group(1).split(','), key=lambda item: digests[int(item[1:])]))})"
+
+    return re.sub(r"'.*?',\(([^)]*)\)", ordered, body, count=1)
+
+
+def _depth_first(parts: dict[int, tuple[list[str], list[int]]], digests: dict[int, str]) -> list[int]:
+    """Order of entities, each before what it refers to, from the roots sorted by type and hash."""
+    children = {child for _, references in parts.values() for child in references}
+    roots = [number for number in parts if number not in children]
+    stack = sorted(roots, key=lambda n: (parts[n][0][0].split("(")[0], digests[n]), reverse=True)
+    seen: dict[int, None] = {}
+    while stack:
+        number = stack.pop()
+        if number not in seen:
+            seen[number] = None
+            stack.extend(reversed(parts[number][1]))
+    return list(seen)
+
+
+def _repair_density_unit(entities: dict[int, str]) -> None:
+    """Write densities in g cm^-3: the kernel's writer gives its unit the exponents 3 and 2."""
+    masses = {number for number, body in entities.items() if "MASS_UNIT()" in body}
+    for body in [body for body in entities.values() if body.startswith("DERIVED_UNIT(")]:
+        units = {n: int(_REFERENCE.findall(entities[n])[0]) for n in map(int, _REFERENCE.findall(body))}
+        if len(units) == 2 and masses & set(units.values()):
+            for n, unit in units.items():
+                entities[n] = f"DERIVED_UNIT_ELEMENT(#{unit},{'1.' if unit in masses else '-3.'})"
+
+
+def _quoted(text: str) -> str:
+    return "'" + _in_ascii(text).replace("'", "''") + "'"
+
+
+def _in_ascii(text: str) -> str:
+    """Write letters beyond ASCII as ISO 10303-21 does in every edition, which all readers understand."""
+    return _BEYOND_ASCII.sub(_hexadecimal, text)
+
+
+def _hexadecimal(hit: re.Match[str]) -> str:
+    letters = hit.group()
+    if max(letters) > "\uffff":
+        return rf"\X4\{letters.encode('utf-32-be').hex().upper()}\X0" + "\\"
+    return rf"\X2\{letters.encode('utf-16-be').hex().upper()}\X0" + "\\"
+
+
+def _wrapped(statement: str) -> str:
+    """Break a long statement after commas outside strings."""
+    if len(statement) <= _LINE:
+        return statement
+    lines, row = [], ""
+    for piece in filter(None, _PIECE.findall(statement)):
+        if row and len(row) + len(piece) > _LINE:
+            lines.append(row)
+            row = ""
+        row += piece
+    return "\n".join([*lines, row])
+
+
 COLOURS = {
     "resin": (0.93, 0.62, 0.50), "resin_base": (0.62, 0.36, 0.45), "silicone": (0.36, 0.62, 0.74),
     "rigid": (0.72, 0.73, 0.75), "glass": (0.62, 0.80, 0.72),
@@ -83,107 +240,67 @@ def time_stamp() -> str:
 
 
 def step_text(parts: Sequence[StepPart], root: str, description: str) -> str:
-    """Return the STEP text of one part, or of an assembly named ``root`` when there are several.
-
-    Parameters
-    ----------
-    parts : sequence of StepPart
-        One part, or those of an assembly.
-    root : str
-        Name of the part or of the assembly.
-    description : str
-        Line of the header; it names the specification's hash.
-
-    Returns
-    -------
-    str
-        The file in canonical order, the same to the last byte for the same parts.
-
-    Raises
-    ------
-    RuntimeError
-        When the kernel refuses to transfer or to write.
-    """
-    from OCP.IFSelect import IFSelect_ReturnStatus
-    from OCP.STEPCAFControl import STEPCAFControl_Writer
-    from OCP.STEPControl import STEPControl_StepModelType
-
+    """Return the STEP text of one part, or of an assembly named ``root`` when there are several."""
     document = _document(parts, root)
-    writer = STEPCAFControl_Writer()
+    writer = occ.STEPCAFControl_Writer()
     _settings()
     for switch in ("SetColorMode", "SetNameMode", "SetMaterialMode", "SetPropsMode"):
         getattr(writer, switch)(True)
-    if not writer.Transfer(document, STEPControl_StepModelType.STEPControl_AsIs):
+    if not writer.Transfer(document, occ.STEPControl_StepModelType.STEPControl_AsIs):
         raise RuntimeError(f"the kernel could not transfer '{root}' to STEP")
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "raw.step")
-        if writer.Write(path) != IFSelect_ReturnStatus.IFSelect_RetDone:
+        if writer.Write(path) != occ.IFSelect_ReturnStatus.IFSelect_RetDone:
             raise RuntimeError(f"the kernel could not write '{root}' as STEP")
         raw = Path(path).read_text(encoding="utf-8", errors="replace")
-    return canonical_step(raw, Header(f"{root}.step", description, time_stamp(), ORGANISATION))
+    return canonical_step(raw, f"{root}.step", description)
 
 
 def _settings() -> None:
     """AP242, millimetres, no curves in parameter space (a third of the size, volumes kept to 3e-5 mm3)."""
-    from OCP.Interface import Interface_Static
-    from OCP.STEPCAFControl import STEPCAFControl_Controller
-
-    STEPCAFControl_Controller.Init_s()
-    Interface_Static.SetCVal_s("write.step.schema", "AP242DIS")
-    Interface_Static.SetCVal_s("write.step.unit", "MM")
-    Interface_Static.SetIVal_s("write.surfacecurve.mode", 0)
-    Interface_Static.SetCVal_s("write.step.product.name", "part")
+    occ.STEPCAFControl_Controller.Init_s()
+    occ.Interface_Static.SetCVal_s("write.step.schema", "AP242DIS")
+    occ.Interface_Static.SetCVal_s("write.step.unit", "MM")
+    occ.Interface_Static.SetIVal_s("write.surfacecurve.mode", 0)
+    occ.Interface_Static.SetCVal_s("write.step.product.name", "part")
 
 
 def _document(parts: Sequence[StepPart], root: str) -> Any:
-    from OCP.gp import gp_Trsf, gp_Vec
-    from OCP.TCollection import TCollection_ExtendedString
-    from OCP.TDataStd import TDataStd_Name
-    from OCP.TDocStd import TDocStd_Document
-    from OCP.TopLoc import TopLoc_Location
-    from OCP.XCAFDoc import XCAFDoc_DocumentTool
-
-    document = TDocStd_Document(TCollection_ExtendedString("XmlXCAF"))
-    XCAFDoc_DocumentTool.SetLengthUnit_s(document, 0.001)
-    shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
+    document = occ.TDocStd_Document(occ.TCollection_ExtendedString("XmlXCAF"))
+    occ.XCAFDoc_DocumentTool.SetLengthUnit_s(document, 0.001)
+    shapes = occ.XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
     labels = [_add_part(document, shapes, part) for part in parts]
     if len(parts) > 1:
         whole = shapes.NewShape()
-        TDataStd_Name.Set_s(whole, TCollection_ExtendedString(root))
+        occ.TDataStd_Name.Set_s(whole, occ.TCollection_ExtendedString(root))
         for part, label in zip(parts, labels):
-            move = gp_Trsf()
-            move.SetTranslation(gp_Vec(*part.offset_mm))
-            child = shapes.AddComponent(whole, label, TopLoc_Location(move))
-            TDataStd_Name.Set_s(child, TCollection_ExtendedString(part.name))
+            move = occ.gp_Trsf()
+            move.SetTranslation(occ.gp_Vec(*part.offset_mm))
+            child = shapes.AddComponent(whole, label, occ.TopLoc_Location(move))
+            occ.TDataStd_Name.Set_s(child, occ.TCollection_ExtendedString(part.name))
         shapes.UpdateAssemblies()
     return document
 
 
 def _add_part(document: Any, shapes: Any, part: StepPart) -> Any:
     """Add one product with name, colour, material and validation properties; return its label."""
-    from OCP.gp import gp_Pnt
-    from OCP.Quantity import Quantity_Color, Quantity_TypeOfColor
-    from OCP.TCollection import TCollection_ExtendedString, TCollection_HAsciiString
-    from OCP.TDataStd import TDataStd_Name
-    from OCP.XCAFDoc import XCAFDoc_Area, XCAFDoc_Centroid, XCAFDoc_ColorType, XCAFDoc_DocumentTool, XCAFDoc_Volume
-
     label = shapes.AddShape(part.solid.wrapped, False)
-    TDataStd_Name.Set_s(label, TCollection_ExtendedString(part.name))
-    colour = Quantity_Color(*part.colour, Quantity_TypeOfColor.Quantity_TOC_sRGB)
-    tool = XCAFDoc_DocumentTool.ColorTool_s(document.Main())
-    tool.SetColor(label, colour, XCAFDoc_ColorType.XCAFDoc_ColorSurf)
-    material = XCAFDoc_DocumentTool.MaterialTool_s(document.Main())
+    occ.TDataStd_Name.Set_s(label, occ.TCollection_ExtendedString(part.name))
+    colour = occ.Quantity_Color(*part.colour, occ.Quantity_TypeOfColor.Quantity_TOC_sRGB)
+    tool = occ.XCAFDoc_DocumentTool.ColorTool_s(document.Main())
+    tool.SetColor(label, colour, occ.XCAFDoc_ColorType.XCAFDoc_ColorSurf)
+    material = occ.XCAFDoc_DocumentTool.MaterialTool_s(document.Main())
     words = [part.material.name, part.material.description]
     material.SetMaterial(
         label,
-        *[TCollection_HAsciiString(word) for word in words],
+        *[occ.TCollection_HAsciiString(word) for word in words],
         part.material.density_g_per_cm3,
-        TCollection_HAsciiString("density measure"),
-        TCollection_HAsciiString("POSITIVE_RATIO_MEASURE"),
+        occ.TCollection_HAsciiString("density measure"),
+        occ.TCollection_HAsciiString("POSITIVE_RATIO_MEASURE"),
     )
-    XCAFDoc_Volume.Set_s(label, part.volume_mm3)
-    XCAFDoc_Area.Set_s(label, part.area_mm2)
-    XCAFDoc_Centroid.Set_s(label, gp_Pnt(*part.centroid_mm))
+    occ.XCAFDoc_Volume.Set_s(label, part.volume_mm3)
+    occ.XCAFDoc_Area.Set_s(label, part.area_mm2)
+    occ.XCAFDoc_Centroid.Set_s(label, occ.gp_Pnt(*part.centroid_mm))
     return label
 
 
@@ -191,46 +308,29 @@ def read_step(path: Path, validity: bool = True) -> list[ReadPart]:
     """Read a STEP file again; one entry per product that holds solids, in the order of their names.
 
     ``validity`` asks the kernel to validate each solid, which takes as long as reading it.
-
-    Raises
-    ------
-    RuntimeError
-        When the kernel cannot read it.
     """
-    from OCP.IFSelect import IFSelect_ReturnStatus
-    from OCP.STEPCAFControl import STEPCAFControl_Reader
-    from OCP.TCollection import TCollection_ExtendedString
-    from OCP.TDF import TDF_LabelSequence
-    from OCP.TDocStd import TDocStd_Document
-    from OCP.XCAFDoc import XCAFDoc_DocumentTool, XCAFDoc_ShapeTool
-
-    document = TDocStd_Document(TCollection_ExtendedString("XmlXCAF"))
-    reader = STEPCAFControl_Reader()
+    document = occ.TDocStd_Document(occ.TCollection_ExtendedString("XmlXCAF"))
+    reader = occ.STEPCAFControl_Reader()
     for switch in ("SetColorMode", "SetNameMode", "SetMatMode", "SetPropsMode"):
         getattr(reader, switch)(True)
-    if reader.ReadFile(str(path)) != IFSelect_ReturnStatus.IFSelect_RetDone or not reader.Transfer(document):
+    if reader.ReadFile(str(path)) != occ.IFSelect_ReturnStatus.IFSelect_RetDone or not reader.Transfer(document):
         raise RuntimeError(f"{path.name} cannot be read again as STEP")
-    shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
-    labels = TDF_LabelSequence()
+    shapes = occ.XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
+    labels = occ.TDF_LabelSequence()
     shapes.GetShapes(labels)
     found = [labels.Value(index) for index in range(1, labels.Length() + 1)]
-    simple = [label for label in found if XCAFDoc_ShapeTool.IsSimpleShape_s(label)]
+    simple = [label for label in found if occ.XCAFDoc_ShapeTool.IsSimpleShape_s(label)]
     return sorted((_read_part(document, label, validity) for label in simple), key=lambda part: part.name)
 
 
 def _read_part(document: Any, label: Any, validity: bool) -> ReadPart:
-    import cadquery as cq
-    from OCP.Quantity import Quantity_Color, Quantity_TypeOfColor
-    from OCP.TDataStd import TDataStd_Name
-    from OCP.XCAFDoc import XCAFDoc_ColorTool, XCAFDoc_ColorType, XCAFDoc_ShapeTool, XCAFDoc_Volume
-
-    shape = cq.Shape.cast(XCAFDoc_ShapeTool.GetShape_s(label))
-    name = TDataStd_Name()
-    named = label.FindAttribute(TDataStd_Name.GetID_s(), name)
-    colour = Quantity_Color()
-    coloured = XCAFDoc_ColorTool.GetColor_s(label, XCAFDoc_ColorType.XCAFDoc_ColorSurf, colour)
-    volume = XCAFDoc_Volume()
-    declared = volume.Get() if label.FindAttribute(XCAFDoc_Volume.GetID_s(), volume) else None
+    shape = cq.Shape.cast(occ.XCAFDoc_ShapeTool.GetShape_s(label))
+    name = occ.TDataStd_Name()
+    named = label.FindAttribute(occ.TDataStd_Name.GetID_s(), name)
+    colour = occ.Quantity_Color()
+    coloured = occ.XCAFDoc_ColorTool.GetColor_s(label, occ.XCAFDoc_ColorType.XCAFDoc_ColorSurf, colour)
+    volume = occ.XCAFDoc_Volume()
+    declared = volume.Get() if label.FindAttribute(occ.XCAFDoc_Volume.GetID_s(), volume) else None
     material, density = _read_material(label)
     return ReadPart(
         name=name.Get().ToExtString() if named else "",
@@ -238,7 +338,7 @@ def _read_part(document: Any, label: Any, validity: bool) -> ReadPart:
         bounds_mm=rough_bounds(shape),
         solids=len(shape.Solids()),
         valid=shape.isValid() if validity else True,
-        colour=tuple(colour.Values(Quantity_TypeOfColor.Quantity_TOC_sRGB)) if coloured else None,
+        colour=tuple(colour.Values(occ.Quantity_TypeOfColor.Quantity_TOC_sRGB)) if coloured else None,
         material=material,
         density_g_per_cm3=density,
         declared_volume_mm3=declared,
@@ -247,12 +347,9 @@ def _read_part(document: Any, label: Any, validity: bool) -> ReadPart:
 
 def _read_material(label: Any) -> tuple[str | None, float | None]:
     """Name and density (g/cm3) of the material a product refers to."""
-    from OCP.TDataStd import TDataStd_TreeNode
-    from OCP.XCAFDoc import XCAFDoc, XCAFDoc_Material
-
-    node, material = TDataStd_TreeNode(), XCAFDoc_Material()
-    if not label.FindAttribute(XCAFDoc.MaterialRefGUID_s(), node) or not node.HasFather():
+    node, material = occ.TDataStd_TreeNode(), occ.XCAFDoc_Material()
+    if not label.FindAttribute(occ.XCAFDoc.MaterialRefGUID_s(), node) or not node.HasFather():
         return None, None
-    if not node.Father().Label().FindAttribute(XCAFDoc_Material.GetID_s(), material):
+    if not node.Father().Label().FindAttribute(occ.XCAFDoc_Material.GetID_s(), material):
         return None, None
     return material.GetName().ToCString(), material.GetDensity()

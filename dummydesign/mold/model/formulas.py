@@ -13,22 +13,7 @@ def tilt_error_mm(length_mm: float, angle_deg: float) -> float:
 
 
 def level_tolerance_deg(thickness_mm: float, length_mm: float, share: float = 0.025, most_mm: float = 0.26) -> float:
-    """How level the mould must stand so that thickness differs by at most ``share`` of it, or ``most_mm``.
-
-    Parameters
-    ----------
-    thickness_mm, length_mm : float
-        Thickness and longer side of the pad. [mm]
-    share : float
-        Allowed difference over the thickness.
-    most_mm : float
-        Largest allowed difference; a spirit level of 0.1 deg resolves 0.26 mm on 150 mm. [mm]
-
-    Returns
-    -------
-    float
-        Angle. [deg]
-    """
+    """How level the mould must stand so that thickness differs by at most ``share`` of it, or ``most_mm``. [deg]"""
     return math.degrees(math.atan(min(share * thickness_mm, most_mm) / length_mm))
 
 
@@ -39,20 +24,6 @@ def capillary_length_mm(surface_tension_N_per_m: float, density_g_per_cm3: float
 
 def meniscus_height_mm(surface_tension_N_per_m: float, density_g_per_cm3: float, contact_angle_deg: float) -> float:
     """Rise of a liquid at a long vertical wall, sqrt(2 (1 - sin theta)) capillary lengths. [mm]
-
-    Parameters
-    ----------
-    surface_tension_N_per_m : float
-        Of the liquid. [N/m]
-    density_g_per_cm3 : float
-        Of the liquid. [g/cm3]
-    contact_angle_deg : float
-        Between liquid and wall, from 0 (wets) to 90 (no meniscus). [deg]
-
-    Returns
-    -------
-    float
-        Above the level far from the wall. [mm]
 
     References
     ----------
@@ -65,19 +36,7 @@ def meniscus_height_mm(surface_tension_N_per_m: float, density_g_per_cm3: float,
 def meniscus_volume_mm3(
     surface_tension_N_per_m: float, density_g_per_cm3: float, contact_angle_deg: float, perimeter_mm: float
 ) -> float:
-    """Liquid held up by the meniscus along a wall, sigma cos(theta) / (rho g) per length. [mm3]
-
-    Parameters
-    ----------
-    surface_tension_N_per_m : float
-        Of the liquid. [N/m]
-    density_g_per_cm3 : float
-        Of the liquid. [g/cm3]
-    contact_angle_deg : float
-        Between liquid and wall, from 0 (wets) to 90 (no meniscus). [deg]
-    perimeter_mm : float
-        Length of the wall. [mm]
-    """
+    """Liquid held up by the meniscus along a wall, sigma cos(theta) / (rho g) per length. [mm3]"""
     length = capillary_length_mm(surface_tension_N_per_m, density_g_per_cm3)
     return length**2 * math.cos(math.radians(contact_angle_deg)) * perimeter_mm
 
@@ -87,34 +46,13 @@ def wall_deflection_mm(depth_mm: float, wall_mm: float, young_MPa: float, densit
 
     Triangular load q = rho g (h - z): delta = rho g h^5 / (30 E I), I = w^3 / 12 per length (beam table).
     The side walls hold each other at the corners, so this is an upper bound. [mm]
-
-    Parameters
-    ----------
-    depth_mm : float
-        Depth of the liquid, which is the height of the wall. [mm]
-    wall_mm : float
-        Thickness of the wall. [mm]
-    young_MPa : float
-        Young's modulus of the mould. [MPa]
-    density_g_per_cm3 : float
-        Of the liquid. [g/cm3]
     """
     weight = density_g_per_cm3 * 1e-6 * GRAVITY_M_PER_S2
     return weight * depth_mm**5 / (30 * young_MPa * wall_mm**3 / 12)
 
 
 def thermal_growth_mm(length_mm: float, expansion_per_K: float, warmer_K: float) -> float:
-    """Growth of a length when warmed. [mm]
-
-    Parameters
-    ----------
-    length_mm : float
-        Length when cold. [mm]
-    expansion_per_K : float
-        Linear thermal expansion. [1/K]
-    warmer_K : float
-        Rise of temperature; negative cools. [K]
-    """
+    """Growth of a length when warmed. [mm]"""
     return length_mm * expansion_per_K * warmer_K
 
 

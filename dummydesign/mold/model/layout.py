@@ -1,18 +1,55 @@
-"""Where everything sits: all derived dimensions of a mould, computed once from its specification; no CAD.
-
-Mould frame: z = 0 is the cavity's lowest point (the tested face, or the tip of its crown), +z points out of the
-cavity, the origin is the pad's middle. All lengths are those of the cold mould. [mm]
-"""
+"""Derived dimensions and volumes of a mould, computed once from its specification; no CAD."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
-from dummydesign.mold.model.outline import Outline
-from dummydesign.mold.model.spec import MouldSpec
-from dummydesign.mold.several.grid import best_grid
+from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.mold.model.outline import Outline, drafted_volume_mm3, slab_volume_mm3
+from dummydesign.mold.model.spec import Closure, MouldSpec
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Cavities in rows and columns; the last row may be short. [mm]"""
+
+    count: int
+    columns: int
+    pitch_x_mm: float
+    pitch_y_mm: float
+
+    @property
+    def rows(self) -> int:
+        """Number of rows, a short one included."""
+        return -(-self.count // self.columns)
+
+    @property
+    def reach_mm(self) -> tuple[float, float]:
+        """Distance between the centres of the outermost cavities, along and across."""
+        return (self.columns - 1) * self.pitch_x_mm, (self.rows - 1) * self.pitch_y_mm
+
+    @property
+    def places_mm(self) -> tuple[tuple[float, float], ...]:
+        """Centres of the cavities about the mould's centre, the front row first."""
+        along, across = self.reach_mm
+        return tuple((i % self.columns * self.pitch_x_mm - along / 2, i // self.columns * self.pitch_y_mm - across / 2)
+                     for i in range(self.count))  # fmt: skip
+
+
+def best_grid(
+    count: int, length_mm: float, width_mm: float, wall_mm: float, border_mm: float, room_mm: tuple[float, float]
+) -> Grid:
+    """The arrangement that fits a printer's bed, of those the one with the smallest block."""
+
+    def rank(grid: Grid) -> tuple[bool, float, int]:
+        sides = sorted(reach + side + 2 * border_mm for reach, side in zip(grid.reach_mm, (length_mm, width_mm)))
+        return any(side > room for side, room in zip(sides, sorted(room_mm))), math.prod(sides), grid.columns
+
+    grids = (Grid(count, columns, length_mm + wall_mm, width_mm + wall_mm) for columns in range(1, count + 1))
+    return min((grid for grid in grids if grid.rows * grid.columns - count < grid.columns), key=rank)
 
 
 def pad_scale(spec: MouldSpec) -> float:
@@ -42,13 +79,22 @@ class Point:
 
 
 @dataclass(frozen=True)
+class Funnel(Point):
+    """A sprue or vent through the lid, narrow at the pad so that its stem breaks there. [mm]"""
+
+    small_mm: float
+    large_mm: float
+
+
+@dataclass(frozen=True)
 class Layout:
     """Derived dimensions as heights above the cavity's lowest point.
 
     ``face_mm`` is the flat of the tested face (0 without a crown), where ``floor_outline`` lies;
     ``interface_mm`` the top of the layer poured first (0 without layers) with its outline, ``depth_mm`` the fill
     plane and ``land_mm`` the mould's top face. Outlines up to ``opening`` are those of one cavity about its own middle;
-    ``places`` are the middles of all of them, ``openings`` the rectangle that holds their openings.
+    ``places`` are the middles of all of them, ``openings`` the rectangle that holds their openings. Of ``funnels`` the
+    first is the sprue, the others are vents.
     """
 
     scale: float
@@ -68,8 +114,7 @@ class Layout:
     flange: Outline
     height_mm: float
     keys: tuple[Point, ...]
-    sprue: Point | None
-    vents: tuple[Point, ...]
+    funnels: tuple[Funnel, ...]
     label_y_mm: float
     label_room_mm: float
     places: tuple[Point, ...] = (Point(0.0, 0.0),)
@@ -81,6 +126,7 @@ class Layout:
         return [tool.translate((place.x_mm, place.y_mm, 0.0)) for place in self.places]
 
 
+@lru_cache(maxsize=64)
 def layout(spec: MouldSpec) -> Layout:
     """Compute the derived dimensions of a specification (see :class:`Layout`)."""
     pad, body, box = spec.pad, spec.body, spec.box
@@ -104,8 +150,9 @@ def layout(spec: MouldSpec) -> Layout:
     bottom = top.grown(-height * math.tan(math.radians(body.outer_draft_deg)))
     layers = pad.shape.layers()
     interface = scale * layers[0] if layers else 0.0
-    keys, sprue, vents = _closure_places(spec, fill)
-    strip_in = _gutter_reach(spec)
+    c = spec.closure
+    gutter = 0.0 if c is None else c.gutter_distance_mm + c.gutter_radius_mm
+    keys = () if c is None else _key_places(spec, c, fill, gutter)
     return Layout(
         scale=scale,
         silicone_scale=grow,
@@ -124,10 +171,9 @@ def layout(spec: MouldSpec) -> Layout:
         flange=top.scaled(grow).grown(rim),
         height_mm=height,
         keys=keys,
-        sprue=sprue,
-        vents=vents,
-        label_y_mm=-(openings.width_mm / 2 + (strip_in + body.wall_mm) / 2),
-        label_room_mm=_label_room(spec, openings, keys),
+        funnels=() if c is None else _funnels(c, fill),
+        label_y_mm=-(openings.width_mm / 2 + (gutter + body.wall_mm) / 2),
+        label_room_mm=_label_room_mm(c, openings, keys),
         places=places,
     )
 
@@ -144,30 +190,155 @@ def _side_by_side(spec: MouldSpec, opening: Outline, border_mm: float) -> tuple[
     return held, tuple(Point(*place) for place in grid.places_mm)
 
 
-def _gutter_reach(spec: MouldSpec) -> float:
-    """Distance from the opening to the outer side of the gutter, 0 without one. [mm]"""
-    c = spec.closure
-    return 0.0 if c is None else c.gutter_distance_mm + c.gutter_radius_mm
-
-
-def _closure_places(spec: MouldSpec, fill: Outline) -> tuple[tuple[Point, ...], Point | None, tuple[Point, ...]]:
-    """Keys at the corners (one shifted, so that only one assembly is possible), sprue and vents."""
-    c = spec.closure
-    if c is None:
-        return (), None, ()
+def _key_places(spec: MouldSpec, c: Closure, fill: Outline, gutter_mm: float) -> tuple[Point, ...]:
+    """Place keys at the corners, one shifted, so that the lid fits in one way only."""
     x = fill.length_mm / 2 + spec.body.wall_mm / 2 + 0.5
-    y = fill.width_mm / 2 + (_gutter_reach(spec) + spec.body.wall_mm) / 2
-    keys = (Point(x, y), Point(x, -y), Point(-x, -y), Point(-x + c.key_shift_mm, y))
-    sx = fill.length_mm / 2 - c.sprue_inset_mm
-    vx, vy = fill.length_mm / 2 - c.vent_inset_mm, fill.width_mm / 2 - c.vent_inset_mm
-    vents = (Point(vx, 0.0), Point(vx, vy), Point(vx, -vy), Point(-vx, vy), Point(-vx, -vy))
-    return keys, Point(-sx, 0.0), vents
+    y = fill.width_mm / 2 + (gutter_mm + spec.body.wall_mm) / 2
+    return Point(x, y), Point(x, -y), Point(-x, -y), Point(-x + c.key_shift_mm, y)
 
 
-def _label_room(spec: MouldSpec, opening: Outline, keys: tuple[Point, ...]) -> float:
+def _funnels(c: Closure, fill: Outline) -> tuple[Funnel, ...]:
+    """Place the sprue at one end, a vent at the other and one in every corner."""
+    x, y = fill.length_mm / 2 - c.vent_inset_mm, fill.width_mm / 2 - c.vent_inset_mm
+    sprue = Funnel(-(fill.length_mm / 2 - c.sprue_inset_mm), 0.0, c.sprue_small_mm, c.sprue_large_mm)
+    vents = ((x, 0.0), (x, y), (x, -y), (-x, y), (-x, -y))
+    return sprue, *(Funnel(*place, c.vent_small_mm, c.vent_large_mm) for place in vents)
+
+
+def _label_room_mm(c: Closure | None, opening: Outline, keys: tuple[Point, ...]) -> float:
     """Length that is free for the label on the land's front side. [mm]"""
-    front = [abs(key.x_mm) for key in keys if key.y_mm < 0]
-    if front:
-        reach = min(front) - spec.closure.key_radius_mm - spec.closure.key_clearance_mm
-        return 2 * reach - 4.0
-    return opening.length_mm - 4.0
+    if c is None:
+        return opening.length_mm - 4.0
+    front = min(abs(key.x_mm) for key in keys if key.y_mm < 0)
+    return 2 * (front - c.key_radius_mm - c.key_clearance_mm) - 4.0
+
+
+DOWEL_MM = 4.0
+"""Diameter of the two steel pins that keep ring and base in line."""
+# The second pin stands off the first one's mirror image, so that the ring goes on in one way.
+SHIFT_MM = 3.0
+
+
+def parting_mm(spec: MouldSpec, plan: Layout) -> float:
+    """Height at which ring and base meet: over the rounding of the tested face's edge, off the tested face."""
+    return plan.face_mm + spec.pad.edge_radius_mm * plan.scale
+
+
+def _line(spec: MouldSpec, plan: Layout) -> tuple[float, float]:
+    inset = spec.box.flange_mm / 2
+    return plan.flange.length_mm / 2 - inset, plan.flange.width_mm / 2 - inset
+
+
+def dowel_places(spec: MouldSpec, plan: Layout) -> tuple[Point, ...]:
+    """Two pins in the front flange."""
+    x, y = _line(spec, plan)
+    return Point(x / 2, -y), Point(-x / 2 + SHIFT_MM, -y)
+
+
+def level_places(spec: MouldSpec, plan: Layout) -> tuple[Point, ...]:
+    """Three screws to level by, off the bolts in corners and middles."""
+    x, y = _line(spec, plan)
+    return Point(x, -y / 2), Point(-x, -y / 2), Point(x / 3, y)
+
+
+SHEET_MM = (1.0, 8.0)
+STEP_MM = 0.5
+LEAST_MM = 20.0
+LEAST_FLOOR_MM = 3.0
+
+
+def sheet_outline(spec: MouldSpec, plan: Layout) -> Outline:
+    """Outline to cut the sheet to: within the flat of the tested face, a rim of plastic around it, in half millimetres.
+
+    A rectangle keeps its sharp corners, so near a round corner of the face it stays further inside; a round face takes
+    a round sheet.
+    """
+    face = plan.floor_outline.scaled(plan.silicone_scale)
+    inset = spec.pad.edge_radius_mm * plan.scale * plan.silicone_scale + spec.box.sheet_rim_mm
+    if face.is_circle:
+        across = _step(face.length_mm - 2 * inset)
+        return Outline(across, across, across / 2)
+    if face.radius_mm > inset:
+        inset = max(inset, face.radius_mm - (face.radius_mm - inset) / math.sqrt(2))
+    return Outline(_step(face.length_mm - 2 * inset), _step(face.width_mm - 2 * inset), 0.0)
+
+
+def recess_outline(spec: MouldSpec, plan: Layout) -> Outline:
+    """Pocket in the plug: the sheet and the gap of the machine's prints on each side."""
+    sheet, gap = sheet_outline(spec, plan), spec.machines.gap_mm
+    return sheet.grown(gap) if sheet.is_circle else Outline(sheet.length_mm + 2 * gap, sheet.width_mm + 2 * gap, 0.0)
+
+
+def plug_top_mm(plan: Layout) -> float:
+    """Height of the plug over the base plate. [mm]"""
+    return plan.land_mm * plan.silicone_scale
+
+
+def check_face_sheet(spec: MouldSpec, plan: Layout) -> None:
+    """Refuse a sheet that cannot be the tested face."""
+    box, shape = spec.box, spec.pad.shape
+    if not box.face_sheet_mm:
+        return
+    if shape.relief_mm:
+        raise InputError(
+            f"face_sheet_mm = {box.face_sheet_mm:g}: the tested face of {shape} is curved, a sheet is flat; use 0",
+            "not_applicable", "face_sheet_mm", box.face_sheet_mm, 0,
+        )  # fmt: skip
+    under = spec.body.floor_mm if spec.is_printed else plug_top_mm(plan) + box.base_mm
+    most = min(SHEET_MM[1], under - LEAST_FLOOR_MM - box.sheet_bond_mm)
+    if not SHEET_MM[0] <= box.face_sheet_mm <= most:
+        raise out_of_range("face_sheet_mm", f"{box.face_sheet_mm:g}", f"{SHEET_MM[0]:g}", f"{most:.3g}",
+                           f"{LEAST_FLOOR_MM:g} mm of plastic stay under it")  # fmt: skip
+    for name, low, high in (("sheet_bond_mm", 0.0, 0.5), ("sheet_rim_mm", 2.0, 20.0)):
+        if not low <= getattr(box, name) <= high:
+            raise out_of_range(name, f"{getattr(box, name):g}", f"{low:g}", f"{high:g}")
+    sheet = sheet_outline(spec, plan)
+    if min(sheet.length_mm, sheet.width_mm) < LEAST_MM:
+        raise InputError(
+            f"a sheet of {sheet.length_mm:g} x {sheet.width_mm:g} mm is all that fits on the tested face inside its "
+            f"rim; at least {LEAST_MM:g} mm each way are of use: leave face_sheet_mm at 0 or take a larger pad",
+            "cannot_be_made", "face_sheet_mm", box.face_sheet_mm,
+        )  # fmt: skip
+
+
+def _step(length_mm: float) -> float:
+    return math.floor(length_mm / STEP_MM) * STEP_MM
+
+
+def cavity_volume_mm3(spec: MouldSpec) -> float:
+    """Room in the mould up to the fill plane, a bone's room included: drafted slab and what its top adds. [mm3]
+
+    See :func:`dummydesign.mold.model.outline.slab_volume_mm3`.
+    """
+    plan, pad = layout(spec), spec.pad
+    flat = _slab_mm3(spec, plan.depth_mm - plan.face_mm)
+    return flat + plan.scale**3 * pad.shape.top_volume_mm3(pad)
+
+
+def _slab_mm3(spec: MouldSpec, height_mm: float) -> float:
+    plan, pad = layout(spec), spec.pad
+    return slab_volume_mm3(plan.floor_outline, height_mm, pad.draft_deg, pad.edge_radius_mm * plan.scale)
+
+
+def resin_volume_mm3(spec: MouldSpec) -> float:
+    """Resin of the pad in the cold cavity: the cavity less the bone. [mm3]"""
+    return cavity_volume_mm3(spec) - layout(spec).scale ** 3 * bone_volume_mm3(spec)
+
+
+def bone_volume_mm3(spec: MouldSpec) -> float:
+    """The finished bone in the gel: dome or bar in closed form, a bone from a file as measured. [mm3]"""
+    return spec.pad.shape.bone_volume_mm3(spec.pad) if spec.insert is None else spec.insert.volume_mm3
+
+
+def layer_volumes_mm3(spec: MouldSpec) -> tuple[float, float]:
+    """Volumes of the upper layer (at the mould's floor, poured first) and of the base layer. [mm3]"""
+    upper = _slab_mm3(spec, layout(spec).interface_mm)
+    return upper, cavity_volume_mm3(spec) - upper
+
+
+def mould_volume_mm3(spec: MouldSpec) -> float:
+    """Silicone of an open mould: block less cavity less brim, label neglected. [mm3]"""
+    plan = layout(spec)
+    block = drafted_volume_mm3(plan.bottom, plan.height_mm, spec.body.outer_draft_deg)
+    brim = drafted_volume_mm3(plan.brim_outline, spec.body.freeboard_mm, spec.pad.draft_deg)
+    return block - spec.count * (cavity_volume_mm3(spec) + brim)

@@ -45,23 +45,7 @@ class Outline:
 
 
 def drafted_volume_mm3(base: Outline, height_mm: float, draft_deg: float) -> float:
-    """Volume of a drafted prism whose outline moves outwards by z tan(draft).
-
-    Parameters
-    ----------
-    base : Outline
-        Outline at z = 0.
-    height_mm : float
-        Height. [mm]
-    draft_deg : float
-        Draft, positive when it widens upwards. [deg]
-
-    Returns
-    -------
-    float
-        V = A h + P k h^2 / 2 + pi k^2 h^3 / 3 with k = tan(draft): Steiner's formula for the area of a
-        parallel outline, A + P d + pi d^2, integrated over z. [mm3]
-    """
+    """Volume of a drafted prism whose outline moves outwards by z tan(draft). [mm3]"""
     k = math.tan(math.radians(draft_deg))
     return base.area_mm2 * height_mm + base.perimeter_mm * k * height_mm**2 / 2 + math.pi * k**2 * height_mm**3 / 3
 
@@ -72,20 +56,6 @@ def edge_fillet_volume_mm3(base: Outline, radius_mm: float, draft_deg: float) ->
     The cross-section lost (a kite of two tangent lengths less the sector of the arc) is the same all along
     the outline; straight sides give area times length, the four corners together one turn about their
     axes (second theorem of Pappus and Guldinus), its radius taken at the section's centroid.
-
-    Parameters
-    ----------
-    base : Outline
-        Outline of the face on z = 0; its radius must be at least the tangent length of the fillet.
-    radius_mm : float
-        Radius of the fillet. [mm]
-    draft_deg : float
-        Draft of the wall. [deg]
-
-    Returns
-    -------
-    float
-        Volume removed. [mm3]
     """
     if radius_mm == 0:
         return 0.0
@@ -104,16 +74,6 @@ def edge_fillet_volume_mm3(base: Outline, radius_mm: float, draft_deg: float) ->
 
 
 def slab_volume_mm3(base: Outline, height_mm: float, draft_deg: float, edge_radius_mm: float) -> float:
-    """Volume of a drafted slab with a filleted lower edge, exact for corner radius >= edge radius. [mm3]
-
-    Parameters
-    ----------
-    base : Outline
-        The lower face before its edge is rounded.
-    height_mm, edge_radius_mm : float
-        Height of the slab and radius of the fillet around its lower face. [mm]
-    draft_deg : float
-        Angle of the walls from the vertical; positive widens upwards. [deg]
-    """
+    """Volume of a drafted slab with a filleted lower edge, exact for corner radius >= edge radius. [mm3]"""
     whole = drafted_volume_mm3(base, height_mm, draft_deg)
     return whole - edge_fillet_volume_mm3(base, edge_radius_mm, draft_deg)

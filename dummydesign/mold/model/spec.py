@@ -1,4 +1,4 @@
-"""The specification of a mould: frozen, checked, hashed; everything else is computed from it."""
+"""The specification of a mould: frozen, checked, hashed; kinds of pad, hardware, bone."""
 
 from __future__ import annotations
 
@@ -9,14 +9,192 @@ from dataclasses import asdict, dataclass
 from functools import cached_property
 from typing import Any
 
-from dummydesign.geometry.shapes import PadShape, make_shape
-from dummydesign.geometry.standard import PAD_LENGTH_MM, PAD_WIDTH_MM
-from dummydesign.mold.bone.insert import Insert
-from dummydesign.mold.model.hardware import Aids, Body, Box, Closure
-from dummydesign.mold.model.pad_kind import PUCK
-from dummydesign.mold.model.spec_json import plain_data, rebuild
-from dummydesign.mold.printed.surface import Surface
-from dummydesign.mold.shop.items import Machines, Plastic, Silicone
+from dummydesign.core.errors import InputError, out_of_range, unknown_name
+from dummydesign.core.serialise import plain_data, rebuild
+from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM, RIM_FREE_MM, THINNEST_COVER_MM
+from dummydesign.geometry.pad_shape import PadShape
+from dummydesign.geometry.shape_registry import make_shape, read_shape, shape_kinds
+from dummydesign.mold.model.products import Machines, Plastic, Silicone, Surface
+
+LEAST_SEAT_MM2 = 20.0
+"""What of a bone must meet the plate that carries it."""
+
+
+@dataclass(frozen=True)
+class Placing:
+    """How a file's solid becomes the bone: scaled, turned about x, y and z in this order, its tip set down.
+
+    The tip is the lowest point after turning; it lies over ``x_mm``, ``y_mm`` of the pad's middle and reaches
+    ``height_mm`` into the gel from the free face. What is above the free face is cut away.
+    """
+
+    height_mm: float
+    scale: float = 1.0
+    turn_deg: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    x_mm: float = 0.0
+    y_mm: float = 0.0
+
+    def check(self, thickness_mm: float) -> None:
+        """Refuse numbers that place nothing."""
+        if not all(math.isfinite(value) for value in (self.scale, *self.turn_deg, self.x_mm, self.y_mm)):
+            raise InputError("scale, turn and place of the bone must be finite numbers", "out_of_range", "bone_place")
+        if not 1e-3 <= self.scale <= 1e3:
+            raise out_of_range("bone scale", f"{self.scale:g}", 0.001, 1000, "of the file's lengths, taken as mm")
+        most = thickness_mm - THINNEST_COVER_MM
+        if not 0.3 <= self.height_mm <= most:
+            raise out_of_range("bone height", f"{self.height_mm:g}", 0.3, f"{most:g}",
+                               f"{THINNEST_COVER_MM:g} mm of gel stay over it")  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Insert:
+    """A placed bone: its file by name and hash, and what was measured on the solid. [mm]
+
+    ``seat_mm2`` meets the plate; ``reach`` are its bounds in x and y; ``off_dome_mm`` is the root mean square distance
+    of its underside from the dome that the finite elements take in its place; ``off_file_mm`` what the simplified
+    triangles are off the file's.
+    """
+
+    file: str
+    sha256: str
+    placing: Placing
+    volume_mm3: float
+    seat_mm2: float
+    x_low_mm: float
+    x_high_mm: float
+    y_low_mm: float
+    y_high_mm: float
+    off_dome_mm: float
+    off_file_mm: float = 0.0
+    overhang: bool = False
+
+    def check(self, length_mm: float, width_mm: float) -> None:
+        """Refuse a bone that sticks out of the gel or hardly meets its plate."""
+        for name, low, high, across in (("length", self.x_low_mm, self.x_high_mm, length_mm),
+                                        ("width", self.y_low_mm, self.y_high_mm, width_mm)):  # fmt: skip
+            room = across / 2 - RIM_FREE_MM
+            if low < -room or high > room:
+                raise InputError(
+                    f"bone '{self.file}' sticks out: along the {name} it lies from {low:.1f} to {high:.1f} mm of the "
+                    f"pad's middle, allowed is {-room:g} to {room:g} ({RIM_FREE_MM:g} mm of gel all round); scale or "
+                    "move it, or take a larger pad",
+                    "out_of_range", f"bone_{name}_mm", (low, high), (-room, room),
+                )  # fmt: skip
+        if self.seat_mm2 < LEAST_SEAT_MM2:
+            raise InputError(
+                f"bone '{self.file}' meets its plate with {self.seat_mm2:.1f} mm2, at least {LEAST_SEAT_MM2:g} are "
+                "needed: let it reach less deep into the gel (bone height) so that a wider section lies at the plate",
+                "out_of_range", "bone_seat_mm2", self.seat_mm2, (LEAST_SEAT_MM2, None),
+            )  # fmt: skip
+
+    @property
+    def words(self) -> str:
+        """The warning that goes out with it."""
+        text = (
+            f"the bone comes from {self.file} (scale {self.placing.scale:g}); finite elements take the nearest dome in "
+            f"its place, which is {self.off_dome_mm:.2f} mm off its underside (root mean square)"
+        )
+        simpler = f"; its triangles were simplified by up to {self.off_file_mm:.3f} mm" if self.off_file_mm else ""
+        return text + simpler
+
+
+@dataclass(frozen=True)
+class Body:
+    """The silicone block around the cavity and the label cut into its land."""
+
+    style: str
+    wall_mm: float
+    floor_mm: float
+    outer_corner_radius_mm: float
+    outer_draft_deg: float
+    brim_step_mm: float
+    freeboard_mm: float
+    label_height_mm: float
+    label_stroke_mm: float
+    label_depth_mm: float
+
+
+@dataclass(frozen=True)
+class Closure:
+    """Lid, keys, gutter, sprue and vents of a lidded mould."""
+
+    lid_mm: float
+    backer_mm: float
+    key_radius_mm: float
+    key_clearance_mm: float
+    key_shift_mm: float
+    gutter_radius_mm: float
+    gutter_distance_mm: float
+    sprue_small_mm: float
+    sprue_large_mm: float
+    vent_small_mm: float
+    vent_large_mm: float
+    sprue_inset_mm: float
+    vent_inset_mm: float
+    pin_handle_mm: float
+    pin_spigot_mm: float
+
+
+@dataclass(frozen=True)
+class Box:
+    """The rigid master's base plate and the lift-off frame.
+
+    ``face_sheet_mm`` is the thickness of a sheet of glass or acrylic let into the plug's top as the tested face, with
+    a bond of ``sheet_bond_mm`` under it; 0 without one.
+    """
+
+    base_mm: float
+    frame_wall_mm: float
+    flange_mm: float
+    flange_thickness_mm: float
+    bolt_hole_mm: float
+    rim_mm: float
+    rim_step_mm: float
+    face_sheet_mm: float = 0.0
+    sheet_bond_mm: float = 0.1
+    sheet_rim_mm: float = 4.0
+
+
+@dataclass(frozen=True)
+class Aids:
+    """Strike-off plate, carrier tray and degassing collar."""
+
+    plate_mm: float
+    plate_clearance_mm: float
+    tray_floor_mm: float
+    tray_rim_mm: float
+    tray_rim_height_mm: float
+    tray_clearance_mm: float
+    level_screw_hole_mm: float
+    collar_wall_mm: float
+
+
+PUCK = "puck"
+
+
+def read_kind(text: str) -> tuple[str, tuple[tuple[str, float], ...]]:
+    """Read a shape as typed into name and parameters; a ``puck`` takes none."""
+    name, _, rest = text.partition(":")
+    if name.lower() not in shape_kinds():
+        return canonical_kind(name, (("0", 0.0),) if rest else ())
+    shape = read_shape(text)
+    return shape.name, shape.parameters
+
+
+def canonical_kind(
+    kind: str, parameters: tuple[tuple[str, float], ...]
+) -> tuple[str, tuple[tuple[str, float], ...]]:
+    """Name in small letters and every parameter by its name, so that equal shapes are stored alike."""
+    if kind.lower() == PUCK:
+        if parameters:
+            message = "shape puck takes no parameters; its diameter is given by --length and --width"
+            raise InputError(message, "unknown_key", "shape_parameter", parameters[0][0])
+        return PUCK, ()
+    if kind.lower() not in shape_kinds():
+        raise unknown_name("shape", kind, [*shape_kinds(), PUCK])
+    shape = make_shape(kind, parameters)
+    return shape.name, shape.parameters
+
 
 WARM_K = 5.0
 """A cure that is warmer than the room by no more than this needs no oven."""
@@ -71,8 +249,7 @@ class PadGeometry:
     @property
     def title(self) -> str:
         """Shape and size in words."""
-        size = f"{self.length_mm:g} x {self.width_mm:g} x {self.thickness_mm:g} mm"
-        return f"{self.name} pad {size}"
+        return f"{self.name} pad {self.length_mm:g} x {self.width_mm:g} x {self.thickness_mm:g} mm"
 
     @property
     def name(self) -> str:
@@ -89,7 +266,7 @@ class PadGeometry:
 class Pour:
     """The resin as a liquid to be weighed and poured; ``components`` are (name, mass fraction).
 
-    ``young_kPa`` is the modulus that the design counts on, None in specifications of earlier editions.
+    ``young_kPa`` is the modulus that the design counts on.
     """
 
     resin: str
@@ -114,7 +291,7 @@ class Pour:
     degas: str
     foam_factor: float
     pour_and_degas_min: float
-    young_kPa: float | None = None
+    young_kPa: float
 
     @property
     def cures_warm(self) -> bool:
@@ -173,22 +350,26 @@ class MouldSpec:
         assert made_of is not None
         return made_of
 
+    @property
+    def lid(self) -> Closure:
+        """Lid, gutter and funnels of a lidded mould."""
+        assert self.closure is not None
+        return self.closure
+
+    @property
+    def has_isocyanate(self) -> bool:
+        """Whether a component of the resin is an isocyanate."""
+        return any("isocyanate" in name.lower() for name, _ in self.pour.components)
+
     def to_dict(self) -> dict[str, Any]:
-        """Return nested plain dictionaries, tuples as lists; a base layer or plastic that is not there is left out."""
-        plain = plain_data(asdict(self))
-        absent = [(plain, name) for name in ("base", "plastic", "silicone", "surface", "insert")]
-        for table, name in (*absent, (plain["pour"], "young_kPa")):
-            if table[name] is None:
-                del table[name]
-        if plain.get("plastic", {}).get("expansion_per_K", 1.0) is None:
-            del plain["plastic"]["expansion_per_K"], plain["plastic"]["young_MPa"]
-        if not plain["machines"]["layer_mm"]:
-            del plain["machines"]["layer_mm"]
-        if plain["machines"]["fit"] is None:
-            del plain["machines"]["fit"]
-        if plain["count"] == 1:
+        """Return nested plain dictionaries, tuples as lists; what the mould does not have is left out."""
+        plain = _without_none(plain_data(asdict(self)))
+        plain.setdefault("closure", None)
+        if self.count == 1:
             del plain["count"]
-        if not plain["box"]["face_sheet_mm"]:
+        if not self.machines.layer_mm:
+            del plain["machines"]["layer_mm"]
+        if not self.box.face_sheet_mm:
             for name in ("face_sheet_mm", "sheet_bond_mm", "sheet_rim_mm"):
                 del plain["box"][name]
         return plain
@@ -213,3 +394,10 @@ class MouldSpec:
     def from_dict(data: dict[str, Any]) -> MouldSpec:
         """Rebuild a specification from :meth:`to_dict`."""
         return rebuild(MouldSpec, {"silicone": None, **data})
+
+
+def _without_none(value: Any) -> Any:
+    """Return nested dictionaries without the keys whose value is None."""
+    if isinstance(value, dict):
+        return {key: _without_none(item) for key, item in value.items() if item is not None}
+    return value

@@ -6,14 +6,13 @@ import math
 from dataclasses import asdict, fields, is_dataclass, replace
 from typing import Any
 
-from dummydesign.core.errors import InputError, out_of_range, unknown_name
-from dummydesign.geometry.limits import RIM_FREE_MM
+from dummydesign.core.errors import InputError, out_of_range, quantity_name, unknown_name
+from dummydesign.geometry.dimensions import RIM_FREE_MM
 from dummydesign.mold.model import formulas as formula
-from dummydesign.mold.model.face_sheet import check_face_sheet
-from dummydesign.mold.model.layout import Layout, layout
+from dummydesign.mold.model.layout import Layout, check_face_sheet, layout
 from dummydesign.mold.model.outline import Outline
+from dummydesign.mold.model.products import Machines, check_surface
 from dummydesign.mold.model.spec import MouldSpec, PadGeometry
-from dummydesign.mold.printed.surface import check_surface
 
 STYLES = ("open", "lidded", "printed")
 THICKNESS_MM = (3.0, 30.0)
@@ -23,13 +22,7 @@ SMALLEST_MM = {"open": 20.0, "lidded": 50.0, "printed": 20.0}
 
 
 def validate(spec: MouldSpec) -> Layout:
-    """Check a specification and return its layout.
-
-    Raises
-    ------
-    InputError
-        Naming the quantity, its value and what is allowed.
-    """
+    """Check a specification and return its layout."""
     _all_finite(spec, "")
     _check_pad(spec)
     _check_body(spec)
@@ -43,13 +36,17 @@ def validate(spec: MouldSpec) -> Layout:
     _check_count(spec)
     plan = layout(spec)
     check_face_sheet(spec, plan)
-    if spec.count == 1:
-        _check_machines(spec, plan)
-        return plan
     try:
-        _check_machines(spec, plan)
+        _check_machines(spec)
     except InputError as problem:
-        _machines_hold_fewer(spec, problem)
+        fewer = next((count for count in range(spec.count - 1, 0, -1) if _machines_hold(replace(spec, count=count))), 0)
+        if not fewer:
+            raise
+        raise InputError(
+            f"count = {spec.count} cavities of {spec.pad.length_mm:g} x {spec.pad.width_mm:g} mm do not fit machines "
+            f"'{spec.machines.name}'; {fewer} fit{'s' if fewer == 1 else ''} in one mould",
+            "out_of_range", "count", spec.count, (1, fewer),
+        ) from problem  # fmt: skip
     return plan
 
 
@@ -59,22 +56,16 @@ def _check_count(spec: MouldSpec) -> None:
         raise out_of_range("count", spec.count, 1, MOST_CAVITIES, "cavities of one mould")
     if spec.count > 1 and (spec.body.style == "lidded" or spec.base is not None or spec.pad.shape.bone_height_mm):
         what = "a lidded mould" if spec.body.style == "lidded" else f"a mould for {spec.pad.shape.name} pads"
-        raise InputError(f"count = {spec.count}: {what} has one cavity; cast the pads one after the other (--castings)")
+        message = f"count = {spec.count}: {what} has one cavity; cast the pads one after the other (--castings)"
+        raise InputError(message, "out_of_range", "count", spec.count, (1, 1))
 
 
-def _machines_hold_fewer(spec: MouldSpec, problem: InputError) -> None:
-    """Say how many cavities the machines hold, when some fit at all."""
-    for fewer in range(spec.count - 1, 0, -1):
-        one = replace(spec, count=fewer)
-        try:
-            _check_machines(one, layout(one))
-        except InputError:
-            continue
-        raise InputError(
-            f"count = {spec.count} cavities of {spec.pad.length_mm:g} x {spec.pad.width_mm:g} mm do not fit machines "
-            f"'{spec.machines.name}'; {fewer} fit{'s' if fewer == 1 else ''} in one mould"
-        ) from problem
-    raise problem
+def _machines_hold(spec: MouldSpec) -> bool:
+    try:
+        _check_machines(spec)
+    except InputError:
+        return False
+    return True
 
 
 def _all_finite(value: Any, name: str) -> None:
@@ -85,7 +76,7 @@ def _all_finite(value: Any, name: str) -> None:
         for item in value:
             _all_finite(item, name)
     elif isinstance(value, float) and not math.isfinite(value):
-        raise InputError(f"{name} = {value} is not a finite number")
+        raise InputError(f"{name} = {value} is not a finite number", "out_of_range", name, value)
 
 
 def _between(name: str, value: float, low: float, high: float, advice: str = "") -> None:
@@ -99,17 +90,16 @@ def _check_pad(spec: MouldSpec) -> None:
         raise unknown_name("style of mould", spec.body.style, STYLES)
     _between("thickness_mm", pad.thickness_mm, *THICKNESS_MM)
     least = SMALLEST_MM[spec.body.style]
-    for name in ("length_mm", "width_mm"):
-        if getattr(pad, name) < least:
-            raise InputError(
-                f"{name} = {getattr(pad, name):g} is below {least:g}, the least for a mould of style {spec.body.style}"
-            )
+    for name, value in (("length_mm", pad.length_mm), ("width_mm", pad.width_mm)):
+        if value < least:
+            message = f"{name} = {value:g} is below {least:g}, the least for a mould of style {spec.body.style}"
+            raise InputError(message, "out_of_range", name, value, (least, None))
     _between("draft_deg", pad.draft_deg, 0.0, 10.0)
     if pad.is_puck:
         if pad.length_mm != pad.width_mm:
-            raise InputError(
-                f"length_mm = {pad.length_mm:g} and width_mm = {pad.width_mm:g} of a puck must both be its diameter"
-            )
+            given = f"length_mm = {pad.length_mm:g} and width_mm = {pad.width_mm:g}"
+            message = f"{given} of a puck must both be its diameter"
+            raise InputError(message, "inconsistent", "width_mm", pad.width_mm, pad.length_mm)
     else:
         most = min(pad.length_mm, pad.width_mm) / 2 * 0.999
         _between("corner_radius_mm", pad.corner_radius_mm, CORNER_MM, most, "a sharper corner tears the silicone")
@@ -121,13 +111,15 @@ def _check_shape(spec: MouldSpec, pad: PadGeometry) -> None:
     shape = pad.shape
     shape.check(pad.thickness_mm, pad.length_mm, pad.width_mm)
     if spec.body.style == "lidded" and shape.open_mould_only:
-        raise InputError(f"{shape.open_mould_only}; use --preset open")
+        raise InputError(f"{shape.open_mould_only}; use --preset open", "conflict", "preset", spec.preset)
     if spec.insert is not None:
         if not shape.bone_height_mm:
-            raise InputError(f"a bone from a file belongs to a boned pad; the shape is {shape.name}")
+            message = f"a bone from a file belongs to a boned pad; the shape is {shape.name}"
+            raise InputError(message, "not_applicable", "bone", spec.insert.file)
         spec.insert.check(pad.length_mm, pad.width_mm)
     if (shape.layers() is None) != (spec.base is None):
-        raise InputError("a layered pad, and no other, needs a second resin for its base (base_ratio)")
+        message = "a layered pad, and no other, needs a second resin for its base (base_ratio)"
+        raise InputError(message, "inconsistent", "base_ratio")
     highest = min(pad.corner_radius_mm, pad.edge_room_mm)
     advice = "it fits below the corner radius and 0.9 of the rim's thickness"
     if shape.layers():
@@ -138,7 +130,8 @@ def _check_shape(spec: MouldSpec, pad: PadGeometry) -> None:
     if shape.runs_out:
         _between("corner_radius_mm", pad.corner_radius_mm, CORNER_MM, RIM_FREE_MM, f"the {shape.name} top runs out")
     if shape.sharp_edge and pad.edge_radius_mm:
-        raise InputError(f"edge_radius_mm = {pad.edge_radius_mm:g} of {shape.sharp_edge}")
+        message = f"edge_radius_mm = {pad.edge_radius_mm:g} of {shape.sharp_edge}"
+        raise InputError(message, "not_applicable", "edge_radius_mm", pad.edge_radius_mm, 0)
 
 
 def _check_body(spec: MouldSpec) -> None:
@@ -146,16 +139,16 @@ def _check_body(spec: MouldSpec) -> None:
     _between("wall_mm", body.wall_mm, 6.0, 50.0)
     _between("floor_mm", body.floor_mm, 5.0, 50.0)
     _between("outer_draft_deg", body.outer_draft_deg, 0.0, 3.0)
-    shrink = (spec.pad.thickness_mm * 1.02 + body.freeboard_mm + body.floor_mm) * math.tan(
-        math.radians(body.outer_draft_deg)
-    )
+    height = spec.pad.thickness_mm * 1.02 + body.freeboard_mm + body.floor_mm
+    shrink = height * math.tan(math.radians(body.outer_draft_deg))
     _between("outer_corner_radius_mm", body.outer_corner_radius_mm, shrink + 0.5, body.wall_mm + 10.0)
     if body.style != "lidded":
         _between("brim_step_mm", body.brim_step_mm, 0.5, body.wall_mm / 2)
         _between("freeboard_mm", body.freeboard_mm, 1.0, 20.0)
         _between("plate_clearance_mm", aids.plate_clearance_mm, 0.2, body.brim_step_mm)
     elif body.brim_step_mm or body.freeboard_mm:
-        raise InputError("brim_step_mm and freeboard_mm must be 0 for a lidded mould: its lid closes the fill plane")
+        message = "brim_step_mm and freeboard_mm must be 0 for a lidded mould: its lid closes the fill plane"
+        raise InputError(message, "not_applicable", "brim_step_mm" if body.brim_step_mm else "freeboard_mm", allowed=0)
     _between("label_depth_mm", body.label_depth_mm, 0.2, body.floor_mm / 4)
     _between("label_height_mm", body.label_height_mm, 2.5, body.wall_mm - 3.0)
     _between("label_stroke_mm", body.label_stroke_mm, 0.4, body.label_height_mm / 5)
@@ -170,21 +163,19 @@ def _check_body(spec: MouldSpec) -> None:
 def _check_closure(spec: MouldSpec) -> None:
     c, body, pad = spec.closure, spec.body, spec.pad
     if pad.is_puck:
-        raise InputError("a puck is poured in an open mould; use --preset open")
+        raise InputError("a puck is poured in an open mould; use --preset open", "conflict", "preset", spec.preset)
     if c is None:
-        raise InputError("a lidded mould needs the table [closure] in its preset")
-    reach = c.gutter_distance_mm + c.gutter_radius_mm
+        raise InputError("a lidded mould needs the table [closure] in its preset", "missing", "closure")
     socket = 2 * (c.key_radius_mm + c.key_clearance_mm)
-    if body.wall_mm - reach < socket + 2.0:
-        raise InputError(
-            f"wall_mm = {body.wall_mm:g} is too small: gutter ({reach:g}) and keys ({socket:g}) with 1 mm beside "
-            f"them need at least {reach + socket + 2:g}"
-        )
-    if c.gutter_distance_mm - c.gutter_radius_mm < 1.5:
-        raise InputError(
-            f"gutter_distance_mm = {c.gutter_distance_mm:g} leaves less than 1.5 mm beside the cavity; "
-            f"at least {c.gutter_radius_mm + 1.5:g}"
-        )
+    least_wall = c.gutter_distance_mm + c.gutter_radius_mm + socket + 2.0
+    if body.wall_mm < least_wall:
+        message = f"wall_mm = {body.wall_mm:g} is too small: gutter and keys with 1 mm beside them need {least_wall:g}"
+        raise InputError(message, "out_of_range", "wall_mm", body.wall_mm, (least_wall, None))
+    least_distance = c.gutter_radius_mm + 1.5
+    if c.gutter_distance_mm < least_distance:
+        message = f"gutter_distance_mm = {c.gutter_distance_mm:g} leaves less than 1.5 mm beside the cavity"
+        raise InputError(f"{message}; at least {least_distance:g}", "out_of_range", "gutter_distance_mm",
+                         c.gutter_distance_mm, (least_distance, None))  # fmt: skip
     _between("key_clearance_mm", c.key_clearance_mm, 0.05, 0.5)
     _between("key_shift_mm", c.key_shift_mm, socket + 1.0, pad.length_mm / 2)
     _between("key_radius_mm", c.key_radius_mm, 1.5, min(c.lid_mm, body.floor_mm) - 2.0)
@@ -206,63 +197,83 @@ def _check_process(spec: MouldSpec) -> None:
     if plastic is not None and hot > plastic.service_temperature_C:
         raise InputError(
             f"plastic '{plastic.name}' bears {plastic.service_temperature_C:g} C, the resin cures at {hot:g} C and the "
-            "tray stays in the oven: name a plastic in the preset that bears it, such as plastic = \"asa\""
-        )
+            "tray stays in the oven: name a plastic in the preset that bears it, such as plastic = \"asa\"",
+            "out_of_range", "plastic.service_temperature_C", plastic.service_temperature_C, (hot, None),
+        )  # fmt: skip
     for name, value in asdict(spec.acceptance).items():
         _between(f"acceptance {name}", value, 0.1, 50.0)
     _between("foam_factor", pour.foam_factor, 1.5, 8.0)
     if pour.degas not in ("cup", "mould"):
         raise unknown_name("place to degas", pour.degas, ("cup", "mould"))
     if pour.degas == "mould" and spec.body.style != "open":
-        raise InputError(f"degas = 'mould' needs an open mould of silicone, not a {spec.body.style} one; use 'cup'")
+        message = f"degas = 'mould' needs an open mould of silicone, not a {spec.body.style} one; use 'cup'"
+        raise InputError(message, "conflict", "degas", pour.degas, "cup")
     if pour.pour_and_degas_min >= pour.pot_life_min:
         raise InputError(
             f"pour_and_degas_min = {pour.pour_and_degas_min:g} is not below the resin's pot life of "
-            f"{pour.pot_life_min:g} min"
-        )
+            f"{pour.pot_life_min:g} min",
+            "out_of_range", "pour_and_degas_min", pour.pour_and_degas_min, (None, pour.pot_life_min),
+        )  # fmt: skip
     if not pour.components or not math.isclose(sum(share for _, share in pour.components), 1.0, abs_tol=1e-9):
-        raise InputError("the mass fractions of the resin's components must sum to 1")
+        raise InputError("the mass fractions of the resin's components must sum to 1", "inconsistent", "components")
     _between("balance_resolution_g", spec.machines.balance_resolution_g, 0.001, 10.0)
 
 
-def _check_machines(spec: MouldSpec, plan: Layout) -> None:
-    m = spec.machines
-    flange, pad = plan.flange, spec.pad
-    room = sorted((m.bed_x_mm - 2 * m.bed_margin_mm, m.bed_y_mm - 2 * m.bed_margin_mm))
-    largest = "the base of the mould" if spec.is_printed else "the master"
-    _fits("printer bed", largest, flange.length_mm, flange.width_mm, room, pad, m.name)
-    tall = (0.0 if spec.is_printed else spec.box.rim_mm) + plan.height_mm * plan.silicone_scale
-    if tall > m.printer_height_mm:
-        raise InputError(f"the frame is {tall:.0f} mm high, the printer of machines '{m.name}' {m.printer_height_mm:g}")
-    if spec.pour.cures_warm:
-        size = footprint(spec, plan)
-        shelf = sorted((m.shelf_x_mm, m.shelf_y_mm))
-        part = "the mould" if spec.is_printed else "the tray"
-        _fits("oven shelf", part, size.length_mm, size.width_mm, shelf, pad, m.name)
-    if spec.pour.degas == "mould":
-        high = plan.height_mm + formula.collar_height_mm(plan.depth_mm, spec.pour.foam_factor)
-        if plan.top.diagonal_mm > m.chamber_diameter_mm or high > m.chamber_height_mm:
-            raise InputError(
-                f"the mould with its collar ({plan.top.diagonal_mm:.0f} mm across, {high:.0f} mm high) does not fit "
-                f"the vacuum chamber of machines '{m.name}' ({m.chamber_diameter_mm:g} x {m.chamber_height_mm:g} mm); "
-                "degas in the cup or use a smaller pad"
-            )
+def bed_mm(m: Machines) -> tuple[float, float]:
+    """Length and width of the printer's bed within its margin. [mm]"""
+    return m.bed_x_mm - 2 * m.bed_margin_mm, m.bed_y_mm - 2 * m.bed_margin_mm
 
 
-def footprint(spec: MouldSpec, plan: Layout) -> Outline:
+def footprint(spec: MouldSpec) -> Outline:
     """What stands in the oven: the tray, or the base of a printed mould."""
     if spec.is_printed:
-        return plan.flange
-    return plan.bottom.grown(spec.aids.tray_rim_mm + spec.aids.tray_clearance_mm)
+        return layout(spec).flange
+    return layout(spec).bottom.grown(spec.aids.tray_rim_mm + spec.aids.tray_clearance_mm)
 
 
-def _fits(machine: str, part: str, length: float, width: float, room: list[float], pad: Any, machines: str) -> None:
+def spare_mm(part: Outline, room_mm: tuple[float, float]) -> float:
+    """Room that a part leaves in a rectangle, laid in it either way; negative where it does not fit. [mm]"""
+    low, high = sorted((part.length_mm, part.width_mm))
+    return min(min(room_mm) - low, max(room_mm) - high)
+
+
+def chamber_spare_mm(spec: MouldSpec) -> float:
+    """Room that a mould with its collar leaves in the vacuum chamber, the lesser of diameter and height. [mm]"""
+    m, plan = spec.machines, layout(spec)
+    tall = plan.height_mm + formula.collar_height_mm(plan.depth_mm, spec.pour.foam_factor)
+    return min(m.chamber_diameter_mm - plan.top.diagonal_mm, m.chamber_height_mm - tall)
+
+
+def _check_machines(spec: MouldSpec) -> None:
+    m, plan = spec.machines, layout(spec)
+    largest = "the base of the mould" if spec.is_printed else "the master"
+    _check_fit("printer bed", largest, plan.flange, bed_mm(m), spec)
+    tall = (0.0 if spec.is_printed else spec.box.rim_mm) + plan.height_mm * plan.silicone_scale
+    if tall > m.printer_height_mm:
+        message = f"the frame is {tall:.0f} mm high, the printer of machines '{m.name}' {m.printer_height_mm:g}"
+        raise InputError(message, "cannot_be_made", "printer_height_mm", tall, (None, m.printer_height_mm))
+    if spec.pour.cures_warm:
+        part = "the mould" if spec.is_printed else "the tray"
+        _check_fit("oven shelf", part, footprint(spec), (m.shelf_x_mm, m.shelf_y_mm), spec)
+    if spec.pour.degas == "mould" and chamber_spare_mm(spec) < 0:
+        high = plan.height_mm + formula.collar_height_mm(plan.depth_mm, spec.pour.foam_factor)
+        raise InputError(
+            f"the mould with its collar ({plan.top.diagonal_mm:.0f} mm across, {high:.0f} mm high) does not fit "
+            f"the vacuum chamber of machines '{m.name}' ({m.chamber_diameter_mm:g} x {m.chamber_height_mm:g} mm); "
+            "degas in the cup or use a smaller pad",
+            "cannot_be_made", "vacuum_chamber",
+        )  # fmt: skip
+
+
+def _check_fit(machine: str, part: str, size: Outline, room_mm: tuple[float, float], spec: MouldSpec) -> None:
     """Refuse a part larger than a machine, saying how large the pad may be."""
-    if max(length, width) <= room[1] and min(length, width) <= room[0]:
+    if spare_mm(size, room_mm) >= 0:
         return
-    border_l, border_w = length - pad.length_mm, width - pad.width_mm
+    pad, short, long = spec.pad, min(room_mm), max(room_mm)
+    most = long - (size.length_mm - pad.length_mm), short - (size.width_mm - pad.width_mm)
     raise InputError(
-        f"pad of {pad.length_mm:g} x {pad.width_mm:g} mm: {part} of {length:.1f} x {width:.1f} mm does not fit "
-        f"the {machine} of machines '{machines}' ({room[1]:g} x {room[0]:g} mm usable); allowed here is a pad up to "
-        f"{room[1] - border_l:.0f} x {room[0] - border_w:.0f} mm, or name other machines in a preset file"
-    )
+        f"pad of {pad.length_mm:g} x {pad.width_mm:g} mm: {part} of {size.length_mm:.1f} x {size.width_mm:.1f} mm does "
+        f"not fit the {machine} of machines '{spec.machines.name}' ({long:g} x {short:g} mm usable); allowed here is "
+        f"a pad up to {most[0]:.0f} x {most[1]:.0f} mm, or name other machines in a preset file",
+        "cannot_be_made", quantity_name(machine), (size.length_mm, size.width_mm), (long, short),
+    )  # fmt: skip

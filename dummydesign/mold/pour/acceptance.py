@@ -1,37 +1,145 @@
-"""Whether a cast pad is the one that was designed: limits, what each deviation costs in force, what to do. No CAD."""
+"""Whether a cast pad is the one that was designed: gauge points, readings, limits."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
 import numpy as np
 
-from dummydesign.geometry.standard import PUNCH_RADIUS_MM
+from dummydesign.core.errors import InputError, out_of_range, unknown_name
+from dummydesign.core.serialise import Serialised
+from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM, RIM_FREE_MM
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.plan import PourPlan
 from dummydesign.mold.pour.steps import BLANK
 
-# Depth over thickness at which the force's sensitivity to the thickness is told.
-TOLD_DEPTH = 0.25
+# A gauge point keeps this distance from the rounded edge of the tested face. [mm]
+EDGE_CLEAR_MM = 1.0
+CORNERS = ((1, 1), (-1, 1), (-1, -1), (1, -1))
+
+
+@dataclass(frozen=True)
+class GaugePoint(Serialised):
+    """One place of the pad, from its middle: x along the length, y across, seen on the tested face. [mm]
+
+    ``nominal_mm`` is the thickness from the base to the tested face, ``gel_mm`` the part of it that is gel: less over a
+    bone. ``pressed`` says that the gel there is what lies under the punch.
+    """
+
+    name: str
+    x_mm: float
+    y_mm: float
+    nominal_mm: float
+    low_mm: float
+    high_mm: float
+    gel_mm: float
+    pressed: bool
+
+
+def gauge_points(spec: MouldSpec) -> tuple[GaugePoint, ...]:
+    """Return the gauge points of a pad: tips or middle, what its shape adds, four corners.
+
+    Nominal values come from the shape's own heights. Each limit is the preset's share of the pad's full thickness on
+    either side: a plate that lies too high adds as much at every point.
+    """
+    pad, shape = spec.pad, spec.pad.shape
+    first = "middle" if shape.flat_top else "tip"
+    shift = (0.0, 0.0) if spec.insert is None else (spec.insert.placing.x_mm, spec.insert.placing.y_mm)
+    stands = [(x + shift[0], y + shift[1]) for x, y in shape.places_mm]
+    places = {first if len(stands) == 1 else f"{first}{i}": place for i, place in enumerate(stands, 1)}
+    places |= {} if pad.is_puck else shape.gauge_places(pad)
+    corner = _corner(spec)
+    places |= {f"{'edge' if pad.is_puck else 'corner'}{i}": (a * corner[0], b * corner[1])
+               for i, (a, b) in enumerate(CORNERS, 1)}  # fmt: skip
+    return tuple(_point(spec, name, place, stands) for name, place in places.items())
+
+
+def _corner(spec: MouldSpec) -> tuple[float, float]:
+    """Distances of a corner's gauge point from the pad's middle. [mm]"""
+    pad, radius = spec.pad, spec.pad.corner_radius_mm
+    most = min(RIM_FREE_MM, min(pad.length_mm, pad.width_mm) / 4)
+    inset = max(most, pad.edge_radius_mm + EDGE_CLEAR_MM)
+    # Inside the rounded corner the same distance from the edge, along the corner's diagonal.
+    back = inset if radius <= inset else radius - (radius - inset) / math.sqrt(2.0)
+    return pad.length_mm / 2 - back, pad.width_mm / 2 - back
+
+
+def _point(
+    spec: MouldSpec, name: str, place: tuple[float, float], stands: Sequence[tuple[float, float]]
+) -> GaugePoint:
+    pad, shape = spec.pad, spec.pad.shape
+    x, y = np.array([place[0] - x for x, _ in stands]), np.array([place[1] - y for _, y in stands])
+    nominal = pad.thickness_mm - float(np.min(shape.drop_mm(x, y)))
+    gel = nominal - float(np.max(shape.bone_mm(x, y)))
+    middle = pad.thickness_mm - shape.bone_height_mm
+    allowed = pad.thickness_mm * spec.acceptance.thickness_percent / 100
+    return GaugePoint(
+        name, round(place[0], 2), round(place[1], 2), nominal, nominal - allowed, nominal + allowed, gel,
+        abs(nominal - pad.thickness_mm) < 1e-9 and abs(gel - middle) < 1e-9,
+    )  # fmt: skip
+
+
+def points_rows(points: Sequence[GaugePoint], blank: str, first_pad: int = 1, pads: int = 1) -> list[tuple[str, ...]]:
+    """Table of the gauge points with free columns, the first row its head."""
+    bone = any(one.gel_mm < one.nominal_mm - 1e-9 for one in points)
+    free = ["measured, mm"] if first_pad == pads == 1 else [f"pad {first_pad + i}, mm" for i in range(pads)]
+    part = ["of it gel, mm"] if bone else []
+    rows = [("gauge point", "x, mm", "y, mm", "nominal, mm", *part, "allowed, mm", *free)]
+    for one in points:
+        gel = [f"{one.gel_mm:.2f}"] if bone else []
+        rows.append((one.name, f"{one.x_mm:g}", f"{one.y_mm:g}", f"{one.nominal_mm:.2f}", *gel,
+                     f"{one.low_mm:.2f} to {one.high_mm:.2f}", *[blank] * pads))  # fmt: skip
+    return rows
+
+
+def check_readings(readings: Mapping[str, float], points: Sequence[GaugePoint]) -> None:
+    """Refuse readings of unknown points, missing points and values that this pad cannot have."""
+    names = [point.name for point in points]
+    for name in readings:
+        if name not in names:
+            raise unknown_name("gauge point", name, names)
+    if missing := [name for name in names if name not in readings]:
+        raise InputError(f"--thickness lacks {', '.join(missing)}; give {example(points)}", "missing", "thickness")
+    for point in points:
+        value, nominal = readings[point.name], point.nominal_mm
+        if not 0.5 * nominal <= value <= 2.0 * nominal:
+            raise out_of_range(f"--thickness {point.name}", f"{value:g} mm", f"{0.5 * nominal:g}",
+                               f"{2 * nominal:g} mm", f"its nominal is {nominal:.2f} mm")  # fmt: skip
+
+
+def example(points: Sequence[GaugePoint]) -> str:
+    """How readings are typed: every name with its nominal thickness."""
+    return ",".join(f"{point.name}={point.nominal_mm:.2f}" for point in points)
+
+
+def offsets_mm(readings: Mapping[str, float], points: Sequence[GaugePoint]) -> dict[str, float]:
+    """Reading less nominal thickness by name. [mm]"""
+    return {point.name: readings[point.name] - point.nominal_mm for point in points}
+
+
+def pressed_thickness_mm(readings: Mapping[str, float], points: Sequence[GaugePoint], thickness_mm: float) -> float:
+    """Thickness of the pad as its force law means it. [mm]
+
+    Of a pad with tips the mean reading at them; of a flat pad the designed thickness and the mean offset of all points.
+    """
+    flat = all(abs(point.nominal_mm - thickness_mm) < 1e-9 for point in points)
+    off = offsets_mm(readings, points)
+    counted = [off[point.name] for point in points if flat or point.pressed]
+    return thickness_mm + sum(counted) / len(counted)
+
+
+# Depth over thickness at which the force's sensitivity to the thickness is stated.
+COMPARED_DEPTH = 0.25
 
 
 def force_at_thickness(spec: MouldSpec, shares: tuple[float, ...]) -> tuple[float, ...] | None:
     """Force at a given depth of pads whose thickness is a share of the designed one, over that of the designed one.
 
     At a quarter of the designed thickness, glued, under a square punch of 14 mm, by the response table.
-
-    Parameters
-    ----------
-    spec : MouldSpec
-        Of the designed pad.
-    shares : tuple of float
-        Thickness over the designed thickness.
-
-    Returns
-    -------
-    tuple of float, or None
-        None for a pad that no table holds, that is pressed between plates, or that is thinner than a table goes.
     """
-    from dummydesign.core.errors import InputError
-    from dummydesign.pad.tables.shape import ShapeLaw
+    from dummydesign.pad.tables.shape import TabulatedShapeLaw
     from dummydesign.pad.tables.slab import load_table
 
     pad = spec.pad
@@ -39,12 +147,18 @@ def force_at_thickness(spec: MouldSpec, shares: tuple[float, ...]) -> tuple[floa
         return None
     h = pad.thickness_mm
     try:
-        law = load_table("bonded") if pad.shape.plain else ShapeLaw(pad.shape)
-        force = law.force(TOLD_DEPTH * h, np.array([1.0, *shares]) * h, 1.0, PUNCH_RADIUS_MM)
+        law = load_table("bonded") if pad.shape.plain else TabulatedShapeLaw(pad.shape)
+        force = law.force(COMPARED_DEPTH * h, np.array([1.0, *shares]) * h, 1.0, PUNCH_RADIUS_MM)
     except InputError:
         return None
     over = force[1:] / force[0]
     return tuple(float(one) for one in over) if np.all(np.isfinite(over)) else None
+
+
+def force_change_percent(spec: MouldSpec, share: float) -> float | None:
+    """Change of the force at a given depth for a thickness that is a share of the designed one. [%]"""
+    force = force_at_thickness(spec, (share,))
+    return None if force is None else 100 * (force[0] - 1)
 
 
 def force_per_thickness(spec: MouldSpec) -> float | None:
@@ -59,47 +173,32 @@ def force_per_thickness(spec: MouldSpec) -> float | None:
     return float(np.log(force[1] / force[0]) / np.log((1.0 + step) / (1.0 - step)))
 
 
+WRONG_MODULUS = "wrong ratio, moist or old resin: cast again, or design again with resins add-compression"
+BUBBLES = "reject; degas longer or at a lower pressure"
+
+
 def acceptance_rows(spec: MouldSpec, plan: PourPlan) -> list[tuple[str, ...]]:
     """Table of what is measured on the finished pad, what is allowed, what it costs and what to do; a row each."""
-    limits, pad = spec.acceptance, spec.pad
+    limits, h, mass = spec.acceptance, spec.pad.thickness_mm, plan.cast_mass_g
     slope = force_per_thickness(spec)
-    h = pad.thickness_mm
-    mass = plan.pad_mass_g + (plan.base.pad_mass_g if plan.base else 0.0)
 
     def costs(percent: float) -> str:
         return "not known" if slope is None else f"{abs(slope) * percent:.0f} % of force at a given depth"
 
+    light, heavy = (mass * (1 + sign * limits.mass_percent / 100) for sign in (-1, 1))
     return [
         ("measured", "wanted", "allowed", "the limit costs", "really", "if it is missed"),
-        (
-            "thickness at each gauge point", "its nominal", f"within {h * limits.thickness_percent / 100:.2f} mm",
-            costs(limits.thickness_percent), "table above",
-            "give the campaign the record with the real thickness; beyond twice the limit cast again",
-        ),
-        (
-            "off nominal, largest less smallest", "0 mm", f"{h * limits.spread_percent / 100:.2f} mm",
-            costs(limits.spread_percent / 2.0), BLANK, "level again with the load in the mould, cast again",
-        ),
-        (
-            "mass", f"{mass:.1f} g", f"{mass * (1 - limits.mass_percent / 100):.1f} to "
-            f"{mass * (1 + limits.mass_percent / 100):.1f} g", costs(limits.mass_percent), BLANK,
-            "too light: air inside or a leak; too heavy: overfilled",
-        ),
-        (
-            "modulus of the witness", _modulus(spec), f"within {limits.modulus_percent:g} %",
-            f"{limits.modulus_percent:.0f} % of force", BLANK,
-            "wrong ratio, moist or old resin: cast again, or design again with resins add-compression",
-        ),
-        (
-            "bubbles over 1 mm under the punch", "none", "none", "local softening, not known", BLANK,
-            "reject; degas longer or at a lower pressure",
-        ),
+        ("thickness at each gauge point", "its nominal", f"within {h * limits.thickness_percent / 100:.2f} mm",
+         costs(limits.thickness_percent), "table above",
+         "give the campaign the record with the real thickness; beyond twice the limit cast again"),
+        ("off nominal, largest less smallest", "0 mm", f"{h * limits.spread_percent / 100:.2f} mm",
+         costs(limits.spread_percent / 2.0), BLANK, "level again with the load in the mould, cast again"),
+        ("mass", f"{mass:.1f} g", f"{light:.1f} to {heavy:.1f} g", costs(limits.mass_percent), BLANK,
+         "too light: air inside or a leak; too heavy: overfilled"),
+        ("modulus of the witness", f"{spec.pour.young_kPa:.1f} kPa", f"within {limits.modulus_percent:g} %",
+         f"{limits.modulus_percent:.0f} % of force", BLANK, WRONG_MODULUS),
+        ("bubbles over 1 mm under the punch", "none", "none", "local softening, not known", BLANK, BUBBLES),
     ]  # fmt: skip
-
-
-def _modulus(spec: MouldSpec) -> str:
-    young = spec.pour.young_kPa
-    return "that of the design" if young is None else f"{young:.1f} kPa"
 
 
 def when_it_fails(spec: MouldSpec) -> tuple[str, ...]:

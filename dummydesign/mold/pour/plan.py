@@ -7,8 +7,8 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from dummydesign.mold.model import formulas as formula
-from dummydesign.mold.model import volumes as contents
-from dummydesign.mold.model.layout import layout
+from dummydesign.mold.model import layout as dimensions
+from dummydesign.mold.model.layout import Funnel, layout
 from dummydesign.mold.model.outline import Outline
 from dummydesign.mold.model.spec import MouldSpec, Pour
 
@@ -47,6 +47,11 @@ class PourPlan:
     pour_time_s: float
     base: PourPlan | None = None
 
+    @property
+    def cast_mass_g(self) -> float:
+        """Mass of one pad, of a layered one both layers. [g]"""
+        return self.pad_mass_g + (self.base.pad_mass_g if self.base else 0.0)
+
     def to_dict(self) -> dict[str, Any]:
         """Return the fields as plain values; components as {name, mass_g}; ``base`` only when there is one."""
         parts = [{"name": name, "mass_g": mass} for name, mass in self.components]
@@ -59,23 +64,7 @@ class PourPlan:
 def split_batch(
     total_g: float, components: tuple[tuple[str, float], ...], resolution_g: float
 ) -> tuple[tuple[tuple[str, float], ...], float]:
-    """Split a batch into what the balance can show.
-
-    Parameters
-    ----------
-    total_g : float
-        Mass of the batch. [g]
-    components : tuple of (str, float)
-        Name and mass fraction; the fractions sum to 1.
-    resolution_g : float
-        Step of the balance. [g]
-
-    Returns
-    -------
-    tuple of (name, mass in g), float
-        Each mass a whole number of steps, and the largest relative error of a component's share that
-        rounding and one half step of reading leave. [%]
-    """
+    """Split a batch into what the balance can show. [%]"""
     steps = [max(1, round(total_g * share / resolution_g)) for _, share in components]
     digits = max(0, -math.floor(math.log10(resolution_g)))
     masses = tuple((name, round(n * resolution_g, digits)) for (name, _), n in zip(components, steps))
@@ -86,28 +75,19 @@ def split_batch(
 
 
 def pour_plan(spec: MouldSpec, resin_mm3: float | None = None, silicone_mm3: float | None = None) -> PourPlan:
-    """Work out the pour, of a layered pad both.
-
-    Parameters
-    ----------
-    spec : MouldSpec
-        The mould.
-    resin_mm3, silicone_mm3 : float, optional
-        Volumes measured on the solids (resin: the pad; silicone: mould and lid together); by default the
-        closed forms. [mm3]
-    """
+    """Work out the pour, of a layered pad both."""
     plan = layout(spec)
-    resin = contents.resin_volume_mm3(spec, plan) if resin_mm3 is None else resin_mm3
-    silicone = contents.mould_volume_mm3(spec, plan) if silicone_mm3 is None else silicone_mm3
-    if spec.base is None:
+    resin = dimensions.resin_volume_mm3(spec) if resin_mm3 is None else resin_mm3
+    silicone = dimensions.mould_volume_mm3(spec) if silicone_mm3 is None else silicone_mm3
+    layers = spec.pad.shape.layers()
+    if spec.base is None or layers is None:
         film = spec.pad.least_gel_mm
         return _one_pour(spec, spec.pour, resin, silicone, _above_fill_mm3(spec, spec.pour), plan.fill_outline, film)
-    upper, _ = contents.layer_volumes_mm3(spec, plan)
-    top_mm, _ = spec.pad.shape.layers()
-    base, left_mm = spec.base.pour, spec.pad.thickness_mm - top_mm
+    upper, _ = dimensions.layer_volumes_mm3(spec)
+    base, left_mm = spec.base.pour, spec.pad.thickness_mm - layers[0]
     under = _one_pour(spec, base, resin - upper, silicone, _above_fill_mm3(spec, base), plan.fill_outline, left_mm)
     # The spacer closes the first pour, so no meniscus stands over it.
-    return replace(_one_pour(spec, spec.pour, upper, silicone, 0.0, plan.interface_outline, top_mm), base=under)
+    return replace(_one_pour(spec, spec.pour, upper, silicone, 0.0, plan.interface_outline, layers[0]), base=under)
 
 
 def _one_pour(
@@ -127,6 +107,7 @@ def _one_pour(
     smallest = min(share for _, share in pour.components)
     level = formula.level_tolerance_deg(spec.pad.thickness_mm, max(spec.pad.length_mm, spec.pad.width_mm))
     mass_mould = silicone_mm3 * spec.tool.density_g_per_cm3 * 1e-3
+    warmer = max(0.0, pour.cure_temperature_C - pour.room_temperature_C)
     return PourPlan(
         cavity_mm3=resin_mm3,
         pad_mass_g=density * resin_mm3,
@@ -148,11 +129,7 @@ def _one_pour(
         wall_deflection_mm=formula.wall_deflection_mm(
             plan.depth_mm, spec.body.wall_mm, spec.tool.young_MPa or 0.0, pour.density_g_per_cm3
         ),
-        thermal_growth_mm=formula.thermal_growth_mm(
-            plan.bottom.length_mm,
-            spec.tool.expansion_per_K or 0.0,
-            max(0.0, pour.cure_temperature_C - pour.room_temperature_C),
-        ),
+        thermal_growth_mm=plan.bottom.length_mm * (spec.tool.expansion_per_K or 0.0) * warmer,
         collar_mm=formula.collar_height_mm(plan.depth_mm, pour.foam_factor) if pour.degas == "mould" else 0.0,
         pour_time_s=spreading_time_s(spec, pour, film_mm),
     )
@@ -174,17 +151,17 @@ def _above_fill_mm3(spec: MouldSpec, pour: Pour) -> float:
 
 def stems_mm3(spec: MouldSpec) -> float:
     """Resin that stands in the sprue and the vents of a lid, or in the vents of a bone's carrier. [mm3]"""
-    c = spec.closure
     if spec.pad.shape.bone_height_mm:
         high = spec.body.freeboard_mm + spec.aids.plate_mm
         return CARRIER_VENTS * math.pi / 4 * CARRIER_VENT_MM**2 * high
-    if c is None:
+    if spec.closure is None:
         return 0.0
+    sprue, *vents = layout(spec).funnels
+    return _cone_mm3(sprue, spec.closure.lid_mm) + len(vents) * _cone_mm3(vents[0], spec.closure.lid_mm)
 
-    def cone(small: float, large: float) -> float:
-        return math.pi / 12 * c.lid_mm * (small**2 + small * large + large**2)
 
-    return cone(c.sprue_small_mm, c.sprue_large_mm) + len(layout(spec).vents) * cone(c.vent_small_mm, c.vent_large_mm)
+def _cone_mm3(funnel: Funnel, high_mm: float) -> float:
+    return math.pi / 12 * high_mm * (funnel.small_mm**2 + funnel.small_mm * funnel.large_mm + funnel.large_mm**2)
 
 
 def spreading_time_s(spec: MouldSpec, pour: Pour, film_mm: float) -> float:
@@ -192,15 +169,6 @@ def spreading_time_s(spec: MouldSpec, pour: Pour, film_mm: float) -> float:
 
     A film of thickness h levels a slope of wavelength 2 L in tau = 3 mu / (rho g h^3 q^2), q = pi / L; three of
     them leave 5 %.
-
-    Parameters
-    ----------
-    spec : MouldSpec
-        The mould; L is the longer side of its pad.
-    pour : Pour
-        Density and viscosity of the mixed resin.
-    film_mm : float
-        Thickness of the film. [mm]
 
     References
     ----------
@@ -210,3 +178,82 @@ def spreading_time_s(spec: MouldSpec, pour: Pour, film_mm: float) -> float:
     wave = math.pi / (max(pad.length_mm, pad.width_mm) * 1e-3)
     weight = pour.density_g_per_cm3 * 1e3 * formula.GRAVITY_M_PER_S2
     return 3 * 3 * pour.viscosity_Pa_s / (weight * (film_mm * 1e-3) ** 3 * wave**2)
+
+
+WITNESS_DIAMETER_MM, WITNESS_HEIGHT_MM = 50.0, 30.0
+
+
+@dataclass(frozen=True)
+class Mix:
+    """What is weighed into one cup; ``error_percent`` is the largest error of a component's share. [g, %]"""
+
+    components: tuple[tuple[str, float], ...]
+    total_g: float
+    error_percent: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values."""
+        parts = [{"name": name, "mass_g": mass} for name, mass in self.components]
+        return {"components": parts, "total_g": self.total_g, "weighing_error_percent": self.error_percent}
+
+
+@dataclass(frozen=True)
+class Batch:
+    """One batch: what to mix, what of it to pour into the mould, and what to mix for a witness puck as well. [g]"""
+
+    mix: Mix
+    pour_g: float
+    raised: bool
+    witness_g: float
+    with_witness: Mix
+
+    @property
+    def holds_witness(self) -> bool:
+        """Whether what the mould leaves is enough for the witness puck."""
+        return self.with_witness == self.mix
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values."""
+        witness = {"mass_g": self.witness_g, **self.with_witness.to_dict()}
+        return {**self.mix.to_dict(), "pour_g": self.pour_g, "witness": witness}
+
+
+def witness_mass_g(pour: Pour) -> float:
+    """Liquid for the witness puck. [g]"""
+    volume = math.pi / 4 * WITNESS_DIAMETER_MM**2 * WITNESS_HEIGHT_MM
+    return volume * pour.density_g_per_cm3 * 1e-3
+
+
+def batch_of(spec: MouldSpec, pour: Pour, plan: PourPlan) -> Batch:
+    """Work out the batch of one pour.
+
+    It is the pour's own, raised to whole grams where the balance could not weigh that in the right ratio, but not
+    above what foams in the vacuum chamber.
+    """
+    machines = spec.machines
+    cup_mm = min(machines.chamber_diameter_mm, machines.chamber_height_mm)
+    most = math.pi / 4 * cup_mm**3 / CUP_FACTOR * pour.density_g_per_cm3 * 1e-3
+    least = min(math.ceil(plan.batch_for_ratio_g - 1e-9), math.floor(most))
+    own = Mix(plan.components, plan.batch_mass_g, plan.ratio_error_percent)
+    mix = own if plan.batch_mass_g >= least else _mix(least, pour, machines.balance_resolution_g)
+    wanted = plan.batch_mass_g + (1 + pour.extra_percent / 100) * witness_mass_g(pour)
+    both = mix if wanted <= mix.total_g else _mix(wanted, pour, machines.balance_resolution_g)
+    poured = spec.count * plan.fill_mass_g
+    return Batch(mix, round(poured, 2), mix is not own, round(witness_mass_g(pour), 2), both)
+
+
+def pours_of(spec: MouldSpec, plan: PourPlan) -> list[tuple[Pour, PourPlan]]:
+    """Return the pours in their order: one, of a layered pad two."""
+    base = [(spec.base.pour, plan.base)] if spec.base is not None and plan.base is not None else []
+    return [(spec.pour, plan), *base]
+
+
+def batches_of(spec: MouldSpec, plan: PourPlan) -> dict[str, Any]:
+    """The batch of a mould in plain values; that of a layered pad's base as ``base``."""
+    first, *base = (batch_of(spec, *one).to_dict() for one in pours_of(spec, plan))
+    return {**first, "base": base[0]} if base else first
+
+
+def _mix(total_g: float, pour: Pour, resolution_g: float) -> Mix:
+    components, error = split_batch(total_g, pour.components, resolution_g)
+    return Mix(components, round(sum(mass for _, mass in components), 6), error)

@@ -5,14 +5,23 @@ from __future__ import annotations
 import json
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.measurement.pad_record import PadRecord, thickness_error
-from dummydesign.mold.gauging.points import GaugePoint, gauge_points, points_of
-from dummydesign.mold.gauging.readings import check_readings, example, offsets_mm, pressed_thickness_mm
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.spec import MouldSpec
-from dummydesign.mold.pour.acceptance import force_at_thickness
+from dummydesign.mold.pour.acceptance import (
+    BUBBLES,
+    WRONG_MODULUS,
+    GaugePoint,
+    check_readings,
+    example,
+    force_change_percent,
+    gauge_points,
+    offsets_mm,
+    pressed_thickness_mm,
+)
 from dummydesign.mold.pour.plan import pour_plan
 
 PLACES = 5
@@ -43,7 +52,7 @@ class Measured:
 
 
 @dataclass(frozen=True)
-class Judged:
+class LimitCheck:
     """One limit: what was found, what is allowed, what it costs in force at a given depth, what to do when missed."""
 
     what: str
@@ -57,71 +66,60 @@ class Judged:
 
 
 def read_spec(folder: str | Path) -> MouldSpec:
-    """Read the specification in the folder of a mould.
-
-    Raises
-    ------
-    InputError
-        When there is none, or it does not have the hash that stands in it.
-    """
-    path = Path(folder) / "spec.json"
+    """Read the specification in the folder of a mould."""
+    path, content = _read(folder)
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-        spec, said = MouldSpec.from_dict(data["spec"]), data["hash"]
-    except FileNotFoundError:
-        raise InputError(f"'{folder}' has no spec.json; give the folder that 'dummydesign mold' wrote") from None
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as problem:
-        raise InputError(f"'{path}' is damaged ({problem}); make the mould again") from None
-    if spec.hash != said:
-        raise InputError(f"'{path}' was changed: its hash is {spec.hash}, not {said}; make the mould again")
+        spec, recorded = MouldSpec.from_dict(content["spec"]), content["hash"]
+    except (ValueError, KeyError, TypeError, AttributeError) as problem:
+        raise _damaged(path, problem) from None
+    if spec.hash != recorded:
+        message = f"'{path}' was changed: its hash is {spec.hash}, not {recorded}; make the mould again"
+        raise InputError(message, "inconsistent", "hash", spec.hash, recorded)
     return spec
 
 
-def read_points(folder: str | Path, spec: MouldSpec) -> tuple[GaugePoint, ...]:
-    """Read the gauge points that the pour sheet of a mould lists; those of today for a folder of an earlier edition.
-
-    Raises
-    ------
-    InputError
-        When the list is damaged.
-    """
-    path = Path(folder) / "spec.json"
-    listed = json.loads(path.read_text(encoding="utf-8")).get("gauge_points")
+def read_points(folder: str | Path) -> tuple[GaugePoint, ...]:
+    """Read the gauge points that the pour sheet of a mould lists."""
+    path, content = _read(folder)
     try:
-        return gauge_points(spec) if listed is None else points_of(listed)
-    except (KeyError, TypeError, AttributeError) as problem:
-        raise InputError(f"'{path}' is damaged at gauge_points ({problem}); make the mould again") from None
+        return tuple(GaugePoint(**one) for one in content["gauge_points"])
+    except (KeyError, TypeError) as problem:
+        message = f"'{path}' is damaged at gauge_points ({problem}); make the mould again"
+        raise InputError(message, "malformed", "gauge_points") from None
 
 
-def check_measured(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ...] | None = None) -> None:
-    """Refuse what cannot have been measured on this pad, so that a slip of the pen does not become a pad.
+def _read(folder: str | Path) -> tuple[Path, dict[str, Any]]:
+    path = Path(folder) / "spec.json"
+    try:
+        return path, dict(json.loads(path.read_text(encoding="utf-8")))
+    except FileNotFoundError:
+        message = f"'{folder}' has no spec.json; give the folder that 'dummydesign mold' wrote"
+        raise InputError(message, "file_not_found", "mould_folder", str(folder)) from None
+    except (OSError, ValueError, TypeError) as problem:
+        raise _damaged(path, problem) from None
 
-    Parameters
-    ----------
-    measured : Measured
-    spec : MouldSpec
-        Of its mould.
-    points : tuple of GaugePoint, optional
-        As its pour sheet lists them.
 
-    Raises
-    ------
-    InputError
-        With the value and what is allowed, or the names of gauge points.
-    """
+def _damaged(path: Path, problem: Exception) -> InputError:
+    message = f"'{path}' is damaged ({problem}); make the mould again"
+    return InputError(message, "file_unreadable", "mould_folder", str(path.parent))
+
+
+def check_measured(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ...]) -> None:
+    """Refuse what cannot have been measured on this pad, so that a slip of the pen does not become a pad."""
     h, count = spec.pad.thickness_mm, len(measured.thicknesses_mm)
-    points = points or gauge_points(spec)
     if measured.points:
         check_readings(measured.readings, points)
     elif not spec.pad.shape.flat_top:
         raise InputError(f"--thickness without names cannot be judged: a {spec.pad.shape.title} is not equally thick "
-                         f"everywhere; give the reading at each gauge point: {example(points)}")  # fmt: skip
+                         f"everywhere; give the reading at each gauge point: {example(points)}",
+                         "malformed", "thickness")  # fmt: skip
     elif count < PLACES:
-        raise InputError(f"--thickness has {count} values; measure at {PLACES} places or more")
+        message = f"--thickness has {count} values; measure at {PLACES} places or more"
+        raise InputError(message, "not_enough_data", "thickness", count, (PLACES, None))
     for one in () if measured.points else measured.thicknesses_mm:
         if not 0.5 * h <= one <= 2.0 * h:
             raise out_of_range("--thickness", f"{one:g} mm", f"{0.5 * h:g}", f"{2 * h:g} mm", f"the pad is of {h:g} mm")
-    wanted = _mass_g(spec)
+    wanted = pour_plan(spec).cast_mass_g
     if not 0.3 * wanted <= measured.mass_g <= 3.0 * wanted:
         advice = f"the pad is of {wanted:.1f} g"
         raise out_of_range("--mass", f"{measured.mass_g:g} g", f"{0.3 * wanted:.0f}", f"{3 * wanted:.0f} g", advice)
@@ -143,35 +141,17 @@ def record_pad(
     The force is that at a quarter of the designed thickness by the response table, over that of the designed pad:
     by the thickness and in proportion to the witness's modulus. The thickness is the mean of a flat pad's readings
     and the reading at the tip of a pad that is not flat.
-
-    Parameters
-    ----------
-    measured : Measured
-    spec : MouldSpec
-        Of its mould.
-    points : tuple of GaugePoint, optional
-        As its pour sheet lists them; those of :func:`~dummydesign.mold.gauging.points.gauge_points` by default.
-
-    Returns
-    -------
-    PadRecord
-
-    Raises
-    ------
-    InputError
-        See :func:`check_measured`.
     """
     points = points or gauge_points(spec)
     check_measured(measured, spec, points)
-    pad = spec.pad
+    pad, young = spec.pad, measured.young_kPa
     evened = _evened_mm(measured, spec, points)
     thickness = sum(evened) / len(evened)
     if measured.points:
         thickness = pressed_thickness_mm(measured.readings, points, pad.thickness_mm)
-    by_thickness = _cost(spec, thickness / pad.thickness_mm)
+    by_thickness = force_change_percent(spec, thickness / pad.thickness_mm)
     limits = judge(measured, spec, points)
-    young, wanted = measured.young_kPa, spec.pour.young_kPa if spec.base is None else None
-    stiffer = 1.0 if young is None or wanted is None else young / wanted
+    stiffer = 1.0 if young is None or spec.base is not None else young / spec.pour.young_kPa
     return PadRecord(
         specification=spec.hash, shape=pad.name, length_mm=pad.length_mm, width_mm=pad.width_mm, resin=spec.pour.resin,
         ratio=spec.pour.ratio, design_thickness_mm=pad.thickness_mm, thicknesses_mm=measured.thicknesses_mm,
@@ -193,82 +173,65 @@ def _evened_mm(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ..
 
 def judge(
     measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ...] | None = None
-) -> tuple[Judged, ...]:
-    """Each limit of acceptance with what was measured; those that were not measured are left out.
-
-    Parameters
-    ----------
-    measured : Measured
-    spec : MouldSpec
-        Its ``acceptance`` are the limits; level as on the pour sheet.
-    points : tuple of GaugePoint, optional
-        As its pour sheet lists them; readings by name are held against the limits of each.
-
-    Returns
-    -------
-    tuple of Judged
-    """
-    limits, pad = spec.acceptance, spec.pad
-    points = points or gauge_points(spec)
+) -> tuple[LimitCheck, ...]:
+    """Each limit of acceptance with what was measured; those that were not measured are left out."""
+    limits, pad, points = spec.acceptance, spec.pad, points or gauge_points(spec)
     h, values = pad.thickness_mm, _evened_mm(measured, spec, points)
     mean, spread = sum(values) / len(values), max(values) - min(values)
-    wide = _cost(spec, 1 + spread / 2 / h)
+    again = "level again with the load in the mould, cast again"
     if measured.points:
         found = [_at(point, measured.readings[point.name], spec) for point in points]
     else:
-        found = [_around("thickness, mean", mean, "mm", h, limits.thickness_percent, _cost(spec, mean / h),
-                         _thickness(mean, h, limits.thickness_percent))]  # fmt: skip
+        cost = force_change_percent(spec, mean / h)
+        found = [_around("thickness, mean", mean, "mm", h, limits.thickness_percent, cost, _advice(mean, spec))]
     what = "thickness, largest less smallest" if pad.shape.flat_top else "off nominal, largest less smallest"
     found += [
-        Judged(what, spread, "mm", None, h * limits.spread_percent / 100,
-               spread > h * limits.spread_percent / 100, None if wide is None else abs(wide),
-               "level again with the load in the mould, cast again; until then press in one place and gauge it there"),
+        _at_most(what, spread, "mm", h * limits.spread_percent / 100, force_change_percent(spec, 1 + spread / 2 / h),
+                 f"{again}; until then press in one place and gauge it there"),
         _mass(measured, spec, mean),
     ]  # fmt: skip
-    wanted = spec.pour.young_kPa
-    if measured.young_kPa is not None and wanted is not None:
-        change = 100 * (measured.young_kPa / wanted - 1)
-        advice = "wrong ratio, moist or old resin: cast again, or design again with resins add-compression"
-        found.append(_around("modulus of the witness", measured.young_kPa, "kPa", wanted, limits.modulus_percent,
-                             change if spec.base is None else None, advice))  # fmt: skip
+    if measured.young_kPa is not None:
+        change = 100 * (measured.young_kPa / spec.pour.young_kPa - 1) if spec.base is None else None
+        found.append(_around("modulus of the witness", measured.young_kPa, "kPa", spec.pour.young_kPa,
+                             limits.modulus_percent, change, WRONG_MODULUS))  # fmt: skip
     if measured.level_deg is not None:
-        plan = pour_plan(spec)
         half_mm = formula.tilt_error_mm(max(pad.length_mm, pad.width_mm), measured.level_deg) / 2
-        wedge = _cost(spec, 1 + half_mm / h)
-        found.append(Judged("level", measured.level_deg, "deg", None, plan.level_deg,
-                            measured.level_deg > plan.level_deg, None if wedge is None else abs(wedge),
-                            "level again with the load in the mould, cast again"))  # fmt: skip
+        found.append(_at_most("level", measured.level_deg, "deg", pour_plan(spec).level_deg,
+                              force_change_percent(spec, 1 + half_mm / h), again))  # fmt: skip
     if measured.bubbles is not None:
-        found.append(Judged("bubbles over 1 mm under the punch", measured.bubbles, "", None, 0.0, measured.bubbles > 0,
-                            None, "reject; degas longer or at a lower pressure"))  # fmt: skip
+        found.append(_at_most("bubbles over 1 mm under the punch", measured.bubbles, "", 0.0, None, BUBBLES))
     return tuple(found)
 
 
-def _at(point: GaugePoint, value: float, spec: MouldSpec) -> Judged:
+def _at(point: GaugePoint, value: float, spec: MouldSpec) -> LimitCheck:
     """The thickness at a gauge point; its cost in force where it is the gel under the punch."""
     h, off = spec.pad.thickness_mm, value - point.nominal_mm
-    cost = _cost(spec, 1 + off / h) if point.pressed else None
-    advice = _thickness(h + off, h, spec.acceptance.thickness_percent)
+    cost = force_change_percent(spec, 1 + off / h) if point.pressed else None
     missed = not point.low_mm <= value <= point.high_mm
-    return Judged(f"thickness at {point.name}", value, "mm", point.low_mm, point.high_mm, missed, cost, advice)
+    return LimitCheck(f"thickness at {point.name}", value, "mm", point.low_mm, point.high_mm, missed, cost,
+                      _advice(h + off, spec))  # fmt: skip
+
+
+def _at_most(what: str, value: float, unit: str, high: float, cost: float | None, advice: str) -> LimitCheck:
+    return LimitCheck(what, value, unit, None, high, value > high, None if cost is None else abs(cost), advice)
 
 
 def _around(
     what: str, value: float, unit: str, wanted: float, percent: float, cost: float | None, advice: str
-) -> Judged:
+) -> LimitCheck:
     low, high = wanted * (1 - percent / 100), wanted * (1 + percent / 100)
-    return Judged(what, value, unit, low, high, not low <= value <= high, cost, advice)
+    return LimitCheck(what, value, unit, low, high, not low <= value <= high, cost, advice)
 
 
-def _thickness(mean: float, h: float, percent: float) -> str:
-    if abs(mean / h - 1) > 2 * percent / 100:
+def _advice(thickness_mm: float, spec: MouldSpec) -> str:
+    if abs(thickness_mm / spec.pad.thickness_mm - 1) > 2 * spec.acceptance.thickness_percent / 100:
         return "beyond twice the limit: cast again"
     return "usable with its real thickness: give this record to the campaign"
 
 
-def _mass(measured: Measured, spec: MouldSpec, mean: float) -> Judged:
+def _mass(measured: Measured, spec: MouldSpec, mean: float) -> LimitCheck:
     """The mass; its cost is the thickness's, and what thickness does not explain is air or resin outside."""
-    wanted, h = _mass_g(spec), spec.pad.thickness_mm
+    wanted, h = pour_plan(spec).cast_mass_g, spec.pad.thickness_mm
     grown = mean / h
     if not spec.pad.shape.flat_top:
         grown = 1 + pour_plan(spec).gram_per_mm_g * (mean - h) / wanted
@@ -281,17 +244,6 @@ def _mass(measured: Measured, spec: MouldSpec, mean: float) -> Judged:
     return _around("mass", measured.mass_g, "g", wanted, spec.acceptance.mass_percent, None, why)
 
 
-def _mass_g(spec: MouldSpec) -> float:
-    plan = pour_plan(spec)
-    return plan.pad_mass_g + (plan.base.pad_mass_g if plan.base else 0.0)
-
-
-def _cost(spec: MouldSpec, share: float) -> float | None:
-    """Change of the force at a given depth for a thickness that is a share of the designed one. [%]"""
-    force = force_at_thickness(spec, (share,))
-    return None if force is None else 100 * (force[0] - 1)
-
-
-def _words(one: Judged) -> str:
+def _words(one: LimitCheck) -> str:
     allowed = f"{one.low:.4g} to {one.high:.4g}" if one.low is not None else f"at most {one.high:.4g}"
     return f"{one.what} {one.value:.4g} {one.unit}".rstrip() + f" (allowed {allowed})"

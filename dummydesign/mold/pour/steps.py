@@ -1,9 +1,14 @@
-"""Steps of a pour with what each does to the mould, and the rules that their order keeps. No CAD."""
+"""The steps of a pour in their order, and what a shape changes in them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+
+from dummydesign.mold.model import formulas as formula
+from dummydesign.mold.model.layout import bone_volume_mm3, layout
+from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.mold.pour.plan import PourPlan
 
 # What a step may do. A move is anything that disturbs the level: carrying, weighing the mould itself, tilting it.
 PREPARE, LEVEL, MIX, DEGAS, POUR, WAIT, CLOSE, GEL, MOVE, CURE = (
@@ -57,3 +62,217 @@ def order_faults(steps: Sequence[Step]) -> list[str]:
     if not acts or acts[-1] != CURE:
         faults.append("the cure is not the last step")
     return faults
+
+
+def plug_finish(spec: MouldSpec) -> str:
+    """How the face that forms the tested face is made smooth."""
+    pad, sheet = spec.pad, spec.box.face_sheet_mm
+    where = "floor of the base" if spec.is_printed else "plug's top"
+    if sheet:
+        return (
+            f"The tested face is the sheet of {sheet:g} mm (drawing face_sheet): gauge it first, another thickness is "
+            f"another face_sheet_mm (really: {BLANK} mm). Bond it into the pocket with a film of "
+            f"{spec.box.sheet_bond_mm:g} mm, weighed down on a flat plate so that it ends flush with the {where} "
+            f"(step really: {BLANK} mm), and fill the gap around it."
+        )
+    if not pad.shape.relief_mm:
+        return f"The {where} becomes the tested face: sand it, or have a sheet of glass let in (face_sheet_mm)."
+    layer = formula.print_layer_mm(pad.shape.relief_mm)
+    return (
+        f"The {where} becomes the tested face and is curved: layers of at most {layer:.2g} mm there, then "
+        "sand with a soft pad or coat it; measure its height over the flat with a dial gauge."
+    )
+
+
+def shape_mark(spec: MouldSpec) -> str:
+    """One line on the shape for sheet and drawing, empty for a slab."""
+    mark = spec.pad.shape.mark(spec.pad, layout(spec).scale)
+    return mark if spec.insert is None else f"bone from {spec.insert.file}; for the model {mark}"
+
+
+def by_difference(plan: PourPlan, why: str, count: int = 1) -> str:
+    """How a mass is poured into a mould that stays where it is level, or into each of its cavities."""
+    if count > 1:
+        return (
+            f"Fill the {count} cavities one after the other, each by difference: put the cup on the balance and tare "
+            f"it, pour in a thin stream into one corner, put the cup back and stop at -{plan.fill_mass_g:.1f} g "
+            f"({why}). The mould stays where it is. Poured: {' '.join([BLANK] * count)} g"
+        )
+    return (
+        f"Put the cup on the balance and tare it. Pour in a thin stream into one corner and put the cup back: the "
+        f"balance shows what has left it. Stop at -{plan.fill_mass_g:.1f} g ({why}). The mould stays where it is. "
+        f"Poured: {BLANK} g"
+    )
+
+
+def _layer_steps(spec: MouldSpec, plan: PourPlan) -> list[Step]:
+    """From the first pour of a layered pad to the second."""
+    assert spec.base is not None and plan.base is not None
+    pour = spec.pour
+    where = f"at {pour.cure_temperature_C:g} C in the vented oven" if pour.cures_warm else "at room temperature"
+    return [
+        Step("UPPER LAYER FIRST (it forms the tested face). "
+             f"{by_difference(plan, f'{plan.gram_per_mm_g:.1f} g make one millimetre')} at: {BLANK}", (POUR,)),
+        Step(f"Prick bubbles, wait {max(30.0, plan.pour_time_s):.0f} s. Lay release film on the spacer, set it down on "
+             "one edge and lower it like a hinge until it rests on the land; what is too much comes up in the gap. "
+             "Without a spacer the layer is as even as the mould is level.", (WAIT, CLOSE)),
+        Step(f"Let it gel where it stands, {where}; not before its pot life of {pour.pot_life_min:g} min is over "
+             f"lift the spacer on one edge. Gelled at: {BLANK}", (GEL,)),
+        Step("BASE LAYER SECOND, while the first is tacky: weigh, mix and degas it only now, as the first (ratio "
+             f"{spec.base.pour.ratio:.4g}). The surface must be free of film, dust and release agent. "
+             f"{by_difference(plan.base, 'up to the step of the brim')} at: {BLANK}", (MIX, DEGAS, POUR)),
+    ]  # fmt: skip
+
+
+def _preparing_bone(spec: MouldSpec) -> list[Step]:
+    if not spec.pad.shape.bone_height_mm:
+        return []
+    return [Step("Roughen or drill the bone and the underside of its plate (keys), clean, prime them for this resin "
+                 "and let the primer dry: what is neither keyed nor primed peels off the gel. No release agent here. "
+                 "Lower the carrier into the empty mould once: it must sit on the land all round.")]  # fmt: skip
+
+
+def _lower_bone() -> Step:
+    return Step("Wet bone and plate with resin. Set the plate down on one edge and lower it like a hinge, slowly, "
+                "until it rests on the land and every vent shows resin; top up through a vent. Clamp it or weigh it "
+                f"down: it must not float. Seated all round: {BLANK}", (CLOSE,))  # fmt: skip
+
+
+def demould_first(spec: MouldSpec) -> str:
+    """Where the pad goes when the mould is off."""
+    if spec.pad.shape.bone_height_mm:
+        return (
+            "The pad stays on its plate for good: lift both, cut the stems in the vents and the rim flush, and screw "
+            "the plate to the base of the test rig through its four corner holes."
+        )
+    if len(spec.pad.shape.places_mm) > 1:
+        return (
+            "Slide the pad on release film onto a flat board, then glue it by its free face to the middle of the "
+            "carrier (drawing carrier): its grooves point at the tips, the punch is set down where the lines cross. "
+            "No silicone spray on the face that is tested."
+        )
+    return "Slide the pad on release film onto a flat board. No silicone spray on the face that is tested."
+
+
+VENTED_OVEN = "vented oven"
+# Drying of a mould for a resin that water foams; silicone gives off what it took up within the hour.
+DRYING_H = 1.0
+
+
+def pour_steps(spec: MouldSpec, plan: PourPlan) -> list[Step]:
+    """From the empty mould to the end of the cure."""
+    steps = [*_drying(spec), *_preparing_bone(spec)]
+    if spec.pour.degas == "mould":
+        steps += [_mixing(spec), *_degas_in_mould(spec, plan), _levelling(spec, plan), *_closing(spec, plan)]
+    elif spec.body.style != "lidded":
+        steps += [_levelling(spec, plan), _mixing(spec), _degas_in_cup(spec), *_filling(spec, plan)]
+    else:
+        steps += [*_closing_lid(spec), _mixing(spec), _degas_in_cup(spec), *_filling_lidded(plan)]
+    latest = spec.pour.pot_life_min - max(2.0, plan.pour_time_s / 60)
+    what = "All of this" if plan.base is None else "Each of the two pours"
+    limit = f"{what} within {latest:.0f} min of mixing (pot life {spec.pour.pot_life_min:g} min). Done at: {BLANK}"
+    return [*steps, Step(limit, (WAIT,)), _cure(spec, plan)]
+
+
+def _site(spec: MouldSpec) -> str:
+    return f"on the shelf of the {VENTED_OVEN}, switched off and open" if spec.pour.cures_warm else "on a firm bench"
+
+
+def _drying(spec: MouldSpec) -> list[Step]:
+    if not spec.has_isocyanate:
+        return []
+    at = f"at {spec.pour.cure_temperature_C:g} C" if spec.pour.cures_warm or spec.is_printed else "at 60 C"
+    wet = "plastic" if spec.is_printed else "silicone"
+    return [Step(f"Dry the mould {DRYING_H:g} h {at} in a {VENTED_OVEN}: release agent and resin left in it give off "
+                 f"vapour. Water in the {wet} would foam the polyurethane. Let it cool below 40 C before you pour, "
+                 "else the pot life shortens.", (PREPARE, MOVE))]  # fmt: skip
+
+
+def _levelling(spec: MouldSpec, plan: PourPlan) -> Step:
+    load = spec.count * plan.fill_mass_g + (plan.base.fill_mass_g if plan.base else 0.0)
+    cavity = "cavity" if spec.count == 1 else "cavities"
+    under = f"with a weight of about {load:.0f} g on a clean film in the {cavity}, the load to come; take it out again"
+    if spec.pour.degas == "mould":
+        under = "at once, with the resin in it"
+    carried, stay = ("the mould", "it stays") if spec.is_printed else ("tray and mould", "they stay")
+    long = max(spec.pad.length_mm, spec.pad.width_mm)
+    return Step(f"Set {carried} where {stay} until the resin is cured: {_site(spec)}. Level with the three screws to "
+                f"{plan.level_deg:.2f} deg ({plan.level_mm:.2f} mm over {long:g} mm), along and across, {under}. From "
+                f"here on the mould is not moved. Read: {BLANK}", (MOVE, LEVEL))  # fmt: skip
+
+
+def _mixing(spec: MouldSpec) -> Step:
+    return Step(f"Weigh {', then '.join(name for name, _ in spec.pour.components)}; stir slowly for two minutes, "
+                f"scrape wall and floor, pour over into a second cup and stir again. Start of mixing: {BLANK}",
+                (MIX,))  # fmt: skip
+
+
+def _degas_in_cup(spec: MouldSpec) -> Step:
+    return Step(f"Degas in the cup below {spec.pour.degas_pressure_kPa:g} kPa until the foam has fallen and a minute "
+                "more. A weaker pump only swells the bubbles.", (DEGAS,))  # fmt: skip
+
+
+def _degas_in_mould(spec: MouldSpec, plan: PourPlan) -> list[Step]:
+    filled = by_difference(plan, "the step of the brim is the fill line", spec.count)
+    return [
+        Step(f"Set the collar on the land. {filled.replace(' The mould stays where it is.', '')}", (POUR,)),
+        Step(f"Stand the mould in the chamber and degas below {spec.pour.degas_pressure_kPa:g} kPa until the foam "
+             f"falls (it may rise {plan.collar_mm:.0f} mm), then take the collar off.", (MOVE, DEGAS)),
+    ]  # fmt: skip
+
+
+def _filling(spec: MouldSpec, plan: PourPlan) -> list[Step]:
+    """Filling an open mould that is level: at once, in two layers, or under a bone."""
+    if spec.pad.shape.bone_height_mm:
+        bone = bone_volume_mm3(spec) * 1e-3
+        why = f"the bone displaces {bone:.1f} cm3, so the resin stands below the step of the brim"
+        return [Step(by_difference(plan, why), (POUR,)), *_closing(spec, plan)]
+    if plan.base is not None:
+        return [*_layer_steps(spec, plan), *_closing(spec, plan)]
+    why = f"the step of the brim is the fill line; {plan.gram_per_mm_g:.1f} g make one millimetre"
+    return [Step(by_difference(plan, why, spec.count), (POUR,)), *_closing(spec, plan)]
+
+
+def _closing(spec: MouldSpec, plan: PourPlan) -> list[Step]:
+    """What closes an open mould that is filled: a bone's carrier or the strike-off plate."""
+    if spec.pad.shape.bone_height_mm:
+        return [_lower_bone()]
+    last, pour = plan.base or plan, spec.base.pour if spec.base else spec.pour
+    return [
+        Step(f"Prick bubbles, wait {max(30.0, last.pour_time_s):.0f} s for the liquid to level (viscosity "
+             f"{pour.viscosity_Pa_s:.2g} Pa s).", (WAIT,)),
+        Step("Lay release film on the strike-off plate, set it down on one edge and lower it like a hinge until it "
+             "rests on the land; excess comes up in the gap.", (CLOSE,)),
+    ]  # fmt: skip
+
+
+def _closing_lid(spec: MouldSpec) -> list[Step]:
+    return [
+        Step("Release agent on the parting faces only. Close the lid (it goes on in one way), lay on the backer, "
+             "clamp."),
+        Step(f"Set it {_site(spec)}, where it stays until the resin is cured, and prop the vent end 5 to 10 degrees "
+             "high.", (MOVE,)),
+    ]  # fmt: skip
+
+
+def _filling_lidded(plan: PourPlan) -> list[Step]:
+    return [
+        Step(f"Pour through the sprue until all five vents show resin (about {plan.fill_mass_g:.0f} g; put the cup "
+             f"back on the balance to see what has left it). Poured: {BLANK} g", (POUR,)),
+        Step(f"Take the prop away and level to {plan.level_deg:.2f} deg; top up. Keep the vents open while it is hot. "
+             f"Read: {BLANK}", (MOVE, LEVEL)),
+    ]  # fmt: skip
+
+
+def _cure(spec: MouldSpec, plan: PourPlan) -> Step:
+    pour = spec.pour
+    how = f"Cure {pour.cure_time_h:g} h at room temperature"
+    if pour.cures_warm:
+        vapour = "warm resin and release agent give off vapour"
+        if spec.has_isocyanate:
+            vapour = "warm isocyanate gives off vapour that harms the airways"
+        how = (f"Close the {VENTED_OVEN} and cure {pour.cure_time_h:g} h at {pour.cure_temperature_C:g} C ({vapour}; "
+               "lead the oven's air outdoors or into extraction)")  # fmt: skip
+    carried = "" if spec.is_printed else ", in the tray"
+    return Step(f"{how}, where it stands{carried}. The hot mould grows by {plan.thermal_growth_mm:.1f} mm; the cavity "
+                f"is cut {100 * (layout(spec).scale - 1):+.2f} % to end at size.", (CURE,))  # fmt: skip

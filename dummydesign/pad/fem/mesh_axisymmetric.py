@@ -1,17 +1,68 @@
-"""Axisymmetric meshes of quadrilaterals: a slab, fine in a spider web around the punch edge."""
+"""Axisymmetric meshes of biquadratic quadrilaterals, fine around the punch edge or in columns."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
 from dummydesign.pad.fem.mixed_solid import Discretisation
-from dummydesign.pad.fem.quadratic import POINTS, integrate, nine_nodes
 from dummydesign.pad.material.kinematics import Axisymmetric
 
 Array = np.ndarray
+
+_GAUSS = 0.5 + 0.5 * np.sqrt(0.6) * np.array([-1.0, 0.0, 1.0])
+POINTS = np.stack([np.repeat(_GAUSS, 3), np.tile(_GAUSS, 3)])
+"""Points of Gauss on the unit square, shape (2, 9), exact for polynomials of order five along each side."""
+WEIGHTS = np.outer([5.0, 8.0, 5.0], [5.0, 8.0, 5.0]).ravel() / 18.0**2
+SIDES = ((0, 1), (1, 2), (2, 3), (0, 3))
+# Which of the three parabolas along x and y make each of the nine functions: at 0, at 1, at 1/2.
+_ALONG = ((0, 0), (1, 0), (1, 1), (0, 1), (2, 0), (1, 2), (2, 1), (0, 2), (2, 2))
+
+
+class Quadrature(NamedTuple):
+    """Nodal functions at the points of all elements."""
+
+    value: Array
+    slope: Array
+    place: Array
+    area: Array
+
+
+def functions(places: Array) -> tuple[Array, Array]:
+    """The nine functions (points, 9) and their slopes (points, 2, 9) at places (2, points) of the unit square."""
+    back = 1.0 - places
+    value = np.stack([back * (1.0 - 2.0 * places), places * (2.0 * places - 1.0), 4.0 * places * back])
+    slope = np.stack([4.0 * places - 3.0, 4.0 * places - 1.0, 4.0 - 8.0 * places])
+    pairs = [(value[i, 0], slope[i, 0], value[j, 1], slope[j, 1]) for i, j in _ALONG]
+    slopes = np.stack([np.stack([dx * y, x * dy]) for x, dx, y, dy in pairs], axis=-1)
+    return np.stack([x * y for x, _, y, _ in pairs], axis=-1), slopes.transpose(1, 0, 2)
+
+
+def nine_nodes(points: Array, quads: Array) -> tuple[Array, Array]:
+    """Places (2, n) of all nodes of straight quadrilaterals, and those of each, shape (elements, 9)."""
+    vertices, elements = points.shape[1], quads.shape[1]
+    ends = np.sort(np.concatenate([quads[list(side)].T for side in SIDES]), axis=1)
+    sides, number = np.unique(ends, axis=0, return_inverse=True)
+    middle = vertices + len(sides) + np.arange(elements)
+    node = np.column_stack([quads.T, vertices + number.reshape(4, elements).T, middle])
+    return np.hstack([points, points[:, sides].mean(axis=2), points[:, quads].mean(axis=1)]), node
+
+
+def integrate(places: Array, node: Array) -> Quadrature:
+    """Nodal functions, their slopes and areas at the points of elements with curved sides."""
+    value, local = functions(POINTS)
+    corners = places[:, node]
+    turn = np.einsum("cei,qdi->eqcd", corners, local)
+    area = turn[..., 0, 0] * turn[..., 1, 1] - turn[..., 0, 1] * turn[..., 1, 0]
+    back = np.stack([turn[..., 1, 1], -turn[..., 1, 0], -turn[..., 0, 1], turn[..., 0, 0]], axis=-1)
+    back = back.reshape(*area.shape, 2, 2) / area[..., None, None]
+    return Quadrature(value, back @ local, corners @ value.T, np.abs(area) * WEIGHTS)
+
+
 _TOLERANCE = 1e-9
 
 
@@ -29,19 +80,7 @@ class Resolution:
 
 
 def graded(start: float, stop: float, first: float, growth: float) -> Array:
-    """Points from ``start`` to ``stop`` whose cells grow by ``growth`` from about ``first``.
-
-    Parameters
-    ----------
-    start, stop : float
-        First and last point, in any unit of length.
-    first, growth : float
-        Size of the first cell, and of each cell over the one before; 1 for even cells.
-
-    Returns
-    -------
-    ndarray, shape (cells + 1,)
-    """
+    """Points from ``start`` to ``stop`` whose cells grow by ``growth`` from about ``first``."""
     length = abs(stop - start)
     if growth > 1.0:
         count = max(1, int(np.ceil(np.log(1.0 + length * (growth - 1.0) / first) / np.log(growth))))
@@ -54,26 +93,7 @@ def graded(start: float, stop: float, first: float, growth: float) -> Array:
 def web_mesh(
     edge: float, thickness: float, extent: float, half_box: float, rings: int, resolution: Resolution
 ) -> tuple[Array, Array, Array]:
-    """Mesh the slab 0 <= r <= extent, -thickness <= z <= 0 with a web of quadrilaterals around (edge, 0).
-
-    Parameters
-    ----------
-    edge, thickness, extent : float
-        Radius at which the web is centred, thickness and outer radius of the slab, in one unit of length.
-    half_box : float
-        Half width and depth of the box that holds the web.
-    rings : int
-        Rings of the web, each half the size of the one outside; the innermost is collapsed to the edge.
-    resolution : Resolution
-        Cells along the box, and their growth outside it.
-
-    Returns
-    -------
-    points : ndarray, shape (2, vertices)
-    quads : ndarray of int, shape (4, elements)
-    centre : ndarray of int
-        The vertices at the edge; they coincide.
-    """
+    """Mesh the slab 0 <= r <= extent, -thickness <= z <= 0 with a web of quadrilaterals around (edge, 0)."""
     cells, growth = resolution.cells, resolution.growth
     first = half_box / cells
     box = np.linspace(-half_box, half_box, 2 * cells + 1)
@@ -112,26 +132,10 @@ def web_mesh(
 
 
 def discretise(
-    points: Array,
-    quads: Array,
-    centre: Array | None = None,
-    quarter_points: bool = False,
+    points: Array, quads: Array, centre: Array | None = None, quarter_points: bool = False,
     move: Callable[[Array], Array] | None = None,
-) -> Discretisation:
-    """Build the biquadratic discretisation of a quadrilateral mesh in the (r, z) plane.
-
-    Parameters
-    ----------
-    points, quads : ndarray
-        Vertices, shape (2, n), and quadrilaterals, shape (4, n).
-    centre : ndarray of int, shape (k,), optional
-        Coinciding vertices of collapsed quadrilaterals; their nodes are made one.
-    quarter_points : bool
-        Move the mid-side nodes next to the centre to a quarter of their side, so that displacements
-        vary as the square root of the distance there, as the small-strain solution at a punch edge does.
-    move : callable, optional
-        Takes all nine nodes of every element, shape (2, n), to where they belong: curved sides.
-    """
+) -> Discretisation:  # fmt: skip
+    """Build the biquadratic discretisation of a quadrilateral mesh in the (r, z) plane."""
     places, node = nine_nodes(points, quads)
     if quarter_points:
         places = _to_quarter(places, quads, node, centre)
@@ -160,7 +164,7 @@ def discretise(
     )
 
 
-SIDES = ((4, 0, 1), (5, 1, 2), (6, 2, 3), (7, 3, 0))
+PATCH_SIDES = ((4, 0, 1), (5, 1, 2), (6, 2, 3), (7, 3, 0))
 
 
 def _to_quarter(places: Array, quads: Array, node: Array, centre: Array | None) -> Array:
@@ -174,7 +178,7 @@ def _to_quarter(places: Array, quads: Array, node: Array, centre: Array | None) 
     for element in np.nonzero(at_centre[quads].sum(axis=0) == 2)[0]:
         vertices = quads[:, element]
         far = vertices[~at_centre[vertices]]
-        for side, i, j in SIDES:
+        for side, i, j in PATCH_SIDES:
             ends = vertices[[i, j]]
             if at_centre[ends].sum() == 1:
                 end = ends[~at_centre[ends]][0]
@@ -192,7 +196,7 @@ def edges_on(mesh: Discretisation, on: Array) -> Array:
     """Sides whose three nodes all satisfy ``on`` (bool per node); node numbers, shape (sides, 3), by r or z."""
     nodes = cell_nodes(mesh)
     found = []
-    for side, i, j in SIDES:
+    for side, i, j in PATCH_SIDES:
         three = nodes[:, [i, side, j]]
         length = np.linalg.norm(mesh.nodes[:, three[:, 0]] - mesh.nodes[:, three[:, 2]], axis=0)
         found.append(three[on[three].all(axis=1) & (length > 1e-12)])
@@ -212,3 +216,66 @@ def on_base(mesh: Discretisation, thickness: float) -> Array:
 def on_axis(mesh: Discretisation) -> Array:
     """Nodes on r = 0."""
     return mesh.nodes[0] < _TOLERANCE
+
+
+# Cells grow by this share of their distance from where they are wanted fine.
+SIZE_SLOPE = 0.25
+Z_GROWTH = 1.35
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """Where cells are to be how small: places and sizes, and the largest size inside ``reach``."""
+
+    places: tuple[float, ...]
+    sizes: tuple[float, ...]
+    largest: float
+    reach: float
+
+    def at(self, r: Array) -> Array:
+        """Wanted cell size at radii."""
+        near = [size + SIZE_SLOPE * np.abs(r - place) for place, size in zip(self.places, self.sizes)]
+        inside = self.largest + SIZE_SLOPE * np.maximum(r - self.reach, 0.0)
+        return np.minimum(np.min(near, axis=0), inside)
+
+
+def radial_lines(sizes: Sizes, lines: Sequence[float], extent: float) -> Array:
+    """Radii from 0 to the outer radius that follow the wanted sizes and meet every marked radius."""
+    marks = np.unique(np.concatenate([[0.0, extent], [x for x in lines if 0.0 < x < extent]]))
+    found = [0.0]
+    for start, stop in pairwise(marks):
+        fine = start + (stop - start) * np.linspace(0.0, 1.0, 400)
+        density = 1.0 / sizes.at(fine)
+        count = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(fine))])
+        cells = max(1, int(np.ceil(count[-1] - 0.2)))
+        found.extend(np.interp(count[-1] * np.arange(1, cells + 1) / cells, count, fine))
+    return np.array(found)
+
+
+def height_lines(first: float, interface: float | None = None) -> Array:
+    """Shares of the column from 0 (tested face) to 1 (base), graded from ``first``; one lies on ``interface``."""
+    if interface is None:
+        return graded(0.0, 1.0, first, Z_GROWTH)
+    upper = graded(0.0, interface, min(first, interface / 3.0), Z_GROWTH)
+    # The lower layer begins with the cell at which the upper one ended, and no larger than a quarter of itself.
+    lower = graded(interface, 1.0, min(upper[-1] - upper[-2], (1.0 - interface) / 4.0), Z_GROWTH)
+    return np.concatenate([upper, lower[1:]])
+
+
+def columns(r: Array, share: Array) -> tuple[Array, Array, Array]:
+    """Points and quadrilaterals of a tensor grid in radius and -share of the column."""
+    points = np.stack([np.repeat(r, len(share)), np.tile(-share, len(r))])
+    number = np.arange(len(r) * len(share)).reshape(len(r), len(share))
+    quads = np.stack([number[:-1, 1:], number[1:, 1:], number[1:, :-1], number[:-1, :-1]]).reshape(4, -1)
+    return points, quads, np.tile(np.arange(len(share) - 1), len(r) - 1)
+
+
+def stretch(drop: Callable[[Array], Array], bone: Callable[[Array], Array]) -> Callable[[Array], Array]:
+    """Map of (radius, -share) to the pad between -1 + bone(r) and -drop(r)."""
+
+    def move(places: Array) -> Array:
+        r, share = places[0], -places[1]
+        top = -drop(r)
+        return np.stack([r, top + (bone(r) - 1.0 - top) * share])
+
+    return move

@@ -20,21 +20,6 @@ def lines(length: float, first: float, growth: float, like: float | None = None)
 
     As many cells as the largest growth needs; the growth is then lowered until they fit. A length of
     less than 1.5 first cells is one cell.
-
-    Parameters
-    ----------
-    length : float
-        Last point, in any unit of length.
-    first : float
-        Size of the first cell.
-    growth : float
-        Largest ratio of neighbouring cells, above 1.
-    like : float, optional
-        The length whose number of cells is taken, near ``length``; the growth may then be a little larger.
-
-    Returns
-    -------
-    ndarray, shape (cells + 1,)
     """
     if length < 1.5 * first:
         return np.array([0.0, length])
@@ -48,21 +33,7 @@ def lines(length: float, first: float, growth: float, like: float | None = None)
 
 
 def lines_around(edge: float, extent: float, first: float, growth: float, like: float | None = None) -> Array:
-    """Points 0 to ``extent``, finest on both sides of ``edge``.
-
-    Parameters
-    ----------
-    edge, extent : float
-        Where cells are finest, and the last point, in one unit of length.
-    first, growth : float
-        Size of the cells at the edge, and the largest ratio of neighbouring cells.
-    like : float, optional
-        The extent whose number of cells is taken, near ``extent``.
-
-    Returns
-    -------
-    ndarray, shape (cells + 1,)
-    """
+    """Points 0 to ``extent``, finest on both sides of ``edge``."""
     inside = edge - lines(edge, first, growth)[::-1]
     return np.concatenate([inside, edge + lines(extent - edge, first, growth, like and like - edge)[1:]])
 
@@ -79,21 +50,7 @@ _CORNERS = {(0, 0): 0, (1, 0): 1, (1, 1): 2, (0, 1): 3}
 
 
 def extrude(points: Array, quads: Array, z: Array) -> object:
-    """Hexahedra over quadrilaterals, level by level.
-
-    Parameters
-    ----------
-    points : ndarray, shape (2, n)
-        Vertices in the plane.
-    quads : ndarray of int, shape (4, m)
-        Their quadrilaterals.
-    z : ndarray, shape (levels,)
-        Increasing heights.
-
-    Returns
-    -------
-    skfem.MeshHex
-    """
+    """Hexahedra over quadrilaterals, level by level."""
     from skfem import MeshHex
 
     count = points.shape[1]
@@ -104,14 +61,7 @@ def extrude(points: Array, quads: Array, z: Array) -> object:
 
 
 def discretise(mesh: Any, bend: Callable[[Array], Array] | None = None) -> Discretisation:
-    """Build the triquadratic discretisation of a mesh of hexahedra, pressure linear in each.
-
-    Parameters
-    ----------
-    mesh : skfem.MeshHex
-    bend : callable, optional
-        Maps node coordinates, shape (3, nodes), to those of the wanted curved shape.
-    """
+    """Build the triquadratic discretisation of a mesh of hexahedra, pressure linear in each."""
     from skfem import Basis, ElementHex2, MeshHex2
 
     curved = MeshHex2.from_mesh(mesh)
@@ -137,22 +87,7 @@ def discretise(mesh: Any, bend: Callable[[Array], Array] | None = None) -> Discr
 
 @dataclass(frozen=True)
 class Quarter:
-    """A quarter of a slab, or half of it for what mirrors in the plane x = y.
-
-    Attributes
-    ----------
-    mesh : Discretisation
-        Folded: the cells with x <= y; those that the plane halves count half.
-    lattice : ndarray of int, shape (3, cells)
-        Place of each cell along z, x and y.
-    faces : ndarray of int, shape (faces, 9)
-        Nodes of the upper faces, as of :func:`horizontal_faces`.
-    share : ndarray, shape (faces,)
-        How much of each face counts: 1, or 1/2 in the plane.
-    unknowns : ndarray of int, shape (size,)
-        The unknown that takes the place of each one of the nodes: folded, a displacement along x beyond the plane is
-        one along y before it.
-    """
+    """A quarter of a slab, or half of it for what mirrors in the plane x = y."""
 
     mesh: Discretisation
     lattice: Array
@@ -164,21 +99,7 @@ class Quarter:
 def quarter(
     x: Array, y: Array, z: Array, folded: bool = False, bend: Callable[[Array], Array] | None = None
 ) -> Quarter:
-    """Hexahedra on a tensor grid.
-
-    Parameters
-    ----------
-    x, y, z : ndarray, shape (n,)
-        Lines of the grid, increasing; each has its own n.
-    folded : bool
-        Only half of it; ``x`` and ``y`` are then the same.
-    bend : callable, optional
-        As for :func:`discretise`; levels of places, which mirror where the part is folded.
-
-    Returns
-    -------
-    Quarter
-    """
+    """Hexahedra on a tensor grid."""
     points, quads = rectangle_plan(x, y)
     lattice = np.indices((len(z) - 1, len(x) - 1, len(y) - 1)).reshape(3, -1)
     if folded:
@@ -210,21 +131,7 @@ def _mirrored(nodes: Array) -> Array:
 
 
 def horizontal_faces(mesh: Discretisation, cells: Array, upper: bool = True) -> Array:
-    """Nodes of the upper or lower faces of cells, on a lattice of 3 x 3, y fastest.
-
-    Parameters
-    ----------
-    mesh : Discretisation
-        Of 27-node hexahedra.
-    cells : ndarray of int, shape (faces,)
-        Which cells.
-    upper : bool
-        Their upper faces, else the lower.
-
-    Returns
-    -------
-    ndarray of int, shape (faces, 9)
-    """
+    """Nodes of the upper or lower faces of cells, on a lattice of 3 x 3, y fastest."""
     from skfem import ElementHex2
 
     local = ElementHex2().doflocs

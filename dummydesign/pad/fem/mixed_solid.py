@@ -18,16 +18,89 @@ References
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from dummydesign.core.errors import InputError
-from dummydesign.pad.fem.section_tangent import SectionTangent
-from dummydesign.pad.material.hyperelastic import Law, Yeoh
+from dummydesign.pad.material.hyperelastic import HyperelasticLaw, Yeoh
 from dummydesign.pad.material.kinematics import Axisymmetric, Spatial
 
 Array = np.ndarray
+
+
+class Tangent(NamedTuple):
+    """Condensed tangent: coupling of displacements and pressures, and the same times the pressures' inverse."""
+
+    stiffness: Array
+    coupling: Array
+    half: Array
+
+
+class SectionTangent:
+    """Tangents of elements of a section whose law adds the same to each of them at every state."""
+
+    def __init__(self, rows: Array, basis: Array, inverse: Array, same: Array) -> None:
+        elements, points, pressures = basis.shape
+        nodes = rows.shape[-1]
+        by_slope = rows.reshape(elements, points, 3, nodes)
+        self._along, self._down, self._hoop = (np.ascontiguousarray(by_slope[:, :, k]) for k in range(3))
+        self._across = np.ascontiguousarray(self._along.transpose(0, 2, 1))
+        self._basis, self._inverse = basis, inverse
+        blocks = same.reshape(elements, nodes, 2, nodes, 2)
+        self._same = [np.ascontiguousarray(blocks[:, :, k, :, k]) for k in (0, 1)]
+        # Kept, as making such arrays anew takes as long as filling them. Of radial rows: hoop, U, pressures.
+        self._left = np.empty((elements, 2 * points + pressures, nodes))
+        self._left[:, :points] = self._hoop
+        self._left_axial = np.empty((elements, points + pressures, nodes))
+        self._right = np.empty((elements, 2 * points + pressures, 2 * nodes))
+        self._load = np.empty((elements, 2 * points, pressures))
+        self._work = np.empty((2, *self._along.shape))
+
+    def at(self, F: Array, factor: Array, curvature: Array) -> Tangent:
+        """Tangent of each element."""
+        elements, points, nodes = self._along.shape
+        rr, rz, zr, zz, tt = (np.ascontiguousarray(F[..., k])[..., None] for k in range(5))
+        factor, curvature = factor[..., None], curvature[..., None]
+        area, one, two = rr * zz - rz * zr, *self._work
+        left, axial, right = self._left, self._left_axial, self._right
+        turned, sunk = left[:, points : 2 * points], axial[:, :points]
+        np.subtract(np.multiply(zz, self._along, out=one), np.multiply(zr, self._down, out=two), out=turned)
+        np.subtract(np.multiply(rr, self._down, out=one), np.multiply(rz, self._along, out=two), out=sunk)
+        stretched = curvature * area
+        mixed, plain = stretched * tt + factor, curvature * tt * tt
+        stretched *= area
+        upper, lower = right[:, :points], right[:, points : 2 * points]
+        np.add(np.multiply(stretched, self._hoop, out=one), np.multiply(mixed, turned, out=two), out=upper[..., :nodes])
+        np.add(np.multiply(mixed, self._hoop, out=one), np.multiply(plain, turned, out=two), out=lower[..., :nodes])
+        np.multiply(mixed, sunk, out=upper[..., nodes:])
+        np.multiply(plain, sunk, out=lower[..., nodes:])
+        coupling, half = self._pressures(area, tt)
+        for k, part in enumerate((left[:, 2 * points :], axial[:, points:])):
+            part[:] = coupling[:, k::2].transpose(0, 2, 1)
+            np.negative(half[:, k::2].transpose(0, 2, 1), out=right[:, 2 * points :, k * nodes : (k + 1) * nodes])
+        radial = left.transpose(0, 2, 1) @ right
+        skew = self._across @ np.multiply(factor * tt, self._down, out=one)
+        both = radial[..., nodes:] + skew
+        both -= skew.transpose(0, 2, 1)
+        stiffness = np.empty((elements, nodes, 2, nodes, 2))
+        np.add(radial[..., :nodes], self._same[0], out=stiffness[:, :, 0, :, 0])
+        np.add(axial.transpose(0, 2, 1) @ right[:, points:, nodes:], self._same[1], out=stiffness[:, :, 1, :, 1])
+        stiffness[:, :, 0, :, 1], stiffness[:, :, 1, :, 0] = both, both.transpose(0, 2, 1)
+        return Tangent(stiffness.reshape(elements, 2 * nodes, 2 * nodes), coupling, half)
+
+    def _pressures(self, area: Array, hoop: Array) -> tuple[Array, Array]:
+        """Coupling of displacements and pressures, and the same times the pressures' inverse."""
+        elements, points, nodes = self._along.shape
+        load = self._load
+        np.multiply(area, self._basis, out=load[:, :points])
+        np.multiply(hoop, self._basis, out=load[:, points:])
+        coupling = np.empty((elements, nodes, 2, self._basis.shape[-1]))
+        coupling[:, :, 0] = self._left[:, : 2 * points].transpose(0, 2, 1) @ load
+        coupling[:, :, 1] = self._left_axial[:, :points].transpose(0, 2, 1) @ load[:, points:]
+        side_by_side = coupling.reshape(elements, 2 * nodes, -1)
+        return side_by_side, side_by_side @ self._inverse
+
 
 # Relative compressibility of an "incompressible" pad: changes no reported force by more than 0.001 %.
 INCOMPRESSIBLE_LAME_RATIO = 1e6
@@ -36,15 +109,10 @@ STABILISATION = 10.0
 
 
 def lame_ratio(poisson: float) -> float:
-    """Lame modulus over shear modulus, 2 nu / (1 - 2 nu), capped at the incompressible value.
-
-    Raises
-    ------
-    InputError
-        When Poisson's ratio is not in 0 < nu <= 1/2.
-    """
+    """Lame modulus over shear modulus, 2 nu / (1 - 2 nu), capped at the incompressible value."""
     if not 0.0 < poisson <= 0.5:
-        raise InputError(f"Poisson's ratio = {poisson} is outside the allowed range 0 (excluded) to 0.5")
+        message = f"Poisson's ratio = {poisson} is outside the allowed range 0 (excluded) to 0.5"
+        raise InputError(message, "out_of_range", "poisson", poisson, (0.0, 0.5))
     if poisson > 0.4999995:
         return INCOMPRESSIBLE_LAME_RATIO
     return 2.0 * poisson / (1.0 - 2.0 * poisson)
@@ -52,22 +120,7 @@ def lame_ratio(poisson: float) -> float:
 
 @dataclass(frozen=True)
 class Discretisation:
-    """Everything of a mesh that does not change while it deforms.
-
-    Attributes
-    ----------
-    gradient : ndarray, shape (elements, points, components, element dofs)
-        Maps the element's displacements to the components of F - 1.
-    weight : ndarray, shape (elements, points)
-        Quadrature weight times reference volume, 2 pi r included in axisymmetry.
-    pressure_basis : ndarray, shape (points, pressures)
-    dofs : ndarray, shape (elements, element dofs)
-    nodes : ndarray, shape (dimension, nodes); degree of freedom = dimension * node + direction.
-    kinematics : type
-        ``Axisymmetric`` or ``Spatial``.
-    modulus_factor : ndarray, shape (elements,), optional
-        Modulus of each element over the law's, already in ``weight``; 1 without it.
-    """
+    """Everything of a mesh that does not change while it deforms."""
 
     gradient: Array
     weight: Array
@@ -85,26 +138,19 @@ class Discretisation:
 
 @dataclass
 class State:
-    """Residual and, once asked for, the condensed tangent at one displacement and pressure.
-
-    ``coupling`` and ``half`` belong to the tangent: displacements to pressures, and the same times the pressures'
-    inverse.
-    """
+    """Residual at one displacement and pressure; ``at`` holds deformation, cofactor and slope for the tangent."""
 
     internal_force: Array
     pressure_residual: Array
     J: Array
     at: tuple[Array, Array, Array]
-    stiffness: Array | None = None
-    coupling: Array | None = None
-    half: Array | None = None
 
 
 class Solid:
     """A solid of one law on one discretisation; gives residual and tangent at any state."""
 
     def __init__(
-        self, mesh: Discretisation, law: Law, poisson: float = 0.5, stabilisation: float = STABILISATION
+        self, mesh: Discretisation, law: HyperelasticLaw, poisson: float = 0.5, stabilisation: float = STABILISATION
     ) -> None:
         self.mesh = mesh
         self.law = law
@@ -158,18 +204,8 @@ class Solid:
         both[:, :, self.mesh.kinematics.place] = stress
         return (self._back @ both.reshape(elements, -1, self._along)).reshape(elements, -1)
 
-    def state(self, u: Array, p: Array, tangent: bool = True) -> State | None:
-        """Evaluate the solid; None where an element is inverted at a quadrature point (J <= 0).
-
-        Parameters
-        ----------
-        u : ndarray, shape (displacements,)
-            Displacements of the nodes, in the mesh's unit of length.
-        p : ndarray, shape (elements, pressures)
-            Pressures of the elements. [MPa]
-        tangent : bool
-            Whether the tangent is wanted too.
-        """
+    def state(self, u: Array, p: Array) -> State | None:
+        """Evaluate the solid; None where an element is inverted at a quadrature point (J <= 0)."""
         mesh, kin = self.mesh, self.mesh.kinematics
         F = self.deformation(u)
         J = kin.determinant(F)
@@ -183,17 +219,15 @@ class Solid:
         force = self._forces(stress)
         internal = np.bincount(mesh.dofs.ravel(), force.ravel(), minlength=mesh.size)
         pressure = (weight * (J - 1.0)) @ basis - np.einsum("eab,eb->ea", self.compliance, p)
-        state = State(internal, pressure, J, (F, cofactor, slope))
-        return self.linearise(state) if tangent else state
+        return State(internal, pressure, J, (F, cofactor, slope))
 
-    def linearise(self, state: State) -> State:
-        """Add the condensed tangent to a state."""
+    def linearise(self, state: State) -> Tangent:
+        """Return the condensed tangent at a state."""
         F, cofactor, slope = state.at
         mesh = self.mesh
         curvature = (self.law.reference_stress_MPa / state.J**2 + self.stabilisation) * mesh.weight
         if self._section is not None:
-            state.stiffness, state.coupling, state.half = self._section.at(F, slope * mesh.weight, curvature)
-            return state
+            return self._section.at(F, slope * mesh.weight, curvature)
         if self._same is not None and mesh.kinematics is Spatial:
             stiffness = self._same.copy()
             self._add_second(stiffness, slope * mesh.weight, F)
@@ -206,8 +240,7 @@ class Solid:
         left = np.concatenate([dilation, coupling.transpose(0, 2, 1)], axis=1)
         right = np.concatenate([dilation * curvature[..., None], -half.transpose(0, 2, 1)], axis=1)
         stiffness += left.transpose(0, 2, 1) @ right
-        state.stiffness, state.coupling, state.half = stiffness, coupling, half
-        return state
+        return Tangent(stiffness, coupling, half)
 
     def _by_moduli(self, F: Array, factor: Array) -> Array:
         """Tangent of each element from the law's moduli and ``factor`` times the second derivative of J."""
@@ -254,22 +287,12 @@ class Solid:
             blocks[:, :, i, :, k] += matrix[:, :, p]
             blocks[:, :, k, :, i] -= matrix[:, :, p]
 
-    def force_of_pressure(self, tangent: State, state: State) -> Array:
+    def force_of_pressure(self, tangent: Tangent, state: State) -> Array:
         """What the eliminated pressure of a state adds to the load, by the tangent of that state or of one near it."""
         extra = (tangent.half @ state.pressure_residual[:, :, None])[:, :, 0]
         return np.bincount(self.mesh.dofs.ravel(), extra.ravel(), minlength=self.mesh.size)
 
-    def pressure_step(self, tangent: State, state: State, du: Array) -> Array:
-        """Pressure increment that belongs to a displacement increment of the linearised equations.
-
-        Parameters
-        ----------
-        tangent : State
-            Linearised; that of ``state`` or of one near it.
-        state : State
-            Its pressure residual is made to vanish.
-        du : ndarray, shape (displacements,)
-            Increments of the nodes, in the mesh's unit of length.
-        """
+    def pressure_step(self, tangent: Tangent, state: State, du: Array) -> Array:
+        """Pressure increment that belongs to a displacement increment of the linearised equations."""
         load = -state.pressure_residual - (du[self.mesh.dofs][:, None, :] @ tangent.coupling)[:, 0]
         return (load[:, None, :] @ self.inverse)[:, 0]

@@ -12,20 +12,90 @@ from typing import Any, TypeGuard
 
 import numpy as np
 
+from dummydesign.core.cache import cached
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.geometry.interface import BASES, FACES, Interface
-from dummydesign.geometry.standard import PAD_EXTENT_MM
-from dummydesign.pad.contact.surface_axisymmetric import FlatPunch
+from dummydesign.pad.axisymmetric.case import (
+    FIRST_STEP,
+    LATTICE,
+    Case,
+    Progress,
+    lattice_depths,
+    relative_depths,
+    rimmed_problem,
+)
+from dummydesign.pad.axisymmetric.filleted import filleted_problem
+from dummydesign.pad.axisymmetric.friction import follow_rubbing, rubbing_problem
+from dummydesign.pad.axisymmetric.frictionless import COARSE, FINE, SlidingMesh, follow_sliding
+from dummydesign.pad.axisymmetric.profile_punch import CELLS as PROFILE_CELLS
+from dummydesign.pad.axisymmetric.profile_punch import edge_problem, load_steps, profile, profile_problem
+from dummydesign.pad.axisymmetric.self_contact import FoldWatch, RoundFace
+from dummydesign.pad.axisymmetric.shaped_problem import (
+    CELLS,
+    LARGEST_STEP,
+    SMALLEST_STEP,
+    first_depth,
+    radius_touched,
+    shaped_problem,
+    visited_states,
+)
+from dummydesign.pad.contact.axisymmetric import FlatPunch, ProfilePunch
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
-from dummydesign.pad.fields.pressed import FREE, SLIPS, STICKS, Face, Pressed
-from dummydesign.pad.fields.recover import face_tractions, recovered
-from dummydesign.pad.pad import SLAB, Pad, Puck
-from dummydesign.pad.shaped.fold import FoldWatch, RoundFace
-from dummydesign.pad.shaped.paths import radius_touched
-from dummydesign.pad.solve.continuation import Passed, beside_path, follow
+from dummydesign.pad.fields.stress import FREE, SLIPS, STICKS, Face, Pressed, face_tractions, recovered
+from dummydesign.pad.solve.continuation import Path, VisitedState, follow, state_between
 from dummydesign.pad.solve.equilibrium import Problem, Solution
+from dummydesign.pad.specimen import SLAB, Pad, Puck
 
 Array = np.ndarray
+
+# Depths of the path that are nearer than this to a wanted one are left out, over their own size.
+NEAR = 0.1
+
+
+Keep = Callable[[Problem, Solution, float], None]
+
+
+def _follow_under_fillet(
+    case: Case, depths: Array, thickness_mm: float, coarse: bool, progress: Progress | None, keep: Keep
+) -> tuple[str | None, tuple[str, ...]]:
+    """Follow a slab that is not glued to a filleted punch and keep its states at wanted depths."""
+    found, stop = 0, None
+    notes: tuple[str, ...] = ()
+    for cells in (COARSE,) if coarse else (FINE, COARSE):
+        wanted, path = depths[found:], _with_lattice(depths)
+        problem, follow = _slipping(case, cells)
+
+        def visit(depth: float, solution: Solution, problem: Problem = problem, wanted: Array = wanted) -> None:
+            if np.isclose(wanted, depth, rtol=1e-9, atol=0.0).any():
+                keep(problem, solution, depth)
+
+        made = follow(path, progress, visit)
+        before, found = found, int((depths <= (made.depth[-1] if len(made.depth) else 0.0) * (1.0 + 1e-9)).sum())
+        if cells == COARSE and not coarse and found > before:
+            start = f"{depths[before] * thickness_mm:.3g} mm"
+            notes = (f"fields from {start} on are those of cells of 1.5 times the size: finer ones end before",)
+        found, stop = max(found, before), made.stop
+        if found == len(depths):
+            return None, notes
+    return stop, notes
+
+
+def _slipping(case: Case, cells: int) -> tuple[Problem, Callable[..., Path]]:
+    """The problem of a face with or without friction, and what follows it."""
+    if not Interface.parse(case.condition, "condition", FACES).friction:
+        mesh = SlidingMesh(case, cells)
+        return mesh.problem, lambda *args: follow_sliding(mesh, *args)
+    problem = rubbing_problem(case, cells)
+    return problem, lambda *args: follow_rubbing(problem, *args)
+
+
+def _with_lattice(depths: Array) -> Array:
+    """Wanted depths and those of the force's own path between them."""
+    path = lattice_depths(float(depths[-1]))
+    room = NEAR * np.minimum(path, LATTICE)
+    apart = np.abs(path[:, None] - depths).min(axis=1) > room
+    return np.union1d(path[apart & (path < depths[-1])], depths)
+
 
 RIM = 0.05
 # A place touches where its pressure is above this share of the largest.
@@ -43,56 +113,26 @@ class Setup:
     largest_step: float
     smallest_step: float
     lattice: bool = False
-    passed: tuple[Passed, ...] = ()
+    visited: tuple[VisitedState, ...] = ()
 
 
 def solve_fields(
-    pad: Pad | Puck, depth_mm: Sequence[float], progress: Callable[[float], None] | None = None, coarse: bool = False
+    pad: Pad | Puck, depth_mm: Sequence[float], progress: Progress | None = None, coarse: bool = False
 ) -> tuple[tuple[Pressed, ...], tuple[str, ...]]:
-    """Fields of a round pad at static depths.
-
-    Parameters
-    ----------
-    pad : Pad
-        A slab or a round shaped pad under a round punch or a profile; a square punch is taken as the circle of equal
-        area.
-    depth_mm : sequence of float, shape (depths,)
-        Depths above 0, increasing or not. [mm]
-    progress : callable, optional
-        Called with each solved depth over thickness.
-    coarse : bool
-        On cells of twice the size, for pictures: a third of the work. Pressures inside 0.9 of the contact's radius
-        then differ by up to 2 %.
-
-    Returns
-    -------
-    fields : tuple of Pressed
-        At the depths that were reached.
-    notes : tuple of str
-        Why some are missing, and what was taken for what.
-
-    Raises
-    ------
-    InputError
-        For a pad that is not round, or depths outside the validity.
-    NoAnswerError
-        When no depth could be solved.
-    """
-    from dummydesign.pad.slab.problem import normalise
-
+    """Fields of a round pad at static depths."""
     if not has_fields(pad):
         what = "pad = cylinder between plates" if isinstance(pad, Puck) else f"shape {pad.geometry}"
-        raise InputError(f"fields are for round pads under a punch; {what} has none yet")
-    h = pad.thickness_mm
-    law, depths, _, shear = normalise(h, pad.radius_mm, pad.young_MPa, depth_mm, pad.poisson, pad.shape)
+        message = f"fields are for round pads under a punch; {what} has none yet"
+        raise InputError(message, "unsupported", "fields", what)
+    depths, shear = relative_depths(depth_mm, pad.thickness_mm), pad.shear_MPa
     found: list[Pressed] = []
 
     def keep(problem: Problem, solution: Solution, depth: float) -> None:
         found.append(_pressed(problem, solution, depth, pad, shear))
 
-    stop, notes = _follow(pad, law, depths, shear, coarse, progress, keep)
+    stop, notes = _follow(pad, depths, coarse, progress, keep)
     if not found:
-        raise NoAnswerError("no_convergence", f"the fields could not be solved: {stop}")
+        raise NoAnswerError("no_convergence", f"the fields could not be solved: {stop}", quantity="fields")
     if pad.sides_mm is not None:
         notes += (f"fields are those of a round punch of equal area, radius {pad.radius_mm:.4g} mm",)
     if stop:
@@ -106,16 +146,7 @@ def has_fields(pad: Pad | Puck) -> TypeGuard[Pad]:
 
 
 def contact_pressures(pad: Pad, depth_mm: Sequence[float]) -> tuple[list[dict[str, Any]], tuple[str, ...]]:
-    """Mean, peak and profile of the contact pressure at static depths; solves are kept in the cache.
-
-    Returns
-    -------
-    contact : list of dict
-        As the method ``contact`` of ``Pressed`` gives them, at the depths that were reached.
-    notes : tuple of str
-    """
-    from dummydesign.core.cache import cached
-
+    """Mean, peak and profile of the contact pressure at static depths; solves are kept in the cache."""
     def solve() -> dict[str, Any]:
         fields, notes = solve_fields(pad, depth_mm)
         return {"contact": [pressed.contact() for pressed in fields], "notes": list(notes)}
@@ -125,28 +156,25 @@ def contact_pressures(pad: Pad, depth_mm: Sequence[float]) -> tuple[list[dict[st
 
 
 def _follow(
-    pad: Pad, law: Any, depths: Array, shear: float, coarse: bool, progress: Callable[[float], None] | None,
-    keep: Callable[[Problem, Solution, float], None],
-) -> tuple[str | None, tuple[str, ...]]:  # fmt: skip
-    """Hand over the equilibria at depths; why some are missing, and what is said of the others."""
+    pad: Pad, depths: Array, coarse: bool, progress: Progress | None, keep: Keep
+) -> tuple[str | None, tuple[str, ...]]:
+    """Keep the equilibria at depths; return why some are missing, and notes on the others."""
+    case = Case.of(pad, check=pad.profile_mm is None)
     if pad.edge_radius_mm and pad.condition != "bonded":
-        from dummydesign.pad.fields.sliding import follow_states
-
-        moved = follow_states(pad, law, depths, coarse, progress, keep)
-        return moved.stop, moved.notes
-    setup = _setup(pad, law, depths, shear, coarse)
-    if setup.passed:
-        solutions = [beside_path(setup.problem, setup.passed, depth) for depth in depths]
+        return _follow_under_fillet(case, depths, pad.thickness_mm, coarse, progress, keep)
+    setup = _setup(pad, case, depths, coarse)
+    if setup.visited:
+        solutions = [state_between(setup.problem, setup.visited, depth) for depth in depths]
         reached = [one for one in solutions if isinstance(one, Solution)]
         if len(reached) == len(depths):
             for depth, solution in zip(depths, reached):
                 keep(setup.problem, solution, depth)
             return None, ()
-        setup = _setup(pad, law, depths, shear, coarse)
+        setup = _setup(pad, case, depths, coarse)
     watch = None if pad.geometry.flat_top else FoldWatch(RoundFace(setup.problem, pad.thickness_mm))
 
     def visit(depth: float, solution: Solution) -> str | None:
-        if watch is not None and (folded := watch.look(depth, solution.u)):
+        if watch is not None and (folded := watch.check(depth, solution.u)):
             return folded
         keep(setup.problem, solution, depth)
         return None
@@ -155,61 +183,30 @@ def _follow(
         setup.problem, depths, setup.first_step, setup.largest_step, setup.smallest_step, progress,
         lattice=setup.lattice, visit=visit,
     )  # fmt: skip
-    return path.stop if watch is None else watch.said(path.stop), ()
+    return path.stop if watch is None else watch.stop_reason(path.stop), ()
 
 
-def _setup(pad: Pad, law: Any, depths: Array, shear: float, coarse: bool) -> Setup:
+def _setup(pad: Pad, case: Case, depths: Array, coarse: bool) -> Setup:
     """The problem that the pad's own curve is solved by, with one fillet."""
-    from dummydesign.pad.contact.resting_base import weight_over_shear
-    from dummydesign.pad.contact.surface_axisymmetric import ProfilePunch
-    from dummydesign.pad.shaped.paths import LARGEST_STEP, first_depth, passed_by
-    from dummydesign.pad.shaped.problem import CELLS, Press, shaped_problem
-    from dummydesign.pad.slab.indentation import CELLS as PROFILE_CELLS
-    from dummydesign.pad.slab.indentation import (
-        SHAPED_STIFFNESS,
-        Region,
-        indentation_problem,
-        load_steps,
-        profile,
-        tip_region,
-    )
-    from dummydesign.pad.slab.problem import Slab, rimmed_problem
-
-    h, extent = pad.thickness_mm, (pad.extent_mm or PAD_EXTENT_MM) / pad.thickness_mm
-    radius = pad.radius_mm / h
+    scale = case.scale
     if pad.geometry != SLAB:
-        first = first_depth(depths)
-        edge = pad.edge_radius_mm / h
-        press = Press(pad.geometry, h, radius, extent, pad.base, pad.condition, pad.poisson, first, edge)
-        press.check()
-        step = 0.3 * RIM if pad.geometry.flat_top else 0.25 * first
-        cells = CELLS // 2 if coarse else CELLS
-        passed = () if pad.geometry.flat_top else tuple(passed_by(press, law, cells, RIM, float(depths[-1])))
-        return Setup(shaped_problem(press, law, cells, RIM), step, LARGEST_STEP * CELLS / cells, 3e-4, True, passed)
-    weight = weight_over_shear(h, shear)
-    own = (law, pad.poisson, pad.base, pad.condition)
+        case = replace(case, first=first_depth(depths))
+        flat, cells = pad.geometry.flat_top, CELLS // 2 if coarse else CELLS
+        visited = () if flat else tuple(visited_states(case, cells, RIM, float(depths[-1])))
+        first, largest = 0.3 * RIM if flat else 0.25 * case.first, LARGEST_STEP * CELLS / cells
+        return Setup(shaped_problem(case, cells, RIM), first, largest, SMALLEST_STEP, True, visited)
     if pad.profile_mm is not None:
-        shape = profile(*(np.asarray(part) / h for part in pad.profile_mm))
-        punch = ProfilePunch(shape.height)
-        region = tip_region(punch, radius, float(depths[0]), PROFILE_CELLS // 2 if coarse else PROFILE_CELLS)
-        made = indentation_problem(punch, region, extent, *own, stiffness=SHAPED_STIFFNESS, weight=weight)
+        punch = ProfilePunch(profile(*(np.asarray(part) / pad.thickness_mm for part in pad.profile_mm)).height)
+        cells = PROFILE_CELLS // 2 if coarse else PROFILE_CELLS
         first, largest, lattice = load_steps(pad.condition, float(depths[0]))
-        return Setup(made, first, largest, first / 64.0, lattice)
-    slab_scale = min(radius, 1.0)
-    if pad.condition == "bonded" and pad.base in BASES:
-        slab = Slab(radius, extent, pad.base, pad.condition)
-        if pad.edge_radius_mm:
-            from dummydesign.pad.slab.filleted import filleted_problem
-            from dummydesign.pad.slab.solved_depths import HALVINGS, LATTICE
-
-            made = filleted_problem(slab, law, pad.poisson, pad.edge_radius_mm / h)
-            return Setup(made, LATTICE * 0.5**HALVINGS, LATTICE, LATTICE / 256.0, True)
-        made = rimmed_problem(slab, law, pad.poisson, RIM * slab_scale, meshes.Resolution(cells=3 if coarse else 6))
-        return Setup(made, RIM * slab_scale, 0.05 * slab_scale, 0.005 * slab_scale)
-    flat = FlatPunch(radius, RIM * slab_scale)
-    region = Region(max(0.0, radius - 3.0 * flat.rim), radius + 2.0 * flat.rim, flat.rim / 3.0)
-    made = indentation_problem(flat, region, extent, *own, weight=weight)
-    return Setup(made, 0.1 * flat.rim, 0.05 * slab_scale, 0.002 * slab_scale)
+        return Setup(profile_problem(case, punch, float(depths[0]), cells), first, largest, first / 64.0, lattice)
+    if pad.condition != "bonded" or pad.base not in BASES:
+        rim = RIM * scale
+        return Setup(edge_problem(replace(case, edge=rim)), 0.1 * rim, 0.05 * scale, 0.002 * scale)
+    if pad.edge_radius_mm:
+        return Setup(filleted_problem(case), FIRST_STEP, LATTICE, LATTICE / 256.0, True)
+    made = rimmed_problem(case, RIM * scale, meshes.Resolution(cells=3 if coarse else 6))
+    return Setup(made, RIM * scale, 0.05 * scale, 0.005 * scale)
 
 
 def _pressed(problem: Problem, solution: Solution, depth: float, pad: Pad, shear: float) -> Pressed:
@@ -253,8 +250,8 @@ def _face(problem: Problem, solution: Solution, depth: float, pad: Pad) -> Face:
         state = np.where(touches & (np.abs(drag) >= limit), SLIPS, state)
     pressure, drag = np.where(touches, pressure, 0.0), np.where(touches, drag, 0.0)
     place = solid.mesh.nodes[:, node] + solution.u.reshape(-1, 2).T[:, node]
-    reach, punch = radius_touched(problem, depth, solution), problem.punch
-    if not pad.edge_radius_mm and isinstance(punch, FlatPunch) and reach >= punch.flat_radius:
+    (reach, at_edge), punch = radius_touched(problem, depth, solution), problem.punch
+    if not pad.edge_radius_mm and at_edge and isinstance(punch, FlatPunch):
         reach = punch.radius  # the fillet stands for a sharp edge, which is reached
     return Face(node, place[0], place[1], solid.mesh.nodes[0, node], pressure, drag, state, reach)
 
@@ -263,7 +260,7 @@ def face_sides(problem: Problem) -> Array:
     """Sides of the tested face: those of one cell only that lie neither on the axis, the base nor the rim."""
     mesh = problem.solid.mesh
     node = meshes.cell_nodes(mesh)
-    three = np.concatenate([node[:, [i, side, j]] for side, i, j in meshes.SIDES])
+    three = np.concatenate([node[:, [i, side, j]] for side, i, j in meshes.PATCH_SIDES])
     middle, counts = np.unique(three[:, 1], return_counts=True)
     once = np.isin(three[:, 1], middle[counts == 1])
     r = mesh.nodes[0]

@@ -1,17 +1,8 @@
-"""Hyperelastic laws by one contract: energy, first Piola stress and exact tangent of the deformation gradient.
-
-A law sees the components of the deformation gradient F as the last axis of an array: five of them in
-axisymmetry (rr, rz, zr, zz, tt) or nine in space (row by row). It gives the part of the energy that
-does not depend on J = det F alone; what depends on J (the term that frees the reference state of
-stress, the pressure) is added by the element, alike for all laws. Stresses are in units of the law's
-own moduli, MPa unless scaled.
-
-With the pressure term, all laws here are stress-free at F = 1 and have the small-strain shear modulus
-``shear_MPa``; the incompressible long-term modulus is E = 3 ``shear_MPa``.
-"""
+"""Hyperelastic laws by one contract: neo-Hooke, Yeoh, Ogden."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -22,7 +13,7 @@ from dummydesign.core.errors import InputError, unknown_name
 Array = np.ndarray
 
 
-class Law(Protocol):
+class HyperelasticLaw(Protocol):
     """What the elements need of a material law."""
 
     @property
@@ -42,7 +33,7 @@ class Law(Protocol):
     def tangent(self, F: Array) -> Array:
         """Second derivative of W, MPa; shape of F with the last axis doubled."""
 
-    def scaled(self, factor: float) -> Law:
+    def scaled(self, factor: float) -> HyperelasticLaw:
         """The same law with all moduli multiplied by ``factor``."""
 
 
@@ -53,13 +44,6 @@ def _first_invariant(F: Array) -> Array:
 @dataclass(frozen=True)
 class Yeoh:
     """W = mu/2 (I1 - 3) + c2 (I1 - 3)^2 [1]; c2 = 0 is the neo-Hookean solid.
-
-    Parameters
-    ----------
-    shear_MPa : float
-        Small-strain shear modulus mu. [MPa]
-    c2_MPa : float
-        Stiffening modulus, >= 0. [MPa]
 
     References
     ----------
@@ -72,9 +56,11 @@ class Yeoh:
 
     def __post_init__(self) -> None:
         if not self.shear_MPa > 0.0:
-            raise InputError(f"shear modulus = {self.shear_MPa} MPa must be above 0")
+            message = f"shear modulus = {self.shear_MPa} MPa must be above 0"
+            raise InputError(message, "out_of_range", "shear_MPa", self.shear_MPa)
         if not self.c2_MPa >= 0.0:
-            raise InputError(f"Yeoh c2 = {self.c2_MPa} MPa must be at least 0, else the solid softens without bound")
+            message = f"Yeoh c2 = {self.c2_MPa} MPa must be at least 0, else the solid softens without bound"
+            raise InputError(message, "out_of_range", "c2_MPa", self.c2_MPa)
 
     @property
     def reference_stress_MPa(self) -> float:
@@ -103,26 +89,17 @@ class Yeoh:
         return Yeoh(self.shear_MPa * factor, self.c2_MPa * factor)
 
 
+NEO_HOOKEAN = Yeoh(1.0)
+"""The neo-Hookean solid with unit shear modulus."""
+
+
 def neo_hookean(shear_MPa: float) -> Yeoh:
     """Return the neo-Hookean solid W = mu/2 (I1 - 3)."""
     return Yeoh(shear_MPa)
 
 
-def read_law(text: str) -> Law:
-    """Make a law from its name on the command line; only its shape counts, moduli are scaled later.
-
-    Parameters
-    ----------
-    text : str
-        ``neo-hookean``, ``yeoh:C2_OVER_MU`` or ``ogden:MU,ALPHA;MU,ALPHA`` with one to three pairs.
-
-    Raises
-    ------
-    InputError
-        For an unknown name, a wrong form or a law without a stable solid.
-    """
-    from dummydesign.pad.material.ogden import Ogden
-
+def read_law(text: str) -> HyperelasticLaw:
+    """Make a law from its name on the command line; only its shape counts, moduli are scaled later."""
     forms = {"neo-hookean": "neo-hookean", "yeoh": "yeoh:C2_OVER_MU", "ogden": "ogden:MU,ALPHA;MU,ALPHA"}
     name, colon, rest = text.partition(":")
     if name not in forms:
@@ -133,7 +110,139 @@ def read_law(text: str) -> Law:
         rows = [[]]
     wanted = {"neo-hookean": 0, "yeoh": 1, "ogden": 2}[name]
     if bool(wanted) != bool(rows) or any(len(row) != wanted for row in rows) or (name == "yeoh" and len(rows) > 1):
-        raise InputError(f"law '{text}' is not of the form {forms[name]}")
+        raise InputError(f"law '{text}' is not of the form {forms[name]}", "malformed", "law", text, forms[name])
     if name == "ogden":
         return Ogden([row[0] for row in rows], [row[1] for row in rows])
     return Yeoh(1.0, rows[0][0] if rows else 0.0)
+
+
+MOST_TERMS = 3
+_PAIRS_3 = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+_PAIRS_2 = ((0, 0), (1, 1), (0, 1))
+
+
+@dataclass(frozen=True)
+class Ogden:
+    """W = sum_p mu_p / alpha_p (l1^alpha_p + l2^alpha_p + l3^alpha_p - 3) [1].
+
+    References
+    ----------
+    .. [1] R. W. Ogden, "Large deformation isotropic elasticity", Proc. R. Soc. Lond. A 326 (1972) 565,
+       doi 10.1098/rspa.1972.0026; stability by mu_p alpha_p > 0: R. Hill, Adv. Appl. Mech. 18 (1978) 1.
+    """
+
+    mu_MPa: tuple[float, ...]
+    alpha: tuple[float, ...]
+
+    def __init__(self, mu_MPa: Sequence[float], alpha: Sequence[float]) -> None:
+        object.__setattr__(self, "mu_MPa", tuple(float(m) for m in mu_MPa))
+        object.__setattr__(self, "alpha", tuple(float(a) for a in alpha))
+        if not 1 <= len(self.mu_MPa) == len(self.alpha) <= MOST_TERMS:
+            message = f"Ogden law with {len(self.mu_MPa)} mu and {len(self.alpha)} alpha; it takes one to three pairs"
+            raise InputError(message, "malformed", "law")
+        for mu, alpha_p in zip(self.mu_MPa, self.alpha):
+            if not (np.isfinite(mu) and np.isfinite(alpha_p) and mu * alpha_p > 0.0):
+                raise InputError(
+                    f"Ogden term mu = {mu:g}, alpha = {alpha_p:g}: mu times alpha must be above 0, "
+                    "else the solid softens without bound", "out_of_range", "law",
+                )  # fmt: skip
+
+    @property
+    def shear_MPa(self) -> float:
+        """Small-strain shear modulus, half the sum of mu_p alpha_p."""
+        return 0.5 * sum(m * a for m, a in zip(self.mu_MPa, self.alpha))
+
+    @property
+    def reference_stress_MPa(self) -> float:
+        """Stress of the distortional part at F = 1, the sum of mu_p."""
+        return sum(self.mu_MPa)
+
+    def _slope(self, c: Array) -> Array:
+        """w'(c), c = l^2."""
+        parts = (0.5 * m * c ** (0.5 * a - 1.0) for m, a in zip(self.mu_MPa, self.alpha))
+        return sum(parts, np.zeros_like(c))
+
+    def _divided(self, x: Array, y: Array) -> Array:
+        """(w'(x) - w'(y)) / (x - y), w''(x) where they are equal."""
+        ratio = (y - x) / x
+        safe = np.where(ratio == 0.0, 1.0, ratio)
+        total = np.zeros_like(x)
+        for m, a in zip(self.mu_MPa, self.alpha):
+            power = 0.5 * a - 1.0
+            quotient = np.where(ratio == 0.0, power, np.expm1(power * np.log1p(safe)) / safe)
+            total = total + 0.5 * m * x ** (power - 1.0) * quotient
+        return total
+
+    def energy(self, F: Array) -> Array:
+        """Energy per reference volume."""
+        values, _, hoop = _eigen(F)
+        squares = values if hoop is None else np.concatenate([values, (hoop**2)[..., None]], axis=-1)
+        return sum(
+            m / a * (np.sum(squares ** (0.5 * a), axis=-1) - 3.0) for m, a in zip(self.mu_MPa, self.alpha)
+        )
+
+    def stress(self, F: Array) -> Array:
+        """First Piola stress F 2 w'(C)."""
+        values, vectors, hoop = _eigen(F)
+        pushed = _block(F) @ vectors
+        stress = _rows((pushed * 2.0 * self._slope(values)[..., None, :]) @ np.swapaxes(vectors, -1, -2))
+        if hoop is None:
+            return stress
+        return np.concatenate([stress, (2.0 * self._slope(hoop**2) * hoop)[..., None]], axis=-1)
+
+    def tangent(self, F: Array) -> Array:
+        """Second derivative: 1 x S + sum over pairs of w'[c_a, c_b] D_ab x D_ab, D_ab = f_a N_b + f_b N_a."""
+        values, vectors, hoop = _eigen(F)
+        size = vectors.shape[-1]
+        pushed = _block(F) @ vectors
+        second_piola = (vectors * 2.0 * self._slope(values)[..., None, :]) @ np.swapaxes(vectors, -1, -2)
+        modes, factors = [], []
+        for a, b in _PAIRS_3 if size == 3 else _PAIRS_2:
+            one = pushed[..., :, None, a] * vectors[..., None, :, b]
+            other = pushed[..., :, None, b] * vectors[..., None, :, a]
+            modes.append(_rows(one + other))
+            factors.append(self._divided(values[..., a], values[..., b]) * (1.0 if a == b else 2.0))
+        D, factor = np.stack(modes, axis=-2), np.stack(factors, axis=-1)
+        block = np.swapaxes(D, -1, -2) @ (factor[..., None] * D)
+        for i in range(size):
+            block[..., size * i : size * (i + 1), size * i : size * (i + 1)] += second_piola
+        if hoop is None:
+            return block
+        out = np.zeros((*F.shape, 5))
+        out[..., :4, :4] = block
+        square = hoop**2
+        out[..., 4, 4] = 2.0 * self._slope(square) + 4.0 * square * self._divided(square, square)
+        return out
+
+    def scaled(self, factor: float) -> Ogden:
+        """The same law with all moduli multiplied by ``factor``."""
+        return Ogden([m * factor for m in self.mu_MPa], self.alpha)
+
+
+def _block(F: Array) -> Array:
+    """The square matrix in F: 2 x 2 in axisymmetry, 3 x 3 in space."""
+    if F.shape[-1] == 5:
+        return F[..., :4].reshape(*F.shape[:-1], 2, 2)
+    return F.reshape(*F.shape[:-1], 3, 3)
+
+
+def _rows(matrix: Array) -> Array:
+    return matrix.reshape(*matrix.shape[:-2], -1)
+
+
+def _eigen(F: Array) -> tuple[Array, Array, Array | None]:
+    """Eigenvalues and vectors of the block of C, and the hoop stretch in axisymmetry."""
+    block = _block(F)
+    C = np.swapaxes(block, -1, -2) @ block
+    if F.shape[-1] == 9:
+        values, vectors = np.linalg.eigh(C)
+        return values, vectors, None
+    rr, rz, zz = C[..., 0, 0], C[..., 0, 1], C[..., 1, 1]
+    angle = 0.5 * np.arctan2(2.0 * rz, rr - zz)
+    cos, sin = np.cos(angle), np.sin(angle)
+    large = cos**2 * rr + 2.0 * cos * sin * rz + sin**2 * zz
+    # the smaller one from the determinant, which does not cancel at large stretches
+    det = block[..., 0, 0] * block[..., 1, 1] - block[..., 0, 1] * block[..., 1, 0]
+    values = np.stack([large, det**2 / large], axis=-1)
+    vectors = np.stack([np.stack([cos, -sin], axis=-1), np.stack([sin, cos], axis=-1)], axis=-2)
+    return values, vectors, F[..., 4]

@@ -35,17 +35,7 @@ class Axisymmetric:
 
     @staticmethod
     def add_second(A: Array, factor: Array, F: Array) -> None:
-        """Add factor * d2J/dF2 to a tangent, in place.
-
-        Parameters
-        ----------
-        A : ndarray, shape (..., k, k)
-            The tangent, k the components of F: 5 in axisymmetry, 9 in space.
-        factor : ndarray, shape (...)
-            One at each point.
-        F : ndarray, shape (..., k)
-            Deformation gradients.
-        """
+        """Add factor * d2J/dF2 to a tangent, in place."""
         rr, rz, zr, zz, tt = (F[..., k] for k in range(5))
         for i, j, value in ((0, 3, tt), (1, 2, -tt), (0, 4, zz), (3, 4, rr), (1, 4, -zr), (2, 4, -rz)):
             A[..., i, j] += factor * value
@@ -87,17 +77,7 @@ class Spatial:
 
     @classmethod
     def add_second(cls, A: Array, factor: Array, F: Array) -> None:
-        """Add factor * d2J/dF2 to a tangent, in place.
-
-        Parameters
-        ----------
-        A : ndarray, shape (..., k, k)
-            The tangent, k the components of F: 5 in axisymmetry, 9 in space.
-        factor : ndarray, shape (...)
-            One at each point.
-        F : ndarray, shape (..., k)
-            Deformation gradients.
-        """
+        """Add factor * d2J/dF2 to a tangent, in place."""
         for s, (a, b, c) in cls._terms:
             for i, j, k in ((a, b, c), (a, c, b), (b, c, a)):
                 value = s * factor * F[..., k]

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.core.recurrence import linear_recurrence
+from dummydesign.core.serialise import Serialised
 
 
 @dataclass(frozen=True)
-class PronyTerm:
+class PronyTerm(Serialised):
     """One relaxing arm: time constant [s] and strength relative to the LONG-TERM modulus.
 
     ``beta`` = 0.3 means that this arm adds 30 % of the relaxed stiffness in a fast load.
@@ -29,10 +29,6 @@ class PronyTerm:
         if not (np.isfinite(self.beta) and self.beta >= 0):
             raise out_of_range("Prony strength beta", self.beta, 0, "any finite strength")
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return ``{"tau_s": ..., "beta": ...}``."""
-        return asdict(self)
-
 
 def relaxed_force(time_s: ArrayLike, elastic_force_N: ArrayLike, prony: Iterable[PronyTerm]) -> NDArray:
     """Force of a relaxing pad from the elastic force of its relaxed material.
@@ -42,25 +38,6 @@ def relaxed_force(time_s: ArrayLike, elastic_force_N: ArrayLike, prony: Iterable
     F_inf is taken as piecewise linear between the given times, for which the result is exact on any
     grid. A first value that is not zero counts as a jump at the first time; before it nothing was pressed.
 
-    Parameters
-    ----------
-    time_s : array_like, shape (n,) or (..., n)
-        Increasing times. [s]
-    elastic_force_N : array_like, shape (..., n)
-        Long-term elastic force at those times, one row per curve. [N]
-    prony : iterable of PronyTerm
-        Arms relative to the long-term modulus.
-
-    Returns
-    -------
-    ndarray, shape (..., n)
-        Force with relaxation. [N]
-
-    Raises
-    ------
-    InputError
-        When lengths differ or the times do not increase.
-
     References
     ----------
     Y. C. Fung, Biomechanics: Mechanical Properties of Living Tissues (1993), chapter 7 (quasi-linear law);
@@ -69,12 +46,11 @@ def relaxed_force(time_s: ArrayLike, elastic_force_N: ArrayLike, prony: Iterable
     time = np.asarray(time_s, dtype=float)
     elastic = np.asarray(elastic_force_N, dtype=float)
     if time.shape[-1:] != elastic.shape[-1:] or time.ndim == 0:
-        raise InputError(
-            f"time_s has shape {time.shape} but elastic_force_N {elastic.shape}; the last axes must agree"
-        )
+        message = f"time_s has shape {time.shape} but elastic_force_N {elastic.shape}; the last axes must agree"
+        raise InputError(message, "inconsistent", "elastic_force_N")
     step = np.diff(time, axis=-1)
     if np.any(step <= 0):
-        raise InputError("time_s must increase strictly")
+        raise InputError("time_s must increase strictly", "malformed", "time_s")
     force = np.broadcast_to(elastic, np.broadcast_shapes(time.shape, elastic.shape)).astype(float, copy=True)
     rise = np.diff(elastic, axis=-1)
     for term in prony:
@@ -89,27 +65,7 @@ def relaxed_force(time_s: ArrayLike, elastic_force_N: ArrayLike, prony: Iterable
 def arms_in_ramp_and_hold(
     steps_s: Sequence[ArrayLike], elastic_force_N: NDArray, hold_s: NDArray, tau_s: Sequence[float], beta: NDArray
 ) -> NDArray:
-    """Force of all arms, what :func:`relaxed_force` adds to the elastic force, of many presses at once.
-
-    Parameters
-    ----------
-    steps_s : sequence of m floats or ndarrays of shape (D,)
-        Times between the samples up to the stop, of each press or one for all; what stands there more than once, as
-        the same object, is worked out once. [s]
-    elastic_force_N : ndarray, shape (D, m + 1)
-        The relaxed force up to the stop; from there on it stays. [N]
-    hold_s : ndarray, shape (k,)
-        Times since the stop, of all presses. [s]
-    tau_s : sequence of float
-        Times of the arms. [s]
-    beta : ndarray, shape (D, arms)
-        Their strengths.
-
-    Returns
-    -------
-    ndarray, shape (m + 1 + k, D)
-        Time along the first axis. [N]
-    """
+    """Force of all arms, what :func:`relaxed_force` adds to the elastic force, of many presses at once. [N]"""
     # every step of the recursion works on neighbouring numbers
     elastic, strength = np.ascontiguousarray(elastic_force_N.T), np.ascontiguousarray(beta.T)
     tau = np.array(tau_s)[:, None]

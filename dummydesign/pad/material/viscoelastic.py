@@ -27,7 +27,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dummydesign.core.errors import InputError
-from dummydesign.pad.material.hyperelastic import Law
+from dummydesign.pad.material.hyperelastic import HyperelasticLaw
 from dummydesign.pad.material.kinematics import Axisymmetric, Spatial
 from dummydesign.pad.material.relaxation import PronyTerm
 
@@ -54,7 +54,7 @@ def _product(A: Array, B: Array, transposed: bool = False) -> Array:
 class Isochoric:
     """First Piola stress and tangent of W(J^(-1/3) F), of a law's energy at constant volume."""
 
-    def __init__(self, law: Law) -> None:
+    def __init__(self, law: HyperelasticLaw) -> None:
         self.law = law
 
     def energy(self, F: Array) -> Array:
@@ -102,16 +102,9 @@ class Viscoelastic:
 
     Use: ``begin(dt)``, then energy, stress and tangent for any trial F, then ``commit(F)`` with the F that
     was found. Without arms (or with all strengths zero) it is the hyperelastic law, to the last bit.
-
-    Parameters
-    ----------
-    law : Law
-        Long-term hyperelastic law.
-    prony : sequence of PronyTerm
-        Strengths relative to the long-term modulus.
     """
 
-    def __init__(self, law: Law, prony: Sequence[PronyTerm] = ()) -> None:
+    def __init__(self, law: HyperelasticLaw, prony: Sequence[PronyTerm] = ()) -> None:
         self.law = law
         self.prony = tuple(term for term in prony if term.beta > 0.0)
         self.isochoric = Isochoric(law)
@@ -134,7 +127,7 @@ class Viscoelastic:
     def begin(self, dt_s: float) -> None:
         """Prepare a step of this length from the committed state. [s]"""
         if not dt_s > 0.0:
-            raise InputError(f"time step = {dt_s} s must be above 0")
+            raise InputError(f"time step = {dt_s} s must be above 0", "out_of_range", "time_step_s", dt_s)
         x = [dt_s / term.tau_s for term in self.prony]
         self._factors = [(float(np.exp(-r)), term.beta * float(-np.expm1(-r) / r)) for r, term in zip(x, self.prony)]
         self._strength = sum(jump for _, jump in self._factors)
@@ -151,14 +144,6 @@ class Viscoelastic:
         old = self._arms or [np.zeros(())] * len(self.prony)
         self._arms = [d * Q + j * (now - self._last) for (d, j), Q in zip(self._factors, old)]
         self._last = now
-
-    def memory(self) -> tuple:
-        """The committed history, to be given to :meth:`restore` (arrays are never changed in place)."""
-        return self._arms, self._last
-
-    def restore(self, memory: tuple) -> None:
-        """Go back to a committed history."""
-        self._arms, self._last = memory
 
     def energy(self, F: Array) -> Array:
         """Incremental energy of the step; its derivative is the stress."""

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from dummydesign.core.threads import one_blas_thread
+from dummydesign.core.process import one_blas_thread
+from dummydesign.pad.force_law import NO_COST
 from dummydesign.pad.solve.equilibrium import (
     RESIDUAL_TOLERANCE,
     TIED,
@@ -51,7 +52,7 @@ class Path:
 
 
 @dataclass(frozen=True)
-class Passed:
+class VisitedState:
     """The end of a step on a path: depth, displacements, pressures, and what the surface remembers of contact."""
 
     depth: float
@@ -60,20 +61,10 @@ class Passed:
     memory: Any
 
 
-def beside_path(problem: Problem, passed: Sequence[Passed], depth: float) -> Solution | Failure:
-    """Equilibrium at a depth that a path has passed, from the ends of the steps before and after it.
-
-    Parameters
-    ----------
-    problem : Problem
-        That the path was followed on, or one made alike.
-    passed : sequence of Passed
-        Ends of its steps, increasing; ``depth`` is not beyond the last.
-    depth : float
-        In the mesh's unit of length.
-    """
+def state_between(problem: Problem, passed: Sequence[VisitedState], depth: float) -> Solution | Failure:
+    """Equilibrium at a depth that a path has passed, from the ends of the steps before and after it."""
     after = next(i for i, end in enumerate(passed) if end.depth >= depth * (1.0 - 1e-9))
-    before = passed[after - 1] if after else Passed(0.0, *problem.start(), None)
+    before = passed[after - 1] if after else VisitedState(0.0, *problem.start(), None)
     end = passed[after]
     if problem.surface is not None:
         if before.memory is not None:
@@ -83,33 +74,23 @@ def beside_path(problem: Problem, passed: Sequence[Passed], depth: float) -> Sol
     return find_equilibrium(problem, before.u + part * (end.u - before.u), before.p + part * (end.p - before.p), depth)
 
 
-NOTHING: dict[str, float] = {"unknowns": 0, "load_steps": 0, "newton_iterations": 0, "seconds": 0.0}
+def cost(paths: Sequence[Any]) -> dict[str, float]:
+    """Return the cost of several paths together: their largest number of unknowns, and sums of the rest."""
+    return add_costs(*({name: getattr(path, name) for name in NO_COST} for path in paths))
 
 
-def cost(paths: Sequence[Path]) -> dict[str, float]:
-    """What several paths cost together: their largest number of unknowns, and sums of the rest."""
-    return {
-        "unknowns": max(path.unknowns for path in paths),
-        "load_steps": sum(path.load_steps for path in paths),
-        "newton_iterations": sum(path.newton_iterations for path in paths),
-        "seconds": sum(path.seconds for path in paths),
-    }
+def add_costs(*costs: Mapping[str, float]) -> dict[str, float]:
+    """Add up what several solves cost: the largest number of unknowns, and sums of the rest."""
+    return {name: (max if name == "unknowns" else sum)(one[name] for one in costs) for name in NO_COST}
 
 
 @one_blas_thread()
 def follow(
-    problem: Problem,
-    depths: Sequence[float] | Array,
-    first_step: float,
-    largest_step: float,
-    smallest_step: float,
-    progress: Callable[[float], None] | None = None,
-    sound_J: float = 0.0,
-    lattice: bool = False,
-    visit: Callable[[float, Solution], str | None] | None = None,
-    keep: Callable[[Passed], None] | None = None,
+    problem: Problem, depths: Sequence[float] | Array, first_step: float, largest_step: float, smallest_step: float,
+    progress: Callable[[float], None] | None = None, sound_J: float = 0.0, lattice: bool = False,
+    visit: Callable[[float, Solution], str | None] | None = None, keep: Callable[[VisitedState], None] | None = None,
     most_wasted: float = math.inf,
-) -> Path:
+) -> Path:  # fmt: skip
     """Follow the equilibrium from first touch through ``depths`` (increasing, in the mesh's unit of length).
 
     Every depth is met exactly. A step that fails is halved and tried again from the last good state;
@@ -122,33 +103,6 @@ def follow(
 
     ``visit`` is called with every wanted depth and the equilibrium found there, ``keep`` with the end of every step.
     Where ``visit`` says why, the path ends before that depth.
-
-    Parameters
-    ----------
-    problem : Problem
-        Mesh, law, supports and contact.
-    depths : sequence of float, or ndarray of shape (n,)
-        Increasing, above 0, in the mesh's unit of length.
-    first_step, largest_step, smallest_step : float
-        Load steps: at the start, at most, and below which the path is given up.
-    progress : callable, optional
-        Called with each wanted depth that is solved.
-    sound_J : float
-        Smallest volume ratio at a quadrature point with which the path goes on.
-    lattice : bool
-        Whether the steps do not depend on the wanted depths.
-    visit : callable, optional
-        Called with each wanted depth and its solution; returns why the path ends before it, or None.
-    keep : callable, optional
-        Called with the end of each step.
-    most_wasted : float
-        Tangents that failed steps may cost while the path goes no farther than one largest step. Only where it was
-        tried: contact that slips often goes on after more.
-
-    Returns
-    -------
-    Path
-        With as many entries as were reached; ``stop`` says why some are missing.
     """
     began = time.perf_counter()
     targets = np.asarray(depths, dtype=float)
@@ -215,11 +169,11 @@ def follow(
             if step < smallest_step:
                 stop = explain(problem, u, p, depth, beside.reason)
             continue
-        if tied is not None:
+        if tied is not None and problem.surface is not None:
             problem.surface.restore(tied)
         earlier, u, p, depth = (u, p, depth), answer.u, answer.p, trial_depth
         if keep:
-            keep(Passed(depth, u, p, None if problem.surface is None else problem.surface.memory()))
+            keep(VisitedState(depth, u, p, None if problem.surface is None else problem.surface.memory()))
         iterations += answer.iterations
         if problem.surface is not None:
             problem.surface.settle(u, problem.punch, depth)

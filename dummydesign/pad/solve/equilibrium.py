@@ -8,11 +8,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dummydesign.core.threads import one_blas_thread
-from dummydesign.pad.contact.surface_axisymmetric import Punch
-from dummydesign.pad.contact.ties import Contact
-from dummydesign.pad.fem.mixed_solid import Solid, State
-from dummydesign.pad.solve.solver_superlu import Pattern
+from dummydesign.core.process import one_blas_thread
+from dummydesign.pad.contact.axisymmetric import Punch
+from dummydesign.pad.contact.penalty import ContactSurface
+from dummydesign.pad.fem.mixed_solid import Solid, State, Tangent
+from dummydesign.pad.solve.sparse import Pattern
 
 Array = np.ndarray
 
@@ -38,35 +38,13 @@ LEAST_FRACTION = 0.05
 
 
 class Problem:
-    """A solid, the unknowns that move with the punch or are held, and the surface in contact.
-
-    Parameters
-    ----------
-    solid : Solid
-    held : ndarray of bool
-        Unknowns kept at zero.
-    driven : ndarray of int
-        Unknowns that move with the punch, by -depth.
-    base : ndarray of int
-        Held unknowns over which the reaction is summed: the force that the pad carries.
-    surface, punch : Contact and Punch, optional
-    carried : ndarray of int, optional
-        Free unknowns that lie on the punch's face at first touch; they go down with it at first.
-    solver : callable, optional
-        Makes the linear solver from (connectivities, free unknowns, number of unknowns); else band or sparse matrix.
-    """
+    """A solid, the unknowns that move with the punch or are held, and the surface in contact."""
 
     def __init__(
-        self,
-        solid: Solid,
-        held: Array,
-        driven: Array,
-        base: Array,
-        surface: Contact | None = None,
-        punch: Punch | None = None,
-        carried: Array | None = None,
+        self, solid: Solid, held: Array, driven: Array, base: Array, surface: ContactSurface | None = None,
+        punch: Punch | None = None, carried: Array | None = None,
         solver: Callable[[list[Array], Array, int], Any] | None = None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         self.solid, self.driven, self.base, self.surface, self.punch = solid, driven, base, surface, punch
         self.carried = driven if carried is None else np.union1d(driven, carried)
         fixed = held.copy()
@@ -95,24 +73,29 @@ class Problem:
 
     def direction(self) -> tuple[Array, Array]:
         """Small-strain solution for a unit depth of the punch, from the undeformed state."""
-        u, p = self.start()
-        state = self.solid.state(u, p)
+        u, _ = self.start()
+        state, tangent = self._undeformed()
         _, matrices = self.contact(u, 0.0)
         lift = np.zeros(len(u))
         lift[self.carried] = -1.0
-        pull = (state.stiffness @ lift[self.solid.mesh.dofs][:, :, None])[:, :, 0]
+        pull = (tangent.stiffness @ lift[self.solid.mesh.dofs][:, :, None])[:, :, 0]
         load = -np.bincount(self.solid.mesh.dofs.ravel(), pull.ravel(), minlength=len(u))
-        du = lift + self.pattern.solve([state.stiffness, *matrices], load)
-        return du, self.solid.pressure_step(state, state, du)
+        du = lift + self.pattern.solve([tangent.stiffness, *matrices], load)
+        return du, self.solid.pressure_step(tangent, state, du)
+
+    def _undeformed(self) -> tuple[State, Tangent]:
+        """State and tangent before the punch comes down."""
+        state = self.solid.state(*self.start())
+        assert state is not None
+        return state, self.solid.linearise(state)
 
     @one_blas_thread()
     def stiffness(self) -> float:
         """Force per depth at first touch (the small-strain limit)."""
-        u, p = self.start()
         du, _ = self.direction()
-        state = self.solid.state(u, p)
-        pull = (state.stiffness @ du[self.solid.mesh.dofs][:, :, None])[:, :, 0]
-        total = np.bincount(self.solid.mesh.dofs.ravel(), pull.ravel(), minlength=len(u))
+        _, tangent = self._undeformed()
+        pull = (tangent.stiffness @ du[self.solid.mesh.dofs][:, :, None])[:, :, 0]
+        total = np.bincount(self.solid.mesh.dofs.ravel(), pull.ravel(), minlength=len(du))
         return float(total[self.base].sum())
 
 
@@ -140,31 +123,11 @@ def find_equilibrium(
     problem: Problem, u: Array, p: Array, depth: float, tolerance: float = RESIDUAL_TOLERANCE,
     without_ties: bool = False,
 ) -> Solution | Failure:  # fmt: skip
-    """Newton's method at one depth, from a predicted state.
-
-    Parameters
-    ----------
-    problem : Problem
-        Mesh, law, supports and contact.
-    u : ndarray, shape (displacements,)
-        Predicted displacements, in the mesh's unit of length.
-    p : ndarray, shape (elements, pressures)
-        Predicted pressures, in the law's unit of stress.
-    depth : float
-        Of the punch, in the mesh's unit of length.
-    tolerance : float
-        Largest residual over the size of the forces.
-    without_ties : bool
-        Whether the search ends where contact is to be tied, as the step is too large for it.
-
-    Returns
-    -------
-    Solution or Failure
-    """
+    """Newton's method at one depth, from a predicted state."""
     solid, surface = problem.solid, problem.surface
     u = u.copy()
     u[problem.driven] = -depth
-    state = solid.state(u, p, tangent=False)
+    state = solid.state(u, p)
     if state is None:
         return Failure("the predicted state inverts an element", 0)
     if surface is not None:
@@ -173,7 +136,7 @@ def find_equilibrium(
     residuals: list[float] = []
     ties = factorised = 0
     contraction, least = problem.pattern.contraction
-    tangent: State | None = None
+    tangent: Tangent | None = None
     while factorised < MAX_ITERATIONS or tangent is not None:
         again = tangent is not None
         if tangent is None:
@@ -238,7 +201,7 @@ def _met(problem: Problem, at: _Trial, depth: float) -> _Trial:
 def _tried(problem: Problem, at: _Trial, du: Array, dp: Array, depth: float, fraction: float) -> _Trial | None:
     """The state after a share of a step; None when it inverts an element."""
     u, p = at.u + fraction * du, at.p + fraction * dp
-    state = problem.solid.state(u, p, tangent=False)
+    state = problem.solid.state(u, p)
     if state is None or not state.J.min() > SMALLEST_J:
         return None
     return _met(problem, at._replace(fraction=fraction, u=u, p=p, state=state), depth)
@@ -270,27 +233,9 @@ def _shortened(problem: Problem, at: _Trial, du: Array, dp: Array, depth: float,
 
 
 def explain(problem: Problem, u: Array, p: Array, depth: float, reason: str) -> str:
-    """Say where a path ended, with the worst element, for the user who has to act on it.
-
-    Parameters
-    ----------
-    problem : Problem
-        Mesh, law, supports and contact.
-    u : ndarray, shape (displacements,)
-        Displacements of the last good state.
-    p : ndarray, shape (elements, pressures)
-        Its pressures.
-    depth : float
-        Depth of that state, in the mesh's unit of length.
-    reason : str
-        Why the next one was not found.
-
-    Returns
-    -------
-    str
-        For the user's eyes.
-    """
-    state = problem.solid.state(u, p, tangent=False)
+    """Say where a path ended, with the worst element, for the user who has to act on it."""
+    state = problem.solid.state(u, p)
+    assert state is not None
     element, _ = np.unravel_index(np.argmin(state.J), state.J.shape)
     nodes = problem.solid.mesh.dofs[element] // problem.solid.mesh.nodes.shape[0]
     place = ", ".join(f"{x:.3g}" for x in problem.solid.mesh.nodes[:, nodes].mean(axis=1))

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dummydesign.pad.material.viscoelastic import Viscoelastic
 from dummydesign.pad.solve.equilibrium import Failure, Problem, explain, find_equilibrium
 
 Array = np.ndarray
@@ -19,7 +20,7 @@ SMALLEST_SHARE = 1e-3
 class MotionPath:
     """Forces at the times that were reached, in the units of the problem, and what the solve cost.
 
-    ``refused`` says whether it was what looks at the states that ended the path.
+    ``refused`` says whether ``check`` of the states ended the path.
     """
 
     time_s: Array
@@ -34,39 +35,12 @@ class MotionPath:
 
 
 def follow_motion(
-    problem: Problem,
-    time_s: Array,
-    depth: Array,
-    largest_step: float,
-    progress: Callable[[float], None] | None = None,
-    look: Callable[[float, Array], str | None] | None = None,
-) -> MotionPath:
-    """Follow a motion, piecewise linear in time, from the undeformed state.
-
-    Parameters
-    ----------
-    problem : Problem
-        Its solid's law may be :class:`Viscoelastic`; it is left with the history at the end.
-    time_s : ndarray, shape (n,)
-        Increasing times; the first is the undeformed state. [s]
-    depth : ndarray, shape (n,)
-        Depths at those times, the first is 0, in the problem's unit of length.
-    largest_step : float
-        Steps that go deeper than this are divided evenly.
-    progress : callable, optional
-        Called with each depth that is solved.
-    look : callable, optional
-        Called with the depth and the displacements at the end of each step; returns why the path ends before it, or
-        None.
-
-    Returns
-    -------
-    MotionPath
-        With as many entries as were reached; ``stop`` says why if some are missing.
-    """
+    problem: Problem, time_s: Array, depth: Array, largest_step: float, progress: Callable[[float], None] | None = None,
+    check: Callable[[float, Array], str | None] | None = None,
+) -> MotionPath:  # fmt: skip
+    """Follow a motion, piecewise linear in time, from the undeformed state."""
     began = clock.perf_counter()
-    law = problem.solid.law
-    timed = hasattr(law, "begin")
+    law = problem.solid.law if isinstance(problem.solid.law, Viscoelastic) else None
     u, p = problem.start()
     now, here, steps, iterations, stop = float(time_s[0]), 0.0, 0, 0, None
     direction = problem.direction()
@@ -82,7 +56,7 @@ def follow_motion(
             last = len(todo) == 1
             to_time = goal_time if last else start_time + (done + share) * (goal_time - start_time)
             to = goal if last else start + (done + share) * (goal - start)
-            if timed:
+            if law is not None:
                 law.begin(to_time - now)
             answer = find_equilibrium(problem, *_guess(u, p, to - here, earlier, moved, direction), to)
             if isinstance(answer, Failure):
@@ -92,13 +66,13 @@ def follow_motion(
                     stop = f"{explain(problem, u, p, here, answer.reason)}; at {now:.4g} s"
                     break
                 continue
-            if look and (why := look(to, answer.u)):
+            if check and (why := check(to, answer.u)):
                 stop, refused = f"{why}; at {to_time:.4g} s", True
                 break
             if to != here:
                 earlier, moved = (u, p), to - here
             u, p, state = answer.u, answer.p, answer.state
-            if timed:
+            if law is not None:
                 law.commit(problem.solid.deformation(u))
             if problem.surface is not None:
                 problem.surface.settle(u, problem.punch, to)
@@ -107,6 +81,7 @@ def follow_motion(
             todo.pop(0)
         if stop:
             break
+        assert state is not None
         forces.append(problem.force(state))
         if progress:
             progress(here)

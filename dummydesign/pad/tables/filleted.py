@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dummydesign.core import json_table
+from dummydesign.core import library as json_table
 from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.geometry.dimensions import LARGEST_EDGE_RADIUS
 from dummydesign.geometry.interface import BASES
-from dummydesign.geometry.standard import LARGEST_EDGE_RADIUS
 from dummydesign.pad.tables.slab import ResponseTable, load_table
 
 Array = np.ndarray
@@ -33,13 +33,7 @@ DAMPING = 1e-4
 
 @dataclass(frozen=True)
 class FilletedTable(ResponseTable):
-    """Response table of one fillet; a series in sqrt(d / h), with the error of its own solves.
-
-    Attributes
-    ----------
-    fillet : float
-        Radius of the edge over that of the punch.
-    """
+    """Response table of one fillet; a series in sqrt(d / h), with the error of its own solves."""
 
     fillet: float = 0.0
 
@@ -63,15 +57,7 @@ class FilletedTable(ResponseTable):
 
 
 def between_fillets(data: dict[str, Any], fillet: float) -> FilletedTable:
-    """The response table of one fillet from the solves of several.
-
-    Parameters
-    ----------
-    data : dict
-        Content of a table's file.
-    fillet : float
-        Edge radius over punch radius, above 0.
-    """
+    """The response table of one fillet from the solves of several."""
     ratios, depth = np.array(data["ratio"], dtype=float), np.array(data["depth"], dtype=float)
     value, error = (np.array(data[name], dtype=float) for name in ("value", "error"))
     sharp = load_table(data["base"])
@@ -133,39 +119,17 @@ def _series(table: FilletedTable, rows: Array, depth: Array) -> tuple[Array, Arr
 
 @lru_cache(maxsize=32)
 def load_filleted(base: str, fillet: float) -> FilletedTable:
-    """Response table of slabs under a round punch with a filleted edge.
-
-    Parameters
-    ----------
-    base : str
-        ``bonded`` or ``sliding``.
-    fillet : float
-        Edge radius over punch radius, above 0 to 0.3.
-
-    Raises
-    ------
-    InputError
-        For another base, or a fillet outside its range.
-    NoAnswerError
-        When the file is missing or damaged, with the command that rebuilds it.
-    """
+    """Response table of slabs under a round punch with a filleted edge."""
     if base not in BASES:
-        raise InputError(f"base = '{base}' has no table; known are {', '.join(BASES)}; use --fidelity axisymmetric")
+        message = f"base = '{base}' has no table; known are {', '.join(BASES)}; use --fidelity axisymmetric"
+        raise InputError(message, "not_tabulated", "base", base, BASES)
     if not 0.0 < fillet <= LARGEST_EDGE_RADIUS * (1.0 + 1e-9):
         raise out_of_range("edge radius over punch radius", f"{fillet:.4g}", 0.0, LARGEST_EDGE_RADIUS)
-    command = "python -m dummydesign.studies.tables.filleted"
+    command = "python -m studies.tables.filleted"
     name, parse = f"filleted-{base}.json", partial(between_fillets, fillet=fillet)
     return json_table.read(name, "table of filleted punches", command, parse)
 
 
 def slab_table(base: str, edge_radius_mm: float, radius_mm: float) -> ResponseTable:
-    """Response table of slabs under a round punch: with a sharp edge, or with the fillet it has.
-
-    Parameters
-    ----------
-    base : str
-        ``bonded`` or ``sliding``.
-    edge_radius_mm, radius_mm : float
-        Of the punch's edge, 0 when sharp, and of the punch. [mm]
-    """
+    """Response table of slabs under a round punch: with a sharp edge, or with the fillet it has."""
     return load_filleted(base, edge_radius_mm / radius_mm) if edge_radius_mm else load_table(base=base)

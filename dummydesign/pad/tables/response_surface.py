@@ -11,10 +11,9 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
 
@@ -31,20 +30,7 @@ def quadratic(q: Array) -> Array:
 
 
 def matern(first: Array, second: Array, lengths: Array) -> Array:
-    """Matern kernel (nu = 5/2) between two sets of points of scaled inputs.
-
-    Parameters
-    ----------
-    first, second : ndarray, shapes (n, k) and (m, k)
-        The points.
-    lengths : ndarray, shape (k,)
-        Length of the kernel along each input.
-
-    Returns
-    -------
-    ndarray, shape (n, m)
-        1 where two points agree.
-    """
+    """Matern kernel (nu = 5/2) between two sets of points of scaled inputs."""
     square = _squares(first * (ROOT / lengths), second * (ROOT / lengths))
     np.maximum(square, 0.0, out=square)
     distance = np.sqrt(square)
@@ -69,29 +55,15 @@ def _parts(count: int) -> list[slice]:
     return [slice(start, start + PORTION) for start in range(0, count, PORTION)]
 
 
+def fade(x: Array, start: Array | float, end: Array | float) -> tuple[Array, Array]:
+    """Share from 0 at ``start`` to 1 at ``end``, and its derivative."""
+    t = np.clip((x - start) / (end - start), 0.0, 1.0)
+    return t * t * (3.0 - 2.0 * t), 6.0 * t * (1.0 - t) / (end - start)
+
+
 @dataclass(frozen=True)
 class Response:
-    """A response surface over k inputs and depth.
-
-    Attributes
-    ----------
-    low, high : ndarray, shape (k,)
-        Inputs that are scaled to -1 and 1.
-    lengths : ndarray, shape (k,)
-        Length of the kernel along each scaled input.
-    centres : ndarray, shape (n, k)
-        Solved points.
-    levels : ndarray, shape (m,)
-        Depths, in the unit that the user of the surface has chosen.
-    trend : ndarray, shape (m, 1 + k + k (k + 1) / 2)
-        Polynomial at each level.
-    weights : ndarray, shape (m, n)
-        Of the kernels; 0 where a point did not reach a level.
-    reach : ndarray, shape (n,)
-        d / h to which each point was solved.
-    anchored : bool
-        Whether y is 0 at depth 0; else it is held below the first level.
-    """
+    """A response surface over k inputs and depth."""
 
     low: Array
     high: Array
@@ -144,22 +116,7 @@ class Response:
         return np.linalg.solve(left, right)
 
     def along(self, rows: Array, place: Array, depth: Array) -> tuple[Array, Array]:
-        """Spline in sqrt(depth) through rows of values at the levels.
-
-        Parameters
-        ----------
-        rows : ndarray, shape (n, m)
-            From :meth:`at_levels`.
-        place : ndarray of int
-            Row of each depth; any shape.
-        depth : ndarray
-            Depths in the unit of the levels, of the same shape, >= 0; held beyond the last level.
-
-        Returns
-        -------
-        value, slope : ndarray
-            y and dy / d sqrt(depth).
-        """
+        """Spline in sqrt(depth) through rows of values at the levels."""
         values = np.concatenate([np.zeros((len(rows), 1)), rows], axis=1) if self.anchored else rows
         bend = values @ self._bend.T
         t = self._knots
@@ -176,65 +133,4 @@ class Response:
         return value, np.where((asked < t[0]) | (asked > t[-1]), 0.0, slope)
 
 
-def read_response(surface: Mapping[str, Any]) -> Response:
-    """One surface from the content of a table."""
-    names = ("low", "high", "lengths", "centres", "levels", "trend", "weights", "reach")
-    known: dict[str, Any] = {name: np.array(surface[name], dtype=float) for name in names}
-    return Response(**known, anchored=surface["anchored"])
-
-
-def fit(
-    inputs: Array, values: Array, levels: Array, low: Array, high: Array, anchored: bool, reach: Array,
-    noise: float = 3e-3,
-) -> Response:  # fmt: skip
-    """Fit a response surface: lengths, scale and scatter, alike for all levels, of the largest marginal likelihood.
-
-    Parameters
-    ----------
-    inputs : ndarray, shape (n, k)
-        Solved points.
-    values : ndarray, shape (n, m)
-        y at the levels; NaN where a point did not reach one.
-    levels : ndarray, shape (m,)
-        Depths, in a unit of the caller's choice.
-    low, high : ndarray, shape (k,)
-        Inputs that are scaled to -1 and 1.
-    anchored : bool
-        Whether y is 0 at depth 0; else it is held below the first level.
-    reach : ndarray, shape (n,)
-        d / h to which each point was solved.
-    noise : float
-        Least scatter of y, as the elements leave it.
-    """
-    from scipy.optimize import minimize
-
-    q = 2.0 * (inputs - low) / (high - low) - 1.0
-    known = np.isfinite(values)
-
-    def parts(lengths: Array, level: int, scale: float, scatter: float) -> tuple[Array, Array, Array]:
-        use = known[:, level]
-        kernel = matern(q[use], q[use], lengths) * scale**2 + (noise**2 + scatter**2) * np.eye(use.sum())
-        basis = quadratic(q[use])
-        factor = np.linalg.cholesky(kernel)
-        half, target = np.linalg.solve(factor, basis), np.linalg.solve(factor, values[use, level])
-        trend, *_ = np.linalg.lstsq(half, target, rcond=None)
-        return factor, trend, target - half @ trend
-
-    chosen = np.unique(np.linspace(0, len(levels) - 1, 6).astype(int))
-
-    def cost(log: Array) -> float:
-        lengths, total = np.exp(log[:-2]), 0.0
-        for level in chosen:
-            factor, _, rest = parts(lengths, level, *np.exp(log[-2:]))
-            total += 0.5 * rest @ rest + np.log(np.diag(factor)).sum()
-        return total + 0.5 * np.sum((log[:-2] - 0.5) ** 2)
-
-    start = np.concatenate([np.full(inputs.shape[1], np.log(2.0)), np.log([0.1, noise])])
-    found = minimize(cost, start, method="Nelder-Mead", options={"maxiter": 300, "xatol": 0.03, "fatol": 0.5}).x
-    lengths, (scale, scatter) = np.exp(found[:-2]), np.exp(found[-2:])
-    trends, weights = [], np.zeros((len(levels), len(q)))
-    for level in range(len(levels)):
-        factor, trend, rest = parts(lengths, level, scale, scatter)
-        trends.append(trend)
-        weights[level, known[:, level]] = scale**2 * np.linalg.solve(factor.T, rest)
-    return Response(low, high, lengths, inputs, levels, np.array(trends), weights, reach, anchored)
+T = TypeVar("T")

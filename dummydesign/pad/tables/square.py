@@ -1,24 +1,22 @@
-"""How much more a square punch carries than the round punch of equal area.
-
-The factor was computed by finite elements in space (see ``pad.slab.square_sharp`` and ``studies.tables.square``) up
-to the depth at which the cell at the punch's corner folds, about 0.5 of the smaller of radius and thickness. Beyond
-that the factor of that depth is held, and its stated error grows by ``HELD_ERROR`` per such depth.
-"""
+"""A square punch over the round punch of equal area."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dummydesign.core import json_table
-from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.core import library as json_table
+from dummydesign.core.errors import InputError
+from dummydesign.core.interpolation import between
+from dummydesign.core.library import fill_table
 from dummydesign.geometry.interface import BASES
-from dummydesign.pad.tables.edge_doubt import square_doubt
-from dummydesign.pad.tables.interpolation import between
+from dummydesign.geometry.punch import punch_sides_mm
+from dummydesign.pad.force_law import ForceLaw, ScaledLaw
+from dummydesign.pad.tables.slab import check_ratio, square_doubt
 
 Array = np.ndarray
 # Half side of a square over the radius of the circle of its area.
@@ -63,59 +61,41 @@ class SquareTable:
 
 @lru_cache(maxsize=4)
 def load_square(base: str = "bonded") -> SquareTable:
-    """Read the factors of one base.
-
-    Raises
-    ------
-    InputError
-        For another base.
-    NoAnswerError
-        When the file is missing or damaged, with the command that rebuilds it.
-    """
+    """Read the factors of one base."""
     if base not in BASES:
-        raise InputError(f"base = '{base}' has no square factor; known are {', '.join(BASES)}")
-    command = "python -m dummydesign.studies.tables.square"
-    return json_table.read(f"square-{base}.json", "table of square factors", command, _from_dict)
-
-
-def _from_dict(data: dict[str, Any]) -> SquareTable:
-    listed = ("coefficients", "reach_ratio", "reach_depth", "error_depth", "error")
-    fields: dict[str, Any] = {name: np.array(data[name]) for name in listed}
-    fields |= {name: tuple(data[name]) for name in ("ratio_range", "depth_range")}
-    return SquareTable(**fields, provenance=data["provenance"])
+        message = f"base = '{base}' has no square factor; known are {', '.join(BASES)}"
+        raise InputError(message, "not_tabulated", "base", base, BASES)
+    command = "python -m studies.tables.square"
+    return json_table.read(f"square-{base}.json", "table of square factors", command, partial(fill_table, SquareTable))
 
 
 def square_factor(
     depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike, base: str = "bonded", filleted: bool = False
 ) -> tuple[Array, Array]:
-    """Static force under a glued square punch over that under the round punch of equal area.
-
-    Parameters
-    ----------
-    depth_mm, thickness_mm, radius_mm : array_like
-        Depth, thickness of the slab, radius of the circle of equal area; broadcast. [mm]
-    base : str
-        ``bonded`` or ``sliding``.
-    filleted : bool
-        Whether the edge is a fillet: the factor is that of sharp edges, and half of what it changes is doubted.
-
-    Returns
-    -------
-    factor, error : ndarray
-        Factor, and its relative error (mesh, corner cell, and depth beyond what was solved).
-
-    Raises
-    ------
-    InputError
-        When a / h is outside the range of the response table.
-    """
+    """Static force under a glued square punch over that under the round punch of equal area."""
     table = load_square(base)
     depth, thickness, radius = (np.asarray(v, dtype=float) for v in (depth_mm, thickness_mm, radius_mm))
     ratio = radius / thickness
-    low, high = table.ratio_range
-    bad = ~((ratio >= low * (1.0 - 1e-9)) & (ratio <= high * (1.0 + 1e-9)))
-    if np.any(bad):
-        raise out_of_range("punch radius over pad thickness", f"{float(ratio[bad].flat[0]):.4g}", low, high)
+    check_ratio(ratio, table.ratio_range)
     value, error = table.factor(depth / thickness, ratio)
     error = np.maximum(error, square_doubt(depth / thickness, ratio))
     return value, error + DOUBTED_WITH_FILLET * np.abs(value - 1.0) if filleted else error
+
+
+def square_law(circle: ForceLaw, base: str, filleted: bool = False) -> ScaledLaw:
+    """Force law of a glued square punch: that of the circle of its area times the square's factor."""
+    return ScaledLaw(circle, partial(square_factor, base=base, filleted=filleted))
+
+
+def circle_of(law: ForceLaw) -> ForceLaw:
+    """The law of the circle of the punch's area, under a square's factor or by itself."""
+    return law.law if isinstance(law, ScaledLaw) else law
+
+
+def punch_law(circle: ForceLaw, punch: str, base: str = "bonded", filleted: bool = False) -> ForceLaw:
+    """The force law of a glued punch from that of the circle of its area; only squares differ.
+
+    A rectangle counts as the circle: its factor depends on its sides and is solved by ``--fidelity 3d``.
+    """
+    sides = punch_sides_mm(punch)
+    return square_law(circle, base, filleted) if sides is not None and sides[0] == sides[1] else circle

@@ -17,7 +17,7 @@ from dummydesign.core.errors import out_of_range
 Parameters = Mapping[str, ArrayLike]
 
 
-class Law(Protocol):
+class ModulusLaw(Protocol):
     """What every law of the modulus offers.
 
     ``parameters`` names its numbers (unit in the name), ``direction`` is +1 when the modulus grows with
@@ -41,6 +41,10 @@ class Law(Protocol):
         ...
 
 
+def _arrays(parameters: Parameters, names: tuple[str, ...]) -> list[NDArray]:
+    return [np.asarray(parameters[name], float) for name in names]
+
+
 class GelPoint:
     """Network below stoichiometry: E = E_ref ((r - r_c) / (r_ref - r_c))^t, zero at the gel point r_c.
 
@@ -57,24 +61,21 @@ class GelPoint:
     direction = 1
 
     def young_kPa(self, ratio: ArrayLike, parameters: Parameters) -> NDArray:
-        """See :class:`Law`; below the gel point the modulus is zero."""
-        ref = np.asarray(parameters["ratio_ref"], float)
-        gel = np.asarray(parameters["gel_ratio_over_ref"], float) * ref
-        reach = np.maximum(np.asarray(ratio, float) - gel, 0.0) / (ref - gel)
-        return np.asarray(parameters["young_ref_kPa"], float) * reach ** np.asarray(parameters["exponent"], float)
+        """Return the modulus, which is zero below the gel point. [kPa]"""
+        young_ref, ref, share, exponent = _arrays(parameters, self.parameters)
+        gel = share * ref
+        return young_ref * (np.maximum(np.asarray(ratio, float) - gel, 0.0) / (ref - gel)) ** exponent
 
     def ratio(self, young_kPa: ArrayLike, parameters: Parameters) -> NDArray:
-        """See :class:`Law`."""
-        ref = np.asarray(parameters["ratio_ref"], float)
-        gel = np.asarray(parameters["gel_ratio_over_ref"], float) * ref
-        relative = np.asarray(young_kPa, float) / np.asarray(parameters["young_ref_kPa"], float)
-        return gel + (ref - gel) * relative ** (1.0 / np.asarray(parameters["exponent"], float))
+        """Return the ratio of a modulus."""
+        young_ref, ref, share, exponent = _arrays(parameters, self.parameters)
+        gel = share * ref
+        return gel + (ref - gel) * (np.asarray(young_kPa, float) / young_ref) ** (1.0 / exponent)
 
     def valid(self, lowest_ratio: float, parameters: Parameters) -> NDArray:
-        """See :class:`Law`: the gel point lies below the lowest ratio and below the reference."""
-        share = np.asarray(parameters["gel_ratio_over_ref"], float)
-        below = share * np.asarray(parameters["ratio_ref"], float) < lowest_ratio
-        return below & (share < 1.0) & (share > 0.0) & (np.asarray(parameters["exponent"]) > 0)
+        """Tell where the gel point lies below the lowest ratio and below the reference."""
+        ref, share, exponent = _arrays(parameters, self.parameters[1:])
+        return (share * ref < lowest_ratio) & (share < 1.0) & (share > 0.0) & (exponent > 0)
 
 
 class PolymerFraction:
@@ -90,22 +91,22 @@ class PolymerFraction:
     direction = -1
 
     def young_kPa(self, ratio: ArrayLike, parameters: Parameters) -> NDArray:
-        """See :class:`Law`."""
-        fraction = 100.0 / (100.0 + np.asarray(ratio, float))
-        return np.asarray(parameters["young_neat_kPa"], float) * fraction ** np.asarray(parameters["exponent"], float)
+        """Return the modulus. [kPa]"""
+        neat, exponent = _arrays(parameters, self.parameters)
+        return neat * (100.0 / (100.0 + np.asarray(ratio, float))) ** exponent
 
     def ratio(self, young_kPa: ArrayLike, parameters: Parameters) -> NDArray:
-        """See :class:`Law`."""
-        relative = np.asarray(young_kPa, float) / np.asarray(parameters["young_neat_kPa"], float)
-        return 100.0 * (relative ** (-1.0 / np.asarray(parameters["exponent"], float)) - 1.0)
+        """Return the ratio of a modulus."""
+        neat, exponent = _arrays(parameters, self.parameters)
+        return 100.0 * ((np.asarray(young_kPa, float) / neat) ** (-1.0 / exponent) - 1.0)
 
     def valid(self, lowest_ratio: float, parameters: Parameters) -> NDArray:
-        """See :class:`Law`."""
+        """Tell where the exponent is positive."""
         return np.asarray(parameters["exponent"], float) > 0
 
 
-_ALL: tuple[Law, ...] = (GelPoint(), PolymerFraction())
-LAWS: dict[str, Law] = {law.name: law for law in _ALL}
+_ALL: tuple[ModulusLaw, ...] = (GelPoint(), PolymerFraction())
+LAWS: dict[str, ModulusLaw] = {law.name: law for law in _ALL}
 """Known laws by the name used in resin files."""
 
 

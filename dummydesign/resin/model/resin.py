@@ -3,35 +3,236 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError, out_of_range, unknown_name
-from dummydesign.core.quantity import Quantity
-from dummydesign.resin.model.distribution import value_at
-from dummydesign.resin.model.liquid import MIXED, Component, Liquid, mixed
-from dummydesign.resin.model.modulus_laws import Law, check_young
-from dummydesign.resin.model.relaxation_given_modulus import RelaxationGivenModulus
-from dummydesign.resin.model.resin_writer import resin_dict
+from dummydesign.core.files import write_text
+from dummydesign.core.library import toml_text
+from dummydesign.core.quantity import HALF_WIDTH, Quantity, value_at
+from dummydesign.core.serialise import Serialised, to_plain
+from dummydesign.resin.model.modulus_laws import ModulusLaw, check_young
 
 if TYPE_CHECKING:
     from dummydesign.pad.material.relaxation import PronyTerm
 
-DRAWS, SEED = 2000, 20240
-INCREMENT_DIGITS = 6
+
+MIXED = ("density_g_per_cm3", "viscosity_Pa_s")
+"""Properties that follow from the components when the file does not give them for the mixture."""
 
 
 @dataclass(frozen=True)
-class Arm:
+class Component(Serialised):
+    """One liquid of a recipe and how much of it to weigh."""
+
+    name: str
+    mass_g: float
+
+
+@dataclass(frozen=True)
+class Liquid:
+    """A component in the can: parts by weight (None: the ratio itself), density, viscosity."""
+
+    name: str
+    parts: float | None
+    density_g_per_cm3: Quantity
+    viscosity_Pa_s: Quantity
+
+
+def mixed(name: str, liquids: Sequence[Liquid], parts: Sequence[float]) -> Quantity:
+    """Density (added volumes) or viscosity (Arrhenius: mean of the logarithms by weight) of a mixture.
+
+    Parameters
+    ----------
+    name : str
+        One of :data:`MIXED`.
+    liquids : sequence of Liquid
+        The components.
+    parts : sequence of float
+        Parts by weight of each.
+    """
+    whole = sum(parts)
+    shares = [part / whole for part in parts]
+    quantities = [getattr(liquid, name) for liquid in liquids]
+
+    def at(end: str) -> float:
+        values = [getattr(quantity, end) for quantity in quantities]
+        if name == "density_g_per_cm3":
+            return 1.0 / sum(share / value for share, value in zip(shares, values))
+        return math.exp(sum(share * math.log(value) for share, value in zip(shares, values)))
+
+    kind = "assumed" if any(quantity.kind == "assumed" for quantity in quantities) else "inferred"
+    rule = "added volumes" if name == "density_g_per_cm3" else "mean of logarithms by weight"
+    source = f"{rule} of the components: " + "; ".join(dict.fromkeys(q.source for q in quantities))
+    return Quantity(at("value"), at("low"), at("high"), kind, source)
+
+
+@dataclass(frozen=True)
+class RelaxationGivenModulus:
+    """ln beta = ln of the stated strength + slope (ln E - mean) + spread z, with independent normal z.
+
+    Attributes
+    ----------
+    log_young_kPa : float
+        Mean of ln E at the reference ratio.
+    slope : ndarray, shape (arms,)
+    spread : ndarray, shape (arms, arms)
+        A root of the covariance of ln beta at a known modulus.
+    """
+
+    log_young_kPa: float
+    slope: NDArray
+    spread: NDArray
+
+    @classmethod
+    def of(cls, log_young_kPa: float, covariance: NDArray) -> RelaxationGivenModulus:
+        """From the covariance (1 + arms, 1 + arms) of ln E and the ln beta."""
+        slope = covariance[1:, 0] / covariance[0, 0]
+        left = covariance[1:, 1:] - np.outer(slope, covariance[0, 1:])
+        values, turn = np.linalg.eigh(0.5 * (left + left.T))
+        return cls(log_young_kPa, slope, turn * np.sqrt(np.maximum(values, 0.0)))
+
+    def draw(self, beta: ArrayLike, young_kPa: NDArray, rng: np.random.Generator) -> NDArray:
+        """Strengths (n, arms) of draws of the modulus.
+
+        Parameters
+        ----------
+        beta : array_like, shape (arms,)
+            The stated strengths.
+        young_kPa : ndarray, shape (n,)
+            The modulus at the reference ratio in each draw. [kPa]
+        rng : numpy Generator
+            Of the draws.
+        """
+        away = np.log(np.maximum(young_kPa, 1e-9)) - self.log_young_kPa
+        own = rng.standard_normal((len(away), len(self.slope))) @ self.spread.T
+        return np.asarray(beta, float) * np.exp(np.outer(away, self.slope) + own)
+
+
+def save_resin(resin: Resin, path: Path) -> Path:
+    """Write a resin file under its final name only when complete.
+
+    Raises
+    ------
+    InputError
+        When the place cannot be written.
+    """
+    return write_text(path, "\n".join(_lines(resin.to_dict(), "")) + "\n")
+
+
+def _value(value: Any) -> str:
+    """Write a plain value, a list of plain values or a quantity on one line of TOML."""
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{key} = {_value(item)}" for key, item in value.items()) + " }"
+    if isinstance(value, list):
+        return "[" + ", ".join(_value(item) for item in value) + "]"
+    if isinstance(value, str):
+        return toml_text(value)
+    return repr(float(value)) if isinstance(value, float) else str(value)
+
+
+def _is_inline(value: Any) -> bool:
+    """Quantities and plain values stay on one line; other tables get a heading of their own."""
+    if isinstance(value, dict):
+        return "kind" in value and "source" in value
+    return not (isinstance(value, list) and value and isinstance(value[0], dict))
+
+
+def _lines(table: Mapping[str, Any], prefix: str) -> list[str]:
+    """Write a table: its own values first, then the tables inside it."""
+    lines = [f"{key} = {_value(value)}" for key, value in table.items() if _is_inline(value)]
+    for key, value in table.items():
+        if _is_inline(value):
+            continue
+        name = f"{prefix}{key}"
+        for item in value if isinstance(value, list) else [value]:
+            heading = f"[[{name}]]" if isinstance(value, list) else f"[{name}]"
+            lines += ["", heading, *_lines(item, f"{name}.")]
+    return lines
+
+
+DRAWS, SEED = 2000, 20240
+INCREMENT_DIGITS = 6
+SMALLEST_SPREAD = 0.005
+"""A modulus is never believed to better than 0.5 % (one standard deviation), whatever a file claims."""
+
+
+class Interval(NamedTuple):
+    """A value with the ends of its 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Arm(Serialised):
     """One relaxing arm at the reference ratio, relative to the LONG-TERM modulus."""
 
     tau_s: Quantity
     beta: Quantity
+
+
+@dataclass(frozen=True)
+class PuckPoint:
+    """The recording of a puck.
+
+    Attributes
+    ----------
+    sha256 : str
+        Of the numbers of the recording: the same puck under another file name is known again.
+    file : str
+    diameter_mm, height_mm : float
+    seen_s : (float, float) or None
+        Shortest and longest time its holds show; None without holds. [s]
+    arms : tuple of Arm
+        What the holds showed, strengths relative to the long-term modulus at the point's ratio.
+    """
+
+    sha256: str
+    file: str
+    diameter_mm: float
+    height_mm: float
+    seen_s: tuple[float, float] | None = None
+    arms: tuple[Arm, ...] = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values as they stand in a resin file."""
+        plain = {key: getattr(self, key) for key in ("sha256", "file", "diameter_mm", "height_mm")}
+        if self.seen_s is not None:
+            plain["seen_s"] = list(self.seen_s)
+        return plain | ({"arm": to_plain(self.arms)} if self.arms else {})
+
+
+@dataclass(frozen=True)
+class Point:
+    """A modulus measured at a ratio; ``puck`` says on which recording, when it is known."""
+
+    ratio: float
+    young_kPa: Quantity
+    puck: PuckPoint | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values as they stand in a resin file."""
+        plain = {"ratio": self.ratio, "young_kPa": self.young_kPa.to_dict()}
+        return plain if self.puck is None else plain | {"puck": self.puck.to_dict()}
+
+    @property
+    def log_young(self) -> float:
+        """Natural logarithm of the modulus in kPa."""
+        return math.log(self.young_kPa.value)
+
+    @property
+    def spread(self) -> float:
+        """Standard deviation of the logarithm, from the 95 % interval."""
+        width = math.log(self.young_kPa.high / self.young_kPa.low) / (2 * HALF_WIDTH)
+        return max(width, SMALLEST_SPREAD)
 
 
 @dataclass(frozen=True)
@@ -76,7 +277,7 @@ class Resin:
     ratio_max: float
     ratio_step: float
     liquids: tuple[Liquid, ...]
-    law: Law
+    law: ModulusLaw
     numbers: Mapping[str, Quantity]
     arms: tuple[Arm, ...]
     relaxation_ratio_ref: float
@@ -84,7 +285,7 @@ class Resin:
     properties: Mapping[str, Quantity]
     references: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
-    points: tuple[dict[str, Any], ...] = ()
+    points: tuple[Point, ...] = ()
     contradictions: tuple[str, ...] = ()
     posterior: Mapping[str, NDArray] | None = field(default=None, repr=False)
     prior_numbers: Mapping[str, Quantity] | None = field(default=None, repr=False)
@@ -96,7 +297,8 @@ class Resin:
         values = np.atleast_1d(np.asarray(ratio, float))
         inside = (values >= self.ratio_min - 1e-9) & (values <= self.ratio_max + 1e-9)
         for wrong in map(float, values[~inside][:1]):
-            raise out_of_range(f"ratio of {self.name}", wrong, self.ratio_min, self.ratio_max, self.ratio_meaning)
+            raise out_of_range(f"ratio of {self.name}", wrong, self.ratio_min, self.ratio_max, self.ratio_meaning,
+                               "ratio")  # fmt: skip
 
     @property
     def central(self) -> dict[str, float]:
@@ -129,7 +331,7 @@ class Resin:
         """Modulus at one ratio with its 95 % interval from the draws [kPa]."""
         value = self.young_MPa(ratio) * 1e3
         drawn = self._draws.young_MPa(ratio) * 1e3
-        low, high = (float(end) for end in np.percentile(drawn, [2.5, 97.5]))
+        low, high = np.percentile(drawn, [2.5, 97.5]).tolist()
         kind, at = ("fitted", ", updated by points") if self.points else ("inferred", "")
         source = f"law {self.law.name} of resin {self.name}{at}; 95 % interval of {DRAWS} draws"
         return Quantity(value, min(low, value), max(high, value), kind, source)
@@ -146,12 +348,8 @@ class Resin:
         ratio = float(self.law.ratio(young_MPa * 1e3, self.central))
         if not self.ratio_min - 1e-9 <= ratio <= self.ratio_max + 1e-9:
             ends = sorted(1e3 * self.young_MPa(end) for end in (self.ratio_min, self.ratio_max))
-            raise out_of_range(
-                f"Young's modulus of {self.name} in kPa",
-                round(young_MPa * 1e3, 4),
-                round(ends[0], 2),
-                round(ends[1], 2),
-            )
+            young_kPa, low, high = round(young_MPa * 1e3, 4), round(ends[0], 2), round(ends[1], 2)
+            raise out_of_range(f"Young's modulus of {self.name} in kPa", young_kPa, low, high)
         return min(max(ratio, self.ratio_min), self.ratio_max)
 
     def log_slope(self, ratio: float) -> float:
@@ -212,7 +410,8 @@ class Resin:
             missing -= int(good.sum())
             if missing == 0:
                 return {name: np.concatenate(parts) for name, parts in kept.items()}
-        raise InputError(f"resin {self.name}: its intervals leave almost no valid law down to ratio {self.ratio_min}")
+        message = f"resin {self.name}: its intervals leave almost no valid law down to ratio {self.ratio_min}"
+        raise InputError(message, "inconsistent", "resin.modulus")
 
     @cached_property
     def _draws(self) -> Draws:
@@ -270,7 +469,7 @@ class Resin:
         if name in self.properties:
             return self.properties[name]
         if name not in MIXED:
-            raise unknown_name(f"property of {self.name}", name, self.property_names())
+            raise unknown_name(f"property of {self.name}", name, self.property_names(), quantity="property")
         return mixed(name, self.liquids, [parts[liquid.name] for liquid in self.liquids])
 
     def property_names(self) -> tuple[str, ...]:
@@ -287,7 +486,20 @@ class Resin:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the whole resin file as plain values, every number with interval, kind and source."""
-        return resin_dict(self)
+        simple = ("name", "title", "ratio_meaning", "ratio_min", "ratio_max", "ratio_step", "references", "notes",
+                  "contradictions")  # fmt: skip
+        liquids = [to_plain(one) | ({"parts": "ratio"} if one.parts is None else {}) for one in self.liquids]
+        modulus: dict[str, Any] = {"law": self.law.name, **self.numbers}
+        if self.posterior is not None and self.prior_numbers is not None:
+            modulus |= {"prior": self.prior_numbers, "posterior": self.posterior}
+        relaxation: dict[str, Any] = {"ratio_ref": self.relaxation_ratio_ref,
+                                      "softness_exponent": self.softness_exponent, "term": self.arms}  # fmt: skip
+        if self.prior_relaxation is not None:
+            arms, ratio_ref = self.prior_relaxation
+            relaxation["prior"] = {"ratio_ref": ratio_ref, "term": arms}
+        content = {"schema": 1, **{key: getattr(self, key) for key in simple}, "component": liquids,
+                   "modulus": modulus, "relaxation": relaxation, "property": self.properties}  # fmt: skip
+        return to_plain(content | ({"point": self.points} if self.points else {}))
 
     def uncertain(self) -> list[str]:
         """Names of the numbers of this resin that are inferred or assumed, in the order of the file."""

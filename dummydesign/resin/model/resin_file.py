@@ -1,41 +1,41 @@
-"""Read resin files: schema checks with file and line, then physics checks, then a :class:`Resin`."""
+"""Read resin files: keys, types and ranges with file and line, then physics checks."""
 
 from __future__ import annotations
 
-import difflib
-import math
-from collections.abc import Iterable, Mapping
+import hashlib
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from dummydesign.core.datafiles import Entry, find, read_toml
-from dummydesign.core.errors import InputError, unknown_name
-from dummydesign.core.quantity import Quantity, line_of, read_quantity
-from dummydesign.resin.model.liquid import Liquid
-from dummydesign.resin.model.modulus_laws import LAWS, Law
-from dummydesign.resin.model.puck_point import read_puck_point
-from dummydesign.resin.model.resin import Arm, Resin
+from dummydesign.core.library import Entry, find
+from dummydesign.core.quantity import Quantity
+from dummydesign.core.toml_schema import Table, read_table
+from dummydesign.resin.model.modulus_laws import LAWS, ModulusLaw
+from dummydesign.resin.model.resin import Arm, Liquid, Point, PuckPoint, Resin
+
+if TYPE_CHECKING:
+    from dummydesign.measurement.trace import Trace
 
 KIND = "materials/resins"
 DEFAULT = "polyurethane-nagoya"
 PROPERTIES = (
-    "density_g_per_cm3",
-    "viscosity_Pa_s",
-    "pot_life_min",
-    "degas_pressure_kPa",
-    "cure_temperature_C",
-    "cure_time_h",
-    "age_before_test_days",
-    "shrinkage_percent",
-)
-_TOP = {
+    "density_g_per_cm3", "viscosity_Pa_s", "pot_life_min", "degas_pressure_kPa", "cure_temperature_C", "cure_time_h",
+    "age_before_test_days", "shrinkage_percent",
+)  # fmt: skip
+KEYS = (
     "schema", "name", "title", "ratio_meaning", "ratio_min", "ratio_max", "ratio_step", "references", "notes",
     "component", "modulus", "relaxation", "property", "point", "contradictions",
-}  # fmt: skip
-_LIQUID = ("name", "parts", "density_g_per_cm3", "viscosity_Pa_s")
-_NEEDED = ("schema", "name", "ratio_meaning", "ratio_min", "ratio_max", "component", "modulus", "relaxation")
+)  # fmt: skip
+
+
+def recording_sha256(trace: Trace) -> str:
+    """Return the SHA-256 of a trace's numbers."""
+    digest = hashlib.sha256()
+    for column in (trace.time_s, trace.displacement_mm, trace.force_N):
+        digest.update(column.astype("<f8").tobytes())
+    return digest.hexdigest()
 
 
 def load_resin(name: str = DEFAULT) -> Resin:
@@ -68,229 +68,144 @@ def load_resin(name: str = DEFAULT) -> Resin:
 
 def read_resin(entry: Entry) -> Resin:
     """Read and check one resin file; see :func:`load_resin`."""
-    content, text = read_toml(entry.path)
-    return _parse_resin(content, text, entry.path, entry.origin)
-
-
-def _check_keys(table: Mapping[str, Any], known: Iterable[str], path: Path, text: str, *where: str) -> None:
-    """Refuse keys that are not in the schema, with file, line and the nearest known key (InputError)."""
-    allowed = sorted(known)
-    for key in table:
-        if key not in allowed:
-            near = difflib.get_close_matches(key, allowed, n=1, cutoff=0.6)
-            hint = f"did you mean '{near[0]}'? " if near else ""
-            message = f"unknown key '{key}': {hint}known are {', '.join(allowed)}"
-            raise _fault(path, text, (*where, key), message)
-
-
-def _parse_resin(content: Mapping[str, Any], text: str, path: Path, origin: str) -> Resin:
-    """Make a resin from the content of a file; ``text`` and ``path`` serve the messages."""
-    _check_keys(content, _TOP, path, text)
-    for key in _NEEDED:
-        if key not in content:
-            raise InputError(f"{path.name}: '{key}' is missing")
-    if content["schema"] != 1:
-        raise _fault(path, text, "schema", f"schema = {content['schema']!r}; known is 1")
-    low, high = (_number(content, key, path, text) for key in ("ratio_min", "ratio_max"))
-    step = _number(content, "ratio_step", path, text) if "ratio_step" in content else 0.1
+    top = read_table(entry.path, KEYS)
+    low, high, step = top.number("ratio_min"), top.number("ratio_max"), top.number("ratio_step", 0.1)
     if not (0 <= low < high and step > 0):
-        message = f"needs 0 <= ratio_min < ratio_max and ratio_step > 0, given {low}, {high}, {step}"
-        raise _fault(path, text, "ratio_min", message)
-    law, numbers, posterior, prior = _modulus(content["modulus"], path, text)
-    arms, ratio_ref, softness, prior_arms = _relaxation(content["relaxation"], path, text, low, high)
-    properties = content.get("property", {})
-    _check_keys(properties, PROPERTIES, path, text, "[property")
+        words = f"needs 0 <= ratio_min < ratio_max and ratio_step > 0, given {low}, {high}, {step}"
+        raise top.fault("ratio_min", words, "inconsistent")
+    law, numbers, posterior, prior = _modulus(top.table("modulus"))
+    relaxation, name = top.table("relaxation"), top.string("name")
+    relaxation.only(("ratio_ref", "softness_exponent", "term", "prior"))
+    arms, ratio_ref = _arms(relaxation, low, high)
+    before = relaxation.table("prior", required=False)
+    before.only(("ratio_ref", "term"))
+    properties = top.table("property", required=False)
+    properties.only(PROPERTIES)
     resin = Resin(
-        name=str(content["name"]),
-        title=str(content.get("title", content["name"])),
-        origin=origin,
-        ratio_meaning=str(content["ratio_meaning"]),
+        name=name,
+        title=top.string("title", name),
+        origin=entry.origin,
+        ratio_meaning=top.string("ratio_meaning"),
         ratio_min=low,
         ratio_max=high,
         ratio_step=step,
-        liquids=_liquids(content["component"], path, text),
+        liquids=_liquids(top),
         law=law,
         numbers=numbers,
         arms=arms,
         relaxation_ratio_ref=ratio_ref,
-        softness_exponent=softness,
-        properties={key: _positive(properties, key, path, text) for key in properties},
-        references=tuple(str(item) for item in content.get("references", [])),
-        notes=tuple(str(item) for item in content.get("notes", [])),
-        points=tuple(_point(item, path, text) for item in content.get("point", [])),
-        contradictions=tuple(str(item) for item in content.get("contradictions", [])),
+        softness_exponent=_positive(relaxation, "softness_exponent", zero=True),
+        properties={key: _positive(properties, key) for key in properties.data},
+        references=top.strings("references", ()),
+        notes=top.strings("notes", ()),
+        points=tuple(_point(item) for item in top.tables("point", required=False)),
+        contradictions=top.strings("contradictions", ()),
         posterior=posterior,
         prior_numbers=prior,
-        prior_relaxation=prior_arms,
+        prior_relaxation=_arms(before, low, high, ratio_ref) if "prior" in relaxation else None,
     )
-    _check_physics(resin, path, text)
+    _check_physics(resin, top.table("modulus"))
     return resin
 
 
-def _fault(path: Path, text: str, keys: str | tuple[str, ...], message: str) -> InputError:
-    """Make the error for the line on which the last of ``keys`` stands."""
-    names = (keys,) if isinstance(keys, str) else keys
-    return InputError(f"{path.name}:{line_of(text, *names)}: {message}")
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
-
-
-def read_points(path: Path) -> tuple[str, str, list[tuple[float, Quantity]]]:
+def read_points(path: Path) -> tuple[str, str, list[Point]]:
     """Read a file of measured points: ``base``, ``name`` and ``[[point]]`` tables (ratio, young_kPa).
 
     Returns
     -------
     base, name : str
         Resin to update and the name of what results (default: the file's own name).
-    points : list of (ratio, modulus in kPa)
+    points : list of Point
 
     Raises
     ------
     InputError
         With file and line when something is missing, unknown or not a number.
     """
-    content, text = read_toml(path)
-    _check_keys(content, ("schema", "base", "name", "point"), path, text)
-    if "point" not in content:
-        raise InputError(f"{path.name}: 'point' is missing; give [[point]] tables with ratio and young_kPa")
-    points = [_point(item, path, text) for item in _tables(content["point"], "point", path, text)]
-    read = [(item["ratio"], item["young_kPa"]) for item in points]
-    return str(content.get("base", DEFAULT)), str(content.get("name", path.stem)), read
+    top = read_table(path, ("schema", "base", "name", "point"), schema=None)
+    points = [_point(item) for item in top.tables("point")]
+    return top.string("base", DEFAULT), top.string("name", path.stem), points
 
 
-def _number(table: Mapping[str, Any], key: str, path: Path, text: str) -> float:
-    if not _is_number(table[key]):
-        raise _fault(path, text, key, f"'{key}' = {table[key]!r} is not a finite number")
-    return float(table[key])
-
-
-def _table(value: Any, key: str, path: Path, text: str) -> dict[str, Any]:
-    if not isinstance(value, dict):
-        raise _fault(path, text, key, f"'{key}' must be a table")
-    return value
-
-
-def _tables(value: Any, key: str, path: Path, text: str) -> list[dict[str, Any]]:
-    if not isinstance(value, list) or not value or not all(isinstance(item, dict) for item in value):
-        raise _fault(path, text, key, f"'{key}' must be one or more tables [[{key}]]")
-    return value
-
-
-def _positive(table: Mapping[str, Any], key: str, path: Path, text: str, zero: bool = False) -> Quantity:
-    quantity = read_quantity(dict(table), key, path, text)
+def _positive(table: Table, key: str, zero: bool = False) -> Quantity:
+    quantity = table.quantity(key)
     if quantity.low < 0 or (quantity.low == 0 and not zero):
-        bound = "at least 0" if zero else "above 0"
-        raise InputError(f"{path.name}:{line_of(text, key)}: '{key}' low = {quantity.low}; it must be {bound}")
+        words = f"has low = {quantity.low}; it must be {'at least 0' if zero else 'above 0'}"
+        raise table.fault(key, words, "out_of_range")
     return quantity
 
 
-def _liquids(value: Any, path: Path, text: str) -> tuple[Liquid, ...]:
+def _liquids(top: Table) -> tuple[Liquid, ...]:
     """Read the components; exactly one of them is weighed by the ratio."""
     liquids = []
-    for item in _tables(value, "component", path, text):
-        _check_keys(item, _LIQUID, path, text, "[[component]]")
-        name, parts = str(item.get("name", "")).strip(), item.get("parts")
-        if not name:
-            raise _fault(path, text, "[[component]]", "a component lacks its 'name'")
-        if parts is None or (parts != "ratio" and not (_is_number(parts) and parts > 0)):
-            message = f"'parts' of {name} = {parts!r}; it must be a number above 0 or \"ratio\""
-            raise _fault(path, text, (name, "parts"), message)
-        density = _positive(item, "density_g_per_cm3", path, text)
-        viscosity = _positive(item, "viscosity_Pa_s", path, text)
-        liquids.append(Liquid(name, None if parts == "ratio" else float(parts), density, viscosity))
+    for item in top.tables("component"):
+        item.only(("name", "parts", "density_g_per_cm3", "viscosity_Pa_s"))
+        parts = item.get("parts", (int, float, str), 'a number above 0 or "ratio"')
+        if parts != "ratio" and not (isinstance(parts, int | float) and 0 < parts < float("inf")):
+            raise item.fault("parts", 'must be a number above 0 or "ratio"', "malformed")
+        density, viscosity = _positive(item, "density_g_per_cm3"), _positive(item, "viscosity_Pa_s")
+        liquids.append(Liquid(item.string("name"), None if parts == "ratio" else float(parts), density, viscosity))
     by_ratio = sum(liquid.parts is None for liquid in liquids)
     if by_ratio != 1 or len({liquid.name for liquid in liquids}) < len(liquids):
-        message = 'components need different names and exactly one of them parts = "ratio"'
-        raise _fault(path, text, "[[component]]", message)
+        words = 'needs different names, and parts = "ratio" exactly once'
+        raise top.fault("component", words, "inconsistent")
     return tuple(liquids)
 
 
 def _modulus(
-    value: Any, path: Path, text: str
-) -> tuple[Law, dict[str, Quantity], dict[str, np.ndarray] | None, dict[str, Quantity] | None]:
-    """Read the law of the modulus, its numbers and, after an update, its joint draws."""
-    table = _table(value, "modulus", path, text)
-    name = str(table.get("law", ""))
-    if name not in LAWS:
-        raise _fault(path, text, ("[modulus]", "law"), str(unknown_name("law of the modulus", name, LAWS)))
-    law = LAWS[name]
-    _check_keys(table, {"law", "posterior", "prior", *law.parameters}, path, text, "[modulus")
-    numbers = {key: _positive(table, key, path, text) for key in law.parameters}
+    table: Table,
+) -> tuple[ModulusLaw, dict[str, Quantity], dict[str, NDArray] | None, dict[str, Quantity] | None]:
+    """Read the law of the modulus, its numbers and, after an update, its joint draws and prior."""
+    law = LAWS[table.string("law", choices=LAWS)]
+    table.only({"law", "posterior", "prior", *law.parameters})
+    numbers = {key: _positive(table, key) for key in law.parameters}
     if "posterior" not in table:
         return law, numbers, None, None
-    draws = _table(table["posterior"], "posterior", path, text)
-    _check_keys(draws, law.parameters, path, text, "[modulus.posterior]")
-    try:
-        columns = {key: np.asarray(draws[key], dtype=float) for key in law.parameters}
-    except (KeyError, TypeError, ValueError):
-        columns = {}
-    shapes = {column.shape for column in columns.values()}
-    finite = all(np.all(np.isfinite(column)) for column in columns.values())
-    if len(shapes) != 1 or len(next(iter(shapes))) != 1 or not finite:
-        message = f"needs one equally long list of numbers for each of {', '.join(law.parameters)}"
-        raise _fault(path, text, "[modulus.posterior]", message)
-    prior = _table(table.get("prior"), "modulus.prior", path, text)
-    _check_keys(prior, law.parameters, path, text, "[modulus.prior")
-    return law, numbers, columns, {key: _positive(prior, key, path, text) for key in law.parameters}
+    draws, prior = table.table("posterior"), table.table("prior")
+    draws.only(law.parameters)
+    prior.only(law.parameters)
+    columns = {key: np.array(draws.numbers(key)) for key in law.parameters}
+    if len({len(column) for column in columns.values()}) != 1:
+        words = f"needs equally long lists of numbers for {', '.join(law.parameters)}"
+        raise table.fault("posterior", words, "malformed")
+    return law, numbers, columns, {key: _positive(prior, key) for key in law.parameters}
 
 
-def _relaxation(
-    value: Any, path: Path, text: str, low: float, high: float
-) -> tuple[tuple[Arm, ...], float, Quantity, tuple[tuple[Arm, ...], float] | None]:
-    """Read the arms, the ratio they belong to, how they grow when the resin softens, and the arms before any puck."""
-    table = _table(value, "relaxation", path, text)
-    _check_keys(table, ("ratio_ref", "softness_exponent", "term", "prior"), path, text, "[relaxation")
-    for key in ("ratio_ref", "softness_exponent"):
-        if key not in table:
-            raise InputError(f"{path.name}:{line_of(text, '[relaxation')}: '{key}' is missing in [relaxation]")
-    arms, ratio_ref = _arms(table, path, text, low, high)
-    prior = None
-    if "prior" in table:
-        before = _table(table["prior"], "prior", path, text)
-        _check_keys(before, ("ratio_ref", "term"), path, text, "[relaxation.prior")
-        prior = _arms({"ratio_ref": ratio_ref, **before}, path, text, low, high)
-    return arms, ratio_ref, _positive(table, "softness_exponent", path, text, zero=True), prior
-
-
-def _arms(table: Mapping[str, Any], path: Path, text: str, low: float, high: float) -> tuple[tuple[Arm, ...], float]:
-    ratio_ref = _number(table, "ratio_ref", path, text)
-    if not low <= ratio_ref <= high:
-        message = f"ratio_ref = {ratio_ref} is outside the resin's range {low} to {high}"
-        raise _fault(path, text, ("[relaxation", "ratio_ref"), message)
+def _arms(table: Table, low: float, high: float, default: float | None = None) -> tuple[tuple[Arm, ...], float]:
+    """Read arms and the ratio they belong to."""
+    ratio_ref = table.number("ratio_ref", *([] if default is None else [default]), low=low, high=high)
     arms = []
-    for item in _tables(table["term"], "relaxation.term", path, text) if table.get("term") else []:
-        _check_keys(item, ("tau_s", "beta"), path, text, "[[relaxation.term]]")
-        arms.append(Arm(_positive(item, "tau_s", path, text), _positive(item, "beta", path, text, zero=True)))
+    for item in table.tables("term", required=False):
+        item.only(("tau_s", "beta"))
+        arms.append(Arm(_positive(item, "tau_s"), _positive(item, "beta", zero=True)))
     return tuple(arms), ratio_ref
 
 
-def _point(item: Any, path: Path, text: str) -> dict[str, Any]:
-    """Read one measured modulus: a ratio and a quantity."""
-    table = _table(item, "point", path, text)
-    _check_keys(table, ("ratio", "young_kPa", "puck"), path, text, "[[point]]")
-    if "ratio" not in table:
-        raise InputError(f"{path.name}:{line_of(text, '[[point]]')}: a point lacks its 'ratio'")
-    return {
-        "ratio": _number(table, "ratio", path, text),
-        "young_kPa": _positive(table, "young_kPa", path, text),
-        **({"puck": read_puck_point(table["puck"], path)} if "puck" in table else {}),
-    }
+def _point(table: Table) -> Point:
+    """Read one measured modulus: a ratio, a quantity and, where it is known, the puck's recording."""
+    table.only(("ratio", "young_kPa", "puck"))
+    ratio, young = table.number("ratio"), _positive(table, "young_kPa")
+    if "puck" not in table:
+        return Point(ratio, young)
+    puck = table.table("puck")
+    puck.only(("sha256", "file", "diameter_mm", "height_mm", "seen_s", "arm"))
+    seen = puck.numbers("seen_s", None)
+    if seen is not None and len(seen) != 2:
+        raise puck.fault("seen_s", "must be the shortest and the longest time", "malformed")
+    arms = tuple(Arm(arm.quantity("tau_s"), arm.quantity("beta")) for arm in puck.tables("arm", required=False))
+    size = puck.number("diameter_mm"), puck.number("height_mm")
+    return Point(ratio, young, PuckPoint(puck.string("sha256"), puck.string("file"), *size, seen, arms))
 
 
-def _check_physics(resin: Resin, path: Path, text: str) -> None:
+def _check_physics(resin: Resin, modulus: Table) -> None:
     """Refuse a law whose central curve is not positive or does not run its law's way over the range."""
     central = {name: np.asarray(value) for name, value in resin.central.items()}
     if not np.all(resin.law.valid(resin.ratio_min, central)):
-        message = (
-            f"the law {resin.law.name} is not valid down to ratio_min = {resin.ratio_min} with its central "
-            "values; is the gel point below it?"
-        )
-        raise _fault(path, text, "[modulus]", message)
+        words = f"is not valid down to ratio_min = {resin.ratio_min} with its central values; is the gel point below?"
+        raise modulus.fault("law", words, "inconsistent")
     young = resin.young_MPa(np.linspace(resin.ratio_min, resin.ratio_max, 101))
     if not np.all(np.isfinite(young) & (young > 0)):
-        raise _fault(path, text, "[modulus]", "the modulus is not positive over the whole ratio range")
+        raise modulus.fault("law", "gives a modulus that is not positive over the whole ratio range", "inconsistent")
     if not np.all(np.diff(young) * resin.law.direction > 0):
         way = "grow" if resin.law.direction > 0 else "fall"
-        raise _fault(path, text, "[modulus]", f"the modulus must {way} with {resin.ratio_meaning}")
+        raise modulus.fault("law", f"gives a modulus that does not {way} with {resin.ratio_meaning}", "inconsistent")

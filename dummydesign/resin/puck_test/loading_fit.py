@@ -1,7 +1,7 @@
 """Modulus, stiffening and plate friction of one batch from compression curves of pucks.
 
 Model of a curve k: load(x) = A E u(c; alpha) B(c; alpha, friction), c = (x - x_k) / height, with u the closed
-form between frictionless plates and B the table of ``pad.tables.pucks.response``; x_k is where that curve's contact
+form between frictionless plates and B the table of ``pad.tables.puck``; x_k is where that curve's contact
 begins. The machine's load is zeroed at x = 0, in the data and in the model alike. Modulus, stiffening and
 friction are common to all curves of the batch.
 
@@ -14,15 +14,14 @@ interval.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
 from dummydesign.core.errors import InputError
 from dummydesign.inference.least_squares import solve_by_differences
-from dummydesign.inference.profile import within
-from dummydesign.pad.tables.pucks.response import PuckTable, friction_of, uniaxial
+from dummydesign.inference.likelihood import within
+from dummydesign.pad.tables.puck import PuckTable, friction_of, uniaxial
 
 Array = np.ndarray
 
@@ -32,7 +31,7 @@ LARGEST_OFFSET = 0.04
 
 
 @dataclass(frozen=True)
-class Curve:
+class LoadingCurve:
     """Load over compression of one test; curves with the same ``puck`` are repeats on it. [mm, N]"""
 
     name: str
@@ -46,31 +45,24 @@ class PuckFit:
     """What the curves of one batch say; intervals are 95 %.
 
     ``friction`` is infinite for plates that hold the faces (bonded). ``rmse`` is the root mean square of
-    the relative misfit, ``young_by_curve_kPa`` each curve's own modulus at the common friction and alpha,
-    ``profile`` what each friction would make of the batch: (friction, young_kPa, chi square above the best).
+    the relative misfit, ``profile`` what each friction would make of the batch: (friction, young_kPa, chi square above
+    the best).
     """
 
     young_kPa: float
     young_low_kPa: float
     young_high_kPa: float
     alpha: float
-    alpha_low: float
-    alpha_high: float
     friction: float
     friction_low: float
     friction_high: float
     offset_mm: dict[str, float]
-    young_by_curve_kPa: dict[str, float]
     young_frictionless_kPa: float
     young_bonded_kPa: float
     rmse: float
     rmse_frictionless: float
     scatter: float
     profile: tuple[tuple[float, float, float], ...]
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain values."""
-        return asdict(self)
 
 
 @dataclass(frozen=True)
@@ -86,47 +78,27 @@ class _Point:
 
 
 def fit_pucks(
-    curves: Sequence[Curve],
-    diameter_mm: float,
-    height_mm: float,
-    table: PuckTable,
+    curves: Sequence[LoadingCurve], diameter_mm: float, height_mm: float, table: PuckTable,
     window_mm: tuple[float, float],
-) -> PuckFit:
-    """Fit one batch.
-
-    Parameters
-    ----------
-    curves : sequence of Curve
-        Curves of pucks of one shape and batch.
-    diameter_mm, height_mm : float
-        Undeformed puck. [mm]
-    table : PuckTable
-        Of this shape.
-    window_mm : (float, float)
-        Compressions that are used; the end at most 0.56 heights. [mm]
-
-    Raises
-    ------
-    InputError
-        For another shape, an empty window, or loads that do not rise.
-    """
+) -> PuckFit:  # fmt: skip
+    """Fit one batch."""
     table.check_shape(diameter_mm, height_mm)
     low, high = window_mm
     if not (0.0 < low < high <= 0.56 * height_mm):
-        raise InputError(f"window_mm = {low:g} to {high:g} must lie within 0 and {0.56 * height_mm:.4g} (0.56 heights)")
+        message = f"window_mm = {low:g} to {high:g} must lie within 0 and {0.56 * height_mm:.4g} (0.56 heights)"
+        raise InputError(message, "out_of_range", "window_mm", window_mm, (0.0, 0.56 * height_mm))
     area = 0.25 * np.pi * diameter_mm**2
     parts = []
     for curve in curves:
         inside = (curve.compression_mm >= low) & (curve.compression_mm <= high)
         load = curve.load_N - float(np.interp(0.0, curve.compression_mm, curve.load_N))
         if inside.sum() < 5 or not np.all(load[inside] > 0.0):
-            raise InputError(f"curve {curve.name}: needs 5 or more loads above 0 between {low:g} and {high:g} mm")
+            message = f"curve {curve.name}: needs 5 or more loads above 0 between {low:g} and {high:g} mm"
+            raise InputError(message, "not_enough_data", "curve", curve.name)
         parts.append((curve.compression_mm[inside] / height_mm, load[inside] / area * 1e3))
-    points = []
-    guess = None
+    points: list[_Point] = []
     for grip_value in GRIPS[::-1]:
-        points.append(_best(parts, table, grip_value, guess))
-        guess = points[-1]
+        points.append(_best(parts, table, grip_value, points[-1] if points else None))
     return _summarise(curves, points[::-1], height_mm)
 
 
@@ -145,8 +117,8 @@ def _best(parts: list[tuple[Array, Array]], table: PuckTable, grip_value: float,
     if guess is None:
         c, stress = parts[0]
         middle = len(c) // 2
-        start = np.r_[np.log(stress[middle] / _model(table, 2.0, grip_value, c[middle : middle + 1], 0.0)[0]), 2.0]
-        start = np.r_[start, np.zeros(count)]
+        model = _model(table, 2.0, grip_value, c[middle : middle + 1], 0.0)[0]
+        start = np.r_[np.log(stress[middle] / model), 2.0, np.zeros(count)]
     else:
         start = np.r_[guess.log_young, np.clip(guess.alpha, 1.01, 5.99), guess.offsets]
     lower = np.r_[-20.0, ALPHA_RANGE[0], np.full(count, -LARGEST_OFFSET)]
@@ -167,7 +139,7 @@ def _best(parts: list[tuple[Array, Array]], table: PuckTable, grip_value: float,
     return _Point(grip_value, best[0], best[1], best[2:], mean_square, rest)
 
 
-def _summarise(curves: Sequence[Curve], points: list[_Point], height_mm: float) -> PuckFit:
+def _summarise(curves: Sequence[LoadingCurve], points: list[_Point], height_mm: float) -> PuckFit:
     best = min(points, key=lambda point: point.mean_square)
     own = np.array([float(np.mean(rest)) for rest in best.residuals])
     scatter = float(np.std(own, ddof=1)) if len(own) > 1 else 0.02
@@ -178,19 +150,15 @@ def _summarise(curves: Sequence[Curve], points: list[_Point], height_mm: float) 
     young = np.exp([point.log_young for point in kept])
     # One puck's modulus differs from another's: the mean of all is known to this.
     around = 1.96 * np.sqrt(variance)
-    alphas = [point.alpha for point in kept]
     return PuckFit(
         young_kPa=float(np.exp(best.log_young)),
         young_low_kPa=float(young.min() * np.exp(-around)),
         young_high_kPa=float(young.max() * np.exp(around)),
         alpha=best.alpha,
-        alpha_low=min(alphas),
-        alpha_high=max(alphas),
         friction=friction_of(best.grip),
         friction_low=friction_of(kept[0].grip),
         friction_high=friction_of(kept[-1].grip),
         offset_mm={curve.name: float(o * height_mm) for curve, o in zip(curves, best.offsets)},
-        young_by_curve_kPa={c.name: float(np.exp(best.log_young - r)) for c, r in zip(curves, own)},
         young_frictionless_kPa=float(np.exp(points[0].log_young)),
         young_bonded_kPa=float(np.exp(points[-1].log_young)),
         rmse=float(np.sqrt(best.mean_square)),

@@ -1,4 +1,4 @@
-"""Reduction of a puck's press with holds to bins, and the nodes at which a model is evaluated."""
+"""Bins of a puck's press with holds, and their noise."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dummydesign.inference.noise_floor import white_noise
-from dummydesign.inference.reduction import cut, distinct, hold_edges, mean_around
+from dummydesign.inference import noise as inference
+from dummydesign.inference.binning import cut, distinct, hold_edges, mean_around
+from dummydesign.inference.noise import white_noise
 from dummydesign.measurement.landmarks import Hold
 
 Array = np.ndarray
@@ -17,20 +18,7 @@ RAMP_BINS = 25
 
 @dataclass(frozen=True)
 class PuckPress:
-    """One press in bins.
-
-    Attributes
-    ----------
-    holds : tuple of Hold
-    time_s, displacement_mm : ndarray, shape (nodes,)
-        Measured motion where a model is evaluated.
-    average : ndarray, shape (bins, nodes)
-        Takes a curve that is linear between the nodes to its means over the samples of each bin.
-    start_s, end_s, samples, force_N, compression_mm : ndarray, shape (bins,)
-        Edges, number of samples, mean force (zero before contact) and mean displacement of each bin.
-    white_N : float
-        White noise of a sample. [N]
-    """
+    """One press in bins."""
 
     holds: tuple[Hold, ...]
     time_s: Array
@@ -51,15 +39,6 @@ def reduce_press(
 
     Forces are counted from their mean before the displacement reaches zero. Bins outside the window and what
     follows the last hold are left out.
-
-    Parameters
-    ----------
-    time_s, displacement_mm, force_N : ndarray, shape (n,)
-        The recording; displacement is 0 at contact and grows in compression. [s, mm, N]
-    holds : tuple of Hold
-        At least one.
-    window_mm : (float, float)
-        Displacements that are used. [mm]
     """
     last = int(np.searchsorted(time_s, holds[-1].end_s, side="right"))
     time, x, force = time_s[:last], displacement_mm[:last], force_N[:last]
@@ -101,3 +80,59 @@ def _white(time: Array, force: Array, holds: tuple[Hold, ...]) -> float:
     """White noise of a sample in the later nine tenths of the holds. [N]"""
     late = [(time >= hold.start_s + 0.1 * hold.duration_s) & (time <= hold.end_s) for hold in holds]
     return white_noise(np.concatenate([np.diff(force[rows], 2) for rows in late]), robust=True)
+
+
+LEAST_MISFIT = 0.02
+"""Misfit of the one-term law that is always reckoned with: the middle of 19 mixtures, ``docs/ecoflex.md``."""
+ALIKE = 0.15
+"""Compression, over height, within which the law misfits alike."""
+RIPPLE, RIPPLE_LENGTH = 0.0025, 0.02
+"""Ripple of the solved force over compression, half of its mesh error, and the compression it goes with: the
+bulging side comes to lie on the plate cell by cell."""
+JITTER = 1e-4
+"""Relative error of taking the motion as straight between nodes."""
+
+
+@dataclass(frozen=True)
+class PuckNoise:
+    """Standard deviations: white per sample and slow [N], life of the slow part [s], misfit over force."""
+
+    white_N: float
+    slow_N: float
+    slow_time_s: float
+    misfit: float
+
+
+def covariance(press: PuckPress, height_mm: float, noise: PuckNoise) -> Array:
+    """Covariance of the bins' residuals of ln force, shape (bins, bins)."""
+    c = press.compression_mm / height_mm
+    apart = c[:, None] - c
+    total = noise.misfit**2 * np.exp(-0.5 * (apart / ALIKE) ** 2)
+    total += RIPPLE**2 * np.exp(-0.5 * (apart / RIPPLE_LENGTH) ** 2)
+    slow = inference.Bins([press]).slow(noise.slow_time_s)[0]
+    total += noise.slow_N**2 * slow / np.outer(press.force_N, press.force_N)
+    total[np.diag_indices_from(total)] += noise.white_N**2 / press.samples / press.force_N**2 + JITTER**2
+    return total
+
+
+def whitener(press: PuckPress, height_mm: float, noise: PuckNoise) -> Array:
+    """Inverse Cholesky factor: whitened = factor @ residual."""
+    return inference.whitener(covariance(press, height_mm, noise))
+
+
+def estimate(press: PuckPress, height_mm: float, residual: Array, jacobian: Array) -> PuckNoise:
+    """Sizes of slow noise and misfit from residuals of ln force and their sensitivity to what was fitted."""
+    level = float(press.force_N.max())
+    longest = max(hold.duration_s for hold in press.holds)
+    start = np.array([1e-3 * level, 0.1 * longest, 1.2 * LEAST_MISFIT])
+    low = np.array([1e-5 * level, 1e-2 * longest, LEAST_MISFIT])
+    high = np.array([0.02 * level, longest, 0.3])
+
+    def noise_of(sizes: Array) -> PuckNoise:
+        return PuckNoise(press.white_N, *sizes.tolist())
+
+    def cost(sizes: Array) -> float:
+        own = covariance(press, height_mm, noise_of(sizes))
+        return inference.restricted_likelihood(own[None], residual[None], jacobian[None])
+
+    return noise_of(inference.likeliest(cost, start, low, high)[0])

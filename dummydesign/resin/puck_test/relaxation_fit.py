@@ -25,18 +25,135 @@ Fung, Biomechanics: Mechanical Properties of Living Tissues (1993), chapter 7 (q
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache, partial
 
 import numpy as np
 
-from dummydesign.inference.model_selection import simplest
-from dummydesign.inference.profile import CHI_SQUARE_95, within
-from dummydesign.pad.tables.pucks.response import PuckTable, friction_of
-from dummydesign.resin.puck_test.model import PuckProblem, Trial
-from dummydesign.resin.puck_test.noise import PuckNoise, estimate, whitener
-from dummydesign.resin.puck_test.reduction import PuckPress
+from dummydesign.core.recurrence import linear_recurrence
+from dummydesign.inference.least_squares import solve_by_differences
+from dummydesign.inference.likelihood import CHI_SQUARE_95, aicc, simplest, within
+from dummydesign.pad.tables.puck import PuckTable, friction_of, uniaxial
+from dummydesign.resin.model.resin import Interval
+from dummydesign.resin.puck_test.loading_fit import ALPHA_RANGE, LARGEST_OFFSET
+from dummydesign.resin.puck_test.reduction import PuckNoise, PuckPress, estimate, whitener
 
 Array = np.ndarray
+
+STRENGTHS = (1e-4, 30.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """Best parameters at one friction, with whitened residuals (bins,) and Jacobian (bins, parameters)."""
+
+    grip: float
+    parameters: Array
+    chi_square: float
+    residual: Array
+    jacobian: Array
+
+
+class PuckProblem:
+    """One press: parameters ln E [kPa], alpha, offset over height, then ln beta of the arms, then ln tau [s]."""
+
+    def __init__(self, press: PuckPress, diameter_mm: float, height_mm: float, table: PuckTable) -> None:
+        self.press, self.height_mm, self.table = press, height_mm, table
+        self.area = 0.25e-3 * np.pi * diameter_mm**2
+        self.log_factor = cache(partial(_smooth_log_factor, table))
+        self.step = np.diff(press.time_s)
+        self.longest = max(hold.duration_s for hold in press.holds)
+        shortest = float(np.min(press.end_s - press.start_s))
+        self.times = (max(shortest, 1e-4 * self.longest), 10.0 * self.longest)
+        self.factor = whitener(press, height_mm, PuckNoise(press.white_N, 1e-3 * press.force_N.max(), 1.0, 0.02))
+
+    def elastic(self, alpha: float, grip: float, offset: float) -> Array:
+        """Long-term force over E at the nodes, zeroed where the displacement is zero. [N/kPa]"""
+        place = np.r_[0.0, self.press.displacement_mm] / self.height_mm
+        c = np.maximum(place - offset, 0.0)
+        load = self.area * uniaxial(alpha, c) * np.exp(self.log_factor(grip)(alpha, c))
+        return load[1:] - load[0]
+
+    def arm(self, elastic: Array, tau_s: float) -> Array:
+        """Force of an arm of strength one at the nodes, exact for forces that are linear between them."""
+        ratio = self.step / tau_s
+        rise = np.diff(elastic) * (-np.expm1(-ratio) / ratio)
+        return np.r_[0.0, linear_recurrence(np.exp(-ratio), rise)]
+
+    def predict(self, q: Array, grip: float) -> Array:
+        """Force of the bins. [N]"""
+        arms = (len(q) - 3) // 2
+        elastic = self.elastic(q[1], grip, q[2])
+        total = elastic.copy()
+        for beta, tau in zip(np.exp(q[3 : 3 + arms]), np.exp(q[3 + arms :])):
+            total += beta * self.arm(elastic, tau)
+        return np.exp(q[0]) * (self.press.average @ total)
+
+    def residual(self, q: Array, grip: float) -> Array:
+        """Logarithm of fitted over measured force of the bins."""
+        return np.log(np.maximum(self.predict(q, grip), 1e-9) / self.press.force_N)
+
+    def box(self, arms: int) -> tuple[Array, Array]:
+        """Lowest and highest parameters."""
+        weak, strong = np.log(STRENGTHS)
+        short, long = np.log(self.times)
+        low = [-20.0, ALPHA_RANGE[0], -LARGEST_OFFSET, *[weak] * arms, *[short] * arms]
+        high = [20.0, ALPHA_RANGE[1], LARGEST_OFFSET, *[strong] * arms, *[long] * arms]
+        return np.array(low), np.array(high)
+
+    def starts(self, arms: int, grip: float, count: int = 2) -> list[Array]:
+        """The best of all combinations of times on a grid, E and strengths by non-negative least squares."""
+        from scipy.optimize import nnls
+
+        found = []
+        grid = np.geomspace(3.0 * self.times[0], 0.6 * self.longest, 9)
+        for alpha in (1.5, 3.0):
+            elastic = self.elastic(alpha, grip, 0.0)
+            forces = np.stack([elastic, *(self.arm(elastic, tau) for tau in grid)], axis=1)
+            columns = self.factor @ ((self.press.average @ forces) / self.press.force_N[:, None])
+            goal = self.factor @ np.ones(len(columns))
+            for combo in itertools.combinations(range(len(grid)), arms):
+                strength, rest = nnls(columns[:, [0, *(1 + k for k in combo)]], goal)
+                if strength[0] > 0.0:
+                    beta = np.clip(strength[1:] / strength[0], 1e-3, 10.0)
+                    found.append((rest, [np.log(strength[0]), alpha, 0.0, *np.log(beta), *np.log(grid[list(combo)])]))
+        found.sort(key=lambda pair: pair[0])
+        return [np.array(q) for _, q in found[:count]]
+
+    def fit(self, starts: list[Array], grip: float) -> Trial:
+        """Trust-region least squares of the whitened residuals; arms in the order of their times."""
+        arms = (len(starts[0]) - 3) // 2
+        best = solve_by_differences(
+            lambda q: self.factor @ self.residual(q, grip), starts, *self.box(arms), tolerance=1e-7, most=60
+        )
+        assert best.residual is not None and best.jacobian is not None
+        order = np.argsort(best.parameters[3 + arms :])
+        columns = np.r_[0, 1, 2, 3 + order, 3 + arms + order]
+        return Trial(grip, best.parameters[columns], best.chi_square, best.residual, best.jacobian[:, columns])
+
+    def aicc(self, found: Trial) -> float:
+        """Corrected Akaike criterion under the whitening of now; friction and two sizes of noise are counted."""
+        fit = found.chi_square - 2.0 * float(np.log(np.diag(self.factor)).sum())
+        return aicc(fit, len(found.parameters) + 3, len(found.residual))
+
+
+def _smooth_log_factor(table: PuckTable, grip: float) -> Callable[[float, Array], Array]:
+    """ln B of one friction: cubic in compression, a polynomial in alpha, for kinks would halt the search."""
+    from scipy.interpolate import CubicSpline
+
+    rows = np.stack([np.log(table.factor(alpha, grip, table.compression)) for alpha in table.alpha], axis=1)
+    spline = CubicSpline(table.compression, rows)
+    low, high = table.compression[[0, -1]]
+
+    def value(alpha: float, c: Array) -> Array:
+        at = table.alpha
+        weights = [np.prod((alpha - np.delete(at, k)) / (at[k] - np.delete(at, k))) for k in range(len(at))]
+        return spline(np.clip(c, low, high)) @ np.array(weights)
+
+    return value
+
 
 MOST_ARMS = 3
 PUCK_SCATTER = 0.02
@@ -47,24 +164,11 @@ WIDEST = 10.0
 
 
 @dataclass(frozen=True)
-class Found:
-    """A value with the ends of its 95 % interval."""
-
-    value: float
-    low: float
-    high: float
-
-    def to_dict(self) -> dict[str, float]:
-        """Return the three numbers."""
-        return {"value": self.value, "low": self.low, "high": self.high}
-
-
-@dataclass(frozen=True)
 class PuckArm:
     """One relaxing arm; ``reason`` says why it is not identifiable, empty when it is."""
 
-    tau_s: Found
-    beta: Found
+    tau_s: Interval
+    beta: Interval
     reason: str
 
 
@@ -73,41 +177,21 @@ class PuckRelaxation:
     """What one press with holds says; intervals are 95 %.
 
     ``seen_s`` are the shortest and longest times that the holds can show: twice the sampling or a tenth of the
-    shortest ramp, and half of the longest hold. ``comparison`` gives rmse [N] and AICc for each number of arms,
-    ``chi_square`` the profile over friction, ``time_s``, ``force_N``, ``fitted_N`` the bins.
+    shortest ramp, and half of the longest hold. ``comparison`` gives rmse [N] and AICc for each number of arms.
     """
 
-    young_kPa: Found
+    young_kPa: Interval
     alpha: float
-    friction: Found
-    offset_mm: float
+    friction: Interval
     arms: tuple[PuckArm, ...]
     seen_s: tuple[float, float]
     comparison: dict[str, dict[str, float]]
     noise: PuckNoise
     rmse_N: float
-    chi_square: tuple[tuple[float, float], ...]
-    time_s: Array
-    force_N: Array
-    fitted_N: Array
 
 
 def fit_relaxation(press: PuckPress, diameter_mm: float, height_mm: float, table: PuckTable) -> PuckRelaxation:
-    """Fit one press with holds.
-
-    Parameters
-    ----------
-    press : PuckPress
-        One press with holds, reduced by :func:`reduce_press`.
-    diameter_mm, height_mm : float
-        Undeformed puck. [mm]
-    table : PuckTable
-        Of this shape, see :func:`dummydesign.pad.tables.pucks.proportions.table_for`.
-
-    Returns
-    -------
-    PuckRelaxation
-    """
+    """Fit one press with holds."""
     problem = PuckProblem(press, diameter_mm, height_mm, table)
     rivals: dict[int, Trial] = {}
     for arms in range(MOST_ARMS, -1, -1):
@@ -134,8 +218,7 @@ def fit_relaxation(press: PuckPress, diameter_mm: float, height_mm: float, table
 
 def _noise(problem: PuckProblem, found: Trial) -> PuckNoise:
     lower = np.linalg.inv(problem.factor)
-    jacobian = lower @ found.jacobian
-    return estimate(problem.press, problem.height_mm, lower @ found.residual, jacobian)
+    return estimate(problem.press, problem.height_mm, lower @ found.residual, lower @ found.jacobian)
 
 
 def _rmse(problem: PuckProblem, found: Trial) -> float:
@@ -164,7 +247,8 @@ def _summarise(
     for k in range(arms):
         strength, time = 3 + k, 3 + arms + k
         tau_s, beta = (
-            Found(*np.exp([q[i], max(low[i], -40.0), min(high[i], 40.0)]).tolist()) for i in (time, strength)
+            Interval(*np.exp([q[i], max(low[i], -40.0), min(high[i], 40.0)]).tolist())
+            for i in (time, strength)
         )
         parts.append(PuckArm(tau_s, beta, _reason(problem, tau_s, beta, q[time] - ends[0][time])))
     # what a slow arm still carries at the end of the file counts as stiffness
@@ -174,21 +258,18 @@ def _summarise(
         if arm.tau_s.value > 0.5 * problem.longest:
             stiff += arm.beta.value * float(problem.arm(elastic, arm.tau_s.value)[-1] / elastic[-1])
     given = tuple(
-        PuckArm(arm.tau_s, Found(arm.beta.value / stiff, arm.beta.low / stiff, arm.beta.high), arm.reason)
+        PuckArm(arm.tau_s, Interval(arm.beta.value / stiff, arm.beta.low / stiff, arm.beta.high), arm.reason)
         for arm in parts
     )
     young, friction = _elastic(problem, profile, best)
     slow_low = float(np.exp(low[0])) if stiff > 1.0 else young.low
-    young = Found(young.value * stiff, min(young.low, slow_low), young.high * stiff)
-    press = problem.press
+    young = Interval(young.value * stiff, min(young.low, slow_low), young.high * stiff)
     return PuckRelaxation(
-        young, float(q[1]), friction, float(q[2] * problem.height_mm), given, _seen(problem), comparison, noise,
-        _rmse(problem, best), tuple((friction_of(one.grip), one.chi_square - best.chi_square) for one in profile),
-        0.5 * (press.start_s + press.end_s), press.force_N, problem.predict(q, best.grip),
-    )  # fmt: skip
+        young, float(q[1]), friction, given, _seen(problem), comparison, noise, _rmse(problem, best)
+    )
 
 
-def _elastic(problem: PuckProblem, profile: list[Trial], best: Trial) -> tuple[Found, Found]:
+def _elastic(problem: PuckProblem, profile: list[Trial], best: Trial) -> tuple[Interval, Interval]:
     """Modulus [kPa] and friction with cautious intervals: the puck is one independent number."""
     squares = [float(np.mean(problem.residual(one.parameters, one.grip) ** 2)) for one in profile]
     own = squares[profile.index(best)]
@@ -196,8 +277,8 @@ def _elastic(problem: PuckProblem, profile: list[Trial], best: Trial) -> tuple[F
     kept = [profile[place] for place in within(squares, variance, own)]
     around = np.sqrt(CHI_SQUARE_95 * variance)
     logs = [one.parameters[0] for one in kept]
-    young = Found(*np.exp([best.parameters[0], min(logs) - around, max(logs) + around]).tolist())
-    return young, Found(*(friction_of(one.grip) for one in (best, kept[0], kept[-1])))
+    young = Interval(*np.exp([best.parameters[0], min(logs) - around, max(logs) + around]).tolist())
+    return young, Interval(*(friction_of(one.grip) for one in (best, kept[0], kept[-1])))
 
 
 def _seen(problem: PuckProblem) -> tuple[float, float]:
@@ -207,7 +288,7 @@ def _seen(problem: PuckProblem) -> tuple[float, float]:
     return max(2.0 * problem.times[0], 0.1 * min(ramps)), 0.5 * problem.longest
 
 
-def _reason(problem: PuckProblem, tau_s: Found, beta: Found, above_shortest: float) -> str:
+def _reason(problem: PuckProblem, tau_s: Interval, beta: Interval, above_shortest: float) -> str:
     """Why an arm is not identifiable, or nothing."""
     if tau_s.value > 0.5 * problem.longest:
         return f"slower than half of the longest hold ({problem.longest:.4g} s): hold longer to see its time"

@@ -1,49 +1,25 @@
-"""Update a resin's law by measured points (Bayes): narrow near them, wide where nothing was measured."""
+"""Update a resin's modulus by measured points (Bayes), and keep it as a resin of the user."""
 
 from __future__ import annotations
 
 import math
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.quantity import Quantity
-from dummydesign.resin.model.distribution import HALF_WIDTH, value_at
-from dummydesign.resin.model.puck_point import PuckPoint
-from dummydesign.resin.model.resin import Resin
+from dummydesign.core.files import output_folder
+from dummydesign.core.library import Entry, make_room, read_toml, user_folder
+from dummydesign.core.quantity import Quantity, value_at
+from dummydesign.resin.model.resin import Point, Resin, save_resin
+from dummydesign.resin.model.resin_file import KIND, load_resin, read_points, read_resin
+from dummydesign.resin.update.relaxation import NOTE, ArmUpdate, update_relaxation
 
 CHAINS, STEPS, SEED = 400, 150, 7
-SMALLEST_SPREAD = 0.005
-"""A modulus is never believed to better than 0.5 % (one standard deviation), whatever a file claims."""
-
-
-@dataclass(frozen=True)
-class Point:
-    """A modulus measured at a ratio; ``puck`` says on which recording, when it is known."""
-
-    ratio: float
-    young_kPa: Quantity
-    puck: PuckPoint | None = None
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the point as a resin holds it."""
-        return {"ratio": self.ratio, "young_kPa": self.young_kPa} | ({} if self.puck is None else {"puck": self.puck})
-
-    @property
-    def log_young(self) -> float:
-        """Natural logarithm of the modulus in kPa."""
-        return math.log(self.young_kPa.value)
-
-    @property
-    def spread(self) -> float:
-        """Standard deviation of the logarithm, from the 95 % interval."""
-        width = math.log(self.young_kPa.high / self.young_kPa.low) / (2 * HALF_WIDTH)
-        return max(width, SMALLEST_SPREAD)
 
 
 def update_resin(resin: Resin, points: Sequence[Point], name: str, seed: int = SEED) -> Resin:
@@ -55,36 +31,14 @@ def update_resin(resin: Resin, points: Sequence[Point], name: str, seed: int = S
     ``contradictions`` and all intervals of the points are widened by the factor that makes them agree
     (Birge ratio), instead of averaging them as if they were exact.
 
-    Parameters
-    ----------
-    resin : Resin
-        The base; points it already has are kept and used again.
-    points : sequence of Point
-        New points, inside the resin's range.
-    name : str
-        Name of the resin that results.
-    seed : int
-        Seed of the sampler.
-
-    Returns
-    -------
-    Resin
-        With ``posterior``, ``points``, ``contradictions`` and numbers of kind ``fitted``.
-
-    Raises
-    ------
-    InputError
-        When there is no point or one lies outside the range.
-
     References
     ----------
     Murray, Adams and MacKay, AISTATS 2010 (elliptical slice sampling);
     Birge, Phys. Rev. 40 (1932) 207 (widening of inconsistent data).
     """
     if not points:
-        raise InputError("no points: give at least one [[point]] with ratio and young_kPa")
-    known = [Point(**item) for item in resin.points]
-    every = [*known, *points]
+        raise InputError("no points: give at least one [[point]] with ratio and young_kPa", "missing", "point")
+    every = [*resin.points, *points]
     resin.check_ratio([point.ratio for point in every])
     prior = base_numbers(resin)
     names = [key for key, quantity in prior.items() if quantity.low < quantity.high]
@@ -93,28 +47,29 @@ def update_resin(resin: Resin, points: Sequence[Point], name: str, seed: int = S
         drawn = {key: value_at(prior[key], z[:, index]) for index, key in enumerate(names)}
         return {key: drawn.get(key, np.full(len(z), q.value)) for key, q in prior.items()}
 
+    def log_likelihood(z: NDArray) -> NDArray:
+        numbers = numbers_at(z)
+        valid = np.broadcast_to(resin.law.valid(resin.ratio_min, numbers), (len(z),))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            total = -0.5 * np.sum((_misfit(resin, every, numbers) / widening) ** 2, axis=-1)
+        return np.where(valid & np.isfinite(total), total, -np.inf)
+
     widening, best = 1.0, np.zeros(len(names))
     for _ in range(2):  # a second pass when the first shows that the points must be widened
-        z = _sample(_likelihood(resin, every, numbers_at, widening), len(names), seed)
-        density = _likelihood(resin, every, numbers_at, widening)(z) - 0.5 * np.sum(z**2, axis=1)
-        best = z[int(np.argmax(density))]
+        z = _sample(log_likelihood, len(names), seed)
+        best = z[int(np.argmax(log_likelihood(z) - 0.5 * np.sum(z**2, axis=1)))]
         misfit = _misfit(resin, every, numbers_at(best[None, :]))
         if widening > 1.0 or not _too_far(misfit):
             break
         widening = max(math.sqrt(float(np.mean(misfit**2))), 1.0)
     draws = numbers_at(z)
     central = {key: float(value[0]) for key, value in numbers_at(best[None, :]).items()}
+    title = f"{base_title(resin)}, updated by {len(every)} measured point{'s' if len(every) > 1 else ''}"
     return replace(
-        resin,
-        name=name,
-        title=f"{base_title(resin)}, updated by {len(every)} measured point{'s' if len(every) > 1 else ''}",
-        origin="user",
-        numbers=_summary(prior, draws, central, len(every)),
-        posterior={key: draws[key] for key in prior},
-        prior_numbers=prior,
-        points=tuple(point.to_dict() for point in every),
+        resin, name=name, title=title, origin="user", numbers=_summary(prior, draws, central, len(every)),
+        posterior={key: draws[key] for key in prior}, prior_numbers=prior, points=tuple(every),
         contradictions=tuple(contradictions(resin, every, misfit, best, names, widening)),
-    )
+    )  # fmt: skip
 
 
 def base_title(resin: Resin) -> str:
@@ -127,26 +82,9 @@ def base_numbers(resin: Resin) -> dict[str, Quantity]:
     if resin.posterior is None:
         return dict(resin.numbers)
     if not resin.prior_numbers:
-        raise InputError(f"resin {resin.name} has points but no prior; start from its base")
+        message = f"resin {resin.name} has points but no prior; start from its base"
+        raise InputError(message, "missing", "resin.modulus.prior")
     return dict(resin.prior_numbers)
-
-
-def _likelihood(
-    resin: Resin,
-    points: Sequence[Point],
-    numbers_at: Callable[[NDArray], dict[str, NDArray]],
-    widening: float,
-) -> Callable[[NDArray], NDArray]:
-    """Make the log likelihood of many deviates at once, shape (n, parameters) to (n,)."""
-
-    def log_likelihood(z: NDArray) -> NDArray:
-        numbers = numbers_at(z)
-        valid = np.broadcast_to(resin.law.valid(resin.ratio_min, numbers), (len(z),))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            total = -0.5 * np.sum((_misfit(resin, points, numbers) / widening) ** 2, axis=-1)
-        return np.where(valid & np.isfinite(total), total, -np.inf)
-
-    return log_likelihood
 
 
 def _misfit(resin: Resin, points: Sequence[Point], numbers: dict[str, NDArray]) -> NDArray:
@@ -200,8 +138,7 @@ def _summary(
         if quantity.low == quantity.high:
             summary[key] = quantity
             continue
-        low, high = (float(end) for end in np.percentile(draws[key], [2.5, 97.5]))
-        value = central[key]
+        (low, high), value = np.percentile(draws[key], [2.5, 97.5]).tolist(), central[key]
         source = f"prior ({quantity.source}) updated by {count} measured point{'s' if count > 1 else ''}"
         summary[key] = Quantity(value, min(low, value), max(high, value), "fitted", source)
     return summary
@@ -215,31 +152,10 @@ def _too_far(misfit: NDArray) -> bool:
 
 
 def contradictions(
-    resin: Resin,
-    points: Sequence[Point],
-    misfit: NDArray,
-    deviates: NDArray,
-    names: Sequence[str],
-    widening: float,
+    resin: Resin, points: Sequence[Point], misfit: NDArray, deviates: NDArray, names: Sequence[str], widening: float
 ) -> list[str]:
-    """Say which points contradict each other, the law, or what was believed before.
-
-    Parameters
-    ----------
-    resin : Resin
-        The base.
-    points : sequence of Point
-        All points.
-    misfit : ndarray, shape (points,)
-        Misfit of the best law in standard deviations.
-    deviates : ndarray, shape (parameters,)
-        The best law's numbers in standard deviations of the prior.
-    names : sequence of str
-        Which numbers these are.
-    widening : float
-        Factor by which the points' intervals were widened.
-    """
-    said = []
+    """Say which points contradict each other, the law, or what was believed before."""
+    notices = []
     ordered = sorted(points, key=lambda point: point.ratio)
     for index, first in enumerate(ordered):
         for second in ordered[index + 1 :]:
@@ -247,21 +163,74 @@ def contradictions(
             spread = math.hypot(first.spread, second.spread)
             same = math.isclose(first.ratio, second.ratio, abs_tol=0.5 * resin.ratio_step)
             if same and abs(step) > 2.6 * spread:
-                said.append(f"{_text(first)} and {_text(second)} differ by more than their intervals allow")
+                notices.append(f"{_text(first)} and {_text(second)} differ by more than their intervals allow")
             elif not same and step * resin.law.direction < -2.6 * spread:
                 way = "grow" if resin.law.direction > 0 else "fall"
-                said.append(f"{_text(first)} and {_text(second)}: the modulus must {way} with the ratio")
+                notices.append(f"{_text(first)} and {_text(second)}: the modulus must {way} with the ratio")
     for point, size in zip(points, misfit):
         if abs(size) > 2.6:
-            said.append(f"{_text(point)} is {abs(size):.1f} standard deviations off the law {resin.law.name}")
+            notices.append(f"{_text(point)} is {abs(size):.1f} standard deviations off the law {resin.law.name}")
     for key, size in zip(names, deviates):
         if abs(size) > 2.6:
             away = f"{abs(size):.1f} standard deviations from what resin {resin.name} states"
-            said.append(f"the points ask for a {key} {away}")
+            notices.append(f"the points ask for a {key} {away}")
     if widening > 1.0:
-        said.append(f"all intervals of the points were widened {widening:.1f} times so that they agree")
-    return said
+        notices.append(f"all intervals of the points were widened {widening:.1f} times so that they agree")
+    return notices
 
 
 def _text(point: Point) -> str:
     return f"{point.young_kPa.value:g} kPa at ratio {point.ratio:g}"
+
+
+def with_point(resin: Resin, point: Point, name: str) -> tuple[Resin, tuple[ArmUpdate, ...], tuple[str, ...]]:
+    """Update the law by a point, and the relaxation by what its puck's holds showed."""
+    changed = update_resin(resin, [point], name)
+    if point.puck is None or point.puck.seen_s is None:
+        return changed, (), ()
+    return update_relaxation(changed, point.puck.arms, point.ratio, point.puck.seen_s)
+
+
+def known_puck(resin: Resin, sha256: str) -> Point | None:
+    """The point of a resin that came from this recording."""
+    return next((point for point in resin.points if point.puck and point.puck.sha256 == sha256), None)
+
+
+def without_puck(resin: Resin, sha256: str) -> Resin:
+    """Begin again from the base and add every other point in its order."""
+    arms, ratio_ref = resin.prior_relaxation or (resin.arms, resin.relaxation_ratio_ref)
+    base = replace(
+        resin, title=base_title(resin), numbers=base_numbers(resin), posterior=None, prior_numbers=None, points=(),
+        contradictions=(), arms=arms, relaxation_ratio_ref=ratio_ref, prior_relaxation=None,
+        notes=tuple(note for note in resin.notes if not note.startswith(NOTE)),
+    )  # fmt: skip
+    for point in resin.points:
+        if point.puck is None or point.puck.sha256 != sha256:
+            base, _, _ = with_point(base, point, resin.name)
+    return base
+
+
+def add_resin(file: str | Path, replace_own: bool = False) -> tuple[Resin, Path]:
+    """Check a file and keep the resin it describes in the user's own folder.
+
+    A file with ``[modulus]`` is a whole resin; one with ``[[point]]`` and without ``[modulus]`` updates
+    its ``base`` (the paper's polyurethane when none is named).
+    """
+    path = Path(file)
+    if not path.is_file():
+        raise InputError(f"resin file '{file}' does not exist", "file_not_found", "resin_file", str(file))
+    if path.suffix.lower() == ".csv":
+        raise InputError(
+            f"resin file '{file}' is a CSV, not TOML: give each point as [[point]] with ratio and young_kPa "
+            "(value, low, high, kind, source); of a puck's trace 'dummydesign resins add-compression' makes the point",
+            "file_unreadable", "resin_file", str(file),
+        )  # fmt: skip
+    content, _ = read_toml(path)
+    if "modulus" in content or "point" not in content:
+        resin = replace(read_resin(Entry(path.stem, path, "user")), origin="user")
+    else:
+        base, name, points = read_points(path)
+        resin = update_resin(load_resin(base), points, name)
+    make_room(KIND, "resin", resin.name, replace_own)
+    folder = output_folder(user_folder() / KIND)
+    return resin, save_resin(resin, folder / f"{resin.name}.toml")

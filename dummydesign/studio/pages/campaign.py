@@ -1,47 +1,146 @@
-"""A campaign: plan what to press, print the sheet, drop the presses, mend what is wrong, fill in what is known."""
+"""The campaign page: plan, print, drop the presses; campaigns from elsewhere."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from html import escape
+from typing import Any
 
 from nicegui import run, ui
 
 from dummydesign.core.errors import InputError
-from dummydesign.measurement.planning.check import Status, check_campaign
+from dummydesign.measurement.campaign_status import CampaignStatus, check_campaign
 from dummydesign.project.folder import Project
-from dummydesign.studio import choices
-from dummydesign.studio.frame import (
-    Studio,
-    command_line,
-    file_links,
-    html,
-    lay_out,
-    open_page,
-    state_link,
-    table,
-    tell_problem,
-    zip_link,
-)  # fmt: skip
-from dummydesign.studio.manage import manage, undo_bar
-from dummydesign.studio.pages.bringing_in import BringIn
-from dummydesign.studio.pages.dropping import drop_place
-from dummydesign.studio.pages.plan import PlanForm
-from dummydesign.studio.pages.trials import TrialTable
-from dummydesign.studio.presses import incoming
-from dummydesign.studio.presses.plans import plan_of
-from dummydesign.studio.state import State
+from dummydesign.studio import choices, parts
+from dummydesign.studio import incoming_presses as incoming
+from dummydesign.studio import project_files as bin
+from dummydesign.studio.jobs import Job, options
+from dummydesign.studio.manage import DropList, manage, undo_bar
+from dummydesign.studio.page_frame import Studio, open_page
+from dummydesign.studio.pages.plan import HEADS, PlanForm, TrialTable, folder_of, number_of, value_table
+from dummydesign.studio.parts import html
+from dummydesign.studio.state import State, state_link
+from dummydesign.studio.work_panel import Work
+
+FIELDS = {
+    "young": "Modulus of the pads [kPa]", "ratio": "Ratio", "punch": "Punch", "pad": "Outline [mm]", "shape": "Shape",
+    "base": "Base", "contact": "Contact under the punch", "lowpass": "Filter of the force, HZ[:ORDER[:PASSES]]",
+}  # fmt: skip
 
 
-def build(studio: Studio, query: Mapping[str, str]) -> None:
+class BringIn:
+    """Files that wait, and the two ways to a campaign."""
+
+    def __init__(self, studio: Studio, state: State) -> None:
+        self.studio, self.root, self.state = studio, studio.root, state
+        self.drop = DropList(lambda name, content: f"{incoming.save_waiting_file(self.root, name, content)} was added.",
+                             self.show, "Drop all files of the campaign at once: the presses (CSV) and, where there is "
+                             "one, campaign.toml or a table trials.csv.", "campaign")  # fmt: skip
+        self.name = ui.input("Name of the campaign", value=choices.free_name(self.root, "campaigns", "earlier"))
+        self.name.props('data-test="bring-name"').on_value_change(self.renew)
+        self.problem, self.as_it_is, self.by_table, self.files = parts.area(), parts.area(), parts.area(), parts.area()
+        with self.as_it_is:
+            html("<p>campaign.toml is among the files. They are taken as they are.</p>")
+            parts.button("Bring it in", self.bring, "bring", main=True)
+        with self.by_table:
+            self._by_table()
+        self.empty = parts.button("Remove these files", self.remove, "bring-remove")
+        self.show()
+
+    def _by_table(self) -> None:
+        html("<p>No campaign.toml: say of each press what it was. Pad and speed are needed; empty means unknown.</p>")
+        self.table_problem = parts.area(live=True)
+        self.table = parts.area()
+        start = {"ratio": f"{self.state.ratio:g}", "punch": self.state.punch, "pad": "150x120", "shape": "slab",
+                 "base": "bonded", "contact": "bonded"}  # fmt: skip
+        self.fields: dict[str, Any] = {}
+        with ui.element("div").classes("fields"):
+            resins = {"": "unknown", **choices.resins()}
+            self.fields["resin"] = parts.select("Resin of the pads", resins, self.state.resin)
+            for key, label in FIELDS.items():
+                self.fields[key] = ui.input(label, value=start.get(key, "")).props(f'data-test="bring-{key}"')
+        self.work = Work(self.studio, "fromfiles", "Make the campaign", self.words, self.done, self.belongs)
+        for field in self.fields.values():
+            field.on_value_change(self.work.renew)
+
+    def show(self) -> None:
+        """Show what waits, and the way it goes in."""
+        names = [name for name in incoming.waiting(self.root) if name != incoming.TABLE]
+        as_it_is = incoming.has_campaign_file(self.root)
+        self.as_it_is.set_visibility(as_it_is)
+        # what was made stays in sight once its files are gone
+        self.by_table.set_visibility(not as_it_is)
+        self.empty.set_visibility(bool(names))
+        self.files.clear()
+        with self.files:
+            if names:
+                html(f'<p data-test="waiting">{len(names)} files wait: {escape(", ".join(names[:8]))}'
+                     f"{' …' if len(names) > 8 else ''}</p>")  # fmt: skip
+        self.rows = [] if as_it_is else incoming.table(self.root)
+        self.table.clear()
+        if self.rows:
+            with self.table:
+                value_table(incoming.KEYS, self.rows, self.changed)
+            incoming.write_table(self.root, self.rows)
+        self.renew()
+
+    def changed(self, row: int, key: str, text: str) -> bool:
+        """Take over a value of the table; return whether it was kept."""
+        with parts.problems_in(self.table_problem):
+            self.rows[row][key] = number_of(text, f"{self.rows[row]['file']}: {HEADS[key]}", key)
+            incoming.write_table(self.root, self.rows)
+            return True
+        return False
+
+    def renew(self) -> None:
+        """Write the command anew."""
+        self.problem.clear()
+        self.work.renew()
+
+    def words(self) -> list[str]:
+        """The campaign as a command."""
+        given = {key: field.value for key, field in self.fields.items()}
+        if given["young"]:
+            given["resin"] = given["ratio"] = None
+        return incoming.words(self.root, self.name.value or "", options(given))
+
+    def belongs(self, job: Job, words: list[str]) -> bool:
+        """Whether a job made the campaign that is named, and it is still there."""
+        folder = folder_of(job)
+        same = job.words[2:3] == (f"campaigns/{(self.name.value or '').strip()}",)
+        return same and (not folder or (self.root / folder).is_dir())
+
+    def done(self, job: Job) -> None:
+        """What was made."""
+        folder = folder_of(job)
+        if not folder:
+            return
+        parts.warnings(job.answer)
+        rows = [[str(one.get(key)) for key in ("what", "value", "why")] for one in job.answer.get("decisions", [])]
+        if rows:
+            parts.table(["file", "taken as", "because"], rows, words=True, under=f"how {len(rows)} files were read")
+        link = state_link("/campaign", f"Go on with {folder}", self.state.changed(campaign=folder), "brought")
+        html(f'<p class="note">{link}. The files that waited can be removed.</p>')
+
+    def bring(self) -> None:
+        """Make a campaign of the files as they are."""
+        with parts.problems_in(self.problem):
+            folder = incoming.bring_in(self.root, self.name.value or "")
+            open_page("/campaign", self.state.changed(campaign=folder))
+
+    def remove(self) -> None:
+        """Move the files that wait to the bin."""
+        with parts.problems_in(self.problem):
+            bin.delete(self.root, incoming.FOLDER)
+            self.drop.listed.clear()
+            self.show()
+
+
+def show_campaigns(studio: Studio, project: Project, state: State, query: Mapping[str, str]) -> None:
     """Build the page."""
-    lay_out(studio, "/campaign", "Campaign", query, lambda project, state: _body(studio, project, state))
-
-
-def _body(studio: Studio, project: Project, state: State) -> None:
     html("<p>What to press of the pads that were cast, in random order. The model is then compared with it.</p>")
     undo_bar(studio)
-    known = choices.folders(studio.root, "campaigns", "campaign.toml")
+    known = choices.campaigns(studio.root)
     with ui.expansion("Plan a new campaign", value=not known).props('data-test="plan-new"').style("width:100%"):
         PlanForm(studio, state)
     with ui.expansion("Bring in a campaign that was pressed earlier").props('data-test="bring-in"').style("width:100%"):
@@ -50,12 +149,10 @@ def _body(studio: Studio, project: Project, state: State) -> None:
     if not known:
         html("<p>No campaign yet.</p>")
         return
-    start = state.campaign
-    known = known if start in known else [start, *known]
-    chosen = ui.select(known, value=start, label="Campaign").props('data-test="campaign"').style("width:100%")
+    chosen = parts.select("Campaign", known, state.campaign, "campaign")
     chosen.on_value_change(lambda: open_page("/campaign", state.changed(campaign=chosen.value)))
-    if (studio.root / start / "campaign.toml").is_file():
-        manage(studio, start, "plan", lambda old, new: open_page("/campaign", state.changed(campaign=new)))
+    if (studio.root / state.campaign / "campaign.toml").is_file():
+        manage(studio, state.campaign, "plan", lambda old, new: open_page("/campaign", state.changed(campaign=new)))
         Presses(studio, state)
 
 
@@ -68,23 +165,19 @@ class Presses:
         self.wanted, self.at_work = 0, False
         links = [("the sheet to press from", f"{self.campaign}/{name}") for name in ("sheet.html", "sheet.csv")
                  if (self.folder / name).is_file()]  # fmt: skip
-        file_links([*links, ("campaign.toml", f"{self.campaign}/campaign.toml")])
-        zip_link(self.campaign)
-        drop_place(self.take, self.renew, "Drop the presses (CSV). A file with a planned name takes its place; the "
-                   "earlier one goes to the bin. Any other file is assigned to a press below.")  # fmt: skip
-        self.undone = ui.element("div").style("width:100%")
-        self.held = ui.element("div").style("width:100%")
-        self.found = ui.element("div").props('data-test="state"').style("width:100%")
-        self.holder = ui.element("div")
-        with ui.expansion("Values of the presses: order, age, temperature, rest") as values:
-            self.values = ui.element("div").style("width:100%")
-        values.props('data-test="values"').style("width:100%")
-        values.on_value_change(self.show_values)
-        self.change = ui.element("div").style("width:100%")
+        parts.file_links([*links, ("campaign.toml", f"{self.campaign}/campaign.toml")])
+        parts.zip_link(self.campaign)
+        DropList(self.take, self.renew, "Drop the presses (CSV). A file with a planned name takes its place; the "
+                 "earlier one goes to the bin. Any other file is assigned to a press below.")  # fmt: skip
+        self.undone, self.held, self.found, self.holder = parts.area(), parts.area(), parts.area("state"), parts.area()
+        with ui.expansion("Values of the presses: order, age, temperature, rest") as expansion:
+            self.values = parts.area()
+        expansion.props('data-test="values"').style("width:100%").on_value_change(self.show_values)
+        self.change = parts.area()
         self.show_held()
         found = check_campaign(self.folder)
         self.show(found)
-        if not found.pressed and plan_of(self.root, self.campaign):
+        if not found.pressed and incoming.plan_of(self.root, self.campaign):
             with self.change, ui.expansion("Change this plan: nothing was pressed yet") as change:
                 PlanForm(studio, state, self.campaign)
             change.props('data-test="replan"').style("width:100%")
@@ -101,23 +194,17 @@ class Presses:
         if gone is None:
             return
         name = gone.path.rpartition("/")[2]
-        with self.undone:
-            line = ui.element("p").classes("note")
 
-            def undo() -> None:
-                line.clear()
+        def undo() -> None:
+            with parts.problems_in(line):
+                bin.take_back(self.root, gone)
                 with line:
-                    try:
-                        incoming.undo(self.root, gone)
-                        html(f"The earlier {escape(name)} is back. The other one is in the bin.")
-                    except InputError as problem:
-                        tell_problem(str(problem))
-                self.renew()
+                    html(f"The earlier {escape(name)} is back. The other one is in the bin.")
+            self.renew()
 
-            with line:
-                html(f"{escape(name)} took the place of an earlier file.")
-                back = ui.button(f"Bring back the earlier {name}", on_click=undo, color=None)
-                back.props('outline data-test="bring-back"')
+        with self.undone, ui.element("p").classes("note") as line:
+            html(f"{escape(name)} took the place of an earlier file.")
+            parts.button(f"Bring back the earlier {name}", undo, "bring-back")
 
     def show_held(self) -> None:
         """Files without a planned name, each with the presses it may be."""
@@ -127,44 +214,32 @@ class Presses:
                 self._held(name)
 
     def _held(self, name: str) -> None:
-        choices_of = incoming.presses_for(self.root, self.campaign, name)
-        with ui.element("div").classes("fields").props('data-test="held"'):
-            pressed = ui.select(choices_of, label=f"{name} is the press").props('data-test="assign-to"')
+        planned = incoming.presses_for(self.root, self.campaign, name)
 
-            def assign() -> None:
-                self.undone.clear()
-                try:
-                    taken = incoming.assign(self.root, self.campaign, name, pressed.value or "")
-                except InputError as problem:
-                    with self.undone:
-                        tell_problem(str(problem))
-                    return
+        def assign() -> None:
+            with parts.problems_in(self.undone):
+                taken = incoming.assign(self.root, self.campaign, name, pressed.value or "")
                 with self.undone:
                     html(f'<p class="note" role="status">{escape(taken.text)}</p>')
                 self._offer_undo(taken)
                 self.show_held()
                 self.renew()
 
-            def discard() -> None:
-                gone = incoming.discard(self.root, self.campaign, name)
-                bar = undo_bar(self.studio)
-                bar.offer(gone, lambda old, new: self.show_held())
-                bar.run(self.show_held)
+        def discard() -> None:
+            bar = undo_bar(self.studio)
+            bar.offer(incoming.discard(self.root, self.campaign, name), lambda old, new: self.show_held())
+            bar.run(self.show_held)
 
-            assign_it = ui.button("Assign", on_click=assign).props('data-test="assign"')
-            assign_it.props["aria-label"] = f"assign {name}"
-            bin_it = ui.button("Move to the bin", on_click=discard, color=None)
-            bin_it.props('outline data-test="discard"').props["aria-label"] = f"move {name} to the bin"
+        with ui.element("div").classes("fields").props('data-test="held"'):
+            pressed = ui.select(planned, label=f"{name} is the press").props('data-test="assign-to"')
+            parts.button("Assign", assign, "assign", f"assign {name}", main=True)
+            parts.button("Move to the bin", discard, "discard", f"move {name} to the bin")
 
     def show_values(self) -> None:
         """The table of values, once it is opened."""
-        if self.values.default_slot.children:
-            return
-        with self.values:
-            try:
+        if not self.values.default_slot.children:
+            with parts.problems_in(self.values), self.values:
                 TrialTable(self.folder, self.renew)
-            except InputError as problem:
-                tell_problem(str(problem))
 
     def renew(self) -> None:
         """Check the campaign anew, once for all that changed in the meantime."""
@@ -181,32 +256,34 @@ class Presses:
         try:
             while seen != self.wanted:
                 seen = self.wanted
-                self.show(await run.io_bound(check_campaign, self.folder))
+                found = await run.io_bound(check_campaign, self.folder)
+                if found is not None:
+                    self.show(found)
         except InputError as problem:
             self.found.clear()
             with self.found:
-                tell_problem(str(problem))
+                parts.tell_problem(str(problem))
         finally:
             self.at_work = False
 
-    def show(self, found: Status) -> None:
+    def show(self, found: CampaignStatus) -> None:
         """How far the campaign is."""
         if found.pressed:
             self.change.clear()
         self.found.clear()
         with self.found:
-            command_line(["campaign", "check", self.campaign])
-            _state(found, self.state)
+            parts.command_line(["campaign", "check", self.campaign])
+            _show_status(found, self.state)
 
 
-def _state(found: Status, chosen: State) -> None:
+def _show_status(found: CampaignStatus, chosen: State) -> None:
     """How far a campaign is, in words."""
     done, left = len(found.pressed), len(found.missing)
     html(f'<p role="status"><b>{done} of {done + left} presses are there</b></p>')
     if found.missing:
         html(f"<p>To press: {escape(', '.join(found.missing[:6]))}{' …' if left > 6 else ''}</p>")
     if found.wrong:
-        table(["file", "looks wrong"], [[one["file"], one["message"]] for one in found.wrong], words=True)
+        parts.table(["file", "looks wrong"], [[one["file"], one["message"]] for one in found.wrong], words=True)
     for one in found.warnings:
         html(f'<p class="note">{escape(one["message"])}</p>')
     if done:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -13,86 +13,61 @@ from nicegui import ui
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project
 from dummydesign.project.status import things_in
-from dummydesign.studio import choices, made
-from dummydesign.studio.frame import (
-    Studio,
-    Work,
-    facts,
-    file_links,
-    html,
-    keep_state,
-    lay_out,
-    page_link,
-    shown_file,
-    table,
-    tell_problem,
-    tell_verdict,
-    warnings,
-    zip_link,
-)  # fmt: skip
-from dummydesign.studio.pages.dropping import drop_place
-from dummydesign.studio.presses import pads as pressed_pads
-from dummydesign.studio.presses.pads import PressedPad
-from dummydesign.studio.state import State
-from dummydesign.studio.work.commands import options
-from dummydesign.studio.work.inputs import changed_inputs, changed_since
-from dummydesign.studio.work.jobs import Job
+from dummydesign.studio import choices, made, parts, pressed_pads
+from dummydesign.studio.jobs import Job, changed_since, options
+from dummydesign.studio.manage import DropList
+from dummydesign.studio.page_frame import Studio, keep_state
+from dummydesign.studio.parts import html
+from dummydesign.studio.pressed_pads import PressedPad
+from dummydesign.studio.state import State, page_link
+from dummydesign.studio.work_panel import Work
 
 
-def build(studio: Studio, query: Mapping[str, str]) -> None:
+def show_cast_pad(studio: Studio, project: Project, state: State, query: Mapping[str, str]) -> None:
     """Build the page."""
-    lay_out(studio, "/cast", "Check a cast pad", query, lambda project, state: _body(studio, project, state))
-
-
-def _body(studio: Studio, project: Project, state: State) -> None:
     html("<p>Is the cast pad right? First its thickness and mass, then its presses against the tissue.</p>")
     html("<h2>What was cast</h2>")
     comparison: list[Comparison] = []
-    record_form(studio, state, lambda: [one.find_pads() for one in comparison])
+
+    def find_pads() -> None:
+        for one in comparison:
+            one.find_pads()
+
+    record_form(studio, state, find_pads)
     html("<h2>Its presses against the tissue</h2>")
-    comparison.append(Comparison(studio, project, state))
+    comparison.append(Comparison(studio, state))
 
 
 class Comparison:
     """Presses of one pad, the tissue, the calibration, and what the comparison says."""
 
-    def __init__(self, studio: Studio, project: Project, state: State) -> None:
-        self.studio, self.root, self.project, self.state = studio, studio.root, project, state
+    def __init__(self, studio: Studio, state: State) -> None:
+        self.studio, self.root, self.state = studio, studio.root, state
         self.pads: list[PressedPad] = []
-        words = ("Drop presses of the pad: CSV with time_s, displacement_mm, force_N. Bring files in another "
-                 "form in under Measured first.")  # fmt: skip
-        drop_place(self.take, lambda: self.find_pads(dropped=True), words, "cast")
-        tissues = choices.tissues(self.root)
-        tissues = tissues if state.tissue in tissues else {state.tissue: state.tissue, **tissues}
+        DropList(lambda name, content: f"{pressed_pads.keep_press(self.root, name, content)} was added.",
+                 lambda: self.find_pads(dropped=True), "Drop presses of the pad: CSV with time_s, displacement_mm, "
+                 "force_N. Bring files in another form in under Measured first.", "cast")  # fmt: skip
         self.pad = ui.select({}, label="Pad").props('data-test="pad"').style("width:100%")
-        self.files = ui.select([], multiple=True, label="Its presses").props('use-chips data-test="presses"')
-        self.files.style("width:100%")
+        self.files = parts.select_several("Its presses", {}, [], "presses")
         with ui.element("div").classes("fields"):
-            self.tissue = ui.select(tissues, value=state.tissue, label="Tissue").props('data-test="tissue"')
-            self.record = ui.select({"": "none"}, value="", label="Record of the cast pad").props('data-test="record"')
-        self.work = Work(studio, "compare", "Compare with the tissue", self.words, self.show, self.belongs)
-        self.model = ui.element("div").style("width:100%")
+            self.tissue = parts.select("Tissue", choices.tissues(self.root), state.tissue, "tissue")
+            self.record = parts.select("Record of the cast pad", {"": "none"}, "", "record")
+        self.work = Work(studio, "compare", "Compare with the tissue", self.words,
+                         lambda job: show_comparison(self.root, job.answer))  # fmt: skip
+        self.model = parts.area()
         with self.model:
             html("<h2>By the calibration</h2>")
-            found = {"": "none"} | {f"{one}/calibration.json": one for one in
-                                    choices.folders(self.root, "calibrations", "calibration.json")}  # fmt: skip
-            found = found if state.calibration in found else {state.calibration: state.calibration, **found}
-            self.calibration = ui.select(found, value=state.calibration, label="Calibration")
-            self.calibration.props('data-test="calibration"')
+            known = choices.calibrations(self.root)
+            self.calibration = parts.select("Calibration", known, state.calibration, "calibration", wide=False)
             self.replay = Work(studio, "replay", "Predict its presses and compare", self.replay_words, self.show_replay,
                                self.replay_belongs)  # fmt: skip
-        self.earlier = ui.element("div").style("width:100%")
+        self._list_earlier()
         self.find_pads()
         self.pad.on_value_change(self.new_pad)
         for field in (self.files, self.record):
-            field.on_value_change(self.work.renew_line)
+            field.on_value_change(self.work.renew)
         for field in (self.tissue, self.calibration):
             field.on_value_change(self.renew)
-        self._list_earlier()
-
-    def take(self, name: str, content: bytes) -> str:
-        """Keep a press that was dropped."""
-        return f"{pressed_pads.keep_press(self.root, name, content)} was added."
 
     def find_pads(self, dropped: bool = False) -> None:
         """Read which pads were pressed; the one that is chosen stays, unless presses were dropped."""
@@ -130,54 +105,40 @@ class Comparison:
 
     def renew_lines(self) -> None:
         """Write both commands anew."""
-        self.work.renew_line()
-        self.replay.renew_line()
+        self.work.renew()
+        self.replay.renew()
 
     def words(self) -> list[str]:
         """The comparison as a command."""
         pad = self.chosen()
         if pad is None or not self.files.value:
-            raise InputError("choose the presses of a pad, or drop them above")
+            raise InputError("choose the presses of a pad, or drop them above", "missing", "trace")
         stem = self.tissue.value.rpartition("/")[2].removesuffix(".toml")
         given = {"tissue": self.tissue.value, "lowpass": pad.lowpass, "record": self.record.value,
                  "punch": pad.punch, "out": f"designs/compare-{stem}"}  # fmt: skip
         return ["compare", *self.files.value, *options(given)]
 
-    def belongs(self, job: Job) -> bool:
-        """Whether a job compared these presses with this tissue."""
-        try:
-            return list(job.words) == self.words()
-        except InputError:
-            return False
-
-    def show(self, job: Job) -> None:
-        """What the comparison says."""
-        show_comparison(self.root, job.answer)
-
     def replay_words(self) -> list[str]:
         """The prediction as a command."""
         pad = self.chosen()
         if pad is None or not pad.campaign:
-            raise InputError("choose a pad of a campaign")
+            raise InputError("choose a pad of a campaign", "missing", "campaign")
         if not self.calibration.value:
-            raise InputError("choose a calibration: the model is then compared with the presses too")
+            message = "choose a calibration: the model is then compared with the presses too"
+            raise InputError(message, "missing", "calibration")
         return ["replay", pad.campaign, *options({"calibration": self.calibration.value, "tissue": self.tissue.value})]
 
-    def replay_belongs(self, job: Job) -> bool:
+    def replay_belongs(self, job: Job, words: list[str]) -> bool:
         """Whether a job predicted this campaign with this calibration."""
-        try:
-            same = list(job.words) == self.replay_words()
-        except InputError:
-            return False
-        return same and not changed_since([self.root / self.calibration.value], job.started)
+        return list(job.words) == words and not changed_since([self.root / self.calibration.value], job.started)
 
     def show_replay(self, job: Job) -> None:
         """What the calibration predicts, and each pad against the tissue."""
         answer, pad = job.answer, self.chosen()
         if "trials" not in answer or pad is None:
             return
-        facts([(f"{answer['rmse_N']:.3g} N", "error of the calibrated model (rms)"),
-               (f"{answer['base_rmse_N']:.3g} N", "error of the plain model (rms)")])  # fmt: skip
+        parts.facts([(f"{answer['rmse_N']:.3g} N", "error of the calibrated model (rms)"),
+                     (f"{answer['base_rmse_N']:.3g} N", "error of the plain model (rms)")])  # fmt: skip
         for one in answer.get("pads") or []:
             if pad.thickness_mm is None or abs(one["thickness_mm"] - pad.thickness_mm) > 1e-6:
                 continue
@@ -186,27 +147,25 @@ class Comparison:
             else:
                 html(f"<p>{escape(str(one.get('reason') or 'no verdict'))}</p>")
         names = {path.rpartition("/")[2] for path in pad.files}
-        rows = [[one["file"], one["rmse_N"], one["base_rmse_N"], one["peak_error_N"]]
-                for one in answer["trials"] if one["file"] in names]  # fmt: skip
-        table(["press", "calibrated, rms N", "plain model, rms N", "peak off by N"], rows)
-        warnings(answer)
+        keys = ("file", "rmse_N", "base_rmse_N", "peak_error_N")
+        rows = [[one[key] for key in keys] for one in answer["trials"] if one["file"] in names]
+        parts.table(["press", "calibrated, rms N", "plain model, rms N", "peak off by N"], rows)
+        parts.warnings(answer)
 
     def _list_earlier(self) -> None:
         """Comparisons in the folder, also those made on the terminal."""
         found = [one for one in things_in(self.root, "designs") if one.command == "compare"]
-        if not found:
-            return
-        with self.earlier:
+        if found:
             html("<h2>Comparisons in this project</h2>")
-            for one in reversed(found):
-                html(f"<p>{escape(choices.told(one))}</p>")
-                if (self.root / one.folder / "report.html").is_file():
-                    file_links([(f"report of {one.folder}", f"{one.folder}/report.html")])
+        for one in reversed(found):
+            html(f"<p>{escape(choices.file_line(one))}</p>")
+            if (self.root / one.folder / "report.html").is_file():
+                parts.file_links([(f"report of {one.folder}", f"{one.folder}/report.html")])
 
 
 def show_verdict(found: Mapping[str, Any]) -> None:
     """The verdict of an answer."""
-    tell_verdict(str(found["light"]), str(found["text"]), test="verdict")
+    parts.tell_verdict(str(found["light"]), str(found["text"]), test="verdict")
 
 
 def correction(found: Mapping[str, Any]) -> str:
@@ -226,8 +185,7 @@ def show_comparison(root: Path, answer: Mapping[str, Any]) -> None:
     if "verdict" not in answer or "force_variation_range" not in answer:
         return
     files = answer.get("files") or {}
-    for name in changed_inputs(root, root / str(files.get("manifest") or "")):
-        tell_problem(f"{name} has changed since this comparison. Compare again.")
+    parts.tell_changes(root, str(files.get("manifest") or ""), "Compare again.")
     show_verdict(answer["verdict"])
     html(f'<p data-test="correction">{escape(correction(answer["verdict"]))}</p>')
     if pad := answer.get("pad"):
@@ -236,33 +194,23 @@ def show_comparison(root: Path, answer: Mapping[str, Any]) -> None:
     head = ["press", "mm/s", "steady N", "depth mm", "peak N", "people from N", "people to N", "fraction in range"]
     keys = ("velocity_mm_s", "steady_force_N", "depth_mm", "peak_force_N", "range_peak_low_N", "range_peak_high_N",
             "inside_fraction")  # fmt: skip
-    table(head, [[Path(one["file"]).name, *(one[key] for key in keys)] for one in answer.get("by_trace", [])])
-    warnings(answer)
+    parts.table(head, [[Path(one["file"]).name, *(one[key] for key in keys)] for one in answer.get("by_trace", [])])
+    parts.warnings(answer)
     if files.get("report") and (root / files["report"]).is_file():
-        zip_link(Path(files["report"]).parent.as_posix())
-        shown_file(f"/files/{files['report']}", "report of the comparison")
+        parts.zip_link(Path(files["report"]).parent.as_posix())
+        parts.shown_file(f"/files/{files['report']}", "report of the comparison")
 
 
-def record_form(studio: Studio, state: State, then: Any) -> None:
-    """Fields for what was really cast, and the verdict of the record.
-
-    Parameters
-    ----------
-    studio : Studio
-    state : State
-        What is chosen: the mould of its pad comes first.
-    then : callable
-        Called when a record is shown.
-    """
+def record_form(studio: Studio, state: State, then: Callable[[], None]) -> None:
+    """Fields for what was really cast, and the verdict of the record."""
     root = studio.root
-    moulds = {one.folder: f"{one.folder}: {one.label}" for one in reversed(made.moulds(root))
-              if pressed_pads.gauge_points(root / one.folder)}  # fmt: skip
+    moulds = [one for one in reversed(made.moulds(root)) if pressed_pads.gauge_points(root / one.folder)]
     if not moulds:
         html(f'<p class="note">No mould in this project yet: {page_link("/mould", "make one")}.</p>')
         return
-    mine = [one.folder for one in made.moulds(root) if one.is_of(state) and one.folder in moulds]
-    chosen = ui.select(moulds, value=mine[-1] if mine else next(iter(moulds)), label="Mould it was cast in")
-    chosen.props('data-test="record-mould"').style("width:100%")
+    first = next((one for one in moulds if one.is_of(state)), moulds[0])
+    known = {one.folder: f"{one.folder}: {one.label}" for one in moulds}
+    chosen = parts.select("Mould it was cast in", known, first.folder, "record-mould")
     gauged: dict[str, ui.number] = {}
     points = ui.element("div").classes("fields")
     with ui.element("div").classes("fields"):
@@ -275,13 +223,12 @@ def record_form(studio: Studio, state: State, then: Any) -> None:
     def words() -> list[str]:
         empty = [name for name, field in gauged.items() if field.value is None]
         if empty:
-            raise InputError(f"thickness at {', '.join(empty)} is empty")
+            raise InputError(f"thickness at {', '.join(empty)} is empty", "missing", "thickness")
         if mass.value is None:
-            raise InputError("the mass of the trimmed pad is empty")
+            raise InputError("the mass of the trimmed pad is empty", "missing", "mass")
         readings = ",".join(f"{name}={field.value:g}" for name, field in gauged.items())
-        given = {"thickness": readings, "mass": float(mass.value), "modulus": _float(modulus.value),
-                 "level": _float(level.value), "bubbles": None if bubbles.value is None else int(bubbles.value),
-                 "note": note.value}  # fmt: skip
+        given = {"thickness": readings, "mass": float(mass.value), "modulus": modulus.value, "level": level.value,
+                 "bubbles": None if bubbles.value is None else int(bubbles.value), "note": note.value}  # fmt: skip
         return ["mold", "record", chosen.value, *options(given)]
 
     def show(job: Job) -> None:
@@ -293,8 +240,8 @@ def record_form(studio: Studio, state: State, then: Any) -> None:
         with kept:
             _records(root, chosen.value)
 
-    work = Work(studio, "record", "Keep this record", words, show, lambda job: job.words[2:3] == (chosen.value,),
-                lambda job: list_records())  # fmt: skip
+    work = Work(studio, "record", "Keep this record", words, show,
+                lambda job, words: job.words[2:3] == (chosen.value,), lambda job, mine: list_records())  # fmt: skip
     kept = ui.element("div").style("width:100%")
 
     def new_mould() -> None:
@@ -304,19 +251,15 @@ def record_form(studio: Studio, state: State, then: Any) -> None:
             for one in pressed_pads.gauge_points(root / chosen.value):
                 field = ui.number(f"Thickness, {one.name} [mm]", min=0, step=0.01)
                 field.props(f'data-test="gauge-{one.name}" hint="{one.low_mm:.2f} to {one.high_mm:.2f} mm"')
-                field.on_value_change(work.renew_line)
+                field.on_value_change(work.renew)
                 gauged[one.name] = field
         list_records()
-        work.renew_line()
+        work.renew()
 
     new_mould()
     chosen.on_value_change(new_mould)
     for field in (mass, modulus, level, bubbles, note):
-        field.on_value_change(work.renew_line)
-
-
-def _float(value: float | None) -> float | None:
-    return None if value is None else float(value)
+        field.on_value_change(work.renew)
 
 
 def _records(root: Path, folder: str) -> None:
@@ -330,7 +273,7 @@ def _records(root: Path, folder: str) -> None:
         except (OSError, ValueError, KeyError, TypeError):
             continue
     if rows:
-        table(["record", "thickness mm", "mass g", ""], rows, words=True)
+        parts.table(["record", "thickness mm", "mass g", ""], rows, words=True)
 
 
 def show_record(answer: Mapping[str, Any]) -> None:
@@ -350,4 +293,4 @@ def show_record(answer: Mapping[str, Any]) -> None:
          "missed" if one["missed"] else "kept", one["advice"] if one["missed"] else ""]
         for one in result["limits"]
     ]  # fmt: skip
-    table(["what", "value", "", "allowed", "", "what to do"], rows, words=True)
+    parts.table(["what", "value", "", "allowed", "", "what to do"], rows, words=True)

@@ -6,85 +6,71 @@ import asyncio
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from html import escape
 from typing import Any
 
 from nicegui import run, ui
 
 from dummydesign.core.errors import InputError
-from dummydesign.geometry.shapes import read_shape
-from dummydesign.geometry.standard import PUNCH
+from dummydesign.design.pad_evaluator import EvaluatedPad, NotTabulated, PadEvaluator
+from dummydesign.geometry.dimensions import PUNCH
+from dummydesign.geometry.pad_shape import PadShape
+from dummydesign.geometry.punch import read_punch
+from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.project.folder import Project
-from dummydesign.studio import bench, choices, figures
-from dummydesign.studio.frame import (
-    Studio,
-    command_line,
-    facts,
-    html,
-    keep_state,
-    lay_out,
-    open_page,
-    shown_file,
-    table,
-    tell_verdict,
-)  # fmt: skip
-from dummydesign.studio.lengths import lengths_of
+from dummydesign.studio import choices, figures, parts
+from dummydesign.studio import slider_model as sliders
+from dummydesign.studio.page_frame import Studio, keep_state, open_page
 from dummydesign.studio.pages import search
-from dummydesign.studio.slider import Slider
+from dummydesign.studio.parts import html
+from dummydesign.studio.slider_model import Slider
 from dummydesign.studio.state import State, absolute
-from dummydesign.studio.work import commands
 
 SETTLE_S = 0.35
 """After this time without a move the verdict counts what castings may turn out as. [s]"""
 WATCH_S = 2.0
 """How often the files behind the verdict are looked at. [s]"""
-LONGEST_RATIO_UNIT = 8
 
 
 @dataclass(frozen=True)
 class View:
-    """Everything that is drawn of one state: a pad with its plots, or why there is none."""
+    """Everything that is drawn of a pad that can be pressed."""
 
-    state: State
-    inputs: Any = None
-    shape: Any = None
-    pad: Any = None
-    plots: str = ""
-    presses: Sequence[Sequence[object]] = ()
-    problem: str = ""
+    evaluator: PadEvaluator
+    shape: PadShape
+    pad: EvaluatedPad
+    plots: str
+    presses: Sequence[Sequence[object]]
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """Why there is no pad of a state, and whether finite elements can solve it."""
+
+    problem: str
     solvable: bool = False
 
 
-def build(studio: Studio, query: Mapping[str, str]) -> None:
-    """Build the page."""
-
-    def body(project: Project, state: State) -> None:
-        Page(studio, project, state)
-
-    lay_out(studio, "/design", "Design", query, body)
-
-
-class Page:
+class DesignPage:
     """The page: one state, from which every control and every panel is drawn."""
 
-    def __init__(self, studio: Studio, project: Project, state: State) -> None:
-        self.studio, self.root, self.project, self.state = studio, studio.root, project, state
+    def __init__(self, studio: Studio, project: Project, state: State, query: Mapping[str, str]) -> None:
+        self.studio, self.root, self.state = studio, studio.root, state
         self.wanted = self.shown = 0
         self.busy = self.setting = False
         self.lengths: dict[str, Slider] = {}
         self.kind_of_lengths: tuple[str, float] = ("", 0.0)
-        self.verdict = ui.element("div").classes("sticky").props('role="status" aria-live="polite" data-test="verdict"')
+        self.verdict = parts.area("verdict", live=True).classes("sticky")
         html('<p><a href="#search">Find the best pad</a>, or move the sliders:</p>')
         with ui.element("div").classes("two"):
             with ui.element("div"):
                 self._controls()
             with ui.element("div"):
-                self.numbers = ui.element("div").props('data-test="numbers"')
-                self.plots = ui.html("", sanitize=False).props('data-test="plots"').style("width:100%")
-                self.solid = ui.element("div").style("width:100%").props('data-test="solid"')
-                self.solved = search.SolvedPad(studio, lambda: self.state, self.say_solved)
+                self.numbers = parts.area("numbers")
+                self.plots = html("").props('data-test="plots"').style("width:100%")
+                self.solid = parts.area("solid")
+                self.solved = search.SolvedPad(studio, lambda: self.state, self._say)
         html("<h2>This pad by the command line</h2>")
-        self.same = ui.element("div").style("width:100%").props('data-test="same"')
+        self.same = parts.area("same")
         html("<h2 id=search>Find the best pad</h2><p>Searches thickness, ratio and lengths, checks the best by finite "
              "elements and writes the report. The sliders then stand at it.</p>")  # fmt: skip
         self.search = search.Search(studio, project, lambda: self.state, self.take)
@@ -96,10 +82,8 @@ class Page:
 
     def _controls(self) -> None:
         """Build the controls, empty of what the state says."""
-        self.tissue = ui.select({}, label="Tissue").props('data-test="tissue"')
-        self.aim = ui.select({}, label="Aim")
-        self.resin = ui.select({}, label="Resin").props('data-test="resin"')
-        self.calibration = ui.select({}, label="Calibration").props('data-test="calibration"')
+        self.fields = {name: ui.select({}, label=name.capitalize()).props(f'data-test="{name}"')
+                       for name in ("tissue", "aim", "resin", "calibration")}  # fmt: skip
         self.punch = ui.input("Punch").props('data-test="punch"')
         kinds = {name: words for name, words in choices.shapes().items() if name != "auto"}
         self.kind = ui.select(kinds, label="Shape").props('data-test="kind"')
@@ -107,12 +91,10 @@ class Page:
         self.ratio = Slider("Ratio", "", self.state.ratio, self.state.ratio, 0.05, self.state.ratio, self.moved)
         self.length_box = ui.element("div").style("width:100%")
         self.shape = ui.input("Shape with its lengths").props('data-test="shape"')
-        for field in (self.tissue, self.aim, self.resin, self.calibration, self.punch, self.kind, self.shape):
+        for field in (*self.fields.values(), self.punch, self.kind, self.shape):
             field.style("width:100%")
-        self.tissue.on_value_change(lambda: self.choose(tissue=self.tissue.value))
-        self.aim.on_value_change(lambda: self.choose(aim=self.aim.value))
-        self.resin.on_value_change(lambda: self.choose(resin=self.resin.value))
-        self.calibration.on_value_change(lambda: self.choose(calibration=self.calibration.value))
+        for name, field in self.fields.items():
+            field.on_value_change(lambda event, name=name: self.choose(**{name: event.value}))
         self.punch.on("change", lambda: self.choose(punch=self.punch.value.strip() or PUNCH))
         self.shape.on("change", lambda: self.choose(shape=self.shape.value.strip() or "slab"))
         self.kind.on_value_change(self.begin_kind)
@@ -150,22 +132,17 @@ class Page:
 
     def begin_kind(self) -> None:
         """Begin a kind of shape with lengths that can be pressed at this thickness."""
-        kind = self.kind.value
-        if self.setting or kind == self.state.shape.partition(":")[0]:
-            return
-        self.choose(shape=self.first_shape(kind))
+        if not self.setting and self.kind.value != self.state.kind:
+            self.choose_kind(self.kind.value)
 
-    def first_shape(self, kind: str) -> str:
-        """The text of a shape of a kind that can be pressed, or the bare kind with its reason said later."""
-        state = self.state
+    def choose_kind(self, kind: str) -> None:
+        """Choose a shape of a kind that can be pressed at this thickness."""
         try:
-            asked = bench.Asked.of(state)
-            inputs = bench.inputs_of(self.root, asked, bench.stamp_of(self.root, asked))
-            near = bench.shape_of(state.shape) if state.shape.startswith(f"{kind}:") else None
-            return str(bench.first_pad(inputs, kind, state.thickness_mm, state.ratio, near))
+            shape = str(sliders.first_pad(self.root, self.state, kind))
         except InputError as problem:
             ui.notify(str(problem), type="warning", multi_line=True)
-            return state.shape
+        else:
+            self.choose(shape=shape)
 
     def take(self, state: State) -> None:
         """Show a state: every control and every panel."""
@@ -175,7 +152,7 @@ class Page:
             self._set_sliders(state)
         finally:
             self.setting = False
-        self.search.renew()
+        self.search.work.renew()
         self.evaluate()
 
     def _aims(self, tissue: str) -> dict[str, str]:
@@ -187,18 +164,16 @@ class Page:
     def _set_choices(self, state: State) -> None:
         """Offer what there is; what is chosen and not there is offered as missing, and nothing takes its place."""
 
-        def offer(field: ui.select, known: dict[str, str], value: str) -> None:
-            field.set_options(known if value in known else {value: f"{value} (missing)", **known}, value=value)
-
-        found = choices.folders(self.root, "calibrations", "calibration.json")
-        offer(self.tissue, choices.tissues(self.root), state.tissue)
-        offer(self.aim, self._aims(state.tissue), state.aim)
         resins = choices.resins()
-        own = {} if state.resin in resins or not (self.root / state.resin).is_file() else {state.resin: state.resin}
-        offer(self.resin, {**own, **resins}, state.resin)
-        offer(self.calibration, {"": "none"} | {f"{one}/calibration.json": one for one in reversed(found)},
-              state.calibration)  # fmt: skip
-        self.kind.set_value(state.shape.partition(":")[0].lower())
+        known = {
+            "tissue": choices.tissues(self.root), "aim": self._aims(state.tissue),
+            "resin": choices.offered(resins, state.resin) if (self.root / state.resin).is_file() else resins,
+            "calibration": choices.calibrations(self.root),
+        }  # fmt: skip
+        for name, offered in known.items():
+            value = getattr(state, name)
+            self.fields[name].set_options(choices.offered(offered, value, f"{value} (missing)"), value=value)
+        self.kind.set_value(state.kind)
         self.punch.set_value(state.punch)
         self.shape.set_value(state.shape)
 
@@ -221,11 +196,11 @@ class Page:
 
     def _set_lengths(self) -> None:
         """Sliders of the shape's lengths, with the ends that they have at this thickness."""
-        kind, state = self.state.shape.partition(":")[0].lower(), self.state
+        state = self.state
         try:
-            radius = bench.read_punch(state.punch).radius_mm
-            values = dict(bench.shape_of(state.shape).parameters)
-            lengths = lengths_of(kind, state.thickness_mm, radius)
+            radius_mm = read_punch(state.punch).radius_mm
+            values = dict(read_shape(state.shape).parameters)
+            lengths = sliders.lengths_of(state.kind, state.thickness_mm, radius_mm)
         except (InputError, AttributeError):
             values, lengths = {}, ()
         if set(self.lengths) != {one.name for one in lengths}:
@@ -240,7 +215,7 @@ class Page:
             slider.value = value
             # a length of the address may lie outside what the search tries: the ends make room for it
             slider.limit(min(one.low, value), max(one.high, value), one.step, one.unit)
-        self.kind_of_lengths = (kind, state.thickness_mm)
+        self.kind_of_lengths = (state.kind, state.thickness_mm)
 
     # What is drawn.
 
@@ -253,7 +228,7 @@ class Page:
 
     def files(self) -> object:
         """Times of the files behind what is chosen."""
-        return bench.stamp_of(self.root, bench.Asked.of(self.state))
+        return sliders.stamp_of(self.root, self.state)
 
     def watch(self) -> None:
         """A file was changed on the disk: the verdict is made anew."""
@@ -264,109 +239,91 @@ class Page:
         """Show the newest state until there is no newer one, then settle the verdict."""
         if self.busy or self.shown == self.wanted:
             return
-        self.busy, view = True, None
+        self.busy = True
         try:
             while self.shown != self.wanted:
-                self.shown = self.wanted
-                view = await run.io_bound(self.view_of, self.state)
+                self.shown, state = self.wanted, self.state
+                view = await run.io_bound(self.view_of, state)
                 if view is not None:
-                    self.draw(view)
+                    self.draw(state, view)
         finally:
             self.busy = False
         number = self.wanted
         await asyncio.sleep(SETTLE_S)
         if number == self.wanted and view is not None:
-            await self.settle(view, number)
+            await self.settle(state, view, number)
 
-    def view_of(self, state: State) -> View:
+    def view_of(self, state: State) -> View | Refusal:
         """Press the pad of a state and draw it, apart from the page."""
-        asked = bench.Asked.of(state)
-        try:
-            inputs = bench.inputs_of(self.root, asked, bench.stamp_of(self.root, asked))
-            shape = bench.shape_of(state.shape)
-            pad = bench.evaluate_pad(inputs, shape, state.thickness_mm, state.ratio)
-        except bench.NotTabulated as problem:
-            return View(state, problem=str(problem), solvable=not state.calibration)
-        except InputError as problem:
-            return View(state, problem=str(problem))
-        except Exception as problem:
-            return View(state, problem=f"this pad cannot be evaluated ({type(problem).__name__}: {problem})")
         from dummydesign.design.suggestion import condition_rows
 
-        targets = inputs.space.targets
+        try:
+            evaluator, shape = sliders.evaluator_of(self.root, state), read_shape(state.shape)
+            pad = evaluator.evaluate(shape, state.thickness_mm, state.ratio)
+        except NotTabulated as problem:
+            return Refusal(str(problem), solvable=not state.calibration)
+        except InputError as problem:
+            return Refusal(str(problem))
+        except Exception as problem:
+            return Refusal(f"this pad cannot be evaluated ({type(problem).__name__}: {problem})")
+        inputs, targets = evaluator.inputs, evaluator.inputs.space.targets
         large = figures.plots_html([figures.steady(inputs.tissue, targets, pad),
                                     figures.section(shape, state.thickness_mm, inputs.punch)])  # fmt: skip
         small = figures.plots_html(figures.presses(targets, pad), small=True)
         rows = search.press_rows(condition_rows(pad.candidate, targets, shape))
-        return View(state, inputs, shape, pad, large + small, rows)
+        return View(evaluator, shape, pad, large + small, rows)
 
-    def draw(self, view: View) -> None:
+    def draw(self, state: State, view: View | Refusal) -> None:
         """Draw a pad, or why there is none: what belongs to another pad goes."""
-        self.numbers.clear()
-        self.solid.clear()
-        self.same.clear()
+        for place in (self.numbers, self.solid, self.same):
+            place.clear()
         self.solved.hide()
-        if view.problem:
+        if isinstance(view, Refusal):
             self.plots.set_content("")
-            self._say(view.state, "amber" if view.solvable else "red", view.problem, "refused")
+            self._say(state, "amber" if view.solvable else "red", view.problem, "refused")
             return
         self.plots.set_content(view.plots)
-        self._say(view.state, view.pad.verdict.light, view.pad.verdict.text, "")
-        resin = view.inputs.space.resin
-        young = 1e3 * float(resin.young_MPa(view.state.ratio))
+        self._say(state, view.pad.verdict.light, view.pad.verdict.text, "")
+        resin = view.evaluator.inputs.space.resin
+        young = 1e3 * float(resin.young_MPa(state.ratio))
         with self.numbers:
-            facts([(f"{young:.3g} kPa", "modulus"), (f"{view.state.thickness_mm:g} mm", "thickness"),
-                   (f"{view.state.ratio:g}", resin.ratio_meaning)])  # fmt: skip
-            table(search.PRESS_HEAD, view.presses)
+            parts.facts([(f"{young:.3g} kPa", "modulus"), (f"{state.thickness_mm:g} mm", "thickness"),
+                         (f"{state.ratio:g}", resin.ratio_meaning)])  # fmt: skip
+            parts.table(search.PRESS_HEAD, view.presses)
 
-    async def settle(self, view: View, number: int) -> None:
+    async def settle(self, state: State, view: View | Refusal, number: int) -> None:
         """After the last move: castings in the verdict, solid, command line, address, ends of the lengths."""
-        keep_state(view.state)
-        if (view.state.shape.partition(":")[0].lower(), view.state.thickness_mm) != self.kind_of_lengths:
+        keep_state(state)
+        if (state.kind, state.thickness_mm) != self.kind_of_lengths:
             self._set_lengths()
         with self.same:
-            try:
-                command_line(self.pad_words())
-            except InputError as problem:
-                html(f'<p class="note">{escape(str(problem))}</p>')
-        if view.problem:
-            self._offer(view)
+            parts.command_lines(lambda: [self.pad_words()])
+        if isinstance(view, Refusal):
+            with self.numbers:
+                if state.kind != "slab":
+                    parts.button("Use lengths that fit", lambda: self.choose_kind(state.kind), "fit-lengths")
+            if view.solvable:
+                self.solved.offer()
             return
-        verdict = await run.io_bound(bench.verdict_with_castings, view.inputs, view.shape, view.pad)
+        verdict = await run.io_bound(view.evaluator.with_castings, view.pad, view.shape)
         if number != self.wanted or verdict is None:
             return
-        self._say(view.state, verdict.light, verdict.text, "settled")
+        self._say(state, verdict.light, verdict.text, "settled")
         with self.solid:
-            asked = {"shape": view.state.shape, "thickness": f"{view.state.thickness_mm:g}"}
-            shown_file("/solid/pad", f"solid of {asked['shape']}, {asked['thickness']} mm", "shown solid", **asked)
-
-    def _offer(self, view: View) -> None:
-        """What can be done about a pad that is refused."""
-        kind = view.state.shape.partition(":")[0].lower()
-        with self.numbers:
-            if kind != "slab":
-                ui.button("Use lengths that fit", on_click=lambda: self.choose(shape=self.first_shape(kind)),
-                          color=None).props('outline data-test="fit-lengths"')  # fmt: skip
-        if view.solvable:
-            self.solved.offer()
-
-    def say_solved(self, verdict: Mapping[str, Any]) -> None:
-        """The verdict of the pad that was solved."""
-        self._say(self.state, verdict["light"], verdict["text"], "solved")
+            pad = {"shape": state.shape, "thickness": f"{state.thickness_mm:g}"}
+            parts.shown_file("/solid/pad", f"solid of {pad['shape']}, {pad['thickness']} mm", "shown solid", **pad)
 
     def _say(self, state: State, light: str, text: str, stage: str) -> None:
-        note = "" if stage else "(castings are being counted …)"
         self.verdict.clear()
         with self.verdict:
-            tell_verdict(light, text, stage, note, state.label)
+            parts.tell_verdict(light, text, stage, "" if stage else "(castings are being counted …)", state.label)
 
     def pad_words(self) -> list[str]:
         """The pad under the sliders as a command: a search whose limits are this pad."""
-        state, t, r = self.state, f"{self.state.thickness_mm:g}", f"{self.state.ratio:g}"
-        pad = {**search.question_options(state), "shape": state.shape}
-        if abs(2.0 * state.thickness_mm - round(2.0 * state.thickness_mm)) > 1e-9:
-            if state.calibration:
-                raise InputError("with a calibration the command line takes steps of 0.5 mm: choose such a thickness")
-            return ["predict", *commands.options({**pad, "thickness": t, "ratio": r})]
-        given = {**pad, "thickness": f"{t}:{t}", "ratio": f"{r}:{r}"}
-        return commands.suggest(given, f"pad-{t}mm-{r}")
+        state = self.state
+        if abs(2.0 * state.thickness_mm - round(2.0 * state.thickness_mm)) < 1e-9:
+            return search.suggest_words(state)
+        if state.calibration:
+            message = "with a calibration the command line takes steps of 0.5 mm: choose such a thickness"
+            raise InputError(message, "unsupported", "thickness_mm", state.thickness_mm)
+        return search.predict_words(state)

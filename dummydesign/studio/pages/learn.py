@@ -11,63 +11,43 @@ from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project
-from dummydesign.studio import choices, figures, made
-from dummydesign.studio.frame import (
-    Studio,
-    Work,
-    facts,
-    file_links,
-    html,
-    keep_state,
-    lay_out,
-    open_page,
-    page_link,
-    shown_file,
-    state_link,
-    table,
-    warnings,
-    zip_link,
-)  # fmt: skip
+from dummydesign.studio import choices, figures, made, parts
+from dummydesign.studio.jobs import Job, options
 from dummydesign.studio.manage import manage, undo_bar
-from dummydesign.studio.state import State
-from dummydesign.studio.work.commands import options
-from dummydesign.studio.work.jobs import Job
+from dummydesign.studio.page_frame import Studio, keep_state, open_page
+from dummydesign.studio.parts import html
+from dummydesign.studio.state import State, page_link, state_link
+from dummydesign.studio.work_panel import Work
+
+INTERVAL = ("value", "low", "high")
 
 
-def build(studio: Studio, query: Mapping[str, str]) -> None:
+def show_learning(studio: Studio, project: Project, state: State, query: Mapping[str, str]) -> None:
     """Build the page."""
-    lay_out(studio, "/learn", "Learn", query, lambda project, state: _body(studio, project, state))
-
-
-def _body(studio: Studio, project: Project, state: State) -> None:
     html("<p>The model against a pressed campaign: what it lacks, how large that is, and what to measure next.</p>")
     undo_bar(studio)
-    if not choices.folders(studio.root, "campaigns", "campaign.toml"):
+    known = choices.campaigns(studio.root)
+    if known:
+        Learning(studio, state, known)
+    else:
         html(f'<p class="note">No campaign yet: {page_link("/campaign", "plan one")}.</p>')
-        return
-    LearnPage(studio, state)
 
 
-class LearnPage:
+class Learning:
     """The page of one visitor: a campaign, and what was learned from it."""
 
-    def __init__(self, studio: Studio, state: State) -> None:
+    def __init__(self, studio: Studio, state: State, known: Mapping[str, str]) -> None:
         self.studio, self.root, self.state = studio, studio.root, state
         self.shown = ""
-        known = choices.folders(self.root, "campaigns", "campaign.toml")
-        start = state.campaign
-        known = known if start in known else [start, *known]
-        priors = {"": "none"} | {f"{one}/calibration.json": one for one in
-                                 choices.folders(self.root, "calibrations", "calibration.json")}  # fmt: skip
         with ui.element("div").classes("fields"):
-            self.campaign = ui.select(known, value=start, label="Campaign").props('data-test="campaign"')
-            self.prior = ui.select(priors, value="", label="Earlier calibration of the same material")
+            self.campaign = parts.select("Campaign", known, state.campaign, "campaign")
+            self.prior = parts.select("Earlier calibration of the same material", choices.calibrations(self.root), "")
         self.work = Work(studio, "loop", "Learn from it", self.words, self.show, self.belongs,
-                         lambda job: self.list_calibrations())  # fmt: skip
-        self.others = ui.element("div").style("width:100%")
+                         lambda job, mine: self.list_calibrations())  # fmt: skip
+        self.others = parts.area()
         html("<h2 id=next>The next measurement</h2><p>Plans the presses that tell most, as a new campaign.</p>")
         self.next = Work(studio, "next", "Plan the next measurement", self.next_words, self.show_plan,
-                         self.next_belongs, lambda job: self.list_calibrations())  # fmt: skip
+                         self.next_belongs, lambda job, mine: self.list_calibrations())  # fmt: skip
         self.campaign.on_value_change(self.renew)
         self.prior.on_value_change(self.renew_lines)
         self.list_calibrations()
@@ -75,7 +55,7 @@ class LearnPage:
     def words(self) -> list[str]:
         """The loop as a command."""
         if not self.campaign.value:
-            raise InputError("choose a campaign")
+            raise InputError("choose a campaign", "missing", "campaign")
         name = self.campaign.value.partition("/")[2]
         prior = options({"prior": self.prior.value})
         return ["loop", self.campaign.value, *prior, "--out", f"calibrations/loop-{name}"]
@@ -90,12 +70,12 @@ class LearnPage:
                    for one in made.calibrations(self.root, self.campaign.value))  # fmt: skip
         return [*words, "--plan", plan, *(["--replace"] if same else [])]
 
-    def belongs(self, job: Job) -> bool:
+    def belongs(self, job: Job, words: list[str]) -> bool:
         """Whether a job learned from the campaign that is chosen, and its calibration is still there."""
         file = str(job.answer.get("calibration_file") or "")
         return job.words[1:2] == (self.campaign.value,) and (not file or (self.root / file).is_file())
 
-    def next_belongs(self, job: Job) -> bool:
+    def next_belongs(self, job: Job, words: list[str]) -> bool:
         """Whether a job planned what to press after the campaign that is chosen, and the plan is still there."""
         plan = _plan_folder(job.answer)
         return job.words[1:2] == (self.campaign.value,) and (not plan or (self.root / plan).is_dir())
@@ -109,8 +89,8 @@ class LearnPage:
 
     def renew_lines(self) -> None:
         """Write both commands anew."""
-        self.work.renew_line()
-        self.next.renew_line()
+        self.work.renew()
+        self.next.renew()
 
     def chosen(self) -> State:
         """The state with the campaign that is chosen."""
@@ -128,16 +108,13 @@ class LearnPage:
         html(f'<p class="note next" data-test="verdict"><b>{escape(first)}</b></p>')
         html("".join(f"<p>{escape(text)}</p>" for text in more))
         errors = answer["after"]["error"]
-        facts([(f"{errors['heldout_rmse_N']:.3g} N", "error on presses that were left out (rms)"),
-               (f"{errors['noise_floor_N']:.3g} N", "noise of the measurement (rms)")])  # fmt: skip
-        rows = [
-            [effect["name"].replace("_", " "), made.plain_parameter(name), made.unit_of(name), value["value"],
-             value["low"], value["high"]]
-            for effect in answer["effects"] for name, value in effect["parameters"].items()
-        ]  # fmt: skip
+        parts.facts([(f"{errors['heldout_rmse_N']:.3g} N", "error on presses that were left out (rms)"),
+                     (f"{errors['noise_floor_N']:.3g} N", "noise of the measurement (rms)")])  # fmt: skip
+        rows = [[effect["name"].replace("_", " "), *made.name_and_unit(name), *(value[key] for key in INTERVAL)]
+                for effect in answer["effects"] for name, value in effect["parameters"].items()]  # fmt: skip
         if rows:
-            table(["effect", "parameter", "unit", "value", "95 % low", "95 % high"], rows)
-        warnings(answer)
+            parts.table(["effect", "parameter", "unit", "value", "95 % low", "95 % high"], rows)
+        parts.warnings(answer)
         self._again(answer["calibration_file"])
         html('<p><a href="#next">Plan the next measurement</a></p>')
         _curves(self.root, folder)
@@ -173,8 +150,8 @@ class LearnPage:
                     _curves(self.root, one.folder)
                     newest = False
                 else:
-                    zip_link(one.folder)
-                    file_links([("the whole report", f"{one.folder}/report.html")])
+                    parts.zip_link(one.folder)
+                    parts.file_links([("the whole report", f"{one.folder}/report.html")])
 
     def _moved(self, old: str, new: str) -> None:
         """A calibration was renamed, deleted or brought back."""
@@ -199,7 +176,7 @@ def _plan_folder(answer: Mapping[str, Any]) -> str:
 
 def _curves(root: Path, folder: str) -> None:
     """Measured over predicted force of each press; the report where the folder does not have the curves."""
-    zip_link(folder)
+    parts.zip_link(folder)
     report = f"{folder}/report.html"
     there = (root / report).is_file()
     presses = sorted((root / folder).glob("report-press-*.csv"))
@@ -210,7 +187,7 @@ def _curves(root: Path, folder: str) -> None:
         plots = []
     if plots:
         if there:
-            file_links([("the whole report", report)])
+            parts.file_links([("the whole report", report)])
         html(f'<div data-test="curves">{figures.plots_html(plots, small=True)}</div>')
     elif there:
-        shown_file(f"/files/{report}", "report of the loop")
+        parts.shown_file(f"/files/{report}", "report of the loop")

@@ -2,35 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from html import escape
 from pathlib import Path
 
-from nicegui import events, ui
+from nicegui import ui
 
 from dummydesign.core.errors import InputError
-from dummydesign.project.folder import FILE
+from dummydesign.project.folder import Project
 from dummydesign.project.status import TEXTS
-from dummydesign.studio import uploads
-from dummydesign.studio.frame import (
-    Studio,
-    Work,
-    html,
-    keep_state,
-    lay_out,
-    page_link,
-    shown_file,
-    table,
-    tell_problem,
-    warnings,
-)  # fmt: skip
-from dummydesign.studio.manage import drop_zone, manage, undo_bar
-from dummydesign.studio.server import files, guard
-from dummydesign.studio.state import State
-from dummydesign.studio.work import jobs
-from dummydesign.studio.work.commands import options
-from dummydesign.studio.work.inputs import changed_inputs
-from dummydesign.studio.work.jobs import Job
+from dummydesign.studio import jobs, parts
+from dummydesign.studio import project_files as bin
+from dummydesign.studio.access import LARGEST_BYTES
+from dummydesign.studio.jobs import Job, options
+from dummydesign.studio.manage import DropList, manage, undo_bar
+from dummydesign.studio.page_frame import Studio, keep_state
+from dummydesign.studio.parts import html
+from dummydesign.studio.state import State, page_link
+from dummydesign.studio.work_panel import Work
 
 OPEN = {
     "columns": "columns, as time=NAME,displacement=NAME,force=NAME",
@@ -44,32 +33,25 @@ SEPARATOR = "\n"
 """Between names in the address; no file name has one."""
 
 
-def build(studio: Studio, query: Mapping[str, str]) -> None:
-    """Build the page."""
-    lay_out(studio, "/measured", "Measured files", query,
-            lambda project, state: _Measured(studio, state, query.get("files")).build())  # fmt: skip
-
-
-class _Measured:
+class MeasuredPage:
     """The page: which files are chosen, and what was read from them."""
 
-    def __init__(self, studio: Studio, state: State, asked: str | None) -> None:
-        self._studio, self._state, self._folder = studio, state, studio.root / "measured"
-        self._asked = asked.split(SEPARATOR) if asked else _last_read(studio.root)
-        self._missing = [name for name in self._asked if asked and name not in self._names()]
+    def __init__(self, studio: Studio, project: Project, state: State, query: Mapping[str, str]) -> None:
+        self._studio, self._root, self._state = studio, studio.root, state
+        self._folder = studio.root / "measured"
         self._let_go: set[str] = set()
-
-    def build(self) -> None:
+        wanted = query.get("files")
+        chosen = wanted.split(SEPARATOR) if wanted else _last_read(studio.root)
         html(
             "<p>Files of your test machine: text with columns of time, displacement and force, or .xlsx. "
-            f"They are copied into <code>measured/</code>, up to {guard.LARGEST_BYTES // 2**20} MB each.</p>"
+            f"They are copied into <code>measured/</code>, up to {LARGEST_BYTES // 2**20} MB each.</p>"
         )
-        for name in self._missing:
-            tell_problem(f"'{name}' is not in measured/ (any more). Choose another file, or bring it back.")
-        said = ui.element("div")
-        uploader(self._folder, said, self._add)
-        self._chosen = ui.select([], multiple=True, label="Files to read").props('use-chips data-test="files"')
-        self._chosen.style("width:100%")
+        for name in chosen:
+            if wanted and name not in self._names():
+                parts.tell_problem(f"'{name}' is not in measured/ (any more). Choose another file, or bring it back.")
+        self._bar = undo_bar(studio)
+        self._drop = DropList(self._take, lambda: None, test="measured")
+        self._chosen = parts.select_several("Files to read", {}, [], "files")
         self._fields: dict[str, ui.input] = {}
         with ui.expansion("What the file leaves open (only when asked)").style("width:100%"):
             with ui.element("div").classes("fields"):
@@ -77,14 +59,42 @@ class _Measured:
                     self._fields[name] = ui.input(words).props(f'data-test="open-{name}"')
         self._change = ui.expansion("Rename, replace or delete files").props('data-test="change-files"')
         self._change.style("width:100%").on_value_change(self._list_files)
-        self._work = Work(self._studio, "import", "Read the files", self._words, self._show, self._belongs,
-                          lambda job: self._list_imports())  # fmt: skip
-        self._choose(self._asked)
+        self._work = Work(studio, "import", "Read the files", self._words, self._show, self._belongs,
+                          lambda job, mine: self._list_imports())  # fmt: skip
+        self._choose(chosen)
         for field in (self._chosen, *self._fields.values()):
             field.on_value_change(self._renew)
         self._imports = ui.element("section").props('data-test="imports"').style("width:100%")
         self._list_imports()
         html(f'<p class="note">A puck of resin was pressed: {page_link("/resin", "find its modulus", "resin")}.</p>')
+
+    def _take(self, name: str, content: bytes) -> str:
+        """Store a file that was dropped and choose it; one that differs from an earlier one may replace it."""
+        stored = bin.store(self._root, self._folder, name, content)
+        if stored.outcome == "numbered":
+            self._offer_swap(stored)
+        self._add(stored.name)
+        return "" if stored.outcome == "numbered" else stored.text
+
+    def _offer_swap(self, stored: bin.Stored) -> None:
+        def swap() -> None:
+            with parts.problems_in(problem):
+                done = bin.take_place(self._root, self._folder, stored.name, stored.sent)
+                row.delete()
+                self._drop.tell(done.text)
+                if done.gone is not None:
+                    self._bar.offer(done.gone, self._came_back)
+                self._bar.run(lambda: self._add(done.name))
+
+        with self._drop.listed:
+            problem = ui.element("div")
+            with ui.element("div").classes("note thing") as row:
+                html(f'<span role="status">{escape(stored.text)}</span>')
+                parts.button(f"Replace the earlier {stored.sent}", swap, "replace-earlier").props("dense")
+
+    def _came_back(self, old: str, new: str) -> None:
+        self._drop.listed.clear()
+        self._add(Path(new).name)
 
     def _names(self) -> list[str]:
         found = (path for path in self._folder.glob("*.*") if path.suffix.lower() in TEXTS and path.is_file())
@@ -94,7 +104,7 @@ class _Measured:
         found = self._names()
         self._chosen.set_options(found, value=[name for name in names if name in found])
         self._chosen.set_enabled(bool(found))
-        self._work.renew_line()
+        self._work.renew()
 
     def _add(self, name: str) -> None:
         """Choose a file that came in; one that is gone is let go."""
@@ -104,22 +114,20 @@ class _Measured:
 
     def _renew(self) -> None:
         keep_state(self._state, files=SEPARATOR.join(self._chosen.value or []))
-        self._work.renew_line()
+        self._work.renew()
 
     def _words(self) -> list[str]:
         if not self._chosen.value:
-            raise InputError("Choose a file to read.")
+            raise InputError("Choose a file to read.", "missing", "file")
         names = list(self._chosen.value)
         stem = names[0].rpartition(".")[0] if len(names) == 1 else "all"
         given = options({name: field.value for name, field in self._fields.items()})
         return ["import", *(f"measured/{name}" for name in names), *given, "--out", f"measured/import-{stem}"]
 
-    def _belongs(self, job: Job) -> bool:
+    def _belongs(self, job: Job, words: list[str]) -> bool:
         """Whether a job read the chosen files, and its presses are still there."""
-        asked = {f"measured/{name}" for name in self._chosen.value or []}
-        if set(_sources(job)) != asked:
-            return False
-        return not job.answer.get("files") or (self._studio.root / _out(job)).is_dir()
+        same = set(_sources(job)) == {f"measured/{name}" for name in self._chosen.value or []}
+        return same and (not job.answer.get("files") or (self._root / _out(job)).is_dir())
 
     def _list_files(self) -> None:
         self._change.clear()
@@ -169,29 +177,25 @@ class _Measured:
             manage(self._studio, inner, "import", lambda old, new: self._list_imports())
             if (path / "preview.html").is_file():
                 with ui.element("div").style("width:100%"):
-                    shown_file(f"/files/{inner}/preview.html", f"presses of {path.name}")
+                    parts.shown_file(f"/files/{inner}/preview.html", f"presses of {path.name}")
 
     def _show(self, job: Job) -> None:
         answer = job.answer
         if not isinstance(answer.get("files"), list):
             return
-        out = _out(job)
         html(f"<p><b>{escape(', '.join(Path(one['source']).name for one in answer['files']))}</b></p>")
-        for name in changed_inputs(self._studio.root, self._studio.root / out / "manifest.json"):
-            tell_problem(f"{Path(name).name} has changed since it was read. Read the files again.")
-        warnings(answer)
-        if answer.get("preview") and (self._studio.root / answer["preview"]).is_file():
-            shown_file(f"/files/{answer['preview']}", "preview of the presses")
+        parts.tell_changes(self._root, f"{_out(job)}/manifest.json", "Read the files again.")
+        parts.warnings(answer)
+        if answer.get("preview") and (self._root / answer["preview"]).is_file():
+            parts.shown_file(f"/files/{answer['preview']}", "preview of the presses")
+        keys = ("file", "samples", "velocity_mm_s", "hold_s", "depth_mm", "peak_force_N", "steady_force_N")
         for one in answer["files"]:
             html(f"<h2>{escape(one['source'].rpartition('/')[2])}</h2>")
-            rows = [
-                [t["file"], t["samples"], t["velocity_mm_s"], t["hold_s"], t["depth_mm"], t["peak_force_N"],
-                 t["steady_force_N"]] for t in one["traces"]
-            ]  # fmt: skip
-            table(["press", "samples", "mm/s", "hold s", "depth mm", "peak N", "steady N"], rows)
-            rows = [[d["what"], str(d["value"]), d["why"]] for d in one["decisions"]]
+            parts.table(["press", "samples", "mm/s", "hold s", "depth mm", "peak N", "steady N"],
+                        [[trace[key] for key in keys] for trace in one["traces"]])  # fmt: skip
+            rows = [[made["what"], str(made["value"]), made["why"]] for made in one["decisions"]]
             under = f"how {len(rows)} things were decided, and why"
-            table(["decided", "value", "because"], rows, words=True, under=under)
+            parts.table(["decided", "value", "because"], rows, words=True, under=under)
         html(f'<p class="note">Next: {page_link("/tissue", "fit a tissue to these presses")}</p>')
 
 
@@ -210,73 +214,3 @@ def _last_read(root: Path) -> list[str]:
     """Files of the newest import, when nothing else was chosen."""
     job = jobs.latest(root, "import")
     return [Path(name).name for name in _sources(job)] if job is not None else []
-
-
-def uploader(
-    folder: Path, said: ui.element, then: Callable[[str], None], check: Callable[[str], None] | None = None,
-    replace: bool = False,
-) -> None:  # fmt: skip
-    """A place to drop files, which go into a folder of the project; what became of each is said, in one list a drop.
-
-    Parameters
-    ----------
-    folder : Path
-        Where they go.
-    said : element
-        Where it is said what was taken or refused.
-    then : callable
-        Called with the name of each file that was taken, also of one whose content is there already.
-    check : callable, optional
-        Raises InputError for a name that is not wanted.
-    replace : bool
-        Whether a file takes the place of another of its name, which goes to the bin. Otherwise it gets a number, and
-        a button offers to replace the earlier one.
-    """
-    root = next(place for place in (folder, *folder.parents) if (place / FILE).is_file())
-    bar = undo_bar(Studio(root))
-
-    def note(text: str, problem: bool = False) -> None:
-        with said:
-            tell_problem(text) if problem else html(f'<p class="note" role="status">{escape(text)}</p>')
-
-    def back(old: str, new: str) -> None:
-        said.clear()
-        then(Path(new).name)
-
-    async def took(event: events.UploadEventArguments) -> None:
-        name = event.file.name
-        try:
-            files.plain_name(name)
-            if check is not None:
-                check(name)
-            stored = uploads.store(root, folder, name, await event.file.read(), replace)
-        except InputError as problem:
-            note(f"{name} was refused: {problem}", problem=True)
-            return
-        if stored.outcome == "numbered":
-            ask(stored)
-        else:
-            note(stored.text)
-        if stored.gone is not None:
-            bar.offer(stored.gone, back)
-        then(stored.name)
-
-    def ask(stored: uploads.Stored) -> None:
-        with said, ui.element("div").classes("note thing") as row:
-            html(f'<span role="status">{escape(stored.text)}</span>')
-            button = ui.button(f"Replace the earlier {stored.sent}", color=None, on_click=lambda: swap(stored, row))
-            button.props('outline dense data-test="replace-earlier"')
-
-    def swap(stored: uploads.Stored, row: ui.element) -> None:
-        try:
-            done = uploads.take_place(root, folder, stored.name, stored.sent)
-        except InputError as problem:
-            note(str(problem), problem=True)
-            return
-        row.delete()
-        note(done.text)
-        if done.gone is not None:
-            bar.offer(done.gone, back)
-        bar.run(lambda: then(done.name))
-
-    drop_zone(took, lambda name, why: note(f"{name} was refused: it {why}", problem=True), "choose", said.clear)

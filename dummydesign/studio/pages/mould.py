@@ -12,82 +12,59 @@ from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project
-from dummydesign.studio import choices, made
-from dummydesign.studio.frame import (
-    Studio,
-    Work,
-    facts,
-    file_links,
-    html,
-    keep_state,
-    lay_out,
-    open_page,
-    page_link,
-    shown_file,
-    state_link,
-    table,
-    warnings,
-    zip_link,
-)  # fmt: skip
+from dummydesign.studio import choices, made, parts
+from dummydesign.studio.jobs import Job, holds_answer, options
 from dummydesign.studio.manage import manage, undo_bar
-from dummydesign.studio.state import State, design_state, design_summary
-from dummydesign.studio.work.commands import options
-from dummydesign.studio.work.inputs import holds_answer
-from dummydesign.studio.work.jobs import Job
+from dummydesign.studio.page_frame import Studio, keep_state, open_page
+from dummydesign.studio.parts import html
+from dummydesign.studio.state import State, design_state, design_summary, page_link, state_link
+from dummydesign.studio.work_panel import Work
 
 OUTLINE_MM = (150.0, 120.0)
-
-
-def build(studio: Studio, query: Mapping[str, str]) -> None:
-    """Build the page."""
-    lay_out(studio, "/mould", "Mould", query, lambda project, state: MouldPage(studio, project, state))
 
 
 class MouldPage:
     """The page of one visitor: the pad that is chosen, its moulds, and the others of the project."""
 
-    def __init__(self, studio: Studio, project: Project, state: State) -> None:
+    def __init__(self, studio: Studio, project: Project, state: State, query: Mapping[str, str]) -> None:
         self.studio, self.root, self.state = studio, studio.root, state
         self.shown = ""
         undo_bar(studio)
-        self.source = ui.element("div").style("width:100%")
+        self.source = parts.area()
         mine = [one for one in made.moulds(self.root) if one.is_of(state)]
         length_mm, width_mm = (mine[-1].length_mm, mine[-1].width_mm) if mine else OUTLINE_MM
-        resins = choices.resins()
-        resins = resins if state.resin in resins else {state.resin: state.resin, **resins}
+        preset = mine[-1].preset if mine and mine[-1].preset in made.PRESETS else "open"
         with ui.element("div").classes("fields"):
             self.thickness = ui.number("Thickness [mm]", value=state.thickness_mm, min=3, max=30, step=0.5)
             self.length = ui.number("Length [mm]", value=length_mm, min=20, max=300, step=5)
             self.width = ui.number("Width [mm]", value=width_mm, min=20, max=300, step=5)
             self.shape = ui.input("Shape", value=state.shape)
             self.ratio = ui.number("Ratio", value=state.ratio, step=0.1)
-            self.resin = ui.select(resins, value=state.resin, label="Resin")
-            preset = mine[-1].preset if mine and mine[-1].preset in made.PRESETS else "open"
-            self.preset = ui.select(list(made.PRESETS), value=preset, label="Kind of mould")
-            self.preset.props('data-test="preset"')
+            self.resin = parts.select("Resin", choices.resins(), state.resin)
+            self.preset = parts.select("Kind of mould", {name: name for name in made.PRESETS}, preset, "preset")
         self.thickness.props('data-test="thickness"')
         self.kind = html("")
         self.work = Work(studio, "mould", "Make the mould", self.words, self.show, self.belongs,
-                         lambda job: self.list_moulds())  # fmt: skip
-        self.others = ui.element("div").style("width:100%")
+                         lambda job, mine: self.list_moulds())  # fmt: skip
+        self.others = parts.area()
         for field in (self.thickness, self.length, self.width, self.shape, self.ratio, self.resin, self.preset):
             field.on_value_change(self.renew)
-        self.say()
+        self.show_pad()
 
     def words(self) -> list[str]:
         """The mould as a command."""
-        fields = (("thickness", self.thickness), ("length", self.length), ("width", self.width), ("ratio", self.ratio))
-        for name, field in fields:
-            if field.value is None:
-                raise InputError(f"{name} is empty")
+        size = {"thickness": self.thickness.value, "length": self.length.value, "width": self.width.value,
+                "ratio": self.ratio.value}  # fmt: skip
+        for name, value in size.items():
+            if value is None:
+                raise InputError(f"{name} is empty", "missing", name)
         kind = (self.shape.value or "slab").partition(":")[0]
-        thickness, length, width = self.thickness.value, self.length.value, self.width.value
-        given: dict[str, Any] = {
-            "thickness": float(thickness), "length": None if length == OUTLINE_MM[0] else float(length),
-            "width": None if width == OUTLINE_MM[1] else float(width),
+        given = {
+            "thickness": size["thickness"], "length": None if size["length"] == OUTLINE_MM[0] else size["length"],
+            "width": None if size["width"] == OUTLINE_MM[1] else size["width"],
             "shape": None if self.shape.value == "slab" else self.shape.value, "preset": self.preset.value,
-            "resin": self.resin.value, "ratio": float(self.ratio.value),
-            "out": f"moulds/mould_{'' if kind == 'slab' else f'{kind}_'}t{thickness:g}",
+            "resin": self.resin.value, "ratio": size["ratio"],
+            "out": f"moulds/mould_{'' if kind == 'slab' else f'{kind}_'}t{size['thickness']:g}",
         }  # fmt: skip
         return ["mold", *options(given)]
 
@@ -99,21 +76,17 @@ class MouldPage:
             ratio=float(self.ratio.value or self.state.ratio),
         )  # fmt: skip
 
-    def belongs(self, job: Job) -> bool:
+    def belongs(self, job: Job, words: list[str]) -> bool:
         """Whether a job made the mould that is chosen, and its files are still there."""
-        try:
-            same = pad_of(job.words) == pad_of(self.words())
-        except InputError:
-            return False
         folder = folder_of(job.answer)
-        return same and (not folder or holds_answer(self.root, folder, job.answer))
+        return pad_of(job.words) == pad_of(words) and (not folder or holds_answer(self.root, folder, job.answer))
 
     def renew(self) -> None:
         """Something was chosen."""
         keep_state(self.chosen())
-        self.say()
+        self.show_pad()
 
-    def say(self) -> None:
+    def show_pad(self) -> None:
         """Where the pad comes from, what kind of mould it gets, and which moulds there are."""
         now = self.chosen()
         self.source.clear()
@@ -121,7 +94,7 @@ class MouldPage:
             _source(self.root, now)
         self.kind.set_content(f'<p class="note">{escape(made.PRESETS[self.preset.value])}</p>')
         self.shown = ""
-        self.work.renew_line()
+        self.work.renew()
         self.list_moulds()
 
     def show(self, job: Job) -> None:
@@ -134,8 +107,8 @@ class MouldPage:
         poured = [(f"{part['mass_g']:.1f} g", f"{part['name']}, to mix") for part in batch["components"]]
         poured.append((f"{batch['pour_g']:.1f} g", "of the mix, into the mould"))
         silicone = answer["pour"]["silicone_mass_g"]
-        facts([*poured, *([(f"{silicone:.0f} g", "silicone for the mould")] if silicone else [])])
-        warnings(answer)
+        parts.facts([*poured, *([(f"{silicone:.0f} g", "silicone for the mould")] if silicone else [])])
+        parts.warnings(answer)
         if self.shown:
             html(f"<h2>{escape(self.shown)}</h2>")
             manage(self.studio, self.shown, "mould", self._moved)
@@ -218,13 +191,13 @@ def _files(root: Path, folder: str, state: State) -> None:
 
 
 def _links(root: Path, folder: str) -> None:
-    zip_link(folder)
+    parts.zip_link(folder)
     if list((root / folder).glob("*.stl")):
-        shown_file(f"/solid/mould/{folder}", "pad and mould as solids", "shown solid")
+        parts.shown_file(f"/solid/mould/{folder}", "pad and mould as solids", "shown solid")
     names = [path.name for path in (root / folder).iterdir() if path.is_file() and not path.name.startswith(".")]
     for group, rows in made.grouped_files(names):
         html(f"<h3>{escape(group)}</h3>")
-        file_links([(words, f"{folder}/{name}") for words, name in rows])
+        parts.file_links([(words, f"{folder}/{name}") for words, name in rows])
 
 
 def _checks(folder: Path) -> None:
@@ -237,4 +210,4 @@ def _checks(folder: Path) -> None:
         return
     html(f"<p><b>{passed} of {len(checks)} checks passed</b></p>")
     if rest:
-        table(["check", "", "because"], rest, words=True)
+        parts.table(["check", "", "because"], rest, words=True)

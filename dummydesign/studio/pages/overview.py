@@ -8,26 +8,14 @@ from pathlib import Path
 
 from nicegui import ui
 
-from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project, make_project
-from dummydesign.project.status import Status, status_of
-from dummydesign.studio import choices, made
-from dummydesign.studio.addresses import address
-from dummydesign.studio.frame import (
-    Studio,
-    command_line,
-    file_links,
-    html,
-    lay_out,
-    page_link,
-    state_link,
-    tell_problem,
-)  # fmt: skip
+from dummydesign.project.status import STANDARD_RESIN, ProjectStatus, status_of
+from dummydesign.studio import choices, jobs, made, parts
+from dummydesign.studio.jobs import options, shown
 from dummydesign.studio.manage import deleted_files
-from dummydesign.studio.next_step import next_page, next_state
-from dummydesign.studio.state import State, design_state
-from dummydesign.studio.work import jobs
-from dummydesign.studio.work.commands import options, shown
+from dummydesign.studio.page_frame import Studio
+from dummydesign.studio.parts import html
+from dummydesign.studio.state import State, address, design_state, next_page, next_state, page_link, state_link
 
 ROOMS = {
     "measured": ("/measured", "Measured files"), "tissue": ("/tissue", "Tissues of your own"),
@@ -35,23 +23,18 @@ ROOMS = {
     "calibrations": ("/learn", "Calibrations"),
 }  # fmt: skip
 
-def build(studio: Studio, query: Mapping[str, str]) -> None:
-    """Build the page."""
-    lay_out(studio, "/", "Overview", query, lambda project, state: _stand(studio, project, state),
-            lambda: _make(studio))
 
-
-def _make(studio: Studio) -> None:
+def make_new(studio: Studio) -> None:
+    """Build the page of a folder that is no project yet."""
     html(
         "<p>A project folder keeps everything about one dummy: what was measured, the tissue, designs, moulds, "
         "campaigns and what was learned. The files in it are all there is; this page keeps nothing.</p>"
     )
-    tissues = {"": "decide later", **choices.tissues(studio.root)}
     with ui.element("div").classes("fields"):
         name = ui.input("Name", value=studio.root.name).props('data-test="name"')
-        tissue = ui.select(tissues, value="", label="Tissue").props('data-test="tissue"')
-        resin = ui.select(choices.resins(), value="polyurethane-nagoya", label="Resin")
-    line = ui.element("div")
+        tissue = parts.select("Tissue", {"": "decide later", **choices.tissues(studio.root)}, "", "tissue")
+        resin = parts.select("Resin", choices.resins(), STANDARD_RESIN)
+    line = parts.area()
 
     def given() -> dict[str, str | None]:
         return {"name": name.value or None, "tissue": tissue.value or None, "resin": resin.value or None}
@@ -59,7 +42,7 @@ def _make(studio: Studio) -> None:
     def renew() -> None:
         line.clear()
         with line:
-            command_line(["init", ".", *options(given())])
+            parts.command_line(["init", ".", *options(given())])
 
     for field in (name, tissue, resin):
         field.on_value_change(renew)
@@ -67,33 +50,29 @@ def _make(studio: Studio) -> None:
     problem = ui.element("div")
 
     def make() -> None:
-        problem.clear()
-        try:
+        with parts.problems_in(problem):
             make_project(studio.root, **given())
-        except InputError as said:
-            with problem:
-                tell_problem(str(said))
-            return
-        ui.navigate.to(address("/"))
+            ui.navigate.to(address("/"))
 
-    ui.button("Make the project", on_click=make).props('data-test="make"')
+    parts.button("Make the project", make, "make", main=True)
 
 
-def _stand(studio: Studio, project: Project, state: State) -> None:
+def show_status(studio: Studio, project: Project, state: State, query: Mapping[str, str]) -> None:
+    """Build the page of a project."""
     status = status_of(project)
     html(f'<p class="note next">Next: <b>{escape(status.next_text)}</b></p>')
-    query = next_state(status, state).query()
-    html(f'<a class="go" data-test="next" href="{address(next_page(status))}?{escape(query)}">Go there</a>')
+    following = escape(next_state(status, state).query())
+    html(f'<a class="go" data-test="next" href="{address(next_page(status))}?{following}">Go there</a>')
     html(f'<div class="command"><code>{escape(status.next_command)}</code></div>')
     given = ", ".join(f"{name} {value}" for name, value in project.given().items()) or "nothing chosen yet"
     html(f"<p>Chosen for this project: {escape(given)}</p>")
     for problem in status.problems:
-        tell_problem(problem)
+        parts.tell_problem(problem)
     links = links_of(studio.root, status, state)
     cards = []
     for room, (path, words) in ROOMS.items():
         found = status.found[room]
-        lines = [links.get(one.folder) or escape(choices.told(one)) for one in reversed(found)]
+        lines = [links.get(one.folder) or escape(choices.file_line(one)) for one in reversed(found)]
         more = f"<details><summary>{len(lines) - 8} more</summary><ul>{_list(lines[8:])}</ul></details>"
         listed = f"<ul>{_list(lines[:8])}</ul>{more if lines[8:] else ''}" if lines else "<p>none yet</p>"
         cards.append(f"<div><h2>{page_link(path, words)}</h2>{listed}</div>")
@@ -105,7 +84,7 @@ def _stand(studio: Studio, project: Project, state: State) -> None:
     ]  # fmt: skip
     if reports:
         html("<h2>Reports</h2>")
-        file_links(reports)
+        parts.file_links(reports)
     deleted_files(studio)
     _running(studio)
 
@@ -114,18 +93,8 @@ def _list(lines: Sequence[str]) -> str:
     return "".join(f"<li>{line}</li>" for line in lines)
 
 
-def links_of(root: Path, status: Status, state: State) -> dict[str, str]:
-    """Links by folder: each opens its page with that design, mould, campaign, calibration, tissue or pad chosen.
-
-    Parameters
-    ----------
-    root : Path
-        The project folder.
-    status : Status
-        Of the project.
-    state : State
-        What is chosen now; what a link does not name stays.
-    """
+def links_of(root: Path, status: ProjectStatus, state: State) -> dict[str, str]:
+    """Links by folder: each opens its page with that design, mould, campaign, calibration, tissue or pad chosen."""
     states: dict[str, tuple[str, State]] = {}
     for one in status.found["designs"]:
         if one.command == "compare":
@@ -141,7 +110,7 @@ def links_of(root: Path, status: Status, state: State) -> dict[str, str]:
     for one in status.found["tissue"]:
         states[one.folder] = ("/tissue", state.changed(tissue=one.folder, aim="average"))
     known = {one.folder: one for room in status.found.values() for one in room}
-    return {folder: state_link(path, choices.told(known[folder]), of, f"open-{folder}")
+    return {folder: state_link(path, choices.file_line(known[folder]), of, f"open-{folder}")
             for folder, (path, of) in states.items() if folder in known}  # fmt: skip
 
 

@@ -1,22 +1,163 @@
-"""The plan of a campaign: pads of moulds or typed ones, speeds, forces, days; a new one or one that is changed."""
+"""The plan of a campaign, and the values of each press in a table."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Mapping, Sequence
 from html import escape
+from pathlib import Path
 from typing import Any
 
-from nicegui import ui
+from nicegui import events, ui
 
 from dummydesign.core.errors import InputError
-from dummydesign.studio import choices, made
-from dummydesign.studio.frame import Studio, Work, html, state_link, warnings
-from dummydesign.studio.presses.plans import FIELDS, plan_of, plan_options, usual_moulds
-from dummydesign.studio.server import files
-from dummydesign.studio.state import State
-from dummydesign.studio.work import jobs
-from dummydesign.studio.work.commands import options
-from dummydesign.studio.work.jobs import Job
+from dummydesign.measurement.campaign_from_files import read_trials, write_trial_values
+from dummydesign.studio import choices, jobs, made, parts
+from dummydesign.studio import file_transfer as files
+from dummydesign.studio.incoming_presses import FIELDS, plan_of, plan_options, usual_moulds
+from dummydesign.studio.jobs import Job, options
+from dummydesign.studio.page_frame import Studio
+from dummydesign.studio.parts import html
+from dummydesign.studio.state import State, state_link
+from dummydesign.studio.work_panel import Work
+
+HEADS = {
+    "sequence": "order", "thickness_mm": "pad [mm]", "velocity_mm_s": "speed [mm/s]", "target_force_N": "force [N]",
+    "target_depth_mm": "depth [mm]", "hold_s": "hold [s]", "age_days": "age [days]",
+    "temperature_C": "temperature [C]", "rest_s": "rest [s]", "repeat": "repeat",
+}  # fmt: skip
+CHANGED = (
+    "(e) => { const cell = e.target; if (cell.dataset.key) emit([Number(cell.dataset.row), cell.dataset.key, "
+    "cell.value]); }"
+)
+
+
+def number_of(text: str, name: str, key: str = "") -> float | None:
+    """A typed number, with a dot or a comma; None for an empty field."""
+    given = text.strip().replace(",", ".")
+    if not given:
+        return None
+    try:
+        value = float(given)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise InputError(f"{name} = '{text.strip()}' is not a number", "not_a_number", key or name, text.strip())
+    return value
+
+
+def table_html(keys: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
+    """The table as HTML; each row has ``file`` and the keys, None where a value is unknown."""
+    head = "".join(f"<th scope=col>{escape(HEADS.get(key, key))}</th>" for key in keys)
+    body = []
+    for number, row in enumerate(rows):
+        cells = []
+        for key in keys:
+            value = row.get(key)
+            shown = f"{value:g}" if isinstance(value, int | float) and not isinstance(value, bool) else ""
+            label = escape(f"{HEADS.get(key, key)} of {row['file']}", quote=True)
+            cells.append(f'<td><input inputmode="decimal" size="6" data-row="{number}" data-key="{key}" '
+                         f'value="{shown}" aria-label="{label}"></td>')  # fmt: skip
+        body.append(f"<tr><th scope=row>{escape(str(row['file']))}</th>{''.join(cells)}</tr>")
+    return (f'<div class="values"><table><thead><tr><th scope=col>press</th>{head}</tr></thead>'
+            f"<tbody>{''.join(body)}</tbody></table></div>")  # fmt: skip
+
+
+def value_table(
+    keys: Sequence[str], rows: Sequence[Mapping[str, Any]], changed: Callable[[int, str, str], bool]
+) -> ui.html:
+    """Show the table."""
+    shown = html(table_html(keys, rows)).style("width:100%")
+
+    def typed(event: events.GenericEventArguments) -> None:
+        row, key, text = event.args
+        if key in keys and isinstance(row, int) and 0 <= row < len(rows):
+            kept = changed(row, key, str(text))
+            mark = "removeAttribute('aria-invalid')" if kept else "setAttribute('aria-invalid', true)"
+            ui.run_javascript(f"""document.querySelector('#{shown.html_id} [data-row="{row}"][data-key="{key}"]')"""
+                              f"?.{mark}")  # fmt: skip
+
+    shown.on("change", typed, js_handler=CHANGED)
+    return shown
+
+
+OFTEN = ("temperature_C", "age_days", "rest_s")
+"""Values that often are the same for a whole day."""
+ALL = "all presses"
+
+
+class TrialTable:
+    """The table of a campaign; each value is written into ``campaign.toml`` when it was typed."""
+
+    def __init__(self, folder: Path, then: Callable[[], None]) -> None:
+        """Build it."""
+        self.folder, self.then = folder, then
+        html("<p>Empty means unknown. Each value is written into campaign.toml when you leave its field.</p>")
+        with ui.element("div").classes("fields"):
+            self.day = parts.select("Fill in for", {ALL: ALL}, ALL, "fill-day")
+            self.key = parts.select("Value", {key: HEADS[key] for key in OFTEN}, OFTEN[0], "fill-key")
+            self.value = ui.input("The same for all of them").props('data-test="fill-value"')
+            parts.button("Fill in", self.fill, "fill")
+        self.message, self.table = parts.area("values-said", live=True), parts.area()
+        self.rows: list[dict[str, Any]] = []
+        self.read()
+
+    def read(self) -> None:
+        """Show the file as it is now."""
+        self.rows = read_trials(self.folder)
+        days = [ALL, *days_of(self.rows)]
+        self.day.set_options(days, value=self.day.value if self.day.value in days else ALL)
+        by_depth = all(row["target_force_N"] is None for row in self.rows)
+        aim = "target_depth_mm" if by_depth else "target_force_N"
+        self.table.clear()
+        with self.table:
+            value_table(("sequence", "thickness_mm", "velocity_mm_s", aim, "age_days", "temperature_C", "rest_s"),
+                        self.rows, self.changed)  # fmt: skip
+
+    def changed(self, row: int, key: str, text: str) -> bool:
+        """Write one value; return whether it was kept."""
+        file = self.rows[row]["file"]
+        with parts.problems_in(self.message):
+            self.write({row: {key: number_of(text, f"{file}: {key}", key)}}, f"{HEADS[key]} of {file} is kept.")
+            return True
+        return False
+
+    def fill(self) -> None:
+        """Write one value for all presses of a day."""
+        rows, key = rows_of(self.rows, self.day.value), str(self.key.value)
+        with parts.problems_in(self.message):
+            value = number_of(str(self.value.value or ""), key)
+            self.write({row: {key: value} for row in rows}, f"{HEADS[key]} of {len(rows)} presses is kept.")
+            self.read()
+
+    def write(self, changes: Mapping[int, Mapping[str, float | None]], words: str) -> None:
+        """Write values where the presses are still those of the table."""
+        now = [row["file"] for row in read_trials(self.folder)]
+        if now != [row["file"] for row in self.rows]:
+            message = "campaign.toml was changed meanwhile: load the page again"
+            raise InputError(message, "changed_meanwhile", "campaign.trials")
+        write_trial_values(self.folder, changes)
+        for row, values in changes.items():
+            self.rows[row].update(values)
+        with self.message:
+            html(f'<p class="note">{escape(words)}</p>')
+        self.then()
+
+
+def days_of(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Days of pressing by the pads' age, in the order of the table."""
+    return list(dict.fromkeys(day for row in rows if (day := _day(row))))
+
+
+def rows_of(rows: Sequence[Mapping[str, Any]], day: str) -> list[int]:
+    """Numbers of the rows of a day."""
+    return [number for number, row in enumerate(rows) if day == ALL or _day(row) == day]
+
+
+def _day(row: Mapping[str, Any]) -> str:
+    age = row.get("age_days")
+    return f"the day at {age:g} days of age" if isinstance(age, int | float) else ""
+
 
 MOULDED, TYPED = "the moulds of this project", "typed here"
 
@@ -25,15 +166,7 @@ class PlanForm:
     """Fields of a plan and the command that makes it."""
 
     def __init__(self, studio: Studio, state: State, replaced: str = "") -> None:
-        """Build it.
-
-        Parameters
-        ----------
-        studio : Studio
-        state : State
-        replaced : str
-            Folder of the campaign whose plan is changed; empty for a new one.
-        """
+        """Build it."""
         self.studio, self.state, self.replaced = studio, state, replaced
         root, name = studio.root, "replan" if replaced else "campaign"
         usual = [] if replaced else usual_moulds(root, state)
@@ -41,24 +174,20 @@ class PlanForm:
                                  "punch": state.punch, **(plan_of(root, replaced) if replaced else {})}  # fmt: skip
         self.punch = given["punch"]
         known = {one.folder: f"{one.folder.partition('/')[2]}: {one.label}" for one in reversed(made.moulds(root))}
-        resins, resin = choices.resins(), given["resin"]
         self.fields: dict[str, Any] = {}
-        source = MOULDED if usual else TYPED
         with ui.element("div").classes("fields"):
             if not replaced:
                 self.name = ui.input("Name", value=choices.free_name(root, "campaigns", "first"))
                 self.name.props('data-test="plan-name"').on_value_change(self.renew)
-            self.source = ui.select([MOULDED, TYPED] if known else [TYPED], value=source, label="Pads are those of")
-            self.source.props(f'data-test="{name}-source"')
-        self.moulds = ui.select(known, value=usual, multiple=True, label="Moulds")
-        self.moulds.props(f'use-chips data-test="{name}-moulds"').style("width:100%")
+            sources = {one: one for one in ((MOULDED, TYPED) if known else (TYPED,))}
+            self.source = parts.select("Pads are those of", sources, MOULDED if usual else TYPED, f"{name}-source")
+        self.moulds = parts.select_several("Moulds", known, usual, f"{name}-moulds")
         self.typed = ui.element("div").classes("fields")
         with self.typed:
             self._input("pads", "Pads, thickness [mm]", given)
             self._input("shape", "Shape with its lengths", given)
             self._input("pad", "Outline, length x width [mm]", given)
-            self.fields["resin"] = ui.select(resins if resin in resins else {resin: resin, **resins}, value=resin,
-                                             label="Resin")  # fmt: skip
+            self.fields["resin"] = parts.select("Resin", choices.resins(), given["resin"])
             self.fields["ratio"] = ui.number("Ratio", value=given["ratio"], step=0.1)
         with ui.element("div").classes("fields"):
             self._input("speeds", "Speeds [mm/s]", given)
@@ -82,7 +211,7 @@ class PlanForm:
         moulded = self.source.value == MOULDED
         self.moulds.set_visibility(moulded)
         self.typed.set_visibility(not moulded)
-        self.work.renew_line()
+        self.work.renew()
 
     def folder(self) -> str:
         """Where the plan goes."""
@@ -93,41 +222,33 @@ class PlanForm:
         given: dict[str, Any] = {key: field.value for key, field in self.fields.items()}
         for key in ("repeats", "ratio"):
             if given[key] is None:
-                raise InputError(f"{key} is empty")
+                raise InputError(f"{key} is empty", "missing", key)
         moulds = list(self.moulds.value or []) if self.source.value == MOULDED else []
         if self.source.value == MOULDED and not moulds:
-            raise InputError("choose the moulds whose pads are pressed")
-        if given["hold"] is not None:
-            given["hold"] = float(given["hold"])
-        given |= {"moulds": moulds, "punch": self.punch, "repeats": int(given["repeats"]),
-                  "ratio": float(given["ratio"])}  # fmt: skip
+            raise InputError("choose the moulds whose pads are pressed", "missing", "moulds")
+        given |= {"moulds": moulds, "punch": self.punch, "repeats": int(given["repeats"])}
         more = ["--replace"] if self.replaced else []
         return ["campaign", "new", self.folder(), *options(plan_options(given)), *more]
 
-    def belongs(self, job: Job) -> bool:
+    def belongs(self, job: Job, words: list[str]) -> bool:
         """Whether a job made the plan that is chosen, and it is still there."""
-        folder = _folder_of(job)
-        try:
-            same = list(job.words) == self.words()
-        except InputError:
-            return False
-        there = not folder or ((self.studio.root / folder).is_dir() and jobs.is_last(self.studio.root, job, _folder_of))
-        return same and there
+        root, folder = self.studio.root, folder_of(job)
+        there = not folder or ((root / folder).is_dir() and jobs.is_last(root, job, folder_of))
+        return list(job.words) == words and there
 
     def show(self, job: Job) -> None:
         """What was planned."""
-        answer = job.answer
+        answer, folder = job.answer, folder_of(job)
         if "trials" not in answer:
             return
-        folder = answer["inputs"]["folder"]
         html(f'<p data-test="planned">{len(answer["trials"])} presses planned in {escape(folder)}</p>')
-        power = answer.get("power")
-        if power:
+        if power := answer.get("power"):
             html(f"<p>Effects that this plan can detect: {escape(', '.join(power['seen']) or 'none')}.</p>")
-        warnings(answer)
+        parts.warnings(answer)
         on = state_link("/campaign", "Go on to the presses", self.state.changed(campaign=folder), "presses")
         html(f'<p class="note">{on}</p>')
 
 
-def _folder_of(job: Job) -> str:
+def folder_of(job: Job) -> str:
+    """Folder of the campaign that a command made; empty where it has no answer."""
     return str(job.answer.get("inputs", {}).get("folder", ""))

@@ -9,104 +9,76 @@ from typing import Any
 
 from nicegui import ui
 
-from dummydesign.core.datafiles import entries
 from dummydesign.core.errors import InputError
+from dummydesign.core.library import entries
 from dummydesign.project.folder import Project, change_project
-from dummydesign.studio import choices
-from dummydesign.studio.frame import (
-    Studio,
-    Work,
-    facts,
-    html,
-    keep_state,
-    lay_out,
-    open_page,
-    page_link,
-    table,
-    tell_problem,
-    warnings,
-)  # fmt: skip
-from dummydesign.studio.state import State
-from dummydesign.studio.work import jobs
-from dummydesign.studio.work.commands import options
-from dummydesign.studio.work.jobs import Job
+from dummydesign.studio import choices, jobs, parts
+from dummydesign.studio.jobs import Job, options
+from dummydesign.studio.page_frame import Studio, keep_state, open_page
+from dummydesign.studio.parts import html
+from dummydesign.studio.state import State, page_link
+from dummydesign.studio.work_panel import Work
 
 OWN = ("puck", "diameter", "height", "mixed", "name", "base")
 """Choices of this page in the address."""
 
 
-def build(studio: Studio, query: Mapping[str, str]) -> None:
-    """Build the page."""
-    lay_out(studio, "/measured", "Resin batch", query,
-            lambda project, state: _Pucks(studio, project, state, query).build())  # fmt: skip
+class PuckPage:
+    """The page: which puck was pressed, and the resin that results."""
 
-
-class _Pucks:
     def __init__(self, studio: Studio, project: Project, state: State, query: Mapping[str, str]) -> None:
         self._studio, self._project, self._state = studio, project, state
-        self._known = pucks(studio.root)
-        self._start = {name: query[name] for name in OWN if name in query} or _last(studio.root)
-
-    def build(self) -> None:
+        known = pucks(studio.root)
+        start = {name: query[name] for name in OWN if name in query} or _last(studio.root)
         html(
             "<p>Press a puck of the batch slowly between two plates, by a third of its height or more. "
             "Its modulus makes a resin of the batch.</p>"
         )
-        if not self._known:
+        if not known:
             html(f'<p class="note">No presses yet: {page_link("/measured", "bring in the file of a puck")} first.</p>')
             return
-        start = self._start
-        gone = start.get("puck", "")
-        if gone and gone not in self._known:
-            tell_problem(f"The press '{gone}' is not there (any more). Choose another, or bring it back.")
-            self._known = {gone: f"{gone} (missing)", **self._known}
+        first = start.get("puck") or next(iter(known))
+        if first not in known:
+            parts.tell_problem(f"The press '{first}' is not there (any more). Choose another, or bring it back.")
         bases = {"": "default: the batch itself, else polyurethane-nagoya", **choices.resins()}
+        base = start.get("base", "")
+        name = start.get("name") or choices.free_library_name("resin", "my-batch")
         with ui.element("div").classes("fields"):
-            first = start.get("puck") or next(iter(self._known))
-            self._puck = ui.select(self._known, value=first, label="Press of the puck").props('data-test="puck"')
-            self._diameter = ui.number("Diameter [mm]", value=_number(start.get("diameter")), min=1, max=500)
-            self._height = ui.number("Height [mm]", value=_number(start.get("height")), min=1, max=500)
-            self._ratio = ui.number("Mixing ratio", value=_number(start.get("mixed")) or self._state.ratio, step=0.1)
-            self._name = ui.input("Name of the batch", value=start.get("name") or _free_name())
-            base = start.get("base", "")
-            self._base = ui.select(bases, value=base if base in bases else "", label="Resin whose law is updated")
-        named = {"diameter": self._diameter, "height": self._height, "ratio": self._ratio, "name": self._name,
-                 "base": self._base}  # fmt: skip
-        for name, field in named.items():
-            field.props(f'data-test="puck-{name}"')
-        self._work = Work(self._studio, "puck", "Find the modulus", self._words, self._show, self._belongs,
-                          lambda job: self._list())  # fmt: skip
-        for field in (self._puck, *named.values()):
+            self._fields: dict[str, Any] = {
+                "puck": parts.select("Press of the puck", choices.offered(known, first, f"{first} (missing)"), first),
+                "diameter": ui.number("Diameter [mm]", value=_number(start.get("diameter")), min=1, max=500),
+                "height": ui.number("Height [mm]", value=_number(start.get("height")), min=1, max=500),
+                "mixed": ui.number("Mixing ratio", value=_number(start.get("mixed")) or state.ratio, step=0.1),
+                "name": ui.input("Name of the batch", value=name),
+                "base": parts.select("Resin whose law is updated", bases, base if base in bases else ""),
+            }  # fmt: skip
+        for test, field in zip(("puck", "puck-diameter", "puck-height", "puck-ratio", "puck-name", "puck-base"),
+                               self._fields.values()):  # fmt: skip
+            field.props(f'data-test="{test}"')
+        self._work = Work(studio, "puck", "Find the modulus", self._words, self._show,
+                          ended=lambda job, mine: self._list())  # fmt: skip
+        for field in self._fields.values():
             field.on_value_change(self._renew)
         self._own = ui.element("section").style("width:100%")
         self._list()
 
     def _renew(self) -> None:
-        given = {"puck": self._puck.value, "diameter": self._diameter.value, "height": self._height.value,
-                 "mixed": self._ratio.value, "name": self._name.value, "base": self._base.value}  # fmt: skip
-        keep_state(self._state, **{name: _text(value) for name, value in given.items()})
-        self._work.renew_line()
+        keep_state(self._state, **{name: _text(field.value) for name, field in self._fields.items()})
+        self._work.renew()
 
     def _words(self) -> list[str]:
-        sizes = {"diameter": self._diameter.value, "height": self._height.value, "ratio": self._ratio.value}
-        for name, value in sizes.items():
-            if value is None:
-                raise InputError(f"Enter the {name} of the puck.")
-        name = (self._name.value or "").strip()
+        given = {name: field.value for name, field in self._fields.items()}
+        for name, words in (("diameter", "diameter"), ("height", "height"), ("mixed", "ratio")):
+            if given[name] is None:
+                raise InputError(f"Enter the {words} of the puck.", "missing", words)
+        name = (given["name"] or "").strip()
         if not name:
-            raise InputError("Give the batch a name.")
-        known = entries("materials/resins").get(name.lower())
-        if known is not None and known.origin != "user":
-            raise InputError(f"'{known.name}' is a resin of the library: choose another name.")
-        given = {"diameter": float(sizes["diameter"]), "height": float(sizes["height"]), "name": name,
-                 "ratio": float(sizes["ratio"]), "resin": self._base.value}  # fmt: skip
-        return ["resins", "add-compression", self._puck.value, *options(given)]
-
-    def _belongs(self, job: Job) -> bool:
-        try:
-            return list(job.words) == self._words()
-        except InputError:
-            return False
+            raise InputError("Give the batch a name.", "missing", "name")
+        choices.check_name("resin", name)
+        return ["resins", "add-compression", given["puck"], *options({
+            "diameter": given["diameter"], "height": given["height"], "name": name, "ratio": given["mixed"],
+            "resin": given["base"],
+        })]  # fmt: skip
 
     def _show(self, job: Job) -> None:
         answer = job.answer
@@ -115,22 +87,22 @@ class _Pucks:
         name = answer["name"]
         puck, friction = answer["young_kPa"], answer["friction"]
         html(f"<p><b>{escape(name)}</b> from {escape(Path(job.words[2]).name)}, ratio {answer['ratio']:g}.</p>")
-        facts([(f"{puck['value']:.3g} kPa", f"modulus of this puck, 95 %: {puck['low']:.3g} to {puck['high']:.3g}"),
-               (f"{answer['rmse_N']:.2g} N", "residual, rms"),
-               (_friction(friction), "plate friction that fits, in the interval")])  # fmt: skip
+        interval = f"{puck['low']:.3g} to {puck['high']:.3g}"
+        parts.facts([(f"{puck['value']:.3g} kPa", f"modulus of this puck, 95 %: {interval}"),
+                     (f"{answer['rmse_N']:.2g} N", "residual, rms"),
+                     (_friction(friction), "plate friction that fits, in the interval")])  # fmt: skip
         rows, problem = _moduli(self._studio.root / job.words[2], answer)
         if problem:
             html(f'<p class="problem" role="alert">{escape(problem)}</p>')
-        table(["", "modulus kPa", "95 % low", "95 % high"], rows)
+        parts.table(["", "modulus kPa", "95 % low", "95 % high"], rows)
         if answer["action"] == "unchanged":
             html(f'<p class="note">{escape(name)} has this puck already. Nothing was changed.</p>')
         if answer.get("before"):
             html(f'<p class="note">The puck was known at {escape(str(answer["before"]))}. It was replaced.</p>')
-        warnings(answer)
+        parts.warnings(answer)
         html("<p>The resin is in your own library, for all projects. Add further pucks under its name.</p>")
         if not problem:
-            button = ui.button(f"Use {name} for this project", on_click=lambda: self._use(name))
-            button.props('data-test="use-resin"')
+            parts.button(f"Use {name} for this project", lambda: self._use(name), "use-resin", main=True)
 
     def _use(self, name: str) -> None:
         change_project(self._studio.project or self._project, resin=name)
@@ -163,16 +135,15 @@ def _is_trace(path: Path) -> bool:
 def _moduli(puck: Path, answer: Mapping[str, Any]) -> tuple[list[list[object]], str]:
     """Rows of the resin's modulus at the puck's ratio without and with this puck; or what is wrong."""
     from dummydesign.measurement.trace import read_trace
-    from dummydesign.resin.model.puck_point import recording_sha256
-    from dummydesign.resin.model.resin_file import load_resin
-    from dummydesign.resin.update.pucks import known_puck, without_puck
+    from dummydesign.resin.model.resin_file import load_resin, recording_sha256
+    from dummydesign.resin.update.modulus import known_puck, without_puck
 
     this = answer["young_kPa"]
     rows: list[list[object]] = [["this puck alone", this["value"], this["low"], this["high"]]]
     try:
         resin, sha256 = load_resin(answer["name"]), recording_sha256(read_trace(puck))
-    except InputError as said:
-        return rows, f"{said}."
+    except InputError as refused:
+        return rows, f"{refused}."
     if known_puck(resin, sha256) is None:
         return rows, f"The resin '{answer['name']}' does not hold this puck (any more). Run the command again."
     ratio = float(answer["ratio"])
@@ -205,13 +176,3 @@ def _number(text: str | None) -> float | None:
 
 def _text(value: object) -> str:
     return f"{value:g}" if isinstance(value, (int, float)) else str(value or "")
-
-
-def _free_name() -> str:
-    """A name that no resin of the library has."""
-    known, number = entries("materials/resins"), 1
-    name = "my-batch"
-    while name in known:
-        number += 1
-        name = f"my-batch-{number}"
-    return name

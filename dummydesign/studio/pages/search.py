@@ -5,37 +5,26 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from html import escape
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 from nicegui import run, ui
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.outputs.manifest import NAME as MANIFEST
-from dummydesign.geometry.standard import PUNCH
+from dummydesign.core.manifest import NAME as MANIFEST
+from dummydesign.geometry.dimensions import PUNCH
+from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.project.folder import Project
 from dummydesign.project.status import things_in
-from dummydesign.studio import bench, choices, kinds
-from dummydesign.studio.frame import (
-    Studio,
-    Work,
-    facts,
-    file_links,
-    html,
-    open_page,
-    shown_file,
-    state_link,
-    table,
-    tell_problem,
-    tell_verdict,
-    warnings,
-)  # fmt: skip
-from dummydesign.studio.glossary import marked
+from dummydesign.studio import choices, figures, jobs, parts
+from dummydesign.studio import slider_model as sliders
+from dummydesign.studio.jobs import Job, changed_since, holds_answer
 from dummydesign.studio.manage import manage
-from dummydesign.studio.state import State, design_state, is_design
-from dummydesign.studio.work import commands
-from dummydesign.studio.work.inputs import changed_inputs, changed_since, holds_answer
-from dummydesign.studio.work.jobs import Job
+from dummydesign.studio.page_frame import Studio, open_page
+from dummydesign.studio.parts import html
+from dummydesign.studio.state import State, design_state, is_design, state_link
+from dummydesign.studio.work_panel import Work
 
 PATIENCE_S = 2.0
 """How long a pad must stay chosen before it is solved in the background. [s]"""
@@ -43,28 +32,17 @@ COMPARED = "designs/compared"
 PRESS_HEAD = ("steady N", "mm/s", "depth mm", "pad peak N", "people N", "")
 
 
-def question_options(state: State) -> dict[str, str]:
-    """The options of ``suggest`` for what a state asks; project.toml may change, so all are typed."""
-    return state.question
-
-
 def question_of(words: Sequence[str], answer: Mapping[str, Any]) -> dict[str, str]:
     """What a command line of ``suggest`` asked, as :attr:`State.question` has it; what it lacks is in its answer."""
     used = answer.get("inputs") or {}
-    given = {words[i][2:]: words[i + 1] for i in range(len(words) - 1) if words[i].startswith("--")}
+    given = {name[2:]: value for name, value in pairwise(words) if name.startswith("--")}
     return {"tissue": given.get("tissue", str(used.get("tissue") or "")), "aim": given.get("aim", "average"),
             "resin": given.get("resin", ""), "calibration": given.get("calibration", ""),
             "punch": given.get("punch", str(used.get("punch") or PUNCH))}  # fmt: skip
 
 
 def press_rows(presses: Sequence[Mapping[str, Any]]) -> list[list[object]]:
-    """One row a press: steady force, speed, depth, peak of the pad, peaks of the subjects, how the pad reads.
-
-    Parameters
-    ----------
-    presses : sequence of mapping
-        ``conditions`` of the JSON of ``suggest``.
-    """
+    """One row a press: steady force, speed, depth, peak of the pad, peaks of the subjects, how the pad reads."""
     rows: list[list[object]] = []
     for one in presses:
         reached = one["peak_force_N"] is not None and one["peak_force_N"] == one["peak_force_N"]
@@ -80,17 +58,7 @@ def press_rows(presses: Sequence[Mapping[str, Any]]) -> list[list[object]]:
 
 
 def state_of_answer(state: State, answer: dict[str, Any], folder: str) -> State:
-    """The state of the pad that a search recommends.
-
-    Parameters
-    ----------
-    state : State
-        Of the page.
-    answer : dict
-        JSON of ``suggest``.
-    folder : str
-        Of the design, from the project folder on.
-    """
+    """The state of the pad that a search recommends."""
     best = answer["recommendation"]
     return state.changed(shape=best["shape"], thickness_mm=float(best["thickness_mm"]), ratio=float(best["ratio"]),
                          resin=best["resin"] if best["resin"] == state.resin.rpartition("/")[2] else state.resin,
@@ -109,39 +77,30 @@ class Search:
         self, studio: Studio, project: Project, state: Callable[[], State], take: Callable[[State], None]
     ) -> None:
         self.studio, self.project, self.state, self.take = studio, project, state, take
-        asked = dict(project.asked)
         known = choices.shapes()
-        wish = asked.get("shape", "auto").partition(":")[0]
-        self.kinds = ui.select(known, value=wish if wish in known else "auto", label="Shapes to search")
-        self.kinds.props('data-test="searched"').style("max-width:320px;width:100%")
+        wish = dict(project.asked).get("shape", "auto").partition(":")[0]
+        self.kinds = parts.select("Shapes to search", known, wish if wish in known else "auto", "searched")
+        self.kinds.style("max-width:320px")
         self.work = Work(studio, "suggest", "Find the best pad", self.words, self.show, self.belongs, self.ended,
-                         self.stamp)  # fmt: skip
-        self.kinds.on_value_change(self.work.renew_line)
-
-    def renew(self) -> None:
-        """The question changed."""
-        self.work.renew_line()
+                         lambda: sliders.stamp_of(self.studio.root, self.state()))  # fmt: skip
+        self.kinds.on_value_change(self.work.renew)
 
     def words(self) -> list[str]:
         """The search as a command."""
         state = self.state()
         stem = state.tissue.rpartition("/")[2].removesuffix(".toml")
-        given = {**question_options(state), "shape": self.kinds.value}
-        return commands.suggest(given, f"suggest-{stem}{'-calibrated' if state.calibration else ''}")
+        given = {**state.question, "shape": self.kinds.value}
+        return jobs.suggest(given, f"suggest-{stem}{'-calibrated' if state.calibration else ''}")
 
-    def belongs(self, job: Job) -> bool:
+    def belongs(self, job: Job, words: list[str]) -> bool:
         """Whether a search was for what is chosen."""
         if question_of(job.words, job.answer) != self.state().question:
             return False
         return "recommendation" not in job.answer or holds_answer(self.studio.root, _folder(job), job.answer)
 
-    def stamp(self) -> object:
-        """Times of the files behind the question."""
-        return bench.stamp_of(self.studio.root, bench.Asked.of(self.state()))
-
-    def ended(self, job: Job) -> None:
+    def ended(self, job: Job, mine: bool) -> None:
         """Put the sliders at the pad that was found, when it is for what is chosen."""
-        if self.belongs(job) and "recommendation" in job.answer:
+        if mine and "recommendation" in job.answer:
             self.take(state_of_answer(self.state(), job.answer, _folder(job)))
 
     def show(self, job: Job) -> None:
@@ -149,40 +108,38 @@ class Search:
         answer = job.answer
         if "recommendation" not in answer:
             return
-        for name in changed_inputs(self.studio.root, self.studio.root / _folder(job) / MANIFEST):
-            tell_problem(f"The {name} has changed since this search. Search again.")
+        parts.tell_changes(self.studio.root, f"{_folder(job)}/{MANIFEST}", "Search again.")
         best, light = answer["recommendation"], answer["verdict"]["light"]
-        tell_verdict(str(light), str(answer["verdict"]["text"]))
-        mixed = (answer["recommendation"].get("batch") or best["recipe"])["components"]
-        facts([(f"{best['thickness_mm']:g} mm", best["shape"]), (f"{best['ratio']:g}", best["ratio_meaning"]),
-               *((f"{part['mass_g']:.1f} g", f"{part['name']}, to mix") for part in mixed)])  # fmt: skip
+        parts.tell_verdict(str(light), str(answer["verdict"]["text"]))
+        mixed = (best.get("batch") or best["recipe"])["components"]
+        parts.facts([(f"{best['thickness_mm']:g} mm", best["shape"]), (f"{best['ratio']:g}", best["ratio_meaning"]),
+                     *((f"{part['mass_g']:.1f} g", f"{part['name']}, to mix") for part in mixed)])  # fmt: skip
         found = state_of_answer(self.state(), answer, _folder(job))
         link = state_link("/mould", "Make its mould", found, "mould")
         red = "This pad is not representative: do not cast it. " if light == "red" else ""
         html(f'<p class="note next">{red}{link}</p>')
         with ui.row():
-            ui.button("Put the sliders at this pad", on_click=lambda: self.take(found), color=None).props("outline")
-        table(PRESS_HEAD, press_rows(best["conditions"]))
+            parts.button("Put the sliders at this pad", lambda: self.take(found))
+        parts.table(PRESS_HEAD, press_rows(best["conditions"]))
         self._compare_kinds(answer)
-        warnings(answer)
+        parts.warnings(answer)
         if answer.get("files", {}).get("report"):
-            file_links([("the whole report", answer["files"]["report"])])
-
+            parts.file_links([("the whole report", answer["files"]["report"])])
 
     def _compare_kinds(self, answer: dict[str, Any]) -> None:
         """The best pad of each kind, and why this one; the verdicts of the others come a moment later."""
-        compared = kinds.kinds_compared(answer)
-        html("<h3>Why this pad</h3>" + "".join(f"<p>{marked(one)}</p>" for one in compared.sentences))
+        compared = figures.kinds_compared(answer)
+        html("<h3>Why this pad</h3>" + "".join(f"<p>{parts.marked(one)}</p>" for one in compared.sentences))
         if len(compared.rows) < 2:
             return
-        box = ui.element("div").props('data-test="kinds"')
+        box = parts.area("kinds")
         with box:
-            table(compared.head, compared.rows)
-        root, asked = self.studio.root, bench.Asked.of(self.state())
+            parts.table(compared.head, compared.rows)
+        root, state = self.studio.root, self.state()
 
-        def judge() -> Any:
-            inputs = bench.inputs_of(root, asked, bench.stamp_of(root, asked))
-            return kinds.kinds_compared(answer, kinds.verdicts_of_kinds(inputs, answer))
+        def judge() -> figures.KindsCompared:
+            verdicts = figures.verdicts_of_kinds(sliders.evaluator_of(root, state), answer)
+            return figures.kinds_compared(answer, verdicts)
 
         async def fill() -> None:
             try:
@@ -192,7 +149,7 @@ class Search:
             if full is not None and not box.is_deleted:
                 box.clear()
                 with box:
-                    table(full.head, full.rows)
+                    parts.table(full.head, full.rows)
 
         ui.timer(0.1, fill, once=True)
 
@@ -203,16 +160,11 @@ class Designs:
     def __init__(self, studio: Studio, state: Callable[[], State]) -> None:
         self.studio, self.state = studio, state
         self.seen: list[str] = []
-        self.box = ui.element("div").style("width:100%").props('data-test="designs"')
+        self.box = parts.area("designs")
         self.chosen: Any = None
         self.renew()
         ui.timer(2.0, self.renew)
         self.work = Work(studio, "compare-designs", "Compare them", self.words, self.show, self.belongs)
-
-    def _found(self) -> list[Any]:
-        project = self.studio.project
-        every = things_in(project.root, "designs") if project else []
-        return [one for one in every if is_design(one) and design_state(self.studio.root, one.folder)]
 
     def moved(self, old: str, new: str) -> None:
         """Follow a design that was renamed, deleted or brought back; the pad stays under the sliders."""
@@ -224,7 +176,8 @@ class Designs:
 
     def renew(self) -> None:
         """List the designs anew when one came or went."""
-        found = self._found()
+        root = self.studio.root
+        found = [one for one in things_in(root, "designs") if is_design(one) and design_state(root, one.folder)]
         names = [f"{one.folder} {one.date}" for one in found]
         if names == self.seen and self.chosen is not None:
             return
@@ -235,7 +188,7 @@ class Designs:
             if not found:
                 html("<p>none yet</p>")
             for one in reversed(found):
-                opened = self.state().changed(**{**design_state(self.studio.root, one.folder), "missing": ()})
+                opened = self.state().changed(**design_state(root, one.folder), missing=())
                 verdict = str((one.summary or {}).get("verdict", "")).replace("_", " ")
                 link = state_link("/design", opened.design.partition("/")[2], opened)
                 with ui.element("div").classes("thing").props('data-test="design"'):
@@ -245,20 +198,19 @@ class Designs:
             folders = [one.folder for one in found]
             kept = [name for name in kept if name in folders]
             value = kept if len(kept) > 1 else folders[-2:]
-            self.chosen = ui.select(folders, multiple=True, value=value, label="Designs to compare")
-            self.chosen.props('use-chips data-test="to-compare"').style("width:100%")
-            self.chosen.on_value_change(lambda: self.work.renew_line())
+            self.chosen = parts.select_several("Designs to compare", {one: one for one in folders}, value, "to-compare")
+            self.chosen.on_value_change(lambda: self.work.renew())
         if hasattr(self, "work"):
-            self.work.renew_line()
+            self.work.renew()
 
     def words(self) -> list[str]:
         """The comparison as a command."""
         chosen = list(self.chosen.value or [])
         if len(chosen) < 2:
-            raise InputError("choose two designs or more to compare them")
+            raise InputError("choose two designs or more to compare them", "not_enough_data", "designs")
         return ["compare-designs", *chosen, "--out", COMPARED, "--replace"]
 
-    def belongs(self, job: Job) -> bool:
+    def belongs(self, job: Job, words: list[str]) -> bool:
         """Whether a comparison is of the designs that are chosen."""
         compared = {word for word in job.words if word.startswith("designs/")} - {COMPARED}
         same = compared == set(self.chosen.value or ())
@@ -269,21 +221,33 @@ class Designs:
         """The page of the comparison."""
         report = job.answer.get("files", {}).get("report")
         if report:
-            for name in changed_inputs(self.studio.root, self.studio.root / COMPARED / MANIFEST):
-                tell_problem(f"{name} has changed since this comparison. Compare again.")
-            shown_file(f"/files/{report}", "designs side by side")
+            parts.tell_changes(self.studio.root, f"{COMPARED}/{MANIFEST}", "Compare again.")
+            parts.shown_file(f"/files/{report}", "designs side by side")
+
+
+def predict_words(state: State, **more: str) -> list[str]:
+    """The pad of a state as a command of ``predict``; project.toml may change, so all is typed."""
+    pad = {"shape": state.shape, "thickness": state.thickness_mm, "ratio": state.ratio}
+    return ["predict", *jobs.options({**state.question, **pad, **more})]
+
+
+def suggest_words(state: State) -> list[str]:
+    """The pad of a state as a search whose limits are this pad."""
+    t, r = f"{state.thickness_mm:g}", f"{state.ratio:g}"
+    given = {**state.question, "shape": state.shape, "thickness": f"{t}:{t}", "ratio": f"{r}:{r}"}
+    return jobs.suggest(given, f"pad-{t}mm-{r}")
 
 
 class SolvedPad:
     """A pad that no table holds, solved in the background; shown while it is the pad that is chosen."""
 
     def __init__(
-        self, studio: Studio, state: Callable[[], State], judge: Callable[[Mapping[str, Any]], None]
+        self, studio: Studio, state: Callable[[], State], judge: Callable[[State, str, str, str], None]
     ) -> None:
         self.studio, self.state, self.judge = studio, state, judge
-        self.box = ui.element("div").style("width:100%").props('data-test="solved"')
+        self.box = parts.area("solved")
         self.work: Work | None = None
-        self.box.set_visibility(False)
+        self.hide()
 
     def hide(self) -> None:
         """Another pad is chosen."""
@@ -302,42 +266,33 @@ class SolvedPad:
 
     def _begin(self, chosen: State) -> None:
         """Start to solve a pad that is still chosen and not solved yet."""
-        idle = self.work is not None and not self.work.answered and not self.work.running
-        if idle and self.box.visible and self.work is not None and self.state() == chosen:
-            self.work.begin()
+        work = self.work
+        if work and not (work.answered or work.running) and self.box.visible and self.state() == chosen:
+            work.begin()
 
-    def ended(self, job: Job) -> None:
+    def ended(self, job: Job, mine: bool) -> None:
         """A pad that was chosen meanwhile is solved next."""
-        if self.box.visible and not self.belongs(job):
+        if self.box.visible and not mine:
             self.offer()
 
     def words(self) -> list[str]:
         """The pad as a command that solves it."""
         state = self.state()
-        t, r = f"{state.thickness_mm:g}", f"{state.ratio:g}"
-        given = {**question_options(state), "shape": state.shape}
-        if bench.solved_by_predict(state):
-            shape = bench.shape_of(state.shape)
-            return ["predict", *commands.options({**given, "thickness": t, "ratio": r, "fidelity": shape.fidelity})]
-        out = f"pad-{t}mm-{r}"
-        return commands.suggest({**given, "thickness": f"{t}:{t}", "ratio": f"{r}:{r}"}, out)
+        if sliders.solved_by_predict(state):
+            return predict_words(state, fidelity=read_shape(state.shape).fidelity)
+        return suggest_words(state)
 
-    def belongs(self, job: Job) -> bool:
+    def belongs(self, job: Job, words: list[str]) -> bool:
         """Whether a job solved the pad that is chosen."""
-        try:
-            same = list(job.words) == self.words()
-        except InputError:
-            return False
-        stamp = bench.stamp_of(self.studio.root, bench.Asked.of(self.state()))
-        return same and not changed_since([Path(path) for path, *_ in stamp], job.started)
+        files = [Path(path) for path, *_ in sliders.stamp_of(self.studio.root, self.state())]
+        return list(job.words) == words and not changed_since(files, job.started)
 
     def show(self, job: Job) -> None:
         """The verdict and the presses of the solved pad."""
         answer = job.answer
-        verdict = answer.get("verdict")
-        if not verdict:
+        if not answer.get("verdict"):
             return
-        self.judge(verdict)
-        warnings(answer)
+        self.judge(self.state(), answer["verdict"]["light"], answer["verdict"]["text"], "solved")
+        parts.warnings(answer)
         rows = (answer.get("recommendation") or answer).get("conditions") or []
-        table(PRESS_HEAD, press_rows([one for one in rows if "reads" in one]))
+        parts.table(PRESS_HEAD, press_rows([one for one in rows if "reads" in one]))

@@ -1,15 +1,10 @@
-"""Where each press really touched: an offset per press fitted with the law, and whether it explains a residual.
-
-The offset is added to the displacement: the surface was touched so much before (above 0) or after the zero of the
-file. Law and offsets are found together by Gauss-Newton steps; the presses are cut anew at every step, for the part of
-the rise that counts moves with the contact. Intervals of the law's parameters then count the offsets as unknown: their
-direction is given a variance so large that it says nothing.
-"""
+"""An offset per press where contact is not where the file has it, and when to propose it."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,9 +14,9 @@ from dummydesign.inference.noise import whitener
 from dummydesign.measurement.motion import Motion
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
-from dummydesign.tissue.fitting.problem import Optimum, Problem, problems_of
+from dummydesign.tissue.fitting.problem import Optimum, Responses, TissueProblem, problems_of
 from dummydesign.tissue.fitting.reduction import reduce_trace
-from dummydesign.tissue.fitting.responses import Responses
+from dummydesign.tissue.fitting.residuals import trace_residuals
 
 MOST_STEPS = 12
 SETTLED_MM = 5e-4
@@ -46,11 +41,8 @@ class ContactOffsets:
 
     def to_list(self, traces: Sequence[Trace]) -> list[dict[str, float | str | bool]]:
         """One row a press."""
-        rows = zip(traces, *(part.tolist() for part in (self.value_mm, self.low_mm, self.high_mm, self.at_end)))
-        return [
-            {"file": trace.name, "value_mm": value, "low_mm": low, "high_mm": high, "at_end": end}
-            for trace, value, low, high, end in rows
-        ]
+        columns = {"file": [trace.name for trace in traces], **{key: part.tolist() for key, part in vars(self).items()}}
+        return [dict(zip(columns, row)) for row in zip(*columns.values())]
 
     def warnings(self, traces: Sequence[Trace]) -> list[dict[str, str]]:
         """What a reader must know of offsets that stand at an end."""
@@ -71,24 +63,7 @@ def shifted(traces: Sequence[Trace], offsets_mm: NDArray) -> list[Trace]:
 
 
 def find_offsets(traces: Sequence[Trace], law: str, mode: str, arms: int, lowpass: Lowpass | None) -> ContactOffsets:
-    """Fit the law and an offset per press together.
-
-    Parameters
-    ----------
-    traces : sequence of Trace
-        The presses.
-    law, mode : str
-        As for :func:`~dummydesign.tissue.fitting.fit.fit_traces`.
-    arms : int
-        Number of arms of the law.
-    lowpass : Lowpass, optional
-        Filter that the forces went through.
-
-    Raises
-    ------
-    InputError
-        When a trace holds no press.
-    """
+    """Fit the law and an offset per press together."""
     at = np.zeros(len(traces))
     error = np.full(len(traces), np.inf)
     reach = LARGEST_SHARE * np.array([reduce_trace(trace).ramp.depth_mm for trace in traces])
@@ -116,7 +91,7 @@ def find_offsets(traces: Sequence[Trace], law: str, mode: str, arms: int, lowpas
     return ContactOffsets(at, at - 1.96 * error, at + 1.96 * error, ended)
 
 
-def with_unknown_offsets(problem: Problem, optimum: Optimum) -> Optimum:
+def with_unknown_offsets(problem: TissueProblem, optimum: Optimum) -> Optimum:
     """The same fit with the offset of every press counted as unknown."""
     slope = problem.bins.stacked(_slope(problem, optimum))
     unknown = UNKNOWN_MM**2 * slope[:, :, None] * slope[:, None]
@@ -127,14 +102,13 @@ def with_unknown_offsets(problem: Problem, optimum: Optimum) -> Optimum:
     return replace(optimum, solution=solution, factor=factor)
 
 
-def _covariance(problem: Problem, optimum: Optimum) -> NDArray:
+def _covariance(problem: TissueProblem, optimum: Optimum) -> NDArray:
     """Covariance of the bins without an error of the contact position, shape (traces, longest, longest). [N2]"""
-    measured = problem.bins.stacked(problem.force)
-    level = np.where(problem.bins.used, measured.max(axis=1, keepdims=True), 0.0)
+    measured, level = problem.measured_and_level()
     return problem.bins.covariance(replace(optimum.noise, position_mm=0.0), np.zeros_like(measured), level)
 
 
-def _slope(problem: Problem, optimum: Optimum) -> NDArray:
+def _slope(problem: TissueProblem, optimum: Optimum) -> NDArray:
     """Change of the force of every bin with the offset of its press, shape (bins,). [N/mm]"""
     theta = optimum.solution.parameters
     base = problem.predict(theta, optimum.arms)[0]
@@ -149,7 +123,7 @@ def _slope(problem: Problem, optimum: Optimum) -> NDArray:
     return (moved - base) / _STEP_MM
 
 
-def _step(problem: Problem, optimum: Optimum) -> tuple[NDArray, NDArray]:
+def _step(problem: TissueProblem, optimum: Optimum) -> tuple[NDArray, NDArray]:
     """Gauss-Newton step of the offset of each press, the parameters of the law free, and its standard deviation."""
     weight = np.linalg.inv(_covariance(problem, optimum))
     force, jacobian = problem.predict(optimum.solution.parameters, optimum.arms)
@@ -169,3 +143,38 @@ def _step(problem: Problem, optimum: Optimum) -> tuple[NDArray, NDArray]:
     moves = (pull - cross @ change) / own
     variance = 1.0 / own + np.einsum("tp,pq,tq->t", cross, inverse, cross) / own**2
     return moves, np.sqrt(variance)
+
+
+PROPOSE = 1.3
+"""Factor over the noise of the holds from which a residual is looked into, and below which it is explained."""
+LEAST_OFFSET_MM = 0.02
+"""Smallest contact offset that is spoken of: robot precision. [mm]"""
+
+
+def proposed_offsets(traces: list[Trace], result: dict[str, Any], lowpass: Lowpass | None) -> dict[str, Any]:
+    """Look for contact offsets that explain the residual of a fit without them.
+
+    They are proposed when the residual stands out of the noise of the holds, the offsets bring it down to that noise,
+    and at least one stands out of its error.
+    """
+    floor = result["noise_floor_N"]
+    if result["rmse_N"] < PROPOSE * floor:
+        return {}
+    arms = (result["elements"] - 1) // 2
+    law, mode = result["law"], result["mode"]
+    offsets = find_offsets(traces, law, mode, arms, lowpass)
+    problems = problems_of(law, mode, [reduce_trace(one) for one in shifted(traces, offsets.value_mm)], lowpass)
+    left = trace_residuals([(problem, problem.optimum(arms)) for problem in problems])["rmse_N"]
+    seen = np.abs(offsets.value_mm) > np.maximum(1.5 * (offsets.high_mm - offsets.value_mm), LEAST_OFFSET_MM)
+    if left > PROPOSE * floor or left > result["rmse_N"] / PROPOSE or not seen.any():
+        return {}
+    worst = int(np.argmax(np.where(seen, np.abs(offsets.value_mm), 0.0)))
+    value, low, high = (float(end[worst]) for end in (offsets.value_mm, offsets.low_mm, offsets.high_mm))
+    message = (
+        f"contact offsets explain the residual ({result['rmse_N']:.3g} N becomes {left:.3g} N): {traces[worst].name} "
+        f"was touched {abs(value):.3f} mm ({min(abs(low), abs(high)):.3f} to {max(abs(low), abs(high)):.3f}) "
+        f"{'before' if value > 0 else 'after'} its zero, {int(seen.sum())} of {len(traces)} presses are off; without "
+        "them the parameters and their intervals are wrong: fit again with --contact per-press"
+    )
+    warning = {"code": "contact_offsets", "message": message}
+    return {"proposed_contact_offsets": offsets.to_list(traces), "warnings": [*result["warnings"], warning]}

@@ -9,21 +9,20 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.errors import InputError, unknown_name
-from dummydesign.core.threads import one_blas_thread
-from dummydesign.inference.model_selection import simplest
-from dummydesign.inference.noise_floor import noise_floor
-from dummydesign.inference.profile import profile_interval
+from dummydesign.core.process import one_blas_thread
+from dummydesign.core.quantity import Quantity
+from dummydesign.inference.likelihood import profile_interval, simplest
+from dummydesign.inference.noise import noise_floor
+from dummydesign.measurement.importing.press_checks import copies_among, doubts_of, subjects_among
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
-from dummydesign.measurement.trace_checks import copies_among, doubts_of, subjects_among
-from dummydesign.tissue.fitting.contact_offsets import find_offsets, shifted, with_unknown_offsets
-from dummydesign.tissue.fitting.groups import rounded_velocity, speed_groups
-from dummydesign.tissue.fitting.offset_proposal import proposed_offsets
-from dummydesign.tissue.fitting.problem import Optimum, Problem, problems_of
-from dummydesign.tissue.fitting.reduction import reduce_trace
+from dummydesign.tissue.fitting.contact_offsets import find_offsets, proposed_offsets, shifted, with_unknown_offsets
+from dummydesign.tissue.fitting.problem import Optimum, TissueProblem, problems_of
+from dummydesign.tissue.fitting.reduction import reduce_trace, rounded_velocity, speed_groups
 from dummydesign.tissue.fitting.residuals import heldout_rmse, trace_residuals
 from dummydesign.tissue.model.laws import fitted_law, law_named
 from dummydesign.tissue.model.parameters import speed_key
+from dummydesign.tissue.model.tissue import Subject
 
 MODES = ("auto", "joint", "per-speed", "per-condition")
 CONTACTS = ("none", "per-press")
@@ -31,8 +30,9 @@ Progress = Callable[[str], None]
 SAME_ERROR = 1.01
 """Errors on left-out conditions that count as the same."""
 
+
 @dataclass(frozen=True)
-class Fit:
+class TissueFit:
     """What was found; :meth:`to_dict` is the JSON of ``fit``.
 
     ``problems`` are the fits it consists of (one, or one per condition) with their optimum.
@@ -43,7 +43,7 @@ class Fit:
     mode: str
     lowpass: Lowpass | None
     result: dict[str, Any]
-    problems: tuple[tuple[Problem, Optimum], ...]
+    problems: tuple[tuple[TissueProblem, Optimum], ...]
 
     def to_dict(self) -> dict[str, Any]:
         """Return parameters, intervals, residuals and the comparison of elements as plain values."""
@@ -52,52 +52,15 @@ class Fit:
 
 @one_blas_thread()
 def fit_traces(
-    traces: Sequence[Trace],
-    elements: int | str = "auto",
-    law: str = "ode",
-    mode: str = "joint",
-    lowpass: Lowpass | None = None,
-    intervals: bool = True,
-    contact: str = "none",
-    progress: Progress | None = None,
-) -> Fit:
+    traces: Sequence[Trace], elements: int | str = "auto", law: str = "ode", mode: str = "joint",
+    lowpass: Lowpass | None = None, intervals: bool = True, contact: str = "none", progress: Progress | None = None,
+) -> TissueFit:  # fmt: skip
     """Fit the tissue law to traces of one tissue or dummy.
 
     Trust-region least squares in log parameters on binned data (about fifty bins a trace), from several
     starts, with a noise model (white, slow, contact position) estimated from the residuals; 95 %
     intervals by profile likelihood; 3, 5 and 7 elements compared by AICc and by the error on left-out
     conditions. The measured motion and the declared sensor filter are part of the model.
-
-    Parameters
-    ----------
-    traces : sequence of Trace
-        Any forces, speeds and repeats of the same specimen.
-    elements : 3, 5, 7 or "auto"
-        ``auto`` takes the fewest whose AICc is within 6 of the lowest, or fewer that predict left-out conditions
-        better (by more than 1 %).
-    law : str
-        ``ode``, ``consistent`` or ``published``; the latter two use mean speed and stop time only.
-    mode : str
-        ``joint`` (one set), ``per-speed`` (gamma shared, c per speed), ``per-condition`` (as the
-        paper: every speed and depth by itself, then averaged), or ``auto``: per speed when speeds differ, else joint.
-    lowpass : Lowpass, optional
-        Filter the recorded forces went through.
-    intervals : bool
-        Whether to compute intervals.
-    contact : str
-        ``none``, or ``per-press``: an offset of the contact of each press is fitted with the law, see
-        :mod:`~dummydesign.tissue.fitting.contact_offsets`.
-    progress : callable, optional
-        Called with a word at each step.
-
-    Returns
-    -------
-    Fit
-
-    Raises
-    ------
-    InputError
-        For unknown choices, no traces, or a trace without a press and a hold.
     """
     form = fitted_law(law)
     allowed = form.elements
@@ -106,10 +69,11 @@ def fit_traces(
     if contact not in CONTACTS:
         raise unknown_name("contact", contact, CONTACTS)
     if elements != "auto" and elements not in allowed:
-        raise InputError(f"elements = {elements} is not one of {', '.join(map(str, allowed))} or auto")
+        message = f"elements = {elements} is not one of {', '.join(map(str, allowed))} or auto"
+        raise InputError(message, "unknown_name", "elements", elements, (*allowed, "auto"))
     if not traces:
-        raise InputError("fit needs at least one trace")
-    whole, tell = list(traces), progress or _silent
+        raise InputError("fit needs at least one trace", "missing", "trace")
+    whole, tell = list(traces), progress or (lambda step: None)
     if mode == "auto":
         mode = "per-speed" if len(speed_groups([reduce_trace(trace) for trace in traces])) > 1 else "joint"
     offsets = None
@@ -121,9 +85,9 @@ def fit_traces(
     reduced = [reduce_trace(trace) for trace in traces]
     problems = problems_of(law, mode, reduced, lowpass)
     optima: dict[int, list[Optimum]] = {}
-    for n in allowed:
-        tell(f"{n} elements")
-        optima[n] = [problem.optimum((n - 1) // 2) for problem in problems]
+    for count in allowed:
+        tell(f"{count} elements")
+        optima[count] = [problem.optimum((count - 1) // 2) for problem in problems]
     tell("presses left out")
     comparison = _comparison(mode, problems, optima)
     chosen = _chosen(comparison) if elements == "auto" else int(elements)
@@ -131,8 +95,7 @@ def fit_traces(
     if offsets is not None:
         pairs = tuple((problem, with_unknown_offsets(problem, optimum)) for problem, optimum in pairs)
     result: dict[str, Any] = {"elements": chosen, "law": law, "mode": mode, "contact": contact}
-    result |= _parameters(mode, pairs, chosen, intervals, tell)
-    result |= trace_residuals(pairs)
+    result |= _parameters(mode, pairs, chosen, intervals, tell) | trace_residuals(pairs)
     place = {trace.name: index for index, trace in enumerate(whole)}
     result["by_trace"].sort(key=lambda row: place[row["file"]])
     result["noise_floor_N"] = noise_floor(trace.hold for trace in reduced)
@@ -150,11 +113,7 @@ def fit_traces(
     if offsets is None and intervals:
         tell("contact of the presses")
         result |= proposed_offsets(whole, result, lowpass)
-    return Fit(chosen, law, mode, lowpass, result, pairs)
-
-
-def _silent(word: str) -> None:
-    """Tell nobody."""
+    return TissueFit(chosen, law, mode, lowpass, result, pairs)
 
 
 def _chosen(comparison: dict[str, dict[str, Any]]) -> int:
@@ -168,7 +127,9 @@ def _chosen(comparison: dict[str, dict[str, Any]]) -> int:
     return simplest({n: criterion[n] for n, error in left_out.items() if error <= SAME_ERROR * best})
 
 
-def _comparison(mode: str, problems: list[Problem], optima: dict[int, list[Optimum]]) -> dict[str, dict[str, Any]]:
+def _comparison(
+    mode: str, problems: list[TissueProblem], optima: dict[int, list[Optimum]]
+) -> dict[str, dict[str, Any]]:
     """Error, AICc and left-out error of 3, 5 and 7 elements."""
     table = {}
     for elements, found in optima.items():
@@ -185,7 +146,7 @@ def _comparison(mode: str, problems: list[Problem], optima: dict[int, list[Optim
 
 
 def _parameters(
-    mode: str, pairs: Sequence[tuple[Problem, Optimum]], elements: int, intervals: bool, tell: Progress
+    mode: str, pairs: Sequence[tuple[TissueProblem, Optimum]], elements: int, intervals: bool, tell: Progress
 ) -> dict[str, Any]:
     """``parameters`` and, by mode, ``by_speed`` or ``by_condition``."""
     names = law_named(pairs[0][0].law).parameter_names(elements)
@@ -195,27 +156,23 @@ def _parameters(
         return {"parameters": dict(zip(names, objects[0]))}
     if mode == "per-speed":
         speeds = [speed_key(speed) for speed, _ in speed_groups(pairs[0][0].traces)]
-        springs, dampers = objects[0][: 1 + arms], objects[0][1 + arms :]
-        by_speed = {
-            speed: dict(zip(names, [*springs, *dampers[at * arms : (at + 1) * arms]]))
-            for at, speed in enumerate(speeds)
-        }
+        springs = objects[0][: 1 + arms]
+        dampers = {speed: objects[0][1 + (at + 1) * arms :][:arms] for at, speed in enumerate(speeds)}
+        by_speed = {speed: dict(zip(names, [*springs, *own])) for speed, own in dampers.items()}
         shared: dict[str, Any] = dict(zip(names, springs))
-        for arm in range(arms):
-            shared[names[1 + arms + arm]] = {speed: dampers[at * arms + arm] for at, speed in enumerate(speeds)}
+        for arm, name in enumerate(names[1 + arms :]):
+            shared[name] = {speed: own[arm] for speed, own in dampers.items()}
         return {"parameters": shared, "by_speed": by_speed}
     conditions: list[dict[str, Any]] = []
     for (problem, _), own in zip(pairs, objects):
         group = problem.traces
-        conditions.append(
-            {
-                "velocity_mm_s": rounded_velocity(float(np.median([t.velocity_mm_s for t in group]))),
-                "depth_mm": float(np.mean([t.ramp.depth_mm for t in group])),
-                "steady_force_N": float(np.mean([t.steady_force_N for t in group])),
-                "traces": [t.trace.name for t in group],
-                "parameters": dict(zip(names, own)),
-            }
-        )
+        conditions.append({
+            "velocity_mm_s": rounded_velocity(float(np.median([t.velocity_mm_s for t in group]))),
+            "depth_mm": float(np.mean([t.ramp.depth_mm for t in group])),
+            "steady_force_N": float(np.mean([t.steady_force_N for t in group])),
+            "traces": [t.trace.name for t in group],
+            "parameters": dict(zip(names, own)),
+        })  # fmt: skip
     reason = "mean over conditions, as the paper reports; a mean of separate fits has no profile interval"
     mean = {
         name: {
@@ -228,69 +185,98 @@ def _parameters(
     return {"parameters": mean, "by_condition": conditions}
 
 
-def _objects(problem: Problem, optimum: Optimum, intervals: bool, tell: Progress) -> list[dict[str, Any]]:
+def _objects(problem: TissueProblem, optimum: Optimum, intervals: bool, tell: Progress) -> list[dict[str, Any]]:
     """Value, interval and state of every parameter, in the order of the parameter vector."""
     low, high = problem.box(optimum.arms)
     model = problem.model(optimum.arms, optimum.factor)
     result = []
     for index, value in enumerate(optimum.solution.parameters):
-        entry: dict[str, Any] = {"value": float(np.exp(value)), "low": None, "high": None}
-        edge = min(value - low[index], high[index] - value)
-        entry["at_bound"] = bool(edge < 1e-4)
+        at_bound = bool(min(value - low[index], high[index] - value) < 1e-4)
+        entry: dict[str, Any] = {"value": float(np.exp(value)), "low": None, "high": None, "at_bound": at_bound}
+        reason = "intervals were not asked for"
         if intervals:
             tell(f"interval {index + 1} of {len(low)}")
             found = profile_interval(model, optimum.solution, index, low, high)
-            entry["low"] = None if found.low is None else float(np.exp(found.low))
-            entry["high"] = None if found.high is None else float(np.exp(found.high))
-            entry["at_bound"] = found.at_bound
-            if found.reason:
-                entry["reason"] = found.reason
-        else:
-            entry["reason"] = "intervals were not asked for"
-        result.append(entry)
+            ends = {"low": found.low, "high": found.high}
+            entry |= {key: None if end is None else float(np.exp(end)) for key, end in ends.items()}
+            entry["at_bound"], reason = found.at_bound, found.reason
+        result.append(entry | ({"reason": reason} if reason else {}))
     return result
 
 
-def _warnings(law: str, result: dict[str, Any], pairs: Sequence[tuple[Problem, Optimum]]) -> list[dict[str, str]]:
-    """Say what a reader of the parameters must know."""
-    found = []
+def _warnings(law: str, result: dict[str, Any], pairs: Sequence[tuple[TissueProblem, Optimum]]) -> list[dict[str, str]]:
+    """Warn of what a reader of the parameters must know."""
+    found: list[tuple[str, str]] = []
     if law_named(law).ideal_ramp:
-        found.append(
-            {"code": "ideal_ramp", "message": f"law {law} knows only an ideal ramp: mean speed and stop time of "
-             "each measured motion were used"}
-        )  # fmt: skip
-    if result["rmse_N"] > 2.0 * result["noise_floor_N"]:
-        floor = result["noise_floor_N"]
-        above = f"{result['rmse_N'] / floor:.1f} times the noise floor" if floor > 0.0 else "above traces without noise"
-        found.append(
-            {"code": "lack_of_fit", "message": f"rms residual {result['rmse_N']:.3g} N is {above}: the law does not "
-             "describe these traces; intervals count the misfit as correlated noise"}
-        )  # fmt: skip
+        found.append(("ideal_ramp", f"law {law} knows only an ideal ramp: mean speed and stop time of each measured "
+                      "motion were used"))  # fmt: skip
+    rmse, floor = result["rmse_N"], result["noise_floor_N"]
+    if rmse > 2.0 * floor:
+        above = f"{rmse / floor:.1f} times the noise floor" if floor > 0.0 else "above traces without noise"
+        found.append(("lack_of_fit", f"rms residual {rmse:.3g} N is {above}: the law does not describe these traces; "
+                      "intervals count the misfit as correlated noise"))  # fmt: skip
     for name, entry in result["parameters"].items():
         for key, one in {"": entry}.items() if "value" in entry else entry.items():
             at = f" at {key} mm/s" if key else ""
             if one["at_bound"]:
-                found.append({"code": "at_bound", "message": f"{name}{at} at the limit of its range"})
+                found.append(("at_bound", f"{name}{at} at the limit of its range"))
             elif "not identifiable" in one.get("reason", ""):
-                found.append({"code": "not_identifiable", "message": f"{name}{at}: {one['reason']}"})
-    broken = _paper_order(pairs)
-    if broken:
-        found.append({"code": "paper_order", "message": broken})
-    return found
-
-
-def _paper_order(pairs: Sequence[tuple[Problem, Optimum]]) -> str:
-    """Say when gamma2 < gamma3 or c2 > c3 does not hold, as the paper always found with five elements."""
-    if pairs[0][1].arms != 2:
-        return ""
-    broken = []
-    for problem, optimum in pairs:
+                found.append(("not_identifiable", f"{name}{at}: {one['reason']}"))
+    broken = set()
+    for problem, optimum in pairs if pairs[0][1].arms == 2 else ():
         _, gamma, damper = problem.split(optimum.solution.parameters, 2)
-        if gamma[0] >= gamma[1]:
-            broken.append("gamma2 < gamma3")
-        if np.any(damper[:, 0] <= damper[:, 1]):
-            broken.append("c2 > c3")
-    if not broken:
-        return ""
-    which = " and ".join(sorted(set(broken)))
-    return f"{which}, which the paper found in all its subjects, does not hold here (arm 2 is the slow one)"
+        broken |= {"gamma2 < gamma3"} if gamma[0] >= gamma[1] else set()
+        broken |= {"c2 > c3"} if np.any(damper[:, 0] <= damper[:, 1]) else set()
+    if broken:
+        found.append(("paper_order", f"{' and '.join(sorted(broken))}, which the paper found in all its subjects, does "
+                      "not hold here (arm 2 is the slow one)"))  # fmt: skip
+    return [{"code": code, "message": text} for code, text in found]
+
+
+UNKNOWN = 1000.0
+"""Factor put on a side of an interval that the data do not bound."""
+
+
+def subject_from_fit(name: str, fit: TissueFit) -> Subject:
+    """Make a subject from a fit: kind ``fitted``, the law and mode in the source.
+
+    An interval without an end on one side gets a factor of :data:`UNKNOWN` there, and its source says so.
+    A fit per condition has no intervals; the range over its conditions stands in.
+    """
+    files = [row["file"] for row in fit.result["by_trace"]]
+    shown = ", ".join(files[:3]) + (f" and {len(files) - 3} more" if len(files) > 3 else "")
+    source = f"fit of {shown}: law {fit.law}, {fit.mode}, rms residual {fit.result['rmse_N']:.3g} N"
+    speeds = [speed_key(speed) for speed, _ in speed_groups([t for p, _ in fit.problems for t in p.traces])]
+    numbers: dict[str, Any] = {}
+    for key, entry in fit.result["parameters"].items():
+        if not key.startswith("c"):
+            numbers[key] = _quantity(entry, source, _over_conditions(fit, key))
+            continue
+        by_speed = dict.fromkeys(speeds, entry) if "value" in entry else entry
+        numbers[key] = {
+            speed: _quantity(one, source, _over_conditions(fit, key, float(speed))) for speed, one in by_speed.items()
+        }
+    return Subject.of(name, fit.law, numbers)
+
+
+def _over_conditions(fit: TissueFit, key: str, speed: float | None = None) -> list[float] | None:
+    """Values of one parameter over the conditions (of one speed) of a fit per condition."""
+    if fit.mode != "per-condition":
+        return None
+    return [
+        condition["parameters"][key]["value"]
+        for condition in fit.result["by_condition"]
+        if speed is None or rounded_velocity(condition["velocity_mm_s"]) == speed
+    ]
+
+
+def _quantity(entry: dict[str, Any], source: str, spread: list[float] | None) -> Quantity:
+    if spread:
+        value = sum(spread) / len(spread)
+        return Quantity(value, min(spread), max(spread), "fitted", f"{source}; low and high over conditions")
+    value, low, high = entry["value"], entry["low"], entry["high"]
+    if low is None or high is None:
+        source = f"{source}; {entry.get('reason', 'no interval')}"
+    low = value / UNKNOWN if low is None else min(low, value)
+    high = value * UNKNOWN if high is None else max(high, value)
+    return Quantity(value, low, high, "fitted", source)

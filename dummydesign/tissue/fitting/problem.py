@@ -1,24 +1,125 @@
-"""The fit of one set of parameters to some traces: model, starts, noise, optimum."""
+"""The fit of one set of parameters to traces: model, starts, noise, optimum."""
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.inference.least_squares import Model, Solution, solve
-from dummydesign.inference.model_selection import aicc
-from dummydesign.inference.noise import Bins, Noise, minus_two_log_likelihood, whitener
-from dummydesign.inference.noise_floor import noise_floor
+from dummydesign.inference.likelihood import aicc
+from dummydesign.inference.noise import (
+    Bins,
+    Noise,
+    likeliest,
+    minus_two_log_likelihood,
+    noise_floor,
+    restricted_likelihood,
+    whitener,
+)
 from dummydesign.measurement.sensor import Lowpass
-from dummydesign.tissue.fitting.groups import condition_groups, speed_groups
-from dummydesign.tissue.fitting.noise import estimate_noise
-from dummydesign.tissue.fitting.reduction import ReducedTrace
-from dummydesign.tissue.fitting.responses import Responses
+from dummydesign.tissue.fitting.reduction import ReducedTrace, condition_groups, speed_groups
 from dummydesign.tissue.model.laws import law_named
+
+PER_DECADE = 10
+SLOWEST_PER_S, FASTEST_PER_S = 1e-3, 3e4
+"""Decay rates r x^2 at the depths of the traces between which A is tabulated."""
+
+
+class Responses:
+    """X and A(ln r) of several traces, their bins joined in one vector."""
+
+    def __init__(self, law: str, traces: list[ReducedTrace], lowpass: Lowpass | None) -> None:
+        from scipy.interpolate import CubicSpline
+
+        depth = [trace.ramp.depth_mm for trace in traces]
+        low, high = np.log(SLOWEST_PER_S / max(depth) ** 2), np.log(FASTEST_PER_S / min(depth) ** 2)
+        grid = np.linspace(low, high, int(np.ceil((high - low) / np.log(10.0) * PER_DECADE)) + 1)
+        elastic, arms = [], []
+        for trace in traces:
+            drive = law_named(law).drive(trace.motion)
+            # by decades: only the fast ones need the fine quadrature
+            parts = [drive.arm(np.exp(part)) for part in np.array_split(grid, max(len(grid) // PER_DECADE, 1))]
+            curves = np.vstack([drive.elastic[None], *parts])
+            if lowpass is not None:
+                curves = lowpass.apply(trace.motion.time_s, curves)
+            binned = curves @ trace.average.T
+            elastic.append(binned[0])
+            arms.append(binned[1:])
+        self.elastic = np.concatenate(elastic)
+        self.log_rate = (float(low), float(high))
+        self._spline = CubicSpline(grid, np.concatenate(arms, axis=1))
+        self._slope = self._spline.derivative()
+
+    def arm(self, log_rate: float) -> tuple[NDArray, NDArray]:
+        """A and dA / d ln r at one ln r, each of shape (bins,). [mm3]
+
+        Faster than the table an arm is a damper, A falls as 1 / r; slower it is a spring.
+        """
+        low, high = self.log_rate
+        if log_rate > high:
+            value = self._spline(high) * np.exp(high - log_rate)
+            return value, -value
+        if log_rate < low:
+            return self._spline(low), np.zeros_like(self.elastic)
+        return self._spline(log_rate), self._slope(log_rate)
+
+
+LOWEST = 1e-4
+"""Slow noise [N], position [mm] and misfit over peak below which they count as none."""
+
+MISFIT_GAIN = 6.0
+"""Gain in twice the log likelihood for which misfit is believed."""
+
+LARGEST_POSITION_MM = 0.05
+"""Largest error of the contact position that is believed; robot precision is 0.02 mm."""
+
+ALIKE = 3.0
+"""Neighbouring bins that misfit alike: the variance of misfit is raised by as much for the intervals."""
+
+FLOOR_N = 1e-3
+"""Smallest white noise that is believed: a tenth of the usual step of a force sensor. [N]"""
+
+
+def estimate_noise(
+    bins: Bins, level: NDArray, slope: NDArray, residual: NDArray, jacobian: NDArray, largest_slow_N: float,
+    start: Noise | None = None,
+) -> Noise:  # fmt: skip
+    """Estimate the noise by restricted maximum likelihood."""
+    with_position = len(residual) >= 4
+    scale = max(float(np.sqrt((residual**2).sum() / bins.used.sum())), FLOOR_N)
+    begin = start or Noise(max(min(scale, largest_slow_N), 2 * FLOOR_N), 0.5 * scale, 0.5, 5e-3 * with_position)
+    low = Noise(FLOOR_N, LOWEST, 5e-3, LOWEST if with_position else 0.0)
+    high = Noise(1.5 * largest_slow_N, largest_slow_N, 5.0, LARGEST_POSITION_MM if with_position else 0.0)
+
+    def search(begin: Noise, low: Noise, high: Noise) -> tuple[Noise, float]:
+        """Sizes whose upper bound is not 0; those at their lower bound become 0."""
+        names = [name for name, value in asdict(high).items() if value > 0]
+
+        def noise_of(sizes: NDArray) -> Noise:
+            kept = {name: 0.0 if value <= 1.02 * LOWEST else value for name, value in zip(names, sizes.tolist())}
+            return Noise(**{**dict.fromkeys(asdict(high), 0.0), **kept})
+
+        def cost_of(sizes: NDArray) -> float:
+            return restricted_likelihood(bins.covariance(noise_of(sizes), slope, level), residual, jacobian)
+
+        first, least, most = (np.array([getattr(one, name) for name in names]) for one in (begin, low, high))
+        sizes, cost = likeliest(cost_of, first, least, most)
+        return noise_of(sizes), cost
+
+    plain, plain_cost = search(begin, low, high)
+    if plain.white_N < 0.9 * high.white_N and plain.slow_N < 0.9 * high.slow_N:
+        return plain  # what is left looks like the noise of the holds
+    low, high = replace(low, misfit_fraction=LOWEST), replace(high, misfit_fraction=1.0)
+    wide, wide_cost = search(replace(plain, misfit_fraction=max(plain.misfit_fraction, 3e-3)), low, high)
+    # slow noise and misfit are alike: misfit must earn its place
+    if wide_cost > plain_cost - MISFIT_GAIN:
+        return plain
+    return replace(wide, misfit_fraction=ALIKE**0.5 * wide.misfit_fraction)
+
 
 START_RATES_PER_S = np.geomspace(0.05, 400.0, 14)
 """Decay rates at the median depth from which starts are combined."""
@@ -35,23 +136,14 @@ class Optimum:
 
 
 def largest_slow(traces: Sequence[ReducedTrace]) -> float:
-    """Slow noise that may be believed: twice what the holds show without any law. [N]"""
+    """Return the slow noise that may be believed: twice what the holds show without any law. [N]"""
     return max(2.0 * noise_floor(trace.hold for trace in traces), 0.01)
 
 
-class Problem:
+class TissueProblem:
     """Traces with one gamma per spring and one c per arm and group of traces.
 
     Parameters (natural logarithms): gamma1, gamma2 .., then for each group c2 .. of its arms.
-
-    Parameters
-    ----------
-    law : str
-        Form of the law.
-    groups : list of list of ReducedTrace
-        Traces that share dampers: one group in a joint fit, one per speed in a fit per speed.
-    lowpass : Lowpass or None
-        Filter the recorded forces went through.
     """
 
     def __init__(self, law: str, groups: list[list[ReducedTrace]], lowpass: Lowpass | None) -> None:
@@ -66,6 +158,10 @@ class Problem:
         self.slices = [slice(a, b) for a, b in itertools.pairwise(ends)]
         self.size = float(np.median([t.steady_force_N / t.ramp.depth_mm**3 for t in self.traces]))
         self.depth = float(np.median([t.ramp.depth_mm for t in self.traces]))
+
+    def by_trace(self, values: NDArray) -> list[tuple[ReducedTrace, NDArray]]:
+        """Return each trace with its part of values of all bins."""
+        return list(zip(self.traces, np.split(values, np.cumsum([len(trace.force_N) for trace in self.traces])[:-1])))
 
     def split(self, theta: NDArray, arms: int) -> tuple[float, NDArray, NDArray]:
         """ln gamma1, ln gamma (arms,) and ln c (groups, arms) of a parameter vector."""
@@ -83,9 +179,7 @@ class Problem:
                 jacobian[where, 1 + arm] = strength * (value + slope)
                 jacobian[where, 1 + arms + group * arms + arm] = -strength * slope
         # F = gamma1 X + sum gamma A: the sum of gamma and c columns of an arm is gamma A itself
-        force = jacobian[:, 0].copy()
-        force += jacobian[:, 1:].sum(axis=1)
-        return force, jacobian
+        return jacobian[:, 0] + jacobian[:, 1:].sum(axis=1), jacobian
 
     def box(self, arms: int) -> tuple[NDArray, NDArray]:
         """Lowest and highest ln parameters."""
@@ -159,17 +253,15 @@ class Problem:
         """Fit: simple weights from all starts, then the noise model estimated and the best refitted twice."""
         low, high = self.box(arms)
         shallow = np.maximum([t.ramp.depth_mm for t in self.traces], 1e-3)[:, None] * 0.1
-        depth = self.bins.stacked(np.concatenate([t.average @ t.motion.displacement_mm for t in self.traces]))
+        depth = self.bins.stacked(np.concatenate([t.depth_mm for t in self.traces]))
         rough = self.bins.stacked(1.0 / (0.03 + 0.02 * np.abs(self.force)))
         factor = np.zeros((*rough.shape, rough.shape[1]))
         diagonal = np.arange(rough.shape[1])
         factor[:, diagonal, diagonal] = np.where(self.bins.used, rough, 1.0)
-        first = solve(self.model(arms, factor), self.starts(arms), low, high, 1e-7)
-        found = first
+        found = first = solve(self.model(arms, factor), self.starts(arms), low, high, 1e-7)
         noise: Noise | None = None
-        measured = self.bins.stacked(self.force)
+        measured, level = self.measured_and_level()
         slope = 3.0 * np.maximum(measured, 0.0) / np.maximum(depth, shallow)
-        level = np.where(self.bins.used, measured.max(axis=1, keepdims=True), 0.0)
         for _ in range(2):
             force, jacobian = self.predict(found.parameters, arms)
             residual, sensitivity = self.bins.stacked(self.force - force), self.bins.stacked(jacobian)
@@ -177,8 +269,16 @@ class Problem:
             factor = whitener(self.bins.covariance(noise, slope, level))
             found = solve(self.model(arms, factor), [found.parameters], low, high)
         assert noise is not None
-        best = Solution(found.parameters, found.chi_square, first.starts, first.agreeing)
-        return Optimum(arms, self._slowest_first(best, arms), noise, factor)
+        # arms in the order of falling c / gamma (geometric mean over groups)
+        gamma1, gamma, damper = self.split(found.parameters, arms)
+        order = np.argsort(gamma - damper.mean(axis=0), kind="stable")
+        theta = np.r_[gamma1, gamma[order], damper[:, order].ravel()]
+        return Optimum(arms, Solution(theta, found.chi_square, first.starts, first.agreeing), noise, factor)
+
+    def measured_and_level(self) -> tuple[NDArray, NDArray]:
+        """Return measured forces, and the peak of their press where there is a bin, both (traces, longest). [N]"""
+        measured = self.bins.stacked(self.force)
+        return measured, np.where(self.bins.used, measured.max(axis=1, keepdims=True), 0.0)
 
     def aicc(self, optimum: Optimum, factor: NDArray) -> float:
         """Corrected Akaike criterion of a fit under a given whitening, refitted under it.
@@ -193,32 +293,10 @@ class Problem:
         unknown = len(theta) + (5 if len(self.traces) >= 4 else 4)
         return aicc(minus_two_log_likelihood(self.bins, factor, residual), unknown, len(self.force))
 
-    def _slowest_first(self, solution: Solution, arms: int) -> Solution:
-        """Order the arms by falling c / gamma (geometric mean over groups)."""
-        gamma1, gamma, damper = self.split(solution.parameters, arms)
-        order = np.argsort(gamma - damper.mean(axis=0), kind="stable")
-        theta = np.r_[gamma1, gamma[order], damper[:, order].ravel()]
-        return Solution(theta, solution.chi_square, solution.starts, solution.agreeing)
 
-
-def problems_of(law: str, mode: str, reduced: list[ReducedTrace], lowpass: Lowpass | None) -> list[Problem]:
-    """The fits that a mode consists of: one, or one per condition.
-
-    Parameters
-    ----------
-    law, mode : str
-        As for :func:`~dummydesign.tissue.fitting.fit.fit_traces`.
-    reduced : list of ReducedTrace
-        The presses in bins.
-    lowpass : Lowpass or None
-        Filter that the forces went through.
-
-    Returns
-    -------
-    list of Problem
-    """
-    if mode == "joint":
-        return [Problem(law, [reduced], lowpass)]
-    if mode == "per-speed":
-        return [Problem(law, [group for _, group in speed_groups(reduced)], lowpass)]
-    return [Problem(law, [group], lowpass) for _, _, group in condition_groups(reduced)]
+def problems_of(law: str, mode: str, reduced: list[ReducedTrace], lowpass: Lowpass | None) -> list[TissueProblem]:
+    """The fits that a mode consists of: one, or one per condition."""
+    if mode == "per-condition":
+        return [TissueProblem(law, [group], lowpass) for _, _, group in condition_groups(reduced)]
+    groups = [reduced] if mode == "joint" else [group for _, group in speed_groups(reduced)]
+    return [TissueProblem(law, groups, lowpass)]

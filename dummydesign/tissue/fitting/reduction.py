@@ -1,17 +1,19 @@
-"""Reduction of a press of a tissue to some fifty bins, and the nodes at which a law is evaluated."""
+"""Reduction of a press to bins, and the groups of presses at one condition."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.inference.reduction import cut, distinct, hold_edges, mean_around
+from dummydesign.inference.binning import cut, distinct, hold_edges, mean_around
 from dummydesign.measurement.landmarks import approach_velocity, find_ramp
 from dummydesign.measurement.motion import Motion, Ramp
 from dummydesign.measurement.trace import Trace
+from dummydesign.tissue.model.measured_curves import SAME_DEPTH, group_near
 
 RISE_BINS = 20
 FIRST_HOLD_S = 1e-3
@@ -24,25 +26,7 @@ SETTLED_S = 0.01
 
 @dataclass(frozen=True)
 class ReducedTrace:
-    """One press in bins, and the motion at the nodes where a model is evaluated.
-
-    Attributes
-    ----------
-    trace : Trace
-        Where it comes from.
-    ramp : Ramp
-        Contact, stop, end of hold.
-    velocity_mm_s, steady_force_N : float
-        Speed the robot was sent with; mean force of the last twentieth of the hold.
-    start_s, end_s, samples, force_N : ndarray, shape (bins,)
-        Edges, number of raw samples and mean force of each bin.
-    motion : Motion
-        Measured displacement at the nodes, shape (nodes,).
-    average : ndarray, shape (bins, nodes)
-        Takes a curve that is linear between the nodes to its means over the raw samples of each bin.
-    inside : ndarray of int
-        Indices of the raw samples that are used.
-    """
+    """One press in bins, and the motion at the nodes where a model is evaluated."""
 
     trace: Trace
     ramp: Ramp
@@ -57,6 +41,21 @@ class ReducedTrace:
     inside: NDArray
 
     @property
+    def hold_s(self) -> float:
+        """How long the depth was held. [s]"""
+        return self.ramp.hold_end_s - self.ramp.stop_time_s
+
+    @property
+    def middle_s(self) -> NDArray:
+        """Middle of each bin. [s]"""
+        return 0.5 * (self.start_s + self.end_s)
+
+    @property
+    def depth_mm(self) -> NDArray:
+        """Mean depth of each bin. [mm]"""
+        return self.average @ self.motion.displacement_mm
+
+    @property
     def hold(self) -> tuple[NDArray, NDArray]:
         """Time since the stop [s] and force [N] of the samples that are used."""
         return self.trace.time_s[self.inside] - self.ramp.stop_time_s, self.trace.force_N[self.inside]
@@ -67,20 +66,16 @@ def reduce_trace(trace: Trace) -> ReducedTrace:
 
     What comes after the hold (unloading) is left out, as is what lies more than a few samples before
     contact. The displacement is kept as measured; in the hold it is averaged between nodes.
-
-    Raises
-    ------
-    InputError
-        With the file name when the trace holds no press or no hold.
     """
     try:
         ramp = find_ramp(trace.time_s, trace.displacement_mm)
     except InputError as problem:
-        raise InputError(f"{trace.name}: {problem}") from None
+        raise problem.within(trace.name) from None
     time, force = trace.time_s, trace.force_N
     hold = ramp.hold_end_s - ramp.stop_time_s
     if hold < 5 * ramp.rise_time_s * 0.02 or hold < 0.05:
-        raise InputError(f"{trace.name}: a hold of {hold:.3g} s is too short to see relaxation; hold 10 s")
+        message = f"{trace.name}: a hold of {hold:.3g} s is too short to see relaxation; hold 10 s"
+        raise InputError(message, "not_enough_data", "hold_s", float(hold))
     edges = _edges(ramp, time)
     binning = cut(time, edges)
     nodes = _nodes(time, edges, ramp)
@@ -129,18 +124,6 @@ def between(at: NDArray, time: NDArray, x: NDArray) -> NDArray:
     1 kHz, which a fit of the fast arm sees. Slopes are at most three times those of the chords beside them, so
     that the curve rises where the samples rise and an abrupt stop stays one.
 
-    Parameters
-    ----------
-    at : ndarray, shape (m,)
-        Times wanted. [s]
-    time, x : ndarray, shape (n,)
-        Increasing times of the samples, and the displacement there. [s, mm]
-
-    Returns
-    -------
-    ndarray, shape (m,)
-        Displacement. [mm]
-
     References
     ----------
     Fritsch and Carlson, SIAM J. Numer. Anal. 17 (1980) 238 (condition for a monotone cubic).
@@ -163,3 +146,32 @@ def between(at: NDArray, time: NDArray, x: NDArray) -> NDArray:
         x[place] * (1 + 2 * t) * (1 - t) ** 2 + x[place + 1] * t**2 * (3 - 2 * t)
         + h * t * (1 - t) * (slope[place] * (1 - t) - slope[place + 1] * t)
     )  # fmt: skip
+
+
+def rounded_velocity(velocity_mm_s: float) -> float:
+    """Nominal speed of a measured one: two significant digits. [mm/s]"""
+    return float(f"{velocity_mm_s:.2g}")
+
+
+def speed_groups(traces: Sequence[ReducedTrace]) -> list[tuple[float, list[ReducedTrace]]]:
+    """Group traces whose speeds are within 15 % of their neighbour's: (nominal speed, traces), rising.
+
+    The nominal speed is the commanded one, where it is the same for all of a group; else two digits of the median.
+    """
+    return [(_nominal(group), group) for group in group_near(traces, lambda trace: trace.velocity_mm_s, 1.15)]
+
+
+def _nominal(group: Sequence[ReducedTrace]) -> float:
+    commanded = {trace.trace.told_mm_s for trace in group}
+    if len(commanded) == 1 and None not in commanded:
+        return group[0].velocity_mm_s
+    return rounded_velocity(float(np.median([trace.velocity_mm_s for trace in group])))
+
+
+def condition_groups(traces: Sequence[ReducedTrace]) -> list[tuple[float, float, list[ReducedTrace]]]:
+    """Group by speed and by depth (5 % apart at most); (speed, mean depth, traces)."""
+    return [
+        (speed, float(np.mean([t.ramp.depth_mm for t in part])), part)
+        for speed, group in speed_groups(traces)
+        for part in group_near(group, lambda trace: trace.ramp.depth_mm, SAME_DEPTH)
+    ]

@@ -1,26 +1,51 @@
-"""The contract of a nonlinear Maxwell law of soft tissue.
-
-A spring gamma1 x^2 acts in parallel with arms of a spring gamma_i and a damper c_i in series: one arm is the
-three-element law, two the five-element law, three the seven-element law. With the arm's rate r_i = gamma_i / c_i the
-force is linear in all gammas,
-
-    F(t) = gamma1 X(t) + sum_i gamma_i A(t; r_i),
-
-and only X, the cube of the displacement a law sees, and A differ from law to law. At rest under a depth x the force is
-gamma1 x^3 in all of them. A law is one module in :mod:`dummydesign.tissue.model.laws`.
-"""
+"""The contract of a nonlinear Maxwell law of soft tissue, for one and for several subjects."""
 
 from __future__ import annotations
 
-from abc import abstractmethod
-from typing import Any, ClassVar, Protocol
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError, out_of_range
-from dummydesign.measurement.motion import Motion
-from dummydesign.tissue.model.subjects_law import SubjectsLaw
+from dummydesign.measurement.motion import Motion, ramp_and_hold
+
+if TYPE_CHECKING:
+    from dummydesign.tissue.model.parameters import Parameters
+
+
+SETTLED_S = 10.0
+"""From this hold on a subject counts as relaxed: what its arms then hold is below 0.6 % of its depth from 5 N on."""
+HELD_FORCES = 40
+
+
+def stack(subjects: Sequence[Parameters], velocity_mm_s: float) -> tuple[str, NDArray, NDArray, NDArray]:
+    """Law, gamma1 (S,), gamma (S, arms) and dampers (S, arms) of several subjects at one speed.
+
+    Raises
+    ------
+    InputError
+        For subjects of different laws or numbers of elements.
+    """
+    law = one_law(subjects)
+    if len({len(subject.gamma_N_per_mm3) for subject in subjects}) != 1:
+        message = "subjects fitted with different numbers of elements cannot share a range"
+        raise InputError(message, "inconsistent", "elements")
+    gamma1 = np.array([subject.gamma1_N_per_mm3 for subject in subjects])
+    gamma = np.array([subject.gamma_N_per_mm3 for subject in subjects])
+    dampers = np.array([subject.dampers_at(velocity_mm_s) for subject in subjects])
+    return law, gamma1, gamma, dampers
+
+
+def one_law(subjects: Sequence[Parameters]) -> str:
+    """Name of the law that subjects share, or InputError where they do not."""
+    laws = {subject.law for subject in subjects}
+    if len(laws) != 1:
+        message = f"subjects fitted with different laws ({', '.join(sorted(laws))}) cannot share a range"
+        raise InputError(message, "inconsistent", "law", sorted(laws))
+    return laws.pop()
 
 
 class Drive(Protocol):
@@ -43,7 +68,7 @@ class Drive(Protocol):
         """
 
 
-class MaxwellLaw(SubjectsLaw):
+class MaxwellLaw(ABC):
     """One form of the law: everything that differs between forms is a method here, and nothing else names a form.
 
     Attributes
@@ -111,18 +136,21 @@ class MaxwellLaw(SubjectsLaw):
             By a law that does not say.
         """
         raise InputError(
-            f"law = '{self.name}' follows ideal ramps only; a robot of finite mass needs a tissue of law ode"
-        )
+            f"law = '{self.name}' follows ideal ramps only; a robot of finite mass needs a tissue of law ode",
+            "unsupported", "law", self.name,
+        )  # fmt: skip
 
-    def said_of(self, name: str) -> tuple[str, str] | None:
+    def notice_of(self, name: str) -> tuple[str, str] | None:
         """Code and words of what must be said of a tissue of this law, by its name; None for nothing."""
         return None
 
     def parameter_names(self, elements: int) -> list[str]:
         """Names of the parameters, in the order gamma1, gamma2.., c2..; refuses elements the law does not have."""
         if elements not in self.elements:
-            raise InputError(f"elements = {elements} is not one of {', '.join(map(str, self.elements))}")
-        return [self.steady_name, *parameter_names(elements)[1:]]
+            message = f"elements = {elements} is not one of {', '.join(map(str, self.elements))}"
+            raise InputError(message, "unknown_name", "elements", elements, self.elements)
+        arms = range(2, 2 + (elements - 1) // 2)
+        return [self.steady_name, *(f"gamma{i}_N_per_mm3" for i in arms), *(f"c{i}_N_s_per_mm" for i in arms)]
 
     def root(self, ratio: ArrayLike) -> NDArray:
         """Depth at rest from force over the steady coefficient. [mm]"""
@@ -147,7 +175,7 @@ class MaxwellLaw(SubjectsLaw):
         springs = [size + end for end in self.log_gamma]
         dampers = [springs[0] - log_rate[1], springs[1] - log_rate[0]]
         low, high = (
-            np.r_[size + self.log_gamma1[end], np.full(arms, springs[end]), np.full(groups * arms, dampers[end])]
+            np.repeat([size + self.log_gamma1[end], springs[end], dampers[end]], [1, arms, groups * arms])
             for end in (0, 1)
         )
         return low, high
@@ -183,7 +211,8 @@ class MaxwellLaw(SubjectsLaw):
         if np.any(gamma < 0) or np.any(gamma1 < 0):
             raise out_of_range("gamma", float(min(gamma.min(), gamma1.min())), 0, "any finite value")
         if gamma.shape[-1:] != damper.shape[-1:]:
-            raise InputError(f"{gamma.shape[-1]} springs but {damper.shape[-1]} dampers; each arm needs one of both")
+            message = f"{gamma.shape[-1]} springs but {damper.shape[-1]} dampers; each arm needs one of both"
+            raise InputError(message, "inconsistent", "c_N_s_per_mm")
         drive = self.drive(motion)
         total = gamma1[..., None] * drive.elastic
         for arm in range(gamma.shape[-1]):
@@ -225,11 +254,107 @@ class MaxwellLaw(SubjectsLaw):
                 break
         return depth
 
+    def steady_depths(self, subjects: Sequence[Parameters], force_N: ArrayLike) -> NDArray:
+        """Depth of each subject at rest, shape (subjects, ...). [mm]
 
-def parameter_names(elements: int) -> list[str]:
-    """Names of the parameters of a law of so many elements, in the order gamma1, gamma2.., c2.."""
-    arms = range(2, 2 + (elements - 1) // 2)
-    return [f"gamma{i}_N_per_mm3" for i in (1, *arms)] + [f"c{i}_N_s_per_mm" for i in arms]
+        Parameters
+        ----------
+        subjects : sequence of Parameters
+        force_N : array_like, shape (...)
+            Below 0 counts as 0. [N]
+        """
+        force = np.maximum(np.asarray(force_N, float), 0.0)
+        return np.stack([self.root(force / subject.gamma1_N_per_mm3) for subject in subjects])
+
+    def steady_forces(self, subjects: Sequence[Parameters], depth_mm: ArrayLike) -> NDArray:
+        """Force of each subject at rest, shape (subjects, ...). [N]
+
+        Parameters
+        ----------
+        subjects : sequence of Parameters
+        depth_mm : array_like, shape (...)
+            Below 0 counts as 0. [mm]
+        """
+        powered = np.maximum(np.asarray(depth_mm, float), 0.0) ** self.power
+        return np.stack([subject.gamma1_N_per_mm3 * powered for subject in subjects])
+
+    def exponent_of(self, subjects: Sequence[Parameters], low_N: float, high_N: float, hold_s: float) -> float:
+        """Exponent of the subjects' steady force over depth between two forces; that of the law.
+
+        Parameters
+        ----------
+        subjects : sequence of Parameters
+            All of this law.
+        low_N, high_N : float
+            [N]
+        hold_s : float
+            At whose end forces are steady. [s]
+        """
+        return self.power
+
+    def held_depths(
+        self, subjects: Sequence[Parameters], force_N: NDArray, velocity_mm_s: float, hold_s: float,
+        deceleration_mm_s2: float,
+    ) -> NDArray:  # fmt: skip
+        """Depths at which subjects still carry forces at the end of a hold, shape (subjects, n). [mm]
+
+        Parameters
+        ----------
+        subjects : sequence of Parameters
+            All of this law.
+        force_N : ndarray, shape (n,)
+            Above 0. [N]
+        velocity_mm_s, hold_s, deceleration_mm_s2 : float
+            Ramp, hold and braking. [mm/s, s, mm/s2]
+        """
+        gamma1, gamma, dampers = stack(subjects, velocity_mm_s)[1:]
+
+        def coarse(depth: NDArray) -> Motion:
+            return ramp_and_hold(velocity_mm_s, depth, hold_s, deceleration_mm_s2, 24, 12, 3)
+
+        return np.stack([self.steady_depth(coarse, float(force), gamma1, gamma, dampers) for force in force_N], axis=-1)
+
+    def end_of_hold_depths(
+        self, subjects: Sequence[Parameters], force_N: NDArray, velocity_mm_s: float, hold_s: float,
+        deceleration_mm_s2: float,
+    ) -> NDArray:  # fmt: skip
+        """Return the held depths at many rising forces: at rest after a long hold, else between forty of them. [mm]
+
+        See :meth:`~dummydesign.tissue.model.maxwell_law.MaxwellLaw.held_depths`.
+        """
+        if self.measured:
+            return self.held_depths(subjects, force_N, velocity_mm_s, hold_s, deceleration_mm_s2)
+        if hold_s >= 0.98 * SETTLED_S:
+            return self.steady_depths(subjects, force_N)
+        known = np.geomspace(force_N[0], force_N[-1], HELD_FORCES if force_N[-1] > force_N[0] else 1)
+        depth = np.log(self.held_depths(subjects, known, velocity_mm_s, hold_s, deceleration_mm_s2))
+        return np.exp([np.interp(np.log(force_N), np.log(known), row) for row in depth])
+
+    def press(
+        self, subjects: Sequence[Parameters], force_N: float, velocity_mm_s: float, hold_s: float,
+        deceleration_mm_s2: float,
+    ) -> tuple[Motion, NDArray, NDArray]:  # fmt: skip
+        """Press every subject to its own depth for the same force at the end of the hold.
+
+        Parameters
+        ----------
+        subjects : sequence of Parameters
+            All of this law.
+        force_N, velocity_mm_s, hold_s, deceleration_mm_s2 : float
+            [N, mm/s, s, mm/s2]
+
+        Returns
+        -------
+        motion : Motion
+            Arrays of shape (subjects, n).
+        force : ndarray, shape (subjects, n)
+            [N]
+        depth : ndarray, shape (subjects,)
+            [mm]
+        """
+        depth = self.held_depths(subjects, np.array([force_N]), velocity_mm_s, hold_s, deceleration_mm_s2)[:, 0]
+        motion = ramp_and_hold(velocity_mm_s, depth, hold_s, deceleration_mm_s2)
+        return motion, self.force(motion, *stack(subjects, velocity_mm_s)[1:]), depth
 
 
 def arms_of(names: Any) -> list[int]:

@@ -8,38 +8,128 @@ belongs to a force (20 %) or a speed (15 %).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.tissue.model.held_press import (
-    SHARES,
-    SPEED_APART,
-    START_SHARE,
-    HeldPress,
-    by_depth,
-    by_speed,
-    carried_on,
-    over_steady,
-    smooth_curve,
-)
 from dummydesign.tissue.model.parameters import Parameters
 
 if TYPE_CHECKING:
     from dummydesign.measurement.motion import Motion
 
+
+SHARES: NDArray = 1.0 - (1.0 - np.linspace(0.0, 1.0, 61)) ** 3
+"""Shares of its depth at which the rise of a press is kept, finer where a robot brakes."""
+FIRST_HOLD_S, HOLD_POINTS = 1e-3, 60
+FORCE_APART, SPEED_APART, HOLD_APART, SAME_DEPTH = 1.2, 1.15, 1.1, 1.05
+"""Factors within which a press belongs to a force, a speed and a hold, and presses to one depth."""
+FINE = 400
+START_SHARE = 0.02
+"""Share of its depth from which on the rise of a press gives the start of the steady curve."""
+DEPTH_MM = 0.02
+"""Half-width to which a depth is taken as known: that to which a robot is taken to repeat. [mm]"""
+
+
+@dataclass(frozen=True, eq=False)
+class HeldPress:
+    """One press of one person: a rise at a speed to a depth that is held."""
+
+    velocity_mm_s: float
+    depth_mm: float
+    rise_N: NDArray
+    time_s: NDArray
+    hold_N: NDArray
+
+    @property
+    def hold_s(self) -> float:
+        """How long it was held. [s]"""
+        return float(self.time_s[-1])
+
+    def steady_N(self, hold_s: float) -> float:
+        """Force at the end of a hold, at most of its own. [N]"""
+        return float(np.interp(hold_s, self.time_s, self.hold_N))
+
+
+@lru_cache(maxsize=64)
+def hold_times(hold_s: float) -> NDArray:
+    """Times since the stop at which a hold is worked out: 0, then growing from 1 ms. [s]"""
+    return np.r_[0.0, np.geomspace(min(FIRST_HOLD_S, 0.1 * hold_s), hold_s, HOLD_POINTS)]
+
+
+def over_steady(press: HeldPress, hold_s: float) -> NDArray:
+    """Rise and hold of a press over its force at the end of the hold."""
+    hold = np.interp(hold_times(hold_s), press.time_s, press.hold_N)
+    return np.r_[press.rise_N, hold] / press.steady_N(hold_s)
+
+
+def smooth_curve(x: NDArray, y: NDArray) -> tuple[NDArray, NDArray]:
+    """The same points with a monotone cubic between them, fine enough for straight lines."""
+    if len(x) < 3:
+        return x, y
+    from scipy.interpolate import PchipInterpolator
+
+    fine = np.unique(np.r_[x, np.linspace(x[0], x[-1], FINE)])
+    return fine, PchipInterpolator(x, y)(fine)
+
+
+def log_steady_curve(x: NDArray, rise_N: NDArray, depth: NDArray, force: NDArray) -> tuple[NDArray, NDArray]:
+    """ln depth and ln force of the steady curve: its points, before them a rise with its level put to the first point.
+
+    Only what rises with depth is kept.
+    """
+    start = (x > START_SHARE * depth[0]) & (x < 0.97 * depth[0]) & (rise_N > 0.0)
+    level = force[0] / float(np.interp(depth[0], x, rise_N))
+    log_depth, log_force = np.log(np.r_[x[start], depth]), np.log(np.r_[rise_N[start] * level, force])
+    rising = np.r_[True, np.diff(np.maximum.accumulate(log_force)) > 0.0]
+    return log_depth[rising], log_force[rising]
+
+
+def extrapolate_linearly(at: NDArray, x: NDArray, y: NDArray) -> NDArray:
+    """Straight lines through points, carried on at both ends by the line through the outer two."""
+    found = np.interp(at, x, y)
+    found = found + np.minimum(at - x[0], 0.0) * (y[1] - y[0]) / (x[1] - x[0])
+    return found + np.maximum(at - x[-1], 0.0) * (y[-1] - y[-2]) / (x[-1] - x[-2])
+
+
+Item = TypeVar("Item")
+
+
+def group_near(items: Iterable[Item], size: Callable[[Item], float], factor: float, of: int = -1) -> list[list[Item]]:
+    """Group items by rising size: each lies within a factor of the last (or, ``of`` = 0, the first) of its group."""
+    groups: list[list[Item]] = []
+    for item in sorted(items, key=size):
+        if groups and size(item) < factor * size(groups[-1][of]):
+            groups[-1].append(item)
+        else:
+            groups.append([item])
+    return groups
+
+
+def by_depth(presses: Iterable[HeldPress]) -> list[list[HeldPress]]:
+    """Presses by rising depth with repeats together."""
+    return group_near(presses, lambda press: press.depth_mm, SAME_DEPTH, of=0)
+
+
+def common_span(people: Iterable[Measured], velocity_mm_s: float, hold_s: float) -> tuple[float, float] | None:
+    """Lowest and highest steady force that all were pressed to at a speed, None where one was not. [N]"""
+    spans = [one.known_N(velocity_mm_s, hold_s) for one in people]
+    known = [span for span in spans if span is not None]
+    return (max(low for low, _ in known), min(high for _, high in known)) if len(known) == len(spans) else None
+
+
 LAW = "curves"
 
 
 class MeasuredParameters(Parameters):
-    """What stands where parameters of a law stand: there are none, and whoever asks for one is told so."""
+    """In place of the parameters of a law: there are none, and asking for one is refused."""
 
     def __init__(self) -> None:
-        for name, value in (("law", LAW), ("gamma_N_per_mm3", ()), ("c_N_s_per_mm", ())):
-            object.__setattr__(self, name, value)
+        self.__dict__.update(law=LAW, gamma_N_per_mm3=(), c_N_s_per_mm=())
 
     __eq__ = object.__eq__
     __hash__ = object.__hash__
@@ -48,7 +138,8 @@ class MeasuredParameters(Parameters):
     @property
     def gamma1_N_per_mm3(self) -> float:  # type: ignore[override]
         """There is none."""
-        raise InputError("measured curves have no parameters; this needs a tissue with a law, such as ode")
+        message = "measured curves have no parameters; this needs a tissue with a law, such as ode"
+        raise InputError(message, "unsupported", "law", LAW)
 
     def to_dict(self) -> dict[str, str]:
         """Return the law's name alone."""
@@ -56,29 +147,8 @@ class MeasuredParameters(Parameters):
 
     def force(self, motion: Motion, velocity_mm_s: float) -> NDArray:
         """Force under any motion, which curves do not give."""
-        raise InputError("measured curves give the presses that were made, not the force under any motion")
-
-    def hold_known_s(self) -> float:
-        """Longest hold that all presses were held for. [s]"""
-        raise NotImplementedError
-
-    def known_N(self, velocity_mm_s: float, hold_s: float) -> tuple[float, float] | None:
-        """Lowest and highest steady force that was pressed at a speed, None for a speed that was not. [N]"""
-        raise NotImplementedError
-
-    def depth_mm(self, force_N: ArrayLike, hold_s: float) -> NDArray:
-        """Depth at forces at the end of a hold. [mm]"""
-        raise NotImplementedError
-
-    def shape_N(self, force_N: float, velocity_mm_s: float, hold_s: float) -> tuple[NDArray, NDArray]:
-        """Force at :data:`SHARES` of the depth and at :func:`hold_times` of a press to a force at its end. [N]
-
-        Parameters
-        ----------
-        force_N, velocity_mm_s, hold_s : float
-            Of the press. [N, mm/s, s]
-        """
-        raise NotImplementedError
+        message = "measured curves give the presses that were made, not the force under any motion"
+        raise InputError(message, "unsupported", "law", LAW)
 
 
 class MeasuredPerson(MeasuredParameters):
@@ -86,9 +156,9 @@ class MeasuredPerson(MeasuredParameters):
 
     def __init__(self, presses: Sequence[HeldPress]) -> None:
         super().__init__()
-        object.__setattr__(self, "presses", tuple(presses))
-        object.__setattr__(self, "_by_speed", by_speed(presses))
-        object.__setattr__(self, "_curves", {})
+        speeds = sorted({press.velocity_mm_s for press in presses})
+        groups = {speed: by_depth(press for press in presses if press.velocity_mm_s == speed) for speed in speeds}
+        self.__dict__.update(presses=tuple(presses), _by_speed=groups, _curves={})
 
     presses: tuple[HeldPress, ...]
     _by_speed: dict[float, list[list[HeldPress]]]
@@ -117,12 +187,12 @@ class MeasuredPerson(MeasuredParameters):
     def depth_mm(self, force_N: ArrayLike, hold_s: float) -> NDArray:
         """Depth at forces at the end of a hold, on the steady curve of all presses. [mm]"""
         log_depth, log_force = self.steady_curve(hold_s)
-        return np.exp(carried_on(np.log(np.maximum(force_N, 1e-12)), log_force, log_depth))
+        return np.exp(extrapolate_linearly(np.log(np.maximum(force_N, 1e-12)), log_force, log_depth))
 
     def steady_N(self, depth_mm: ArrayLike, hold_s: float) -> NDArray:
         """Force at the end of a hold at depths. [N]"""
         log_depth, log_force = self.steady_curve(hold_s)
-        return np.exp(carried_on(np.log(np.maximum(depth_mm, 1e-12)), log_depth, log_force))
+        return np.exp(extrapolate_linearly(np.log(np.maximum(depth_mm, 1e-12)), log_depth, log_force))
 
     def steady_curve(self, hold_s: float) -> tuple[NDArray, NDArray]:
         """Points of ln depth and ln steady force, rising. [ln mm, ln N]"""
@@ -132,13 +202,7 @@ class MeasuredPerson(MeasuredParameters):
         return self._curves[key]
 
     def shape_N(self, force_N: float, velocity_mm_s: float, hold_s: float) -> tuple[NDArray, NDArray]:
-        """Force at :data:`SHARES` of the depth and at :func:`hold_times` of a press to a force at its end. [N]
-
-        Parameters
-        ----------
-        force_N, velocity_mm_s, hold_s : float
-            Of the press. [N, mm/s, s]
-        """
+        """Force at :data:`SHARES` of the depth and at :func:`hold_times` of a press to a force at its end. [N]"""
         depth = float(self.depth_mm(force_N, hold_s))
         rows = [share * self._ratios(speed, depth, hold_s) for speed, share in self._speeds(velocity_mm_s)]
         mean = np.sum(rows, axis=0)
@@ -189,21 +253,16 @@ class MeasuredPerson(MeasuredParameters):
         return (1.0 - share) * rows[at - 1] + share * rows[at]
 
     def _steady_curve(self, hold_s: float) -> tuple[NDArray, NDArray]:
-        groups = by_depth(sorted(self.presses, key=lambda press: press.depth_mm))
-        knots = [
-            (np.mean([press.depth_mm for press in group]), np.mean([press.steady_N(hold_s) for press in group]))
-            for group in groups
-        ]
-        depth, force = np.array(knots).T
+        groups = by_depth(self.presses)
+        depth = np.array([np.mean([press.depth_mm for press in group]) for group in groups])
+        force = np.array([np.mean([press.steady_N(hold_s) for press in group]) for group in groups])
         first = self._by_speed[self.velocities_mm_s[0]][0][0]
         x, rise = SHARES * first.depth_mm, np.maximum.accumulate(first.rise_N)
-        start = (x > START_SHARE * depth[0]) & (x < 0.97 * depth[0]) & (rise > 0.0)
-        level = force[0] / float(np.interp(depth[0], x, rise))
-        log_depth, log_force = np.log(np.r_[x[start], depth]), np.log(np.r_[rise[start] * level, force])
-        rising = np.r_[True, np.diff(np.maximum.accumulate(log_force)) > 0.0]
-        if rising.sum() < 2:
-            raise InputError(f"the press to {first.depth_mm:g} mm carries no force that rises with depth")
-        return smooth_curve(log_depth[rising], log_force[rising])
+        log_depth, log_force = log_steady_curve(x, rise, depth, force)
+        if len(log_depth) < 2:
+            message = f"the press to {first.depth_mm:g} mm carries no force that rises with depth"
+            raise InputError(message, "not_enough_data", "force_N")
+        return smooth_curve(log_depth, log_force)
 
 
 class MeasuredAim(MeasuredParameters):
@@ -215,8 +274,7 @@ class MeasuredAim(MeasuredParameters):
 
     def __init__(self, people: Sequence[MeasuredPerson], aim: str) -> None:
         super().__init__()
-        object.__setattr__(self, "people", tuple(people))
-        object.__setattr__(self, "aim", aim)
+        self.__dict__.update(people=tuple(people), aim=aim)
 
     people: tuple[MeasuredPerson, ...]
     aim: str
@@ -232,9 +290,7 @@ class MeasuredAim(MeasuredParameters):
 
     def known_N(self, velocity_mm_s: float, hold_s: float) -> tuple[float, float] | None:
         """Forces that all were pressed to at a speed, None where one was not. [N]"""
-        ends = [one.known_N(velocity_mm_s, hold_s) for one in self.people]
-        whole = [pair for pair in ends if pair is not None]
-        return (max(p[0] for p in whole), min(p[1] for p in whole)) if len(whole) == len(ends) else None
+        return common_span(self.people, velocity_mm_s, hold_s)
 
     def depth_mm(self, force_N: ArrayLike, hold_s: float) -> NDArray:
         """Depth at forces at the end of a hold. [mm]"""
@@ -242,13 +298,10 @@ class MeasuredAim(MeasuredParameters):
         return np.exp(np.log(depth).mean(axis=0)) if self.aim == "average" else depth.min(axis=0)
 
     def shape_N(self, force_N: float, velocity_mm_s: float, hold_s: float) -> tuple[NDArray, NDArray]:
-        """Force at shares of the depth and at times of the hold. [N]
-
-        Parameters
-        ----------
-        force_N, velocity_mm_s, hold_s : float
-            Of the press. [N, mm/s, s]
-        """
+        """Force at shares of the depth and at times of the hold. [N]"""
         rows = [one.shape_N(force_N, velocity_mm_s, hold_s) for one in self.people]
         over = np.mean if self.aim == "average" else np.max
         return over([rise for rise, _ in rows], axis=0), over([hold for _, hold in rows], axis=0)
+
+
+Measured = MeasuredPerson | MeasuredAim

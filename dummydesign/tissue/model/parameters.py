@@ -19,19 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Parameters:
-    """Parameters of the tissue law; arm 2 is the slow one.
-
-    Attributes
-    ----------
-    law : str
-        Form of the law they were fitted with; forms are never mixed.
-    gamma1_N_per_mm3 : float
-        Steady coefficient, F_s = gamma1 x^3; of a law of another power F_s = gamma1 x^power. [N/mm3, N/mm^power]
-    gamma_N_per_mm3 : tuple of float
-        Springs of the arms 2, 3, ... [N/mm3]
-    c_N_s_per_mm : tuple of (speed [mm/s], tuple of dampers [N s/mm])
-        Dampers of the arms at each speed they are known at, by rising speed.
-    """
+    """Parameters of the tissue law; arm 2 is the slow one."""
 
     law: str
     gamma1_N_per_mm3: float
@@ -40,11 +28,12 @@ class Parameters:
 
     def __post_init__(self) -> None:
         if self.gamma_N_per_mm3 and not self.c_N_s_per_mm:
-            raise InputError("tissue parameters need dampers for at least one speed")
+            raise InputError("tissue parameters need dampers for at least one speed", "missing", "c_N_s_per_mm")
         numbers = [self.gamma1_N_per_mm3, *self.gamma_N_per_mm3]
         for _, dampers in self.c_N_s_per_mm:
             if len(dampers) != len(self.gamma_N_per_mm3):
-                raise InputError(f"{len(self.gamma_N_per_mm3)} springs but {len(dampers)} dampers in the arms")
+                message = f"{len(self.gamma_N_per_mm3)} springs but {len(dampers)} dampers in the arms"
+                raise InputError(message, "inconsistent", "c_N_s_per_mm")
             numbers += dampers
         if min(numbers) <= 0:
             raise out_of_range("tissue parameter", min(numbers), "above 0", "any finite value")
@@ -88,14 +77,14 @@ class Parameters:
         """Return the outward names: gamma1_N_per_mm3 .., c2_N_s_per_mm {speed: value} .., and the law."""
         from dummydesign.tissue.model.laws import law_named
 
-        result: dict[str, Any] = {law_named(self.law).steady_name: self.gamma1_N_per_mm3}
-        for arm, value in enumerate(self.gamma_N_per_mm3, start=2):
-            result[f"gamma{arm}_N_per_mm3"] = value
-        for arm in range(len(self.gamma_N_per_mm3)):
-            by_speed = {speed_key(speed): dampers[arm] for speed, dampers in self.c_N_s_per_mm}
-            result[f"c{arm + 2}_N_s_per_mm"] = by_speed
-        result["law"] = self.law
-        return result
+        by_speed = {speed_key(speed): dampers for speed, dampers in self.c_N_s_per_mm}
+        arms = range(len(self.gamma_N_per_mm3))
+        return {
+            law_named(self.law).steady_name: self.gamma1_N_per_mm3,
+            **{f"gamma{arm + 2}_N_per_mm3": self.gamma_N_per_mm3[arm] for arm in arms},
+            **{f"c{arm + 2}_N_s_per_mm": {speed: c[arm] for speed, c in by_speed.items()} for arm in arms},
+            "law": self.law,
+        }
 
     @classmethod
     def from_dict(cls, law: str, values: Mapping[str, Any]) -> Parameters:
@@ -103,15 +92,10 @@ class Parameters:
         from dummydesign.tissue.model.laws import law_named
 
         arms = arms_of(values)
-        speeds = sorted(values[f"c{arms[0]}_N_s_per_mm"], key=float) if arms else []
-        return cls(
-            law,
-            float(values[law_named(law).steady_name]),
-            tuple(float(values[f"gamma{arm}_N_per_mm3"]) for arm in arms),
-            tuple(
-                (float(speed), tuple(float(values[f"c{arm}_N_s_per_mm"][speed]) for arm in arms)) for speed in speeds
-            ),
-        )
+        speeds = sorted(values.get(f"c{arms[0]}_N_s_per_mm", ()), key=float) if arms else []
+        gamma = tuple(float(values[f"gamma{arm}_N_per_mm3"]) for arm in arms)
+        c = [(float(speed), tuple(float(values[f"c{arm}_N_s_per_mm"][speed]) for arm in arms)) for speed in speeds]
+        return cls(law, float(values[law_named(law).steady_name]), gamma, tuple(c))
 
 
 def speed_key(velocity_mm_s: float) -> str:

@@ -8,6 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.quantity import Quantity
+from dummydesign.core.serialise import to_plain
+from dummydesign.tissue.model import ranges
+from dummydesign.tissue.model.laws import law_named
+from dummydesign.tissue.model.measured_curves import MeasuredAim
 from dummydesign.tissue.model.parameters import Parameters, speed_key
 
 if TYPE_CHECKING:
@@ -32,9 +36,45 @@ class Subject:
     parameters: Parameters
     numbers: dict[str, Any]
 
+    @classmethod
+    def of(cls, name: str, law: str, numbers: dict[str, Any]) -> Subject:
+        """Make a subject of a law from its numbers.
+
+        Parameters
+        ----------
+        name : str
+            Of the person.
+        law : str
+            Name of the law.
+        numbers : dict
+            Quantity by outward name; dampers {speed: Quantity}.
+        """
+        values = nest({key: quantity.value for key, quantity in flatten(numbers).items()})
+        return cls(name, Parameters.from_dict(law, values), numbers)
+
     def to_dict(self) -> dict[str, Any]:
         """Return the name and the numbers with their sources."""
-        return {"name": self.name, **_numbers_to_dict(self.numbers)}
+        return {"name": self.name, **to_plain(self.numbers)}
+
+
+def flatten(numbers: Mapping[str, Any]) -> dict[tuple[str, str], Any]:
+    """Return numbers by (name, speed); springs have no speed."""
+    return {
+        (name, speed): number
+        for name, entry in numbers.items()
+        for speed, number in (entry.items() if isinstance(entry, dict) else [("", entry)])
+    }
+
+
+def nest(flat: Mapping[tuple[str, str], Any]) -> dict[str, Any]:
+    """Return numbers by name, dampers as {speed: number}."""
+    numbers: dict[str, Any] = {}
+    for (name, speed), number in flat.items():
+        if speed:
+            numbers.setdefault(name, {})[speed] = number
+        else:
+            numbers[name] = number
+    return numbers
 
 
 def behind_ranges(people: int) -> str:
@@ -87,20 +127,20 @@ class Tissue:
     @cached_property
     def measured(self) -> bool:
         """Whether its subjects are measured curves, without parameters."""
-        from dummydesign.tissue.model.laws import law_named
-
         return law_named(self.law).measured
 
     @cached_property
-    def said(self) -> tuple[str, str] | None:
-        """Code and words of what every answer must say of its law; None for nothing."""
-        from dummydesign.tissue.model.laws import law_named
+    def notice(self) -> tuple[str, str] | None:
+        """Code and words of what every answer must tell about its law; None for nothing."""
+        notice = law_named(self.law).notice_of(self.name)
+        if notice is None or not self.measured:
+            return notice
+        return notice[0], f"{notice[1]}; {behind_ranges(len(self.subjects))}"
 
-        found = law_named(self.law).said_of(self.name)
-        if found is None or not self.measured:
-            return found
-        code, text = found
-        return code, f"{text}; {behind_ranges(len(self.subjects))}"
+    @property
+    def warnings(self) -> list[dict[str, str]]:
+        """The notice as a list of warnings."""
+        return [] if self.notice is None else [dict(zip(("code", "message"), self.notice))]
 
     @cached_property
     def elements(self) -> int:
@@ -116,7 +156,7 @@ class Tissue:
     @cached_property
     def kinds(self) -> tuple[str, ...]:
         """Kinds of the numbers, such as ``inferred`` or ``fitted``."""
-        return tuple(sorted({number.kind for number, _ in self._all_numbers()}))
+        return tuple(sorted({q.kind for subject in self.subjects for q in flatten(subject.numbers).values()}))
 
     @cached_property
     def bands(self) -> dict[str, Any]:
@@ -125,15 +165,11 @@ class Tissue:
         Dampers are {speed: Quantity}. The band says how people differ; how well each subject is known
         is in the subject's own interval.
         """
-        bands: dict[str, Any] = {}
+        speeds, bands = [speed_key(speed) for speed in self.velocities_mm_s], {}
         for name, entry in self.subjects[0].numbers.items():
-            if isinstance(entry, dict):
-                bands[name] = {
-                    speed_key(speed): self._band([s.numbers[name][speed_key(speed)] for s in self.subjects])
-                    for speed in self.velocities_mm_s
-                }
-            else:
-                bands[name] = self._band([subject.numbers[name] for subject in self.subjects])
+            rows = [subject.numbers[name] for subject in self.subjects]
+            by_speed = isinstance(entry, dict)
+            bands[name] = {key: _band([row[key] for row in rows]) for key in speeds} if by_speed else _band(rows)
         return bands
 
     def target(self, aim: str = "average") -> Parameters:
@@ -151,48 +187,31 @@ class Tissue:
             for subject in self.subjects:
                 if subject.name.lower() == wanted:
                     return subject.parameters
-            raise unknown_name(f"subject of {self.name}", wanted, [s.name for s in self.subjects])
+            raise unknown_name(f"subject of {self.name}", wanted, [s.name for s in self.subjects], quantity="subject")
         if aim not in AIMS:
             raise unknown_name("aim", aim, [*AIMS, "subject:NAME"])
         if self.measured:
-            from dummydesign.tissue.model.measured_curves import MeasuredAim
-
             return MeasuredAim(self.parameter_sets, aim)  # type: ignore[arg-type]
         chosen = "value" if aim == "average" else "high"
-        values = {
-            name: {speed: getattr(q, chosen) for speed, q in band.items()}
-            if isinstance(band, dict)
-            else getattr(band, chosen)
-            for name, band in self.bands.items()
-        }
-        return Parameters.from_dict(self.law, values)
+        values = {key: getattr(quantity, chosen) for key, quantity in flatten(self.bands).items()}
+        return Parameters.from_dict(self.law, nest(values))
 
     def steady_force_range(self, depth_mm: ArrayLike) -> tuple[NDArray, NDArray]:
         """Lowest and highest steady force gamma1 x^3 of the subjects over depth. [N]"""
-        from dummydesign.tissue.model.steady_ranges import steady_force_range
-
-        return steady_force_range(self.parameter_sets, depth_mm)
+        return ranges.steady_force_range(self.parameter_sets, depth_mm)
 
     def steady_depth_range(self, force_N: ArrayLike) -> tuple[NDArray, NDArray]:
         """Depth of the stiffest and of the softest subject over steady force. [mm]"""
-        from dummydesign.tissue.model.steady_ranges import steady_depth_range
-
-        return steady_depth_range(self.parameter_sets, force_N)
+        return ranges.steady_depth_range(self.parameter_sets, force_N)
 
     def steady_inside(self, force_N: ArrayLike, depth_mm: ArrayLike) -> dict[str, NDArray]:
-        """Fraction of steady curves in the range; see :func:`dummydesign.tissue.model.steady_ranges.steady_inside`."""
-        from dummydesign.tissue.model.steady_ranges import steady_inside
-
-        return steady_inside(self.parameter_sets, force_N, depth_mm)
+        """Fraction of steady curves in the range; see :func:`dummydesign.tissue.model.ranges.steady_inside`."""
+        return ranges.steady_inside(self.parameter_sets, force_N, depth_mm)
 
     def force_range(
-        self,
-        steady_force_N: float,
-        velocity_mm_s: float,
-        hold_s: float = 10.0,
-        deceleration_mm_s2: float = 30_000.0,
-        lowpass: Lowpass | None = None,
-    ) -> ForceRange:
+        self, steady_force_N: float, velocity_mm_s: float, hold_s: float = 10.0,
+        deceleration_mm_s2: float = 30_000.0, lowpass: Lowpass | None = None,
+    ) -> ForceRange:  # fmt: skip
         """Envelope of the subjects' F(t) at one condition; see :func:`dummydesign.tissue.model.ranges.force_range`.
 
         Parameters
@@ -206,46 +225,22 @@ class Tissue:
         lowpass : Lowpass, optional
             Sensor filter to put on the curves; none by default.
         """
-        from dummydesign.tissue.model.ranges import force_range
-
-        return force_range(self.parameter_sets, steady_force_N, velocity_mm_s, hold_s, deceleration_mm_s2, lowpass)
+        condition = steady_force_N, velocity_mm_s, hold_s, deceleration_mm_s2
+        return ranges.force_range(self.parameter_sets, *condition, lowpass)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the whole tissue with bands, subjects, sources and notes."""
-        return {
-            "name": self.name,
-            "title": self.title,
-            "origin": self.origin,
-            "law": self.law,
-            "elements": self.elements,
-            "bands": _numbers_to_dict(self.bands),
-            "subjects": [subject.to_dict() for subject in self.subjects],
-            "notes": list(self.notes),
-            "sources": list(self.sources),
-        }
-
-    def _band(self, numbers: list[Quantity]) -> Quantity:
-        values = [number.value for number in numbers]
-        kinds = sorted({number.kind for number in numbers})
-        text = f"mean, smallest and largest of {len(values)} subjects; {numbers[0].source}"
-        # The weakest kind speaks for the band: one inferred subject makes it inferred.
-        order = ("assumed", "inferred", "digitised", "fitted", "measured")
-        kind = min(kinds, key=order.index)
-        return Quantity(sum(values) / len(values), min(values), max(values), kind, text)
-
-    def _all_numbers(self) -> list[tuple[Quantity, str]]:
-        found = []
-        for subject in self.subjects:
-            for name, entry in subject.numbers.items():
-                found += [(q, name) for q in (entry.values() if isinstance(entry, dict) else [entry])]
-        return found
+        names = ("name", "title", "origin", "law", "elements", "bands", "subjects", "notes", "sources")
+        return to_plain({name: getattr(self, name) for name in names})
 
 
-def _numbers_to_dict(numbers: dict[str, Any]) -> dict[str, Any]:
-    return {
-        name: {speed: q.to_dict() for speed, q in entry.items()} if isinstance(entry, dict) else entry.to_dict()
-        for name, entry in numbers.items()
-    }
+def _band(numbers: list[Quantity]) -> Quantity:
+    values = [number.value for number in numbers]
+    text = f"mean, smallest and largest of {len(values)} subjects; {numbers[0].source}"
+    # The weakest kind speaks for the band: one inferred subject makes it inferred.
+    order = ("assumed", "inferred", "digitised", "fitted", "measured")
+    kind = min({number.kind for number in numbers}, key=order.index)
+    return Quantity(sum(values) / len(values), min(values), max(values), kind, text)
 
 
 def same_shape(subjects: tuple[Subject, ...]) -> None:
@@ -255,10 +250,12 @@ def same_shape(subjects: tuple[Subject, ...]) -> None:
         if subject.parameters.law != first.law:
             raise InputError(
                 f"subject '{subject.name}' has law {subject.parameters.law}, "
-                f"'{subjects[0].name}' {first.law}; laws are never mixed"
-            )
+                f"'{subjects[0].name}' {first.law}; laws are never mixed",
+                "inconsistent", "law", subject.parameters.law, first.law,
+            )  # fmt: skip
         if len(subject.parameters.gamma_N_per_mm3) != len(first.gamma_N_per_mm3):
-            raise InputError(f"subject '{subject.name}' has another number of elements than '{subjects[0].name}'")
+            message = f"subject '{subject.name}' has another number of elements than '{subjects[0].name}'"
+            raise InputError(message, "inconsistent", "elements")
     if first.velocities_mm_s:
         share_a_speed({subject.name: subject.parameters.velocities_mm_s for subject in subjects})
 
@@ -282,5 +279,6 @@ def share_a_speed(velocities_mm_s: Mapping[str, Sequence[float]]) -> None:
             own, others = (", ".join(f"{v:g}" for v in sorted(set(velocities_mm_s[who]))) for who in (name, first))
             raise InputError(
                 f"subject '{name}' ({own} mm/s) shares no speed with '{first}' ({others} mm/s): "
-                "people pressed at different speeds make no range; press all at one of them"
-            )
+                "people pressed at different speeds make no range; press all at one of them",
+                "inconsistent", "velocity_mm_s", list(speeds), list(velocities_mm_s[first]),
+            )  # fmt: skip

@@ -1,21 +1,102 @@
-"""Tissue files: read with errors that name file and line, and written so that they can be read again."""
+"""Read and write tissue files, with measured curves; errors name file and line."""
 
 from __future__ import annotations
 
-from pathlib import Path
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
-from dummydesign.core.datafiles import Entry, data_folder, entries, find, read_toml, toml_line
-from dummydesign.core.errors import InputError, unknown_name
-from dummydesign.core.quantity import Quantity, line_of, read_quantity
-from dummydesign.tissue.model.curves_file import press_lines, read_people
+import numpy as np
+
+from dummydesign.core.errors import InputError
+from dummydesign.core.library import Entry, data_folder, entries, find, toml_line
+from dummydesign.core.quantity import KINDS, Quantity
+from dummydesign.core.toml_schema import Table, read_table
 from dummydesign.tissue.model.laws import LAWS, law_named
+from dummydesign.tissue.model.laws.curves import CURVES, known_words
 from dummydesign.tissue.model.maxwell_law import arms_of
-from dummydesign.tissue.model.parameters import Parameters, speed_key
+from dummydesign.tissue.model.measured_curves import (
+    DEPTH_MM,
+    FORCE_APART,
+    SHARES,
+    HeldPress,
+    MeasuredPerson,
+    common_span,
+)
+from dummydesign.tissue.model.parameters import speed_key
 from dummydesign.tissue.model.tissue import Subject, Tissue, same_shape
 
 KIND = "materials/tissues"
-_TOP = ("schema", "name", "title", "law", "sources", "notes", "subject", "inference")
+KEYS = ("schema", "name", "title", "law", "sources", "notes", "subject", "inference")
+PRESS_KEYS = ("velocity_mm_s", "depth_mm", "rise_force_N", "hold_time_s", "hold_force_N")
+ONE_FORCE = 1.3
+"""Ratio of the highest to the lowest force in common below which one force stands for both."""
+
+
+def subjects_of(people: Sequence[tuple[str, MeasuredPerson, str, str]]) -> tuple[Subject, ...]:
+    """Make subjects of people with their presses.
+
+    Parameters
+    ----------
+    people : sequence of (name, MeasuredPerson, kind, source)
+
+    Raises
+    ------
+    InputError
+        When they share no speed or no steady force.
+    """
+    every = [person for _, person, _, _ in people]
+    speeds = sorted(set.intersection(*(set(one.velocities_mm_s) for one in every)))
+    if not speeds:
+        made = "; ".join(f"{name} at {', '.join(f'{v:g}' for v in one.velocities_mm_s)}" for name, one, _, _ in people)
+        message = f"the people share no speed: {made} mm/s; press all at one speed"
+        raise InputError(message, "inconsistent", "velocity_mm_s")
+    hold = min(one.hold_known_s() for one in every)
+    forces = common_forces(every, speeds, hold)
+    if not forces:
+        made = "; ".join(f"{name} {known_words([one])}" for name, one, _, _ in people)
+        message = f"the people share no steady force within 20 %: {made}; press all to the same steady forces"
+        raise InputError(message, "inconsistent", "force_N")
+    found = []
+    for name, person, kind, source in people:
+        numbers: dict[str, Quantity] = {}
+        words = f"{source}; the interval is what {DEPTH_MM:g} mm of depth make of it"
+        for force in forces:
+            depth = float(person.depth_mm(force, hold))
+            exponent = CURVES.exponent_of([person], force, force, hold)
+            numbers[f"depth_at_{force:g}N_mm"] = _number(depth, DEPTH_MM, kind, words)
+            for speed in speeds:
+                rise, after = person.shape_N(force, speed, hold)
+                peak = float(max(rise.max(), after.max()))
+                width = peak * exponent * DEPTH_MM / depth
+                numbers[f"peak_at_{force:g}N_{speed:g}mm_s_N"] = _number(peak, width, kind, words)
+        found.append(Subject(name, person, numbers))
+    return tuple(sorted(found, key=lambda one: -float(np.mean(one.parameters.depth_mm(np.array(forces), hold)))))  # type: ignore[attr-defined]
+
+
+def common_forces(people: Sequence[MeasuredPerson], speeds: Sequence[float], hold_s: float) -> tuple[float, ...]:
+    """Steady forces that all were pressed to at all speeds: the lowest, the middle and the highest, or one. [N]
+
+    Parameters
+    ----------
+    people : sequence of MeasuredPerson
+        With their presses.
+    speeds : sequence of float
+        That all share. [mm/s]
+    hold_s : float
+        At whose end forces are steady. [s]
+    """
+    spans = [span for speed in speeds if (span := common_span(people, speed, hold_s)) is not None]
+    low, high = max(span[0] for span in spans), min(span[1] for span in spans)
+    if low > high * FORCE_APART**2:
+        return ()
+    if high < ONE_FORCE * low:
+        return (float(f"{np.sqrt(low * high):.2g}"),)
+    return tuple(float(f"{force:.2g}") for force in (low, np.sqrt(low * high), high))
+
+
+def _number(value: float, width: float, kind: str, source: str) -> Quantity:
+    return Quantity(value, max(value - width, 0.5 * value), value + width, kind, source)
 
 
 def tissue_entries() -> dict[str, Entry]:
@@ -31,152 +112,116 @@ def load_tissue(name_or_path: str) -> Tissue:
     InputError
         For an unknown name, or with file, line and key for a fault in the file.
     """
-    entry = find(KIND, "tissue", name_or_path)
-    content, text = read_toml(entry.path)
-    return parse_tissue(content, text, entry)
+    return read_tissue(find(KIND, "tissue", name_or_path))
 
 
 def readable_tissues() -> tuple[list[Tissue], list[str]]:
     """Load all known tissues; a user's file that cannot be read gives a warning and the built-in one is taken."""
-    found, problems = [], []
+    tissues, problems = [], []
     for entry in tissue_entries().values():
-        places = [entry]
-        if entry.origin == "user":
-            built_in = data_folder() / KIND / f"{entry.name}.toml"
-            places += [Entry(entry.name, built_in, "built-in")] if built_in.is_file() else []
-        for place in places:
+        built_in = Entry(entry.name, data_folder() / KIND / f"{entry.name}.toml", "built-in")
+        for one in [entry, *([built_in] if entry.origin == "user" and built_in.path.is_file() else [])]:
             try:
-                content, text = read_toml(place.path)
-                found.append(parse_tissue(content, text, place))
+                tissues.append(read_tissue(one))
                 break
             except InputError as problem:
                 problems.append(str(problem))
-    return found, problems
+    return tissues, problems
 
 
-def parse_tissue(content: dict[str, Any], text: str, entry: Entry) -> Tissue:
-    """Check the content of a tissue file and make the Tissue.
-
-    Parameters
-    ----------
-    content : dict
-        The file as TOML gives it.
-    text : str
-        The file's text, from which the line in a message is taken.
-    entry : Entry
-        Name, path and origin of the file.
+def read_tissue(entry: Entry) -> Tissue:
+    """Read and check one tissue file.
 
     Raises
     ------
     InputError
         With file and line, for a key or number that the schema or the law does not allow.
     """
-    path = entry.path
-    for key in content:
-        if key not in _TOP:
-            problem = unknown_name("key", key, _TOP)
-            raise InputError(f"{path.name}:{line_of(text, key)}: {problem}")
-    if content.get("schema") != 1:
-        raise InputError(f"{path.name}: schema = {content.get('schema')!r}; this version reads schema = 1")
-    law = content.get("law")
-    if law not in LAWS:
-        raise InputError(f"{path.name}:{line_of(text, 'law')}: {unknown_name('law', str(law), LAWS)}")
-    raw = content.get("subject")
-    if not isinstance(raw, list) or not raw:
-        raise InputError(f"{path.name}: needs at least one [[subject]]")
-    if law_named(law).measured:
-        subjects = read_people(raw, path)
-    else:
-        subjects = tuple(_subject(item, law, path, text, number) for number, item in enumerate(raw, start=1))
-    names = [subject.name.lower() for subject in subjects]
-    if len(set(names)) != len(names):
-        raise InputError(f"{path.name}: two subjects have the same name; names must differ")
+    top = read_table(entry.path, KEYS)
+    law, tables = top.string("law", choices=LAWS), top.tables("subject")
     try:
+        if law_named(law).measured:
+            subjects = subjects_of([_person(table) for table in tables])
+        else:
+            subjects = tuple(_subject(table, law) for table in tables)
         same_shape(subjects)
     except InputError as problem:
-        raise InputError(f"{path.name}: {problem}") from None
-    return Tissue(
-        str(content.get("name", entry.name)),
-        str(content.get("title", entry.name)),
-        law,
-        subjects,
-        _texts(content, "sources", path, text),
-        _texts(content, "notes", path, text),
-        entry.origin,
-    )
+        raise problem if str(problem).startswith(entry.path.name) else problem.within(entry.path.name) from None
+    if len({subject.name.lower() for subject in subjects}) < len(subjects):
+        raise top.fault("subject", "has the same name twice; names must differ", "duplicate")
+    name, title = top.string("name", entry.name), top.string("title", entry.name)
+    return Tissue(name, title, law, subjects, top.strings("sources", ()), top.strings("notes", ()), entry.origin)
 
 
-def _texts(content: dict[str, Any], key: str, path: Path, text: str) -> tuple[str, ...]:
-    value = content.get(key, [])
-    if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
-        raise InputError(f"{path.name}:{line_of(text, key)}: {key} must be a list of texts")
-    return tuple(value)
+def _fault(table: Table, key: str, words: str, code: str, value: object = None) -> InputError:
+    """Make the error of a key whose value is too long for a line."""
+    return InputError(f"{table.where(key)}: '{key}' {words}", code, f"{table.name}.{key}", value)
 
 
-def _subject(item: dict[str, Any], law: str, path: Path, text: str, number: int) -> Subject:
-    """Read one [[subject]] table."""
-    name = item.get("name")
-    if not isinstance(name, str) or not name.strip():
-        raise InputError(f"{path.name}: subject {number} has no name")
-    # line numbers are searched from this subject's own name on
-    rest = "\n" * (line_of(text, f'"{name}"') - 1) + text.split("\n", line_of(text, f'"{name}"') - 1)[-1]
-    form = law_named(law)
-    known = form.parameter_names(max(form.elements))
-    numbers: dict[str, Any] = {}
-    for key, value in item.items():
-        if key == "name":
-            continue
-        if key not in known:
-            last = max(form.elements) // 2 + 1
-            allowed = f"gamma1_N_per_mm3 .. gamma{last}_N_per_mm3, c2_N_s_per_mm .. c{last}_N_s_per_mm"
-            allowed = allowed if last > 1 else form.steady_name
-            raise InputError(f"{path.name}:{line_of(rest, key)}: unknown key '{key}'; known are name, {allowed}")
-        if key.startswith("gamma") or key == form.steady_name:
-            numbers[key] = read_quantity(item, key, path, rest)
-        else:
-            numbers[key] = _dampers(value, key, path, rest)
-        _positive(numbers[key], key, path, rest)
+def _person(table: Table) -> tuple[str, MeasuredPerson, str, str]:
+    """Read one [[subject]] table of measured curves."""
+    table.only(("name", "kind", "source", "press"))
+    name, kind, source = table.string("name"), table.string("kind", choices=KINDS), table.string("source")
+    return name, MeasuredPerson([_press(press) for press in table.tables("press")]), kind, source
+
+
+def _press(table: Table) -> HeldPress:
+    table.only(PRESS_KEYS)
+    speed, depth = (table.number(key, above=0.0) for key in PRESS_KEYS[:2])
+    rise, time, hold = (np.array(table.numbers(key)) for key in PRESS_KEYS[2:])
+    if len(rise) != len(SHARES):
+        raise _fault(table, "rise_force_N", f"has {len(rise)} numbers; {len(SHARES)} are needed", "malformed")
+    if len(time) != len(hold) or len(time) < 2 or time[0] != 0.0 or np.any(np.diff(time) <= 0.0):
+        words = "must rise from 0 and have as many numbers as hold_force_N, at least 2"
+        raise _fault(table, "hold_time_s", words, "malformed")
+    if not hold[-1] > 0.0:
+        words = f"ends at {hold[-1]:g}; the force at the end of a hold is above 0"
+        raise _fault(table, "hold_force_N", words, "out_of_range", float(hold[-1]))
+    return HeldPress(speed, depth, rise, time, hold)
+
+
+def _subject(table: Table, law: str) -> Subject:
+    """Read one [[subject]] table of parameters."""
+    name, form = table.string("name"), law_named(law)
+    table.only(["name", *form.parameter_names(max(form.elements))])
+    keys = sorted(set(table.data) - {"name"}, key=lambda key: (key[0] == "c", key))
+    numbers: dict[str, Any] = {key: (_dampers if key[0] == "c" else _positive)(table, key) for key in keys}
     arms = arms_of(numbers)
     wanted = {form.steady_name} | {f"gamma{a}_N_per_mm3" for a in arms} | {f"c{a}_N_s_per_mm" for a in arms}
     whole = 1 + 2 * len(arms) in form.elements and arms == list(range(2, 2 + len(arms)))
     if not whole or set(numbers) != wanted:
         lacking = sorted(wanted - set(numbers)) or form.parameter_names(form.elements[0])[1:]
-        raise InputError(f"{path.name}: subject '{name}' lacks {lacking[0]} or has an arm too many")
-    speeds = {tuple(sorted(numbers[f"c{arm}_N_s_per_mm"], key=float)) for arm in arms}
-    if arms and len(speeds) != 1:
-        raise InputError(f"{path.name}: subject '{name}' has dampers at different speeds in its arms")
-    plain = {
-        key: {speed: q.value for speed, q in entry.items()} if isinstance(entry, dict) else entry.value
-        for key, entry in numbers.items()
-    }
-    ordered = {key: numbers[key] for key in sorted(numbers, key=lambda k: (k[0] == "c", k))}
-    return Subject(name, Parameters.from_dict(law, plain), ordered)
+        message = f"{table.where()}: subject '{name}' lacks {lacking[0]} or has an arm too many"
+        raise InputError(message, "missing", lacking[0])
+    if len({tuple(numbers[f"c{arm}_N_s_per_mm"]) for arm in arms}) > 1:
+        message = f"{table.where()}: subject '{name}' has dampers at different speeds in its arms"
+        raise InputError(message, "inconsistent", "c_N_s_per_mm")
+    return Subject.of(name, law, numbers)
 
 
-def _dampers(value: Any, key: str, path: Path, text: str) -> dict[str, Quantity]:
+def _dampers(table: Table, key: str) -> dict[str, Quantity]:
     """Read dampers given per speed: {10 = {...}, 250 = {...}}."""
-    where = f"{path.name}:{line_of(text, key)}: "
-    if not isinstance(value, dict) or not value or "value" in value:
-        raise InputError(f"{where}'{key}' must be given per speed in mm/s, such as {key}.10 and {key}.250")
-    found = {}
-    for speed in value:
+    entry = table.data[key]
+    if not isinstance(entry, dict) or not entry or "value" in entry:
+        raise _fault(table, key, f"must be given per speed in mm/s, such as {key}.10 and {key}.250", "malformed")
+    speeds = {}
+    for speed in entry:
         try:
-            number = float(speed)
+            speeds[speed] = float(speed)
         except ValueError:
-            number = -1.0
-        if not number > 0:
-            raise InputError(f"{where}'{key}' has speed '{speed}'; a speed in mm/s above 0 is needed")
-        try:
-            found[speed_key(number)] = read_quantity(value, speed, path)
-        except InputError as problem:
-            raise InputError(f"{where}{str(problem).removeprefix(path.name + ': ')} in '{key}'") from None
-    return dict(sorted(found.items(), key=lambda pair: float(pair[0])))
+            speeds[speed] = -1.0
+        if not speeds[speed] > 0:
+            raise _fault(table, key, f"has speed '{speed}'; a speed in mm/s above 0 is needed", "malformed", speed)
+    flat = replace(table, data={f"{key}.{speed}": number for speed, number in entry.items()})
+    ordered = sorted((number, speed) for speed, number in speeds.items())
+    return {speed_key(number): _positive(flat, f"{key}.{speed}") for number, speed in ordered}
 
 
-def _positive(entry: Any, key: str, path: Path, text: str) -> None:
-    for quantity in entry.values() if isinstance(entry, dict) else [entry]:
-        if not quantity.low > 0:
-            raise InputError(f"{path.name}:{line_of(text, key)}: '{key}' low = {quantity.low}; it must be above 0")
+def _positive(table: Table, key: str) -> Quantity:
+    quantity = table.quantity(key)
+    if not quantity.low > 0:
+        raise _fault(table, key, f"has low = {quantity.low}; it must be above 0", "out_of_range", quantity.low)
+    return quantity
 
 
 def tissue_toml(tissue: Tissue, extra: str = "") -> str:
@@ -185,19 +230,30 @@ def tissue_toml(tissue: Tissue, extra: str = "") -> str:
     lines += [f"law = {toml_line(tissue.law)}", _list("sources", tissue.sources), _list("notes", tissue.notes)]
     for subject in tissue.subjects:
         lines += ["", "[[subject]]", f"name = {toml_line(subject.name)}"]
-        if tissue.measured:
-            lines += press_lines(subject)
+        if isinstance(subject.parameters, MeasuredPerson):
+            lines += _press_lines(subject, subject.parameters)
             continue
         for key, entry in subject.numbers.items():
             if isinstance(entry, dict):
-                lines += [f"{key}.{_speed(speed)} = {_inline(q)}" for speed, q in entry.items()]
+                speeds = {speed: speed if speed.isdigit() else f'"{speed}"' for speed in entry}
+                lines += [f"{key}.{speeds[speed]} = {_inline(q)}" for speed, q in entry.items()]
             else:
                 lines.append(f"{key} = {_inline(entry)}")
     return "\n".join(lines) + "\n" + (f"\n{extra.rstrip()}\n" if extra else "")
 
 
-def _speed(speed: str) -> str:
-    return speed if speed.isdigit() else f'"{speed}"'
+def _press_lines(subject: Subject, person: MeasuredPerson) -> list[str]:
+    """Lines of a subject's kind, source and presses, after its name."""
+    first = next(iter(subject.numbers.values()))
+    source = first.source.partition("; the interval is ")[0]
+    lines = [f"kind = {toml_line(first.kind)}", f"source = {toml_line(source)}"]
+    for press in person.presses:
+        lines += ["", "[[subject.press]]"]
+        lines += [f"velocity_mm_s = {press.velocity_mm_s:g}", f"depth_mm = {press.depth_mm:.6g}"]
+        rows = zip(PRESS_KEYS[2:], (press.rise_N, press.time_s, press.hold_N))
+        for key, values in rows:
+            lines.append(f"{key} = [{', '.join(f'{value:.6g}' for value in values)}]")
+    return lines
 
 
 def _inline(quantity: Quantity) -> str:

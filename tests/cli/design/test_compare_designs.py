@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 import dummydesign
-from dummydesign.cli import run
-from dummydesign.cli.texts.designs import COLUMNS
+from dummydesign.cli.commands.compare_designs import COLUMNS
+from dummydesign.cli.entry import run
 
 ASKED = {
     "thin": ("forefinger", {"thickness_mm": (5, 6), "ratio": (15, 15.5)}),

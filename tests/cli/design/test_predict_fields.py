@@ -4,9 +4,9 @@ import json
 
 import pytest
 
-from dummydesign.api import predict
-from dummydesign.cli import run
-from dummydesign.core.errors import InputError
+from dummydesign.api.predictions import predict
+from dummydesign.cli.entry import run
+from tests.support.refusal import raises_code
 
 PAD = ["predict", "--young", "40", "--thickness", "8", "--shape", "crowned:20,2,9", "--punch", "round:15.8"]
 
@@ -32,5 +32,5 @@ def test_fields_of_a_table_are_refused_in_one_line(tmp_path, capsys):
 
 
 def test_fields_of_a_motion_are_refused():
-    with pytest.raises(InputError, match="static depths"):
+    with raises_code("not_applicable", "fields"):
         predict(10.0, young_kPa=30.0, force_N=5.0, velocity_mm_s=9.0, fidelity="axisymmetric", fields="a.vtu")

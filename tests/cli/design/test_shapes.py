@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dummydesign.cli import run
-from dummydesign.design.search.tabulated_shapes import designable_kinds
-from dummydesign.geometry.shapes import read_shape
+from dummydesign.cli.entry import run
+from dummydesign.design.search.shape_family import designable_kinds
+from dummydesign.geometry.shape_registry import read_shape
 from tests.support.command_answer import answer
 
 QUICK = ["--no-cad", "--no-verify"]
@@ -118,6 +118,6 @@ def test_predict_says_where_a_shape_has_no_table(capsys):
 
 
 def test_every_family_has_its_table():
-    from dummydesign.design.search.tabulated_shapes import load_family
+    from dummydesign.design.search.shape_family import load_family
 
     assert all(load_family(kind).kind == kind for kind in designable_kinds())

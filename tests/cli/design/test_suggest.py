@@ -3,7 +3,7 @@
 
 import pytest
 
-from dummydesign.cli import run
+from dummydesign.cli.entry import run
 from dummydesign.resin import load_resin
 from tests.support.command_answer import answer
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from dummydesign.cli import run
+from dummydesign.cli.entry import run
 
 HEAVY = ("scipy", "skfem", "cadquery", "OCP", "pyvista", "vtkmodules", "trimesh", "matplotlib")
 

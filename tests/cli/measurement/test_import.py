@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import dummydesign
+from dummydesign.cli.commands.import_ import pairs
 from dummydesign.cli.entry import run
-from dummydesign.cli.measurement.import_ import pairs
 from dummydesign.core.errors import InputError
-from dummydesign.measurement.importing.batch import trace_bytes
+from dummydesign.measurement.importing.read import trace_bytes
 from dummydesign.measurement.trace import read_trace
 from tests.support.machine_files import machine_file
 from tests.support.machine_presses import recording
@@ -152,8 +152,8 @@ def test_a_doubt_about_one_file_of_a_folder_writes_nothing(tmp_path, capsys):
         (["a.csv", "--units", "forse=N"], "roles time, displacement, force"),
         (["a.csv", "--columns", "force=Karft"], "did you mean"),
         (["a.csv", "--skip", "-1"], "skip"),
-        (["a.csv", "--decimal", "x"], "neither . nor ,"),
-        (["a.csv", "--split", "some"], "neither auto nor none"),
+        (["a.csv", "--decimal", "x"], "is not one of . ,"),
+        (["a.csv", "--split", "some"], "is not one of auto none"),
         (["a.csv", "--flip", "time"], "--flip 'time'"),
         (["a.csv", "--separator", "x"], "--separator 'x'"),
         (["a.csv", "--encoding", "klingon"], "klingon"),
@@ -222,8 +222,8 @@ def test_a_profile_is_kept_used_listed_and_not_lost(tmp_path, capsys):
 
 @pytest.mark.parametrize(
     ("text", "says"),
-    [("colums = 3", "did you mean 'columns'"), ("skip = 'a'", "whole number"), ("flip = ['x']", "flip must be"),
-     ("columns = 3", "columns must give"), ("tare = 3", "text in quotes"), ("schema = 2", "schema"),
+    [("colums = 3", "did you mean 'columns'"), ("skip = 'a'", "whole number"), ("flip = ['x']", "must be a list"),
+     ("columns = 3", "must be texts for"), ("tare = 3", "text in quotes"), ("schema = 2", "schema"),
      ("a = [", "not valid TOML")],
 )  # fmt: skip
 def test_a_damaged_profile_is_named(tmp_path, capsys, text, says):

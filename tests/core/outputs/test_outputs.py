@@ -15,11 +15,12 @@ from pathlib import Path
 
 import pytest
 
-from dummydesign.cli import entry, run
-from dummydesign.core.errors import InputError
-from dummydesign.core.outputs import progress
-from dummydesign.core.outputs.manifest import COMMAND_LINE, Question, read_manifest
-from dummydesign.core.outputs.write import growing_folder, new_files, new_folder
+from dummydesign.cli import entry
+from dummydesign.cli.entry import run
+from dummydesign.core import process as progress
+from dummydesign.core.manifest import COMMAND_LINE, Question, read_manifest
+from dummydesign.core.outputs import growing_folder, new_files, new_folder
+from tests.support.refusal import raises_code
 
 ROOT = str(Path(__file__).parents[3])
 
@@ -107,7 +108,7 @@ def test_a_folder_of_ones_own_is_used_and_nothing_in_it_is_overwritten(tmp_path)
     other = tmp_path / "other"
     other.mkdir()
     (other / "a.csv").write_text("mine")
-    with pytest.raises(InputError, match=r"a\.csv' is in the way"):
+    with raises_code("file_exists", "out"):
         write(other, ask(1), a_csv="1")
     assert tree(other) == ["a.csv"] and (other / "a.csv").read_text() == "mine"
 
@@ -160,8 +161,8 @@ def test_a_fault_while_renaming_brings_the_earlier_answer_back(tmp_path, monkeyp
             raise OSError(28, "No space left on device")
         real(source, target)
 
-    monkeypatch.setattr("dummydesign.core.outputs.write.os.replace", replace)
-    with pytest.raises(InputError, match="No space left"):
+    monkeypatch.setattr("dummydesign.core.outputs.os.replace", replace)
+    with raises_code("file_unwritable", "out"):
         write(tmp_path / "o", ask(2), replace=True, a_csv="2", b_csv="2")
     assert tree(tmp_path / "o") == ["a.csv", "b.csv", "c.csv", "manifest.json"]
     assert {(tmp_path / "o" / name).read_text() for name in ("a.csv", "b.csv", "c.csv")} == {"1"}
@@ -170,7 +171,7 @@ def test_a_fault_while_renaming_brings_the_earlier_answer_back(tmp_path, monkeyp
 def test_a_place_that_cannot_be_written_is_told_before_any_work(tmp_path):
     (tmp_path / "file").write_text("")
     for out in (tmp_path / "file", tmp_path / "file/x", Path("/proc/nowhere")):
-        with pytest.raises(InputError, match="cannot be written"), new_folder(out, ask()):
+        with raises_code("file_unwritable", "out"), new_folder(out, ask()):
             raise AssertionError("the work has started")
     assert tree(tmp_path) == ["file"]
 
@@ -214,8 +215,8 @@ def test_rows_that_can_be_resumed_are_kept_and_known_as_unfinished(tmp_path):
 
 def test_what_a_killed_command_left_is_cleared_by_the_next(tmp_path):
     code = (
-        "import os, sys; from dummydesign.core.outputs.write import new_folder\n"
-        "from dummydesign.core.outputs.manifest import Question\n"
+        "import os, sys; from dummydesign.core.outputs import new_folder\n"
+        "from dummydesign.core.manifest import Question\n"
         "with new_folder('o', Question('suggest', {})) as o:\n"
         "    o.path('a.csv').write_text('half'); os.kill(os.getpid(), 9)"
     )
@@ -274,7 +275,7 @@ def test_an_interrupt_that_was_lost_ends_the_command_at_its_next_step_and_leaves
             with suppress(KeyboardInterrupt):
                 entry._stop()
         with pytest.raises(KeyboardInterrupt):
-            progress.tell("step 1 of 2")
+            progress.write_progress("step 1 of 2")
     finally:
         progress.STOP.clear()
     assert os.listdir(tmp_path) == []

@@ -3,12 +3,9 @@
 import hashlib
 import json
 
-import pytest
-
-from dummydesign.core.errors import InputError
-from dummydesign.core.outputs.manifest import Question
-from dummydesign.core.outputs.records import add_record
-from dummydesign.core.outputs.write import new_folder
+from dummydesign.core.manifest import Question, add_record
+from dummydesign.core.outputs import new_folder
+from tests.support.refusal import raises_code
 
 
 def answer(folder, number=1, replace=False):
@@ -50,6 +47,6 @@ def test_a_record_outlives_the_same_command_and_is_never_deleted_by_another(tmp_
 
 
 def test_a_folder_without_a_manifest_is_refused_and_stays_empty(tmp_path):
-    with pytest.raises(InputError, match=r"manifest\.json"):
+    with raises_code("file_unreadable", "manifest"):
         add_record(tmp_path, "record", {"mass_g": 1.0})
     assert list(tmp_path.iterdir()) == []

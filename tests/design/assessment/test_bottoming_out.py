@@ -5,19 +5,16 @@ import dataclasses
 import numpy as np
 import pytest
 
-from dummydesign.design.assessment.castings import FORCE_LAW, MODULUS, RELAXATION, Tolerances
-from dummydesign.design.assessment.readings import verdict_of_design
-from dummydesign.design.assessment.verdict_of_pad import gel_limit_mm
-from dummydesign.design.expected.tissue_doubt import kinds_of
+from dummydesign.design.assessment.castings import FORCE_LAW, MODULUS, RELAXATION, Tolerances, verdict_of_design
+from dummydesign.design.pad_evaluator import gel_limit_mm, law_of_shape, one_pad
 from dummydesign.design.scoring.presses import make_curves
-from dummydesign.design.scoring.verdict_limits import verdict_limits
-from dummydesign.design.search.shape_family import Designs, ShapeLaw
-from dummydesign.design.search.tabulated_shapes import load_family
+from dummydesign.design.scoring.settings import verdict_limits
+from dummydesign.design.scoring.verdict import classes_of
+from dummydesign.design.search.shape_family import Designs, FamilyLaw, load_family
 from dummydesign.design.suggestion import condition_rows
-from dummydesign.design.sweep.one_pad import law_of_shape, one_pad
 from dummydesign.geometry.pad_shape import PadShape
-from dummydesign.geometry.shapes import read_shape, shape_kind
-from dummydesign.pad.pad import Pad
+from dummydesign.geometry.shape_registry import read_shape, shape_kind
+from dummydesign.pad.specimen import Pad
 from tests.support.cast_pads import cast_pad, space_of
 
 BONED = "boned:radius=38.2,height=2.4,foot=13.4"
@@ -52,7 +49,7 @@ def test_a_crown_and_a_slab_are_limited_at_their_thickness_at_the_tip(forefinger
 
 
 def test_a_stricter_file_limits_every_shape(forefinger, tmp_path, monkeypatch):
-    from dummydesign.core.datafiles import data_folder
+    from dummydesign.core.library import data_folder
 
     text = (data_folder() / "materials" / "verdict.toml").read_text()
     (tmp_path / "materials").mkdir()
@@ -117,7 +114,7 @@ class Wide:
 
 @pytest.mark.parametrize("cast", [True, False])
 def test_a_law_of_ones_own_that_goes_deeper_is_limited_by_the_gel_over_the_bone(cast):
-    law = ShapeLaw(Wide(), Ridged(2.5, 6.0), 10.0, cast)
+    law = FamilyLaw(Wide(), Ridged(2.5, 6.0), 10.0, cast)
     np.testing.assert_allclose(law.depth_limit_mm(np.array([9.0, 10.0]), 7.9), [SHARE * 6.5, SHARE * 7.5])
     assert float(law.depth_limit_mm(10.0, 7.9)) == pytest.approx(SHARE * 7.5)
 
@@ -159,7 +156,7 @@ def test_castings_that_cross_the_limit_count_as_out_of_reach(forefinger):
     """of one resin they are those that are thinner or softer than what just reaches the largest force"""
     space, slab_law, castings = forefinger
     cast = cast_pad(space, slab_law, castings, (BONED, 6.0, 14.7), Tolerances(60.0, 0.1, 0.2))
-    kinds = kinds_of(cast.every, space.targets)
+    kinds = classes_of(cast.every, space.targets)
     found = verdict_of_design(cast)
     assert 0.05 < found.castings["out_of_reach"] == pytest.approx((kinds == 4).mean())
     depth = cast.every.depth_mm

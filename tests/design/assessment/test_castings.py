@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from dummydesign.core.errors import InputError
+from dummydesign.core.quantity import HALF_WIDTH
 from dummydesign.design.assessment.castings import (
     COUNT,
     FORCE_LAW,
@@ -17,14 +17,14 @@ from dummydesign.design.assessment.castings import (
     TISSUE,
     Castings,
     Tolerances,
+    verdict_of_design,
 )
-from dummydesign.design.assessment.readings import reading_of, verdict_of_design
-from dummydesign.design.expected.tissue_doubt import kinds_of
 from dummydesign.design.scoring.deviations import CLASSES
 from dummydesign.design.scoring.presses import steady_depth
+from dummydesign.design.scoring.verdict import classes_of, readings_of
 from dummydesign.resin import load_resin
-from dummydesign.resin.model.distribution import HALF_WIDTH
 from tests.support.cast_pads import SHARP, cast_pad, known, space_of
+from tests.support.refusal import raises_code
 
 PAD = 10.0, 15.3
 OURS = (MODULUS, RELAXATION, MAKING, FORCE_LAW)
@@ -62,7 +62,7 @@ def test_the_same_seed_gives_the_same_pours_and_another_others(resin, castings):
 
 @pytest.mark.parametrize("count", [0, -5, 1, 1199, 100_001])
 def test_counts_that_make_no_percentage_are_refused(resin, count):
-    with pytest.raises(InputError, match=f"castings = {count}"):
+    with raises_code("out_of_range", "castings"):
         Castings(resin, count)
 
 
@@ -75,7 +75,7 @@ def test_with_everything_known_all_castings_are_the_central_pad(resin, castings)
 
 
 def test_with_everything_known_all_castings_press_as_the_central_pad(cast):
-    every, own = vars(cast.readings(OURS)), vars(reading_of(cast.candidate))
+    every, own = vars(cast.readings(OURS)), vars(readings_of(cast.candidate.evaluation, cast.candidate.index))
     for name, values in every.items():
         np.testing.assert_array_equal(values, np.tile(values[0], (COUNT, 1)))
         np.testing.assert_allclose(values[0], own[name], rtol=0.02)
@@ -178,7 +178,7 @@ def test_a_share_of_1200_castings_scatters_by_at_most_a_point_and_a_half_between
     shares = []
     for seed in range(20):
         one = dataclasses.replace(cast, castings=Castings(cast.castings.resin, seed=100 + seed))
-        kinds = kinds_of(one.every, cast.space.targets)
+        kinds = classes_of(one.every, cast.space.targets)
         shares.append([(kinds == place).mean() for place in range(len(CLASSES))])
     scatter = np.std(shares, axis=0, ddof=1)
     shares = np.mean(shares, axis=0)

@@ -5,8 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from dummydesign.design.assessment.choice import explain, terms
-from dummydesign.design.expected.tissue_doubt import castings_for_tissues
+from dummydesign.design.assessment.choice import castings_for_tissues, explain, terms
 from dummydesign.design.inputs import resolve
 from dummydesign.design.request import Request
 from dummydesign.design.suggest import design

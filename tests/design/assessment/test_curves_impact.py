@@ -3,13 +3,11 @@
 import numpy as np
 import pytest
 
-from dummydesign.core.errors import InputError
-from dummydesign.design.assessment.curves_impact import curves_impact
-from dummydesign.design.assessment.safety import impact, tissue_body
+from dummydesign.design.assessment.safety import curves_impact, impact, tissue_body
 from dummydesign.tissue import load_tissue
-from dummydesign.tissue.model.held_press import SHARES, HeldPress
-from dummydesign.tissue.model.measured_curves import MeasuredPerson
-from dummydesign.tissue.population.from_curves import add_curves
+from dummydesign.tissue.adding.from_curves import add_curves
+from dummydesign.tissue.model.measured_curves import SHARES, HeldPress, MeasuredPerson
+from tests.support.refusal import raises_code
 from tests.tissue.population.test_curves_without_law import law_table
 
 
@@ -54,8 +52,8 @@ def test_a_mass_that_nobody_was_pressed_as_hard_as_has_no_numbers_and_says_what_
 
 def test_a_speed_that_was_not_pressed_is_refused_in_one_line_with_those_that_were():
     for speed in (500.0, 5.0):
-        with pytest.raises(InputError, match=r"outside the speeds.*pressed at 10, 250 mm/s") as caught:
+        with raises_code("out_of_range", "robot_velocity_mm_s") as caught:
             curves_impact([cubic(0.2), cubic(0.6, speeds=(10.0, 50.0, 250.0))], 1.0, speed)
         assert "\n" not in str(caught.value)
-    with pytest.raises(InputError, match="mass_kg"):
+    with raises_code("out_of_range", "mass_kg"):
         curves_impact([cubic(0.2)], -1.0, 100.0)

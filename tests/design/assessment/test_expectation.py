@@ -5,16 +5,21 @@ import dataclasses
 import numpy as np
 import pytest
 
-from dummydesign.design.assessment.castings import PadCastings, Tolerances
-from dummydesign.design.assessment.readings import verdict_of_design
-from dummydesign.design.expected.expectation import _best_of, by_expectation
-from dummydesign.design.expected.tissue_doubt import TissueScores, castings_for_tissues, tissue_share, usable
+from dummydesign.design.assessment.castings import PadCastings, Tolerances, verdict_of_design
+from dummydesign.design.assessment.choice import (
+    TissueScores,
+    _best_of,
+    by_expectation,
+    castings_for_tissues,
+    tissue_share,
+    usable,
+)
 from dummydesign.design.inputs import resolve
+from dummydesign.design.pad_evaluator import one_pad
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.score import evaluate, scored_for
 from dummydesign.design.search.best_of_kinds import best_of_kinds, choose, close_to
 from dummydesign.design.suggest import design
-from dummydesign.design.sweep.one_pad import one_pad
 from tests.support.cast_pads import SHARP, known, with_tissues
 
 
@@ -125,9 +130,8 @@ def test_of_kinds_whose_worth_is_alike_all_are_compared_and_no_other(crowned):
     chosen = choose(found, space)
     assert [one.shape for one in close_to(chosen, found, space)] == [chosen.shape]
     wide = dataclasses.replace(space.targets)
-    numbers = tuple(
-        (name, dataclasses.replace(q, value=1.0) if name == "resolution" else q) for name, q in wide.weights.numbers
-    )
+    numbers = wide.weights.numbers
+    numbers = numbers | {"resolution": dataclasses.replace(numbers["resolution"], value=1.0)}
     wide.__dict__["weights"] = dataclasses.replace(wide.weights, numbers=numbers)
     every = close_to(chosen, found, dataclasses.replace(space, targets=wide))
     assert {one.shape.name for one in every} == {item.kind for item in chosen.beside if item.candidate is not None}

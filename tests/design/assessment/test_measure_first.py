@@ -14,10 +14,10 @@ from dummydesign.design.assessment.castings import (
     TISSUE,
     Castings,
     Tolerances,
+    verdict_of_design,
 )
-from dummydesign.design.assessment.measure_first import GAIN, measure_first
-from dummydesign.design.assessment.readings import verdict_of_design
-from dummydesign.design.expected.tissue_doubt import kinds_of, usable
+from dummydesign.design.assessment.choice import GAIN, measure_first, usable
+from dummydesign.design.scoring.verdict import classes_of
 from tests.support.cast_pads import CROWNED, SHARP, cast_pad, known, space_of, with_tissues
 
 
@@ -104,7 +104,7 @@ def test_every_share_of_an_answer_is_from_the_same_draws(palm, whole):
     assert sum(told.castings.values()) == pytest.approx(1.0, abs=1e-12)
     counts = [share * cast.castings.n for share in told.castings.values()]
     np.testing.assert_allclose(counts, np.rint(counts), atol=1e-9)
-    kinds = kinds_of(cast.every, palm[0].targets)
+    kinds = classes_of(cast.every, palm[0].targets)
     now = {"stands_for": (kinds == 0).mean(), "usable": (kinds <= 1).mean()}[found.acceptable_means]
     assert found.acceptable_now == now
     assert told.castings["stands_for"] == (kinds == 0).mean()
@@ -138,7 +138,7 @@ def test_a_tissue_that_is_known_is_never_named(palm):
     for seed in range(2):
         resin = known(castings.resin, False, True)
         cast = cast_pad(same, law, Castings(resin, seed=seed))
-        shares = kinds_of(cast.every, space.targets) <= 1
+        shares = classes_of(cast.every, space.targets) <= 1
         found = measure_first(cast)
         assert found.acceptable_over_tissues == pytest.approx(shares.mean(), abs=0.01)
         assert found.group != TISSUE

@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
-from dummydesign.design.assessment.castings import Castings, PadCastings, Tolerances
-from dummydesign.design.assessment.pour_yield import pour_yield
+from dummydesign.design.assessment.castings import Castings, PadCastings, Tolerances, pour_yield
+from dummydesign.design.pad_evaluator import one_pad
 from dummydesign.design.scoring.presses import Sampling
 from dummydesign.design.scoring.targets import make_targets
-from dummydesign.design.search.space import SearchSpace
-from dummydesign.design.sweep.one_pad import one_pad
+from dummydesign.design.search.slabs import SearchSpace
 from dummydesign.resin import load_resin
 from tests.support.cast_pads import known
 

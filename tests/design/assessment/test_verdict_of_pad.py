@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import dummydesign
-from dummydesign.core.errors import InputError
-from dummydesign.design.assessment import verdict_of_pad, verdict_of_traces
+from dummydesign.design import measured_pad as verdict_of_traces
+from dummydesign.design import pad_evaluator as verdict_of_pad
+from tests.support.refusal import raises_code
 
 
 @pytest.mark.slow
@@ -36,9 +37,9 @@ def test_a_share_of_pads_is_as_certain_as_one_of_castings(module):
 
 
 def test_what_goes_with_a_tissue_is_said():
-    with pytest.raises(InputError, match="puck"):
+    with raises_code("not_applicable", "tissue"):
         dummydesign.predict(10, young_kPa=30, pad="cylinder:30", punch="plate", tissue="palm", fidelity="axisymmetric")
-    with pytest.raises(InputError, match="looks like MPa: give 25"):
+    with raises_code("implausible_unit", "young_kPa"):
         dummydesign.predict(10, young_kPa=0.025, depth_mm=[1])
-    with pytest.raises(InputError, match="exactly one"):
+    with raises_code("missing", "depth"):
         dummydesign.predict(10, young_kPa=25)

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dummydesign.design.assessment.verdict_of_traces import energy_of
+from dummydesign.design.measured_pad import energy_of
 from dummydesign.measurement.motion import ramp_and_hold
 
 DEPTH_MM, HOLD_S = 3.6, 10.0

@@ -6,11 +6,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dummydesign.design.finalists.elements_law import BEYOND, ElementsLaw, solved_shares
-from dummydesign.design.search.shape_family import ShapeLaw
-from dummydesign.design.search.tabulated_shapes import load_family
-from dummydesign.geometry.shapes import read_shape
-from dummydesign.pad.shaped.paths import FLAT_STEP, LARGEST_STEP
+from dummydesign.design.search.finalists import BEYOND, ElementsLaw, solved_shares
+from dummydesign.design.search.shape_family import FamilyLaw, load_family
+from dummydesign.geometry.shape_registry import read_shape
+from dummydesign.pad.axisymmetric.shaped_problem import FLAT_STEP, LARGEST_STEP
 
 RADIUS, H = 7.9, 6.0
 SHAPES = {"crowned": "crowned:radius=21.2,height=2,foot=9.4", "layered": "layered:top=3,modulus_ratio=5"}
@@ -18,7 +17,7 @@ STEP = {"crowned": 2.0 * LARGEST_STEP, "layered": FLAT_STEP}
 
 
 def law(kind):
-    return ShapeLaw(load_family(kind), read_shape(SHAPES[kind]), H, cast=True)
+    return FamilyLaw(load_family(kind), read_shape(SHAPES[kind]), H, cast=True)
 
 
 def shares(kind, *pressed_mm):
@@ -59,7 +58,7 @@ def test_a_field_of_caps_is_solved_at_sixteen_depths_as_each_is_a_solve_in_space
     shape = read_shape("bumped:pitch=5,radius=2.91,height=1.24,grade=0.34")
     evaluation = SimpleNamespace(depth_mm=np.array([[1.0, 1.5]]))
     found = SimpleNamespace(best=SimpleNamespace(thickness_mm=5.0, index=0, evaluation=evaluation))
-    field = SimpleNamespace(shape=shape, law=ShapeLaw(load_family("bumped"), shape, 5.0, cast=True), found=found)
+    field = SimpleNamespace(shape=shape, law=FamilyLaw(load_family("bumped"), shape, 5.0, cast=True), found=found)
     share = solved_shares(field, RADIUS)
     assert len(share) == 16 and share[-1] * 5.0 == pytest.approx(BEYOND * 1.5)
 

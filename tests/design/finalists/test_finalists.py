@@ -9,12 +9,11 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import NoAnswerError
-from dummydesign.design.finalists import resolved_by_fem
-from dummydesign.design.finalists.elements_law import ElementsLaw
-from dummydesign.design.finalists.resolved_by_fem import near, solve_leading
 from dummydesign.design.scoring.deviations import Readings
-from dummydesign.design.scoring.verdict_limits import verdict_limits
-from tests.support.judged_pads import away, ranges, stacked
+from dummydesign.design.scoring.settings import verdict_limits
+from dummydesign.design.search import finalists as resolved_by_fem
+from dummydesign.design.search.finalists import ElementsLaw, near, solve_leading
+from tests.support.judged_pads import away, ranges
 
 
 @dataclass(frozen=True)
@@ -143,14 +142,14 @@ def test_a_pad_just_beyond_a_limit_by_its_table_wins_where_its_elements_keep_it(
     ("safe-side", 1.01 * 1.07, None, False), ("safe-side", None, 2.0, True),
 ])  # fmt: skip
 def test_just_beyond_is_within_what_solving_moves_forces(monkeypatch, aim, shortfall, over, nearly):
-    band = ranges()
+    band = replace(ranges(), strict=aim == "safe-side")
     readings = away(shortfall, over)
     if aim == "safe-side":
         readings = Readings(1.02 * band.peak_high_N, band.energy_high_mJ, 0.99 * band.stiff_mm)
         readings.peak_N[1] = band.peak_high_N[1] / (shortfall or 1.0)
         readings.peak_N[4] = band.peak_high_N[4] * (over or 1.0)
     monkeypatch.setattr(resolved_by_fem, "ranges_of", lambda _: band)
-    monkeypatch.setattr(resolved_by_fem, "readings_of", lambda _: stacked([readings]))
+    monkeypatch.setattr(resolved_by_fem, "readings_of", lambda *_: readings)
     found = SimpleNamespace(best=SimpleNamespace(rank=0, index=0, evaluation=None))
     space = SimpleNamespace(targets=SimpleNamespace(aim=aim, limits=verdict_limits()))
     assert resolved_by_fem._nearly(SimpleNamespace(found=found), space) == nearly

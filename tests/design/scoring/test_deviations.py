@@ -17,8 +17,8 @@ from dummydesign.design.scoring.deviations import (
     classes,
     deviations,
 )
+from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.scoring.verdict import representative, verdict
-from dummydesign.design.scoring.verdict_limits import verdict_limits
 
 FORCE = np.array([5.0, 10.0, 15.0])
 GRID = np.linspace(5.0, 15.0, 11)
@@ -77,7 +77,7 @@ def test_a_pad_beside_itself_as_its_own_tissue_is_exactly_what_its_subjects_are(
 
 def test_on_the_safe_side_the_shortfall_is_that_below_the_highest_subject_and_energies_are_not_judged():
     pad = power_pad(0.5 * STIFF, rise=0.8 * RISE)
-    found = deviations(subjects(), pad, strict=True)
+    found = deviations(replace(subjects(), strict=True), pad)
     np.testing.assert_allclose(found.short[STEADY], 2.0)
     np.testing.assert_allclose(found.short[PEAK], 1.25)
     assert ENERGY not in found.short and ENERGY not in found.above
@@ -149,7 +149,7 @@ def test_classes_are_exclusive_and_sum_to_one_whatever_the_castings_do():
     np.testing.assert_array_equal(kinds == 2, lost & low)
     np.testing.assert_array_equal(kinds == 3, lost & ~low)
     np.testing.assert_array_equal(kinds == 4, ~found.reached)
-    strict = classes(found, limits, strict=True)
+    strict = classes(replace(found, ranges=replace(found.ranges, strict=True)), limits)
     np.testing.assert_array_equal(strict, np.select([~found.reached, short <= limits.stands_shortfall], [4, 0], 2))
 
 

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from dummydesign.design.scoring.law_parameters import _Problem, fit_presses, parametric_score
-from dummydesign.design.scoring.press import Press
-from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves, press_to_depth
+from dummydesign.design.scoring.presses import Sampling, SimulatedPress, Slabs, make_curves, press_to_depth
 from dummydesign.design.scoring.score import evaluate, evaluated_gamma1, scored_for, steady_gamma1
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.measurement.motion import ramp_and_hold
@@ -91,7 +90,7 @@ def test_parameters_are_recovered_from_presses_that_follow_the_law(law):
         )
         force = truth.force(motion, condition.velocity_mm_s)
         stop, x = motion.time_s[:, 24], motion.displacement_mm
-        presses.append(Press(motion.time_s, force, stop, np.array([depth]), x, 24))
+        presses.append(SimulatedPress(motion.time_s, force, stop, np.array([depth]), x, 24))
     problem = _Problem(presses, sampling, targets, np.array([0, 0, 0, 1, 1, 1]))
     rates = problem.solve()
     springs = problem.springs(rates)[0]

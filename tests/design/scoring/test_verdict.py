@@ -1,13 +1,13 @@
 """The verdict at central estimates: nothing that is low, far above or out of reach is quiet."""
 
-import dataclasses
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from dummydesign.design.scoring.deviations import ENERGY, PEAK, STEADY, Readings, classes, deviations
+from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.scoring.verdict import LIGHTS, representative, verdict
-from dummydesign.design.scoring.verdict_limits import verdict_limits
 from tests.support.judged_pads import FORCES, SPEEDS, away, cast, pad, ranges, stacked
 
 
@@ -128,7 +128,7 @@ def test_a_pad_that_is_tied_with_a_limit_ranks_as_one_that_keeps_it():
     pads = [away(1.0), away(1.1099), away(1.112), away(None, 1.2615), away(None, 1.264), away(1.1099, 1.2615)]
     kept = representative(deviations(ranges(), stacked(pads)), limits)
     assert kept.tolist() == [True, True, False, True, False, True]
-    firm = dataclasses.replace(limits, tie=0.0)
+    firm = replace(limits, tie=0.0)
     kept = representative(deviations(ranges(), stacked(pads)), firm)
     assert kept.tolist() == [True, False, False, False, False, False]
 
@@ -163,12 +163,11 @@ def test_what_was_not_pressed_leaves_the_verdict_open():
 def test_many_pads_at_once_are_classed_as_they_are_alone():
     pads = [*cast((1, 1, 1, 1, 1)), pad(0.5), pad(1.5), pad(1.0, 0.5, 0.7), pad(1.0, 1.0, 0.8)]
     limits = verdict_limits()
-    many = deviations(ranges(), stacked(pads))
-    alone = [deviations(ranges(), one) for one in pads]
-    for strict in (False, True):
-        together = classes(many, limits, strict).tolist()
-        assert together == [int(classes(one, limits, strict)[0]) for one in alone]
-        together = representative(many, limits, strict).tolist()
-        assert together == [bool(representative(one, limits, strict)[0]) for one in alone]
-    kept = representative(many, limits).tolist()
+    for strict in (True, False):
+        band = replace(ranges(), strict=strict)
+        many, alone = deviations(band, stacked(pads)), [deviations(band, one) for one in pads]
+        together = classes(many, limits).tolist()
+        assert together == [int(classes(one, limits)[0]) for one in alone]
+        kept = representative(many, limits).tolist()
+        assert kept == [bool(representative(one, limits)[0]) for one in alone]
     assert kept == [verdict(ranges(), one).acceptable for one in pads]

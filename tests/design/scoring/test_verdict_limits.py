@@ -5,14 +5,15 @@ import re
 import numpy as np
 import pytest
 
-from dummydesign.core.datafiles import data_folder
 from dummydesign.core.errors import InputError
+from dummydesign.core.library import data_folder
 from dummydesign.design.inputs import resolve
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.presses import make_curves
+from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.scoring.verdict import verdict
-from dummydesign.design.scoring.verdict_limits import verdict_limits
 from tests.support.judged_pads import away, ranges
+from tests.support.refusal import raises_code
 
 BUILT_IN = (data_folder() / "materials" / "verdict.toml").read_text()
 
@@ -110,7 +111,7 @@ def test_a_damaged_file_is_refused_in_one_line_that_names_it(own_file, table, ol
                                    "bottoming_out.gel_compression", "choice.tie"])  # fmt: skip
 def test_a_missing_limit_is_refused(own_file, table):
     own_file(re.sub(rf"(?ms)^\[{re.escape(table)}\]\n.*?(?=^\[|^#|\Z)", "", BUILT_IN))
-    with pytest.raises(InputError, match=r"verdict\.toml") as refused:
+    with raises_code("missing") as refused:
         verdict_limits()
     assert table.partition(".")[0] in str(refused.value) or table.partition(".")[2] in str(refused.value)
 
@@ -127,11 +128,11 @@ def test_a_file_of_another_form_is_refused(own_file, text):
 
 def test_a_suggestion_reads_the_limits_before_any_work(own_file):
     own_file("schema = 1\n")
-    with pytest.raises(InputError, match=r"verdict\.toml"):
+    with raises_code("missing", "stands_for"):
         resolve(Request("forefinger", shape="slab", verify=False))
 
 
 @pytest.mark.parametrize("count", [0, -1, 1, 400, 1199, 100_001])
 def test_too_few_castings_for_a_percentage_are_refused(count):
-    with pytest.raises(InputError, match="castings"):
+    with raises_code("out_of_range", "castings"):
         resolve(Request("forefinger", shape="slab", verify=False, castings=count))

@@ -1,5 +1,7 @@
 """The verdict over castings: shares, 95 % figures and corrections of one set of draws; and the safe side."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -86,7 +88,7 @@ def test_a_low_pad_stays_low_however_its_pours_may_turn_out():
 
 
 def strictly(band, readings, **more):
-    return verdict(band, readings, strict=True, **more)
+    return verdict(replace(band, strict=True), readings, **more)
 
 
 def test_the_safe_side_is_kept_when_nothing_is_below_the_highest_subject():

@@ -7,15 +7,12 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from dummydesign.design.assessment.readings import reading_of
 from dummydesign.design.request import RADIUS_MM
-from dummydesign.design.scoring.acceptability import ranges_of
 from dummydesign.design.scoring.deviations import Readings
 from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.targets import make_targets
-from dummydesign.design.scoring.verdict import LEVELS, verdict
-from dummydesign.design.search.slabs import Candidate
+from dummydesign.design.scoring.verdict import LEVELS, ranges_of, readings_of, verdict
 from tests.support.judged_pads import pad, ranges
 from tests.support.slab_by_formula import make_tissue
 
@@ -96,7 +93,7 @@ def judged(slabs, tissue, sampling):
     evaluation = evaluate(slabs, targets, sampling)
     band = ranges_of(targets)
     return [
-        verdict(band, reading_of(Candidate(5.0, 15.0, index, evaluation, None, 0.0, 0.0)))
+        verdict(band, readings_of(evaluation, index))
         for index in range(len(slabs.slab))
     ]
 

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from dummydesign.cli import run
-from dummydesign.core.datafiles import data_folder
-from dummydesign.core.errors import InputError
+from dummydesign.cli.entry import run
+from dummydesign.core.library import data_folder
 from dummydesign.design.scoring.presses import Sampling
 from dummydesign.design.scoring.score import evaluate
+from dummydesign.design.scoring.settings import AIMS, PARTS, weights_of
 from dummydesign.design.scoring.targets import make_targets
-from dummydesign.design.scoring.weights import AIMS, PARTS, weights_of
 from tests.design.scoring.test_score import cubic_slabs
+from tests.support.refusal import raises_code
 
 BUILT_IN = (data_folder() / "materials" / "score.toml").read_text()
 
@@ -33,7 +33,7 @@ def test_every_aim_names_a_set_whose_parts_sum_to_one_and_whose_numbers_have_a_s
         assert sum(weights.parts.values()) == pytest.approx(1.0) and set(weights.parts) == set(PARTS)
         assert min(weights.parts, key=weights.parts.get) == "parametric"
         assert 0.0 < weights.worth[0] < weights.worth[1] < weights.worth[2] == 1.0
-        assert all(number.source and number.low <= number.value <= number.high for _, number in weights.numbers)
+        assert all(number.source and number.low <= number.value <= number.high for number in weights.numbers.values())
 
 
 def test_a_file_of_ones_own_changes_the_total_of_its_aim_alone(own_file, finger):
@@ -53,23 +53,25 @@ def test_a_file_of_ones_own_changes_the_total_of_its_aim_alone(own_file, finger)
 
 
 @pytest.mark.parametrize(
-    "old, new, said",
+    "old, new, code, quantity, said",
     [
-        ("value = 0.6", "value = 0.7", "sum to 1.1, not 1"),
-        ('average = "curves"', 'average = "curve"', "aim average = 'curve' names no set"),
-        ("[sets.curves.aim]", "[sets.curves.ain]", "did you mean 'aim'"),
-        ("value = 0.01\n", "value = 0.9\n", "needs finite low <= value <= high"),
-        ("schema = 1", "schema = 2", "schema = 2 is not 1"),
-        ("schema = 1", "schema = ", "not valid TOML"),
-        ("value = 0.5\nlow = 0.0\nhigh = 0.7", "value = 5\nlow = 0.0\nhigh = 7", "low_aim = 5 of set 'curves' is"),
-        ('kind = "assumed"', "", "lacks kind"),
-        ("[sets.curves.not_representative]", "[sets.curves.reads_low]", "unknown weight of score.toml"),
+        ("value = 0.6", "value = 0.7", "inconsistent", "sets.curves", "1.1"),
+        ('average = "curves"', 'average = "curve"', "unknown_name", "aims.average", "'curve'"),
+        ("[sets.curves.aim]", "[sets.curves.ain]", "unknown_key", "sets.curves.ain", "did you mean 'aim'"),
+        ("value = 0.01\n", "value = 0.9\n", "inconsistent", None, "0.9"),
+        ("schema = 1", "schema = 2", "unsupported", "schema", "2"),
+        ("schema = 1", "schema = ", "file_unreadable", None, "TOML"),
+        ("value = 0.5\nlow = 0.0\nhigh = 0.7", "value = 5\nlow = 0.0\nhigh = 7", "out_of_range",
+         "sets.curves.low_aim", "low_aim = 5"),
+        ('kind = "assumed"', "", "missing", None, "lacks kind"),
+        ("[sets.curves.not_representative]", "[sets.curves.reads_low]", "unknown_key", "sets.curves.reads_low",
+         "reads_low"),
     ],
-)
-def test_a_damaged_file_is_refused_in_one_line(own_file, capsys, old, new, said):
+)  # fmt: skip
+def test_a_damaged_file_is_refused_in_one_line(own_file, capsys, old, new, code, quantity, said):
     assert old in BUILT_IN
     own_file(BUILT_IN.replace(old, new, 1))
-    with pytest.raises(InputError):
+    with raises_code(code, quantity):
         weights_of("average")
     assert run(["suggest", "--tissue", "palm", "--shape", "slab", "--no-cad", "--no-verify"]) == 2
     lines = capsys.readouterr().err.strip().splitlines()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dummydesign.design.assessment.castings import FORCE_LAW, MAKING, Castings, Tolerances
-from dummydesign.design.search.expected_map import averaging
+from dummydesign.design.search.slabs import averaging
 from dummydesign.resin import load_resin
 from tests.support.cast_pads import known
 

@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dummydesign.design.own_test.slab_law import asked_pad
+from dummydesign.design.press_pictures import press_pictures
 from dummydesign.design.request import Request
-from dummydesign.design.shown.press_pictures import press_pictures
 from dummydesign.design.suggest import suggest
+from dummydesign.design.test_setup import pad_of_request
 from dummydesign.pad.fields.solve import solve_fields
-from dummydesign.report.sections.pressed import pressed_section
+from dummydesign.report.suggest_sections import pressed_section
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +63,7 @@ def test_a_crown_is_pressed_most_in_the_middle_and_more_than_the_slab_whose_edge
 def test_pictures_are_within_three_percent_of_the_fine_elements(answer, pictures):
     best = answer.best
     young = float(np.asarray(answer.resin.young_MPa(best.ratio)))
-    pad = replace(asked_pad(answer.request, answer.punch, best.thickness_mm, young), geometry=answer.shape)
+    pad = replace(pad_of_request(answer.request, answer.punch, best.thickness_mm, young), geometry=answer.shape)
     fine, _ = solve_fields(pad, [one.depth_mm for one in pictures.pads])
     for rough, one in zip(pictures.pads, fine):
         assert rough.static_N == pytest.approx(one.force_N, rel=0.03)

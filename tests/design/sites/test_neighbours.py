@@ -3,20 +3,20 @@
 import numpy as np
 import pytest
 
-from dummydesign.design.sites.neighbours import Alone, Marked
-from dummydesign.geometry.shapes import read_shape
-from dummydesign.geometry.standard import PUNCH_RADIUS_MM
+from dummydesign.design.sites import CrownWithRing, IsolatedCrown
+from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM
+from dummydesign.geometry.shape_registry import read_shape
 
 CROWN = read_shape("crowned:radius=21.2,height=2,foot=9.4")
 
 
 @pytest.fixture(scope="module")
 def alone():
-    return Alone(CROWN, 4.5, PUNCH_RADIUS_MM, 1.7)
+    return IsolatedCrown(CROWN, 4.5, PUNCH_RADIUS_MM, 1.7)
 
 
 def test_a_ring_has_the_crown_inside_and_the_full_thickness_outside():
-    ringed, r = Marked(CROWN, 15.0, True), np.array([0.0, 4.0, 9.4, 13.9, 15.0, 40.0])
+    ringed, r = CrownWithRing(CROWN, 15.0, True), np.array([0.0, 4.0, 9.4, 13.9, 15.0, 40.0])
     np.testing.assert_allclose(ringed.drop_mm(r, 0 * r)[:4], CROWN.drop_mm(r[:4], 0 * r[:4]))
     np.testing.assert_array_equal(ringed.drop_mm(r, 0 * r)[4:], 0.0)
 
@@ -37,5 +37,5 @@ def test_bounds_fall_steadily_with_distance_so_that_they_are_no_noise_of_the_mes
 
 
 def test_a_ring_far_away_changes_nothing_on_a_pad_of_other_size():
-    small = Alone(CROWN, 4.5, PUNCH_RADIUS_MM, 1.7, extent_mm=40.0)
+    small = IsolatedCrown(CROWN, 4.5, PUNCH_RADIUS_MM, 1.7, extent_mm=40.0)
     assert abs(small.stiffer(34.0)) < 1e-3

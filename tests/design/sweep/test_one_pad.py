@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.design.assessment.castings import Tolerances
-from dummydesign.design.curves import force_grids, steady_curve
 from dummydesign.design.inputs import resolve
+from dummydesign.design.pad_evaluator import PadEvaluator, law_of_shape, one_pad
+from dummydesign.design.plot_data import force_grids, steady_curve
 from dummydesign.design.request import Request
 from dummydesign.design.suggest import design
-from dummydesign.design.sweep.one_pad import law_of_shape, one_pad, with_castings
-from dummydesign.geometry.shapes import Slab, read_shape
+from dummydesign.geometry.shape_registry import read_shape
+from dummydesign.geometry.shapes.slab import Slab
 
 
 @pytest.fixture(scope="module")
@@ -22,9 +22,9 @@ def inputs():
 def test_the_recommended_pad_gets_the_verdict_and_the_curve_of_the_suggestion(inputs):
     found = design(inputs)
     best = found.best
-    poured = found.batch["total_g"]
-    pad = one_pad(law_of_shape(inputs.slab_law, Slab(), best.thickness_mm), inputs.space, best.thickness_mm, best.ratio)
-    assert with_castings(pad, inputs.space, inputs.castings, Tolerances(poured, 0.1, 0.2)) == found.verdict
+    evaluator = PadEvaluator(inputs)
+    pad = evaluator.evaluate(Slab(), best.thickness_mm, best.ratio)
+    assert evaluator.with_castings(pad, Slab()) == found.verdict
     grids = force_grids(found.targets.protocol)
     assert np.array_equal(pad.steady_depth_mm(grids.pad), steady_curve(best, grids), equal_nan=True)
 

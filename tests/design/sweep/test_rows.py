@@ -13,12 +13,13 @@ from contextlib import closing
 import numpy as np
 import pytest
 
-from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.core.errors import InputError
 from dummydesign.design.sweep import run as module
-from dummydesign.design.sweep.executors import completed, open_executor
 from dummydesign.design.sweep.rows_file import RowsFile, key_of, settings_of
-from dummydesign.design.sweep.run import Study, whatif
+from dummydesign.design.sweep.run import completed, open_executor, whatif
+from dummydesign.design.sweep.spec import Study
 from dummydesign.resin import load_resin
+from tests.support.refusal import raises_code
 
 SQUARE = (("square:14", 14.0 / math.sqrt(math.pi)),)
 STUDY = Study((5.0, 10.0, 20.0), (15.0, 15.5, 16.0, 17.0), SQUARE, bases=("bonded", "sliding"))
@@ -89,7 +90,7 @@ def test_rows_made_with_other_settings_are_refused_and_left_alone(tmp_path):
         with pytest.raises(InputError, match=name):
             open_file(tmp_path, study, resume=True)
     (tmp_path / "study.json").unlink()
-    with pytest.raises(InputError, match=r"study\.json"):
+    with raises_code("file_unreadable", "resume"):
         open_file(tmp_path, resume=True)
     assert (tmp_path / "rows.csv").read_bytes() == before
 
@@ -138,7 +139,7 @@ def test_a_worker_that_fails_keeps_what_was_done_and_says_how_to_go_on(tmp_path,
         return real(task)
 
     monkeypatch.setattr(module, "work", fails_once)
-    with ThreadPoolExecutor(1) as pool, pytest.raises(NoAnswerError, match="--resume") as problem:
+    with ThreadPoolExecutor(1) as pool, raises_code("worker_lost", "workers") as problem:
         whatif(STUDY, executor=pool, file=open_file(tmp_path))
     assert problem.value.code == "worker_lost"
     monkeypatch.undo()
@@ -155,13 +156,13 @@ def test_every_task_is_done_once_here_and_elsewhere():
 
 
 def test_numbers_of_workers_and_addresses_that_cannot_be_are_refused(monkeypatch):
-    with pytest.raises(InputError, match="workers = 0"), open_executor(0):
+    with raises_code("out_of_range", "workers"), open_executor(0):
         pass
     for address in ("nonsense", "tcp://host", "host:port", ""):
-        with pytest.raises(InputError, match="is not an address"), open_executor(1, address):
+        with raises_code("malformed", "scheduler"), open_executor(1, address):
             pass
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(InputError, match=r"dummydesign\[cluster\]"), open_executor(1, "tcp://127.0.0.1:1"):
+    with raises_code("program_missing", "scheduler"), open_executor(1, "tcp://127.0.0.1:1"):
         pass
 
 

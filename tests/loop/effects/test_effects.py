@@ -9,18 +9,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dummydesign.core.errors import NoAnswerError
 from dummydesign.loop import check_effect, effects
-from dummydesign.loop.effects import EFFECTS, effect_named
+from dummydesign.loop.effects.registry import EFFECTS, effect_named
 from dummydesign.loop.model.base_law import PuckLaw
 from dummydesign.loop.model.effect import Arm
-from dummydesign.loop.model.forward_model import Active, relax, simulate
-from dummydesign.loop.model.parameters import BaseParameters
+from dummydesign.loop.model.forward_model import Active, BaseParameters, relax, simulate
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
-from dummydesign.pad.tables.pucks import proportions as puck_shapes
-from dummydesign.pad.tables.pucks import response as puck_table
-from dummydesign.pad.tables.pucks.proportions import table_for
-from dummydesign.pad.tables.pucks.response import grip
+from dummydesign.pad.tables import puck as puck_shapes
+from dummydesign.pad.tables import puck as puck_table
+from dummydesign.pad.tables.puck import grip, table_for
+from tests.support.refusal import raises_code
 
 BASE = BaseParameters(0.025, (0.06, 1.4), (0.3, 0.25))
 ON_SLABS = [effect for effect in EFFECTS if effect.name != "plate_friction"]
@@ -278,12 +276,12 @@ def test_plate_friction_of_a_puck_without_a_table_is_unavailable_with_the_reason
 def test_plate_friction_without_its_table_is_an_error_and_not_another_law(monkeypatch, tmp_path):
     from dummydesign.loop.effects.rig import plate_friction
 
-    monkeypatch.setattr("dummydesign.core.json_table.data_folder", lambda: tmp_path)
+    monkeypatch.setattr("dummydesign.core.library.data_folder", lambda: tmp_path)
     for cached in (puck_table.load_puck_table, puck_table.load_shapes, plate_friction._table):
         cached.cache_clear()
-    with pytest.raises(NoAnswerError, match=r"puck-.*\.json cannot be read \(FileNotFoundError\)"):
+    with raises_code("table_unavailable", "table"):
         rubbed(50.0, np.array([[30.0]]), np.array([[3.0]]), 0.2)
-    with pytest.raises(NoAnswerError, match=r"puck-.*\.json cannot be read \(FileNotFoundError\)"):
+    with raises_code("table_unavailable", "table"):
         effect_named("plate_friction").unavailable(Pucks(0.3, 30.0), PuckLaw(50.0))
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import dummydesign
 from dummydesign.loop import effects
-from dummydesign.loop.effects import EFFECTS
+from dummydesign.loop.effects.registry import EFFECTS
 
 PACKAGE = Path(dummydesign.__file__).parent
 EFFECTS_FOLDER = Path(effects.__file__).parent

@@ -8,15 +8,13 @@ import numpy as np
 import pytest
 
 from dummydesign.inference.noise import Noise
-from dummydesign.loop.fitting.base_fit import fit_base
-from dummydesign.loop.fitting.fit import fit, start_vector
+from dummydesign.loop.fitting.fit import fit, fit_base, start_vector
 from dummydesign.loop.fitting.noise import estimate_slow_noise, first_sizes, repeat_pairs
-from dummydesign.loop.fitting.problem import Problem
-from dummydesign.loop.judging.lack_of_fit import lack_of_fit
-from dummydesign.loop.judging.left_out import errors
-from dummydesign.loop.judging.residual_checks import run_checks
-from dummydesign.loop.judging.verdict import GAIN_FLOOR, gain_threshold
+from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.base_law import SLAB_ERROR
+from dummydesign.loop.selection.cross_validation import errors, lack_of_fit
+from dummydesign.loop.selection.residuals import run_checks
+from dummydesign.loop.selection.verdict import GAIN_FLOOR, gain_threshold
 
 
 @pytest.fixture(scope="module")
@@ -73,11 +71,11 @@ def test_slow_noise_is_recovered_and_does_not_see_what_changes_with_force(base):
 
 def test_the_fit_recovers_the_parameters_that_made_the_forces(plain):
     presses, law = plain
-    problem = Problem(presses, law)
+    problem = CampaignProblem(presses, law)
     truth = start_vector(problem, 0.04)
     truth[:5] += [0.0, 0.2, -0.3, 0.3, 0.2]
     made = replace(presses, force_N=problem.predict(truth))
-    found = fit(Problem(made, law), start_vector(problem, 0.03), first_sizes(presses, SLAB_ERROR))
+    found = fit(CampaignProblem(made, law), start_vector(problem, 0.03), first_sizes(presses, SLAB_ERROR))
     np.testing.assert_allclose(found.vector[:5], truth[:5], atol=2e-3)
     assert np.abs(found.residual[presses.used]).max() < 2e-3
 

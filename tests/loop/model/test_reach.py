@@ -5,15 +5,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dummydesign.core.errors import InputError
 from dummydesign.loop.data.trials import make_presses
-from dummydesign.loop.model.reach import BEYOND, within_reach
+from dummydesign.loop.model.campaign_law import BEYOND, within_reach
 from dummydesign.measurement.campaign_file import read_campaign
+from tests.support.refusal import raises_code
 
 
 def ends_at(share: float) -> SimpleNamespace:
     """A law that holds to a share of every pad's thickness."""
-    return SimpleNamespace(limit=lambda thickness_mm: share * thickness_mm)
+    return SimpleNamespace(limit_of=lambda trials: share * np.array([trial.thickness_mm for trial in trials]))
 
 
 @pytest.fixture(scope="module")
@@ -41,6 +41,6 @@ def test_presses_deeper_than_their_law_leave_and_are_named(read):
 
 def test_a_campaign_that_is_all_too_deep_is_refused_in_one_line(read):
     campaign, presses = read
-    with pytest.raises(InputError, match="deeper than can be modelled") as refused:
+    with raises_code("out_of_range", "displacement_mm") as refused:
         within_reach(campaign, presses, ends_at(0.01))
     assert "\n" not in str(refused.value) and "press less deep" in str(refused.value)

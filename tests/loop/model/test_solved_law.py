@@ -8,21 +8,22 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dummydesign.geometry.shapes import Slab, read_shape
+from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.geometry.shapes.crowned import Crowned
+from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.loop.data.trials import make_presses
-from dummydesign.loop.effects import EFFECTS, effect_named
-from dummydesign.loop.fitting.base_fit import fit_base
-from dummydesign.loop.fitting.problem import Problem
-from dummydesign.loop.judging.residual_dependence import dependences
-from dummydesign.loop.model import solved_curve
-from dummydesign.loop.model.base_law import SlabLaw, depth_limits
+from dummydesign.loop.effects.registry import EFFECTS, effect_named
+from dummydesign.loop.fitting.fit import fit_base
+from dummydesign.loop.fitting.problem import CampaignProblem
+from dummydesign.loop.model import solved_law as solved_curve
+from dummydesign.loop.model.base_law import SlabLaw
 from dummydesign.loop.model.campaign_law import law_of
-from dummydesign.loop.model.solved_law import ROUGHNESS, BoundLaw, MixedLaw, SolvedLaw, error_priors
+from dummydesign.loop.model.solved_law import ROUGHNESS, SolvedLaw, error_priors
+from dummydesign.loop.selection.residuals import dependences
 from dummydesign.measurement.campaign_file import read_campaign
-from dummydesign.pad import elastic
-from dummydesign.pad.pad import Pad
-from dummydesign.pad.slab.problem import PadCurve
+from dummydesign.pad import elastic_force as elastic
+from dummydesign.pad.axisymmetric.case import PadCurve
+from dummydesign.pad.specimen import Pad
 from dummydesign.pad.tables.slab import load_table
 
 CROWN = read_shape("crowned:radius=20,height=3,foot=11")
@@ -66,8 +67,8 @@ def asked(law, trials, share=0.2):
 
 def test_each_trial_has_the_law_of_its_own_pad(shaped, closed_form):
     law = law_of(shaped)
-    assert isinstance(law, MixedLaw) and law.shape == "shaped"
-    slab = SlabLaw(law.laws[""].table, shaped.punch.radius_mm, True)
+    assert isinstance(law, SolvedLaw) and law.shape == "shaped"
+    slab = SlabLaw(load_table("bonded"), shaped.punch.radius_mm, True)
     for trial, area in zip(shaped.trials, asked(law, shaped.trials)):
         h = np.array([[trial.thickness_mm]])
         if trial.geometry.plain:
@@ -103,7 +104,8 @@ def test_thickness_slip_and_bulk_change_a_solved_pad_as_its_solves_say(shaped, c
     for thickness in (14.0, 15.0, 16.0):
         assert law(depth, own + thickness - 15.0) == pytest.approx(exact(thickness_mm=thickness), rel=2e-3)
     assert law.sliding()(depth, own) == pytest.approx(exact(base="sliding"), rel=1e-3)
-    assert law(depth, own) / (1.0 + 0.06 * law.give(depth, own)) == pytest.approx(exact(poisson=0.47), rel=1e-3)
+    softer = 1.0 + 0.06 * law.compressibility_coefficient(depth, own)
+    assert law(depth, own) / softer == pytest.approx(exact(poisson=0.47), rel=1e-3)
     assert (law(-depth, own) == 0.0).all()
 
 
@@ -149,7 +151,7 @@ def test_the_thickness_error_of_a_trial_reaches_the_allowance(campaigns):
 
 def test_the_depth_that_was_solved_is_known_for_every_trial(shaped, closed_form):
     law = law_of(shaped)
-    limits = depth_limits(law, shaped.trials)
+    limits = law.limit_of(shaped.trials)
     deepest = np.array([t.trace.displacement_mm.max() for t in shaped.trials])
     assert limits.shape == deepest.shape and (limits > deepest).all()
 
@@ -165,13 +167,14 @@ def test_a_remainder_as_large_as_a_solve_is_rough_follows_nothing_and_a_larger_o
     """The residual is the force times a wave in depth, on the crowned pads alone."""
     crowned = replace(shaped, trials=tuple(t for t in shaped.trials if not t.geometry.plain))
     law, presses = law_of(crowned), make_presses(crowned)
-    assert law.rough == ROUGHNESS
+    assert {law.roughness(pad) for pad in presses.pads} == {ROUGHNESS}
     fit = fit_base(presses, law, 0.03)
     depth = presses.measure(np.maximum(presses.displacement_mm, 0.0))
 
     def follows(size, rough):
         wave = np.where(presses.used, size * fit.forces * np.sin(2.0 * np.pi * depth / 1.2), 0.0)
-        problem = Problem(presses, replace(law, rough=rough))
+        pads = {pad: replace(curve, roughness=rough) for pad, curve in law.pads.items()}
+        problem = CampaignProblem(presses, replace(law, pads=pads))
         found = dependences(replace(fit, problem=problem, residual=wave))
         return next(one.excess for one in found if one.factor == "depth")
 
@@ -211,15 +214,14 @@ def test_a_small_fillet_on_a_slab_is_near_the_table_and_changes_as_the_table_doe
     curve = solved_curve.SolvedCurve(pad, 3.0)
     law = SlabLaw(load_table(base), 7.9, False)
     depth = np.array([[0.3, 1.0, 2.0]])
-    bound = SolvedLaw({10.0: curve}, "shaped", frozenset(), law.error_priors)
-    near = bound(depth, np.array([[10.0]])) / law(depth, np.array([[10.0]]))
+    near = curve(depth, np.array([[10.0]])) / law(depth, np.array([[10.0]]))
     assert np.all((near > 0.95) & (near < 1.02))
     thicker = law(depth, np.array([[10.5]])) / law(depth, np.array([[10.0]]))
-    row = BoundLaw(bound, np.array([10.0]))
-    np.testing.assert_allclose(row(depth, np.array([[10.5]])) / row(depth, np.array([[10.0]])), thicker, rtol=2e-3)
+    np.testing.assert_allclose(curve(depth, np.array([[10.5]])) / curve(depth, np.array([[10.0]])), thicker, rtol=2e-3)
     if base == "bonded":
-        np.testing.assert_allclose(row.give(depth, None), law.give(depth, np.array([[10.0]])), rtol=0.01)
+        bulk = law.compressibility_coefficient(depth, np.array([[10.0]]))
+        np.testing.assert_allclose(curve.compressibility_coefficient(depth, np.array([[10.0]])), bulk, rtol=0.01)
         np.testing.assert_allclose(
-            row.sliding()(depth, np.array([[10.0]])) / row(depth, np.array([[10.0]])),
+            curve.sliding()(depth, np.array([[10.0]])) / curve(depth, np.array([[10.0]])),
             law.sliding()(depth, np.array([[10.0]])) / law(depth, np.array([[10.0]])), rtol=2e-3,
         )  # fmt: skip

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from dummydesign.cli import run
-from dummydesign.measurement.importing.core.absent import absent_roles
+from dummydesign.cli.entry import run
+from dummydesign.measurement.importing.vocabulary import absent_roles
 
 COMMANDS = {
     "import": ["import"], "fit": ["fit"], "compare": ["compare", "--tissue", "palm"],

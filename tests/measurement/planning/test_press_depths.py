@@ -8,12 +8,12 @@ import re
 import pytest
 
 import dummydesign
-from dummydesign.api.plan_calls import plan_campaign
-from dummydesign.cli import run
+from dummydesign.api.campaigns import plan_campaign
+from dummydesign.cli.entry import run
 from dummydesign.core.errors import InputError
-from dummydesign.loop.planning.press_targets import Material, expected_presses, material_of
+from dummydesign.loop.planning import Material, expected_presses, material_of
 from dummydesign.measurement.campaign import Campaign, PadSpec, PunchSpec
-from dummydesign.measurement.planning.plan import Design, make_plan
+from dummydesign.measurement.campaign_plan import PlanSettings, make_plan
 from dummydesign.resin import load_resin
 
 RESIN = ["--resin", "polyurethane-nagoya", "--ratio", "15.4"]
@@ -28,7 +28,7 @@ def planned(tmp_path, capsys, *words):
 
 def pressed_to(trial, **given):
     """Steady force of ``predict`` at the sheet's depth, along the planned ramp and hold."""
-    from dummydesign.api.asked_pad import asked_pad
+    from dummydesign.api.predictions import pad_of_inputs
     from dummydesign.measurement.motion import ramp_and_hold
     from dummydesign.pad.predict import predict_motion
 
@@ -36,7 +36,7 @@ def pressed_to(trial, **given):
              "base": "bonded", "pad": "slab:150x120", "shape": "slab", "poisson": 0.5, "law": "neo-hookean",
              "edge_radius_mm": 0.0, "prony": None, "thickness_mm": trial["thickness_mm"], **given}  # fmt: skip
     fidelity = asked.pop("fidelity", "table")
-    pad, _, _ = asked_pad(asked)
+    pad, _, _ = pad_of_inputs(asked)
     motion = ramp_and_hold(trial["velocity_mm_s"], trial["expected_depth_mm"], trial["hold_s"], 30000.0)
     return predict_motion(pad, motion, fidelity).steady_force_N
 
@@ -85,7 +85,7 @@ def campaign_of(**pad):
 
 
 def test_the_interval_brackets_the_depths_at_both_ends_of_the_modulus():
-    plan = make_plan(Design((6.0, 12.0), (10.0, 250.0), (2.0, 5.0), ages_days=(7.0,), repeats=1))
+    plan = make_plan(PlanSettings((6.0, 12.0), (10.0, 250.0), (2.0, 5.0), ages_days=(7.0,), repeats=1))
     campaign = campaign_of(resin="polyurethane-nagoya", ratio=15.4)
     material = material_of(campaign)
     modulus = load_resin("polyurethane-nagoya").modulus_kPa(15.4)
@@ -126,8 +126,8 @@ def test_presses_deeper_than_the_law_goes_are_named(tmp_path, capsys):
 
 
 def test_without_a_modulus_the_column_is_left_out_and_the_reason_said(tmp_path, monkeypatch):
-    from dummydesign.loop.planning import press_targets
-    from dummydesign.measurement.planning.campaign_text import SetUp
+    from dummydesign.loop import planning as press_targets
+    from dummydesign.measurement.campaign_file import SetUp
 
     with pytest.raises(InputError):
         material_of(campaign_of())
@@ -136,7 +136,7 @@ def test_without_a_modulus_the_column_is_left_out_and_the_reason_said(tmp_path, 
         raise InputError("no modulus")
 
     monkeypatch.setattr(press_targets, "material_of", unknown)
-    design = Design((6.0, 12.0), (10.0,), (2.0, 5.0), repeats=1, ages_days=(7.0,))
+    design = PlanSettings((6.0, 12.0), (10.0,), (2.0, 5.0), repeats=1, ages_days=(7.0,))
     found = plan_campaign(tmp_path / "c", SetUp("c", young_kPa=25.0), design, power=False).to_dict()
     assert [one["code"] for one in found["warnings"]] == ["no_expected"] and found["expected"] is None
     assert not any("depth" in key for trial in found["trials"] for key in trial)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from dummydesign.mold.cad.prisms import corners_of, edges_of, height_range
+from dummydesign.mold.cad.solids import corners_of, edges_of, height_range
 
 
 def _curved(solid):

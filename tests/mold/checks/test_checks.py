@@ -6,11 +6,10 @@ from dataclasses import replace
 
 import pytest
 
-from dummydesign.mold.cad.build import brim_tool
-from dummydesign.mold.cad.pad_solids import pad_solid
-from dummydesign.mold.cad.prisms import drafted_prism, single_solid
-from dummydesign.mold.checks import mesh as check_mesh
+from dummydesign.mold.cad.build import brim_tool, pad_solid
+from dummydesign.mold.cad.solids import drafted_prism, single_solid
 from dummydesign.mold.checks import process as check_process
+from dummydesign.mold.checks import release as check_mesh
 from dummydesign.mold.checks import release as demould
 from dummydesign.mold.checks import solids as check
 from dummydesign.mold.files import meshes as mesh
@@ -258,7 +257,7 @@ def test_points_are_told_inside_a_mesh_from_those_in_its_hole():
     import cadquery as cq
     import numpy as np
 
-    from dummydesign.mold.checks.label import inside_mesh
+    from dummydesign.mold.checks.solids import inside_mesh
 
     plate = cq.Solid.makeBox(10, 10, 2).cut(cq.Solid.makeBox(4, 4, 5).translate(cq.Vector(3, 3, -1)))
     points = np.array([(5.0, 5.0, 1.0), (1.0, 5.0, 1.0), (5.0, 9.0, 1.9), (1.0, 1.0, 2.1), (-1.0, 5.0, 1.0)])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from dummydesign.mold.checks.second_reader import check_second_reader
+from dummydesign.mold.checks.files import check_second_reader
 
 
 @pytest.fixture

@@ -6,13 +6,12 @@ from dataclasses import replace
 
 import pytest
 
-from dummydesign.mold.cad.build import brim_tool, build
-from dummydesign.mold.cad.pad_solids import pad_solid
-from dummydesign.mold.cad.prisms import single_solid
-from dummydesign.mold.checks import mesh as check_mesh
+from dummydesign.mold.cad.build import brim_tool, build, pad_solid
+from dummydesign.mold.cad.solids import single_solid
+from dummydesign.mold.checks import release as check_mesh
 from dummydesign.mold.checks import release as demould
-from dummydesign.mold.checks import shape as check_shape
 from dummydesign.mold.checks import solids as check
+from dummydesign.mold.checks import solids as check_shape
 from dummydesign.mold.files import meshes as mesh
 from tests.support.mould_checks import failed, named, shape_spec
 
@@ -100,7 +99,7 @@ def test_spacer_at_the_wrong_height_is_seen(layered):
 
 
 def test_layers_that_leave_a_gap_are_seen(layered):
-    from dummydesign.mold.cad.prisms import drafted_prism
+    from dummydesign.mold.cad.solids import drafted_prism
 
     gap = drafted_prism(layered.plan.top, 0.1, 0.0, layered.plan.interface_mm)
     part = layered.parts["layer_base"]

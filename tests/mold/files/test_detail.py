@@ -7,11 +7,10 @@ import io
 import numpy as np
 import pytest
 
-from dummydesign.geometry.shapes import read_shape
-from dummydesign.mold.files.drawings.detail import crown_detail, foot_mm
-from dummydesign.mold.files.drawings.dxf import to_dxf
-from dummydesign.mold.files.drawings.layout import SCALES, View, arrange
-from dummydesign.mold.files.drawings.parts import Papers, part_views, sheets
+from dummydesign.geometry.shape_registry import read_shape
+from dummydesign.mold.files.drawings.export import to_dxf
+from dummydesign.mold.files.drawings.layout import SCALES, View, arrange, crown_detail, foot_mm
+from dummydesign.mold.files.drawings.parts import DocumentInfo, part_views, sheets
 from dummydesign.mold.files.drawings.sheet import PAPERS, ratio
 from tests.mold.files.test_drawings import TITLE, meeting
 
@@ -57,7 +56,7 @@ def test_a_detail_is_larger_than_the_sheet_says_its_scale_and_meets_no_text(text
 def test_pad_and_master_of_a_crown_have_the_detail_in_every_format(crowned):
     import ezdxf
 
-    found = sheets(crowned, part_views(crowned), Papers(), "A3")
+    found = sheets(crowned, part_views(crowned), DocumentInfo(), "A3")
     shape = dict(crowned.spec.pad.shape.parameters)
     factor = crowned.plan.scale * crowned.plan.silicone_scale
     for name, grown in (("pad", 1.0), ("master", factor)):

@@ -12,14 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dummydesign.mold.files.drawings import projection
-from dummydesign.mold.files.drawings.dxf import to_dxf
-from dummydesign.mold.files.drawings.hatch import hatch
+from dummydesign.mold.files.drawings.export import to_dxf, to_pdf, to_svg
 from dummydesign.mold.files.drawings.layout import SCALES, Measure, View, arrange, place
-from dummydesign.mold.files.drawings.parts import Papers, drawings, part_views, sheets
-from dummydesign.mold.files.drawings.pdf import to_pdf
-from dummydesign.mold.files.drawings.sheet import PAPERS, TEXT_MM, Drawing, Line
-from dummydesign.mold.files.drawings.svg import to_svg
-from dummydesign.mold.files.drawings.title_block import Title
+from dummydesign.mold.files.drawings.parts import DocumentInfo, part_views, sheets
+from dummydesign.mold.files.drawings.sheet import PAPERS, TEXT_MM, Drawing, Line, Title, hatch
 from tests.support.mould_checks import shape_spec
 from tests.support.pdf_paths import contents, pages_mm, paths_mm
 
@@ -36,7 +32,7 @@ def meeting(drawing):
 
 
 def sound(made, paper):
-    for name, drawing in sheets(made, part_views(made), Papers("project", "2026-01-01"), paper).items():
+    for name, drawing in sheets(made, part_views(made), DocumentInfo("project", "2026-01-01"), paper).items():
         assert meeting(drawing) == [], (name, meeting(drawing))
         assert drawing.dimensions and min(text.height for text in drawing.texts) >= TEXT_MM
         words = " ".join(text.words for text in drawing.texts)
@@ -57,7 +53,7 @@ def sound(made, paper):
 def test_every_part_has_a_drawing_without_texts_on_each_other(open_parts, crowned, paper):
     for made in (open_parts, crowned):
         sound(made, paper)
-    assert set(drawings(open_parts)) == set(open_parts.parts)
+    assert set(sheets(open_parts, part_views(open_parts))) == set(open_parts.parts)
 
 
 @pytest.mark.slow
@@ -87,7 +83,7 @@ def test_a_hundred_millimetres_are_a_hundred_millimetres_on_the_page():
 
 @pytest.mark.parametrize("paper", ["A3", "A4"])
 def test_a_part_is_on_its_page_in_the_scale_that_the_title_says(open_parts, paper):
-    drawing = drawings(open_parts, paper=paper)["tray"]
+    drawing = sheets(open_parts, part_views(open_parts), paper=paper)["tray"]
     (content,) = contents(to_pdf([drawing], "test"))
     box = open_parts.solid("tray").BoundingBox()
     sides = {round(float(np.ptp(run[:, 0])), 2) for run in paths_mm(content)}
@@ -99,7 +95,7 @@ def test_a_part_is_on_its_page_in_the_scale_that_the_title_says(open_parts, pape
 @pytest.mark.slow
 def test_a_crowned_pad_shows_foot_and_tip_with_their_dimensions(crowned):
     pad, shape = crowned.spec.pad, dict(crowned.spec.pad.shape.parameters)
-    drawing = drawings(crowned)["pad"]
+    drawing = sheets(crowned, part_views(crowned))["pad"]
     found = [(d.vertical, d.value) for d in drawing.dimensions]
     assert (True, pytest.approx(pad.thickness_mm, abs=1e-3)) in found
     assert (True, pytest.approx(pad.thickness_mm - pad.face_height_mm, abs=1e-3)) in found
@@ -110,7 +106,7 @@ def test_hole_patterns_have_number_diameter_and_distances(open_parts):
     box = open_parts.spec.box
     (rims,) = projection.holes(open_parts.solid("master"))
     assert len(rims.places) == 8 and rims.diameters_mm == (box.bolt_hole_mm,)
-    drawing = drawings(open_parts)["master"]
+    drawing = sheets(open_parts, part_views(open_parts))["master"]
     assert f"8 x Ø{box.bolt_hole_mm:g}" in [text.words for text in drawing.texts]
     values = [d.value for d in drawing.dimensions]
     for axis in (0, 1):
@@ -203,7 +199,7 @@ def test_drawings_are_wellformed_and_equal_for_equal_parts(open_parts):
 
     import ezdxf
 
-    drawing = drawings(open_parts)["mould"]
+    drawing = sheets(open_parts, part_views(open_parts))["mould"]
     root = ElementTree.fromstring(to_svg(drawing))
     assert root.get("width") == "420mm"
     text = to_dxf(drawing)

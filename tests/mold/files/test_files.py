@@ -15,12 +15,11 @@ import pytest
 from dummydesign.mold.files import meshes as mesh
 from dummydesign.mold.files import pour_sheet as sheet
 from dummydesign.mold.files import step
-from dummydesign.mold.files.step_canonical import Header, canonical_step
-from dummydesign.mold.pour.batch import batch_of, witness_mass_g
-from dummydesign.mold.pour.plan import CUP_FACTOR, pour_plan
+from dummydesign.mold.files.step import canonical_step
+from dummydesign.mold.pour.plan import CUP_FACTOR, batch_of, pour_plan, witness_mass_g
 from dummydesign.mold.pour.warnings import pour_warnings
 
-HEADER = Header("x.step", "test", "2000-01-01T00:00:00", "dummydesign")
+HEADER = ("x.step", "test")
 
 
 def _step_parts(made):
@@ -49,38 +48,37 @@ def _shuffled(text: str, seed: int) -> str:
 
 
 def test_canonical_step_forgets_order_numbering_and_line_breaks(pad_step):
-    first = canonical_step(pad_step, HEADER)
+    first = canonical_step(pad_step, *HEADER)
     for seed in range(3):
-        assert canonical_step(_shuffled(pad_step, seed), HEADER) == first
+        assert canonical_step(_shuffled(pad_step, seed), *HEADER) == first
 
 
 def test_canonical_step_keeps_every_entity_and_sees_a_changed_number(pad_step):
-    again = canonical_step(pad_step, HEADER)
+    again = canonical_step(pad_step, *HEADER)
     count = [len(re.findall(r"^#\d+=", text, re.M)) for text in (pad_step, again)]
     assert count[0] == count[1] > 100
     changed = re.sub(r"CARTESIAN_POINT\('',\((-?\d)", r"CARTESIAN_POINT('',(9\1", pad_step, count=1)
-    assert changed != pad_step and canonical_step(changed, HEADER) != again
+    assert changed != pad_step and canonical_step(changed, *HEADER) != again
 
 
 def test_letters_beyond_ascii_are_written_as_step_prescribes(pad_step):
     name = "樹脂 für 𠮷"
-    text = canonical_step(pad_step, Header(name, name, HEADER.time_stamp, HEADER.organisation))
+    text = canonical_step(pad_step, name, name)
     assert text.isascii() and text.count(r"'\X2\6A398102\X0\ f\X2\00FC\X0\r \X4\00020BB7\X0\'") == 2
     written = text.split("'")[1]
-    again = Header(written, written, HEADER.time_stamp, HEADER.organisation)
-    assert canonical_step(text, again) == text
+    assert canonical_step(text, written, written) == text
 
 
 def test_canonical_step_refuses_what_is_not_step():
     with pytest.raises(ValueError, match="not a STEP file"):
-        canonical_step("solid cube", HEADER)
+        canonical_step("solid cube", *HEADER)
     with pytest.raises(ValueError, match="not in the file"):
-        canonical_step("FILE_SCHEMA(('X'));DATA;#1=A(#2);ENDSEC;", HEADER)
+        canonical_step("FILE_SCHEMA(('X'));DATA;#1=A(#2);ENDSEC;", *HEADER)
 
 
 def test_strings_with_signs_of_the_syntax_survive():
     text = "FILE_SCHEMA(('X'));DATA;#7=PRODUCT('a;#3 it''s, (b)','  two  blanks',#9);#9=B();ENDSEC;"
-    again = canonical_step(text, HEADER)
+    again = canonical_step(text, *HEADER)
     assert "#1=PRODUCT('a;#3 it''s, (b)','  two  blanks',#2);" in again
 
 

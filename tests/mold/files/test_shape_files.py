@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from dummydesign.mold.cad.pad_solids import cavity_solid
+from dummydesign.mold.cad.build import cavity_solid
 from tests.support.mould_checks import shape_spec
 
 
@@ -32,13 +32,13 @@ def test_curved_faces_survive_step(crowned, boned, tmp_path):
 
 @pytest.mark.slow
 def test_drawings_dimension_the_curve_and_stay_on_paper(crowned, layered, boned):
-    from dummydesign.mold.files.drawings.parts import drawings
+    from dummydesign.mold.files.drawings.parts import part_views, sheets
 
     heights = {
         "crowned": crowned.plan.face_mm, "layered": layered.plan.interface_mm, "boned": 9.0 * boned.plan.scale,
     }  # fmt: skip
     for made in (crowned, layered, boned):
-        paper = drawings(made)["mould"]
+        paper = sheets(made, part_views(made))["mould"]
         assert any(d.vertical and d.value == pytest.approx(heights[made.spec.pad.kind]) for d in paper.dimensions)
         assert any(str(made.spec.pad.kind) in text.words for text in paper.texts)
         for d in paper.dimensions:

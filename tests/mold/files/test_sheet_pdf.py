@@ -8,7 +8,7 @@ import segno
 
 from dummydesign.mold.files.drawings.sheet import Drawing, Line
 from dummydesign.mold.files.pour_sheet import Block, pour_sheet
-from dummydesign.mold.files.sheet_pdf import QR_MM, Foot, sheet_pdf
+from dummydesign.mold.files.pour_sheet_pdf import QR_MM, Foot, sheet_pdf
 from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
 from tests.support.pdf_paths import contents, pages_mm, paths_mm

@@ -9,9 +9,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from dummydesign.mold.files.view.mould import mould_view
-from dummydesign.mold.files.view.solids import Shown, box, stack, turned_over, view_page
-from dummydesign.report.html.viewer import solid_section
+from dummydesign.mold.files.picture import turned_over
+from dummydesign.mold.files.solid_view import Shown, box, mould_view, stack, view_page
+from dummydesign.report.page import solid_section
 from tests.support.browser import visit
 
 GREY = (0.7, 0.7, 0.7)

@@ -7,9 +7,9 @@ from dataclasses import replace
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.geometry.shapes import read_shape
-from dummydesign.mold.model.pad_kind import read_kind
+from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.mold.model.preset import mould_spec
+from dummydesign.mold.model.spec import read_kind
 from tests.support.mould_checks import shape_spec
 
 

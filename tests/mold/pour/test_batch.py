@@ -8,9 +8,8 @@ import pytest
 
 from dummydesign.mold.files import pour_sheet as sheet
 from dummydesign.mold.model.preset import mould_spec
-from dummydesign.mold.pour.batch import batch_of, batches_of, witness_mass_g
-from dummydesign.mold.pour.materials_list import bill_of_materials
-from dummydesign.mold.pour.plan import RATIO_ERROR_LIMIT_PERCENT, pour_plan
+from dummydesign.mold.pour.bill_of_materials import bill_of_materials
+from dummydesign.mold.pour.plan import RATIO_ERROR_LIMIT_PERCENT, batch_of, batches_of, pour_plan, witness_mass_g
 from dummydesign.mold.pour.warnings import pour_warnings
 from dummydesign.mold.runner import without_cad
 from tests.support.mould_checks import shape_spec

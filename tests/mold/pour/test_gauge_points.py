@@ -9,14 +9,15 @@ import numpy as np
 import pytest
 
 from dummydesign import cli
-from dummydesign.core.outputs.manifest import Question
-from dummydesign.core.outputs.write import new_folder
-from dummydesign.geometry.shapes import PadShape, registered
+from dummydesign.core.manifest import Question
+from dummydesign.core.outputs import new_folder
+from dummydesign.geometry.pad_shape import PadShape
+from dummydesign.geometry.shape_registry import registered
 from dummydesign.measurement.campaign_file import read_campaign
 from dummydesign.measurement.pad_record import read_record
 from dummydesign.mold.files import pour_sheet as sheet
-from dummydesign.mold.gauging.points import gauge_points
 from dummydesign.mold.model.preset import mould_spec
+from dummydesign.mold.pour.acceptance import gauge_points
 from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
 from tests.measurement.test_campaign import write
@@ -165,13 +166,13 @@ def test_a_slab_takes_a_plain_list_or_names_and_both_mean_one_thickness(tmp_path
     assert found[0]["points"] == []
 
 
-def test_folders_of_earlier_editions_have_the_points_of_their_specification(tmp_path, capsys):
+def test_a_folder_without_sound_gauge_points_is_refused(tmp_path, capsys):
     folder = keep(tmp_path / "m", CROWN)
     path = tmp_path / "m" / "spec.json"
     content = json.loads(path.read_text())
     del content["gauge_points"]
     path.write_text(json.dumps(content))
-    assert record(folder, typed(CROWN), CROWN, "--json") == 0
+    assert record(folder, typed(CROWN), CROWN) == 2
     path.write_text(json.dumps({**content, "gauge_points": [{"name": "tip"}]}))
     assert record(folder, typed(CROWN), CROWN) == 2
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.pad.contact.rubbing import FULL, RubbingSurface, coulomb_drag
-from dummydesign.pad.slab.filleted import FilletedPunch
+from dummydesign.pad.axisymmetric.filleted import FilletedPunch
+from dummydesign.pad.contact.friction import FULL, RubbingSurface, coulomb_drag
 
 NODES = np.array([[0.0, 0.25, 0.5, 0.6, 0.7, 0.78, 0.86, 0.95, 1.04], np.zeros(9)])
 SIDES = np.array([[0, 1, 2], [2, 3, 4], [4, 5, 6], [6, 7, 8]])

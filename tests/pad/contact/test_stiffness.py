@@ -1,11 +1,14 @@
 """Every solve takes its contact stiffness from the one table."""
 
-from dummydesign.pad import puck
-from dummydesign.pad.contact import resting_base, stiffness
-from dummydesign.pad.shaped import problem as round_pad
-from dummydesign.pad.shaped import spatial
-from dummydesign.pad.slab import filleted, indentation, problem, square_beaded
-from dummydesign.pad.slab.rubbing import filleted_punch as rubbing
+from dummydesign.pad.axisymmetric import case as problem
+from dummydesign.pad.axisymmetric import filleted, puck
+from dummydesign.pad.axisymmetric import friction as rubbing
+from dummydesign.pad.axisymmetric import profile_punch as indentation
+from dummydesign.pad.axisymmetric import shaped_problem as round_pad
+from dummydesign.pad.contact import friction as resting_base
+from dummydesign.pad.contact import penalty as stiffness
+from dummydesign.pad.spatial import shaped_pad as spatial
+from dummydesign.pad.spatial import square_punch as square_beaded
 
 
 def test_each_solve_has_the_penalty_of_its_line_and_each_line_its_reason():

@@ -5,22 +5,22 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.geometry.shapes import read_shape
-from dummydesign.geometry.standard import PAD_EXTENT_MM
-from dummydesign.pad.contact.surface_axisymmetric import FlatPunch, Surface
-from dummydesign.pad.contact.ties import closure
+from dummydesign.geometry.dimensions import PAD_EXTENT_MM
+from dummydesign.geometry.shape_registry import read_shape
+from dummydesign.pad.axisymmetric.case import Case
+from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad
+from dummydesign.pad.axisymmetric.shaped_problem import FREE_STEP, shaped_problem, solve_path
+from dummydesign.pad.axisymmetric.sliding_faces import solve_ratio
+from dummydesign.pad.contact.axisymmetric import FlatPunch, Surface
+from dummydesign.pad.contact.penalty import closure
 from dummydesign.pad.material.hyperelastic import Yeoh
-from dummydesign.pad.shaped.axisymmetric import climb, solve_shaped_pad
-from dummydesign.pad.shaped.paths import FREE_STEP
-from dummydesign.pad.shaped.problem import Press, shaped_problem
-from dummydesign.pad.slab.problem import Slab
-from dummydesign.pad.slab.sliding_faces import _solve_ratio
 from dummydesign.pad.solve.continuation import follow
+from dummydesign.pad.specimen import Pad
 
 LAW = Yeoh(1.0)
 H, A, E = 4.5, 0.5 * 15.798, 0.0426
 CROWN = read_shape("crowned:radius=21.2,height=2,foot=9.4")
-PRESS = Press(CROWN, H, A / H, PAD_EXTENT_MM / H)
+PRESS = Case(A / H, PAD_EXTENT_MM / H, shape=CROWN, thickness_mm=H)
 
 
 def test_a_contact_that_grows_closes_evenly_from_its_old_edge_to_its_new_one():
@@ -48,15 +48,15 @@ def test_a_point_is_tied_on_its_way_not_where_the_step_ends():
     end = start.copy()
     end[::2] += 0.4
     assert surface.tie(end, punch, 0.5)
-    slipped = surface._spot[0, :, 0] - (surface._points(0 * end)[0, :, 0])
-    room = -surface._points(start)[0, :, 1]
+    slipped = surface._spot[0, :, 0] - (surface.points(0 * end)[0, :, 0])
+    room = -surface.points(start)[0, :, 1]
     assert slipped == pytest.approx(0.4 * room / room.max())
     surface.begin()
     assert not surface._held.any()
 
 
 def forces(depths, cells=6):
-    path = climb(PRESS, LAW, np.array(depths), cells)
+    path = solve_path(PRESS, np.array(depths), cells)
     return dict(zip(np.round(path.depth, 6), path.force))
 
 
@@ -71,7 +71,7 @@ def test_steps_of_a_third_hardly_move_the_force_where_ties_at_the_end_of_a_step_
     depths = [0.1, 0.15, 0.2]
 
     def force(step, ties):
-        problem = shaped_problem(PRESS, LAW, 8)
+        problem = shaped_problem(PRESS, 8)
         problem.surface._within = ties
         return follow(problem, depths, 0.005, step, 1e-4, lattice=True).force
 
@@ -84,8 +84,8 @@ def test_steps_of_a_third_hardly_move_the_force_where_ties_at_the_end_of_a_step_
 def test_the_forefingers_crown_agrees_with_an_independent_code_carried_to_steps_of_zero():
     # Another element and program, contact tied on touching, steps and edge carried to their limits.
     known = {0.15: 1.047, 0.2: 2.47, 0.25: 5.30}
-    curve = solve_shaped_pad(CROWN, H, A, E, H * np.array(list(known)))
-    other = solve_shaped_pad(CROWN, H, A, E, H * np.append(np.linspace(0.02, 0.24, 8), 0.25))
+    curve = solve_shaped_pad(Pad(H, E, A, geometry=CROWN), H * np.array(list(known)))
+    other = solve_shaped_pad(Pad(H, E, A, geometry=CROWN), H * np.append(np.linspace(0.02, 0.24, 8), 0.25))
     assert other.force_N[-1] == pytest.approx(curve.force_N[-1], rel=3e-3)
     assert curve.force_N == pytest.approx(list(known.values()), rel=6e-3)
     assert np.all(np.abs(curve.force_N - list(known.values())) < curve.error_N)
@@ -96,6 +96,6 @@ def test_the_forefingers_crown_agrees_with_an_independent_code_carried_to_steps_
 def test_flat_faces_with_friction_and_resting_pads_do_not_depend_on_the_list_of_depths(condition, base):
     found = []
     for depths in ([0.2], [0.05, 0.1, 0.15, 0.2], np.arange(1, 21) * 0.01):
-        answer = _solve_ratio(Slab(0.79, 7.57), LAW, 0.5, np.array(depths), condition, base, 0.01, None)
+        answer = solve_ratio(Case(0.79, 7.57, base, condition, weight=0.01), np.array(depths))
         found.append(answer["ratio"][-1])
     assert np.ptp(found) < 3e-3 * np.mean(found)

@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 
-from dummydesign.pad.fem import quadratic
+from dummydesign.pad.fem import mesh_axisymmetric as quadratic
 
 POINTS = np.array([[0.0, 1.0, 2.1, 0.1, 1.0, 2.0, 0.0, 1.2, 2.2], [0.0, 0.1, 0.0, 1.0, 1.1, 0.9, 2.0, 2.2, 2.0]])
 QUADS = np.array([[0, 1, 4, 3], [1, 2, 5, 4], [3, 4, 7, 6], [4, 5, 8, 7]]).T
@@ -36,8 +36,9 @@ def test_nodes_slopes_and_areas_are_those_of_scikit_fem():
 
 def test_sections_are_meshed_without_scikit_fem():
     code = (
-        "import sys, numpy as np; from dummydesign.pad.slab.sharp_edge import solve_curve; "
-        "solve_curve(10.0, 7.9, 1.0, np.array([0.1])); print('skfem' in sys.modules)"
+        "import sys, numpy as np; from dummydesign.pad.axisymmetric.sharp_edge import solve_curve; "
+        "from dummydesign.pad.specimen import Pad; "
+        "solve_curve(Pad(10.0, 1.0, 7.9), np.array([0.1])); print('skfem' in sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"

@@ -5,27 +5,30 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.core.errors import InputError
-from dummydesign.geometry.shapes import Slab
 from dummydesign.geometry.shapes.boned import Boned
 from dummydesign.geometry.shapes.bumped import Bumped
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.geometry.shapes.layered import Layered
-from dummydesign.pad.fem.mesh_columns import Sizes, height_lines, radial_lines
+from dummydesign.geometry.shapes.slab import Slab
+from dummydesign.pad.axisymmetric.case import Case
+from dummydesign.pad.axisymmetric.shaped_pad import LEFT_TO_SHARP, sharp, solve_shaped_pad
+from dummydesign.pad.axisymmetric.shaped_problem import shaped_problem, solve_path
+from dummydesign.pad.contact.axisymmetric import FilletedPunch
+from dummydesign.pad.fem.mesh_axisymmetric import Sizes, height_lines, radial_lines
 from dummydesign.pad.material.hyperelastic import Yeoh
-from dummydesign.pad.shaped.axisymmetric import LEFT_TO_SHARP, climb, sharp, solve_shaped_pad
-from dummydesign.pad.shaped.problem import Plate, Press, shaped_problem
+from dummydesign.pad.specimen import Pad
 from dummydesign.pad.tables.slab import load_table
-from dummydesign.studies.tables.designs import designs
+from studies.tables.designs import designs
+from tests.support.refusal import raises_code
 
 LAW = Yeoh(1.0)
 # F = 16/9 E sqrt(R) d^1.5 f(c), c = sqrt(R d) / h, frictionless cap on a bonded incompressible layer.
 CAP = {0.417: 1.857, 0.554: 2.381, 0.748: 3.371, 1.054: 5.563}
 
 
-def cap_force(press: Press, depth: float, cells: int = 16) -> float:
+def cap_force(press: Case, depth: float, cells: int = 16) -> float:
     """F / (E h^2) at one depth."""
-    return float(climb(press, LAW, np.array([depth]), cells).force[0]) / 3.0
+    return float(solve_path(press, np.array([depth]), cells).force[0]) / 3.0
 
 
 @pytest.mark.parametrize(("c", "factor"), CAP.items())
@@ -33,7 +36,7 @@ def test_a_shallow_crown_agrees_with_the_law_of_a_cap_on_a_layer(c, factor):
     # So shallow that it matters neither that the gel under the crown's side is thinner nor that strains are finite.
     radius, depth = 1200.0, c**2 / 1200.0
     crown = Crowned(radius, 6.0 * depth, np.sqrt(12.0 * radius * depth))
-    press = Press(crown, 1.0, 2.2 * c, 10.0 + 2.0 * c, condition="frictionless", first=depth)
+    press = Case(2.2 * c, 10.0 + 2.0 * c, shape=crown, thickness_mm=1.0, condition="frictionless", first=depth)
     law = 16.0 / 9.0 * np.sqrt(radius) * depth**1.5 * factor
     assert cap_force(press, depth) == pytest.approx(law, rel=7e-3)
 
@@ -41,7 +44,7 @@ def test_a_shallow_crown_agrees_with_the_law_of_a_cap_on_a_layer(c, factor):
 @pytest.mark.slow
 def test_on_a_thick_pad_the_first_touch_is_that_of_hertz():
     depth = 2.5e-4
-    press = Press(Crowned(0.1, 5e-3), 1.0, 0.02, 2.0, condition="frictionless", first=depth)
+    press = Case(0.02, 2.0, shape=Crowned(0.1, 5e-3), thickness_mm=1.0, condition="frictionless", first=depth)
     c = np.sqrt(0.1 * depth)
     law = 16.0 / 9.0 * np.sqrt(0.1) * depth**1.5 * (1.0 + 1.133 * c)
     assert cap_force(press, depth, 24) == pytest.approx(law, rel=7e-3)
@@ -53,7 +56,7 @@ def test_sticking_changes_little_while_the_contact_is_small_and_stiffens_a_wide_
         radius, depth = 120.0, c**2 / 120.0
         crown = Crowned(radius, 6.0 * depth, np.sqrt(12.0 * radius * depth))
         pair = [
-            cap_force(Press(crown, 1.0, 2.2 * c, 12.0, condition=condition, first=depth), depth, 12)
+            cap_force(Case(2.2 * c, 12.0, shape=crown, thickness_mm=1.0, condition=condition, first=depth), depth, 12)
             for condition in ("frictionless", "bonded")
         ]
         shares.append(pair[1] / pair[0])
@@ -61,9 +64,10 @@ def test_sticking_changes_little_while_the_contact_is_small_and_stiffens_a_wide_
     assert 1.1 < shares[1] < 1.4
 
 
-def test_a_crown_without_height_to_speak_of_is_a_glued_slab():
+def test_a_crown_without_height_to_speak_of_is_a_glued_slab(monkeypatch):
+    monkeypatch.setattr(Crowned, "check", lambda *_: None)  # it could not be cast
     depths = np.array([1.0, 2.0])
-    crowned = solve_shaped_pad(Crowned(1e5, 3e-3), 10.0, 7.9, 0.03, depths)
+    crowned = solve_shaped_pad(Pad(10.0, 0.03, 7.9, geometry=Crowned(1e5, 3e-3)), depths)
     slab = load_table("bonded").force(depths, 10.0, 0.03, 7.9)
     assert np.all(np.abs(crowned.force_N - slab) < crowned.error_N)
     assert crowned.force_N == pytest.approx(slab, rel=0.03)
@@ -71,52 +75,54 @@ def test_a_crown_without_height_to_speak_of_is_a_glued_slab():
 
 @pytest.mark.parametrize("shape", [Layered(4.0, 1.0), Boned(2.0, 1e-6, 2e-3)], ids=["layered", "boned"])
 def test_one_modulus_or_no_bone_is_the_slab(shape):
-    press = Press(shape, 10.0, 0.8, 6.0)
-    pair = [climb(press, LAW, np.array([0.1, 0.2]), 8, 0.1, twin).force for twin in (False, True)]
+    press = Case(0.8, 6.0, shape=shape, thickness_mm=10.0)
+    pair = [solve_path(press, np.array([0.1, 0.2]), 8, 0.1, twin).force for twin in (False, True)]
     assert pair[0] == pytest.approx(pair[1], rel=1e-6)
 
 
 def test_over_a_hard_lower_layer_only_the_upper_one_is_pressed():
-    press = Press(Layered(4.0, 1e4), 10.0, 0.8, 6.0)
-    thin = Press(Slab(), 4.0, 2.0, 15.0)
+    press = Case(0.8, 6.0, shape=Layered(4.0, 1e4), thickness_mm=10.0)
+    thin = Case(2.0, 15.0, shape=Slab(), thickness_mm=4.0)
     # The same bead in mm, 0.1 of 8 and 0.2 of 4, and the same cells across.
-    layered = climb(press, LAW, np.array([0.04]), 20, 0.1).force * 10.0**2
-    slab = climb(thin, LAW, np.array([0.1]), 20, 0.2).force * 4.0**2
+    layered = solve_path(press, np.array([0.04]), 20, 0.1).force * 10.0**2
+    slab = solve_path(thin, np.array([0.1]), 20, 0.2).force * 4.0**2
     assert layered == pytest.approx(slab, rel=0.01)
 
 
 def test_a_soft_lower_layer_lies_between_two_slabs_and_scales_the_whole_pad_when_the_upper_is_thin():
     depth = np.array([0.1])
+    cases = [Case(0.8, 6.0, shape=Layered(top, 0.25), thickness_mm=10.0) for top in (5.0, 0.3)]
     ratios = [
-        float(np.divide(*(climb(Press(Layered(top, 0.25), 10.0, 0.8, 6.0), LAW, depth, 8, 0.1, twin).force
-                          for twin in (False, True)))[0])
-        for top in (5.0, 0.3)
-    ]  # fmt: skip
+        float(np.divide(*(solve_path(case, depth, 8, 0.1, twin).force for twin in (False, True)))[0]) for case in cases
+    ]
     assert 1.0 > ratios[0] > ratios[1] > 0.25
     assert ratios[1] < 0.35
 
 
 def test_a_broad_flat_bone_makes_a_thinner_slab():
     bone = Boned(2000.0, 1.0)
-    boned = climb(Press(bone, 10.0, 0.8, 7.5), LAW, np.array([0.09, 0.18]), 12, 0.1).force * 10.0**2
-    thin = climb(Press(Slab(), 9.0, 8.0 / 9.0, 75.0 / 9.0), LAW, np.array([0.1, 0.2]), 12, 0.1).force * 9.0**2
-    thick = climb(Press(Slab(), 10.0, 0.8, 7.5), LAW, np.array([0.09, 0.18]), 12, 0.1).force * 10.0**2
+    boned = solve_path(Case(0.8, 7.5, shape=bone, thickness_mm=10.0), np.array([0.09, 0.18]), 12, 0.1).force * 10.0**2
+    thin = (
+        solve_path(Case(8.0 / 9.0, 75.0 / 9.0, shape=Slab(), thickness_mm=9.0), np.array([0.1, 0.2]), 12, 0.1).force
+        * 9.0**2
+    )
+    thick = solve_path(Case(0.8, 7.5, shape=Slab(), thickness_mm=10.0), np.array([0.09, 0.18]), 12, 0.1).force * 10.0**2
     assert np.all(np.abs(boned / thin - 1.0) < 0.1 * np.abs(thick / thin - 1.0))
 
 
 def test_a_flat_topped_pad_is_its_ratio_times_the_sharp_slab():
-    slab = solve_shaped_pad(Slab(), 10.0, 7.9, 0.03, [1.0])
-    same = solve_shaped_pad(Layered(5.0, 1.0), 10.0, 7.9, 0.03, [1.0], cells=8)
+    slab = solve_shaped_pad(Pad(10.0, 0.03, 7.9, geometry=Slab()), [1.0])
+    same = solve_shaped_pad(Pad(10.0, 0.03, 7.9, geometry=Layered(5.0, 1.0)), [1.0], cells=8)
     assert same.force_N == pytest.approx(slab.force_N, rel=1e-6)
-    boned = solve_shaped_pad(Boned(8.1, 4.0, 7.0), 10.0, 7.9, 0.03, [1.0], cells=8)
+    boned = solve_shaped_pad(Pad(10.0, 0.03, 7.9, geometry=Boned(8.1, 4.0, 7.0)), [1.0], cells=8)
     assert 1.1 < boned.force_N[0] / slab.force_N[0] < 1.25
 
 
 def test_force_scales_with_the_modulus_and_with_the_square_of_all_lengths():
     crown = Crowned(10.0, 2.5, 6.6)
-    one = solve_shaped_pad(crown, 5.0, 7.9, 0.03, [1.0], cells=8)
-    stiff = solve_shaped_pad(crown, 5.0, 7.9, 0.09, [1.0], cells=8)
-    large = solve_shaped_pad(Crowned(20.0, 5.0, 13.2), 10.0, 15.8, 0.03, [2.0], cells=8, extent_mm=151.39)
+    one = solve_shaped_pad(Pad(5.0, 0.03, 7.9, geometry=crown), [1.0], cells=8)
+    stiff = solve_shaped_pad(Pad(5.0, 0.09, 7.9, geometry=crown), [1.0], cells=8)
+    large = solve_shaped_pad(Pad(10.0, 0.03, 15.8, extent_mm=151.39, geometry=Crowned(20.0, 5.0, 13.2)), [2.0], cells=8)
     assert stiff.force_N == pytest.approx(3.0 * one.force_N, rel=1e-9)
     assert large.force_N == pytest.approx(4.0 * one.force_N, rel=1e-3)
 
@@ -124,15 +130,17 @@ def test_force_scales_with_the_modulus_and_with_the_square_of_all_lengths():
 @pytest.mark.slow
 def test_a_finer_grid_stays_within_the_stated_error():
     crown, depths = Crowned(10.0, 2.5, 6.6), np.array([0.5, 1.0])
-    coarse = solve_shaped_pad(crown, 5.0, 7.9, 0.03, depths, cells=8)
-    fine = solve_shaped_pad(crown, 5.0, 7.9, 0.03, depths, cells=16)
+    coarse = solve_shaped_pad(Pad(5.0, 0.03, 7.9, geometry=crown), depths, cells=8)
+    fine = solve_shaped_pad(Pad(5.0, 0.03, 7.9, geometry=crown), depths, cells=16)
     assert np.all(np.abs(coarse.force_N - fine.force_N) < coarse.error_N + fine.error_N)
 
 
 def test_friction_lies_between_sliding_and_sticking_on_a_crown():
     crown = Crowned(10.0, 2.5, 6.6)
     forces = [
-        climb(Press(crown, 5.0, 1.58, 15.0, condition=condition), LAW, np.array([0.1, 0.3]), 10).force[-1]
+        solve_path(
+            Case(1.58, 15.0, shape=crown, thickness_mm=5.0, condition=condition), np.array([0.1, 0.3]), 10
+        ).force[-1]
         for condition in ("frictionless", "friction:0.1", "bonded")
     ]
     assert forces[0] < forces[1] < forces[2]
@@ -143,14 +151,14 @@ def test_contact_that_flickers_at_a_glued_edge_is_followed(kind, number, twin):
     # Whole Newton steps threw the points round the fillet from touching to not touching and back without end here.
     design = designs()[kind]
     depths = design.depths[design.depths < 0.35]
-    path = climb(design._press(design.points(number + 1)[number]), LAW, depths, design.cells, 0.1, twin)
+    path = solve_path(design._press(design.points(number + 1)[number]), depths, design.cells, 0.1, twin)
     assert path.stop is None
     assert np.all(np.diff(np.log(path.force)) / np.diff(np.log(path.depth)) > 0.9)
 
 
 @pytest.mark.slow
 def test_a_steep_cone_ends_where_its_flank_folds_and_says_so():
-    curve = solve_shaped_pad(Crowned(3.0, 8.0, 5.0), 15.0, 7.9, 0.03, [5.0, 9.0], cells=6)
+    curve = solve_shaped_pad(Pad(15.0, 0.03, 7.9, geometry=Crowned(3.0, 8.0, 5.0)), [5.0, 9.0], cells=6)
     assert len(curve.depth_mm) == 1
     assert "folds on to the pad beside its foot" in curve.notes[0]
 
@@ -170,7 +178,7 @@ def test_forces_with_two_beads_are_carried_on_to_a_sharp_edge():
 
 
 def test_the_plate_pushes_back_from_any_depth_and_its_bead_has_no_wall():
-    plate = Plate(1.0, 0.1)
+    plate = FilletedPunch(1.0, 0.1, sides=False)
     gap, normal, _ = plate.gap(np.array([[0.3, 0.4], [0.3, -0.2], [1.3, 0.4]]), 0.1)
     assert gap[:2] == pytest.approx([-0.5, 0.1])
     assert normal[0] == pytest.approx([0.0, -1.0])
@@ -179,7 +187,7 @@ def test_the_plate_pushes_back_from_any_depth_and_its_bead_has_no_wall():
 
 def test_the_mesh_has_the_volume_of_the_pad():
     crown = Crowned(0.9, 0.3, 0.6)
-    solid = shaped_problem(Press(crown, 1.0, 1.0, 4.0), LAW, 8).solid
+    solid = shaped_problem(Case(1.0, 4.0, shape=crown, thickness_mm=1.0), 8).solid
     r = np.linspace(0.0, 4.0, 400001)
     volume = np.trapezoid(2.0 * np.pi * r * (1.0 - crown.drop_mm(r, 0.0 * r)), r)
     assert solid.mesh.weight.sum() == pytest.approx(volume, rel=2e-4)
@@ -194,22 +202,23 @@ def test_grid_lines_meet_kinks_and_interfaces_and_follow_the_wanted_sizes():
 
 
 @pytest.mark.parametrize(
-    ("shape", "changes", "words"),
+    ("shape", "changes", "code"),
     [
-        (Bumped(6.0, 3.0, 1.0), {}, "not round"),
-        (Crowned(10.0, 2.5, ridge=1.0), {}, "not round"),
-        (Crowned(10.0, 2.5), {"condition": "glue"}, "condition 'glue'"),
-        (Crowned(10.0, 2.5), {"condition": "friction:9"}, "MU from 0 to 5"),
-        (Crowned(10.0, 2.5), {"depth_mm": [3.1]}, "outside the allowed range"),
-        (Crowned(10.0, 2.5), {"base": "loose"}, "base = 'loose'"),
-        (Crowned(10.0, 4.95), {}, "must stay"),
-        (Crowned(10.0, 2.5), {"extent_mm": 9.0}, "below 1.5"),
-        (Crowned(2000.0, 1.5), {}, "reaches"),
-        (Boned(10.0, 2.5), {"base": "sliding"}, "pad with a bone"),
-        (Layered(5.0, 2.0), {}, "must stay"),
+        (Bumped(6.0, 3.0, 1.0), {}, "unsupported"),
+        (Crowned(10.0, 2.5, ridge=1.0), {}, "unsupported"),
+        (Crowned(10.0, 2.5), {"condition": "glue"}, "unknown_name"),
+        (Crowned(10.0, 2.5), {"condition": "friction:9"}, "unknown_name"),
+        (Crowned(10.0, 2.5), {"depth_mm": [3.1]}, "out_of_range"),
+        (Crowned(10.0, 2.5), {"base": "loose"}, "unknown_name"),
+        (Crowned(10.0, 4.95), {}, "out_of_range"),
+        (Crowned(10.0, 2.5), {"extent_mm": 9.0}, "out_of_range"),
+        (Crowned(2000.0, 1.5), {}, "out_of_range"),
+        (Boned(10.0, 2.5), {"base": "sliding"}, "unsupported"),
+        (Layered(5.0, 2.0), {}, "out_of_range"),
     ],
 )
-def test_what_cannot_be_solved_round_is_refused(shape, changes, words):
-    given = {"depth_mm": [1.0], "condition": "bonded"} | changes
-    with pytest.raises(InputError, match=words):
-        solve_shaped_pad(shape, 5.0, 7.9, 0.03, **given)
+def test_what_cannot_be_solved_round_is_refused(shape, changes, code):
+    depth_mm = changes.get("depth_mm", [1.0])
+    own = {name: value for name, value in changes.items() if name != "depth_mm"}
+    with raises_code(code):
+        solve_shaped_pad(Pad(5.0, 0.03, 7.9, geometry=shape, **own), depth_mm)

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import NoAnswerError
-from dummydesign.geometry.shapes import read_shape
-from dummydesign.pad.material.hyperelastic import neo_hookean
-from dummydesign.pad.pad import Pad
+from dummydesign.geometry.shape_registry import read_shape
+from dummydesign.pad.axisymmetric.case import Case
+from dummydesign.pad.axisymmetric.self_contact import FoldWatch, RoundFace, crossing, opening_deg
+from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad
+from dummydesign.pad.axisymmetric.shaped_problem import shaped_problem
 from dummydesign.pad.predict import predict_static
-from dummydesign.pad.shaped.axisymmetric import solve_shaped_pad
-from dummydesign.pad.shaped.fold import FoldWatch, RoundFace, crossing, opening_deg
-from dummydesign.pad.shaped.problem import Press, shaped_problem
 from dummydesign.pad.solve.continuation import Path
+from dummydesign.pad.specimen import Pad
 
 STEEP = read_shape("crowned:radius=3,height=4,foot=3.2")
 
@@ -42,7 +42,7 @@ def test_a_line_that_passes_through_itself_crosses_where_it_does():
 
 
 def face() -> RoundFace:
-    return RoundFace(shaped_problem(Press(STEEP, 8.0, 7.9 / 8.0, 9.0), neo_hookean(1.0), 8), 8.0)
+    return RoundFace(shaped_problem(Case(7.9 / 8.0, 9.0, shape=STEEP, thickness_mm=8.0), 8), 8.0)
 
 
 def test_the_face_of_a_mesh_runs_from_the_axis_to_the_rim_over_the_crown():
@@ -55,22 +55,24 @@ def test_a_path_that_ends_with_a_nearly_shut_notch_names_it():
     found = FoldWatch(face())
     path = Path(np.array([0.1]), np.ones(1), np.ones(1), 1, 1, 1, 0.0, "no equilibrium")
     found.opening = 60.0
-    assert found.told(path).stop == "no equilibrium"
+    assert found.with_stop_reason(path).stop == "no equilibrium"
     found.opening = 12.0
-    assert found.told(path).stop == "the crown's foot is folded to 12 degrees, and no equilibrium"
+    assert found.with_stop_reason(path).stop == "the crown's foot is folded to 12 degrees, and no equilibrium"
 
 
 @pytest.mark.slow
 def test_a_steep_crown_ends_where_it_folds_on_to_the_pad_and_says_so():
     depth = 8.0 * np.array([0.1, 0.3, 0.36, 0.38, 0.4, 0.45])
-    curve = solve_shaped_pad(STEEP, 8.0, 7.9, 0.03, depth)
+    curve = solve_shaped_pad(Pad(8.0, 0.03, 7.9, geometry=STEEP), depth)
     assert 0.3 * 8.0 <= curve.depth_mm[-1] < 0.45 * 8.0
     assert "the crown folds on to the pad beside its foot" in curve.notes[0] and "from the axis" in curve.notes[0]
 
 
 @pytest.mark.slow
 def test_a_flat_crown_does_not_fold():
-    curve = solve_shaped_pad(read_shape("crowned:20,2,9"), 8.0, 7.9, 0.03, 8.0 * np.array([0.1, 0.3, 0.5]))
+    curve = solve_shaped_pad(
+        Pad(8.0, 0.03, 7.9, geometry=read_shape("crowned:20,2,9")), 8.0 * np.array([0.1, 0.3, 0.5])
+    )
     assert curve.notes == () and len(curve.depth_mm) == 3
 
 

@@ -5,19 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.geometry.shapes import read_shape
+from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.geometry.shapes.bumped import Bumped
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.geometry.shapes.layered import Layered
+from dummydesign.pad.axisymmetric.case import Case
+from dummydesign.pad.axisymmetric.self_contact import FoldWatch
+from dummydesign.pad.axisymmetric.shaped_problem import solve_path as climb_round
 from dummydesign.pad.fem.mesh_hexahedra import horizontal_faces
-from dummydesign.pad.material.hyperelastic import Yeoh
-from dummydesign.pad.shaped.fold import FoldWatch
-from dummydesign.pad.shaped.fold_in_space import SpatialFace, lattice_triangles, pierced, turned_over
-from dummydesign.pad.shaped.paths import climb as climb_round
-from dummydesign.pad.shaped.problem import Press
-from dummydesign.pad.shaped.spatial import axis_lines, climb, shaped_problem, solve_shaped_block
-from dummydesign.pad.shaped.spatial_mesh import Grid, Load
-from dummydesign.pad.shaped.under_square import field_problem
+from dummydesign.pad.spatial.caps_under_square import field_problem
+from dummydesign.pad.spatial.self_contact import SpatialFace, lattice_triangles, pierced, turned_over
+from dummydesign.pad.spatial.shaped_pad import Grid, Load, axis_lines, shaped_problem, solve_path, solve_shaped_block
+from dummydesign.pad.specimen import Pad
 
 STEEP = Crowned(2.0, 6.0, 2.2)
 FIELD = Bumped.proportioned(5.0, 0.3)
@@ -116,7 +115,7 @@ def load(shape, thickness: float, half: float = 7.0, is_round: bool = False, fir
 
 def face(cells: int = 4) -> SpatialFace:
     here, grid = load(Crowned(10.0, 2.0), 5.0), Grid(cells, slope=1.0, height_growth=2.0)
-    problem = shaped_problem(here, Yeoh(1.0), grid)
+    problem = shaped_problem(here, grid)
     count, along = len(problem.solid.mesh.dofs), len(axis_lines(here, grid, 0)) - 1
     top = np.arange(count)[-along * (len(axis_lines(here, grid, 1)) - 1) :]
     return SpatialFace(problem, horizontal_faces(problem.solid.mesh, top), (True, True), 5.0)
@@ -164,16 +163,16 @@ def test_a_watch_says_between_which_depths_and_where_and_says_it_again():
             return 12.0
 
     watch = FoldWatch(Shut())
-    assert watch.look(0.3, np.zeros(1)) is None
-    assert watch.said("no equilibrium") == "the face is folded to 12 degrees, and no equilibrium"
-    said = watch.look(0.35, np.ones(1))
+    assert watch.check(0.3, np.zeros(1)) is None
+    assert watch.stop_reason("no equilibrium") == "the face is folded to 12 degrees, and no equilibrium"
+    said = watch.check(0.35, np.ones(1))
     assert "between relative depths 0.300 and 0.350 it meets itself at (1, 2) mm" in said
-    assert watch.look(0.4, np.zeros(1)) == said and watch.said(said) == said
+    assert watch.check(0.4, np.zeros(1)) == said and watch.stop_reason(said) == said
 
 
 def reach(shape, thickness: float, depths: np.ndarray, cells: int, half: float = 7.0, is_round: bool = False):
     """The path in space, on cells as the tables of fields of caps have them."""
-    return climb(load(shape, thickness, half, is_round), Yeoh(1.0), depths, Grid(cells, slope=1.0, height_growth=2.0))
+    return solve_path(load(shape, thickness, half, is_round), depths, Grid(cells, slope=1.0, height_growth=2.0))
 
 
 @pytest.mark.slow
@@ -184,7 +183,7 @@ def test_a_narrow_tall_crown_folds_under_a_square_as_under_its_circle_and_in_a_m
     """
     depths, radius = np.arange(0.12, 0.5, 0.04), 14.0 / np.sqrt(np.pi)
     square, disc = reach(STEEP, 10.0, depths, 4), reach(STEEP, 10.0, depths, 4, radius, True)
-    meridian = climb_round(Press(STEEP, 10.0, radius / 10.0, 7.5, first=0.04), Yeoh(1.0), depths, 16, 0.1)
+    meridian = climb_round(Case(radius / 10.0, 7.5, shape=STEEP, thickness_mm=10.0, first=0.04), depths, 16, 0.1)
     finer = reach(STEEP, 10.0, depths, 6)
     for path in (square, disc, finer):
         assert "the face folds on to itself: between relative depths" in path.stop
@@ -209,7 +208,7 @@ def test_a_flat_crown_and_layers_do_not_fold(shape):
 def test_a_curve_ends_where_its_crown_folds_in_a_meridian_plane_if_cells_in_space_round_the_foot():
     """Castable (64 degrees); on 7 cells in space nothing of the face meets itself to d/h 0.6."""
     crown, depths = Crowned(1.0, 4.35, 3.43), np.array([0.1, 0.3, 0.5, 0.55])
-    curve = solve_shaped_block(crown, 12.8, (7.0, 7.0), 0.03, 12.8 * depths, grid=Grid(3))
+    curve = solve_shaped_block(Pad(12.8, 0.03, 7.9, geometry=crown, sides_mm=(14.0, 14.0)), 12.8 * depths, grid=Grid(3))
     assert curve.depth_mm == pytest.approx(12.8 * depths[:2])
     assert "under the circle of the punch's area the crown" in curve.notes[0] and "fold" in curve.notes[0]
 
@@ -217,6 +216,8 @@ def test_a_curve_ends_where_its_crown_folds_in_a_meridian_plane_if_cells_in_spac
 @pytest.mark.slow
 def test_a_crown_beside_the_punch_says_where_its_face_meets_itself_and_ends_there():
     depths, grid = 10.0 * np.array([0.1, 0.2, 0.45, 0.5]), Grid(6, slope=1.0, height_growth=2.0)
-    curve = solve_shaped_block(STEEP, 10.0, (7.0, 7.0), 0.03, depths, grid=grid, offset_mm=(1.0, 0.0))
+    curve = solve_shaped_block(
+        Pad(10.0, 0.03, 7.9, geometry=STEEP, sides_mm=(14.0, 14.0)), depths, grid=grid, offset_mm=(1.0, 0.0)
+    )
     assert len(curve.depth_mm) == 2 and "the face folds on to itself" in curve.notes[0]
     assert "contact of the pad with itself is not followed" in curve.notes[0]

@@ -7,19 +7,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dummydesign.core.errors import InputError
-from dummydesign.geometry.shapes import Slab
 from dummydesign.geometry.shapes.boned import Boned
 from dummydesign.geometry.shapes.bumped import Bumped
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.geometry.shapes.layered import Layered
+from dummydesign.geometry.shapes.slab import Slab
+from dummydesign.pad.axisymmetric.case import Case
+from dummydesign.pad.axisymmetric.shaped_problem import shaped_problem as round_problem
+from dummydesign.pad.axisymmetric.shaped_problem import solve_path
 from dummydesign.pad.material.hyperelastic import neo_hookean
-from dummydesign.pad.shaped.axisymmetric import climb
-from dummydesign.pad.shaped.problem import Press
-from dummydesign.pad.shaped.problem import shaped_problem as round_problem
-from dummydesign.pad.shaped.spatial import shaped_problem, solve_shaped_block
-from dummydesign.pad.shaped.spatial_mesh import Grid, Load, graded_lines
 from dummydesign.pad.solve.continuation import follow
+from dummydesign.pad.spatial.shaped_pad import Grid, Load, graded_lines, shaped_problem, solve_shaped_block
+from dummydesign.pad.specimen import Pad
+from tests.support.refusal import raises_code
 
 LAW = neo_hookean(1.0)
 RADIUS = 14.0 / np.sqrt(np.pi)
@@ -38,13 +38,13 @@ def load(shape, thickness, half=(7.0, 7.0), offset=(0.0, 0.0), condition="bonded
 def first_stiffness(shape, thickness, half, grid=COARSE, **other):
     """Force per depth at first touch of a flat-topped pad, in shear moduli times thickness."""
     here = load(shape, thickness, half, **other)
-    return here.multiplicity * shaped_problem(here, LAW, grid).stiffness()
+    return here.multiplicity * shaped_problem(here, grid).stiffness()
 
 
 def pressed(shape, thickness, depths, half=(7.0, 7.0), grid=COARSE, **other):
     """Force at relative depths over shear modulus times thickness^2."""
     here = load(shape, thickness, half, first=depths[0], **other)
-    path = follow(shaped_problem(here, LAW, grid), depths, 0.25 * depths[0], 0.05 * here.scale, depths[0] / 64.0)
+    path = follow(shaped_problem(here, grid), depths, 0.25 * depths[0], 0.05 * here.scale, depths[0] / 64.0)
     assert path.stop is None
     return here.multiplicity * path.force
 
@@ -59,11 +59,11 @@ def test_grid_lines_meet_their_marks_and_follow_the_wanted_size():
 @pytest.mark.parametrize("shape", [Boned(12.0, 4.0), pytest.param(Layered(6.0, 4.0), marks=pytest.mark.slow)])
 def test_a_flat_top_over_its_slab_is_that_of_the_axisymmetric_solve(shape):
     """Round punch, the same bead, d/h 0.03: within 1.5 % on a coarse grid that does not follow the circle."""
-    press = Press(shape, 12.0, RADIUS / 12.0, np.sqrt(150 * 120 / np.pi) / 12.0, "bonded", "bonded", 0.5)
-    pair = [climb(press, LAW, np.array([0.03]), 12, 0.1, twin).force[0] for twin in (False, True)]
+    press = Case(RADIUS / 12.0, np.sqrt(150 * 120 / np.pi) / 12.0, shape=shape, thickness_mm=12.0)
+    pair = [solve_path(press, np.array([0.03]), 12, 0.1, twin).force[0] for twin in (False, True)]
     here = load(shape, 12.0, RADIUS, first=0.03)
     forces = [
-        follow(shaped_problem(item, LAW, COARSE), [0.03], 0.015, 0.03, 1e-3).force[0]
+        follow(shaped_problem(item, COARSE), [0.03], 0.015, 0.03, 1e-3).force[0]
         for item in (here, replace(here, homogeneous=True))
     ]
     assert forces[0] / forces[1] == pytest.approx(pair[0] / pair[1], rel=0.015)
@@ -122,8 +122,8 @@ def test_a_tall_crown_is_softer_beside_its_apex():
 def test_a_crown_in_space_carries_what_it_does_in_a_meridian_plane():
     """Round punch, h 5, R 10, c 2, the same bead: within 1.5 % to d/h 0.4."""
     depths = np.array([0.1, 0.2, 0.3, 0.4])
-    press = Press(Crowned(10.0, 2.0), 5.0, RADIUS / 5.0, np.sqrt(150 * 120 / np.pi) / 5.0, "bonded", "bonded", 0.5, 0.1)
-    flat = follow(round_problem(press, LAW, 12, 0.1), depths, 0.02, 0.03, 3e-4).force
+    press = Case(RADIUS / 5.0, np.sqrt(150 * 120 / np.pi) / 5.0, shape=Crowned(10.0, 2.0), thickness_mm=5.0, first=0.1)
+    flat = follow(round_problem(press, 12, 0.1), depths, 0.02, 0.03, 3e-4).force
     assert pressed(Crowned(10.0, 2.0), 5.0, depths, RADIUS, Grid(5)) == pytest.approx(flat, rel=0.015)
 
 
@@ -137,28 +137,35 @@ def test_caps_far_apart_on_a_thin_pad_add_up():
 
 @pytest.mark.slow
 def test_a_curve_states_what_its_grid_leaves_open():
-    curve = solve_shaped_block(Crowned(10.0, 2.0), 5.0, (7.0, 7.0), 0.03, [0.5, 1.0, 1.5], grid=Grid(5))
-    finer = solve_shaped_block(Crowned(10.0, 2.0), 5.0, (7.0, 7.0), 0.03, [0.5, 1.0, 1.5], grid=Grid(7))
+    curve = solve_shaped_block(
+        Pad(5.0, 0.03, 7.9, geometry=Crowned(10.0, 2.0), sides_mm=(14.0, 14.0)), [0.5, 1.0, 1.5], grid=Grid(5)
+    )
+    finer = solve_shaped_block(
+        Pad(5.0, 0.03, 7.9, geometry=Crowned(10.0, 2.0), sides_mm=(14.0, 14.0)), [0.5, 1.0, 1.5], grid=Grid(7)
+    )
     assert curve.notes == ()
     assert np.all(np.abs(finer.force_N - curve.force_N) < curve.error_N + 0.005 * curve.force_N)
 
 
 @pytest.mark.parametrize(
-    ("change", "words"),
+    ("change", "code"),
     [
-        ({"condition": "oiled"}, "not one of bonded, frictionless"),
-        ({"base": "glued"}, "not one of bonded, sliding"),
-        ({"offset_mm": (70.0, 0.0)}, "take a smaller offset"),
-        ({"punch": (7.0, 0.0)}, "half side of the punch = 0 mm must be above 0"),
-        ({"depth_mm": [4.0]}, "outside the allowed range"),
+        ({"condition": "oiled"}, "unknown_name"),
+        ({"base": "glued"}, "unknown_name"),
+        ({"offset_mm": (70.0, 0.0)}, "out_of_range"),
+        ({"sides_mm": (14.0, 0.0)}, "out_of_range"),
+        ({"depth_mm": [4.0]}, "out_of_range"),
     ],
 )
-def test_what_cannot_be_solved_is_refused(change, words):
-    given = {"shape": Slab(), "thickness_mm": 5.0, "punch": (7.0, 7.0), "young_MPa": 0.03, "depth_mm": [1.0], **change}
-    with pytest.raises(InputError, match=words):
-        solve_shaped_block(**given)
+def test_what_cannot_be_solved_is_refused(change, code):
+    given = {"depth_mm": [1.0], "offset_mm": (0.0, 0.0), "sides_mm": (14.0, 14.0), **change}
+    depth, offset = given.pop("depth_mm"), given.pop("offset_mm")
+    with raises_code(code):
+        solve_shaped_block(Pad(5.0, 0.03, 7.9, **given), depth, offset_mm=offset)
 
 
 def test_a_bone_cannot_slide_on_its_base():
-    with pytest.raises(InputError, match="not built for a pad with a bone"):
-        solve_shaped_block(Boned(12.0, 4.0), 12.0, (7.0, 7.0), 0.03, [1.0], base="sliding")
+    with raises_code("unsupported", "base"):
+        solve_shaped_block(
+            Pad(12.0, 0.03, 7.9, base="sliding", geometry=Boned(12.0, 4.0), sides_mm=(14.0, 14.0)), [1.0]
+        )

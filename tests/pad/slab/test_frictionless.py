@@ -7,28 +7,28 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from dummydesign.core.errors import InputError
 from dummydesign.design.sweep.run import whatif
 from dummydesign.design.sweep.spec import Study
 from dummydesign.geometry.shapes.crowned import Crowned
-from dummydesign.pad.elastic import solve_points
-from dummydesign.pad.fields import sliding
-from dummydesign.pad.fields.pressed import FREE, SLIPS, Pressed
+from dummydesign.pad.axisymmetric.case import Case, first_stiffness
+from dummydesign.pad.axisymmetric.filleted import FilletedPunch
+from dummydesign.pad.axisymmetric.friction import solve_under_fillet
+from dummydesign.pad.axisymmetric.frictionless import COARSE, FINE, SlidingMesh, follow_sliding
+from dummydesign.pad.elastic_force import solve_points
+from dummydesign.pad.fields import solve as sliding
 from dummydesign.pad.fields.solve import solve_fields
+from dummydesign.pad.fields.stress import FREE, SLIPS, Pressed
 from dummydesign.pad.material.hyperelastic import neo_hookean
-from dummydesign.pad.pad import Pad
-from dummydesign.pad.slab.filleted import FilletedPunch, solve_filleted
-from dummydesign.pad.slab.frictionless.filleted_punch import COARSE, FINE, follow_sliding, solve_sliding
-from dummydesign.pad.slab.frictionless.moving_mesh import SlidingMesh
-from dummydesign.pad.slab.problem import Slab, first_stiffness
 from dummydesign.pad.solve.continuation import Path
-from dummydesign.studies.verification.edges import rounded_flat
+from dummydesign.pad.specimen import Pad
+from studies.verification.edges import rounded_flat
+from tests.support.refusal import raises_code
 
 LAW = neo_hookean(1.0)
 
 
 def follow(thickness_mm: float, depths: list[float], cells: int = 2):
-    mesh = SlidingMesh(Slab(7.9 / thickness_mm, 75.7 / thickness_mm), LAW, 0.5, 0.5 / thickness_mm, cells)
+    mesh = SlidingMesh(Case(7.9 / thickness_mm, 75.7 / thickness_mm, edge=0.5 / thickness_mm), cells)
     return mesh, follow_sliding(mesh, np.array(depths))
 
 
@@ -44,10 +44,12 @@ def test_small_depths_agree_with_the_closed_form_of_a_rounded_punch_on_a_thick_p
     # As for a glued face (test_filleted): on an incompressible half-space both are the same.
     radius, fillet = 0.1, 0.03
     flat, unit = radius - fillet, 4.0
-    slab = Slab(flat, 12.0, condition="frictionless")
-    sink = 1.0 / (3.0 * flat * first_stiffness(slab, LAW)) - 1.0 / (2.0 * unit * flat)
+    slab = Case(flat, 12.0, condition="frictionless")
+    sink = 1.0 / (3.0 * flat * first_stiffness(slab)) - 1.0 / (2.0 * unit * flat)
     depth, force = rounded_flat(flat, fillet, np.array([0.0725, 0.074]), unit)
-    found = solve_sliding(1.0, radius, fillet, 3.0, depth + sink * force, extent_mm=12.0)
+    found = solve_under_fillet(
+        Pad(1.0, 3.0, radius, extent_mm=12.0, edge_radius_mm=fillet, condition="frictionless"), depth + sink * force
+    )
     assert found.force_N == pytest.approx(force, rel=8e-3)
 
 
@@ -69,18 +71,18 @@ def test_the_columns_stay_with_the_fillet_while_the_face_slides_round_it():
 @pytest.mark.parametrize("thickness_mm", [5.0, 15.0])
 def test_a_fillet_of_half_a_millimetre_without_friction_is_followed_to_half_the_thickness(thickness_mm):
     depth = thickness_mm * np.array([0.1, 0.3, 0.5])
-    curve = solve_sliding(thickness_mm, 7.9, 0.5, 0.025, depth)
+    curve = solve_under_fillet(Pad(thickness_mm, 0.025, 7.9, edge_radius_mm=0.5, condition="frictionless"), depth)
     assert curve.notes == () and len(curve.force_N) == 3
     assert np.all(np.diff(curve.error_N / curve.force_N) > -1e-9) and np.all(curve.error_N < 0.04 * curve.force_N)
     # A face that slides carries less than a glued one, the more so the thinner the pad.
-    glued = solve_filleted(thickness_mm, 7.9, 0.5, 0.025, depth)
+    glued = solve_under_fillet(Pad(thickness_mm, 0.025, 7.9, edge_radius_mm=0.5), depth)
     assert np.all(curve.force_N < 0.99 * glued.force_N)
 
 
 @pytest.mark.slow
 def test_a_force_does_not_depend_on_the_other_depths():
-    alone = solve_sliding(10.0, 7.9, 0.5, 0.025, [2.0])
-    among = solve_sliding(10.0, 7.9, 0.5, 0.025, [0.137, 0.811, 2.0])
+    alone = solve_under_fillet(Pad(10.0, 0.025, 7.9, edge_radius_mm=0.5, condition="frictionless"), [2.0])
+    among = solve_under_fillet(Pad(10.0, 0.025, 7.9, edge_radius_mm=0.5, condition="frictionless"), [0.137, 0.811, 2.0])
     assert among.force_N[2] == pytest.approx(alone.force_N[0], rel=1e-6)
 
 
@@ -102,7 +104,7 @@ def states() -> tuple[Pressed, ...]:
 
 @pytest.mark.slow
 def test_the_fields_have_the_force_of_the_curve():
-    curve = solve_sliding(10.0, 7.9, 0.5, 0.025, [1.0, 2.7])
+    curve = solve_under_fillet(Pad(10.0, 0.025, 7.9, edge_radius_mm=0.5, condition="frictionless"), [1.0, 2.7])
     assert [one.force_N for one in states()] == pytest.approx(curve.force_N, rel=1e-3)
 
 
@@ -135,10 +137,12 @@ def test_where_fine_cells_end_the_fields_of_coarser_ones_follow_and_it_says_so(m
     monkeypatch.setattr(sliding, "follow_sliding", walk)
     pad = Pad(10.0, 0.025, 7.9, condition="frictionless", edge_radius_mm=0.5)
     wanted = np.array([0.1, 0.29, 0.37, 0.44, 0.5])
-    path = sliding.follow_states(pad, LAW, wanted, False, None, lambda _, cells, depth: kept.append((depth, cells)))
+    stop, notes = sliding._follow_under_fillet(
+        Case.of(pad), wanted, 10.0, False, None, lambda _, cells, depth: kept.append((depth, cells))
+    )
     assert kept == [(0.1, FINE), (0.29, FINE), (0.37, COARSE), (0.44, COARSE)]
-    assert path.reached == 4 and path.stop == "a cell folds"
-    assert len(path.notes) == 1 and "from 3.7 mm on" in path.notes[0]
+    assert stop == "a cell folds"
+    assert len(notes) == 1 and "from 3.7 mm on" in notes[0]
 
 
 @pytest.mark.slow
@@ -154,5 +158,5 @@ def test_a_study_of_designs_has_the_force_of_the_pad_asked_for_alone():
 
 
 def test_what_is_not_followed_is_refused_and_the_refusal_says_what_to_do():
-    with pytest.raises(InputError, match=r"condition = frictionless is not solved; .* edge radius 0"):
+    with raises_code("unsupported", "edge_radius_mm"):
         Pad(10.0, 0.025, 7.9, condition="frictionless", edge_radius_mm=0.5, geometry=Crowned(20.0, 1.0, 8.0))

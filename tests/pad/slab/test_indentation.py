@@ -5,21 +5,22 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.core.errors import InputError
-from dummydesign.pad.contact.surface_axisymmetric import FlatPunch, ProfilePunch, Surface
-from dummydesign.pad.fem.mesh_axisymmetric import Resolution
-from dummydesign.pad.material.hyperelastic import neo_hookean
-from dummydesign.pad.slab.indentation import (
+from dummydesign.pad.axisymmetric.case import EDGE_STABILISATION, Case, first_stiffness
+from dummydesign.pad.axisymmetric.profile_punch import (
     Region,
     indentation_problem,
     press,
     profile,
-    solve_shaped,
-    sphere,
+    solve_profile,
 )
-from dummydesign.pad.slab.problem import EDGE_STABILISATION
-from dummydesign.pad.slab.sharp_edge import Slab, climb, first_stiffness
-from dummydesign.pad.slab.sliding_faces import solve_flat
+from dummydesign.pad.axisymmetric.sharp_edge import solve_path
+from dummydesign.pad.axisymmetric.sliding_faces import solve_flat
+from dummydesign.pad.contact.axisymmetric import FlatPunch, ProfilePunch, Surface
+from dummydesign.pad.fem.mesh_axisymmetric import Resolution
+from dummydesign.pad.material.hyperelastic import neo_hookean
+from dummydesign.pad.specimen import Pad
+from tests.support.ball_punch import sphere
+from tests.support.refusal import raises_code
 
 LAW = neo_hookean(1.0)
 EDGE = Region(0.65, 1.2, 0.1 / 1.5)
@@ -33,7 +34,11 @@ CAP = {0.185: 1.270, 0.554: 2.381, 0.748: 3.371, 1.054: 5.563, 1.349: 8.468}
 def test_a_shallow_ball_agrees_with_the_law_of_a_cap_on_a_layer(c, factor):
     radius = 5.0 if c < 0.3 else 120.0
     depth = c**2 / radius
-    curve = solve_shaped(sphere(radius * 10.0), 10.0, 0.03, [depth * 10.0], 13.0 * c, extent_mm=100.0 + 20 * c)
+    curve = solve_profile(
+        Pad(10.0, 0.03, 13.0 * c, extent_mm=100.0 + 20 * c, condition="frictionless"),
+        [depth * 10.0],
+        sphere(radius * 10.0),
+    )
     force = 16.0 / 9.0 * 0.03 * np.sqrt(radius) * depth**1.5 * factor * 100.0
     assert curve.force_N[0] == pytest.approx(force, rel=5e-3)
 
@@ -43,14 +48,19 @@ def test_a_profile_through_points_of_a_ball_presses_like_the_ball():
     r = np.linspace(0.0, 6.0, 60)
     ball = sphere(20.0)
     points = profile(r, 20.0 - np.sqrt(400.0 - r**2))
-    pair = [solve_shaped(p, 10.0, 0.03, [0.3, 0.6], 5.0, cells=16).force_N for p in (ball, points)]
+    pair = [
+        solve_profile(Pad(10.0, 0.03, 5.0, condition="frictionless"), [0.3, 0.6], p, cells=16).force_N
+        for p in (ball, points)
+    ]
     assert pair[1] == pytest.approx(pair[0], rel=3e-3)
 
 
 @pytest.mark.parametrize("condition", ["bonded", "friction:0.3"])
 def test_the_force_under_a_ball_that_sticks_or_rubs_does_not_depend_on_the_list_of_depths(condition):
     lists = [0.5, 1.0, 1.5], np.arange(0.15, 1.51, 0.07).tolist() + [0.5, 1.0, 1.5]
-    found = [solve_shaped(sphere(15.0), 5.0, 0.03, np.unique(wanted), 7.0, condition) for wanted in lists]
+    found = [
+        solve_profile(Pad(5.0, 0.03, 7.0, condition=condition), np.unique(wanted), sphere(15.0)) for wanted in lists
+    ]
     many = np.interp(lists[0], found[1].depth_mm, found[1].force_N)
     assert many == pytest.approx(found[0].force_N, rel=3e-4)
 
@@ -106,7 +116,7 @@ def test_friction_lies_between_sliding_and_sticking_and_grows_with_its_coefficie
     punch = FlatPunch(1.0, 0.1)
     forces = []
     for condition in ("frictionless", "friction:0.1", "friction:0.3", "bonded"):
-        problem = indentation_problem(punch, EDGE, 8.0, LAW, condition=condition)
+        problem = indentation_problem(punch, EDGE, Case(1.0, 8.0, condition=condition))
         forces.append(press(problem, [0.1], 0.03, 0.03).force[0])
     assert np.all(np.diff(forces) > 0.0)
 
@@ -114,42 +124,42 @@ def test_friction_lies_between_sliding_and_sticking_and_grows_with_its_coefficie
 def test_a_flat_face_sticks_from_first_touch_however_large_the_first_step_is():
     punch, forces = FlatPunch(1.0, 0.1), []
     for first in (0.005, 0.02):
-        problem = indentation_problem(punch, EDGE, 8.0, LAW, condition="bonded")
+        problem = indentation_problem(punch, EDGE, Case(1.0, 8.0))
         forces.append(press(problem, [0.02], first, first).force[0])
     assert forces[1] == pytest.approx(forces[0], rel=5e-3)
 
 
 @pytest.mark.slow
 def test_a_frictionless_flat_punch_starts_at_the_layer_solution():
-    curve = solve_flat(10.0, 10.0, 0.03, [0.3, 0.6], "frictionless")
+    curve = solve_flat(Pad(10.0, 0.03, 10.0, condition="frictionless"), [0.3, 0.6])
     stiffness = curve.force_N / (0.03 * 10.0 * curve.depth_mm)
     start = 2.0 * stiffness[0] - stiffness[1]
-    slab = Slab(1.0, 7.569, "bonded", "frictionless")
-    assert start == pytest.approx(first_stiffness(slab, LAW), rel=0.03)
-    assert np.all(np.abs(stiffness / first_stiffness(slab, LAW) - 1.0) < 0.03 + curve.error_N / curve.force_N)
+    slab = Case(1.0, 7.569, "bonded", "frictionless")
+    assert start == pytest.approx(first_stiffness(slab), rel=0.03)
+    assert np.all(np.abs(stiffness / first_stiffness(slab) - 1.0) < 0.03 + curve.error_N / curve.force_N)
 
 
 def test_a_sticking_flat_punch_agrees_with_the_glued_one_solved_the_other_way():
     """Another mesh, no film, no nodes driven by hand: nearer to each other than a rim is to one of half its size."""
     punch, depths = FlatPunch(1.0, 0.05), np.array([0.1, 0.2, 0.3])
     region = Region(0.85, 1.1, 0.05 / 1.5)
-    problem = indentation_problem(punch, region, 8.0, LAW, condition="bonded", stabilisation=EDGE_STABILISATION)
+    problem = indentation_problem(punch, region, Case(1.0, 8.0), stabilisation=EDGE_STABILISATION)
     stick = press(problem, depths, 0.015, 0.03).force
-    glued, half = (climb(Slab(1.0, 8.0), LAW, 0.5, depths, rim, Resolution()).force for rim in (0.05, 0.025))
+    glued, half = (solve_path(Case(1.0, 8.0), depths, rim, Resolution()).force for rim in (0.05, 0.025))
     assert np.all(np.abs(stick - glued) < 0.6 * (half - glued))
 
 
 @pytest.mark.parametrize("text", ["glue", "friction", "friction:x", "friction:-1", "friction:9"])
 def test_unknown_conditions_are_refused(text):
-    with pytest.raises(InputError, match="condition"):
-        indentation_problem(sphere(1.0), Region(0.0, 1.0, 0.2), 5.0, LAW, condition=text)
+    with raises_code("unknown_name", "condition"):
+        indentation_problem(sphere(1.0), Region(0.0, 1.0, 0.2), Case(1.0, 5.0, condition=text))
 
 
 @pytest.mark.parametrize(
     "points", [([0, 1], [0, 1]), ([0, 1, 1], [0, 1, 2]), ([0, 1, 2], [1, 1, 2]), ([1, 2, 3], [0, 1, 2])]
 )
 def test_profiles_that_are_no_punch_are_refused(points):
-    with pytest.raises(InputError, match="profile"):
+    with raises_code("malformed", "punch_profile"):
         profile(*points)
 
 

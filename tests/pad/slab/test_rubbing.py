@@ -7,26 +7,23 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from dummydesign.core.errors import InputError
-from dummydesign.pad.elastic import solve_points
-from dummydesign.pad.fields.pressed import SLIPS, STICKS
+from dummydesign.pad.axisymmetric.case import LATTICE, Case
+from dummydesign.pad.axisymmetric.friction import COARSE, FINE, follow_rubbing, rubbing_problem, solve_under_fillet
+from dummydesign.pad.elastic_force import solve_points
 from dummydesign.pad.fields.solve import solve_fields
+from dummydesign.pad.fields.stress import SLIPS, STICKS
 from dummydesign.pad.material.hyperelastic import neo_hookean
-from dummydesign.pad.pad import Pad
-from dummydesign.pad.slab.filleted import solve_filleted
-from dummydesign.pad.slab.frictionless.filleted_punch import solve_sliding
-from dummydesign.pad.slab.problem import Slab
-from dummydesign.pad.slab.rubbing.filleted_punch import COARSE, FINE, follow_rubbing, rubbing_problem, solve_rubbing
-from dummydesign.pad.slab.solved_depths import LATTICE
 from dummydesign.pad.solve.equilibrium import Solution
+from dummydesign.pad.specimen import Pad
+from tests.support.refusal import raises_code
 
 LAW = neo_hookean(1.0)
 EVEN = LATTICE * np.concatenate([0.5 ** np.arange(5, 0, -1), np.arange(1, 16)])
 
 
 def problem(friction: float, thickness_mm: float = 10.0, cells: int = COARSE, grip: float = 1.0):
-    slab = Slab(7.9 / thickness_mm, 75.7 / thickness_mm)
-    return rubbing_problem(slab, LAW, 0.5, 0.5 / thickness_mm, friction, cells, grip)
+    h = thickness_mm
+    return rubbing_problem(Case(7.9 / h, 75.7 / h, condition=f"friction:{friction:g}", edge=0.5 / h), cells, grip)
 
 
 @lru_cache
@@ -44,15 +41,18 @@ def at_tenths(path) -> np.ndarray:
 @pytest.mark.parametrize("thickness_mm", [5.0, 10.0])
 def test_much_friction_is_glue(thickness_mm):
     depth = thickness_mm * np.array([0.1, 0.3])
-    rubbing = solve_rubbing(thickness_mm, 7.9, 0.5, 0.025, depth, 5.0)
-    glued = solve_filleted(thickness_mm, 7.9, 0.5, 0.025, depth)
+    rubbing = solve_under_fillet(Pad(thickness_mm, 0.025, 7.9, edge_radius_mm=0.5, condition="friction:5.0"), depth)
+    glued = solve_under_fillet(Pad(thickness_mm, 0.025, 7.9, edge_radius_mm=0.5), depth)
     assert np.all(np.abs(rubbing.force_N - glued.force_N) < rubbing.error_N + glued.error_N)
 
 
 @pytest.mark.slow
 def test_little_friction_tends_to_none():
     # What friction adds is in proportion to a small coefficient.
-    none = solve_sliding(10.0, 7.9, 0.5, 3.0, [1.0, 2.0]).force_N / 100.0
+    none = (
+        solve_under_fillet(Pad(10.0, 3.0, 7.9, edge_radius_mm=0.5, condition="frictionless"), [1.0, 2.0]).force_N
+        / 100.0
+    )
     assert 2.0 * forces(0.05, FINE)[:2] - forces(0.1, FINE)[:2] == pytest.approx(none, rel=0.01)
     assert np.all(forces(0.05, FINE)[:2] > none)
 
@@ -115,11 +115,11 @@ def test_fields_show_where_the_face_sticks_and_slips_within_the_cone():
 
 @pytest.mark.slow
 def test_a_force_does_not_depend_on_the_other_depths_nor_on_the_modulus():
-    alone = solve_rubbing(10.0, 7.9, 0.5, 0.025, [2.0], 0.5)
-    among = solve_rubbing(10.0, 7.9, 0.5, 0.05, [0.137, 0.811, 2.0], 0.5)
+    alone = solve_under_fillet(Pad(10.0, 0.025, 7.9, edge_radius_mm=0.5, condition="friction:0.5"), [2.0])
+    among = solve_under_fillet(Pad(10.0, 0.05, 7.9, edge_radius_mm=0.5, condition="friction:0.5"), [0.137, 0.811, 2.0])
     assert among.force_N[2] == pytest.approx(2.0 * alone.force_N[0], rel=1e-6)
 
 
 def test_a_coefficient_that_is_none_is_refused():
-    with pytest.raises(InputError, match="condition = friction:9 is not solved"):
+    with raises_code("unsupported", "edge_radius_mm"):
         Pad(10.0, 0.025, 7.9, condition="friction:9", edge_radius_mm=0.5)

@@ -2,14 +2,12 @@ import numpy as np
 import pytest
 
 from dummydesign.geometry.shapes.crowned import Crowned
+from dummydesign.pad.axisymmetric.case import Case, rimmed_problem
+from dummydesign.pad.axisymmetric.shaped_problem import shaped_problem
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
-from dummydesign.pad.material.hyperelastic import Yeoh
-from dummydesign.pad.shaped.problem import Press, shaped_problem
-from dummydesign.pad.slab.problem import Slab, rimmed_problem
 from dummydesign.pad.solve import equilibrium
-from dummydesign.pad.solve.band import Band, symmetric
 from dummydesign.pad.solve.continuation import follow
-from dummydesign.pad.solve.solver_superlu import Pattern
+from dummydesign.pad.solve.sparse import Band, Pattern, symmetric
 
 
 def test_a_band_solves_what_a_dense_matrix_solves_whatever_its_numbering():
@@ -26,15 +24,15 @@ def test_a_band_solves_what_a_dense_matrix_solves_whatever_its_numbering():
 
 
 def test_a_grid_is_numbered_along_its_columns_where_that_is_narrower():
-    press = Press(Crowned(10.0, 2.0), 10.0, 0.79, 6.0)
-    problem = shaped_problem(press, Yeoh(1.0))
+    press = Case(0.79, 6.0, shape=Crowned(10.0, 2.0), thickness_mm=10.0)
+    problem = shaped_problem(press)
     mesh, free = problem.solid.mesh, problem.pattern.free
     groups = [mesh.dofs, problem.surface.dofs]
     levels, columns = (Pattern(groups, free, mesh.size, *nodes)._band for nodes in ([], [mesh.nodes]))
     assert columns.width < 0.6 * levels.width
     load = np.random.default_rng(2).standard_normal(mesh.size)
-    state = problem.solid.state(*problem.start())
-    matrices = [state.stiffness, *problem.contact(0.0 * load, 0.0)[1]]
+    tangent = problem.solid.linearise(problem.solid.state(*problem.start()))
+    matrices = [tangent.stiffness, *problem.contact(0.0 * load, 0.0)[1]]
     answers = [Pattern(groups, free, mesh.size, *nodes).solve(matrices, load) for nodes in ([], [mesh.nodes])]
     assert answers[1] == pytest.approx(answers[0], rel=1e-8, abs=1e-9 * np.abs(answers[0]).max())
 
@@ -50,7 +48,7 @@ def test_matrices_of_friction_are_seen_not_to_be_symmetric():
 
 
 def _follow(depths):
-    problem = rimmed_problem(Slab(0.79, 7.5), Yeoh(1.0), 0.5, 0.1, Resolution(cells=2))
+    problem = rimmed_problem(Case(0.79, 7.5), 0.1, Resolution(cells=2))
     return follow(problem, depths, 0.05, 0.05, 0.005)
 
 

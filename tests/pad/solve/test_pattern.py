@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.pad.solve.band import Band
-from dummydesign.pad.solve.solver_superlu import Pattern
+from dummydesign.pad.solve.sparse import Band, Pattern
 
 ELEMENTS, WIDTH = 40, 4
 DOFS = np.arange(ELEMENTS)[:, None] * 2 + np.arange(WIDTH)

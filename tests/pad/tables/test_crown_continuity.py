@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.pad.tables.crown_surface import BEND, JOIN, LEAST_FADE, SETTLED, SHARED
+from dummydesign.pad.tables.crowned import BEND, JOIN, LEAST_FADE, SETTLED, SHARED
 from dummydesign.pad.tables.shape import load_shape_table
 from tests.support.steps import largest_steps
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM
 from dummydesign.geometry.shapes.crowned import Crowned
-from dummydesign.geometry.standard import PUNCH_RADIUS_MM
-from dummydesign.pad.tables.crown_surface import JOIN, CrownResponse
-from dummydesign.pad.tables.shape import ShapeLaw, load_shape_table
+from dummydesign.pad.tables.crowned import JOIN, CrownResponse
+from dummydesign.pad.tables.shape import TabulatedShapeLaw, load_shape_table
 
 # h/a, c/h, b/a, s: feet that are narrow, a little narrower than the punch, and wide.
 PADS = np.array(
@@ -40,7 +40,7 @@ def test_the_edge_is_reached_about_where_the_crown_has_come_down_by_its_fall_at_
 
 def test_until_the_edge_is_reached_the_force_does_not_know_how_large_the_punch_is(table):
     crown, h = Crowned(8.0, 3.0, 7.0), 8.0
-    law, depth = ShapeLaw(crown), np.linspace(0.2, 1.8, 9)
+    law, depth = TabulatedShapeLaw(crown), np.linspace(0.2, 1.8, 9)
     one, other = (law.force(depth, h, 0.03, radius) for radius in (0.9 * PUNCH_RADIUS_MM, 1.2 * PUNCH_RADIUS_MM))
     assert one == pytest.approx(other, rel=1e-9)
     deep = [float(law.force(4.0, h, 0.03, radius)) for radius in (0.9 * PUNCH_RADIUS_MM, 1.2 * PUNCH_RADIUS_MM)]

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.pad.tables.edge_doubt import sharp_edge_doubt
-from dummydesign.pad.tables.slab import load_table
+from dummydesign.pad.tables.slab import load_table, sharp_edge_doubt
 from dummydesign.pad.tables.square import square_factor
 
 # Per cent, at d/h 0.3 and 0.425: 0.2, 0.5, 0.9, 1.4 and 2.1, 1.6, 2.0, 1.7 to the table as it was then, less what the

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.geometry.standard import PUNCH_RADIUS_MM, PUNCH_SIDE_MM
-from dummydesign.pad.tables.fields.overlap import RIM, overlap
-from dummydesign.pad.tables.shape import ShapeLaw, load_shape_table
-from dummydesign.studies.tables.designs import designs
+from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM, PUNCH_SIDE_MM
+from dummydesign.pad.tables.bumped import RIM, overlap
+from dummydesign.pad.tables.shape import TabulatedShapeLaw, load_shape_table
+from studies.tables.designs import designs
 
 DESIGN = designs()["bumped"]
 HALF = 0.5 * PUNCH_SIDE_MM
@@ -53,7 +53,7 @@ def test_the_overlap_starts_as_the_middle_cap_alone():
 def test_forces_of_fields_grow_with_depth_all_over_the_table():
     for point in DESIGN.fresh(60, 8):
         shape, h = DESIGN.shape(point)
-        law = ShapeLaw(shape)
+        law = TabulatedShapeLaw(shape)
         depth = np.linspace(0.005, 1.0, 200) * float(law.depth_limit_mm(h, PUNCH_RADIUS_MM))
         assert np.all(np.diff(law.force(depth, h, 0.03, PUNCH_RADIUS_MM)) > 0.0)
 
@@ -65,7 +65,7 @@ def test_fields_start_between_a_cap_on_a_half_space_and_a_fifth_above_it():
         depth = np.array([0.003, 0.01, 0.03, 0.06]) * shape.height_mm
         hertz = 16.0 / 9.0 * np.sqrt(shape.radius_mm) * depth**1.5
         early = depth < 0.9 * max(shape.grade_mm, 1e-9)
-        over = (ShapeLaw(shape).force(depth, h, 1.0, PUNCH_RADIUS_MM) / hertz)[early]
+        over = (TabulatedShapeLaw(shape).force(depth, h, 1.0, PUNCH_RADIUS_MM) / hertz)[early]
         assert np.all(over > 0.97) and np.all(over < 1.25)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.pad.tables.interpolation import between, place_on
+from dummydesign.core.interpolation import between, place_on
 
 GRID = np.array([1.0, 2.0, 4.0, 8.0])
 

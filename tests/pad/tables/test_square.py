@@ -7,15 +7,14 @@ import json
 import numpy as np
 import pytest
 
-from dummydesign.core.datafiles import data_folder
-from dummydesign.core.errors import InputError, NoAnswerError
-from dummydesign.pad.material.hyperelastic import neo_hookean
-from dummydesign.pad.predict import Pad, predict_static
-from dummydesign.pad.slab.square_beaded import solve_rimmed_ratios
-from dummydesign.pad.slab.square_curve import solve_factor
-from dummydesign.pad.slab.square_sharp import Block, Cells, block_problem, solve_ratios, twin_problem
+from dummydesign.core.library import data_folder
+from dummydesign.pad.predict import predict_static
+from dummydesign.pad.spatial.square_factor import solve_factor
+from dummydesign.pad.spatial.square_punch import Block, Cells, block_problem, solve_ratios, twin_problem
+from dummydesign.pad.specimen import Pad
 from dummydesign.pad.tables.slab import load_table
 from dummydesign.pad.tables.square import SIDE_OVER_RADIUS, load_square, square_factor
+from tests.support.refusal import raises_code
 
 RADIUS = 7.0 / SIDE_OVER_RADIUS
 
@@ -37,7 +36,7 @@ def test_the_factor_at_small_depth_is_that_of_another_code(thickness, expected):
 @pytest.mark.parametrize("thickness", [6.3, 13.0])
 def test_the_factor_agrees_with_a_solve_between_its_ratios(base, thickness):
     """At ratios a / h that were not solved for the table, on other cells, where one corner cell is good to 0.1 %."""
-    found = solve_ratios(block(thickness, base), neo_hookean(1.0), 0.5, np.array([0.04, 0.08]), Cells(0.25, 1.8))
+    found = solve_ratios(block(thickness, base), np.array([0.04, 0.08]), Cells(0.25, 1.8))
     factor, _ = square_factor(np.array([0.0, 0.04, 0.08]) * thickness, thickness, RADIUS, base)
     assert len(found.depth) == 2
     assert factor == pytest.approx(np.array([found.first, *found.ratio]), abs=2e-3)
@@ -45,9 +44,9 @@ def test_the_factor_agrees_with_a_solve_between_its_ratios(base, thickness):
 
 @pytest.mark.parametrize("base", ["bonded", "sliding"])
 def test_first_touch_agrees_with_fine_cells(base):
-    cells, law = Cells(0.1), neo_hookean(1.0)
+    cells = Cells(0.1)
     pad = block(10.0, base)
-    found = 4.0 * block_problem(pad, law, 0.5, cells).stiffness() / twin_problem(pad, law, 0.5, cells).stiffness()
+    found = 4.0 * block_problem(pad, cells).stiffness() / twin_problem(pad, cells).stiffness()
     assert square_factor(0.0, 10.0, RADIUS, base)[0] == pytest.approx(found, abs=1e-3)
 
 
@@ -83,7 +82,7 @@ def test_the_shipped_values_are_those_the_series_was_fitted_to(base):
 
 @pytest.mark.slow
 def test_a_solved_factor_is_that_of_the_table():
-    solved = solve_factor(block(10.0), neo_hookean(1.0), 0.5, 0.2)
+    solved = solve_factor(block(10.0), 0.2)
     depth = np.array([0.0, 0.1, 0.2])
     factor, error = solved.factor(depth)
     table, stated = square_factor(depth * 10.0, 10.0, RADIUS)
@@ -106,7 +105,7 @@ def test_a_square_punch_carries_the_table_times_its_factor_and_their_errors_add_
 def test_the_factor_at_depth_agrees_with_a_beaded_solve_between_its_ratios(thickness):
     """At ratios a / h and with a bead that were not solved for the table: within its stated error and 0.5 %."""
     depth = np.array([0.3, 0.4, 0.5])
-    found = solve_rimmed_ratios(block(thickness), neo_hookean(1.0), 0.5, depth, Cells(0.16), 0.16)
+    found = solve_ratios(block(thickness), depth, Cells(0.16), 0.16)
     factor, error = square_factor(depth * thickness, thickness, RADIUS)
     assert np.all(np.abs(factor / found.ratio - 1.0) < error + 5e-3)
     assert error.max() < 0.015
@@ -124,14 +123,14 @@ def test_a_curve_solved_in_space_is_the_round_one_times_the_tabulated_factor_and
 
 
 def test_what_cannot_be_known_is_refused(monkeypatch, tmp_path):
-    with pytest.raises(InputError, match="base = 'glue'"):
+    with raises_code("not_tabulated", "base"):
         square_factor(1.0, 10.0, 7.9, "glue")
-    with pytest.raises(InputError, match=r"punch radius over pad thickness = 7\.9"):
+    with raises_code("out_of_range", "punch_radius_over_pad_thickness"):
         square_factor(0.1, 1.0, 7.9)
-    with pytest.raises(InputError, match="3d is for square and rectangular"):
+    with raises_code("unsupported", "fidelity"):
         predict_static(Pad(10.0, 0.03, RADIUS), [1.0], "3d")
-    monkeypatch.setattr("dummydesign.core.json_table.data_folder", lambda: tmp_path)
+    monkeypatch.setattr("dummydesign.core.library.data_folder", lambda: tmp_path)
     load_square.cache_clear()
-    with pytest.raises(NoAnswerError, match=r"python -m dummydesign\.studies\.tables\.square"):
+    with raises_code("table_unavailable", "table"):
         load_square()
     load_square.cache_clear()

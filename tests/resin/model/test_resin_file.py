@@ -6,13 +6,12 @@ import tomllib
 import numpy as np
 import pytest
 
-from dummydesign.core import datafiles as library
-from dummydesign.core.errors import InputError
+from dummydesign.core import library
 from dummydesign.core.quantity import Quantity
 from dummydesign.resin import load_resin
-from dummydesign.resin.model.resin_writer import save_resin
-from dummydesign.resin.update.modulus import Point, update_resin
-from dummydesign.resin.update.rows import add_resin
+from dummydesign.resin.model.resin import Point, save_resin
+from dummydesign.resin.update.modulus import add_resin, update_resin
+from tests.support.refusal import raises_code
 
 BUILT_IN = library.data_folder() / "materials" / "resins" / "polyurethane-nagoya.toml"
 
@@ -26,39 +25,39 @@ def changed(tmp_path, old, new, count=1):
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "message"),
+    ("old", "new", "code"),
     [
-        ("ratio_step = 0.1", "ratio_stepp = 1", r"mine\.toml:9: unknown key .* did you mean 'ratio_step'"),
-        ('law = "gel_point"', 'law = "gel"', r"mine\.toml:\d+: unknown law of the modulus 'gel'"),
-        ("ratio_max = 20.0", "ratio_max = 12.0", "ratio_min < ratio_max"),
-        ("ratio_min = 14.0", "ratio_min = 12.0", "gel point"),
-        ('parts = "ratio"', "parts = 15.0", "exactly one"),
-        ('parts = "ratio"', "parts = -2", "must be a number above 0"),
-        ("schema = 1", "schema = 2", "schema = 2"),
-        ("ratio_ref = 15.0", "ratio_ref = 40.0", "ratio_ref = 40.0 is outside"),
-        ("value = 0.03, low = 0.03", "value = 0.03, low = -0.03", "must be above 0"),
-        ("beta = { value = 1.09, low = 0.80", "beta = { value = 1.09, low = -0.80", "must be at least 0"),
-        ("value = 25.0", "value = 12.0", "low <= value <= high"),
-        ('kind = "measured"', 'kind = "guessed"', "kind 'guessed'"),
-        ("[property.pot_life_min]", "[property.potlife]", "unknown key 'potlife'"),
-        ('name = "polyurethane-nagoya"', "", "'name' is missing"),
+        ("ratio_step = 0.1", "ratio_stepp = 1", "unknown_key"),
+        ('law = "gel_point"', 'law = "gel"', "unknown_name"),
+        ("ratio_max = 20.0", "ratio_max = 12.0", "inconsistent"),
+        ("ratio_min = 14.0", "ratio_min = 12.0", "inconsistent"),
+        ('parts = "ratio"', "parts = 15.0", "inconsistent"),
+        ('parts = "ratio"', "parts = -2", "malformed"),
+        ("schema = 1", "schema = 2", "unsupported"),
+        ("ratio_ref = 15.0", "ratio_ref = 40.0", "out_of_range"),
+        ("value = 0.03, low = 0.03", "value = 0.03, low = -0.03", "out_of_range"),
+        ("beta = { value = 1.09, low = 0.80", "beta = { value = 1.09, low = -0.80", "out_of_range"),
+        ("value = 25.0", "value = 12.0", "inconsistent"),
+        ('kind = "measured"', 'kind = "guessed"', "unknown_name"),
+        ("[property.pot_life_min]", "[property.potlife]", "unknown_key"),
+        ('name = "polyurethane-nagoya"', "", "missing"),
     ],
 )  # fmt: skip
-def test_a_wrong_file_is_refused_with_its_reason(tmp_path, old, new, message):
-    with pytest.raises(InputError, match=message):
+def test_a_wrong_file_is_refused_with_its_reason(tmp_path, old, new, code):
+    with raises_code(code):
         load_resin(str(changed(tmp_path, old, new)))
 
 
 def test_a_number_without_source_is_refused(tmp_path):
     text = BUILT_IN.read_text(encoding="utf-8")
     line = next(line for line in text.splitlines() if line.startswith('source = "percolation'))
-    with pytest.raises(InputError, match="lacks source"):
+    with raises_code("missing", "exponent.source"):
         load_resin(str(changed(tmp_path, line, "")))
 
 
 def test_names_have_any_case_and_near_misses_are_suggested():
     assert load_resin("POLYURETHANE-Nagoya").name == "polyurethane-nagoya"
-    with pytest.raises(InputError, match="did you mean 'polyurethane-nagoya'"):
+    with raises_code("unknown_name", "resin"):
         load_resin("polyurethan-nagoya")
 
 
@@ -97,7 +96,7 @@ def test_points_make_a_resin_of_their_own(tmp_path, monkeypatch):
 def test_a_name_that_would_leave_the_folder_is_refused(tmp_path, monkeypatch):
     monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path / "home"))
     path = changed(tmp_path, 'name = "polyurethane-nagoya"', 'name = "../escape"')
-    with pytest.raises(InputError, match="cannot be a file name"):
+    with raises_code("bad_name", "resin"):
         add_resin(path)
     assert not (tmp_path / "home").exists()
 
@@ -109,5 +108,5 @@ def test_points_outside_the_range_are_refused(tmp_path, monkeypatch):
         "[[point]]\nratio = 30.0\n"
         'young_kPa = {value = 31.0, low = 29.0, high = 33.0, kind = "measured", source = "x"}\n'
     )
-    with pytest.raises(InputError, match="ratio of polyurethane-nagoya = 30"):
+    with raises_code("out_of_range", "ratio"):
         add_resin(path)

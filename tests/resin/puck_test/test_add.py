@@ -7,11 +7,12 @@ import json
 import numpy as np
 import pytest
 
-from dummydesign.cli import run
+from dummydesign.cli.entry import run
+from dummydesign.pad.axisymmetric.puck import solve_puck
 from dummydesign.pad.material.hyperelastic import neo_hookean
-from dummydesign.pad.puck import solve_puck
+from dummydesign.pad.specimen import Puck
 from dummydesign.resin import load_resin
-from dummydesign.resin.puck_test.add import loading
+from dummydesign.resin.puck_test.add_compression import loading
 from tests.support.puck_history import frictionless, ramps, relaxed
 
 YOUNG_KPA = 30.0
@@ -22,7 +23,7 @@ def curve(tmp_path_factory):
     """A puck of 30 kPa between rough plates, solved by finite elements, touched 0.2 mm late, pressed and released."""
     depth = np.linspace(0.5, 13.0, 14)
     law = neo_hookean(1.0)
-    solved = solve_puck(50.0, 30.0, YOUNG_KPA * 1e-3, depth, plates="friction:0.3", law=law)
+    solved = solve_puck(Puck(30.0, YOUNG_KPA * 1e-3, 50.0, plates="friction:0.3", law=law), depth)
     place = np.concatenate([[0.0, 0.1, 0.2], 0.2 + solved.depth_mm])
     load = np.concatenate([[0.0, 0.0, 0.0], solved.force_N])
     fine = np.linspace(0.0, place[-1], 400)
@@ -69,7 +70,7 @@ def test_a_second_puck_is_kept_beside_the_first(curve, tmp_path, monkeypatch):
     monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
     assert run(command(curve)) == 0
     assert run(command(other_recording(curve, tmp_path), ratio=15.2)) == 0
-    assert [point["ratio"] for point in load_resin("batch").points] == [15.0, 15.2]
+    assert [point.ratio for point in load_resin("batch").points] == [15.0, 15.2]
 
 
 def same_resin(first, second):
@@ -108,7 +109,7 @@ def test_a_mistyped_ratio_is_put_right_as_if_it_had_not_been_typed(curve, held, 
     wrong = made("b", (held, 17, narrow), (second, 15.2, wide), (held, 15, narrow))
     assert "had this puck at ratio 17, 42 x 28 mm; that point was replaced by ratio 15" in capsys.readouterr().out
     same_resin(right, wrong)
-    assert [point["ratio"] for point in load_resin("batch").points] == [15.2, 15.0]
+    assert [point.ratio for point in load_resin("batch").points] == [15.2, 15.0]
 
 
 def test_show_says_where_each_point_came_from(curve, tmp_path, monkeypatch, capsys):
@@ -127,7 +128,7 @@ def test_points_of_a_resin_are_not_lost_silently(curve, tmp_path, monkeypatch, c
     assert run(command(second, *base, ratio=15.2)) == 2 and "leave --resin out" in capsys.readouterr().err
     assert run(command(second, "--replace", ratio=15.2)) == 2 and "--resin" in capsys.readouterr().err
     assert run(command(second, *base, "--replace", ratio=15.2)) == 0
-    assert [point["ratio"] for point in load_resin("batch").points] == [15.2]
+    assert [point.ratio for point in load_resin("batch").points] == [15.2]
 
 
 def test_a_built_in_name_updates_that_resin_and_says_what_it_hides(curve, tmp_path, monkeypatch, capsys):

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.core.errors import InputError, NoAnswerError
-from dummydesign.pad.material.ogden import Ogden
-from dummydesign.pad.puck import solve_puck
-from dummydesign.pad.tables.pucks.response import friction_of, grip, load_puck_table, uniaxial
-from dummydesign.resin.puck_test.loading_fit import Curve, fit_pucks
+from dummydesign.pad.axisymmetric.puck import solve_puck
+from dummydesign.pad.material.hyperelastic import Ogden
+from dummydesign.pad.specimen import Puck
+from dummydesign.pad.tables.puck import friction_of, grip, load_puck_table, uniaxial
+from dummydesign.resin.puck_test.loading_fit import LoadingCurve, fit_pucks
+from tests.support.refusal import raises_code
 
 WINDOW = (1.0, 15.0)
 GRID = np.arange(0.0, 15.1, 0.5)
@@ -19,14 +20,14 @@ def made(young_kPa, alpha, plates, tests, noise=0.003):
     """Curves from a solve made now (not from the table), each with its own contact, zeroed at x = 0."""
     law = Ogden([2.0 / alpha], [alpha])
     at = np.concatenate([[0.002, 0.01, 0.03], np.arange(0.06, 0.53, 0.04)])
-    curve = solve_puck(50.0, 30.0, young_kPa * 1e-3, 30.0 * at, plates=plates, law=law)
+    curve = solve_puck(Puck(30.0, young_kPa * 1e-3, 50.0, plates=plates, law=law), 30.0 * at)
     factor = curve.force_N / uniaxial(alpha, at)
     rng, curves = np.random.default_rng(3), []
     for name, offset_mm, scale in tests:
         compression = np.maximum(GRID - offset_mm, 0.0) / 30.0
         load = uniaxial(alpha, compression) * np.interp(compression, at, factor)
         load = scale * (load - load[0]) * (1.0 + noise * rng.standard_normal(len(load)))
-        curves.append(Curve(name, name[0], GRID, load))
+        curves.append(LoadingCurve(name, name[0], GRID, load))
     return curves
 
 
@@ -58,7 +59,7 @@ def test_taking_the_plates_for_frictionless_would_have_overestimated_the_modulus
 def test_between_its_grid_the_table_agrees_with_a_solve(table, alpha, friction):
     compression = np.array([0.05, 0.21, 0.37, 0.5])
     law = Ogden([2.0 / alpha], [alpha])
-    solved = solve_puck(50.0, 30.0, 0.03, 30.0 * compression, plates=f"friction:{friction}", law=law)
+    solved = solve_puck(Puck(30.0, 0.03, 50.0, plates=f"friction:{friction}", law=law), 30.0 * compression)
     factor = table.factor(alpha, float(grip(friction)), compression)
     found = 0.03 * np.pi * 625.0 * uniaxial(alpha, compression) * factor
     assert found == pytest.approx(solved.force_N, rel=0.012)
@@ -72,15 +73,15 @@ def test_grip_and_friction_are_inverse_and_run_from_free_to_bonded():
 
 
 def test_another_shape_and_bad_curves_are_refused(table, monkeypatch, tmp_path):
-    curve = Curve("A1", "A", GRID, GRID * 2.0)
-    with pytest.raises(InputError, match="radius over height"):
+    curve = LoadingCurve("A1", "A", GRID, GRID * 2.0)
+    with raises_code("out_of_range", "puck_radius_over_height"):
         fit_pucks([curve], 40.0, 30.0, table, WINDOW)
-    with pytest.raises(InputError, match=r"0\.56 heights"):
+    with raises_code("out_of_range", "window_mm"):
         fit_pucks([curve], 50.0, 30.0, table, (1.0, 25.0))
-    with pytest.raises(InputError, match="curve A2: needs 5 or more loads above 0"):
-        fit_pucks([Curve("A2", "A", GRID, -GRID)], 50.0, 30.0, table, WINDOW)
-    monkeypatch.setattr("dummydesign.core.json_table.data_folder", lambda: tmp_path)
+    with raises_code("not_enough_data", "curve"):
+        fit_pucks([LoadingCurve("A2", "A", GRID, -GRID)], 50.0, 30.0, table, WINDOW)
+    monkeypatch.setattr("dummydesign.core.library.data_folder", lambda: tmp_path)
     load_puck_table.cache_clear()
-    with pytest.raises(NoAnswerError, match=r"python -m dummydesign\.studies\.tables\.puck"):
+    with raises_code("table_unavailable", "table"):
         load_puck_table()
     load_puck_table.cache_clear()

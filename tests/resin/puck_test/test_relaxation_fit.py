@@ -10,11 +10,9 @@ import pytest
 
 from dummydesign.measurement.landmarks import find_holds
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
-from dummydesign.pad.tables.pucks.proportions import table_for
-from dummydesign.resin.puck_test.model import PuckProblem
-from dummydesign.resin.puck_test.noise import PuckNoise, covariance
-from dummydesign.resin.puck_test.reduction import reduce_press
-from dummydesign.resin.puck_test.relaxation_fit import fit_relaxation
+from dummydesign.pad.tables.puck import table_for
+from dummydesign.resin.puck_test.reduction import PuckNoise, covariance, reduce_press
+from dummydesign.resin.puck_test.relaxation_fit import PuckProblem, fit_relaxation
 from tests.support.puck_history import frictionless, ramps, relaxed
 
 DIAMETER, HEIGHT, YOUNG_KPA, ALPHA = 40.0, 32.0, 30.0, 2.4

@@ -5,12 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
-from dummydesign.core.errors import InputError
-from dummydesign.core.quantity import Quantity
+from dummydesign.core.quantity import HALF_WIDTH, Quantity
 from dummydesign.resin import load_resin
-from dummydesign.resin.model.distribution import HALF_WIDTH
 from dummydesign.resin.model.modulus_laws import LAWS
-from dummydesign.resin.update.modulus import Point, update_resin
+from dummydesign.resin.model.resin import Point
+from dummydesign.resin.update.modulus import update_resin
+from tests.support.refusal import raises_code
 
 
 @pytest.fixture(scope="module")
@@ -121,5 +121,5 @@ def test_agreeing_points_are_not_called_contradictory(polyurethane):
 
 
 def test_no_points_are_refused(polyurethane):
-    with pytest.raises(InputError, match="no points"):
+    with raises_code("missing", "point"):
         update_resin(polyurethane, [], "u")

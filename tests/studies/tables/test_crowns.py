@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.pad.material.hyperelastic import Yeoh
-from dummydesign.pad.shaped.axisymmetric import climb
-from dummydesign.studies.tables.crowns.edge import GROWN, MET, PLACES, EdgeWatch, edge_depth
-from dummydesign.studies.tables.crowns.fit import Curves, fit_crowns
-from dummydesign.studies.tables.crowns.levels import fit_by_level
-from dummydesign.studies.tables.designs import designs
+from dummydesign.pad.axisymmetric.shaped_problem import solve_path
+from studies.tables.crowns.edge import GROWN, MET, PLACES, EdgeWatch, edge_depth
+from studies.tables.crowns.fit import Curves, fit_crowns
+from studies.tables.crowns.levels import fit_by_level
+from studies.tables.designs import designs
 
 DEPTH = np.linspace(0.02, 0.4, 39)
 
@@ -45,7 +44,7 @@ def test_the_edge_of_a_solved_crown_is_where_its_force_begins_to_rise():
     design = designs()["crowned"]
     press = design._press(np.array([-0.1, 0.25, -0.7, 0.4]))
     watch, depth = EdgeWatch(press), np.round(np.arange(0.02, 0.301, 0.01), 4)
-    force = climb(press, Yeoh(1.0), depth, 8, 0.05, visit=watch).force
+    force = solve_path(press, depth, 8, 0.05, visit=watch).force
     found = watch.found(float(np.exp(-0.7)), 0.05 * press.scale / press.radius)
     assert found is not None and found[1] == MET
     steep = np.diff(np.log(force)) / np.diff(np.log(depth))

@@ -8,8 +8,9 @@ import pytest
 
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import make_project
-from dummydesign.studio.presses import bring_in
-from dummydesign.studio.work.commands import options
+from dummydesign.studio import incoming_presses as bring_in
+from dummydesign.studio.jobs import options
+from tests.support.refusal import raises_code
 
 TOML = b'schema = 1\nname = "x"\n[pad]\nyoung_kPa_nominal = 25.0\n[[trial]]\nfile = "t05_v010_f03_1.csv"\n'
 
@@ -21,7 +22,7 @@ def root(tmp_path):
 
 def test_a_folder_with_its_campaign_file_is_taken_as_it_is(root):
     for name, content in (("campaign.toml", TOML), ("t05_v010_f03_1.csv", b"1,2\n"), ("notes.txt", b"words")):
-        bring_in.keep(root, name, content)
+        bring_in.save_waiting_file(root, name, content)
     assert bring_in.has_campaign_file(root)
     folder = bring_in.bring_in(root, "may")
     assert folder == "campaigns/may"
@@ -33,26 +34,26 @@ def test_a_folder_with_its_campaign_file_is_taken_as_it_is(root):
 
 def test_a_name_that_is_there_is_refused_and_nothing_is_moved(root):
     (root / "campaigns" / "may").mkdir()
-    bring_in.keep(root, "campaign.toml", TOML)
+    bring_in.save_waiting_file(root, "campaign.toml", TOML)
     for name in ("may", "../may", "", ".may"):
         with pytest.raises(InputError):
             bring_in.bring_in(root, name)
     assert bring_in.waiting(root) == ["campaign.toml"]
-    bring_in.keep(root, "campaign.toml", b"not = [toml")
-    with pytest.raises(InputError, match="TOML"):
+    bring_in.save_waiting_file(root, "campaign.toml", b"not = [toml")
+    with raises_code("malformed", "campaign"):
         bring_in.bring_in(root, "june")
     assert not (root / "campaigns" / "june").exists()
 
 
 def test_the_table_begins_with_what_the_names_say_and_what_a_table_said(root):
     for name in ("t05_v010_f03_1.csv", "t15_v250_f09_2.csv", "run 3.csv"):
-        bring_in.keep(root, name, b"1,2\n")
+        bring_in.save_waiting_file(root, name, b"1,2\n")
     rows = {row["file"]: row for row in bring_in.table(root)}
     assert set(rows) == {"t05_v010_f03_1.csv", "t15_v250_f09_2.csv", "run 3.csv"}
     first = rows["t05_v010_f03_1.csv"]
     assert (first["thickness_mm"], first["velocity_mm_s"], first["target_force_N"], first["repeat"]) == (5, 10, 3, 1)
     assert rows["run 3.csv"]["thickness_mm"] is None
-    bring_in.keep(root, "trials.csv", b"file,thickness_mm,age_days\nrun 3.csv,15,9\n")
+    bring_in.save_waiting_file(root, "trials.csv", b"file,thickness_mm,age_days\nrun 3.csv,15,9\n")
     rows = {row["file"]: row for row in bring_in.table(root)}
     assert rows["run 3.csv"]["thickness_mm"] == 15 and rows["run 3.csv"]["age_days"] == 9
     assert "trials.csv" not in rows
@@ -60,7 +61,7 @@ def test_the_table_begins_with_what_the_names_say_and_what_a_table_said(root):
 
 def test_what_is_typed_is_the_table_that_the_command_reads(root):
     for name in ("a.csv", "b, c.csv"):
-        bring_in.keep(root, name, b"1,2\n")
+        bring_in.save_waiting_file(root, name, b"1,2\n")
     rows = bring_in.table(root)
     rows[0] |= {"thickness_mm": 5.0, "temperature_C": 21.5, "sequence": 2}
     bring_in.write_table(root, rows)
@@ -77,7 +78,7 @@ def test_what_is_typed_is_the_table_that_the_command_reads(root):
 def test_only_files_of_a_campaign_are_kept(root):
     for name in ("a.exe", "../a.csv", ".a.csv"):
         with pytest.raises(InputError):
-            bring_in.keep(root, name, b"1")
+            bring_in.save_waiting_file(root, name, b"1")
     assert bring_in.waiting(root) == []
     with pytest.raises(InputError):
         bring_in.words(root, "may", [])

@@ -6,8 +6,9 @@ import pytest
 
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import make_project
-from dummydesign.studio import bin
-from dummydesign.studio.presses import incoming
+from dummydesign.studio import incoming_presses as incoming
+from dummydesign.studio import project_files as bin
+from tests.support.refusal import raises_code
 
 PLAN = """schema = 1
 name = "first"
@@ -44,20 +45,20 @@ def test_a_press_under_its_planned_name_replaces_the_bad_one_which_can_come_back
     place = root / FOLDER / "a.csv"
     assert place.read_bytes() == trace(3.0)
     assert taken.gone is not None and "bin" in taken.text
-    incoming.undo(root, taken.gone)
+    bin.take_back(root, taken.gone)
     assert place.read_bytes() == trace(2.0)
     assert not list((root / FOLDER).glob("a-*"))
     again = [one for one in bin.deleted(root) if one.path == f"{FOLDER}/a.csv"]
-    incoming.undo(root, again[0])
+    bin.take_back(root, again[0])
     assert place.read_bytes() == trace(3.0)
 
 
 @pytest.mark.parametrize("content", [b"", b"no numbers\n", b"time_s,displacement_mm\n0,1\n"])
 def test_a_file_that_is_no_trace_is_refused_and_the_good_one_stays(root, content):
     incoming.take(root, FOLDER, "a.csv", trace())
-    with pytest.raises(InputError, match=r"a\.csv"):
+    with raises_code("missing"):
         incoming.take(root, FOLDER, "a.csv", content)
-    with pytest.raises(InputError, match=r"odd\.csv"):
+    with raises_code("missing"):
         incoming.take(root, FOLDER, "odd.csv", content)
     assert (root / FOLDER / "a.csv").read_bytes() == trace()
     assert incoming.held(root, FOLDER) == []
@@ -75,13 +76,13 @@ def test_a_file_of_another_name_is_held_and_assigned_to_a_planned_press(root):
     assigned = incoming.assign(root, FOLDER, "run 7.csv", "b.csv")
     assert (root / FOLDER / "b.csv").read_bytes() == trace(9.0)
     assert incoming.held(root, FOLDER) == [] and assigned.gone is not None
-    incoming.undo(root, assigned.gone)
+    bin.take_back(root, assigned.gone)
     assert (root / FOLDER / "b.csv").read_bytes() == trace(8.5)
 
 
 def test_the_same_press_is_not_taken_twice(root):
     incoming.take(root, FOLDER, "a.csv", trace())
-    with pytest.raises(InputError, match=r"a\.csv"):
+    with raises_code("duplicate", "trace"):
         incoming.take(root, FOLDER, "b.csv", trace())
     assert not (root / FOLDER / "b.csv").exists()
     same = incoming.take(root, FOLDER, "a.csv", trace())

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import json
 
-import pytest
-
 from dummydesign.project.folder import make_project
-from dummydesign.studio.pages.trials import ALL, days_of, rows_of
-from dummydesign.studio.pages.value_table import number_of, table_html
-from dummydesign.studio.presses import plans as plan_defaults
+from dummydesign.studio import incoming_presses as plan_defaults
+from dummydesign.studio.pages.plan import ALL, days_of, number_of, rows_of, table_html
 from dummydesign.studio.state import read_state
+from tests.support.refusal import raises_code
 
 
 def mould(root, name, thickness, shape="slab", ratio=15.0, date="2026-01-01"):
@@ -70,11 +68,10 @@ def test_rows_of_a_day_are_those_of_one_age():
 
 
 def test_numbers_are_read_with_dot_or_comma_and_nothing_else():
-    from dummydesign.core.errors import InputError
 
     assert number_of(" 21,5 ", "t") == 21.5 and number_of("", "t") is None
     for text in ("abc", "nan", "inf", "1.2.3"):
-        with pytest.raises(InputError, match="temperature"):
+        with raises_code("not_a_number", "temperature"):
             number_of(text, "temperature")
 
 

@@ -5,12 +5,12 @@ import json
 import numpy as np
 import pytest
 
-from dummydesign.cli import run
+from dummydesign.cli.entry import run
 from dummydesign.design.scoring.verdict import LIGHTS
 from dummydesign.measurement.motion import Motion, ramp_and_hold
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue import load_tissue
-from dummydesign.tissue.comparison.compare import AS_PRESSED, compare_traces, steady_curve
+from dummydesign.tissue.comparison import AS_PRESSED, compare_traces, steady_curve
 from dummydesign.tissue.fitting.reduction import reduce_trace
 
 STEADY_GRID_N = AS_PRESSED.grid_N
@@ -91,7 +91,7 @@ def test_the_command_writes_tables_report_and_one_json_object(palm, tmp_path, ca
 
 @pytest.mark.parametrize("deceleration", [15_000.0, 30_000.0, 60_000.0])
 def test_the_braking_is_read_from_the_motion(palm, deceleration):
-    from dummydesign.tissue.comparison.compare import braking_of
+    from dummydesign.tissue.comparison import braking_of
 
     motion = ramp_and_hold(250.0, 6.0, deceleration_mm_s2=deceleration)
     time = np.arange(0.0, motion.time_s[-1], 5e-4)
@@ -103,7 +103,7 @@ def test_the_braking_is_read_from_the_motion(palm, deceleration):
 @pytest.mark.slow
 @pytest.mark.parametrize("subject", [1, 2, 3])
 def test_a_dummy_between_the_outermost_subjects_is_called_inside(palm, subject):
-    from dummydesign.design.assessment.verdict_of_traces import verdict_of_traces
+    from dummydesign.design.measured_pad import verdict_of_traces
 
     first, last = palm.parameter_sets[0], palm.parameter_sets[-1]
     found = verdict_of_traces(compare_traces(presses(palm.parameter_sets[subject], noise_N=0.01), palm), palm)
@@ -118,7 +118,7 @@ def test_a_dummy_between_the_outermost_subjects_is_called_inside(palm, subject):
 def test_a_dummy_that_hardly_relaxes_or_is_too_soft_reads_low(palm):
     import dataclasses
 
-    from dummydesign.design.assessment.verdict_of_traces import verdict_of_traces
+    from dummydesign.design.measured_pad import verdict_of_traces
 
     middle = palm.parameter_sets[2]
     stiff_arms = dataclasses.replace(middle, gamma_N_per_mm3=tuple(0.02 * g for g in middle.gamma_N_per_mm3))
@@ -131,7 +131,7 @@ def test_a_dummy_that_hardly_relaxes_or_is_too_soft_reads_low(palm):
 
 
 def test_a_dummy_that_was_pressed_at_one_speed_is_not_called_inside(palm):
-    from dummydesign.design.assessment.verdict_of_traces import verdict_of_traces
+    from dummydesign.design.measured_pad import verdict_of_traces
 
     found = verdict_of_traces(compare_traces(presses(palm.parameter_sets[2])[:3], palm), palm)
     assert found.level == "not_settled" and found.light == "amber" and "not pressed at 250 mm/s" in found.text

@@ -5,17 +5,15 @@ import json
 import numpy as np
 import pytest
 
-from dummydesign.api import compare
-from dummydesign.cli import run
-from dummydesign.core.errors import InputError
-from dummydesign.design.assessment.verdict_of_traces import verdict_of_traces
+from dummydesign.api.traces import compare
+from dummydesign.cli.entry import run
+from dummydesign.design.measured_pad import verdict_of_traces
 from dummydesign.measurement.motion import Motion, ramp_and_hold
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue import load_tissue
-from dummydesign.tissue.comparison.compare import compare_traces
-from dummydesign.tissue.comparison.press_test import PressTest, presses_of
-from dummydesign.tissue.model.ranges import end_of_hold_range, held_depth
-from dummydesign.tissue.model.steady_ranges import steady_depth_range
+from dummydesign.tissue.comparison import PressTest, compare_traces, presses_of
+from dummydesign.tissue.model.ranges import end_of_hold_range, held_depth, steady_depth_range
+from tests.support.refusal import raises_code
 
 
 @pytest.fixture(scope="module")
@@ -121,12 +119,12 @@ def test_how_the_punch_held_the_face_is_said_and_changes_no_number(palm):
     glued, slid = (compare(traces, "palm", condition=condition).to_dict() for condition in (None, "friction:0.3"))
     assert glued["inputs"]["condition"] == "bonded" and "test" not in glued
     assert slid["test"]["condition"] == "friction:0.3" and slid["verdict"] == glued["verdict"]
-    with pytest.raises(InputError, match="condition 'oiled'"):
+    with raises_code("unknown_name", "condition"):
         compare(traces, "palm", condition="oiled")
 
 
 def test_a_test_that_no_press_belongs_to_is_refused_with_what_was_pressed(palm):
-    with pytest.raises(InputError, match=r"no press belongs to the test \(50 N\): the traces are of 5 N at 10 mm/s"):
+    with raises_code("nothing_found", "press"):
         compare_traces(subject_presses(palm, (5.0,), (10.0,)), palm, test=PressTest((50.0,)))
 
 
@@ -135,7 +133,7 @@ def test_traces_in_memory_whose_time_stands_still_are_refused_and_a_generator_of
     force = 2.0 * motion.displacement_mm**3
     time = motion.time_s.copy()
     time[5] = time[4]
-    with pytest.raises(InputError, match="still: time_s does not increase at sample 5"):
+    with raises_code("malformed", "time_s"):
         compare((Trace("still", time, motion.displacement_mm, force) for _ in range(1)), "palm")
 
 

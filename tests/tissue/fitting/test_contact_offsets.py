@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from benchmarks.fit_coverage import DAMPER, GAMMA, GAMMA1, TRUTH, press
-from dummydesign.core.errors import InputError
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue.fitting.fit import _chosen, fit_traces
+from tests.support.refusal import raises_code
 
 SIX = [(v, f) for v in (10.0, 250.0) for f in (5.0, 10.0, 15.0)]
 
@@ -101,5 +101,5 @@ def test_elements_auto_never_takes_what_predicts_left_out_presses_worse():
 
 
 def test_an_unknown_contact_is_refused():
-    with pytest.raises(InputError, match="known names are none, per-press"):
+    with raises_code("unknown_name", "contact"):
         fit_traces(presses((0.0,) * 6)[:1], 5, contact="all")

@@ -8,22 +8,23 @@ import pytest
 
 from dummydesign.core.errors import InputError
 from dummydesign.design.assessment.safety import tissue_body
-from dummydesign.design.assessment.verdict_of_traces import verdict_of_traces
+from dummydesign.design.measured_pad import verdict_of_traces
 from dummydesign.design.request import Protocol
-from dummydesign.design.scoring.acceptability import ranges_of, readings_of
 from dummydesign.design.scoring.deviations import Ranges
 from dummydesign.design.scoring.presses import Sampling
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.targets import make_targets
+from dummydesign.design.scoring.verdict import ranges_of, readings_of
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.measurement.trace import Trace
-from dummydesign.tissue.comparison.compare import compare_traces
+from dummydesign.tissue.adding.from_curves import add_curves
+from dummydesign.tissue.comparison import compare_traces
 from dummydesign.tissue.model.tissue import Tissue, behind_ranges
 from dummydesign.tissue.model.tissue_file import load_tissue, tissue_toml
-from dummydesign.tissue.population.from_curves import add_curves
 from tests.support.fung_people import PEOPLE, press, write_table
 from tests.support.judged_pads import judged
 from tests.support.power_pads import pads
+from tests.support.refusal import raises_code
 
 NEAR = {"peak_low_N": 0.006, "peak_high_N": 0.006, "energy_low_mJ": 0.015, "energy_high_mJ": 0.015, "stiff_mm": 0.003,
         "soft_mm": 0.003}  # fmt: skip
@@ -134,7 +135,7 @@ def test_there_are_no_parameters_and_the_other_parts_of_the_score_make_the_total
     targets = make_targets(people, "average", Sampling())
     assert not targets.parametric and "parametric" not in targets.weights.parts
     assert sum(targets.weights.parts.values()) == pytest.approx(1.0)
-    with pytest.raises(InputError, match="no parameters"):
+    with raises_code("unsupported", "law"):
         _ = people.parameter_sets[0].gamma1_N_per_mm3
     found = evaluate(pads(2.8, [2.0, 4.0], (0.5, 0.4)), targets)
     np.testing.assert_allclose(found.total(np.zeros(2)), found.total(np.ones(2)))
@@ -176,7 +177,7 @@ def direct_hold(person, steady, hold):
 
 
 def test_a_free_mass_needs_a_law(people):
-    with pytest.raises(InputError, match="no parameters"):
+    with raises_code("unsupported", "law"):
         tissue_body(people.parameter_sets, 250.0)
 
 
@@ -191,7 +192,8 @@ def test_the_share_of_people_outside_a_range_is_the_one_that_is_said(count):
 
 
 def test_how_many_people_stand_behind_the_ranges_is_said(people):
-    assert people.said[1].endswith(behind_ranges(len(people.subjects))) and "4 people stand behind" in people.said[1]
+    text = people.notice[1]
+    assert text.endswith(behind_ranges(len(people.subjects))) and "4 people stand behind" in text
     assert "makes no range" in behind_ranges(1)
 
 
@@ -206,19 +208,21 @@ def test_the_file_is_read_as_it_was_written(people, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
-    [("velocity_mm_s = 10", "velocity_mm_s = -1", "velocity_mm_s = -1"),
-     ("rise_force_N = [", "rise_force_N = [1, ", "rise_force_N has 62"),
-     ("hold_time_s = [0, ", "hold_time_s = [", "hold_time_s must rise from 0"),
-     ("depth_mm", "depht_mm", "did you mean"),
-     ('kind = "measured"', 'kind = "guessed"', "kind 'guessed'")],
+    ("old", "new", "code", "quantity"),
+    [("velocity_mm_s = 10", "velocity_mm_s = -1", "out_of_range", "subject.press.velocity_mm_s"),
+     ("rise_force_N = [", "rise_force_N = [1, ", "malformed", "subject.press.rise_force_N"),
+     ("hold_time_s = [0, ", "hold_time_s = [", "malformed", "subject.press.hold_time_s"),
+     ("depth_mm", "depht_mm", "unknown_key", "subject.press.depht_mm"),
+     ('kind = "measured"', 'kind = "guessed"', "unknown_name", "subject.kind")],
 )  # fmt: skip
-def test_a_damaged_file_names_itself_and_the_press(people, tmp_path, old, new, said):
+def test_a_damaged_file_names_itself_and_the_line(people, tmp_path, old, new, code, quantity):
     path = tmp_path / "bad.toml"
-    path.write_text(tissue_toml(people).replace(old, new, 1), encoding="utf-8")
-    with pytest.raises(InputError, match=r"bad\.toml") as told:
+    text = tissue_toml(people).replace(old, new, 1)
+    path.write_text(text, encoding="utf-8")
+    with raises_code(code, quantity) as refused:
         load_tissue(str(path))
-    assert said in str(told.value)
+    line = text[: text.index(new)].count("\n") + 1
+    assert f"bad.toml:{line}: " in str(refused.value)
 
 
 def pad_traces(stiffness, exponent, beta):

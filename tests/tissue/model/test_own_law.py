@@ -5,15 +5,15 @@ import json
 import numpy as np
 import pytest
 
-from dummydesign.cli import run
-from dummydesign.core.errors import InputError
+from dummydesign.cli.entry import run
 from dummydesign.core.recurrence import linear_recurrence
 from dummydesign.design.sweep.live_data import live_data
 from dummydesign.measurement.motion import Motion, ramp_and_hold
 from dummydesign.resin import load_resin
 from dummydesign.tissue import load_tissue
-from dummydesign.tissue.model.laws import LAWS, also
+from dummydesign.tissue.model.laws import LAWS, registered_law
 from dummydesign.tissue.model.maxwell_law import MaxwellLaw
+from tests.support.refusal import raises_code
 
 DEPTH_MM = 4.0
 
@@ -50,7 +50,7 @@ GAMMA1, GAMMA, DAMPER = 0.08, [0.05, 0.2], [0.9, 0.12]
 
 @pytest.fixture
 def law():
-    with also(OneTime()):
+    with registered_law(OneTime()):
         yield LAWS["one-time"]
     assert "one-time" not in LAWS
 
@@ -108,9 +108,9 @@ def test_what_the_law_does_not_offer_is_left_out_or_refused_in_words(traces, law
     assert "elements = 7 is not one of 3, 5" in capsys.readouterr().err
     assert run(["tissues", "add", "mine", *traces, "--law", "one-time"]) == 0
     assert live_data(load_resin(), load_tissue("mine"))["tissue"] is None
-    with pytest.raises(InputError, match="law = 'one-time'"):
+    with raises_code("unsupported", "law"):
         law.stretch_rates(np.ones(1), np.ones((1, 2)))
-    with pytest.raises(InputError, match="known already"), also(OneTime()):
+    with raises_code("file_exists", "law"), registered_law(OneTime()):
         pass
 
 

@@ -7,18 +7,18 @@ import pytest
 
 from dummydesign.core.errors import InputError
 from dummydesign.design.assessment.safety import impact, tissue_body
-from dummydesign.design.assessment.verdict_of_traces import verdict_of_traces
-from dummydesign.design.scoring.acceptability import ranges_of, readings_of
+from dummydesign.design.measured_pad import verdict_of_traces
 from dummydesign.design.scoring.deviations import deviations
 from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves
 from dummydesign.design.scoring.score import evaluate, steady_gamma1
 from dummydesign.design.scoring.targets import make_targets
+from dummydesign.design.scoring.verdict import ranges_of, readings_of
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.measurement.trace import Trace
 from dummydesign.pad.force_law import BaseForceLaw
-from dummydesign.tissue.comparison.compare import compare_traces
+from dummydesign.tissue.adding.from_springs import spring_tissue
+from dummydesign.tissue.comparison import compare_traces
 from dummydesign.tissue.fitting.fit import fit_traces
-from dummydesign.tissue.population.from_springs import spring_tissue
 from tests.support.judged_pads import judged
 
 K = 10.0
@@ -86,7 +86,7 @@ def test_a_pad_that_is_the_spring_is_inside_and_one_half_as_stiff_reads_low(spri
 def test_the_safe_side_of_a_spring_is_a_shortfall_in_proportion_to_stiffness(spring):
     targets = make_targets(spring, "safe-side", Sampling())
     pads = readings_of(evaluate(linear_pads([12.0, 9.0]), targets))
-    found = deviations(ranges_of(targets), pads, strict=True)
+    found = deviations(dataclasses.replace(ranges_of(targets), strict=True), pads)
     np.testing.assert_allclose(found.shortfall, [1.0, 12.0 / 9.0], rtol=0.01)
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from dummydesign.tissue.model.posterior import drawn_logs, drawn_tissues
 from dummydesign.tissue.model.tissue_file import load_tissue
-from dummydesign.tissue.population.doubt import drawn_logs, drawn_tissues
 from tests.support.slab_by_formula import make_tissue
 
 
@@ -43,7 +43,7 @@ def test_parameters_that_go_together_in_the_subjects_go_together_in_the_draws():
 
 
 def test_one_subject_and_a_standards_spring_say_nothing_of_others():
-    from dummydesign.tissue.population.from_springs import spring_tissue
+    from dummydesign.tissue.adding.from_springs import spring_tissue
 
     assert drawn_tissues(make_tissue((1.0,)), 4) == ()
     assert drawn_tissues(spring_tissue("arm", 30.0, 5.0, "a standard", "digitised"), 4) == ()
@@ -58,8 +58,8 @@ def test_a_measured_tissue_is_drawn_with_its_names_law_and_speeds_and_the_same_e
 
 
 def test_an_inferred_tissue_is_drawn_from_its_posterior():
-    from dummydesign.core.datafiles import find
-    from dummydesign.tissue.population.posterior import draws_path, read_draws
+    from dummydesign.core.library import find
+    from dummydesign.tissue.model.posterior import draws_path, read_draws
 
     tissue = load_tissue("forefinger")
     drawn = drawn_tissues(tissue, 49)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.core.errors import InputError
 from dummydesign.measurement.motion import ramp_and_hold
+from dummydesign.tissue.adding.from_curves import add_curves
+from dummydesign.tissue.adding.observations import check_curves, read_curves
 from dummydesign.tissue.model.laws import law_named
-from dummydesign.tissue.population.curve_table import check_curves, read_curves
-from dummydesign.tissue.population.from_curves import add_curves
+from tests.support.refusal import raises_code
 
 GAMMA1 = {"anna": 0.05, "bert": 0.12}
 
@@ -49,28 +49,28 @@ def test_the_tissue_has_the_law_that_made_the_curves(tmp_path, monkeypatch):
 
 def test_curves_that_contradict_each_other_are_refused_in_one_line(tmp_path):
     path = table(tmp_path / "c.csv", scale=4.0)
-    with pytest.raises(InputError, match="curves of anna contradict each other") as told:
+    with raises_code("inconsistent", "force_N") as told:
         add_curves("mine", str(path), "ode", "5")
     assert "\n" not in str(told.value) and "line 2" in str(told.value)
 
 
 def test_a_person_without_a_hold_has_no_steady_force(tmp_path):
-    with pytest.raises(InputError, match="add-points"):
+    with raises_code("not_enough_data", "hold_s"):
         add_curves("mine", str(table(tmp_path / "c.csv", hold_s=0.1)), "ode", "5")
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
-    [("subject,depth_mm,force_N\na,1,1\n", "velocity_mm_s"),
-     ("subject,velocity_mm_s,time_s,depth_mm,force_N\n", "no curve"),
-     ("subject,velocity_mm_s,time_s,depth_mm,force_N\na,0,0,1,1\n", "c.csv:2: velocity_mm_s"),
-     ("subject,velocity_mm_s,time_s,depth_mm,force_N\na,10,0,x,1\n", "c.csv:2: depth_mm"),
-     ("subject,velocity_mm_s,time_s,depth_mm,force_N\na,10,0,1,1\n", "at least 10")],
+    ("text", "code"),
+    [("subject,depth_mm,force_N\na,1,1\n", "missing"),
+     ("subject,velocity_mm_s,time_s,depth_mm,force_N\n", "nothing_found"),
+     ("subject,velocity_mm_s,time_s,depth_mm,force_N\na,0,0,1,1\n", "out_of_range"),
+     ("subject,velocity_mm_s,time_s,depth_mm,force_N\na,10,0,x,1\n", "not_a_number"),
+     ("subject,velocity_mm_s,time_s,depth_mm,force_N\na,10,0,1,1\n", "not_enough_data")],
 )  # fmt: skip
-def test_what_is_no_table_of_curves_is_refused_with_its_line(tmp_path, text, said):
+def test_what_is_no_table_of_curves_is_refused_with_its_line(tmp_path, text, code):
     path = tmp_path / "c.csv"
     path.write_text(text, encoding="utf-8")
-    with pytest.raises(InputError, match=said):
+    with raises_code(code):
         read_curves(path)
 
 

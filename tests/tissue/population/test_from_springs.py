@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from dummydesign.cli import run
+from dummydesign.cli.entry import run
 from dummydesign.tissue import load_tissue
 
 

@@ -26,10 +26,10 @@ class Compressibility(Effect):
     reference = "finite elements of the pad model; Hayes et al., J. Biomech. 5 (1972) 541 at small depth"
 
     def law(self, law: UnitForce, values: Values) -> UnitForce:
-        root = root_law(law)
+        coefficient = root_law(law).compressibility_coefficient
         excess = 1.0 - 2.0 * values["poisson_ratio"]
 
         def softer(depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
-            return law(depth_mm, thickness_mm) / (1.0 + excess * root.give(depth_mm, thickness_mm))
+            return law(depth_mm, thickness_mm) / (1.0 + excess * coefficient(depth_mm, thickness_mm))
 
         return wrap(law, softer)

@@ -14,16 +14,7 @@ USUAL_FAST_S, USUAL_SLOW_S, LONGEST_FAST_S, USUAL_BETA = 0.05, 1.5, 0.3, 0.2
 
 
 class RelaxationMode(Effect):
-    """A third arm (tau, beta), its time bounded away from the usual two.
-
-    Parameters
-    ----------
-    name, signature : str
-    time : Parameter
-        Bounds of tau [s].
-    base_starts : callable
-        Where to start the base's logarithms (5,) beside this mode.
-    """
+    """A third arm (tau, beta), its time bounded away from the usual two."""
 
     hook = "pad"
     belongs_to = "pad"

@@ -25,7 +25,7 @@ class StrainDependentRelaxation(Effect):
     designed_for = "relaxation as it is at a depth of 0.15 of the thickness"
     parameters = (
         Parameter("slope", "1", 0.0, -3.0, 15.0, 0.5),
-        Parameter("growth", "1", 0.0, -6.0, 20.0, 3.0, starts=(0.0,), added_later=True),
+        Parameter("growth", "1", 0.0, -6.0, 20.0, 3.0, starts=(0.0,)),
     )
     signature = "peak over steady force depends on depth over thickness"
     cause = "gel that relaxes more the further it is pressed"
@@ -45,21 +45,7 @@ REFERENCE_DEPTH_SHARE, LEAST = 0.15, 0.1
 
 
 def strength(depth_share: NDArray, slope: float, growth: float) -> NDArray:
-    """Strength of an arm over that at d/h = 0.15; above zero at every depth.
-
-    Parameters
-    ----------
-    depth_share : ndarray
-        Depth over thickness, any shape.
-    slope : float
-        Relative change with d/h there.
-    growth : float
-        Relative change of the slope with d/h.
-
-    Returns
-    -------
-    ndarray, shape of ``depth_share``
-    """
+    """Strength of an arm over that at d/h = 0.15; above zero at every depth."""
     apart = depth_share - REFERENCE_DEPTH_SHARE
     plain = 1.0 + slope * (apart if abs(growth) < 1e-9 else np.expm1(growth * apart) / growth)
     return np.where(plain > LEAST, plain, LEAST**2 / (2.0 * LEAST - np.minimum(plain, LEAST)))

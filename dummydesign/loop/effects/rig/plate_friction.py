@@ -11,8 +11,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.model.base_law import SetupLaw, UnitForce, root_law, wrap
 from dummydesign.loop.model.effect import Effect, Parameter, Values
-from dummydesign.pad.tables.pucks.proportions import shape_range, table_for
-from dummydesign.pad.tables.pucks.response import PuckTable, grip
+from dummydesign.pad.tables.puck import PuckTable, grip, shape_range, table_for
 
 
 class PlateFriction(Effect):
@@ -39,7 +38,7 @@ class PlateFriction(Effect):
             return reason
         for thickness, depth in zip(presses.thickness_mm, presses.depth_mm):
             try:
-                solved = table_for(law.diameter_mm, float(thickness)).compression[-1]
+                solved = table_for(root_law(law).diameter_mm, float(thickness)).compression[-1]
             except InputError as outside:
                 return str(outside)
             if depth > solved * thickness:
@@ -59,8 +58,7 @@ class PlateFriction(Effect):
         return wrap(law, rubbed)
 
 
-NEO_HOOKEAN = 2.0
-"""Exponent of the one-term Ogden law that is neo-Hookean."""
+NEO_HOOKEAN = 2.0  # exponent of the one-term Ogden law that is neo-Hookean
 
 
 @lru_cache(maxsize=256)

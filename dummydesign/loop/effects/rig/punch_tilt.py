@@ -37,7 +37,8 @@ class PunchTilt(Effect):
         lever = half * np.tan(np.deg2rad(values["tilt_deg"])) * node
 
         def tilted(depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
-            return sum(0.5 * w * law(depth_mm + u, thickness_mm) for u, w in zip(lever, weight))
+            strips = [0.5 * w * law(depth_mm + u, thickness_mm) for u, w in zip(lever, weight)]
+            return np.asarray(sum(strips))
 
         return wrap(law, tilted)
 

@@ -8,7 +8,8 @@ from __future__ import annotations
 from typing import Any, Protocol
 
 from dummydesign.core.errors import InputError
-from dummydesign.geometry.shapes import PadShape, part_of
+from dummydesign.geometry.pad_shape import PadShape
+from dummydesign.geometry.shape_registry import part_of
 from dummydesign.mold.model.spec import PadGeometry
 
 ROLE = "SOLIDS"
@@ -39,16 +40,11 @@ class FlatSolids:
 
 
 def solids_of(shape: PadShape) -> ShapeSolids:
-    """The solids of a shape.
-
-    Raises
-    ------
-    InputError
-        For a shape with a top or a bone that has no module here.
-    """
+    """The solids of a shape."""
     found = part_of(shape.name, ROLE, __name__)
     if found is not None:
         return found
     if shape.relief_mm or shape.bone_height_mm:
-        raise InputError(f"shape {shape.name} has no solids: the mould cannot be built; predict can press it")
+        message = f"shape {shape.name} has no solids: the mould cannot be built; predict can press it"
+        raise InputError(message, "unsupported", "shape", shape.name)
     return FlatSolids()

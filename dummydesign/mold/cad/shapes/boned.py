@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from dummydesign.mold.cad.conic_solids import cap_solid, ridge_solid
+from dummydesign.geometry.shapes.boned import Boned
 from dummydesign.mold.cad.shapes import FlatSolids
+from dummydesign.mold.cad.solids import cap_solid, ridge_solid
 from dummydesign.mold.model.spec import PadGeometry
 
 
@@ -15,6 +16,7 @@ class BonedSolids(FlatSolids):
     def bone(self, pad: PadGeometry) -> Any:
         """Dome or bar, its tip towards the tested face."""
         shape = pad.shape
+        assert isinstance(shape, Boned)
         low = pad.thickness_mm - shape.height_mm
         return ridge_solid(shape.conic, *shape.ends(pad), low) if shape.along else cap_solid(shape.conic, z_mm=low)
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from dummydesign.mold.cad.conic_solids import cap_solid
+from dummydesign.geometry.shapes.bumped import Bumped
 from dummydesign.mold.cad.shapes import FlatSolids
+from dummydesign.mold.cad.solids import cap_solid
 from dummydesign.mold.model.spec import PadGeometry
 
 
@@ -15,6 +16,7 @@ class BumpedSolids(FlatSolids):
     def tops(self, pad: PadGeometry) -> list[Any]:
         """All caps; each height is made once."""
         shape, high = pad.shape, pad.face_height_mm
+        assert isinstance(shape, Bumped)
         made: dict[float, Any] = {}
         caps = []
         for x, y, height in shape.caps_mm():

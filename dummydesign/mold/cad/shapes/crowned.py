@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from dummydesign.mold.cad.conic_solids import cap_solid, ridge_solid
+from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.mold.cad.shapes import FlatSolids
+from dummydesign.mold.cad.solids import cap_solid, ridge_solid
 from dummydesign.mold.model.spec import PadGeometry
 
 
@@ -15,6 +16,7 @@ class CrownedSolids(FlatSolids):
     def tops(self, pad: PadGeometry) -> list[Any]:
         """The crowns; their solid is made once."""
         shape = pad.shape
+        assert isinstance(shape, Crowned)
         if shape.along:
             return [ridge_solid(shape.conic, *shape.ends(pad))]
         cap = cap_solid(shape.conic)

@@ -1,23 +1,32 @@
-"""Where views and dimensions stand on the paper: dimensions in lanes beside a view, so that no text meets another."""
+"""Where views, dimensions and enlarged details are on the paper."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from dummydesign.mold.files.drawings.hatch import hatch
+import numpy as np
+
+from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.mold.files.drawings.sheet import (
+    HIGH_MM,
+    MARGIN_MM,
     PAPERS,
     TEXT_MM,
+    Box,
     Dimension,
     Drawing,
     Line,
     Point,
     Text,
+    Title,
+    frame_and_title,
+    hatch,
+    notes_height,
+    number_text,
     ratio,
     text_width,
 )
-from dummydesign.mold.files.drawings.title_block import HIGH_MM, MARGIN_MM, Title, frame_and_title, notes_height
 
 SCALES = (10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05)
 """Preferred scales of ISO 5455, paper over part."""
@@ -79,36 +88,31 @@ class Placed:
     lines: list[Line]
     texts: list[Text]
     dimensions: list[Dimension]
-    box: tuple[float, float, float, float]
+    box: Box
+
+    @property
+    def width(self) -> float:
+        """Width on paper. [mm]"""
+        return self.box[2] - self.box[0]
+
+    @property
+    def height(self) -> float:
+        """Height on paper. [mm]"""
+        return self.box[3] - self.box[1]
 
 
 def arrange(views: Sequence[View], title: Title, notes: Sequence[str], paper: str = "A3") -> Drawing:
-    """Stack views on a sheet at the largest preferred scale that fits, with frame, title block and notes.
-
-    Parameters
-    ----------
-    views : sequence of View
-        From top to bottom of the sheet.
-    title : Title
-    notes : sequence of str
-        What holds for the whole part.
-    paper : str
-        ``A3`` or ``A4``, landscape.
-
-    Returns
-    -------
-    Drawing
-    """
+    """Stack views on a sheet at the largest preferred scale that fits, with frame, title block and notes."""
     w, h = PAPERS[paper]
     low = MARGIN_MM + max(HIGH_MM, notes_height(notes, w)) + 3.0
     room = w - 2 * MARGIN_MM - 4.0, h - MARGIN_MM - 3.0 - low
     for scale, larger in _scales(any(view.enlarged for view in views)):
         placed = [_at_scale(view, scale, larger) for view in views]
         rows = _rows(placed, room[0])
-        deep = sum(max(_height(one) for one in row) for row in rows) + GAP_MM * (len(rows) - 1)
+        deep = sum(max(one.height for one in row) for row in rows) + GAP_MM * (len(rows) - 1)
         # Views one below the other share the middle line of the part.
         left = max(-row[0].box[0] for row in rows)
-        right = max(row[0].box[2] + sum(_width(one) + GAP_MM for one in row[1:]) for row in rows)
+        right = max(row[0].box[2] + sum(one.width + GAP_MM for one in row[1:]) for row in rows)
         if deep <= room[1] and left + right <= room[0]:
             break
     for view, one in zip(views, placed):
@@ -120,9 +124,9 @@ def arrange(views: Sequence[View], title: Title, notes: Sequence[str], paper: st
     level = h - MARGIN_MM - 3.0 - (room[1] - deep) / 2
     for row in rows:
         x = w / 2 + (left - right) / 2
-        tall = max(_height(one) for one in row)
+        tall = max(one.height for one in row)
         for one in row:
-            _put(sheet, one, (x, level - tall - one.box[1] + (tall - _height(one)) / 2))
+            _put(sheet, one, (x, level - tall - one.box[1] + (tall - one.height) / 2))
             x += one.box[2] + GAP_MM
             following = row[row.index(one) + 1 :]
             x -= following[0].box[0] if following else 0.0
@@ -151,21 +155,13 @@ def _rows(placed: list[Placed], room_mm: float) -> list[list[Placed]]:
     """One view below the other; a third and a fourth stand beside the first two where there is room."""
     rows = [[one] for one in placed[:2]]
     for one in placed[2:]:
-        wide = [sum(_width(other) + GAP_MM for other in row) for row in rows[:2]]
-        beside = next((row for row, taken in zip(rows, wide) if taken + _width(one) <= room_mm), None)
+        wide = [sum(other.width + GAP_MM for other in row) for row in rows[:2]]
+        beside = next((row for row, taken in zip(rows, wide) if taken + one.width <= room_mm), None)
         if beside is None:
             rows.append([one])
         else:
             beside.append(one)
     return rows
-
-
-def _width(one: Placed) -> float:
-    return one.box[2] - one.box[0]
-
-
-def _height(one: Placed) -> float:
-    return one.box[3] - one.box[1]
 
 
 def _put(sheet: Drawing, one: Placed, shift: Point) -> None:
@@ -180,18 +176,7 @@ def _put(sheet: Drawing, one: Placed, shift: Point) -> None:
 
 
 def place(view: View, scale: float) -> Placed:
-    """A view at a scale with its dimensions in lanes, its leaders on the left and its name above.
-
-    Parameters
-    ----------
-    view : View
-    scale : float
-        Paper over part.
-
-    Returns
-    -------
-    Placed
-    """
+    """A view at a scale with its dimensions in lanes, its leaders on the left and its name above."""
 
     def on_paper(point: Point) -> Point:
         return point[0] * scale, point[1] * scale
@@ -217,16 +202,11 @@ def place(view: View, scale: float) -> Placed:
         wide = text_width(words, TEXT_MM)
         texts.append(Text((left - LEADER_MM - wide - 1.0, high - TEXT_MM / 2), words))
         lines.append(Line(((scale * x, scale * y), (left - 2.0, high), (left - LEADER_MM, high)), "thin"))
-    boxes = [text.box for text in texts] + [d.text.box for d in dimensions]
-    boxes += [(*map(min, d.start, d.line[0]), *map(max, d.end, d.line[1])) for d in dimensions]  # type: ignore[misc]
-    boxes += [(*map(min, *d.line), *map(max, *d.line)) for d in dimensions]  # type: ignore[misc]
-    low = min([y0, *(box[1] for box in boxes)])
-    high = max([y1, *(box[3] for box in boxes)])
+    boxes = [text.box for text in texts] + [box for d in dimensions for box in d.boxes]
+    low, high = min([y0, *(box[1] for box in boxes)]), max([y1, *(box[3] for box in boxes)])
     name = Text(((x0 + x1) / 2, high + 3.0), view.name, NAME_MM, True)
     boxes.append(name.box)
-    box = (
-        min([x0, *(b[0] for b in boxes)]), low, max([x1, *(b[2] for b in boxes)]), name.box[3],
-    )  # fmt: skip
+    box = min([x0, *(b[0] for b in boxes)]), low, max(b[2] for b in boxes), name.box[3]
     return Placed(lines, [*texts, name], dimensions, box)
 
 
@@ -239,15 +219,11 @@ def _crossed(one: Dimension, places: Sequence[float]) -> bool:
 def _meet(one: Dimension, other: Dimension) -> bool:
     """Whether the number of one stands on the number or the lines of the other."""
 
-    def boxes(d: Dimension) -> list[tuple[float, ...]]:
-        return [d.text.box, *((*map(min, p, q), *map(max, p, q)) for p, q in d.marks()[0])]
-
-    def crossed(a: tuple[float, ...], b: tuple[float, ...]) -> bool:
+    def crossed(a: Box, b: Box) -> bool:
         return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
 
-    return any(crossed(one.text.box, box) for box in boxes(other)) or any(
-        crossed(box, other.text.box) for box in boxes(one)
-    )
+    pairs = [(one.text.box, box) for box in other.boxes] + [(box, other.text.box) for box in one.boxes]
+    return any(crossed(a, b) for a, b in pairs)
 
 
 def _lanes(measures: list[tuple[Point, Point, float]], side: str, edge: float) -> list[Dimension]:
@@ -267,8 +243,52 @@ def _lanes(measures: list[tuple[Point, Point, float]], side: str, edge: float) -
             if number == len(lanes):
                 lanes.append([made])
                 break
-            if all(made.reach[0] > other.reach[1] + 2.0 or made.reach[1] < other.reach[0] - 2.0
-                   for other in lanes[number]):  # fmt: skip
+            low, high = made.reach
+            if all(low > other.reach[1] + 2.0 or high < other.reach[0] - 2.0 for other in lanes[number]):
                 lanes[number].append(made)
                 break
     return [one for lane in lanes for one in lane]
+
+
+LETTER = "A"
+BESIDE, UNDER = 1.3, 0.5
+"""How far a detail reaches beyond the foot, over the foot, and below the flat, over the height."""
+POINTS, SEARCH_MM, SCAN_MM = 161, 200.0, 0.01
+
+
+def foot_mm(shape: PadShape) -> float:
+    """Distance from the tip at which a raised face has come down to its flat. [mm]"""
+    for known in shape.lines_mm():
+        if _drop(shape, np.array([known]))[0] >= shape.relief_mm - 1e-9:
+            return float(known)
+    at = np.arange(0.0, SEARCH_MM, SCAN_MM)
+    low = at[np.argmax(_drop(shape, at) >= shape.relief_mm - 1e-9)] - SCAN_MM
+    fine = low + np.linspace(0.0, SCAN_MM, 1001)
+    return float(fine[np.argmax(_drop(shape, fine) >= shape.relief_mm - 1e-9)])
+
+
+def _drop(shape: PadShape, at_mm: np.ndarray) -> np.ndarray:
+    """Drop below the tip, across what runs along the length. [mm]"""
+    still = np.zeros_like(at_mm)
+    return shape.drop_mm(still, at_mm) if shape.runs_out else shape.drop_mm(at_mm, still)
+
+
+def crown_detail(shape: PadShape, factor: float = 1.0) -> View:
+    """Show the crown, or the highest cap, enlarged, with its dimensions."""
+    foot, high = foot_mm(shape), shape.relief_mm
+    wide, low = factor * BESIDE * foot, -factor * (1.0 + UNDER) * high
+    across = np.union1d(np.linspace(-BESIDE * foot, BESIDE * foot, POINTS), [-foot, 0.0, foot])
+    # Other caps than this one are not shown.
+    drop = np.where(np.abs(across) < foot, _drop(shape, across), high)
+    profile = tuple((factor * float(x), -factor * float(z)) for x, z in zip(across, drop))
+    border = (*profile, (wide, low), (-wide, low), profile[0])
+    foot, high = factor * foot, factor * high
+    axis = ((0.0, 0.15 * high), (0.0, low))
+    measures = (Measure((0.0, 0.0), (foot, -high), "above"), Measure((wide, -high), (0.0, 0.0), "right"))
+    leaders = []
+    if shape.tip_radius_mm is not None:
+        at = -0.35 * foot
+        depth = float(_drop(shape, np.array([abs(at) / factor]))[0])
+        leaders.append(((at, -factor * depth), f"R{number_text(factor * shape.tip_radius_mm)} at the tip"))
+    runs = ((border, "bound"), (profile, "cut"), (axis, "thin"))
+    return View(f"detail {LETTER}", runs, measures, tuple(leaders), True, True)

@@ -8,12 +8,10 @@ from typing import Any
 
 from dummydesign.mold.cad.parts import Parts
 from dummydesign.mold.files.drawings import projection
-from dummydesign.mold.files.drawings.detail import LETTER, crown_detail
-from dummydesign.mold.files.drawings.layout import Measure, View, arrange
+from dummydesign.mold.files.drawings.layout import LETTER, Measure, View, arrange, crown_detail
 from dummydesign.mold.files.drawings.projection import Hole, Run, Section
-from dummydesign.mold.files.drawings.sheet import Drawing
-from dummydesign.mold.files.drawings.title_block import Title
-from dummydesign.mold.pour.shape_notes import shape_mark
+from dummydesign.mold.files.drawings.sheet import Drawing, Title
+from dummydesign.mold.pour.steps import shape_mark
 
 TURNED = ("strike_off", "spacer", "carrier", "lid", "pad")
 """Parts whose interesting side is below: drawn turned over."""
@@ -27,7 +25,7 @@ NAMES = {"strike_off": "strike-off plate", "lid_master": "master of the lid", "l
 
 
 @dataclass(frozen=True)
-class Papers:
+class DocumentInfo:
     """What all papers of a mould carry besides: the project, the date, the command line that made them."""
 
     project: str = ""
@@ -35,22 +33,7 @@ class Papers:
     command: str = ""
 
 
-NO_PAPERS = Papers()
-
-
-def drawings(made: Parts, papers: Papers = NO_PAPERS, paper: str = "A3") -> dict[str, Drawing]:
-    """A sheet of every part that is made, by the part's name.
-
-    Parameters
-    ----------
-    made : Parts
-        The solids.
-    papers : Papers
-        For the title blocks.
-    paper : str
-        ``A3`` or ``A4``.
-    """
-    return sheets(made, part_views(made), papers, paper)
+NO_PAPERS = DocumentInfo()
 
 
 def part_views(made: Parts) -> dict[str, list[View]]:
@@ -58,32 +41,18 @@ def part_views(made: Parts) -> dict[str, list[View]]:
     return {name: _views(made, name) for name in made.parts if name not in LEFT_OUT}
 
 
-def sheets(made: Parts, views: dict[str, list[View]], papers: Papers, paper: str = "A3") -> dict[str, Drawing]:
-    """Arrange what is shown of the parts, a sheet each.
-
-    Parameters
-    ----------
-    made : Parts
-        The solids.
-    views : dict
-        From :func:`part_views`.
-    papers : Papers
-        For the title blocks.
-    paper : str
-        ``A3`` or ``A4``.
-
-    Returns
-    -------
-    dict
-        Part name to drawing.
-    """
-    found = {}
+def sheets(
+    made: Parts, views: dict[str, list[View]], papers: DocumentInfo = NO_PAPERS, paper: str = "A3"
+) -> dict[str, Drawing]:
+    """Arrange what is shown of the parts, a sheet each."""
+    pad, limits, found = made.spec.pad, made.spec.acceptance, {}
+    thickness = f"; thickness +-{pad.thickness_mm * limits.thickness_percent / 100:.2f}"
     for count, name in enumerate(views, 1):
         title = Title(
-            project=papers.project or f"{made.spec.pad.title}, {made.spec.preset} mould",
-            part=f"{_called(made, name)}, t = {made.spec.pad.thickness_mm:g}",
+            project=papers.project or f"{pad.title}, {made.spec.preset} mould",
+            part=f"{_called(made, name)}, t = {pad.thickness_mm:g}",
             material=_material(made, name),
-            tolerance=_tolerance(made, name),
+            tolerance=f"ISO 2768-m{thickness if name == 'pad' else ''}",
             revision=made.spec.hash,
             date=papers.date or "-",
             number=f"{count} of {len(views)}",
@@ -108,13 +77,6 @@ def _material(made: Parts, name: str) -> str:
     if kind == "silicone" and spec.silicone is not None:
         return f"silicone {spec.silicone.name}"
     return f"{spec.pour.resin}, ratio {spec.pour.ratio:g}"
-
-
-def _tolerance(made: Parts, name: str) -> str:
-    if name == "pad":
-        limits, h = made.spec.acceptance, made.spec.pad.thickness_mm
-        return f"ISO 2768-m; thickness +-{h * limits.thickness_percent / 100:.2f}"
-    return "ISO 2768-m"
 
 
 def _notes(made: Parts, name: str) -> list[str]:
@@ -153,8 +115,9 @@ def _views(made: Parts, name: str) -> list[View]:
     if name in TURNED:
         solid = projection.turned_over(solid)
     rims = projection.holes(solid)
-    views = [_section(made, name, solid, rims), _from_above(solid, rims, _sites(made, name))]
     shape = made.spec.pad.shape
+    sites = shape.places_mm if name in ("pad", "carrier") and len(shape.places_mm) > 1 else ()
+    views = [_section(made, name, solid, rims), _from_above(solid, rims, sites)]
     if name in ("mould", "pad") and shape.runs_out:
         # Along a ridge or a bar the usual section shows a straight line.
         views.append(_section(made, name, solid, rims, across=True))
@@ -169,7 +132,7 @@ def _views(made: Parts, name: str) -> list[View]:
 
 def _section(made: Parts, name: str, solid: Any, rims: Sequence[Hole], across: bool = False) -> View:
     cut = projection.cut_at_x if across else projection.cut_at_y
-    x0, y0 = _through(made, name)
+    x0, y0 = section_origin(made, name)
     solid = solid.translate((-x0, -y0, 0.0)) if x0 or y0 else solid
     found = cut(solid)
     measures = [*_heights(solid, found.loops), *_widths(found, rims)]
@@ -183,23 +146,20 @@ def _section(made: Parts, name: str, solid: Any, rims: Sequence[Hole], across: b
     return View(f"section {plane}", tuple(runs), tuple(measures), (), True)
 
 
-def _through(made: Parts, name: str) -> tuple[float, float]:
+def section_origin(made: Parts, name: str) -> tuple[float, float]:
     """What a section goes through: the middle of the first of several cavities, in it the row of crowns next to it."""
-    x, y = _cavity(made, name)
+    grow, printed = made.plan.silicone_scale, made.spec.is_printed
+    x = y = 0.0
+    if len(made.plan.places) > 1 and name in ("mould", "frame", "master", "face_sheet", "strike_off"):
+        first = made.plan.places[0]
+        # The casting frame is larger than the mould and turned over.
+        cast = name == "master" or (name in ("frame", "face_sheet") and not printed)
+        x = first.x_mm * (grow if cast else 1.0)
+        y = first.y_mm * (-grow if cast else -1.0 if name in TURNED else 1.0)
     if name not in ("mould", "master", "pad"):
         return x, y
-    factor = 1.0 if name == "pad" else made.plan.scale * (made.plan.silicone_scale if name == "master" else 1.0)
-    row = min((across for _, across in made.spec.pad.shape.places_mm), key=abs)
-    return x, y + factor * row
-
-
-def _cavity(made: Parts, name: str) -> tuple[float, float]:
-    first = made.plan.places[0]
-    if name not in ("mould", "frame", "master", "face_sheet", "strike_off") or len(made.plan.places) == 1:
-        return 0.0, 0.0
-    if name in ("master", "face_sheet") or (name == "frame" and not made.spec.is_printed):
-        return first.x_mm * made.plan.silicone_scale, -first.y_mm * made.plan.silicone_scale
-    return first.x_mm, -first.y_mm if name in TURNED else first.y_mm
+    factor = 1.0 if name == "pad" else made.plan.scale * (grow if name == "master" else 1.0)
+    return x, y + factor * min((across for _, across in made.spec.pad.shape.places_mm), key=abs)
 
 
 def _heights(solid: Any, loops: Sequence[Run]) -> list[Measure]:
@@ -236,12 +196,6 @@ def _widths(cut: Section, rims: Sequence[Hole]) -> list[Measure]:
     return [Measure((-x, z), (x, z), "above" if z > middle else "below") for x, z in kept]
 
 
-def _sites(made: Parts, name: str) -> tuple[tuple[float, float], ...]:
-    """Tips of several crowns, on pad and carrier."""
-    places = made.spec.pad.shape.places_mm
-    return places if name in ("pad", "carrier") and len(places) > 1 else ()
-
-
 def _from_above(solid: Any, rims: Sequence[Hole], sites: Sequence[tuple[float, float]] = ()) -> View:
     runs = projection.edges_from_above(solid)
     xs = [x for run, _ in runs for x, _ in run]
@@ -250,11 +204,11 @@ def _from_above(solid: Any, rims: Sequence[Hole], sites: Sequence[tuple[float, f
     measures = [Measure((x0, y0), (x1, y0), "below"), Measure((x1, y0), (x1, y1), "right")]
     leaders = []
     for hole in rims:
-        measures += _pattern(hole.places, x1, y1)
+        measures += _pattern(hole.places)
         first = min(hole.places)
         leaders.append(((first[0] - hole.diameters_mm[0] / 2, first[1]), hole.words))
     if sites:
-        measures += _pattern(sites, x1, y1)
+        measures += _pattern(sites)
         half = 0.05 * min(x1 - x0, y1 - y0)
         for x, y in sites:
             runs = [*runs, (((x - half, y), (x + half, y)), "thin"), (((x, y - half), (x, y + half)), "thin")]
@@ -263,18 +217,15 @@ def _from_above(solid: Any, rims: Sequence[Hole], sites: Sequence[tuple[float, f
     return View("view from above", tuple(runs), tuple(unique.values()), tuple(leaders))
 
 
-def _pattern(places: Sequence[tuple[float, float]], right: float, high: float) -> list[Measure]:
+def _pattern(places: Sequence[tuple[float, float]]) -> list[Measure]:
     """Distances across a pattern of holes, or from the middle line where a hole has no partner."""
-    xs, ys = sorted({abs(x) for x, _ in places}), sorted({abs(y) for _, y in places})
     found = []
-    for x in xs:
-        row = [place for place in places if abs(abs(place[0]) - x) < 1e-6]
-        y = max(place[1] for place in row)
-        both = any(a > 0 for a, _ in row) and any(a < 0 for a, _ in row)
-        found.append(Measure((-x, y) if both else (0.0, y), (x if both else row[0][0], y), "above"))
-    for y in ys:
-        row = [place for place in places if abs(abs(place[1]) - y) < 1e-6]
-        x = max(place[0] for place in row)
-        both = any(b > 0 for _, b in row) and any(b < 0 for _, b in row)
-        found.append(Measure((x, -y) if both else (x, 0.0), (x, y if both else row[0][1]), "right"))
+    for axis, side in ((0, "above"), (1, "right")):
+        for at in sorted({abs(place[axis]) for place in places}):
+            row = [place for place in places if abs(abs(place[axis]) - at) < 1e-6]
+            both = any(place[axis] > 0 for place in row) and any(place[axis] < 0 for place in row)
+            level = max(place[1 - axis] for place in row)
+            start, end = ((one, level) if axis == 0 else (level, one)
+                          for one in ((-at, at) if both else (0.0, row[0][axis])))  # fmt: skip
+            found.append(Measure(start, end, side))
     return found

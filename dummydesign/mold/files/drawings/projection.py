@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-from dummydesign.mold.cad.prisms import edges_of, height_range
+from dummydesign.mold.cad.kernel import cq, occ
+from dummydesign.mold.cad.solids import edges_of, height_range
 
 CURVE_MM = 0.5
 LEVEL_AREA_MM2, LEVEL_GAP_MM = 5.0, 0.15
@@ -43,9 +44,6 @@ def edges_from_above(solid: Any) -> list[tuple[Run, str]]:
     Seams of round faces are left out, and so are smooth joints, but for level ones where a rounding begins: thin.
     Curves are broken into short straight pieces.
     """
-    import cadquery as cq
-    from OCP.BRep import BRep_Tool
-
     listed = _faces(solid)
     faces, kind_of = [face for face, _, _ in listed], [(kind, normal) for _, kind, normal in listed]
     beside: dict[int, list[int]] = {}
@@ -60,7 +58,7 @@ def edges_from_above(solid: Any) -> list[tuple[Run, str]]:
             around.add(key)
             edges[key] = edge
             beside.setdefault(key, []).append(index)
-            if BRep_Tool.IsClosed_s(edge, face.wrapped):
+            if occ.BRep_Tool.IsClosed_s(edge, face.wrapped):
                 seams.add(key)
     runs = []
     for key, edge in edges.items():
@@ -92,8 +90,6 @@ def _faces(solid: Any) -> list[tuple[Any, str, Any]]:
 
 def turned_over(solid: Any) -> Any:
     """The solid turned by half a turn about the x axis, for a view from below."""
-    import cadquery as cq
-
     return solid.rotate(cq.Vector(), cq.Vector(1, 0, 0), 180)
 
 
@@ -108,8 +104,6 @@ def cut_at_x(solid: Any, x_mm: float = 0.0) -> Section:
 
 
 def _cut(solid: Any, origin: tuple[float, float, float], normal: tuple[int, int, int], across: int) -> Section:
-    import cadquery as cq
-
     plane = cq.Face.makePlane(1000.0, 1000.0, cq.Vector(*origin), cq.Vector(*normal))
     wires = [w for face in plane.intersect(solid).Faces() for w in (face.outerWire(), *face.innerWires())]
     loops = tuple(tuple((point[across], point[2]) for point in wire_points(wire)) for wire in wires)
@@ -158,11 +152,7 @@ def _far(a: tuple[float, ...], b: tuple[float, ...]) -> float:
 
 def holes(solid: Any) -> list[Hole]:
     """Round vertical holes that end in a flat face, by their diameters; what stands out of a face is none."""
-    from OCP.BRepClass3d import BRepClass3d_SolidClassifier
-    from OCP.gp import gp_Pnt
-    from OCP.TopAbs import TopAbs_IN
-
-    inside = BRepClass3d_SolidClassifier(solid.wrapped)
+    inside = occ.BRepClass3d_SolidClassifier(solid.wrapped)
     rims: dict[tuple[float, float], set[float]] = {}
     for face, _, normal in _faces(solid):
         if normal is None or abs(normal.z) < 0.999:
@@ -173,8 +163,8 @@ def holes(solid: Any) -> list[Hole]:
             if len(edges) != 1 or edges[0].geomType() != "CIRCLE":
                 continue
             middle = edges[0].arcCenter()
-            inside.Perform(gp_Pnt(middle.x, middle.y, middle.z + inwards), 1e-6)
-            if inside.State() != TopAbs_IN:
+            inside.Perform(occ.gp_Pnt(middle.x, middle.y, middle.z + inwards), 1e-6)
+            if inside.State() != occ.TopAbs_IN:
                 place = (round(middle.x, 3), round(middle.y, 3))
                 rims.setdefault(place, set()).add(round(2 * edges[0].radius(), 3))
     kinds: dict[tuple[float, ...], list[tuple[float, float]]] = {}

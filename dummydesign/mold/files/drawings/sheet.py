@@ -1,12 +1,15 @@
-"""What stands on a drawing, in millimetres on paper: lines, texts, dimensions. No CAD."""
+"""A drawing in millimetres on paper: lines, texts, dimensions, hatching, title block."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 
 Point = tuple[float, float]
+Box = tuple[float, float, float, float]
+"""x low, y low, x high, y high. [mm]"""
 PAPERS = {"A3": (420.0, 297.0), "A4": (297.0, 210.0)}
 """Papers, landscape. [mm]"""
 LAYERS = {"outline": 0.5, "thin": 0.18, "cut": 0.7, "bound": 0.18, "hatch": 0.13, "dimension": 0.18, "text": 0.25,
@@ -19,14 +22,7 @@ ARROW_MM = 2.8
 
 @lru_cache(maxsize=4096)
 def text_width(words: str, height: float) -> float:
-    """Width of a text in Helvetica. [mm]
-
-    Parameters
-    ----------
-    words : str
-    height : float
-        Of its capital letters. [mm]
-    """
+    """Width of a text in Helvetica. [mm]"""
     from reportlab.pdfbase.pdfmetrics import stringWidth
 
     return float(stringWidth(words, "Helvetica", height / CAP_SHARE))
@@ -51,7 +47,7 @@ class Text:
     upright: bool = False
 
     @property
-    def box(self) -> tuple[float, float, float, float]:
+    def box(self) -> Box:
         """x low, y low, x high, y high, with descenders. [mm]"""
         long, (x, y) = text_width(self.words, self.height), self.at
         first, last = (-long / 2, long / 2) if self.middle else (0.0, long)
@@ -88,7 +84,7 @@ class Dimension:
     def text(self) -> Text:
         """The number, on the line's upper side, or outside it where the gap is too narrow."""
         a, b = self.line
-        words = number(self.value)
+        words = number_text(self.value)
         wide, axis = text_width(words, TEXT_MM), int(self.vertical)
         middle = (a[axis] + b[axis]) / 2
         if abs(b[axis] - a[axis]) < wide + 2 * ARROW_MM:
@@ -107,6 +103,12 @@ class Dimension:
         outside = 0.0 if high - low > 3 * ARROW_MM else ARROW_MM
         return min(low - outside, box[axis]), max(high + outside, box[axis + 2])
 
+    @property
+    def boxes(self) -> list[Box]:
+        """Boxes of the number and of each line. [mm]"""
+        lines = ((min(p[0], q[0]), min(p[1], q[1]), max(p[0], q[0]), max(p[1], q[1])) for p, q in self.marks()[0])
+        return [self.text.box, *lines]
+
     def marks(self) -> tuple[list[tuple[Point, Point]], list[tuple[Point, ...]]]:
         """Lines and filled arrow heads."""
         a, b = self.line
@@ -114,7 +116,7 @@ class Dimension:
         ux, uy = ((b[0] - a[0]) / length, (b[1] - a[1]) / length) if length else (1.0, 0.0)
         # Arrows point outwards in a narrow gap, so that they do not cross.
         inwards = 1.0 if length > 3 * ARROW_MM else -1.0
-        heads = []
+        heads: list[tuple[Point, ...]] = []
         for tip, sign in ((a, inwards), (b, -inwards)):
             bx, by = tip[0] + sign * ARROW_MM * ux, tip[1] + sign * ARROW_MM * uy
             nx, ny = -0.5 * uy, 0.5 * ux
@@ -138,13 +140,17 @@ class Drawing:
         """Width and height of the paper. [mm]"""
         return PAPERS[self.paper]
 
-    def boxes(self) -> list[tuple[str, tuple[float, float, float, float]]]:
-        """Every text with its box, those of the dimensions among them."""
-        texts = [*self.texts, *(d.text for d in self.dimensions)]
-        return [(text.words, text.box) for text in texts]
+    @property
+    def all_texts(self) -> list[Text]:
+        """Every text, those of the dimensions among them."""
+        return [*self.texts, *(d.text for d in self.dimensions)]
+
+    def boxes(self) -> list[tuple[str, Box]]:
+        """Every text with its box."""
+        return [(text.words, text.box) for text in self.all_texts]
 
 
-def number(value: float) -> str:
+def number_text(value: float) -> str:
     """Length as drawn: two decimals, trailing zeros off."""
     return f"{value:.2f}".rstrip("0").rstrip(".")
 
@@ -152,3 +158,119 @@ def number(value: float) -> str:
 def ratio(scale: float) -> str:
     """Scale as it stands in a title block: ``1:2``."""
     return f"{scale:g}:1" if scale >= 1 else f"1:{1 / scale:g}"
+
+
+def hatch(loops: Sequence[Sequence[Point]], pitch: float) -> list[tuple[Point, ...]]:
+    """Lines at 45 degrees inside closed loops (even-odd rule), ``pitch`` apart. [mm on paper]"""
+    root = math.sqrt(0.5)
+    # Turn by -45 degrees, so that hatching runs along the first axis.
+    turned = [[(root * (x + y), root * (y - x)) for x, y in loop] for loop in loops]
+    edges = [(loop[i], loop[(i + 1) % len(loop)]) for loop in turned for i in range(len(loop))]
+    if not edges:
+        return []
+    low, high = min(a[1] for a, _ in edges), max(a[1] for a, _ in edges)
+    pieces = []
+    level = math.ceil(low / pitch) * pitch + 1e-7
+    while level < high:
+        crossings = sorted(a[0] + (level - a[1]) / (b[1] - a[1]) * (b[0] - a[0]) for a, b in edges
+                           if (a[1] <= level) != (b[1] <= level))  # fmt: skip
+        for start, end in zip(crossings[::2], crossings[1::2]):
+            pieces.append(tuple((root * (u - level), root * (u + level)) for u in (start, end)))
+        level += pitch
+    return pieces
+
+
+MARGIN_MM, WIDE_MM, ROW_MM = 10.0, 180.0, 8.0
+ROWS = 4
+HIGH_MM = ROWS * ROW_MM
+NOTE_MM = 4.4
+HEAD_MM = 2.5
+
+
+@dataclass(frozen=True)
+class Title:
+    """What a title block says."""
+
+    project: str
+    part: str
+    material: str
+    tolerance: str
+    revision: str
+    date: str
+    number: str
+
+
+def frame_and_title(sheet: Drawing, title: Title, notes: Sequence[str]) -> None:
+    """Add frame, title block at the lower right and notes beside or above it."""
+    w, h = sheet.size
+    m = MARGIN_MM
+    sheet.lines.append(Line(((m, m), (w - m, m), (w - m, h - m), (m, h - m), (m, m)), "frame"))
+    left, top = w - m - WIDE_MM, m + HIGH_MM
+    sheet.lines.append(Line(((left, m), (left, top), (w - m, top)), "frame"))
+    for row in range(1, ROWS):
+        sheet.lines.append(Line(((left, m + row * ROW_MM), (w - m, m + row * ROW_MM)), "thin"))
+    middle = left + 92.0
+    sheet.lines.append(Line(((middle, m), (middle, top)), "thin"))
+    cells = (
+        (("project", title.project), ("part", title.part)),
+        (("material", title.material), ("scale", f"{ratio(sheet.scale)}  {sheet.paper}  lengths in mm")),
+        (("tolerance", title.tolerance), ("revision", title.revision)),
+        (("date", title.date), ("sheet", title.number)),
+    )
+    for row, pair in enumerate(cells):
+        y = top - (row + 1) * ROW_MM + 2.7
+        for x, (name, words) in zip((left + 2.0, middle + 2.0), pair):
+            room = (middle if x < middle else w - m) - x - 21.0
+            sheet.texts.append(Text((x, y), name, HEAD_MM))
+            sheet.texts.append(Text((x + 19.0, y), shortened(words, room), TEXT_MM))
+    _projection(sheet, (w - m - 21.0, m + ROW_MM / 2))
+    for row, words in enumerate(wrapped(notes, notes_room(sheet.size[0]))):
+        sheet.texts.append(Text((m + 3.0, m + notes_height(notes, w) - 3.2 - NOTE_MM * row), words, TEXT_MM))
+
+
+def notes_room(wide_mm: float) -> float:
+    """Width for notes beside the title block. [mm]"""
+    return wide_mm - 2 * MARGIN_MM - WIDE_MM - 6.0
+
+
+def notes_height(notes: Sequence[str], wide_mm: float) -> float:
+    """Height that notes take above the frame's lower edge. [mm]"""
+    return 4.0 + NOTE_MM * len(wrapped(notes, notes_room(wide_mm)))
+
+
+def wrapped(notes: Sequence[str], room_mm: float) -> list[str]:
+    """Notes broken into lines that fit a width."""
+    lines: list[str] = []
+    for note in notes:
+        line = ""
+        for word in note.split():
+            longer = f"{line} {word}".strip()
+            if line and text_width(longer, TEXT_MM) > room_mm:
+                lines.append(line)
+                longer = word
+            line = longer
+        lines.append(line)
+    return lines
+
+
+def shortened(words: str, room_mm: float) -> str:
+    """Text cut at its end so that it fits a width."""
+    if text_width(words, TEXT_MM) <= room_mm:
+        return words
+    while words and text_width(words + "...", TEXT_MM) > room_mm:
+        words = words[:-1]
+    return words.rstrip() + "..."
+
+
+def _projection(sheet: Drawing, at: Point) -> None:
+    """The symbol of first-angle projection: a cone's side view, its end seen from the left on the right."""
+    x, y = at
+    side = ((x, y - 1.5), (x + 6.0, y - 2.6), (x + 6.0, y + 2.6), (x, y + 1.5), (x, y - 1.5))
+    sheet.lines.append(Line(side, "outline"))
+    for radius in (1.5, 2.6):
+        turn = [2 * math.pi * k / 36 for k in range(37)]
+        circle = tuple((x + 12.5 + radius * math.cos(t), y + radius * math.sin(t)) for t in turn)
+        sheet.lines.append(Line(circle, "outline"))
+    sheet.lines.append(Line(((x - 1.5, y), (x + 7.5, y)), "thin"))
+    sheet.lines.append(Line(((x + 9.0, y), (x + 16.0, y)), "thin"))
+    sheet.lines.append(Line(((x + 12.5, y - 3.5), (x + 12.5, y + 3.5)), "thin"))

@@ -40,21 +40,16 @@ def fitted_law(name: str) -> MaxwellLaw:
     """Find a law that is fitted to traces, or raise InputError."""
     law = law_named(name)
     if not law.fitted:
-        raise InputError(f"law = {name} is not fitted to traces: it is {law.words}; fit ode, consistent or published")
+        message = f"law = {name} is not fitted to traces: it is {law.words}; fit ode, consistent or published"
+        raise InputError(message, "unsupported", "law", name)
     return law
 
 
 @contextmanager
-def also(law: MaxwellLaw) -> Iterator[None]:
-    """Know a further law for a while.
-
-    Raises
-    ------
-    InputError
-        When its name is taken.
-    """
+def registered_law(law: MaxwellLaw) -> Iterator[None]:
+    """Know a further law for a while."""
     if law.name in LAWS:
-        raise InputError(f"law '{law.name}' is known already: give another name")
+        raise InputError(f"law '{law.name}' is known already: give another name", "file_exists", "law", law.name)
     LAWS[law.name] = law
     try:
         yield

@@ -21,9 +21,13 @@ class Spring(MaxwellLaw):
     steady_name = "k_N_per_mm"
     fitted = False
 
-    def said_of(self, name: str) -> tuple[str, str]:
-        """That it says nothing of speed and relaxation."""
-        return "spring_tissue", spring_words(name)
+    def notice_of(self, name: str) -> tuple[str, str]:
+        """Say that it says nothing of speed and relaxation."""
+        return "spring_tissue", (
+            f"{name} is a spring constant: it says nothing of speed and relaxation, so peaks are held against the "
+            "steady force itself; a pad that relaxes reads high in them, and one that does not may still be below a "
+            "person's"
+        )
 
     def drive(self, motion: Motion) -> SpringDrive:
         """Drive by the depth as it is."""
@@ -42,15 +46,7 @@ class SpringDrive:
 
     def arm(self, rate: ArrayLike) -> NDArray:
         """A spring has no arm."""
-        raise InputError("law = 'spring' has no relaxing arm")
+        raise InputError("law = 'spring' has no relaxing arm", "unsupported", "law", "spring")
 
 
 SPRING = Spring()
-
-
-def spring_words(name: str) -> str:
-    """What must be said of a tissue that is a spring constant."""
-    return (
-        f"{name} is a spring constant: it says nothing of speed and relaxation, so peaks are held against the steady "
-        "force itself; a pad that relaxes reads high in them, and one that does not may still be below a person's"
-    )

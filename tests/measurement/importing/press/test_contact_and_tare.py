@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.measurement.importing.core.decisions import Notes, QuestionError
-from dummydesign.measurement.importing.press.contact import find_contact
-from dummydesign.measurement.importing.press.split import find_presses
-from dummydesign.measurement.importing.press.zero import FILTER_DELAY_S, find_contacts, find_tares, interval
+from dummydesign.measurement.importing.contact import FILTER_DELAY_S, find_contact, find_contacts, find_tares, interval
+from dummydesign.measurement.importing.decisions import ImportLog
+from dummydesign.measurement.importing.signs import find_presses
 from tests.support.machine_presses import recording
 from tests.support.parted_press import parts_of
+from tests.support.refusal import raises_code
 
 
 @pytest.mark.parametrize("power", [1.0, 1.5, 2.0, 3.0])
@@ -59,40 +59,40 @@ def contacts_of(seed=2, place=0.0, **options):
 
 def test_the_own_zero_of_a_file_stands_where_the_force_agrees():
     contacts, depths, first, _ = contacts_of()
-    notes = Notes()
-    assert find_contacts("a.csv", contacts, depths, first, 1.0, notes) == [0.0]
+    notes = ImportLog("a.csv")
+    assert find_contacts(contacts, depths, first, 1.0, notes) == [0.0]
     assert notes.decisions[0].value == "the file's own zero"
 
 
 def test_a_zero_half_a_millimetre_off_is_moved_to_the_contact():
     contacts, depths, first, _ = contacts_of(seed=6, place=0.5)
-    found = find_contacts("a.csv", contacts, depths, first, 1.0, Notes())
+    found = find_contacts(contacts, depths, first, 1.0, ImportLog("a.csv"))
     assert found[0] == pytest.approx(0.5, abs=0.05)
 
 
 def test_a_fast_press_in_unknown_coordinates_is_asked_about_and_a_slow_one_beside_it_answers():
     fast, depths, first, _ = contacts_of(seed=6, velocity=250.0, place=200.0)
     assert interval(fast[0])[0] == pytest.approx(fast[0].low_mm - FILTER_DELAY_S * fast[0].velocity_mm_s)
-    with pytest.raises(QuestionError, match="--contact"):
-        find_contacts("a.csv", fast, depths, first, 1.0, Notes())
+    with raises_code("needs_decision", "contact"):
+        find_contacts(fast, depths, first, 1.0, ImportLog("a.csv"))
     slow, more, _, _ = contacts_of(seed=6, place=200.0)
-    found = find_contacts("a.csv", [*fast, *slow], [*depths, *more], first, 1.0, Notes())
+    found = find_contacts([*fast, *slow], [*depths, *more], first, 1.0, ImportLog("a.csv"))
     assert found == pytest.approx([200.0, 200.0], abs=0.05)
 
 
 def test_a_dent_that_is_left_is_told_and_does_not_move_the_surface():
     contacts, depths, first, _ = contacts_of(seed=6)
     later, more, _, _ = contacts_of(seed=6, place=0.4)
-    notes = Notes()
-    assert find_contacts("a.csv", [*contacts, *later], [*depths, *more], first, 1.0, notes) == [0.0, 0.0]
+    notes = ImportLog("a.csv")
+    assert find_contacts([*contacts, *later], [*depths, *more], first, 1.0, notes) == [0.0, 0.0]
     assert [warning["code"] for warning in notes.warnings] == ["surface_not_back"]
 
 
 def test_a_press_at_another_place_gets_a_zero_of_its_own():
     contacts, depths, first, _ = contacts_of(seed=6)
     other, more, _, _ = contacts_of(seed=6, place=-3.0)
-    notes = Notes()
-    found = find_contacts("a.csv", [*contacts, *other], [*depths, *more], first, 1.0, notes)
+    notes = ImportLog("a.csv")
+    found = find_contacts([*contacts, *other], [*depths, *more], first, 1.0, notes)
     assert found == pytest.approx([0.0, -3.0], abs=0.05)
     assert [warning["code"] for warning in notes.warnings] == ["another_place"]
 
@@ -100,20 +100,20 @@ def test_a_press_at_another_place_gets_a_zero_of_its_own():
 def test_the_lead_in_tares_and_a_tared_file_is_left_alone():
     record = recording(7, velocity_mm_s=10.0, lead_in=True)
     signs, _, contacts = parts_of(record, tare=0.8)
-    assert find_tares("a.csv", contacts, signs.rest_force_N, False, Notes())[0] == pytest.approx(0.8, abs=0.02)
+    assert find_tares(contacts, signs.rest_force_N, 1.0, ImportLog("a.csv"))[0] == pytest.approx(0.8, abs=0.02)
     quiet = recording(7, velocity_mm_s=10.0)
     signs, _, contacts = parts_of(quiet)
-    assert find_tares("a.csv", contacts, signs.rest_force_N, False, Notes()) == [0.0]
+    assert find_tares(contacts, signs.rest_force_N, 1.0, ImportLog("a.csv")) == [0.0]
 
 
 def test_without_a_lead_in_a_force_at_the_start_is_asked_about():
     record = recording(7, velocity_mm_s=10.0, lead_in=False)
     signs, _, contacts = parts_of(record)
     assert contacts[0].lead_in < 5
-    assert find_tares("a.csv", contacts, signs.rest_force_N, False, Notes()) == [0.0]
+    assert find_tares(contacts, signs.rest_force_N, 1.0, ImportLog("a.csv")) == [0.0]
     signs, _, contacts = parts_of(record, tare=0.8)
-    with pytest.raises(QuestionError, match=r"--tare .* --tare none"):
-        find_tares("a.csv", contacts, signs.rest_force_N, False, Notes())
+    with raises_code("needs_decision", "tare"):
+        find_tares(contacts, signs.rest_force_N, 1.0, ImportLog("a.csv"))
 
 
 def test_a_zero_that_wanders_from_press_to_press_is_tared_press_by_press():
@@ -121,7 +121,7 @@ def test_a_zero_that_wanders_from_press_to_press_is_tared_press_by_press():
     _, spans, _ = parts_of(record)
     tare = np.where(np.arange(len(record.time_s)) < spans[1].start, 0.3, 0.5)
     signs, _, contacts = parts_of(record, tare=tare)
-    notes = Notes()
-    found = find_tares("a.csv", contacts, signs.rest_force_N, False, notes)
+    notes = ImportLog("a.csv")
+    found = find_tares(contacts, signs.rest_force_N, 1.0, notes)
     assert found == pytest.approx([0.3, 0.5], abs=0.04)
     assert [warning["code"] for warning in notes.warnings] == ["zero_wanders"]

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.measurement.importing.press.contact import find_contact
-from dummydesign.measurement.importing.press.sanity import check_press
-from dummydesign.measurement.importing.press.split import find_presses
-from dummydesign.measurement.importing.press.summary import summarise
+from dummydesign.measurement.importing.contact import find_contact
+from dummydesign.measurement.importing.press_checks import check_press
+from dummydesign.measurement.importing.signs import find_presses
+from dummydesign.measurement.landmarks import summarise
 
 
 def checked(time, x, force):
@@ -17,7 +17,7 @@ def checked(time, x, force):
     span = find_presses("a.csv", x, force, True)[0]
     contact = find_contact(time, x, force, span)
     summary = summarise("a.csv", time, x, force)
-    check_press("a.csv", time, x, force, contact, summary, lambda code, text: codes.append(code))
+    check_press(time, x, force, contact, summary, lambda code, text: codes.append(code))
     return codes
 
 

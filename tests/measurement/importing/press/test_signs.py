@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.core.errors import InputError
-from dummydesign.measurement.importing.core.decisions import Notes, QuestionError, Settings
-from dummydesign.measurement.importing.press.signs import find_signs, middle_of_three, noise_of
+from dummydesign.measurement.importing.decisions import ImportLog, Settings
+from dummydesign.measurement.importing.signs import find_signs, middle_of_three, noise_of
 from tests.support.machine_presses import recording
+from tests.support.refusal import raises_code
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0])
@@ -16,7 +16,7 @@ from tests.support.machine_presses import recording
 def test_compression_is_made_positive_whatever_the_file_counts(way, push):
     record = recording(1, velocity_mm_s=10.0)
     x, force = way * (record.displacement_mm + 120.0), push * (record.force_N + 1.7)
-    signs = find_signs("a.csv", x, force, Settings(), None, Notes())
+    signs = find_signs(x, force, None, ImportLog("a.csv"))
     assert (signs.displacement, signs.force) == (way, push)
     assert signs.rest_force_N == pytest.approx(push * 1.7, abs=4 * record.noise_N)
 
@@ -24,33 +24,33 @@ def test_compression_is_made_positive_whatever_the_file_counts(way, push):
 def test_given_signs_are_taken_and_wrong_ones_refused():
     record = recording(1, velocity_mm_s=10.0)
     both = frozenset({"displacement", "force"})
-    signs = find_signs("a.csv", -record.displacement_mm, -record.force_N, Settings(flip=both), None, Notes())
+    signs = find_signs(-record.displacement_mm, -record.force_N, None, ImportLog("a.csv", Settings(flip=both)))
     assert (signs.displacement, signs.force) == (-1.0, -1.0)
     for flip in ({"displacement"}, {"force"}):
-        with pytest.raises(InputError, match=r"with --flip as given"):
-            find_signs("a.csv", record.displacement_mm, record.force_N, Settings(flip=frozenset(flip)), None, Notes())
+        with raises_code("inconsistent", "flip"):
+            find_signs(record.displacement_mm, record.force_N, None, ImportLog("a.csv", Settings(flip=frozenset(flip))))
 
 
 def test_a_force_that_swings_both_ways_is_asked_about():
     record = recording(1, velocity_mm_s=10.0)
     force = record.force_N.copy()
     force[-200:] = -0.8 * force.max()
-    with pytest.raises(QuestionError, match=r"--flip force .* --flip none"):
-        find_signs("a.csv", record.displacement_mm, force, Settings(), None, Notes())
+    with raises_code("needs_decision", "flip"):
+        find_signs(record.displacement_mm, force, None, ImportLog("a.csv"))
 
 
 def test_a_recording_that_begins_pressed_is_no_press_of_the_other_sign():
     record = recording(1, velocity_mm_s=10.0, unload=True)
     late = record.force_N.argmax() + 500
-    with pytest.raises(QuestionError, match="begins pressed"):
-        find_signs("a.csv", record.displacement_mm[late:], record.force_N[late:], Settings(), None, Notes())
+    with raises_code("needs_decision", "tare"):
+        find_signs(record.displacement_mm[late:], record.force_N[late:], None, ImportLog("a.csv"))
 
 
 @pytest.mark.parametrize("force", [np.zeros(500), np.full(500, 3.0), np.random.default_rng(1).normal(0, 0.01, 500)])
 def test_nothing_pressed_says_so(force):
     x = np.linspace(-1.0, 5.0, 500)
-    with pytest.raises(InputError, match="nothing is pressed"):
-        find_signs("a.csv", x, force, Settings(), None, Notes())
+    with raises_code("nothing_found", "force_N"):
+        find_signs(x, force, None, ImportLog("a.csv"))
 
 
 def test_single_spikes_do_not_survive_the_middle_of_three_and_edges_do():

@@ -1,0 +1,306 @@
+"""The calls that design a pad and compare designs: `suggest`, `compare_designs`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager, nullcontext
+from math import isfinite
+from os import PathLike, fspath
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from dummydesign.api.answers import Answer, Result, answer_folder, question
+from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
+from dummydesign.core.options import read_options
+from dummydesign.core.parsing import MASS, ROBOT_VELOCITY, read_number
+
+if TYPE_CHECKING:
+    from dummydesign.core.outputs import Output
+    from dummydesign.design.request import Request
+    from dummydesign.design.safety_view import SafetyView
+    from dummydesign.design.suggestion import Suggestion
+
+
+ROBOT_VELOCITY_MM_S = 250.0
+Numbers = float | str | Iterable[float | str]
+
+
+def suggest(
+    tissue: str,
+    *,
+    aim: str = "average",
+    resin: str = "polyurethane-nagoya",
+    thickness_mm: tuple[float, float] | str | None = None,
+    ratio: tuple[float, float] | str | None = None,
+    shape: str = "auto",
+    calibration: str | PathLike[str] | None = None,
+    effects: Iterable[str | PathLike[str]] = (),
+    verify: bool = True,
+    cad: bool | None = None,
+    punch: str = "square:14",
+    force_N: Numbers = (5.0, 10.0, 15.0),
+    velocity_mm_s: Numbers = (10.0, 250.0),
+    hold_s: float | str = 10.0,
+    deceleration_mm_s2: float | str = 30_000.0,
+    pad: tuple[float, float] | str = "150x120",
+    base: str = "bonded",
+    edge_radius_mm: float | str = 0.0,
+    condition: str | None = None,
+    preset: str = "open",
+    machine: str | None = None,
+    silicone: str | None = None,
+    sites: tuple[int, int] | str | None = None,
+    balance_g: float | str = 0.1,
+    thickness_tolerance_mm: float | str = 0.2,
+    castings: int | str = 1200,
+    robot_mass_kg: float | str | None = None,
+    robot_velocity_mm_s: float | str | None = None,
+    limits: str | PathLike[str] | None = None,
+    out: str | PathLike[str] | None = None,
+    replace: bool = False,
+    progress: Callable[[str], None] | None = None,
+) -> Answer:
+    """Recommend ratio, thickness and, if asked for, shape of a pad for a tissue; with ``out`` its mould and report.
+
+    Parameters
+    ----------
+    tissue, resin : str
+        Names of the library, or paths of TOML files.
+    aim : str
+        ``average``, ``safe-side`` or ``subject:NAME``.
+    thickness_mm, ratio : (low, high) or "LOW:HIGH", optional
+        Limits with both ends included. [mm, resin's ratio]
+    shape : str
+        ``auto`` (the best of all kinds), ``slab``, another kind such as ``crowned``, or one with its lengths.
+    calibration : path, optional
+        Written by ``dummydesign loop``.
+    effects : iterable of path
+        Files with effects of your own that the calibration names.
+    verify : bool
+        Solve the recommended pad by finite elements.
+    cad : bool, optional
+        Make the mould into ``out``; the recipe is then that of the solids' volumes. By default wherever there is
+        an ``out`` and the verdict is not red (``answer.found.verdict.acceptable``).
+    punch : str
+        ``square:14``, ``rectangle:20x10``, ``round:16``, ``ball:20`` or ``profile:FILE.csv``, sizes in mm.
+    force_N, velocity_mm_s : numbers or text
+        Steady forces and speeds of the test, such as ``"5,10,15"`` or ``"0.01m/s,0.25m/s"``. [N, mm/s]
+    hold_s, deceleration_mm_s2 : float
+        Hold after the stop, and braking of the robot. [s, mm/s2]
+    pad : (length, width) or "LxW"
+        [mm]
+    base : str
+        ``bonded``, ``sliding`` or ``friction:MU``.
+    edge_radius_mm : float
+        Fillet of the punch's edge, 0 (sharp) to 0.3 of its half-width; solved for slabs. [mm]
+    condition : str, optional
+        How the punch holds the pad's face: ``bonded``, ``frictionless`` or ``friction:MU``, solved for slabs; glued
+        by default, without friction under a ball or a profile.
+    preset, machine, silicone : str
+        Mould preset, machines and silicone, names or files; without the last two those of the preset.
+    sites : (along, across) or "NxM", optional
+        Crowns on one pad, far enough apart to be independent.
+    balance_g, thickness_tolerance_mm : float
+        Errors of weighing and of the cast thickness, even within plus and minus these. [g, mm]
+    castings : int
+        How many castings are drawn for every share and factor, 1200 to 100,000.
+    robot_mass_kg, robot_velocity_mm_s : float
+        Mass and speed (250 mm/s by default) of a free body that hits tissue and pad, for the safety view. [kg, mm/s]
+    limits : path, optional
+        Limits of force and pressure with their source (TOML), for the safety view.
+    out : path, optional
+        Folder of the mould and the report, which are not made without it; the next free number when it holds the
+        answer to another question.
+    replace : bool
+        Take the place of the other answer instead.
+    progress : callable, optional
+        Called with the name of each step as it begins.
+
+    Returns
+    -------
+    Answer
+        The same as ``dummydesign suggest --json`` prints for the same question.
+
+    Raises
+    ------
+    InputError
+        For unknown names or ranges outside what is allowed.
+    NoAnswerError
+        When no pad reaches 10 N steady, or the mould could not be made: the report is then written and the rest of
+        the answer in the error's ``result``.
+
+    Examples
+    --------
+    >>> import dummydesign
+    >>> answer = dummydesign.suggest("forefinger", shape="crowned", verify=False).to_dict()
+    >>> answer["recommendation"]["thickness_mm"], answer["recommendation"]["ratio"]
+    (4.5, 15.5)
+    >>> [(part["name"], part["mass_g"]) for part in answer["recommendation"]["recipe"]["components"]]
+    [('polyol', 54.0), ('isocyanate', 8.4)]
+    """
+    from dummydesign.design.request import Request
+
+    request = read_options(Request, locals())
+    robot_mass_kg = None if robot_mass_kg is None else read_number(robot_mass_kg, MASS)
+    if robot_velocity_mm_s is not None:
+        robot_velocity_mm_s = read_number(robot_velocity_mm_s, ROBOT_VELOCITY)
+    if cad and out is None:
+        raise InputError("cad = True needs out, the folder for the files of the mould", "missing", "out")
+    folder = None if out is None else Path(out)
+    inputs = {
+        **request.to_dict(),
+        "cad": False if folder is None else cad,
+        "out": None if folder is None else str(folder),
+        "robot_mass_kg": robot_mass_kg,
+        "robot_velocity_mm_s": robot_velocity_mm_s,
+        "limits": None if limits is None else str(limits),
+    }
+    own = [fspath(path) for path in effects]
+    with _effects(own, request.calibration):
+        return _answer(request, inputs, own, folder, replace, progress or (lambda step: None))
+
+
+def _effects(own: list[str], calibration: str | None) -> AbstractContextManager[None]:
+    """The effects of some files; nothing of the loop is loaded where neither they nor a calibration are given."""
+    if not own and calibration is None:
+        return nullcontext()
+    from dummydesign.loop.effects.registry import own_effects
+
+    return own_effects(own)
+
+
+def _answer(
+    request: Request, inputs: dict[str, Any], effects: list[str], folder: Path | None, replace: bool,
+    progress: Callable[[str], None],
+) -> Answer:  # fmt: skip
+    """Resolve, design, and write what there is a folder for."""
+    from dummydesign.design.assessment.safety import read_limits
+    from dummydesign.design.inputs import resolve
+    from dummydesign.design.safety_view import safety_view
+    from dummydesign.design.suggest import design
+
+    wanted = resolve(request)
+    mass_kg, velocity_mm_s = inputs["robot_mass_kg"], inputs["robot_velocity_mm_s"]
+    for name, value in (("robot mass in kg", mass_kg), ("robot velocity in mm/s", velocity_mm_s)):
+        if value is not None and not (isfinite(value) and value > 0):
+            raise out_of_range(name, value, "above 0", "any finite value")
+    if mass_kg is None and velocity_mm_s is not None:
+        message = f"robot velocity in mm/s = {velocity_mm_s:g} needs the robot's mass: give --robot-mass KG"
+        raise InputError(message, "missing", "robot_mass")
+    velocity_mm_s = ROBOT_VELOCITY_MM_S if velocity_mm_s is None else velocity_mm_s
+    inputs = {**inputs, "robot_velocity_mm_s": None if mass_kg is None else velocity_mm_s}
+    inputs["weights"] = wanted.space.targets.weights.to_dict()
+    limits = None if inputs["limits"] is None else read_limits(inputs["limits"])
+
+    read = (inputs["calibration"], inputs["limits"], *effects, *_named_files(request))
+    asked = question("suggest", inputs, tissue=request.tissue, resin=request.resin, preset=request.preset, files=read)
+    with answer_folder(folder, asked, replace) as output:
+        found = design(wanted, progress)
+        safety = safety_view(found, mass_kg, velocity_mm_s, limits)
+        if output is None:
+            return Answer(found, found.to_dict(inputs, safety))
+        cad = found.verdict.acceptable if inputs["cad"] is None else inputs["cad"]
+        inputs = {**inputs, "cad": cad, "out": str(output.folder)}
+        progress("mould and report" if cad else "report")
+        mould, missing = _mould(found, output) if cad else (None, None)
+        result = _written(found, safety, found.to_dict(inputs, safety, mould), output, progress)
+        best = result["recommendation"]
+        output.extra["summary"] = {name: best[name] for name in ("shape", "thickness_mm", "ratio", "resin")} | {
+            "young_kPa": best["young_kPa"]["value"], "verdict": result["verdict"]["level"],
+            "text": result["verdict"]["text"], **({"mould": True} if mould else {}),
+        }  # fmt: skip
+    if missing is not None:
+        raise NoAnswerError(missing.code, output.settled(str(missing)), result, missing.quantity)
+    return Answer(found, result)
+
+
+def _named_files(request: Request) -> list[str]:
+    """Files that the test names: a punch's profile, a machine, a silicone."""
+    profile = request.punch.partition("profile:")[2]
+    named = [name for name in (request.machine, request.silicone) if name is not None and name.endswith(".toml")]
+    return [*([profile] if profile else []), *named]
+
+
+def _mould(found: Suggestion, output: Output) -> tuple[dict[str, Any] | None, NoAnswerError | None]:
+    """Make the mould; one that cannot be made leaves the report, and the reason is returned."""
+    from dummydesign.design.mould import make_mould
+
+    try:
+        mould = make_mould(found, output.work)
+    except NoAnswerError as reason:
+        return None, reason
+    output.extra["hash"] = mould["spec_hash"]
+    return mould, None
+
+
+def _written(
+    found: Suggestion, safety: SafetyView, result: dict[str, Any], output: Output, progress: Callable[[str], None]
+) -> dict[str, Any]:
+    """Write the report and the answer, and return the answer with all files."""
+    from dummydesign.design.plot_data import suggestion_curves
+    from dummydesign.design.press_pictures import press_pictures
+    from dummydesign.report.suggest import write_suggestion
+
+    curves = suggestion_curves(found)
+    progress("stress in the pad")
+    report = write_suggestion(output.work, found, result, curves, safety, press_pictures(found))
+    result = {**result, "files": {**result["files"], **report}}
+    return output.answer({**result, "files": {**result["files"], "json": str(_write_answer(output, result, curves))}})
+
+
+def _write_answer(output: Output, result: dict[str, Any], curves: Any) -> Path:
+    """Keep the answer with its steady curve; files are named from the folder, so that it can be moved."""
+    from dummydesign.core.files import write_text
+    from dummydesign.core.serialise import json_text
+    from dummydesign.design.request import ANSWER
+
+    low, high = curves.subjects_measured_mm
+    kept = output.settled({key: value for key, value in result.items() if key != "files"})
+    kept["inputs"] = {key: value for key, value in kept["inputs"].items() if key != "out"}
+    kept["files"] = {role: Path(file).relative_to(output.work).as_posix() for role, file in result["files"].items()}
+    kept["steady_curve"] = {
+        "force_N": curves.forces_N.pad, "depth_mm": curves.pad_depth_mm,
+        "subjects": {"force_N": curves.forces_N.measured, "depth_low_mm": low, "depth_high_mm": high},
+    }  # fmt: skip
+    return write_text(output.path(ANSWER), json_text("suggest", kept) + "\n")
+
+
+def compare_designs(
+    folders: Iterable[str | PathLike[str]], *, out: str | PathLike[str] | None = None, replace: bool = False
+) -> Result:
+    """Compare the designs of several folders of ``suggest``; see :mod:`dummydesign.design.comparison`.
+
+    Parameters
+    ----------
+    folders : iterable of path
+        Two or more folders that ``suggest`` wrote.
+    out : path, optional
+        Folder of the report, which is not written without it; the next free number when it holds another answer.
+    replace : bool
+        Take the place of the other answer instead.
+
+    Returns
+    -------
+    Result
+        The same as ``dummydesign compare-designs --json`` prints for the same question.
+
+    Raises
+    ------
+    InputError
+        For fewer than two folders, and for one that holds no design.
+    """
+    from dummydesign.design.comparison import ANSWER
+    from dummydesign.design.comparison import compare_designs as compare
+
+    names = [fspath(folder) for folder in folders]
+    found = compare(names)
+    inputs = {"folders": names, "out": None if out is None else fspath(out)}
+    result = {"inputs": inputs, **found.to_dict(), "files": {}}
+    asked = question("compare-designs", inputs, files=[f"{name}/{ANSWER}" for name in names])
+    with answer_folder(out, asked, replace) as output:
+        if output is not None:
+            from dummydesign.report.compare_designs import write_designs_report
+
+            result |= {"inputs": {**inputs, "out": str(output.folder)}}
+            result = output.answer({**result, "files": write_designs_report(output.work, found)})
+    return Result(found, result, "compare-designs")

@@ -1,0 +1,279 @@
+"""The calls that make a mould and keep what was cast in it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from os import PathLike, fspath
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+from dummydesign.api.answers import Result, question
+from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.core.parsing import LENGTH, WIDTH, read_number
+
+if TYPE_CHECKING:
+    from dummydesign.mold.model.spec import MouldSpec, Placing
+
+
+def make_mould(
+    thickness_mm: float | str | Iterable[float],
+    *,
+    length_mm: float | str = 150.0,
+    width_mm: float | str = 120.0,
+    shape: str = "slab",
+    preset: str = "open",
+    resin: str | None = None,
+    ratio: float = 15.0,
+    count: int = 1,
+    castings: int = 1,
+    base_ratio: float | None = None,
+    face_sheet_mm: float | None = None,
+    bone: str | PathLike[str] | None = None,
+    bone_height_mm: float | None = None,
+    bone_scale: float = 1.0,
+    bone_turn_deg: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    bone_at_mm: tuple[float, float] = (0.0, 0.0),
+    out: str | PathLike[str] | None = None,
+    replace: bool = False,
+) -> Result:
+    """Make the silicone mould of a pad: STEP files, printable master and frame, pour sheet, all checked.
+
+    Parameters
+    ----------
+    thickness_mm : float, str or iterable of float
+        Thickness of the pad; several, also as text such as ``"5,15"``, make one job with a folder each. [mm]
+    length_mm, width_mm : float
+        Size of the pad. [mm]
+    shape : str
+        ``slab``, ``crowned``, ``puck``, ..., with its lengths.
+    preset : str
+        ``open``, ``lidded``, ``printed`` (no silicone) or a TOML file.
+    resin : str, optional
+        Name or file of the resin to weigh; the paper's polyurethane by default.
+    ratio, base_ratio : float
+        Mixing ratio, and that of a layered pad's base (by default from its modulus ratio).
+    count : int
+        Cavities side by side in one mould, as many as the machines hold.
+    castings : int
+        Castings of each mould, for the list of what is needed; more than one make a job too.
+    face_sheet_mm : float, optional
+        Thickness of a sheet of glass let into the master as the tested face; the preset's by default, 0 for none. [mm]
+    bone : path, optional
+        STL or STEP of a bone (millimetres) that hangs in the gel; the model takes the nearest dome.
+    bone_height_mm : float, optional
+        How far it reaches into the gel from the free face; needed with a bone. [mm]
+    bone_scale : float
+        Its size over that in the file.
+    bone_turn_deg : (float, float, float)
+        Turns about x, y and z, in this order, after which its lowest point is the tip towards the tested face. [deg]
+    bone_at_mm : (float, float)
+        Where the tip lies from the pad's middle. [mm]
+    out : path, optional
+        Folder of the files, ``mould_tMM`` by default; the next free number when it holds another answer.
+    replace : bool
+        Take the place of the other answer instead.
+
+    Returns
+    -------
+    Result
+        The same as ``dummydesign mold --json`` prints for the same question.
+
+    Raises
+    ------
+    InputError
+        For sizes, names or files that are not allowed.
+    NoAnswerError
+        Without CAD, or when the mould fails a check; what there is of the answer stands in the error's ``result``.
+
+    Examples
+    --------
+    CadQuery needs about a minute.
+
+    >>> import dummydesign
+    >>> made = dummydesign.make_mould(8, length_mm=60, width_mm=50, out="mould")  # doctest: +SKIP
+    >>> {check["verdict"] for check in made.to_dict()["checks"]}  # doctest: +SKIP
+    {'pass'}
+    """
+    from dummydesign.mold.job import read_thicknesses
+    from dummydesign.mold.model.preset import mould_spec
+    from dummydesign.mold.model.spec import read_kind
+
+    kind, parameters = read_kind(shape)
+    wanted = read_thicknesses(thickness_mm)
+    length_mm, width_mm = read_number(length_mm, LENGTH), read_number(width_mm, WIDTH)
+
+    def made(one: float) -> MouldSpec:
+        return mould_spec(
+            one, length_mm, width_mm, preset, resin, ratio, kind, parameters, base_ratio, face_sheet_mm=face_sheet_mm,
+            count=count,
+        )  # fmt: skip
+
+    if bone is not None:
+        if len(wanted) != 1 or castings != 1 or count != 1:
+            message = "a bone from a file goes into one mould: one thickness, count 1, castings 1"
+            raise InputError(message, "conflict", "bone")
+        placing = _placing(shape, bone_height_mm, bone_scale, bone_turn_deg, bone_at_mm)
+        settings = {"preset": preset, "resin": resin, "ratio": ratio, "base_ratio": base_ratio,
+                    "face_sheet_mm": face_sheet_mm}  # fmt: skip
+        with TemporaryDirectory(prefix="dummydesign-bone-") as work:
+            solid = Path(work) / "bone.brep"
+            spec = _boned(Path(bone), placing, wanted[0], length_mm, width_mm, settings, solid)
+            return _make_one(spec, resin, preset, out, replace, solid)
+    if bone_height_mm is not None:
+        raise InputError("bone_height_mm belongs to a bone from a file (bone)", "not_applicable", "bone_height_mm")
+    if len(wanted) != 1 or castings != 1:
+        specs = [made(one) for one in wanted]
+        return _make_job(specs, castings, resin, preset, out, replace)
+    return _make_one(made(wanted[0]), resin, preset, out, replace)
+
+
+def _placing(
+    shape: str, height_mm: float | None, scale: float, turn_deg: tuple[float, float, float], at_mm: tuple[float, float]
+) -> Placing:
+    from dummydesign.mold.model.spec import Placing
+
+    if shape not in ("slab", "boned"):
+        message = f"shape {shape} takes no bone from a file; leave the shape out, the bone makes it"
+        raise InputError(message, "conflict", "shape", shape)
+    if height_mm is None:
+        message = "bone_height_mm is missing: how far the bone reaches into the gel from the free face"
+        raise InputError(message, "missing", "bone_height_mm")
+    return Placing(float(height_mm), scale, (turn_deg[0], turn_deg[1], turn_deg[2]), at_mm[0], at_mm[1])
+
+
+def _boned(
+    bone: Path, placing: Placing, thickness_mm: float, length_mm: float, width_mm: float, settings: dict[str, Any],
+    solid: Path,
+) -> MouldSpec:  # fmt: skip
+    """The specification of a pad with a placed bone; what the pad itself cannot be is refused before CAD is loaded."""
+    from dummydesign.mold.model.preset import mould_spec
+    from dummydesign.mold.runner import place_bone
+
+    mould_spec(thickness_mm, length_mm, width_mm, **settings)
+    insert, dome = place_bone(bone, placing, thickness_mm, length_mm, width_mm, solid)
+    return mould_spec(thickness_mm, length_mm, width_mm, kind="boned", parameters=dome, insert=insert, **settings)
+
+
+def _make_one(
+    spec: MouldSpec, resin: str | None, preset: str, out: str | PathLike[str] | None, replace: bool,
+    bone_file: Path | None = None,
+) -> Result:  # fmt: skip
+    from dummydesign.core.outputs import new_folder
+    from dummydesign.mold.runner import make_mold
+
+    folder = Path(out) if out else Path(f"mould_{spec.tag}")
+    inputs = {
+        "thickness_mm": spec.pad.thickness_mm, "length_mm": spec.pad.length_mm, "width_mm": spec.pad.width_mm,
+        "shape": spec.pad.name, "preset": spec.preset, "resin": spec.pour.resin,
+        "ratio": spec.pour.ratio, "ratio_meaning": spec.pour.ratio_meaning, "out": str(folder),
+    }  # fmt: skip
+    if spec.base is not None:
+        inputs |= {"base_ratio": spec.base.pour.ratio, "modulus_ratio_of_base": spec.base.modulus_ratio}
+    if spec.insert is not None:
+        inputs |= {"bone": spec.insert.file, "bone_off_dome_mm": spec.insert.off_dome_mm}
+    if spec.count > 1:
+        inputs["count"] = spec.count
+    if spec.box.face_sheet_mm:
+        inputs["face_sheet_mm"] = spec.box.face_sheet_mm
+    asked = question("mold", {**inputs, "specification": spec.hash}, resin=resin, preset=preset)
+    with new_folder(folder, asked, replace=replace) as output:
+        head = {"inputs": {**inputs, "out": str(output.folder)}, "sources": list(spec.sources)}
+        try:
+            found = make_mold(spec, output.work, bone_file=bone_file)
+        except NoAnswerError as reason:
+            result = output.settled({**head, **reason.result})
+            raise NoAnswerError(reason.code, output.settled(str(reason)), result, reason.quantity) from None
+        output.extra["hash"] = spec.hash
+        output.extra["summary"] = {name: inputs[name] for name in ("shape", "thickness_mm", "ratio", "resin", "preset")}
+        result = output.answer({**head, **found.to_dict(), "spec": spec.to_dict()})
+    # Memory differs from run to run; the same question shall get the same answer but for seconds.
+    del result["memory_MB"]
+    return Result(found, result, "make_mould")
+
+
+def _make_job(
+    specs: list[MouldSpec], castings: int, resin: str | None, preset: str, out: str | PathLike[str] | None,
+    replace: bool,
+) -> Result:  # fmt: skip
+    from dummydesign.mold.job import folder_name, job_inputs, make_job
+
+    inputs = job_inputs(specs, castings)
+    name = folder_name(inputs["thickness_mm"], castings, specs[0].pad.prefix, specs[0].count)
+    folder = Path(out) if out else Path(name)
+    asked = question("mold", {**inputs, "specifications": [spec.hash for spec in specs]}, resin=resin, preset=preset)
+    result = make_job(specs, castings, folder, asked, replace)
+    return Result(result["moulds"], result, "make_mould")
+
+
+def record_pad(
+    folder: str | PathLike[str],
+    thicknesses_mm: Iterable[float] | Mapping[str, float],
+    mass_g: float,
+    *,
+    modulus_kPa: float | None = None,
+    level_deg: float | None = None,
+    bubbles: int | None = None,
+    gauge_mm: float | None = None,
+    note: str = "",
+    replace: bool = False,
+) -> Result:
+    """Keep what was really poured in the folder of its mould, and say which limits the pad misses.
+
+    Parameters
+    ----------
+    folder : path
+        What ``mold`` or ``suggest`` wrote.
+    thicknesses_mm : iterable of float, or mapping of str to float
+        By the names of the pour sheet's gauge points, ``{"tip": 4.51, "shoulder": 2.49, ...}``; of a flat pad also
+        without names at five places or more. [mm]
+    mass_g : float
+        Of the trimmed pad. [g]
+    modulus_kPa : float, optional
+        Modulus of the witness puck, from ``resins add-compression``. [kPa]
+    level_deg : float, optional
+        As read when the mould was filled. [deg]
+    bubbles : int, optional
+        Over 1 mm, under the punch.
+    gauge_mm : float, optional
+        Standard error of the thickness gauge on a gel, 0.05 by default. [mm]
+    note : str
+        Anything else, kept with the record.
+    replace : bool
+        Take the place of the first record instead of the next free number.
+
+    Returns
+    -------
+    Result
+        The same as ``dummydesign mold record --json`` prints; the command ends with status 1 unless ``accepted``.
+
+    Raises
+    ------
+    InputError
+        For a folder that is not a mould's, or values that this pad cannot have.
+    """
+    from datetime import date
+
+    from dummydesign._version import __version__
+    from dummydesign.core.manifest import add_record
+    from dummydesign.measurement.pad_record import STEM
+    from dummydesign.mold.pour.record import GAUGE_MM, Measured, read_points, read_spec
+    from dummydesign.mold.pour.record import record_pad as judged
+
+    named = thicknesses_mm if isinstance(thicknesses_mm, Mapping) else {}
+    values = named.values() if isinstance(thicknesses_mm, Mapping) else thicknesses_mm
+    places = tuple(float(one) for one in values)
+    gauge = GAUGE_MM if gauge_mm is None else gauge_mm
+    spec = read_spec(fspath(folder))
+    measured = Measured(places, mass_g, modulus_kPa, level_deg, bubbles, gauge, note, tuple(named))
+    found = judged(measured, spec, read_points(fspath(folder)))
+    content = {**found.to_dict(), "gauge_mm": gauge, "version": __version__, "date": date.today().isoformat()}
+    path = add_record(Path(folder), STEM, content, apart=("date", "version"), replace=replace)
+    inputs: dict[str, Any] = {
+        "folder": str(folder), "thicknesses_mm": dict(named) or list(places), "mass_g": mass_g,
+        "modulus_kPa": modulus_kPa, "level_deg": level_deg, "bubbles": bubbles, "gauge_mm": gauge, "note": note,
+    }  # fmt: skip
+    warnings = [{"code": "limit_missed", "message": text} for text in found.missed]
+    plain = {key: value for key, value in found.to_dict().items() if key not in ("schema", *inputs)}
+    result = {"inputs": inputs, **plain, "files": {"record": str(path)}, "warnings": warnings, "sources": []}
+    return Result(found, result, "record_pad")

@@ -1,0 +1,415 @@
+"""The call that presses one pad: `predict`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from math import inf, pi, sqrt
+from os import PathLike, fspath
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from dummydesign.api.answers import Result
+from dummydesign.core.errors import InputError
+from dummydesign.core.parsing import (
+    DECELERATION,
+    DEPTH,
+    EDGE,
+    FORCE,
+    HOLD,
+    THICKNESS,
+    VELOCITY,
+    YOUNG,
+    YOUNG_KPA,
+    parts_of,
+    read_allowed,
+    read_number,
+)
+
+if TYPE_CHECKING:
+    from dummydesign.pad.material.relaxation import PronyTerm
+    from dummydesign.pad.predict import MotionPrediction, StaticPrediction
+    from dummydesign.pad.specimen import Pad, Puck
+    from dummydesign.tissue.model.tissue import Tissue
+
+
+def pad_of_inputs(inputs: dict[str, Any]) -> tuple[Pad | Puck, dict[str, float], list[str]]:
+    """Make the pad or puck that is asked for; also its modulus with interval, and sources."""
+    from dummydesign.geometry.punch import equal_area_radius_mm, punch_sides_mm, read_profile
+    from dummydesign.geometry.shape_registry import read_shape
+    from dummydesign.pad.material.hyperelastic import read_law
+    from dummydesign.pad.specimen import SLAB, Pad, Puck
+
+    young, sources, prony = _material(inputs)
+    size_text, punch = inputs["pad"], inputs["punch"]
+    kind, _, size = size_text.partition(":")
+    sides = numbers("pad", size.replace("x", ","))
+    if {"slab": 2, "cylinder": 1}.get(kind) != len(sides) or not min(sides) > 0:
+        message = f"pad '{size_text}' is not of the form slab:LENGTHxWIDTH or cylinder:DIAMETER in mm"
+        raise InputError(message, "malformed", "pad", size_text)
+    cylinder, plate = kind == "cylinder", punch == "plate"
+    if cylinder != plate:
+        message = f"pad '{size_text}' and punch '{punch}': plates press cylinders only"
+        raise InputError(message, "conflict", "punch", punch)
+    law, geometry = read_law(inputs["law"]), read_shape(inputs["shape"])
+    if cylinder:
+        if geometry != SLAB:
+            message = f"shape {geometry} is pressed by a flat punch, not by a profile or plates"
+            raise InputError(message, "conflict", "shape", str(geometry))
+        if inputs["base"] != "bonded":
+            message = f"base = {inputs['base']}: both plates hold a puck alike; say how by --condition"
+            raise InputError(message, "not_applicable", "base", inputs["base"])
+        if inputs["edge_radius_mm"]:
+            message = f"edge_radius_mm = {inputs['edge_radius_mm']:g} is of a punch; plates have no edge"
+            raise InputError(message, "not_applicable", "edge_radius_mm", inputs["edge_radius_mm"])
+        puck = Puck(
+            inputs["thickness_mm"], young["value"] * 1e-3, sides[0], prony, inputs["condition"], inputs["poisson"], law
+        )
+        return puck, young, sources
+    profile = read_profile(punch[len("profile:") :]) if punch.startswith("profile:") else None
+    radius = profile[0][-1] if profile else equal_area_radius_mm(punch)
+    widest = max((punch_sides_mm(punch) if profile is None else None) or (2.0 * radius,))
+    if min(sides) < widest:
+        message = f"pad = {size} mm is smaller than the punch {punch}; its sides must be at least {widest:g} mm"
+        raise InputError(message, "out_of_range", "pad", size)
+    same = {name: inputs[name] for name in ("thickness_mm", "base", "condition", "poisson", "edge_radius_mm")}
+    made = Pad(
+        **same, young_MPa=young["value"] * 1e-3, radius_mm=radius, prony=prony, law=law, geometry=geometry,
+        extent_mm=sqrt(sides[0] * sides[-1] / pi), sides_mm=None if profile else punch_sides_mm(punch),
+        slab_mm=(sides[0], sides[-1]), profile_mm=profile,
+    )  # fmt: skip
+    return made, young, sources
+
+
+def _material(inputs: dict[str, Any]) -> tuple[dict[str, float], list[str], tuple[PronyTerm, ...]]:
+    """Modulus with interval, sources and relaxation, given or from a resin."""
+    prony = _prony(inputs["prony"])
+    if (inputs["young_kPa"] is None) == (inputs["resin"] is None):
+        code = "missing" if inputs["resin"] is None else "conflict"
+        raise InputError("give either --young KPA or --resin NAME with --ratio R", code, "young")
+    if inputs["young_kPa"] is not None:
+        return dict.fromkeys(("value", "low", "high"), inputs["young_kPa"]), [], prony
+    from dummydesign.resin import load_resin
+
+    if inputs["ratio"] is None:
+        raise InputError("--resin needs --ratio, the mixing ratio", "missing", "ratio")
+    resin = load_resin(inputs["resin"])
+    modulus = resin.modulus_kPa(inputs["ratio"])
+    prony = prony if inputs["prony"] is not None else resin.prony(inputs["ratio"])
+    young = {"value": modulus.value, "low": modulus.low, "high": modulus.high}
+    return young, [modulus.source, *resin.references], prony
+
+
+def relaxation_warnings(made: Pad | Puck, moves: bool) -> list[dict[str, str]]:
+    """Warn where a pad without relaxation is pressed in time; ``moves`` says whether it is."""
+    if made.prony or not moves:
+        return []
+    message = (
+        "this pad has no relaxation: its peak force is its steady force. Give --resin with --ratio, or --young with "
+        "--prony TAU:BETA"
+    )
+    return [{"code": "no_relaxation", "message": message}]
+
+
+def pad_warnings(made: Pad | Puck, fidelity: str) -> list[dict[str, str]]:
+    """Warn where a square or rectangle is taken as the circle of its area, or one of several crowns as if alone."""
+    from dummydesign.design.sites import pressed_alone
+    from dummydesign.pad.elastic_force import has_square_factor
+    from dummydesign.pad.specimen import Puck
+
+    if isinstance(made, Puck):
+        return []
+    alone = pressed_alone([len(made.geometry.places_mm)])
+    if made.sides_mm is None or fidelity == "3d":
+        return alone
+    if not has_square_factor(made):
+        message = (
+            "the punch is taken as the circle of equal area; a square is 0 to 3 % stiffer (5 to 20 mm pads), "
+            "a rectangle more; --fidelity 3d solves it"
+        )
+        return [{"code": "equal_area_punch", "message": message}, *alone]
+    message = "what a square adds to the circle of its area is that of sharp edges; half of it is stated as error"
+    return [{"code": "square_with_fillet", "message": message}, *alone] if made.edge_radius_mm else alone
+
+
+def numbers(name: str, text: str | float | Iterable[float]) -> list[float]:
+    """Numbers from text such as ``"1,2"``, one number, or several."""
+    try:
+        if isinstance(text, str):
+            return [float(part) for part in text.split(",")]
+        return [float(text)] if isinstance(text, int | float) else [float(part) for part in text]
+    except (TypeError, ValueError):
+        message = f"--{name} '{text}' is not a list of numbers separated by commas"
+        raise InputError(message, "not_a_number", name, text) from None
+
+
+def _prony(text: str | None) -> tuple[PronyTerm, ...]:
+    """Terms from ``TAU:BETA,...``."""
+    from dummydesign.pad.material.relaxation import PronyTerm
+
+    if not text:
+        return ()
+    terms = []
+    for part in text.split(","):
+        pair = part.split(":")
+        if len(pair) != 2:
+            raise InputError(f"--prony '{part}' is not TAU:BETA, such as 0.1:0.3,1.5:0.3", "malformed", "prony", part)
+        terms.append(PronyTerm(*(numbers("prony", number)[0] for number in pair)))
+    return tuple(terms)
+
+
+STATIC = ("depth_mm", "force_N", "force_low_N", "force_high_N", "local_exponent")
+MOVED = ("time_s", "displacement_mm", "force_N", "force_low_N", "force_high_N")
+
+
+def predict(
+    thickness_mm: float | str,
+    *,
+    young_kPa: float | str | None = None,
+    resin: str | None = None,
+    ratio: float | None = None,
+    depth_mm: str | float | Iterable[float] | None = None,
+    motion: str | PathLike[str] | None = None,
+    force_N: float | str | Iterable[float] | None = None,
+    velocity_mm_s: float | str | Iterable[float] | None = None,
+    hold_s: float | str = 10.0,
+    deceleration_mm_s2: float | str = 30000.0,
+    tissue: str | None = None,
+    aim: str = "average",
+    punch: str = "square:14",
+    condition: str = "bonded",
+    base: str = "bonded",
+    pad: str = "slab:150x120",
+    shape: str = "slab",
+    poisson: float = 0.5,
+    law: str = "neo-hookean",
+    edge_radius_mm: float | str = 0.0,
+    prony: str | None = None,
+    fidelity: str = "table",
+    out: str | PathLike[str] | None = None,
+    fields: str | PathLike[str] | None = None,
+    picture: str | PathLike[str] | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Result:
+    """Force of one pad at static depths, under a measured motion, or in a ramp and hold.
+
+    Parameters
+    ----------
+    thickness_mm : float
+        Of the undeformed pad, or height of a puck. [mm]
+    young_kPa : float, optional
+        Long-term (equilibrium) Young's modulus, in place of ``resin`` and ``ratio``. [kPa]
+    resin : str, optional
+        Name or path; modulus and relaxation are those of the resin at ``ratio``.
+    ratio : float, optional
+        Mixing ratio, in the resin's own definition.
+    depth_mm : numbers or text
+        Static depths such as ``[1, 2]`` or ``"1,2"``; or ``motion``, or ``force_N``. [mm]
+    motion : path
+        CSV with the columns time_s, displacement_mm.
+    force_N, velocity_mm_s : number, numbers or text
+        Force at the end of a ramp and hold, and speed of the ramp. Several of either, such as ``"5,10,15"``, make
+        ``presses`` with one entry for each force at each speed; the other keys are those of the last press. [N, mm/s]
+    hold_s, deceleration_mm_s2 : float
+        Hold after the stop, and braking. [s, mm/s2]
+    tissue, aim : str
+        Hold the pad against a tissue as ``suggest`` does, under presses to 5, 10 and 15 N at 10 and 250 mm/s: the
+        answer then has ``verdict`` and ``conditions``. Depths, a motion or a force may be left out.
+    punch : str
+        ``square:14``, ``round:D``, ``rectangle:AxB``, ``profile:FILE.csv`` or ``plate``.
+    condition, base : str
+        Face and base: ``bonded``, ``frictionless`` (face) or ``sliding`` (base), ``friction:MU``.
+    pad : str
+        ``slab:LxW`` or ``cylinder:DIAMETER``.
+    shape : str
+        Such as ``crowned:10,2``.
+    poisson : float
+        Poisson's ratio; other than 0.5 (incompressible) only by finite elements.
+    law : str
+        ``neo-hookean``, ``yeoh:C2_OVER_MU`` or ``ogden:MU,ALPHA;...``.
+    edge_radius_mm : float
+        Fillet of the punch's edge, 0 (sharp, sides never touch) to 0.3 of its smaller half-width; on a shaped pad with
+        ``fidelity="axisymmetric"``. [mm]
+    prony : str, optional
+        Relaxation ``TAU:BETA,...``, beta relative to the long-term modulus; the resin's by default.
+    fidelity : str
+        ``table``, ``axisymmetric``, ``3d`` or ``viscoelastic``.
+    out : path, optional
+        CSV file of the curve; several presses are written to a file each, named as in ``NAME_5N_10mm_s.csv``.
+    fields : path, optional
+        ``NAME.vtu`` for displacement, stress and contact at the static depths, with fidelity ``axisymmetric``.
+    picture : path, optional
+        ``.png``, ``.svg`` or ``.pdf`` of the deformed cross-section with its stress, at up to four of the depths.
+    progress : callable, optional
+        Called with each solved depth over thickness.
+
+    Returns
+    -------
+    Result
+        The same as ``dummydesign predict --json`` prints for the same question.
+
+    Raises
+    ------
+    InputError
+        For values that are not allowed.
+    NoAnswerError
+        When the force is out of the pad's reach, or a solve fails.
+
+    Examples
+    --------
+    >>> import dummydesign
+    >>> pad = dummydesign.predict(12, young_kPa=25, depth_mm=[1, 2], punch="round:28")
+    >>> [round(force, 2) for force in pad.to_dict()["force_N"]]
+    [4.95, 10.74]
+    """
+    inputs = {name: _in_units(name, value) for name, value in locals().items() if name != "progress"}
+    asked = [name for name in ("depth_mm", "motion", "force_N") if inputs[name] is not None]
+    if len(asked) > 1 or (not asked and tissue is None):
+        message = f"give exactly one of --depth, --motion and --force, not {len(asked)}"
+        raise InputError(message, "conflict" if asked else "missing", "depth")
+    from dummydesign.measurement.motion import read_motion
+    from dummydesign.pad.predict import predict_motion, predict_static
+
+    if (fields or picture) and (depth_mm is None or fidelity != "axisymmetric"):
+        message = "fields and pictures are of static depths: --depth with --fidelity axisymmetric"
+        raise InputError(message, "not_applicable", "fields" if fields else "picture")
+    made, young, sources = pad_of_inputs(inputs)
+    moves = asked != ["depth_mm"] or tissue is not None
+    warnings = relaxation_warnings(made, moves) + pad_warnings(made, fidelity)
+    common: dict[str, Any] = {"inputs": inputs, "sources": sources, "warnings": warnings, "young_kPa": young}
+    common["prony"] = [term.to_dict() for term in made.prony]
+    found: StaticPrediction | MotionPrediction
+    if tissue is not None:
+        compared, site = _against(made, inputs, young)
+        common |= {**compared, "sources": [*sources, *site.sources]}
+        warnings += [] if site.notice is None else [{"code": site.notice[0], "message": site.notice[1]}]
+        if not asked:
+            depths = sorted({row["depth_mm"] for row in common["conditions"] if row["depth_mm"] is not None})
+            depth_mm = depths or [0.25 * made.thickness_mm]
+            asked = ["depth_mm"]
+    if depth_mm is not None:
+        found = predict_static(made, [read_number(depth, DEPTH) for depth in parts_of(depth_mm)], fidelity, progress)
+    elif motion is not None:
+        found = predict_motion(made, read_motion(Path(motion)), fidelity, progress)
+    else:
+        found, reached = _presses(made, inputs, progress)
+        common |= reached
+    result = {**common, **found.to_dict()}
+    result["warnings"] = warnings + [{"code": "stopped_early", "message": note} for note in result.pop("notes")]
+    files: dict[str, Any] = {}
+    if depth_mm is not None and fidelity == "axisymmetric":
+        files = _add_fields(made, result, fields, picture)
+    if out:
+        columns = STATIC if asked == ["depth_mm"] else MOVED
+        files = _write(fspath(out), columns, result) | files
+    return Result(found, result | ({"files": files} if files else {}), "predict")
+
+
+ALLOWED = {
+    "thickness_mm": (THICKNESS, 0.01, 1000.0), "young_kPa": (YOUNG, *YOUNG_KPA), "force_N": (FORCE, 1e-4, 1e5),
+    "velocity_mm_s": (VELOCITY, 1e-4, 1e5), "hold_s": (HOLD, 1e-6, 1e6),
+    "deceleration_mm_s2": (DECELERATION, 1e-3, inf),
+}  # fmt: skip
+"""Purpose, smallest and largest of each number; those of the edge follow from the punch."""
+SEVERAL = ("force_N", "velocity_mm_s")
+"""Of which there may be several."""
+
+
+def _in_units(name: str, value: Any) -> Any:
+    """A number with the unit it came with, several where they are taken, or as it is."""
+    if value is None or name not in ALLOWED:
+        return read_number(value, EDGE) if name == "edge_radius_mm" else value
+    purpose, low, high = ALLOWED[name]
+    if name not in SEVERAL or isinstance(value, int | float):
+        return read_allowed(value, purpose, low, high)
+    found = [read_allowed(part, purpose, low, high) for part in parts_of(value)]
+    if not found:
+        raise InputError(f"{purpose.quantity} has no value; give at least one", "missing", name)
+    return found[0] if len(found) == 1 else found
+
+
+def _against(
+    made: Pad | Puck, inputs: dict[str, Any], young: dict[str, float]
+) -> tuple[dict[str, Any], Tissue]:
+    """Verdict and presses of the pad against a tissue, and the tissue."""
+    from dummydesign.design.pad_evaluator import verdict_of_pad
+    from dummydesign.design.scoring.presses import Sampling
+    from dummydesign.design.suggestion import condition_rows
+    from dummydesign.pad.elastic_force import elastic_curve
+    from dummydesign.pad.specimen import Puck
+    from dummydesign.tissue.model.tissue_file import load_tissue
+
+    if isinstance(made, Puck):
+        message = f"tissue = {inputs['tissue']}: a puck between plates stands for nobody; give pad and punch"
+        raise InputError(message, "not_applicable", "tissue", inputs["tissue"])
+    site = load_tissue(inputs["tissue"])
+    sampling = Sampling(hold_s=inputs["hold_s"], deceleration_mm_s2=inputs["deceleration_mm_s2"])
+    curve = elastic_curve(made, inputs["fidelity"], None, None, None)
+    judged, candidate, targets = verdict_of_pad(made, curve, young, site, inputs["aim"], sampling)
+    return {"verdict": judged.to_dict(), "conditions": condition_rows(candidate, targets, made.geometry)}, site
+
+
+def _add_fields(
+    made: Pad | Puck, result: dict[str, Any], path: str | PathLike[str] | None, picture: str | PathLike[str] | None
+) -> dict[str, Any]:
+    """Put the contact pressures into the answer, and write fields and picture where they are asked for."""
+    from dummydesign.pad.fields.solve import contact_pressures, has_fields, solve_fields
+
+    depths = [depth for depth in result["depth_mm"] if depth > 0.0]
+    if not (path or picture):
+        if depths and has_fields(made):
+            contact, notes = contact_pressures(made, depths)
+            result["contact_pressure"] = contact
+            result["warnings"] += [{"code": "contact_pressure", "message": note} for note in notes]
+        return {}
+    fields, notes = solve_fields(made, depths)
+    result["contact_pressure"] = [pressed.contact() for pressed in fields]
+    result["warnings"] += [{"code": "contact_pressure", "message": note} for note in notes]
+    files: dict[str, Any] = {}
+    if path:
+        from dummydesign.pad.fields.export import write_fields
+
+        files["fields"] = [str(file) for file in write_fields(fields, fspath(path))]
+    if picture:
+        from dummydesign.pad.fields.export import write_picture
+        from dummydesign.pad.specimen import Pad
+
+        assert isinstance(made, Pad)  # a puck was refused by the solve
+        title = f"{made.geometry}, {made.thickness_mm:g} mm, {made.young_MPa * 1e3:.3g} kPa"
+        files["picture"] = str(write_picture(fields, fspath(picture), title))
+    return files
+
+
+def _presses(
+    made: Pad | Puck, inputs: dict[str, Any], progress: Callable[[float], None] | None
+) -> tuple[MotionPrediction, dict[str, Any]]:
+    """The press to the force, or the last in reach of several, with its depth and all of the several."""
+    from dummydesign.pad.predict import press_to_forces
+
+    if inputs["velocity_mm_s"] is None:
+        raise InputError("--force needs --velocity, the speed of the ramp in mm/s", "missing", "velocity")
+    forces, speeds = (value if isinstance(value, list) else [value] for value in (inputs[name] for name in SEVERAL))
+    braking, fidelity = inputs["deceleration_mm_s2"], inputs["fidelity"]
+    presses = press_to_forces(made, forces, speeds, inputs["hold_s"], braking, fidelity, progress)
+    last = [press for press in presses if press.prediction is not None][-1]
+    assert last.prediction is not None
+    several = {} if len(presses) == 1 else {"presses": [press.to_dict() for press in presses]}
+    return last.prediction, {"depth_mm": last.depth_mm, **several}
+
+
+def _write(path: str, columns: tuple[str, ...], result: dict[str, Any]) -> dict[str, str]:
+    """Write the curve, or one file a press that is in reach; return them by role."""
+    from dummydesign.core.files import write_text
+
+    if "presses" not in result:
+        return {"curve": str(write_text(path, _csv(columns, result)))}
+    files, place = {}, Path(path)
+    for press in (press for press in result["presses"] if columns[0] in press):
+        name = f"{press['steady_force_N']:g}N_{press['velocity_mm_s']:g}mm_s"
+        written = write_text(place.with_name(f"{place.stem}_{name}{place.suffix}"), _csv(columns, press))
+        files[f"curve_{name}"] = str(written)
+    return files
+
+
+def _csv(columns: tuple[str, ...], curve: dict[str, Any]) -> str:
+    rows = zip(*(curve[name] for name in columns))
+    return "\n".join([",".join(columns), *(",".join(f"{value:.8g}" for value in row) for row in rows)]) + "\n"

@@ -1,0 +1,350 @@
+"""The calls that read traces: import, fit, compare."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import nullcontext
+from dataclasses import replace as replace_fields
+from os import PathLike, fspath
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from dummydesign.api.answers import Fitted, Result, answer_folder, question
+from dummydesign.core.errors import InputError
+from dummydesign.core.quantity import PAPER
+
+if TYPE_CHECKING:
+    from dummydesign.core.manifest import Question
+    from dummydesign.measurement.importing.decisions import Settings
+    from dummydesign.measurement.trace import Trace
+
+
+LAW_SOURCE = f"{PAPER}, equations (4) to (6)"
+Traces = Iterable["str | PathLike[str] | Trace"]
+Numbers = float | str | Iterable[float | str]
+
+
+def fit(
+    traces: Traces,
+    *,
+    elements: int | str = "auto",
+    law: str = "ode",
+    mode: str = "auto",
+    contact: str = "none",
+    lowpass: str | None = None,
+    out: str | PathLike[str] | None = None,
+    replace: bool = False,
+    progress: Callable[[str], None] | None = None,
+) -> Fitted:
+    """Fit the tissue law to traces of one tissue or dummy; see :func:`dummydesign.tissue.fitting.fit.fit_traces`.
+
+    Parameters
+    ----------
+    traces : iterable of path or Trace
+        CSV files with time_s, displacement_mm, force_N, or traces in memory.
+    elements : 3, 5, 7 or "auto"
+        Springs and dampers of the law: one spring, and two elements for each Maxwell branch.
+    law : str
+        ``ode``, ``consistent`` or ``published``.
+    mode : str
+        ``auto`` (per speed when speeds differ, else joint), ``joint``, ``per-speed`` or ``per-condition``.
+    contact : str
+        ``none``, or ``per-press``: an offset of the contact of each press is fitted too.
+    lowpass : str, optional
+        Filter the forces went through, ``HZ[:ORDER[:PASSES]]``.
+    out : path, optional
+        Tissue file (TOML) to write, with residuals, report and manifest beside it; the next free number when a
+        file of this name is there that another fit wrote.
+    replace : bool
+        Take the place of the other file instead.
+    progress : callable, optional
+        Called with a word at each step.
+
+    Returns
+    -------
+    Fitted
+        The same as ``dummydesign fit --json`` prints for the same question.
+
+    Raises
+    ------
+    InputError
+        For files or settings that cannot be used.
+
+    Examples
+    --------
+    A press that the law itself gives is fitted by the law's own parameters.
+
+    >>> import dummydesign
+    >>> from dummydesign.measurement.motion import ramp_and_hold
+    >>> from dummydesign.measurement.trace import Trace
+    >>> from dummydesign.tissue import load_tissue
+    >>> finger = load_tissue("forefinger").target()
+    >>> motion = ramp_and_hold(10.0, 1.5, hold_s=5.0, hold_points=400)
+    >>> trace = Trace("press", motion.time_s, motion.displacement_mm, finger.force(motion, 10.0))
+    >>> found = dummydesign.fit([trace], elements=5).to_dict()["parameters"]
+    >>> f"{finger.gamma1_N_per_mm3:.3f}, fitted {found['gamma1_N_per_mm3']['value']:.3f}"
+    '3.635, fitted 3.635'
+    """
+    from dummydesign.core.outputs import new_files
+    from dummydesign.measurement.sensor import parse_lowpass
+    from dummydesign.tissue.fitting.fit import fit_traces
+
+    if str(elements) not in ("3", "5", "7", "auto"):
+        message = f"elements = {elements} is not one of 3, 5, 7, auto"
+        raise InputError(message, "unknown_name", "elements", elements, (3, 5, 7, "auto"))
+    count = elements if elements == "auto" else int(elements)
+    passed = parse_lowpass(lowpass)
+    if out is not None and not str(out).lower().endswith(".toml"):
+        message = f"out = '{out}' must end in .toml: a tissue file is written there"
+        raise InputError(message, "bad_name", "out", str(out))
+    names, read = _read(traces)
+    inputs = {
+        "traces": names, "elements": str(elements), "law": law, "mode": mode, "contact": contact,
+        "lowpass": passed.to_dict() if passed else None, "out": None if out is None else fspath(out),
+    }  # fmt: skip
+    asked = _question("fit", inputs, names, read)
+    with nullcontext() if out is None else new_files(out, asked, replace=replace) as output:
+        found = fit_traces(read, count, law, mode, passed, contact=contact, progress=progress)
+        result = {"inputs": inputs, **found.to_dict(), "sources": [LAW_SOURCE], "files": {}}
+        if output is not None:
+            from dummydesign.report.fit import write_fit
+
+            name = f"{output.place.stem}.toml"
+            files = write_fit(found, fspath(output.work / name), [LAW_SOURCE])
+            result |= {"inputs": {**inputs, "out": str(output.folder / name)}, "files": files}
+            result = output.answer(result)
+    return Fitted(found, result)
+
+
+def compare(
+    traces: Traces,
+    tissue: str,
+    *,
+    lowpass: str | None = None,
+    record: str | PathLike[str] | None = None,
+    punch: str = "square:14",
+    edge_radius_mm: float | str = 0.0,
+    force_N: Numbers | None = None,
+    velocity_mm_s: Numbers | None = None,
+    hold_s: float | str | None = None,
+    deceleration_mm_s2: float | str | None = None,
+    condition: str | None = None,
+    out: str | PathLike[str] | None = None,
+    replace: bool = False,
+    progress: Callable[[str], None] | None = None,
+) -> Result:
+    """Compare the traces of a cast dummy with a tissue; see :mod:`dummydesign.tissue.comparison`.
+
+    Parameters
+    ----------
+    traces : iterable of path or Trace
+        CSV files with time_s, displacement_mm, force_N, or traces in memory.
+    tissue : str
+        Name of the library, or path of a TOML file.
+    lowpass : str, optional
+        Filter the forces went through, ``HZ[:ORDER[:PASSES]]``.
+    record : path, optional
+        Record of the pad as it was cast, by ``mold record``: told beside the verdict.
+    punch : str
+        Of the test, as in :func:`dummydesign.suggest`.
+    edge_radius_mm : float
+        Fillet of its edge. [mm]
+    force_N, velocity_mm_s : numbers or text, optional
+        Steady forces and speeds of the test: presses to others are left out, and one that was not made leaves the
+        verdict open. The steady curve is judged from the lowest to the highest force. Without them every press
+        counts as it was made, and the curve from 5 to 15 N. [N, mm/s]
+    hold_s : float, optional
+        Hold of the test: traces that were held longer are cut there; else the hold of each press. [s]
+    deceleration_mm_s2 : float, optional
+        Braking of the robot; else read from each motion. [mm/s2]
+    condition : str, optional
+        How the punch held the face, as in :func:`dummydesign.suggest`: said beside the answer.
+    out : path, optional
+        Folder of tables and report, which are not written without it; the next free number when it holds another
+        answer.
+    replace : bool
+        Take the place of the other answer instead.
+    progress : callable, optional
+        Called with a word at each step.
+
+    Returns
+    -------
+    Result
+        The same as ``dummydesign compare --json`` prints for the same question.
+
+    Raises
+    ------
+    InputError
+        For names or files that cannot be used.
+    """
+    from dummydesign.design.measured_pad import read_test, verdict_of_traces
+    from dummydesign.measurement.pad_record import read_record
+    from dummydesign.measurement.sensor import parse_lowpass
+    from dummydesign.tissue.comparison import compare_traces
+    from dummydesign.tissue.model.tissue_file import load_tissue
+
+    test = read_test(punch, edge_radius_mm, force_N, velocity_mm_s, hold_s, deceleration_mm_s2, condition)
+    site, passed = load_tissue(tissue), parse_lowpass(lowpass)
+    pad = None if record is None else read_record(fspath(record))
+    names, read = _read(traces)
+    inputs = {
+        "traces": names, "tissue": tissue, "lowpass": passed.to_dict() if passed else None, **test.to_dict(),
+        "out": None if out is None else fspath(out), **({} if record is None else {"record": fspath(record)}),
+    }  # fmt: skip
+    more = [fspath(name) for name in (record, punch.partition("profile:")[2] or None) if name is not None]
+    with answer_folder(out, _question("compare", inputs, [*names, *more], read, tissue), replace) as output:
+        found = compare_traces(read, site, passed, test.presses, progress)
+        values = dict(found.result)
+        if pad is not None:
+            values["pad"] = {key: one for key, one in pad.to_dict().items() if key not in ("schema", "limits")}
+        if test.given:
+            values["test"] = test.given
+        missed = [] if pad is None else pad.warnings()
+        values["warnings"] = [*test.warnings(site), *found.result["warnings"], *missed]
+        found = replace_fields(found, result=values)
+        judged = verdict_of_traces(found, site).to_dict()
+        result = {"inputs": inputs, "verdict": judged, **values, "sources": list(site.sources), "files": {}}
+        if output is not None:
+            from dummydesign.report.compare import write_comparison
+
+            files = write_comparison(found, site, output.work, judged)
+            output.extra["summary"] = {"verdict": judged["level"], "text": judged["text"]}
+            result = output.answer({**result, "inputs": {**inputs, "out": str(output.folder)}, "files": files})
+    return Result(found, result, "compare")
+
+
+def _question(
+    command: str, inputs: dict[str, Any], names: list[str], traces: list[Trace], tissue: str | None = None
+) -> Question:
+    """The question of a call with traces; those in memory count by their numbers."""
+    from hashlib import sha256
+
+    numbers = [
+        sha256(b"".join(part.tobytes() for part in (one.time_s, one.displacement_mm, one.force_N))).hexdigest()
+        for one in traces
+    ]
+    files = [name for name in names if Path(name).is_file()]
+    return question(command, {**inputs, "trace_numbers_sha256": numbers}, tissue=tissue, files=files)
+
+
+def _read(traces: Traces) -> tuple[list[str], list[Trace]]:
+    """Names and traces; files are read."""
+    from dummydesign.measurement.trace import Trace, read_trace
+
+    given = list(traces)
+    read = [trace if isinstance(trace, Trace) else read_trace(fspath(trace)) for trace in given]
+    names = [one.name if isinstance(one, Trace) else fspath(one) for one in given]
+    for one in read:
+        back = (one.time_s[1:] <= one.time_s[:-1]).nonzero()[0]
+        if len(back):
+            at = int(back[0]) + 1
+            message = f"{one.name}: time_s does not increase at sample {at} ({one.time_s[at]:g} s)"
+            raise InputError(message, "malformed", "time_s", float(one.time_s[at]))
+    return names, read
+
+
+def import_traces(
+    files: Iterable[str | PathLike[str]],
+    *,
+    profile: str | None = None,
+    save_profile: str | None = None,
+    columns: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
+    separator: str | None = None,
+    decimal: str | None = None,
+    encoding: str | None = None,
+    skip: int | None = None,
+    flip: Iterable[str] | None = None,
+    tare: str | None = None,
+    contact: str | None = None,
+    split: str | None = None,
+    out: str | PathLike[str] | None = None,
+    replace: bool = False,
+) -> Result:
+    """Read files as test machines wrote them, and write each press as a trace.
+
+    What is None is taken from the profile, and where there is none from the file.
+
+    Parameters
+    ----------
+    files : iterable of path
+        Files, or folders that stand for the files in them.
+    profile : str, optional
+        Settings kept for a machine: a name, or the path of a TOML file.
+    save_profile : str, optional
+        Name to keep the settings under, with the columns and signs of text that were found.
+    columns, units : mapping, optional
+        From ``time``, ``displacement`` and ``force`` to a column's name or number, and to a unit.
+    separator, decimal, encoding : str, optional
+        Between columns (``tab``, ``semicolon``, ``comma``, ``bar``, ``spaces``), the decimal sign (``.`` or ``,``),
+        and the encoding (``utf-8``, ``cp1252``, ...).
+    skip : int, optional
+        Lines to leave out at the start.
+    flip : iterable of str, optional
+        Which of ``displacement`` and ``force`` to negate; empty for none.
+    tare, contact : str, optional
+        ``auto``, ``none``, or the reading at no force and at contact, as the file counts it, in N and mm.
+    split : str, optional
+        ``auto`` or ``none``.
+    out : path, optional
+        Folder of the traces and of the preview, which are not written without it; the next free number when it
+        holds another answer.
+    replace : bool
+        Take the place of another answer in ``out``, and with ``save_profile`` that of a profile of its name.
+
+    Returns
+    -------
+    Result
+        The same as ``dummydesign import --json`` prints; ``found`` is the list of
+        :class:`~dummydesign.measurement.importing.read.Imported`, with the presses as arrays.
+
+    Raises
+    ------
+    InputError
+        For files that cannot be read, and for what they leave open: then with the option that settles it.
+    """
+    from dummydesign.measurement.importing.profiles import learned
+    from dummydesign.measurement.importing.profiles import save_profile as keep
+    from dummydesign.measurement.importing.read import describe, import_files, plan_traces, write_traces
+
+    given: dict[str, Any] = {"columns": columns, "units": units, "separator": separator, "decimal": decimal,
+                             "encoding": encoding, "skip": skip, "tare": tare, "contact": contact, "split": split,
+                             "flip": None if flip is None else frozenset(flip)}  # fmt: skip
+    settings = _settings(profile, {key: value for key, value in given.items() if value is not None})
+    names = [fspath(name) for name in files]
+    imported, warnings = import_files(names, settings)
+    inputs = {"files": names, "profile": profile, **settings.to_dict(), "save_profile": save_profile,
+              "out": None if out is None else fspath(out)}  # fmt: skip
+    planned = plan_traces(imported, None if out is None else Path(out))
+    found = describe(imported, planned)
+    of_files = [warning for one in found for warning in one["warnings"]]
+    result: dict[str, Any] = {"inputs": inputs, "files": found, "preview": None, "warnings": [*of_files, *warnings]}
+    profiles: dict[str, str] = {}
+    with answer_folder(out, question("import", inputs, files=[one.source for one in imported]), replace) as output:
+        if save_profile:
+            # first: a name that is taken must not leave traces behind
+            profiles = {"profile": str(keep(save_profile, learned(settings, imported), replace))}
+        if output is not None:
+            from dummydesign.report.import_preview import write_preview
+
+            write_traces(planned, output.work)
+            output.extra["summary"] = {"traces": sum(len(one["traces"]) for one in found)}
+            result["preview"] = output.settled(write_preview(output.work, imported, found, warnings))
+            result["inputs"] = {**inputs, "out": str(output.folder)}
+            result["manifest"] = str(output.folder / output.place.manifest)
+            result["warnings"] += output.place.warnings
+    return Result(imported, result | profiles, "import_traces")
+
+
+def _settings(profile: str | None, given: dict[str, Any]) -> Settings:
+    """What the caller and the profile settle together; the caller wins."""
+    from dataclasses import replace
+
+    from dummydesign.measurement.importing.decisions import Settings
+    from dummydesign.measurement.importing.profiles import load_profile
+
+    base = load_profile(profile) if profile else Settings()
+    for key in ("columns", "units"):
+        if key in given:
+            given[key] = {**getattr(base, key), **given[key]}
+    return replace(base, **given)

@@ -1,0 +1,255 @@
+"""``dummydesign campaign``: plan the presses of a cast pad, check how far they are, make a campaign of files."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from dummydesign.cli.common_options import add_replace_option
+from dummydesign.cli.text import file_lines, warning_lines
+from dummydesign.core.errors import InputError, NoAnswerError
+
+HELP = "Plan presses (randomised, with a sheet to press from), check them, or make a campaign of files."
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the actions."""
+    actions = parser.add_subparsers(dest="action", required=True, metavar="new|check|from-files", help="what to do")
+    new = actions.add_parser("new", help="a plan, campaign.toml and a sheet to press from", allow_abbrev=False)
+    new.add_argument("folder", metavar="DIR", help="folder to make")
+    add = new.add_argument
+    add("--pads", metavar="MM,...", help="thicknesses of the pads (default 5,15,20)")
+    moulds = "press the pads of these moulds: thickness, shape, outline, resin and ratio of folders of 'mold'"
+    add("--from-mould", metavar="DIR,...", help=moulds)
+    add("--velocity", metavar="MM_S,...", help="default 10,250")
+    add("--force", metavar="N,...", help="steady forces to press to (default 3,7,12)")
+    add("--depth", metavar="MM,...", help="depths to press to, instead of forces")
+    add("--repeats", type=int, metavar="N", help="of every condition, on different days (default 2)")
+    add("--ages", metavar="DAYS,...", help="age of the pads on each day of pressing (default 9,14,29)")
+    add("--rest", type=float, metavar="S", help="rest between presses of a pad (default 60)")
+    add("--hold", type=float, metavar="S", help="default 10")
+    add("--seed", type=int, default=1, metavar="N", help="of the order (default 1)")
+    add("--no-power", action="store_true", help="do not work out which effects the plan cannot see or tell apart")
+    add("--moulds", action="store_true", help="make the moulds of all pads too, in DIR-moulds (needs --resin)")
+    add("--preset", default="open", metavar="NAME|FILE", help="of the moulds (default open)")
+    check = actions.add_parser("check", help="what is not yet pressed, and problems", allow_abbrev=False)
+    check.add_argument("folder", metavar="DIR", help="folder with campaign.toml")
+    files = actions.add_parser("from-files", help="campaign.toml from traces one has", allow_abbrev=False)
+    files.add_argument("folder", metavar="DIR", help="folder to make; the traces are copied into it")
+    files.add_argument("files", nargs="+", metavar="FILE", help="traces, named such as t05_v010_f03_1.csv")
+    files.add_argument("--table", metavar="trials.csv", help="file,thickness_mm,velocity_mm_s,... of each press")
+    files.add_argument("--thickness", type=float, metavar="MM", help="of pads whose file name and row do not say")
+    for action in (new, files):
+        _set_up_options(action)
+        add_replace_option(action)
+
+
+def _set_up_options(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add("--name", help="of the campaign (default the folder's)")
+    add("--young", metavar="KPA", help="nominal modulus of the pads")
+    add("--resin", metavar="NAME", help="or the resin they are cast of, with --ratio")
+    add("--ratio", type=float, metavar="R", help="mixing ratio")
+    add("--pad", metavar="LxW|cylinder:D", help="outline in mm (default 150x120)")
+    shape = "of the pads on their base, with its lengths: crowned:radius=20,height=3,foot=11 (default slab)"
+    add("--shape", metavar="NAME:P,..", help=shape)
+    punches = "square:14 (default), round:D, ball:D, profile:FILE.csv or plate"
+    add("--punch", default="square:14", metavar="SHAPE", help=punches)
+    add("--edge-radius", type=float, default=0.0, metavar="MM", help="fillet of the punch's edge (default 0, sharp)")
+    add("--base", default="bonded", help="bonded (default), sliding or friction:MU")
+    add("--contact", default="bonded", help="of the punch: bonded (default), frictionless or friction:MU")
+    add("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help="filter the force went through before it was saved")
+
+
+def run(options: argparse.Namespace) -> dict[str, Any]:
+    """Do the action and return plain values."""
+    if options.action == "check":
+        from dummydesign.api.campaigns import check_campaign
+
+        found = check_campaign(options.folder).to_dict()
+        if found["wrong"]:
+            count = len(found["wrong"])
+            problems = f"{count} problem{'s' if count > 1 else ''} in {options.folder}"
+            raise NoAnswerError("campaign_wrong", problems, found, "campaign")
+        return found
+    moulded = _moulded(options) if options.action == "new" and options.from_mould is not None else None
+    set_up = _set_up(options, moulded)
+    if options.action == "from-files":
+        from dummydesign.api.campaigns import campaign_from_files
+
+        return campaign_from_files(
+            options.folder, options.files, set_up, table=options.table, thickness_mm=options.thickness,
+            replace=options.replace,
+        ).to_dict()  # fmt: skip
+    from dummydesign.api.campaigns import plan_campaign
+
+    design = _design(options, moulded)
+    moulds = _moulds(options, set_up, design) if options.moulds else None
+    plan = plan_campaign(options.folder, set_up, design, power=not options.no_power, replace=options.replace).to_dict()
+    if moulded is not None:
+        plan["inputs"]["from_mould"] = list(moulded.folders)
+    elif options.pads is None:
+        plan["warnings"] = [*plan["warnings"], *_unused_moulds()]
+    return plan if moulds is None else _with_moulds(plan, moulds)
+
+
+def _moulded(options: argparse.Namespace) -> Any:
+    """The pads of the moulds that are named; what they settle cannot be typed too."""
+    from dummydesign.mold.moulded_pads import moulded_pads
+
+    for name in ("pads", "pad", "shape", "moulds"):
+        if getattr(options, name):
+            message = f"--from-mould with --{name}: the moulds settle it; leave one of the two out"
+            raise InputError(message, "conflict", name)
+    found = moulded_pads([part for part in options.from_mould.split(",") if part])
+    if options.young is None:
+        # a batch of one's own, or another ratio in the same mould, is typed
+        resin, ratio = found.pour() if options.resin is None or options.ratio is None else (None, None)
+        options.resin = resin if options.resin is None else options.resin
+        options.ratio = ratio if options.ratio is None else options.ratio
+    return found
+
+
+def _unused_moulds() -> list[dict[str, str]]:
+    """A hint in a project that has moulds."""
+    import os
+    import shlex
+
+    from dummydesign.mold.moulded_pads import SPEC
+    from dummydesign.project.folder import find_project
+
+    project = find_project()
+    made = [] if project is None else [
+        folder for room in ("moulds", "designs") for folder in sorted((project.root / room).glob("[!.]*"))
+        if (folder / SPEC).is_file() or any(folder.glob(f"[!.]*/{SPEC}"))
+    ]  # fmt: skip
+    if not made:
+        return []
+    listed = shlex.quote(",".join(os.path.relpath(folder) for folder in made))
+    message = f"the pads are the default ones, not those of the project's moulds; --from-mould {listed} plans these"
+    return [{"code": "moulds_not_used", "message": message}]
+
+
+def _moulds(options: argparse.Namespace, set_up: Any, design: Any) -> dict[str, Any]:
+    """What the moulds' call is asked; refused before anything is written."""
+    from dummydesign.mold.model.preset import mould_spec
+    from dummydesign.mold.model.spec import PUCK, read_kind
+
+    if options.resin is None or options.ratio is None:
+        message = "--moulds: say what is poured, --resin NAME with --ratio R"
+        raise InputError(message, "missing", "resin" if options.resin is None else "ratio")
+    pad = set_up.tables()["pad"]
+    shape = PUCK if "diameter_mm" in pad else set_up.shape
+    length, width = (pad.get(name, pad.get("diameter_mm")) for name in ("length_mm", "width_mm"))
+    asked = {"length_mm": length, "width_mm": width, "preset": options.preset, "resin": options.resin,
+             "ratio": options.ratio}  # fmt: skip
+    kind, parameters = read_kind(shape)
+    for one in design.pads_mm:
+        mould_spec(one, kind=kind, parameters=parameters, **asked)
+    return {**asked, "thickness_mm": design.pads_mm, "shape": shape, "replace": options.replace}
+
+
+def _with_moulds(plan: dict[str, Any], asked: dict[str, Any]) -> dict[str, Any]:
+    """The plan, and the moulds of its pads in a folder beside it."""
+    from pathlib import Path
+
+    from dummydesign.api.moulds import make_mould
+
+    folder = Path(plan["inputs"]["folder"])
+    try:
+        made = make_mould(**asked, out=folder.with_name(f"{folder.name}-moulds")).to_dict()
+    except NoAnswerError as problem:
+        message = f"the plan is in {folder}, its moulds are missing: {problem}"
+        raise NoAnswerError(problem.code, message, plan, problem.quantity) from None
+    roles = ("job", "manifest") if "moulds" in made else ("pour_sheet", "manifest")
+    files = {f"moulds_{role}": made["files"][role] for role in roles if role in made["files"]}
+    needed = {"bill_of_materials": made["bill_of_materials"]} if "bill_of_materials" in made else {}
+    return {**plan, "files": {**plan["files"], **files}, "moulds": made["inputs"], **needed,
+            "warnings": [*plan["warnings"], *made["warnings"]]}  # fmt: skip
+
+
+def _set_up(options: argparse.Namespace, moulded: Any = None) -> Any:
+    from pathlib import Path
+
+    from dummydesign.core.parsing import YOUNG, YOUNG_KPA, read_allowed
+    from dummydesign.measurement.campaign_file import SetUp
+    from dummydesign.measurement.sensor import parse_lowpass
+
+    if options.resin is not None:
+        from dummydesign.resin import load_resin
+
+        material = load_resin(options.resin)
+        if options.ratio is not None:
+            material.check_ratio(options.ratio)
+    young = None if options.young is None else read_allowed(options.young, YOUNG, *YOUNG_KPA)
+    return SetUp(
+        options.name or Path(options.folder).resolve().name, young, options.resin, options.ratio,
+        moulded.outline if moulded else options.pad or "150x120", options.punch, options.base, options.contact,
+        parse_lowpass(options.lowpass), shape=moulded.shape if moulded else options.shape or "slab",
+        edge_radius_mm=options.edge_radius, shapes=moulded.shapes if moulded and moulded.mixed else (),
+    )  # fmt: skip
+
+
+def _design(options: argparse.Namespace, moulded: Any = None) -> Any:
+    from dummydesign.measurement.campaign_plan import PlanSettings
+
+    if options.force is not None and options.depth is not None:
+        raise InputError("--force and --depth: press to the one or to the other", "conflict", "depth")
+    given: dict[str, Any] = {
+        "pads_mm": moulded.pads_mm if moulded else _numbers("pads", options.pads),
+        "velocities_mm_s": _numbers("velocity", options.velocity),
+        "targets": _numbers("depth", options.depth) or _numbers("force", options.force), "repeats": options.repeats,
+        "ages_days": _numbers("ages", options.ages), "rest_s": options.rest, "hold_s": options.hold,
+    }  # fmt: skip
+    given = {key: value for key, value in given.items() if value is not None}
+    return PlanSettings(**given, by_depth=options.depth is not None, seed=options.seed)
+
+
+def _numbers(option: str, text: str | None) -> tuple[float, ...] | None:
+    if text is None:
+        return None
+    try:
+        return tuple(float(part) for part in text.split(","))
+    except ValueError:
+        message = f"--{option} {text} must be numbers separated by commas"
+        raise InputError(message, "not_a_number", option, text) from None
+
+
+def render(result: dict[str, Any]) -> str:
+    """Make the readable text."""
+    if "ready" in result:
+        return _status(result)
+    made = [f"{one['what']:<28} {one['value']} (by {one['why']})" for one in result.get("decisions", [])]
+    lines = made if "decisions" in result else _plan(result)
+    return "\n".join(lines + file_lines(result) + warning_lines(result))
+
+
+def _plan(result: dict[str, Any]) -> list[str]:
+    trials = result["trials"]
+    days = sorted({trial["age_days"] for trial in trials})
+    per_day = ", ".join(f"{sum(t['age_days'] == day for t in trials)} at {day:g} days" for day in days)
+    back = sum(trial["unload"] for trial in trials)
+    lines = [f"{len(trials)} presses in a drawn order: {per_day}; {back} record the way back"]
+    power = result["power"]
+    if power is None:
+        return lines
+    lines.append(f"seen at their usual size: {', '.join(power['seen']) or 'nothing'}")
+    if power["hidden"]:
+        hidden = ", ".join(f"{name} ({size:.1f} standard deviations)" for name, size in power["hidden"].items())
+        lines.append(f"hidden at their usual size: {hidden}")
+    for pair in power["alike"]:
+        lines.append(f"look alike: {' and '.join(pair['effects'])} (cosine {pair['cosine']:.2f})")
+    lines += [f"not testable: {name}: {reason}" for name, reason in power["untested"].items()]
+    return lines
+
+
+def _status(result: dict[str, Any]) -> str:
+    done, left = len(result["pressed"]), len(result["missing"])
+    lines = [f"{result['name']}: {done} of {done + left} presses are there"]
+    lines += [f"to press: {name}" for name in result["missing"][:5]]
+    if left > 5:
+        lines.append(f"  ... and {left - 5} more")
+    lines += [f"wrong: {one['file']}{': ' if one['file'] else ''}{one['message']}" for one in result["wrong"]]
+    if result["ready"]:
+        lines.append(f"ready: dummydesign loop {result['inputs']['folder']}")
+    return "\n".join(lines + warning_lines(result))

@@ -1,0 +1,89 @@
+"""``dummydesign compare``: is a measured dummy inside the tissue's ranges?"""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from dummydesign.cli.common_options import add_replace_option, call_in_steps
+from dummydesign.cli.text import file_lines, tissue_lines, verdict_lines, warning_lines
+
+HELP = "Compare the traces of a cast dummy with a tissue: parameters, steady-state range, force variation range."
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("traces", nargs="+", metavar="TRACE.csv", help="time_s,displacement_mm,force_N")
+    parser.add_argument("--tissue", required=True, metavar="NAME|FILE", help="see 'dummydesign tissues list'")
+    parser.add_argument("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help="filter the force went through")
+    parser.add_argument("--record", metavar="FILE", help="the pad as it was cast, by 'mold record'")
+    parser.add_argument("--out", metavar="DIR", help="folder of the files (default compare-TISSUE)")
+    add_replace_option(parser)
+    test = parser.add_argument_group(
+        "your own test", "as 'suggest' has it; without these each press counts as it was made. Numbers may carry a unit"
+    )
+    punches = "square:14 (default), rectangle:AxB, round:D, ball:D, profile:FILE.csv"
+    test.add_argument("--punch", default="square:14", metavar="KIND:SIZE", help=punches)
+    test.add_argument("--edge-radius", default=0.0, metavar="MM", help="fillet of the punch's edge (default 0, sharp)")
+    faces = "bonded (default; under a ball or a profile frictionless), frictionless, friction:MU: said in the report"
+    test.add_argument("--condition", metavar="NAME", help=faces)
+    test.add_argument("--force", metavar="F1,F2,...", help="steady forces in N: presses to others are left out")
+    test.add_argument("--velocity", metavar="V1,V2,...", help="speeds in mm/s: presses at others are left out")
+    test.add_argument("--hold", metavar="S", help="hold after the stop: longer traces are cut there")
+    test.add_argument("--deceleration", metavar="MM_S2", help="braking (default: read from the motion)")
+
+
+ABOUT_STEPS = 13
+"""Steps of a usual comparison: those of the fit, and the tissue's ranges."""
+
+
+def run(options: argparse.Namespace) -> dict[str, Any]:
+    """Read, compare, write tables and report."""
+    from dummydesign.api.traces import compare
+
+    return call_in_steps(ABOUT_STEPS, compare, options).to_dict()
+
+
+def default_out(options: argparse.Namespace) -> str:
+    """Name of the folder when none is typed."""
+    from pathlib import Path
+
+    return f"compare-{Path(options.tissue).stem}"
+
+
+def render(result: dict[str, Any]) -> str:
+    """Make the readable tables."""
+
+    def text(value: float | None) -> str:
+        return "-" if value is None else f"{value:.4g}"
+
+    law = "measured curves, no law" if result["law"] == "curves" else f"law {result['law']}"
+    lines = [*verdict_lines(result["verdict"]), *tissue_lines(result), f"against {result['tissue']}, {law}"]
+    if "pad" in result:
+        pad = result["pad"]
+        force = "" if pad["force_percent"] is None else f", force {pad['force_percent']:+.1f} % off the designed pad's"
+        state = "accepted" if pad["accepted"] else "not accepted"
+        lines.append(f"pad of {pad['thickness_mm']:.2f} +- {pad['thickness_sd_mm']:.2f} mm as cast, {state}{force}")
+    if result["parametric"]:
+        lines.append(
+            f"{'parameter':<22} {'dummy':>10} {'95 % low':>10} {'95 % high':>10} {'band low':>10} {'band high':>10}"
+        )
+    for name, row in result["parametric"].items():
+        place = {True: "inside", False: "outside", None: "no band"}[row["inside"]]
+        cells = " ".join(f"{text(row[key]):>10}" for key in ("value", "low", "high", "band_low", "band_high"))
+        lines.append(f"{name:<22} {cells}  {place}")
+    steady = result["steady_state_range"]
+    lines.append("steady-state curve, fraction in range of the force reached:")
+    low, high = steady["span_N"]
+    spans = (f"{0.1 * low:g} to {low:g} N", "below_5N_fraction"), (f"{low:g} to {high:g} N", "above_5N_fraction")
+    for label, key in spans:
+        share = steady[key]
+        lines.append(f"  {label:<11} {'not reached' if share is None else f'{100 * share:.0f} %'}")
+    lines.append(f"{'mm/s':>6} {'steady N':>9} {'depth mm':>9} {'peak N':>8} {'range of peak N':>17} {'inside':>7}")
+    for row in result["force_variation_range"]:
+        span = f"{row['range_peak_low_N']:.2f} to {row['range_peak_high_N']:.2f}"
+        lines.append(
+            f"{row['velocity_mm_s']:>6.4g} {row['steady_force_N']:>9.3f} {row['depth_mm']:>9.3f} "
+            f"{row['peak_force_N']:>8.3f} {span:>17} {100 * row['inside_fraction']:>5.0f} %"
+        )
+    return "\n".join(lines + warning_lines(result) + file_lines(result))

@@ -1,0 +1,114 @@
+"""``dummydesign import``: what a test machine wrote becomes traces, one press each."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from typing import Any
+
+from dummydesign.cli.common_options import call
+from dummydesign.core.errors import InputError
+
+HELP = "Read the files of test machines: each press a trace, tared, zero at contact, compression positive."
+ROLES = ("time", "displacement", "force")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    add = parser.add_argument
+    add("files", nargs="*", metavar="FILE|FOLDER", help="text in any usual form, or .xlsx (extra xlsx)")
+    add("--profile", metavar="NAME|FILE", help="settings kept for a machine; other options win over it")
+    add("--save-profile", metavar="NAME", help="keep what was given and found under this name")
+    add("--list", action="store_true", help="show the profiles")
+    add("--columns", metavar="time=NAME,...", help="column of time, displacement or force: its name or number")
+    add("--units", metavar="time=s,...", help="unit of time, displacement or force; 0.5N is what one count is")
+    add("--separator", metavar="C", help="between columns: tab, semicolon, comma, bar or spaces")
+    add("--decimal", metavar="C", help="decimal sign: . or ,")
+    add("--encoding", metavar="E", help="such as utf-8, utf-16, cp1252, cp932")
+    add("--skip", metavar="N", help="lines to leave out at the start of the file")
+    add("--flip", metavar="WHICH", help="displacement, force, both with a comma, or none (default: by what they do)")
+    add("--tare", metavar="auto|none|N", help="reading at no force, as the file counts it (default auto: lead-in)")
+    add("--contact", metavar="auto|none|MM", help="reading at contact, as the file counts it (default auto: by force)")
+    add("--split", metavar="auto|none", help="auto: parted where force and depth return to zero; none: one press")
+    add("--out", metavar="DIR", help="folder of the traces (default import-NAME)")
+    add("--replace", action="store_true", help="take the place of another answer in --out, or of the profile's name")
+
+
+def run(options: argparse.Namespace) -> dict[str, Any]:
+    """Read, decide, write traces and preview; or list the profiles."""
+    if options.list:
+        from dummydesign.measurement.importing.profiles import list_profiles
+
+        rows = [{"name": one.name, "origin": one.origin, "path": str(one.path)} for one in list_profiles()]
+        return {"inputs": {"list": True}, "profiles": rows}
+    if not options.files:
+        raise InputError("import needs a FILE or FOLDER (or --list for the profiles)", "missing", "files")
+    from dummydesign.api.traces import import_traces
+
+    if options.skip is not None and not options.skip.isdigit():
+        message = f"--skip {options.skip} is not a whole number of lines from 0"
+        raise InputError(message, "not_a_number", "skip", options.skip)
+    return call(
+        import_traces,
+        options,
+        columns=None if options.columns is None else pairs("columns", options.columns),
+        units=None if options.units is None else pairs("units", options.units),
+        decimal={"dot": ".", "point": ".", "comma": ","}.get(options.decimal, options.decimal),
+        skip=None if options.skip is None else int(options.skip),
+        flip=None if options.flip is None else [] if options.flip == "none" else options.flip.split(","),
+    ).to_dict()
+
+
+def pairs(option: str, text: str) -> dict[str, str]:
+    """Read ``time=NAME,displacement=NAME,force=NAME``; a name may hold commas, for only a role begins a new part."""
+    parts = re.split(rf"(?:^|,)\s*({'|'.join(ROLES)})\s*=", text)
+    if parts[0].strip() or len(parts) < 3:
+        message = f"--{option} {text} must give ROLE=VALUE,... with roles {', '.join(ROLES)}"
+        raise InputError(message, "malformed", option, text)
+    found: dict[str, str] = {}
+    for role, value in zip(parts[1::2], parts[2::2]):
+        if role in found or not value.strip():
+            message = f"--{option} {text}: {role} is given twice or is empty"
+            raise InputError(message, "duplicate" if role in found else "missing", option, text)
+        found[role] = value.strip()
+    return found
+
+
+def default_out(options: argparse.Namespace) -> str | None:
+    """Name of the folder when none is typed; None without files."""
+    from pathlib import Path
+
+    names = options.files
+    if not names:
+        return None
+    if len(names) > 1:
+        return "import"
+    path = Path(names[0]).resolve()
+    return f"import-{path.name if path.is_dir() else path.stem}"
+
+
+def render(result: dict[str, Any]) -> str:
+    """Make the readable tables."""
+    if "profiles" in result:
+        rows = [f"{one['name']:<20} {one['origin']:<9} {one['path']}" for one in result["profiles"]]
+        return "\n".join(rows) if rows else "no profiles yet; 'dummydesign import FILE --save-profile NAME' keeps one"
+    lines = []
+    for one in result["files"]:
+        lines.append(one["source"])
+        wide = max(len(decision["what"]) for decision in one["decisions"])
+        for decision in one["decisions"]:
+            lines.append(f"  {decision['what']:<{wide}}  {decision['value']}: {decision['why']}")
+        head = ("samples", "mm/s", "hold s", "mm", "peak N", "steady N")
+        lines.append(f"  {'trace':<28}" + "".join(f" {text:>8}" for text in head))
+        for trace in one["traces"]:
+            steady = "-" if trace["steady_force_N"] is None else f"{trace['steady_force_N']:.3f}"
+            lines.append(
+                f"  {trace['file'][:28]:<28} {trace['samples']:>8} {trace['velocity_mm_s']:>8.4g} "
+                f"{trace['hold_s']:>8.3g} {trace['depth_mm']:>8.3f} {trace['peak_force_N']:>8.3f} {steady:>8}"
+            )
+    lines += [f"warning: {warning['message']}" for warning in result["warnings"]]
+    lines.append(f"traces in: {result['inputs']['out']}")
+    lines.append(f"preview: {result['preview']}")
+    if "profile" in result:
+        lines.append(f"profile: {result['profile']}")
+    return "\n".join(lines)

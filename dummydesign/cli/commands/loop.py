@@ -1,0 +1,82 @@
+"""``dummydesign loop``: residual, missing effect and corrected model of a measured campaign."""
+
+from __future__ import annotations
+
+import argparse
+from textwrap import wrap
+from typing import Any
+
+from dummydesign.cli.common_options import add_effect_option, add_replace_option, call_in_steps
+from dummydesign.cli.text import file_lines, warning_lines
+
+HELP = "Measured campaign: residual, the effect the model lacks, the corrected model, and what to measure next."
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("campaign", metavar="CAMPAIGN_DIR", help="folder with campaign.toml and one CSV per trial")
+    parser.add_argument("--out", metavar="DIR", help="where report and calibration go (default: loop-NAME)")
+    parser.add_argument(
+        "--prior", metavar="CALIBRATION", help="calibration.json of an earlier campaign of the same material"
+    )
+    parser.add_argument("--plan", metavar="DIR", help="where the next measurement goes, as a campaign to press")
+    add_replace_option(parser)
+    add_effect_option(parser)
+
+
+ABOUT_STEPS = 18
+"""Steps of a usual campaign: base, single effects, one more of them, what is left, the next measurement."""
+
+
+def run(options: argparse.Namespace) -> dict[str, Any]:
+    """Run the loop and write report and calibration."""
+    from dummydesign.api.campaigns import calibrate
+
+    return call_in_steps(ABOUT_STEPS, calibrate, options).to_dict()
+
+
+def default_out(options: argparse.Namespace) -> str:
+    """Name of the folder when none is typed."""
+    from pathlib import Path
+
+    return f"loop-{Path(options.campaign).resolve().name}"
+
+
+def render(result: dict[str, Any]) -> str:
+    """The answer in words, then the readable tables."""
+
+    def number(value: float | None, form: str = ".4f") -> str:
+        return "-" if value is None else format(value, form)
+
+    lines = [line for text in result["answer"] for line in wrap(text, 110, subsequent_indent="  ")]
+    lines += ["", f"verdict: {result['verdict']}"]
+    over, expected = (result["residual"][f"{name}_over_noise_floor"] for name in ("heldout", "expected"))
+    if over is not None:
+        lines.append(f"left out: predicted to {over:.2f} noise floors; {expected:.2f} when nothing is missing")
+    for reason in result["residual"]["unexplained_because"]:
+        lines.append(f"  unexplained: {reason}")
+    for effect in result["effects"]:
+        lines.append(f"effect {effect['name']}: evidence {effect['evidence']:.0f} (needed {effect['threshold']:.0f})")
+        for name, value in effect["parameters"].items():
+            lines.append(f"  {name} = {value['value']:.4g}  (95 %: {value['low']:.4g} to {value['high']:.4g})")
+        if effect["confounded_with"]:
+            lines.append(f"  equally good explanations: {', '.join(effect['confounded_with'])}")
+        if effect["family"]:
+            lines.append(f"  indistinguishable in this campaign: {', '.join(effect['family'])}")
+    lines.append(f"{'':<8} {'fitted N':>9} {'held-out N':>11} {'noise floor N':>14} {'lack of fit p':>14}")
+    for label in ("base", "after"):
+        error = result[label]["error"]
+        lines.append(
+            f"{label:<8} {number(error['train_rmse_N']):>9} {number(error['heldout_rmse_N']):>11} "
+            f"{number(error['noise_floor_N']):>14} {number(error['lack_of_fit_p']):>14}"
+        )
+    lines.append(f"{'parameter':<12} {'base':>10} {'after':>10} {'95 % low':>10} {'95 % high':>10}")
+    for name, after in result["after"]["parameters"].items():
+        base = result["base"]["parameters"][name]["value"]
+        row = (base, after["value"], after["low"], after["high"])
+        lines.append(f"{name:<12} " + " ".join(f"{v:>10.4g}" for v in row))
+    lines.append("evidence of each effect alone:")
+    lines += [f"  {row['name']:<28} {row['evidence']:>10.1f}" for row in result["ranking"]]
+    if result["next_measurement"]:
+        lines.append(f"next: {result['next_measurement']['text']}")
+    return "\n".join(lines + warning_lines(result) + file_lines(result))

@@ -1,0 +1,226 @@
+"""`dummydesign mold`: mould, master, frame and pour sheet of a pad; `mold record`."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from dummydesign.cli.common_options import add_replace_option, call
+from dummydesign.cli.progress import Watch
+from dummydesign.core.errors import InputError, NoAnswerError, quantity_name
+
+RECORD_HELP = "keep what was really poured, and say which limits the pad misses"
+
+
+def add_record_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the measured values."""
+    parser.add_argument("folder", metavar="DIR", help="folder that mold wrote")
+    add = parser.add_argument
+    add("--thickness", dest="thicknesses", metavar="NAME=MM,..", required=True,
+        help="at the gauge points of the pour sheet; of a flat pad also five or more numbers")  # fmt: skip
+    add("--mass", type=float, metavar="G", required=True, help="of the trimmed pad")
+    add("--modulus", type=float, metavar="KPA", help="of the witness puck, from resins add-compression")
+    add("--level", type=float, metavar="DEG", help="as read when the mould was filled")
+    add("--bubbles", type=int, metavar="N", help="over 1 mm, under the punch")
+    add("--gauge", type=float, metavar="MM", help="standard error of the gauge on a gel (default 0.05)")
+    add("--note", default="", metavar="TEXT", help="anything else")
+    add_replace_option(parser)
+
+
+def run_record(options: argparse.Namespace) -> dict[str, Any]:
+    """Judge and keep the record."""
+    from dummydesign.api.moulds import record_pad
+
+    result = call(record_pad, options, thicknesses_mm=_readings(options.thicknesses)).to_dict()
+    if not result["accepted"]:
+        message = f"the pad is not accepted: {', '.join(result['missed'])}"
+        raise NoAnswerError("pad_not_accepted", message, result, "pad")
+    return result
+
+
+def _readings(text: str) -> list[float] | dict[str, float]:
+    """Thicknesses as typed: ``tip=4.51,corner1=2.48`` or numbers alone. [mm]"""
+    named: dict[str, float] = {}
+    plain: list[float] = []
+    for part in text.split(","):
+        name, sign, value = (one.strip() for one in part.rpartition("="))
+        try:
+            number = float(value)
+        except ValueError:
+            message = f"--thickness {part.strip()!r} must be a number in mm, or NAME=MM"
+            raise InputError(message, "not_a_number", "thickness", part.strip()) from None
+        if name in named:
+            raise InputError(f"--thickness {name} is listed twice", "duplicate", "thickness", name)
+        if sign:
+            named[name] = number
+        else:
+            plain.append(number)
+    if named and plain:
+        message = f"--thickness {plain[0]:g} has no name; give NAME=MM for every point or for none"
+        raise InputError(message, "missing", "thickness", plain[0])
+    return named or plain
+
+
+def render_record(result: dict[str, Any]) -> str:
+    """Each limit in a line, then what it does to the force."""
+    size = f"{result['thickness_mm']:.2f} +- {result['thickness_sd_mm']:.2f} mm"
+    lines = [f"Pad of {size} (designed {result['design_thickness_mm']:g} mm), mould {result['specification']}"]
+    for one in result["limits"]:
+        allowed = f"at most {one['high']:.4g}" if one["low"] is None else f"{one['low']:.4g} to {one['high']:.4g}"
+        cost = "" if one["force_percent"] is None else f"{one['force_percent']:+.1f} % force"
+        state = "MISSED" if one["missed"] else "kept"
+        lines.append(f"  {one['what']:<34}{one['value']:>8.4g} {one['unit']:<4}{allowed:<18}{state:<7}{cost}")
+        if one["missed"]:
+            lines.append(f"      {one['advice']}")
+    force = result["force_percent"]
+    if force is None:
+        lines.append("force at a given depth: not known for this shape")
+    else:
+        by = "" if result["inputs"]["modulus_kPa"] is not None else ", its modulus taken as designed"
+        lines.append(f"force at a given depth: {force:+.1f} % off the designed pad's{by}")
+    lines.append("accepted" if result["accepted"] else f"not accepted: {len(result['missed'])} limits missed")
+    lines.append(f"record: {result['files']['record']}")
+    lines.append('in a campaign: record = "PATH" under [pad] or [[trial]]; compare TRACE.csv --record PATH')
+    return "\n".join(lines)
+
+
+HELP = "Make the silicone mould of a pad: STEP files, printable master and frame, pour sheet, all checked."
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of contracts: thickness, size, shape, preset, resin, ratio, output folder; and ``record``."""
+    from dummydesign.geometry.shape_registry import shape_help
+
+    add = parser.add_argument
+    actions = parser.add_subparsers(dest="action", metavar="[record]", help="without it a mould is made")
+    record = actions.add_parser("record", help=RECORD_HELP, allow_abbrev=False)
+    add_record_arguments(record)
+    add("--thickness", metavar="MM[,MM..]", help="thickness of the pad, 3 to 30 mm; required; several make one job")
+    add("--count", type=int, default=1, metavar="N", help="cavities in one mould (default 1)")
+    add("--castings", type=int, default=1, metavar="N", help="castings of each mould (default 1)")
+    add("--length", default=150.0, metavar="MM", help="length of the pad (default 150)")
+    add("--width", default=120.0, metavar="MM", help="width of the pad (default 120)")
+    add("--shape", default="slab", metavar="NAME[:P,..]", help=shape_help("puck"))
+    presets = "mould preset: open (default), lidded, printed or a TOML file"
+    add("--preset", default="open", metavar="NAME|FILE", help=presets)
+    add("--resin", metavar="NAME|FILE", help="resin to weigh (default the paper's polyurethane)")
+    add("--ratio", type=float, default=15.0, metavar="R", help="mixing ratio of the resin (default 15)")
+    add("--base-ratio", type=float, metavar="R", help="ratio of a layered pad's base (default: from its modulus ratio)")
+    add("--face-sheet", type=float, metavar="MM", help="thickness of a sheet of glass let in as the tested face")
+    add("--bone", metavar="FILE", help="STL or STEP (mm) of a bone in the gel; the model takes the nearest dome")
+    add("--bone-height", type=float, metavar="MM", help="how far it reaches into the gel from the free face")
+    add("--bone-scale", type=float, default=1.0, metavar="S", help="size over that in the file (default 1)")
+    add("--bone-turn", default="0,0,0", metavar="X,Y,Z", help="degrees about x, y, z; then its lowest point is the tip")
+    add("--bone-at", default="0,0", metavar="X,Y", help="where the tip lies from the pad's middle, mm (default 0,0)")
+    add("--out", metavar="DIR", help="folder for the files (default mould_tMM)")
+    add_replace_option(parser)
+
+
+def run(options: argparse.Namespace) -> dict[str, Any]:
+    """Build the mould, or keep the record of a pad, and return the answer."""
+    from dummydesign.api.moulds import make_mould
+
+    if options.action == "record":
+        return run_record(options)
+    if options.thickness is None:
+        raise InputError("--thickness is missing: the thickness of the pad in mm, 3 to 30", "missing", "thickness")
+
+    turn, place = (_numbers(f"--bone-{name}", text, count) for name, text, count in
+                   (("turn", options.bone_turn, 3), ("at", options.bone_at, 2)))  # fmt: skip
+    with Watch():
+        return call(make_mould, options, bone_turn_deg=turn, bone_at_mm=place).to_dict()
+
+
+def _numbers(option: str, text: str, count: int) -> Any:
+    try:
+        found = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        found = ()
+    if len(found) != count:
+        message = f"{option} {text} must be {count} numbers parted by commas"
+        raise InputError(message, "malformed", quantity_name(option), text)
+    return found
+
+
+def default_in_project(options: argparse.Namespace) -> str | None:
+    """Name of the folder in a project when none is typed; elsewhere the call names it. A record has its folder."""
+    if options.action == "record" or options.thickness is None:
+        return None
+    from dummydesign.mold.job import folder_name, read_thicknesses
+
+    shape = "boned" if options.bone else options.shape.partition(":")[0].lower()
+    kind = "" if shape == "slab" else shape
+    return folder_name(read_thicknesses(options.thickness), options.castings, kind, options.count)
+
+
+def render(result: dict[str, Any]) -> str:
+    """Write the answer as short tables."""
+    if "specification" in result:
+        return render_record(result)
+    if "moulds" in result:
+        return _job(result)
+    inputs, pour = result["inputs"], result["pour"]
+    size = f"{inputs['length_mm']:g} x {inputs['width_mm']:g} x {inputs['thickness_mm']:g} mm"
+    several = f"{inputs['count']} pads" if inputs.get("count", 1) > 1 else "a"
+    pads = f"{several} {inputs['shape']} pad" if several == "a" else f"{several} ({inputs['shape']}), each"
+    lines = [
+        f"Mould ({inputs['preset']}) for {pads} of {size}, specification {result['spec_hash']}",
+        "",
+    ]
+    batch = result["batch"]
+    first = "upper layer, poured first: " if "base" in batch else ""
+    lines.append(f"Mix ({first}{inputs['resin']}, ratio {inputs['ratio']:g} {inputs['ratio_meaning']})")
+    lines += _weights(batch, inputs.get("count", 1))
+    if "base" in batch:
+        lines.append(f"Mix (base layer, poured second: {inputs['resin']}, ratio {inputs['base_ratio']:.4g})")
+        lines += _weights(batch["base"], inputs.get("count", 1))
+    if pour["silicone_mass_g"]:
+        lines.append(f"  {'silicone':<14}{pour['silicone_mass_g']:10.0f} g   for the mould itself")
+    volumes = result.get("volumes_mm3", {})
+    if volumes:
+        lines += ["", "Volumes"]
+        lines += [f"  {name:<16}{volume / 1000:10.2f} cm3" for name, volume in volumes.items()]
+    checks = result.get("checks", [])
+    if checks:
+        counts = {status: sum(c["status"] == status for c in checks) for status in ("pass", "fail", "skipped")}
+        lines += ["", f"Checks: {counts['pass']} passed, {counts['fail']} failed, {counts['skipped']} skipped"]
+        for item in checks:
+            if item["status"] != "pass":
+                lines.append(f"  {item['status']:<8}{item['id']}: {item.get('note', '')}")
+    if result["files"]:
+        folder = Path(next(iter(result["files"].values()))).parent
+        lines += ["", f"Files in {folder}"]
+        lines += [f"  {role:<24}{Path(path).name}" for role, path in result["files"].items()]
+    if result["warnings"]:
+        lines += ["", "Cautions"]
+        lines += [f"  - {item['message']}" for item in result["warnings"]]
+    return "\n".join(lines)
+
+
+def _job(result: dict[str, Any]) -> str:
+    """One line a mould, then what all need."""
+    lines = []
+    for one in result["moulds"]:
+        counts = {status: sum(c["status"] == status for c in one["checks"]) for status in ("pass", "fail", "skipped")}
+        said = f"{counts['pass']} checks passed, {counts['fail']} failed, {counts['skipped']} skipped"
+        lines.append(f"{one['thickness_mm']:>6g} mm  {one['spec_hash']}  {said}  {one['folder']}")
+    if "bill_of_materials" not in result:
+        # One of them failed, and what was made is not kept.
+        failed = [item for item in result.get("checks", []) if item["status"] == "fail"]
+        return "\n".join([*lines, *(f"  fail    {item['id']}: {item.get('note', '')}" for item in failed)])
+    lines += ["", f"Needed for all, {result['inputs']['castings']} castings of each"]
+    lines += [f"  {what:<46}{much:<16}{purpose}" for what, much, purpose in result["bill_of_materials"][1:]]
+    lines += ["", *(f"{role}: {result['files'][role]}" for role in ("job", "job_pdf", "manifest"))]
+    return "\n".join(lines + [f"warning: {item['message']}" for item in result["warnings"]])
+
+
+def _weights(batch: dict[str, Any], count: int) -> list[str]:
+    lines = [f"  {part['name']:<14}{part['mass_g']:10.1f} g" for part in batch["components"]]
+    where = "into the mould" if count == 1 else f"into the {count} cavities"
+    lines.append(f"  {'total':<14}{batch['total_g']:10.1f} g   pour {batch['pour_g']:.1f} g of it {where}")
+    witness = batch["witness"]
+    if witness["total_g"] > batch["total_g"]:
+        masses = " + ".join(f"{part['name']} {part['mass_g']:.1f} g" for part in witness["components"])
+        lines.append(f"  with a witness puck: {masses} = {witness['total_g']:.1f} g")
+    return lines

@@ -1,0 +1,133 @@
+"""``dummydesign predict``: the force of one pad."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from dummydesign.cli.common_options import call
+from dummydesign.cli.text import tissue_lines, verdict_lines, warning_lines
+
+HELP = "Force of one pad at static depths, under a measured motion, or in a ramp and hold."
+SHOWN = 25
+NO_RELAXATION = "no_relaxation"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the pad, the material and what is done to it."""
+    from dummydesign.geometry.shape_registry import shape_help
+
+    add = parser.add_argument
+    add("--young", metavar="KPA", help="long-term Young's modulus in kPa")
+    add("--resin", metavar="NAME|FILE", help="resin, with --ratio")
+    add("--ratio", type=float, metavar="R", help="mixing ratio of the resin")
+    add("--thickness", required=True, metavar="MM", help="of the pad at its highest point")
+    add("--depth", metavar="D1,D2,...", help="static depths in mm")
+    add("--motion", metavar="FILE.csv", help="measured motion: columns time_s, displacement_mm")
+    add("--force", metavar="N,...", help="force at the end of a ramp and hold, with --velocity; or several")
+    add("--velocity", metavar="MM_S,...", help="speed of the ramp; or several")
+    add("--hold", default=10.0, metavar="S", help="hold after the stop (default 10 s)")
+    add("--deceleration", default=30000.0, metavar="MM_S2", help="braking (default 30000 mm/s2)")
+    add("--tissue", metavar="NAME|FILE", help="hold the pad against a tissue: the verdict and its numbers")
+    add("--aim", default="average", metavar="AIM", help="with --tissue: average (default), safe-side or subject:NAME")
+    punches = "square:14 (default), round:D, rectangle:AxB, profile:FILE.csv, plate"
+    add("--punch", default="square:14", metavar="KIND:SIZE", help=punches)
+    edge = "fillet of the punch's edge, 0 (default, sharp) to 0.3 of its half-width; of shapes: --fidelity axisymmetric"
+    add("--edge-radius", default=0.0, metavar="MM", help=edge)
+    add("--condition", default="bonded", metavar="NAME", help="bonded (default), frictionless, friction:MU")
+    add("--base", default="bonded", metavar="NAME", help="bonded (default), sliding or friction:MU")
+    add("--pad", default="slab:150x120", metavar="slab:LxW", help="slab (default 150x120 mm) or cylinder:DIAMETER")
+    add("--shape", default="slab", metavar="NAME[:P,..]", help=shape_help() + "; as crowned:RADIUS,HEIGHT")
+    add("--poisson", type=float, default=0.5, metavar="NU", help="Poisson's ratio (default 0.5)")
+    laws = "neo-hookean (default), yeoh:C2_OVER_MU or ogden:MU,ALPHA;MU,ALPHA (scaled to the modulus)"
+    add("--law", default="neo-hookean", metavar="NAME", help=laws)
+    add("--prony", metavar="TAU:BETA,...", help="relaxation, beta relative to the long-term modulus")
+    add("--fidelity", default="table", metavar="NAME", help="table (default), axisymmetric, 3d or viscoelastic")
+    add("--out", metavar="FILE.csv", help="write the curve as CSV; several presses to a file each")
+    add("--fields", metavar="FILE.vtu", help="stress and contact at the depths, for ParaView (axisymmetric)")
+    add("--picture", metavar="FILE.png", help="deformed cross-section with stress and contact pressure (axisymmetric)")
+
+
+def run(options: argparse.Namespace) -> dict[str, Any]:
+    """Predict, write the curve if asked, and return it."""
+    from dummydesign.api.predictions import predict
+
+    return call(predict, options, progress=_progress(options)).to_dict()
+
+
+def _progress(options: argparse.Namespace) -> Any:
+    import sys
+
+    if options.fidelity == "table" or not sys.stderr.isatty():
+        return None
+    return lambda depth: print(f"\rsolved d/h = {depth:.3f} ", end="", file=sys.stderr, flush=True)
+
+
+def render(result: dict[str, Any]) -> str:
+    """Write the answer as a short table."""
+    young = result["young_kPa"]
+    first = [item["message"] for item in result["warnings"] if item["code"] == NO_RELAXATION]
+    lines = [
+        *([f"warning: {text}" for text in first] + [""] if first else []),
+        *verdict_lines(result.get("verdict")),
+        *tissue_lines(result),
+        f"pad {result['inputs']['thickness_mm']:g} mm, E = {young['value']:.4g} kPa "
+        f"({young['low']:.4g} to {young['high']:.4g}), punch {result['inputs']['punch']}, fidelity {result['fidelity']}"
+    ]
+    for row in result.get("conditions", []):
+        head = f"  {row['steady_force_N']:g} N at {row['velocity_mm_s']:g} mm/s: "
+        if row["depth_mm"] is None:
+            lines.append(head + row["out_of_reach"])
+            continue
+        span = f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f} N"
+        lines.append(f"{head}{row['depth_mm']:.2f} mm deep, peak {row['peak_force_N']:.1f} N, the subjects' {span}")
+    lines += _press_lines(result["presses"]) if "presses" in result else _curve_lines(result)
+    for contact in result.get("contact_pressure", []):
+        edge = f", at the edge up to {contact['edge_kPa']:.3g} kPa" if contact["edge_kPa"] > contact["peak_kPa"] else ""
+        lines.append(
+            f"contact pressure at {contact['depth_mm']:.3g} mm: mean {contact['mean_kPa']:.3g} kPa, "
+            f"peak {contact['peak_kPa']:.3g} kPa at radius {contact['peak_radius_mm']:.2g} mm{edge}"
+        )
+    solver = result["solver"]
+    if solver["unknowns"]:
+        lines.append(
+            f"solved {solver['unknowns']} unknowns, {solver['load_steps']} load steps, "
+            f"{solver['newton_iterations']} Newton iterations, {solver['seconds']:.1f} s"
+        )
+    others = [item for item in result["warnings"] if item["code"] != NO_RELAXATION]
+    lines += warning_lines({"warnings": others})
+    return "\n".join(lines)
+
+
+def _press_lines(presses: list[dict[str, Any]]) -> list[str]:
+    """A table of several presses."""
+    lines = ["  steady N    mm/s   depth mm    peak N   peak over steady"]
+    for row in presses:
+        head = f"{row['steady_force_N']:>10.4g} {row['velocity_mm_s']:>7.4g}"
+        if row["depth_mm"] is None:
+            lines.append(f"{head}   out of reach: {row['out_of_reach'].partition(': ')[2].partition(';')[0]}")
+            continue
+        ratio = row["peak_force_N"] / row["steady_force_N"]
+        lines.append(f"{head} {row['depth_mm']:>10.3f} {row['peak_force_N']:>9.3f} {ratio:>18.2f}")
+    return lines
+
+
+def _curve_lines(result: dict[str, Any]) -> list[str]:
+    """A curve over depth or over time, thinned."""
+    lines: list[str] = []
+    names: tuple[str, ...]
+    formats: tuple[str, ...]
+    if "peak_force_N" in result:
+        lines += [
+            f"peak force    {result['peak_force_N']:.3f} N at {result['peak_time_s']:.4f} s",
+            f"force at end  {result['steady_force_N']:.3f} N",
+        ]
+        names, formats = ("time_s", "displacement_mm", "force_N"), ("{:>10.4f}", "{:>16.3f}", "{:>10.3f}")
+    else:
+        names = ("depth_mm", "force_N", "force_low_N", "force_high_N", "local_exponent")
+        formats = ("{:>9.3f}", "{:>9.3f}", "{:>12.3f}", "{:>13.3f}", "{:>15.3f}")
+    lines.append(" ".join(f"{name:>{len(form.format(0))}}" for name, form in zip(names, formats)))
+    rows = list(zip(*(result[name] for name in names)))
+    step = max(1, len(rows) // SHOWN)
+    lines += [" ".join(form.format(value) for form, value in zip(formats, row)) for row in rows[::step]]
+    return lines

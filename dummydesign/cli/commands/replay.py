@@ -1,0 +1,49 @@
+"""``dummydesign replay``: predict a campaign with a calibration."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from dummydesign.cli.common_options import add_effect_option, call_in_steps
+from dummydesign.cli.text import verdict_lines, warning_lines
+
+HELP = "Predict a campaign with a calibration written by 'loop', and compare with what was measured."
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("campaign", metavar="CAMPAIGN_DIR", help="folder with campaign.toml and one CSV per trial")
+    parser.add_argument("--calibration", metavar="FILE", required=True, help="calibration.json of 'dummydesign loop'")
+    told = "judge each pad of the campaign by its presses, as 'compare' does"
+    parser.add_argument("--tissue", metavar="NAME|FILE", help=told)
+    add_effect_option(parser)
+
+
+ABOUT_STEPS = 4
+"""Presses, with what was found, with the base model; pads that are solved come on top."""
+
+
+def run(options: argparse.Namespace) -> dict[str, Any]:
+    """Read both, predict, compare."""
+    from dummydesign.api.campaigns import replay
+
+    return call_in_steps(ABOUT_STEPS, replay, options).to_dict()
+
+
+def render(result: dict[str, Any]) -> str:
+    """Make the readable table."""
+    lines = verdict_lines(result["verdict"])
+    if len(result["pads"]) > 1:
+        lines.append("verdict of the worst pad; by pad:")
+    for pad in result["pads"] if len(result["pads"]) > 1 else ():
+        level = pad["reason"] if pad["verdict"] is None else pad["verdict"]["level"].replace("_", " ")
+        lines.append(f"{pad['shape']}, {pad['thickness_mm']:g} mm: {level}")
+    lines += [f"{'trial':<28} {'rms N':>9} {'base rms N':>11} {'peak error N':>13}"]
+    for row in result["trials"]:
+        lines.append(
+            f"{row['file'][:28]:<28} {row['rmse_N']:>9.4f} {row['base_rmse_N']:>11.4f} {row['peak_error_N']:>+13.4f}"
+        )
+    effects = ", ".join(result["effects"]) or "no effect"
+    lines.append(f"all: {result['rmse_N']:.4f} N with {effects}; {result['base_rmse_N']:.4f} N with the base model")
+    return "\n".join(lines + warning_lines(result))

@@ -1,0 +1,175 @@
+"""``dummydesign resins``: list, show and add resins."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from dummydesign.cli.common_options import ACTIONS, add_own_actions, render_own, run_own
+from dummydesign.cli.text import file_lines, warning_lines
+from dummydesign.core.errors import InputError
+
+HELP = "List the known resins, show one with all its numbers and sources, and add, rename or remove your own."
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the actions."""
+    words = "list|show|add|add-compression|remove|rename|path"
+    actions = parser.add_subparsers(dest="action", required=True, metavar=words, help="what to do")
+    actions.add_parser("list", help="names, origin, ratio and modulus range", allow_abbrev=False)
+    show = actions.add_parser("show", help="one resin, every number with its source", allow_abbrev=False)
+    show.add_argument("name", metavar="NAME", help="a known resin or a TOML file")
+    show.add_argument("--out", metavar="DIR", help="also write a plot and its CSV")
+    told = "keep a resin file, or update a resin by a file of measured points"
+    add = actions.add_parser("add", help=told, allow_abbrev=False)
+    add.add_argument("file", metavar="FILE", help="TOML file of a resin, or of points: base, name and [[point]]s")
+    told = "take the place of a resin of your own that has this name"
+    add.add_argument("--replace", action="store_true", help=told)
+    told = "modulus and relaxation of a batch from its puck's curve"
+    puck = actions.add_parser("add-compression", help=told, allow_abbrev=False)
+    told = "time_s, displacement_mm, force_N: one slow loading, or ramps and holds"
+    puck.add_argument("file", metavar="TRACE.csv", help=told)
+    puck.add_argument("--diameter", type=float, required=True, metavar="MM", help="of the puck")
+    puck.add_argument("--height", type=float, required=True, metavar="MM", help="of the puck")
+    puck.add_argument("--name", required=True, help="of the resin that results")
+    puck.add_argument("--ratio", type=float, required=True, metavar="R", help="mixing ratio of the puck")
+    puck.add_argument("--resin", metavar="BASE", help="resin whose law is updated")
+    told = "begin NAME again, without the points it has"
+    puck.add_argument("--replace", action="store_true", help=told)
+    add_own_actions(actions, "resin")
+
+
+def run(options: argparse.Namespace) -> dict[str, Any]:
+    """Do the action and return plain values."""
+    if options.action in ACTIONS:
+        return run_own(options, "materials/resins", "resin")
+    return {"list": _list, "show": _show, "add": _add, "add-compression": _add_compression}[options.action](options)
+
+
+def _list(options: argparse.Namespace) -> dict[str, Any]:
+    """A broken file of the user gives a warning and is left out, so that it never hides the others."""
+    from dummydesign.core.library import entries
+    from dummydesign.resin.model.resin_file import KIND, read_resin
+
+    rows, warnings, sources = [], [], []
+    for entry in entries(KIND).values():
+        try:
+            resin = read_resin(entry)
+        except InputError as problem:
+            warnings.append({"code": "unreadable_resin", "message": str(problem)})
+            continue
+        ends = sorted(1e3 * resin.young_MPa(end) for end in (resin.ratio_min, resin.ratio_max))
+        rows.append({"name": entry.name, "origin": entry.origin, "ratio_range": [resin.ratio_min, resin.ratio_max],
+                     "ratio_meaning": resin.ratio_meaning, "young_kPa_range": ends})  # fmt: skip
+        sources += [text for text in resin.references if text not in sources]
+    return {"inputs": {"action": "list"}, "warnings": warnings, "sources": sources, "resins": rows}
+
+
+def _show(options: argparse.Namespace) -> dict[str, Any]:
+    from dummydesign.resin import load_resin
+    from dummydesign.resin.describe import explain
+
+    resin = load_resin(options.name)
+    inputs = {"action": "show", "name": options.name, "out": options.out}
+    result = {"inputs": inputs, **explain(resin), "sources": list(resin.references)}
+    if options.out is not None:
+        from dummydesign.core.files import output_folder
+        from dummydesign.resin.describe import write_plot
+
+        result["files"] = write_plot(resin, output_folder(options.out))
+    return result
+
+
+def _add(options: argparse.Namespace) -> dict[str, Any]:
+    from dummydesign.core.library import hidden_by
+    from dummydesign.resin.describe import explain
+    from dummydesign.resin.update.modulus import add_resin
+
+    resin, path = add_resin(options.file, options.replace)
+    explained = explain(resin)
+    warnings = [*hidden_by("materials/resins", "resin", path.stem), *explained["warnings"]]
+    return {"inputs": {"action": "add", "file": options.file}, **explained, "warnings": warnings,
+            "sources": list(resin.references), "files": {"resin": str(path)}}  # fmt: skip
+
+
+def _add_compression(options: argparse.Namespace) -> dict[str, Any]:
+    from dummydesign.resin.puck_test.add_compression import add_compression
+
+    done = add_compression(options.file, options.diameter, options.height, options.name, options.ratio, options.resin,
+                           options.replace)  # fmt: skip
+    given = {"file": options.file, "diameter_mm": options.diameter, "height_mm": options.height, "name": options.name,
+             "ratio": options.ratio, "resin": options.resin}  # fmt: skip
+    return {"inputs": {"action": "add-compression", **given}, "sources": [done.young_kPa.source], **done.to_dict()}
+
+
+def render(result: dict[str, Any]) -> str:
+    """Lay the answer out as short tables."""
+    own = render_own(result)
+    if own is not None:
+        return own
+    lines: list[str] = []
+    if "resins" in result:
+        lines.append(f"{'name':<24} {'origin':<9} {'ratio':<12} {'E in kPa':<14} ratio definition")
+        for row in result["resins"]:
+            ratio = "{:g} to {:g}".format(*row["ratio_range"])
+            young = "{:.3g} to {:.3g}".format(*row["young_kPa_range"])
+            lines.append(f"{row['name']:<24} {row['origin']:<9} {ratio:<12} {young:<14} {row['ratio_meaning']}")
+    elif "young_kPa" in result:
+        lines += _render_puck(result)
+    else:
+        lines += _render_resin(result)
+    return "\n".join(lines + warning_lines(result))
+
+
+def _render_puck(result: dict[str, Any]) -> list[str]:
+    young, friction = result["young_kPa"], result["friction"]
+    low, high = ("bonded" if friction[end] is None else f"{friction[end]:.2g}" for end in ("low", "high"))
+    return [
+        f"modulus   {young['value']:.4g} kPa (95 %: {young['low']:.4g} to {young['high']:.4g}), this puck alone",
+        f"plates    friction {low} to {high} agrees with the curve; not specified, included in the interval",
+        f"misfit    {result['rmse_N']:.3g} N rms over {result['compression_mm'][0]:.3g} to "
+        f"{result['compression_mm'][1]:.3g} mm",
+        *_render_relaxation(result["relaxation"]),
+        f"resin     {result['name']}: " + {
+            "added": f"law of {result['base']} updated at ratio {result['ratio']:g}",
+            "unchanged": f"has this puck at ratio {result['ratio']:g} already; nothing was changed",
+            "replaced": f"had this puck at {result['before']}; that point was replaced by ratio {result['ratio']:g}",
+        }[result["action"]],
+        f"file      {result['files']['resin']}",
+    ]
+
+
+def _render_relaxation(found: dict[str, Any] | None) -> list[str]:
+    if found is None:
+        return []
+    lines = []
+    for arm in found["prony"]:
+        beta, tau = arm["beta"], arm["tau_s"]
+        lines.append(
+            f"term      {beta['value']:.3g} of the long-term modulus (95 %: {beta['low']:.3g} to {beta['high']:.3g}) "
+            f"at {tau['value']:.3g} s ({tau['low']:.3g} to {tau['high']:.3g})"
+        )
+    return lines or ["term      none that the holds resolve"]
+
+
+def _render_resin(result: dict[str, Any]) -> list[str]:
+    resin = result["resin"]
+    columns = "  ratio   E kPa (95 % interval)     % of E per"
+    lines = [resin["title"], f"ratio: {resin['ratio_meaning']}", "", columns]
+    lines.append("                                  % of ratio   Prony terms, relative to the long-term modulus")
+    for row in result["curve"]:
+        young = row["young_kPa"]
+        arms = ", ".join(f"{arm['beta']:.2g} at {arm['tau_s']:g} s" for arm in row["prony"])
+        interval = f"({young['low']:.3g} to {young['high']:.3g})"
+        slope = row["d_ln_young_per_percent_ratio"] * 100
+        lines.append(f"  {row['ratio']:<6g}  {young['value']:<7.3g}{interval:<19} {slope:>6.1f}       {arms}")
+    for point in resin.get("point", []):
+        young, puck = point["young_kPa"], point.get("puck")
+        came = f"{puck['diameter_mm']:g} x {puck['height_mm']:g} mm puck, {puck['file']}" if puck else young["source"]
+        span = f"({young['low']:.3g} to {young['high']:.3g}, {young['kind']})"
+        lines.append(f"  point at ratio {point['ratio']:g}: {young['value']:.3g} kPa {span} from {came}")
+    lines += ["", "numbers (value, low to high, kind):"]
+    for name, item in result["numbers"].items():
+        lines.append(f"  {name:<26} {item['value']:<8.4g} {item['low']:.4g} to {item['high']:.4g}  {item['kind']}")
+        lines.append(f"      {item['source']}")
+    return [*lines, *(f"note: {text}" for text in resin["notes"]), *file_lines({"files": {}, **result})]

@@ -1,0 +1,56 @@
+"""``dummydesign status``: where a project stands, and what to do next."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from dummydesign.core.errors import InputError
+
+HELP = "Where a project folder stands: what was measured, designed, made and learned, and what to do next."
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the folder."""
+    parser.add_argument("folder", nargs="?", metavar="DIR", help="default: the project one stands in")
+
+
+def run(options: argparse.Namespace) -> dict[str, Any]:
+    """Look at the folder."""
+    from dummydesign.project.folder import find_project, read_project
+    from dummydesign.project.status import status_of
+
+    project = find_project() if options.folder is None else read_project(options.folder)
+    if project is None:
+        message = "no project.toml here or above: name a project folder ('dummydesign init DIR' makes one)"
+        raise InputError(message, "file_not_found", "project")
+    return {"inputs": {"folder": options.folder}, **status_of(project).to_dict()}
+
+
+def render(result: dict[str, Any]) -> str:
+    """One line a thing found, then what comes next."""
+    given = ", ".join(f"{name} {value}" for name, value in result["given"].items()) or "nothing given"
+    lines = [f"project '{result['name']}' ({given})", ""]
+    for room, items in result["found"].items():
+        lines.append(f"{room}/".ljust(15) + ("-" if not items else ""))
+        lines += [f"  {one['folder'].partition('/')[2]:<32} {status_line(one)}".rstrip() for one in items]
+    lines += [f"cannot be read: {problem}" for problem in result["problems"]]
+    return "\n".join([*lines, "", f"next: {result['next']['text']}", f"  {result['next']['command']}"])
+
+
+def status_line(one: dict[str, Any]) -> str:
+    """What is known of one thing found, in a few words."""
+    found = one["summary"] or {}
+    if "pressed" in found:
+        left = f", {found['wrong']} problem{'s' * (found['wrong'] > 1)}" if found["wrong"] else ""
+        return f"{found['pressed']} of {found['pressed'] + found['missing']} presses are there{left}"
+    if "thickness_mm" in found and "ratio" in found:
+        verdict = str(found.get("verdict", "")).replace("_", " ")
+        return f"{found['thickness_mm']:g} mm {found['shape']}, ratio {found['ratio']:g}" + (
+            f": {verdict}" if verdict else ""
+        )
+    if "traces" in found:
+        return f"{found['traces']} presses"
+    if "effects" in found:
+        return f"{found['verdict']}: {', '.join(found['effects']) or 'no effect'}"
+    return str(one["command"] or "as measured" if one["folder"].startswith("measured/") else one["command"])

@@ -1,0 +1,172 @@
+"""``dummydesign tissues``: list, show, add a tissue from traces, or update one by points read off figures."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from dummydesign.cli.common_options import ACTIONS, add_own_actions, render_own, run_own
+from dummydesign.cli.text import file_lines, warning_lines
+from dummydesign.core.errors import InputError
+
+HELP = "List the known tissues, show one with all its numbers and sources, and add, rename or remove your own."
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    words = "list|show|add|add-curves|add-points|add-spring|template|add-regions|remove|rename|path"
+    actions = parser.add_subparsers(dest="action", metavar=words, help="what to do")
+    actions.add_parser("list", help="names, origin and kind of the known tissues")
+    show = actions.add_parser("show", help="every number of one tissue with its interval and source")
+    show.add_argument("name", metavar="NAME", help="a known tissue or a TOML file")
+    add = actions.add_parser("add", help="make a tissue from traces or from fits, one subject per file or folder")
+    add.add_argument("name", metavar="NAME", help="name of the new tissue")
+    add.add_argument("files", nargs="+", metavar="FILE", help="trace CSV, folder of one subject's traces, or fit TOML")
+    add.add_argument("--law", default="ode", help="published, consistent or ode (default ode)")
+    add.add_argument("--elements", default="5", help="3, 5 or 7 (default 5)")
+    add.add_argument("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help="filter of the recorded force")
+    add.add_argument("--replace", action="store_true", help="take the place of a tissue of your own with this name")
+    curves = actions.add_parser("add-curves", help="make a tissue from one table of several people's curves")
+    curves.add_argument("name", metavar="NAME", help="name of the new tissue")
+    columns = "columns subject,velocity_mm_s,time_s,depth_mm,force_N; a hold with its times is needed"
+    curves.add_argument("curves", metavar="FILE.csv", help=columns)
+    law = "auto (default: ode where it follows the curves, else none), none (the curves themselves), "
+    curves.add_argument("--law", default="auto", help=law + "ode, consistent or published")
+    curves.add_argument("--elements", default="5", help="3, 5 or 7 (default 5)")
+    curves.add_argument("--replace", action="store_true", help="take the place of a tissue of your own with this name")
+    points = actions.add_parser("add-points", help="update a tissue by points read off figures")
+    points.add_argument("name", metavar="NAME", help="the tissue to update")
+    points.add_argument("points", metavar="POINTS.csv", help="columns subject,depth_mm,force_N")
+    spring = actions.add_parser("add-spring", help="make a tissue of one spring constant with its spread")
+    spring.add_argument("name", metavar="NAME", help="name of the new tissue")
+    spring.add_argument("--stiffness", required=True, metavar="N_PER_MM", help="spring constant, such as 35 or 35kN/m")
+    spring.add_argument("--spread", metavar="N_PER_MM", help="plus and minus, in N/mm or percent (20%%)")
+    spring.add_argument("--source", required=True, metavar="TEXT", help="where the numbers were read")
+    spring.add_argument("--kind", default="digitised", help="measured, fitted, digitised (default), inferred, assumed")
+    template = actions.add_parser("template", help="write a table of body regions to fill from your copy of a standard")
+    template.add_argument("path", metavar="FILE.csv", help="file to write")
+    regions = actions.add_parser("add-regions", help="make a tissue of every filled row of such a table")
+    regions.add_argument("table", metavar="FILE.csv", help="columns region,stiffness_N_per_mm,spread_N_per_mm,source")
+    for one in (spring, regions):
+        one.add_argument("--replace", action="store_true", help="take the place of your own of these names")
+    add_own_actions(actions, "tissue")
+
+
+def run(options: argparse.Namespace) -> dict[str, Any]:
+    """Run the chosen action."""
+    if options.action in ACTIONS:
+        return run_own(options, "materials/tissues", "tissue")
+    if options.action == "list":
+        return _list()
+    if options.action == "show":
+        return _show(options.name)
+    if options.action == "add":
+        from dummydesign.tissue.adding.from_traces import add_tissue
+
+        return add_tissue(options.name, options.files, options.law, options.elements, options.lowpass, options.replace)
+    if options.action == "add-curves":
+        from dummydesign.tissue.adding.from_curves import add_curves
+
+        return add_curves(options.name, options.curves, options.law, options.elements, options.replace)
+    if options.action == "add-points":
+        from dummydesign.tissue.adding.from_points import add_points
+
+        return add_points(options.name, options.points)
+    if options.action in ("add-spring", "template", "add-regions"):
+        return _springs(options)
+    actions = "list, show NAME, add NAME FILE..., add-curves NAME FILE.csv, add-points NAME POINTS.csv, "
+    actions += "add-spring NAME, template FILE.csv, add-regions FILE.csv, "
+    actions += "remove NAME, rename OLD NEW or path NAME"
+    raise InputError(f"tissues needs an action: {actions}", "missing", "action")
+
+
+def _springs(options: argparse.Namespace) -> dict[str, Any]:
+    from dummydesign.tissue.adding.from_springs import add_regions, add_spring, write_template
+
+    if options.action == "template":
+        return write_template(options.path)
+    if options.action == "add-regions":
+        return add_regions(options.table, options.replace)
+    given = options.name, options.stiffness, options.spread, options.source, options.kind
+    return add_spring(*given, options.replace)
+
+
+def _list() -> dict[str, Any]:
+    from dummydesign.tissue.model.laws import law_named
+    from dummydesign.tissue.model.tissue_file import readable_tissues
+
+    tissues, problems = readable_tissues()
+    warnings = [{"code": "unreadable_tissue", "message": problem} for problem in problems]
+    rows = []
+    for tissue in tissues:
+        steady = next(iter(tissue.bands)) if tissue.measured else law_named(tissue.law).steady_name
+        gamma1 = tissue.bands[steady]
+        known = {name: getattr(tissue, name) for name in ("name", "title", "origin", "law", "elements")}
+        rows.append({**known, "kinds": list(tissue.kinds), "subjects": [one.name for one in tissue.subjects],
+                     "velocities_mm_s": list(tissue.velocities_mm_s), steady: [gamma1.low, gamma1.high]})  # fmt: skip
+    return {"inputs": {"action": "list"}, "tissues": rows, "warnings": warnings}
+
+
+def _show(name: str) -> dict[str, Any]:
+    from dummydesign.tissue.model.tissue_file import load_tissue
+
+    tissue = load_tissue(name)
+    inferred = {"code": "inferred_tissue", "message": tissue.notes[0] if tissue.notes else "inferred"}
+    warnings = [inferred] if "inferred" in tissue.kinds else []
+    return {"inputs": {"action": "show", "name": name}, **tissue.to_dict(), "warnings": warnings}
+
+
+def render(result: dict[str, Any]) -> str:
+    """Make the readable table."""
+    from dummydesign.core.serialise import parameter_rows
+
+    own = render_own(result)
+    if own is not None:
+        return own
+    if "regions" in result:
+        return f"fill and read by 'dummydesign tissues add-regions': {result['files']['template']}"
+    if "added" in result:
+        lines = [f"{row['name']:<14} {' / '.join(f'{k:.4g}' for k in row['k_N_per_mm'])} N/mm"
+                 for row in result["added"]]  # fmt: skip
+        return "\n".join(lines + warning_lines(result))
+    if "tissues" in result:
+        lines = [f"{'tissue':<14} {'origin':<9} {'kind':<20} {'law':<11} subjects  gamma1 in N/mm3 (k in N/mm)"]
+        for row in result["tissues"]:
+            name, (low, high) = list(row.items())[-1]
+            at = name.removeprefix("depth_at_").removesuffix("_mm") if name.startswith("depth_at_") else ""
+            lines.append(
+                f"{row['name']:<14} {row['origin']:<9} {'+'.join(row['kinds']):<20} {row['law']:<11} "
+                f"{len(row['subjects']):>8}  {low:.3g} to {high:.3g}" + (f" mm at {at}" if at else "")
+            )
+        return "\n".join(lines + warning_lines(result))
+    measured = result["law"] == "curves"
+    law = "measured curves, no law" if measured else f"law {result['law']}"
+    lines = [f"{result['name']} ({result['title']}), {result['origin']}, {law}"]
+    lines += [note for note in result["notes"] if measured]
+    lines.append(f"{'parameter':<26} {'band mean':>10} {'lowest':>10} {'highest':>10}  kind")
+    for name, entry in parameter_rows(result["bands"]):
+        lines.append(
+            f"{name:<26} {entry['value']:>10.4g} {entry['low']:>10.4g} {entry['high']:>10.4g}  {entry['kind']}"
+        )
+    for subject in result["subjects"]:
+        if measured:
+            cells = [f"{value['value']:.3g} mm at {key.removeprefix('depth_at_').removesuffix('N_mm')} N"
+                     for key, value in subject.items() if key.startswith("depth_at_")]  # fmt: skip
+            lines.append(f"subject {subject['name']:<16} {', '.join(cells)}")
+            continue
+        spring = "k_N_per_mm" in subject
+        gamma1 = subject["k_N_per_mm" if spring else "gamma1_N_per_mm3"]
+        name = "k" if spring else "gamma1"
+        lines.append(
+            f"subject {subject['name']:<16} {name} {gamma1['value']:.4g} {'N/mm' if spring else 'N/mm3'} "
+            f"({gamma1['low']:.4g} to {gamma1['high']:.4g}, {gamma1['kind']}: {gamma1['source']})"
+        )
+    lines += [f"note: {note}" for note in result["notes"] if not measured]
+    lines += [f"source: {source}" for source in result["sources"]]
+    lines += file_lines({"files": {}, **result})
+    first = ("measured_curves",) if measured else ()
+    left = [w for w in result["warnings"] if w["message"] not in result["notes"] and w["code"] not in first]
+    lines += [f"warning: {w['message']}" for w in left]
+    if "next_measurement" in result:
+        lines.append(f"what would narrow it most: {result['next_measurement']['text']}")
+    return "\n".join(lines)

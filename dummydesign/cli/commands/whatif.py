@@ -1,0 +1,103 @@
+"""``dummydesign whatif``: tables over thickness, ratio, punch, speed and force."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from dummydesign.cli.common_options import add_replace_option, call
+from dummydesign.cli.progress import Count
+from dummydesign.cli.text import tissue_lines, warning_lines
+
+HELP = "Compute many pads at once: depth, stiffness, local exponent, peak over steady, score for a tissue."
+SHOWN = 40
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add what can be varied; ranges are START:STOP:STEP with STOP included."""
+    add = parser.add_argument
+    thickness = "in mm, inside 3 to 30, such as 3:30:0.5 or 5,15"
+    add("--thickness", required=True, metavar="RANGE|LIST", help=thickness)
+    add("--ratio", metavar="RANGE|LIST", help="mixing ratios (default the resin's reference)")
+    add("--resin", default="polyurethane-nagoya", metavar="NAME|FILE", help="default polyurethane-nagoya")
+    add("--tissue", metavar="NAME|FILE", help="score every design for this tissue")
+    add("--aim", default="average", metavar="AIM", help="average (default), safe-side or subject:NAME")
+    add("--punch", default="square:14", metavar="LIST", help="such as square:14,round:16 (default square:14)")
+    add("--condition", default="bonded", metavar="LIST", help="face: bonded (default), frictionless or friction:MU")
+    add("--base", default="bonded", metavar="LIST", help="pad on its base: bonded (default), sliding")
+    add("--shape", default="slab", metavar="NAME[:KEY=RANGE,..],..",
+        help="such as slab,crowned:radius=10:20:2,height=1.5/2; every combination of its lengths (default slab)")
+    edges = "fillets of the punch's edge in mm, for slabs (default 0, sharp)"
+    add("--edge-radius", default="0", metavar="RANGE|LIST", help=edges)
+    add("--velocity", default="10,250", metavar="RANGE|LIST", help="in mm/s (default 10,250)")
+    add("--force", default="1,5,10,15", metavar="RANGE|LIST", help="in N (default 1,5,10,15)")
+    add("--hold", default=10.0, metavar="S", help="hold after the stop (default 10 s)")
+    add("--deceleration", default=30000.0, metavar="MM_S2", help="braking (default 30000 mm/s2)")
+    add("--fidelity", default="table", metavar="NAME", help="table (default), axisymmetric or 3d")
+    add("--workers", type=int, default=1, metavar="N", help="processes of this machine (default 1)")
+    add("--scheduler", metavar="ADDRESS", help="a running Dask scheduler, such as tcp://host:8786")
+    add("--resume", action="store_true", help="keep the rows that are in the folder and work out what is missing")
+    add("--out", metavar="DIR", help="folder of rows.csv and report.html (default whatif-RESIN)")
+    add_replace_option(parser)
+
+
+def run(options: argparse.Namespace) -> dict[str, Any]:
+    """Work out the study, write rows and report, and return the rows."""
+    from dummydesign.api.sweeps import whatif
+
+    count = Count("designs")
+    try:
+        return call(whatif, options, progress=count).to_dict()
+    finally:
+        count.clear()
+
+
+def default_out(options: argparse.Namespace) -> str:
+    """Name of the folder when none is typed."""
+    from dummydesign.resin import load_resin
+
+    return f"whatif-{load_resin(options.resin).name}"
+
+
+def best_first(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Rows by falling score, those of equal score as they were; as they are without scores."""
+    if not rows or "score" not in rows[0]:
+        return rows
+    return sorted(rows, key=lambda row: -row["score"]["total"])
+
+
+def render(result: dict[str, Any]) -> str:
+    """Lay the first rows out as a table; the rest stands in the CSV."""
+    rows = best_first(result["rows"])
+    forces = list(rows[0]["depth_mm_at_N"])
+    speeds = list(rows[0]["peak_over_steady"])
+    scored = "score" in rows[0]
+    shaped = len({row["shape"] for row in rows} | {"slab"}) > 1
+    filleted = any(row["edge_radius_mm"] for row in rows)
+    supports = {(row["condition"], row["base"]) for row in rows}
+    head = f"{'mm':<6} {'ratio':<6} {'kPa':<7} {'punch':<12} " + ("face, base".ljust(22) if len(supports) > 1 else "")
+    head += "edge ".ljust(6) if filleted else ""
+    head += " ".join(f"x,n at {force} N".ljust(14) for force in forces)
+    head += " " + " ".join(f"peak {speed} mm/s".ljust(14) for speed in speeds)
+    hold = result["inputs"]["hold_s"]
+    end = "" if hold == 10.0 else f", the force at the end of a hold of {hold:g} s"
+    what = f"x depth in mm, n local exponent d ln F / d ln x (both relaxed), peak over steady at 10 N steady{end}"
+    lines = [*tissue_lines(result), what, "", head]
+    for row in rows[:SHOWN]:
+        cells = []
+        for force in forces:
+            depth, exponent = row["depth_mm_at_N"][force], row["exponent_at_N"][force]
+            cells.append(("-" if depth is None else f"{depth:.2f}, {exponent:.2f}").ljust(14))
+        for value in row["peak_over_steady"].values():
+            cells.append(("-" if value is None else f"{value:.2f}").ljust(14))
+        line = f"{row['thickness_mm']:<6g} {row['ratio']:<6g} {row['young_kPa']:<7.3g} {row['punch']:<12} "
+        if len(supports) > 1:
+            line += f"{row['condition']}, {row['base']}".ljust(22)
+        line += f"{row['edge_radius_mm']:<6g}" if filleted else ""
+        line += " ".join(cells) + (f" score {row['score']['total']:.2f}" if scored else "")
+        lines.append(line + (f" {row['shape']}" if shaped else ""))
+    if len(rows) > SHOWN:
+        lines.append(f"... {len(rows) - SHOWN} more rows in {result['files']['rows']}")
+    lines += ["", f"{len(rows)} designs in {result['seconds']:.2f} s; rows: {result['files']['rows']}"]
+    lines += [f"{role}: {path}" for role, path in result["files"].items() if role == "report"]
+    return "\n".join(lines + warning_lines(result))

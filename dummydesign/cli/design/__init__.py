@@ -1,1 +1,0 @@
-"""Commands that design: predict a pad, search and vary designs, make the mould."""

@@ -1,1 +1,0 @@
-"""Commands that list, show and add tissues and resins."""

@@ -1,1 +1,0 @@
-"""Commands that read measured data: import files, fit traces, learn from a campaign, compare."""

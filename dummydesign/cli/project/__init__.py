@@ -1,1 +1,0 @@
-"""Commands about the project folder: make one, say where it stands, open it in the browser."""

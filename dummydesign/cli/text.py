@@ -1,0 +1,126 @@
+"""Answers as text for the terminal: one screen of labelled lines, the verdict as its first line."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+from typing import Any
+
+WIDTH, LINES, INDENT = 100, 30, 8
+
+
+def labelled(label: str, text: str, most: int | None = None) -> list[str]:
+    """A label in capitals and its text, wrapped under itself; nothing without a text."""
+    if not text:
+        return []
+    lines: list[str] = []
+    for part in text.split("\n"):
+        if _step(part) and part[3:].startswith("dummydesign "):
+            lines += _command(part)
+            continue
+        found = textwrap.wrap(part, WIDTH - INDENT, break_long_words=False, break_on_hyphens=False)
+        lines += [found[0], *(f"   {line}" for line in textwrap.wrap(" ".join(found[1:]), WIDTH - INDENT - 3,
+                                                                  break_on_hyphens=False))] if _step(part) else found
+    if most is not None and len(lines) > most:
+        lines = [*lines[: most - 1], f"{lines[most - 1][: WIDTH - INDENT - 4].rstrip()} ..."]
+    return [f"{label if not row else '':<{INDENT}}{line}" for row, line in enumerate(lines)]
+
+
+def _command(part: str) -> list[str]:
+    """A command over several lines that a shell takes as one."""
+    found = textwrap.wrap(part, WIDTH - INDENT - 5, break_long_words=False, break_on_hyphens=False)
+    ends = [" \\"] * (len(found) - 1) + [""]
+    return [("   " if row else "") + line + end for row, (line, end) in enumerate(zip(found, ends))]
+
+
+def _step(part: str) -> bool:
+    """Whether a line begins with the number of a step, under which it is indented."""
+    return part[:1].isdigit() and part[1:3] == ". "
+
+
+def fitted(
+    head: Sequence[str], table: Sequence[str], tail: Sequence[Sequence[str]], optional: Sequence[int], more: str
+) -> list[str]:
+    """Lay head, table and blocks of lines on one screen.
+
+    What has no room is left out: first blocks that are optional, in their order, then rows of the table, which are
+    counted in a line.
+    """
+    blocks, going = list(tail), list(optional)
+
+    def room() -> int:
+        return LINES - len(head) - sum(len(block) for block in blocks)
+
+    while going and room() < len(table):
+        blocks[going.pop(0)] = []
+    rows = list(table)
+    if len(rows) > room():
+        kept = max(room() - 1, 2)
+        rows = [*rows[:kept], more.format(len(rows) - kept)]
+    return [*head, *rows, *(line for block in blocks for line in block)]
+
+
+NO_LAW = "measured_curves"
+FIRST = (NO_LAW, "tissue_punch", "force_not_in_band", "speed_not_in_band", "calibration_resin")
+"""Codes of what is said right after the verdict: it rests on what nobody measured, or on another resin's campaign."""
+CODES = {"green": "32", "amber": "33", "red": "31"}
+
+
+def verdict_lines(verdict: dict[str, Any] | None, coloured: bool | None = None) -> list[str]:
+    """The verdict and an empty line; nothing where there is none."""
+    if verdict is None:
+        return []
+    if coloured is None:
+        coloured = _wants_colour()
+    lines = labelled(verdict["light"].upper(), verdict["text"])
+    if coloured:
+        light = verdict["light"].upper()
+        lines[0] = f"\033[1;{CODES[verdict['light']]}m{light}\033[0m{lines[0].removeprefix(light)}"
+    return [*lines, ""]
+
+
+def tissue_lines(result: dict[str, Any]) -> list[str]:
+    """What a tissue does not have, or is not known for in this test, before anything that is held against it."""
+    said = [item["message"] for item in result["warnings"] if item["code"] in FIRST]
+    return [*said, ""] if said else []
+
+
+def warning_lines(result: dict[str, Any]) -> list[str]:
+    """Warnings that were not said first."""
+    return [f"warning: {item['message']}" for item in result["warnings"] if item["code"] not in FIRST]
+
+
+def file_lines(result: dict[str, Any]) -> list[str]:
+    """What was written, the report's tables left out."""
+    return [f"{role}: {path}" for role, path in result["files"].items() if not role.startswith("report_")]
+
+
+def first_lines(result: dict[str, Any]) -> list[str]:
+    """What must be read next: a pad that bottoms out, the impact, a puck to be measured first, and why this pad."""
+    lines = [f"BOTTOMS OUT: {item['message']}" for item in result["warnings"] if item["code"] == "bottoms_out"]
+    pad, known = impact_of(result)
+    if pad and known:
+        with_ = f"the subjects with {min(known):.3g} to {max(known):.3g} N" if len(known) > 1 else (
+            f"the subject with {known[0]:.3g} N")  # fmt: skip
+        lines.append(f"impact: the pad stops it with {pad['peak_force_N']:.3g} N at {pad['depth_mm']:.3g} mm, {with_}")
+    first = result.get("measure_first")
+    lines += [f"{first['text']}: {first['protocol']}", f"then: {first['command']}"] if first and first["text"] else []
+    choice = result.get("choice")
+    lines += [f"why this pad: {choice['text']}"] if choice else []
+    lines += [choice["expectation"]["text"]] if choice and choice["expectation"]["differs"] else []
+    lines += [choice["expectation"]["undecided"]] if choice and choice["expectation"]["undecided"] else []
+    return [*lines, ""] if lines else []
+
+
+def impact_of(result: dict[str, Any]) -> tuple[dict[str, Any] | None, list[float]]:
+    """The row of a pad that stops a free mass, None where none does, and the peaks of the people who stop it. [N]"""
+    rows = [row for row in result.get("safety", {}).get("impact", []) if row["peak_force_N"] is not None]
+    pad = next((row for row in rows if row["body"] == "pad"), None)
+    return pad, [row["peak_force_N"] for row in rows if row["body"] != "pad"]
+
+
+def _wants_colour() -> bool:
+    import os
+    import sys
+
+    return sys.stdout.isatty() and not os.environ.get("NO_COLOR")

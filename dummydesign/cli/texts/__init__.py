@@ -1,1 +1,0 @@
-"""Answers of commands as text for the terminal."""

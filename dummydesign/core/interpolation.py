@@ -1,0 +1,72 @@
+"""Interpolation without scipy's heavy module: monotone cubics, straight lines on held grids."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+
+def monotone_cubic(x: NDArray, y: NDArray) -> Callable[[ArrayLike], NDArray]:
+    """Piecewise cubic of Fritsch and Butland, as ``scipy.interpolate.PchipInterpolator``, whose package loads slowly.
+
+    References
+    ----------
+    F. N. Fritsch, J. Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300, doi 10.1137/0905021.
+    """
+    x, y = np.asarray(x, float), np.asarray(y, float)
+    step = np.diff(x)
+    slope = np.diff(y) / step
+    tilt = _tilts(step, slope)
+    bend = (3.0 * slope - 2.0 * tilt[:-1] - tilt[1:]) / step
+    twist = (tilt[:-1] + tilt[1:] - 2.0 * slope) / step**2
+
+    def value(at: ArrayLike) -> NDArray:
+        place = np.asarray(at, float)
+        left = np.clip(np.searchsorted(x, place, side="right") - 1, 0, len(step) - 1)
+        t = place - x[left]
+        return y[left] + t * (tilt[left] + t * (bend[left] + t * twist[left]))
+
+    return value
+
+
+def _tilts(step: NDArray, slope: NDArray) -> NDArray:
+    """Slopes at the points: weighted harmonic means of those beside, 0 where these differ in sign."""
+    if len(slope) == 1:
+        return np.repeat(slope, 2)
+    tilt = np.zeros(len(slope) + 1)
+    before, after = 2.0 * step[1:] + step[:-1], step[1:] + 2.0 * step[:-1]
+    same = slope[1:] * slope[:-1] > 0.0
+    beside = [np.where(same, one, 1.0) for one in (slope[:-1], slope[1:])]
+    tilt[1:-1] = np.where(same, (before + after) / (before / beside[0] + after / beside[1]), 0.0)
+    tilt[0] = _end(*step[:2], *slope[:2])
+    tilt[-1] = _end(*step[:-3:-1], *slope[:-3:-1])
+    return tilt
+
+
+def _end(near: float, next_: float, slope: float, beyond: float) -> float:
+    """Slope at an end by the parabola through three points, kept in shape."""
+    tilt = ((2.0 * near + next_) * slope - near * beyond) / (near + next_)
+    if np.sign(tilt) != np.sign(slope):
+        return 0.0
+    if np.sign(slope) != np.sign(beyond) and abs(tilt) > 3.0 * abs(slope):
+        return 3.0 * slope
+    return tilt
+
+
+def place_on(grid: NDArray, value: NDArray) -> tuple[NDArray, NDArray]:
+    """Where values lie on an increasing grid, held at its ends."""
+    count = len(grid)
+    place = np.interp(value, grid, np.arange(count))
+    low = np.minimum(place.astype(int), count - 2)
+    return low, place - low
+
+
+def between(x: NDArray, y: NDArray, columns: NDArray, rows: NDArray, values: NDArray) -> NDArray:
+    """Bilinear interpolation of a table; its ends are held."""
+    by_row = np.array([np.interp(x, columns, row) for row in values])
+    low, part = place_on(rows, y)
+    first = np.take_along_axis(by_row, low[None], axis=0)[0]
+    second = np.take_along_axis(by_row, low[None] + 1, axis=0)[0]
+    return (1.0 - part) * first + part * second

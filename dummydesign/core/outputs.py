@@ -1,0 +1,311 @@
+"""Write an answer whole or not at all, never over the answer to another question."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import platform
+import shutil
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from secrets import token_hex
+from typing import Any
+
+from dummydesign.core.errors import InputError
+from dummydesign.core.files import output_folder, unwritable, write_text
+from dummydesign.core.manifest import KEY, NAME, Earlier, Question, manifest_text, read_manifest, records_of
+from dummydesign.core.process import check_stop
+
+MARKS = (NAME, "report.html", "preview.html", "rows.csv", "study.json", "calibration.json", "compare.json")
+"""Files by which a folder without a manifest is known as one that a command wrote."""
+MOST = 1000
+
+
+@dataclass(frozen=True)
+class OutputTarget:
+    """Folder and stem to write to, the files of an earlier answer that go, and what the user has to be told."""
+
+    folder: Path
+    stem: str
+    manifest: str
+    old: tuple[str, ...] = ()
+    warnings: tuple[dict[str, str], ...] = ()
+    takes_over: bool = False
+
+
+def choose_target(
+    out: Path, question: Question, replace: bool, go_on: bool = False, shared: bool = False
+) -> OutputTarget:
+    """Choose where an answer goes: ``out`` or the next number after it that holds no answer to another question.
+
+    ``shared`` is a set of files with one stem in a folder with others: ``STEM.toml``, ``STEM-manifest.json``, ...
+    """
+    why = "was written by other inputs"
+    for number in range(1, MOST):
+        path = out if number == 1 else _numbered(out, number, shared)
+        place = OutputTarget(path, path.name, NAME)
+        if shared:
+            place = OutputTarget(path.parent, path.stem, f"{path.stem}-{NAME}")
+        found = read_manifest(place.folder / place.manifest)
+        if found is None and (path.exists() if shared else path.is_dir() and _marked(path)):
+            found = Earlier(None, None, {})
+        if found is None:
+            break
+        with_old = dataclasses.replace(place, old=tuple(found.sha256))
+        if replace and number == 1:
+            return _replaced(with_old, path)
+        if go_on and number == 1 and found.command in (None, question.command):
+            return with_old
+        if found.key == question.key:
+            changed = found.changed(place.folder)
+            if not changed:
+                return with_old
+            if number == 1:
+                why = f"was changed since it was written ({', '.join(changed[:3])})"
+    else:
+        message = f"'{out}' and {MOST - 2} numbers after it are taken; remove some, or use --replace"
+        raise InputError(message, "file_exists", "out", str(out))
+    if number == 1:
+        return place
+    message = f"'{out}' {why} and stays as it is; this answer is in '{path}' (--replace takes the other's place)"
+    return dataclasses.replace(place, warnings=({"code": "output_numbered", "message": message},))
+
+
+def _replaced(place: OutputTarget, path: Path) -> OutputTarget:
+    """Take the place of an earlier answer; what no manifest lists is not removed, and is named."""
+    known = {*place.old, place.manifest}
+    there = path.iterdir() if path.is_dir() else ()
+    left = sorted(one.name for one in there if one.name not in known and not one.name.startswith("."))
+    warnings = []
+    if left:
+        some = ", ".join(left[:5]) + (f" and {len(left) - 5} more" if len(left) > 5 else "")
+        message = f"'{path}' also holds files that its earlier manifest does not list, and they stay: {some}"
+        warnings = [{"code": "output_left", "message": message}]
+    return dataclasses.replace(place, warnings=tuple(warnings), takes_over=True)
+
+
+def _numbered(out: Path, number: int, shared: bool) -> Path:
+    """``OUT-2`` beside ``OUT``, also where it is given as ``.`` or ``..``; ``STEM-2.toml`` beside ``STEM.toml``."""
+    if shared:
+        return out.with_name(f"{out.stem}-{number}{out.suffix}")
+    named = out if out.name not in ("", "..") else out.resolve()
+    return named.with_name(f"{named.name}-{number}")
+
+
+def _marked(folder: Path) -> bool:
+    return any((folder / name).exists() for name in MARKS) or any(folder.glob("*.step"))
+
+
+@dataclass(frozen=True)
+class Output:
+    """An answer that is being written."""
+
+    place: OutputTarget
+    work: Path
+    extra: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def folder(self) -> Path:
+        """Where the files will lie."""
+        return self.place.folder
+
+    def path(self, name: str) -> Path:
+        """Where a file of this name is written now."""
+        return self.work / name
+
+    def settled(self, value: Any) -> Any:
+        """The same plain value with every path as it will be: ``work`` becomes ``folder``."""
+        if isinstance(value, Mapping):
+            return {key: self.settled(item) for key, item in value.items()}
+        if isinstance(value, list | tuple):
+            return type(value)(self.settled(item) for item in value)
+        if isinstance(value, Path):
+            value = str(value)
+        if not isinstance(value, str):
+            return value
+        here = str(self.folder) == "."
+        return (value.replace(f"{self.work}{os.sep}", "") if here else value).replace(str(self.work), str(self.folder))
+
+    def answer(self, result: Mapping[str, Any]) -> dict[str, Any]:
+        """Finish an answer: paths as they will be, the manifest among its ``files``, what must be told among its
+        ``warnings``."""
+        found = self.settled(result)
+        found["files"] = {**found.get("files", {}), "manifest": str(self.folder / self.place.manifest)}
+        found["warnings"] = [*found.get("warnings", []), *self.place.warnings]
+        return found
+
+
+@contextmanager
+def new_folder(out: str | os.PathLike[str], question: Question, *, replace: bool = False) -> Iterator[Output]:
+    """Write an answer into a folder of its own; see :func:`~dummydesign.core.outputs.choose_target`.
+
+    Nothing is left when the body raises. When it ends, the manifest is written, the files of an earlier answer to
+    the same question (or, with ``replace``, of the earlier answer) go, and the new ones are renamed into place.
+    """
+    with _written(choose_target(Path(out), question, replace), question) as output:
+        yield output
+
+
+@contextmanager
+def new_files(out: str | os.PathLike[str], question: Question, *, replace: bool = False) -> Iterator[Output]:
+    """Write a set of files with one stem into a folder that others share; ``place.stem`` is the stem to use.
+
+    See :func:`new_folder`.
+    """
+    with _written(choose_target(Path(out), question, replace, shared=True), question) as output:
+        yield output
+
+
+@contextmanager
+def growing_folder(
+    out: str | os.PathLike[str], question: Question, *, replace: bool = False, go_on: bool = False
+) -> Iterator[Output]:
+    """Write rows that an interrupted command keeps, to go on with later: straight into the folder.
+
+    The manifest says ``finished: false`` until the body has ended. A folder that was made for nothing but it goes
+    when the body raises without having written a file.
+    """
+    place = choose_target(Path(out), question, replace, go_on)
+    made = _make(place.folder)
+    output = Output(place, place.folder)
+    before = set(_names(place.folder))
+    try:
+        output_folder(place.folder)
+        for name in () if go_on else place.old:
+            (place.folder / name).unlink(missing_ok=True)
+        write_text(place.folder / place.manifest, manifest_text(question, place.folder, None))
+        yield output
+        # rows of earlier runs are part of the answer
+        ours = {*place.old, *MARKS, *(name for name in _names(place.folder) if name not in before)} - {place.manifest}
+        names = [name for name in _names(place.folder) if name in ours]
+        write_text(place.folder / place.manifest, manifest_text(question, place.folder, names, output.extra))
+    except BaseException:
+        if made and not [name for name in _names(place.folder) if name != place.manifest]:
+            (place.folder / place.manifest).unlink(missing_ok=True)
+            _unmake(made)
+        raise
+
+
+@contextmanager
+def _written(place: OutputTarget, question: Question) -> Iterator[Output]:
+    question.key  # noqa: B018  the files that are read are counted as they are now
+    beside = place.folder if place.folder.exists() else place.folder.parent
+    made = _make(beside)
+    head = f".{place.folder.resolve().name}.part-{platform.node()}-"
+    _sweep(beside, head)
+    work = beside / f"{head}{os.getpid()}-{token_hex(3)}"
+    try:
+        try:
+            work.mkdir()
+        except OSError as problem:
+            raise unwritable("output folder", place.folder, problem, "out") from None
+        output = Output(place, work)
+        try:
+            yield output
+        except InputError as problem:
+            given = output.settled([str(problem), problem.code, problem.quantity, problem.value, problem.allowed])
+            raise InputError(*given) from None
+        kept = records_of(place.folder / place.manifest, question)
+        extra = {**output.extra, KEY: kept} if kept else output.extra
+        write_text(work / place.manifest, manifest_text(question, work, _names(work), extra))
+        check_stop()
+        _settle(work, place)
+        made = []
+    finally:
+        shutil.rmtree(work, ignore_errors=True)
+        _unmake(made)
+
+
+def _settle(work: Path, place: OutputTarget) -> None:
+    """Rename the finished folder, or its files into one that is there; undone when something fails on the way."""
+    try:
+        if not place.folder.exists():
+            os.rename(work, place.folder)
+            return
+        _merge(work, place)
+    except OSError as problem:
+        raise unwritable("output folder", place.folder, problem, "out") from None
+
+
+def _merge(work: Path, place: OutputTarget) -> None:
+    new = _names(work)
+    for name in new:
+        there = place.folder / name
+        if there.is_dir():
+            message = f"'{there}' is a folder; a file of that name has to be written"
+            raise InputError(message, "file_exists", "out", str(there))
+        if there.exists() and name not in place.old and name != place.manifest and not place.takes_over:
+            message = f"'{there}' is in the way: no command is known to have written it; name another --out"
+            raise InputError(message, "file_exists", "out", str(there))
+    trash = work.with_name(work.name.replace(".part-", ".old-"))
+    moves: list[tuple[Path, Path]] = []
+    try:
+        for name in sorted({*place.old, place.manifest, *new}):
+            if (place.folder / name).is_file():
+                _move(place.folder / name, trash / name, moves)
+        for name in new:
+            _move(work / name, place.folder / name, moves)
+    except BaseException:
+        for source, target in reversed(moves):
+            os.replace(target, source)
+        raise
+    finally:
+        if all((place.folder / name).exists() for name in new):
+            shutil.rmtree(trash, ignore_errors=True)
+
+
+def _move(source: Path, target: Path, moves: list[tuple[Path, Path]]) -> None:
+    target.parent.mkdir(parents=True, exist_ok=True)
+    os.replace(source, target)
+    moves.append((source, target))
+
+
+def _names(folder: Path) -> list[str]:
+    """Files of a folder, those with dotted names and in dotted folders left out."""
+    found = (path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
+    return sorted(path.as_posix() for path in found if not any(part.startswith(".") for part in path.parts))
+
+
+def _make(folder: Path) -> list[Path]:
+    """Make a folder and its parents; return those that are new, the innermost last."""
+    missing = []
+    for path in (folder, *folder.parents):
+        if path.exists():
+            break
+        missing.append(path)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as problem:
+        raise unwritable("output folder", folder, problem, "out") from None
+    return missing[::-1]
+
+
+def _unmake(made: list[Path]) -> None:
+    for path in reversed(made):
+        try:
+            path.rmdir()
+        except OSError:
+            return
+
+
+def _sweep(beside: Path, head: str) -> None:
+    """Take away what a command of this machine left that was killed without a chance to clear up."""
+    if sys.platform == "win32":
+        return
+    for path in beside.iterdir():
+        number = path.name[len(head) :].partition("-")[0]
+        if path.name.startswith(head) and number.isdigit() and not _alive(int(number)):
+            shutil.rmtree(path, ignore_errors=True)
+
+
+def _alive(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        return True
+    return True

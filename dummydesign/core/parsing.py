@@ -1,0 +1,222 @@
+"""Numbers, ranges and lists as they are typed, with units; checks of single numbers."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from dummydesign.core.errors import InputError, out_of_range, quantity_name
+
+
+def positive(quantity: str, value: float) -> None:
+    """Refuse a number that is not finite and above zero."""
+    if not (isinstance(value, int | float) or hasattr(value, "dtype")) or not math.isfinite(value) or value <= 0.0:
+        message = f"{quantity} = {value} must be a finite number above 0"
+        raise InputError(message, "out_of_range", quantity_name(quantity), value)
+
+
+def one_of(quantity: str, name: str, known: Sequence[str]) -> None:
+    """Refuse a name that is not among those that are known."""
+    if name not in known:
+        message = f"{quantity} = '{name}' is not one of {', '.join(known)}"
+        raise InputError(message, "unknown_name", quantity_name(quantity), name, known)
+
+
+UNITS: dict[str, dict[str, float]] = {
+    "mm": {"um": 1e-3, "µm": 1e-3, "mm": 1.0, "cm": 10.0, "m": 1000.0},
+    "mm/s": {"mm/s": 1.0, "cm/s": 10.0, "m/s": 1000.0},
+    "mm/s2": {"mm/s2": 1.0, "m/s2": 1000.0},
+    "N": {"mN": 1e-3, "N": 1.0, "kN": 1000.0},
+    "N/mm": {"N/m": 1e-3, "N/cm": 0.1, "N/mm": 1.0, "kN/m": 1.0},
+    "kPa": {"Pa": 1e-3, "kPa": 1.0, "MPa": 1000.0},
+    "s": {"ms": 1e-3, "s": 1.0, "min": 60.0},
+    "g": {"mg": 1e-3, "g": 1.0, "kg": 1000.0},
+    "kg": {"g": 1e-3, "kg": 1.0, "t": 1000.0},
+}
+"""Units that are understood for each unit a number is wanted in, with their size in it."""
+NUMBER = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*$")
+
+
+@dataclass(frozen=True)
+class Purpose:
+    """What a number is for."""
+
+    quantity: str
+    unit: str
+    usual: tuple[float, float]
+
+
+FORCE = Purpose("force in N", "N", (0.05, 1000.0))
+VELOCITY = Purpose("velocity in mm/s", "mm/s", (1.0, 5000.0))
+ROBOT_VELOCITY = Purpose("robot velocity in mm/s", "mm/s", (1.0, 10_000.0))
+HOLD = Purpose("hold in s", "s", (0.05, 3600.0))
+DECELERATION = Purpose("deceleration in mm/s2", "mm/s2", (100.0, 1e7))
+YOUNG = Purpose("Young's modulus in kPa", "kPa", (0.5, 5000.0))
+YOUNG_KPA = 0.01, 1e6
+"""Smallest and largest modulus that is allowed. [kPa]"""
+THICKNESS = Purpose("thickness in mm", "mm", (0.3, 300.0))
+MASS = Purpose("robot mass in kg", "kg", (0.02, 5000.0))
+BALANCE = Purpose("balance in g", "g", (0.0, 2.0))
+TOLERANCE = Purpose("thickness tolerance in mm", "mm", (0.0, 2.0))
+DEPTH = Purpose("depth in mm", "mm", (0.0, math.inf))
+THICKNESSES = Purpose("thickness in mm", "mm", (0.0, math.inf))
+LENGTH = Purpose("length in mm", "mm", (0.0, math.inf))
+WIDTH = Purpose("width in mm", "mm", (0.0, math.inf))
+EDGE = Purpose("edge radius in mm", "mm", (0.0, 50.0))
+
+
+def read_number(value: float | str, purpose: Purpose) -> float:
+    """Read a number: bare in the unit of its purpose, or text with a unit.
+
+    Examples
+    --------
+    >>> read_number("0.25m/s", VELOCITY), read_number("25kPa", YOUNG), read_number(10, VELOCITY)
+    (250.0, 25.0, 10.0)
+    """
+    unit = ""
+    if isinstance(value, str):
+        found = NUMBER.match(value)
+        if found is None:
+            shown, units = value.strip() or repr(value), (purpose.unit, list(UNITS[purpose.unit])[-1])
+            examples = " or ".join(f"1{unit}" for unit in units)
+            message = f"{purpose.quantity} = {shown} is not a number, or one with a unit such as {examples}"
+            raise InputError(message, "not_a_number", quantity_name(purpose.quantity), value)
+        number, unit = float(found[1]), found[2]
+    else:
+        number = float(value)
+    known = UNITS[purpose.unit]
+    if unit:
+        if unit not in known:
+            message = f"{purpose.quantity} = '{value}': unit '{unit}' is not one of {', '.join(known)}"
+            raise InputError(message, "unknown_unit", quantity_name(purpose.quantity), value, list(known))
+        scaled = number * known[unit]
+        return float(f"{scaled:.12g}") if math.isfinite(scaled) else scaled
+    _likely(number, purpose)
+    return number
+
+
+def read_count(value: int | str, quantity: str) -> int:
+    """Read a whole number."""
+    try:
+        return int(str(value))
+    except ValueError:
+        message = f"{quantity} = {value} is not a whole number"
+        raise InputError(message, "not_a_number", quantity_name(quantity), value) from None
+
+
+def _likely(number: float, purpose: Purpose) -> None:
+    """Refuse a bare number that another unit explains."""
+    low, high = purpose.usual
+    if not (math.isfinite(number) and number > 0.0) or low <= number <= high:
+        return
+    for unit, size in sorted(UNITS[purpose.unit].items(), key=lambda item: abs(math.log(item[1]))):
+        meant = number * size
+        if abs(math.log10(size)) >= 3.0 and low <= meant <= high:
+            raise InputError(
+                f"{purpose.quantity} = {number:g} looks like {unit}: give {meant:g}, or {number:g}{purpose.unit} if "
+                "that is what you mean", "implausible_unit", quantity_name(purpose.quantity), number,
+            )  # fmt: skip
+
+
+def read_numbers(values: float | str | Iterable[float | str], purpose: Purpose) -> tuple[float, ...]:
+    """Read several numbers: text with commas between, one, or a list; see :func:`read_number`."""
+    return tuple(read_number(part, purpose) for part in parts_of(values))
+
+
+def parts_of(values: float | str | Iterable[float | str]) -> list[float | str]:
+    """Split several numbers: text at its commas, a list into its members; one number is alone."""
+    if isinstance(values, str):
+        return list(values.split(","))
+    try:
+        return list(values) if isinstance(values, Iterable) else [values]
+    except TypeError:  # an array without dimensions
+        return [float(values)]  # type: ignore[arg-type]
+
+
+def read_allowed(value: float | str, purpose: Purpose, low: float, high: float) -> float:
+    """Read a number as :func:`read_number` does and refuse it outside a range."""
+    number = read_number(value, purpose)
+    if not low <= number <= high:
+        raise out_of_range(purpose.quantity, f"{number:g}", *(f"{end:.10g}" for end in (low, high)))
+    return number
+
+
+def read_size(value: str | tuple[float, float], quantity: str) -> tuple[float, float]:
+    """Read ``LxW`` in mm, or two numbers."""
+    parts = value.removeprefix("slab:").split("x") if isinstance(value, str) else list(value)
+    try:
+        length, width = (float(part) for part in parts)
+    except (TypeError, ValueError):
+        message = f"{quantity} = '{value}' is not LENGTHxWIDTH in mm, such as 150x120"
+        raise InputError(message, "malformed", quantity_name(quantity), value) from None
+    return length, width
+
+
+MOST_VALUES = 1_000_000
+
+
+def parse_limits(text: str | tuple[float, float], quantity: str) -> tuple[float, float]:
+    """Read ``MIN:MAX`` (or one value for both), or two numbers."""
+    if not isinstance(text, str):
+        return float(text[0]), float(text[1])
+    values = [_number(part, text, quantity, "MIN:MAX") for part in text.split(":")]
+    if len(values) == 1:
+        values *= 2
+    if len(values) != 2 or values[0] > values[1]:
+        message = f"{quantity} = '{text}' is not MIN:MAX with MIN at most MAX"
+        raise InputError(message, "malformed", quantity_name(quantity), text)
+    return values[0], values[1]
+
+
+def parse_values(text: str, quantity: str) -> list[float]:
+    """Read ``START:STOP:STEP`` with STOP included, or a list ``A,B,C``; a quantity "in mm" takes ``5mm`` as well.
+
+    Values of a range are START + n STEP, so that 3:30:0.5 ends at exactly 30.
+    """
+    form = "START:STOP:STEP or a list A,B,C"
+    if ":" not in text:
+        return [_number(part, text, quantity, form) for part in text.split(",")]
+    parts = [_number(part, text, quantity, form) for part in text.split(":")]
+    if len(parts) != 3 or not parts[2] > 0 or parts[1] < parts[0]:
+        message = f"{quantity} = '{text}' is not {form} with START at most STOP and STEP above 0"
+        raise InputError(message, "malformed", quantity_name(quantity), text)
+    start, stop, step = parts
+    count = math.floor((stop - start) / step * (1 + 1e-12) + 1e-9) + 1
+    if count > MOST_VALUES:
+        message = f"{quantity} = '{text}' has {count} values; at most {MOST_VALUES} are allowed"
+        raise InputError(message, "too_large", quantity_name(quantity), count, MOST_VALUES)
+    digits = 12 - math.floor(math.log10(max(abs(start), abs(stop), step)))
+    return [round(start + index * step, digits) for index in range(count)]
+
+
+def _number(part: str, text: str, quantity: str, form: str) -> float:
+    unit = quantity.rpartition(" in ")[2]
+    try:
+        value = read_number(part, Purpose(quantity, unit, (0.0, math.inf))) if unit in UNITS else float(part)
+    except (InputError, ValueError):
+        value = math.nan
+    if not math.isfinite(value):
+        message = f"{quantity} = '{text}' is not {form}: '{part}' is not a number"
+        raise InputError(message, "not_a_number", quantity_name(quantity), part)
+    return value
+
+
+def read_values(values: float | str | Iterable[float], quantity: str) -> tuple[float, ...]:
+    """Read numbers however they are given: one, several, or text as on the command line."""
+    if isinstance(values, str):
+        return tuple(parse_values(values, quantity))
+    try:
+        found = tuple(float(value) for value in (values if isinstance(values, Iterable) else (values,)))
+    except (TypeError, ValueError):
+        message = f"{quantity} = {values!r} is not a number, a list of numbers or text like 3:30:0.5"
+        raise InputError(message, "not_a_number", quantity_name(quantity)) from None
+    if not found:
+        raise InputError(f"{quantity} has no value; give at least one", "missing", quantity_name(quantity))
+    return found
+
+
+def read_names(names: str | Iterable[str]) -> tuple[str, ...]:
+    """Read names given as a list or with commas between."""
+    return tuple(names.split(",")) if isinstance(names, str) else tuple(names)

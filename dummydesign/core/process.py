@@ -1,0 +1,141 @@
+"""One BLAS thread, a limit on processor time, and the progress line of a long command."""
+
+from __future__ import annotations
+
+import math
+import os
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from threadpoolctl import LibController
+
+
+ONE_THREAD = {
+    "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1", "BLIS_NUM_THREADS": "1",
+    "VECLIB_MAXIMUM_THREADS": "1",
+}  # fmt: skip
+"""What a process of our own has in its environment before numpy is loaded."""
+
+_lock = threading.Lock()
+_inside = 0
+_limits: list[tuple[LibController, int]] = []
+
+
+@contextmanager
+def one_blas_thread() -> Iterator[None]:
+    """Limit the BLAS libraries of this process to one thread; afterwards they have their own limits again.
+
+    Also a decorator. Blocks may be nested or run in several threads at a time: the first one sets the limit and
+    the last one lifts it. Entering costs some 20 microseconds once the libraries have been found.
+    """
+    global _inside
+    shared, own = _libraries()
+    with _lock:
+        if _inside == 0:
+            _limits[:] = _set([(library, 1) for library in shared])
+        _inside += 1
+    mine = _set([(library, 1) for library in own])
+    try:
+        yield
+    finally:
+        _set(mine)
+        with _lock:
+            _inside -= 1
+            if _inside == 0:
+                _set(_limits)
+
+
+def _set(wanted: list[tuple[LibController, int]]) -> list[tuple[LibController, int]]:
+    """Give each library its number of threads; return what each had."""
+    had = [(library, library.num_threads) for library, _ in wanted]
+    for library, number in wanted:
+        # threadpoolctl listens to one thread at a time, often not the one that solves or ends last
+        release = getattr(library, "clear_controlling_thread", None)
+        if release:
+            release(force=True)
+        library.set_num_threads(number)
+        if release:
+            release(force=True)
+    return had
+
+
+@lru_cache(maxsize=1)
+def _libraries() -> tuple[list[LibController], list[LibController]]:
+    """BLAS libraries with one limit for the process, and those with a limit for each of its threads (OpenMP)."""
+    # scipy's wheel brings a BLAS library of its own, which could not be limited before it is loaded
+    import scipy.linalg  # noqa: F401
+    from threadpoolctl import ThreadpoolController
+
+    found = ThreadpoolController().select(user_api="blas").lib_controllers
+    own = [library for library in found if getattr(library, "threading_layer", None) == "openmp"]
+    return [library for library in found if library not in own], own
+
+
+COMMAND_LINE: ContextVar[Sequence[str] | None] = ContextVar("command_line", default=None)
+"""Words of the command line that is being run; None in a call from Python."""
+
+VARIABLE = "DUMMYDESIGN_PROGRESS"
+"""Environment variable with the path of that file; nothing is written without it."""
+
+
+STOP = threading.Event()
+"""Set when the user asks a command to end: the interrupt alone is lost when it comes while a C library loads."""
+
+
+def check_stop() -> None:
+    """Raise KeyboardInterrupt when the user has asked the command to end."""
+    if STOP.is_set():
+        raise KeyboardInterrupt
+
+
+Progress = Callable[[str], None]
+
+
+def quiet(step: str) -> None:
+    """Ignore progress messages."""
+
+
+def write_progress(text: str) -> None:
+    """Replace the line; a file that cannot be written stops no work. Ends a command that was asked to end."""
+    check_stop()
+    place = os.environ.get(VARIABLE)
+    if not place:
+        return
+    part = Path(f"{place}.part-{os.getpid()}")
+    try:
+        part.write_text(text, encoding="utf-8")
+        os.replace(part, place)
+    except OSError:
+        part.unlink(missing_ok=True)
+
+
+HUNG_S = 3600.0
+"""A child that neither works nor ends is given up after this time by the clock. [s]"""
+
+
+def limit_processor_time(seconds: float) -> None:
+    """Have the system end this process once it has used so much processor time; systems that cannot do nothing."""
+    try:
+        import resource
+    except ImportError:
+        return
+    soft = max(1, math.ceil(seconds))
+    _, hard = resource.getrlimit(resource.RLIMIT_CPU)
+    if hard != resource.RLIM_INFINITY:
+        soft = min(soft, hard)
+    resource.setrlimit(resource.RLIMIT_CPU, (soft, hard))
+    # no image of the memory on disk for it
+    resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))
+
+
+def ran_out(status: int) -> bool:
+    """Whether a child with this exit status was ended by :func:`limit_processor_time`."""
+    import signal
+
+    return hasattr(signal, "SIGXCPU") and status == -signal.SIGXCPU

@@ -1,1 +1,0 @@
-"""The pads that can win, solved by finite elements."""

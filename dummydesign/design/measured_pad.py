@@ -1,0 +1,231 @@
+"""The verdict on a pad that was cast and pressed: its traces against the tissue's subjects."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.core.errors import DummydesignError
+from dummydesign.core.parsing import DECELERATION, EDGE, FORCE, HOLD, VELOCITY, positive, read_number, read_numbers
+from dummydesign.design.assessment.castings import COUNT
+from dummydesign.design.assessment.safety import tissue_press
+from dummydesign.design.request import face_of
+from dummydesign.design.scoring.deviations import Ranges, Readings
+from dummydesign.design.scoring.presses import Sampling
+from dummydesign.design.scoring.verdict import LEVELS, Verdict, verdict
+from dummydesign.design.test_setup import check_edge, check_numbers, tissue_warnings
+from dummydesign.geometry.dimensions import PUNCH
+from dummydesign.geometry.interface import CONDITIONS, Interface
+from dummydesign.geometry.punch import read_punch
+from dummydesign.measurement.motion import work_mJ
+from dummydesign.tissue.comparison import Comparison, PressTest, braking_of, compare_traces, hold_of, missing_of
+from dummydesign.tissue.fitting.reduction import condition_groups
+from dummydesign.tissue.model.laws import law_named
+
+if TYPE_CHECKING:
+    from dummydesign.measurement.campaign import Campaign
+    from dummydesign.tissue.fitting.reduction import ReducedTrace
+    from dummydesign.tissue.model.ranges import ForceRange
+    from dummydesign.tissue.model.tissue import Tissue
+
+
+Numbers = float | str | Iterable[float | str]
+
+
+@dataclass(frozen=True)
+class TracesTest:
+    """A test with its punch."""
+
+    punch: str
+    edge_radius_mm: float
+    condition: str
+    presses: PressTest
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return all as plain values, None for what is taken from each press."""
+        test = self.presses
+        return {
+            "punch": self.punch, "edge_radius_mm": self.edge_radius_mm, "condition": self.condition,
+            "force_N": _listed(test.forces_N),
+            "velocity_mm_s": _listed(test.velocities_mm_s), "hold_s": test.hold_s,
+            "deceleration_mm_s2": test.deceleration_mm_s2,
+        }  # fmt: skip
+
+    @property
+    def given(self) -> dict[str, Any]:
+        """What differs from the presses as they were made with the 14 x 14 mm punch; empty for nothing."""
+        own = self.punch != PUNCH or self.edge_radius_mm or self.condition != "bonded"
+        return {
+            name: value
+            for name, value in self.to_dict().items()
+            if value is not None and (own or name not in ("punch", "edge_radius_mm", "condition"))
+        }
+
+    def warnings(self, tissue: Tissue) -> list[dict[str, str]]:
+        """What must be said of the tissue in this test."""
+        said = tissue_warnings(tissue, self.punch, self.edge_radius_mm, self.presses.forces_N or ())
+        return [{"code": code, "message": text} for code, text in said]
+
+
+def _listed(values: tuple[float, ...] | None) -> list[float] | None:
+    return None if values is None else list(values)
+
+
+def read_test(
+    punch: str = PUNCH,
+    edge_radius_mm: float | str = 0.0,
+    force_N: Numbers | None = None,
+    velocity_mm_s: Numbers | None = None,
+    hold_s: float | str | None = None,
+    deceleration_mm_s2: float | str | None = None,
+    condition: str | None = None,
+) -> TracesTest:
+    """Read a test; numbers may carry their unit."""
+    asked, face = read_punch(punch), face_of(punch, condition)
+    Interface.parse(face, "condition", CONDITIONS)
+    edge = read_number(edge_radius_mm, EDGE)
+    forces = None if force_N is None else tuple(sorted(set(read_numbers(force_N, FORCE))))
+    speeds = None if velocity_mm_s is None else tuple(sorted(set(read_numbers(velocity_mm_s, VELOCITY))))
+    hold = None if hold_s is None else read_number(hold_s, HOLD)
+    braking = None if deceleration_mm_s2 is None else read_number(deceleration_mm_s2, DECELERATION)
+    check_numbers(forces, speeds, hold)
+    if braking is not None:
+        positive(DECELERATION.quantity, braking)
+    if edge:
+        check_edge(edge, asked)
+    return TracesTest(punch, edge, face, PressTest(forces, speeds, hold, braking))
+
+
+DRAWS, SEED = COUNT, 23
+DEPTH_ERROR_MM = 0.01
+"""Standard deviation of where a trace has its zero: half of the 0.02 mm to which a robot is taken to repeat."""
+SMOOTHED = 5
+"""Samples of the parabola that the peak is read from; a single largest sample is too large by its noise."""
+PARABOLA = np.array([-3.0, 12.0, 17.0, 12.0, -3.0]) / 35.0
+RAW_BIAS = 1.5
+"""Standard deviations by which the largest of the few samples about a peak is too large."""
+
+
+def verdict_of_traces(found: Comparison, tissue: Tissue) -> Verdict:
+    """Judge a cast pad by its traces.
+
+    Each press is held against the subjects at its own steady force, speed, hold and braking; repeats are averaged.
+    True pads that may be behind the measurement are drawn from the noise, the scatter of repeats and the zero of
+    depth. A press of the test that was not made, or without a test a speed of the tissue at which the pad was not
+    pressed, leaves open whether it is inside.
+    """
+    bands = {id(trace): band for trace, band in found.presses}
+    noise = float(found.fit.result["noise_floor_N"] or 0.0)
+    rows = [
+        _press([(trace, bands[id(trace)]) for trace in group], tissue, found.test, speed, noise)
+        for speed, _, group in condition_groups([trace for trace, _ in found.presses])
+    ]
+    lowest = found.test.span_N[0]
+    force, speeds, low, high, least, most, peak, error, energy = (np.array(column) for column in zip(*rows))
+    grid = (found.grid_N >= max(lowest * (1 - 1e-9), 0.97 * found.points[0, 1])) & np.isfinite(found.steady)
+    steady, depth = found.grid_N[grid], found.steady[grid]
+    stiff, soft = (edge[grid] for edge in found.range_mm)
+    hold = hold_of([trace for trace, _ in found.presses], found.test)
+    ranges = Ranges(force, speeds, low, high, least, most, steady, stiff, soft, len(tissue.subjects),
+                    law_named(tissue.law).exponent_of(tissue.parameter_sets, *found.test.span_N, hold))  # fmt: skip
+    rng = np.random.default_rng(SEED)
+    spread = Readings(
+        peak + error * rng.standard_normal((DRAWS, len(peak))),
+        energy * (1.0 + error / peak * rng.standard_normal((DRAWS, len(peak)))),
+        depth + DEPTH_ERROR_MM * rng.standard_normal((DRAWS, 1)),
+    )
+    unsettled = missing_of([trace for trace, _ in found.presses], found.test, tissue.velocities_mm_s)
+    if not len(steady):
+        unsettled = " and ".join(filter(None, [unsettled, f"it was not pressed above {lowest:g} N"]))
+    readings = Readings(peak, energy, depth)
+    return verdict(ranges, readings, spread, of="pads that these traces allow", unsettled=unsettled, cast=True)
+
+
+def _press(
+    pairs: list[tuple[ReducedTrace, ForceRange]], tissue: Tissue, test: PressTest, measured_mm_s: float,
+    noise_N: float,
+) -> tuple[float, ...]:
+    """One condition: force, speed, outermost peaks and energies of the subjects, the pad's, and its peak's error."""
+    peaks = np.array([peak_of(trace, noise_N) for trace, _ in pairs])
+    energies = np.array([energy_of(trace) for trace, _ in pairs])
+    outer = []
+    speed_mm_s = test.speed_of(measured_mm_s)
+    for trace, band in pairs:
+        hold = trace.ramp.hold_end_s - trace.ramp.stop_time_s
+        braking = test.deceleration_mm_s2 or braking_of(trace, speed_mm_s)
+        sampling = Sampling(hold_s=hold, deceleration_mm_s2=braking)
+        energy = tissue_press(band, tissue.law, sampling).energy_mJ
+        outer.append((trace.steady_force_N, band.peak_low_N, band.peak_high_N, energy.min(), energy.max()))
+    force, low, high, least, most = np.mean(outer, axis=0)
+    # Repeats differ in depth and force; what scatters is the peak over its own lowest subject.
+    relative = peaks / np.array([row[1] for row in outer])
+    scatter = float(np.std(relative, ddof=1)) * low if len(peaks) > 1 else 0.0
+    error = float(np.hypot(noise_N, scatter)) / np.sqrt(len(peaks))
+    return (force, speed_mm_s, low, high, least, most, float(peaks.mean()), error, float(energies.mean()))
+
+
+def peak_of(trace: ReducedTrace, noise_N: float = 0.0) -> float:
+    """Largest force of a press: of parabolas through five even samples, less what noise adds to a largest value. [N]
+
+    Where sampling is not even the sample itself is taken, and with fewer than twenty samples in the rise throughout.
+    """
+    force = trace.trace.force_N[trace.inside]
+    time = trace.trace.time_s[trace.inside]
+    rising = int(((time >= trace.ramp.contact_time_s) & (time <= trace.ramp.stop_time_s)).sum())
+    if rising < 4 * SMOOTHED:
+        return float(force.max())
+    step = np.lib.stride_tricks.sliding_window_view(np.diff(time), SMOOTHED - 1)
+    even = step.max(axis=-1) < 1.2 * step.min(axis=-1)
+    left = float(np.sqrt((PARABOLA**2).sum()))
+    smooth = np.convolve(force, PARABOLA, "valid") - left * noise_N
+    middle = force[SMOOTHED // 2 : -(SMOOTHED // 2)] - RAW_BIAS * noise_N
+    return float(np.where(even, smooth, middle).max())
+
+
+def energy_of(trace: ReducedTrace) -> float:
+    """Integral of F dx from contact to the end of the hold, where nothing moves any more. [mJ]
+
+    The stop of the ideal ramp lies in the middle of the braking, or between two samples: up to there the steepest part
+    of the rise is missing, 3 % of the energy at 150 samples in the rise.
+    """
+    time = trace.trace.time_s
+    pressed = (time >= trace.ramp.contact_time_s) & (time <= trace.ramp.hold_end_s)
+    x: NDArray = trace.trace.displacement_mm[pressed]
+    force = trace.trace.force_N[pressed]
+    return float(work_mJ(x, force))
+
+
+@dataclass(frozen=True)
+class PadVerdict:
+    """One pad of a campaign with its verdict, or the reason why it has none."""
+
+    shape: str
+    thickness_mm: float
+    presses: int
+    verdict: Verdict | None
+    reason: str = ""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return all fields as plain values."""
+        judged = None if self.verdict is None else self.verdict.to_dict()
+        return {"shape": self.shape or "slab", "thickness_mm": self.thickness_mm, "presses": self.presses,
+                "verdict": judged, "reason": self.reason or None}  # fmt: skip
+
+
+def verdicts_of_campaign(campaign: Campaign, tissue: Tissue) -> tuple[PadVerdict, ...]:
+    """Judge every pad of a campaign by its own presses, the worst level first."""
+    found = []
+    for shape, thickness in dict.fromkeys(trial.pad for trial in campaign.trials):
+        traces = [trial.trace for trial in campaign.trials if trial.pad == (shape, thickness)]
+        judged, reason = None, ""
+        try:
+            judged = verdict_of_traces(compare_traces(traces, tissue, campaign.lowpass), tissue)
+        except DummydesignError as problem:
+            reason = str(problem)
+        found.append(PadVerdict(shape, thickness, len(traces), judged, reason))
+    return tuple(sorted(found, key=lambda pad: -1 if pad.verdict is None else LEVELS.index(pad.verdict.level),
+                        reverse=True))  # fmt: skip

@@ -1,0 +1,96 @@
+"""The options of ``suggest``: command, Python call and inputs of the answer are made from this table."""
+
+from __future__ import annotations
+
+from dataclasses import MISSING, dataclass
+from functools import partial
+
+from dummydesign.core import parsing
+from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.core.options import option
+from dummydesign.core.parsing import parse_limits, read_count, read_number, read_numbers, read_size
+from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM, PUNCH
+
+LARGEST_ERROR = 2.0
+"""Largest error of weighing [g] and of the thickness [mm]."""
+
+
+def _read_error(given: float | str, purpose: parsing.Purpose) -> float:
+    number = read_number(given, purpose)
+    if not 0.0 <= number <= LARGEST_ERROR:
+        raise out_of_range(purpose.quantity, number, 0, LARGEST_ERROR)
+    return number
+
+
+def read_sites(text: str | tuple[int, int]) -> tuple[int, int]:
+    """Read ``NxM``, crowns along the length times across the width."""
+    from dummydesign.geometry.shapes.crowned import MOST_SITES
+
+    parts = text.lower().split("x") if isinstance(text, str) else [str(value) for value in text]
+    if len(parts) != 2 or not all(part.strip().isdigit() and 1 <= int(part) <= MOST_SITES for part in parts):
+        shown = text if isinstance(text, str) else "x".join(parts)
+        message = f"sites = {shown} is not NxM with 1 to {MOST_SITES} crowns each way, such as 4x3"
+        raise InputError(message, "malformed", "sites", shown)
+    return int(parts[0]), int(parts[1])
+
+
+def base_words(base: str) -> str:
+    """Return in words how a pad lies on its base."""
+    return {"bonded": "glued to a rigid base", "sliding": "sliding on a rigid base"}.get(base, f"resting, {base}")
+
+
+def _shape_help() -> str:
+    from dummydesign.geometry.shape_registry import shape_help
+
+    return shape_help("auto", default="auto") + "; lengths that are not given are searched"
+
+
+@dataclass(frozen=True)
+class SuggestOptions:
+    """What ``suggest`` is asked, in the order of the answer's inputs: default, option, metavar, help, reader."""
+
+    tissue: str = option(MISSING, "tissue", "NAME|FILE", "see 'dummydesign tissues list'")
+    aim: str = option("average", "aim", "AIM", "average (default), safe-side or subject:NAME")
+    resin: str = option("polyurethane-nagoya", "resin", "NAME|FILE", "see 'dummydesign resins list'")
+    thickness_mm: tuple[float, float] | None = option(None, "thickness", "MIN:MAX", "limits in mm, inside 3 to 30",
+        read=partial(parse_limits, quantity="thickness in mm"), between=":")  # fmt: skip
+    ratio: tuple[float, float] | None = option(None, "ratio", "MIN:MAX",
+        "limits of the mixing ratio, inside the resin's range",
+        read=partial(parse_limits, quantity="ratio"), between=":")  # fmt: skip
+    shape: str = option("auto", "shape", "NAME[:P,..]", _shape_help)
+    verify: bool = option(True, "no-verify", "", "do not check the design by finite elements")
+    hold_s: float = option(10.0, "hold", "S", "hold after the stop (default 10 s)",
+        read=partial(read_number, purpose=parsing.HOLD))  # fmt: skip
+    deceleration_mm_s2: float = option(30_000.0, "deceleration", "MM_S2", "braking (default 30000 mm/s2)",
+        read=partial(read_number, purpose=parsing.DECELERATION))  # fmt: skip
+    weighing_g: float = option(0.1, "balance", "G", "error of weighing, plus and minus (default 0.1 g)",
+        read=partial(_read_error, purpose=parsing.BALANCE), argument="balance_g")  # fmt: skip
+    thickness_tolerance_mm: float = option(0.2, "thickness-tolerance", "MM",
+        "error of the cast thickness, plus and minus (default 0.2 mm)",
+        read=partial(_read_error, purpose=parsing.TOLERANCE))  # fmt: skip
+    calibration: str | None = option(None, "calibration", "FILE",
+        "file written by 'dummydesign loop'; none leaves a project's out", read=str)  # fmt: skip
+    punch: str = option(PUNCH, "punch", "KIND:SIZE",
+        "square:14 (default), rectangle:AxB, round:D, ball:D, profile:FILE.csv")  # fmt: skip
+    force_N: tuple[float, ...] = option((5.0, 10.0, 15.0), "force", "F1,F2,...", "steady forces (default 5,10,15 N)",
+        read=partial(read_numbers, purpose=parsing.FORCE))  # fmt: skip
+    velocity_mm_s: tuple[float, ...] = option((10.0, 250.0), "velocity", "V1,V2,...", "speeds (default 10,250 mm/s)",
+        read=partial(read_numbers, purpose=parsing.VELOCITY))  # fmt: skip
+    pad_mm: tuple[float, float] = option((PAD_LENGTH_MM, PAD_WIDTH_MM), "pad", "LxW",
+        "length and width of the pad (default 150x120 mm)",
+        read=partial(read_size, quantity="pad"), argument="pad", between="x")  # fmt: skip
+    base: str = option("bonded", "base", "NAME", "bonded (default), sliding or friction:MU")
+    edge_radius_mm: float = option(0.0, "edge-radius", "MM", "fillet of the punch's edge (default 0, sharp)",
+        read=partial(read_number, purpose=parsing.EDGE))  # fmt: skip
+    condition: str | None = option(None, "condition", "NAME",
+        "bonded (default; under a ball or a profile frictionless), frictionless, friction:MU")  # fmt: skip
+    preset: str = option("open", "preset", "NAME|FILE", "mould preset: open (default), lidded, printed or a TOML file")
+    machine: str | None = option(None, "machine", "NAME|FILE",
+        "printer, vacuum chamber and oven the mould must fit")  # fmt: skip
+    silicone: str | None = option(None, "silicone", "NAME|FILE", "silicone of the mould")
+    sites: tuple[int, int] | None = option(None, "sites", "NxM",
+        "crowns along and across one pad, such as 4x3, far enough apart to be independent (solved)",
+        read=read_sites, between="x")  # fmt: skip
+    castings: int = option(1200, "castings", "N",
+        "castings that are drawn for every share and factor (default 1200, which is the least)",
+        read=partial(read_count, quantity="castings"))  # fmt: skip

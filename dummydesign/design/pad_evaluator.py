@@ -1,0 +1,164 @@
+"""One pad against a tissue: its curve, its presses and the verdict, fast enough for a slider."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.core.errors import InputError
+from dummydesign.core.quantity import HALF_WIDTH
+from dummydesign.design.assessment.castings import (
+    COUNT,
+    PadCastings,
+    limits_that_bind,
+    verdict_of_design,
+)
+from dummydesign.design.request import PAPER, Protocol
+from dummydesign.design.scoring.presses import SAMPLES, Curves, Sampling, Slabs, make_curves, steady_depth
+from dummydesign.design.scoring.score import evaluate
+from dummydesign.design.scoring.settings import verdict_limits
+from dummydesign.design.scoring.targets import Targets, make_targets
+from dummydesign.design.scoring.verdict import Verdict, ranges_of, readings_of, verdict
+from dummydesign.design.search.shape_family import Family, FamilyLaw
+from dummydesign.design.search.slabs import DesignCandidate, SearchSpace, make_slabs
+from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
+from dummydesign.geometry.pad_shape import PadShape
+from dummydesign.pad.force_law import ForceLaw
+
+if TYPE_CHECKING:
+    from dummydesign.design.inputs import Inputs
+    from dummydesign.pad.force_law import ForceCurve
+    from dummydesign.pad.specimen import Pad
+    from dummydesign.tissue.model.tissue import Tissue
+
+
+DRAWS, SEED = COUNT, 41
+
+
+def verdict_of_pad(
+    pad: Pad,
+    curve: ForceCurve,
+    young: dict[str, float],
+    tissue: Tissue,
+    aim: str = "average",
+    sampling: Sampling | None = None,
+    protocol: Protocol = PAPER,
+) -> tuple[Verdict, DesignCandidate, Targets]:
+    """Press a pad by a test and judge it, with what is not known of its modulus and of the force."""
+    sampling = sampling or Sampling()
+    thickness, limit = pad.thickness_mm, min(gel_limit_mm(pad), float(curve.limit_mm))
+    depth = np.linspace(0.0, limit, SAMPLES)
+    area = np.asarray(curve.force(depth), float) / pad.young_MPa
+    area[0] = 0.0
+    curves = Curves(np.array([thickness]), np.array([limit]), area[None])
+    tau, beta = tuple(term.tau_s for term in pad.prony), np.array([[term.beta for term in pad.prony]])
+    targets = make_targets(tissue, aim, sampling, protocol)
+    slabs = Slabs(curves, np.array([0]), np.array([pad.young_MPa]), tau, beta.reshape(1, len(tau)))
+    found = evaluate(slabs, targets, sampling, exact=True)
+    candidate = DesignCandidate(thickness, 0.0, 0, found, None, 0.0, 0.0)
+    reached = found.depth_mm[0][np.isfinite(found.depth_mm[0])]
+    error = float(np.nan_to_num(np.max(curve.relative_error(reached), initial=0.0))) if len(reached) else 0.0
+    width = float(np.hypot(0.5 * np.log(young["high"] / young["low"]), error)) / HALF_WIDTH
+    drawn = pad.young_MPa * np.exp(width * np.random.default_rng(SEED).standard_normal(DRAWS))
+    every = Slabs(curves, np.zeros(DRAWS, int), drawn, tau, np.repeat(slabs.beta, DRAWS, axis=0))
+    spread = readings_of(evaluate(every, targets, sampling.coarse))
+    missing = len(reached) < found.depth_mm.shape[1]
+    bound = [f"depth over thickness (at most {limit / thickness:.2f})"] if missing else []
+    judged = verdict(
+        ranges_of(targets), readings_of(found, 0), spread, bound, of="pads with a modulus in its interval",
+        measured=readings_of(evaluate(slabs, targets, sampling.coarse)), limits=targets.limits,
+    )  # fmt: skip
+    return judged, candidate, targets
+
+
+def gel_limit_mm(pad: Pad) -> float:
+    """Depth at which the gel under the middle of the punch is compressed as far as the verdict allows. [mm]"""
+    return float(verdict_limits().gel_compression * (pad.thickness_mm - pad.geometry.bone_height_mm))
+
+
+@dataclass(frozen=True)
+class EvaluatedPad:
+    """One pad with its presses and its verdict at central estimates."""
+
+    candidate: DesignCandidate
+    law: ForceLaw
+    verdict: Verdict
+
+    def steady_depth_mm(self, force_N: NDArray) -> NDArray:
+        """Depth at steady forces; NaN out of reach. [mm]"""
+        found = self.candidate.evaluation
+        return np.asarray(steady_depth(found.slabs, force_N, found.protocol.slow_mm_s, found.sampling.coarse)[0])
+
+
+def law_of_shape(
+    slab_law: ForceLaw, shape: PadShape, thickness_mm: float,
+    pad_mm: tuple[float, float] = (PAD_LENGTH_MM, PAD_WIDTH_MM), correct: Callable[[Family], Family] | None = None,
+) -> ForceLaw:  # fmt: skip
+    """Elastic force of a pad of a shape: the slabs' law, or the response surface of the kind."""
+    if shape.plain:
+        return slab_law
+    from dummydesign.design.search.shape_family import load_family
+
+    shape.check(thickness_mm, *pad_mm)
+    family = load_family(shape.name)
+    family.check(shape)
+    if correct is not None:
+        family = correct(family)
+    return FamilyLaw(family, shape, thickness_mm, cast=True)
+
+
+def one_pad(law: ForceLaw, space: SearchSpace, thickness_mm: float, ratio: float) -> EvaluatedPad:
+    """Press one pad as the search presses its best ones, and judge it."""
+    curves = make_curves(law, np.array([thickness_mm]), space.radius_mm)
+    slabs = make_slabs(curves, np.array([0]), space.resin, np.array([ratio]))
+    found = evaluate(slabs, space.targets, space.sampling, exact=True)
+    candidate = DesignCandidate(thickness_mm, ratio, 0, found, None, 0.0, 0.0)
+    bound = limits_that_bind(candidate, space.thickness_mm, space.ratio)
+    return EvaluatedPad(candidate, law, verdict(ranges_of(space.targets), readings_of(found, 0), None, bound))
+
+
+class NotTabulated(InputError):
+    """The pad can be made, but no table holds its force: finite elements have to solve it."""
+
+    def __init__(self, reason: str, quantity: str) -> None:
+        super().__init__(f"{reason}: it is solved by finite elements, which takes minutes", "not_tabulated", quantity)
+
+
+@dataclass(frozen=True)
+class PadEvaluator:
+    """Presses pads one by one under the inputs of a search, by the tables alone, and judges them."""
+
+    inputs: Inputs
+
+    def evaluate(self, shape: PadShape, thickness_mm: float, ratio: float) -> EvaluatedPad:
+        """Press one pad; refuse one that cannot be made (InputError) or that no table holds (NotTabulated)."""
+        from dummydesign.design.test_setup import refused_kinds, why_solved
+
+        request, space, punch = self.inputs.request, self.inputs.space, self.inputs.punch
+        if refused := refused_kinds(request, punch).get(shape.name):
+            raise InputError(refused, "unsupported", "shape", shape.name)
+        if not request.calibration and (why := why_solved(request, punch, thickness_mm)):
+            raise NotTabulated(why, "punch")
+        space.resin.check_ratio(ratio)
+        shape.check(thickness_mm, *request.pad_mm)
+        try:
+            law = law_of_shape(self.inputs.slab_law, shape, thickness_mm, request.pad_mm, space.correct)
+        except InputError as problem:
+            raise NotTabulated(str(problem).partition("; use --fidelity")[0], "shape") from None
+        if float(law.depth_limit_mm(np.array([thickness_mm]), space.radius_mm)[0]) <= 0.0:
+            raise NotTabulated(f"the proportions of this {shape.name} pad are not in the tables", "shape")
+        return one_pad(law, space, thickness_mm, ratio)
+
+    def with_castings(self, pad: EvaluatedPad, shape: PadShape) -> Verdict:
+        """Judge a pad with what its castings may turn out as; the same verdict as that of ``suggest``."""
+        from dummydesign.design.mould import tolerances_of
+        from dummydesign.design.test_setup import beyond_people
+
+        inputs, space = self.inputs, self.inputs.space
+        tolerances = tolerances_of(space.resin, pad.candidate, inputs.request, shape)
+        cast = PadCastings(inputs.castings, pad.law, pad.candidate, space, tolerances)
+        return verdict_of_design(cast, beyond_people(inputs.request, inputs.tissue))

@@ -1,0 +1,169 @@
+"""Weights of the score and limits of the verdict, read from data files."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from dummydesign.core.errors import InputError
+from dummydesign.core.library import find
+from dummydesign.core.quantity import KINDS, Quantity
+from dummydesign.core.serialise import Serialised
+from dummydesign.core.toml_schema import Table, read_table
+
+PARTS = ("aim", "steady_state_range", "force_variation_range", "parametric")
+OTHERS = ("low_aim", "not_representative", "borderline", "resolution")
+AIMS = ("average", "safe-side", "subject")
+
+
+@dataclass(frozen=True)
+class Weights:
+    """One set of weights."""
+
+    name: str
+    origin: str
+    numbers: dict[str, Quantity]
+
+    def __getitem__(self, name: str) -> float:
+        """Value of a number of the set."""
+        return self.numbers[name].value
+
+    @property
+    def parts(self) -> dict[str, float]:
+        """Weights of the parts of the total; they sum to 1."""
+        return {name: self[name] for name in PARTS if name in self.numbers}
+
+    def without(self, part: str) -> Weights:
+        """The set without a part that a tissue does not have; the other parts grow so that they sum to 1."""
+        rest = 1.0 - self[part]
+        if not rest > 0.0:
+            message = f"weights {self.name}: nothing but {part} is weighed, which this tissue does not have"
+            raise InputError(message, "inconsistent", "weights", self.name)
+        kept = {name: number for name, number in self.numbers.items() if name != part}
+        for name in PARTS:
+            if name != part:
+                number, value = kept[name], self[name] / rest
+                kept[name] = replace(number, value=value, low=min(number.low, value), high=max(number.high, value))
+        return replace(self, numbers=kept)
+
+    @property
+    def low_aim(self) -> float:
+        """Share, in the merit, of the closeness to the aim below the lowest force."""
+        return self["low_aim"]
+
+    @property
+    def worth(self) -> tuple[float, float, float]:
+        """What the merit of a design counts by its :mod:`~dummydesign.design.scoring.verdict`."""
+        return self["not_representative"], self["borderline"], 1.0
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the set's name, where it comes from and its values."""
+        return {"set": self.name, "origin": self.origin, **{name: self[name] for name in self.numbers}}
+
+
+def weights_of(aim: str) -> Weights:
+    """The set of weights that an aim is scored by."""
+    entry = find("materials", "score", "score")
+    return _read_weights(entry.path, entry.origin, entry.path.stat().st_mtime_ns)[aim.lower().partition(":")[0]]
+
+
+@lru_cache(maxsize=4)
+def _read_weights(path: Path, origin: str, changed_ns: int) -> dict[str, Weights]:
+    """Sets by aim; read again when the file has changed."""
+    top = read_table(path, ("schema", "aims", "sets"))
+    aims, sets = top.table("aims"), top.table("sets")
+    read = {name: _set(sets.table(name), name, origin) for name in sets.data}
+    return {aim: read[aims.string(aim, choices=list(read))] for aim in AIMS}
+
+
+def _set(table: Table, name: str, origin: str) -> Weights:
+    table.only((*PARTS, *OTHERS))
+    weights = Weights(name, origin, {key: _bounded(table, key, 0.0, 1.0) for key in (*PARTS, *OTHERS)})
+    total = sum(weights.parts.values())
+    if abs(total - 1.0) > 1e-9:
+        message = f"{table.where()}: the weights {', '.join(PARTS)} of set '{name}' sum to {total:g}, not 1"
+        raise InputError(message, "inconsistent", table.name)
+    return weights
+
+
+def _bounded(table: Table, key: str, low: float, high: float, kinds: tuple[str, ...] = KINDS) -> Quantity:
+    """Read a quantity and refuse a value outside a range."""
+    number = table.quantity(key, kinds)
+    if not low <= number.value <= high:
+        name = f"{table.name}.{key}"
+        message = f"{table.where(key)}: {name} = {number.value:g} is outside {low:g} to {high:g}"
+        raise InputError(message, "out_of_range", name, number.value, (low, high))
+    return number
+
+
+# Field of the limits by its place in the file.
+NUMBERS = {
+    "stands_for": {"shortfall": "stands_shortfall", "over": "stands_over", "inside": "stands_inside"},
+    "usable": {name: name for name in ("shortfall", "shortfall_castings", "over", "beyond_people")},
+    "castings": {"share": "share"},
+    "bottoming_out": {"gel_compression": "gel_compression"},
+    "choice": {"tie": "tie"},
+}
+BOUNDS = {
+    "beyond_people": (1.0, 10.0), "stands_inside": (0.0, 1.0), "share": (0.5, 0.999),
+    "gel_compression": (0.05, 0.6), "tie": (0.0, 0.1),
+}  # fmt: skip
+# Allowed range of shortfalls and over-readings.
+FACTORS = (1.0, 3.0)
+# Each limit and one that it must not exceed.
+RISING = (("stands_shortfall", "shortfall"), ("shortfall", "shortfall_castings"), ("stands_over", "over"))
+
+
+@dataclass(frozen=True)
+class VerdictLimits(Serialised):
+    """Limits of shortfall and over-reading, of the share of castings, of the gel's compression, and of a tie.
+
+    ``stands_*`` are those of green; ``shortfall`` and ``over`` those of amber at central estimates, and
+    ``shortfall_castings`` that for ``share`` of the castings. ``beyond_people`` limits the largest steady force of the
+    test over the hardest press of people.
+    """
+
+    stands_shortfall: float
+    stands_over: float
+    stands_inside: float
+    shortfall: float
+    shortfall_castings: float
+    over: float
+    beyond_people: float
+    share: float
+    gel_compression: float
+    tie: float
+    origin: str = "built-in"
+
+    def moved(self, name: str, factor: float) -> VerdictLimits:
+        """The limits with one of them multiplied by a factor."""
+        return replace(self, **{name: factor * getattr(self, name)})
+
+
+def verdict_limits() -> VerdictLimits:
+    """Read the limits: the user's own file where there is one, else the built-in one."""
+    entry = find("materials", "verdict", "verdict")
+    return replace(_read_limits(entry.path, entry.path.stat().st_mtime_ns), origin=entry.origin)
+
+
+@lru_cache(maxsize=4)
+def _read_limits(path: Path, changed_ns: int) -> VerdictLimits:
+    """Read again when the file has changed."""
+    top = read_table(path, ("schema", *NUMBERS))
+    values: dict[str, Any] = {}
+    typed: dict[str, str] = {}
+    for name, keys in NUMBERS.items():
+        table = top.table(name)
+        table.only(keys)
+        for key, field in keys.items():
+            values[field] = _bounded(table, key, *BOUNDS.get(field, FACTORS), (*KINDS, "choice")).value
+            typed[field] = f"{name}.{key}"
+    for lower, upper in RISING:
+        if values[lower] > values[upper]:
+            raise InputError(
+                f"{path.name}: {typed[lower]} = {values[lower]:g} is above {typed[upper]} = {values[upper]:g}; "
+                f"give at most {values[upper]:g}", "inconsistent", typed[lower], values[lower],
+            )  # fmt: skip
+    return VerdictLimits(**values)

@@ -1,1 +1,0 @@
-"""What reports show of a design besides its curves, worked out once."""

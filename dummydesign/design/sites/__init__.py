@@ -1,1 +1,0 @@
-"""Several crowns on one pad, far enough apart that each is pressed as if it were alone."""

@@ -1,0 +1,277 @@
+"""Whether an effect keeps the contract: what it declares, and what it does to presses of reference pads."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.loop.data.trials import History, Presses, stack
+from dummydesign.loop.model.base_law import PuckLaw, SetupLaw, SlabLaw, UnitForce
+from dummydesign.loop.model.effect import HOOKS, OWNERS, PADS, SETUP, Effect, Parameter, Values
+from dummydesign.loop.model.forward_model import Active, BaseParameters, simulate
+from dummydesign.measurement.campaign import Trial
+from dummydesign.measurement.trace import Trace
+from dummydesign.pad.tables.slab import load_table
+
+SHAPES = tuple(PADS)
+UNITS = ("mm", "N", "s", "deg", "kg", "K")
+"""Units that, as the end of a parameter's name, must be its unit."""
+SMALL, VANISHED, LEAST_N = 1e-6, 1e-4, 0.05
+"""At this share of the typical size, less than this share of the typical change (or of this force) may be left."""
+BASE = BaseParameters(0.025, (0.06, 1.4), (0.3, 0.25))
+
+
+def check_effect(effect: type[Effect] | Effect) -> tuple[str, ...]:
+    """Try an effect against the contract of :class:`dummydesign.loop.model.effect.Effect`.
+
+    Declared: name, hook, owner, signature, source and description; parameters with unit, and bounds that hold null,
+    typical size and starting values. Done, on eight presses of reference pads: nothing at null, to the last bit, and
+    nothing else changed by the call; a force that is finite at all bounds and grows continuously from null; the same
+    force when asked twice; some change at the typical size.
+
+    Parameters
+    ----------
+    effect : class or instance
+        A class is made without arguments.
+
+    Returns
+    -------
+    tuple of str
+        What is wrong, a sentence each; empty when the contract is kept.
+    """
+    if isinstance(effect, type):
+        name = effect.__name__
+        if not issubclass(effect, Effect):
+            return (f"{name} is not a class derived from dummydesign.loop.Effect",)
+        try:
+            effect = effect()
+        except (Exception, SystemExit) as problem:
+            return (f"{name}() raised {problem_text(problem)}; it must be made without arguments",)
+    try:
+        faults = tuple(_declared(effect))
+        with np.errstate(all="ignore"):
+            return faults or tuple(_done(effect))
+    except (Exception, SystemExit) as problem:
+        return (f"{type(effect).__name__} raised {problem_text(problem)}",)
+
+
+def problem_text(problem: BaseException) -> str:
+    """An exception in a few words: kind, text and the line it came from."""
+    frames = traceback.extract_tb(problem.__traceback__)
+    where = f" (line {frames[-1].lineno} of {frames[-1].filename.rpartition('/')[2]})" if frames else ""
+    return f"{type(problem).__name__}: {' '.join(str(problem).split())[:200]}{where}"
+
+
+def _declared(effect: Effect) -> Iterator[str]:
+    if not (isinstance(effect.name, str) and effect.name.isidentifier() and effect.name.islower()):
+        yield f"name = {effect.name!r} must be one word of lower-case letters, digits and underscores"
+    if effect.hook not in HOOKS:
+        yield f"hook = {effect.hook!r} must be one of {', '.join(HOOKS)}"
+    if effect.belongs_to not in OWNERS:
+        yield f"belongs_to = {effect.belongs_to!r} must be one of {', '.join(OWNERS)}"
+    for word in ("signature", "reference"):
+        if not getattr(effect, word):
+            yield f"{word} is empty"
+    if not type(effect).__doc__:
+        yield "the class has no docstring that says what it does"
+    columns = {*(field.name for field in fields(History)), *SETUP}
+    if isinstance(effect.needs, str):
+        yield f"needs = {effect.needs!r} must be a tuple of words; one word is ({effect.needs!r},)"
+        return
+    for name in effect.needs:
+        if name not in columns:
+            yield f"needs {name!r}, which no campaign can declare: known are {', '.join(sorted(columns))}"
+    if not effect.shapes or not set(effect.shapes) <= set(SHAPES):
+        yield f"shapes = {effect.shapes!r} must be of {', '.join(SHAPES)}"
+    if not effect.parameters or not all(isinstance(one, Parameter) for one in effect.parameters):
+        yield "parameters must be a tuple of one Parameter or more; the first is the size"
+        return
+    if len({one.name for one in effect.parameters}) < len(effect.parameters):
+        yield "two parameters have the same name"
+    for one in effect.parameters:
+        yield from _parameter(one)
+
+
+def _parameter(one: Parameter) -> Iterator[str]:
+    if not one.unit:
+        yield f"parameter {one.name}: unit is empty; '1' stands for a pure number"
+    end = one.name.rpartition("_")[2]
+    if end in UNITS and "_per_" not in one.name and one.unit != end:
+        yield f"parameter {one.name}: its name ends in {end}, its unit is {one.unit}"
+    numbers = (one.null, one.low, one.high, one.typical, *one.starts)
+    if not all(isinstance(value, int | float | np.number) for value in numbers):
+        yield f"parameter {one.name}: null, low, high, typical and starts must be numbers"
+        return
+    if not np.all(np.isfinite(numbers)):
+        yield f"parameter {one.name}: null, low, high, typical and starts must be finite"
+        return
+    if not one.low < one.high or not one.low <= one.null <= one.high:
+        yield f"parameter {one.name}: null = {one.null:g} must lie within low = {one.low:g} < high = {one.high:g}"
+    if one.log and (one.low <= 0 or one.typical <= 0):
+        yield f"parameter {one.name}: fitted as a logarithm, so low and typical must be above 0"
+    if one.typical == 0:
+        yield f"parameter {one.name}: typical must not be 0"
+    usual = one.typical if one.log else one.null + one.typical
+    for value in (usual, *one.starts):
+        if not one.low <= value <= one.high:
+            yield f"parameter {one.name}: typical or starting value {value:g} lies outside {one.low:g} to {one.high:g}"
+
+
+def _done(effect: Effect) -> Iterator[str]:
+    seen, reasons = False, []
+    for shape in effect.shapes:
+        presses, law = reference_presses(shape)
+        reason = effect.unavailable(presses, law)
+        if reason:
+            reasons.append(f"{shape}: {reason}")
+            continue
+        seen = True
+        yield from _on_presses(effect, presses, law)
+    if not seen:
+        yield f"it cannot be tested on the reference presses ({'; '.join(reasons)})"
+
+
+def _on_presses(effect: Effect, presses: Presses, law: SetupLaw) -> Iterator[str]:
+    def force(values: Values | None) -> NDArray:
+        return simulate(presses, law, BASE, () if values is None else (Active(effect, values),))
+
+    size, null, typical = effect.parameters[0], effect.null_values(), _of_size(effect, 1.0)
+    base = force(None)
+    if not np.array_equal(force(null), base):
+        yield f"at {size.name} = {size.null:g} the force is not that of the base to the last bit"
+    if size.log:
+        yield f"parameter {size.name} is the size and must not be fitted as a logarithm"
+    unsound = faults_on(effect, presses, law)
+    yield from unsound
+    if unsound:
+        return
+    full, tiny = force(typical), force(_of_size(effect, SMALL))
+    changed = float(np.abs(full - base).max())
+    if not np.all(np.isfinite(tiny)):
+        yield f"its force is not finite at {_values_text(typical)}"
+        return
+    if changed == 0.0:
+        yield f"at {_values_text(typical)} it changes nothing"
+    left = float(np.abs(tiny - base).max())
+    if left > VANISHED * max(changed, LEAST_N):
+        yield f"towards null it leaves a step of {left:.3g} N: the slope of the force is not finite there"
+    for values in ({**typical, p.name: end} for p in effect.parameters for end in (p.low, p.high)):
+        if not np.all(np.isfinite(force(values))):
+            yield f"its force is not finite at {_values_text(values)}"
+
+
+def faults_on(effect: Effect, presses: Presses, law: SetupLaw) -> tuple[str, ...]:
+    """What makes the force of an effect of its typical size unusable on given presses.
+
+    Parameters
+    ----------
+    effect : Effect
+    presses : Presses
+        T trials of N nodes.
+    law : SetupLaw
+    """
+    acting = (Active(effect, _of_size(effect, 1.0)),)
+    base = simulate(presses, law, BASE)
+    try:
+        full = np.asarray(simulate(presses, law, BASE, acting))
+    except Exception as problem:
+        return (f"its force cannot be used: {problem_text(problem)}",)
+    if full.shape != base.shape:
+        return (f"its force has the shape {full.shape}, the presses have {base.shape}",)
+    if not np.isrealobj(full):
+        return (f"its force is complex at {_values_text(acting[0].values)}",)
+    if not np.all(np.isfinite(full)):
+        return (f"its force is not finite at {_values_text(acting[0].values)}",)
+    faults = []
+    if not np.array_equal(simulate(presses, law, BASE, acting), full):
+        faults.append("asked twice, it gives two forces")
+    if not np.array_equal(simulate(presses, law, BASE), base):
+        faults.append("after a call the base has another force: it changes what it is given")
+    return tuple(faults)
+
+
+def _of_size(effect: Effect, share: float) -> Values:
+    """Typical values, the size at a share of its own."""
+    size, *others = effect.parameters
+    return {size.name: size.null + share * size.typical, **{p.name: p.typical for p in others}}
+
+
+def _values_text(values: Values) -> str:
+    return ", ".join(f"{name} = {value:g}" for name, value in values.items())
+
+
+@dataclass(frozen=True)
+class ReferenceCap:
+    """A cap on a layer, after Hertz with a first correction for the layer: stands for all pads that are solved.
+
+    It offers whatever an effect may ask of a solved pad, in closed form.
+    """
+
+    cap_mm: float = 20.0
+    radius_mm: float = 7.9
+    shape: str = "shaped"
+    offers: frozenset[str] = frozenset({"flat_faces", "base_that_can_slip", "bulk_that_gives"})
+
+    def on(self, trials: Sequence[Trial]) -> ReferenceCap:
+        """Itself."""
+        return self
+
+    def __call__(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
+        """F / E [mm2]."""
+        depth = np.maximum(depth_mm, 0.0)
+        return 16.0 / 9.0 * np.sqrt(self.cap_mm) * depth**1.5 * (1.0 + np.sqrt(self.cap_mm * depth) / thickness_mm)
+
+    def sliding(self) -> UnitForce:
+        """A base that slides, half the layer's part."""
+        return lambda d, h: 0.5 * (self(d, h) + self(d, 1e9 + 0.0 * np.asarray(h)))
+
+    def compressibility_coefficient(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
+        """c of a compressible pad."""
+        return 1.0 + np.maximum(depth_mm, 0.0) / thickness_mm
+
+
+@lru_cache(maxsize=3)
+def reference_presses(shape: str) -> tuple[Presses, SetupLaw]:
+    """Eight presses of two pads at two speeds with unloading, temperatures, ages and rests, and their base law."""
+    law: Any
+    if shape == "shaped":
+        law, thicknesses, share = ReferenceCap(), (8.0, 15.0), 0.3
+    elif shape == "slab":
+        law, thicknesses, share = SlabLaw(load_table("bonded"), 7.9, True), (5.0, 15.0), 0.3
+    else:
+        law, thicknesses, share = PuckLaw(50.0), (30.0, 40.0), 0.2
+    trials: list[Trial] = []
+    for repeat in (1, 2):
+        for thickness in thicknesses:
+            for speed in (10.0, 250.0):
+                depth, order = share * thickness * (1.0 - 0.3 * (repeat - 1)), len(trials)
+                trace = _trace(f"reference_{order}", depth, speed, law, thickness)
+                trials.append(
+                    Trial(trace.name, thickness, speed, 3.0, None, repeat, order + 1, 60.0 if order % 2 else 3600.0,
+                          21.0 + order, 9.0 * repeat, trace)
+                )  # fmt: skip
+    return stack(tuple(trials), None), law
+
+
+def _trace(name: str, depth_mm: float, speed_mm_s: float, law: UnitForce, thickness_mm: float) -> Trace:
+    """A ramp from 0.1 s before contact with an even brake, three seconds of hold, and the way back at 10 mm/s."""
+    brake = min(speed_mm_s / 2e4, depth_mm / speed_mm_s)
+    straight = depth_mm / speed_mm_s - 0.5 * brake
+    stop = straight + brake
+    fine = np.arange(-0.1, stop + 0.3, 1e-3)
+    hold = np.arange(fine[-1] + 0.01, stop + 3.0, 0.01)
+    back = np.arange(hold[-1] + 0.005, hold[-1] + (depth_mm + 2.0) / 10.0, 0.005)
+    time = np.r_[fine, hold, back]
+    x = np.where(
+        time < straight, speed_mm_s * time,
+        depth_mm - 0.5 * speed_mm_s / brake * np.clip(stop - time, 0.0, None) ** 2,
+    )  # fmt: skip
+    x = np.where(time > hold[-1], depth_mm - 10.0 * (time - hold[-1]), x)
+    force = BASE.young_MPa * law(np.maximum(x, 0.0)[None], np.array([[thickness_mm]]))[0]
+    return Trace(name, time + 0.1, x, force)

@@ -1,0 +1,383 @@
+"""The next measurement as a campaign to press, with the target depth or force of each press."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.core.files import write_text
+from dummydesign.core.process import Progress, one_blas_thread, quiet
+from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS, PAD_LENGTH_MM, PAD_WIDTH_MM
+from dummydesign.inference.noise import Noise
+from dummydesign.loop.data.trials import Presses, make_presses
+from dummydesign.loop.effects.registry import known_effects
+from dummydesign.loop.fitting.fit import CampaignFit, start_vector
+from dummydesign.loop.fitting.noise import Sizes, Whitener
+from dummydesign.loop.fitting.problem import CampaignProblem
+from dummydesign.loop.fitting.screening import Projection, project, starts_of
+from dummydesign.loop.model.base_law import PuckLaw, SetupLaw, SlabLaw
+from dummydesign.loop.model.campaign_law import start_young_kPa, tabulated_law
+from dummydesign.loop.model.effect import Effect
+from dummydesign.loop.model.forward_model import simulate
+from dummydesign.loop.next_measurement import HOLD_S, Option, options, planned_presses, planned_trace
+from dummydesign.loop.result import LoopResult
+from dummydesign.measurement.campaign import Campaign, Trial
+from dummydesign.measurement.campaign_plan import Planned
+from dummydesign.measurement.motion import Motion, ramp_and_hold
+from dummydesign.pad.elastic_force import elastic_curve
+from dummydesign.pad.force_law import ForceCurve
+from dummydesign.pad.predict import depth_for_steady_force, motion_on_curve
+from dummydesign.pad.specimen import Pad, Puck
+
+if TYPE_CHECKING:
+    from dummydesign.pad.material.relaxation import PronyTerm
+
+
+DECELERATION_MM_S2 = 30000.0  # braking at the end of the ramp, as ``predict`` has it. [mm/s2]
+LEAST_HOLD_S = 1e-3
+
+
+@dataclass(frozen=True)
+class Material:
+    """Long-term modulus with its 95 % interval and the relaxation; ``source`` says where they come from. [kPa]"""
+
+    young_kPa: float
+    low_kPa: float
+    high_kPa: float
+    prony: tuple[PronyTerm, ...]
+    source: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values."""
+        young = {"value": self.young_kPa, "low": self.low_kPa, "high": self.high_kPa}
+        return {"young_kPa": young, "prony": [term.to_dict() for term in self.prony], "source": self.source}
+
+
+@dataclass(frozen=True)
+class Expected:
+    """What a press is expected to reach: depth [mm] of a planned force, steady force [N] of a planned depth.
+
+    None where the pad is not modelled: deeper than ``limit_mm``. ``beyond`` says that the press itself goes there,
+    ``may_go_beyond`` that only the end of its interval does.
+    """
+
+    value: float | None
+    low: float | None
+    high: float | None
+    by_depth: bool
+    limit_mm: float
+    beyond: bool
+    may_go_beyond: bool
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values, by the names of the quantity."""
+        name, unit = ("force", "N") if self.by_depth else ("depth", "mm")
+        return {
+            f"expected_{name}_{unit}": self.value, f"expected_{name}_low_{unit}": self.low,
+            f"expected_{name}_high_{unit}": self.high, "depth_limit_mm": self.limit_mm,
+            "beyond_depth_limit": self.beyond, "may_go_beyond_depth_limit": self.may_go_beyond,
+        }  # fmt: skip
+
+
+def material_of(campaign: Campaign) -> Material:
+    """Return the nominal modulus and relaxation of a campaign's pads."""
+    pad, value = campaign.pad, start_young_kPa(campaign)
+    if pad.resin is None or pad.ratio is None:
+        return Material(value, value, value, (), "given, no interval known")
+    from dummydesign.resin import load_resin
+
+    resin = load_resin(pad.resin)
+    resin.check_ratio(pad.ratio)
+    prony = resin.prony(pad.ratio)
+    if pad.young_kPa_nominal is not None:
+        return Material(value, value, value, prony, f"given, no interval known; relaxation of {resin.name}")
+    modulus = resin.modulus_kPa(pad.ratio)
+    return Material(value, modulus.low, modulus.high, prony, modulus.source)
+
+
+def expected_presses(
+    plan: tuple[Planned, ...], campaign: Campaign, material: Material, progress: Progress = quiet
+) -> tuple[Expected, ...]:
+    """Work out depth or steady force of every planned press."""
+    curves = {h: _curve(_pad(campaign, h, material), progress) for h in sorted({row.thickness_mm for row in plan})}
+    found: dict[tuple[float, float, float, float], Expected] = {}
+    for row in plan:
+        key = (row.thickness_mm, row.velocity_mm_s, row.target, row.hold_s)
+        if key not in found:
+            found[key] = _expected(row, *curves[row.thickness_mm], material)
+    return tuple(found[row.thickness_mm, row.velocity_mm_s, row.target, row.hold_s] for row in plan)
+
+
+def _pad(campaign: Campaign, thickness_mm: float, material: Material) -> Pad | Puck:
+    """The pad as ``predict`` makes it of the same words."""
+    pad, punch, young = campaign.pad, campaign.punch, 1e-3 * material.young_kPa
+    if pad.shape == "cylinder":
+        return Puck(thickness_mm, young, float(pad.diameter_mm or 0.0), material.prony, punch.contact)
+    size = (pad.length_mm, pad.width_mm) if pad.length_mm and pad.width_mm else None
+    return Pad(
+        thickness_mm, young, punch.radius_mm, prony=material.prony, base=pad.base, condition=punch.contact,
+        extent_mm=math.sqrt(size[0] * size[1] / math.pi) if size else None,
+        sides_mm=(punch.side_mm, punch.side_mm) if punch.side_mm else None, profile_mm=punch.profile_mm,
+        geometry=pad.geometry, edge_radius_mm=punch.edge_radius_mm, slab_mm=size or (PAD_LENGTH_MM, PAD_WIDTH_MM),
+    )  # fmt: skip
+
+
+def _curve(pad: Pad | Puck, progress: Progress) -> tuple[Pad | Puck, ForceCurve]:
+    """Long-term force of a pad by its table, else solved."""
+    try:
+        return pad, elastic_curve(pad, "table", None, None, None)
+    except InputError:
+        progress(f"depths of the presses: solving the pad of {pad.thickness_mm:g} mm")
+        return pad, elastic_curve(pad, "axisymmetric", None, None, None)
+
+
+def _expected(row: Planned, pad: Pad | Puck, curve: ForceCurve, material: Material) -> Expected:
+    hold = max(row.hold_s, LEAST_HOLD_S)
+
+    def motion_to(depth: float) -> Motion:
+        return ramp_and_hold(row.velocity_mm_s, depth, hold, DECELERATION_MM_S2)
+
+    def depth_at(force: float) -> float | None:
+        try:
+            return depth_for_steady_force(pad, force, hold, motion_to, curve=curve)
+        except NoAnswerError:
+            return None
+        except InputError:
+            # Too small a force to be told from first touch.
+            return 0.0
+
+    limit = min(curve.limit_mm, MAX_DEPTH_OVER_THICKNESS * pad.thickness_mm)
+    depth = row.target if row.by_depth else depth_at(row.target)
+    if depth is None or depth > limit * (1.0 + 1e-9):
+        low = None if row.by_depth else depth_at(row.target / _factors(pad, curve, motion_to, limit, material)[1])
+        return Expected(None, low, None, row.by_depth, limit, True, True)
+    if depth <= 0.0:
+        return Expected(0.0, 0.0, depth_at(row.target), row.by_depth, limit, False, False)
+    below, above = _factors(pad, curve, motion_to, depth, material)
+    if row.by_depth:
+        force = motion_on_curve(pad, motion_to(depth), curve).steady_force_N
+        return Expected(force, force * below, force * above, True, limit, False, False)
+    high = depth_at(row.target / below)
+    return Expected(depth, depth_at(row.target / above), high, False, limit, False, high is None)
+
+
+def _factors(
+    pad: Pad | Puck, curve: ForceCurve, motion_to: Callable[[float], Motion], depth_mm: float, material: Material
+) -> tuple[float, float]:
+    """Ends of the steady force's interval over its value: the modulus' and the law's, joined."""
+    moved = motion_on_curve(pad, motion_to(depth_mm), curve)
+    law = moved.force_low_N[-1] / moved.steady_force_N, moved.force_high_N[-1] / moved.steady_force_N
+    modulus = material.low_kPa / material.young_kPa, material.high_kPa / material.young_kPa
+    below, above = (math.hypot(math.log(max(a, 1e-3)), math.log(max(b, 1e-3))) for a, b in zip(law, modulus))
+    return math.exp(-below), math.exp(above)
+
+
+REPEATS, ORDER_SEED = 3, 0
+DEEP, MOST = 0.3, 4  # depth over thickness of presses of new pads, and how many of them are planned
+CAMPAIGN, SHEET = "campaign.toml", "sheet.csv"
+
+
+@dataclass(frozen=True)
+class PlannedPress:
+    """One press to make."""
+
+    file: str
+    option: Option
+    repeat: int
+    sequence: int
+    target_force_N: float
+
+
+def plan_of(result: LoopResult, repeats: int = REPEATS) -> tuple[PlannedPress, ...]:
+    """The presses of the next measurement: the best one and its alternatives, repeated, in random order."""
+    fit = result.after.fit
+    chosen = list(result.next.options) if result.next is not None else _of_new_pads(result.presses, fit.problem.law)
+    planned = planned_presses(result.presses, None, chosen)
+    forces = simulate(planned, fit.problem.law, fit.base, fit.active)
+    held = [float(np.interp(end, time, force))
+            for end, time, force in zip(planned.hold_end_s - 0.1, planned.time_s, forces)]  # fmt: skip
+    runs = [(place, repeat) for repeat in range(1, repeats + 1) for place in range(len(chosen))]
+    order = np.random.default_rng(ORDER_SEED).permutation(len(runs))
+    out = []
+    for sequence, index in enumerate(order, 1):
+        place, repeat = runs[index]
+        option = chosen[place]
+        name = f"press_{sequence:02d}_t{option.thickness_mm:g}_v{option.velocity_mm_s:g}_r{repeat}.csv"
+        out.append(PlannedPress(name, option, repeat, sequence, held[place]))
+    return tuple(out)
+
+
+def _of_new_pads(presses: Presses, law: SetupLaw) -> list[Option]:
+    """Deep presses of pads that were not pressed yet, slow and fast; of the known ones where no others are in reach."""
+    plain = [one for one in options(presses, law) if not one.circumstance and one.depth_share == DEEP]
+    speeds = {min(one.velocity_mm_s for one in plain), max(one.velocity_mm_s for one in plain)}
+    fit = [one for one in plain if one.velocity_mm_s in speeds]
+    return ([one for one in fit if not one.known] or fit)[:MOST]
+
+
+def write_plan(folder: str | Path, campaign: Campaign, presses: tuple[PlannedPress, ...]) -> dict[str, str]:
+    """Write a campaign that is still to be pressed."""
+    folder = Path(folder)
+    toml = write_text(folder / CAMPAIGN, _toml(campaign, presses))
+    sheet = write_text(folder / SHEET, _sheet(presses))
+    return {"plan_campaign": str(toml), "plan_sheet": str(sheet)}
+
+
+def _toml(campaign: Campaign, presses: tuple[PlannedPress, ...]) -> str:
+    pad, punch, lowpass = campaign.pad, campaign.punch, campaign.lowpass
+    shape = pad.shape if pad.shape == "cylinder" else str(pad.geometry)
+    lines = ["schema = 1", *_given(name=f"{campaign.name}, next"), "", "[pad]"]
+    lines += _given(
+        young_kPa_nominal=pad.young_kPa_nominal, resin=pad.resin, ratio=pad.ratio, shape=shape,
+        length_mm=pad.length_mm, width_mm=pad.width_mm, diameter_mm=pad.diameter_mm, base=pad.base,
+    )  # fmt: skip
+    lines += ["", "[punch]"]
+    lines += _given(shape=punch.shape, side_mm=punch.side_mm, diameter_mm=punch.diameter_mm, contact=punch.contact,
+                    edge_radius_mm=punch.edge_radius_mm or None)  # fmt: skip
+    if punch.shape == "profile":
+        lines.append("# file = the profile of the punch: copy it into this folder and name it here")
+    lines += ["", "[sensor]"]
+    if lowpass is not None:
+        lines += _given(
+            lowpass_hz=lowpass.cutoff_hz, lowpass_order=lowpass.order, lowpass_passes=lowpass.passes
+        )
+    lines += _given(force_resolution_N=campaign.force_resolution_N or None)
+    for press in presses:
+        option = press.option
+        own = None if option.geometry == pad.geometry else str(option.geometry)
+        lines += ["", "[[trial]]"]
+        lines += _given(
+            file=press.file, thickness_mm=option.thickness_mm, shape=own, velocity_mm_s=option.velocity_mm_s,
+            hold_s=HOLD_S, target_force_N=round(press.target_force_N, 2), repeat=press.repeat,
+            sequence=press.sequence, rest_s=option.rest_s,
+            temperature_C=None if option.temperature_C is None else round(option.temperature_C, 1),
+            age_days=None if option.age_days is None else round(option.age_days, 1),
+        )  # fmt: skip
+        lines.append(f"# {option.text}")
+    return "\n".join(lines) + "\n"
+
+
+def _given(**values: object) -> list[str]:
+    texts = {key: json.dumps(value, ensure_ascii=False) if isinstance(value, str) else value
+             for key, value in values.items()}  # fmt: skip
+    return [f"{key} = {value}" for key, value in texts.items() if value is not None]
+
+
+def _sheet(presses: tuple[PlannedPress, ...]) -> str:
+    head = "sequence,file,pad_mm,shape,velocity_mm_s,depth_mm,expected_force_N,hold_s,way_back,rest_before_s,done"
+    rows = []
+    for press in presses:
+        option = press.option
+        cells = (
+            str(press.sequence), press.file, f"{option.thickness_mm:g}", f'"{option.geometry}"',
+            f"{option.velocity_mm_s:g}", f"{option.depth_share * option.thickness_mm:.3g}",
+            f"{press.target_force_N:.3g}", f"{HOLD_S:g}", "record" if option.unloading else "",
+            f"{option.rest_s:g}", "",
+        )  # fmt: skip
+        rows.append(",".join(cells))
+    return "\n".join([head, *rows]) + "\n"
+
+
+NOISE = Noise(0.03, 0.02, 1.0, 0.02)
+"""White and slow noise of the force, its time, scatter of the contact: those of the blind study. [N, N, s, mm]"""
+SEEN = 6.0  # standard deviations from which an effect of its usual size is called visible: evidence of about 36
+ALIKE = 0.95  # cosine between two effects from which they are called alike
+
+
+@dataclass(frozen=True)
+class PlanPower:
+    """Effects that are visible, hidden or not testable, and pairs that look alike.
+
+    ``seen`` and ``hidden`` give the standard deviations at usual size, ``alike`` the cosines.
+    """
+
+    seen: dict[str, float]
+    hidden: dict[str, float]
+    untested: dict[str, str]
+    alike: tuple[tuple[str, str, float], ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values."""
+        return {
+            "seen": self.seen, "hidden": self.hidden, "untested": self.untested,
+            "alike": [{"effects": [a, b], "cosine": cosine} for a, b, cosine in self.alike],
+        }  # fmt: skip
+
+
+@one_blas_thread()
+def plan_power(plan: tuple[Planned, ...], campaign: Campaign, young_MPa: float, seed: int = 1) -> PlanPower:
+    """Work out what a plan can see."""
+    law = tabulated_law(campaign)
+    trials = planned_trials(plan, law, young_MPa, np.random.default_rng(seed))
+    presses = make_presses(replace(campaign, trials=trials))
+    problem = CampaignProblem(presses, law)
+    vector = start_vector(problem, young_MPa)
+    forces = problem.predict(vector)
+    usual = Sizes(NOISE, *(prior[0] for prior in law.error_priors))
+    found = CampaignFit(
+        problem, vector, usual, np.zeros_like(forces), np.where(presses.used, problem.slope(vector, forces), 0.0),
+        forces, problem.jacobian(vector, forces), np.zeros((len(vector),) * 2), 0.0, 0.0,
+    )  # fmt: skip
+    sizes: dict[str, float] = {}
+    units: dict[str, NDArray] = {}
+    untested: dict[str, str] = {}
+    projection, whiten = project(found)
+    for effect in known_effects():
+        reason = effect.unavailable(presses, law)
+        if reason:
+            untested[effect.name] = reason
+            continue
+        change = _change(effect, found, projection, whiten)
+        length = float(np.linalg.norm(change))
+        sizes[effect.name] = length
+        if length > 0:
+            units[effect.name] = change / length
+    seen = {name: size for name, size in sizes.items() if size >= SEEN}
+    names = [name for name in seen if name in units]
+    alike = tuple(
+        (a, b, cosine)
+        for place, a in enumerate(names)
+        for b in names[place + 1 :]
+        if (cosine := abs(float(units[a] @ units[b]))) >= ALIKE
+    )
+    hidden = {name: size for name, size in sizes.items() if size < SEEN}
+    return PlanPower(seen, hidden, untested, alike)
+
+
+def _change(effect: Effect, found: CampaignFit, projection: Projection, whiten: Whitener) -> NDArray:
+    """What an effect of usual size adds beyond base and law error, whitened."""
+    problem = found.problem.plus(effect)
+    vector = np.insert(found.vector, found.problem.fixed, starts_of(effect)[0])
+    change = np.where(problem.presses.used, problem.predict(vector) - found.forces, 0.0)
+    return projection.remove(np.r_[whiten(change).ravel(), np.zeros(projection.rows)])
+
+
+def planned_trials(
+    plan: tuple[Planned, ...], law: SlabLaw | PuckLaw, young_MPa: float, draw: np.random.Generator
+) -> tuple[Trial, ...]:
+    """Trials of a plan with the motion that is to be made and no force."""
+    trials = []
+    for row in plan:
+        depth = row.target if row.by_depth else depth_for(law, row.thickness_mm, row.target / young_MPa)
+        trace = planned_trace(row.file, row.velocity_mm_s, depth, row.hold_s, row.unload)
+        trials.append(
+            Trial(row.file, row.thickness_mm, row.velocity_mm_s, row.hold_s, None if row.by_depth else row.target,
+                  row.repeat, row.sequence, row.rest_s, float(draw.uniform(20.0, 27.0)), row.age_days, trace)
+        )  # fmt: skip
+    return tuple(trials)
+
+
+def depth_for(law: SlabLaw | PuckLaw, thickness_mm: float, force_over_young_mm2: float) -> float:
+    """Depth at which a pad carries a force, at most what the force law knows. [mm]"""
+    deepest = float(np.min(law.limit(np.array([thickness_mm]))))
+    depths = np.linspace(0.0, 0.98 * deepest, 200)
+    force = law(depths[None, :], np.array([[thickness_mm]]))[0]
+    return float(np.interp(force_over_young_mm2, force, depths))

@@ -1,1 +1,0 @@
-"""What is measured next: a plan from an answer of the loop, and what a plan can show."""

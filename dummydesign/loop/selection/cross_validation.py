@@ -1,0 +1,281 @@
+"""Errors on what was left out, uncertainty of parameters, lack of fit, and a fitted model with all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.inference.noise import Bins, whitener
+from dummydesign.loop.fitting.fit import NORMAL_95, CampaignFit, prior_precision, size_likelihood, student_over_normal
+from dummydesign.loop.fitting.noise import contrasts, make_whitener
+from dummydesign.loop.fitting.problem import BASE
+from dummydesign.loop.model.effect import Effect
+from dummydesign.loop.model.forward_model import NAMES
+
+ESTIMABLE = 0.2  # a cell counts when the rest still holds this share of the information on an effect's size
+
+UNSEEN_POSITION_MM, LARGEST_POSITION_MM = 0.008, 0.01
+"""Contact scatter that is taken for usual when no repeats show it, and the largest that is."""
+CHI2_MEDIAN = 0.4549  # median of the chi-square distribution of one degree of freedom
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Root mean square residuals."""
+
+    train_N: float
+    heldout_N: float | None
+    by_trial_N: NDArray
+    heldout_by_trial_N: NDArray
+
+
+def _squares(found: CampaignFit) -> tuple[NDArray, NDArray, NDArray]:
+    """Per bin: count of raw samples, mean and sum of squares of the raw residual, all (T, B)."""
+    presses = found.problem.presses
+    modelled = presses.at_samples(found.problem.nodes(found.vector))
+    count, mean, total = (np.zeros(presses.used.shape) for _ in range(3))
+    for row, (press, trial, model) in enumerate(zip(presses.presses, presses.trials, modelled)):
+        time = trial.trace.time_s
+        which = np.searchsorted(press.start_s, time, side="right") - 1
+        inside = (which >= 0) & (time < np.r_[press.end_s, 0.0][which])
+        residual = (trial.trace.force_N - model)[inside]
+        size = len(press.start_s)
+        which = which[inside]
+        count[row, :size] = np.bincount(which, minlength=size)
+        mean[row, :size] = np.bincount(which, residual, minlength=size) / np.maximum(count[row, :size], 1)
+        total[row, :size] = np.bincount(which, residual**2, minlength=size)
+    return count, mean, total
+
+
+def errors(found: CampaignFit, cells: NDArray | None = None) -> Errors:
+    """Errors of a fit; every cell is left out once and predicted by the fit to the rest, linearised.
+
+    delta = -(N - N_S + P)^-1 g_S with N the normal matrix, S the cell, P the prior of the law error.
+    """
+    presses = found.problem.presses
+    if cells is None:
+        one = np.all(presses.cell == presses.cell[0])
+        cells = np.arange(len(presses.cell)) if one else presses.cell
+    count, mean, total = _squares(found)
+    counted = count.sum(axis=1)
+    by_trial = np.sqrt(total.sum(axis=1) / counted)
+    train = float(np.sqrt(total.sum() / counted.sum()))
+    changes = leave_out(found, cells)
+    heldout = np.full(len(cells), np.nan)
+    for cell, change in changes.items():
+        for row in np.nonzero(cells == cell)[0]:
+            moved = found.jacobian[row] @ change
+            square = total[row].sum() + (count[row] * moved * (moved - 2.0 * mean[row])).sum()
+            heldout[row] = np.sqrt(max(square, 0.0) / counted[row])
+    use = np.isfinite(heldout)
+    value = float(np.sqrt((heldout[use] ** 2 * counted[use]).sum() / counted[use].sum())) if use.any() else None
+    return Errors(train, value, by_trial, heldout)
+
+
+def expected_heldout_N(found: CampaignFit) -> float:
+    """Error on left-out conditions when nothing is missing: noise, contact scatter, uncertainty of all parameters. [N]
+
+    Contact scatter counts as far as repeats show it and a test machine has it: more is a sign of a missing effect.
+    """
+    presses, noise = found.problem.presses, found.sizes.noise
+    weight = presses.samples * presses.used
+    position = min(noise.position_mm, repeat_scatter_mm(found), LARGEST_POSITION_MM)
+    spread = np.einsum("tbi,ij,tbj->tb", found.jacobian, found.covariance, found.jacobian)
+    return float(np.sqrt(found.sizes.floor_N**2 + np.average((position * found.slope) ** 2 + spread, weights=weight)))
+
+
+def repeat_scatter_mm(found: CampaignFit) -> float:
+    """Scatter of the contact position as differences of repeats show it, by their median so that few cannot make it.
+
+    Each difference is fitted with a shift d, of variance v by noise alone, and a change of scale; the scatter p is such
+    that the median of d^2 / (p^2 + v) is that of the chi-square of one degree. Not below half of, and without three
+    pairs equal to, :data:`UNSEEN_POSITION_MM`. [mm]
+    """
+    presses, noise = found.problem.presses, found.sizes.noise
+    parts, places = contrasts(presses, found.residual)
+    if len(parts) < 3:
+        return UNSEEN_POSITION_MM
+    bins = Bins(parts)
+    difference = bins.stacked(np.concatenate([part.force_N for part in parts]))
+    sides = [np.stack([found.slope[i, a], found.forces[i, a]], axis=1) for i, _, a, _ in places]
+    factor = whitener(bins.covariance(replace(noise, position_mm=0.0), np.zeros(difference.shape)))
+    columns, values = factor @ bins.stacked(np.concatenate(sides)), factor @ difference[..., None]
+    turned = np.swapaxes(columns, 1, 2)
+    inverse = np.linalg.pinv(turned @ columns, hermitian=True)
+    shift, own = (inverse @ turned @ values)[:, 0, 0], inverse[:, 0, 0]
+    sizes = np.geomspace(0.5 * UNSEEN_POSITION_MM, 1.0, 200)
+    ratio = np.median(shift**2 / (sizes[:, None] ** 2 + own), axis=1)
+    return float(sizes[np.argmin(ratio > CHI2_MEDIAN)])
+
+
+def leave_out(found: CampaignFit, cells: NDArray) -> dict[int, NDArray]:
+    """Change of the vector when each cell is left out; cells without which an effect is not known are missing."""
+    problem = found.problem
+    whiten = make_whitener(problem.presses, found.sizes.noise, found.slope)
+    turned, white = whiten(found.jacobian), whiten(found.residual)
+    normal = np.einsum("tbi,tbj->tij", turned, turned)
+    gradient = np.einsum("tbi,tb->ti", turned, white)
+    prior = np.diag(prior_precision(problem, found.sizes) + 1e-9)
+    low, high = problem.bounds()
+    pinned = (found.vector <= low + 1e-9) | (found.vector >= high - 1e-9)
+    pinned[problem.frozen()] = True
+    free = ~pinned
+    full = (normal.sum(axis=0) + prior)[np.ix_(free, free)]
+    sizes = [i for i, at in enumerate(np.nonzero(free)[0]) if BASE <= at < problem.fixed]
+    variance = np.diag(np.linalg.inv(full))
+    changes = {}
+    for cell in np.unique(cells):
+        out = cells == cell
+        if out.all():
+            continue
+        rest = full - normal[out].sum(axis=0)[np.ix_(free, free)]
+        try:
+            inverse = np.linalg.inv(rest)
+        except np.linalg.LinAlgError:
+            continue
+        kept = variance / np.maximum(np.diag(inverse), 1e-300)
+        if np.any(np.diag(inverse) <= 0) or any(kept[i] < ESTIMABLE for i in sizes):
+            continue
+        change = np.zeros(len(found.vector))
+        change[free] = -inverse @ gradient[out].sum(axis=0)[free]
+        changes[int(cell)] = change
+    return changes
+
+
+MISFIT = 1.5  # lack of fit over the pure error of repeats, a ratio of variances, above which a model is taken to misfit
+
+
+def widened(found: CampaignFit, lack_ratio: float | None = None) -> NDArray:
+    """Covariance (n, n) of a fit's vector, scaled so that 1.96 standard deviations are its 95 % interval."""
+    if found.joined:
+        return found.covariance
+    fixed = found.problem.fixed
+    likelihood = size_likelihood(found)
+    degrees, _ = likelihood.degrees(found.sizes)
+    variances = likelihood.variances(np.array([found.sizes.noise.position_mm, *found.sizes.law]))
+    plain = np.diag(found.covariance)[:fixed]
+    factor = np.ones(len(found.vector))
+    known = plain > 0.0
+    factor[:fixed][known] = np.sqrt(variances[known] / plain[known]) * student_over_normal(degrees[known])
+    covariance = found.covariance * np.outer(factor, factor) * max(1.0, lack_ratio or 1.0)
+    if lack_ratio is not None and lack_ratio > MISFIT:
+        covariance = covariance + jackknife(found)
+    return 0.5 * (covariance + covariance.T)
+
+
+def jackknife(found: CampaignFit) -> NDArray:
+    """Covariance (n, n) of a fit's vector from leaving out one condition at a time; zero for fewer than three."""
+    changes = np.array([*leave_out(found, found.problem.presses.cell).values()])
+    if len(changes) < 3:
+        return np.zeros_like(found.covariance)
+    apart = changes - changes.mean(axis=0)
+    return (len(changes) - 1) / len(changes) * apart.T @ apart
+
+
+def pad_spreads(found: CampaignFit) -> tuple[float, ...]:
+    """Standard deviations from pad to pad of the law's level, slope and curvature, scaled like :func:`widened`."""
+    _, degrees = size_likelihood(found).degrees(found.sizes)
+    return tuple((np.array(found.sizes.law) * student_over_normal(degrees[1:])).tolist())
+
+
+DRAWS = 4000
+
+
+@dataclass(frozen=True)
+class LackOfFit:
+    """Ratio of the mean square of repeats' means to that of their differences, and its p value.
+
+    ``p`` is from sign changes: without model error the sum and the difference of a pair are exchangeable,
+    whatever the noise is like. None without repeats.
+    """
+
+    ratio: float | None
+    p: float | None
+    pairs: int
+
+
+def lack_of_fit(found: CampaignFit, seed: int = 0) -> LackOfFit:
+    """Test a fit against the pure error of repeats."""
+    presses = found.problem.presses
+    parts, places = contrasts(presses, found.residual)
+    if len(parts) < 3:
+        return LackOfFit(None, None, len(parts))
+    bins = Bins(parts)
+    sums, slopes = np.zeros(bins.used.shape), np.zeros(bins.used.shape)
+    for row, (i, j, a, b) in enumerate(places):
+        sums[row, : len(a)] = (found.residual[i, a] + found.residual[j, b]) / np.sqrt(2.0)
+        slopes[row, : len(a)] = 0.5 * (found.slope[i, a] + found.slope[j, b])
+    differences = bins.stacked(np.concatenate([part.force_N for part in parts]))
+    factor = np.linalg.inv(np.linalg.cholesky(bins.covariance(found.sizes.noise, slopes)))
+    count = bins.used.sum(axis=1)
+    shared = ((factor @ sums[..., None])[..., 0] ** 2).sum(axis=1)
+    pure = ((factor @ differences[..., None])[..., 0] ** 2).sum(axis=1)
+    freedom = max(count.sum() - len(found.vector), 1)
+    ratio = float(shared.sum() / freedom / (pure.sum() / count.sum()))
+    excess = (shared - pure) / count
+    signs = np.random.default_rng(seed).choice([-1.0, 1.0], size=(DRAWS, len(excess)))
+    beyond = int((signs @ excess >= excess.sum() - 1e-12).sum())
+    return LackOfFit(ratio, (1 + beyond) / (DRAWS + 1), len(parts))
+
+
+@dataclass(frozen=True)
+class AssessedModel:
+    """A model with its errors and its lack of fit."""
+
+    fit: CampaignFit
+    errors: Errors
+    by_pad: Errors
+    lack: LackOfFit
+
+    def to_dict(self) -> dict[str, Any]:
+        """Parameters with 95 % intervals, and errors."""
+        return {
+            "parameters": base_intervals(self.fit, self.lack.ratio),
+            "error": {
+                "train_rmse_N": self.errors.train_N,
+                "heldout_rmse_N": self.errors.heldout_N,
+                "heldout_pad_rmse_N": self.by_pad.heldout_N,
+                "noise_floor_N": self.fit.sizes.floor_N,
+                "lack_of_fit_p": self.lack.p,
+                "lack_of_fit_ratio": self.lack.ratio,
+            },
+            "noise": self.fit.sizes.to_dict(),
+        }
+
+
+def assess(fit: CampaignFit) -> AssessedModel:
+    """Work out errors and lack of fit of a model."""
+    return AssessedModel(fit, errors(fit), pad_errors(fit), lack_of_fit(fit))
+
+
+def pad_errors(fit: CampaignFit) -> Errors:
+    """Errors with all trials on one pad left out at a time, and with them its law error."""
+    return errors(fit, fit.problem.presses.pad)
+
+
+def interval(fit: CampaignFit, covariance: NDArray, place: int, to_value: Callable[[float], float]) -> dict[str, Any]:
+    """Value with its 95 % interval."""
+    low, high = fit.problem.bounds()
+    at, spread = fit.vector[place], NORMAL_95 * float(np.sqrt(max(covariance[place, place], 0.0)))
+    ends = sorted((to_value(max(at - spread, low[place])), to_value(min(at + spread, high[place]))))
+    bound = bool(at <= low[place] + 1e-6 or at >= high[place] - 1e-6)
+    return {"value": to_value(at), "low": ends[0], "high": ends[1], "at_bound": bound}
+
+
+def base_intervals(fit: CampaignFit, lack_ratio: float | None = None) -> dict[str, Any]:
+    """Base parameters with 95 % intervals, widened by the lack of fit; modulus in kPa."""
+    covariance = widened(fit, lack_ratio)
+    young, *arms = (interval(fit, covariance, at, lambda z: float(np.exp(z))) for at in range(len(NAMES)))
+    ends = {key: 1e3 * young[key] for key in ("value", "low", "high")}
+    return dict(zip(NAMES, ({**young, **ends}, *arms)))
+
+
+def effect_intervals(model: AssessedModel, effect: Effect) -> dict[str, Any]:
+    """Parameters of one fitted effect of a model with 95 % intervals, widened by its lack of fit."""
+    fit, covariance = model.fit, widened(model.fit, model.lack.ratio)
+    entries = fit.problem.entries[effect.name]
+    return {p.name: interval(fit, covariance, at, p.to_value) for p, at in zip(effect.parameters, entries)}

@@ -1,0 +1,280 @@
+"""Learn a smooth effect from the remainder of a model, and its simplest closed form."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.loop.effects.learned import FOLLOWED, Learned, SmoothChange, followed, largest_change
+from dummydesign.loop.fitting.candidates import modest
+from dummydesign.loop.fitting.fit import CampaignFit, fit_with_noise, prior_precision
+from dummydesign.loop.fitting.noise import make_whitener
+from dummydesign.loop.fitting.problem import CampaignProblem
+from dummydesign.loop.fitting.screening import project
+from dummydesign.loop.selection.cross_validation import leave_out
+from dummydesign.loop.selection.residuals import Check, Dependence
+
+AS_GOOD = 0.1  # share of what a curve explains that a closed form may lose
+CAUSES = {
+    "depth_mm": "the force law at this depth: a layer, a skin or a particle in the pad, or a bottom that is felt; "
+    "press a pad of another thickness: a layer stays at its depth, a law goes with depth over thickness",
+    "depth_share": "a material law that stiffens or softens otherwise; press a puck between plates, where the strain "
+    "is uniform",
+    "force_N": "a load cell that is not linear or saturates, or a set-up that gives way; press with another load cell",
+    "since_stop_s": "a relaxation that two arms do not hold; hold longer",
+    "temperature_C": "a modulus that changes otherwise with temperature; press the same pad cold and warm",
+    "age_days": "cure that goes on, or drying; press the same pad again in a week",
+}
+"""What makes such a remainder as a rule, and the press that would tell."""
+
+
+@dataclass(frozen=True)
+class ClosedForm:
+    """A closed form for a curve g(u)."""
+
+    name: str
+    text: str
+    lost: float
+
+
+def closed_form(knots: NDArray, values: NDArray, information: NDArray, follows: str) -> ClosedForm:
+    """Find the simplest form that fits a curve as well as the data know it."""
+    # what the data know of a constant is next to nothing: the modulus has it
+    flat = values - np.average(values, weights=np.diag(information))
+    total, count = float(flat @ information @ flat), len(knots)
+    best: tuple[float, str, str, float] | None = None
+    for name, parameters, shapes in _forms(knots):
+        for shape, text in shapes:
+            # a constant change is the modulus
+            columns = np.stack([shape, np.ones(count)], axis=1)
+            known = columns.T @ information
+            weights = np.linalg.lstsq(known @ columns, known @ values, rcond=1e-12)[0]
+            amount, left = float(weights[0]), values - columns @ weights
+            chi2 = float(left @ information @ left)
+            spare = max(count - parameters - 1, 1)
+            score = chi2 + 2.0 * parameters + 2.0 * parameters * (parameters + 1) / spare
+            if best is None or score < best[0]:
+                best = (score, name, text.format(amount), chi2)
+    lost = best[3] / total if best is not None and total > 0.0 else 1.0
+    if best is None or lost > AS_GOOD:
+        most = int(np.argmax(np.abs(flat)))
+        name, form = "curve", f"a curve of no simple form, {100 * flat[most]:+.1f} % at {knots[most]:.3g}"
+    else:
+        _, name, form, _ = best
+    text = f"relative change of the force with u = {FOLLOWED[follows]}: {form}. As a rule: {CAUSES[follows]}"
+    return ClosedForm(name, text, lost)
+
+
+def _forms(knots: NDArray) -> list[tuple[str, int, list[tuple[NDArray, str]]]]:
+    """Name, number of parameters and shapes of each form with their text, on a grid of what is not linear."""
+    u, span = np.maximum(knots, 1e-12), float(np.ptp(knots))
+    scales = span * np.geomspace(0.05, 3.0, 25)
+    return [
+        ("linear", 1, [(u, "{:.3g} u")]),
+        ("power", 2, [(u**p, f"{{:.3g}} u^{p:.2g}") for p in np.arange(0.25, 6.01, 0.25) if p != 1.0]),
+        ("exponential", 2, [(np.expm1(u / s), f"{{:.3g}} (exp(u / {s:.3g}) - 1)") for s in scales[8:]]),
+        ("saturation", 2, [(-np.expm1(-u / s), f"{{:.3g}} (1 - exp(-u / {s:.3g}))") for s in scales]),
+        ("bump", 3, [(np.exp(-(((u - c) / w) ** 2)), f"{{:.3g}} exp(-((u - {c:.3g}) / {w:.3g})^2)")
+                     for c in np.linspace(u[0], u[-1], 4 * len(u)) for w in span * np.geomspace(0.02, 0.5, 30)]),
+        ("step", 2, [(1.0 * (u > s), f"{{:.3g}} beyond {s:.3g}") for s in 0.5 * (u[1:] + u[:-1])]),
+    ]  # fmt: skip
+
+
+KNOTS, MOST_BY_TRIAL, PAIR_KNOTS = 30, 4, 8
+"""Knots of a quantity that varies in a press, of one that belongs to a trial, and of one of a pair in a press."""
+PROMISING = 2  # quantities that pairs are made of, with all others: those that alone have most evidence
+BY_TIME = "thickness_mm"
+"""Followed together with the time since the stop only: what flows through a pad takes longer in a thicker one."""
+LARGEST = 0.3  # prior standard deviation of the relative change
+EVIDENCE = 60.0  # twice the log of the marginal likelihood that the best quantity must gain
+HALVED = 0.7  # mean square of left-out conditions, over that without it, that a learned effect must reach
+STEP, MOST_ROUNDS, ENDED, SHARES = 0.02, 12, 0.02, (1.0, 0.5, 0.2)
+"""Step of the sensitivities; rounds at most, the share of the score below which a gain ends them, and shares of a
+change of which the first that lowers the score is taken: what the modulus has imitated takes several rounds."""
+
+
+@dataclass(frozen=True)
+class Learnt:
+    """A learned effect in its fit."""
+
+    effect: Learned
+    fit: CampaignFit
+    evidence: float
+    left_out: float
+    form: ClosedForm
+
+    @property
+    def text(self) -> str:
+        """The finding in a sentence."""
+        return (
+            f"what is left follows {self.effect.shape.text} and was learned: {self.form.text}. The error "
+            f"on left-out conditions falls to {100 * np.sqrt(self.left_out):.0f} % of what it was"
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return name, range, curve, closed form, evidence and the left-out error over that before."""
+        shape = self.effect.shape
+        return {
+            "name": self.effect.name, "follows": shape.follows if len(shape.follows) > 1 else shape.name,
+            **shape.to_dict(), "closed_form": self.form.name, "text": self.text,
+            "evidence": self.evidence, "heldout_rmse_over_without": float(np.sqrt(self.left_out)),
+        }  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Step:
+    values: NDArray
+    evidence: float
+    information: NDArray
+    precision: NDArray
+
+
+def learn(found: CampaignFit) -> Learnt | None:
+    """Learn what a model leaves, if it follows one quantity and predicts left-out conditions much better."""
+    usual = modest(found)
+    quantities = followed(found.problem.presses, found.forces)
+    alone = [_first(usual, quantities, name) for name in quantities if name != BY_TIME]
+    if not alone:
+        return None
+    alone.sort(key=lambda one: -one[1].evidence)
+    together = _pairs(usual, quantities, [shape.name for shape, _ in alone])
+    for tried, least in ((together, max(alone[0][1].evidence, 0.0) + EVIDENCE), (alone, EVIDENCE)):
+        best = max(tried, key=lambda one: one[1].evidence, default=None)
+        learnt = _learnt(found, usual, *best) if best is not None and best[1].evidence >= least else None
+        if learnt is not None:
+            return learnt
+    return None
+
+
+def _learnt(found: CampaignFit, usual: CampaignFit, shape: SmoothChange, step: _Step) -> Learnt | None:
+    """The fit with an effect of this shape, when it predicts left-out conditions much better."""
+    fit, evidence, score = usual, step.evidence, found.score
+    for turn in range(MOST_ROUNDS):
+        if turn:
+            step = _step(fit, shape)
+        # a constant change is the modulus, which does not fade out beyond the range seen
+        new = step.values - np.average(step.values, weights=np.diag(step.information))
+        for share in SHARES:
+            tried = shape.with_flat(shape.flat + share * (new - shape.flat))
+            problem, vector = _with(fit, tried)
+            trial = fit_with_noise(problem, vector, replace(found.sizes, noise=fit.sizes.noise), 2, 8)
+            if trial.score < score:
+                break
+        else:
+            break
+        gained, shape, fit, score = score - trial.score, tried, trial, trial.score
+        if gained < EVIDENCE + ENDED * abs(score):
+            break
+    if fit is usual:
+        return None
+    ratio = _left_out(found, fit, shape, step.precision)
+    if ratio > HALVED:
+        return None
+    if len(shape.follows) > 1:
+        form = ClosedForm("surface", largest_change(shape, step.information), 0.0)
+    else:
+        form = closed_form(np.array(shape.knots[0]), shape.flat, step.information, shape.name)
+    return Learnt(Learned(shape), fit, evidence, ratio, form)
+
+
+def can_be_learned(checks: list[Check], where: list[Dependence]) -> bool:
+    """Whether a remainder may be a function of the state: no line, step or noise of its own, no single trials."""
+    odd = ("oscillation after the stop", "single trials", "before contact")
+    return not any(check.exceeded for check in checks) and bool(where) and where[0].factor not in odd
+
+
+def _first(fit: CampaignFit, quantities: dict[str, NDArray], *names: str) -> tuple[SmoothChange, _Step]:
+    """The change over some quantities after one step from nothing."""
+    knots = tuple(_knots(fit, name, quantities[name], KNOTS if len(names) == 1 else PAIR_KNOTS) for name in names)
+    count = int(np.prod([len(one) for one in knots]))
+    shape = SmoothChange(names, knots, ()).with_flat(np.zeros(count))
+    return shape, _step(fit, shape)
+
+
+def _pairs(
+    fit: CampaignFit, quantities: dict[str, NDArray], best_first: list[str]
+) -> list[tuple[SmoothChange, _Step]]:
+    """Changes over two quantities, of which one is promising alone, with their first step."""
+    places = range(min(PROMISING, len(best_first)))
+    pairs = [(best_first[place], second) for place in places for second in best_first[place + 1 :]]
+    if {BY_TIME, "since_stop_s"} <= set(quantities):
+        pairs.append((BY_TIME, "since_stop_s"))
+    # in a press these go together: their plane is hardly seen
+    alike = {"depth_mm", "depth_share", "force_N"}
+    return [_first(fit, quantities, *pair) for pair in pairs if not set(pair) <= alike]
+
+
+def _knots(fit: CampaignFit, name: str, values: NDArray, most: int) -> tuple[float, ...]:
+    """Knots over the range of a quantity; of the time since the stop they are even in the logarithm."""
+    by_trial = len(values) == len(fit.problem.presses.trials)
+    count = min(MOST_BY_TRIAL, len(np.unique(values))) if by_trial else most
+    ends = values.min(), values.max()
+    return tuple((np.geomspace(*ends, count) if name == "since_stop_s" else np.linspace(*ends, count)).tolist())
+
+
+def _with(fit: CampaignFit, shape: SmoothChange) -> tuple[CampaignProblem, NDArray]:
+    """The model with this shape in place of any it has learned, at size one."""
+    problem, vector = fit.problem, fit.vector
+    if problem.effects and isinstance(problem.effects[-1], Learned):
+        problem = replace(problem, effects=problem.effects[:-1])
+        vector = np.delete(vector, problem.fixed)
+    return problem.plus(Learned(shape)), np.insert(vector, problem.fixed, 1.0)
+
+
+def _columns(fit: CampaignFit, shape: SmoothChange) -> NDArray:
+    """Change of the bins with each value of a shape (T, B, knots). [N]"""
+    out = []
+    for more in STEP * np.eye(len(shape.flat)):
+        problem, vector = _with(fit, shape.with_flat(shape.flat + more))
+        out.append((problem.predict(vector) - fit.forces) / STEP)
+    return np.where(fit.problem.presses.used[..., None], np.stack(out, axis=-1), 0.0)
+
+
+def _step(fit: CampaignFit, shape: SmoothChange) -> _Step:
+    """New values of a shape by one step of Gauss and Newton at a fit, with the likeliest penalty."""
+    projection, whiten = project(fit)
+    old = shape.flat
+    columns = whiten(_columns(fit, shape)).reshape(-1, len(old))
+    columns = np.concatenate([columns, np.zeros((projection.rows, len(old)))])
+    columns = columns - projection.basis @ (projection.basis.T @ columns)
+    target = projection.remove(projection.residual) + columns @ old
+    information, pull = columns.T @ columns, columns.T @ target
+    rough, eye = shape.roughness(), np.eye(len(old))
+    best: _Step | None = None
+    for penalty in np.geomspace(1.0, 1e8, 33):
+        precision = penalty * rough.T @ rough + eye / LARGEST**2
+        values = np.linalg.solve(information + precision, pull)
+        volume = np.linalg.slogdet(eye + np.linalg.solve(precision, information))[1]
+        evidence = float(pull @ values - volume)
+        if best is None or evidence > best.evidence:
+            best = _Step(values, evidence, information, precision)
+    assert best is not None
+    return best
+
+
+def _left_out(before: CampaignFit, after: CampaignFit, shape: SmoothChange, precision: NDArray) -> float:
+    """Mean square error of left-out conditions with a learned effect over that without, all values estimated anew."""
+    presses = before.problem.presses
+    cells = presses.cell
+    weight = presses.samples * presses.used
+    plain = leave_out(before, cells)
+    at = after.problem.fixed - 1
+    jacobian = np.concatenate([np.delete(after.jacobian, at, axis=-1), _columns(after, shape)], axis=-1)
+    own = np.delete(after.vector, at)
+    prior = np.zeros((jacobian.shape[-1],) * 2)
+    prior[: len(own), : len(own)] = np.diag(np.delete(prior_precision(after.problem, after.sizes), at) + 1e-9)
+    prior[len(own) :, len(own) :] = precision
+    whiten = make_whitener(presses, after.sizes.noise, after.slope)
+    turned, white = whiten(jacobian), whiten(after.residual)
+    normal, gradient = np.einsum("tbi,tbj->tij", turned, turned), np.einsum("tbi,tb->ti", turned, white)
+    full, squares = normal.sum(axis=0) + prior, np.zeros(2)
+    for cell, change in plain.items():
+        out = cells == cell
+        rest = full - normal[out].sum(axis=0)
+        moved = -np.linalg.lstsq(rest, gradient[out].sum(axis=0), rcond=1e-12)[0]
+        for place, (fit, columns, step) in enumerate(((before, before.jacobian, change), (after, jacobian, moved))):
+            squares[place] += (weight[out] * (fit.residual[out] - columns[out] @ step) ** 2).sum()
+    return float(squares[1] / squares[0]) if squares[0] > 0 else 1.0

@@ -1,0 +1,168 @@
+"""When an effect is accepted, and the verdict: effect, none or unexplained."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.loop.fitting.candidates import EffectCandidate
+from dummydesign.loop.fitting.fit import CampaignFit
+from dummydesign.loop.fitting.noise import make_whitener
+from dummydesign.loop.fitting.screening import Screened
+from dummydesign.loop.selection.cross_validation import (
+    AssessedModel,
+    Errors,
+    errors,
+    expected_heldout_N,
+    lack_of_fit,
+    pad_errors,
+)
+from dummydesign.loop.selection.residuals import Check, Dependence
+
+GAIN_FLOOR = 30.0
+NEXT_FLOOR = 50.0
+IMITATED = 0.015
+"""Share of an effect's evidence up to which another that acts on the same bins is in doubt: laws of growth are never
+quite the true ones, and what they leave must not be called an effect."""
+LACK_LIMIT = 1.5
+LACK_P = 0.01
+PROBE_LIMIT = 60.0
+FORGIVEN = 1.0 / 6.0
+"""Share of the evidence won that may follow one factor: laws of growth are never quite the true ones."""
+LEFT_LIMIT = 1.3
+"""Left-out error over what noise and the force law's own error let expect, up to which it counts as noise."""
+DRAWS = 4000
+
+
+def gain_threshold(screened: list[Screened], ratio: float | None, floor: float = GAIN_FLOOR) -> float:
+    """Gain that an effect must beat: 99.9 % of the largest of all scores under noise, and not below ``floor``.
+
+    The scores of all candidates are drawn with the correlations of their signatures. Noise models are never
+    quite right, so the limit also grows with the lack of fit that the best candidate leaves.
+    """
+    if not screened:
+        return floor
+    signatures = np.stack([one.signature for one in screened], axis=1)
+    correlation = signatures.T @ signatures
+    root = np.linalg.cholesky(correlation + 1e-9 * np.eye(len(correlation)))
+    draws = root @ np.random.default_rng(0).normal(size=(len(correlation), DRAWS))
+    limit = float(np.quantile((draws**2).max(axis=0), 0.999))
+    return max(limit, floor) * max(1.0, ratio or 1.0)
+
+
+@dataclass(frozen=True)
+class Needed:
+    """Evidence without which an effect is not accepted, and up to which it must lower the left-out error by much."""
+
+    least: float
+    doubted: float
+
+
+def needed(screened: list[Screened], fit: CampaignFit, name: str, others: dict[str, float], tried: int) -> Needed:
+    """Evidence that an effect of a model must have beside others, when so many models were tried."""
+    floor = NEXT_FLOOR + 2.0 * float(np.log(max(tried, 1))) if others else GAIN_FLOOR
+    where = _where(fit, {name, *others})
+    left = max((gain * float(np.minimum(where[name], where[one]).sum()) for one, gain in others.items()), default=0.0)
+    least = gain_threshold(screened, lack_of_fit(fit).ratio, floor)
+    return Needed(least, max(least, IMITATED * left))
+
+
+def _where(fit: CampaignFit, names: set[str]) -> dict[str, NDArray]:
+    """How the whitened squares of each effect's size spread over the bins (T, B); each sums to one."""
+    whiten = make_whitener(fit.problem.presses, fit.sizes.noise, fit.slope, False)
+    squares = {name: whiten(fit.jacobian[..., fit.problem.entries[name][0]]) ** 2 for name in names}
+    return {name: values / max(float(values.sum()), 1e-300) for name, values in squares.items()}
+
+
+@dataclass(frozen=True)
+class Remainder:
+    """What a model leaves, and why it is held to be incomplete."""
+
+    reasons: tuple[str, ...]
+    over_floor: float | None = None
+    expected: float | None = None
+
+
+def remainder(base: AssessedModel, after: AssessedModel, where: list[Dependence], checks: list[Check]) -> Remainder:
+    """Judge what is left after the best model: noise, or something more."""
+    reasons = [f"{check.name}: {check.text}" for check in checks if check.exceeded]
+    floor, left = after.fit.sizes.floor_N, after.errors.heldout_N
+    expected = expected_heldout_N(after.fit) / floor
+    over = None if left is None else left / floor
+    if over is not None and over > LEFT_LIMIT * expected:
+        reasons.append(
+            f"left-out conditions are predicted to {over:.2f} noise floors; noise and the force law's error would "
+            f"leave {expected:.2f}, at most {LEFT_LIMIT * expected:.2f} is taken for noise"
+        )
+    lack = after.lack
+    if lack.ratio is not None and lack.p is not None and lack.ratio > LACK_LIMIT and lack.p < LACK_P:
+        reasons.append(f"lack of fit {lack.ratio:.2f} times the pure error of repeats (p = {lack.p:.4f})")
+    # a law of growth that is a little off is allowed for
+    scale, won = max(1.0, lack.ratio or 1.0), base.fit.score - after.fit.score
+    for one in where:
+        if one.excess > PROBE_LIMIT * scale and one.excess > FORGIVEN * won:
+            reasons.append(f"residual follows {one.factor} ({one.excess:.0f} in chi2 beyond noise)")
+            break
+    return Remainder(tuple(reasons), over, expected)
+
+
+NOTHING, LITTLE, MUCH = 0.002, 0.02, 0.3
+"""Relative changes of a squared error that count as none on left-out conditions, as none on left-out pads, and as so
+much that no law of growth that is a little off could make it."""
+
+
+@dataclass(frozen=True)
+class AcceptedEffect:
+    """An accepted (or best) effect with the ranking it came from."""
+
+    candidate: EffectCandidate
+    confounded_with: tuple[str, ...]
+    family: tuple[str, ...]
+    threshold: float
+    heldout_N: float | None
+    ranking: tuple[EffectCandidate, ...]
+
+
+def predicts_better(before: AssessedModel, after: CampaignFit) -> bool:
+    """Whether left-out conditions are predicted better.
+
+    What acts as one factor per pad is absorbed by the law error of that pad, so that other conditions on the
+    same pad are predicted as well without the effect. Then whole pads, left out with their law error, decide.
+    """
+    cells = _change(before.errors, errors(after))
+    if cells is not None and cells < -NOTHING:
+        return True
+    pads = _change(before.by_pad, pad_errors(after))
+    return (cells is None or cells < LITTLE) and pads is not None and pads < -LITTLE
+
+
+def much_better(before: Errors, after: Errors) -> bool:
+    """Whether left-out conditions are predicted better by much."""
+    change = _change(before, after)
+    return change is not None and change < -MUCH
+
+
+def worth(gain: float, limit: Needed, before: CampaignFit, after: CampaignFit) -> bool:
+    """Whether an effect has the evidence it needs, and where that is in doubt lowers the left-out error by much."""
+    return gain >= limit.least and (gain >= limit.doubted or much_better(errors(before), errors(after)))
+
+
+def at_bound(fit: CampaignFit) -> bool:
+    """Whether the size of an effect ended at the end of what is plausible: something else is being imitated."""
+    for one in fit.active:
+        size = one.effect.parameters[0]
+        value, reach = one.values[size.name], 1e-3 * (size.high - size.low)
+        if value != size.null and (value <= size.low + reach or value >= size.high - reach):
+            return True
+    return False
+
+
+def _change(before: Errors, after: Errors) -> float | None:
+    """Relative change of the squared error on what both could predict; None when there is nothing."""
+    both = np.isfinite(after.heldout_by_trial_N) & np.isfinite(before.heldout_by_trial_N)
+    if not both.any():
+        return None
+    old, new = ((e.heldout_by_trial_N[both] ** 2).sum() for e in (before, after))
+    return float(new / old - 1.0)

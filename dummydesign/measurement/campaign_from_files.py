@@ -1,0 +1,221 @@
+"""A campaign from existing files; the values of each press as a table to fill in."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+import tomllib
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from dummydesign.core.errors import InputError, unknown_name
+from dummydesign.core.files import write_bytes
+from dummydesign.measurement.campaign_file import FILE, TRIAL_NUMBERS, TRIAL_REQUIRED, read_campaign_toml, trial_tables
+from dummydesign.measurement.landmarks import approach_velocity, find_ramp
+from dummydesign.measurement.trace import read_trace
+
+KEYS = (
+    "sequence", "thickness_mm", "velocity_mm_s", "target_force_N", "target_depth_mm", "hold_s", "age_days",
+    "temperature_C", "rest_s",
+)  # fmt: skip
+"""Values of a press that can be filled in."""
+MARK = "\ufeff"
+
+
+def read_trials(folder: str | Path) -> list[dict[str, Any]]:
+    """Read the file name, the pad's shape and the values of each press; None where one is unknown."""
+    top = read_campaign_toml(Path(folder))
+    pad = top.data.get("pad")
+    shape = pad.get("shape", "slab") if isinstance(pad, dict) else "slab"
+    return [
+        {"file": str(trial.get("file", "")), "shape": str(trial.get("shape", shape)),
+         **{key: trial.get(key) for key in KEYS}} for trial in (table.data for table in trial_tables(top))
+    ]  # fmt: skip
+
+
+def write_trial_values(folder: str | Path, changes: Mapping[int, Mapping[str, float | None]]) -> None:
+    """Write values of presses into ``campaign.toml``; all else of the file stays."""
+    path = Path(folder) / FILE
+    top = read_campaign_toml(Path(folder))
+    trials = [table.data for table in trial_tables(top)]
+    text = path.read_bytes().decode()
+    lines = text.splitlines(keepends=True)
+    end = "\r\n" if "\r\n" in text else "\n"
+    for index in sorted(changes, reverse=True):
+        if not 0 <= index < len(trials):
+            message = f"{FILE} has no trial {index + 1}: load the page again"
+            raise InputError(message, "changed_meanwhile", "campaign.trials", index + 1)
+        trial = trials[index]
+        for key, value in changes[index].items():
+            checked = _check_value(key, value, str(trial.get("file", f"trial {index + 1}")))
+            trial[key] = checked
+            if checked is None:
+                del trial[key]
+            heads = [at for at, line in enumerate(lines) if line.strip().startswith("[[trial]]")]
+            if index < len(heads):
+                _write_line(lines, heads[index], key, checked, end)
+    after = "".join(lines)
+    try:
+        same = tomllib.loads(after.removeprefix(MARK)) == top.data
+    except tomllib.TOMLDecodeError:
+        same = False
+    if not same:
+        message = "is written in another form than [[trial]] with a line a value: change it in an editor"
+        raise InputError(f"{FILE} {message}", "unsupported", "campaign")
+    write_bytes(path, after.encode())
+
+
+def _check_value(key: str, value: float | None, file: str) -> float | int | None:
+    if key not in KEYS:
+        raise unknown_name("value", key, KEYS, "unknown_key", "trial").within(file)
+    name = f"trial.{key}"
+    if value is None:
+        if key in TRIAL_REQUIRED:
+            raise InputError(f"{file}: {key} must not be empty", "missing", name)
+        return None
+    low, high = TRIAL_NUMBERS.get(key, (1, math.inf))
+    if not (math.isfinite(value) and low <= value <= high and (key != "sequence" or value == int(value))):
+        allowed = "a whole number from 1" if key == "sequence" else f"a number from {low:g} to {high:g}"
+        message = f"{file}: {key} = {value:g} must be {allowed}"
+        raise InputError(message, "out_of_range", name, value, (low, high))
+    return int(value) if key == "sequence" else float(value)
+
+
+def _write_line(lines: list[str], head: int, key: str, value: float | None, end: str) -> None:
+    """Write one value of the trial at a head: over its line, over its empty comment, or as a new line."""
+    last = next((at for at in range(head + 1, len(lines)) if lines[at].lstrip().startswith("[")), len(lines))
+    given, empty = (
+        next((at for at in range(head + 1, last) if re.match(rf"\s*{mark}{key}\s*=", lines[at])), None)
+        for mark in ("", r"#\s*")
+    )  # fmt: skip
+    at = empty if given is None else given
+    if at is not None:
+        found = re.match(rf"[ \t]*(?:#[ \t]*)?{key}[ \t]*=[^#\r\n]*?([ \t]*(?:#[^\r\n]*)?)(\r?\n|$)", lines[at])
+        comment, newline = (found[1].rstrip(), found[2]) if found else ("", end)
+        lines[at] = (f"# {key} =" if value is None else f"{key} = {value!r}") + comment + newline
+    elif value is not None:
+        at = max(at for at in range(head, last) if lines[at].strip() and not lines[at].lstrip().startswith("#"))
+        if not lines[at].endswith("\n"):
+            lines[at] += end
+        lines.insert(at + 1, f"{key} = {value!r}{end}")
+
+
+COLUMNS = (
+    *("file", "thickness_mm", "velocity_mm_s", "target_force_N", "target_depth_mm", "hold_s", "repeat", "sequence"),
+    *("rest_s", "temperature_C", "age_days", "unload"),
+)
+_WHOLE = ("repeat", "sequence")
+_NUMBER = r"(\d+(?:\.\d+)?)"
+_IN_NAME = {
+    "thickness_mm": re.compile(rf"(?:^|[_ -])[th]{_NUMBER}(?:mm)?(?=[_ .-]|$)", re.IGNORECASE),
+    "velocity_mm_s": re.compile(rf"(?:^|[_ -])v{_NUMBER}(?=[_ .-]|$)", re.IGNORECASE),
+    "target_force_N": re.compile(rf"(?:^|[_ -])f{_NUMBER}N?(?=[_ .-]|$)", re.IGNORECASE),
+    "target_depth_mm": re.compile(rf"(?:^|[_ -])d{_NUMBER}(?:mm)?(?=[_ .-]|$)", re.IGNORECASE),
+    "repeat": re.compile(r"[_-](\d{1,3})$"),
+}
+
+
+def trials_of(
+    files: Sequence[str | Path], table: str | Path | None, thickness_mm: float | None
+) -> tuple[list[dict[str, Any]], list[dict[str, str]]]:
+    """Find what was pressed in each file: by the table, else by its name, else by its trace or what holds for all."""
+    paths = [Path(file) for file in files]
+    names = [path.name for path in paths]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice:
+        message = f"two files are called '{twice}'; a campaign holds plain file names, each once"
+        raise InputError(message, "duplicate", "file", twice)
+    rows = {} if table is None else _read_table(Path(table), names)
+    trials, decisions = [], []
+    repeats: Counter[tuple[Any, ...]] = Counter()
+    for path in paths:
+        trial, why = _trial(path, rows.get(path.name, {}), thickness_mm)
+        keys = ("thickness_mm", "velocity_mm_s", "target_force_N", "target_depth_mm")
+        condition = tuple(trial.get(key) for key in keys)
+        words = f"{trial['thickness_mm']:g} mm pad, {trial['velocity_mm_s']:g} mm/s"
+        words += f", {trial['target_force_N']:g} N" if "target_force_N" in trial else ""
+        words += f", {trial['target_depth_mm']:g} mm deep" if "target_depth_mm" in trial else ""
+        words += f", repeat {trial.get('repeat', 1)}"
+        decisions.append({"what": path.name, "value": words, "why": why})
+        repeats[condition] += 1
+        trial.setdefault("repeat", repeats[condition])
+        trials.append(trial)
+    if all("sequence" in trial for trial in trials):
+        trials.sort(key=lambda trial: trial["sequence"])
+    return trials, decisions
+
+
+def _trial(path: Path, row: Mapping[str, Any], thickness_mm: float | None) -> tuple[dict[str, Any], str]:
+    named = named_values(path)
+    trace = read_trace(path, {**named, **row}.get("velocity_mm_s"))
+    if thickness_mm is not None:
+        named.setdefault("thickness_mm", thickness_mm)
+    known = {**named, **row}
+    if "thickness_mm" not in known:
+        message = (
+            f"{path.name}: how thick was the pad? the name does not say (such as t05_v010_f05_1.csv); give --table "
+            "trials.csv with file,thickness_mm,..., or --thickness MM for all files"
+        )
+        raise InputError(message, "missing", "thickness_mm")
+    sources = ["table"] if row else []
+    sources += ["name"] if set(named) - set(row) else []
+    if "velocity_mm_s" not in known:
+        try:
+            ramp = find_ramp(trace.time_s, trace.displacement_mm, "slowed")
+        except InputError as problem:
+            raise problem.within(path.name) from None
+        speed = approach_velocity(trace.time_s, trace.displacement_mm, ramp)
+        known["velocity_mm_s"] = float(f"{speed:.2g}")
+        sources.append("speed as the trace moves")
+    trial = {"file": path.name, **{key: known[key] for key in COLUMNS[1:] if key in known}}
+    return trial, ", ".join(sources)
+
+
+def named_values(path: Path) -> dict[str, Any]:
+    """Return what the name of a file tells of its press."""
+    found = {key: pattern.search(path.stem) for key, pattern in _IN_NAME.items()}
+    return {key: int(one[1]) if key in _WHOLE else float(one[1]) for key, one in found.items() if one}
+
+
+def _read_table(path: Path, names: Sequence[str]) -> dict[str, dict[str, Any]]:
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as problem:
+        code = "file_not_found" if isinstance(problem, FileNotFoundError) else "file_unreadable"
+        raise InputError(f"table '{path}' cannot be read as UTF-8 text: {problem}", code, "table") from None
+    lines = list(csv.reader(text.splitlines()))
+    head = [cell.strip() for cell in lines[0]] if lines else []
+    if "file" not in head:
+        message = f"{path.name}: needs a column 'file', comma-separated; known are {', '.join(COLUMNS)}"
+        raise InputError(message, "missing", "file")
+    for name in head:
+        if name not in COLUMNS:
+            raise unknown_name("column", name, COLUMNS, "unknown_key", "table").within(f"{path.name}:1")
+    rows: dict[str, dict[str, Any]] = {}
+    for number, cells in enumerate(lines[1:], start=2):
+        if not any(cell.strip() for cell in cells):
+            continue
+        if len(cells) != len(head):
+            message = f"{path.name}:{number}: {len(cells)} cells, the header has {len(head)}"
+            raise InputError(message, "malformed", "table", len(cells), len(head))
+        row = {key: cell.strip() for key, cell in zip(head, cells) if cell.strip()}
+        file = row.pop("file", "")
+        if file not in names:
+            raise unknown_name("file", file, names).within(f"{path.name}:{number}")
+        if file in rows:
+            raise InputError(f"{path.name}:{number}: '{file}' is listed twice", "duplicate", "file", file)
+        rows[file] = {key: _cell(key, cell, path, number) for key, cell in row.items()}
+    return rows
+
+
+def _cell(key: str, cell: str, path: Path, number: int) -> Any:
+    if key == "unload" and cell.lower() in ("true", "false", "yes", "no", "1", "0"):
+        return cell.lower() in ("true", "yes", "1")
+    try:
+        return int(cell) if key in _WHOLE else float(cell)
+    except ValueError:
+        message = f"{path.name}:{number}: {key} = '{cell}' is not a number"
+        raise InputError(message, "not_a_number", key, cell) from None

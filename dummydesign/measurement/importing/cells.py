@@ -1,0 +1,215 @@
+"""Split lines into cells; numbers and clock times as they are written."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Iterable, Sequence
+from datetime import datetime
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.measurement.importing.decisions import ImportLog
+
+SEPARATORS = {"\t": "tab", ";": "semicolon", "|": "bar", ",": "comma", " ": "spaces"}
+COMMENTS = ("#", "%", "//")
+QUOTED_HEAD = 60
+"""Lines at the start in which a quoted cell may go over several lines."""
+
+
+def split(line: str, separator: str) -> list[str]:
+    """Split a line into stripped cells; quotes keep a separator inside a cell."""
+    if separator == " ":
+        return line.replace('"', " ").split()
+    if '"' in line:
+        try:
+            return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True))]
+        except (csv.Error, StopIteration):
+            return [cell.strip().strip('"') for cell in line.split(separator)]
+    return [cell.strip() for cell in line.split(separator)]
+
+
+def is_comment(line: str) -> bool:
+    """Whether a line is a comment."""
+    return line.lstrip().startswith(COMMENTS)
+
+
+def whole_cells(lines: list[str]) -> list[str]:
+    """Join the lines of a header whose quoted cells hold line ends; blank lines keep the numbering."""
+    head = min(len(lines), QUOTED_HEAD)
+    if not any(line.count('"') % 2 for line in lines[:head]):
+        return lines
+    found, at = list(lines), 0
+    while at < head:
+        end = at
+        while _open(lines[at : end + 1]) and end < min(at + 8, head - 1):
+            end += 1
+        if end > at and not _open(lines[at : end + 1]):
+            found[at : end + 1] = [" ".join(line.strip() for line in lines[at : end + 1]), *[""] * (end - at)]
+        at = end + 1
+    return found
+
+
+def _open(lines: Sequence[str]) -> bool:
+    """Whether a quote is left open at the end of some lines."""
+    return sum(line.count('"') for line in lines) % 2 == 1
+
+
+_MINUS = str.maketrans("−–－", "---")
+_GROUPS = {".": ",'’ \u00a0\u202f", ",": ".'’ \u00a0\u202f"}
+_NUMBER = {
+    decimal: re.compile(
+        rf"[+-]?(?:[1-9]\d{{0,2}}(?:([{groups}])\d{{3}})(?:\1\d{{3}})*|\d+)?(?:{re.escape(decimal)}\d*)?(?:[eE][+-]?\d+)?",
+        re.ASCII,
+    )
+    for decimal, groups in _GROUPS.items()
+}
+_PLAIN = {".": re.compile(r"-?\d+(?:\.\d+)?", re.ASCII), ",": re.compile(r"-?\d+(?:,\d+)?", re.ASCII)}
+"""Numbers of the usual form, which most are; the patterns above also take groups, exponents and other signs."""
+_DIGITS = frozenset("0123456789")
+_NOT_FINITE = {"nan", "inf", "-inf", "+inf", "#nv", "#n/a", "n/a", "na", "null", "none", "---", "--", "-", "overflow"}
+_STAMP = re.compile(
+    r"(?:(\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[-/.]\d{1,2}[-/.]\d{2,4})[T ]+)?"
+    r"(\d{1,2}):(\d{2}):(\d{2})(?:[.,:](\d+))?(?: ?([AaPp])\.?[Mm]\.?)?(?:Z| ?[+-]\d{2}:?\d{2})?",
+    re.ASCII,
+)
+_MINUTES = re.compile(r"(\d{1,3}):(\d{2})[.,](\d+)", re.ASCII)
+
+
+def is_number(cell: str, decimal: str | None = None) -> bool:
+    """Whether a cell is a number, with this decimal sign or with either."""
+    return any(parse(cell, sign) is not None for sign in ((decimal,) if decimal else (".", ",")))
+
+
+def parse(cell: str, decimal: str) -> float | None:
+    """Read a number with this decimal sign, thousands signs taken out; None where it is none."""
+    if _PLAIN[decimal].fullmatch(cell):
+        return float(cell.replace(",", "."))
+    text = cell.translate(_MINUS)
+    if not any(letter in _DIGITS for letter in text) or not _NUMBER[decimal].fullmatch(text):
+        return None
+    for sign in _GROUPS[decimal]:
+        text = text.replace(sign, "")
+    try:
+        return float(text.replace(",", "."))
+    except ValueError:  # an exponent without a mantissa
+        return None
+
+
+def is_missing(cell: str) -> bool:
+    """Whether a cell stands for a number that is not there."""
+    return not cell or cell.lower() in _NOT_FINITE
+
+
+def has_thousands(cell: str, decimal: str) -> bool:
+    """Whether a number is written with thousands signs."""
+    return any(sign in cell for sign in _GROUPS[decimal])
+
+
+def decimal_evidence(cells: Iterable[str]) -> dict[str, int]:
+    """Count numbers that can only be read with a dot, or only with a comma, as decimal sign; and the undecided.
+
+    A single sign followed by exactly three digits, as in 1,795, may be either; 0,795 and 17,95 are decimals, and
+    with two kinds of sign the last one is the decimal sign.
+    """
+    count = {".": 0, ",": 0, "either": 0}
+    for cell in cells:
+        mantissa = re.split("[eE]", cell.translate(_MINUS).lstrip("+-"))[0]
+        for odd in "'’ \u00a0\u202f":
+            mantissa = mantissa.replace(odd, "")
+        dots, commas = mantissa.count("."), mantissa.count(",")
+        if not dots and not commas:
+            continue
+        if dots and commas:
+            count["." if mantissa.rindex(".") > mantissa.rindex(",") else ","] += 1
+            continue
+        sign, other = (".", ",") if dots else (",", ".")
+        if dots + commas > 1:
+            count[other] += 1
+            continue
+        before, after = mantissa.split(sign)
+        grouped = len(after) == 3 and 1 <= len(before) <= 3 and not before.startswith("0")
+        exponent = len(mantissa) < len(cell.lstrip("+-−"))
+        count["either" if grouped and not exponent else sign] += 1
+    return count
+
+
+def is_stamp(cell: str) -> bool:
+    """Whether a cell is a time of day, with or without a date, or minutes and seconds."""
+    return ":" in cell and (_STAMP.fullmatch(cell) is not None or _MINUTES.fullmatch(cell) is not None)
+
+
+def seconds_of_stamp(cell: str) -> tuple[float, str]:
+    """Seconds since midnight (or the start) and the date as written (empty without one)."""
+    short = _MINUTES.fullmatch(cell)
+    if short is not None:
+        return int(short[1]) * 60.0 + float(f"{int(short[2])}.{short[3]}"), ""
+    parts = _STAMP.fullmatch(cell)
+    if parts is None:
+        raise ValueError(cell)
+    hour, minute, second = int(parts[2]), int(parts[3]), int(parts[4])
+    if hour > 23 or minute > 59 or second > 60:
+        raise ValueError(cell)
+    if parts[6]:
+        hour = hour % 12 + (12 if parts[6] in "pP" else 0)
+    return 3600.0 * hour + 60.0 * minute + float(f"{second}.{parts[5] or 0}"), parts[1] or ""
+
+
+DAY_S = 86400.0
+_DATE = re.compile(r"\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[-/.]\d{1,2}[-/.]\d{2,4}", re.ASCII)
+_ORDERS = ("year-month-day", "day-month-year", "month-day-year")
+
+
+def is_date(cell: str) -> bool:
+    """Whether a cell is a date in digits."""
+    return _DATE.fullmatch(cell) is not None
+
+
+def elapsed_seconds(stamps: Sequence[tuple[float, str]], log: ImportLog) -> NDArray:
+    """Return the seconds of stamps since midnight of the first day."""
+    days, order = _days([text for _, text in stamps], log)
+    seconds, day, clock, guessed, last = [], 0, stamps[0][0], 0, ""
+    for now, text in stamps:
+        if text and text != last:
+            day, last = days[text], text
+        elif not text and now < clock - 0.5 * DAY_S:
+            day, guessed = day + 1, guessed + 1
+        clock = now
+        seconds.append(DAY_S * day + now)
+    if len(days) > 1:
+        log.decide("days", f"{max(days.values())} after the first", f"by the dates of the file, read as {order}")
+    if guessed:
+        why = "the clock goes back and these rows have no date: one day is the least; it may be more"
+        log.decide("midnight", f"{guessed} days added" if guessed > 1 else "1 day added", why)
+    return np.array(seconds)
+
+
+def _days(texts: Sequence[str], log: ImportLog) -> tuple[dict[str, int], str]:
+    """Days of each date since the first one, and the order in which they are written.
+
+    Where several orders fit, dates that never go back come first, then the shortest time.
+    """
+    written = [text for text in dict.fromkeys(texts) if text]
+    if len(written) < 2:
+        return dict.fromkeys(written, 0), ""
+    fitting = []
+    for order in _ORDERS:
+        try:
+            ordinals = [_ordinal(text, order) for text in written]
+        except ValueError:
+            continue
+        days = [one - ordinals[0] for one in ordinals]
+        dotted = order != "day-month-year" and "." in written[0] and not re.match(r"\d{4}", written[0])
+        fitting.append((dotted, days != sorted(days), max(days) - min(days), dict(zip(written, days)), order))
+    if not fitting:
+        shown = "', '".join(written[:2])
+        raise log.fault(f"dates '{shown}' are in no known order; write year-month-day", "malformed", "date")
+    return min(fitting, key=lambda one: one[:3])[3:]
+
+
+def _ordinal(text: str, order: str) -> int:
+    """Number of the day of a date; two digits of a year are of this century."""
+    parts = dict(zip(order.split("-"), re.split("[-/.]", text)))
+    year = parts["year"] if len(parts["year"]) != 2 else f"20{parts['year']}"
+    return datetime.strptime(f"{year}-{parts['month']}-{parts['day']}", "%Y-%m-%d").toordinal()

@@ -1,0 +1,291 @@
+"""What looks wrong in a press, and in traces that are used together."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.core.errors import InputError
+from dummydesign.measurement.importing.contact import LEAST_LEAD_IN, ContactEstimate, contact_off, find_contact
+from dummydesign.measurement.importing.decisions import ImportLog, Settings
+from dummydesign.measurement.importing.signs import find_presses, find_signs, middle_of_three, noise_of, true_runs
+from dummydesign.measurement.landmarks import Summary, summarise
+from dummydesign.measurement.trace import Trace, import_first
+
+Warn = Callable[[str, str], None]
+
+FALLING = 0.01
+"""Share of the force by which it may still fall over the last fifth of a hold and be called steady."""
+SHORT_HOLD_S = 10.0
+"""Hold of the published protocol; no shorter one is called too short unless the force still falls."""
+GRAMS_N_PER_MM, GRAMS_N = 100.0, 200.0
+INCHES_N_PER_MM, INCHES_MM = 60.0, 0.5
+"""Stiffness and size beyond any hand or pad (a 5 mm pad: 7 N/mm at 15 N): both must agree before a unit is doubted."""
+
+
+@dataclass(frozen=True)
+class _Press:
+    """One press with what was found in it; ``warn`` takes a code and a message without the press's name."""
+
+    time: NDArray
+    x: NDArray
+    force: NDArray
+    noise_N: float
+    summary: Summary
+    warn: Warn
+
+
+def check_press(
+    time: NDArray, x: NDArray, force: NDArray, contact: ContactEstimate, summary: Summary, warn: Warn
+) -> None:
+    """Warn of what looks wrong in one press."""
+    press = _Press(time, x, force, max(contact.noise_N, noise_of(force)), summary, warn)
+    if abs(contact.drift_N) > max(0.01 * summary.peak_force_N, 4.0 * contact.noise_N):
+        warn(
+            "force_before_contact",
+            f"the force changes by {contact.drift_N:+.3g} N before contact; let the sensor settle, or look for "
+            "something that touches earlier",
+        )
+    for check in (_hold, _several_holds, _clipped, _gaps, _lost, _frozen, _spikes, _units):
+        check(press)
+
+
+def _hold(press: _Press) -> None:
+    steady, hold_s, end_s = press.summary.steady_force_N, press.summary.hold_s, press.summary.hold_end_s
+    if steady is None or hold_s >= 0.95 * SHORT_HOLD_S:
+        return
+    begin = end_s - 0.2 * hold_s
+    late = (press.time >= begin) & (press.time <= end_s)
+    if late.sum() < 6:
+        return
+    fall = -float(np.polyfit(press.time[late] - begin, press.force[late], 1)[0]) * 0.2 * hold_s
+    if fall > FALLING * steady and fall > 4.0 * press.noise_N / np.sqrt(late.sum()):
+        press.warn(
+            "hold_too_short",
+            f"after {hold_s:.3g} s the force still falls, by {100 * fall / steady:.1f} % in the last "
+            f"{0.2 * hold_s:.2g} s: {steady:.3g} N is no steady force; hold for 10 s",
+        )
+
+
+def _several_holds(press: _Press) -> None:
+    """Staircases: other plateaus than the deepest, where the punch presses and stands."""
+    summary, grid = press.summary, np.linspace(press.time[0], press.time[-1], 2000)
+    x, step = np.interp(grid, press.time, press.x), grid[1] - grid[0]
+    slow = np.abs(np.gradient(x, step)) < 0.05 * max(summary.velocity_mm_s, 1e-9)
+    pressed = slow & (x > 0.1 * summary.depth_mm) & (np.abs(x - summary.depth_mm) > 0.05 * summary.depth_mm)
+    least_s = max(0.3, 5.0 * step, 0.3 * summary.hold_s)
+    plateaus = [float(np.median(x[a:b])) for a, b in true_runs(pressed) if (b - a) * step > least_s]
+    if plateaus:
+        depths = ", ".join(f"{depth:.2f}" for depth in sorted({*plateaus, summary.depth_mm}))
+        press.warn(
+            "several_holds",
+            f"the punch stands at several depths ({depths} mm) without coming back to zero between; fits read one ramp "
+            "and one hold: press each depth by itself, or cut the file",
+        )
+
+
+def _clipped(press: _Press) -> None:
+    """The load cell's end: the largest value over and over while the punch still moves, and no other value does so."""
+    force, x, top = press.force, press.x, float(press.force.max())
+    first, last = _longest(force >= top)
+    length = last - first
+    if length < 5 or top <= 0:
+        return
+    below = force[(force > 0.5 * top) & (force < top)]
+    changes = np.flatnonzero(np.diff(below) != 0)
+    usual = int(np.max(np.diff(np.r_[-1, changes, len(below) - 1]))) if len(below) > 10 else 1
+    moved = abs(float(x[last - 1] - x[first])) > 0.02 * float(np.ptp(x))
+    if length > 4 * usual and (moved or length > 10 * usual):
+        press.warn(
+            "clipped",
+            f"the force stands at exactly {top:.6g} N for {length} samples from {press.time[first]:.4g} s: the load "
+            "cell or its amplifier is at its end; use a larger range, and do not fit this press",
+        )
+
+
+def _longest(mask: NDArray) -> tuple[int, int]:
+    return max(true_runs(mask), key=lambda run: run[1] - run[0], default=(0, 0))
+
+
+def _gaps(press: _Press) -> None:
+    """Time without samples while the punch moves on or the press goes on."""
+    time, x, summary = press.time, press.x, press.summary
+    step = np.diff(time)
+    usual = np.maximum(np.r_[step[1:], step[-1]], np.r_[step[0], step[:-1]])
+    hole = (step > 8.0 * usual) & (step > 5.0 * float(np.median(step))) & (x[1:] > 0.02 * summary.depth_mm)
+    moved = np.abs(np.diff(x)) > 0.1 * summary.depth_mm
+    rising = time[1:] <= summary.stop_time_s
+    found = np.flatnonzero(hole & (moved | rising | (step > 0.2 * max(summary.hold_s, 1e-9))))
+    if found.size:
+        at = int(found[0])
+        press.warn(
+            "drop_out",
+            f"no samples from {time[at]:.4g} to {time[at + 1]:.4g} s ({found.size} such gaps) within the press; the "
+            "force between is not known: record again",
+        )
+
+
+def _lost(press: _Press) -> None:
+    """Force at zero for a few samples while the punch is deep."""
+    x, force, noise = press.x, press.force, press.noise_N
+    deep = (x > 0.5 * press.summary.depth_mm) & (press.time <= press.summary.hold_end_s)
+    near = np.median(force[deep]) if deep.any() else 0.0
+    deep &= np.cumsum(force > 0.5 * near) > 0  # a filtered force is late in a fast rise
+    lost = np.flatnonzero(deep & (np.abs(force) < max(3.0 * noise, 0.02 * near)) & (near > 20.0 * max(noise, 1e-9)))
+    if lost.size:
+        press.warn(
+            "drop_out",
+            f"the force is zero at {press.time[lost[0]]:.4g} s ({lost.size} samples) while the punch presses "
+            f"{x[lost[0]]:.3g} mm deep: a loose contact? record again",
+        )
+
+
+def _frozen(press: _Press) -> None:
+    """Both columns repeat while the punch should move."""
+    time, x, depth = press.time, press.x, press.summary.depth_mm
+    rise = (x[1:] > 0.02 * depth) & (x[1:] < 0.95 * depth) & (time[1:] < press.summary.stop_time_s)
+    first, last = _longest((np.diff(x) == 0) & (np.diff(press.force) == 0) & rise)
+    if last - first < 5 or last >= len(x) - 1:
+        return
+    if abs(x[last + 1] - x[last]) > 3.0 * float(np.median(np.abs(np.diff(x)[rise]))):
+        press.warn(
+            "drop_out",
+            f"force and position repeat for {last - first} samples from {time[first]:.4g} s in the rise and then jump: "
+            "the recording stood still; record again",
+        )
+
+
+def _spikes(press: _Press) -> None:
+    """Single samples far off their neighbours, which agree with each other."""
+    force = press.force
+    if len(force) < 20:
+        return
+    off = np.abs(force - middle_of_three(force))[1:-1]
+    across = np.abs(force[2:] - force[:-2])
+    limit = max(15.0 * press.noise_N, 0.03 * float(force.max()))
+    found = np.flatnonzero((off > limit) & (across < 0.3 * off)) + 1
+    if 0 < found.size <= max(0.01 * len(force), 3):
+        worst = int(found[np.argmax(off[found - 1])])
+        press.warn(
+            "spike",
+            f"{found.size} single samples stand out, by {off[worst - 1]:.3g} N at {press.time[worst]:.4g} s; they are "
+            "kept: mend the shielding, or take them out before fitting",
+        )
+
+
+def _units(press: _Press) -> None:
+    force, depth = press.summary.peak_force_N, press.summary.depth_mm
+    stiffness = force / max(depth, 1e-9)
+    words = f"{force:.4g} N at {depth:.3g} mm is stiffer than any hand or pad: is the"
+    if stiffness > GRAMS_N_PER_MM and force > GRAMS_N:
+        press.warn("far_from_known", f"{words} force in grams? say --units force=gf if so")
+    elif stiffness > INCHES_N_PER_MM and depth < INCHES_MM:
+        press.warn("far_from_known", f"{words} position in inches? say --units displacement=in if so")
+
+
+CODES = (
+    *("force_before_contact", "contact_off", "hold_too_short", "several_holds", "clipped", "drop_out", "spike"),
+    *("far_from_known", "same_press", "several_subjects"),
+)
+"""Codes of the warnings of this module."""
+MENDED = ("force_before_contact", "contact_off", "far_from_known")
+"""Those that an import mends."""
+OFFSET_SHARE = 0.01
+"""Share of the largest force up to which a force before contact does not matter."""
+READING = 4.0
+"""A sensor zeroed on a single reading is off by up to so many standard deviations of its noise (1 in 16,000)."""
+ALIKE_DEPTH, ALIKE_SPEED, DIFFERENT = 1.4, 1.2, 1.4
+"""Ratios: of depths and speeds that are comparable, and of forces there that one subject does not show."""
+
+
+def doubts_of(trace: Trace, resolution_N: float = 0.0) -> list[dict[str, str]]:
+    """Return warnings about one trace.
+
+    A force before contact beyond :func:`allowed_offset`; a contact that is not where the displacement is zero for any
+    zero of the force within its noise; clipping, drop-outs, spikes.
+    """
+    log = ImportLog(trace.name, Settings(flip=frozenset()))
+
+    def warn(code: str, message: str) -> None:
+        log.warn(code, message + (import_first(trace.name) if code in MENDED else ""))
+
+    time, x, force = trace.time_s, trace.displacement_mm, trace.force_N
+    try:
+        rest = find_signs(x, force, None, log).rest_force_N
+        span = find_presses(trace.name, x, force - rest, False)[0]
+        contact = find_contact(time, x, force - rest, span)
+        summary = summarise(trace.name, time, x, force)
+    except InputError:
+        return []  # whoever uses the trace names what it lacks
+    tare = rest + contact.tare_N
+    noise = max(contact.noise_N, noise_of(force))
+    allowed = allowed_offset(summary.peak_force_N, noise, contact.tare_error_N, resolution_N)
+    if contact.lead_in >= LEAST_LEAD_IN and abs(tare) > allowed:
+        warn(
+            "force_before_contact",
+            f"the force is {tare:.3g} N before contact and counts as pressing; up to {allowed:.2g} N is allowed "
+            f"(noise {noise:.2g} N)",
+        )
+    elif contact.lead_in >= LEAST_LEAD_IN and contact_off(contact, summary.depth_mm):
+        tares = (contact.tare_N + side * READING * noise for side in (-1.0, -0.5, 0.5, 1.0))
+        others = (find_contact(time, x, force - rest, span, other) for other in tares)
+        if all(contact_off(other, summary.depth_mm) for other in others):
+            warn("contact_off", contact_off(contact, summary.depth_mm))
+    check_press(time, x, force, contact, summary, warn)
+    return log.warnings
+
+
+def allowed_offset(peak_force_N: float, noise_N: float, tare_error_N: float, resolution_N: float = 0.0) -> float:
+    """Return the largest force before contact that is no fault. [N]
+
+    That is what a sensor zeroed on one noisy reading shows, with the error of the mean before contact; at least one
+    step of the sensor, and 1 % of the largest force.
+    """
+    return max(READING * noise_N + tare_error_N, OFFSET_SHARE * peak_force_N, resolution_N)
+
+
+def fingerprint(displacement_mm: NDArray, force_N: NDArray) -> str:
+    """Hash of a press to a tenth of a micrometre and of a millinewton; a copy under another name has the same."""
+    return hashlib.sha256((np.round([displacement_mm, force_N], 4) + 0.0).tobytes()).hexdigest()
+
+
+def copies_among(traces: Sequence[Trace]) -> list[dict[str, str]]:
+    """Return warnings about traces that hold the same recording: one subject under two names, or a copy."""
+    names: dict[str, str] = {}
+    found = []
+    for trace in traces:
+        key = fingerprint(trace.displacement_mm, trace.force_N)
+        if key in names:
+            message = f"{trace.name} is the same recording as {names[key]}: one subject twice, or a copy? use it once"
+            found.append({"code": "same_press", "message": message})
+        names.setdefault(key, trace.name)
+    return found
+
+
+def subjects_among(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
+    """Warn where presses of like depth and speed differ in force as two subjects (or two pads) do.
+
+    A deeper press of the same subject needs more force, as the depth to a power between 1 (a flat pad) and 3 (tissue).
+    Two presses are doubted when both their steady and their largest force are 1.4 times beyond that.
+    """
+    for a, b in combinations(rows, 2):
+        shallow, deep = sorted((a, b), key=lambda row: row["depth_mm"])
+        depth = deep["depth_mm"] / shallow["depth_mm"]
+        speed = max(a["velocity_mm_s"] / b["velocity_mm_s"], b["velocity_mm_s"] / a["velocity_mm_s"])
+        if depth > ALIKE_DEPTH or speed > ALIKE_SPEED:
+            continue
+        ratios = [deep[key] / max(shallow[key], 1e-12) for key in ("steady_force_N", "peak_force_N")]
+        if max(ratios) < depth / DIFFERENT or min(ratios) > depth**3 * DIFFERENT:
+            message = (
+                f"{a['file']} and {b['file']} press {a['depth_mm']:.3g} and {b['depth_mm']:.3g} mm deep with "
+                f"{a['steady_force_N']:.3g} and {b['steady_force_N']:.3g} N: two subjects or pads in one fit? fit "
+                "each by itself"
+            )
+            return [{"code": "several_subjects", "message": message}]
+    return []

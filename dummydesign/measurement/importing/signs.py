@@ -1,0 +1,184 @@
+"""Make compression positive; separate the presses of one recording."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.core.errors import InputError
+from dummydesign.measurement.importing.decisions import ImportLog
+
+_BOTH_WAYS = 0.4
+"""Share of the larger swing of the force above which the smaller one leaves open which of them is pressing."""
+
+
+@dataclass(frozen=True)
+class Signs:
+    """Factors that make compression positive, and the force at rest as the file counts it."""
+
+    displacement: float
+    force: float
+    rest_force_N: float
+
+
+def middle_of_three(values: NDArray) -> NDArray:
+    """Median of each value and its two neighbours: single spikes disappear, edges stay."""
+    if len(values) < 3:
+        return values.copy()
+    a, b, c = values[:-2], values[1:-1], values[2:]
+    inner = np.maximum(np.minimum(a, b), np.minimum(np.maximum(a, b), c))
+    return np.concatenate([values[:1], inner, values[-1:]])
+
+
+def noise_of(force: NDArray) -> float:
+    """Sample noise by second differences, which a smooth force does not have. [N]"""
+    if len(force) < 5:
+        return 0.0
+    second = np.abs(force[2:] - 2.0 * force[1:-1] + force[:-2])
+    return float(np.median(second) / 0.6745 / np.sqrt(6.0))
+
+
+def find_signs(x: NDArray, force: NDArray, tare_N: float | None, log: ImportLog) -> Signs:
+    """Find which way both columns count.
+
+    The recording begins at rest; the force that goes farthest from there is that of pressing, and the position
+    goes into the pad while this force rises.
+    """
+    smooth, flip = middle_of_three(force), log.settings.flip
+    moved = np.abs(x - x[0]) > 0.01 * float(np.ptp(x))
+    few = int(np.clip(np.argmax(moved) if moved.any() else 0, 1, 50))
+    rest = float(np.median(force[:few])) if tare_N is None else tare_N
+    up, down = float(smooth.max() - rest), float(rest - smooth.min())
+    swing = max(up, down)
+    if swing <= 0 or swing < 8.0 * noise_of(force):
+        message = (
+            f"nothing is pressed: the force stays within {swing:.3g} N of {rest:.4g} N; is this the force column, and "
+            "the right file? (--columns force=NAME)"
+        )
+        raise log.fault(message, "nothing_found", "force_N", swing)
+    if flip is not None:
+        way, push = (-1.0 if name in flip else 1.0 for name in ("displacement", "force"))
+        load = push * (smooth - rest)
+        wrong = "force" if load.max() < -load.min() else "displacement" if _way(x, load, log) * way < 0 else ""
+        if wrong:
+            raise log.fault(f"with --flip as given, pressing lowers the {wrong}: reverse --flip {wrong}",
+                            "inconsistent", "flip")  # fmt: skip
+        for name in ("displacement", "force"):
+            log.decide(f"{name} sign", "flipped" if name in flip else "as written", "given by --flip")
+        return Signs(way, push, rest)
+    if min(up, down) > _BOTH_WAYS * swing:
+        doubt = f"from {rest:.3g} N the force goes {up:.3g} N up and {down:.3g} N down; either may be pressing"
+        raise log.question(doubt, "--flip force where pressing is negative, --flip none where it is positive")
+    sign = 1.0 if up >= down else -1.0
+    # A recording that begins pressed and ends free looks like a press of the other sign on a large offset.
+    if tare_N is None and abs(rest) > 0.5 * swing and abs(rest + sign * swing) < 0.25 * abs(rest):
+        doubt = (
+            f"the force is {rest:.3g} N at the start and near zero later: either the file begins pressed (then record "
+            "from before contact), or this is an offset"
+        )
+        raise log.question(doubt, f"--tare {rest:.4g} where it is an offset")
+    way = _way(x, sign * (smooth - rest), log)
+    as_written = {1.0: "as written", -1.0: "flipped"}
+    log.decide("force sign", as_written[sign], f"pressing moves it by {sign * swing:+.3g} N from its reading at rest")
+    log.decide("displacement sign", as_written[way], f"it {'rises' if way > 0 else 'falls'} while the force rises")
+    return Signs(way, sign, rest)
+
+
+def _way(x: NDArray, load: NDArray, log: ImportLog) -> float:
+    """Sign of the position: its change while the load goes from a twentieth to half of its largest."""
+    peak = int(np.argmax(load))
+    half = int(np.argmax(load >= 0.5 * load[peak]))
+    low = np.nonzero(load[: half + 1] <= 0.05 * load[peak])[0]
+    rise = float(x[half] - x[int(low[-1]) if low.size else 0])
+    deep, out = x[load >= 0.5 * load[peak]], x[load <= 0.1 * load[peak]]
+    overall = float(np.median(deep) - np.median(out)) if out.size else rise
+    if float(np.ptp(x)) <= 0:
+        message = "the displacement never moves; name its column by --columns displacement=NAME"
+        raise log.fault(message, "nothing_found", "displacement_mm")
+    if rise == 0 or rise * overall < 0 or abs(rise) < 1e-3 * float(np.ptp(x)):
+        doubt = f"while the force rises the position moves by {rise:+.3g} mm, over the whole press by {overall:+.3g} mm"
+        raise log.question(doubt, "--flip displacement where it falls while pressing, --flip none where it rises")
+    return 1.0 if rise > 0 else -1.0
+
+
+LOW, HIGH = 0.01, 0.03
+"""Shares of the largest force below which it is zero, and above which it is a press."""
+PAUSE = 0.5
+"""Share of the time between two presses above which one step of it is a pause of the recording."""
+BACK = 0.3
+"""Share of its depth that the punch must come back before the next press is one of its own."""
+
+
+@dataclass(frozen=True)
+class Span:
+    """One press in a recording."""
+
+    start: int
+    stop: int
+    onset: int
+
+
+def find_presses(file: str, x: NDArray, load: NDArray, several: bool, time: NDArray | None = None) -> list[Span]:
+    """Find the presses; one from the first to the last of them unless ``several`` are meant."""
+    smooth = middle_of_three(load)
+    few, peak = int(np.clip(len(load) // 200, 3, 50)), float(smooth.max())
+    noise = max(noise_of(smooth), min(float(np.std(smooth[:few])), 0.01 * peak))
+    low, high = max(6.0 * noise, LOW * peak), max(12.0 * noise, HIGH * peak)
+    runs = [(a, b) for a, b in true_runs(_touching(x, smooth, low)) if smooth[a:b].max() >= high]
+    a, b = max(runs, key=lambda run: float(smooth[run[0] : run[1]].max()), default=(0, 1))
+    depth = float(x[a:b].max() - x[a])
+    # A force without way is the jolt of the punch when the robot starts or stops in the air, or a spike.
+    runs = [(a, b) for a, b in runs if smooth[a:b].max() >= 0.3 * peak or np.ptp(x[a:b]) >= 0.1 * depth]
+    if not runs:
+        message = f"{file}: nothing is pressed: the force stays within {high:.3g} N of its reading at rest"
+        raise InputError(message, "nothing_found", "force_N")
+    joined = runs[:1]
+    for run in runs[1:]:
+        if several and _came_back(x, joined[-1], run):
+            joined.append(run)
+        else:
+            joined[-1] = (joined[-1][0], run[1])
+    at = np.arange(len(x), dtype=float) if time is None else time
+    cuts = [0, *(_cut(at, x, before[1], after[0]) for before, after in pairwise(joined)), len(x)]
+    return [Span(a, b, run[0]) for a, b, run in zip(cuts, cuts[1:], joined)]
+
+
+def _touching(x: NDArray, smooth: NDArray, low: float) -> NDArray:
+    """Where the punch touches: the force is above zero, unless it is small and the punch is out.
+
+    The second half is for a force whose zero has drifted away since the start.
+    """
+    touching = smooth > low
+    peak = int(np.argmax(smooth))
+    before = np.nonzero(~touching[:peak])[0]
+    start = int(before[-1]) if before.size else 0
+    way = float(x[peak] - x[start])
+    return touching & ~((way > 0) & (x < x[start] - 0.05 * way) & (smooth < 0.2 * smooth[peak]))
+
+
+def true_runs(mask: NDArray) -> list[tuple[int, int]]:
+    """Half-open ranges in which a mask is true."""
+    edges = np.flatnonzero(np.diff(np.r_[0, mask.astype(np.int8), 0]))
+    return list(zip(edges[::2].tolist(), edges[1::2].tolist()))
+
+
+def _came_back(x: NDArray, before: tuple[int, int], after: tuple[int, int]) -> bool:
+    deepest = float(x[before[0] : before[1]].max())
+    return deepest - float(x[before[1] : after[0]].min()) >= BACK * (deepest - float(x[before[0]]))
+
+
+def _cut(time: NDArray, x: NDArray, leave: int, touch: int) -> int:
+    """Where one press ends and the next begins: at a pause of the recording while the punch is farthest out.
+
+    Without a pause it is the middle of the samples there.
+    """
+    gap = x[leave:touch]
+    low, high = float(gap.min()), float(max(gap[0], gap[-1]))
+    far = np.nonzero(gap <= low + 0.05 * (high - low))[0]
+    steps = np.diff(time[leave + far])
+    if steps.size and steps.max() > PAUSE * (time[leave + far[-1]] - time[leave + far[0]]):
+        return leave + int(far[int(np.argmax(steps)) + 1])
+    return leave + int(far[len(far) // 2]) + (1 if len(far) == 1 else 0)

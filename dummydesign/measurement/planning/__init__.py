@@ -1,1 +1,0 @@
-"""Campaigns that are planned, pressed and checked, or made from files one has."""

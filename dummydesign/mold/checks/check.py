@@ -1,0 +1,62 @@
+"""One check of a mould: what was measured, its limit and the verdict."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from dummydesign.mold.model.spec import MouldSpec
+
+
+@dataclass(frozen=True)
+class Check:
+    """One check: what was measured, the limit it was held against and the verdict."""
+
+    id: str
+    value: Any
+    limit: Any
+    status: str
+    note: str = ""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the fields; a note only when there is one."""
+        plain = {"id": self.id, "value": self.value, "limit": self.limit, "status": self.status}
+        return {**plain, "note": self.note} if self.note else plain
+
+
+def below(name: str, value: float, limit: float, note: str = "") -> Check:
+    """Check that a finite value is at most a limit."""
+    good = math.isfinite(value) and value <= limit
+    return Check(name, value, limit, "pass" if good else "fail", note)
+
+
+def above(name: str, value: float, limit: float, note: str = "") -> Check:
+    """Check that a value is at least a limit."""
+    return Check(name, value, limit, "pass" if value >= limit else "fail", note)
+
+
+def equal(name: str, value: Any, limit: Any, note: str = "") -> Check:
+    """Check that a value is exactly the limit."""
+    return Check(name, value, limit, "pass" if value == limit else "fail", note)
+
+
+def skipped(name: str, why: str) -> Check:
+    """A check that could not be made, and why."""
+    return Check(name, None, None, "skipped", why)
+
+
+def genera(spec: MouldSpec) -> dict[str, int]:
+    """How many holes go through each part: 8 bolts, 3 level screws, sprue and vents, the frame's opening."""
+    open_holes = 0 if spec.closure is None else 6
+    # Vents and screws of a bone's carrier; that of several crowns only has marks.
+    carrier = 8 if spec.pad.shape.bone_height_mm else 0
+    if spec.is_printed:
+        # Eight bolts, two pins, three levelling screws; the ring's openings.
+        return {"pad": 0, "mould": 13, "frame": 13 + spec.count, "strike_off": 0, "collar": 1, "layer_top": 0,
+                "layer_base": 0, "spacer": 0, "carrier": carrier, "face_sheet": 0}  # fmt: skip
+    return {
+        "pad": 0, "mould": 0, "master": 8, "frame": 9, "strike_off": 0, "tray": 3, "collar": 1, "lid": open_holes,
+        "backer": open_holes, "lid_master": 8, "lid_frame": 9, "sprue_pin": 0, "vent_pin": 0, "layer_top": 0,
+        "layer_base": 0, "spacer": 0, "carrier": carrier, "face_sheet": 0,
+    }  # fmt: skip

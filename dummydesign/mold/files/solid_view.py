@@ -1,0 +1,142 @@
+"""Solids to turn in a page: triangles packed small, the canvas, and the parts of a mould."""
+
+from __future__ import annotations
+
+import base64
+import json
+import struct
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.core.errors import InputError
+
+COLOURS = {"pad": (0.93, 0.71, 0.60), "mould": (0.62, 0.72, 0.80)}
+_RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("spare", "<u2")])
+
+
+def read_stl(path: str | Path) -> NDArray:
+    """Triangles of a binary STL file, shape (n, 3, 3). [mm]"""
+    try:
+        content = Path(path).read_bytes()
+    except OSError as problem:
+        code = "file_not_found" if isinstance(problem, FileNotFoundError) else "file_unreadable"
+        raise InputError(f"{Path(path).name}: cannot be read: {problem.strerror}", code, "stl_file") from None
+    count = struct.unpack("<I", content[80:84])[0] if len(content) >= 84 else -1
+    if len(content) != 84 + 50 * count:
+        raise InputError(f"{Path(path).name}: is not a binary STL file", "file_unreadable", "stl_file")
+    return np.frombuffer(content, _RECORD, offset=84)["corners"].astype(float)
+
+
+def box(length_mm: float, width_mm: float, height_mm: float) -> NDArray:
+    """Triangles of a box that stands on z = 0, seen from outside; shape (12, 3, 3). [mm]"""
+    x, y = 0.5 * length_mm, 0.5 * width_mm
+    corner = np.array([(a * x, b * y, c * height_mm) for c in (0, 1) for b in (-1, 1) for a in (-1, 1)])
+    sides = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    return np.array([corner[[a, b, c]] for s in sides for a, b, c in ((s[0], s[1], s[2]), (s[0], s[2], s[3]))])
+
+
+@dataclass(frozen=True)
+class Shown:
+    """One part in the view: how far it is lifted when the parts are apart, and where its stack stands. [mm]
+
+    A name such as ``pad, tested face up`` says that it is shown turned over.
+    """
+
+    name: str
+    triangles: NDArray
+    colour: tuple[float, float, float]
+    lift_mm: float = 0.0
+    beside_mm: float = 0.0
+
+
+def pack(triangles: NDArray, colour: tuple[float, float, float], lift_mm: float) -> dict[str, Any]:
+    """One part for the page: corners in 65535 steps of its box, colour, and how far it is lifted when apart."""
+    low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
+    steps = np.round((triangles - low) / np.maximum(high - low, 1e-9) * 65535).astype("<u2")
+    coded = base64.b64encode(steps.tobytes()).decode("ascii")
+    return {"triangles": coded, "low": low.tolist(), "high": high.tolist(), "colour": colour, "lift": lift_mm}
+
+
+def stack(parts: Mapping[str, NDArray], gap_mm: float = 25.0, beside_mm: float = 0.0) -> list[Shown]:
+    """Parts one over the other, each lifted clear of the one below it when they are drawn apart."""
+    from dummydesign.mold.files.picture import exploded
+
+    heights = {name: (float(one[..., 2].min()), float(one[..., 2].max())) for name, one in parts.items()}
+    lifts = exploded(heights, list(parts), gap_mm)
+    return [Shown(name, one, COLOURS.get(name.split(",")[0], (0.7, 0.7, 0.72)), lifts[name], beside_mm)
+            for name, one in parts.items()]  # fmt: skip
+
+
+def view_html(parts: Sequence[Shown]) -> str:
+    """Canvas, controls and packed parts; :func:`view_script` draws them."""
+    packed = [
+        {**pack(one.triangles, one.colour, one.lift_mm), "name": one.name.replace("_", " "), "beside": one.beside_mm,
+         "turned": ", " in one.name}
+        for one in parts
+    ]
+    names = " and ".join(one.name.replace("_", " ") for one in parts)
+    plain = json.dumps(packed, separators=(",", ":")).replace("<", "\\u003c")
+    return (
+        f"<style>{(_HERE / 'viewer.css').read_text(encoding='utf-8')}</style>"
+        '<div class="viewer"><div class="stage"><canvas id="view-canvas" tabindex="0" role="img" '
+        f'aria-label="{escape(names)} as solids; drag or use the arrow keys to turn, scroll or pinch to zoom"></canvas>'
+        '<svg id="view-lines" aria-hidden="true"></svg><div id="view-labels" aria-hidden="true"></div></div>'
+        '<div class="controls noprint"><label class="apart">apart <input type="range" id="view-apart" min="0" max="1" '
+        f'step="0.01" value="{1 if len(packed) > 1 else 0}"></label><span id="view-parts"></span></div>'
+        '<p id="view-note"></p></div>'
+        f'<script type="application/json" id="view-data">{plain}</script>'
+    )
+
+
+def view_script() -> str:
+    """The script that draws the view."""
+    return (_HERE / "viewer.js").read_text(encoding="utf-8")
+
+
+def view_page(parts: Sequence[Shown], title: str, text: str) -> str:
+    """A page of its own with the view; opens without a network, dark or light as the reader's system."""
+    return (
+        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width,initial-scale=1">'
+        '<meta name="color-scheme" content="light dark">'
+        f"<title>{escape(title)}</title><style>{_PAGE}</style></head><body><h1>{escape(title)}</h1><p>{escape(text)}</p>"
+        f"{view_html(parts)}<script>{view_script()}</script></body></html>\n"
+    )
+
+
+_HERE = Path(__file__).parent
+_PAGE = (
+    ":root{--panel:#eef2f5;--ink:#20303c;--page:#fff}"
+    "@media(prefers-color-scheme:dark){:root{--panel:#1b242b;--ink:#dfe7ec;--page:#12181d}}"
+    "body{font:15px/1.4 system-ui,sans-serif;margin:0;padding:.6rem 1rem;background:var(--page);color:var(--ink)}"
+    "h1{font-size:1.1rem;margin:.2rem 0}p{margin:.2rem 0}"
+    "body>.viewer .stage canvas{height:calc(100vh - 9.5rem);min-height:320px}"
+)
+
+
+TEXT = "Drag or use the arrow keys to turn, scroll or pinch to zoom; 'apart' lifts the parts off each other."
+
+
+def mould_view(meshes: Mapping[str, Any], colours: Mapping[str, tuple[float, float, float]], title: str) -> str:
+    """The page with all parts."""
+    from dummydesign.mold.files.picture import BOXES, GAP_SHARE, stacked
+
+    used = stacked(list(meshes))
+    stacks = [used, *([name for name in box if name in meshes and name not in used] for box in BOXES)]
+    rest = [[name] for name in meshes if not any(name in names for names in stacks)]
+    found: list[Shown] = []
+    edge, size = None, max(float(np.ptp(mesh.bounds, axis=0).max()) for mesh in meshes.values())
+    for names in filter(None, [*stacks, *rest]):
+        parts = {name: np.asarray(meshes[name].triangles, float) for name in names}
+        low = min(float(one[..., 0].min()) for one in parts.values())
+        high = max(float(one[..., 0].max()) for one in parts.values())
+        beside = 0.0 if edge is None else edge + 0.15 * size - low
+        edge = high + beside
+        found += stack(parts, GAP_SHARE * size, beside)
+    return view_page([replace(one, colour=colours[one.name]) for one in found], title, TEXT)

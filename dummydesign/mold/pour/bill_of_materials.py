@@ -1,0 +1,123 @@
+"""Bill of materials of a mould and its first pad. No CAD: grams of printed parts come from measured volumes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from dummydesign.mold.model.layout import DOWEL_MM, layout, parting_mm, sheet_outline
+from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.mold.pour.plan import CUP_FACTOR, PourPlan, batch_of, pours_of
+
+# Share of a printed part that is plastic: 4 perimeters and 15 % infill fill plates of 5 to 8 mm by about half
+# (judgement; a slicer knows better), and grams an hour of a 0.4 mm nozzle (judgement).
+FILLED_SHARE = 0.5
+GRAM_PER_HOUR = 18.0
+# Lengths in which machine screws are sold, and grip beyond the flanges for nut and washer. [mm]
+SCREW_MM = (10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 60, 70)
+NUT_MM = 5.0
+LEVEL_TRAVEL_MM = 12.0
+CUPS_LITRE = (0.1, 0.25, 0.5, 1.0, 2.0, 5.0)
+
+
+def screw_length_mm(grip_mm: float) -> int:
+    """Shortest screw sold that goes through ``grip_mm`` and a nut. [mm]"""
+    return next((length for length in SCREW_MM if length >= grip_mm + NUT_MM), SCREW_MM[-1])
+
+
+def cup_litre(volume_mm3: float) -> float:
+    """Smallest usual cup that holds a volume. [l]"""
+    return next((size for size in CUPS_LITRE if size >= volume_mm3 * 1e-6), CUPS_LITRE[-1])
+
+
+HEAD = ("what", "how much", "what for")
+ONCE, POUR, SHARED = "once", "pour", "shared"
+"""Needed for the mould, for every casting, or once for all moulds of a job."""
+
+
+@dataclass(frozen=True)
+class MaterialItem:
+    """One thing to buy or to have; ``form`` writes its amount. Of what is shared the larger amount is taken."""
+
+    what: str
+    amount: float
+    form: str
+    purpose: str
+    kind: str = ONCE
+
+    @property
+    def row(self) -> tuple[str, str, str]:
+        """As it stands in a list."""
+        hours = f"about {max(0.1, self.amount / GRAM_PER_HOUR):.1f} h of printing"
+        return self.what, self.form.format(abs(self.amount)), self.purpose or hours
+
+    def times(self, count: int) -> MaterialItem:
+        """For so many castings."""
+        return replace(self, amount=self.amount * count) if self.kind == POUR else self
+
+    def with_(self, other: MaterialItem) -> MaterialItem:
+        """Together with the same thing of another mould."""
+        both = max(self.amount, other.amount) if self.kind == SHARED else self.amount + other.amount
+        return replace(self, amount=both)
+
+
+def materials(
+    spec: MouldSpec, plan: PourPlan, printed_mm3: Mapping[str, float] | None = None
+) -> list[MaterialItem]:
+    """Everything to buy or to have for a mould and one casting."""
+    box, aids, place = spec.box, spec.aids, layout(spec)
+    under = spec.body.floor_mm + parting_mm(spec, place) if spec.is_printed else box.base_mm
+    grip = under + box.flange_thickness_mm
+    long = screw_length_mm((grip if spec.is_printed else aids.tray_floor_mm) + LEVEL_TRAVEL_MM)
+    bolted, levelled = ("ring on base", "mould") if spec.is_printed else ("frame on master", "tray")
+    bolts = f"screws M{math.floor(box.bolt_hole_mm)} x {screw_length_mm(grip)} with nuts and washers"
+    levels = f"screws M{math.floor(aids.level_screw_hole_mm)} x {long} with nuts"
+    needs = [
+        MaterialItem(bolts, 8 if spec.closure is None else 16, "{:.0f}", bolted),
+        MaterialItem(levels, 3, "{:.0f}", f"levelling the {levelled}"),
+    ]
+    if spec.silicone is not None:
+        needs.append(MaterialItem(f"mould silicone {spec.silicone.name}", plan.silicone_mass_g, "{:.0f} g", "mould"))
+    else:
+        pins = f"steel pins {DOWEL_MM:g} x {screw_length_mm(grip - NUT_MM)} mm"
+        needs += [
+            MaterialItem(pins, 2, "{:.0f}", "ring on base"),
+            MaterialItem("filler, abrasive paper to 400", 1, "a little", "faces against the pad", SHARED),
+            MaterialItem("hard wax and water-soluble film (PVA)", 1, "a little", "faces against the pad", SHARED),
+        ]
+    if box.face_sheet_mm:
+        cut = sheet_outline(spec, place)
+        size = f"{cut.length_mm:g} mm across" if cut.is_circle else f"{cut.length_mm:g} x {cut.width_mm:g} mm"
+        glass = f"sheet of glass, {box.face_sheet_mm:g} mm, {size}"
+        needs.append(MaterialItem(glass, spec.count, "{:.0f}", "tested face"))
+    mixes = [(name, pour, batch_of(spec, pour, its_plan).with_witness)
+             for name, (pour, its_plan) in zip(("", " (base layer)"), pours_of(spec, plan))]  # fmt: skip
+    needs += [MaterialItem(f"{what}{name}", mass, "{:.1f} g", "pad and witness", POUR)
+              for name, _, mix in mixes for what, mass in mix.components]  # fmt: skip
+    foam = max(CUP_FACTOR * mix.total_g / pour.density_g_per_cm3 * 1e3 for _, pour, mix in mixes)
+    cup = f"cups of {cup_litre(foam):g} l"
+    needs.append(MaterialItem(cup, 2 * len(mixes), "{:.0f}", "mixing and pouring over", POUR))
+    if spec.body.style != "lidded" and not spec.pad.shape.bone_height_mm:
+        film = f"release film, {place.openings.length_mm + 40:.0f} x {place.openings.width_mm + 40:.0f} mm"
+        needs.append(MaterialItem(film, len(mixes), "{:.0f}", "plate", POUR))
+    else:
+        needs.append(MaterialItem("release agent", 1, "a little", "parting faces; never the tested face", SHARED))
+    # The finest level of a job counts.
+    needs.append(MaterialItem("spirit level or inclinometer", -plan.level_deg, "to {:.2f} deg", "level", SHARED))
+    if spec.pour.cures_warm:
+        hot = spec.pour.cure_temperature_C
+        needs.append(MaterialItem("vented oven", hot, "to {:.0f} C", "cure and drying", SHARED))
+    against = "resin" if spec.is_printed else "resin and silicone"
+    needs.append(MaterialItem("gloves, goggles, extraction", 1, "{:.0f} set", against, SHARED))
+    filament = spec.plastic.name.upper() if spec.plastic else "filament"
+    gram = 1e-3 * FILLED_SHARE * (spec.plastic.density_g_per_cm3 if spec.plastic else 1.24)
+    return needs + [MaterialItem(f"{filament}: {name}", volume * gram, "about {:.0f} g", "")
+                    for name, volume in (printed_mm3 or {}).items()]  # fmt: skip
+
+
+def bill_of_materials(
+    spec: MouldSpec, plan: PourPlan, printed_mm3: Mapping[str, float] | None = None
+) -> list[tuple[str, str, str]]:
+    """Everything to buy or to have, as (what, how much, what for); the first row is the head."""
+    return [HEAD, *(need.row for need in materials(spec, plan, printed_mm3))]

@@ -1,1 +1,0 @@
-"""What a workshop has, read from data files."""

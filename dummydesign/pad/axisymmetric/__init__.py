@@ -1,0 +1,1 @@
+"""Round pads and punches: slabs, shaped pads, pucks, by axisymmetric finite elements."""

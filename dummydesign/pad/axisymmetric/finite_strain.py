@@ -1,0 +1,179 @@
+"""How far a finite-strain viscoelastic pad departs from the quasi-linear prediction."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from dummydesign.core.cache import cached
+from dummydesign.pad.axisymmetric.case import Case, Progress, rimmed_problem, unsolved
+from dummydesign.pad.axisymmetric.self_contact import FoldWatch, RoundFace
+from dummydesign.pad.axisymmetric.shaped_problem import FLAT_STEP, LARGEST_STEP, RIMS, shaped_problem
+from dummydesign.pad.fem.mesh_axisymmetric import Resolution
+from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
+from dummydesign.pad.material.viscoelastic import Viscoelastic
+from dummydesign.pad.solve.continuation import add_costs, cost
+from dummydesign.pad.solve.equilibrium import Problem
+from dummydesign.pad.solve.motion_path import follow_motion
+from dummydesign.pad.specimen import SLAB
+
+Array = np.ndarray
+
+# Fillets that are tried in turn; a small one folds the corner too early on a pad that is thick and pressed deep.
+SLAB_RIMS = (0.025, 0.05, 0.1, 0.2)
+SLAB_LARGEST_STEP = 0.02
+TOLERANCE = 5e-4
+HOLD_GROWTH = 0.3
+# Cells under the punch of a shaped pad.
+CELLS = 12
+
+
+def ratio_error(rim: float) -> float:
+    """Share of the viscous part of the force by which the ratio may be off with a fillet of this size.
+
+    Half the fillet of 0.05 moves it by 0.01 to 0.02, half that of 0.025 by less than 0.01 (four presses of 5 to
+    15 mm pads to d/h 0.2 to 0.4); half the time steps by 0.005.
+    """
+    return 0.02 * rim / SLAB_RIMS[0]
+
+
+@dataclass(frozen=True)
+class RatioPath:
+    """Forces with one mesh at the times of a motion that were solved; unit mu h^2.
+
+    ``elastic`` is that of the relaxed material, ``separable`` its convolution, ``force`` the finite-strain
+    one; ``ratio`` is force over separable.
+    """
+
+    time_s: Array
+    depth: Array
+    elastic: Array
+    separable: Array
+    force: Array
+    solver: dict[str, Any]
+
+    @property
+    def ratio(self) -> Array:
+        """Force over separable force; 1 where there is next to no force."""
+        tiny = np.abs(self.separable) <= 1e-6 * np.abs(self.separable).max()
+        return np.where(tiny, 1.0, self.force / np.where(tiny, 1.0, self.separable))
+
+
+def solve_ratio(
+    case: Case, prony: Sequence[PronyTerm], time_s: Array, depth: Array, *, rims: Sequence[float] = SLAB_RIMS,
+    cells: int = CELLS, progress: Progress | None = None,
+) -> RatioPath:  # fmt: skip
+    """Solve one motion of a round pad twice on one mesh, with and without relaxation.
+
+    ``rims`` are the fillets that are tried on a slab, ``cells`` those under the punch of a shaped pad.
+    """
+    arms = tuple(prony)
+    inputs = {"case": case, "prony": arms, "time": time_s, "depth": depth}
+    if case.shape == SLAB:
+        inputs |= {"rims": rims}
+        solve = partial(_of_slab, case, arms, time_s, depth, rims, progress)
+    else:
+        inputs |= {"cells": cells}
+        solve = partial(_of_shape, case, arms, time_s, depth, cells, progress)
+    return RatioPath(**cached("viscoelastic-ratio", inputs, lambda: vars(solve())))
+
+
+def _of_slab(
+    case: Case, prony: tuple[PronyTerm, ...], time_s: Array, depth: Array, rims: Sequence[float],
+    progress: Progress | None,
+) -> RatioPath:  # fmt: skip
+    def problem(own: Case, rim: float) -> Problem:
+        return rimmed_problem(own, rim * case.scale, Resolution())
+
+    return _ratio_path(problem, case, prony, time_s, depth, rims, 0.05 * case.scale, False, progress)
+
+
+def _of_shape(
+    case: Case, prony: tuple[PronyTerm, ...], time_s: Array, depth: Array, cells: int, progress: Progress | None
+) -> RatioPath:
+    flat = case.shape.flat_top
+    step = (FLAT_STEP if flat else LARGEST_STEP) * 16.0 / cells
+
+    def follow(twin: bool, rims: Sequence[float]) -> RatioPath:
+        def problem(own: Case, rim: float) -> Problem:
+            return shaped_problem(own, cells, rim, twin)
+
+        return _ratio_path(problem, case, prony, time_s, depth, rims, step, not (twin or flat), progress)
+
+    path = follow(False, (case.edge / case.scale,) if case.edge else RIMS[::-1])
+    if not flat:
+        return path
+    # The edge of a flat top: what cells this large leave out of a slab's departure is left out of this pad's.
+    twin = follow(True, (path.solver["rim_over_scale"],))
+    fine = solve_ratio(replace(case, shape=SLAB, edge=0.0, thickness_mm=1.0), prony, time_s, depth, progress=progress)
+    ratio = path.ratio + fine.ratio - twin.ratio
+    solver = path.solver | add_costs(path.solver, twin.solver, fine.solver) | {"unknowns": path.solver["unknowns"]}
+    return replace(path, force=ratio * path.separable, solver=solver)
+
+
+def _ratio_path(
+    problem: Callable[[Case, float], Problem], case: Case, prony: tuple[PronyTerm, ...], time_s: Array, depth: Array,
+    rims: Sequence[float], largest_step: float, folds: bool, progress: Progress | None,
+) -> RatioPath:  # fmt: skip
+    """Follow one motion with and without relaxation on the mesh of any pad, with the first fillet that gets there."""
+    for rim in rims:
+        paths, why = [], None
+        for arms in ((), prony):
+            made = problem(replace(case, law=Viscoelastic(case.law, arms)), rim)
+            watch = FoldWatch(RoundFace(made, case.thickness_mm)) if folds else None
+            path = follow_motion(made, time_s, depth, largest_step, progress, watch.check if watch else None)
+            paths.append(path)
+            why = watch.stop_reason(path.stop) if watch else path.stop
+            if why:
+                break
+        if why is None or paths[-1].refused:
+            break
+    if why:
+        raise unsolved(why, "the motion of the viscoelastic pad")
+    elastic, relaxing = paths
+    solver = {"rim_over_scale": rim, **cost(paths)}
+    return RatioPath(
+        time_s, depth, elastic.force, relaxed_force(time_s, elastic.force, prony), relaxing.force, solver
+    )  # fmt: skip
+
+
+def nodes_of_motion(
+    time_s: Array, depth: Array, prony: Sequence[PronyTerm], fineness: int = 1
+) -> tuple[Array, Array]:
+    """Choose times of a motion to solve at: fine where it moves, growing in a hold.
+
+    A step spans at most 0.02 thicknesses or a 16th of the largest depth, follows the motion within 5e-4
+    thicknesses, and in a hold grows to 0.3 of the time since the motion ended; ``fineness`` divides all of
+    these. The undeformed state stands where the punch is still less than 5e-4 thicknesses deep.
+    """
+    depth = np.maximum(depth, 0.0)
+    tolerance, largest = TOLERANCE / fineness, min(SLAB_LARGEST_STEP, depth.max() / 16.0) / fineness
+    first = int(np.argmax(depth > TOLERANCE))
+    fastest = min((term.tau_s for term in prony), default=1.0)
+    if first == 0:
+        time_s, depth = np.r_[time_s[0] - 1e-6 * fastest, time_s], np.r_[0.0, depth]
+        first = 1
+    start = first - 1
+    depth = np.where(np.arange(len(depth)) == start, 0.0, depth)
+    keep, moved_at = [start], time_s[start]
+    while keep[-1] < len(time_s) - 1:
+        at, end = keep[-1], keep[-1] + 1
+        longest = max(0.25 / fineness * fastest, HOLD_GROWTH / fineness * (time_s[at] - moved_at))
+        while end < len(time_s) - 1:
+            trial = end + 1
+            between = slice(at + 1, trial)
+            chord = np.interp(time_s[between], time_s[[at, trial]], depth[[at, trial]])
+            moving = abs(depth[trial] - depth[at]) > tolerance
+            if np.abs(depth[between] - chord).max() > tolerance or abs(depth[trial] - depth[at]) > largest:
+                break
+            if not moving and time_s[trial] - time_s[at] > longest:
+                break
+            end = trial
+        if abs(depth[end] - depth[at]) > tolerance:
+            moved_at = time_s[end]
+        keep.append(end)
+    return time_s[keep], depth[keep]

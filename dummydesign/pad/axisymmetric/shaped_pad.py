@@ -1,0 +1,167 @@
+"""Force of a shaped pad under a round flat punch, by axisymmetric finite elements at finite strain.
+
+The pad stands from the base (or from a rigid bone) up to its tested face; both may be curved. A crowned pad
+is touched at its apex first: depth 0 is there, the contact opens over the crown and may reach the flat around
+it and the punch's edge later. The edge is a fillet of small radius, without a wall behind it.
+
+A pad with a flat top has the sharp edge of a slab under its punch. Its force is the ratio to a homogeneous
+slab on the same cells with the same fillet, times the slab's own sharp-edge force (``axisymmetric``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from dummydesign.geometry.dimensions import PAD_EXTENT_MM
+from dummydesign.pad.axisymmetric.case import (
+    Case,
+    Progress,
+    end_note,
+    held_on,
+    padded,
+    relative_depths,
+    solve_on_lattice,
+    unsolved,
+)
+from dummydesign.pad.axisymmetric.filleted import solve_filleted
+from dummydesign.pad.axisymmetric.self_contact import FOLDED
+from dummydesign.pad.axisymmetric.shaped_problem import CELLS, PathCache, first_depth, grids
+from dummydesign.pad.axisymmetric.sharp_edge import extrapolate_to_sharp, solve_curve
+from dummydesign.pad.axisymmetric.sliding_faces import solve_flat
+from dummydesign.pad.force_law import NO_COST, PadCurve
+from dummydesign.pad.material.hyperelastic import Yeoh
+from dummydesign.pad.solve.continuation import Path, add_costs, cost
+from dummydesign.pad.specimen import SLAB, Pad
+from dummydesign.pad.tables.filleted import slab_table
+
+Array = np.ndarray
+
+# From one fillet (RIMS) to the next of half the size the missing force falls by 0.42 (the power 1.25 of
+# ``edge_extrapolation``), so this share of the last step is left.
+LEFT_TO_SHARP = 0.42 / (1.0 - 0.42)
+# Share of that extrapolation, and of the step to cells of half the size, that is stated as error.
+EDGE_ERROR = 0.3
+MESH_ERROR = 1.0
+LEAST_ERROR = 2e-3
+
+
+def rough_shaped_pad(pad: Pad, depth_mm: Sequence[float] | Array, solved: PathCache) -> PadCurve:
+    """Force of a round shaped pad on the coarsest of the grids of :func:`solve_shaped_pad`.
+
+    A third to a sixth of the work, to see which of several pads is worth the whole of it; the error is not stated.
+    """
+    case, depths = _case(pad, depth_mm)
+    grid = grids(CELLS, case)[-1]
+    paths = [solved.path(case, depths, grid, False)]
+    force = padded(paths[0], len(depths)) * pad.shear_MPa * pad.thickness_mm**2
+    if case.shape.flat_top:
+        slab = _slab_curve(pad, case, depths, None)
+        paths.append(solved.path(case, depths, grid, True))
+        count = len(slab.force_N)
+        force = slab.force_N * padded(paths[0], len(depths))[:count] / padded(paths[1], len(depths))[:count]
+    return _curve(case, depths, force, np.full(len(depths), np.nan), paths, [path.stop or "" for path in paths])
+
+
+def _case(pad: Pad, depth_mm: Sequence[float] | Array) -> tuple[Case, Array]:
+    """A shaped pad, meshed for the first of its depths, and the depths over its thickness."""
+    depths = relative_depths(depth_mm, pad.thickness_mm)
+    return replace(Case.of(pad), first=first_depth(depths), thickness_mm=float(pad.thickness_mm)), depths
+
+
+def sharp(rough: Array, fine: Array) -> tuple[Array, Array]:
+    """Values with fillets of 0.1 and 0.05 carried on to a sharp edge; NaN where a fillet did not get to.
+
+    Where only one is known, the step between them is taken from the last depth at which both are.
+    """
+    step = np.log(fine / rough)
+    known = np.isfinite(step)
+    if known.any():
+        at = np.arange(len(step))
+        step = np.where(known, step, step[known][-1]) if at[known][-1] < at[-1] else np.where(known, step, 0.0)
+    else:
+        step = np.zeros(len(step))
+    best = np.where(np.isfinite(fine), fine, rough * np.exp(step))
+    return extrapolate_to_sharp(best, step, LEFT_TO_SHARP), np.expm1(LEFT_TO_SHARP * step)
+
+
+def solve_shaped_pad(
+    pad: Pad, depth_mm: Sequence[float] | Array, cells: int = CELLS, progress: Progress | None = None,
+    solved: PathCache | None = None,
+) -> PadCurve:  # fmt: skip
+    """Static force of a round shaped pad under a round, flat punch with a sharp or filleted edge, from first touch."""
+    case, depths = _case(pad, depth_mm)
+    solved = PathCache() if solved is None else solved
+    if case.shape.flat_top:
+        return _over_slab(pad, case, depths, cells, progress, solved)
+    paths = [solved.path(case, depths, grid, False, progress) for grid in grids(cells, case)]
+    rough, fine, half = (padded(path, len(depths)) for path in _three(paths))
+    value, added = sharp(rough, fine)
+    error = LEAST_ERROR + EDGE_ERROR * np.abs(added) + MESH_ERROR * held_on(np.abs(np.log(half / fine)))
+    stops = [path.stop for path in paths[:-1] if path.stop]
+    return _curve(case, depths, value * pad.shear_MPa * pad.thickness_mm**2, error, paths, stops)
+
+
+def _over_slab(
+    pad: Pad, case: Case, depths: Array, cells: int, progress: Progress | None, solved: PathCache
+) -> PadCurve:
+    """Force of a flat-topped pad: its ratio to the slab of the upper resin on twin grids, times the slab's force."""
+    slab = _slab_curve(pad, case, depths, progress)
+    factors: list[Array] = []
+    paths: list[Path] = []
+    if case.shape.plain:
+        factors = [np.ones(len(depths))] * 3
+    else:
+        for grid in grids(cells, case):
+            pair = [solved.path(case, depths, grid, twin, progress) for twin in (False, True)]
+            factors.append(padded(pair[0], len(depths)) / padded(pair[1], len(depths)))
+            paths += pair
+    rough, fine, half = _three(factors)
+    count = len(slab.depth_mm)
+    spread = np.abs(np.log(rough / fine)) + MESH_ERROR * np.abs(np.log(half / fine))
+    error = slab.error_N / slab.force_N + 1e-3 + held_on(spread)[:count]
+    force = np.where(np.isfinite(fine), fine, rough)[:count] * slab.force_N
+    curve = _curve(case, depths, force, error, paths, [path.stop for path in paths[:4] if path.stop] + list(slab.notes))
+    return replace(curve, solver=add_costs(curve.solver, slab.solver))
+
+
+def _slab_curve(pad: Pad, case: Case, depths: Array, progress: Progress | None) -> PadCurve:
+    """Force of the slab of the upper resin under the same edge: from its table where it holds, else solved."""
+    h = pad.thickness_mm
+    a, edge = case.radius * h, case.edge * h
+    own = replace(pad, geometry=SLAB, radius_mm=a, edge_radius_mm=edge, extent_mm=case.extent * h)
+    plain = pad.condition == "bonded" and pad.poisson == 0.5 and pad.shape == Yeoh(pad.shape.shear_MPa)
+    if plain and abs(case.extent * h / PAD_EXTENT_MM - 1.0) < 0.01:
+        table = slab_table(pad.base, edge, a)
+        low, high = table.ratio_range
+        if low <= case.radius <= high:
+            depth = depths[depths <= table.depth_limit(case.radius) * (1.0 + 1e-9)] * h
+            force = table.force(depth, h, pad.young_MPa, a)
+            notes = () if len(depth) == len(depths) else (f"the slab's table ends at {depth[-1] / h:.3f}",)
+            return PadCurve(depth, force, table.relative_error(depth, h, a) * force, dict(NO_COST), notes)
+    if case.edge:
+        return solve_on_lattice("filleted", own, depths * h, partial(solve_filleted, progress=progress))
+    return (solve_curve if pad.condition == "bonded" else solve_flat)(own, depths * h, progress)
+
+
+def _three(found: list[Any]) -> list[Any]:
+    """What was found with the large fillet, the small one, and large cells; a real fillet stands for the first two."""
+    return found if len(found) == 3 else [found[0], *found]
+
+
+def _curve(
+    case: Case, depths: Array, force: Array, error: Array, paths: list[Path], stops: Sequence[str | None]
+) -> PadCurve:
+    """The curve of forces to the first that is not known, and why it ends there."""
+    count = int(np.isfinite(force).sum())
+    if not count:
+        raise unsolved(stops[0])
+    # Of several reasons the one that the user can do something about.
+    why = next((stop for stop in stops if stop and stop.startswith(FOLDED)), stops[0] if stops else None)
+    notes = end_note(depths[count - 1], depths[-1], why) if count < len(depths) else ()
+    solver = cost(paths) if paths else dict(NO_COST)
+    return PadCurve(depths[:count] * case.thickness_mm, force[:count], error[:count] * force[:count], solver, notes)

@@ -1,0 +1,257 @@
+"""Unilateral contact of the pad's surface with a rigid punch, and a stiff film that glues them.
+
+Contact is a penalty on the penetration g < 0, measured along the punch's outward normal n, at the
+quadrature points of the surface sides: energy k/2 <-g>^2 per reference area. Under the flat face of a
+glued punch a film resists sliding: energy t/2 u_r^2. A point outside the face that comes to touch a glued
+punch sticks there until it lifts off, held along the surface by the same kind of film: where its gap closed
+within the load step (``ties``), or where it is at the end of that step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from dummydesign.pad.contact.penalty import ContactSurface, closure
+
+Array = np.ndarray
+
+# A point this near counts as touching for the stiffness, so that the first step knows of the punch.
+TOUCHING = 1e-12
+
+
+class Punch(Protocol):
+    """A rigid axisymmetric punch; lengths in the unit of the mesh."""
+
+    def gap(self, points: Array, depth: float) -> tuple[Array, Array, Array]:
+        """Gap with its gradient (..., 2) and second derivative (..., 2, 2) at ``points`` (last axis r, z).
+
+        The punch is down by ``depth``; the gap is negative inside it.
+        """
+
+
+@dataclass(frozen=True)
+class FlatPunch:
+    """A flat punch of a given radius whose edge is a fillet of radius ``rim``; the sides above recede.
+
+    The pad may touch the fillet all round but nothing behind it: the punch's sides never touch.
+    """
+
+    radius: float
+    rim: float
+
+    @property
+    def flat_radius(self) -> float:
+        """Radius at which the flat face ends and the fillet begins."""
+        return self.radius - self.rim
+
+    def gap(self, points: Array, depth: float) -> tuple[Array, Array, Array]:
+        """Distance to face, fillet or side, whichever is nearest, with its derivatives."""
+        v = points - np.array([self.flat_radius, self.rim - depth])
+        distance = np.maximum(np.linalg.norm(v, axis=-1), 1e-300)
+        face, wall = self._regions(v)
+        gap = np.where(face, -v[..., 1] - self.rim, distance - self.rim)
+        normal = np.where(face[..., None], np.array([0.0, -1.0]), v / distance[..., None])
+        if wall is not None:
+            gap = np.where(wall, v[..., 0] - self.rim, gap)
+            normal = np.where(wall[..., None], np.array([1.0, 0.0]), normal)
+            face = face | wall
+        bend = np.where(face, 0.0, 1.0 / distance)[..., None, None] * (
+            np.eye(2) - normal[..., :, None] * normal[..., None, :]
+        )
+        return gap, normal, bend
+
+    def _regions(self, v: Array) -> tuple[Array, Array | None]:
+        """Which points, measured from where the fillet is centred, face and side push; the fillet pushes the others."""
+        return (v[..., 0] < 0.0) & (v[..., 1] < 0.0), None
+
+
+@dataclass(frozen=True)
+class FilletedPunch(FlatPunch):
+    """A flat punch whose edge is a fillet, with an upright side above it or none.
+
+    Its face pushes back from any depth inside it, so that steps may be large.
+    """
+
+    sides: bool = True
+
+    def _regions(self, v: Array) -> tuple[Array, Array | None]:
+        face = v[..., 0] < 0.0
+        return face, ~face & (v[..., 1] > 0.0) if self.sides else None
+
+    def outline(self, points: Array, depth: float) -> Array:
+        """Length of the outline from the axis to the place next to ``points``."""
+        v = points - np.array([self.flat_radius, self.rim - depth])
+        wall = (v[..., 1] > 0.0) & self.sides
+        angle = np.where(wall, 0.5 * np.pi, np.arctan2(np.maximum(v[..., 0], 0.0), -v[..., 1]))
+        beyond = self.flat_radius + self.rim * angle + np.where(wall, v[..., 1], 0.0)
+        return np.where(v[..., 0] < 0.0, points[..., 0], beyond)
+
+
+@dataclass(frozen=True)
+class ProfilePunch:
+    """A punch with a smooth profile: its surface stands ``height(r)`` above its lowest point.
+
+    ``height`` gives the height and its first three derivatives at radii of any shape; profiles must not be
+    vertical. The gap is that along the axis times the cosine of the slope: the distance to the surface where it is
+    small, so that steep sides are no stiffer than the face and press along their normal.
+    """
+
+    height: Callable[[Array], tuple[Array, Array, Array, Array]]
+
+    def gap(self, points: Array, depth: float) -> tuple[Array, Array, Array]:
+        """Distance to the profile where it is small, with its derivatives."""
+        value, slope, curve, third = self.height(points[..., 0])
+        axial, cosine = value - depth - points[..., 1], 1.0 / np.sqrt(1.0 + slope**2)
+        turn = -slope * curve * cosine**3
+        gradient = np.stack([slope * cosine + axial * turn, -cosine], axis=-1)
+        second = np.zeros((*slope.shape, 2, 2))
+        turning = cosine**3 * (3.0 * (slope * cosine * curve) ** 2 - curve**2 - slope * third)
+        second[..., 0, 0] = curve * cosine + 2.0 * slope * turn + axial * turning
+        second[..., 0, 1] = second[..., 1, 0] = -turn
+        return axial * cosine, gradient, second
+
+
+class SideContact(ContactSurface):
+    """Sides of the pad's cells with quadrature points along them."""
+
+    def __init__(self, nodes: Array, sides: Array, points: int) -> None:
+        x, self._weight = np.polynomial.legendre.leggauss(points)
+        self._shape = np.stack([x * (x - 1.0) / 2.0, 1.0 - x**2, x * (x + 1.0) / 2.0], axis=1)
+        self._slope = np.stack([x - 0.5, -2.0 * x, x + 0.5], axis=1)
+        self._place = np.moveaxis(nodes[:, sides], 0, -1)
+        length = np.linalg.norm(np.einsum("qi,eic->eqc", self._slope, self._place), axis=-1)
+        self._r = self._place[..., 0] @ self._shape.T
+        self._area = 2.0 * np.pi * self._r * length * self._weight
+        self.dofs = np.stack([2 * sides, 2 * sides + 1], axis=-1).reshape(len(sides), 6)
+
+    def points(self, u: Array) -> Array:
+        """Where the quadrature points are at displacements ``u``."""
+        moved = self._place + u[self.dofs].reshape(self._place.shape)
+        return np.einsum("qi,eic->eqc", self._shape, moved)
+
+    def _assembled(self, u: Array, traction: Array, second: Array) -> tuple[Array, Array]:
+        """Force on all unknowns and its derivative per side, of what acts on the points."""
+        local = np.einsum("qi,eqc->eic", self._shape, traction).reshape(len(self.dofs), 6)
+        matrix = np.einsum("qi,qj,eqab->eiajb", self._shape, self._shape, second, optimize=True)
+        total = np.bincount(self.dofs.ravel(), local.ravel(), minlength=len(u))
+        return total, matrix.reshape(len(local), 6, 6)
+
+
+class Surface(SideContact):
+    """Sides of the pad that may touch the punch; stiffness and film of the glued face by radius."""
+
+    def __init__(
+        self, nodes: Array, sides: Array, stiffness: float | Callable[[Array], Array],
+        film: Callable[[Array], Array] | None = None, grip: float = 0.0, grip_from: float = np.inf,
+        friction: float = 0.0, slip_scale: float = 1e-3, ties_within_step: bool = False,
+    ) -> None:  # fmt: skip
+        super().__init__(nodes, sides, 5)
+        shape, r, area = self._shape, self._r, self._area
+        self._pairs = np.einsum("qi,qj->ijq", shape, shape).reshape(9, -1)
+        self._stiffness = area * (stiffness(r) if callable(stiffness) else stiffness)
+        slide = np.zeros((len(sides), 3, 2, 3, 2))
+        if film is not None:
+            slide[:, :, 0, :, 0] = np.einsum("qi,qj,eq->eij", shape, shape, area * film(r))
+        self._film = slide.reshape(len(sides), 6, 6)
+        self._grip = np.where(r >= grip_from, area * grip, 0.0)
+        self._friction, self._slip_scale = friction, slip_scale
+        self._held = np.zeros(area.shape, dtype=bool)
+        self._spot = np.zeros((*area.shape, 2))
+        self._along = np.zeros((*area.shape, 2))
+        self._within = ties_within_step and (friction > 0.0 or bool(self._grip.any()))
+        self._before = self._held.copy()
+        self._last: tuple[Array, Array] | None = None
+        self._order = np.argsort(r.ravel(), kind="stable")
+
+    def points(self, u: Array) -> Array:
+        """Where the quadrature points are at displacements ``u``."""
+        moved = self._place + u[self.dofs].reshape(self._place.shape)
+        return self._shape @ moved
+
+    def begin(self) -> None:
+        """Forget what was tied in a step that has not been accepted."""
+        self._held = self._before.copy()
+
+    def memory(self) -> Any:
+        """What is tied and where, for ``restore``."""
+        return self._held.copy(), self._spot.copy(), self._along.copy()
+
+    def restore(self, memory: Any) -> None:
+        """Take back a ``memory``."""
+        self._held, self._spot, self._along = (part.copy() for part in memory)
+
+    def tie(self, u: Array, punch: Punch, depth: float) -> bool:
+        """Tie points that came to touch in this step where the gap closed; True when there are new ones."""
+        if not self._within:
+            return False
+        points = self.points(u)
+        gap, _, _ = punch.gap(points, depth)
+        touching = gap <= 0.0
+        new = touching & ~self._held
+        if not new.any():
+            return False
+        if self._last is None:
+            start = self.points(np.zeros(len(u)))
+            self._last = (start, punch.gap(start, 0.0)[0])
+        spot = self._where_closed(points, touching, depth, *self._last)
+        normal = punch.gap(spot, 0.0)[1]
+        length = np.linalg.norm(normal, axis=-1)
+        along = np.stack([-normal[..., 1], normal[..., 0]], axis=-1) / length[..., None]
+        self._spot[new], self._along[new] = spot[new], along[new]
+        self._held = self._held | new
+        return True
+
+    def _where_closed(self, points: Array, touching: Array, depth: float, place: Array, room: Array) -> Array:
+        """Places at which gaps closed since the last step, in the frame of the punch."""
+        share = closure(*(x.ravel()[self._order] for x in (self._r, self._before, touching, room)))
+        part = np.empty(share.shape)
+        part[self._order] = share
+        part = part.reshape(room.shape)[..., None]
+        return place + part * (points + np.array([0.0, depth]) - place)
+
+    def settle(self, u: Array, punch: Punch, depth: float) -> None:
+        """Accept a step: free points that do not touch; without ties within the step, tie those that do."""
+        points = self.points(u)
+        gap, normal, _ = punch.gap(points, depth)
+        new = (gap <= 0.0) & ~self._held
+        self._spot[new] = (points + np.array([0.0, depth]))[new]
+        length = np.linalg.norm(normal, axis=-1)
+        self._along[new] = (np.stack([-normal[..., 1], normal[..., 0]], axis=-1) / length[..., None])[new]
+        self._held = gap <= 0.0
+        self._before = self._held.copy()
+        self._last = (points + np.array([0.0, depth]), gap)
+
+    def forces(self, u: Array, punch: Punch, depth: float) -> tuple[Array, Array]:
+        """Gradient (full length) and second derivative (per side) of the contact and film energy."""
+        points = self.points(u)
+        gap, normal, bend = punch.gap(points, depth)
+        push = self._stiffness * np.maximum(-gap, 0.0)
+        pull = -push[..., None] * normal
+        pressing = np.where(gap <= TOUCHING, self._stiffness, 0.0)
+        second = pressing[..., None, None] * normal[..., :, None] * normal[..., None, :]
+        second = second - push[..., None, None] * bend
+        slip = ((points + np.array([0.0, depth]) - self._spot) * self._along).sum(axis=-1)
+        hold = self._grip * self._held
+        drag = hold * slip
+        if self._friction:
+            root = np.sqrt(slip**2 + self._slip_scale**2)
+            share = self._friction * slip / root * self._held
+            drag = drag + share * push
+            hold = hold + self._friction * push * self._held * self._slip_scale**2 / root**3
+            second = second - (share * pressing)[..., None, None] * self._along[..., :, None] * normal[..., None, :]
+        second = second + hold[..., None, None] * self._along[..., :, None] * self._along[..., None, :]
+        pull += drag[..., None] * self._along
+        return self._assembled(u, pull, second)
+
+    def _assembled(self, u: Array, traction: Array, second: Array) -> tuple[Array, Array]:
+        """Force on all unknowns and its derivative per side, of what acts on the points and of the film."""
+        local = u[self.dofs]
+        on_side = (self._shape.T @ traction).reshape(local.shape) + (self._film @ local[:, :, None])[:, :, 0]
+        points = second.reshape(*second.shape[:2], 4)
+        matrix = (self._pairs @ points).reshape(-1, 3, 3, 2, 2).transpose(0, 1, 3, 2, 4)
+        total = np.bincount(self.dofs.ravel(), on_side.ravel(), minlength=len(u))
+        return total, matrix.reshape(len(local), 6, 6) + self._film

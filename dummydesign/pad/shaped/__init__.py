@@ -1,1 +1,0 @@
-"""Pads with a shaped top or an inner layer, axisymmetric and in space."""

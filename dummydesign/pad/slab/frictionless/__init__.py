@@ -1,1 +1,0 @@
-"""A slab under a filleted punch without friction, on a mesh that stays with the fillet."""

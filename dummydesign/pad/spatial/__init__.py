@@ -1,0 +1,1 @@
+"""Pads in space: square punches, shaped pads, self-contact."""

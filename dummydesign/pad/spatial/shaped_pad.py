@@ -1,0 +1,294 @@
+"""Force of a pad of any shape under a flat punch, by finite elements in space."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import pairwise
+
+import numpy as np
+
+from dummydesign.core.errors import InputError
+from dummydesign.core.parsing import one_of
+from dummydesign.geometry.interface import BASES, CONDITIONS
+from dummydesign.geometry.pad_shape import PadShape
+from dummydesign.pad.axisymmetric.case import Case, Progress, end_note, relative_depths, unsolved
+from dummydesign.pad.axisymmetric.self_contact import FOLDED
+from dummydesign.pad.axisymmetric.shaped_problem import CELLS, RIMS, first_depth
+from dummydesign.pad.axisymmetric.shaped_problem import solve_path as solve_round_path
+from dummydesign.pad.contact.penalty import SHAPED_PAD_IN_SPACE
+from dummydesign.pad.contact.spatial import BeadedPunch, FaceContact, rectangle_punch, round_punch
+from dummydesign.pad.fem import mesh_hexahedra as space
+from dummydesign.pad.fem.mixed_solid import Solid
+from dummydesign.pad.force_law import PadCurve
+from dummydesign.pad.material.hyperelastic import NEO_HOOKEAN, HyperelasticLaw
+from dummydesign.pad.solve.continuation import Path, cost
+from dummydesign.pad.solve.equilibrium import Problem
+from dummydesign.pad.solve.multifrontal import Dissection
+from dummydesign.pad.spatial.self_contact import SpatialFace, watched
+from dummydesign.pad.specimen import Pad
+
+Array = np.ndarray
+
+# Cell at the first touch: this over ``Grid.cells``, of the contact radius sqrt(R d) at the first depth.
+APEX_CELLS = 4.0
+# Height of the uppermost cells over the thickness: this over ``Grid.cells``.
+HEIGHT_CELLS = 1.0
+
+
+@dataclass(frozen=True)
+class Grid:
+    """How fine the grid is."""
+
+    cells: int = 7
+    rim: float = 0.1
+    slope: float = 0.7
+    height_growth: float = 1.6
+
+    def coarser(self) -> Grid:
+        """Cells about 1.5 times as large, the same fillet."""
+        return replace(self, cells=max(3, round(self.cells / 1.5)), slope=1.2 * self.slope)
+
+
+@dataclass(frozen=True)
+class Load:
+    """A pad and the punch on it, lengths in thicknesses (those of the shape in mm).
+
+    ``half_sides`` are those of a rectangular punch; a round one has its radius in both and ``is_round`` set.
+    ``first`` is the smallest depth of interest. ``homogeneous`` leaves out bone and second resin.
+    """
+
+    shape: PadShape
+    thickness_mm: float
+    half_sides: tuple[float, float]
+    half_extents: tuple[float, float]
+    is_round: bool = False
+    offset: tuple[float, float] = (0.0, 0.0)
+    base: str = "bonded"
+    condition: str = "bonded"
+    poisson: float = 0.5
+    first: float = 0.05
+    homogeneous: bool = False
+    law: HyperelasticLaw = NEO_HOOKEAN
+
+    @classmethod
+    def of(cls, pad: Pad, first: float, offset_mm: tuple[float, float] = (0.0, 0.0)) -> Load:
+        """Make the load of a pad under its own punch, square or round; refuse what cannot be meshed."""
+        h = pad.thickness_mm
+        half_mm = (pad.radius_mm,) * 2 if pad.sides_mm is None else (0.5 * pad.sides_mm[0], 0.5 * pad.sides_mm[1])
+        half_sides, extents, offset = (
+            (float(one) / h, float(other) / h)
+            for one, other in (half_mm, (0.5 * pad.slab_mm[0], 0.5 * pad.slab_mm[1]), offset_mm)
+        )
+        law = pad.shape.scaled(1.0 / pad.shape.shear_MPa)
+        load = cls(pad.geometry, float(h), half_sides, extents, pad.sides_mm is None, offset, pad.base, pad.condition,
+                   pad.poisson, first, law=law)  # fmt: skip
+        load.check()
+        return load
+
+    def check(self) -> None:
+        """Refuse a punch that is not over the pad."""
+        one_of("base", self.base, BASES)
+        one_of("condition", self.condition, CONDITIONS)
+        h = self.thickness_mm
+        for half, shift, extent in zip(self.half_sides, self.offset, self.half_extents):
+            if not half > 0.0 or not np.isfinite(half):
+                message = f"half side of the punch = {half * h:g} mm must be above 0"
+                raise InputError(message, "out_of_range", "punch_half_side_mm", half * h)
+            if not np.isfinite(shift) or abs(shift) + 1.3 * half > extent:
+                raise InputError(
+                    f"punch of half side {half * h:g} mm, {shift * h:g} mm off the middle, leaves the pad of half "
+                    f"side {extent * h:g} mm or comes near its rim; take a smaller offset",
+                    "out_of_range", "offset_mm", shift * h,
+                )  # fmt: skip
+
+    @property
+    def scale(self) -> float:
+        """The smaller of half side and thickness, over the thickness."""
+        return min(*self.half_sides, 1.0)
+
+    @property
+    def multiplicity(self) -> int:
+        """How often the meshed part makes up the whole."""
+        return 2 ** sum(shift == 0.0 for shift in self.offset)
+
+    def heights(self, x: Array, y: Array) -> tuple[Array, Array]:
+        """Level of the bone and of the tested face, the highest point at 0 and the base at -1."""
+        h = self.thickness_mm
+        bone = 0.0 * x if self.homogeneous else self.shape.bone_mm(x * h, y * h) / h
+        return bone - 1.0, -self.shape.drop_mm(x * h, y * h) / h
+
+    def bend(self, places: Array) -> Array:
+        """Put the nodes of a slab between -1 and 0 into the pad."""
+        bone, face = self.heights(places[0], places[1])
+        return np.stack([places[0], places[1], face + (bone - face) * -places[2]])
+
+    def punch(self, rim: float) -> BeadedPunch:
+        """The punch with a fillet at its edge."""
+        if self.is_round:
+            return round_punch(self.half_sides[0], rim, self.offset)
+        return rectangle_punch(self.half_sides, rim, self.offset)
+
+
+def graded_lines(start: float, stop: float, marks: Sequence[float], size: Callable[[Array], Array]) -> Array:
+    """Points whose cells follow a wanted size and which meet every mark."""
+    ends = np.unique(np.concatenate([[start, stop], [mark for mark in marks if start < mark < stop]]))
+    found = [start]
+    for low, high in pairwise(ends):
+        fine = np.linspace(low, high, 400)
+        density = 1.0 / size(fine)
+        count = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(fine))])
+        cells = max(1, int(np.ceil(count[-1] - 0.3)))
+        found.extend(np.interp(count[-1] * np.arange(1, cells + 1) / cells, count, fine))
+    return np.array(found)
+
+
+def _tip(load: Load, axis: int) -> float:
+    """Radius of curvature of the tested face at its highest point along one axis, in thicknesses; inf if flat."""
+    at = np.zeros((2, 1))
+    at[axis] = 1e-3
+    fall = float(-load.heights(*at)[1][0])
+    return np.inf if fall <= 0.0 else 1e-6 / (2.0 * fall)
+
+
+def axis_lines(load: Load, grid: Grid, axis: int) -> Array:
+    """Grid lines along one side of the pad."""
+    half, shift, extent = load.half_sides[axis], load.offset[axis], load.half_extents[axis]
+    rim = grid.rim * load.scale
+    coarse = half / grid.cells
+    places, sizes = [shift + half - rim, shift - half + rim], [min(coarse, rim)] * 2
+    tip = _tip(load, axis)
+    if np.isfinite(tip):
+        places.append(0.0)
+        # A first contact of radius sqrt(R d) is to span some cells.
+        sizes.append(min(coarse, APEX_CELLS / grid.cells * np.sqrt(tip * load.first)))
+
+    def size(x: Array) -> Array:
+        near = [least + grid.slope * np.abs(x - place) for place, least in zip(places, sizes)]
+        away = np.maximum(np.abs(x - shift) - half, 0.0)
+        return np.minimum(np.min(near, axis=0), coarse + grid.slope * away)
+
+    start = 0.0 if shift == 0.0 else -extent
+    return graded_lines(start, extent, (places[0], places[1], 0.0), size)
+
+
+def levels(load: Load, grid: Grid) -> Array:
+    """Levels of the reference slab from -1 to 0; one lies between the layers."""
+    first = min(min(load.half_sides), HEIGHT_CELLS) / grid.cells
+    layers = load.shape.layers()
+    if layers is None:
+        return -space.lines(1.0, first, grid.height_growth)[::-1]
+    between = layers[0] / load.thickness_mm
+    upper = space.lines(between, min(first, between / 3.0), grid.height_growth)
+    lower = between + space.lines(1.0 - between, min(upper[-1] - upper[-2], (1.0 - between) / 3.0), grid.height_growth)
+    return -np.concatenate([upper, lower[1:]])[::-1]
+
+
+# Contact stiffness in shear moduli over the cell, and grip as a share of it.
+CONTACT_STIFFNESS, GRIP_SHARE = SHAPED_PAD_IN_SPACE.contact, SHAPED_PAD_IN_SPACE.grip_share
+# How far beyond the punch the surface may come to touch it, in units of the smaller of punch and thickness.
+REACH = 0.8
+# Depths at which a round twin is checked for folds, in thicknesses.
+CHECKED_AT = 0.02
+
+
+def shaped_problem(load: Load, grid: Grid) -> Problem:
+    """The meshed part of the pad under the punch; the force of the whole is ``load.multiplicity`` times its."""
+    x, y = (axis_lines(load, grid, axis) for axis in (0, 1))
+    z = levels(load, grid)
+    part = space.quarter(x, y, z, bend=load.bend)
+    layers = load.shape.layers()
+    if layers is not None and not load.homogeneous:
+        # All terms of the energy scale alike; the pressure is then counted in the moduli of its layer.
+        lower = z[part.lattice[0] + 1] <= -layers[0] / load.thickness_mm + 1e-9
+        weight = part.mesh.weight * np.where(lower, layers[1], 1.0)[:, None]
+        part = replace(part, mesh=replace(part.mesh, weight=weight))
+    base = np.unique(space.horizontal_faces(part.mesh, np.nonzero(part.lattice[0] == 0)[0], upper=False))
+    if load.base != "bonded" and np.ptp(load.heights(*part.mesh.nodes[:2, base])[0]) > 0.0:
+        message = "base = 'sliding' is not built for a pad with a bone; take bonded"
+        raise InputError(message, "unsupported", "base", load.base, "bonded")
+    strength = CONTACT_STIFFNESS * load.law.shear_MPa / float(min(load.half_sides) / grid.cells)
+    return contact_problem(load, part, base, part.share * strength, grid.rim * load.scale)
+
+
+def contact_problem(load: Load, part: space.Quarter, base: Array, strength: Array, rim: float) -> Problem:
+    """Hold base and planes of symmetry of a meshed pad; its face is in contact, ``strength`` stiff, with the punch."""
+    mesh, nodes = part.mesh, part.mesh.nodes
+    held = np.zeros((nodes.shape[1], 3), dtype=bool)
+    for axis in (0, 1):
+        if load.offset[axis] == 0.0:
+            held[nodes[axis] < 1e-9, axis] = True
+    held[base] |= np.array([load.base == "bonded"] * 2 + [True])
+    middle = np.abs(nodes[:2, part.faces[:, 4]] - np.array(load.offset)[:, None])
+    near = np.all(middle <= np.array(load.half_sides)[:, None] + REACH * load.scale, axis=0)
+    grip = GRIP_SHARE * strength[near] * (load.condition == "bonded")
+    surface = FaceContact(nodes, part.faces[near], strength[near], grip, part.unknowns)
+    punch = load.punch(rim)
+    surface.settle(np.zeros(mesh.size), punch, 0.0)
+    carried = None
+    if load.shape.flat_top:
+        on_face = np.unique(part.faces[near])
+        carried = 3 * on_face[punch.gap(nodes[:, on_face].T, 0.0)[0] < 1e-12] + 2
+    solid, nothing = Solid(mesh, load.law, load.poisson), np.array([], dtype=int)
+    solver = partial(Dissection, position=part.lattice)
+    return Problem(solid, held.ravel(), nothing, 3 * base + 2, surface, punch, carried, solver=solver)
+
+
+def solve_path(load: Load, depths: Array, grid: Grid, progress: Progress | None = None) -> Path:
+    """Follow a pad through depths, to where its face folds on to itself at the most."""
+    problem = shaped_problem(load, grid)
+    mesh = problem.solid.mesh
+    top = np.arange(len(mesh.dofs))[-(len(axis_lines(load, grid, 0)) - 1) * (len(axis_lines(load, grid, 1)) - 1) :]
+    mirrored = load.offset[0] == 0.0, load.offset[1] == 0.0
+    face = SpatialFace(problem, space.horizontal_faces(mesh, top), mirrored, load.thickness_mm)
+    return watched(problem, face, depths, 0.05 * load.scale, progress)
+
+
+def solve_shaped_block(
+    pad: Pad, depth_mm: Sequence[float] | Array, grid: Grid | None = None,
+    offset_mm: tuple[float, float] = (0.0, 0.0), progress: Progress | None = None,
+) -> PadCurve:  # fmt: skip
+    """Static force of a shaped pad under a flat punch with a filleted edge."""
+    h, depths, grid = pad.thickness_mm, relative_depths(depth_mm, pad.thickness_mm), grid or Grid()
+    load = Load.of(pad, float(depths[0]), offset_mm)
+    wanted, folds = _open_depths(load, depths)
+    paths: list[Path] = []
+    for fineness in (grid.coarser(), grid):
+        paths.append(solve_path(load, wanted, fineness, progress))
+        if not len(paths[-1].depth):
+            raise unsolved(paths[-1].stop)
+    coarse, fine = paths
+    # Where the coarse grid did not get to, the error is the largest change that was seen.
+    both = min(len(coarse.force), len(fine.force))
+    change = np.abs(coarse.force[:both] / fine.force[:both] - 1.0)
+    share = np.concatenate([change, np.full(len(fine.force) - both, change.max())])
+    force = fine.force * load.multiplicity * pad.shear_MPa * h**2
+    stop = fine.stop or folds
+    notes = end_note(fine.depth[-1], depths[-1], stop) if stop else ()
+    return PadCurve(fine.depth * h, force, force * share, cost(paths), notes)
+
+
+def _open_depths(load: Load, depths: Array) -> tuple[Array, str | None]:
+    """Depths at which a round pad under the circle of the punch's area is open, and why the others are left out.
+
+    Cells in space round a foot that is narrow beside them; those in a meridian plane resolve it, at little cost.
+    """
+    radius, extent = (2.0 * float(np.sqrt(np.prod(sides) / np.pi)) for sides in (load.half_sides, load.half_extents))
+    radius = load.half_sides[0] if load.is_round else radius
+    centred = load.offset == (0.0, 0.0) and extent >= 1.5 * radius
+    if load.shape.flat_top or not load.shape.axisymmetric or not centred:
+        return depths, None
+    case = Case(
+        radius, extent, load.base, load.condition, load.law, load.poisson, shape=load.shape,
+        thickness_mm=load.thickness_mm, first=first_depth(depths),
+    )  # fmt: skip
+    # Checked often, as a notch that is narrow is told by the state before.
+    ends = np.union1d(depths, np.arange(CHECKED_AT, depths[-1], CHECKED_AT))
+    path = solve_round_path(case, ends, CELLS, RIMS[0])
+    if path.stop is None or not path.stop.startswith(FOLDED):
+        return depths, None
+    open_ones = depths[depths <= (path.depth[-1] if len(path.depth) else 0.0)]
+    if not len(open_ones):
+        raise unsolved(path.stop)
+    return open_ones, f"under the circle of the punch's area {path.stop}"

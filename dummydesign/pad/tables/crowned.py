@@ -1,0 +1,164 @@
+"""The response surface of crowned pads: in pieces joined where the punch's edge comes into contact.
+
+Until then the force does not know how large the punch is, so it is a function of the crown alone: c/h, b/h, s and
+depth (thickness h; crown of height c, foot radius b and s = R c / b^2 with apex radius R). The depth of the edge is
+itself a surface over all four numbers. What follows depends on the foot:
+
+- a narrow foot, well inside the punch: the flat around the crown is met at once, and the
+  force rises many times over a few hundredths of h. It is counted from that depth e and the force F_e there,
+  as ln((F / F_e - 1) / eta) over eta = (d - e) / h;
+- a wide foot: the contact spreads to the edge, and the curve bends without a jump.
+
+Beyond, all pads share one surface over d / h. Pieces fade into each other (3 t^2 - 2 t^3), over depth and, between a
+narrow and a wide foot, over ln(b / a) within ``JOIN``. So the force is continuous in all its numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from dummydesign.pad.tables.response_surface import Response, fade
+
+Array = np.ndarray
+
+# Foot radii over the punch's between which a narrow foot fades into a wide one. Below, the depth of a wide foot's
+# edge is not fitted; above, narrow surfaces are off by up to 14 % where the edge is reached late (d / h above 0.5).
+JOIN = (0.65, 0.72)
+# Depths over that of the edge between which the crown alone fades into what bends; over the edge's depth, where that
+# begins to fade into what all pads share, and over how much more, at least so many thicknesses.
+BEND, SHARED, LEAST_FADE = (0.85, 0.97), (1.15, 0.3), 0.05
+# After a jump, eta between which it fades into what all pads share.
+SETTLED = (0.07, 0.13)
+
+
+def crown_inputs(inputs: Array) -> Array:
+    """Coordinates (n, 3) that the crown alone has, from all four (ln h/a, c/h, ln b/a, ln s)."""
+    return np.column_stack([inputs[:, 1], inputs[:, 2] - inputs[:, 0], inputs[:, 3]])
+
+
+@dataclass(frozen=True)
+class CrownResponse:
+    """Surfaces of a crowned pad's force, each over ln h/a, c/h, ln b/a and ln s but the first."""
+
+    before: Response
+    narrow_edge: Response
+    wide_edge: Response
+    jump: Response
+    bend: Response
+    after: Response
+
+    def limit(self, inputs: Array) -> Array:
+        """d / h to which inputs (n, 4) may be trusted; see :meth:`Response.limit`."""
+        return self.after.limit(inputs)
+
+    def edge(self, inputs: Array) -> Array:
+        """d / h at which the contact reaches the punch's edge, of inputs (n, 4)."""
+        mean = np.zeros(len(inputs))
+        for part, surface in zip(_shares(inputs), (self.narrow_edge, self.wide_edge)):
+            which = np.nonzero(part)[0]
+            mean[which] += part[which] * surface.at_levels(inputs[which])[:, 0]
+        return np.exp(mean) * inputs[:, 1]
+
+    def along(self, inputs: Array, place: Array, x: Array) -> tuple[Array, Array]:
+        """y and dy / d(d / h)."""
+        at, depth = place.ravel(), np.maximum(x, 0.0).ravel()
+        height, deepest = inputs[:, 1], np.zeros(len(inputs))
+        np.maximum.at(deepest, at, depth)
+        alone = self.before.at_levels(crown_inputs(inputs))
+        narrow, wide = _shares(inputs)
+        few, many = np.nonzero(narrow)[0], np.nonzero(wide)[0]
+        met, grown = (
+            np.exp(surface.at_levels(inputs[which])[:, 0]) * height[which]
+            for which, surface in ((few, self.narrow_edge), (many, self.wide_edge))
+        )
+        # What all pads share is only worked out for those that are pressed to where it begins.
+        settled = np.zeros(len(inputs), dtype=bool)
+        settled[few] = deepest[few] - met > SETTLED[0]
+        settled[many] |= deepest[many] > np.maximum(SHARED[0] * grown, self.after.levels[0])
+        shared = _levels(self.after, inputs, settled)
+        value, slope = np.zeros(len(depth)), np.zeros(len(depth))
+        own = np.zeros(len(inputs), dtype=int)
+        for part, which, edge, surface, piece in (
+            (narrow, few, met, self.jump, self._narrow), (wide, many, grown, self.bend, self._wide)
+        ):  # fmt: skip
+            own[which] = np.arange(len(which))
+            wanted = np.nonzero(part[at])[0]
+            i = at[wanted]
+            rows = _levels(surface, inputs[which], deepest[which] > BEND[0] * edge)
+            there, tilt = piece(alone, rows, shared, i, own[i], depth[wanted], edge[own[i]], height[i])
+            value[wanted] += part[i] * there
+            slope[wanted] += part[i] * tilt
+        return value.reshape(x.shape), slope.reshape(x.shape)
+
+    def _narrow(
+        self, alone: Array, rows: Array, shared: Array, i: Array, k: Array, x: Array, e: Array, c: Array
+    ) -> tuple[Array, Array]:
+        """The crown alone to its edge, the jump, what all pads share; rows ``i`` and, of the jump, ``k``."""
+        value, slope = np.zeros(len(x)), np.zeros(len(x))
+        far, steep = fade(x - e, *SETTLED)
+        on = np.nonzero(far < 1.0)[0]
+        value[on], slope[on] = _on(self.before, alone, i[on], np.minimum(x, e)[on], c[on])
+        on = on[x[on] > e[on]]
+        eta = x[on] - e[on]
+        rise, climb = self._risen(rows, k[on], eta)
+        grown = np.exp(rise) * eta
+        value[on] += np.log1p(grown) - 1.5 * np.log(x[on] / e[on])
+        slope[on] = np.exp(rise) * (1.0 + eta * climb) / (1.0 + grown) - 1.5 / x[on]
+        _mix(value, slope, far, steep, lambda one: _on(self.after, shared, i[one], x[one], 1.0))
+        return value, slope
+
+    def _risen(self, rows: Array, k: Array, eta: Array) -> tuple[Array, Array]:
+        """The jump's surface and its slope, straight in sqrt(eta) below its first level."""
+        first = self.jump.levels[0]
+        value, slope = _on(self.jump, rows, k, np.maximum(eta, first), 1.0)
+        steep = np.where(eta < first, slope * np.sqrt(first / np.maximum(eta, 1e-12)), slope)
+        return value + 2.0 * np.sqrt(first) * slope * (np.sqrt(np.minimum(eta, first)) - np.sqrt(first)), steep
+
+    def _wide(
+        self, alone: Array, rows: Array, shared: Array, i: Array, k: Array, x: Array, e: Array, c: Array
+    ) -> tuple[Array, Array]:
+        """The crown alone, the bend at the edge, what all pads share; rows ``i`` and, of the bend, ``k``."""
+        value, slope = np.zeros(len(x)), np.zeros(len(x))
+        near, steep = fade(x, BEND[0] * e, BEND[1] * e)
+        # What all pads share begins at its first level.
+        start = np.maximum(SHARED[0] * e, self.after.levels[0])
+        far, steeper = fade(x, start, start + np.maximum(SHARED[1] * e, LEAST_FADE))
+        on = np.nonzero(near < 1.0)[0]
+        value[on], slope[on] = _on(self.before, alone, i[on], x[on], c[on])
+        on = np.where(far < 1.0, near, 0.0)
+        _mix(value, slope, on, steep, lambda one: _on(self.bend, rows, k[one], x[one], c[one]))
+        _mix(value, slope, far, steeper, lambda one: _on(self.after, shared, i[one], x[one], 1.0))
+        return value, slope
+
+
+def _shares(inputs: Array) -> tuple[Array, Array]:
+    """Shares of a narrow and of a wide foot in the force of inputs (n, 4)."""
+    wide, _ = fade(inputs[:, 2], *np.log(JOIN))
+    return 1.0 - wide, wide
+
+
+def _levels(surface: Response, inputs: Array, wanted: Array) -> Array:
+    """Values at all levels of those inputs that are asked for them; 0 of the others."""
+    rows = np.zeros((len(inputs), len(surface.levels)))
+    rows[wanted] = surface.at_levels(inputs[wanted])
+    return rows
+
+
+def _on(surface: Response, rows: Array, place: Array, x: Array, unit: Array | float) -> tuple[Array, Array]:
+    """Value and slope over x of a surface whose levels count in ``unit``."""
+    depth = x / unit
+    value, slope = surface.along(rows, place, depth)
+    return value, slope / (2.0 * np.sqrt(np.maximum(depth, 1e-12)) * unit)
+
+
+def _mix(
+    value: Array, slope: Array, share: Array, steep: Array, other: Callable[[Array], tuple[Array, Array]]
+) -> None:
+    """Fade ``value`` and ``slope`` in place into what ``other`` gives at the places where it has a share."""
+    on = np.nonzero(share > 0.0)[0]
+    there, tilt = other(on)
+    slope[on] += share[on] * (tilt - slope[on]) + steep[on] * (there - value[on])
+    value[on] += share[on] * (there - value[on])

@@ -1,1 +1,0 @@
-"""Tables of pucks between plates: of one size, and of any proportions."""

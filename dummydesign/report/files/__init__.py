@@ -1,1 +1,0 @@
-"""Files of traces and parameters beside a report."""

@@ -1,0 +1,260 @@
+"""One HTML page with everything in it: style, figures, tables, scripts, solid viewer."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from html import escape, unescape
+from pathlib import Path
+from typing import Any
+
+from numpy.typing import NDArray
+
+from dummydesign._version import __version__
+from dummydesign.core.files import write_text
+from dummydesign.core.library import data_folder, read_toml
+from dummydesign.core.serialise import parameter_rows
+from dummydesign.mold.files.solid_view import stack, view_html
+from dummydesign.report.plot import Plot
+
+NOT_READ = re.compile(r"<(script|style|title|desc)\b.*?</\1>|<[^>]+>", re.DOTALL)
+
+
+@dataclass(frozen=True)
+class Term:
+    """A term with its definition, and the other ways in which it is written."""
+
+    name: str
+    text: str
+    forms: tuple[str, ...] = ()
+
+    @property
+    def pattern(self) -> str:
+        """Regular expression of the term and its plural."""
+        return "|".join(rf"{re.escape(form)}s?" for form in (self.name, *self.forms))
+
+
+@cache
+def terms() -> dict[str, Term]:
+    """Terms by lower-case name and form, in the order of the alphabet."""
+    content, _ = read_toml(data_folder() / "materials" / "glossary.toml")
+    found = [Term(name, entry["text"], tuple(entry.get("forms", ()))) for name, entry in content["terms"].items()]
+    found.sort(key=lambda term: term.name.lower())
+    return {form.lower(): term for term in found for form in (term.name, *term.forms)}
+
+
+@cache
+def _patterns() -> tuple[tuple[Term, re.Pattern[str]], ...]:
+    every = dict.fromkeys(terms().values())
+    return tuple((term, re.compile(rf"(?<![\w-])(?:{term.pattern})(?![\w-])", re.IGNORECASE)) for term in every)
+
+
+def terms_in(page: str) -> list[Term]:
+    """Terms that the visible words of a piece of HTML use."""
+    text = " ".join(unescape(NOT_READ.sub(" ", page)).split())
+    return [term for term, pattern in _patterns() if pattern.search(text)]
+
+
+def folded_glossary(page: str) -> str:
+    """The terms that a page uses, folded away, as HTML; empty where it uses none."""
+    return _folded(terms_in(page))
+
+
+def whole_glossary() -> str:
+    """All terms, folded away, as HTML."""
+    return _folded(list(dict.fromkeys(terms().values())))
+
+
+def marked_terms(text: str) -> list[tuple[int, int, Term]]:
+    """Where a text uses a term for the first time: start, end and term, in the order of the text."""
+    found: list[tuple[int, int, Term]] = []
+    for term, pattern in _patterns():
+        hit = pattern.search(text)
+        if hit:
+            found.append((hit.start(), hit.end(), term))
+    # of terms that overlap the longest is meant
+    found.sort(key=lambda one: (one[0] - one[1], one[0]))
+    kept: list[tuple[int, int, Term]] = []
+    for one in found:
+        if all(one[1] <= other[0] or one[0] >= other[1] for other in kept):
+            kept.append(one)
+    return sorted(kept, key=lambda one: one[0])
+
+
+def _folded(found: list[Term]) -> str:
+    if not found:
+        return ""
+    rows = "".join(f"<dt>{escape(term.name)}</dt><dd>{escape(term.text)}</dd>" for term in found)
+    return f'<details class="terms"><summary>Terms on this page</summary><dl>{rows}</dl></details>'
+
+
+def glossary_page() -> str:
+    """The page of the documentation, ``docs/glossary.md``."""
+    lines = ["# Glossary", "", "One line a term. Reports and the studio show the same lines.", ""]
+    lines += ["| term | meaning |", "|---|---|"]
+    lines += [f"| {term.name} | {term.text} |" for term in dict.fromkeys(terms().values())]
+    return "\n".join(lines) + "\n"
+
+
+# A browser that honours this refuses any request of the page, and says so in its console.
+POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'"
+
+
+@dataclass(frozen=True)
+class Table:
+    """Head and rows of plain values; numbers are written with four digits."""
+
+    head: Sequence[str]
+    rows: Sequence[Sequence[Any]]
+
+    def html(self) -> str:
+        """The table, scrolling sideways by itself on a narrow screen."""
+        head = "".join(f'<th scope="col">{escape(text)}</th>' if text else "<td></td>" for text in self.head)
+        rows = "".join("<tr>" + "".join(f"<td>{escape(cell(v))}</td>" for v in row) + "</tr>" for row in self.rows)
+        return f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>'
+
+
+def cell(value: Any) -> str:
+    """Write one value of a table."""
+    return "–" if value is None else f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+@dataclass(frozen=True)
+class Section:
+    """A headed part of a page: words, facts, plots, a table, and HTML of its own (already safe)."""
+
+    title: str
+    text: str = ""
+    plots: Sequence[Plot] = ()
+    table: Table | None = None
+    html: str = ""
+
+    def to_html(self) -> str:
+        """The section as HTML."""
+        plots = f'<div class="plots">{"".join(plot.html() for plot in self.plots)}</div>' if self.plots else ""
+        text = "".join(f"<p>{escape(part)}</p>" for part in self.text.split("\n\n") if part)
+        table = self.table.html() if self.table else ""
+        return f"<section><h2>{escape(self.title)}</h2>{text}{self.html}{plots}{table}</section>"
+
+
+def page(
+    title: str, lead: str, sections: Iterable[Section], facts: Sequence[tuple[str, str]] = (),
+    warnings: Sequence[Mapping[str, str]] = (), sources: Sequence[str] = (), scripts: Sequence[str] = (),
+    tables: str = "report", verdict: Mapping[str, Any] | None = None,
+) -> str:  # fmt: skip
+    """Lay out one page."""
+    style = (Path(__file__).parent / "page.css").read_text(encoding="utf-8")
+    body = "".join(section.to_html() for section in sections)
+    if '<svg class="plot"' in body:
+        scripts = [*scripts, plots_js()]
+    boxes = "".join(f'<div class="fact"><b>{escape(v)}</b><span>{escape(what)}</span></div>' for v, what in facts)
+    said = "".join(f"<li>{escape(item['message'])}</li>" for item in warnings)
+    warned = f'<ul class="warnings">{said}</ul>' if said else ""
+    listed = "".join(f"<li>{escape(text)}</li>" for text in sources)
+    cited = f'<section><h2>Sources</h2><ul class="sources">{listed}</ul></section>' if listed else ""
+    beside = f" The values of every figure are in the {escape(tables)}-*.csv files beside this page." if tables else ""
+    return (
+        '<!doctype html><html lang="en"><head><meta charset="utf-8">'
+        f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f"<title>{escape(title)}</title><style>{style}</style></head><body><main>"
+        + _banner(verdict)
+        + f'<h1>{escape(title)}</h1><p class="lead">{escape(lead)}</p>'
+        + (f'<div class="facts">{boxes}</div>' if boxes else "")
+        + warned
+        + body
+        + cited
+        + folded_glossary(f"{lead} {boxes} {warned} {body}")
+        + f"<footer>dummydesign {__version__}. Lengths in mm, forces in N, times in s; moduli are long-term "
+        f"(relaxed) Young's moduli.{beside}</footer>"
+        "</main>" + "".join(f"<script>{script}</script>" for script in scripts) + "</body></html>\n"
+    )
+
+
+@cache
+def plots_js() -> str:
+    """The script that shows values of plots under the pointer and enlarges them, without indents and comments."""
+    text = (Path(__file__).parent / "plots.js").read_text(encoding="utf-8")
+    lines = (line.strip() for line in text.splitlines())
+    return "\n".join(line for line in lines if line and not line.startswith("//"))
+
+
+def _banner(verdict: Mapping[str, Any] | None) -> str:
+    """The verdict with its light, in colour and in words."""
+    if verdict is None:
+        return ""
+    word, _, rest = verdict["text"].partition(". ")
+    light = escape(verdict["light"])
+    return (
+        f'<div class="verdict {light}" role="status"><span class="light" aria-hidden="true"></span>'
+        f"<p><b>{light.upper()}: {escape(word.upper().rstrip('.'))}.</b> {escape(rest)}</p></div>"
+    )
+
+
+def write_report(
+    folder: Path, title: str, lead: str, sections: Sequence[Section], stem: str = "report", **parts: Any
+) -> dict[str, str]:
+    """Write ``report.html`` and a CSV of every plot (``report-NAME.csv``); see :func:`page` for the other parts."""
+    files = {}
+    for plot in (plot for section in sections for plot in section.plots):
+        path = write_text(folder / f"{stem}-{plot.name}.csv", plot.csv_text())
+        files[f"report_{plot.name.replace('-', '_')}"] = str(path)
+    text = page(title, lead, sections, tables=stem, **parts)
+    return {"report": str(write_text(folder / f"{stem}.html", text)), **files}
+
+
+def script_json(value: Any) -> str:
+    """JSON that may stand inside a script element."""
+    import json
+
+    return json.dumps(value, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+
+
+PAD_UP = "pad, tested face up"
+
+
+def solid_section(parts: Mapping[str, NDArray], text: str) -> Section:
+    """A section with a view of parts that can be turned; the pad beside its mould lies with its tested face up."""
+    shown = {PAD_UP if name == "pad" and "mould" in parts else name: triangles for name, triangles in parts.items()}
+    if PAD_UP in shown:
+        from dummydesign.mold.files.picture import turned_over
+
+        shown[PAD_UP] = turned_over(shown[PAD_UP])
+    return Section("Pad and mould", text, html=view_html(stack(shown)))
+
+
+STYLES = ("main", "alt1", "alt2", "alt3", "alt4", "alt5")
+"""Styles of several curves in a figure, in their order."""
+
+
+def log_start(rise_s: float) -> float:
+    """Where a logarithmic axis of time since contact begins: a power of ten below a tenth of the rise. [s]"""
+    return 10.0 ** math.floor(math.log10(max(0.1 * rise_s, 1e-4)))
+
+
+def digits(value: float | None) -> str | None:
+    """Five digits: intervals of a good fit are narrower than four show."""
+    return None if value is None else f"{value:.5g}"
+
+
+def unique(name: str, taken: set[str]) -> str:
+    """The name, with a number behind it when it is taken; it is then."""
+    free, count = name, 1
+    while free in taken:
+        count += 1
+        free = f"{name}-{count}"
+    taken.add(free)
+    return free
+
+
+def table_of_parameters(parameters: Mapping[str, Any]) -> Table:
+    """Parameters with intervals and what a reader must know of each; dampers of several speeds in rows."""
+    rows = []
+    for label, one in parameter_rows(parameters):
+        notes = ("at the limit of its range" if one.get("at_bound") else "", one.get("reason", ""))
+        note = "; ".join(part for part in notes if part)
+        rows.append([label, *(digits(one[key]) for key in ("value", "low", "high")), note])
+    return Table(["parameter", "value", "95 % low", "95 % high", ""], rows)

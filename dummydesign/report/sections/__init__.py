@@ -1,1 +1,0 @@
-"""Sections of the reports that are a topic of their own."""

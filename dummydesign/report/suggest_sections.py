@@ -1,0 +1,184 @@
+"""Sections of a suggestion's report: inside of the pressed pad, safety view."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dummydesign.design.press_pictures import ABOVE_MM, PressedPad, PressPictures
+from dummydesign.design.safety_view import SafetyView
+from dummydesign.report.page import Section, Table
+from dummydesign.report.plot import Plot
+from dummydesign.report.plot_layers import Band, Cells, Layer, Line
+
+if TYPE_CHECKING:
+    from dummydesign.design.suggestion import Suggestion
+
+
+TITLE = "Inside the pressed pad"
+STRIP = 0.78
+"""Where the strips beside the pad that show the tissue's depth begin, over the picture's half width."""
+
+
+def pressed_section(answer: Suggestion, pictures: PressPictures) -> Section:
+    """Cross-sections of the recommended pad, contact pressure over the radius, and how a slab's compares."""
+    if not pictures.pads:
+        return Section(TITLE, f"Pictures of the inside are {pictures.left_out}.")
+    corrected = "" if answer.calibration is None else ", without what the calibration corrects"
+    off = 100.0 * max(abs(one.static_N / one.force_N - 1.0) for one in (*pictures.pads, *pictures.slab))
+    text = (
+        "Deformed cross-section through the middle, to scale, at the depths of the steady forces: von Mises stress in "
+        "kPa, darker is less; where the colours end, as at the punch's edge, it goes on rising. Beside the pad, the "
+        "depths of the subjects at the same force. Finite elements under the circle of the punch's area"
+        f"{corrected}; their force at these depths is within {max(1.0, np.ceil(off)):.0f} % of the design's."
+    )
+    plots = [_section(answer, one, pictures.ceiling_kPa) for one in pictures.pads]
+    plots.append(_pressure(pictures))
+    words = "\n\n".join(part for part in (text, _compared(pictures), _sentence(pictures.left_out)) if part)
+    return Section(TITLE, words, plots, _table(pictures))
+
+
+def _sentence(text: str) -> str:
+    return f"{text[0].upper()}{text[1:]}." if text else ""
+
+
+def _section(answer: Suggestion, pad: PressedPad, ceiling_kPa: float) -> Plot:
+    """One cross-section, with the punch and what the subjects' depth is."""
+    half = float(-1.5 * pad.radius_mm[0] + 0.5 * pad.radius_mm[1])
+    rest = float(pad.height_mm.max() + 0.5 * (pad.height_mm[1] - pad.height_mm[0]))
+    top = rest + ABOVE_MM
+    stress = np.clip(pad.stress_kPa, 0.0, ceiling_kPa)
+    out, up = pad.punch_mm.T
+    across, foot = np.r_[-out[::-1], out], np.r_[up[::-1], up]
+    r, z = pad.face_mm.T
+    stiff, soft = (float(one[0]) for one in answer.targets.depth_range_mm(np.array([pad.force_N])))
+    aim = float(answer.targets.aim_depth_mm(np.array([pad.force_N]))[0])
+    thick = answer.best.thickness_mm
+    ends = [np.array([STRIP * half, half]), np.array([-half, -STRIP * half])]
+    name = f"subjects at {pad.force_N:g} N"
+    cells = Cells("von Mises stress in kPa", pad.radius_mm, pad.height_mm, stress, 0.0, ceiling_kPa, smooth=True)
+    layers: list[Layer] = [cells]
+    layers += [Band(name, side, np.full(2, thick - soft), np.full(2, thick - stiff)) for side in ends]
+    layers += [Line(f"aim: {answer.request.aim}", side, np.full(2, thick - aim), "aim") for side in ends]
+    layers.append(Band("punch", across, foot, np.full_like(foot, max(top, float(foot.max()))), style="extra"))
+    layers.append(Line("tested face", np.r_[-r[::-1], r], np.r_[z[::-1], z]))
+    contact = pad.contact
+    alt = (
+        f"Cross-section at {pad.force_N:g} N: the punch is {pad.depth_mm:.2f} mm deep, the subjects {stiff:.2f} to "
+        f"{soft:.2f} mm; contact radius {contact['contact_radius_mm']:.1f} mm."
+    )
+    title = f"{pad.force_N:g} N: {pad.depth_mm:.2f} mm deep"
+    return Plot(f"pressed-{pad.force_N:g}N", title, alt, "from the axis [mm]", "height [mm]", "radius_mm", "height_mm",
+                layers, x_range=(-half, half), y_range=(0.0, top), to_scale=True)  # fmt: skip
+
+
+def _pressure(pictures: PressPictures) -> Plot:
+    """Contact pressure over the radius at the highest force, both pads."""
+    layers, words = [], []
+    deepest = pictures.pads[-1]
+    for pad, style in ((deepest, "main"), *((one, "alt1") for one in pictures.slab[-1:])):
+        profile = pad.contact["profile"]
+        layers.append(Line(pad.title, profile["radius_mm"], profile["pressure_kPa"], style))
+        words.append(f"{pad.title} {pad.contact['mean_kPa']:.2g} kPa on average, {pad.contact['peak_kPa']:.2g} at most "
+                     f"{_place(pad)}")  # fmt: skip
+    high = 1.3 * max(max(one.contact["peak_kPa"], one.contact["mean_kPa"]) for one in (deepest, *pictures.slab[-1:]))
+    note = "the last tenth of the contact, at the punch's edge, may leave the picture"
+    return Plot("contact-pressure", f"Contact pressure at {deepest.force_N:g} N", f"{'; '.join(words)}.",
+                "from the axis [mm]", "contact pressure [kPa]", "radius_mm", "pressure_kPa", tuple(layers),
+                y_range=(0.0, high), note=note)  # fmt: skip
+
+
+def _place(pad: PressedPad) -> str:
+    """Where inside the contact the pressure is largest, in words."""
+    at, reach = pad.contact["peak_radius_mm"], pad.contact["contact_radius_mm"]
+    return "in the middle" if at < 0.1 * reach else f"{at:.1f} mm from the middle"
+
+
+def _edge(pad: PressedPad) -> str:
+    """What the pressure does at the end of the contact."""
+    if pad.contact["edge_kPa"] > pad.contact["peak_kPa"]:
+        return "and rises without bound at the punch's sharp edge"
+    return "and falls towards the end of the contact"
+
+
+def _compared(pictures: PressPictures) -> str:
+    """Peak of the contact pressure and its place, slab and shaped pad, at the highest force."""
+    pad = pictures.pads[-1]
+    own = (
+        f"At {pad.force_N:g} N the pressure on the {pad.title} pad averages {pad.contact['mean_kPa']:.2g} kPa; away "
+        f"from the punch's edge it is largest {_place(pad)}, {pad.contact['peak_kPa']:.2g} kPa, {_edge(pad)}"
+    )
+    if not pictures.slab:
+        return f"{own}."
+    flat = pictures.slab[-1]
+    ratio = pad.contact["peak_kPa"] / flat.contact["peak_kPa"]
+    return (
+        f"{own}. On the best slab it averages {flat.contact['mean_kPa']:.2g} kPa at {flat.force_N:g} N, is largest "
+        f"{_place(flat)}, {flat.contact['peak_kPa']:.2g} kPa, {_edge(flat)}. The peak away from the edge is "
+        f"{ratio:.2g} times the slab's."
+    )
+
+
+def _table(pictures: PressPictures) -> Table:
+    head = ["pad", "steady N", "depth mm", "contact radius mm", "mean kPa", "largest away from the edge kPa",
+            "at radius mm", "at the edge"]  # fmt: skip
+    rows = []
+    for pad in (*pictures.pads, *pictures.slab):
+        found = pad.contact
+        edge = "rises" if found["edge_kPa"] > found["peak_kPa"] else "falls"
+        lengths = (f"{pad.depth_mm:.2f}", f"{found['contact_radius_mm']:.1f}")
+        pressures = (f"{found['mean_kPa']:.2g}", f"{found['peak_kPa']:.2g}")
+        rows.append([pad.title, f"{pad.force_N:g}", *lengths, *pressures, f"{found['peak_radius_mm']:.1f}", edge])
+    return Table(head, rows)
+
+
+def safety_section(view: SafetyView) -> Section:
+    """Energy and pressure at each condition, and when asked for an impact and a user's limits."""
+    rows = [
+        [
+            f"{row.steady_force_N:g}", f"{row.velocity_mm_s:g}",
+            _pair(row.tissue_energy_mJ), row.pad_energy_mJ, _pair(row.tissue_pressure_N_per_cm2),
+            row.pad_pressure_N_per_cm2,
+        ]
+        for row in view.presses
+    ]  # fmt: skip
+    head = ["steady N", "speed mm/s", "energy of the rise, subjects mJ", "pad mJ",
+            "largest mean pressure, subjects N/cm2", "pad N/cm2"]  # fmt: skip
+    plots = [_energy(view)]
+    html = ""
+    if view.impact:
+        html += _impact_html(view)
+    if view.limits:
+        lines = [[row["body"], row["case"], row["criterion"], row["contact"], row["value"], row["limit"],
+                  {True: "yes", False: "no", None: "–"}[row["within"]]] for row in view.limits]  # fmt: skip
+        table = Table(["body", "case", "criterion", "contact", "value", "limit", "within"], lines)
+        html += f"<p>{escape(view.limits_source)}</p>" + table.html()
+    return Section("Safety view", view.text, plots, Table(head, rows), html)
+
+
+def _pair(values: tuple[float, float]) -> str:
+    return f"{values[0]:.3g} to {values[1]:.3g}"
+
+
+def _energy(view: SafetyView) -> Plot:
+    layers: list[Layer] = []
+    styles = {10.0: "main", 250.0: "alt1"}
+    for speed in dict.fromkeys(row.velocity_mm_s for row in view.presses):
+        rows = [row for row in view.presses if row.velocity_mm_s == speed]
+        forces = [row.steady_force_N for row in rows]
+        low, high = zip(*(row.tissue_energy_mJ for row in rows))
+        layers.append(Band(f"subjects, {speed:g} mm/s", forces, low, high, style="band" if speed > 50 else "extra"))
+        pad = [np.nan if row.pad_energy_mJ is None else row.pad_energy_mJ for row in rows]
+        layers.append(Line(f"pad, {speed:g} mm/s", forces, pad, styles.get(speed, "alt2")))
+    alt = "Energy of the rise over steady force for the pad and the subjects at each speed."
+    return Plot("energy", "Energy of the rise", alt, "steady force [N]", "energy [mJ]", "force_N", "energy_mJ",
+                tuple(layers), note="integral of F dx from touch to stop")  # fmt: skip
+
+
+def _impact_html(view: SafetyView) -> str:
+    lines = [[row["body"], row["depth_mm"], row["peak_force_N"], row["energy_mJ"], row["mean_pressure_N_per_cm2"],
+              row["note"]] for row in view.impact]  # fmt: skip
+    head = ["body", "depth mm", "peak N", "energy mJ", "mean pressure N/cm2", ""]
+    return f"<p>{escape(view.impact_text)}</p>" + Table(head, lines).html()

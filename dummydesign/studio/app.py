@@ -1,0 +1,305 @@
+"""The server: start, addresses of pages, files, archives and solids."""
+
+from __future__ import annotations
+
+import hmac
+import logging
+import os
+import socket
+import stat
+from collections.abc import Callable
+from contextlib import suppress
+from functools import partial
+from pathlib import Path
+from secrets import token_bytes, token_urlsafe
+from typing import IO, Any
+from urllib.parse import quote
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import (
+    FileResponse,
+    HTMLResponse,
+    PlainTextResponse,
+    RedirectResponse,
+    Response,
+    StreamingResponse,
+)
+from nicegui import ui
+from starlette.types import Receive, Scope, Send
+
+from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.core.files import take, unwritable
+from dummydesign.geometry.dimensions import THICKNESS_MM
+from dummydesign.geometry.shape_registry import read_shape
+from dummydesign.studio import figures
+from dummydesign.studio import file_transfer as files
+from dummydesign.studio.access import VIEW, Guard
+from dummydesign.studio.page_frame import Body, Studio, lay_out
+from dummydesign.studio.pages import campaign, cast, design, learn, measured, mould, overview, pucks, tissue
+
+PAGES: dict[str, tuple[str, Body]] = {
+    "/": ("Overview", overview.show_status), "/measured": ("Measured files", measured.MeasuredPage),
+    "/tissue": ("Tissue", tissue.TissuePage), "/design": ("Design", design.DesignPage),
+    "/mould": ("Mould", mould.MouldPage), "/cast": ("Check a cast pad", cast.show_cast_pad),
+    "/campaign": ("Campaign", campaign.show_campaigns), "/learn": ("Learn", learn.show_learning),
+    "/resin": ("Resin batch", pucks.PuckPage),
+}  # fmt: skip
+
+
+def make_app(root: Path) -> FastAPI:
+    """The server of a folder; the guard goes around it."""
+    logging.getLogger("nicegui").addFilter(_unexpected)
+    app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
+    root = root.resolve()
+    studio = Studio(root)
+    secret = token_bytes(32)
+
+    words = "this address lacks a value, or has one that is no number"
+    app.add_exception_handler(InputError, lambda request, problem: PlainTextResponse(str(problem), 404))
+    app.add_exception_handler(RequestValidationError, lambda request, problem: PlainTextResponse(words, 400))
+
+    @app.get("/alive")
+    def alive() -> Response:
+        return Response(status_code=204)
+
+    def mark_of(path: str) -> str:
+        """What the address of a file holds, so that it opens without the key and opens no other file."""
+        return hmac.new(secret, path.encode("utf-8", "surrogateescape"), "sha256").hexdigest()
+
+    @app.get("/files/{path:path}")
+    def file(path: str) -> Response:
+        _readable(root, path)
+        return RedirectResponse(f"{VIEW}{mark_of(path)}/{quote(path)}", 303)
+
+    @app.get(VIEW + "{mark}/{path:path}")
+    def view(mark: str, path: str) -> Response:
+        # without cookie: a file that knows its own address knows no other
+        if not hmac.compare_digest(mark.encode(), mark_of(path).encode()):
+            return PlainTextResponse("open this file from the studio again", 404)
+        return FileResponse(_readable(root, path), headers={"cache-control": "no-cache"})
+
+    @app.get("/zip/{path:path}")
+    def archive(path: str) -> Response:
+        found = files.inside(root, path)
+        if found == root or not found.is_dir():
+            return PlainTextResponse(f"'{path}' is no folder of this project", 404)
+        try:
+            return Archive(files.zipped(root, found), found.name)
+        except InputError as problem:
+            return PlainTextResponse(str(problem), 507)
+
+    @app.get("/solid/pad")
+    def pad(shape: str, thickness: float) -> Response:
+        if not THICKNESS_MM[0] <= thickness <= THICKNESS_MM[1]:
+            raise out_of_range("thickness in mm", thickness, *THICKNESS_MM, "pads that can be cast")
+        made = read_shape(shape)
+        made.check(thickness)
+        return HTMLResponse(figures.pad_page(made, thickness))
+
+    @app.get("/solid/mould/{path:path}")
+    def mould_solid(path: str) -> Response:
+        try:
+            text = figures.mould_page(files.inside(root, path))
+        except (OSError, ValueError) as problem:
+            return PlainTextResponse(f"the solids of '{path}' cannot be read: {problem}", 404)
+        return HTMLResponse(text) if text else PlainTextResponse("no solids in this folder", 404)
+
+    for path in PAGES:
+        _add_page(studio, path)
+    ui.run_with(app, title="dummydesign studio", dark=None, tailwind=False, unocss=None, storage_secret=None,
+                reconnect_timeout=30.0, show_welcome_message=False)  # fmt: skip
+    return app
+
+
+def _unexpected(record: logging.LogRecord) -> bool:
+    """Whether a failure is for the terminal: what the folder or the disk refused is shown on the page."""
+    return not (record.exc_info and isinstance(record.exc_info[1], InputError | OSError))
+
+
+def _add_page(studio: Studio, path: str) -> None:
+    title, body = PAGES[path]
+    step = "/measured" if path == "/resin" else path
+
+    @ui.page(path)
+    def page(request: Request) -> None:
+        lay_out(studio, step, title, request.query_params, body, overview.make_new if path == "/" else None)
+
+
+def _readable(root: Path, path: str) -> Path:
+    """A file of the project that can be read now."""
+    found = files.inside(root, path)
+    if not found.is_file():
+        raise InputError(f"'{path}' is not there (any more)", "file_not_found", "path", path)
+    try:
+        with open(found, "rb"):
+            return found
+    except OSError as problem:
+        message = f"'{path}' cannot be read: {problem.strerror or problem}"
+        raise InputError(message, "file_unreadable", "path", path) from None
+
+
+class Archive(StreamingResponse):
+    """An archive as a download; closed when it is out, or when nobody wants it any more."""
+
+    def __init__(self, packed: IO[bytes], name: str) -> None:
+        size = packed.seek(0, os.SEEK_END)
+        packed.seek(0)
+        head = {"content-disposition": f"attachment; filename*=UTF-8''{quote(name + '.zip', safe='')}"}
+        super().__init__(iter(lambda: packed.read(1 << 20), b""), media_type="application/zip",
+                         headers={**head, "content-length": str(size)})  # fmt: skip
+        self._packed = packed
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Send it."""
+        try:
+            await super().__call__(scope, receive, send)
+        finally:
+            self._packed.close()
+
+
+HOST, FIRST_PORT, TRIED_PORTS = "127.0.0.1", 8420, 20
+ONCE = "once"
+"""File with the key of a browser that is started: it opens the studio one time."""
+
+
+def run_studio(folder: str | Path, port: int | None, browser: bool, say: Callable[[str], None]) -> dict[str, Any]:
+    """Serve a folder until the process is stopped."""
+    try:
+        import nicegui  # noqa: F401
+        import uvicorn
+    except ImportError as problem:
+        message = f"the studio needs {problem.name}: pip install 'dummydesign[studio]'"
+        raise InputError(message, "program_missing", "package", problem.name) from None
+    root = Path(folder).resolve()
+    home = root / ".studio"
+    lock = listening = None
+    key = token_urlsafe(24)
+    try:
+        root.mkdir(parents=True, exist_ok=True)
+        _refuse_links(home)
+        lock = take(home / "lock")
+        if lock is None:
+            raise _open_elsewhere(root, browser)
+        _clear(home)
+        listening = _listen(port)
+        bound = int(listening.getsockname()[1])
+        address = f"http://{HOST}:{bound}/"
+        _write_privately(home / "address", f"{address}?key={key}")
+    except (OSError, InputError) as problem:
+        for opened in (listening, lock):
+            if opened is not None:
+                opened.close()
+        if isinstance(problem, InputError):
+            raise
+        raise unwritable("folder", root, problem, "folder") from None
+    os.environ["NICEGUI_STORAGE_PATH"] = str(home / "page")
+    say(f"studio of '{root.name}': {address}?key={key}")
+    if browser:
+        _show(home, address)
+    guard = Guard(make_app(root), key, bound, once=partial(_use_once, home))
+    config = uvicorn.Config(guard, log_level="warning", server_header=False, proxy_headers=False)
+    try:
+        uvicorn.Server(config).run(sockets=[listening])
+    finally:
+        for name in ("address", ONCE):
+            (home / name).unlink(missing_ok=True)
+        listening.close()
+        lock.close()
+    return {"folder": str(root), "address": address}
+
+
+def _open_elsewhere(root: Path, browser: bool) -> InputError:
+    """What to say of a folder that another studio has open; with its address for the user who started that one."""
+    try:
+        address = (root / ".studio" / "address").read_text(encoding="utf-8")
+    except OSError:
+        return InputError(f"'{root}' is open in another studio: use that one, or stop it first", "busy", "folder")
+    if browser:
+        with suppress(OSError):
+            _show(root / ".studio", address.partition("?")[0])
+    return InputError(f"'{root}' is open in another studio: open {address} or stop that one first", "busy", "folder")
+
+
+def _show(home: Path, address: str) -> None:
+    """Open a browser with a key that opens the studio once: all users of a machine see how programs are started."""
+    import webbrowser
+
+    key = token_urlsafe(24)
+    (home / ONCE).unlink(missing_ok=True)
+    _write_privately(home / ONCE, key)
+    webbrowser.open(f"{address}?key={key}")
+
+
+def _use_once(home: Path, key: str) -> bool:
+    """Whether a key is that of a browser that was started; it is used up then."""
+    try:
+        right = (home / ONCE).read_text(encoding="utf-8")
+    except OSError:
+        return False
+    same = bool(right) and hmac.compare_digest(key.encode("utf-8", "replace"), right.encode())
+    if same:
+        (home / ONCE).unlink(missing_ok=True)
+    return same
+
+
+def _refuse_links(home: Path) -> None:
+    """Refuse links, pipes and devices among the studio's own files, which a folder from elsewhere may bring."""
+    if not (home.exists() or home.is_symlink()):
+        return
+    if home.is_symlink() or not home.is_dir():
+        message = f"'{home}' is a link or no folder: remove it; the studio makes its own"
+        raise InputError(message, "not_allowed", "folder")
+    for place, folders, names in os.walk(home):
+        for name in (*folders, *names):
+            try:
+                kind = os.lstat(os.path.join(place, name)).st_mode
+            except FileNotFoundError:
+                # another studio of this folder is at work
+                continue
+            if not (stat.S_ISDIR(kind) or stat.S_ISREG(kind)):
+                message = f"'{os.path.join(place, name)}' is a link or no plain file: remove it"
+                raise InputError(message, "not_allowed", "file")
+        # what was deleted may have links of its own; it is only moved
+        folders[:] = [name for name in folders if name != "content"]
+
+
+def _clear(home: Path) -> None:
+    """Keep the folder from others and from Git, and take away what a killed studio left."""
+    with suppress(PermissionError):
+        # the folder of another user, who let us write in it
+        home.chmod(0o700)
+    for name in ("address", ONCE):
+        (home / name).unlink(missing_ok=True)
+    for left in home.glob("zip-*"):
+        left.unlink(missing_ok=True)
+    (home / ".gitignore").write_text("*\n", encoding="utf-8")
+
+
+def _write_privately(path: Path, text: str) -> None:
+    with open(path, "x", encoding="utf-8", opener=lambda name, flags: os.open(name, flags, 0o600)) as stream:
+        stream.write(text)
+
+
+def _listen(port: int | None) -> socket.socket:
+    """A socket of this machine alone, on the port asked for or the first free one."""
+    if port is not None and not 1 <= port <= 65535:
+        message = f"--port {port} is outside the allowed range 1 to 65535"
+        raise InputError(message, "out_of_range", "port", port, (1, 65535))
+    tried = [port] if port is not None else list(range(FIRST_PORT, FIRST_PORT + TRIED_PORTS))
+    for one in tried:
+        found = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+        if os.name != "nt":
+            found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            found.bind((HOST, one))
+            found.listen(128)
+            return found
+        except PermissionError:
+            found.close()
+            message = f"port {one} may not be used by you: choose one above 1023"
+            raise InputError(message, "not_allowed", "port", one) from None
+        except OSError:
+            found.close()
+    words = f"port {port} is" if port is not None else f"ports {tried[0]} to {tried[-1]} are"
+    raise InputError(f"{words} in use: choose another with --port", "busy", "port", port)

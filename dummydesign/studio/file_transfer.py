@@ -1,0 +1,121 @@
+"""Files that come in and go out: plain names inside the project folder only."""
+
+from __future__ import annotations
+
+import os
+import re
+import tempfile
+import zipfile
+from collections.abc import Iterator
+from itertools import count
+from pathlib import Path
+from typing import IO
+
+from dummydesign.core.errors import InputError
+from dummydesign.core.files import unwritable, write_bytes
+
+_RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
+MEANINGFUL = frozenset({"project.toml", "campaign.toml", "manifest.json", "calibration.json", "study.json"})
+"""A folder with one of these is taken for a project, a campaign or a result."""
+
+
+def plain_name(name: str) -> str:
+    """Check the name of a file that was sent; return it."""
+    if name.casefold() in MEANINGFUL:
+        message = f"file name '{name}' is not taken: commands read a file of this name; rename the file"
+        raise InputError(message, "bad_name", "file_name", name)
+    if not name or name != Path(name).name or "\\" in name or ":" in name or name in (".", ".."):
+        message = f"file name '{name}' is not taken: it must be a plain name, without folders"
+        raise InputError(message, "bad_name", "file_name", name)
+    if name.startswith(".") or not name.isprintable() or len(name.encode()) > 200 or _RESERVED.fullmatch(name):
+        raise InputError(f"file name '{name}' is not taken: rename the file", "bad_name", "file_name", name)
+    return name
+
+
+def inside(root: Path, path: str) -> Path:
+    """A path of the project, from its folder on."""
+    try:
+        home = root.resolve()
+        found = (home / path).resolve()
+        found.exists()
+        parts = [*path.split("/"), *found.relative_to(home).parts]
+    except (OSError, ValueError, RuntimeError):
+        # too long, a zero byte, a link to itself, or outside
+        parts = ["."]
+    if any(part.startswith(".") for part in parts):
+        raise InputError(f"'{path[:200]}' is not a file of this project", "not_allowed", "path", path[:200])
+    return found
+
+
+def numbered(name: str, ending: str = "") -> Iterator[str]:
+    """Yield the names ``name``, ``name-2``, ``name-3`` and so on, of which the first free one is taken."""
+    yield f"{name}{ending}"
+    for number in count(2):
+        yield f"{name}-{number}{ending}"
+
+
+def save_upload(folder: Path, name: str, content: bytes) -> Path:
+    """Write a file that was sent; one of the same name and content stays, one of another content gets a number."""
+    names = numbered(*os.path.splitext(plain_name(name)))
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        while (target := folder / next(names)).exists():
+            if target.is_file() and target.read_bytes() == content:
+                return target
+    except OSError as problem:
+        raise unwritable("folder", folder.name, problem, "folder") from None
+    return write_bytes(target, content)
+
+
+def check_press(name: str, content: bytes, speed_mm_s: object = None) -> None:
+    """Refuse a file that was sent when it cannot be read as a press."""
+    from dummydesign.measurement.trace import read_trace
+
+    speed = speed_mm_s if isinstance(speed_mm_s, int | float) and speed_mm_s > 0 else None
+    try:
+        with tempfile.TemporaryDirectory() as away:
+            path = Path(away) / name
+            path.write_bytes(content)
+            read_trace(path, speed)
+    except OSError as problem:
+        message = f"{name} cannot be read: {problem.strerror or problem}"
+        raise InputError(message, "file_unreadable", "trace", name) from None
+    except InputError as problem:
+        message = f"{name} is no press: {str(problem).removeprefix(f'{name}: ')}"
+        raise InputError(message, problem.code, problem.quantity, problem.value, problem.allowed) from None
+
+
+def listed(root: Path, folder: Path) -> list[str]:
+    """Files under a folder, from the project folder on; hidden ones and links that lead out are left out."""
+    found = []
+    for place, folders, names in os.walk(folder):
+        folders[:] = [name for name in folders if not name.startswith(".")]
+        for name in names:
+            path = (Path(place) / name).relative_to(root).as_posix()
+            try:
+                if inside(root, path).is_file():
+                    found.append(path)
+            except InputError:
+                continue
+    return sorted(found)
+
+
+def zipped(root: Path, folder: Path) -> IO[bytes]:
+    """All files of a folder as a ZIP archive, whole and at its start; gone from the disk when it is closed."""
+    home = root / ".studio"
+    try:
+        home.mkdir(exist_ok=True)
+        # without a name: nothing is left even when the server is killed
+        packed = tempfile.TemporaryFile(dir=home)
+        try:
+            with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, strict_timestamps=False) as archive:
+                for name in listed(root, folder):
+                    inner = (root / name).relative_to(folder.parent).as_posix()
+                    archive.write(root / name, inner.encode("utf-8", "replace").decode("utf-8"))
+            packed.seek(0)
+        except BaseException:
+            packed.close()
+            raise
+    except OSError as problem:
+        raise unwritable("archive of", folder.name, problem, "archive") from None
+    return packed

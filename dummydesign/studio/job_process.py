@@ -1,0 +1,87 @@
+"""The process that runs one command of the studio: ``python -m dummydesign.studio.job_process FOLDER [LOCK]``.
+
+LOCK is the number of an open file that holds the folder's lock already, handed on by the studio. The process outlives
+page and studio, holds the lock as long as it runs, ends its command when a file ``stop`` appears, and writes
+``status.json`` at the end. Its command holds the lock too, so that one whose runner was killed is still known.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from types import FrameType
+
+from dummydesign.core.files import take, write_text
+from dummydesign.core.process import VARIABLE
+
+COMMAND, ANSWER, ERRORS, PROGRESS, STATUS, LOCK, PID, STOP, CHILD, AWAKE = (
+    "command.json", "answer.json", "errors.txt", "progress.txt", "status.json", "lock", "pid", "stop", "child", "awake",
+)  # fmt: skip
+"""Files of the folder; ``awake`` is a lock of the runner alone."""
+PATIENCE_S = 5.0
+"""How long to wait for a lock that someone only looks at. [s]"""
+GRACE_S = 120.0
+"""How long a command that was stopped may take to clear up. [s]"""
+POLL_S = 0.25
+
+
+def main(folder: Path, handed_on: int | None = None) -> int:
+    """Run the command of a folder and write how it ended; return its exit status."""
+    lock = take(folder / LOCK, PATIENCE_S) if handed_on is None else open(handed_on, "a", encoding="utf-8")
+    if lock is None:
+        return 2
+    awake = take(folder / AWAKE, PATIENCE_S)
+    asked = json.loads((folder / COMMAND).read_text(encoding="utf-8"))
+    (folder / PID).write_text(str(os.getpid()), encoding="utf-8")
+    stopped = False
+    start = time.time()
+    environment = {**os.environ, VARIABLE: str((folder / PROGRESS).resolve())}
+    with open(folder / ANSWER, "wb") as answer, open(folder / ERRORS, "wb") as errors:
+        child = subprocess.Popen(
+            [sys.executable, "-m", "dummydesign", *asked["words"], "--json"], cwd=asked["cwd"], stdout=answer,
+            stderr=errors, stdin=subprocess.DEVNULL, env=environment,
+            pass_fds=() if os.name == "nt" else (lock.fileno(),),
+        )  # fmt: skip
+        (folder / CHILD).write_text(str(child.pid), encoding="utf-8")
+
+        def stop(number: int, frame: FrameType | None) -> None:
+            nonlocal stopped
+            stopped = True
+
+        def asked_to_stop() -> bool:
+            return stopped or (folder / STOP).exists()
+
+        signal.signal(signal.SIGTERM, stop)
+        status, stopped = _wait(child, asked_to_stop)
+    ended = {"status": status, "stopped": stopped, "start": start, "end": time.time()}
+    write_text(folder / STATUS, json.dumps(ended))
+    lock.close()
+    if awake is not None:
+        awake.close()
+    return status
+
+
+def _wait(child: subprocess.Popen[bytes], asked_to_stop: Callable[[], bool]) -> tuple[int, bool]:
+    """Wait for the child; one that is to stop and does not end is killed. Return its status and whether it was."""
+    since: float | None = None
+    while True:
+        try:
+            return child.wait(POLL_S), since is not None
+        except subprocess.TimeoutExpired:
+            if not asked_to_stop():
+                continue
+        if since is None:
+            since = time.monotonic()
+            child.terminate()
+        elif time.monotonic() - since > GRACE_S:
+            child.kill()
+
+
+if __name__ == "__main__":
+    sys.exit(main(Path(sys.argv[1]), *map(int, sys.argv[2:3])))

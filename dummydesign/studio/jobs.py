@@ -1,0 +1,290 @@
+"""Commands that the pages start, each in a process and a folder of its own."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shlex
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from dummydesign.core.errors import InputError
+from dummydesign.core.files import held, take, unwritable, write_text
+from dummydesign.core.library import find
+from dummydesign.core.manifest import NAME as MANIFEST
+from dummydesign.core.manifest import sha256_of
+from dummydesign.studio import job_process as runner
+
+
+def shown(words: Sequence[str]) -> str:
+    """A command line as it is typed; names with other letters than these are quoted."""
+    return " ".join(["dummydesign", *(shlex.quote(word) for word in words)])
+
+
+def options(given: Mapping[str, object]) -> list[str]:
+    """Options that are not empty: numbers short, True as a bare flag."""
+    words: list[str] = []
+    for name, value in given.items():
+        if value is None or value is False or (isinstance(value, str) and not value.strip()):
+            continue
+        words.append(f"--{name}")
+        if value is not True:
+            words.append(f"{value:g}" if isinstance(value, int | float) else str(value).strip())
+    return words
+
+
+def suggest(given: Mapping[str, object], out: str) -> list[str]:
+    """Design a pad, without its mould."""
+    return ["suggest", *options(given), "--no-cad", "--out", f"designs/{out}"]
+
+
+KINDS = {"tissue": "materials/tissues", "resin": "materials/resins", "mould preset": "molds"}
+"""Files that a manifest lists by what they are and their name or path."""
+
+
+def changed_inputs(root: Path, manifest: Path) -> list[str]:
+    """Files that are gone or have another content than when a command read them."""
+    try:
+        read = json.loads(manifest.read_text(encoding="utf-8"))["files_read"]
+        return [str(one["name"]) for one in read if sha256_of(_place(root, str(one["name"]))) != one["sha256"]]
+    except (OSError, ValueError, KeyError, TypeError):
+        return []
+
+
+def _place(root: Path, name: str) -> Path:
+    """Where a file of a manifest lies now."""
+    for what, kind in KINDS.items():
+        called = name.removeprefix(f"{what} ")
+        if called != name:
+            with suppress(InputError):
+                return root / called if called.endswith(".toml") else find(kind, what, called).path
+    return root / name
+
+
+def holds_answer(root: Path, folder: str, answer: Mapping[str, Any]) -> bool:
+    """Whether a folder still holds an answer: it may be gone, or another command has written it since."""
+    if not (root / folder).is_dir():
+        return False
+    try:
+        kept = json.loads((root / folder / MANIFEST).read_text(encoding="utf-8"))["inputs"]
+        asked = answer.get("inputs") or {}
+        return all(kept[name] == asked[name] for name in kept.keys() & asked.keys())
+    except (OSError, ValueError, KeyError, AttributeError, TypeError):
+        return True
+
+
+def changed_since(paths: list[Path], started: float) -> bool:
+    """Whether a file was written after a command began."""
+    return any(path.stat().st_mtime > started for path in paths if path.is_file())
+
+
+HOME = ".studio"
+MOST_AT_ONCE = 2
+"""Commands that may run at once: each may fill a processor."""
+STARTING_S = 120.0
+"""On systems where a lock cannot be handed on: a command that did not begin within this time never will. [s]"""
+UNEXPECTED = "the process stopped unexpectedly (machine switched off, disk or memory full?): run it again"
+_CHILDREN: list[subprocess.Popen[bytes]] = []
+"""Processes that this one started; looked at now and then, so that those that ended are let go."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """A command that was started, as it is now."""
+
+    folder: Path
+    name: str
+    words: tuple[str, ...]
+    state: str
+    started: float
+    seconds: float
+    progress: str = ""
+
+    @property
+    def has_answer(self) -> bool:
+        """Whether it ended with an answer, also with one that is not acceptable; an error is none."""
+        return self.state in ("done", "failed") and bool(self.answer)
+
+    @property
+    def answer(self) -> dict[str, Any]:
+        """What the command printed; empty where it printed no answer, or only an error."""
+        path = self.folder / runner.ANSWER
+        try:
+            found = _answer(path, path.stat().st_mtime_ns)
+        except (OSError, ValueError):
+            return {}
+        return {} if set(found) == {"error"} else found
+
+    @property
+    def error(self) -> str:
+        """What went wrong by the command's own words, without ``error:``; empty when nothing did."""
+        if self.state == "stopped":
+            return "stopped before it was done; nothing half-written is left"
+        if self.state == "lost":
+            return UNEXPECTED
+        try:
+            lines = (self.folder / runner.ERRORS).read_text(encoding="utf-8", errors="replace").strip().splitlines()
+        except OSError:
+            return ""
+        errors = [line.removeprefix("error: ") for line in lines if line.startswith("error: ")]
+        if errors or self.state != "failed":
+            return errors[-1] if errors else ""
+        return lines[-1] if lines else "" if self.answer else UNEXPECTED
+
+
+@lru_cache(maxsize=16)
+def _answer(path: Path, stamp: int) -> dict[str, Any]:
+    found = json.loads(path.read_text(encoding="utf-8"))
+    return found if isinstance(found, dict) else {}
+
+
+def start(root: Path, name: str, words: Sequence[str]) -> Job:
+    """Start a command in a project folder."""
+    running = [one for one in all_jobs(root) if one.state == "running"]
+    if any(one.name == name for one in running):
+        raise InputError("this step is still at work: wait for it, or stop it", "busy", "step", name)
+    if len(running) >= MOST_AT_ONCE:
+        message = f"{len(running)} commands are at work: wait for one, or stop one"
+        raise InputError(message, "busy", "commands", len(running), MOST_AT_ONCE)
+    home = root / HOME / "jobs"
+    folder = None
+    try:
+        home.mkdir(parents=True, exist_ok=True)
+        folder = _new_folder(home, name)
+        request = {"name": name, "words": list(words), "cwd": str(root), "start": time.time()}
+        write_text(folder / runner.COMMAND, json.dumps(request))
+        _spawn(root, folder)
+    except (OSError, InputError) as problem:
+        if folder is not None:
+            shutil.rmtree(folder, ignore_errors=True)
+        if isinstance(problem, InputError):
+            raise
+        if problem.filename == sys.executable:
+            message = f"'{sys.executable}' cannot be run: {problem.strerror or problem}"
+            raise InputError(message, "program_failed", "python") from None
+        raise unwritable("folder", home, problem, "folder") from None
+    return read_job(folder)
+
+
+def _spawn(root: Path, folder: Path) -> None:
+    detached: dict[str, Any] = {"start_new_session": True}
+    if os.name == "nt":
+        detached = {"creationflags": getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)}
+    package = str(Path(__file__).resolve().parents[2])
+    path = os.pathsep.join(filter(None, (package, os.environ.get("PYTHONPATH"))))
+    _CHILDREN[:] = [child for child in _CHILDREN if child.poll() is None]
+    words = [sys.executable, "-m", "dummydesign.studio.job_process", str(folder)]
+    lock = None if os.name == "nt" else take(folder / runner.LOCK, runner.PATIENCE_S)
+    if lock is not None:
+        # held from the first moment on, however long a busy machine takes to start the process
+        detached["pass_fds"] = (lock.fileno(),)
+        words.append(str(lock.fileno()))
+    try:
+        with open(folder / "runner.txt", "wb") as output:
+            child = subprocess.Popen(
+                words, cwd=root, stdin=subprocess.DEVNULL, stdout=output, stderr=output,
+                env={**os.environ, "PYTHONPATH": path}, **detached,
+            )  # fmt: skip
+    finally:
+        if lock is not None:
+            lock.close()
+    _CHILDREN.append(child)
+
+
+def _new_folder(home: Path, name: str) -> Path:
+    numbers = [int(found[1]) for path in home.iterdir() if (found := re.match(r"(\d+)-", path.name))]
+    number = max(numbers, default=0)
+    while True:
+        number += 1
+        folder = home / f"{number:04d}-{name}"
+        with suppress(FileExistsError):
+            folder.mkdir()
+            return folder
+
+
+def read_job(folder: Path) -> Job:
+    """How a command stands."""
+    asked = json.loads((folder / runner.COMMAND).read_text(encoding="utf-8"))
+    started = float(asked["start"])
+    if not (0.0 <= started < 1e11 and all(isinstance(word, str) for word in [asked["name"], *asked["words"]])):
+        raise ValueError("not written by a studio")
+    state, seconds = _state(folder, started)
+    progress = ""
+    if state == "running":
+        try:
+            progress = (folder / runner.PROGRESS).read_text(encoding="utf-8")
+        except OSError:
+            progress = ""
+    return Job(folder, asked["name"], tuple(asked["words"]), state, started, seconds, progress)
+
+
+def _state(folder: Path, started: float) -> tuple[str, float]:
+    if not (folder / runner.STATUS).exists():
+        if held(folder / runner.LOCK):
+            return "running", time.time() - started
+        # it may have ended between the two looks
+        if not (folder / runner.STATUS).exists():
+            young = os.name == "nt" and not (folder / runner.PID).exists() and time.time() - started < STARTING_S
+            return ("running" if young else "lost"), time.time() - started
+    ended = json.loads((folder / runner.STATUS).read_text(encoding="utf-8"))
+    seconds = float(ended["end"]) - started
+    if ended["stopped"]:
+        return "stopped", seconds
+    return ("done" if ended["status"] == 0 else "failed"), seconds
+
+
+def all_jobs(root: Path, name: str = "*") -> list[Job]:
+    """Return all commands of a project, or of a step, the oldest first; pages ask for them twice a second."""
+    found = []
+    for folder in sorted((root / HOME / "jobs").glob(f"[0-9]*-{name}")):
+        try:
+            status = folder / runner.STATUS
+            found.append(_ended_job(folder, status.stat().st_mtime_ns) if status.exists() else read_job(folder))
+        except (OSError, ValueError, KeyError, TypeError):
+            continue
+    return found
+
+
+@lru_cache(maxsize=4096)
+def _ended_job(folder: Path, stamp: int) -> Job:
+    return read_job(folder)
+
+
+def latest(root: Path, name: str) -> Job | None:
+    """Return the newest command of a step."""
+    return next(reversed(all_jobs(root, name)), None)
+
+
+def is_last(root: Path, job: Job, made: Callable[[Job], str]) -> bool:
+    """Whether no later command of the step made the same file or folder, which took the place of this one's."""
+    same = [one for one in all_jobs(root, job.name) if made(one) == made(job)]
+    return not same or same[-1].folder == job.folder
+
+
+def stop(job: Job) -> None:
+    """Ask a running command to end and to clear up; by a file, which also one that is only starting finds."""
+    if not held(job.folder / runner.LOCK):
+        return
+    # a command without its runner, which was killed, reads no file
+    number = runner.PID if held(job.folder / runner.AWAKE) else runner.CHILD
+    try:
+        (job.folder / runner.STOP).touch()
+        if number == runner.PID:
+            return
+    except OSError:
+        # a full disk
+        pass
+    with suppress(FileNotFoundError, ProcessLookupError, ValueError):
+        process = int((job.folder / number).read_text(encoding="utf-8"))
+        if held(job.folder / runner.LOCK) and not (job.folder / runner.STATUS).exists():
+            os.kill(process, signal.SIGTERM)

@@ -1,0 +1,167 @@
+"""Pieces of a page: text, problems, verdicts, values, tables, links, files."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from nicegui import ui
+
+from dummydesign.core.errors import InputError
+from dummydesign.report.page import Table, marked_terms
+from dummydesign.studio.choices import offered
+from dummydesign.studio.jobs import changed_inputs, shown
+from dummydesign.studio.state import address
+
+
+def html(text: str) -> ui.html:
+    """Add a piece of HTML of our own; whatever comes from a file is escaped by then."""
+    return ui.html(text, sanitize=False)
+
+
+def area(test: str = "", live: bool = False) -> ui.element:
+    """Add an empty place as wide as the page; screen readers speak what appears in a ``live`` one."""
+    place = ui.element("div").style("width:100%")
+    if test:
+        place.props(f'data-test="{test}"')
+    return place.props('role="status" aria-live="polite"') if live else place
+
+
+def button(
+    words: str, action: Callable[..., object], test: str = "", label: str = "", main: bool = False
+) -> ui.button:  # fmt: skip
+    """Add a button, outlined unless it is a main one; ``label`` is what screen readers speak for its words."""
+    added = ui.button(words, on_click=action, color="primary" if main else None).props("" if main else "outline")
+    # not in a text of properties: a name with a backslash in it would break off there
+    added.props.update({name: text for name, text in (("data-test", test), ("aria-label", label)) if text})
+    return added
+
+
+def select(label: str, known: Mapping[str, str], value: str, test: str = "", wide: bool = True) -> ui.select:
+    """Add a field to choose from value to words; what is chosen now is offered too when it is not there any more."""
+    added = ui.select(offered(known, value), value=value, label=label)
+    added.props.update({"data-test": test} if test else {})
+    return added.style("width:100%") if wide else added
+
+
+def select_several(label: str, known: Mapping[str, str], value: Sequence[str], test: str) -> ui.select:
+    """Add a field to choose several of value to words."""
+    added = ui.select(dict(known), multiple=True, value=list(value), label=label).style("width:100%")
+    return added.props(f'use-chips data-test="{test}"')
+
+
+def marked(text: str) -> str:
+    """Return a text as HTML in which the first use of each term opens its definition under the pointer and by touch.
+
+    These are no stops of the Tab key: by keyboard the same lines are at the end of each page.
+    """
+    pieces, at = [], 0
+    for start, end, term in marked_terms(text):
+        definition = f'<abbr class="term" data-term="{escape(term.text)}">{escape(text[start:end])}</abbr>'
+        pieces += [escape(text[at:start]), definition]
+        at = end
+    return "".join([*pieces, escape(text[at:])])
+
+
+def tell_problem(text: str) -> None:
+    """Say on the page what is wrong."""
+    html(f'<div class="problem" role="alert">{escape(text)}</div>')
+
+
+@contextmanager
+def problems_in(place: ui.element) -> Iterator[None]:
+    """Empty a place, and say there why the work of this block was refused (InputError)."""
+    place.clear()
+    try:
+        yield
+    except InputError as problem:
+        with place:
+            tell_problem(str(problem))
+
+
+def problem_text(problem: Exception) -> str:
+    """Return what went wrong in a sentence: refused by a command or the system, or unexpected."""
+    if isinstance(problem, InputError):
+        return str(problem)
+    if isinstance(problem, OSError):
+        file = f"'{Path(str(problem.filename)).name}': " if problem.filename else ""
+        return f"{file}{problem.strerror or problem}. Mend this, then try again"
+    return f"This failed unexpectedly ({type(problem).__name__}: {problem}). Load this page again"
+
+
+def command_lines(commands: Callable[[], Sequence[Sequence[str]]]) -> None:
+    """Show the commands of what is chosen, or why it is refused."""
+    try:
+        for words in commands():
+            command_line(words)
+    except InputError as refused:
+        html(f'<p class="note">{escape(str(refused))}</p>')
+
+
+def tell_changes(root: Path, manifest: str, advice: str) -> None:
+    """Name the files that are no longer what a command read, with what to do."""
+    for name in changed_inputs(root, root / manifest):
+        tell_problem(f"{name} has changed since. {advice}")
+
+
+def tell_verdict(light: str, text: str, stage: str = "", note: str = "", label: str = "", test: str = "") -> None:
+    """Show a verdict: its light, also for those who cannot see it, and its sentence."""
+    light, marks = escape(light), f' data-test="{escape(test)}"' if test else ""
+    more = f" <small>{escape(note)}</small>" if note else ""
+    more += f'<small class="label">{escape(label)}</small>' if label else ""
+    html(f'<div class="verdict {light}" data-state="{escape(stage)}"{marks}><span class="light" aria-hidden="true">'
+         f'</span><p><span class="hide">{light} light: </span>{marked(text)}{more}</p></div>')  # fmt: skip
+
+
+def command_line(words: Sequence[str]) -> None:
+    """Show the command that does the same as the page, to copy."""
+    text = shown(words)
+    with ui.element("div").classes("command"):
+        html(f"<code>{escape(text)}</code>")
+        copy = ui.button("Copy", on_click=lambda: ui.clipboard.write(text), color=None)
+        copy.props('flat dense aria-label="copy the command"')
+
+
+def facts(rows: Sequence[tuple[str, str]]) -> None:
+    """Show values, large, with what they are."""
+    values = "".join(f'<div class="fact"><b>{escape(value)}</b><span>{marked(what)}</span></div>'
+                     for value, what in rows)  # fmt: skip
+    html(f'<div class="facts">{values}</div>')
+
+
+def warnings(answer: Mapping[str, Any]) -> None:
+    """Show what a command warned of."""
+    lines = "".join(f"<li>{marked(str(one['message']))}</li>" for one in answer.get("warnings", []))
+    if lines:
+        html(f'<ul class="warnings">{lines}</ul>')
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[object]], words: bool = False, under: str = "") -> None:
+    """Show a table that scrolls by itself; ``under`` is the line that it is folded under."""
+    text = Table(head, rows).html()
+    text = re.sub(r"(<th[^>]*>)([^<&]+)(</th>)", lambda found: found[1] + marked(found[2]) + found[3], text)
+    text = f'<div class="words">{text}</div>' if words else text
+    html(f"<details><summary>{escape(under)}</summary>{text}</details>" if under else text)
+
+
+def file_links(rows: Sequence[tuple[str, str]]) -> None:
+    """Show links to files of the project: (words, path from the project folder on)."""
+    links = "".join(f'<a href="{address(f"/files/{path}")}" target="_blank" rel="noopener">{escape(words)}</a>'
+                    for words, path in rows)  # fmt: skip
+    html(f'<div class="links">{links}</div>')
+
+
+def zip_link(folder: str) -> None:
+    """Show a link that downloads a folder of the project as one file."""
+    link = f'<a data-test="zip" href="{address(f"/zip/{folder}")}" download>Download all files (ZIP)</a>'
+    html(f'<div class="links">{link}</div>')
+
+
+def shown_file(path: str, title: str, kind: str = "shown", **query: object) -> None:
+    """Show a page of the project inside this one."""
+    source = escape(address(path, **query))
+    html(f'<iframe class="{kind}" src="{source}" title="{escape(title)}" loading="lazy"></iframe>')

@@ -1,0 +1,207 @@
+"""What the sliders of the design page ask: lengths of a shape, and one pad against the tissue."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import lru_cache
+from html import escape
+from pathlib import Path
+
+import numpy as np
+from nicegui import events, ui
+
+from dummydesign.core.errors import InputError
+from dummydesign.core.library import find
+from dummydesign.design.pad_evaluator import NotTabulated, PadEvaluator
+from dummydesign.design.request import Request
+from dummydesign.design.test_setup import table_alone, why_solved
+from dummydesign.geometry.dimensions import THICKNESS_MM
+from dummydesign.geometry.pad_shape import PadShape
+from dummydesign.geometry.punch import PROFILE, read_punch
+from dummydesign.geometry.shape_registry import read_shape, shape_kind
+from dummydesign.geometry.shapes.slab import Slab
+from dummydesign.studio.state import State, absolute
+
+THROTTLE_S = 0.03
+LONG_UNIT = 8
+# an input that is typed in half way says nothing; the other one follows in the browser itself
+MOVED = (
+    "(e) => { const t = e.target; if (t.value === '' || !t.validity.valid) return; "
+    "for (const o of e.currentTarget.querySelectorAll('input')) if (o !== t) o.value = t.value; emit(t.value); }"
+)
+
+
+# a field that is left empty or with a number that is not allowed shows again the number that is in use
+LEFT = (
+    "(e) => { const t = e.target; if (t.type === 'number' && (t.value === '' || !t.validity.valid)) "
+    "t.value = e.currentTarget.querySelector('input[type=range]').value; }"
+)
+
+
+class Slider:
+    """A range and a number field that follow each other in the browser.
+
+    While they move nothing is sent back: an answer to the first of several keys would take the later ones back.
+    """
+
+    def __init__(
+        self, name: str, unit: str, low: float, high: float, step: float, value: float, moved: Callable[[], None]
+    ) -> None:
+        """Build it."""
+        self.value, self._name, self._moved, self._written = value, name, moved, 0
+        self._box = ui.html("", sanitize=False).classes("slide")
+        self._box.on("input", self._take, js_handler=MOVED, throttle=THROTTLE_S)
+        self._box.on("focusout", lambda: None, js_handler=LEFT)
+        self.limit(low, high, step, unit)
+
+    def limit(self, low: float, high: float, step: float, unit: str) -> None:
+        """Set the ends and the step; the value is moved inside."""
+        self._unit, self.low, self.high, self._step = unit, low, high, step
+        self.set(min(max(self.value, low), high))
+
+    def set(self, value: float) -> None:
+        """Move it from here, without a call."""
+        self.value = float(value)
+        short = self._unit if len(self._unit) <= LONG_UNIT else ""
+        named, test = escape(self._name), escape(self._name.lower())
+        ends = f"min={self.low:g} max={self.high:g} step={self._step:g} value={self.value:.6g}"
+        # numbered, so that a text written before still replaces what the browser has moved since
+        self._written += 1
+        self._box.set_content(
+            f'<div class="row" data-written="{self._written}"><span>{named}</span>'
+            f'<span><input type="number" {ends} aria-label="{named} {escape(short)}" data-test="number-{test}"> '
+            f"{escape(short)}</span></div>"
+            f'<input type="range" {ends} aria-label="{named}, slider" data-test="slide-{test}">'
+            f"<small>{self.low:g} to {self.high:g} {escape(self._unit)}</small>"
+        )
+
+    def _take(self, event: events.GenericEventArguments) -> None:
+        self.value = float(event.args)
+        self._moved()
+
+
+MOST_TRIED = 400
+"""Candidates that are tried before a kind is given up at a thickness."""
+
+
+@dataclass(frozen=True)
+class Length:
+    """A parameter that a slider moves, with its ends and its step; in mm unless it is a ratio."""
+
+    name: str
+    low: float
+    high: float
+    step: float
+
+    @property
+    def unit(self) -> str:
+        """What stands behind the number."""
+        return "" if "ratio" in self.name else "mm"
+
+
+def lengths_of(kind: str, thickness_mm: float, radius_mm: float) -> tuple[Length, ...]:
+    """Return the lengths of a kind that can be moved at a thickness; none for a slab."""
+    made = shape_kind(kind)
+    _, columns = made.candidates(np.array([thickness_mm]), radius_mm)
+    rows = zip(*columns.values())
+    usable = np.array([_can_be_made(made.of(dict(zip(columns, map(float, row)))), thickness_mm) for row in rows], bool)
+    found = []
+    for name, column in columns.items():
+        kept = column[usable]
+        if (made.sliders and name not in made.sliders) or not len(kept) or not kept.max() > kept.min():
+            continue
+        found.append(Length(name, float(kept.min()), float(kept.max()), 10.0 ** -made.digits(name)))
+    return tuple(found)
+
+
+def first_shape(
+    kind: str, thickness_mm: float, radius_mm: float, solvable: Callable[[PadShape], bool], near: PadShape | None = None
+) -> PadShape | None:
+    """Return a shape of a kind that can be pressed at a thickness; None when there is none."""
+    made = shape_kind(kind)
+    _, columns = made.candidates(np.array([thickness_mm]), radius_mm)
+    rows = np.column_stack([column for column in columns.values()]) if columns else np.zeros((1, 0))
+    spread = np.where(np.ptp(rows, axis=0) > 0.0, np.ptp(rows, axis=0), 1.0) if len(rows) else 1.0
+    known = dict(near.parameters) if near is not None and near.name == kind else {}
+    middle = np.array([known.get(name, float(np.median(column))) for name, column in columns.items()])
+    order = np.argsort((((rows - middle) / spread) ** 2).sum(axis=1), kind="stable")
+    for row in rows[order[:MOST_TRIED]]:
+        shape = made.of(dict(zip(columns, map(float, row))))
+        if _can_be_made(shape, thickness_mm) and solvable(shape):
+            return shape
+    return None
+
+
+def _can_be_made(shape: PadShape, thickness_mm: float) -> bool:
+    try:
+        shape.check(thickness_mm)
+    except InputError:
+        return False
+    return True
+
+
+def evaluator_of(root: Path, state: State) -> PadEvaluator:
+    """Return what presses the pads of a state; its files are read once as long as they stay the same."""
+    question = State(state.tissue, state.aim, state.resin, state.punch, state.calibration)
+    return _evaluator(root, question, stamp_of(root, state))
+
+
+@lru_cache(maxsize=8)
+def _evaluator(root: Path, question: State, stamp: object) -> PadEvaluator:
+    from dummydesign.design.inputs import resolve
+
+    calibration = str(root / question.calibration) if question.calibration else None
+    profile = question.punch.removeprefix(PROFILE) if question.punch.startswith(PROFILE) else None
+    request = Request(absolute(root, question.tissue), question.aim, absolute(root, question.resin), shape="slab",
+                      verify=False, calibration=calibration,
+                      punch=question.punch if profile is None else f"{PROFILE}{root / profile}")  # fmt: skip
+    punch = read_punch(request.punch)
+    if punch.profile_mm is not None:
+        raise NotTabulated(why_solved(request, punch, THICKNESS_MM[0]), "punch")
+    return PadEvaluator(resolve(request, None if calibration else table_alone(request, punch)))
+
+
+def stamp_of(root: Path, state: State) -> tuple[tuple[str, int, int], ...]:
+    """Path, time and size of the files behind what is chosen, those of the library too; names of nothing are left out.
+    """
+    paths = [root / state.calibration] if state.calibration else []
+    if state.punch.startswith(PROFILE):
+        paths.append(root / state.punch.removeprefix(PROFILE))
+    for what, name in (("tissue", state.tissue), ("resin", state.resin)):
+        with suppress(InputError):
+            paths.append(find(f"materials/{what}s", what, absolute(root, name)).path)
+    stamps = [(path, path.stat()) for path in paths if path.is_file()]
+    return tuple((str(path), stat.st_mtime_ns, stat.st_size) for path, stat in stamps)
+
+
+def first_pad(root: Path, state: State, kind: str) -> PadShape:
+    """Return a shape of a kind that can be pressed at the thickness of a state, the nearest to the one that is chosen.
+
+    One that the tables hold is taken; where they hold none, one that can be made and solved.
+    """
+    if kind == Slab.name:
+        return Slab()
+    evaluator = evaluator_of(root, state)
+    near = read_shape(state.shape) if state.shape.startswith(f"{kind}:") else None
+
+    def tabulated(shape: PadShape) -> bool:
+        try:
+            evaluator.evaluate(shape, state.thickness_mm, state.ratio)
+        except InputError:
+            return False
+        return True
+
+    radius_mm = evaluator.inputs.punch.radius_mm
+    for solvable in (tabulated, lambda shape: True):
+        shape = first_shape(kind, state.thickness_mm, radius_mm, solvable, near)
+        if shape is not None:
+            return shape
+    message = f"no {kind} pad {state.thickness_mm:g} mm thick can be made: choose another thickness or shape"
+    raise InputError(message, "cannot_be_made", "thickness_mm", state.thickness_mm)
+
+
+def solved_by_predict(state: State) -> bool:
+    """Whether ``predict`` solves the pad of a state: a shape outside its table, under a flat punch on a glued base."""
+    return state.kind != Slab.name and read_punch(state.punch).profile_mm is None

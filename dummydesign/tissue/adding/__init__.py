@@ -1,0 +1,1 @@
+"""Tissues of the user: from traces, points, curves or springs."""

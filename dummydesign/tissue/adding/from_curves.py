@@ -1,0 +1,289 @@
+"""`tissues add-curves`: a tissue from curves, by a law where it fits them, else as they are."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.core.errors import InputError
+from dummydesign.core.files import write_text
+from dummydesign.core.serialise import Serialised
+from dummydesign.measurement.landmarks import approach_velocity, find_ramp
+from dummydesign.measurement.motion import work_mJ
+from dummydesign.measurement.trace import Trace, read_trace
+from dummydesign.tissue.adding.from_traces import (
+    copies_of,
+    fit_people,
+    fit_row,
+    fit_warnings,
+    reserve,
+    tissue_of_fits,
+)
+from dummydesign.tissue.adding.observations import HELD_S, ObservedCurve, check_curves, read_curves
+from dummydesign.tissue.fitting.reduction import ReducedTrace, condition_groups, reduce_trace
+from dummydesign.tissue.fitting.residuals import fitted_force
+from dummydesign.tissue.model.laws import DEFAULT, fitted_law
+from dummydesign.tissue.model.laws.curves import CURVES
+from dummydesign.tissue.model.measured_curves import DEPTH_MM, FIRST_HOLD_S, SHARES, HeldPress, MeasuredPerson
+from dummydesign.tissue.model.ranges import STEADY_TOLERANCE
+from dummydesign.tissue.model.tissue import Tissue, share_a_speed
+from dummydesign.tissue.model.tissue_file import subjects_of, tissue_toml
+
+if TYPE_CHECKING:
+    from dummydesign.tissue.fitting.fit import TissueFit
+
+
+LEAST_RISE = 20
+"""Samples of a rise from which on it is smoothed."""
+WINDOW, ORDER = 5, 2
+"""Samples and degree of the parabolas that smooth a rise; at its ends the outer parabola goes on."""
+HOLD_BINS, LATE = 40, 0.05
+"""Bins of the hold, even in the logarithm of time, and the last share of it that its end is the mean of."""
+
+
+def held_press(trace: ReducedTrace, velocity_mm_s: float) -> HeldPress:
+    """Rise at shares of the depth, and means of the hold in bins of time."""
+    time, force, x = trace.trace.time_s, trace.trace.force_N, trace.trace.displacement_mm
+    ramp = trace.ramp
+    rise = (time >= ramp.contact_time_s) & (time <= ramp.stop_time_s)
+    rising = _smooth(time[rise], force[rise])
+    share = np.maximum.accumulate(np.clip(x[rise] / ramp.depth_mm, 0.0, 1.0))
+    first = np.unique(share, return_index=True)[1]
+    stop = _at_stop(time[rise], rising, ramp.stop_time_s)
+    known, values = share[first], rising[first]
+    inner = known < 1.0
+    curve = np.interp(SHARES, np.r_[known[inner], 1.0], np.r_[values[inner], stop])
+    held = trace.inside[time[trace.inside] > ramp.stop_time_s]
+    when, mean = _bins(time[held] - ramp.stop_time_s, force[held], trace.hold_s)
+    if not trace.steady_force_N > 0.0:
+        message = f"{trace.trace.name}: the force at the end of the hold is {trace.steady_force_N:.3g} N"
+        raise InputError(message, "out_of_range", "steady_force_N", float(trace.steady_force_N))
+    carried = np.r_[stop, mean, trace.steady_force_N]
+    return HeldPress(float(velocity_mm_s), float(ramp.depth_mm), curve, np.r_[0.0, when, trace.hold_s], carried)
+
+
+def _smooth(time: NDArray, force: NDArray) -> NDArray:
+    """Parabolas through five even samples; where there are few or uneven ones, the samples."""
+    step = np.diff(time)
+    if len(time) < LEAST_RISE or step.max() > 1.2 * step.min():
+        return force
+    from scipy.signal import savgol_filter
+
+    return savgol_filter(force, WINDOW, ORDER, mode="interp")
+
+
+def _at_stop(time: NDArray, force: NDArray, stop_s: float) -> float:
+    """Force at the stop, extrapolated from the last two samples by less than a sample. [N]"""
+    if len(time) < 2:
+        return float(force[-1])
+    step = time[-1] - time[-2]
+    return float(force[-1] + (force[-1] - force[-2]) / step * min(stop_s - time[-1], step))
+
+
+def _bins(since_s: NDArray, force_N: NDArray, hold_s: float) -> tuple[NDArray, NDArray]:
+    """Mean time and force of the bins that hold a sample, before the last twentieth. [s, N]"""
+    edges = np.r_[0.0, np.geomspace(FIRST_HOLD_S, (1.0 - LATE) * hold_s, HOLD_BINS)]
+    place = np.digitize(since_s, edges)
+    rows = [np.flatnonzero(place == number) for number in range(1, len(edges))]
+    kept = [row for row in rows if len(row)]
+    return np.array([since_s[row].mean() for row in kept]), np.array([force_N[row].mean() for row in kept])
+
+
+PEAK, STEADY, ENERGY = range(3)
+ENERGY_TOLERANCE = 0.02
+"""Share of an energy within which the verdict does not tell two apart."""
+FOLLOWS = 2.0
+"""Misfit over the scatter of repeats up to which a law follows the curves."""
+
+
+@dataclass(frozen=True)
+class Misfit(Serialised):
+    """What a law misses of one person's peaks, steady forces and energies, and what repeats differ by; rms in percent.
+
+    ``repeats`` is whether presses were repeated; else the scatter is that of depth and noise.
+    """
+
+    subject: str
+    misfit_percent: float
+    scatter_percent: float
+    repeats: bool
+    ratio: float
+    also: ClassVar[tuple[str, ...]] = ("follows",)
+
+    @property
+    def follows(self) -> bool:
+        """Whether the law is taken."""
+        return self.ratio <= FOLLOWS
+
+    @property
+    def words(self) -> str:
+        """Both numbers."""
+        by = "repeats scatter by" if self.repeats else "depth and noise make"
+        return f"{self.subject} by {self.misfit_percent:.1f} % ({by} {self.scatter_percent:.1f} %)"
+
+
+def misfit_of(subject: str, fit: TissueFit, person: MeasuredPerson) -> Misfit:
+    """Hold a fitted law against peaks, steady forces and energies of the presses it was fitted to."""
+    traces, forces = [], []
+    for problem, optimum in fit.problems:
+        traces += problem.traces
+        forces += [_of_model(trace, fitted_force(problem, optimum, k)) for k, trace in enumerate(problem.traces)]
+    measured = np.array([_measured(trace) for trace in traces])
+    off = np.log(np.array(forces) / measured)
+    noise = float(fit.result["noise_floor_N"] or 0.0) / measured
+    noise[:, ENERGY] = 0.0
+    depth = np.array([trace.ramp.depth_mm for trace in traces])
+    around = [person.steady_N(one * np.array([0.9, 1.1]), np.inf) for one in depth]
+    steady = np.array([np.log(high / low) / np.log(1.1 / 0.9) for low, high in around])
+    exponent = np.column_stack([steady, steady, steady + 1.0])
+    expected = np.hypot(exponent * (0.5 * DEPTH_MM / depth)[:, None], noise)
+    scatter = _of_repeats(traces)
+    if scatter is not None:
+        expected = np.full_like(expected, scatter)
+    least = np.broadcast_to((STEADY_TOLERANCE, STEADY_TOLERANCE, ENERGY_TOLERANCE), expected.shape).copy()
+    least[:, PEAK] *= measured[:, STEADY] / measured[:, PEAK]
+    expected = np.maximum(expected, least)
+    return Misfit(subject, 100.0 * _rms(off), 100.0 * _rms(expected), scatter is not None, _rms(off / expected))
+
+
+def _measured(trace: ReducedTrace) -> NDArray:
+    """Peak, steady force and energy of a press, smoothed as curves are. [N, N, mJ]"""
+    press = held_press(trace, trace.velocity_mm_s)
+    return np.array([max(press.rise_N.max(), press.hold_N.max()), trace.steady_force_N, work_mJ(
+        SHARES * press.depth_mm, press.rise_N)])  # fmt: skip
+
+
+def _of_model(trace: ReducedTrace, force_N: NDArray) -> NDArray:
+    """The same of a model's force at the nodes of the press."""
+    time, x = trace.motion.time_s, trace.motion.displacement_mm
+    late, rise = time >= trace.ramp.hold_end_s - 0.05 * trace.hold_s, time <= trace.ramp.stop_time_s
+    return np.array([force_N.max(), force_N[late].mean(), work_mJ(x[rise], force_N[rise])])
+
+
+def _of_repeats(traces: Sequence[ReducedTrace]) -> float | None:
+    """Standard deviation of repeats' peaks, steady forces and energies over their mean, pooled; None without."""
+    squares, count = 0.0, 0
+    for _, _, group in condition_groups(traces):
+        if len(group) < 2:
+            continue
+        values = np.log([_measured(trace) for trace in group])
+        squares += float(((values - values.mean(axis=0)) ** 2).sum())
+        count += 3 * (len(group) - 1)
+    return float(np.sqrt(squares / count)) if count else None
+
+
+def _rms(values: NDArray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+AUTO, NONE = "auto", "none"
+FASTER, SLOWER = 1.3, 3.0
+"""Factors beyond which a press did not move as commanded; a shallow one that brakes all the way is at half."""
+
+
+def add_curves(name: str, table: str, law: str, elements: str, replace_own: bool = False) -> dict[str, Any]:
+    """Make a tissue from a table of curves and keep it in the user's folder."""
+    path = Path(table)
+    if law not in (AUTO, NONE):
+        fitted_law(law)
+    target, hidden = reserve(name, replace_own, elements)
+    curves = read_curves(path)
+    for subject in dict.fromkeys(curve.subject for curve in curves):
+        check_curves([curve for curve in curves if curve.subject == subject], path.name)
+    read = _traces(curves)
+    warnings = copies_of(read)
+    held, short, unlike = _check_presses(read)
+    if unlike:
+        message = f"velocity_mm_s is not how these moved: {'; '.join(unlike)}; they count at the speed in the table"
+        warnings.append({"code": "speed_unlike_told", "message": message})
+    people = {}
+    for who, own in held.items():
+        reduced = [reduce_trace(trace) for trace in own]
+        people[who] = MeasuredPerson([held_press(trace, trace.velocity_mm_s) for trace in reduced])
+    if law != NONE:
+        share_a_speed({who: one.velocities_mm_s for who, one in people.items()})
+    form = DEFAULT if law == AUTO else law
+    fits = {} if law == NONE else fit_people(held, form, elements, intervals=False)
+    misfits = [misfit_of(who, fit, people[who]) for who, fit in fits.items()]
+    missed = [one for one in misfits if not one.follows]
+    by_law = law != NONE and not (law == AUTO and missed)
+    if by_law:
+        fits = fit_people(held, form, elements)
+    rows = [fit_row(who, path.name, fit) for who, fit in fits.items()]
+    if not by_law:
+        kept = f"curves of {path.name}"
+        named = [(who, one, "measured", f"{kept}, {len(one.presses)} presses of {who}") for who, one in people.items()]
+        subjects, notice = subjects_of(named), CURVES.notice_of("This tissue")[1]
+        title = f"{len(subjects)} subject{'s' if len(subjects) > 1 else ''}, measured curves"
+        tissue = Tissue(name, title, CURVES.name, subjects, (), (f"{notice}.",), "user")
+        warnings += tissue.warnings
+    else:
+        tissue = tissue_of_fits(name, fits)
+        warnings += [warning for who, fit in fits.items() for warning in fit_warnings(who, fit)]
+    if missed:
+        message = (
+            "the law does not follow the curves: it misses peaks, steady forces and energies (rms) of "
+            f"{', '.join(one.words for one in missed)}; more than {FOLLOWS:g} times what repeats differ by is not taken"
+            f"{'; --law none keeps the curves' if by_law else ''}"
+        )
+        warnings.append({"code": "law_does_not_follow", "message": message})
+    if short:
+        message = f"left out, held for less than {HELD_S:g} s: {', '.join(short)}"
+        warnings.append({"code": "hold_too_short", "message": message})
+    write_text(target, tissue_toml(tissue))
+    return {
+        "inputs": {"action": "add-curves", "name": name, "curves": table, "law": law, "elements": elements},
+        **tissue.to_dict(), "fits": rows, "law_misfit": [one.to_dict() for one in misfits],
+        "warnings": warnings + _few(tissue) + hidden, "files": {"tissue": str(target)},
+    }  # fmt: skip
+
+
+def _few(tissue: Tissue) -> list[dict[str, str]]:
+    """Warn that one person makes no range, and one speed none at another."""
+    found = []
+    if len(tissue.subjects) < 2:
+        text = f"{tissue.name} has one subject, who makes no range: nothing can be inside it"
+        found.append({"code": "one_subject", "message": text})
+    if len(tissue.velocities_mm_s) == 1:
+        speed = tissue.velocities_mm_s[0]
+        text = f"{tissue.name} is known at {speed:g} mm/s only: give --velocity {speed:g} where a pad is made for it"
+        found.append({"code": "one_speed", "message": text})
+    return found
+
+
+def _check_presses(read: dict[str, list[Trace]]) -> tuple[dict[str, list[Trace]], list[str], list[str]]:
+    """Return presses that were held to a steady force, the others, and those that moved unlike their speed."""
+    held: dict[str, list[Trace]] = {who: [] for who in read}
+    short, unlike = [], []
+    for who, own in read.items():
+        for trace in own:
+            ramp = find_ramp(trace.time_s, trace.displacement_mm)
+            name = trace.name.removesuffix(".csv").replace("_", " ")
+            if ramp.hold_end_s - ramp.stop_time_s < HELD_S:
+                short.append(f"{who}: {name}")
+                continue
+            held[who].append(trace)
+            declared, seen = trace.told_mm_s or np.nan, approach_velocity(trace.time_s, trace.displacement_mm, ramp)
+            if not declared / SLOWER < seen < FASTER * declared:
+                unlike.append(f"{who}, {name}: {seen:.2g} for {declared:g} mm/s")
+    return held, short, unlike
+
+
+def _traces(curves: list[ObservedCurve]) -> dict[str, list[Trace]]:
+    """Curves as traces by person, each with its commanded speed, and with all that is checked of traces."""
+    read: dict[str, list[Trace]] = {}
+    with tempfile.TemporaryDirectory() as folder:
+        for number, curve in enumerate(curves, start=1):
+            rows = zip(curve.time_s, curve.depth_mm, curve.force_N)
+            text = "".join(f"{t:.9g},{x:.9g},{f:.9g}\n" for t, x, f in rows)
+            file = Path(folder) / f"curve_{number}_line_{curve.line}.csv"
+            file.write_text(f"time_s,displacement_mm,force_N\n{text}", encoding="utf-8")
+            trace = replace(read_trace(file), told_mm_s=curve.velocity_mm_s)
+            read.setdefault(curve.subject, []).append(trace)
+    return read

@@ -1,0 +1,343 @@
+"""A measured pad against a tissue's ranges, in a test of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.core.errors import InputError
+from dummydesign.measurement.importing.press_checks import CODES
+from dummydesign.measurement.motion import DECELERATION_MM_S2
+from dummydesign.measurement.sensor import Lowpass
+from dummydesign.measurement.trace import Trace
+from dummydesign.tissue.fitting.fit import Progress, TissueFit, fit_traces
+from dummydesign.tissue.fitting.reduction import ReducedTrace, condition_groups, reduce_trace, rounded_velocity
+from dummydesign.tissue.model.laws import DEFAULT, law_named
+from dummydesign.tissue.model.measured_curves import (
+    FORCE_APART,
+    SAME_DEPTH,
+    SPEED_APART,
+    group_near,
+    log_steady_curve,
+)
+from dummydesign.tissue.model.ranges import STEADY_TOLERANCE, ForceRange, end_of_hold_range
+from dummydesign.tissue.model.tissue import Tissue
+
+LONGER, SHORTER = 1.02, 0.9
+"""Holds over the test's from which on a trace is cut, and below which the test was not made."""
+LOW_SHARE = 0.1
+PAPER_N, PAPER_STEP_N, MOST_STEPS = (5.0, 15.0), 0.1, 400
+
+
+@dataclass(frozen=True)
+class PressTest:
+    """Steady forces, speeds, hold and braking of a test; None for what each press itself was made with."""
+
+    forces_N: tuple[float, ...] | None = None
+    velocities_mm_s: tuple[float, ...] | None = None
+    hold_s: float | None = None
+    deceleration_mm_s2: float | None = None
+
+    @property
+    def span_N(self) -> tuple[float, float]:
+        """Lowest and highest steady force, between which the steady curve is judged: 5 and 15 N unless said. [N]"""
+        return PAPER_N if self.forces_N is None else (self.forces_N[0], self.forces_N[-1])
+
+    @property
+    def grid_N(self) -> NDArray:
+        """Forces at which the steady curve is shown, from a tenth of the lowest. [N]"""
+        low, high = self.span_N
+        step = PAPER_STEP_N * low / PAPER_N[0]
+        below = np.arange(LOW_SHARE * low, low - 0.5 * step, step)
+        count = min(round((high - low) / step), MOST_STEPS)
+        return np.r_[below, np.linspace(low, high, count + 1)]
+
+    def speed_of(self, measured_mm_s: float) -> float:
+        """The test's speed that a measured one stands for; the measured one where the test says none. [mm/s]"""
+        return next((v for v in self.velocities_mm_s or () if _near(measured_mm_s, v, SPEED_APART)), measured_mm_s)
+
+
+def presses_of(
+    traces: Sequence[Trace], test: PressTest
+) -> tuple[list[Trace], list[ReducedTrace], list[tuple[str, str]]]:
+    """Return the presses that belong to a test, held no longer than it holds, and a notice of the others."""
+    every = [_held(trace, test.hold_s) for trace in traces]
+    own = [(trace, reduced) for trace, reduced in every if _belongs(reduced, test)]
+    forces, speeds = (
+        None if values is None else f"{', '.join(f'{v:g}' for v in values)} {unit}"
+        for values, unit in ((test.forces_N, "N"), (test.velocities_mm_s, "mm/s"))
+    )
+    words = " at ".join(filter(None, (forces, speeds)))
+    if every and not own:
+        made = sorted({f"{one.steady_force_N:.2g} N at {one.velocity_mm_s:.2g} mm/s" for _, one in every})
+        raise InputError(
+            f"no press belongs to the test ({words}): the traces are of {'; '.join(made[:6])}; "
+            "give --force and --velocity that were pressed",
+            "nothing_found", "press",
+        )  # fmt: skip
+    others = [trace.name for trace, reduced in every if not _belongs(reduced, test)]
+    names = ", ".join(others[:5]) + (", ..." if len(others) > 5 else "")
+    text = f"{len(others)} of {len(every)} presses are not of the test ({words}) and are left out: {names}"
+    notices = [("press_outside_test", text)] if others else []
+    return [trace for trace, _ in own], [reduced for _, reduced in own], notices
+
+
+def missing_of(reduced: Sequence[ReducedTrace], test: PressTest, known_mm_s: Sequence[float]) -> str:
+    """Say why presses do not settle a test; empty when they do."""
+    made = [(trace.steady_force_N, trace.velocity_mm_s) for trace in reduced]
+    why = []
+    if test.velocities_mm_s is None:
+        absent = [v for v in known_mm_s if not any(_near(speed, v, 1.5) for _, speed in made)]
+        if absent:
+            why.append(f"it was not pressed at {' and '.join(f'{v:g}' for v in absent)} mm/s")
+    if test.forces_N is None and made:
+        (low, high), forces_made = test.span_N, [force for force, _ in made]
+        if max(forces_made) <= high / FORCE_APART:
+            why.append(f"it was not pressed above {max(forces_made):.3g} N")
+        if min(forces_made) >= low * FORCE_APART:
+            why.append(f"it was not pressed below {min(forces_made):.3g} N")
+    if test.forces_N is not None or test.velocities_mm_s is not None:
+        speeds = test.velocities_mm_s or tuple(sorted({speed for speed, _, _ in condition_groups(reduced)}))
+        not_made = [
+            f"{'' if force is None else f'to {force:g} N '}at {speed:g} mm/s"
+            for speed in speeds
+            for force in test.forces_N or (None,)
+            if not any(
+                (force is None or _near(f, force, FORCE_APART)) and _near(v, speed, SPEED_APART) for f, v in made
+            )
+        ]
+        if not_made:
+            why.append(f"it was not pressed {', '.join(not_made)}")
+    if test.hold_s is not None:
+        shortest = min(trace.hold_s for trace in reduced)
+        if shortest < SHORTER * test.hold_s:
+            why.append(f"it was held {shortest:.3g} s of {test.hold_s:g} s")
+    return " and ".join(why)
+
+
+def hold_of(reduced: Sequence[ReducedTrace], test: PressTest) -> float:
+    """Return the hold at whose end steady forces are taken: the test's, else the median of the presses. [s]"""
+    own = float(np.median([trace.hold_s for trace in reduced]))
+    return own if test.hold_s is None else min(test.hold_s, own)
+
+
+def _held(trace: Trace, hold_s: float | None) -> tuple[Trace, ReducedTrace]:
+    """The trace, cut at the end of the test's hold where it was held longer, and reduced."""
+    reduced = reduce_trace(trace)
+    if hold_s is None or reduced.hold_s <= LONGER * hold_s:
+        return trace, reduced
+    keep = trace.time_s <= reduced.ramp.stop_time_s + hold_s
+    cut = replace(
+        trace, time_s=trace.time_s[keep], displacement_mm=trace.displacement_mm[keep], force_N=trace.force_N[keep]
+    )
+    return cut, reduce_trace(cut)
+
+
+def _belongs(reduced: ReducedTrace, test: PressTest) -> bool:
+    force, speed = reduced.steady_force_N, reduced.velocity_mm_s
+    return (test.forces_N is None or any(_near(force, one, FORCE_APART) for one in test.forces_N)) and (
+        test.velocities_mm_s is None or any(_near(speed, one, SPEED_APART) for one in test.velocities_mm_s)
+    )
+
+
+def _near(value: float, wanted: float, factor: float) -> bool:
+    return wanted / factor < value < wanted * factor
+
+
+SHOWN = ("lack_of_fit", "at_bound", "not_identifiable", *CODES)
+"""Codes of the fit's warnings that a comparison repeats."""
+BRAKING_MM_S2 = (3_000.0, 200_000.0)
+AS_PRESSED = PressTest()
+"""Every press in its own test, the steady curve from 5 to 15 N."""
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What was found; ``result`` is the JSON of ``compare``, the rest is for tables and pictures.
+
+    ``steady`` are depths (n,) [mm] of the dummy at the forces ``grid_N``, NaN where it was not pressed, ``range_mm``
+    those of the stiffest and the softest subject; ``presses`` pair each trace with the tissue's range at its
+    condition; ``test`` is what they were compared in.
+    """
+
+    result: dict[str, Any]
+    fit: TissueFit
+    steady: NDArray
+    points: NDArray
+    presses: tuple[tuple[ReducedTrace, ForceRange], ...]
+    grid_N: NDArray
+    range_mm: tuple[NDArray, NDArray]
+    test: PressTest
+
+
+def compare_traces(
+    traces: Sequence[Trace], tissue: Tissue, lowpass: Lowpass | None = None, test: PressTest = AS_PRESSED,
+    progress: Progress | None = None,
+) -> Comparison:  # fmt: skip
+    """Compare a dummy's traces with a tissue: by parameters, by steady-state range, by force variation range.
+
+    The dummy is fitted per speed with the law and the number of elements of the tissue. Its steady-state
+    curve goes through its measured (depth, force at the end of the hold); below the smallest of them it
+    is the rise of the slowest, deepest press scaled by that press's steady over peak force. The force
+    variation range is made for the steady force, speed, hold and braking of each press, and goes through
+    the declared sensor filter as the dummy's force did. A test that is given chooses the presses that belong
+    to it, ends their hold, and says between which forces the steady curve is judged; after a hold of less than
+    10 s that curve is compared with the subjects' at the end of the same hold.
+    """
+    own, reduced, notices = presses_of(traces, test)
+    known = law_named(tissue.law).fitted
+    elements, law = (tissue.elements, tissue.law) if known else (5, DEFAULT)
+    fit = fit_traces(own, elements, law, "per-speed", lowpass, progress=progress)
+    if progress is not None:
+        progress("ranges of the tissue")
+    grid = test.grid_N
+    points, depth = steady_curve(reduced, grid)
+    slowest = min(trace.velocity_mm_s for trace in reduced)
+    span = end_of_hold_range(tissue.parameter_sets, grid, test.speed_of(rounded_velocity(slowest)),
+                             hold_of(reduced, test), test.deceleration_mm_s2 or DECELERATION_MM_S2)  # fmt: skip
+    presses, rows = [], []
+    for measured, _, group in condition_groups(reduced):
+        speed = test.speed_of(measured)
+        for trace in group:
+            braking = test.deceleration_mm_s2 or braking_of(trace, speed)
+            band = tissue.force_range(trace.steady_force_N, speed, trace.hold_s, braking, lowpass)
+            shares = _shares(trace, band, fit.result["noise_floor_N"])
+            presses.append((trace, band))
+            rows.append({"file": trace.trace.name, "velocity_mm_s": speed, **shares})
+    result = {
+        "tissue": tissue.name,
+        "law": tissue.law,
+        "parametric": _parametric(fit, tissue) if known else {},
+        "steady_state_range": _steady_shares(grid, depth, span, test.span_N),
+        "force_variation_range": _by_condition(reduced, rows, test),
+        "by_trace": rows,
+        "fit": {key: fit.result[key] for key in ("rmse_N", "noise_floor_N", "max_residual_N", "comparison")},
+        "warnings": _warnings(fit, tissue, points, rows, notices),
+    }
+    return Comparison(result, fit, depth, points, tuple(presses), grid, span, test)
+
+
+def steady_curve(reduced: Sequence[ReducedTrace], grid_N: NDArray) -> tuple[NDArray, NDArray]:
+    """Steady points (k, 2) of depth and force at the end of the hold, and depths at the forces ``grid_N`` (n,)."""
+    points = sorted((trace.ramp.depth_mm, trace.steady_force_N) for trace in reduced)
+    groups = group_near(points, lambda point: point[0], SAME_DEPTH)
+    knots = np.array([[np.mean(column) for column in zip(*group)] for group in groups])
+    slowest = min(reduced, key=lambda trace: (round(trace.velocity_mm_s, -1), -trace.ramp.depth_mm))
+    rise = slowest.end_s <= slowest.ramp.stop_time_s
+    scaled = slowest.force_N[rise] * slowest.steady_force_N / float(slowest.force_N[rise].max())
+    log_depth, log_force = log_steady_curve(slowest.depth_mm[rise], scaled, *knots.T)
+    depth = np.exp(np.interp(np.log(grid_N), log_force, log_depth, left=np.nan, right=np.nan))
+    # a force a little above the deepest press still belongs to it
+    last = (np.isnan(depth)) & (grid_N > knots[-1, 1]) & (grid_N <= 1.05 * knots[-1, 1])
+    depth[last] = knots[-1, 0]
+    return knots, depth
+
+
+def braking_of(trace: ReducedTrace, velocity_mm_s: float) -> float:
+    """Deceleration of the robot: of the way left before the stop, sqrt(d - x) = sqrt(a / 2) (t_stop - t). [mm/s2]
+
+    With fewer than four samples there, from the rise time, t_p = d / v + v / (2 a); the default when it is not seen.
+    """
+    spare = trace.ramp.rise_time_s - trace.ramp.depth_mm / velocity_mm_s
+    if velocity_mm_s < 50 or spare <= 0:
+        return DECELERATION_MM_S2
+    rough = float(np.clip(velocity_mm_s / (2.0 * spare), *BRAKING_MM_S2))
+    time, x = trace.trace.time_s, trace.trace.displacement_mm
+    left = (trace.ramp.depth_mm - x) * 2.0 * rough / velocity_mm_s**2
+    seen = (time > trace.ramp.contact_time_s) & (time < trace.ramp.stop_time_s) & (left > 0.02) & (left < 0.6)
+    if seen.sum() < 4:
+        return rough
+    slope = np.polyfit(time[seen], np.sqrt(trace.ramp.depth_mm - x[seen]), 1)[0]
+    return float(np.clip(2.0 * slope**2, *BRAKING_MM_S2))
+
+
+def _shares(trace: ReducedTrace, band: ForceRange, noise_N: float) -> dict[str, Any]:
+    """Shares of one press inside its range, give or take the steady force's tolerance or the noise."""
+    time = trace.trace.time_s[trace.inside] - trace.ramp.contact_time_s
+    force = trace.trace.force_N[trace.inside]
+    near = max(STEADY_TOLERANCE * trace.steady_force_N, 3.0 * noise_N)
+    shares = band.inside(time, force, trace.ramp.rise_time_s, near)
+    return {
+        "steady_force_N": trace.steady_force_N,
+        "depth_mm": trace.ramp.depth_mm,
+        "peak_force_N": float(force.max()),
+        "range_peak_low_N": band.peak_low_N,
+        "range_peak_high_N": band.peak_high_N,
+        **{name: float(share) for name, share in shares.items()},
+    }
+
+
+def _by_condition(
+    reduced: Sequence[ReducedTrace], rows: list[dict[str, Any]], test: PressTest
+) -> list[dict[str, Any]]:
+    """Mean over the repeats of each condition."""
+    by_file = {row["file"]: row for row in rows}
+    conditions = []
+    for speed, _, group in condition_groups(reduced):
+        own = [by_file[trace.trace.name] for trace in group]
+        keys = [key for key in own[0] if key not in ("file", "velocity_mm_s")]
+        mean = {key: float(np.mean([row[key] for row in own])) for key in keys}
+        conditions.append({"velocity_mm_s": test.speed_of(speed), **mean, "repeats": len(own)})
+    return conditions
+
+
+def _parametric(fit: TissueFit, tissue: Tissue) -> dict[str, Any]:
+    """Each parameter beside the tissue's band at the same speed; dampers at speeds both have."""
+    table: dict[str, Any] = {}
+    for name, entry in fit.result["parameters"].items():
+        band = tissue.bands[name]
+        for speed, one in {"": entry}.items() if "value" in entry else entry.items():
+            limits = band.get(speed) if speed else band
+            row = {key: one[key] for key in ("value", "low", "high", "at_bound")}
+            row |= {"band_low": None, "band_high": None, "inside": None}
+            if limits is not None:
+                inside = bool(limits.low <= one["value"] <= limits.high)
+                row |= {"band_low": limits.low, "band_high": limits.high, "inside": inside}
+            table[f"{name}.{speed}" if speed else name] = row
+    return table
+
+
+def _steady_shares(
+    grid_N: NDArray, depth: NDArray, range_mm: tuple[NDArray, NDArray], span_N: tuple[float, float]
+) -> dict[str, Any]:
+    """Shares over the forces the dummy reached; a part it did not reach is null. Below means below the lowest force."""
+    reached = ~np.isnan(depth)
+    inside = (depth >= range_mm[0] - 1e-9) & (depth <= range_mm[1] + 1e-9)
+    parts = {
+        "inside_fraction": reached, "below_5N_fraction": reached & (grid_N <= span_N[0] * (1 + 1e-9)),
+        "above_5N_fraction": reached & (grid_N >= span_N[0] * (1 - 1e-9)),
+    }  # fmt: skip
+    found: dict[str, Any] = {name: float(inside[part].mean()) if part.any() else None for name, part in parts.items()}
+    span = grid_N[reached]
+    reach = [float(span[0]), float(span[-1])] if len(span) else None
+    return {**found, "reached_N": reach, "span_N": list(span_N)}
+
+
+def _warnings(
+    fit: TissueFit, tissue: Tissue, points: NDArray, rows: list[dict[str, Any]], notices: list[tuple[str, str]]
+) -> list[dict[str, str]]:
+    fitted = law_named(tissue.law).fitted
+    own: list[tuple[str, str]] = []
+    if "inferred" in tissue.kinds:
+        own.append(("inferred_tissue", f"the band of {tissue.name} is inferred, not measured"))
+    if points[0, 1] > 0.6:
+        own.append(("steady_from_rise", f"below {points[0, 1]:.2g} N the steady-state curve is the scaled rise of the "
+                    "slowest press, not a measured steady force"))  # fmt: skip
+    own += [] if tissue.notice is None else [tissue.notice]
+    unknown = sorted({row["velocity_mm_s"] for row in rows} - set(tissue.velocities_mm_s))
+    if tissue.measured:
+        unknown = [v for v in unknown if all(max(v / one, one / v) > SPEED_APART for one in tissue.velocities_mm_s)]
+    speeds = ", ".join(f"{v:g}" for v in unknown)
+    if tissue.measured and unknown:
+        own.append(("speed_not_in_band", f"nobody was pressed at {speeds} mm/s: the range there lies between the "
+                    "curves of the speeds beside it"))  # fmt: skip
+    elif fitted and unknown:
+        own.append(("speed_not_in_band", f"the tissue has no dampers at {speeds} mm/s: its range there uses dampers "
+                    "interpolated in ln c over ln v"))  # fmt: skip
+    of_fit = [w for w in fit.result["warnings"] if w["code"] in (SHOWN if fitted else CODES)]
+    before, after = ([{"code": code, "message": text} for code, text in found] for found in (notices, own))
+    return before + of_fit + after

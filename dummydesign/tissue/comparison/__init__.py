@@ -1,1 +1,0 @@
-"""A measured dummy held against a tissue, in a test of its own."""

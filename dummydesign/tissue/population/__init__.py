@@ -1,1 +1,0 @@
-"""From subjects to a tissue: traces, digitised points, posterior, the next measurement."""

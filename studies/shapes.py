@@ -1,0 +1,238 @@
+"""How far each shape closes the gap below 5 N, for the three tissues.
+
+    python -m studies.shapes
+
+designs a pad of every kind for the palm, the thenar and the forefinger of the library (average subject, the
+paper's polyurethane), solves the best ones again by finite elements, and writes the tables into
+``docs/shapes.md`` and the curves into ``docs/data/shapes.csv``. Nothing is drawn at random.
+"""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.core.errors import NoAnswerError
+from dummydesign.core.files import write_text
+from dummydesign.design.assessment.verification import CentringTolerance, centring_tolerance
+from dummydesign.design.request import RADIUS_MM, Request
+from dummydesign.design.scoring.presses import DEPTH_SHARE
+from dummydesign.design.scoring.targets import Targets
+from dummydesign.design.search.best_of_kinds import MISFIT_N, ShapeComparison, steady_force
+from dummydesign.design.suggest import suggest
+from dummydesign.design.suggestion import Suggestion
+from dummydesign.geometry.dimensions import PUNCH_SIDE_MM
+from dummydesign.geometry.interface import CONDITIONS
+from dummydesign.geometry.shapes.slab import Slab
+from dummydesign.pad.specimen import Pad
+from studies.marked_page import MarkedPage
+
+TISSUES = ("forefinger", "palm", "thenar")
+CHECKED_N = MISFIT_N[::3]
+PAGE, CURVES = Path("docs") / "shapes.md", Path("docs") / "data" / "shapes.csv"
+MARKED = MarkedPage(PAGE, "<!-- shapes tables: begin -->", "<!-- shapes tables: end -->")
+
+
+@dataclass(frozen=True)
+class Solved:
+    """Finite-element forces of one design at the depths where the aim carries CHECKED_N.
+
+    ``force_N`` holds one array a condition of the face, NaN where the solve did not get; ``table_N`` is what the
+    response table gives. ``misfit`` is that of each condition over the depths that were reached, with the tissue's
+    force at the last of them; None where none was.
+    """
+
+    depth_mm: NDArray
+    table_N: NDArray
+    force_N: dict[str, NDArray]
+    misfit: dict[str, tuple[float, float] | None]
+
+
+def check(item: ShapeComparison, targets: Targets) -> Solved:
+    """Solve one design by finite elements, glued and frictionless, at the tissue's depths."""
+    from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad
+
+    depth = targets.aim_depth_mm(CHECKED_N)
+    table = steady_force(item.candidate, depth)
+    slabs = item.candidate.evaluation.slabs.take(np.array([item.candidate.index]))
+    elastic = slabs.young_MPa[0] * slabs.curves.area_at(slabs.slab, depth[None])[0]
+    thickness = item.candidate.thickness_mm
+    within = depth[depth <= DEPTH_SHARE * thickness]
+    forces: dict[str, NDArray] = {}
+    for condition in CONDITIONS:
+        found = np.full(len(depth), np.nan)
+        try:
+            curve = solve_shaped_pad(
+                Pad(thickness, float(slabs.young_MPa[0]), RADIUS_MM, geometry=item.shape, condition=condition), within
+            )
+        except NoAnswerError:
+            forces[condition] = found
+            continue
+        found[: len(curve.force_N)] = curve.force_N
+        # The share left of relaxation at the end of the hold is the table's.
+        forces[condition] = found * table / elastic
+    misfit = {name: _misfit(force) for name, force in forces.items()}
+    return Solved(depth, table, forces, misfit)
+
+
+def _misfit(force_N: NDArray) -> tuple[float, float] | None:
+    """Misfit over the depths that were reached, and the tissue's force at the last. [-, N]"""
+    known = np.isfinite(force_N)
+    if not known.any():
+        return None
+    away = np.log(force_N[known] / CHECKED_N[known])
+    return float(np.sqrt(np.mean(away**2))), float(CHECKED_N[known][-1])
+
+
+@dataclass(frozen=True)
+class Row:
+    """One design of the study."""
+
+    tissue: str
+    item: ShapeComparison
+    solved: Solved | None
+    centring: CentringTolerance | None
+
+
+def study(tissue: str) -> tuple[Suggestion, list[Row]]:
+    """Design every kind of shape for one tissue and solve what was found."""
+    answer = suggest(Request(tissue, shape="auto"))
+    rows = []
+    for item in answer.beside:
+        if item.candidate is None:
+            rows.append(Row(tissue, item, None, None))
+            continue
+        solved = check(item, answer.targets) if item.kind != Slab.name and item.shape.axisymmetric else None
+        lands = centring_tolerance(item.candidate, item.shape, RADIUS_MM, 0.5 * PUNCH_SIDE_MM)
+        rows.append(Row(tissue, item, solved, lands))
+        print(f"{tissue} {item.shape}: misfit {item.low_force.misfit_rms_ln_force}", flush=True)
+    return answer, rows
+
+
+def lowest_slab(answer: Suggestion, law: Any) -> tuple[float, float, float]:
+    """Thickness [mm], modulus [kPa] and misfit of the slab that comes nearest, whatever else it misses."""
+    depth = answer.targets.aim_depth_mm(CHECKED_N)
+    best = (float("nan"), float("nan"), float("inf"))
+    for thickness in np.arange(3.0, 30.5, 0.5):
+        if depth[-1] > min(DEPTH_SHARE * thickness, float(law.depth_limit_mm(thickness, RADIUS_MM))):
+            continue
+        away = np.log(CHECKED_N / np.asarray(law.force(depth, thickness, 1.0, RADIUS_MM)))
+        if away.std() < best[2]:
+            best = (float(thickness), 1e3 * float(np.exp(away.mean())), float(away.std()))
+    return best
+
+
+def tables(found: list[tuple[Suggestion, list[Row], tuple[float, float, float]]]) -> str:
+    """The study as Markdown tables."""
+    parts = []
+    for answer, rows, nearest in found:
+        name, gamma = answer.tissue.name, answer.targets.parameters.gamma1_N_per_mm3
+        parts.append(f"### {name[0].upper()}{name[1:]}, gamma1 = {gamma:.3g} N/mm3")
+        flat = next(row.item for row in rows if row.item.kind == Slab.name)
+        base = flat.low_force.misfit_rms_ln_force if flat.low_force else None
+        lines = [
+            "| pad | mm | E kPa | misfit | of the slab's | glued | frictionless | fraction < 5 N | fraction > 5 N "
+            "| exponent 0.5 / 1 / 5 / 15 N | d/h at 15 N | total |",
+            "|---|---|---|---|---|---|---|---|---|---|---|---|",
+        ]
+        lines += [_line(row, base) for row in rows]
+        lines.append(
+            f"| slab, nearest in misfit alone | {nearest[0]:g} | {nearest[1]:.3g} | {nearest[2]:.2f} "
+            f"| {_share(nearest[2], base)} | | | | | | | |"
+        )
+        parts.append("\n".join(lines))
+        margins = [row for row in rows if row.centring]
+        if margins:
+            head = "| pad | " + " | ".join(f"{force:g} N" for force in margins[0].centring.force_N) + " |"
+            cells = [" | ".join(map(_margin, *_pairs(row.centring))) for row in margins]
+            body = [f"| {row.item.shape} | {text} |" for row, text in zip(margins, cells)]
+            mark = "|---" * (1 + len(margins[0].centring.force_N)) + "|"
+            parts.append("Contact radius and, in brackets, the alignment tolerance of the punch [mm]:")
+            parts.append("\n".join([head, mark, *body]))
+    return "\n\n".join(parts) + "\n"
+
+
+def _pairs(lands: CentringTolerance) -> tuple[tuple[float | None, ...], tuple[float | None, ...]]:
+    return lands.contact_radius_mm, lands.margin_mm
+
+
+def _margin(radius: float | None, margin: float | None) -> str:
+    return "-" if radius is None else f"{radius:.1f} ({margin:.1f})"
+
+
+def _share(misfit: float | None, base: float | None) -> str:
+    return "-" if misfit is None or not base else f"{misfit / base:.2f}"
+
+
+def _two(value: float | None) -> str:
+    return "-" if value is None else f"{value:.2f}"
+
+
+def _reached(misfit: tuple[float, float] | None) -> str:
+    if misfit is None:
+        return "-"
+    part = "" if misfit[1] >= CHECKED_N[-1] * (1.0 - 1e-9) else f" (to {misfit[1]:.2g} N)"
+    return f"{misfit[0]:.2f}{part}"
+
+
+def _line(row: Row, base: float | None) -> str:
+    item = row.item
+    if item.candidate is None:
+        return f"| {item.kind} | {item.reason} |" + " |" * 10
+    near = item.low_force
+    exponents = " / ".join(_two(near.exponent_at_N[force]) for force in ("0.5", "1", "5", "15"))
+    solved = [_reached(row.solved.misfit[name]) if row.solved else "" for name in CONDITIONS]
+    return (
+        f"| {item.shape} | {item.candidate.thickness_mm:g} | {item.young_kPa:.3g} | {_two(near.misfit_rms_ln_force)} "
+        f"| {_share(near.misfit_rms_ln_force, base)} | {solved[0]} | {solved[1]} | {near.share_below_5N:.2f} "
+        f"| {near.share_above_5N:.2f} | {exponents} | {_two(near.depth_over_thickness)} | {item.candidate.total:.2f} |"
+    )
+
+
+def curves_text(rows: list[Row]) -> str:
+    """Depths and forces of every solved design as CSV."""
+    forces = "tissue_force_N,table_force_N,bonded_force_N,frictionless_force_N"
+    lines = [f"tissue,shape,thickness_mm,young_kPa,depth_mm,{forces}"]
+    for row in rows:
+        if row.solved is None:
+            continue
+        head = f'{row.tissue},"{row.item.shape}",{row.item.candidate.thickness_mm:g},{row.item.young_kPa:.5g}'
+        values = (row.solved.depth_mm, CHECKED_N, row.solved.table_N, *(row.solved.force_N[c] for c in CONDITIONS))
+        lines += [f"{head},{','.join('' if np.isnan(v) else f'{v:.5g}' for v in point)}" for point in zip(*values)]
+    return "\n".join(lines) + "\n"
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Design, solve and write the page.
+
+    Raises
+    ------
+    InputError
+        When the page or its marks are missing.
+    """
+    from dummydesign.geometry.dimensions import PUNCH
+    from dummydesign.pad.tables.slab import load_table
+    from dummydesign.pad.tables.square import punch_law
+
+    parser = argparse.ArgumentParser(prog="python -m studies.shapes", description=__doc__)
+    parser.add_argument("--repository", type=Path, default=Path("."), help="folder that holds docs/")
+    options = parser.parse_args(arguments)
+    MARKED.read(options.repository)
+    law = punch_law(load_table(base="bonded"), PUNCH)
+    found = []
+    for tissue in TISSUES:
+        answer, rows = study(tissue)
+        found.append((answer, rows, lowest_slab(answer, law)))
+    made = tables(found)
+    print(made)
+    write_text(options.repository / CURVES, curves_text([row for _, rows, _ in found for row in rows]))
+    MARKED.write(options.repository, made)
+
+
+if __name__ == "__main__":
+    main()

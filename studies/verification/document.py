@@ -1,0 +1,56 @@
+"""Run of all checks, and the text of VERIFICATION.md."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable
+
+from studies.verification.check import Check
+from studies.verification.slabs_and_pucks import ALL
+
+
+def run(fast: bool, say: Callable[[str], None] | None = None) -> list[Check]:
+    """Run the checks; ``fast`` leaves out those that take more than about a second."""
+    found: list[Check] = []
+    for is_fast, make in ALL:
+        if fast and not is_fast:
+            continue
+        began = time.perf_counter()
+        rows: Iterable[Check] = make()
+        found += list(rows)
+        if say:
+            say(f"{make.__name__}: {time.perf_counter() - began:.1f} s")
+    return found
+
+
+def document(checks: list[Check]) -> str:
+    """The text of VERIFICATION.md."""
+    failed = sum(not check.passed for check in checks)
+    lines = [
+        "# Verification of the pad model",
+        "",
+        "Made by `python -m studies.verification`; do not edit. Lengths in thicknesses, stresses in shear",
+        "moduli unless a unit is given. Tolerances are relative unless marked `abs`; `>=` asks for at least what",
+        "is expected. Comparisons with FElupe and GetFEM, separate programs, are `python benchmarks/pad_felupe.py`",
+        "and `python benchmarks/pad_getfem.py`; their figures are in `docs/pad.md`.",
+        "",
+        f"{len(checks)} checks, {failed} failed.",
+    ]
+    for group in dict.fromkeys(check.group for check in checks):
+        lines += ["", f"## {group}", "", "| check | expected | found | deviation | tolerance | source | |"]
+        lines.append("|---|---|---|---|---|---|---|")
+        for check in checks:
+            if check.group == group:
+                lines.append(_row(check))
+    return "\n".join(lines) + "\n"
+
+
+def _row(check: Check) -> str:
+    percent = f"{check.deviation:+.2g}" if check.absolute else f"{100 * check.deviation:+.3f} %"
+    tolerance = f"{check.tolerance:g} abs" if check.absolute else f"{100 * check.tolerance:.3g} %"
+    sign = ">= " if check.one_sided else ""
+    verdict = "pass" if check.passed else "FAIL"
+    return (
+        f"| {check.name} | {sign}{check.expected:.5g} | {check.found:.5g} | {percent} | {tolerance} | "
+        f"{check.source} | {verdict} |"
+    )

@@ -1,0 +1,70 @@
+"""What is verified of shaped pads: the cap on a layer, and the slab as the limit of every shape."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from dummydesign.geometry.pad_shape import PadShape
+from dummydesign.geometry.shapes.boned import Boned
+from dummydesign.geometry.shapes.crowned import Crowned
+from dummydesign.geometry.shapes.layered import Layered
+from dummydesign.geometry.shapes.slab import Slab
+from dummydesign.pad.axisymmetric.case import Case
+from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad
+from dummydesign.pad.axisymmetric.shaped_problem import solve_path
+from dummydesign.pad.axisymmetric.sharp_edge import solve_curve
+from dummydesign.pad.specimen import Pad
+from studies.verification.check import Check
+
+GROUP = "Shaped pads"
+# f(c) of a frictionless cap on an incompressible layer glued to its base, F = 16/9 E sqrt(R) d^1.5 f(c).
+CAP_ON_LAYER = {0.185: 1.270, 0.417: 1.857, 0.554: 2.381, 0.748: 3.371, 1.054: 5.563, 1.349: 8.468}
+SMALL = 4e-4
+
+
+def _paraboloid(radius: float, foot: float) -> Crowned:
+    return Crowned(radius, foot**2 / (2.0 * radius), foot)
+
+
+def cap_on_layer() -> Iterator[Check]:
+    """Small strain: a shallow paraboloid on a layer, for c = sqrt(R d) / h."""
+    for c, factor in CAP_ON_LAYER.items():
+        radius = c**2 / SMALL
+        reach = 2.0 * c + 1.0
+        shape = _paraboloid(radius, reach + 3.0)
+        curve = solve_shaped_pad(
+            Pad(1.0, 1.0, reach, extent_mm=reach + 6.0, geometry=shape, condition="frictionless"),
+            [0.25 * SMALL, SMALL],
+            cells=48,
+        )
+        found = float(curve.force_N[-1]) / (16.0 / 9.0 * np.sqrt(radius) * SMALL**1.5)
+        yield Check(GROUP, f"cap on a layer, f at c = {c:g}", factor, found, 2e-3, "integral equation of the layer")
+
+
+def slab_limits() -> Iterator[Check]:
+    """Every shape becomes the slab: a crown that is nearly flat, equal layers, a bone far below."""
+    depth, radius = 1.5, 7.9
+    slab = solve_curve(Pad(8.0, 0.05, radius), [0.5 * depth, depth])
+    expected = float(slab.force_N[-1])
+    flat: tuple[tuple[str, PadShape], ...] = (
+        ("equal layers", Layered(3.0, 1.0)),
+        ("bone of 0.01 mm", Boned(2000.0, 0.01)),
+    )
+    for name, shape in flat:
+        curve = solve_shaped_pad(Pad(8.0, 0.05, radius, geometry=shape), [0.5 * depth, depth])
+        found = float(curve.force_N[-1]) / expected
+        yield Check(GROUP, f"{name}, over the slab, d/h 0.19", 1.0, found, 3e-3, "the slab, solved as one")
+    flat_crown = _paraboloid(2e4, 11.0)
+    curve = solve_shaped_pad(Pad(8.0, 0.05, radius, geometry=flat_crown), [0.5 * depth, depth])
+    name, source = "crown of 0.003 mm, over the slab, d/h 0.19, sharp edge", "the slab; tolerance: the stated error"
+    stated = float(curve.error_N[-1] / curve.force_N[-1])
+    yield Check(GROUP, name, 1.0, float(curve.force_N[-1]) / expected, stated, source)
+    ratio, share = radius / 8.0, np.array([0.5 * depth, depth]) / 8.0
+    both = [
+        solve_path(Case(ratio, 75.7 / 8.0, shape=shape, thickness_mm=8.0), share).force[-1]
+        for shape in (flat_crown, Slab())
+    ]
+    name = "crown of 0.003 mm, over the slab, d/h 0.19, same fillet"
+    yield Check(GROUP, name, 1.0, float(both[0] / both[1]), 4e-3, "the slab on the same cells, steps of both")

@@ -57,10 +57,12 @@ def render(result: dict[str, Any]) -> str:
         low, high = (f"{one[end]:.5g}" if one[end] is not None else "-" for end in ("low", "high"))
         state = "  at bound" if one["at_bound"] else ""
         lines.append(f"{label:<30} {one['value']:>11.5g} {low:>11} {high:>11}{state}")
-    lines.append(f"{'elements':<9} {'rms N':>9} {'AICc':>11} {'held-out rms N':>15}")
+    lines.append(f"{'elements':<9} {'rms N':>9} {'AICc above':>11} {'held-out rms N':>15}")
+    lowest = min(row["aicc"] for row in result["comparison"].values())
     for number, row in result["comparison"].items():
+        above = f"{row['aicc'] - lowest:.1f}" if row["aicc"] - lowest < 1000 else "> 1000"
         heldout = f"{row['heldout_rmse_N']:.4g}" if row["heldout_rmse_N"] is not None else "-"
-        lines.append(f"{number:<9} {row['rmse_N']:>9.4g} {row['aicc']:>11.1f} {heldout:>15}")
+        lines.append(f"{number:<9} {row['rmse_N']:>9.4g} {above:>11} {heldout:>15}")
     tried = result["starts"]
     lines.append(f"{tried['same_optimum']} of {tried['tried']} starts ended in the same optimum")
     lines.append(f"{'trace':<28} {'mm/s':>7} {'mm':>7} {'steady N':>9} {'peak N':>8} {'rms N':>8} {'worst N':>8}")

@@ -86,7 +86,7 @@ def test_finite_elements_and_table_agree_at_moderate_depth():
 
 @pytest.mark.slow
 def test_stiffening_is_solved_under_a_face_that_slides(monkeypatch):
-    monkeypatch.setattr(solved, "SHARES", (0.02,))
+    monkeypatch.setattr(solved, "SLAB_SHARES", (0.02,))
     cases = [solved.SlabCase(8.0, 8.0, condition="frictionless", yeoh_c2_over_mu=c2) for c2 in (0.0, 2.0)]
     soft, stiff = (solved.solve_slab(case) for case in cases)
     assert 1.01 < stiff.area_mm2[0] / soft.area_mm2[0] < 1.1

@@ -193,7 +193,8 @@ def test_fit_and_compare_are_the_answers_of_their_commands(capsys, tmp_path, mon
     assert mine == printed(capsys, "fit", *names, "--elements", "3", "--out", "mine.toml")
     assert mine["files"]["tissue"] == "mine.toml" and mine["inputs"]["law"] == "ode"
     mine = plain(dummydesign.compare(names, "forefinger", out="held"))
-    assert mine == printed(capsys, "compare", *names, "--tissue", "forefinger", "--out", "held")
+    assert mine["verdict"]["light"] == "red"
+    assert mine == printed(capsys, "compare", *names, "--tissue", "forefinger", "--out", "held", status=1)
     assert plain(dummydesign.compare(names, "forefinger"))["files"] == {}
 
 

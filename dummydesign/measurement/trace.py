@@ -239,13 +239,7 @@ def _deepest_loaded(displacement: NDArray, force: NDArray) -> tuple[float, float
 
 def pulls_more(displacement: NDArray, force: NDArray) -> bool:
     """Whether a sticky pad pulls harder at the lift-off than it was pressed: compression where it is deepest, and a
-    larger tension elsewhere. That is data; a force of the wrong sign is tension where it is deepest.
-
-    Parameters
-    ----------
-    displacement, force : ndarray, shape (n,)
-        [mm, N]
-    """
+    larger tension elsewhere. That is data; a force of the wrong sign is tension where it is deepest."""
     largest = float(displacement.max())
     if largest <= 0.0:
         return False

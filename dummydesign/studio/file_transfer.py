@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import tempfile
@@ -9,7 +10,7 @@ import zipfile
 from collections.abc import Iterator
 from itertools import count
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import unwritable, write_bytes
@@ -45,6 +46,15 @@ def inside(root: Path, path: str) -> Path:
     if any(part.startswith(".") for part in parts):
         raise InputError(f"'{path[:200]}' is not a file of this project", "not_allowed", "path", path[:200])
     return found
+
+
+def read_json(path: Path) -> dict[str, Any]:
+    """What a JSON file holds; empty where it cannot be read or holds something else than keys."""
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}
 
 
 def numbered(name: str, ending: str = "") -> Iterator[str]:

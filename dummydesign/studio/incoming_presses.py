@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 import shutil
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -20,7 +19,7 @@ from dummydesign.measurement.campaign_file import FILE
 from dummydesign.measurement.campaign_from_files import COLUMNS, named_values, read_trials
 from dummydesign.measurement.campaign_status import differences_from_plan
 from dummydesign.measurement.trace import read_trace
-from dummydesign.studio.file_transfer import check_press, inside, plain_name, save_upload
+from dummydesign.studio.file_transfer import check_press, inside, plain_name, read_json, save_upload
 from dummydesign.studio.made import Mould, moulds, shape_key
 from dummydesign.studio.project_files import Deleted, delete, replace_file
 from dummydesign.studio.state import State
@@ -246,7 +245,7 @@ def _kind(mould: Mould) -> tuple[Any, ...]:
 def plan_of(root: Path, campaign: str) -> dict[str, Any]:
     """The fields of a plan that ``campaign new`` wrote, by its manifest; empty where it cannot be read."""
     try:
-        manifest = json.loads((root / campaign / MANIFEST).read_text(encoding="utf-8"))
+        manifest = read_json(root / campaign / MANIFEST)
         pads, set_up = manifest["inputs"]["design"], manifest["inputs"]["set_up"]
         if manifest["command"] != "campaign new" or pads["by_depth"]:
             return {}
@@ -256,7 +255,7 @@ def plan_of(root: Path, campaign: str) -> dict[str, Any]:
             "hold": float(pads["hold_s"]), "shape": str(set_up.get("shape", "slab")), "pad": str(set_up["pad"]),
             "resin": set_up.get("resin"), "ratio": set_up.get("ratio"), "punch": str(set_up["punch"]),
         }  # fmt: skip
-    except (OSError, ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError):
         return {}
     return found if found["resin"] and found["ratio"] else {}
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -85,10 +84,10 @@ def records(root: Path, pad: PressedPad) -> list[str]:
 
 def gauge_points(folder: Path) -> list[GaugePoint]:
     """Gauge points of a mould; empty where its specification cannot be read."""
+    points = files.read_json(folder / "spec.json").get("gauge_points", [])
     try:
-        points = json.loads((folder / "spec.json").read_text(encoding="utf-8"))["gauge_points"]
         return [GaugePoint(str(one["name"]), float(one["low_mm"]), float(one["high_mm"])) for one in points]
-    except (OSError, ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError):
         return []
 
 

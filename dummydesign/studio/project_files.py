@@ -19,7 +19,7 @@ from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.core.manifest import sha256_of
 from dummydesign.project.folder import FILE, FOLDERS, Project, change_project, read_project
 from dummydesign.studio import jobs
-from dummydesign.studio.file_transfer import inside, numbered, plain_name, save_upload
+from dummydesign.studio.file_transfer import inside, numbered, plain_name, read_json, save_upload
 
 HOME = ".studio/bin"
 ENTRY, CONTENT = "entry.json", "content"
@@ -40,7 +40,7 @@ def deleted(root: Path) -> list[Deleted]:
     found = []
     for path in (root / HOME).glob(f"*/{ENTRY}"):
         try:
-            kept = json.loads(path.read_text(encoding="utf-8"))
+            kept = read_json(path)
             when = float(kept["time"])
             time.localtime(when)
             found.append(Deleted(path.parent, str(kept["path"]), when, str(kept["why"])))
@@ -203,10 +203,7 @@ def _renamed(names: Sequence[str], old: str, new: str) -> list[str]:
 
 
 def _sums(manifest: Path) -> dict[str, Any]:
-    try:
-        found = json.loads(manifest.read_text(encoding="utf-8"))["sha256"]
-    except (OSError, ValueError, KeyError, TypeError):
-        return {}
+    found = read_json(manifest).get("sha256")
     return found if isinstance(found, dict) else {}
 
 
@@ -221,7 +218,7 @@ def _follow_inside(folder: Path, names: Sequence[str], old: str, new: str) -> No
     write_text(tissue, "\n".join(lines) + table + rest)
     if manifest.name not in names or not _sums(manifest):
         return
-    kept = json.loads(manifest.read_text(encoding="utf-8"))
+    kept = read_json(manifest)
     sums = {new + name[len(old) :] if name.startswith(old) else name: sum for name, sum in kept["sha256"].items()}
     write_text(manifest, json.dumps(kept | {"sha256": sums | {tissue.name: sha256_of(tissue)}}, indent=1) + "\n")
 

@@ -186,10 +186,7 @@ def elapsed_seconds(stamps: Sequence[tuple[float, str]], log: ImportLog) -> NDAr
 
 
 def _days(texts: Sequence[str], log: ImportLog) -> tuple[dict[str, int], str]:
-    """Days of each date since the first one, and the order in which they are written.
-
-    Where several orders fit, dates that never go back come first, then the shortest time.
-    """
+    """Days of each date since the first one, and the order in which they are written."""
     written = [text for text in dict.fromkeys(texts) if text]
     if len(written) < 2:
         return dict.fromkeys(written, 0), ""

@@ -153,10 +153,7 @@ def end_of_hold_range(
     subjects: tuple[Parameters, ...], force_N: NDArray, velocity_mm_s: float, hold_s: float,
     deceleration_mm_s2: float = DECELERATION_MM_S2,
 ) -> tuple[NDArray, NDArray]:  # fmt: skip
-    """Depth of the stiffest and of the softest subject at forces at the end of a hold, shapes (n,). [mm]
-
-    After a short hold a subject still carries part of its peak and is less deep at a force than at rest.
-    """
+    """Depth of the stiffest and of the softest subject at forces at the end of a hold, shapes (n,). [mm]"""
     law = law_named(one_law(subjects))
     found = law.end_of_hold_depths(subjects, force_N, velocity_mm_s, hold_s, deceleration_mm_s2)
     return found.min(axis=0), found.max(axis=0)

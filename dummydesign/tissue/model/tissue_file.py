@@ -34,17 +34,7 @@ ONE_FORCE = 1.3
 
 
 def subjects_of(people: Sequence[tuple[str, MeasuredPerson, str, str]]) -> tuple[Subject, ...]:
-    """Make subjects of people with their presses.
-
-    Parameters
-    ----------
-    people : sequence of (name, MeasuredPerson, kind, source)
-
-    Raises
-    ------
-    InputError
-        When they share no speed or no steady force.
-    """
+    """Make subjects of people with their presses."""
     every = [person for _, person, _, _ in people]
     speeds = sorted(set.intersection(*(set(one.velocities_mm_s) for one in every)))
     if not speeds:
@@ -130,13 +120,7 @@ def readable_tissues() -> tuple[list[Tissue], list[str]]:
 
 
 def read_tissue(entry: Entry) -> Tissue:
-    """Read and check one tissue file.
-
-    Raises
-    ------
-    InputError
-        With file and line, for a key or number that the schema or the law does not allow.
-    """
+    """Read and check one tissue file."""
     top = read_table(entry.path, KEYS)
     law, tables = top.string("law", choices=LAWS), top.tables("subject")
     try:

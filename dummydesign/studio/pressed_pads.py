@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError
-from dummydesign.measurement.campaign_file import FILE
+from dummydesign.measurement.campaign_file import read_campaign_toml
 from dummydesign.measurement.campaign_from_files import read_trials
 from dummydesign.studio import choices, made
 from dummydesign.studio import file_transfer as files
@@ -98,8 +97,8 @@ def _count(presses: Sequence[str]) -> str:
 def _of_campaign(root: Path, folder: str) -> list[PressedPad]:
     try:
         trials = read_trials(root / folder)
-        data = tomllib.loads((root / folder / FILE).read_text(encoding="utf-8-sig"))
-    except (InputError, OSError, ValueError):
+        data = read_campaign_toml(root / folder).data
+    except InputError:
         return []
     by_pad: dict[tuple[str, float], list[str]] = {}
     for trial in trials:

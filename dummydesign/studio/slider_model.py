@@ -178,10 +178,7 @@ def stamp_of(root: Path, state: State) -> tuple[tuple[str, int, int], ...]:
 
 
 def first_pad(root: Path, state: State, kind: str) -> PadShape:
-    """Return a shape of a kind that can be pressed at the thickness of a state, the nearest to the one that is chosen.
-
-    One that the tables hold is taken; where they hold none, one that can be made and solved.
-    """
+    """Return the shape of a kind nearest to the chosen one that the tables hold at its thickness; else one to solve."""
     if kind == Slab.name:
         return Slab()
     evaluator = evaluator_of(root, state)

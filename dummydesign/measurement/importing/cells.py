@@ -77,9 +77,9 @@ _STAMP = re.compile(
 _MINUTES = re.compile(r"(\d{1,3}):(\d{2})[.,](\d+)", re.ASCII)
 
 
-def is_number(cell: str, decimal: str | None = None) -> bool:
-    """Whether a cell is a number, with this decimal sign or with either."""
-    return any(parse(cell, sign) is not None for sign in ((decimal,) if decimal else (".", ",")))
+def is_number(cell: str) -> bool:
+    """Whether a cell is a number, with either decimal sign."""
+    return any(parse(cell, sign) is not None for sign in (".", ","))
 
 
 def parse(cell: str, decimal: str) -> float | None:

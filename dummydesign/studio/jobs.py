@@ -115,10 +115,7 @@ class Job:
     def answer(self) -> dict[str, Any]:
         """What the command printed; empty where it printed no answer, or only an error."""
         path = self.folder / runner.ANSWER
-        try:
-            found = _answer(path, path.stat().st_mtime_ns)
-        except (OSError, ValueError):
-            return {}
+        found = _answer(path, path.stat().st_mtime_ns) if path.is_file() else {}
         return {} if set(found) == {"error"} else found
 
     @property

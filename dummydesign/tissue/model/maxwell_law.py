@@ -253,11 +253,6 @@ class MaxwellLaw(ABC):
         force = np.maximum(np.asarray(force_N, float), 0.0)
         return np.stack([self.root(force / subject.gamma1_N_per_mm3) for subject in subjects])
 
-    def steady_forces(self, subjects: Sequence[Parameters], depth_mm: ArrayLike) -> NDArray:
-        """Force of each subject at rest, shape (subjects, ...); a depth below 0 counts as 0. [N]"""
-        powered = np.maximum(np.asarray(depth_mm, float), 0.0) ** self.power
-        return np.stack([subject.gamma1_N_per_mm3 * powered for subject in subjects])
-
     def exponent_of(self, subjects: Sequence[Parameters], low_N: float, high_N: float, hold_s: float) -> float:
         """Exponent of the subjects' steady force over depth between two forces; that of the law.
 

@@ -18,12 +18,6 @@ STEADY_PARTS_N = {"below_5N": (0.5, 5.0), "above_5N": (5.0, 15.0)}
 """Parts of the steady-state range that are reported separately; below 5 N there are no measurements. [N]"""
 
 
-def steady_force_range(subjects: tuple[Parameters, ...], depth_mm: ArrayLike) -> tuple[NDArray, NDArray]:
-    """Steady-state range gamma1 x^3 over depth: lowest and highest subject, shapes of ``depth_mm``. [N]"""
-    force = law_named(subjects[0].law).steady_forces(subjects, depth_mm)
-    return force.min(axis=0), force.max(axis=0)
-
-
 def steady_depth_range(subjects: tuple[Parameters, ...], force_N: ArrayLike) -> tuple[NDArray, NDArray]:
     """Steady-state range over force: depth of the stiffest and of the softest subject. [mm]"""
     depth = law_named(subjects[0].law).steady_depths(subjects, force_N)

@@ -185,10 +185,6 @@ class Tissue:
         values = {key: getattr(quantity, chosen) for key, quantity in flatten(self.bands).items()}
         return Parameters.from_dict(self.law, nest(values))
 
-    def steady_force_range(self, depth_mm: ArrayLike) -> tuple[NDArray, NDArray]:
-        """Lowest and highest steady force gamma1 x^3 of the subjects over depth. [N]"""
-        return ranges.steady_force_range(self.parameter_sets, depth_mm)
-
     def steady_depth_range(self, force_N: ArrayLike) -> tuple[NDArray, NDArray]:
         """Depth of the stiffest and of the softest subject over steady force. [mm]"""
         return ranges.steady_depth_range(self.parameter_sets, force_N)

@@ -8,6 +8,7 @@ import re
 import tempfile
 import zipfile
 from collections.abc import Iterator
+from contextlib import suppress
 from itertools import count
 from pathlib import Path
 from typing import IO, Any
@@ -62,6 +63,15 @@ def numbered(name: str, ending: str = "") -> Iterator[str]:
     yield f"{name}{ending}"
     for number in count(2):
         yield f"{name}-{number}{ending}"
+
+
+def new_folder(home: Path, names: Iterator[str]) -> Path:
+    """Make a folder under the first of some names that is free."""
+    while True:
+        folder = home / next(names)
+        with suppress(FileExistsError):
+            folder.mkdir()
+            return folder
 
 
 def save_upload(folder: Path, name: str, content: bytes) -> Path:

@@ -15,6 +15,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,7 @@ from dummydesign.core.library import find
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.core.manifest import sha256_of
 from dummydesign.studio import job_process as runner
-from dummydesign.studio.file_transfer import read_json
+from dummydesign.studio.file_transfer import new_folder, read_json
 
 
 def shown(words: Sequence[str]) -> str:
@@ -195,13 +196,7 @@ def _spawn(root: Path, folder: Path) -> None:
 
 def _new_folder(home: Path, name: str) -> Path:
     numbers = [int(found[1]) for path in home.iterdir() if (found := re.match(r"(\d+)-", path.name))]
-    number = max(numbers, default=0)
-    while True:
-        number += 1
-        folder = home / f"{number:04d}-{name}"
-        with suppress(FileExistsError):
-            folder.mkdir()
-            return folder
+    return new_folder(home, (f"{number:04d}-{name}" for number in count(max(numbers, default=0) + 1)))
 
 
 def read_job(folder: Path) -> Job:

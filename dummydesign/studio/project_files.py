@@ -7,7 +7,7 @@ import os
 import shutil
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -19,7 +19,7 @@ from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.core.manifest import sha256_of
 from dummydesign.project.folder import FILE, FOLDERS, Project, change_project, read_project
 from dummydesign.studio import jobs
-from dummydesign.studio.file_transfer import inside, numbered, plain_name, read_json, save_upload
+from dummydesign.studio.file_transfer import inside, new_folder, numbered, plain_name, read_json, save_upload
 
 HOME = ".studio/bin"
 ENTRY, CONTENT = "entry.json", "content"
@@ -241,11 +241,7 @@ def _new_folder(home: Path, name: str, now: float) -> Path:
     names = numbered(f"{time.strftime('%Y%m%d-%H%M%S', time.localtime(now))}-{name}")
     try:
         home.mkdir(parents=True, exist_ok=True)
-        while True:
-            with suppress(FileExistsError):
-                folder = home / next(names)
-                folder.mkdir()
-                return folder
+        return new_folder(home, names)
     except OSError as problem:
         raise unwritable("bin", home, problem, "bin") from None
 

@@ -89,11 +89,6 @@ def _number(value: float, width: float, kind: str, source: str) -> Quantity:
     return Quantity(value, max(value - width, 0.5 * value), value + width, kind, source)
 
 
-def tissue_entries() -> dict[str, Entry]:
-    """List the known tissues by lower-case name, the user's own winning over the built-in ones."""
-    return entries(KIND)
-
-
 def load_tissue(name_or_path: str) -> Tissue:
     """Load a tissue by name (any case) or from the path of a TOML file.
 
@@ -108,7 +103,7 @@ def load_tissue(name_or_path: str) -> Tissue:
 def readable_tissues() -> tuple[list[Tissue], list[str]]:
     """Load all known tissues; a user's file that cannot be read gives a warning and the built-in one is taken."""
     tissues, problems = [], []
-    for entry in tissue_entries().values():
+    for entry in entries(KIND).values():
         built_in = Entry(entry.name, data_folder() / KIND / f"{entry.name}.toml", "built-in")
         for one in [entry, *([built_in] if entry.origin == "user" and built_in.path.is_file() else [])]:
             try:

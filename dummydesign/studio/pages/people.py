@@ -137,13 +137,6 @@ NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
 ELEMENTS = {"3": "3", "5": "5 (usual)", "7": "7"}
 
 
-def _checked(what: str, quantity: str, name: str) -> str:
-    if not NAME.fullmatch(name):
-        message = f"The {what} '{name}' is not allowed: use letters, digits, '-' and '_'."
-        raise InputError(message, "bad_name", quantity, name)
-    return name
-
-
 def people_panel(page: TissuePage) -> None:
     """Build it into the page, where the tissue is chosen once it is made."""
     with ui.expansion("Assign presses to people", value="people" in page.query).style("width:100%") as place:
@@ -193,13 +186,19 @@ class _People:
     def _steps(self) -> Steps:
         people: dict[str, list[str]] = {}
         for path, person in self._assigned().items():
-            people.setdefault(_checked("name", "person", person), []).append(path)
+            if not NAME.fullmatch(person):
+                message = f"The name '{person}' is not allowed: use letters, digits, '-' and '_'."
+                raise InputError(message, "bad_name", "person", person)
+            people.setdefault(person, []).append(path)
         if len({person.lower() for person in people}) < len(people):
             message = "Two people differ only in capital letters: give them different names."
             raise InputError(message, "duplicate", "person")
         if len(people) < 2:
             raise InputError("Assign presses to at least two people.", "not_enough_data", "person")
-        name = _checked("tissue name", "tissue", (self._name.value or "").strip())
+        name = (self._name.value or "").strip()
+        if not NAME.fullmatch(name):
+            message = f"The tissue name '{name}' is not allowed: use letters, digits, '-' and '_'."
+            raise InputError(message, "bad_name", "tissue", name)
         given = options({"elements": self._elements.value, "mode": "per-speed", "lowpass": self._lowpass.value})
         files = {person: f"tissue/{name}/{person}.toml" for person in people}
         fits = [["fit", *presses, *given, "--out", files[person], "--replace"] for person, presses in people.items()]
